@@ -1,0 +1,12 @@
+get_property(libraries GLOBAL PROPERTY VOXTONE_LIBRARIES)
+install(TARGETS ${libraries} EXPORT voxtone-targets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+install(DIRECTORY voxtone/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/voxtone FILES_MATCHING PATTERN "*.h")
+install(DIRECTORY data/ DESTINATION ${CMAKE_INSTALL_DATADIR}/voxtone)
+install(EXPORT voxtone-targets NAMESPACE voxtone:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/voxtone)
+
+include(CMakePackageConfigHelpers)
+configure_package_config_file(cmake/voxtone-config.cmake.in voxtone-config.cmake
+                              INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/voxtone)
+write_basic_package_version_file(voxtone-config-version.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${CMAKE_CURRENT_BINARY_DIR}/voxtone-config.cmake ${CMAKE_CURRENT_BINARY_DIR}/voxtone-config-version.cmake
+        DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/voxtone)

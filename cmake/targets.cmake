@@ -1,0 +1,35 @@
+# One library per floor, one test program per floor (more where a dependency is slow to load).
+
+add_library(voxtone_flags INTERFACE)
+# -ffp-contract=off: the same bits with and without fused multiply-add, so that a result does not depend on the machine.
+target_compile_options(voxtone_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow -ffp-contract=off)
+if(VOXTONE_WERROR)
+  target_compile_options(voxtone_flags INTERFACE -Werror)
+endif()
+if(VOXTONE_SANITIZE)
+  target_compile_options(voxtone_flags INTERFACE -fsanitize=address,undefined -fno-omit-frame-pointer -g1)
+  target_link_options(voxtone_flags INTERFACE -fsanitize=address,undefined)
+endif()
+
+# voxtone_add_library(<floor> <sources>...)  ->  target voxtone_<floor>, alias voxtone::<floor>
+function(voxtone_add_library floor)
+  add_library(voxtone_${floor} STATIC ${ARGN})
+  add_library(voxtone::${floor} ALIAS voxtone_${floor})
+  target_include_directories(voxtone_${floor} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
+                                                     $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+  target_compile_features(voxtone_${floor} PUBLIC cxx_std_20)
+  target_link_libraries(voxtone_${floor} PRIVATE $<BUILD_INTERFACE:voxtone_flags>)
+  set_target_properties(voxtone_${floor} PROPERTIES EXPORT_NAME ${floor} POSITION_INDEPENDENT_CODE ON)
+  set_property(GLOBAL APPEND PROPERTY VOXTONE_LIBRARIES voxtone_${floor})
+endfunction()
+
+# voxtone_add_test(<name> LABELS <label>... LIBRARIES <target>... SOURCES <file>...)
+# Catch2 tests, one ctest per TEST_CASE. Labels: unit (seconds), statistical, corpus, app.
+function(voxtone_add_test name)
+  cmake_parse_arguments(ARG "" "" "LABELS;LIBRARIES;SOURCES" ${ARGN})
+  add_executable(${name} ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE voxtone_flags voxtone_catch_main ${ARG_LIBRARIES})
+  target_compile_definitions(${name} PRIVATE VOXTONE_TEST_DATA="${PROJECT_SOURCE_DIR}/tests/data"
+                                             VOXTONE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+  catch_discover_tests(${name} TEST_PREFIX "${name}: " PROPERTIES LABELS "${ARG_LABELS}")
+endfunction()

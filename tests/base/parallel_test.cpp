@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/base/parallel.h"
+
+#include <vector>
+
+#include <catch2/catch.hpp>
+
+using namespace voxtone;
+
+TEST_CASE("Every index is visited once, for any grain and thread count") {
+    for (std::size_t threads : {1, 2, 5})
+        for (std::size_t grain : {0, 1, 7, 1000}) {
+            const ThreadLimit limit(threads);
+            std::vector<int> visits(777);
+            parallel_for(0, visits.size(), grain, [&](std::size_t i) { ++visits[i]; });
+            CHECK(visits == std::vector<int>(777, 1));
+        }
+}
+
+TEST_CASE("Exceptions and cancellation reach the caller") {
+    CHECK_THROWS_AS(parallel_for(0, 100, 1, [](std::size_t i) { if (i == 50) throw InputError("fifty"); }), InputError);
+    Progress progress;
+    std::atomic<int> visited = 0;
+    CHECK_THROWS_AS(parallel_for(
+                        0, 100000, 1, [&](std::size_t) { if (++visited == 10) progress.cancel(); }, &progress),
+                    Cancelled);
+    CHECK(visited < 100000);
+}

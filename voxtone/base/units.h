@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Native units are mm, mm^-1, nm and radians; anything else carries its unit in its name. This header turns what a user
+// writes ("60mm", "2.5 in") into native units.
+#pragma once
+
+#include <string_view>
+
+namespace voxtone {
+
+inline constexpr double mm_per_inch = 25.4;  // exact by definition (1959)
+
+/// Millimetres in one `unit`: um, mm, cm, m, in (inch), ft (foot). Throws UsageError naming the known units.
+[[nodiscard]] double mm_per_unit(std::string_view unit);
+
+/// A length in mm from a number with an optional unit ("60", "60mm", "6 cm", "2.5in"); a bare number is in mm.
+/// `what` names the option in the error. Throws UsageError.
+[[nodiscard]] double parse_length_mm(std::string_view text, std::string_view what);
+
+}  // namespace voxtone

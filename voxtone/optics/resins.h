@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Resins as light sees them: absorption and scattering per channel, a shared phase function and refractive index.
+//
+//   sigma_t = sigma_a + sigma_s   [mm^-1],   alpha = sigma_s / sigma_t   (single-scattering albedo)
+//
+// An ideal mixture averages sigma_a and sigma_s linearly by volume fraction (Iser, Rittig, Wilkie 2025, Eq. 7). A halftone
+// of voxels departs from it where one voxel is optically thick by itself.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace voxtone::optics {
+
+/// Scattering and absorption of one medium in one channel, mm^-1.
+struct Medium {
+    double sigma_a = 0;
+    double sigma_s = 0;
+    [[nodiscard]] double sigma_t() const { return sigma_a + sigma_s; }
+    /// 1 for a medium that does neither scatter nor absorb: nothing is lost there.
+    [[nodiscard]] double albedo() const { return sigma_t() > 0 ? sigma_s / sigma_t() : 1.0; }
+};
+
+/// What the numbers of a resin stand for: three colour channels or a list of wavelengths.
+struct Channels {
+    std::vector<double> wavelengths_nm;  ///< empty: R, G, B
+    [[nodiscard]] bool is_rgb() const { return wavelengths_nm.empty(); }
+    [[nodiscard]] std::size_t size() const { return is_rgb() ? 3 : wavelengths_nm.size(); }
+    friend bool operator==(const Channels&, const Channels&) = default;
+};
+
+struct Resin {
+    std::string name;  ///< the maker's name, "VeroCyan"
+    std::string role;  ///< short and unique in a set: C, M, Y, K, W, T (clear), or any other word
+    std::vector<double> sigma_t_per_mm;  ///< per channel, >= 0
+    std::vector<double> albedo;          ///< per channel, in [0, 1]
+    [[nodiscard]] Medium medium(std::size_t channel) const;
+};
+
+struct ResinSet {
+    std::string name;
+    std::string source;
+    Channels channels;
+    double g = 0.4;    ///< mean cosine of the scattering angle (Henyey-Greenstein), in (-1, 1)
+    double eta = 1.5;  ///< refractive index, >= 1
+    std::vector<Resin> resins;
+
+    /// Index of the resin with this role, or -1.
+    [[nodiscard]] int find(std::string_view role) const;
+    /// The set with these roles only, in this order. Throws InputError naming the roles there are.
+    [[nodiscard]] ResinSet subset(std::span<const std::string> roles) const;
+    /// Eq. 7: the ideal mixture; `fractions` (one per resin) sum to 1.
+    [[nodiscard]] Medium mix(std::span<const double> fractions, std::size_t channel) const;
+    /// Throws InputError that names the resin, the value and the rule it breaks.
+    void validate() const;
+};
+
+/// Vero Opaque: Elek et al. 2017, supplement, Table 1 (measured; g = 0.4; RGB). Roles C, M, Y, K, W.
+[[nodiscard]] ResinSet vero_opaque();
+
+}  // namespace voxtone::optics
