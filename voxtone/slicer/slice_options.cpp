@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/slicer/slice_options.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <set>
+
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+
+#include "voxtone/base/error.h"
+#include "voxtone/base/units.h"
+
+namespace voxtone::slicer {
+
+namespace {
+
+using Kind = OptionSpec::Kind;
+
+std::vector<std::string> split(const std::string& text) {
+    std::vector<std::string> parts;
+    std::size_t begin = 0;
+    while (begin <= text.size()) {
+        const std::size_t end = std::min(text.find(',', begin), text.size());
+        if (end > begin) parts.push_back(text.substr(begin, end - begin));
+        begin = end + 1;
+    }
+    return parts;
+}
+
+template <class Number>
+Number parse_number(const std::string& key, const std::string& text) {
+    Number number{};
+    const auto [rest, status] = std::from_chars(text.data(), text.data() + text.size(), number);
+    bool good = status == std::errc{} && rest == text.data() + text.size() && !text.empty();
+    if constexpr (std::is_floating_point_v<Number>) good = good && std::isfinite(number);
+    if (!good) throw UsageError(fmt::format("--{}: '{}' is not a number", key, text));
+    return number;
+}
+
+bool parse_flag(const std::string& key, const std::string& text) {
+    if (text == "true" || text == "on" || text == "yes" || text == "1") return true;
+    if (text == "false" || text == "off" || text == "no" || text == "0") return false;
+    throw UsageError(fmt::format("--{}: '{}' is neither true nor false", key, text));
+}
+
+OptionSpec spec(std::string key, Kind kind, std::string metavar, std::string group, std::string help,
+                std::vector<std::string> choices = {}) {
+    return {std::move(key), kind, std::move(metavar), std::move(group), std::move(help), std::move(choices), {}, {}};
+}
+
+OptionSpec text(OptionSpec s, std::string SliceOptions::*member) {
+    s.get = [member](const SliceOptions& o) { return o.*member; };
+    s.set = [member, key = s.key, choices = s.choices](SliceOptions& o, const std::string& value) {
+        if (!choices.empty() && std::find(choices.begin(), choices.end(), value) == choices.end())
+            throw UsageError(fmt::format("--{}: '{}' is none of {}", key, value, fmt::join(choices, ", ")));
+        o.*member = value;
+    };
+    return s;
+}
+
+OptionSpec list(OptionSpec s, std::vector<std::string> SliceOptions::*member) {
+    s.get = [member](const SliceOptions& o) { return fmt::format("{}", fmt::join(o.*member, ",")); };
+    s.set = [member, key = s.key, choices = s.choices](SliceOptions& o, const std::string& value) {
+        const std::vector<std::string> parts = split(value);
+        for (const std::string& part : parts)
+            if (!choices.empty() && std::find(choices.begin(), choices.end(), part) == choices.end())
+                throw UsageError(fmt::format("--{}: '{}' is none of {}", key, part, fmt::join(choices, ", ")));
+        if (std::set<std::string>(parts.begin(), parts.end()).size() != parts.size())
+            throw UsageError(fmt::format("--{}: '{}' names something twice", key, value));
+        o.*member = parts;
+    };
+    return s;
+}
+
+OptionSpec flag(OptionSpec s, bool SliceOptions::*member) {
+    s.get = [member](const SliceOptions& o) { return std::string(o.*member ? "true" : "false"); };
+    s.set = [member, key = s.key](SliceOptions& o, const std::string& value) { o.*member = parse_flag(key, value); };
+    return s;
+}
+
+OptionSpec length(OptionSpec s, double SliceOptions::*member) {
+    s.get = [member](const SliceOptions& o) { return fmt::format("{}mm", o.*member); };
+    s.set = [member, key = s.key](SliceOptions& o, const std::string& value) {
+        o.*member = parse_length_mm(value, "--" + key);
+    };
+    return s;
+}
+
+template <class Number>
+OptionSpec number(OptionSpec s, Number SliceOptions::*member) {
+    s.get = [member](const SliceOptions& o) { return fmt::format("{}", o.*member); };
+    s.set = [member, key = s.key](SliceOptions& o, const std::string& value) {
+        o.*member = parse_number<Number>(key, value);
+    };
+    return s;
+}
+
+std::vector<OptionSpec> make_table() {
+    using O = SliceOptions;
+    const std::string in = "Input and output", place = "Placement", colour = "Colour", body = "Body", run = "Run";
+    return {
+        text(spec("model", Kind::text, "FILE", in, "textured mesh (OBJ, PLY, STL, glTF, GLB, 3MF) or picture"), &O::model),
+        text(spec("out", Kind::text, "FOLDER", in, "output folder; nothing is written outside it"), &O::out),
+        list(spec("formats", Kind::list, "LIST", in,
+                  "what to write: png (RGBA stack for Voxel Print), gcvf, tiff or png1 (one per resin and layer), vdb",
+                  {"png", "gcvf", "tiff", "png1", "vdb"}),
+             &O::formats),
+        flag(spec("overwrite", Kind::flag, "", in, "replace a stack that is already in the output folder"), &O::overwrite),
+        flag(spec("report", Kind::flag, "", in, "write report.html, target and predicted pictures"), &O::report),
+
+        text(spec("printer", Kind::text, "ID|FILE", place, "printer profile; see `voxtone list printers`"), &O::printer),
+        text(spec("unit", Kind::text, "UNIT", place,
+                  "unit of the model's numbers: um, mm, cm, m, in, ft, or auto (the file's own; mm where it has none)"),
+             &O::unit),
+        length(spec("size", Kind::length, "LENGTH", place, "scale so that the largest extent is this; 0: leave the size"), &O::size_mm),
+        number(spec("scale", Kind::number, "FACTOR", place, "scale by this factor (before --size)"), &O::scale),
+        text(spec("rotate", Kind::text, "AXES", place,
+                  "turn about the axes in this order, degrees, right-handed: x90 or z45,x-30"),
+             &O::rotate),
+        flag(spec("flip-x", Kind::flag, "", place, "mirror the print along x (columns of the bitmaps)"), &O::flip_x),
+        flag(spec("flip-y", Kind::flag, "", place, "mirror the print along y (rows of the bitmaps)"), &O::flip_y),
+        flag(spec("swap-xy", Kind::flag, "", place, "exchange x and y of the model (mirrors it; before the flips)"), &O::swap_xy),
+        length(spec("width", Kind::length, "LENGTH", place, "pictures: width of the slab; 0: from the picture's own resolution"), &O::width_mm),
+        length(spec("thickness", Kind::length, "LENGTH", place, "pictures: thickness of the slab"), &O::thickness_mm),
+        text(spec("layers", Kind::text, "A-B", place, "only these layers, counted from 0 at the bottom; empty: all"), &O::layers),
+
+        text(spec("resins", Kind::text, "SET|FILE", colour, "resin set; see `voxtone list resins`"), &O::resins),
+        list(spec("load", Kind::list, "ROLES", colour,
+                  "resins that are loaded, by role (C,M,Y,K,W); empty: the printer's default"),
+             &O::load),
+        text(spec("core", Kind::text, "ROLE", colour, "resin below the coloured shell"), &O::core),
+        length(spec("depth", Kind::length, "LENGTH", colour, "colour depth: how far below the surface voxels carry colour"), &O::depth_mm),
+        text(spec("screen", Kind::text, "NAME", colour,
+                  "halftone screen: blue-noise (position-addressed) or error-diffusion (three-dimensional)",
+                  {"blue-noise", "error-diffusion"}),
+             &O::screen),
+        text(spec("backing", Kind::text, "SHEET", colour, "pictures: what lies under the slab: black, white or none",
+                  {"black", "white", "none"}),
+             &O::backing),
+
+        text(spec("repair", Kind::text, "HOW", body,
+                  "broken meshes: off (refuse), auto (close holes; wrap what stays open) or wrap (always)",
+                  {"off", "auto", "wrap"}),
+             &O::repair),
+        flag(spec("keep-thin", Kind::flag, "", body, "features thinner than a voxel get one voxel instead of vanishing"), &O::keep_thin),
+
+        number(spec("threads", Kind::number, "N", run, "threads; 0: one per core. The result does not depend on it"), &O::threads),
+        number(spec("seed", Kind::number, "N", run, "seed of what is random (error diffusion)"), &O::seed),
+    };
+}
+
+}  // namespace
+
+std::span<const OptionSpec> slice_option_table() {
+    static const std::vector<OptionSpec> table = make_table();
+    return table;
+}
+
+LayerRange parse_layer_range(const std::string& text, int layers) {
+    if (text.empty()) return {0, layers - 1};
+    const std::size_t dash = text.find('-');
+    LayerRange range;
+    range.first = parse_number<int>("layers", text.substr(0, dash));
+    range.last = dash == std::string::npos ? range.first : parse_number<int>("layers", text.substr(dash + 1));
+    if (range.first < 0 || range.last < range.first)
+        throw UsageError(fmt::format("--layers: '{}' is no range; write first-last, such as 0-99", text));
+    if (range.last >= layers)
+        throw InputError(fmt::format("--layers {}: the print has layers 0 to {} only; choose a range within", text, layers - 1));
+    return range;
+}
+
+void validate(const SliceOptions& o) {
+    const auto need = [](bool good, std::string_view key, const std::string& value, std::string_view rule) {
+        if (!good) throw UsageError(fmt::format("--{} {}: {}", key, value, rule));
+    };
+    need(!o.model.empty(), "model", "(none)", "name a mesh or a picture");
+    need(!o.out.empty(), "out", "(none)", "name the output folder: -o FOLDER");
+    need(o.scale > 0, "scale", fmt::format("{}", o.scale), "must be above 0");
+    need(o.size_mm >= 0, "size", fmt::format("{}mm", o.size_mm), "must be above 0");
+    need(o.width_mm >= 0, "width", fmt::format("{}mm", o.width_mm), "must be above 0");
+    need(o.thickness_mm > 0, "thickness", fmt::format("{}mm", o.thickness_mm), "must be above 0");
+    need(o.depth_mm > 0 && o.depth_mm <= 10, "depth", fmt::format("{}mm", o.depth_mm), "must be above 0 and at most 10 mm");
+    need(o.threads >= 0 && o.threads <= 1024, "threads", fmt::format("{}", o.threads), "must be 0 to 1024");
+    need(!o.formats.empty(), "formats", "(none)", "name at least one: png, gcvf, tiff, png1, vdb");
+    if (o.unit != "auto") (void)mm_per_unit(o.unit);
+}
+
+}  // namespace voxtone::slicer

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Everything that a slice job can be told, in one table: the command line, the job file, `--dump-default`, `--help` and
+// job.json are all made from it, so that a key means the same everywhere.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace voxtone::slicer {
+
+/// One job. Texts stay as the user wrote them until `validate` or the job reads them.
+struct SliceOptions {
+    std::string model;
+    std::string out;
+    std::string printer = "stratasys-j750-hm";
+    std::string resins = "vero-opaque";
+    std::vector<std::string> load;  ///< roles of the loaded resins; empty: what the printer loads by default
+    std::string core = "W";
+
+    std::string unit = "auto";
+    double scale = 1;
+    double size_mm = 0;  ///< 0: as the file has it
+    std::string rotate;
+    bool flip_x = false, flip_y = false, swap_xy = false;
+    double width_mm = 0;  ///< pictures: 0 asks for it
+    double thickness_mm = 4;
+    std::string backing = "black";
+
+    double depth_mm = 1;
+    std::string repair = "auto";
+    bool keep_thin = true;
+    std::string screen = "blue-noise";
+    std::uint64_t seed = 1;
+    std::string layers;  ///< "a-b", inclusive; empty: all
+
+    std::vector<std::string> formats{"png"};
+    bool overwrite = false;
+    bool report = true;
+    int threads = 0;
+};
+
+/// One entry of the table.
+struct OptionSpec {
+    enum class Kind { text, list, number, length, flag };
+    std::string key;       ///< option `--key` and key of the job file
+    Kind kind;
+    std::string metavar;   ///< "MM", "ID", "a-b"
+    std::string group;     ///< heading in --help
+    std::string help;      ///< what it does, with its unit and its choices
+    std::vector<std::string> choices;  ///< empty: free
+    std::function<std::string(const SliceOptions&)> get;
+    /// Throws UsageError that names the key, the value and the rule.
+    std::function<void(SliceOptions&, const std::string&)> set;
+};
+
+[[nodiscard]] std::span<const OptionSpec> slice_option_table();
+
+/// First and last layer that are asked for, inclusive.
+struct LayerRange {
+    int first = 0;
+    int last = -1;
+};
+
+/// `text` "a-b" or "a" within [0, layers); empty: all. Throws InputError.
+[[nodiscard]] LayerRange parse_layer_range(const std::string& text, int layers);
+
+/// Rules between values (a depth above 0, a list without doubles, ...). Throws UsageError naming key, value and rule.
+void validate(const SliceOptions& options);
+
+/// A job file ("voxtone-job") as text, complete: every key with its value.
+[[nodiscard]] std::string job_json(const SliceOptions& options);
+
+/// Reads a job file into `options`: only the keys that it has. Unknown keys are errors that name the nearest known key.
+/// Relative model paths are relative to the job file. Throws FileError, InputError.
+void read_job(const std::string& path, SliceOptions& options);
+
+}  // namespace voxtone::slicer
