@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/slicer/slice_options.h"
+
+#include <filesystem>
+#include <fstream>
+#include <set>
+
+#include <catch2/catch.hpp>
+
+#include "voxtone/base/error.h"
+
+using namespace voxtone;
+using namespace voxtone::slicer;
+
+namespace {
+
+std::string write_job(const std::string& text) {
+    const auto folder = std::filesystem::temp_directory_path() / "voxtone-slice-options-test";
+    std::filesystem::create_directories(folder);
+    const std::string path = (folder / "job.json").string();
+    std::ofstream(path) << text;
+    return path;
+}
+
+std::string failure(const std::string& job) {
+    SliceOptions options;
+    try {
+        read_job(write_job(job), options);
+    } catch (const InputError& error) {
+        return error.what();
+    }
+    return "accepted";
+}
+
+}  // namespace
+
+TEST_CASE("Every option says and takes its own value") {
+    std::set<std::string> keys;
+    for (const OptionSpec& spec : slice_option_table()) {
+        INFO(spec.key);
+        CHECK(keys.insert(spec.key).second);
+        CHECK_FALSE(spec.help.empty());
+        SliceOptions options;
+        const std::string value = spec.get(options);
+        if (!value.empty()) CHECK_NOTHROW(spec.set(options, value));
+        CHECK(spec.get(options) == value);
+    }
+}
+
+TEST_CASE("A dumped job read back is the same job") {
+    SliceOptions options;
+    options.model = "/models/a \"quoted\" name.obj";
+    options.out = "out";
+    options.size_mm = 60.25;
+    options.load = {"C", "W", "K"};
+    options.keep_thin = false;
+    options.formats = {"png", "gcvf"};
+    options.seed = 123456789012345;
+    SliceOptions back;
+    read_job(write_job(job_json(options)), back);
+    CHECK(job_json(back) == job_json(options));
+}
+
+TEST_CASE("A wrong job file is refused with file, key and what to try") {
+    using Catch::Matchers::Contains;
+    CHECK_THAT(failure("{"), Contains("not valid JSON"));
+    CHECK_THAT(failure("[]"), Contains("not a job file"));
+    CHECK_THAT(failure(R"({"format": "voxtone-job", "version": 2})"), Contains("version 2"));
+    CHECK_THAT(failure(R"({"format": "voxtone-job", "version": 1, "sise": "60mm"})"), Contains("sise") && Contains("'size'"));
+    CHECK_THAT(failure(R"({"format": "voxtone-job", "version": 1, "size": "big"})"), Contains("big") && Contains("size"));
+    CHECK_THAT(failure(R"({"format": "voxtone-job", "version": 1, "screen": "lines"})"), Contains("blue-noise"));
+    CHECK_THAT(failure(R"({"format": "voxtone-job", "version": 1, "load": [1]})"), Contains("load"));
+    CHECK_THAT(failure(R"({"format": "voxtone-job", "version": 1, "load": ["C", "C"]})"), Contains("twice"));
+    CHECK_THAT(failure(R"({"format": "voxtone-job", "version": 1, "size": {"mm": 60}})"), Contains("size"));
+    SliceOptions options;
+    CHECK_THROWS_AS(read_job("/nowhere/job.json", options), FileError);
+}
+
+TEST_CASE("Layer ranges lie within the print") {
+    CHECK(parse_layer_range("", 10).last == 9);
+    CHECK(parse_layer_range("3-5", 10).first == 3);
+    CHECK(parse_layer_range("7", 10).last == 7);
+    CHECK_THROWS_AS(parse_layer_range("5-3", 10), UsageError);
+    CHECK_THROWS_AS(parse_layer_range("a-b", 10), UsageError);
+    CHECK_THROWS_AS(parse_layer_range("3-10", 10), InputError);
+}
+
+TEST_CASE("Rules between values name the key") {
+    SliceOptions options;
+    options.model = "a.obj";
+    options.out = "out";
+    CHECK_NOTHROW(validate(options));
+    options.depth_mm = 0;
+    CHECK_THROWS_WITH(validate(options), Catch::Matchers::Contains("--depth"));
+}
