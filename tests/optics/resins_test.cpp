@@ -55,9 +55,12 @@ TEST_CASE("A set that breaks a rule is refused by name, value and rule") {
     };
     CHECK_THAT(refused([](ResinSet& set) { set.resins[1].albedo[2] = 1.2; }),
                Contains("Resin M") && Contains("channel B") && Contains("1.2") && Contains("between 0 and 1"));
-    CHECK_THAT(refused([](ResinSet& set) { set.resins[3].sigma_t_per_mm[0] = -1; }), Contains("Resin K") && Contains("-1"));
-    CHECK_THAT(refused([](ResinSet& set) { set.resins[0].albedo.pop_back(); }), Contains("Resin C") && Contains("2 values"));
-    CHECK_THAT(refused([](ResinSet& set) { set.resins[2].role = set.resins[4].role; }), Contains("VeroYellow") && Contains("VeroWhite"));
+    CHECK_THAT(refused([](ResinSet& set) { set.resins[3].sigma_t_per_mm[0] = -1; }),
+               Contains("Resin K") && Contains("-1"));
+    CHECK_THAT(refused([](ResinSet& set) { set.resins[0].albedo.pop_back(); }),
+               Contains("Resin C") && Contains("2 values"));
+    CHECK_THAT(refused([](ResinSet& set) { set.resins[2].role = set.resins[4].role; }),
+               Contains("VeroYellow") && Contains("VeroWhite"));
     CHECK_THAT(refused([](ResinSet& set) { set.g = 1; }), Contains("g is 1"));
     CHECK_THAT(refused([](ResinSet& set) { set.eta = 0.9; }), Contains("eta is 0.9"));
     CHECK_THAT(refused([](ResinSet& set) { set.channels.wavelengths_nm = {500, 450}; }), Contains("450 nm"));

@@ -4,8 +4,8 @@
 //
 //   sigma_t = sigma_a + sigma_s   [mm^-1],   alpha = sigma_s / sigma_t   (single-scattering albedo)
 //
-// An ideal mixture averages sigma_a and sigma_s linearly by volume fraction (Iser, Rittig, Wilkie 2025, Eq. 7). A halftone
-// of voxels departs from it where one voxel is optically thick by itself.
+// An ideal mixture averages sigma_a and sigma_s linearly by volume fraction (Iser, Rittig, Wilkie 2025, Eq. 7). A
+// halftone of voxels departs from it where one voxel is optically thick by itself.
 #pragma once
 
 #include <cstddef>
@@ -34,8 +34,8 @@ struct Channels {
 };
 
 struct Resin {
-    std::string name;  ///< the maker's name, "VeroCyan"
-    std::string role;  ///< short and unique in a set: C, M, Y, K, W, T (clear), or any other word
+    std::string name;                    ///< the maker's name, "VeroCyan"
+    std::string role;                    ///< short and unique in a set: C, M, Y, K, W, T (clear), or any other word
     std::vector<double> sigma_t_per_mm;  ///< per channel, >= 0
     std::vector<double> albedo;          ///< per channel, in [0, 1]
     [[nodiscard]] Medium medium(std::size_t channel) const;

@@ -2,21 +2,21 @@
 //
 // What a coloured shell over a core looks like: the forward model of the colour separation.
 //
-// A plane-parallel shell of one homogeneous mixture, `shell_mm` thick, lies over a core of one resin, which is infinitely
-// deep or `core_mm` thick over a backing. Uniform diffuse white light falls on it. Appearance, per channel, is the flux
-// that leaves through the refractive surface divided by the flux that entered, so that a body that absorbs nothing has
-// exactly 1.
+// A plane-parallel shell of one homogeneous mixture, `shell_mm` thick, lies over a core of one resin, which is
+// infinitely deep or `core_mm` thick over a backing. Uniform diffuse white light falls on it. Appearance, per channel,
+// is the flux that leaves through the refractive surface divided by the flux that entered, so that a body that absorbs
+// nothing has exactly 1.
 //
-// For a fixed geometry the appearance in one channel is a function of the shell's sigma_a and sigma_s alone, and an ideal
-// mixture averages both linearly (Iser, Rittig, Wilkie 2025, Eq. 7). The constructor tabulates that function of two
-// variables per channel and interpolates it with a cubic spline whose first and second derivatives are continuous:
+// For a fixed geometry the appearance in one channel is a function of the shell's sigma_a and sigma_s alone, and an
+// ideal mixture averages both linearly (Iser, Rittig, Wilkie 2025, Eq. 7). The constructor tabulates that function of
+// two variables per channel and interpolates it with a cubic spline whose first and second derivatives are continuous:
 //
 //   A_c(f) = table_c( ln(1 + sigma_a / s_a), ln(1 + sigma_s / s_s) ),   sigma_(f) = sum_r f_r sigma_r
 //
 // Range: fractions in [0, 1] that sum to 1 (anything in the box of absorption and scattering that the resins span;
 // outside it the value at the edge holds). Error against adding-doubling: below 1e-4 in appearance, tested.
-// What it cannot see: edges, curvature, neighbouring colours, the grain of a halftone (voxels that are optically thick).
-// Immutable after construction: one object may serve any number of threads.
+// What it cannot see: edges, curvature, neighbouring colours, the grain of a halftone (voxels that are optically
+// thick). Immutable after construction: one object may serve any number of threads.
 #pragma once
 
 #include <cstddef>
