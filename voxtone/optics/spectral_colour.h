@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// From reflectance spectra to XYZ:  X = sum_l E(l) xbar(l) rho(l) / sum_l E(l) ybar(l), and likewise Y and Z.
+//
+// Tables: CIE 1931 2-degree observer and illuminants D65, D50 and A, 380 to 780 nm in steps of 5 nm (sources in
+// spectral_colour.cpp). A perfect diffuser has Y = 1 exactly; the summed white of D65 is (0.95043, 1, 1.08880), which
+// differs from sRGB's white in the fourth digit: use `spectral_white` as the white of what was computed here.
+#pragma once
+
+#include <span>
+
+#include <Eigen/Core>
+
+namespace voxtone::optics {
+
+enum class Illuminant { d65, d50, a };
+
+/// Columns w such that XYZ = weights * rho for reflectances at these wavelengths (nm, rising, at least one). Between
+/// them the spectrum is linear, beyond the first and last constant.
+[[nodiscard]] Eigen::Matrix3Xd xyz_weights(std::span<const double> wavelengths_nm, Illuminant illuminant);
+
+[[nodiscard]] Eigen::Vector3d xyz_from_spectrum(std::span<const double> wavelengths_nm,
+                                                std::span<const double> reflectance, Illuminant illuminant);
+
+/// XYZ of a perfect diffuser.
+[[nodiscard]] Eigen::Vector3d spectral_white(Illuminant illuminant);
+
+}  // namespace voxtone::optics
