@@ -3,6 +3,8 @@
 add_library(voxtone_flags INTERFACE)
 # -ffp-contract=off: the same bits with and without fused multiply-add, so that a result does not depend on the machine.
 target_compile_options(voxtone_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow -ffp-contract=off)
+# Libraries that a program does not use are not loaded: OpenImageIO's 262 alone cost 0.14 s at every start.
+target_link_options(voxtone_flags INTERFACE -Wl,--as-needed)
 if(VOXTONE_WERROR)
   target_compile_options(voxtone_flags INTERFACE -Werror)
 endif()

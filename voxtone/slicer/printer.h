@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Printer profiles: voxel size, tray, and what the printer's software accepts. A profile is a JSON file; those in
+// data/printers/ are in the program, a user's own is named by its path. Keys: data/printers/README.md.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace voxtone::slicer {
+
+using Rgb8 = std::array<std::uint8_t, 3>;
+
+struct PrinterProfile {
+    std::string id;    ///< name of the file without folder and extension
+    std::string name;  ///< for people
+    Eigen::Vector3d pitch_um = Eigen::Vector3d::Zero();  ///< voxel size along x, y, z; from dpi as 25400 / dpi
+    Eigen::Vector3d tray_mm = Eigen::Vector3d::Zero();   ///< largest body along x, y, z; infinite when not given
+    int max_resins = 0;   ///< loaded at once
+    int max_colours = 0;  ///< of one stack, besides the background
+    int min_layers = 1;
+    Rgb8 background_rgb{};
+    std::vector<std::string> formats;        ///< written by default: png, gcvf, tiff, png1, vdb
+    std::vector<std::string> default_roles;  ///< loaded by default; at most max_resins
+    std::map<std::string, Rgb8> colours;     ///< bitmap colour of each role
+    std::map<std::string, std::string> material_names;  ///< what the printer's software calls the resin of a role
+    bool flip_x = false, flip_y = false, swap_xy = false;
+    std::map<std::string, std::string> unconfirmed;  ///< key of the file -> why the figure is not sure
+    std::vector<std::string> notes;
+
+    [[nodiscard]] Eigen::Vector3d pitch_mm() const { return pitch_um * 1e-3; }
+    [[nodiscard]] bool confirmed(const std::string& key) const { return !unconfirmed.contains(key); }
+    /// One sentence per figure that is not sure, for the user to read before printing.
+    [[nodiscard]] std::vector<std::string> warnings() const;
+    /// Bitmap colours of these roles, all different and none of them the background: the profile's own where it has
+    /// one, else one from a fixed list. Throws InputError on more roles than colours (16).
+    [[nodiscard]] std::vector<Rgb8> display_colours(std::span<const std::string> roles) const;
+};
+
+/// A profile of the program by its id, or a file by its path (anything with a '/' or ending in ".json").
+/// Throws InputError (unknown id: names the known ones; a wrong file: file, key, rule), FileError.
+[[nodiscard]] PrinterProfile find_printer(const std::string& id_or_path);
+
+/// All profiles of the program, by id.
+[[nodiscard]] std::vector<PrinterProfile> list_printers();
+
+/// A profile from its JSON text; `where` names the file in errors. Throws InputError.
+[[nodiscard]] PrinterProfile parse_printer(std::string_view json, const std::string& id, const std::string& where);
+
+}  // namespace voxtone::slicer
