@@ -12,11 +12,11 @@ const std::vector<std::string> keys{"pitch_um", "printer", "layers", "size"};
 }
 
 TEST_CASE("A slip of the keyboard names the key that was meant") {
-    CHECK(nearest_name("pich_um", keys) == "pitch_um");     // a letter left out
-    CHECK(nearest_name("pirnter", keys) == "printer");      // two letters swapped
-    CHECK(nearest_name("layerss", keys) == "layers");       // one too many
-    CHECK(nearest_name("pitch", keys) == "pitch_um");       // its unit forgotten
-    CHECK(nearest_name("siza", keys) == "size");            // a wrong one
+    CHECK(nearest_name("pich_um", keys) == "pitch_um");  // a letter left out
+    CHECK(nearest_name("pirnter", keys) == "printer");   // two letters swapped
+    CHECK(nearest_name("layerss", keys) == "layers");    // one too many
+    CHECK(nearest_name("pitch", keys) == "pitch_um");    // its unit forgotten
+    CHECK(nearest_name("siza", keys) == "size");         // a wrong one
     CHECK(unknown_key_message("pich_um", keys) == "unknown key 'pich_um'; did you mean 'pitch_um'?");
 }
 

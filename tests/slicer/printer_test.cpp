@@ -68,7 +68,8 @@ TEST_CASE("Every profile's colours can be printed") {
 }
 
 TEST_CASE("Roles without a colour get a free one") {
-    const PrinterProfile printer = parse(profile_with(R"("colours": {"C": [30, 30, 30]}, "background_rgb": [230, 110, 20])"));
+    const PrinterProfile printer =
+        parse(profile_with(R"("colours": {"C": [30, 30, 30]}, "background_rgb": [230, 110, 20])"));
     const std::vector<std::string> roles{"K", "C", "varnish", "primer", "W"};  // K's usual colour is taken by C
     const std::vector<Rgb8> colours = printer.display_colours(roles);
     CHECK(colours[1] == Rgb8{30, 30, 30});
@@ -110,22 +111,28 @@ TEST_CASE("A wrong profile names file, key and rule") {
         return "";
     };
     CHECK(fault(profile_with("")).empty());
-    CHECK_THAT(fault(profile_with("\"max_resin\": 3")), Contains("mine.json: unknown key 'max_resin'; did you mean 'max_resins'?"));
+    CHECK_THAT(fault(profile_with("\"max_resin\": 3")),
+               Contains("mine.json: unknown key 'max_resin'; did you mean 'max_resins'?"));
     CHECK_THAT(fault(profile_with("", "\"name")), Contains("mine.json: key 'name': is missing"));
     CHECK_THAT(fault(profile_with("", "\"pitch")), Contains("key 'pitch_um': is missing"));
     CHECK_THAT(fault(profile_with("\"dpi\": [600, 300]")), Contains("not both"));
     CHECK_THAT(fault(profile_with("\"dpi\": [600, 300]", "\"pitch")), Contains("key 'layer_um': is missing"));
-    CHECK_THAT(fault(profile_with("\"pitch_um\": [0.042, 0.084, 27]", "\"pitch")), Contains("0.042 is outside [1, 1000]"));
-    CHECK_THAT(fault(profile_with("\"pitch_um\": [40, 50]", "\"pitch")), Contains("3 numbers are expected, not [40,50]"));
+    CHECK_THAT(fault(profile_with("\"pitch_um\": [0.042, 0.084, 27]", "\"pitch")),
+               Contains("0.042 is outside [1, 1000]"));
+    CHECK_THAT(fault(profile_with("\"pitch_um\": [40, 50]", "\"pitch")),
+               Contains("3 numbers are expected, not [40,50]"));
     CHECK_THAT(fault(profile_with("\"max_resins\": 99")), Contains("99 is outside [1, 8]"));
     CHECK_THAT(fault(profile_with("\"max_resins\": 2.5")), Contains("a whole number is expected, not 2.5"));
     CHECK_THAT(fault(profile_with("\"max_resins\": 3")), Contains("key 'default_roles': 5 roles, but 1 to 3"));
     CHECK_THAT(fault(profile_with("\"default_roles\": [\"C\", \"C\"]")), Contains("'C' is empty or named twice"));
-    CHECK_THAT(fault(profile_with("\"colours\": {\"K\": [0, 0, 0]}")), Contains("'K' has the colour of the background"));
-    CHECK_THAT(fault(profile_with("\"colours\": {\"K\": [1, 2, 3], \"W\": [1, 2, 3]}")), Contains("'K' and 'W' share a colour"));
+    CHECK_THAT(fault(profile_with("\"colours\": {\"K\": [0, 0, 0]}")),
+               Contains("'K' has the colour of the background"));
+    CHECK_THAT(fault(profile_with("\"colours\": {\"K\": [1, 2, 3], \"W\": [1, 2, 3]}")),
+               Contains("'K' and 'W' share a colour"));
     CHECK_THAT(fault(profile_with("\"colours\": {\"K\": [0, 0, 256]}")), Contains("256 is outside [0, 255]"));
     CHECK_THAT(fault(profile_with("\"formats\": [\"bmp\"]")), Contains("'bmp' is none of png, gcvf"));
-    CHECK_THAT(fault(profile_with("\"unconfirmed\": {\"pitch\": \"who knows\"}")), Contains("did you mean 'pitch_um'?"));
+    CHECK_THAT(fault(profile_with("\"unconfirmed\": {\"pitch\": \"who knows\"}")),
+               Contains("did you mean 'pitch_um'?"));
     CHECK_THAT(fault(profile_with("\"flip_x\": 1")), Contains("true or false is expected"));
     CHECK_THAT(fault(profile_with("\"tray_mm\": [1e999, 1, 1]")), Contains("mine.json"));
     CHECK_THAT(fault("{\n\"format\": \"voxtone-printer\",\n\"version\" 1}"), Contains("not valid JSON in line 3"));
@@ -136,5 +143,6 @@ TEST_CASE("A wrong profile names file, key and rule") {
 TEST_CASE("A profile cut short at any byte is refused") {
     const std::string whole = profile_with("\"colours\": {\"K\": [1, 2, 3]}, \"notes\": [\"n\"]");
     CHECK_NOTHROW(parse(whole));
-    for (std::size_t length = 0; length < whole.size(); ++length) CHECK_THROWS_AS(parse(whole.substr(0, length)), InputError);
+    for (std::size_t length = 0; length < whole.size(); ++length)
+        CHECK_THROWS_AS(parse(whole.substr(0, length)), InputError);
 }

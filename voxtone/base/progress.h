@@ -40,6 +40,9 @@ public:
     }
 
 protected:
+    /// Steps of this stage so far.
+    [[nodiscard]] std::uint64_t done() const noexcept { return done_; }
+
     virtual void on_stage(std::string_view, std::uint64_t, std::string_view) {}
     virtual void on_advance(std::uint64_t) {}
     virtual void on_stage_end() {}

@@ -21,7 +21,8 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
         row[0] = i;
         for (std::size_t j = 1; j <= b.size(); ++j) {
             row[j] = std::min({last[j] + 1, row[j - 1] + 1, last[j - 1] + (a[i - 1] != b[j - 1])});
-            if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1]) row[j] = std::min(row[j], before_last[j - 2] + 1);
+            if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
+                row[j] = std::min(row[j], before_last[j - 2] + 1);
         }
     }
     return row[b.size()];
@@ -35,7 +36,8 @@ std::string nearest_name(std::string_view name, std::span<const std::string> kno
     if (name.size() > longest) return nearest;
     std::size_t smallest = std::max<std::size_t>(1, name.size() / 2) + 1;
     for (const std::string& candidate : known) {
-        const bool one_begins_the_other = name.size() >= 3 && (candidate.starts_with(name) || name.starts_with(candidate));
+        const bool one_begins_the_other =
+            name.size() >= 3 && (candidate.starts_with(name) || name.starts_with(candidate));
         const std::size_t distance = one_begins_the_other ? 1 : edit_distance(name, candidate);
         if (distance < smallest) {
             smallest = distance;

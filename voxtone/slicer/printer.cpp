@@ -37,20 +37,29 @@ constexpr double smallest_pitch_um = 1, largest_pitch_um = 1000;
 
 const std::vector<std::string>& known_keys() {
     static const std::vector<std::string> keys{
-        "format",     "version",        "name",    "dpi",           "layer_um", "pitch_um",       "tray_mm",
-        "max_resins", "max_colours",    "formats", "min_layers",    "colours",  "background_rgb", "default_roles",
-        "flip_x",     "material_names", "flip_y",  "unconfirmed",   "swap_xy",  "notes"};
+        "format",     "version",        "name",    "dpi",         "layer_um", "pitch_um",       "tray_mm",
+        "max_resins", "max_colours",    "formats", "min_layers",  "colours",  "background_rgb", "default_roles",
+        "flip_x",     "material_names", "flip_y",  "unconfirmed", "swap_xy",  "notes"};
     return keys;
 }
 
 /// Colours for roles that a profile does not name: told apart easily, never black.
 const std::map<std::string, Rgb8>& usual_colours() {
-    static const std::map<std::string, Rgb8> colours{{"C", {0, 150, 200}}, {"M", {205, 25, 110}},  {"Y", {250, 215, 30}},
-                                                     {"K", {30, 30, 30}},  {"W", {220, 222, 216}}, {"T", {170, 205, 230}}};
+    static const std::map<std::string, Rgb8> colours{{"C", {0, 150, 200}},   {"M", {205, 25, 110}},
+                                                     {"Y", {250, 215, 30}},  {"K", {30, 30, 30}},
+                                                     {"W", {220, 222, 216}}, {"T", {170, 205, 230}}};
     return colours;
 }
-constexpr std::array<Rgb8, 10> spare_colours{{{230, 110, 20}, {60, 160, 60}, {110, 70, 180}, {150, 90, 50}, {240, 150, 170},
-                                              {120, 120, 120}, {20, 70, 120}, {170, 200, 60}, {100, 20, 30}, {60, 200, 180}}};
+constexpr std::array<Rgb8, 10> spare_colours{{{230, 110, 20},
+                                              {60, 160, 60},
+                                              {110, 70, 180},
+                                              {150, 90, 50},
+                                              {240, 150, 170},
+                                              {120, 120, 120},
+                                              {20, 70, 120},
+                                              {170, 200, 60},
+                                              {100, 20, 30},
+                                              {60, 200, 180}}};
 
 /// Reads the keys of one profile and says what is wrong with them.
 class ProfileReader {
@@ -68,7 +77,8 @@ public:
     }
     [[nodiscard]] std::string text(const char* key) const {
         const Json& value = need(key);
-        if (!value.is_string() || value.get_ref<const std::string&>().empty()) fail(key, "a text is expected, not " + shown(value));
+        if (!value.is_string() || value.get_ref<const std::string&>().empty())
+            fail(key, "a text is expected, not " + shown(value));
         return value.get<std::string>();
     }
     [[nodiscard]] double number(const char* key, const Json& value, double low, double high) const {
@@ -90,7 +100,8 @@ public:
     }
     [[nodiscard]] std::vector<double> numbers(const char* key, std::size_t count, double low, double high) const {
         const Json& value = need(key);
-        if (!value.is_array() || value.size() != count) fail(key, fmt::format("{} numbers are expected, not {}", count, shown(value)));
+        if (!value.is_array() || value.size() != count)
+            fail(key, fmt::format("{} numbers are expected, not {}", count, shown(value)));
         std::vector<double> result;
         for (const Json& item : value) result.push_back(number(key, item, low, high));
         return result;
@@ -114,10 +125,12 @@ public:
         return result;
     }
     [[nodiscard]] Rgb8 rgb(const char* key, const Json& value) const {
-        if (!value.is_array() || value.size() != 3) fail(key, "a colour is three whole numbers from 0 to 255, not " + shown(value));
+        if (!value.is_array() || value.size() != 3)
+            fail(key, "a colour is three whole numbers from 0 to 255, not " + shown(value));
         Rgb8 result{};
         for (std::size_t c = 0; c < 3; ++c) {
-            if (!value[c].is_number_integer()) fail(key, "a colour is three whole numbers from 0 to 255, not " + shown(value));
+            if (!value[c].is_number_integer())
+                fail(key, "a colour is three whole numbers from 0 to 255, not " + shown(value));
             result[c] = static_cast<std::uint8_t>(number(key, value[c], 0, 255));
         }
         return result;
@@ -152,13 +165,15 @@ Json parse_json(std::string_view text, const std::string& where) {
 
 void read_pitch(const ProfileReader& file, PrinterProfile& printer) {
     if (file.has("pitch_um")) {
-        if (file.has("dpi") || file.has("layer_um")) file.fail("pitch_um", "give either pitch_um or dpi and layer_um, not both");
+        if (file.has("dpi") || file.has("layer_um"))
+            file.fail("pitch_um", "give either pitch_um or dpi and layer_um, not both");
         const std::vector<double> pitch = file.numbers("pitch_um", 3, smallest_pitch_um, largest_pitch_um);
         printer.pitch_um = {pitch[0], pitch[1], pitch[2]};
         return;
     }
     if (!file.has("dpi")) file.fail("pitch_um", "is missing: give the voxel size in micrometres, or dpi and layer_um");
-    const std::vector<double> dpi = file.numbers("dpi", 2, um_per_inch / largest_pitch_um, um_per_inch / smallest_pitch_um);
+    const std::vector<double> dpi =
+        file.numbers("dpi", 2, um_per_inch / largest_pitch_um, um_per_inch / smallest_pitch_um);
     const double layer_um = file.number("layer_um", file.need("layer_um"), smallest_pitch_um, largest_pitch_um);
     printer.pitch_um = {um_per_inch / dpi[0], um_per_inch / dpi[1], layer_um};
 }
@@ -168,18 +183,23 @@ void read_colours(const ProfileReader& file, PrinterProfile& printer) {
     for (const auto& [role, value] : file.object("colours").items()) {
         const Rgb8 colour = file.rgb("colours", value);
         if (colour == printer.background_rgb)
-            file.fail("colours", fmt::format("'{}' has the colour of the background, which means \"print nothing\"", role));
+            file.fail("colours",
+                      fmt::format("'{}' has the colour of the background, which means \"print nothing\"", role));
         for (const auto& [other, other_colour] : printer.colours)
             if (other_colour == colour)
-                file.fail("colours", fmt::format("'{}' and '{}' share a colour, so the printer could not tell them apart", other, role));
+                file.fail(
+                    "colours",
+                    fmt::format("'{}' and '{}' share a colour, so the printer could not tell them apart", other, role));
         printer.colours[role] = colour;
     }
 }
 
 void read_roles(const ProfileReader& file, PrinterProfile& printer) {
-    printer.default_roles = file.has("default_roles") ? file.texts("default_roles") : std::vector<std::string>{"C", "M", "Y", "K", "W"};
+    printer.default_roles =
+        file.has("default_roles") ? file.texts("default_roles") : std::vector<std::string>{"C", "M", "Y", "K", "W"};
     if (printer.default_roles.empty() || printer.default_roles.size() > static_cast<std::size_t>(printer.max_resins))
-        file.fail("default_roles", fmt::format("{} roles, but 1 to {} resins can be loaded", printer.default_roles.size(), printer.max_resins));
+        file.fail("default_roles", fmt::format("{} roles, but 1 to {} resins can be loaded",
+                                               printer.default_roles.size(), printer.max_resins));
     for (const std::string& role : printer.default_roles)
         if (role.empty() || std::count(printer.default_roles.begin(), printer.default_roles.end(), role) > 1)
             file.fail("default_roles", fmt::format("'{}' is empty or named twice", role));
@@ -251,11 +271,14 @@ std::vector<Rgb8> PrinterProfile::display_colours(std::span<const std::string> r
     for (const auto& [role, colour] : colours)
         if (std::find(roles.begin(), roles.end(), role) != roles.end()) taken.insert(colour);
     const auto first_free = [&](const std::string& role) {
-        if (const auto usual = usual_colours().find(role); usual != usual_colours().end() && !taken.contains(usual->second))
+        if (const auto usual = usual_colours().find(role);
+            usual != usual_colours().end() && !taken.contains(usual->second))
             return usual->second;
         for (const Rgb8& colour : spare_colours)
             if (!taken.contains(colour)) return colour;
-        throw InputError(fmt::format("printer {}: no bitmap colour is left for role '{}'; give it one under \"colours\" in the profile", id, role));
+        throw InputError(fmt::format(
+            "printer {}: no bitmap colour is left for role '{}'; give it one under \"colours\" in the profile", id,
+            role));
     };
     for (const std::string& role : roles) {
         const auto own = colours.find(role);
@@ -270,7 +293,8 @@ PrinterProfile find_printer(const std::string& id_or_path) {
         std::ifstream stream(id_or_path, std::ios::binary);
         const std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
         if (!stream.is_open() || stream.bad())
-            throw FileError(fmt::format("{}: the printer profile cannot be read; check the path and its permissions", id_or_path));
+            throw FileError(
+                fmt::format("{}: the printer profile cannot be read; check the path and its permissions", id_or_path));
         return parse_printer(text, std::filesystem::path(id_or_path).stem().string(), id_or_path);
     }
     std::vector<std::string> known;
@@ -279,8 +303,9 @@ PrinterProfile find_printer(const std::string& id_or_path) {
         known.emplace_back(file.name);
     }
     const std::string nearest = io::nearest_name(id_or_path, known);
-    throw InputError(fmt::format("unknown printer '{}'{}; known are {}; your own profile is given as a path to its .json file",
-                                 id_or_path, nearest.empty() ? "" : fmt::format(" (did you mean '{}'?)", nearest), fmt::join(known, ", ")));
+    throw InputError(fmt::format(
+        "unknown printer '{}'{}; known are {}; your own profile is given as a path to its .json file", id_or_path,
+        nearest.empty() ? "" : fmt::format(" (did you mean '{}'?)", nearest), fmt::join(known, ", ")));
 }
 
 std::vector<PrinterProfile> list_printers() {

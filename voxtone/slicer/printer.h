@@ -19,17 +19,17 @@ namespace voxtone::slicer {
 using Rgb8 = std::array<std::uint8_t, 3>;
 
 struct PrinterProfile {
-    std::string id;    ///< name of the file without folder and extension
-    std::string name;  ///< for people
+    std::string id;                                      ///< name of the file without folder and extension
+    std::string name;                                    ///< for people
     Eigen::Vector3d pitch_um = Eigen::Vector3d::Zero();  ///< voxel size along x, y, z; from dpi as 25400 / dpi
     Eigen::Vector3d tray_mm = Eigen::Vector3d::Zero();   ///< largest body along x, y, z; infinite when not given
-    int max_resins = 0;   ///< loaded at once
-    int max_colours = 0;  ///< of one stack, besides the background
+    int max_resins = 0;                                  ///< loaded at once
+    int max_colours = 0;                                 ///< of one stack, besides the background
     int min_layers = 1;
     Rgb8 background_rgb{};
-    std::vector<std::string> formats;        ///< written by default: png, gcvf, tiff, png1, vdb
-    std::vector<std::string> default_roles;  ///< loaded by default; at most max_resins
-    std::map<std::string, Rgb8> colours;     ///< bitmap colour of each role
+    std::vector<std::string> formats;                   ///< written by default: png, gcvf, tiff, png1, vdb
+    std::vector<std::string> default_roles;             ///< loaded by default; at most max_resins
+    std::map<std::string, Rgb8> colours;                ///< bitmap colour of each role
     std::map<std::string, std::string> material_names;  ///< what the printer's software calls the resin of a role
     bool flip_x = false, flip_y = false, swap_xy = false;
     std::map<std::string, std::string> unconfirmed;  ///< key of the file -> why the figure is not sure

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/base/progress_events.h"
+
+#include <string>
+
+#include <catch2/catch.hpp>
+
+using namespace voxtone;
+
+TEST_CASE("Events are one JSON object a line") {
+    std::string text;
+    double now_s = 5;
+    ProgressEvents events([&](std::string_view piece) { text += piece; }, [&] { return now_s; });
+    events.begin_stage("lay\"ers\n", 40, "layers");
+    now_s += 0.05;
+    events.advance(1);  // too early to tell
+    now_s += 1;
+    events.advance(19);
+    events.warn("C:\\model \"a\"\x01");
+    events.note("n");
+    events.advance(20);  // too soon after the last
+    now_s += 1;
+    events.end_stage();
+    events.result("{\n  \"layers\": 40,\n\t\"name\": \"a  b\"\n}\n");
+    events.error(InputError("no triangles"));
+    CHECK(text == R"({"event":"stage","stage":"lay\"ers\n","state":"begin","steps":40,"unit":"layers"})"
+                  "\n"
+                  R"({"event":"progress","stage":"lay\"ers\n","done":20,"steps":40,"seconds":1.05})"
+                  "\n"
+                  R"({"event":"warning","message":"C:\\model \"a\"\u0001"})"
+                  "\n"
+                  R"({"event":"note","message":"n"})"
+                  "\n"
+                  R"({"event":"stage","stage":"lay\"ers\n","state":"end","done":40,"seconds":2.05})"
+                  "\n"
+                  R"({"event":"result","result":{"layers": 40,"name": "a  b"}})"
+                  "\n"
+                  R"({"event":"error","exit_code":3,"message":"no triangles"})"
+                  "\n");
+}

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Three ways to show progress to a person: a bar on a terminal, plain lines in a log, warnings only. (For programs
+// there is base/progress_events.h.) All of them write whole pieces of text to a sink, one at a time, from whichever
+// thread reports; text from outside is made harmless first (base/printable.h).
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <string_view>
+
+#include "voxtone/base/progress.h"
+
+namespace voxtone {
+
+/// Takes one piece of text; never called by two threads at once.
+using TextSink = std::function<void(std::string_view)>;
+/// Seconds that have passed since some fixed moment; monotonic.
+using SecondsClock = std::function<double()>;
+
+[[nodiscard]] TextSink stderr_sink();
+[[nodiscard]] SecondsClock steady_seconds();
+
+/// The stage that runs: its name, its length and when it began.
+struct Stage {
+    std::string name;
+    std::uint64_t steps = 0;  ///< 0: unknown
+    std::string unit;
+    double began_s = 0;
+};
+
+/// "4.2 s", "3 min 05 s", "2 h 07 min".
+[[nodiscard]] std::string duration_text(double seconds);
+
+/// A bar that is redrawn in place at most ten times a second, and one line per stage when it is done:
+///     layers  [=========>          ]  47 %  1842/3920 layers  61/s  34 s left
+class ProgressBar final : public Progress {
+public:
+    struct Look {
+        std::function<int()> columns;  ///< width of the terminal now
+        bool unicode = false;          ///< draw with block characters
+    };
+    ProgressBar(TextSink sink, SecondsClock clock, Look look);
+    ~ProgressBar() override;
+
+private:
+    void on_stage(std::string_view name, std::uint64_t steps, std::string_view unit) override;
+    void on_advance(std::uint64_t done) override;
+    void on_stage_end() override;
+    void on_warning(const std::string& message) override;
+    void on_note(const std::string& message) override;
+    void say(std::string_view text);
+    [[nodiscard]] std::string drawing() const;
+
+    TextSink sink_;
+    SecondsClock clock_;
+    Look look_;
+    std::mutex mutex_;
+    Stage stage_;
+    std::uint64_t shown_ = 0;  ///< steps done as drawn
+    bool in_stage_ = false, on_screen_ = false;
+    std::atomic<double> next_draw_s_{0};
+};
+
+/// Lines for a log: the start and the end of each stage and every tenth of it.
+class ProgressLines final : public Progress {
+public:
+    ProgressLines(TextSink sink, SecondsClock clock);
+
+private:
+    void on_stage(std::string_view name, std::uint64_t steps, std::string_view unit) override;
+    void on_advance(std::uint64_t done) override;
+    void on_stage_end() override;
+    void on_warning(const std::string& message) override;
+    void on_note(const std::string& message) override;
+
+    TextSink sink_;
+    SecondsClock clock_;
+    std::mutex mutex_;
+    Stage stage_;
+    std::atomic<std::uint64_t> next_line_{0};  ///< steps that make the next tenth
+};
+
+/// Warnings only.
+class ProgressQuiet final : public Progress {
+public:
+    explicit ProgressQuiet(TextSink sink);
+
+private:
+    void on_warning(const std::string& message) override;
+    TextSink sink_;
+    std::mutex mutex_;
+};
+
+/// What suits stderr: warnings only when `quiet`, a bar on a terminal that can move its cursor, lines elsewhere.
+[[nodiscard]] std::unique_ptr<Progress> make_console_progress(bool quiet);
+
+}  // namespace voxtone

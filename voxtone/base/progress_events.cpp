@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/base/progress_events.h"
+
+#include <cstdio>
+#include <utility>
+
+#include <fmt/core.h>
+
+#include "voxtone/base/printable.h"
+
+namespace voxtone {
+
+namespace {
+
+constexpr double seconds_between_events = 0.1;
+
+/// JSON strings hold no raw line breaks, so every one of them is layout, as is the indentation behind it.
+std::string on_one_line(std::string_view json) {
+    std::string line;
+    bool at_line_start = false;
+    for (const char c : json) {
+        if (c == '\n' || c == '\r')
+            at_line_start = true;
+        else if (!(at_line_start && (c == ' ' || c == '\t'))) {
+            at_line_start = false;
+            line += c;
+        }
+    }
+    return line;
+}
+
+}  // namespace
+
+ProgressEvents::ProgressEvents(TextSink sink, SecondsClock clock) : sink_(std::move(sink)), clock_(std::move(clock)) {}
+
+void ProgressEvents::result(std::string_view json) {
+    say(fmt::format(R"({{"event":"result","result":{}}})", on_one_line(json)));
+}
+
+void ProgressEvents::error(const Error& error) {
+    say(fmt::format(R"({{"event":"error","exit_code":{},"message":{}}})", static_cast<int>(error.exit_code()),
+                    json_quoted(error.what())));
+}
+
+void ProgressEvents::on_stage(std::string_view name, std::uint64_t steps, std::string_view unit) {
+    {
+        const std::lock_guard lock(mutex_);
+        stage_ = {json_quoted(name), steps, json_quoted(unit), clock_()};
+        next_event_s_ = stage_.began_s + seconds_between_events;
+    }
+    say(fmt::format(R"({{"event":"stage","stage":{},"state":"begin","steps":{},"unit":{}}})", stage_.name, steps,
+                    stage_.unit));
+}
+
+void ProgressEvents::on_advance(std::uint64_t done) {
+    const double now_s = clock_();
+    if (now_s < next_event_s_.load(std::memory_order_relaxed)) return;
+    const std::unique_lock lock(mutex_, std::try_to_lock);
+    if (!lock || now_s < next_event_s_) return;
+    next_event_s_ = now_s + seconds_between_events;
+    sink_(fmt::format("{{\"event\":\"progress\",\"stage\":{},\"done\":{},\"steps\":{},\"seconds\":{:.2f}}}\n",
+                      stage_.name, done, stage_.steps, now_s - stage_.began_s));
+}
+
+void ProgressEvents::on_stage_end() {
+    say(fmt::format(R"({{"event":"stage","stage":{},"state":"end","done":{},"seconds":{:.2f}}})", stage_.name, done(),
+                    clock_() - stage_.began_s));
+}
+
+void ProgressEvents::on_warning(const std::string& message) {
+    say(fmt::format(R"({{"event":"warning","message":{}}})", json_quoted(message)));
+}
+
+void ProgressEvents::on_note(const std::string& message) {
+    say(fmt::format(R"({{"event":"note","message":{}}})", json_quoted(message)));
+}
+
+void ProgressEvents::say(const std::string& line) {
+    const std::lock_guard lock(mutex_);
+    sink_(line + "\n");
+}
+
+TextSink stdout_sink() {
+    return [](std::string_view text) {
+        std::fwrite(text.data(), 1, text.size(), stdout);
+        std::fflush(stdout);
+    };
+}
+
+}  // namespace voxtone
