@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// JSON objects as a user writes them (manifests, resin sets, job files): every fault is an InputError that names the file,
+// the key, the value and the rule; a key that is not known is an error that names the nearest one that is.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <initializer_list>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace voxtone::io {
+
+/// A JSON object together with where it came from.
+class JsonObject {
+public:
+    /// `source` names the text in errors. Throws InputError with line and column.
+    [[nodiscard]] static JsonObject parse(std::string_view text, std::string source);
+    /// Throws FileError where the file cannot be read, InputError where it is larger than 64 MiB or no JSON object.
+    [[nodiscard]] static JsonObject read(const std::filesystem::path& file);
+
+    /// Throws InputError for the first key that is not among `known`.
+    void allow_only(std::initializer_list<std::string_view> known) const;
+    [[nodiscard]] bool has(std::string_view key) const;
+    [[nodiscard]] std::vector<std::string> keys() const;
+
+    // Each throws InputError where the key is missing, of another type or out of range (ends included).
+    [[nodiscard]] std::string text(std::string_view key) const;
+    [[nodiscard]] bool boolean(std::string_view key) const;
+    [[nodiscard]] double number(std::string_view key, double least, double most) const;
+    [[nodiscard]] std::uint64_t integer(std::string_view key, std::uint64_t least, std::uint64_t most) const;
+    /// `count` == 0: any number of them.
+    [[nodiscard]] std::vector<double> numbers(std::string_view key, std::size_t count, double least, double most) const;
+    [[nodiscard]] std::vector<std::uint64_t> integers(std::string_view key, std::size_t count, std::uint64_t least,
+                                                      std::uint64_t most) const;
+    [[nodiscard]] std::vector<std::string> texts(std::string_view key) const;
+    [[nodiscard]] JsonObject object(std::string_view key) const;
+    [[nodiscard]] std::vector<JsonObject> objects(std::string_view key) const;
+
+    /// Throws InputError "FILE: key `KEY`: RULE".
+    [[noreturn]] void fail(std::string_view key, std::string_view rule) const;
+
+private:
+    struct Node;
+    explicit JsonObject(std::shared_ptr<const Node> node);
+    std::shared_ptr<const Node> node_;
+};
+
+/// A string as JSON writes it, quotes included.
+[[nodiscard]] std::string json_text(std::string_view text);
+
+}  // namespace voxtone::io
