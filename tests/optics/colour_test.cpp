@@ -22,7 +22,7 @@ double difference(const Vector3d& a, const Vector3d& b) { return (a - b).cwiseAb
 }  // namespace
 
 TEST_CASE("CIEDE2000 gives Sharma's 34 pairs in both orders") {
-    const auto pairs = reference("ciede2000_sharma34.json").at("pairs");
+    const auto& pairs = reference("ciede2000_sharma34.json").at("pairs");
     REQUIRE(pairs.size() == 34);
     for (const auto& pair : pairs) {
         const Vector3d lab_1 = vector_of(pair.at("lab1")), lab_2 = vector_of(pair.at("lab2"));
@@ -33,7 +33,7 @@ TEST_CASE("CIEDE2000 gives Sharma's 34 pairs in both orders") {
 }
 
 TEST_CASE("sRGB's matrix and curve are those of the standard") {
-    const auto srgb = reference("srgb.json");
+    const auto& srgb = reference("srgb.json");
     for (int i = 0; i < 3; ++i) {
         for (int j = 0; j < 3; ++j) {
             const auto row = static_cast<std::size_t>(i), column = static_cast<std::size_t>(j);
@@ -80,7 +80,7 @@ TEST_CASE("The ColorChecker goes from Lab D50 to sRGB") {
 }
 
 TEST_CASE("Spectra become XYZ and Lab under D50 and D65") {
-    const auto table = reference("colorchecker24_spectra_ohta.json");
+    const auto& table = reference("colorchecker24_spectra_ohta.json");
     const std::vector<double> wavelengths = table.at("wavelength_nm");
     for (const auto& patch : table.at("patches")) {
         const std::vector<double> reflectance = patch.at("reflectance");
@@ -91,7 +91,7 @@ TEST_CASE("Spectra become XYZ and Lab under D50 and D65") {
             CHECK(difference(lab, vector_of(patch.at(std::string("Lab_") + name))) < 1e-4);
         }
     }
-    const auto white = reference("illuminants_5nm.json").at("check_white_XYZ_5nm_sum_380_780_Y100");
+    const auto& white = reference("illuminants_5nm.json").at("check_white_XYZ_5nm_sum_380_780_Y100");
     CHECK(difference(100 * spectral_white(Illuminant::d65), vector_of(white.at("D65"))) < 1e-9);
     CHECK(difference(100 * spectral_white(Illuminant::d50), vector_of(white.at("D50"))) < 1e-9);
     CHECK(difference(100 * spectral_white(Illuminant::a), vector_of(white.at("A"))) < 1e-9);

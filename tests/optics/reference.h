@@ -4,6 +4,7 @@
 #pragma once
 
 #include <fstream>
+#include <map>
 #include <stdexcept>
 #include <string>
 
@@ -12,11 +13,17 @@
 
 namespace voxtone::optics::testing {
 
-inline nlohmann::json reference(const std::string& name) {
-    const std::string path = std::string(VOXTONE_TEST_DATA) + "/reference/" + name;
-    std::ifstream file(path);
-    if (!file) throw std::runtime_error("cannot open " + path);
-    return nlohmann::json::parse(file);
+/// A table, read once; it lives as long as the program, so that a loop over a part of it is safe.
+inline const nlohmann::json& reference(const std::string& name) {
+    static std::map<std::string, nlohmann::json> tables;
+    const auto [table, is_new] = tables.try_emplace(name);
+    if (is_new) {
+        const std::string path = std::string(VOXTONE_TEST_DATA) + "/reference/" + name;
+        std::ifstream file(path);
+        if (!file) throw std::runtime_error("cannot open " + path);
+        table->second = nlohmann::json::parse(file);
+    }
+    return table->second;
 }
 
 inline Eigen::Vector3d vector_of(const nlohmann::json& values) {

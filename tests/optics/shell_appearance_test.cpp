@@ -45,13 +45,13 @@ TEST_CASE("The shell's table agrees with the exact solution") {
     const ResinSet set = vero_opaque();
     const int white = set.find("W");
     ShellGeometry geometry{1.0, white};
-    CHECK(worst_table_error(set, geometry, 100) < 1e-4);
-    CHECK(worst_table_error(with_clear(set), geometry, 100) < 1e-4);
+    CHECK(worst_table_error(set, geometry, 40) < 1e-4);
+    CHECK(worst_table_error(with_clear(set), geometry, 40) < 1e-4);
     geometry.shell_mm = 0.3;
     geometry.core_mm = 2.4;
     for (const Backing backing : {Backing::none, Backing::black, Backing::white}) {
         geometry.backing = backing;
-        CHECK(worst_table_error(with_clear(set), geometry, 50) < 1e-4);
+        CHECK(worst_table_error(with_clear(set), geometry, 20) < 1e-4);
     }
 }
 

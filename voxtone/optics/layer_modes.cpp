@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxtone/optics/layer_modes.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <Eigen/Cholesky>
@@ -69,9 +70,12 @@ LayerModes::LayerModes(const OrdinatePlan& plan, const Medium& medium) {
     const OrdinateMatrix K = L.transpose() * (E * L);
     const Eigen::SelfAdjointEigenSolver<OrdinateMatrix> solver(K);
     lambda_ = solver.eigenvalues().cwiseMax(0);
-    if (scaled.sigma_a == 0) lambda_[0] = 0;  // nothing absorbs: the diffusion mode does not decay
     W_ = cholesky.matrixU().solve(solver.eigenvectors());
     W_inverse_ = solver.eigenvectors().transpose() * L.transpose();
+    // The diffusion mode's small eigenvalue drowns in the rounding of the largest (up to 1/nu^2 = 1e6); its Rayleigh
+    // quotient does not. Where nothing absorbs it is 0.
+    const OrdinateVector slowest = W_inverse_.row(0).transpose();
+    lambda_[0] = scaled.sigma_a == 0 ? 0 : std::max(0.0, slowest.dot(E * slowest));
 }
 
 Admittance LayerModes::half_space() const {

@@ -9,16 +9,16 @@
 //   dU/dtau = -F V,  dV/dtau = -E U,   E = 1/nu - a (S_same + S_opposite),  F = 1/nu - a (S_same - S_opposite),
 //   S = s h s / 4,  s = sqrt(c)/nu,  a = albedo,  tau = optical depth
 //
-// with E and F symmetric, F positive definite. The modes W of (E, F): W^T E W = Lambda, W^T F W = 1, decouple it.
-// Whatever lies below a level is one affine law there, V = Y U + p, with a symmetric admittance Y and light p that
-// comes from below: a half-space has Y = W Lambda^(1/2) W^T; a layer of optical depth t turns the law at its lower
-// side, in modes (y, p), into
+// with E and F symmetric, F positive definite. The modes, U = W^-T u and V = W v with W^T F W = 1 and
+// W^-1 E W^-T = Lambda diagonal, decouple it: u' = -v, v' = -Lambda u. Whatever lies below a level is one affine law
+// there, V = Y U + p, with a symmetric admittance Y and light p that comes from below. A half-space has
+// Y = W Lambda^(1/2) W^T; a layer of optical depth t turns the law at its lower side, in modes (y, p), into
 //
-//   y' = C - s (C + y)^-1 s,   p' = s (C + y)^-1 p,   C = sqrt(Lambda) coth(sqrt(Lambda) t),  s = sqrt(Lambda) /
-//   sinh(sqrt(Lambda) t).
+//   y' = C - s (C + y)^-1 s,   C = sqrt(Lambda) coth(sqrt(Lambda) t)
+//   p' = s (C + y)^-1 p,       s = sqrt(Lambda) / sinh(sqrt(Lambda) t)
 //
 // Range: 0 <= a <= 1, any thickness; a layer thinner than 1e-9 in optical depth counts as not there. Error against
-// adding-doubling on the same nodes: below 1e-9, tested.
+// adding-doubling on the same nodes: below 1e-8, tested.
 #pragma once
 
 #include <Eigen/Core>

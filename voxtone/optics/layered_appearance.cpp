@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxtone/optics/layered_appearance.h"
 
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -25,7 +26,12 @@ OrdinatePlan appearance_plan(double g, double eta, int below, int above) {
     return {angular_grid(eta, below, above), g, 2 * (below + above)};
 }
 
-OrdinatePlan directional_plan(double g, double eta) { return {angular_grid_45_0(eta, 6, 5, 4), g, 30}; }
+OrdinatePlan directional_plan(double g, double eta, int below, int above) {
+    // The solver needs positive weights. This one changes rho by 3e-7; a smaller one would lose more to rounding.
+    const double look_weight = 1e-7;
+    const std::array<double, 2> look{std::numbers::sqrt2 / 2, 1.0};
+    return {angular_grid(eta, below, above, look, look_weight), g, 2 * (below + above)};
+}
 
 Admittance half_space(const OrdinatePlan& plan, const Medium& medium) { return LayerModes(plan, medium).half_space(); }
 

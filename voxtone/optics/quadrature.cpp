@@ -36,9 +36,15 @@ struct Node {
     double nu, c, mu, r;
 };
 
-// Trapped directions: nodes in the cosine inside the resin.
-void add_trapped(std::vector<Node>& nodes, const Rule& rule) {
-    for (std::size_t k = 0; k < rule.x.size(); ++k) nodes.push_back({rule.x[k], 2 * rule.x[k] * rule.w[k], 0, 1});
+// Trapped directions: Gauss nodes in s on (0, 1), nu = nu_c s^2.
+void add_trapped(std::vector<Node>& nodes, int count, double eta) {
+    if (eta == 1 || count == 0) return;
+    const double nu_c = critical_cosine(eta);
+    const Rule rule = gauss_legendre(count, 0, 1);
+    for (std::size_t k = 0; k < rule.x.size(); ++k) {
+        const double s = rule.x[k], nu = nu_c * s * s;
+        nodes.push_back({nu, 4 * nu * nu_c * s * rule.w[k], 0, 1});
+    }
 }
 
 // Escaping directions: nodes in the cosine in air.
@@ -89,7 +95,7 @@ AngularGrid angular_grid(double eta, int below, int above, std::span<const doubl
     VOXTONE_EXPECT(eta >= 1 && below >= 0 && above >= 1 && look_weight >= 0);
     std::vector<Node> nodes;
     if (eta == 1) above += below;
-    if (eta > 1 && below > 0) add_trapped(nodes, gauss_legendre(below, 0, critical_cosine(eta)));
+    add_trapped(nodes, below, eta);
     add_escaping(nodes, gauss_legendre(above, 0, 1), eta);
     for (const double mu : look) {
         VOXTONE_EXPECT(mu > 0 && mu <= 1);
@@ -102,7 +108,7 @@ AngularGrid angular_grid_45_0(double eta, int below, int outer, int inner) {
     VOXTONE_EXPECT(eta >= 1 && below >= 0);
     const double cos_45 = std::numbers::sqrt2 / 2;
     std::vector<Node> nodes;
-    if (eta > 1 && below > 0) add_trapped(nodes, gauss_legendre(below, 0, critical_cosine(eta)));
+    add_trapped(nodes, below, eta);
     add_escaping(nodes, gauss_radau(outer, 0, cos_45), eta);
     add_escaping(nodes, gauss_radau(inner, cos_45, 1), eta);
     return assemble(std::move(nodes), eta);

@@ -8,9 +8,11 @@
 //
 //   nu = sqrt(1 - (1 - mu^2)/eta^2),   c = 2 nu dnu = 2 mu dmu / eta^2
 //
-// while the trapped directions, nu in (0, nu_c), take plain Gauss nodes. c_k is the flux weight: a radiance I(nu)
-// carries the flux sum_k c_k I_k (in units of pi), and sum_k c_k = 1. With 14 nodes and exact 45 and 0 degrees the
-// reflectance of the start set of resins is within 1e-7 of convergence.
+// The trapped directions, nu in (0, nu_c), take Gauss nodes in s, nu = nu_c s^2: light in thin layers varies like
+// exp(-tau/nu), fastest where nu is small. c_k is the flux weight: a radiance I(nu) carries the flux sum_k c_k I_k (in
+// units of pi), and sum_k c_k = 1. Largest errors of the reflectance factor 45 -> 0 (directional_test.cpp), views
+// exactly at 45 and 0 degrees: 13 nodes 1e-6 for calibration patches (0.675 mm of resin) and 2e-5 for stacks of films
+// of 27 um; 20 nodes 2e-6 for all.
 #pragma once
 
 #include <span>
@@ -54,7 +56,7 @@ struct AngularGrid {
                                        double look_weight = 0);
 
 /// Nodes with weight exactly at 45 and 0 degrees in air: `below` trapped ones, then Radau rules of `outer` nodes on
-/// (0, cos 45] and `inner` on (cos 45, 1] in the air cosine. 6 + 5 + 4 gives the 45/0 reflectance within 4e-6.
+/// (0, cos 45] and `inner` on (cos 45, 1] in the air cosine. 7 + 5 + 3 gives calibration patches within 6e-6.
 [[nodiscard]] AngularGrid angular_grid_45_0(double eta, int below, int outer, int inner);
 
 }  // namespace voxtone::optics

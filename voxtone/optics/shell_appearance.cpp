@@ -6,7 +6,9 @@
 
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/parallel.h"
+#include "voxtone/optics/adding_doubling.h"
 #include "voxtone/optics/bicubic_table.h"
+#include "voxtone/optics/directional.h"
 #include "voxtone/optics/layered_appearance.h"
 
 namespace voxtone::optics {
@@ -186,13 +188,20 @@ void ShellAppearance::media_relative(std::span<const double> fractions, std::spa
 }
 
 std::vector<double> ShellAppearance::exact(std::span<const double> fractions) const {
+    VOXTONE_EXPECT(fractions.size() == resins());
     const ResinSet& set = tables_->set;
-    const OrdinatePlan plan = appearance_plan(set.g, set.eta, 12, 12);
+    const ShellGeometry& geometry = tables_->geometry;
+    const AngularGrid grid = angular_grid(set.eta, 8, 8);
+    const AddingDoubling solver(grid, set.g, 32);
     std::vector<double> out(channels());
     for (std::size_t c = 0; c < out.size(); ++c) {
-        const Medium core = set.resins[static_cast<std::size_t>(tables_->geometry.core_resin)].medium(c);
-        out[c] = appearance_over(plan, tables_->mix(fractions, c), tables_->geometry.shell_mm,
-                                 core_law(plan, core, tables_->geometry));
+        const Medium core = set.resins[static_cast<std::size_t>(geometry.core_resin)].medium(c);
+        const LayerResponse shell = solver.layer(tables_->mix(fractions, c), geometry.shell_mm);
+        if (std::isinf(geometry.core_mm)) {
+            out[c] = appearance_of(grid, solver.over(shell, solver.half_space(core)));
+        } else {
+            out[c] = appearance_of(grid, solver.add(shell, solver.layer(core, geometry.core_mm)), geometry.backing);
+        }
     }
     return out;
 }

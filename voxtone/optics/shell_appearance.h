@@ -25,16 +25,10 @@
 #include <span>
 #include <vector>
 
+#include "voxtone/optics/backing.h"
 #include "voxtone/optics/resins.h"
 
 namespace voxtone::optics {
-
-/// What lies under a core of finite thickness. There is air between the core's smooth lower surface and a sheet.
-enum class Backing {
-    none,   ///< nothing: the body floats, and the same white light reaches it from below
-    black,  ///< a sheet that absorbs everything
-    white,  ///< a sheet that reflects everything, diffusely
-};
 
 struct ShellGeometry {
     double shell_mm = 1.0;  ///< > 0
