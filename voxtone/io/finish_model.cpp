@@ -57,6 +57,7 @@ struct Variant {
     std::int32_t image;
     bool transparent;
     std::array<float, 4> tint;  // baked in where the picture is transparent: the product is composed as a whole
+    std::array<float, 3> under;
     auto operator<=>(const Variant&) const = default;
 };
 
@@ -128,7 +129,8 @@ private:
             const bool transparent = m.image >= 0 && !m.opaque &&
                                      (m.alpha < 1 || transparent_pixels(static_cast<std::size_t>(m.image)) > 0);
             variants.push_back({m.image, transparent,
-                                transparent ? std::array{m.rgb.x(), m.rgb.y(), m.rgb.z(), m.alpha} : std::array{1.f, 1.f, 1.f, 1.f}});
+                                transparent ? std::array{m.rgb.x(), m.rgb.y(), m.rgb.z(), m.alpha} : std::array{1.f, 1.f, 1.f, 1.f},
+                                transparent ? std::array{m.under.x(), m.under.y(), m.under.z()} : std::array{1.f, 1.f, 1.f}});
         }
         for (std::size_t i = 0; i < variants.size(); ++i) {
             const PartMaterial& part = parts_.materials[i];
@@ -136,7 +138,7 @@ private:
             SurfaceMaterial material{part.name, part.rgb, nullptr};
             if (variant.transparent) {
                 material.rgb.setOnes();
-                ++transparent_materials_;
+                transparent_materials_ += part.under == Eigen::Vector3f::Ones();  // else the file itself says what shows through
             } else if (!part.opaque && part.alpha < 1) {
                 material.rgb = part.rgb * part.alpha + Eigen::Vector3f::Constant(1 - part.alpha);
                 transparent_materials_ += used_material_[i];
@@ -155,7 +157,8 @@ private:
         TexelImage texels = parts_.images[index].texels;
         if (options_.fill_gutters) fill_gutters(texels, coverage_[index]);
         if (variant.transparent)
-            compose_over_white(texels, {variant.tint[0], variant.tint[1], variant.tint[2]}, variant.tint[3]);
+            compose_over(texels, {variant.under[0], variant.under[1], variant.under[2]},
+                         {variant.tint[0], variant.tint[1], variant.tint[2]}, variant.tint[3]);
         return std::make_shared<const MipPyramid>(std::move(texels));
     }
 

@@ -197,9 +197,13 @@ std::vector<std::byte> run_isolated(const std::string& what, const IsolationLimi
             bytes.erase(bytes.begin(), bytes.begin() + 2);
             return bytes;
         case Outcome::error: {
-            const auto code = static_cast<ExitCode>(bytes[1]);
-            if (code == ExitCode::invalid_input) throw InputError(text());
-            throw Error(code, text());
+            switch (const auto code = static_cast<ExitCode>(bytes[1])) {
+                case ExitCode::invalid_input: throw InputError(text());
+                case ExitCode::file: throw FileError(text());
+                case ExitCode::unfinished: throw ResourceError(text());
+                case ExitCode::usage: throw UsageError(text());
+                default: throw Error(code, text());
+            }
         }
         case Outcome::no_memory:
             throw InputError(fmt::format("reading {} needs more than the {} of memory it may take; the file is damaged or too large: reduce its "

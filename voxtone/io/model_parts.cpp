@@ -107,7 +107,7 @@ private:
 template <class Stream, class Material>
     requires std::is_same_v<std::remove_const_t<Material>, PartMaterial>
 void describe(Stream& stream, Material& m) {
-    stream(m.name, m.rgb, m.alpha, m.opaque, m.image, m.wrap_u, m.wrap_v, m.nearest);
+    stream(m.name, m.rgb, m.alpha, m.opaque, m.under, m.image, m.wrap_u, m.wrap_v, m.nearest);
 }
 
 template <class Stream, class Image>

@@ -24,6 +24,7 @@ struct PartMaterial {
     Eigen::Vector3f rgb = Eigen::Vector3f::Ones();  ///< linear sRGB
     float alpha = 1;
     bool opaque = false;  ///< the format says that alpha is not to be looked at
+    Eigen::Vector3f under = Eigen::Vector3f::Ones();  ///< linear; what shows through where the texture is transparent
     std::int32_t image = -1;
     Wrap wrap_u = Wrap::repeat, wrap_v = Wrap::repeat;
     bool nearest = false;

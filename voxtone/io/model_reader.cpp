@@ -26,6 +26,7 @@ std::string extension_of(const std::filesystem::path& path) {
 ModelParts parse(const std::filesystem::path& path, const ReadOptions& options) {
     const std::string extension = extension_of(path);
     ParseContext context(path, options);
+    if (extension == "3mf") return parse_3mf(context);
     if (extension == "gltf" || extension == "glb") return parse_gltf(context);
     return parse_with_assimp(context, extension);
 }
@@ -45,14 +46,14 @@ void validate(const ReadOptions& options) {
 
 bool is_model_name(const std::filesystem::path& path) {
     const std::string extension = extension_of(path);
-    return extension == "obj" || extension == "ply" || extension == "stl" || extension == "gltf" || extension == "glb";
+    return extension == "obj" || extension == "ply" || extension == "stl" || extension == "gltf" || extension == "glb" || extension == "3mf";
 }
 
 ModelFile read_model(const std::filesystem::path& path, const ReadOptions& options) {
     validate(options);
     const std::string name = path.filename().string();
     if (!is_model_name(path))
-        throw InputError(fmt::format("{} is no model of a known kind; OBJ, PLY, STL, glTF and GLB can be read", name));
+        throw InputError(fmt::format("{} is no model of a known kind; OBJ, PLY, STL, glTF, GLB and 3MF can be read", name));
     ModelParts parts;
     if (options.isolate)
         parts = unpack_model(run_isolated(name, limits_of(options), [&] { return pack(parse(path, options)); }, options.progress));
@@ -77,7 +78,7 @@ Picture read_picture(const std::filesystem::path& path, const ReadOptions& optio
     picture.warnings = std::move(image.warnings);
     if (image.has_alpha) {
         picture.warnings.push_back(fmt::format("{} has transparent pixels; they were laid over white.", name));
-        compose_over_white(image.texels);
+        compose_over(image.texels, Eigen::Vector3f::Ones());
     }
     picture.texture = std::make_shared<const Texture>(std::move(image.texels), Wrap::clamp, Wrap::clamp);
     return picture;

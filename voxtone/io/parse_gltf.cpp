@@ -94,7 +94,9 @@ std::vector<std::byte> decode_base64(std::string_view coded) {
     return bytes;
 }
 
-/// KHR_texture_transform, in glTF's coordinates (v down): translation * rotation * scale, counter-clockwise on the picture.
+/// KHR_texture_transform, in glTF's coordinates (v down): translation * rotation * scale. Positive angles turn the
+/// coordinates counter-clockwise as one sees them on the picture; the matrix in the extension's listing turns the other way,
+/// which is a known mistake there (KhronosGroup/glTF issue 1563) and not what viewers do.
 struct UvTransform {
     Eigen::Vector2d offset = Eigen::Vector2d::Zero(), scale = Eigen::Vector2d::Ones();
     double rotation = 0;

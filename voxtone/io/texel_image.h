@@ -47,7 +47,8 @@ struct TexelImage {
     }
 };
 
-/// Composes the picture over white in linear light: rgb <- tint * rgb * a + (1 - a) with a = alpha * tint_alpha.
-void compose_over_white(TexelImage& image, const Eigen::Vector3f& tint = Eigen::Vector3f::Ones(), float tint_alpha = 1);
+/// Composes the picture over a colour in linear light: rgb <- tint * rgb * a + under * (1 - a) with a = alpha * tint_alpha.
+void compose_over(TexelImage& image, const Eigen::Vector3f& under, const Eigen::Vector3f& tint = Eigen::Vector3f::Ones(),
+                  float tint_alpha = 1);
 
 }  // namespace voxtone::io

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// A pull parser for XML as data files use it: elements and attributes in UTF-8. No DTD is accepted (so no entity can
+// expand), text between elements is passed over. Works in place, in time proportional to the text.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace voxtone::io {
+
+class XmlReader {
+public:
+    enum class Event { start, end, finished };
+
+    /// `text` must outlive the reader; `what` names the file in errors.
+    XmlReader(std::string_view text, std::string what);
+
+    /// The next start or end of an element; an empty element gives both. Throws InputError naming the line when the text
+    /// is not well-formed.
+    Event next();
+
+    /// Name of the element, with and without its prefix.
+    [[nodiscard]] std::string_view full_name() const { return name_; }
+    [[nodiscard]] std::string_view name() const { return local(name_); }
+    /// How many elements are open, this one included (at its end too).
+    [[nodiscard]] std::size_t depth() const { return depth_; }
+
+    /// Attributes of the start that was read last: names with prefixes, values as written (see `decode`).
+    [[nodiscard]] const std::vector<std::pair<std::string_view, std::string_view>>& attributes() const { return attributes_; }
+    /// Value of the attribute with this name, whatever its prefix; data() == nullptr: none.
+    [[nodiscard]] std::string_view attribute(std::string_view local_name) const;
+
+    /// A value with its character references resolved.
+    [[nodiscard]] static std::string decode(std::string_view value);
+
+    [[noreturn]] void fail(const std::string& what) const;
+
+private:
+    static std::string_view local(std::string_view name) {
+        const std::size_t colon = name.find(':');
+        return colon == std::string_view::npos ? name : name.substr(colon + 1);
+    }
+    void skip_past(std::string_view mark);
+    void skip_blanks();
+    std::string_view read_name();
+    void read_start();
+
+    std::string_view text_;
+    std::string what_;
+    std::size_t at_ = 0, depth_ = 0;
+    bool closes_ = false, ended_ = false;  // the last start was an empty element; the last event was an end
+    std::string_view name_;
+    std::vector<std::string_view> open_;
+    std::vector<std::pair<std::string_view, std::string_view>> attributes_;
+};
+
+}  // namespace voxtone::io
