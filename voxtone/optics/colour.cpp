@@ -129,6 +129,12 @@ Vector3d linear_srgb_from_oklab(const Vector3d& oklab) {
     return from_cones * roots.cwiseProduct(roots).cwiseProduct(roots);
 }
 
+Matrix3d oklab_derivative(const Vector3d& rgb) {
+    const Vector3d cones = (oklab_cones() * rgb).cwiseMax(1e-6);
+    const Vector3d slope = cones.unaryExpr([](double x) { return std::cbrt(x) / (3 * x); });
+    return oklab_opponents() * slope.asDiagonal() * oklab_cones();
+}
+
 double ciede2000(const Vector3d& lab_1, const Vector3d& lab_2) {
     constexpr double degree = 3.14159265358979323846 / 180, opposite = 180 + 1e-9;
     const double mean_c = 0.5 * (std::hypot(lab_1[1], lab_1[2]) + std::hypot(lab_2[1], lab_2[2]));

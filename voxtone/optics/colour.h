@@ -42,6 +42,8 @@ namespace voxtone::optics {
 /// Oklab: L in [0, 1], a and b within +-0.4; even in hue where Lab bends (blue).
 [[nodiscard]] Eigen::Vector3d oklab_from_linear_srgb(const Eigen::Vector3d& rgb);
 [[nodiscard]] Eigen::Vector3d linear_srgb_from_oklab(const Eigen::Vector3d& oklab);
+/// d oklab_i / d rgb_j. Its slope is infinite at black: cone responses below 1e-6 count as 1e-6.
+[[nodiscard]] Eigen::Matrix3d oklab_derivative(const Eigen::Vector3d& rgb);
 
 /// CIEDE2000 colour difference, k_L = k_C = k_H = 1. Symmetric. Hues within 1e-9 degrees of opposite count as exactly
 /// opposite, as they are in Sharma's pairs 10 and 14, where a rounding would otherwise choose the branch.
