@@ -14,25 +14,19 @@
 #include <vector>
 
 #include "voxtone/base/progress.h"
+#include "voxtone/io/gcvf_writer.h"
 #include "voxtone/io/layer_runs.h"
 #include "voxtone/io/manifest.h"
 #include "voxtone/io/png_layer_encoder.h"
+#include "voxtone/io/resin_bitmap.h"
 
 namespace voxtone::io {
 
-enum class ResinBitmaps { none, png1, png8, tiff1 };
-
 struct StackOutputs {
-    /// One bitmap per resin and layer in resins/NN-ROLE/, for RIPs that want them so.
+    /// For RIPs that want one bitmap per resin and layer (png1, tiff1: resins/NN-ROLE/) or indexed ones (png8: resins/indexed/).
     ResinBitmaps resin_bitmaps = ResinBitmaps::none;
     bool gcvf = false;  ///< OUT/stack.gcvf
     bool vdb = false;   ///< OUT/volume.vdb
-};
-
-/// The hull that a GCVF shows as a preview, in the model's frame. May be empty.
-struct PreviewMesh {
-    std::span<const std::array<float, 3>> vertices_mm;
-    std::span<const std::array<std::uint32_t, 3>> triangles;
 };
 
 class LayerStackWriter {
@@ -57,6 +51,8 @@ public:
 
 private:
     void write_oriented(std::uint32_t index, const LayerRuns& layer);
+    void write_resin_bitmaps(std::uint32_t index, const LayerRuns& layer) const;
+    [[nodiscard]] std::filesystem::path resin_folder(std::size_t resin) const;
 
     std::filesystem::path out_;
     StackDescription stack_;      // of the bitmaps as they are written

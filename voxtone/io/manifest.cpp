@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include <fmt/core.h>
-#include <fmt/ranges.h>
 
 #include "voxtone/base/error.h"
 #include "voxtone/io/json_object.h"
@@ -33,6 +32,13 @@ int pattern_digits(const std::string& pattern) {
     return pattern[percent + 2] - '0';
 }
 
+template <class Numbers>
+std::string list(const Numbers& numbers) {
+    std::string text;
+    for (const auto number : numbers) text += fmt::format("{}{}", text.empty() ? "[" : ", ", number);
+    return text + "]";
+}
+
 Rgb read_rgb(const JsonObject& object, std::string_view key) {
     const auto values = object.integers(key, 3, 0, 255);
     return {static_cast<std::uint8_t>(values[0]), static_cast<std::uint8_t>(values[1]), static_cast<std::uint8_t>(values[2])};
@@ -55,8 +61,8 @@ StackDescription from_json(const JsonObject& json, std::string_view source) {
     stack.pitch_um = read_three(json, "pitch_um", 0.001, most_um);
     const auto size = json.integers("size_px", 2, 1, 65535);
     stack.size_px = {static_cast<std::uint32_t>(size[0]), static_cast<std::uint32_t>(size[1])};
-    stack.layers = static_cast<std::uint32_t>(json.integer("layers", 1, 10000000));
-    if (json.has("first_layer")) stack.first_layer = static_cast<std::uint32_t>(json.integer("first_layer", 0, 10000000));
+    stack.layers = static_cast<std::uint32_t>(json.integer("layers", 1, 1000000));
+    if (json.has("first_layer")) stack.first_layer = static_cast<std::uint32_t>(json.integer("first_layer", 0, 1000000));
     stack.size_mm = read_three(json, "size_mm", 0, most_mm);
     stack.origin_mm = read_three(json, "origin_mm", -most_mm, most_mm);
     stack.pattern = json.text("pattern");
@@ -86,7 +92,10 @@ std::vector<Rgb> StackDescription::palette() const {
 
 std::string StackDescription::layer_path(std::uint32_t index) const {
     const std::size_t percent = pattern.find('%');
-    return fmt::format("{}{:0{}d}.png", pattern.substr(0, percent), first_layer + index, pattern_digits(pattern));
+    std::string number = std::to_string(first_layer + index);
+    const auto digits = static_cast<std::size_t>(pattern_digits(pattern));
+    if (number.size() < digits) number.insert(0, digits - number.size(), '0');
+    return pattern.substr(0, percent) + number + ".png";
 }
 
 void StackDescription::validate(std::string_view source) const {
@@ -116,7 +125,7 @@ void StackDescription::validate(std::string_view source) const {
         if (resins[i].rgb == background_rgb)
             broken(source, name + ".rgb",
                    fmt::format("is {}, the background's colour, which is not printed: give this resin another colour",
-                               resins[i].rgb));
+                               list(resins[i].rgb)));
         if (!(resins[i].ml >= 0 && std::isfinite(resins[i].ml))) broken(source, name + ".ml", "is no number from 0 up");
         for (std::size_t j = 0; j < i; ++j) {
             if (resins[j].rgb == resins[i].rgb)
@@ -143,7 +152,7 @@ std::string manifest_text(const StackDescription& stack) {
     std::string resins;
     for (const auto& resin : stack.resins)
         resins += fmt::format("{}\n  {{\"name\": {}, \"role\": {}, \"rgb\": {}, \"voxels\": {}, \"ml\": {}}}",
-                              resins.empty() ? "" : ",", json_text(resin.name), json_text(resin.role), resin.rgb,
+                              resins.empty() ? "" : ",", json_text(resin.name), json_text(resin.role), list(resin.rgb),
                               resin.voxels, resin.ml);
     return fmt::format(
         "{{\"format\": \"voxtone-layers\", \"version\": 1,\n"
@@ -153,8 +162,8 @@ std::string manifest_text(const StackDescription& stack) {
         " \"resins\": [{}],\n"
         " \"orientation\": {{\"flip_x\": {}, \"flip_y\": {}, \"swap_xy\": {}}},\n"
         " \"content_sha256\": {}}}\n",
-        json_text(stack.printer), stack.pitch_um, stack.size_px, stack.layers, stack.first_layer, stack.size_mm,
-        stack.origin_mm, json_text(stack.pattern), stack.background_rgb, resins, stack.orientation.flip_x,
+        json_text(stack.printer), list(stack.pitch_um), list(stack.size_px), stack.layers, stack.first_layer,
+        list(stack.size_mm), list(stack.origin_mm), json_text(stack.pattern), list(stack.background_rgb), resins, stack.orientation.flip_x,
         stack.orientation.flip_y, stack.orientation.swap_xy, json_text(stack.content_sha256));
 }
 
