@@ -39,9 +39,10 @@ io::TexturedMesh soup(const SolidMesh& m, double shake) {
     return t;
 }
 
-RepairedMesh repair(const io::TexturedMesh& m, RepairMode mode = RepairMode::automatic) {
+RepairedMesh repair(const io::TexturedMesh& m, RepairMode mode = RepairMode::automatic, double pitch_mm = 0.027) {
     RepairOptions options;
     options.mode = mode;
+    options.pitch_mm = pitch_mm;
     return repair_mesh(m, options);
 }
 
@@ -173,7 +174,7 @@ TEST_CASE("Any set of faces becomes a closed chain") {
 
 TEST_CASE("A body in shreds is wrapped", "[wrap]") {
     const SolidMesh sphere = shapes::sphere(3, 8);
-    const RepairedMesh r = repair(soup(sphere, 0.2));
+    const RepairedMesh r = repair(soup(sphere, 0.2), RepairMode::automatic, 0.1);
     CHECK(r.report.wrapped_faces == sphere.triangles.size());
     CHECK(r.wrapped_triangles.size() == sphere.triangles.size());
     CHECK(r.report.after.open_edges == 0);
@@ -181,7 +182,7 @@ TEST_CASE("A body in shreds is wrapped", "[wrap]") {
     // As large as the sphere, give or take the shaking and the offset.
     CHECK(volume(r) > 0.9 * shapes::volume(sphere));
     CHECK(volume(r) < 1.25 * shapes::volume(sphere));
-    CHECK(repair(textured(cube), RepairMode::wrap).report.wrapped_faces == 12);
+    CHECK(repair(textured(cube), RepairMode::wrap, 0.1).report.wrapped_faces == 12);
 }
 
 TEST_CASE("Nothing to print is said") {
