@@ -1,0 +1,59 @@
+// Without this script the page shows every view and the first layer; with it, tabs and a slider.
+(() => {
+  "use strict";
+  const views = [...document.querySelectorAll(".view")];
+  const tabs = document.querySelector(".tabs");
+  if (views.length > 1) {
+    const show = (chosen) => {
+      views.forEach((view, i) => { view.hidden = i !== chosen; });
+      [...tabs.children].forEach((tab, i) => tab.setAttribute("aria-pressed", i === chosen));
+    };
+    views.forEach((view, i) => {
+      const tab = document.createElement("button");
+      tab.type = "button";
+      tab.textContent = view.dataset.name;
+      tab.addEventListener("click", () => show(i));
+      tabs.append(tab);
+    });
+    show(0);
+  }
+
+  const data = document.getElementById("layer-data");
+  if (!data) return;
+  const layers = JSON.parse(data.textContent);
+  const picture = document.getElementById("layer-picture");
+  const slider = document.getElementById("layer-slider");
+  const label = document.getElementById("layer-label");
+  const play = document.getElementById("layer-play");
+  let timer = 0;
+  const draw = () => {
+    const layer = layers[slider.value];
+    picture.src = layer.src;
+    picture.alt = label.textContent = layer.label;
+  };
+  const step = (by) => {
+    slider.value = (Number(slider.value) + by + layers.length) % layers.length;
+    draw();
+  };
+  const pause = () => {
+    clearInterval(timer);
+    timer = 0;
+    play.textContent = "Play";
+  };
+  slider.addEventListener("input", () => { pause(); draw(); });
+  play.addEventListener("click", () => {
+    if (timer) return pause();
+    play.textContent = "Pause";
+    timer = setInterval(() => step(1), 120);
+  });
+  document.addEventListener("keydown", (event) => {
+    if (event.altKey || event.ctrlKey || event.metaKey || event.target === slider) return;
+    if (event.key === "ArrowRight" || event.key === "ArrowUp") step(1);
+    else if (event.key === "ArrowLeft" || event.key === "ArrowDown") step(-1);
+    else return;
+    pause();
+    event.preventDefault();
+  });
+  document.querySelector(".scrub").hidden = false;
+  draw();
+})();
