@@ -250,7 +250,7 @@ void add_layers(std::string& html, const Report& report) {
     if (report.layers.empty()) return;
     const std::size_t shown = report.layers.size() / 2;
     html += fmt::format(
-        "<section>\n<h2>Layers</h2>\n<figure>{}</figure>\n"
+        "<section class=\"layers\">\n<h2>Layers</h2>\n<figure>{}</figure>\n"
         "<div class=\"scrub\" hidden><button type=\"button\" id=\"layer-play\">Play</button>"
         "<input type=\"range\" id=\"layer-slider\" min=\"0\" max=\"{}\" value=\"{}\" aria-label=\"Layer\">"
         "<output id=\"layer-label\">{}</output></div>\n",
