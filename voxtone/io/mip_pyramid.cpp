@@ -25,6 +25,36 @@ Taps taps(std::uint32_t i, std::uint32_t size) {
     return {2 * i, 3, {(k - static_cast<float>(i)) / total, k / total, (static_cast<float>(i) + 1) / total}};
 }
 
+void decode_row(const std::uint8_t* texels, std::size_t width, float* out) {
+    const auto& table = srgb8_to_linear();
+    for (std::size_t x = 0; x < width; ++x)
+        for (int c = 0; c < 3; ++c) out[3 * x + c] = table[texels[4 * x + c]];
+}
+void decode_row(const std::uint16_t* texels, std::size_t width, float* out) {
+    for (std::size_t x = 0; x < width; ++x)
+        for (int c = 0; c < 3; ++c) out[3 * x + c] = static_cast<float>(texels[4 * x + c]) / 65535.0f;
+}
+void encode_row(const float* values, std::size_t width, std::uint8_t* out) {
+    for (std::size_t x = 0; x < width; ++x)
+        for (int c = 0; c < 3; ++c) out[4 * x + c] = linear_to_srgb8(values[3 * x + c]);
+}
+void encode_row(const float* values, std::size_t width, std::uint16_t* out) {
+    for (std::size_t x = 0; x < width; ++x)
+        for (int c = 0; c < 3; ++c) out[4 * x + c] = static_cast<std::uint16_t>(std::clamp(values[3 * x + c], 0.0f, 1.0f) * 65535.0f + 0.5f);
+}
+
+/// One row of width `from` to its averages of width `to`.
+void narrow_row(const float* in, std::uint32_t from, std::uint32_t to, float* out) {
+    for (std::uint32_t x = 0; x < to; ++x) {
+        const Taps columns = taps(x, from);
+        for (int c = 0; c < 3; ++c) {
+            float sum = 0;
+            for (std::uint32_t i = 0; i < columns.count; ++i) sum += columns.weight[i] * in[3 * (columns.first + i) + c];
+            out[3 * x + c] = sum;
+        }
+    }
+}
+
 }  // namespace
 
 MipPyramid::MipPyramid(TexelImage image) {
@@ -46,31 +76,34 @@ MipPyramid::MipPyramid(TexelImage image) {
 
     // Each level comes from the unrounded values of the one above, so that rounding does not add up.
     std::vector<float> above, here;
-    const auto& decode = srgb8_to_linear();
     for (std::size_t l = 1; l < levels_.size(); ++l) {
         const Level from = levels_[l - 1], to = levels_[l];
-        here.assign(3 * std::size_t{to.width} * to.height, 0.0f);
-        const auto value = [&](std::size_t texel, int c) {
-            if (l > 1) return above[3 * texel + c];
-            return coded ? decode[srgb8_[4 * texel + c]] : static_cast<float>(linear16_[4 * texel + c]) / 65535.0f;
-        };
-        parallel_for(0, to.height, 64, [&](std::size_t y) {
-            const Taps rows = taps(static_cast<std::uint32_t>(y), from.height);
-            for (std::uint32_t x = 0; x < to.width; ++x) {
-                const Taps columns = taps(x, from.width);
-                const std::size_t texel = y * to.width + x;
-                for (int c = 0; c < 3; ++c) {
-                    float sum = 0;
-                    for (std::uint32_t j = 0; j < rows.count; ++j)
-                        for (std::uint32_t i = 0; i < columns.count; ++i)
-                            sum += rows.weight[j] * columns.weight[i] *
-                                   value(std::size_t{rows.first + j} * from.width + columns.first + i, c);
-                    here[3 * texel + c] = sum;
-                    if (coded)
-                        srgb8_[4 * (to.first + texel) + c] = linear_to_srgb8(sum);
+        const std::size_t width = from.width;
+        here.resize(3 * std::size_t{to.width} * to.height);
+        parallel_ranges(0, to.height, 16, [&](std::size_t first, std::size_t last) {
+            std::vector<float> row(3 * width), mean(3 * width);
+            for (std::size_t y = first; y < last; ++y) {
+                const Taps rows = taps(static_cast<std::uint32_t>(y), from.height);
+                std::fill(mean.begin(), mean.end(), 0.0f);
+                for (std::uint32_t j = 0; j < rows.count; ++j) {
+                    const std::size_t texel = (rows.first + j) * width;
+                    const float* values = row.data();
+                    if (l > 1)
+                        values = above.data() + 3 * texel;
+                    else if (coded)
+                        decode_row(srgb8_.data() + 4 * texel, width, row.data());
                     else
-                        linear16_[4 * (to.first + texel) + c] = static_cast<std::uint16_t>(std::clamp(sum, 0.0f, 1.0f) * 65535.0f + 0.5f);
+                        decode_row(linear16_.data() + 4 * texel, width, row.data());
+                    const float weight = rows.weight[j];
+                    for (std::size_t i = 0; i < 3 * width; ++i) mean[i] += weight * values[i];
                 }
+                float* out = here.data() + 3 * y * to.width;
+                narrow_row(mean.data(), from.width, to.width, out);
+                const std::size_t target = 4 * (to.first + y * to.width);
+                if (coded)
+                    encode_row(out, to.width, srgb8_.data() + target);
+                else
+                    encode_row(out, to.width, linear16_.data() + target);
             }
         });
         std::swap(above, here);
