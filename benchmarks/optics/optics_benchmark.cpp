@@ -16,7 +16,7 @@ namespace {
 using namespace voxtone;
 using namespace voxtone::optics;
 
-// One patch of a calibration target: 0.675 mm of cyan over infinitely deep white, 15 directions, both media new every time.
+// One patch of a calibration target: 0.675 mm of cyan over deep white, 15 directions, both media new every time.
 void two_layer_reflectance(benchmark::State& state) {
     const ResinSet set = vero_opaque();
     const OrdinatePlan plan = directional_plan(set.g, set.eta);

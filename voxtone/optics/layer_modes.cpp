@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
 #include "voxtone/base/contracts.h"
@@ -68,10 +67,10 @@ LayerModes::LayerModes(const OrdinatePlan& plan, const Medium& medium) {
     const Eigen::LLT<OrdinateMatrix> cholesky(F);
     const OrdinateMatrix L = cholesky.matrixL();
     const OrdinateMatrix K = L.transpose() * (E * L);
-    const Eigen::SelfAdjointEigenSolver<OrdinateMatrix> solver(K);
-    lambda_ = solver.eigenvalues().cwiseMax(0);
-    W_ = cholesky.matrixU().solve(solver.eigenvectors());
-    W_inverse_ = solver.eigenvectors().transpose() * L.transpose();
+    const SymmetricEigen eigen = symmetric_eigen(K);
+    lambda_ = eigen.values.cwiseMax(0);
+    W_ = cholesky.matrixU().solve(eigen.vectors);
+    W_inverse_ = eigen.vectors.transpose() * L.transpose();
     // The diffusion mode's small eigenvalue drowns in the rounding of the largest (up to 1/nu^2 = 1e6); its Rayleigh
     // quotient does not. Where nothing absorbs it is 0.
     const OrdinateVector slowest = W_inverse_.row(0).transpose();

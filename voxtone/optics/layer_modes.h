@@ -26,15 +26,9 @@
 #include "voxtone/optics/phase.h"
 #include "voxtone/optics/quadrature.h"
 #include "voxtone/optics/resins.h"
+#include "voxtone/optics/symmetric_eigen.h"
 
 namespace voxtone::optics {
-
-/// Most directions per hemisphere that the fast solver takes.
-inline constexpr int max_ordinates = 32;
-
-using OrdinateMatrix =
-    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, max_ordinates, max_ordinates>;
-using OrdinateVector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, max_ordinates, 1>;
 
 /// What is prepared once for a phase function, a refractive index and a set of directions. Every weight of the grid
 /// must be positive.

@@ -10,7 +10,7 @@
 //
 // Units: mm and mm^-1. All layers share g and eta; a layer that neither scatters nor absorbs (clear resin) is not seen.
 // Error with the default plans, g = 0.4, eta = 1.5 (tested): appearance 3e-5, worst for dark films thinner than a free
-// path; rho 1e-6 for calibration patches, 2e-5 for stacks of films of 27 um. 10 + 10 directions: 3e-6 for all.
+// path; rho 1e-6 for calibration patches, 2e-5 for stacks of films of 27 um. 10 + 10 directions: 2e-6 for all.
 #pragma once
 
 #include <span>

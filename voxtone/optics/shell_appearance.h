@@ -14,7 +14,10 @@
 //   A_c(f) = table_c( ln(1 + sigma_a / s_a), ln(1 + sigma_s / s_s) ),   sigma_(f) = sum_r f_r sigma_r
 //
 // Range: fractions in [0, 1] that sum to 1 (anything in the box of absorption and scattering that the resins span;
-// outside it the value at the edge holds). Error against adding-doubling: below 1e-4 in appearance, tested.
+// outside it the value at the edge holds). Error against adding-doubling for cores that scatter: below 1e-4 in
+// appearance, tested; the worst of 400 random mixtures was 1.2e-6 for 1 mm of the start set over deep white and 3.4e-5
+// for shells of 0.1 to 5 mm with clear resin, over deep white and over finite cores. A nearly clear shell on a clear
+// core has no such bound: light trapped in it is scattered out or absorbed by the ratio of two vanishing numbers.
 // What it cannot see: edges, curvature, neighbouring colours, the grain of a halftone (voxels that are optically
 // thick). Immutable after construction: one object may serve any number of threads.
 #pragma once
@@ -33,7 +36,7 @@ namespace voxtone::optics {
 struct ShellGeometry {
     double shell_mm = 1.0;  ///< > 0
     int core_resin = 0;     ///< index into the set; a body all of this resin is the "white" of media-relative values
-    double core_mm = std::numeric_limits<double>::infinity();  ///< >= 0
+    double core_mm = std::numeric_limits<double>::infinity();  ///< > 0
     Backing backing = Backing::none;                           ///< has no meaning under an infinite core
 };
 
