@@ -211,6 +211,21 @@ TEST_CASE("Adler-32 in closed form is zlib's", "[png]") {
     CHECK(adler32_of_layer(white, palette) == adler32_z(1, plain.data(), plain.size()));
 }
 
+TEST_CASE("about as small as zlib level 6 on layers with a halftoned skin", "[png]") {
+    const std::array<std::array<double, 5>, 3> mixtures = {{{.2, .2, .2, .1, .3}, {.1, .12, .08, .02, .68}, {.04, .04, .03, .01, .88}}};
+    for (const auto& weights : mixtures) {
+        const auto layer = ring_layer(1600, 800, 60, weights, 5, 6);
+        const auto plain = plain_bitmap(layer, cmykw);
+        uLongf size = compressBound(plain.size());
+        std::vector<std::uint8_t> packed(size);
+        REQUIRE(compress2(packed.data(), &size, plain.data(), plain.size(), 6) == Z_OK);
+        const auto ours = PngLayerEncoder(cmykw, {42.333333, 84.666667}).encode(layer).size();
+        INFO("ours " << ours << " bytes, zlib " << size);
+        // Measured: 3 % less to 2.5 % more, by mixture; zlib searches 128 places per byte, this 4 per pixel.
+        CHECK(static_cast<double>(ours) <= 1.03 * static_cast<double>(size));
+    }
+}
+
 TEST_CASE("code lengths are optimal under their limit", "[png]") {
     // Fibonacci counts make the deepest trees: without a limit the rarest would get 29 bits.
     std::vector<std::uint64_t> counts = {1, 1};

@@ -18,7 +18,6 @@ constexpr std::uint32_t padding = 16;
 constexpr std::uint32_t pixel_reach = 64;  // px searched for a single equal pixel
 constexpr int long_bits = 12, short_bits = 12;
 constexpr std::uint32_t block = 256;  // px looked up at once
-constexpr int long_key = 6;        // px
 constexpr std::uint32_t worth = 4;  // of a pixel told, against one bit of distance
 
 std::uint64_t load(const std::uint8_t* at) {
@@ -28,10 +27,24 @@ std::uint64_t load(const std::uint8_t* at) {
     return value;
 }
 
-/// Of the next 6 pixels, mixed.
-std::uint32_t key_long(std::uint64_t next) {
-    return static_cast<std::uint32_t>(((next << (64 - 8 * long_key)) * 0x9E3779B97F4A7C15u) >> (64 - long_bits));
+/// Of the next pixels, as many as `unused` leaves of 64 bits, mixed.
+std::uint32_t key_long(std::uint64_t next, int unused) {
+    return static_cast<std::uint32_t>(((next << unused) * 0x9E3779B97F4A7C15u) >> (64 - long_bits));
 }
+/// How many pixels the long key takes: the calmer the halftone, the more, so that about one place within reach has the same.
+/// Chosen on halftones of 0.8 to 2.2 bits per pixel.
+int long_key_pixels(const LayerRuns& layer) {
+    std::uint64_t runs = 0, pixels = 0;
+    for (std::uint32_t y = 0; y < layer.rows(); y += 8)
+        for (const Run run : layer.row(y))
+            if (run.length < long_run) {
+                ++runs;
+                pixels += run.length;
+            }
+    if (2 * pixels < 3 * runs) return 5;
+    return 2 * pixels < 5 * runs ? 6 : 8;
+}
+
 /// Of the next 3 pixels, four bits each.
 std::uint32_t key_short(std::uint64_t next) {
     return static_cast<std::uint32_t>((next & 0xf) | (next >> 4 & 0xf0) | (next >> 8 & 0xf00));
@@ -82,7 +95,7 @@ void MatchTokens::repeat(std::uint64_t bytes, std::uint32_t distance) {
     if (rest) match(rest, distance);
 }
 
-RunMatcher::RunMatcher() : latest_long_(std::size_t{1} << long_bits), latest_short_(std::size_t{1} << short_bits) {}
+RunMatcher::RunMatcher() : latest_long_(std::size_t{2} << long_bits), latest_short_(std::size_t{1} << short_bits) {}
 
 void RunMatcher::begin_row(std::uint32_t y) {
     row_slot_ = y * (width_ + 1);
@@ -119,7 +132,8 @@ void RunMatcher::match_pixels(std::uint32_t first, std::uint32_t last) {
     const std::uint32_t end = last + 1, row_slot = row_slot_, floor = window_floor_, stride = width_ + 1;
     // Division by the stride: exact since what is divided stays below 2^18 and the stride below 2^17.
     const std::uint64_t per_row = ((std::uint64_t{1} << 40) + stride - 1) / stride;
-    std::array<std::uint16_t, block> long_backs, short_backs;
+    std::array<std::uint16_t, block> long_backs, longer_backs, short_backs;
+    const int unused = long_key_unused_;
 
     std::uint32_t slot = first + 1;  // in the row
     for (std::uint32_t from = slot; from < end; from += block) {
@@ -128,11 +142,13 @@ void RunMatcher::match_pixels(std::uint32_t first, std::uint32_t last) {
         for (std::uint32_t i = from; i < to; ++i) {
             const std::uint64_t next = load(row + i);
             const auto place = static_cast<std::uint16_t>(row_slot + i);
-            std::uint16_t& at_long = latest_long[key_long(next)];
+            std::uint16_t* const at_long = latest_long + std::size_t{2} * key_long(next, unused);
             std::uint16_t& at_short = latest_short[key_short(next)];
-            long_backs[i - from] = static_cast<std::uint16_t>(place - at_long);
+            long_backs[i - from] = static_cast<std::uint16_t>(place - at_long[0]);
+            longer_backs[i - from] = static_cast<std::uint16_t>(place - at_long[1]);
             short_backs[i - from] = static_cast<std::uint16_t>(place - at_short);
-            at_long = at_short = place;
+            at_long[1] = at_long[0];
+            at_long[0] = at_short = place;
         }
         while (slot < to) {
             const std::uint8_t* const here = row + slot;
@@ -149,6 +165,7 @@ void RunMatcher::match_pixels(std::uint32_t first, std::uint32_t last) {
             std::uint64_t best = candidate(1);
             best = std::max(best, candidate(short_backs[slot - from]));
             best = std::max(best, candidate(long_backs[slot - from]));
+            best = std::max(best, candidate(longer_backs[slot - from]));
             if (best == 0) {
                 const std::uint32_t near = std::min(slot, pixel_reach);
                 for (std::uint32_t back = 2; back < near && best == 0; ++back)
@@ -180,6 +197,7 @@ const MatchTokens& RunMatcher::match(const LayerRuns& layer) {
     const bool rows_reach = stride <= longest_distance;
     window_.resize(std::max<std::size_t>(std::size_t{1} << 16, reach + 2 * std::size_t{width_ + 1 + padding}));
     window_slot_ = window_floor_ = window_end_ = 0;
+    long_key_unused_ = 64 - 8 * long_key_pixels(layer);
     std::fill(latest_long_.begin(), latest_long_.end(), std::uint16_t{0});
     std::fill(latest_short_.begin(), latest_short_.end(), std::uint16_t{0});
 

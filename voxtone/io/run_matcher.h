@@ -5,8 +5,8 @@
 //
 // Long runs become matches at distance 4, as many of the longest length as fit; the stretch from the end of one row over
 // the filter byte into the next becomes one match at the distance of a row. What lies between long runs (halftone) is
-// matched greedily against the last 8192 pixels: candidates are the previous pixel and the latest places where the next
-// few pixels were the same, and the one with the best length for its price is taken.
+// matched greedily against the last 8192 pixels: candidates are the previous pixel, the latest place where the next 3 pixels
+// were the same and the latest two where the next 5 to 8 were; the one with the best length for its price is taken.
 #pragma once
 
 #include <array>
@@ -92,7 +92,8 @@ private:
     std::uint32_t window_floor_ = 0;  // first slot that is filled in
     std::uint32_t window_end_ = 0;    // slot behind the last row filled in
     std::uint32_t row_slot_ = 0;      // slot of the current row's filter byte
-    // Where the next few pixels were last seen: the low 16 bits of the slot (what is older than the reach is refused, and
+    int long_key_unused_ = 16;
+    // Where the next few pixels were last seen, for the longer key the last two places: the low 16 bits of the slot (what is older than the reach is refused, and
     // every find is compared).
     std::vector<std::uint16_t> latest_long_, latest_short_;
 };
