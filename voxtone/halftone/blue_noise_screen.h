@@ -4,9 +4,10 @@
 // of 64^3 voxels of ranks by void-and-cluster (`void_and_cluster.h`), isotropic in millimetres for one ratio of pitches.
 // Thresholds depend on the voxel's global index alone, so a job may be cut in any way.
 //
-// Threshold t in [0, 65535]; each value occurs four times in the tile. In a field of constant colour the volume of each
+// Threshold t in [0, 65534]; each value occurs four times in the tile, the last eight times: 65535 is left out, because a
+// bound of 65535 means "all the rest" and must be above every threshold (a pure resin has no stray voxels). In a field of constant colour the volume of each
 // resin is
-//   - over any cube of 64^3 voxels: as the 16-bit mixture says, exactly;
+//   - over any cube of 64^3 voxels: as the 16-bit mixture says, within 4 of 262144 voxels;
 //   - over any cube of 16^3 voxels: within 0.81 % of the cube's volume, for any number of resins and any mixture: the
 //     worst case over all cubes and all intervals of thresholds, not a sample (tested, for the tiles of the build).
 // Power at low frequencies (below 0.2 of one over the mean distance of a resin's voxels) is under 2 % of white noise's;

@@ -128,7 +128,9 @@ std::vector<std::uint32_t> void_and_cluster(const VoidAndClusterOptions& options
 std::vector<std::uint16_t> void_and_cluster_thresholds(const VoidAndClusterOptions& options, const Progress* progress) {
     const std::vector<std::uint32_t> rank = void_and_cluster(options, progress);
     std::vector<std::uint16_t> threshold(rank.size());
-    std::transform(rank.begin(), rank.end(), threshold.begin(), [](std::uint32_t r) { return static_cast<std::uint16_t>(r / (voxels / 65536)); });
+    std::transform(rank.begin(), rank.end(), threshold.begin(), [](std::uint32_t r) {
+        return static_cast<std::uint16_t>(std::min<std::uint32_t>(r / (voxels / 65536), 65534));
+    });
     return threshold;
 }
 

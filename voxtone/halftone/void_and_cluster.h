@@ -40,7 +40,7 @@ inline constexpr int void_and_cluster_size = 64;
 [[nodiscard]] std::vector<std::uint32_t> void_and_cluster(const VoidAndClusterOptions& options,
                                                           const Progress* progress = nullptr);
 
-/// The same as 16-bit thresholds: every value 0 .. 65535 four times.
+/// The same as thresholds 0 .. 65534: rank / 4, the last four lowered by 1 (see blue_noise_screen.h).
 [[nodiscard]] std::vector<std::uint16_t> void_and_cluster_thresholds(const VoidAndClusterOptions& options,
                                                                      const Progress* progress = nullptr);
 
