@@ -13,11 +13,7 @@
 // Threads: const members may be called from any thread. slab() of a layer does not depend on the other layers asked for.
 #pragma once
 
-#include <array>
-#include <cstddef>
-#include <cstdint>
-#include <vector>
-
+#include "voxtone/slicer/fixed_mesh.h"
 #include "voxtone/slicer/solid_mesh.h"
 #include "voxtone/slicer/span_slab.h"
 #include "voxtone/slicer/voxel_grid.h"
@@ -40,19 +36,12 @@ public:
     /// Volume enclosed by the rounded surface, where shells that overlap count as often as they wind (mm^3).
     [[nodiscard]] double winding_volume_mm3() const;
 
+    /// For the search for thin features.
+    [[nodiscard]] const FixedMesh& fixed_mesh() const { return mesh_; }
+
 private:
-    using Vertex = std::array<std::int32_t, 3>;  // fixed point; a multiple of 1 << fraction_bits_ is a voxel centre
-    struct Crossing;
-
-    void rasterise(std::uint32_t triangle, int k_begin, int k_end, std::vector<Crossing>& out) const;
-
     VoxelGrid grid_;
-    int fraction_bits_ = 16;
-    std::vector<Vertex> vertices_;
-    std::vector<std::array<std::uint32_t, 3>> triangles_;
-    // Triangles by bucket of layers; one that spans several buckets is in each.
-    std::vector<std::size_t> bucket_begin_;
-    std::vector<std::uint32_t> bucket_triangles_;
+    FixedMesh mesh_;
 };
 
 }  // namespace voxtone::slicer
