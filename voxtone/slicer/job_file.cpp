@@ -40,7 +40,8 @@ std::string option_text(const Json& value, const std::string& where) {
         std::string text;
         for (const Json& item : value) {
             if (!item.is_string()) throw InputError(where + ": a list of texts is expected");
-            text += (text.empty() ? "" : ",") + item.get<std::string>();
+            if (!text.empty()) text += ',';
+            text += item.get<std::string>();
         }
         return text;
     }

@@ -104,10 +104,10 @@ std::vector<OptionSpec> make_table() {
         text(spec("model", Kind::text, "FILE", in, "textured mesh (OBJ, PLY, STL, glTF, GLB, 3MF) or picture"), &O::model),
         text(spec("out", Kind::text, "FOLDER", in, "output folder; nothing is written outside it"), &O::out),
         list(spec("formats", Kind::list, "LIST", in,
-                  "what to write: png (RGBA stack for Voxel Print), gcvf, tiff or png1 (one per resin and layer), vdb",
+                  "what to write: png (RGBA stack for Voxel Print), gcvf, tiff or png1 (one per resin and layer), vdb; empty: the printer's default",
                   {"png", "gcvf", "tiff", "png1", "vdb"}),
              &O::formats),
-        flag(spec("overwrite", Kind::flag, "", in, "replace a stack that is already in the output folder"), &O::overwrite),
+        flag(spec("overwrite", Kind::flag, "", in, "write into a folder that holds other files too"), &O::overwrite),
         flag(spec("report", Kind::flag, "", in, "write report.html, target and predicted pictures"), &O::report),
 
         text(spec("printer", Kind::text, "ID|FILE", place, "printer profile; see `voxtone list printers`"), &O::printer),
@@ -183,7 +183,6 @@ void validate(const SliceOptions& o) {
     need(o.thickness_mm > 0, "thickness", fmt::format("{}mm", o.thickness_mm), "must be above 0");
     need(o.depth_mm > 0 && o.depth_mm <= 10, "depth", fmt::format("{}mm", o.depth_mm), "must be above 0 and at most 10 mm");
     need(o.threads >= 0 && o.threads <= 1024, "threads", fmt::format("{}", o.threads), "must be 0 to 1024");
-    need(!o.formats.empty(), "formats", "(none)", "name at least one: png, gcvf, tiff, png1, vdb");
     if (o.unit != "auto") (void)mm_per_unit(o.unit);
 }
 

@@ -38,7 +38,7 @@ struct SliceOptions {
     std::uint64_t seed = 1;
     std::string layers;  ///< "a-b", inclusive; empty: all
 
-    std::vector<std::string> formats{"png"};
+    std::vector<std::string> formats;  ///< empty: the printer's default
     bool overwrite = false;
     bool report = true;
     int threads = 0;

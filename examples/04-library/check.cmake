@@ -1,0 +1,11 @@
+# Installs voxtone, then configures, builds and runs the example against it.  -DBUILD= -DSOURCE= -DWORK=
+function(must)
+  execute_process(COMMAND ${ARGV} RESULT_VARIABLE failed)
+  if(failed)
+    message(FATAL_ERROR "failed: ${ARGV}")
+  endif()
+endfunction()
+must(${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/prefix)
+must(${CMAKE_COMMAND} -S ${SOURCE} -B ${WORK}/build -G Ninja -DCMAKE_PREFIX_PATH=${WORK}/prefix -DCMAKE_BUILD_TYPE=Release)
+must(${CMAKE_COMMAND} --build ${WORK}/build)
+must(${WORK}/build/mix)

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include "run_program.h"
+
+using namespace voxtone::test;
+using Catch::Matchers::Contains;
+
+TEST_CASE("Usage errors end with 2, help and version with 0") {
+    CHECK(run_program("").exit_code == 2);
+    CHECK(run_program("slise").exit_code == 2);
+    CHECK(run_program("slice --sise 60mm model.obj -o out").exit_code == 2);
+    const Outcome version = run_program("--version");
+    CHECK(version.exit_code == 0);
+    CHECK_THAT(version.out, Contains("voxtone 0."));
+    const Outcome help = run_program("slice --help");
+    CHECK(help.exit_code == 0);
+    for (const char* option : {"--printer", "--resins", "--size", "--scale", "--unit", "--rotate", "--layers", "--screen", "--width",
+                               "--thickness", "--repair", "--keep-thin", "--job", "--dump-default", "--json", "--quiet", "--threads", "--seed"})
+        CHECK_THAT(help.out, Contains(option));
+    const Outcome rule = run_program("slice model.obj -o out --depth 0");
+    CHECK(rule.exit_code == 2);
+    CHECK_THAT(rule.err, Contains("--depth"));
+}
+
+TEST_CASE("--dump-default prints a job file that slices") {
+    const Folder folder("dump");
+    const Outcome dump = run_program("slice --dump-default");
+    REQUIRE(dump.exit_code == 0);
+    auto job = nlohmann::json::parse(dump.out);
+    folder.write("marker.obj", marker_obj());
+    job["model"] = "marker.obj";
+    job["out"] = folder / "out";
+    job["layers"] = "0-1";
+    job["report"] = false;
+    folder.write("job.json", job.dump());
+    CHECK(run_program("slice --quiet --job " + (folder / "job.json")).exit_code == 0);
+    // The command line wins over the file.
+    CHECK(run_program("slice --quiet --layers 0-99999 --overwrite --job " + (folder / "job.json")).exit_code == 3);
+    folder.write("bad.json", R"({"format": "voxtone-job", "version": 1, "modle": "x"})");
+    const Outcome bad = run_program("slice --job " + (folder / "bad.json"));
+    CHECK(bad.exit_code == 3);
+    CHECK_THAT(bad.err, Contains("modle") && Contains("model"));
+}
+
+TEST_CASE("Missing and invalid inputs have their own exit codes and one clear sentence") {
+    const Folder folder("inputs");
+    const std::string out = " -o " + (folder / "out");
+    const Outcome missing = run_program("slice " + (folder / "nothing.obj") + out);
+    CHECK(missing.exit_code == 4);
+    CHECK_THAT(missing.err, Contains("nothing.obj"));
+    folder.write("empty.obj", "");
+    CHECK(run_program("slice " + (folder / "empty.obj") + out).exit_code == 3);
+    folder.write("marker.obj", marker_obj());
+    const std::string slice = "slice " + (folder / "marker.obj") + out;
+    CHECK(run_program(slice + " --printer no-such-printer").exit_code == 3);
+    CHECK(run_program(slice + " --resins no-such-set").exit_code == 3);
+    CHECK(run_program(slice + " --load C,M,Q").exit_code == 3);
+    CHECK(run_program(slice + " --printer stratasys-j750-hs --load C,M,Y,K,W").exit_code == 3);
+    const Outcome large = run_program(slice + " --size 5m");
+    CHECK(large.exit_code == 3);
+    CHECK_THAT(large.err, Contains("tray"));
+    CHECK_FALSE(std::filesystem::exists(folder / "out/manifest.json"));
+    // A folder with somebody's files in it is not touched.
+    std::filesystem::create_directory(folder / "mine");
+    folder.write("mine/letter.txt", "dear");
+    CHECK(run_program("slice " + (folder / "marker.obj") + " -o " + (folder / "mine")).exit_code != 0);
+    CHECK(read_tree(folder / "mine").size() == 1);
+}
+
+TEST_CASE("--json: events and one result, one JSON object a line") {
+    const Folder folder("json");
+    folder.write("marker.obj", marker_obj());
+    const Outcome outcome = run_program("slice --json --layers 0-3 " + (folder / "marker.obj") + " -o " + (folder / "out"));
+    REQUIRE(outcome.exit_code == 0);
+    std::size_t results = 0, stages = 0;
+    std::string last;
+    for (std::size_t begin = 0; begin < outcome.out.size();) {
+        const std::size_t end = outcome.out.find('\n', begin);
+        REQUIRE(end != std::string::npos);
+        const auto event = nlohmann::json::parse(outcome.out.substr(begin, end - begin));
+        last = event.at("event").get<std::string>();
+        results += last == "result";
+        stages += last == "stage";
+        begin = end + 1;
+    }
+    CHECK(results == 1);
+    CHECK(last == "result");
+    CHECK(stages >= 3);
+}
+
+TEST_CASE("Ctrl-C stops with 5 and leaves nothing that looks whole") {
+    const Folder folder("cancel");
+    folder.write("box.obj", ramp_box_obj(60, 60, 30));
+    const Outcome outcome = run_program("slice --quiet " + (folder / "box.obj") + " -o " + (folder / "out"), 1500);
+    CHECK(outcome.exit_code == 5);
+    CHECK_THAT(outcome.err, Contains("cancelled"));
+    CHECK_FALSE(std::filesystem::exists(folder / "out/manifest.json"));
+    CHECK(run_program("verify " + (folder / "out")).exit_code != 0);
+}
+
+TEST_CASE("list names the printers and the resin sets") {
+    const Outcome printers = run_program("list printers");
+    CHECK(printers.exit_code == 0);
+    for (const char* id : {"stratasys-j750-hm", "stratasys-j750-hq", "stratasys-j750-hs", "stratasys-j55", "mimaki-3duj-553", "generic"})
+        CHECK_THAT(printers.out, Contains(id));
+    const Outcome resins = run_program("list resins");
+    CHECK(resins.exit_code == 0);
+    CHECK_THAT(resins.out, Contains("vero-opaque"));
+    CHECK(run_program("list cows").exit_code == 2);
+}

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <cmath>
+#include <fmt/core.h>
+#include <map>
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include "run_program.h"
+
+using namespace voxtone::test;
+
+namespace {
+
+nlohmann::json manifest(const Folder& folder) { return nlohmann::json::parse(read_file(folder / "out/manifest.json")); }
+
+std::string layer_path(const Folder& folder, int k) { return folder / fmt::format("out/layers/slice_{:05d}.png", k); }
+
+/// Columns and rows of the pixels that are not background: first and past the last.
+struct Box {
+    int left = 1 << 30, right = 0, top = 1 << 30, bottom = 0;
+};
+Box printed(const Bitmap& bitmap) {
+    Box box;
+    for (int y = 0; y < bitmap.height; ++y)
+        for (int x = 0; x < bitmap.width; ++x)
+            if (const auto p = bitmap.at(x, y); p[0] || p[1] || p[2])
+                box = {std::min(box.left, x), std::max(box.right, x + 1), std::min(box.top, y), std::max(box.bottom, y + 1)};
+    return box;
+}
+
+}  // namespace
+
+TEST_CASE("An asymmetric marker proves every axis and mirror") {
+    const Folder folder("marker");
+    folder.write("marker.obj", marker_obj());
+    // Base 6 x 3 x 2 mm; tower 2 x 1 mm on the corner of small x, small y, up to z = 5 mm. J750: 42.33 x 84.67 x 27 um.
+    struct Case {
+        const char* options;
+        bool left, bottom;  ///< where the tower stands in the bitmap
+    };
+    for (const Case& c : {Case{"", true, true}, Case{"--flip-x", false, true}, Case{"--flip-y", true, false}, Case{"--flip-x --flip-y", false, false},
+                          Case{"--rotate z180", false, false}}) {
+        INFO(c.options);
+        REQUIRE(run_program(fmt::format("slice --quiet --no-report --overwrite {} {} -o {}", folder / "marker.obj", c.options, folder / "out"))
+                    .exit_code == 0);
+        const auto description = manifest(folder);
+        CHECK(description["size_px"] == nlohmann::json({142, 36}));  // 6 / 0.0423333 = 141.7, 3 / 0.0846667 = 35.4
+        CHECK(description["layers"] == 186);                         // 5 / 0.027 = 185.2
+        const Box base = printed(read_png(layer_path(folder, 10)));
+        CHECK(base.right - base.left >= 141);
+        CHECK(base.bottom - base.top >= 35);
+        const Bitmap top = read_png(layer_path(folder, 180));
+        const Box tower = printed(top);
+        CHECK(std::abs(tower.right - tower.left - 2 / (25.4 / 600)) <= 1);
+        CHECK(std::abs(tower.bottom - tower.top - 1 / (25.4 / 300)) <= 1);
+        CHECK((tower.left <= 1) == c.left);
+        CHECK((tower.right >= top.width - 1) == !c.left);
+        CHECK((tower.bottom >= top.height - 1) == c.bottom);  // small y is the last row
+        CHECK((tower.top <= 1) == !c.bottom);
+    }
+    REQUIRE(run_program(fmt::format("slice --quiet --no-report --overwrite --swap-xy {} -o {}", folder / "marker.obj", folder / "out")).exit_code == 0);
+    CHECK(manifest(folder)["size_px"] == nlohmann::json({71, 71}));  // 3 / 0.0423333 = 70.9, 6 / 0.0846667 = 70.9
+}
+
+TEST_CASE("Colour goes where the model has it, and counts agree with the bitmaps") {
+    const Folder folder("ramp");
+    folder.write("box.obj", ramp_box_obj(8, 6, 4));
+    REQUIRE(run_program(fmt::format("slice --quiet --no-report {} -o {}", folder / "box.obj", folder / "out")).exit_code == 0);
+    const auto description = manifest(folder);
+    std::map<std::array<std::uint8_t, 3>, std::string> role_of;
+    std::map<std::string, std::uint64_t> said, counted;
+    for (const auto& resin : description["resins"]) {
+        role_of[resin["rgb"]] = resin["role"];
+        said[resin["role"]] = resin["voxels"];
+    }
+    std::map<std::string, std::array<std::uint64_t, 2>> half;  // in the left and right half of the surface layer
+    const int layers = description["layers"];
+    for (int k = 0; k < layers; ++k) {
+        const Bitmap bitmap = read_png(layer_path(folder, k));
+        for (int y = 0; y < bitmap.height; ++y)
+            for (int x = 0; x < bitmap.width; ++x) {
+                const auto p = bitmap.at(x, y);
+                REQUIRE(p[3] == 255);
+                if (!p[0] && !p[1] && !p[2]) continue;
+                const auto role = role_of.find({p[0], p[1], p[2]});
+                REQUIRE(role != role_of.end());
+                ++counted[role->second];
+                if (k == layers - 5) ++half[role->second][std::size_t(x >= bitmap.width / 2)];
+            }
+    }
+    for (const auto& [role, voxels] : said) CHECK(counted[role] == voxels);
+    // The volume: 8 x 6 x 4 mm.
+    std::uint64_t all = 0;
+    for (const auto& [role, voxels] : counted) all += voxels;
+    CHECK(double(all) * 25.4 / 600 * 25.4 / 300 * 0.027 == Approx(8 * 6 * 4).epsilon(0.01));
+    // Red on the left needs magenta and no cyan; green on the right the other way round.
+    CHECK(half["M"][0] > 4 * half["M"][1]);
+    CHECK(half["C"][1] > 4 * half["C"][0]);
+    CHECK(run_program("verify " + (folder / "out")).exit_code == 0);
+}
+
+TEST_CASE("verify finds what was spoiled, by name, with exit code 6") {
+    const Folder folder("spoil");
+    folder.write("marker.obj", marker_obj());
+    const std::string slice = fmt::format("slice --quiet --no-report --overwrite {} -o {}", folder / "marker.obj", folder / "out");
+    REQUIRE(run_program(slice).exit_code == 0);
+    REQUIRE(run_program("verify " + (folder / "out")).exit_code == 0);
+
+    std::filesystem::remove(layer_path(folder, 20));
+    const Outcome gap = run_program("verify " + (folder / "out"));
+    CHECK(gap.exit_code == 6);
+    CHECK_THAT(gap.out + gap.err, Catch::Matchers::Contains("slice_00020"));
+
+    std::filesystem::copy_file(layer_path(folder, 19), layer_path(folder, 20));
+    CHECK(run_program("verify " + (folder / "out")).exit_code == 6);  // right in form, wrong in content: counts or hash tell
+
+    REQUIRE(run_program(slice).exit_code == 0);
+    std::filesystem::resize_file(layer_path(folder, 30), 100);
+    const Outcome cut = run_program("verify " + (folder / "out"));
+    CHECK(cut.exit_code == 6);
+    CHECK_THAT(cut.out + cut.err, Catch::Matchers::Contains("slice_00030"));
+    CHECK(run_program("verify " + (folder / "nothing")).exit_code == 4);
+}
+
+TEST_CASE("A picture becomes a slab with its colours on top, upright") {
+    const Folder folder("picture");
+    const std::string picture = std::string(VOXTONE_SOURCE_DIR) + "/examples/models/spot/spot_texture.png";
+    REQUIRE(run_program(fmt::format("slice --quiet {} --width 12mm --thickness 2mm -o {}", picture, folder / "out")).exit_code == 0);
+    const auto description = manifest(folder);
+    CHECK(description["size_px"] == nlohmann::json({284, 142}));  // 12 mm at 600 and 300 dpi, rounded up
+    CHECK(description["layers"] == 75);                           // 2 mm / 27 um, rounded up
+    CHECK(std::filesystem::exists(folder / "out/report.html"));
+    CHECK(std::filesystem::exists(folder / "out/target.png"));
+    CHECK(std::filesystem::exists(folder / "out/predicted.png"));
+    // The bottom millimetre is core.
+    const Bitmap bottom = read_png(layer_path(folder, 3));
+    for (const auto& pixel : bottom.pixels) REQUIRE(pixel == bottom.pixels.front());
+    CHECK(run_program("slice --quiet " + picture + " -o " + (folder / "out2")).exit_code == 2);  // no width known
+}

@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/slicer/slice_job.h"
+
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <map>
+#include <mutex>
+#include <system_error>
+
+#include <fmt/core.h>
+
+#include "voxtone/base/parallel.h"
+#include "voxtone/halftone/blue_noise_screen.h"
+#include "voxtone/io/layer_stack_writer.h"
+#include "voxtone/io/layer_thumbnail.h"
+#include "voxtone/io/whole_file.h"
+#include "voxtone/slicer/job_body.h"
+#include "voxtone/slicer/job_colour.h"
+#include "voxtone/slicer/layer_maker.h"
+#include "voxtone/slicer/slice_report.h"
+
+namespace voxtone::slicer {
+
+namespace {
+
+class Stopwatch {
+public:
+    /// Seconds since it was made.
+    [[nodiscard]] double total() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
+    /// Seconds since the last lap.
+    double lap() {
+        const double now = total(), seconds = now - last_;
+        last_ = now;
+        return seconds;
+    }
+
+private:
+    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+    double last_ = 0;
+};
+
+io::StackDescription describe(const PrinterProfile& printer, const LoadedResins& resins, const VoxelGrid& grid, const LayerRange& range) {
+    io::StackDescription stack;
+    stack.printer = printer.id;
+    stack.pitch_um = {printer.pitch_um.x(), printer.pitch_um.y(), printer.pitch_um.z()};
+    stack.size_px = {std::uint32_t(grid.size[0]), std::uint32_t(grid.size[1])};
+    stack.layers = std::uint32_t(range.last - range.first + 1);
+    stack.first_layer = std::uint32_t(range.first);
+    stack.origin_mm = {grid.origin_mm.x(), grid.origin_mm.y(), grid.origin_mm.z()};
+    stack.background_rgb = printer.background_rgb;
+    stack.resins = resins.entries;
+    return stack;
+}
+
+io::StackOutputs outputs_of(const SliceOptions& options, const PrinterProfile& printer) {
+    io::StackOutputs outputs;
+    for (const std::string& format : options.formats.empty() ? printer.formats : options.formats) {
+        if (format == "gcvf") outputs.gcvf = true;
+        if (format == "vdb") outputs.vdb = true;
+        if (format == "tiff") outputs.resin_bitmaps = io::ResinBitmaps::tiff1;
+        if (format == "png1") outputs.resin_bitmaps = io::ResinBitmaps::png1;
+    }
+    return outputs;
+}
+
+/// Pictures of some layers for the report, evenly spaced from the first to the last.
+class Thumbnails {
+public:
+    Thumbnails(const LayerRange& range, const VoxelGrid& grid, std::vector<io::Rgb> palette, bool wanted)
+        : range_(range), grid_(grid), palette_(std::move(palette)), count_(wanted ? std::min(most, range.last - range.first + 1) : 0) {}
+
+    void offer(int k, const io::LayerRuns& layer) {
+        if (count_ == 0 || layer_of(slot_of(k)) != k) return;
+        constexpr std::uint32_t longest_px = 560;
+        const io::LinearPicture picture = io::layer_thumbnail(layer, palette_, {grid_.pitch_mm.x(), grid_.pitch_mm.y()}, longest_px);
+        const io::Picture8 codes = io::encode_transparent(picture);
+        io::ReportLayer entry;
+        entry.number = std::uint32_t(k);
+        entry.height_mm = (k + 0.5) * grid_.pitch_mm.z();
+        const double longest_mm = std::max(grid_.size[0] * grid_.pitch_mm.x(), grid_.size[1] * grid_.pitch_mm.y());
+        entry.picture = {"", io::png_bytes(codes), codes.width_px, codes.height_px, longest_px / longest_mm};
+        const std::scoped_lock lock(mutex_);
+        entries_[k] = std::move(entry);
+    }
+    [[nodiscard]] std::vector<io::ReportLayer> take() {
+        std::vector<io::ReportLayer> layers;
+        for (auto& [k, entry] : entries_) layers.push_back(std::move(entry));
+        return layers;
+    }
+
+private:
+    static constexpr int most = 48;
+    [[nodiscard]] int layers() const { return range_.last - range_.first + 1; }
+    [[nodiscard]] int slot_of(int k) const { return static_cast<int>((std::int64_t(k - range_.first) * count_ + layers() - 1) / layers()); }
+    [[nodiscard]] int layer_of(int slot) const { return range_.first + static_cast<int>(std::int64_t(slot) * layers() / count_); }
+
+    LayerRange range_;
+    VoxelGrid grid_;
+    std::vector<io::Rgb> palette_;
+    int count_;
+    std::mutex mutex_;
+    std::map<int, io::ReportLayer> entries_;
+};
+
+/// Reports of an earlier job in this folder do not describe this one.
+void remove_old_report(const std::filesystem::path& folder) {
+    for (const char* name : {"job.json", "report.json", "report.html", "target.png", "predicted.png", "target.glb", "predicted.glb"}) {
+        std::error_code not_there;
+        std::filesystem::remove(folder / name, not_there);
+    }
+}
+
+std::vector<std::array<float, 3>> single_precision(const std::vector<Eigen::Vector3d>& positions) {
+    std::vector<std::array<float, 3>> out;
+    out.reserve(positions.size());
+    for (const Eigen::Vector3d& p : positions) out.push_back({float(p.x()), float(p.y()), float(p.z())});
+    return out;
+}
+
+}  // namespace
+
+SliceResult run_slice_job(const SliceOptions& options, Progress& progress) {
+    Stopwatch watch;
+    JobFigures figures;
+    validate(options);
+    const ThreadLimit threads(static_cast<std::size_t>(options.threads));
+    const PrinterProfile printer = find_printer(options.printer);
+    const LoadedResins resins = load_resins(options, printer);
+    for (const std::string& warning : printer.warnings()) progress.warn(warning);
+
+    const JobBody body = prepare_body(options, printer, progress);
+    for (const std::string& warning : body.warnings) progress.warn(warning);
+    progress.note(body.placement.summary);
+    const LayerRange range = parse_layer_range(options.layers, body.grid.size[2]);
+    figures.read_s = body.read_s;
+    figures.repair_s = watch.lap() - body.read_s;
+
+    const auto colour = prepare_colour(options, resins, body.is_picture ? body.placement.extent_mm.z() : 0, progress);
+    figures.separation_s = watch.lap();
+
+    io::LayerStackWriter writer(options.out, describe(printer, resins, body.grid, range), outputs_of(options, printer), options.overwrite);
+    remove_old_report(options.out);
+
+    const Solid solid(body.solid_mesh, body.grid);
+    const SurfaceShell shell(body.surface, body.grid, options.depth_mm);
+    // Voxels are sampled at their centres: texture details finer than a voxel's footprint would alias.
+    const SurfaceColour surface_colour(body.model.mesh, std::sqrt(body.grid.pitch_mm.x() * body.grid.pitch_mm.y()));
+    const halftone::BlueNoiseScreen screen({body.grid.pitch_mm.x(), body.grid.pitch_mm.y(), body.grid.pitch_mm.z()}, &progress);
+    const LayerMaker maker({.solid = solid, .surface = body.surface, .shell = shell, .colour = surface_colour,
+                            .separation = colour->separation, .screen = screen, .core = resins.core_material()});
+    std::vector<io::Rgb> palette{printer.background_rgb};
+    for (const io::StackResin& resin : resins.entries) palette.push_back(resin.rgb);
+    Thumbnails thumbnails(range, body.grid, palette, options.report);
+
+    std::mutex figures_mutex;
+    progress.begin_stage("layers", std::uint64_t(range.last - range.first + 1), "layers");
+    const int first_slab = range.first / maker.slab_layers(), last_slab = range.last / maker.slab_layers();
+    parallel_for(std::size_t(first_slab), std::size_t(last_slab) + 1, 1,
+                 [&](std::size_t slab) {
+                     double encode_s = 0;
+                     const LayerCounts counts = maker.make(int(slab), range.first, range.last + 1, [&](int k, const io::LayerRuns& layer) {
+                         progress.check_cancelled();
+                         Stopwatch encode;
+                         writer.write(std::uint32_t(k - range.first), layer);
+                         encode_s += encode.total();
+                         thumbnails.offer(k, layer);
+                         progress.advance();
+                     });
+                     const std::scoped_lock lock(figures_mutex);
+                     figures.counts += counts;
+                     figures.encode_s += encode_s;
+                 },
+                 &progress);
+    progress.end_stage();
+    figures.layers_s = watch.lap();
+
+    progress.begin_stage("finish", 0);
+    const auto preview = single_precision(body.solid_mesh.positions_mm);
+    const io::StackDescription& stack = writer.finish({preview, body.solid_mesh.triangles}, &progress);
+    io::write_whole_file(writer.folder() / "job.json", job_json(options));
+    figures.layer_bytes = writer.bytes_written();
+    figures.layers = thumbnails.take();
+    figures.finish_s = watch.lap();
+    figures.total_s = watch.total();
+    const ReportSources sources{options, printer, resins, body, *colour, surface_colour, stack};
+    io::Report report = make_report(sources, figures);
+    if (options.report) {
+        draw_report(sources, report, writer.folder(), progress);
+        io::write_whole_file(writer.folder() / "report.html", io::report_html(report));
+    }
+    const std::string json = io::report_json(report);
+    io::write_whole_file(writer.folder() / "report.json", json);
+    progress.end_stage();
+    return {json, summary_text(report, figures, writer.folder())};
+}
+
+}  // namespace voxtone::slicer

@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/slicer/slice_report.h"
+
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include <Eigen/Geometry>
+#include <fmt/core.h>
+
+#include "voxtone/base/parallel.h"
+#include "voxtone/base/random.h"
+#include "voxtone/io/glb_writer.h"
+#include "voxtone/io/picture_writer.h"
+#include "voxtone/io/whole_file.h"
+#include "voxtone/optics/colour.h"
+#include "voxtone/slicer/preview.h"
+#include "voxtone/slicer/vertex_colours.h"
+
+#ifndef VOXTONE_VERSION
+#error "the build defines the program's version"
+#endif
+
+namespace voxtone::slicer {
+
+namespace {
+
+/// The visible surface with a colour that is a function of the colour that was asked for there.
+template <class Map>
+ColouredSurface coloured(const ReportSources& s, Map map) {
+    const VisibleSurface& surface = s.body.surface;
+    ColouredSurface out;
+    out.positions_mm = surface.positions_mm;
+    out.triangles = surface.triangles;
+    out.colour = [&surface, &s, map](std::uint32_t t, float u, float v) {
+        const auto& corner = surface.source_uv[t];
+        const Eigen::Vector2f at = (1 - u - v) * corner[0] + u * corner[1] + v * corner[2];
+        return Eigen::Vector3f(map(s.surface_colour.at(surface.source_triangle[t], at.x(), at.y())));
+    };
+    return out;
+}
+
+ColouredSurface target_surface(const ReportSources& s) {
+    return coloured(s, [](const Eigen::Vector3f& rgb) { return rgb; });
+}
+ColouredSurface predicted_surface(const ReportSources& s) {
+    const halftone::Separation& separation = s.colour.separation;
+    return coloured(s, [&separation](const Eigen::Vector3f& rgb) {
+        return Eigen::Vector3f(separation.predicted(rgb).cast<float>().cwiseMax(0.0f).cwiseMin(1.0f));
+    });
+}
+
+/// Colour differences at points spread evenly over the coloured surface.
+io::ReportGamut gamut_figures(const ReportSources& s) {
+    constexpr std::size_t samples = 20000;
+    constexpr double visible = 1.0;  // CIEDE2000; less is not called mapped
+    const VisibleSurface& surface = s.body.surface;
+    io::ReportGamut gamut;
+    if (surface.triangles.empty()) return gamut;
+    std::vector<double> area_up_to(surface.triangles.size());
+    double area = 0;
+    for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
+        const auto& [a, b, c] = surface.triangles[t];
+        const Eigen::Vector3d &p = surface.positions_mm[a], &q = surface.positions_mm[b], &r = surface.positions_mm[c];
+        area_up_to[t] = area += 0.5 * (q - p).cross(r - p).norm();
+    }
+    const ColouredSurface target = target_surface(s);
+    std::vector<double> differences(samples);
+    parallel_for(0, samples, 256, [&](std::size_t i) {
+        RandomStream random(1, i);
+        const auto found = std::lower_bound(area_up_to.begin(), area_up_to.end(), random.uniform() * area);
+        const auto t = std::uint32_t(std::min<std::ptrdiff_t>(found - area_up_to.begin(), std::ptrdiff_t(area_up_to.size()) - 1));
+        double u = random.uniform(), v = random.uniform();
+        if (u + v > 1) u = 1 - u, v = 1 - v;
+        differences[i] = s.colour.separation.mapping_distance(target.colour(t, float(u), float(v)));
+    });
+    const auto mapped = std::count_if(differences.begin(), differences.end(), [](double d) { return d > visible; });
+    const optics::DifferenceSummary summary = optics::summarize(differences);
+    gamut.mapped_share = double(mapped) / double(samples);
+    gamut.mean_de2000 = summary.mean;
+    gamut.p95_de2000 = summary.percentile_95;
+    gamut.max_de2000 = summary.max;
+    return gamut;
+}
+
+std::uint64_t peak_memory_bytes() {
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    return std::uint64_t(usage.ru_maxrss) * 1024;
+}
+
+io::ReportSection throughput(const ReportSources& s, const JobFigures& f) {
+    const double voxels = double(s.body.grid.size[0]) * s.body.grid.size[1] * s.stack.layers;
+    const double cpu_s = f.counts.solid_s + f.counts.shell_s + f.counts.colour_s + f.counts.screen_s + f.counts.runs_s + f.encode_s;
+    const auto row = [&](const char* what, double seconds) {
+        return std::vector<std::string>{what, fmt::format("{:.2f}", seconds), fmt::format("{:.0f} %", cpu_s > 0 ? 100 * seconds / cpu_s : 0),
+                                        fmt::format("{:.1f}", f.counts.shell_voxels ? seconds / double(f.counts.shell_voxels) * 1e9 : 0)};
+    };
+    io::ReportSection section;
+    section.title = "Where the time went";
+    section.paragraphs.push_back(fmt::format("{:.3g} voxels in {:.2f} s of layers: {:.0f} million voxels/s; {:.3g} of them in the coloured shell; "
+                                             "{:.1f} MB of layers written, {:.1f} MB/s.",
+                                             voxels, f.layers_s, voxels / f.layers_s * 1e-6, double(f.counts.shell_voxels), double(f.layer_bytes) * 1e-6,
+                                             double(f.layer_bytes) * 1e-6 / f.layers_s));
+    section.tables.push_back({"Layers, summed over threads",
+                              {"work", "seconds", "share", "ns per shell voxel"},
+                              {row("solid", f.counts.solid_s), row("nearest surface", f.counts.shell_s), row("target colour", f.counts.colour_s),
+                               row("separation and screen", f.counts.screen_s), row("runs", f.counts.runs_s), row("encode and write", f.encode_s)}});
+    return section;
+}
+
+io::ReportSection mesh_section(const RepairReport& r) {
+    io::ReportSection section;
+    section.title = "The mesh";
+    for (const std::string& message : r.messages) section.paragraphs.push_back(message);
+    if (r.messages.empty()) section.paragraphs.push_back("The mesh encloses a body as it is; nothing was repaired.");
+    const auto row = [](const char* what, std::size_t before, std::size_t after) {
+        return std::vector<std::string>{what, fmt::format("{}", before), fmt::format("{}", after)};
+    };
+    section.tables.push_back({"Diagnosis",
+                              {"", "as read", "as printed"},
+                              {row("triangles", r.before.triangles, r.after.triangles), row("shells", r.before.shells, r.after.shells),
+                               row("boundary edges", r.before.boundary_edges, r.after.boundary_edges),
+                               row("non-manifold edges", r.before.nonmanifold_edges, r.after.nonmanifold_edges),
+                               row("inconsistent edges", r.before.inconsistent_edges, r.after.inconsistent_edges),
+                               row("edges that do not close", r.before.open_edges, r.after.open_edges),
+                               row("faces without area", r.before.degenerate_faces, r.after.degenerate_faces),
+                               row("doubled faces", r.before.duplicate_faces, r.after.duplicate_faces)}});
+    return section;
+}
+
+io::ReportPicture report_picture(const char* caption, const Preview& preview) {
+    const io::Picture8 codes = io::encode_transparent(preview.picture);
+    return {caption, io::png_bytes(codes, {preview.px_per_mm, preview.px_per_mm}), codes.width_px, codes.height_px, preview.px_per_mm};
+}
+
+void write_body_colours(const ColouredSurface& surface, const std::filesystem::path& file, const char* name, const Progress& progress) {
+    io::write_whole_file(file, io::glb_bytes(vertex_colours(surface, {}, &progress).mesh, name));
+}
+
+}  // namespace
+
+io::Report make_report(const ReportSources& s, const JobFigures& f) {
+    io::Report report;
+    report.title = std::filesystem::path(s.options.model).filename().string();
+    report.program_version = VOXTONE_VERSION;
+    report.printer_id = s.printer.id;
+    report.printer_name = s.printer.name;
+    report.pitch_um = s.stack.pitch_um;
+    report.size_mm = {s.body.placement.extent_mm.x(), s.body.placement.extent_mm.y(), s.body.placement.extent_mm.z()};
+    report.size_px = {s.stack.size_px[0], s.stack.size_px[1], s.stack.layers};
+    report.body_voxels = f.counts.body_voxels;
+    for (std::size_t r = 0; r < s.stack.resins.size(); ++r) {
+        const io::StackResin& resin = s.stack.resins[r];
+        report.resins.push_back({s.resins.set.resins[r].name, resin.role, resin.name, resin.rgb, resin.voxels, resin.ml});
+    }
+    report.warnings = s.printer.warnings();
+    report.warnings.insert(report.warnings.end(), s.body.warnings.begin(), s.body.warnings.end());
+    if (f.counts.thin_voxels > 0)
+        report.warnings.push_back(fmt::format("{} voxels were added where the body is thinner than a voxel, so that nothing vanishes", f.counts.thin_voxels));
+    report.stages = {{"read model", f.read_s},   {"repair and visible surface", f.repair_s}, {"separate colours", f.separation_s},
+                     {"layers", f.layers_s}, {"finish", f.finish_s},                     {"total", f.total_s}};
+    report.peak_memory_bytes = peak_memory_bytes();
+    report.output_bytes = f.layer_bytes;
+    report.gamut = gamut_figures(s);
+    report.prediction_note =
+        "Predicted with the separation's own model: every point as on a wide flat shell of its colour over deep core, relative to the core resin's "
+        "white. It shows what the resins can reach. It leaves out how light spreads between neighbouring colours, at edges and in thin parts.";
+    report.sections.push_back(mesh_section(s.body.repair));
+    report.sections.push_back(throughput(s, f));
+    report.layers = f.layers;
+    for (const OptionSpec& spec : slice_option_table()) report.job.emplace_back(spec.key, spec.get(s.options));
+    return report;
+}
+
+void draw_report(const ReportSources& s, io::Report& report, const std::filesystem::path& folder, Progress& progress) {
+    const ColouredSurface target = target_surface(s), predicted = predicted_surface(s);
+    static constexpr View top_only[] = {View::top};
+    const std::span<const View> views = s.body.is_picture ? std::span<const View>(top_only) : all_views();
+    PreviewOptions options;
+    options.samples = 3;
+    if (s.body.is_picture) options.margin_px = 0;
+    options.px_per_mm = std::min(fitting_scale(target, views, s.body.is_picture ? 1000 : 640, options), 1 / 0.085);
+    const std::vector<Preview> asked = render_views(target, views, options, &progress), shown = render_views(predicted, views, options, &progress);
+    for (std::size_t v = 0; v < views.size(); ++v)
+        report.views.push_back({view_name(views[v]), {report_picture("target", asked[v]), report_picture("predicted", shown[v])}});
+    if (s.body.is_picture) {
+        io::write_whole_file(folder / "target.png", report.views[0].pictures[0].png);
+        io::write_whole_file(folder / "predicted.png", report.views[0].pictures[1].png);
+    } else {
+        write_body_colours(target, folder / "target.glb", "target", progress);
+        write_body_colours(predicted, folder / "predicted.glb", "predicted", progress);
+    }
+}
+
+std::string summary_text(const io::Report& report, const JobFigures& f, const std::filesystem::path& folder) {
+    std::string text = fmt::format("{}: {:.2f} x {:.2f} x {:.2f} mm, {} x {} px, {} layers of {:g} um\n", folder.string(), report.size_mm[0],
+                                   report.size_mm[1], report.size_mm[2], report.size_px[0], report.size_px[1], report.size_px[2], report.pitch_um[2]);
+    for (const io::ReportResin& resin : report.resins) text += fmt::format("  {:<3} {:<16} {:9.3f} ml\n", resin.role, resin.name, resin.ml);
+    if (report.gamut)
+        text += fmt::format("  colours moved into the gamut: {:.1f} % of the surface; CIEDE2000 mean {:.2f}, 95 % {:.2f}, max {:.2f}\n",
+                            100 * report.gamut->mapped_share, report.gamut->mean_de2000, report.gamut->p95_de2000, report.gamut->max_de2000);
+    const double voxels = double(report.size_px[0]) * report.size_px[1] * report.size_px[2];
+    text += fmt::format("  {:.3g} voxels in {:.2f} s ({:.0f} million/s), peak memory {:.0f} MB\n", voxels, f.total_s, voxels / f.total_s * 1e-6,
+                        double(report.peak_memory_bytes) * 1e-6);
+    return text;
+}
+
+}  // namespace voxtone::slicer

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What a finished job says of itself: figures, pictures of the target and of what is expected, layers to look through.
+//
+// The prediction here is that of the separation's own model: every point as if it lay on a wide flat shell of one colour
+// over deep core. It shows what the resins can reach (gamut), not what light does between neighbouring colours, at edges
+// and in thin parts.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+#include "voxtone/base/progress.h"
+#include "voxtone/io/manifest.h"
+#include "voxtone/io/report_html.h"
+#include "voxtone/slicer/job_body.h"
+#include "voxtone/slicer/job_colour.h"
+#include "voxtone/slicer/layer_maker.h"
+#include "voxtone/slicer/printer.h"
+#include "voxtone/slicer/slice_options.h"
+#include "voxtone/slicer/surface_colour.h"
+
+namespace voxtone::slicer {
+
+/// What was measured while the job ran.
+struct JobFigures {
+    double read_s = 0, repair_s = 0, separation_s = 0, layers_s = 0, finish_s = 0, total_s = 0;
+    double encode_s = 0;  ///< summed over threads, like those of `counts`
+    LayerCounts counts;
+    std::uint64_t layer_bytes = 0;
+    std::vector<io::ReportLayer> layers;  ///< the ones to look through
+};
+
+struct ReportSources {
+    const SliceOptions& options;
+    const PrinterProfile& printer;
+    const LoadedResins& resins;
+    const JobBody& body;
+    const JobColour& colour;
+    const SurfaceColour& surface_colour;
+    const io::StackDescription& stack;
+};
+
+/// Figures, gamut and warnings; no pictures.
+[[nodiscard]] io::Report make_report(const ReportSources& sources, const JobFigures& figures);
+
+/// Draws the target and the prediction into the report and writes target.* and predicted.* into the folder: PNG for a
+/// picture, GLB for a body.
+void draw_report(const ReportSources& sources, io::Report& report, const std::filesystem::path& folder, Progress& progress);
+
+/// A few lines for a person.
+[[nodiscard]] std::string summary_text(const io::Report& report, const JobFigures& figures, const std::filesystem::path& folder);
+
+}  // namespace voxtone::slicer
