@@ -18,6 +18,10 @@
     show(0);
   }
 
+  window.addEventListener("beforeprint", () => {
+    for (const details of document.querySelectorAll("details")) details.open = true;
+  });
+
   const data = document.getElementById("layer-data");
   if (!data) return;
   const layers = JSON.parse(data.textContent);

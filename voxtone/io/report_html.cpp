@@ -179,7 +179,7 @@ void add_warnings(std::string& html, const Report& report) {
 
 void add_views(std::string& html, const Report& report) {
     if (report.views.empty()) return;
-    html += "<section>\n<h2>What to expect</h2>\n<div class=\"tabs\"></div>\n";
+    html += "<section class=\"views\">\n<h2>What to expect</h2>\n<div class=\"tabs\"></div>\n";
     for (const ReportView& view : report.views) {
         html += fmt::format("<div class=\"view\" data-name=\"{0}\"><h3>{0}</h3>\n", escaped(view.name));
         add_pictures(html, view.pictures);
