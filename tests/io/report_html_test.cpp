@@ -38,6 +38,7 @@ Report sample(const std::string& text) {
                      {"VeroCyan", "C", "", {0, 150, 200}, 34567, 0.00334}};
     report.warnings = {text, "second"};
     report.stages = {{text, 12.5}, {"Layers", 37.5}};
+    report.total_seconds = 51.2;
     report.peak_memory_bytes = 412'000'000;
     report.gamut = ReportGamut{0.125, 0.84, 3.21, 9.87};
     report.prediction_note = text;
@@ -62,7 +63,7 @@ TEST_CASE("The page tells the figures with their units") {
                Contains("60.03 × 32.85 × 105.84 mm") && Contains("1418 × 388 px") && Contains("42.33 × 84.67 µm"));
     CHECK_THAT(html, Contains("3\u202f920") && Contains("of 27 µm") && Contains("1\u202f234\u202f567 voxels") &&
                          Contains("0.119 ml"));
-    CHECK_THAT(html, Contains("50 s") && Contains("412 MB") && Contains("12.5 %") && Contains("9.87"));
+    CHECK_THAT(html, Contains("51 s") && Contains("412 MB") && Contains("12.5 %") && Contains("9.87"));
     CHECK_THAT(html, Contains("0, 150, 200") && Contains("layer 1960, 52.934 mm"));
     // 40 px at 2 px/mm are 20 mm: a bar of 5 mm is a quarter of that.
     CHECK_THAT(html, Contains("width:25.000%") && Contains(">5 mm<"));
@@ -107,7 +108,7 @@ TEST_CASE("report.json has the same figures") {
     CHECK(json["layers"] == 3920);
     CHECK(json["resins"][1]["rgb"] == nlohmann::json({0, 150, 200}));
     CHECK(json["resin_ml"].get<double>() == Approx(0.11934));
-    CHECK(json["seconds"] == 50.0);
+    CHECK(json["seconds"] == 51.2);
     CHECK(json["gamut"]["de2000"]["p95"] == 3.21);
     CHECK(json["warnings"][1] == "second");
     CHECK(json["sections"][0]["tables"][0]["rows"][1][1] == "3.5 %");

@@ -233,6 +233,23 @@ TEST_CASE("A pixel is the mean of its colours in linear light") {
     }
 }
 
+TEST_CASE("Colours finer than a pixel are averaged when asked for") {
+    // Stripes of a quarter of a pixel, black and white in turn.
+    Body body;
+    body.positions = {{0, 0, 0}, {10, 0, 0}, {0, 0, 10}};
+    body.triangles = {{0, 1, 2}};
+    ColouredSurface surface = body.surface();
+    surface.colour = [](std::uint32_t, float u, float) -> Vector3f {
+        return Vector3f::Constant(int(u * 40) % 2 ? 1.0f : 0.0f);
+    };
+    PreviewOptions options{1, 4, 0};
+    options.colour_per_sample = true;
+    const Preview preview = render(surface, View::front, options).front();
+    for (std::uint32_t x = 0; x < 9; ++x) CHECK(preview.picture.pixels[9 * 10 + x] == Vector4f(0.5f, 0.5f, 0.5f, 1));
+    options.colour_per_sample = false;
+    CHECK(render(surface, View::front, options).front().picture.pixels[90][0] != 0.5f);
+}
+
 TEST_CASE("Only the three-quarter view is lit") {
     const Body body = marker();
     for (const Preview& preview : render_views(body.surface(), all_views(), {8, 2, 2})) {

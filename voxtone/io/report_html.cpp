@@ -153,9 +153,8 @@ void add_head(std::string& html, const Report& report) {
 }
 
 void add_summary(std::string& html, const Report& report) {
-    double ml = 0, seconds = 0;
+    double ml = 0;
     for (const ReportResin& resin : report.resins) ml += resin.ml;
-    for (const ReportStage& stage : report.stages) seconds += stage.seconds;
     html += "<dl class=\"cards\">\n";
     add_card(html, "Size, x × y × z",
              fmt::format("{:.2f} × {:.2f} × {:.2f} mm", report.size_mm[0], report.size_mm[1], report.size_mm[2]), "");
@@ -163,7 +162,7 @@ void add_summary(std::string& html, const Report& report) {
     add_card(html, "Bitmaps", fmt::format("{} × {} px", report.size_px[0], report.size_px[1]),
              fmt::format("a pixel is {:.2f} × {:.2f} µm", report.pitch_um[0], report.pitch_um[1]));
     add_card(html, "Resin", volume_text(ml), grouped(report.body_voxels) + " voxels, without support");
-    add_card(html, "Time", duration_text(seconds),
+    add_card(html, "Time", duration_text(report.total_seconds),
              report.peak_memory_bytes ? "peak memory " + byte_text(report.peak_memory_bytes) : "");
     if (report.output_bytes) add_card(html, "Written", byte_text(report.output_bytes), "");
     html += "</dl>\n";

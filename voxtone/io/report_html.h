@@ -80,7 +80,8 @@ struct Report {
     std::uint64_t body_voxels = 0;
     std::vector<ReportResin> resins;
     std::vector<std::string> warnings;
-    std::vector<ReportStage> stages;
+    std::vector<ReportStage> stages;       ///< one after the other
+    double total_seconds = 0;              ///< of the whole job
     std::uint64_t peak_memory_bytes = 0;
     std::uint64_t output_bytes = 0;
     std::optional<ReportGamut> gamut;

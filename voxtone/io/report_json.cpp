@@ -62,12 +62,9 @@ std::string report_json(const Report& report) {
     json["warnings"] = Json::array();
     for (const std::string& warning : report.warnings) json["warnings"].push_back(valid_utf8(warning));
     json["stages"] = Json::array();
-    double total_s = 0;
-    for (const ReportStage& stage : report.stages) {
+    for (const ReportStage& stage : report.stages)
         json["stages"].push_back({{"name", valid_utf8(stage.name)}, {"seconds", stage.seconds}});
-        total_s += stage.seconds;
-    }
-    json["seconds"] = total_s;
+    json["seconds"] = report.total_seconds;
     json["peak_memory_bytes"] = report.peak_memory_bytes;
     json["output_bytes"] = report.output_bytes;
     if (!report.prediction_note.empty()) json["prediction"] = valid_utf8(report.prediction_note);

@@ -197,8 +197,17 @@ std::vector<std::array<float, 3>> light_on(const ColouredSurface& surface, const
     return light;
 }
 
+Eigen::Vector3f colour_of(const ColouredSurface& surface, const std::vector<std::array<float, 3>>& light,
+                          std::uint32_t triangle, float u, float v) {
+    const Eigen::Vector3f rgb = surface.colour(triangle, u, v);
+    if (light.empty()) return rgb;
+    const auto& corner = light[triangle];
+    return (corner[0] + u * (corner[1] - corner[0]) + v * (corner[2] - corner[0])) * rgb;
+}
+
 Eigen::Vector4f pixel_of(const ColouredSurface& surface, const std::vector<std::array<float, 3>>& light,
-                         const Band& band, std::uint32_t x, std::uint32_t y, std::uint32_t samples) {
+                         const Band& band, std::uint32_t x, std::uint32_t y, const PreviewOptions& options) {
+    const auto samples = static_cast<std::uint32_t>(options.samples);
     std::array<const Sample*, std::size_t{most_samples} * most_samples> seen;
     std::uint32_t covered = 0;
     for (std::uint32_t j = 0; j < samples; ++j)
@@ -208,26 +217,22 @@ Eigen::Vector4f pixel_of(const ColouredSurface& surface, const std::vector<std::
         }
     if (covered == 0) return Eigen::Vector4f::Zero();
     const auto first = seen.begin(), last = first + covered;
-    if (std::any_of(first, last, [&](const Sample* s) { return s->triangle != seen[0]->triangle; }))
-        std::sort(first, last, [](const Sample* s, const Sample* t) {
-            return s->triangle != t->triangle ? s->triangle < t->triangle : s < t;
-        });
     Eigen::Vector3f sum = Eigen::Vector3f::Zero();
-    for (auto from = first; from != last;) {
-        const std::uint32_t triangle = (*from)->triangle;
-        float u = 0, v = 0, count = 0;
-        for (; from != last && (*from)->triangle == triangle; ++from, ++count) {
-            u += (*from)->u;
-            v += (*from)->v;
-        }
-        u /= count;
-        v /= count;
-        if (!light.empty()) {
-            const auto& corner = light[triangle];
-            sum += count * (corner[0] + u * (corner[1] - corner[0]) + v * (corner[2] - corner[0])) *
-                   surface.colour(triangle, u, v);
-        } else {
-            sum += count * surface.colour(triangle, u, v);
+    if (options.colour_per_sample) {
+        for (auto s = first; s != last; ++s) sum += colour_of(surface, light, (*s)->triangle, (*s)->u, (*s)->v);
+    } else {
+        if (std::any_of(first, last, [&](const Sample* s) { return s->triangle != seen[0]->triangle; }))
+            std::sort(first, last, [](const Sample* s, const Sample* t) {
+                return s->triangle != t->triangle ? s->triangle < t->triangle : s < t;
+            });
+        for (auto from = first; from != last;) {
+            const std::uint32_t triangle = (*from)->triangle;
+            float u = 0, v = 0, count = 0;
+            for (; from != last && (*from)->triangle == triangle; ++from, ++count) {
+                u += (*from)->u;
+                v += (*from)->v;
+            }
+            sum += count * colour_of(surface, light, triangle, u / count, v / count);
         }
     }
     const auto count = static_cast<float>(covered);
@@ -254,7 +259,7 @@ Preview render(const ColouredSurface& surface, View view, const PreviewOptions& 
             for (std::uint32_t y = 0; y < rows_px; ++y)
                 for (std::uint32_t x = 0; x < projection.width_px; ++x)
                     preview.picture.pixels[std::size_t{first_px + y} * projection.width_px + x] =
-                        pixel_of(surface, light, band, x, y, samples);
+                        pixel_of(surface, light, band, x, y, options);
         },
         progress);
     return preview;

@@ -41,6 +41,9 @@ struct PreviewOptions {
     double px_per_mm = 10;  ///< > 0
     int samples = 4;        ///< s, samples per pixel and axis, in [1, 8]
     int margin_px = 4;      ///< around the surface, >= 0
+    /// Asks for the colour at every sample instead of once per triangle and pixel: for colours that are not filtered to
+    /// the width of a pixel and would be aliased.
+    bool colour_per_sample = false;
 };
 
 struct Preview {

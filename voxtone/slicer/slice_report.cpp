@@ -99,7 +99,7 @@ io::ReportSection throughput(const ReportSources& s, const JobFigures& f) {
                                         fmt::format("{:.1f}", f.counts.shell_voxels ? seconds / double(f.counts.shell_voxels) * 1e9 : 0)};
     };
     io::ReportSection section;
-    section.title = "Where the time went";
+    section.title = "Speed of the layers";
     section.paragraphs.push_back(fmt::format("{:.3g} voxels in {:.2f} s of layers: {:.0f} million voxels/s; {:.3g} of them in the coloured shell; "
                                              "{:.1f} MB of layers written, {:.1f} MB/s.",
                                              voxels, f.layers_s, voxels / f.layers_s * 1e-6, double(f.counts.shell_voxels), double(f.layer_bytes) * 1e-6,
@@ -161,7 +161,8 @@ io::Report make_report(const ReportSources& s, const JobFigures& f) {
     if (f.counts.thin_voxels > 0)
         report.warnings.push_back(fmt::format("{} voxels were added where the body is thinner than a voxel, so that nothing vanishes", f.counts.thin_voxels));
     report.stages = {{"read model", f.read_s},   {"repair and visible surface", f.repair_s}, {"separate colours", f.separation_s},
-                     {"layers", f.layers_s}, {"finish", f.finish_s},                     {"total", f.total_s}};
+                     {"layers", f.layers_s}, {"finish", f.finish_s}};
+    report.total_seconds = f.total_s;
     report.peak_memory_bytes = peak_memory_bytes();
     report.output_bytes = f.layer_bytes;
     report.gamut = gamut_figures(s);
@@ -183,6 +184,8 @@ void draw_report(const ReportSources& s, io::Report& report, const std::filesyst
     options.samples = 3;
     if (s.body.is_picture) options.margin_px = 0;
     options.px_per_mm = std::min(fitting_scale(target, views, s.body.is_picture ? 1000 : 640, options), 1 / 0.085);
+    // The colours are filtered to the printer's resolution, which a small picture of a large body undersamples.
+    options.colour_per_sample = 1 / options.px_per_mm > 1.5 * s.stack.pitch_um[1] * 1e-3;
     const std::vector<Preview> asked = render_views(target, views, options, &progress), shown = render_views(predicted, views, options, &progress);
     for (std::size_t v = 0; v < views.size(); ++v)
         report.views.push_back({view_name(views[v]), {report_picture("target", asked[v]), report_picture("predicted", shown[v])}});
