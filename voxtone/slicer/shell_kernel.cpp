@@ -17,7 +17,7 @@ using D = hn::CappedTag<float, row_voxels>;
 using V = hn::Vec<D>;
 
 struct Parts {
-    V height2, inside_s[3], outside2[3];
+    V height2, outside2[3];
     hn::Mask<D> inside;
 };
 
@@ -34,7 +34,6 @@ HWY_INLINE Parts parts_of(const LocalTriangle& t, V h, const V s[3], const V alo
         const V overshoot = hn::Max(hn::Max(before, after), zero);
         if (e == 0) overshoot0 = overshoot;
         p.outside2[e] = hn::Add(hn::Mul(s[e], s[e]), hn::Mul(overshoot, overshoot));
-        p.inside_s[e] = s[e];
     }
     const V least = hn::Min(hn::Min(s[0], s[1]), s[2]);
     p.inside = hn::And(hn::Ge(least, zero), hn::Le(overshoot0, zero));
@@ -70,13 +69,14 @@ HWY_INLINE void row_constants(const LocalTriangle& t, float y, float z, float* H
     }
 }
 
-void Nearest(const LocalTriangle* triangles, std::size_t count, const BlockPoints& points, const std::uint8_t* body, BlockResult& result) {
+bool Nearest(const LocalTriangle* const* triangles, std::size_t count, const BlockPoints& points, float limit2, std::uint8_t* bits,
+             BlockResult& result) {
     const D d;
     const hn::RebindToSigned<D> di;
     const V slack = hn::Set(d, 1 - 4e-6f), offset = hn::Set(d, 1e-8f);
     const V far = hn::Set(d, 1e30f);
     for (int row = 0; row < points.rows; ++row) {
-        if (!body[row]) continue;
+        if (!bits[row]) continue;
         for (std::size_t l = 0; l < row_voxels; l += hn::Lanes(d)) {
             const std::size_t at = std::size_t(row) * row_voxels + l;
             hn::Store(far, d, result.distance2.data() + at);
@@ -85,14 +85,14 @@ void Nearest(const LocalTriangle* triangles, std::size_t count, const BlockPoint
         }
     }
     for (std::size_t n = 0; n < count; ++n) {
-        const LocalTriangle& t = triangles[n];
+        const LocalTriangle& t = *triangles[n];
         const auto index = hn::Set(di, static_cast<std::int32_t>(n));
         for (std::size_t l = 0; l < row_voxels; l += hn::Lanes(d)) {
             const V px = hn::Load(d, points.x.data() + l);
             V x[7];
             for (int f = 0; f < 7; ++f) x[f] = hn::Mul(hn::Set(d, t.x[f]), px);
             for (int row = 0; row < points.rows; ++row) {
-                if (!body[row]) continue;
+                if (!bits[row]) continue;
                 alignas(32) float constants[8];
                 row_constants(t, points.y[row], points.z[row], constants);
                 const auto linear = [&](int f) { return hn::Add(hn::Set(d, constants[f]), x[f]); };
@@ -109,9 +109,23 @@ void Nearest(const LocalTriangle* triangles, std::size_t count, const BlockPoint
             }
         }
     }
+    const V limit = hn::Set(d, limit2);
+    bool any = false;
+    for (int row = 0; row < points.rows; ++row) {
+        if (!bits[row]) continue;
+        unsigned within = 0;
+        for (std::size_t l = 0; l < row_voxels; l += hn::Lanes(d)) {
+            std::uint8_t mask[8] = {};
+            hn::StoreMaskBits(d, hn::Le(hn::Load(d, result.distance2.data() + std::size_t(row) * row_voxels + l), limit), mask);
+            within |= unsigned(mask[0]) << l;
+        }
+        bits[row] = std::uint8_t(bits[row] & within);
+        any = any || bits[row];
+    }
+    return any;
 }
 
-void Finish(const LocalTriangle* triangles, const BlockPoints& points, const std::uint8_t* shell, BlockResult& result) {
+void Finish(const LocalTriangle* const* triangles, const BlockPoints& points, const std::uint8_t* shell, BlockResult& result) {
     const D d;
     const hn::RebindToSigned<D> di;
     const V zero = hn::Zero(d), one = hn::Set(d, 1.0f);
@@ -126,7 +140,7 @@ void Finish(const LocalTriangle* triangles, const BlockPoints& points, const std
             const auto slots = hn::Load(di, result.slot.data() + at);
             while (left) {  // mostly one round: neighbours share their triangle
                 const std::int32_t slot = result.slot[at + std::size_t(__builtin_ctz(left))];
-                const LocalTriangle& t = triangles[slot];
+                const LocalTriangle& t = *triangles[slot];
                 const auto mine = hn::RebindMask(d, hn::Eq(slots, hn::Set(di, slot)));
                 for (std::size_t i = 0; i < lanes; ++i)
                     if (result.slot[at + i] == slot) left &= ~(1u << i);
@@ -143,19 +157,28 @@ void Finish(const LocalTriangle* triangles, const BlockPoints& points, const std
                     const V clamped = hn::Min(hn::Max(from_start, zero), hn::Set(d, t.length[e]));
                     return hn::Min(hn::Mul(clamped, hn::Set(d, t.inverse_length[e])), one);
                 };
-                const V t0 = on_edge(0), t1 = on_edge(1), t2 = on_edge(2);
-                V w1 = t0, w2 = zero;
-                const auto nearer1 = hn::Lt(p.outside2[1], p.outside2[0]);
-                w1 = hn::IfThenElse(nearer1, hn::Sub(one, t1), w1);
-                w2 = hn::IfThenElse(nearer1, t1, w2);
-                const auto nearer2 = hn::Lt(p.outside2[2], hn::Min(p.outside2[0], p.outside2[1]));
-                w1 = hn::IfThenElse(nearer2, zero, w1);
-                w2 = hn::IfThenElse(nearer2, hn::Sub(one, t2), w2);
                 // Inside, the weight of a corner is the distance to the opposite edge over the height of the corner.
-                const V foot1 = t.sliver ? t0 : hn::Min(hn::Mul(s[2], hn::Set(d, t.inverse_height[2])), one);
-                const V foot2 = t.sliver ? zero : hn::Min(hn::Mul(s[0], hn::Set(d, t.inverse_height[0])), one);
-                w1 = hn::IfThenElse(p.inside, foot1, w1);
-                w2 = hn::Min(hn::IfThenElse(p.inside, foot2, w2), hn::Sub(one, w1));
+                V w1, w2;
+                if (t.sliver) {
+                    w1 = on_edge(0);
+                    w2 = zero;
+                } else {
+                    w1 = hn::Min(hn::Mul(s[2], hn::Set(d, t.inverse_height[2])), one);
+                    w2 = hn::Min(hn::Mul(s[0], hn::Set(d, t.inverse_height[0])), one);
+                }
+                if (!hn::AllTrue(d, hn::Or(p.inside, hn::Not(mine)))) {
+                    const V t0 = on_edge(0), t1 = on_edge(1), t2 = on_edge(2);
+                    V e1 = t0, e2 = zero;
+                    const auto nearer1 = hn::Lt(p.outside2[1], p.outside2[0]);
+                    e1 = hn::IfThenElse(nearer1, hn::Sub(one, t1), e1);
+                    e2 = hn::IfThenElse(nearer1, t1, e2);
+                    const auto nearer2 = hn::Lt(p.outside2[2], hn::Min(p.outside2[0], p.outside2[1]));
+                    e1 = hn::IfThenElse(nearer2, zero, e1);
+                    e2 = hn::IfThenElse(nearer2, hn::Sub(one, t2), e2);
+                    w1 = hn::IfThenElse(p.inside, w1, e1);
+                    w2 = hn::IfThenElse(p.inside, w2, e2);
+                }
+                w2 = hn::Min(w2, hn::Sub(one, w1));
                 const auto interpolate = [&](int c) {
                     const V start = hn::Set(d, t.uv[0][c]);
                     return hn::Add(hn::Add(start, hn::Mul(w1, hn::Set(d, t.uv[1][c] - t.uv[0][c]))),
@@ -233,11 +256,12 @@ void distances2(const LocalTriangle& triangle, const float* x, const float* y, c
     HWY_DYNAMIC_DISPATCH(Distances2)(triangle, x, y, z, out);
 }
 
-void nearest(const LocalTriangle* triangles, std::size_t count, const BlockPoints& points, const std::uint8_t* body, BlockResult& result) {
-    HWY_DYNAMIC_DISPATCH(Nearest)(triangles, count, points, body, result);
+bool nearest(const LocalTriangle* const* triangles, std::size_t count, const BlockPoints& points, float limit2, std::uint8_t* bits,
+             BlockResult& result) {
+    return HWY_DYNAMIC_DISPATCH(Nearest)(triangles, count, points, limit2, bits, result);
 }
 
-void finish(const LocalTriangle* triangles, const BlockPoints& points, const std::uint8_t* shell, BlockResult& result) {
+void finish(const LocalTriangle* const* triangles, const BlockPoints& points, const std::uint8_t* shell, BlockResult& result) {
     HWY_DYNAMIC_DISPATCH(Finish)(triangles, points, shell, result);
 }
 

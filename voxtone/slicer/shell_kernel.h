@@ -3,7 +3,7 @@
 // The inner loops of the surface shell: distances from the voxels of a block to a handful of triangles, rows of eight
 // voxels at a time. Not for use outside the surface shell.
 //
-// A triangle in the frame of a block (origin at the block's centre, single precision): with n its unit normal, u_e the
+// A triangle in a frame near a block (origin within a few blocks' width, single precision): with n its unit normal, u_e the
 // unit direction of edge e and m_e = n x u_e the inward normal of the edge in the triangle's plane,
 //     h = n.p + h0,   s_e = m_e.p + s0_e,   before_e = -u_e.p + before0_e,   after_e = u_e.p + after0_e
 // are the height over the plane, the signed distance to the edge's line, and how far p lies before the edge's start and
@@ -40,7 +40,7 @@ struct LocalTriangle {
 [[nodiscard]] LocalTriangle make_local(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c,
                                        const std::array<Eigen::Vector2f, 3>& uv, const Eigen::Vector3d& centre);
 
-/// The voxel centres of a block in its frame: x by lane, y and z by row.
+/// The voxel centres of a block in the triangles' frame: x by lane, y and z by row.
 struct BlockPoints {
     alignas(32) std::array<float, row_voxels> x;
     alignas(32) std::array<float, max_rows> y, z;
@@ -58,12 +58,14 @@ struct BlockResult {
 /// Squared distances of a triangle from eight points (x, y, z lists of eight).
 void distances2(const LocalTriangle& triangle, const float* x, const float* y, const float* z, float* out);
 
-/// The nearest of `triangles` for every voxel of the rows where body[row] is not zero. Triangles are tried in order; a later
+/// The nearest of `triangles` for every voxel of the rows where bits[row] is not zero. Triangles are tried in order; a later
 /// one is taken only if its squared distance is less than (1 - 4e-6) of the earlier one's less 1e-8 mm^2: ties go to the first.
-void nearest(const LocalTriangle* triangles, std::size_t count, const BlockPoints& points, const std::uint8_t* body, BlockResult& result);
+/// Clears the bits of voxels whose squared distance is above limit2; returns whether any are left.
+bool nearest(const LocalTriangle* const* triangles, std::size_t count, const BlockPoints& points, float limit2, std::uint8_t* bits,
+             BlockResult& result);
 
 /// Distance and interpolated (u, v) for the voxels of shell[row], from the triangles chosen.
-void finish(const LocalTriangle* triangles, const BlockPoints& points, const std::uint8_t* shell, BlockResult& result);
+void finish(const LocalTriangle* const* triangles, const BlockPoints& points, const std::uint8_t* shell, BlockResult& result);
 
 /// For tests: instruction sets this machine has, and a choice of one of them; -1 returns to the best.
 [[nodiscard]] int instruction_sets();

@@ -4,9 +4,9 @@
 // surface point and its distance. Deeper voxels are core and cost next to nothing.
 //
 // How: the grid is cut into blocks of 8 voxels along x and about as many millimetres along y and z, anchored at voxel
-// (0, 0, 0). For a block, the tree gives the surface point nearest to its centre and then every triangle that may hold
-// the nearest point of any place in the block; each voxel is compared with all of these in single precision, in the
-// block's own frame.
+// (0, 0, 0). For four blocks in a row, the tree gives the surface point nearest to their centre and then every triangle that
+// may hold the nearest point of any place in them; this list is thinned for each block by the same rule, and each voxel is
+// compared with what is left in single precision, in the frame of the four.
 //
 // Error: distances are within 1e-6 mm + 1e-6 relative of the true ones (blocks up to 1 mm wide; it grows with them), and
 // voxels are in the shell by that distance. Among triangles at the same distance (to 2e-6 relative or 1e-8 mm^2 of its

@@ -39,10 +39,12 @@ public:
         return bits_[word(j, k) + std::size_t(i) / 64] >> (i % 64) & 1;
     }
     void set(const Voxel& v) { bits_[word(v[1], v[2]) + std::size_t(v[0]) / 64] |= std::uint64_t{1} << (v[0] % 64); }
-    /// Bits i - 1 .. i + 2 of a row.
+    /// Voxels i .. i + 3 of a row as bits.
     [[nodiscard]] unsigned four(int i, int j, int k) const {
+        if (j < 0 || j >= rows_ || k < k_begin_ || k >= k_end_) return 0;
+        if (i >= 0 && i / 64 == (i + 3) / 64 && i + 3 < width_) return unsigned(bits_[word(j, k) + std::size_t(i) / 64] >> (i % 64)) & 15u;
         unsigned bits = 0;
-        for (int n = 0; n < 4; ++n) bits |= unsigned(get(i - 1 + n, j, k)) << n;
+        for (int n = 0; n < 4; ++n) bits |= unsigned(get(i + n, j, k)) << n;
         return bits;
     }
 
@@ -72,38 +74,33 @@ struct Surroundings {
 };
 
 Surroundings look_around(const LayerBits& body, const Voxel& v, const Voxel& w) {
-    // The box of both neighbourhoods, up to 3 x 3 x 4 voxels.
-    Voxel low, size;
+    // Both neighbourhoods fit a box of 4 x 4 x 4 voxels: bit x + 4 y + 16 z.
+    Voxel low, v_at, w_at;
     for (int a = 0; a < 3; ++a) {
         low[a] = std::min(v[a], w[a]) - 1;
-        size[a] = std::max(v[a], w[a]) + 2 - low[a];
+        v_at[a] = v[a] - 1 - low[a];  // where its 3 x 3 x 3 voxels start
+        w_at[a] = w[a] - 1 - low[a];
     }
-    std::array<Voxel, 64> cells;
-    int count = 0;
-    Surroundings s{true, true, true};
-    for (int z = 0; z < size[2]; ++z)
-        for (int y = 0; y < size[1]; ++y) {
-            const unsigned four = body.four(low[0] + 1, low[1] + y, low[2] + z);
-            for (int x = 0; x < size[0]; ++x) {
-                if (!(four >> x & 1)) continue;
-                const Voxel cell{low[0] + x, low[1] + y, low[2] + z};
-                cells[std::size_t(count++)] = cell;
-                const auto about = [&](const Voxel& c) {
-                    return std::abs(cell[0] - c[0]) <= 1 && std::abs(cell[1] - c[1]) <= 1 && std::abs(cell[2] - c[2]) <= 1;
-                };
-                s.first_empty = s.first_empty && !about(v);
-                s.second_empty = s.second_empty && !about(w);
-            }
-        }
-    // Grow from the first cell; those reached are moved to the front.
-    int reached = count > 0 ? 1 : 0;
-    for (int n = 0; n < reached; ++n)
-        for (int m = reached; m < count; ++m) {
-            const Voxel &a = cells[std::size_t(n)], &b = cells[std::size_t(m)];
-            if (std::abs(a[0] - b[0]) > 1 || std::abs(a[1] - b[1]) > 1 || std::abs(a[2] - b[2]) > 1) continue;
-            std::swap(cells[std::size_t(reached++)], cells[std::size_t(m)]);
-        }
-    s.connected = reached == count;
+    constexpr std::uint64_t cube = 0x0000077707770777;  // 3 x 3 x 3 voxels from the box's corner
+    const auto around = [&](const Voxel& at) { return cube << (at[0] + 4 * at[1] + 16 * at[2]); };
+    const std::uint64_t around_v = around(v_at), around_w = around(w_at);
+    std::uint64_t all = 0;
+    for (int z = 0; z < 4; ++z)
+        for (int y = 0; y < 4; ++y) all |= std::uint64_t(body.four(low[0], low[1] + y, low[2] + z)) << (4 * y + 16 * z);
+    all &= around_v | around_w;
+
+    Surroundings s{(all & around_v) == 0, (all & around_w) == 0, true};
+    std::uint64_t reached = all & -all;
+    for (std::uint64_t before = 0; before != reached;) {
+        before = reached;
+        constexpr std::uint64_t not_first = 0xEEEEEEEEEEEEEEEE, not_last = 0x7777777777777777;
+        std::uint64_t grown = reached | (reached << 1 & not_first) | (reached >> 1 & not_last);
+        constexpr std::uint64_t not_first_row = 0xFFF0FFF0FFF0FFF0, not_last_row = 0x0FFF0FFF0FFF0FFF;
+        grown |= (grown << 4 & not_first_row) | (grown >> 4 & not_last_row);
+        grown |= grown << 16 | grown >> 16;
+        reached = grown & all;
+    }
+    s.connected = reached == all;
     return s;
 }
 
