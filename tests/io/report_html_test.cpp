@@ -35,7 +35,7 @@ Report sample(const std::string& text) {
     report.size_px = {1418, 388, 3920};
     report.body_voxels = 1234567;
     report.resins = {{text, text, text, {220, 222, 216}, 1200000, 0.116},
-                     {"VeroCyan", "C", "", {0, 150, 200}, 34567, 0.00334}};
+                     {"VeroCyan", "C", "", {0, 150, 200}, 34567, 3.4}};
     report.warnings = {text, "second"};
     report.stages = {{text, 12.5}, {"Layers", 37.5}};
     report.total_seconds = 51.2;
@@ -62,7 +62,7 @@ TEST_CASE("The page tells the figures with their units") {
     CHECK_THAT(html,
                Contains("60.03 × 32.85 × 105.84 mm") && Contains("1418 × 388 px") && Contains("42.33 × 84.67 µm"));
     CHECK_THAT(html, Contains("3\u202f920") && Contains("of 27 µm") && Contains("1\u202f234\u202f567 voxels") &&
-                         Contains("0.119 ml"));
+                         Contains("3.52 ml") && Contains("3.40 ml") && Contains("0.116 ml"));
     CHECK_THAT(html, Contains("51 s") && Contains("412 MB") && Contains("12.5 %") && Contains("9.87"));
     CHECK_THAT(html, Contains("0, 150, 200") && Contains("layer 1960, 52.934 mm"));
     // 40 px at 2 px/mm are 20 mm: a bar of 5 mm is a quarter of that.
@@ -107,7 +107,7 @@ TEST_CASE("report.json has the same figures") {
     CHECK(json["size_px"] == nlohmann::json({1418, 388}));
     CHECK(json["layers"] == 3920);
     CHECK(json["resins"][1]["rgb"] == nlohmann::json({0, 150, 200}));
-    CHECK(json["resin_ml"].get<double>() == Approx(0.11934));
+    CHECK(json["resin_ml"].get<double>() == Approx(3.516));
     CHECK(json["seconds"] == 51.2);
     CHECK(json["gamut"]["de2000"]["p95"] == 3.21);
     CHECK(json["warnings"][1] == "second");

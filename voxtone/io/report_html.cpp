@@ -100,7 +100,10 @@ std::string byte_text(std::uint64_t bytes) {
 }
 
 /// Three digits that count: 123 ml, 12.3 ml, 0.0123 ml.
-std::string volume_text(double ml) { return fmt::format("{:.3g} ml", ml >= 1000 ? std::round(ml) : ml); }
+std::string volume_text(double ml) {
+    if (ml == 0) return "0 ml";
+    return ml >= 100 ? fmt::format("{:.0f} ml", ml) : fmt::format("{:#.3g} ml", ml);
+}
 
 std::string rgb_text(const Rgb& rgb) { return fmt::format("{}, {}, {}", rgb[0], rgb[1], rgb[2]); }
 
