@@ -41,23 +41,38 @@ TEST_CASE("work in a child process") {
         }
     }
     SECTION("errors keep their text and kind") {
-        CHECK_THROWS_WITH(run([]() -> std::vector<std::byte> { throw InputError("line 7 is wrong"); }), "line 7 is wrong");
+        CHECK_THROWS_WITH(run([]() -> std::vector<std::byte> { throw InputError("line 7 is wrong"); }),
+                          "line 7 is wrong");
         CHECK_THROWS_AS(run([]() -> std::vector<std::byte> { throw FileError("gone"); }), FileError);
         CHECK_THROWS_AS(run([]() -> std::vector<std::byte> { throw ResourceError("full"); }), ResourceError);
-        CHECK_THROWS_WITH(run([]() -> std::vector<std::byte> { throw std::runtime_error("a library says so"); }), Contains("a library says so"));
+        CHECK_THROWS_WITH(run([]() -> std::vector<std::byte> { throw std::runtime_error("a library says so"); }),
+                          Contains("a library says so"));
     }
     SECTION("a crash, a silent end, endless work, endless memory") {
-        CHECK_THROWS_WITH(run([]() -> std::vector<std::byte> { std::raise(SIGKILL); return {}; }), Contains("test.obj") && Contains("crash"));
+        CHECK_THROWS_WITH(run([]() -> std::vector<std::byte> {
+                              std::raise(SIGKILL);
+                              return {};
+                          }),
+                          Contains("test.obj") && Contains("crash"));
         CHECK_THROWS_WITH(run([]() -> std::vector<std::byte> { _exit(3); }), Contains("exit code 3"));
         const auto start = std::chrono::steady_clock::now();
-        CHECK_THROWS_WITH(run([]() -> std::vector<std::byte> { for (std::atomic<int> i = 0;; ++i) {} }, {.timeout_s = 0.2}), Contains("0.2 s"));
+        CHECK_THROWS_WITH(run(
+                              []() -> std::vector<std::byte> {
+                                  for (std::atomic<int> i = 0;; ++i) {
+                                  }
+                              },
+                              {.timeout_s = 0.2}),
+                          Contains("0.2 s"));
         CHECK(std::chrono::steady_clock::now() - start < std::chrono::seconds(5));
         if (!built_with_address_sanitizer()) {
             CHECK_THROWS_WITH(run([]() -> std::vector<std::byte> { std::abort(); }), Contains("signal 6"));
-            CHECK_THROWS_WITH(run([]() -> std::vector<std::byte> {
-                                  std::vector<std::vector<std::byte>> hoard;
-                                  for (;;) hoard.emplace_back(std::size_t{8} << 20);
-                              }, {.memory_bytes = std::uint64_t{64} << 20}), Contains("64 MB"));
+            CHECK_THROWS_WITH(run(
+                                  []() -> std::vector<std::byte> {
+                                      std::vector<std::vector<std::byte>> hoard;
+                                      for (;;) hoard.emplace_back(std::size_t{8} << 20);
+                                  },
+                                  {.memory_bytes = std::uint64_t{64} << 20}),
+                              Contains("64 MB"));
         }
     }
     SECTION("the user's wish to stop ends the child") {
@@ -66,7 +81,13 @@ TEST_CASE("work in a child process") {
             std::this_thread::sleep_for(std::chrono::milliseconds(150));
             progress.cancel();
         });
-        CHECK_THROWS_AS(run_isolated("test.obj", {.memory_bytes = 0}, []() -> std::vector<std::byte> { for (;;) pause(); }, &progress), Cancelled);
+        CHECK_THROWS_AS(run_isolated(
+                            "test.obj", {.memory_bytes = 0},
+                            []() -> std::vector<std::byte> {
+                                for (;;) pause();
+                            },
+                            &progress),
+                        Cancelled);
         user.join();
     }
 }

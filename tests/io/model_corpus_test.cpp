@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Real models, where the folder of them lies beside the source tree (its INDEX.md says what each is). The expected numbers
-// are those of INDEX.md, measured by another reader; assimp and lib3mf are the second opinion on what this one reads.
+// Real models, where the folder of them lies beside the source tree (its INDEX.md says what each is). The expected
+// numbers are those of INDEX.md, measured by another reader; assimp and lib3mf are the second opinion on what this one
+// reads.
 #include <algorithm>
 #include <filesystem>
 #include <set>
 
-#include <Eigen/Geometry>
 #include <Model/COM/NMR_DLLInterfaces.h>
-#include <assimp/Importer.hpp>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
+#include <Eigen/Geometry>
+#include <assimp/Importer.hpp>
 #include <catch2/catch.hpp>
 
 #include "voxtone/base/error.h"
@@ -39,7 +40,7 @@ struct Expected {
     bool colour;
     std::size_t textures;  // pictures in use
     double mm_per_unit;
-    double extent[3];      // in file units, by size; 0: not in INDEX.md as the print lies
+    double extent[3];  // in file units, by size; 0: not in INDEX.md as the print lies
 };
 
 // pyramids: INDEX.md counts its objects once (3172); its nine build items hold one of 104 triangles twice more.
@@ -120,7 +121,8 @@ TEST_CASE("real models are read whole") {
         INFO(name);
         if (has_model) CHECK(seen.contains(name));
     }
-    CHECK_THROWS_WITH(read_model(models / "box_infinites/BoxWithInfinites.glb"), Catch::Contains("24 of the 24 vertices") && Catch::Contains("infinite"));
+    CHECK_THROWS_WITH(read_model(models / "box_infinites/BoxWithInfinites.glb"),
+                      Catch::Contains("24 of the 24 vertices") && Catch::Contains("infinite"));
 }
 
 TEST_CASE("assimp sees the same glTF models") {
@@ -132,7 +134,8 @@ TEST_CASE("assimp sees the same glTF models") {
         const aiScene* scene = importer.ReadFile((models / name).string(), aiProcess_Triangulate);
         REQUIRE(scene);
         std::vector<std::array<double, 5>> theirs, mine;  // x, y, z, u, v of every corner
-        const std::function<void(const aiNode&, aiMatrix4x4)> walk = [&](const aiNode& node, const aiMatrix4x4& parent) {
+        const std::function<void(const aiNode&, aiMatrix4x4)> walk = [&](const aiNode& node,
+                                                                         const aiMatrix4x4& parent) {
             const aiMatrix4x4 transform = parent * node.mTransformation;
             for (unsigned m = 0; m < node.mNumMeshes; ++m) {
                 const aiMesh& mesh = *scene->mMeshes[node.mMeshes[m]];
@@ -152,7 +155,8 @@ TEST_CASE("assimp sees the same glTF models") {
                 mine.push_back({p.x(), p.y(), p.z(), file.mesh.corner_uv[t][c].x(), file.mesh.corner_uv[t][c].y()});
             }
         REQUIRE(mine.size() == theirs.size());
-        // Rounding differs, so that sorted lists could interleave; the moments of the corners do not care for their order.
+        // Rounding differs, so that sorted lists could interleave; the moments of the corners do not care for their
+        // order.
         for (std::size_t k = 0; k < 5; ++k)
             for (std::size_t l = k; l < 5; ++l) {
                 double a = 0, b = 0, scale = 0;
@@ -198,7 +202,8 @@ TEST_CASE("lib3mf sees the same 3MF models") {
             wrong += has_texture != (texture.m_nTextureID != 0);
             for (std::size_t c = 0; c < 3; ++c) {
                 if (has_texture) {
-                    wrong += std::abs(file.mesh.corner_uv[t][c].x() - texture.m_fU[c]) > 1e-6f || std::abs(file.mesh.corner_uv[t][c].y() - texture.m_fV[c]) > 1e-6f;
+                    wrong += std::abs(file.mesh.corner_uv[t][c].x() - texture.m_fU[c]) > 1e-6f ||
+                             std::abs(file.mesh.corner_uv[t][c].y() - texture.m_fV[c]) > 1e-6f;
                 } else if (colour.m_Colors[c].m_Alpha) {
                     const float mine = file.mesh.corner_rgb.empty() ? 1 : file.mesh.corner_rgb[t][c].x();
                     wrong += std::abs(mine - optics::srgb_decode(colour.m_Colors[c].m_Red / 255.0)) > 1e-5;
@@ -210,8 +215,10 @@ TEST_CASE("lib3mf sees the same 3MF models") {
         CHECK(wrong == 0);
         CHECK(textured > 0);
         CHECK(textured + coloured >= triangles);
-        for (NMR::PLib3MFBase* handle : {static_cast<NMR::PLib3MFBase*>(properties), static_cast<NMR::PLib3MFBase*>(object),
-                                         static_cast<NMR::PLib3MFBase*>(objects), static_cast<NMR::PLib3MFBase*>(reader), static_cast<NMR::PLib3MFBase*>(model)})
+        for (NMR::PLib3MFBase* handle :
+             {static_cast<NMR::PLib3MFBase*>(properties), static_cast<NMR::PLib3MFBase*>(object),
+              static_cast<NMR::PLib3MFBase*>(objects), static_cast<NMR::PLib3MFBase*>(reader),
+              static_cast<NMR::PLib3MFBase*>(model)})
             NMR::lib3mf_release(handle);
     }
 }

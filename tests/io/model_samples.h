@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Small models and pictures made on the spot, for the tests of the readers. A sample is a set of files; the first is the
-// one to read.
+// Small models and pictures made on the spot, for the tests of the readers. A sample is a set of files; the first is
+// the one to read.
 #pragma once
 
 #include <cstdint>
@@ -30,7 +30,8 @@ private:
 };
 
 /// PNG of 8-bit RGBA, or of 16-bit when `deep` (values times 257).
-[[nodiscard]] std::string png(std::uint32_t width, std::uint32_t height, const std::vector<std::uint8_t>& rgba, bool deep = false);
+[[nodiscard]] std::string png(std::uint32_t width, std::uint32_t height, const std::vector<std::uint8_t>& rgba,
+                              bool deep = false);
 /// 2 x 2: red, green / blue, white.
 [[nodiscard]] std::string four_colours();
 
@@ -38,7 +39,8 @@ private:
 /// A package around one model part and others.
 [[nodiscard]] std::string threemf(const std::string& resources, const std::string& build, const Files& others = {},
                                   const std::string& unit = "millimeter", const std::string& model_attributes = "");
-/// <mesh> of a tetrahedron with corners 0, x, y, z of the given size; `triangle_attributes` of each of its four triangles.
+/// <mesh> of a tetrahedron with corners 0, x, y, z of the given size; `triangle_attributes` of each of its four
+/// triangles.
 [[nodiscard]] std::string threemf_tetrahedron(double size, const std::vector<std::string>& triangle_attributes);
 
 /// GLB from a JSON text and a binary chunk.

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxtone/io/picture.h"
 
-#include <catch2/catch.hpp>
 #include <fmt/format.h>
 #include <lcms2.h>
 #include <tiffio.h>
+#include <catch2/catch.hpp>
 
 #include "tests/io/model_samples.h"
 #include "voxtone/base/error.h"
@@ -58,7 +58,8 @@ TEST_CASE("pictures") {
     options.isolate = false;
     SECTION("PNG of 8 and 16 bits, with its resolution") {
         for (const bool deep : {false, true}) {
-            const Picture picture = read_picture(folder.write({{"a.png", png(2, 1, {255, 128, 0, 255, 10, 20, 30, 255}, deep)}}), options);
+            const Picture picture =
+                read_picture(folder.write({{"a.png", png(2, 1, {255, 128, 0, 255, 10, 20, 30, 255}, deep)}}), options);
             CHECK(picture.width_px == 2);
             CHECK(picture.height_px == 1);
             CHECK(picture.dpi_x == Approx(300).margin(0.01));
@@ -88,13 +89,26 @@ TEST_CASE("pictures") {
     }
     SECTION("all eight orientations come out upright") {
         // Upright, the pixel of value 10 sits in this corner of the picture, 20 beside it along the file's rows.
-        struct Case { int orientation; bool wide; int x10, y10, x20, y20; };
-        for (const Case& c : {Case{1, true, 0, 0, 1, 0}, {2, true, 2, 0, 1, 0}, {3, true, 2, 1, 1, 1}, {4, true, 0, 1, 1, 1},
-                              {5, false, 0, 0, 0, 1}, {6, false, 1, 0, 1, 1}, {7, false, 1, 2, 1, 1}, {8, false, 0, 2, 0, 1}}) {
+        struct Case {
+            int orientation;
+            bool wide;
+            int x10, y10, x20, y20;
+        };
+        for (const Case& c : {Case{1, true, 0, 0, 1, 0},
+                              {2, true, 2, 0, 1, 0},
+                              {3, true, 2, 1, 1, 1},
+                              {4, true, 0, 1, 1, 1},
+                              {5, false, 0, 0, 0, 1},
+                              {6, false, 1, 0, 1, 1},
+                              {7, false, 1, 2, 1, 1},
+                              {8, false, 0, 2, 0, 1}}) {
             const Picture picture = read_picture(made_tiff(folder, c.orientation, true, 0.01f), options);
             CHECK(picture.width_px == (c.wide ? 3 : 2));
             const auto at = [&](int x, int y) {
-                return picture.texture->sample((float(x) + 0.5f) / float(picture.width_px), 1 - (float(y) + 0.5f) / float(picture.height_px)).x();
+                return picture.texture
+                    ->sample((float(x) + 0.5f) / float(picture.width_px),
+                             1 - (float(y) + 0.5f) / float(picture.height_px))
+                    .x();
             };
             INFO("orientation " << c.orientation);
             CHECK(at(c.x10, c.y10) == Approx(0.1).margin(1e-4));
@@ -115,7 +129,8 @@ TEST_CASE("pictures") {
             cmsFreeToneCurve(curve);
             return bytes;
         };
-        const cmsCIExyYTRIPLE srgb{{0.64, 0.33, 1}, {0.30, 0.60, 1}, {0.15, 0.06, 1}}, adobe{{0.64, 0.33, 1}, {0.21, 0.71, 1}, {0.15, 0.06, 1}};
+        const cmsCIExyYTRIPLE srgb{{0.64, 0.33, 1}, {0.30, 0.60, 1}, {0.15, 0.06, 1}},
+            adobe{{0.64, 0.33, 1}, {0.21, 0.71, 1}, {0.15, 0.06, 1}};
         std::vector<std::uint8_t> pixel{100, 150, 200, 77};
         // A gamma of 1 on sRGB's primaries: the code is the light.
         CHECK(convert_icc_to_srgb(profile(1, srgb), std::span(pixel)).empty());

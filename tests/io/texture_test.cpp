@@ -21,7 +21,8 @@ TexelImage image8(std::uint32_t width, std::uint32_t height, const auto& colour)
     for (std::uint32_t y = 0; y < height; ++y)
         for (std::uint32_t x = 0; x < width; ++x) {
             const std::array<int, 3> rgb = colour(x, y);
-            for (int c = 0; c < 3; ++c) image.srgb8[4 * (std::size_t{y} * width + x) + c] = static_cast<std::uint8_t>(rgb[c]);
+            for (int c = 0; c < 3; ++c)
+                image.srgb8[4 * (std::size_t{y} * width + x) + c] = static_cast<std::uint8_t>(rgb[c]);
             image.srgb8[4 * (std::size_t{y} * width + x) + 3] = 255;
         }
     return image;
@@ -44,12 +45,18 @@ TEST_CASE("texture samples") {
         const Texture texture(image, Wrap::repeat, Wrap::repeat);
         for (std::uint32_t y = 0; y < 3; ++y)
             for (std::uint32_t x = 0; x < 5; ++x) {
-                const Vector3f rgb = texture.sample((static_cast<float>(x) + 0.5f) / 5, 1 - (static_cast<float>(y) + 0.5f) / 3);
-                for (int c = 0; c < 3; ++c) CHECK(rgb[c] == Approx(linear(image.srgb8[4 * (y * 5 + x) + c])).margin(2e-6));
+                const Vector3f rgb =
+                    texture.sample((static_cast<float>(x) + 0.5f) / 5, 1 - (static_cast<float>(y) + 0.5f) / 3);
+                for (int c = 0; c < 3; ++c)
+                    CHECK(rgb[c] == Approx(linear(image.srgb8[4 * (y * 5 + x) + c])).margin(2e-6));
             }
     }
     SECTION("bilinear in linear light, against the formula") {
-        const Texture texture(image8(2, 1, [](auto x, auto) { return std::array{x ? 255 : 0, x ? 0 : 255, 64}; }), Wrap::clamp, Wrap::clamp);
+        const Texture texture(image8(2, 1,
+                                     [](auto x, auto) {
+                                         return std::array{x ? 255 : 0, x ? 0 : 255, 64};
+                                     }),
+                              Wrap::clamp, Wrap::clamp);
         const Vector3f rgb = texture.sample(0.25f + 0.3f * 0.5f, 0.5f);  // 0.3 of the way between the centres
         CHECK(rgb.x() == Approx(0.3f));
         CHECK(rgb.y() == Approx(0.7f));
@@ -70,7 +77,11 @@ TEST_CASE("texture samples") {
         CHECK(Texture(image, Wrap::decal, Wrap::clamp).sample(1.01f, 0.5f) == Vector3f(1, 1, 1));
     }
     SECTION("nearest keeps the texels of pixel art apart") {
-        const Texture texture(image8(2, 1, [](auto x, auto) { return std::array{x ? 255 : 0, 0, 0}; }), Wrap::clamp, Wrap::clamp, true);
+        const Texture texture(image8(2, 1,
+                                     [](auto x, auto) {
+                                         return std::array{x ? 255 : 0, 0, 0};
+                                     }),
+                              Wrap::clamp, Wrap::clamp, true);
         CHECK(texture.sample(0.49f, 0.5f, -1).x() == 0);
         CHECK(texture.sample(0.51f, 0.5f, 0.4f).x() == 1);
         CHECK(texture.sample(0.49f, 0.5f, 1).x() == Approx(0.5f).margin(0.005));
@@ -79,7 +90,8 @@ TEST_CASE("texture samples") {
         for (const auto& [w, h] : {std::pair{64u, 64u}, {37u, 53u}, {1u, 19u}, {130u, 3u}}) {
             const TexelImage image = noise(w, h);
             Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-            for (std::size_t i = 0; i < image.pixels(); ++i) mean += image.rgb(i).cast<double>() / double(image.pixels());
+            for (std::size_t i = 0; i < image.pixels(); ++i)
+                mean += image.rgb(i).cast<double>() / double(image.pixels());
             const Texture texture(image, Wrap::clamp, Wrap::clamp);
             const Vector3f top = texture.sample(0.3f, 0.6f, 99);
             // half a code of 255, in light: the slope of the curve is below 2.3
@@ -87,7 +99,10 @@ TEST_CASE("texture samples") {
         }
     }
     SECTION("levels blend, and the middle of a checkerboard is half the light") {
-        const Texture texture(image8(64, 64, [](auto x, auto y) { return (x + y) % 2 ? std::array{255, 255, 255} : std::array{0, 0, 0}; }),
+        const Texture texture(image8(64, 64,
+                                     [](auto x, auto y) {
+                                         return (x + y) % 2 ? std::array{255, 255, 255} : std::array{0, 0, 0};
+                                     }),
                               Wrap::repeat, Wrap::repeat);
         CHECK(texture.sample(0.4f, 0.7f, 1).x() == Approx(0.5).margin(0.005));
         const float fine = texture.sample(0.4f, 0.7f, 0).x(), coarse = texture.sample(0.4f, 0.7f, 1).x();
@@ -104,7 +119,8 @@ TEST_CASE("texture samples") {
     SECTION("coordinates and levels from hell") {
         const Texture texture(noise(7, 5), Wrap::repeat, Wrap::mirror);
         constexpr float inf = std::numeric_limits<float>::infinity(), nan = std::numeric_limits<float>::quiet_NaN();
-        for (const float u : {0.0f, 1.0f, -1.0f, 1e30f, -1e30f, inf, -inf, nan, 3.9e6f, -3.9e6f, std::nextafter(1.0f, 0.0f), -1e-9f})
+        for (const float u :
+             {0.0f, 1.0f, -1.0f, 1e30f, -1e30f, inf, -inf, nan, 3.9e6f, -3.9e6f, std::nextafter(1.0f, 0.0f), -1e-9f})
             for (const float lod : {0.0f, -5.0f, 0.5f, 1.999f, 50.0f, inf, -inf, nan})
                 for (const Wrap wrap : {Wrap::repeat, Wrap::mirror, Wrap::clamp, Wrap::decal}) {
                     const Texture other(noise(7, 5), wrap, wrap);
@@ -126,7 +142,8 @@ TEST_CASE("texture samples") {
     SECTION("codes and light there and back") {
         for (int code = 0; code < 256; ++code) CHECK(linear_to_srgb8(linear(code)) == code);
         for (double code = 0.01; code < 1; code += 0.001)
-            CHECK(std::abs(linear_to_srgb8(static_cast<float>(voxtone::optics::srgb_decode(code))) - code * 255) < 0.5005);
+            CHECK(std::abs(linear_to_srgb8(static_cast<float>(voxtone::optics::srgb_decode(code))) - code * 255) <
+                  0.5005);
         CHECK(linear_to_srgb8(std::numeric_limits<float>::quiet_NaN()) == 0);
         CHECK(linear_to_srgb8(2.0f) == 255);
         CHECK(linear_to_srgb8(-1.0f) == 0);
@@ -148,7 +165,8 @@ TEST_CASE("texels that no triangle uses") {
         coverage.add({Vector2f(0.1f, 0.9f), Vector2f(0.1f, 0.9f), Vector2f(0.1f, 0.9f)}, Wrap::repeat, Wrap::repeat);
         CHECK(coverage.count_used() == 1);
         CHECK(coverage.used(1 * 16 + 1));
-        coverage.add({Vector2f(0.01f, 0.51f), Vector2f(0.99f, 0.51f), Vector2f(0.5f, 0.515f)}, Wrap::repeat, Wrap::repeat);
+        coverage.add({Vector2f(0.01f, 0.51f), Vector2f(0.99f, 0.51f), Vector2f(0.5f, 0.515f)}, Wrap::repeat,
+                     Wrap::repeat);
         CHECK(coverage.count_used() == 17);
     }
     SECTION("tiles wrap, as does what is mirrored or clamped") {
@@ -188,7 +206,8 @@ TEST_CASE("texels that no triangle uses") {
                             const int d = (i - x) * (i - x) + (j - y) * (j - y);
                             if (pass == 0) best = std::min(best, d);
                             if (pass == 1 && d == best)
-                                found |= std::equal(image.srgb8.begin() + 4 * (y * 23 + x), image.srgb8.begin() + 4 * (y * 23 + x) + 4,
+                                found |= std::equal(image.srgb8.begin() + 4 * (y * 23 + x),
+                                                    image.srgb8.begin() + 4 * (y * 23 + x) + 4,
                                                     before.srgb8.begin() + 4 * (j * 23 + i));
                         }
                 CHECK(found);
@@ -212,7 +231,9 @@ TEST_CASE("texels that no triangle uses") {
                 const double x = i / 4.0 + 0.01, y = j / 4.0 + 0.01;
                 islands.push_back({corner(x, y), corner(x + 0.16, y), corner(x + 0.05, y + 0.16)});
             }
-        const auto colour = [](std::size_t island) { return std::array{int(120 + 8 * island), int(250 - 8 * island), 200}; };
+        const auto colour = [](std::size_t island) {
+            return std::array{int(120 + 8 * island), int(250 - 8 * island), 200};
+        };
         TexelImage image = image8(256, 256, [](auto, auto) { return std::array{0, 0, 0}; });
         TexelCoverage coverage(256, 256);
         for (std::size_t k = 0; k < islands.size(); ++k) {
@@ -234,8 +255,10 @@ TEST_CASE("texels that no triangle uses") {
                     for (const float lod : {0.0f, 0.5f, 1.0f, 1.7f}) {
                         const float t = float(step) / 60;
                         const Vector2f uv = (1 - t) * islands[k][edge] + t * islands[k][(edge + 1) % 3];
-                        worst = std::max(worst, double((filled.sample(uv.x(), uv.y(), lod) - want).cwiseAbs().maxCoeff()));
-                        worst_raw = std::max(worst_raw, double((raw.sample(uv.x(), uv.y(), lod) - want).cwiseAbs().maxCoeff()));
+                        worst =
+                            std::max(worst, double((filled.sample(uv.x(), uv.y(), lod) - want).cwiseAbs().maxCoeff()));
+                        worst_raw =
+                            std::max(worst_raw, double((raw.sample(uv.x(), uv.y(), lod) - want).cwiseAbs().maxCoeff()));
                     }
         }
         INFO("worst distance from the island's colour " << worst << ", without filling " << worst_raw);

@@ -28,11 +28,26 @@ struct Magic {
 
 using namespace std::string_view_literals;
 constexpr Magic magics[] = {
-    {"png", "\x89PNG\r\n\x1a\n"sv}, {"jpeg", "\xff\xd8\xff"sv}, {"tiff", "II*\0"sv},    {"tiff", "MM\0*"sv},
-    {"tiff", "II+\0"sv},            {"tiff", "MM\0+"sv},        {"bmp", "BM"sv},        {"openexr", "\x76\x2f\x31\x01"sv},
-    {"hdr", "#?RADIANCE"sv},        {"hdr", "#?RGBE"sv},        {"webp", "WEBP"sv, 8},  {"gif", "GIF8"sv},
-    {"pnm", "P1"sv},                {"pnm", "P2"sv},            {"pnm", "P3"sv},        {"pnm", "P4"sv},
-    {"pnm", "P5"sv},                {"pnm", "P6"sv},            {"pnm", "PF"sv},        {"pnm", "Pf"sv},
+    {"png", "\x89PNG\r\n\x1a\n"sv},
+    {"jpeg", "\xff\xd8\xff"sv},
+    {"tiff", "II*\0"sv},
+    {"tiff", "MM\0*"sv},
+    {"tiff", "II+\0"sv},
+    {"tiff", "MM\0+"sv},
+    {"bmp", "BM"sv},
+    {"openexr", "\x76\x2f\x31\x01"sv},
+    {"hdr", "#?RADIANCE"sv},
+    {"hdr", "#?RGBE"sv},
+    {"webp", "WEBP"sv, 8},
+    {"gif", "GIF8"sv},
+    {"pnm", "P1"sv},
+    {"pnm", "P2"sv},
+    {"pnm", "P3"sv},
+    {"pnm", "P4"sv},
+    {"pnm", "P5"sv},
+    {"pnm", "P6"sv},
+    {"pnm", "PF"sv},
+    {"pnm", "Pf"sv},
 };
 
 /// The bytes as an open file without a name on the disk, for readers that want a path.
@@ -58,8 +73,8 @@ private:
 
 enum class Coding { srgb, linear };
 
-Coding coding_of(const OIIO::ImageSpec& spec, bool is_float, const DecodeOptions& options, std::vector<std::string>& warnings,
-                 const std::string& name) {
+Coding coding_of(const OIIO::ImageSpec& spec, bool is_float, const DecodeOptions& options,
+                 std::vector<std::string>& warnings, const std::string& name) {
     const std::string space = spec.get_string_attribute("oiio:ColorSpace");
     if (!options.use_profile) return Coding::srgb;
     if (OIIO::Strutil::iequals(space, "linear")) return Coding::linear;
@@ -68,7 +83,8 @@ Coding coding_of(const OIIO::ImageSpec& spec, bool is_float, const DecodeOptions
         const float gamma = spec.get_float_attribute("oiio:Gamma", 2.2f);
         if (std::abs(gamma - 1) < 0.01f) return Coding::linear;
         if (gamma < 2 || gamma > 2.5f)
-            warnings.push_back(fmt::format("The picture {} says that it has a gamma of {:.3g}; it was taken as sRGB.", name, gamma));
+            warnings.push_back(
+                fmt::format("The picture {} says that it has a gamma of {:.3g}; it was taken as sRGB.", name, gamma));
     }
     return Coding::srgb;
 }
@@ -110,12 +126,14 @@ public:
         count_ = image_.texels.pixels();
         channels_ = std::min(spec_.nchannels, 4);
         if (spec_.nchannels > 4)
-            warn(fmt::format("The picture {} has {} channels; the first four were taken as red, green, blue and alpha.", name_,
-                             spec_.nchannels));
+            warn(fmt::format("The picture {} has {} channels; the first four were taken as red, green, blue and alpha.",
+                             name_, spec_.nchannels));
         if (OIIO::Strutil::icontains(spec_.get_string_attribute("oiio:ColorSpace"), "cmyk") ||
             OIIO::Strutil::icontains(spec_.get_string_attribute("jpeg:ColorSpace"), "cmyk"))
-            warn(fmt::format("The picture {} is CMYK; it was converted without its profile, so that its colours are rough. "
-                             "Save it as RGB to be exact.", name_));
+            warn(fmt::format(
+                "The picture {} is CMYK; it was converted without its profile, so that its colours are rough. "
+                "Save it as RGB to be exact.",
+                name_));
         const bool is_float = spec_.format.is_floating_point();
         const Coding coding = coding_of(spec_, is_float, options_, image_.warnings, name_);
         if (is_float)
@@ -134,19 +152,22 @@ private:
 
     void check_size() const {
         if (spec_.width <= 0 || spec_.height <= 0 || spec_.nchannels <= 0 || spec_.depth > 1)
-            throw InputError(fmt::format("the picture {} declares an impossible size ({} x {} x {} pixels, {} channels); it is damaged",
-                                         name_, spec_.width, spec_.height, spec_.depth, spec_.nchannels));
+            throw InputError(fmt::format(
+                "the picture {} declares an impossible size ({} x {} x {} pixels, {} channels); it is damaged", name_,
+                spec_.width, spec_.height, spec_.depth, spec_.nchannels));
         const std::uint64_t pixels = std::uint64_t(spec_.width) * std::uint64_t(spec_.height);
         if (pixels > options_.max_pixels)
-            throw InputError(fmt::format("the picture {} declares {} x {} pixels, more than the {} allowed; scale it down", name_,
-                                         spec_.width, spec_.height, options_.max_pixels));
+            throw InputError(
+                fmt::format("the picture {} declares {} x {} pixels, more than the {} allowed; scale it down", name_,
+                            spec_.width, spec_.height, options_.max_pixels));
     }
 
     template <class Value>
     void read(std::vector<Value>& pixels, OIIO::TypeDesc type, Value opaque) {
         pixels.resize(4 * count_);
         if (!input_.read_image(0, 0, 0, channels_, type, pixels.data()))
-            throw InputError(fmt::format("the picture {} cannot be decoded ({}); it is damaged or cut short", name_, input_.geterror()));
+            throw InputError(fmt::format("the picture {} cannot be decoded ({}); it is damaged or cut short", name_,
+                                         input_.geterror()));
         const bool second_is_alpha = spec_.alpha_channel == 1;
         spread_to_rgba(pixels, count_, channels_, second_is_alpha, opaque);
         if (channels_ == 4 && spec_.nchannels == 4 && spec_.alpha_channel < 0)
@@ -162,7 +183,8 @@ private:
             const float alpha = float(pixels[4 * i + 3]) / float(opaque);
             if (alpha <= 0 || alpha >= 1) continue;
             for (int c = 0; c < 3; ++c)
-                pixels[4 * i + c] = static_cast<Value>(std::min(float(opaque), float(pixels[4 * i + c]) / alpha + (opaque > 1 ? 0.5f : 0)));
+                pixels[4 * i + c] = static_cast<Value>(
+                    std::min(float(opaque), float(pixels[4 * i + c]) / alpha + (opaque > 1 ? 0.5f : 0)));
         }
     }
 
@@ -171,7 +193,8 @@ private:
         const OIIO::ParamValue* profile = spec_.find_attribute("ICCProfile");
         if (!profile || !options_.use_profile) return;
         const auto* bytes = static_cast<const std::uint8_t*>(profile->data());
-        const std::string trouble = convert_icc_to_srgb({bytes, static_cast<std::size_t>(profile->datasize())}, std::span<Value>(rgba));
+        const std::string trouble =
+            convert_icc_to_srgb({bytes, static_cast<std::size_t>(profile->datasize())}, std::span<Value>(rgba));
         if (!trouble.empty()) warn(fmt::format("The picture {}: {}.", name_, trouble));
     }
 
@@ -182,7 +205,8 @@ private:
         if (coding == Coding::srgb) return apply_profile(pixels);
         std::vector<std::uint16_t>& linear = image_.texels.linear16;
         linear.resize(pixels.size());
-        std::transform(pixels.begin(), pixels.end(), linear.begin(), [](std::uint8_t v) { return static_cast<std::uint16_t>(v * 257); });
+        std::transform(pixels.begin(), pixels.end(), linear.begin(),
+                       [](std::uint8_t v) { return static_cast<std::uint16_t>(v * 257); });
         pixels.clear();
         pixels.shrink_to_fit();
     }
@@ -214,9 +238,13 @@ private:
             linear[i] = static_cast<std::uint16_t>(value * 65535.0f + 0.5f);
         }
         if (clamped)
-            warn(fmt::format("The picture {} has {} samples outside the range 0 to 1; a print cannot be brighter than white, they "
-                             "were clamped.", name_, clamped));
-        if (not_numbers) warn(fmt::format("The picture {} has {} samples that are not numbers; they were taken as 0.", name_, not_numbers));
+            warn(fmt::format(
+                "The picture {} has {} samples outside the range 0 to 1; a print cannot be brighter than white, they "
+                "were clamped.",
+                name_, clamped));
+        if (not_numbers)
+            warn(fmt::format("The picture {} has {} samples that are not numbers; they were taken as 0.", name_,
+                             not_numbers));
     }
 
     void read_resolution() {
@@ -246,11 +274,14 @@ private:
         for (std::size_t y = 0; y < out.height_px; ++y)
             for (std::size_t x = 0; x < out.width_px; ++x) {
                 const std::size_t u = flip_x ? out.width_px - 1 - x : x, v = flip_y ? out.height_px - 1 - y : y;
-                const std::size_t from = transpose ? u * in.width_px + v : v * in.width_px + u, to = y * out.width_px + x;
+                const std::size_t from = transpose ? u * in.width_px + v : v * in.width_px + u,
+                                  to = y * out.width_px + x;
                 if (in.is_8_bit())
-                    std::copy_n(in.srgb8.begin() + std::ptrdiff_t(4 * from), 4, out.srgb8.begin() + std::ptrdiff_t(4 * to));
+                    std::copy_n(in.srgb8.begin() + std::ptrdiff_t(4 * from), 4,
+                                out.srgb8.begin() + std::ptrdiff_t(4 * to));
                 else
-                    std::copy_n(in.linear16.begin() + std::ptrdiff_t(4 * from), 4, out.linear16.begin() + std::ptrdiff_t(4 * to));
+                    std::copy_n(in.linear16.begin() + std::ptrdiff_t(4 * from), 4,
+                                out.linear16.begin() + std::ptrdiff_t(4 * to));
             }
         in = std::move(out);
         if (transpose) std::swap(image_.dpi_x, image_.dpi_y);
@@ -270,21 +301,26 @@ private:
 std::string picture_format(std::span<const std::byte> bytes, const std::string& name) {
     const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
     for (const Magic& magic : magics)
-        if (text.size() >= magic.at + magic.mark.size() && text.substr(magic.at, magic.mark.size()) == magic.mark) return magic.format;
+        if (text.size() >= magic.at + magic.mark.size() && text.substr(magic.at, magic.mark.size()) == magic.mark)
+            return magic.format;
     return OIIO::Strutil::iends_with(name, ".tga") ? "targa" : "";
 }
 
 DecodedImage decode_image(std::span<const std::byte> bytes, const std::string& name, const DecodeOptions& options) {
     const std::string format = picture_format(bytes, name);
     if (format.empty())
-        throw InputError(fmt::format("{} is no picture of a known kind (PNG, JPEG, TIFF, BMP, TGA, GIF, WebP, EXR, HDR, PNM); save it "
-                                     "as PNG", name));
+        throw InputError(fmt::format(
+            "{} is no picture of a known kind (PNG, JPEG, TIFF, BMP, TGA, GIF, WebP, EXR, HDR, PNM); save it "
+            "as PNG",
+            name));
     // A reader of pictures must not leave threads behind: the caller may be a forked child.
     OIIO::attribute("threads", 1);
     OIIO::attribute("exr_threads", -1);
     try {
         const std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::create(format);
-        if (!input) throw InputError(fmt::format("pictures of the kind of {} ({}) cannot be read here; save it as PNG", name, format));
+        if (!input)
+            throw InputError(
+                fmt::format("pictures of the kind of {} ({}) cannot be read here; save it as PNG", name, format));
         OIIO::ImageSpec config, spec;
         config.attribute("oiio:UnassociatedAlpha", 1);
         OIIO::Filesystem::IOMemReader memory(bytes.data(), bytes.size());
@@ -297,7 +333,9 @@ DecodedImage decode_image(std::span<const std::byte> bytes, const std::string& n
             file = std::make_unique<MemoryFile>(bytes);
             opened = input->open(file->path(), spec, config);
         }
-        if (!opened) throw InputError(fmt::format("the picture {} cannot be read ({}); it is damaged or cut short", name, input->geterror()));
+        if (!opened)
+            throw InputError(
+                fmt::format("the picture {} cannot be read ({}); it is damaged or cut short", name, input->geterror()));
         DecodedImage image = Decoder(*input, name, options).decode();
         input->close();
         return image;

@@ -79,7 +79,8 @@ void fill_gutters(TexelImage& image, const TexelCoverage& coverage) {
     parallel_ranges(0, image.height_px, 32, [&](std::size_t first, std::size_t last) {
         std::vector<Parabola> envelope;
         for (std::size_t y = first; y < last; ++y) {
-            lower_envelope(nearest.data() + y * w, static_cast<std::int64_t>(y), static_cast<std::int64_t>(w), envelope);
+            lower_envelope(nearest.data() + y * w, static_cast<std::int64_t>(y), static_cast<std::int64_t>(w),
+                           envelope);
             std::size_t piece = 0;
             for (std::size_t x = 0; x < w; ++x) {
                 while (piece + 1 < envelope.size() && envelope[piece + 1].from <= static_cast<std::int64_t>(x)) ++piece;

@@ -19,25 +19,29 @@ namespace {
 
 void check(ModelParts& parts, const std::string& name) {
     if (parts.triangles.empty())
-        throw InputError(fmt::format("{} holds no faces, so there is nothing to print; check that it was exported as a mesh", name));
+        throw InputError(
+            fmt::format("{} holds no faces, so there is nothing to print; check that it was exported as a mesh", name));
     std::size_t bad = 0;
     for (const Eigen::Vector3d& p : parts.positions) bad += !p.allFinite();
     if (bad)
-        throw InputError(fmt::format("{} of the {} vertices of {} are infinite or not numbers, so that its shape is unknown; export it "
-                                     "again or repair it in a mesh editor", bad, parts.positions.size(), name));
+        throw InputError(fmt::format(
+            "{} of the {} vertices of {} are infinite or not numbers, so that its shape is unknown; export it "
+            "again or repair it in a mesh editor",
+            bad, parts.positions.size(), name));
     for (const auto& triangle : parts.triangles)
         for (const std::uint32_t corner : triangle)
             if (corner >= parts.positions.size())
-                throw InputError(fmt::format("a face of {} uses vertex {}, but there are only {}; the file is damaged", name, corner,
-                                             parts.positions.size()));
+                throw InputError(fmt::format("a face of {} uses vertex {}, but there are only {}; the file is damaged",
+                                             name, corner, parts.positions.size()));
     if (parts.materials.empty()) parts.materials.emplace_back();
     for (const std::uint32_t material : parts.material_of_triangle)
         if (material >= parts.materials.size())
-            throw InputError(fmt::format("a face of {} uses material {}, but there are only {}; the file is damaged", name, material,
-                                         parts.materials.size()));
+            throw InputError(fmt::format("a face of {} uses material {}, but there are only {}; the file is damaged",
+                                         name, material, parts.materials.size()));
     // Attributes may have been set for the first triangles only.
     if (!parts.corner_uv.empty()) {
-        parts.corner_uv.resize(parts.triangles.size(), {Eigen::Vector2f::Zero(), Eigen::Vector2f::Zero(), Eigen::Vector2f::Zero()});
+        parts.corner_uv.resize(parts.triangles.size(),
+                               {Eigen::Vector2f::Zero(), Eigen::Vector2f::Zero(), Eigen::Vector2f::Zero()});
         std::size_t not_finite = 0;
         for (auto& corners : parts.corner_uv)
             for (Eigen::Vector2f& uv : corners)
@@ -46,10 +50,12 @@ void check(ModelParts& parts, const std::string& name) {
                     ++not_finite;
                 }
         if (not_finite)
-            parts.warnings.push_back(fmt::format("{} texture coordinates of {} are infinite or not numbers; they were taken as 0.", not_finite, name));
+            parts.warnings.push_back(fmt::format(
+                "{} texture coordinates of {} are infinite or not numbers; they were taken as 0.", not_finite, name));
     }
     if (!parts.corner_rgba.empty())
-        parts.corner_rgba.resize(parts.triangles.size(), {Eigen::Vector4f::Ones(), Eigen::Vector4f::Ones(), Eigen::Vector4f::Ones()});
+        parts.corner_rgba.resize(parts.triangles.size(),
+                                 {Eigen::Vector4f::Ones(), Eigen::Vector4f::Ones(), Eigen::Vector4f::Ones()});
 }
 
 /// What tells one prepared picture from another.
@@ -83,7 +89,8 @@ public:
         file.mesh.positions = std::move(parts_.positions);
         file.mesh.triangles = std::move(parts_.triangles);
         file.mesh.material_of_triangle = std::move(parts_.material_of_triangle);
-        const bool textured = std::any_of(file.mesh.materials.begin(), file.mesh.materials.end(), [](const auto& m) { return bool(m.texture); });
+        const bool textured = std::any_of(file.mesh.materials.begin(), file.mesh.materials.end(),
+                                          [](const auto& m) { return bool(m.texture); });
         if (textured) file.mesh.corner_uv = std::move(parts_.corner_uv);
         return file;
     }
@@ -94,22 +101,26 @@ private:
         for (PartMaterial& material : parts_.materials) {
             if (material.image >= static_cast<std::int32_t>(parts_.images.size())) material.image = -1;
             if (material.image < 0 || !parts_.corner_uv.empty()) continue;
-            parts_.warnings.push_back(fmt::format("{} has the texture {} but no texture coordinates, so that it cannot be laid on the surface: "
-                                                  "its colours are LOST.", name_, parts_.image_names[static_cast<std::size_t>(material.image)]));
+            parts_.warnings.push_back(fmt::format(
+                "{} has the texture {} but no texture coordinates, so that it cannot be laid on the surface: "
+                "its colours are LOST.",
+                name_, parts_.image_names[static_cast<std::size_t>(material.image)]));
             material.image = -1;
         }
     }
 
     /// Texels that the mesh uses, per picture over all materials.
     void cover() {
-        for (const DecodedImage& image : parts_.images) coverage_.emplace_back(image.texels.width_px, image.texels.height_px);
+        for (const DecodedImage& image : parts_.images)
+            coverage_.emplace_back(image.texels.width_px, image.texels.height_px);
         used_material_.resize(parts_.materials.size());
         for (std::size_t t = 0; t < parts_.triangles.size(); ++t) {
             const std::uint32_t m = parts_.material_of_triangle[t];
             used_material_[m] = true;
             const PartMaterial& material = parts_.materials[m];
             if (material.image >= 0)
-                coverage_[static_cast<std::size_t>(material.image)].add(parts_.corner_uv[t], material.wrap_u, material.wrap_v);
+                coverage_[static_cast<std::size_t>(material.image)].add(parts_.corner_uv[t], material.wrap_u,
+                                                                        material.wrap_v);
         }
     }
 
@@ -126,11 +137,12 @@ private:
         std::map<Variant, std::shared_ptr<const MipPyramid>> pyramids;
         std::vector<Variant> variants;
         for (const PartMaterial& m : parts_.materials) {
-            const bool transparent = m.image >= 0 && !m.opaque &&
-                                     (m.alpha < 1 || transparent_pixels(static_cast<std::size_t>(m.image)) > 0);
-            variants.push_back({m.image, transparent,
-                                transparent ? std::array{m.rgb.x(), m.rgb.y(), m.rgb.z(), m.alpha} : std::array{1.f, 1.f, 1.f, 1.f},
-                                transparent ? std::array{m.under.x(), m.under.y(), m.under.z()} : std::array{1.f, 1.f, 1.f}});
+            const bool transparent =
+                m.image >= 0 && !m.opaque && (m.alpha < 1 || transparent_pixels(static_cast<std::size_t>(m.image)) > 0);
+            variants.push_back(
+                {m.image, transparent,
+                 transparent ? std::array{m.rgb.x(), m.rgb.y(), m.rgb.z(), m.alpha} : std::array{1.f, 1.f, 1.f, 1.f},
+                 transparent ? std::array{m.under.x(), m.under.y(), m.under.z()} : std::array{1.f, 1.f, 1.f}});
         }
         for (std::size_t i = 0; i < variants.size(); ++i) {
             const PartMaterial& part = parts_.materials[i];
@@ -138,7 +150,8 @@ private:
             SurfaceMaterial material{part.name, part.rgb, nullptr};
             if (variant.transparent) {
                 material.rgb.setOnes();
-                transparent_materials_ += part.under == Eigen::Vector3f::Ones();  // else the file itself says what shows through
+                transparent_materials_ +=
+                    part.under == Eigen::Vector3f::Ones();  // else the file itself says what shows through
             } else if (!part.opaque && part.alpha < 1) {
                 material.rgb = part.rgb * part.alpha + Eigen::Vector3f::Constant(1 - part.alpha);
                 transparent_materials_ += used_material_[i];
@@ -181,13 +194,16 @@ private:
             }
         }
         if (clamped)
-            parts_.warnings.push_back(fmt::format("{} values of vertex colours in {} lie outside 0 to 1; they were clamped.", clamped, name_));
+            parts_.warnings.push_back(fmt::format(
+                "{} values of vertex colours in {} lie outside 0 to 1; they were clamped.", clamped, name_));
     }
 
     void report_transparency() {
         if (transparent_materials_ == 0 && transparent_corners_ == 0) return;
-        parts_.warnings.push_back(fmt::format("{} has transparent colours ({} materials, {} vertex colours); a print is opaque, so they were "
-                                              "laid over white.", name_, transparent_materials_, transparent_corners_));
+        parts_.warnings.push_back(
+            fmt::format("{} has transparent colours ({} materials, {} vertex colours); a print is opaque, so they were "
+                        "laid over white.",
+                        name_, transparent_materials_, transparent_corners_));
     }
 
     ModelParts parts_;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// The binary side of a glTF 2.0 file: buffers, views and accessors as plain values, and the reading of accessors, in which
-// nothing that the file declares is believed. Every member throws InputError naming the file.
-// Based on: Khronos Group, "glTF 2.0 Specification", version 2.0.1, 2021, sections 3.6 and 5.1.
+// The binary side of a glTF 2.0 file: buffers, views and accessors as plain values, and the reading of accessors, in
+// which nothing that the file declares is believed. Every member throws InputError naming the file. Based on: Khronos
+// Group, "glTF 2.0 Specification", version 2.0.1, 2021, sections 3.6 and 5.1.
 #pragma once
 
 #include <cstddef>
@@ -48,8 +48,8 @@ public:
 
 private:
     [[nodiscard]] const GltfAccessor& accessor_at(std::int64_t index) const;
-    [[nodiscard]] std::span<const std::byte> elements(std::int64_t view, std::int64_t offset, std::int64_t count, std::size_t stride,
-                                                      std::size_t size) const;
+    [[nodiscard]] std::span<const std::byte> elements(std::int64_t view, std::int64_t offset, std::int64_t count,
+                                                      std::size_t stride, std::size_t size) const;
     template <class Value, class Store>
     void scan(const GltfAccessor& accessor, const Store& store) const;
 

@@ -27,7 +27,8 @@ using Transform = std::unique_ptr<void, DeleteTransform>;
 int distance_from_identity(cmsHTRANSFORM transform) {
     int worst = 0;
     for (int i = 0; i < 729; ++i) {
-        const std::array<std::uint8_t, 4> in{static_cast<std::uint8_t>(i % 9 * 255 / 8), static_cast<std::uint8_t>(i / 9 % 9 * 255 / 8),
+        const std::array<std::uint8_t, 4> in{static_cast<std::uint8_t>(i % 9 * 255 / 8),
+                                             static_cast<std::uint8_t>(i / 9 % 9 * 255 / 8),
                                              static_cast<std::uint8_t>(i / 81 * 255 / 8), 255};
         std::array<std::uint8_t, 4> out{};
         cmsDoTransform(transform, in.data(), out.data(), 1);
@@ -40,7 +41,8 @@ template <class Value>
 std::string convert(std::span<const std::uint8_t> bytes, std::span<Value> rgba, cmsUInt32Number type) {
     const Profile profile(cmsOpenProfileFromMem(bytes.data(), static_cast<cmsUInt32Number>(bytes.size())));
     if (!profile) return "its ICC profile is broken; its colours were taken as sRGB";
-    if (cmsGetColorSpace(profile.get()) != cmsSigRgbData) return "its ICC profile is not for RGB; its colours were taken as sRGB";
+    if (cmsGetColorSpace(profile.get()) != cmsSigRgbData)
+        return "its ICC profile is not for RGB; its colours were taken as sRGB";
     const Profile srgb(cmsCreate_sRGBProfile());
     constexpr cmsUInt32Number flags = cmsFLAGS_COPY_ALPHA | cmsFLAGS_NOCACHE;
     const auto make = [&](cmsUInt32Number t) {
@@ -54,7 +56,8 @@ std::string convert(std::span<const std::uint8_t> bytes, std::span<Value> rgba, 
     constexpr std::size_t chunk = 1 << 16;
     parallel_for(0, (rgba.size() / 4 + chunk - 1) / chunk, 1, [&](std::size_t i) {
         const std::size_t first = i * chunk, count = std::min(chunk, rgba.size() / 4 - first);
-        cmsDoTransform(transform.get(), rgba.data() + 4 * first, rgba.data() + 4 * first, static_cast<cmsUInt32Number>(count));
+        cmsDoTransform(transform.get(), rgba.data() + 4 * first, rgba.data() + 4 * first,
+                       static_cast<cmsUInt32Number>(count));
     });
     return {};
 }

@@ -93,10 +93,12 @@ void limit(int resource, std::uint64_t value) {
     setrlimit(static_cast<__rlimit_resource>(resource), &r);
 }
 
-[[noreturn]] void run_child(int result, const IsolationLimits& limits, const std::function<std::vector<std::byte>()>& work) {
+[[noreturn]] void run_child(int result, const IsolationLimits& limits,
+                            const std::function<std::vector<std::byte>()>& work) {
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     for (const int signal : {SIGINT, SIGTERM, SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGILL, SIGPIPE})
-        if (!built_with_address_sanitizer() || signal == SIGINT) std::signal(signal, signal == SIGINT ? SIG_IGN : SIG_DFL);
+        if (!built_with_address_sanitizer() || signal == SIGINT)
+            std::signal(signal, signal == SIGINT ? SIG_IGN : SIG_DFL);
     limit(RLIMIT_CORE, 0);
     limit(RLIMIT_CPU, static_cast<std::uint64_t>(std::ceil(limits.timeout_s)) + 1);
     if (limits.memory_bytes) limit(RLIMIT_AS, mapped_bytes() + limits.memory_bytes);
@@ -146,7 +148,8 @@ private:
 };
 
 std::string human(std::uint64_t bytes) {
-    return bytes >= (1u << 30) ? fmt::format("{:.3g} GB", double(bytes) / (1 << 30)) : fmt::format("{:.3g} MB", double(bytes) / (1 << 20));
+    return bytes >= (1u << 30) ? fmt::format("{:.3g} GB", double(bytes) / (1 << 30))
+                               : fmt::format("{:.3g} MB", double(bytes) / (1 << 20));
 }
 
 }  // namespace
@@ -158,12 +161,15 @@ std::vector<std::byte> run_isolated(const std::string& what, const IsolationLimi
     const FileDescriptor result(memfd_create("result", MFD_CLOEXEC));
     int ends[2];  // the child holds the writing end as long as it lives
     if (result.get() < 0 || pipe2(ends, O_CLOEXEC) != 0)
-        throw ResourceError(fmt::format("{} cannot be read: no file descriptor is left ({})", what, std::strerror(errno)));
+        throw ResourceError(
+            fmt::format("{} cannot be read: no file descriptor is left ({})", what, std::strerror(errno)));
     const FileDescriptor alive(ends[0]);
     FileDescriptor lifeline(ends[1]);
     std::fflush(nullptr);
     const pid_t pid = fork();
-    if (pid < 0) throw ResourceError(fmt::format("{} cannot be read: no process can be started ({})", what, std::strerror(errno)));
+    if (pid < 0)
+        throw ResourceError(
+            fmt::format("{} cannot be read: no process can be started ({})", what, std::strerror(errno)));
     if (pid == 0) run_child(result.get(), limits, work);
     Child child(pid);
     lifeline.reset();
@@ -174,8 +180,10 @@ std::vector<std::byte> run_isolated(const std::string& what, const IsolationLimi
         pollfd waiting{alive.get(), POLLIN, 0};
         const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(deadline - Clock::now()).count();
         if (left <= 0)
-            throw InputError(fmt::format("reading {} took longer than {:g} s and was stopped; the file is damaged or made to hang readers: "
-                                         "open it in a mesh editor and export it again", what, limits.timeout_s));
+            throw InputError(fmt::format(
+                "reading {} took longer than {:g} s and was stopped; the file is damaged or made to hang readers: "
+                "open it in a mesh editor and export it again",
+                what, limits.timeout_s));
         if (poll(&waiting, 1, static_cast<int>(std::min<long long>(left + 1, 100))) > 0) break;
         if (progress) progress->check_cancelled();
     }
@@ -190,7 +198,8 @@ std::vector<std::byte> run_isolated(const std::string& what, const IsolationLimi
         if (got <= 0) throw ResourceError(fmt::format("the parsed contents of {} cannot be fetched", what));
         done += static_cast<std::size_t>(got);
     }
-    const Outcome outcome = WIFEXITED(status) && WEXITSTATUS(status) == 0 && size >= 2 ? static_cast<Outcome>(bytes[0]) : Outcome::nothing;
+    const Outcome outcome =
+        WIFEXITED(status) && WEXITSTATUS(status) == 0 && size >= 2 ? static_cast<Outcome>(bytes[0]) : Outcome::nothing;
     const auto text = [&] { return std::string(reinterpret_cast<const char*>(bytes.data()) + 2, size - 2); };
     switch (outcome) {
         case Outcome::result:
@@ -198,24 +207,36 @@ std::vector<std::byte> run_isolated(const std::string& what, const IsolationLimi
             return bytes;
         case Outcome::error: {
             switch (const auto code = static_cast<ExitCode>(bytes[1])) {
-                case ExitCode::invalid_input: throw InputError(text());
-                case ExitCode::file: throw FileError(text());
-                case ExitCode::unfinished: throw ResourceError(text());
-                case ExitCode::usage: throw UsageError(text());
-                default: throw Error(code, text());
+                case ExitCode::invalid_input:
+                    throw InputError(text());
+                case ExitCode::file:
+                    throw FileError(text());
+                case ExitCode::unfinished:
+                    throw ResourceError(text());
+                case ExitCode::usage:
+                    throw UsageError(text());
+                default:
+                    throw Error(code, text());
             }
         }
         case Outcome::no_memory:
-            throw InputError(fmt::format("reading {} needs more than the {} of memory it may take; the file is damaged or too large: reduce its "
-                                         "triangles or textures", what, human(limits.memory_bytes)));
+            throw InputError(fmt::format(
+                "reading {} needs more than the {} of memory it may take; the file is damaged or too large: reduce its "
+                "triangles or textures",
+                what, human(limits.memory_bytes)));
         case Outcome::unknown:
-            throw InputError(fmt::format("{} cannot be read ({}); open it in a mesh editor and export it again", what, text()));
-        case Outcome::nothing: break;
+            throw InputError(
+                fmt::format("{} cannot be read ({}); open it in a mesh editor and export it again", what, text()));
+        case Outcome::nothing:
+            break;
     }
-    const std::string how = WIFSIGNALED(status) ? fmt::format("signal {}, {}", WTERMSIG(status), strsignal(WTERMSIG(status)))
-                                                : fmt::format("exit code {}", WEXITSTATUS(status));
-    throw InputError(fmt::format("{} made its reader crash ({}), or run out of memory; the file is damaged, or hits a fault of the library "
-                                 "that reads it: open it in a mesh editor and export it again", what, how));
+    const std::string how = WIFSIGNALED(status)
+                                ? fmt::format("signal {}, {}", WTERMSIG(status), strsignal(WTERMSIG(status)))
+                                : fmt::format("exit code {}", WEXITSTATUS(status));
+    throw InputError(fmt::format(
+        "{} made its reader crash ({}), or run out of memory; the file is damaged, or hits a fault of the library "
+        "that reads it: open it in a mesh editor and export it again",
+        what, how));
 }
 
 }  // namespace voxtone::io

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Levels by exact area averages. A level of even size averages pairs. Of an odd size 2k + 1 it has k texels, each of which
-// covers 2 + 1/k texels of the level above: three taps with weights (k - i, k, i + 1) / (2k + 1).
+// Levels by exact area averages. A level of even size averages pairs. Of an odd size 2k + 1 it has k texels, each of
+// which covers 2 + 1/k texels of the level above: three taps with weights (k - i, k, i + 1) / (2k + 1).
 #include <algorithm>
 #include <utility>
 
@@ -40,7 +40,8 @@ void encode_row(const float* values, std::size_t width, std::uint8_t* out) {
 }
 void encode_row(const float* values, std::size_t width, std::uint16_t* out) {
     for (std::size_t x = 0; x < width; ++x)
-        for (int c = 0; c < 3; ++c) out[4 * x + c] = static_cast<std::uint16_t>(std::clamp(values[3 * x + c], 0.0f, 1.0f) * 65535.0f + 0.5f);
+        for (int c = 0; c < 3; ++c)
+            out[4 * x + c] = static_cast<std::uint16_t>(std::clamp(values[3 * x + c], 0.0f, 1.0f) * 65535.0f + 0.5f);
 }
 
 /// One row of width `from` to its averages of width `to`.
@@ -49,7 +50,8 @@ void narrow_row(const float* in, std::uint32_t from, std::uint32_t to, float* ou
         const Taps columns = taps(x, from);
         for (int c = 0; c < 3; ++c) {
             float sum = 0;
-            for (std::uint32_t i = 0; i < columns.count; ++i) sum += columns.weight[i] * in[3 * (columns.first + i) + c];
+            for (std::uint32_t i = 0; i < columns.count; ++i)
+                sum += columns.weight[i] * in[3 * (columns.first + i) + c];
             out[3 * x + c] = sum;
         }
     }

@@ -39,16 +39,17 @@ private:
     template <class Value>
     void put(const std::vector<Value>& values) {
         put(std::uint64_t{values.size()});
-        if constexpr (requires(Writer& w) { describe(w, values.front()); } || std::is_same_v<Value, std::string>) {
+        if constexpr (requires(Writer & w) { describe(w, values.front()); } || std::is_same_v<Value, std::string>) {
             for (const Value& value : values) put(value);
         } else {
             raw(values.data(), values.size() * sizeof(Value));
         }
     }
     template <class Value>
-    void put(const Value& value) requires requires(Writer& w) { describe(w, value); } {
-        describe(*this, value);
+    void put(const Value& value) requires requires(Writer& w) {
+        describe(w, value);
     }
+    { describe(*this, value); }
 };
 
 class Reader {
@@ -86,7 +87,7 @@ private:
     }
     template <class Value>
     void get(std::vector<Value>& values) {
-        if constexpr (requires(Reader& r) { describe(r, values.front()); } || std::is_same_v<Value, std::string>) {
+        if constexpr (requires(Reader & r) { describe(r, values.front()); } || std::is_same_v<Value, std::string>) {
             values.resize(count(1));
             for (Value& value : values) get(value);
         } else {
@@ -95,9 +96,10 @@ private:
         }
     }
     template <class Value>
-    void get(Value& value) requires requires(Reader& r) { describe(r, value); } {
-        describe(*this, value);
+    void get(Value& value) requires requires(Reader& r) {
+        describe(r, value);
     }
+    { describe(*this, value); }
 
     std::span<const std::byte> bytes_;
 };
@@ -105,22 +107,23 @@ private:
 }  // namespace
 
 template <class Stream, class Material>
-    requires std::is_same_v<std::remove_const_t<Material>, PartMaterial>
+requires std::is_same_v<std::remove_const_t<Material>, PartMaterial>
 void describe(Stream& stream, Material& m) {
     stream(m.name, m.rgb, m.alpha, m.opaque, m.under, m.image, m.wrap_u, m.wrap_v, m.nearest);
 }
 
 template <class Stream, class Image>
-    requires std::is_same_v<std::remove_const_t<Image>, DecodedImage>
+requires std::is_same_v<std::remove_const_t<Image>, DecodedImage>
 void describe(Stream& stream, Image& i) {
-    stream(i.texels.width_px, i.texels.height_px, i.texels.srgb8, i.texels.linear16, i.dpi_x, i.dpi_y, i.has_alpha, i.warnings);
+    stream(i.texels.width_px, i.texels.height_px, i.texels.srgb8, i.texels.linear16, i.dpi_x, i.dpi_y, i.has_alpha,
+           i.warnings);
 }
 
 template <class Stream, class Parts>
-    requires std::is_same_v<std::remove_const_t<Parts>, ModelParts>
+requires std::is_same_v<std::remove_const_t<Parts>, ModelParts>
 void describe(Stream& stream, Parts& p) {
-    stream(p.format, p.mm_per_file_unit, p.has_colour, p.positions, p.triangles, p.material_of_triangle, p.corner_uv, p.corner_rgba,
-           p.materials, p.images, p.image_names, p.warnings);
+    stream(p.format, p.mm_per_file_unit, p.has_colour, p.positions, p.triangles, p.material_of_triangle, p.corner_uv,
+           p.corner_rgba, p.materials, p.images, p.image_names, p.warnings);
 }
 
 std::vector<std::byte> pack(const ModelParts& parts) {

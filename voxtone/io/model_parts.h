@@ -23,7 +23,7 @@ struct PartMaterial {
     std::string name;
     Eigen::Vector3f rgb = Eigen::Vector3f::Ones();  ///< linear sRGB
     float alpha = 1;
-    bool opaque = false;  ///< the format says that alpha is not to be looked at
+    bool opaque = false;                              ///< the format says that alpha is not to be looked at
     Eigen::Vector3f under = Eigen::Vector3f::Ones();  ///< linear; what shows through where the texture is transparent
     std::int32_t image = -1;
     Wrap wrap_u = Wrap::repeat, wrap_v = Wrap::repeat;
@@ -56,7 +56,8 @@ struct ModelParts {
         corner_uv[t] = uv;
     }
     void set_rgba(std::size_t t, const std::array<Eigen::Vector4f, 3>& rgba) {
-        corner_rgba.resize(triangles.size(), {Eigen::Vector4f::Ones(), Eigen::Vector4f::Ones(), Eigen::Vector4f::Ones()});
+        corner_rgba.resize(triangles.size(),
+                           {Eigen::Vector4f::Ones(), Eigen::Vector4f::Ones(), Eigen::Vector4f::Ones()});
         corner_rgba[t] = rgba;
     }
 };

@@ -39,24 +39,28 @@ IsolationLimits limits_of(const ReadOptions& options) {
 
 void validate(const ReadOptions& options) {
     if (!(options.timeout_s > 0) || !std::isfinite(options.timeout_s))
-        throw UsageError(fmt::format("the time to read a file must be a positive number of seconds, not {}", options.timeout_s));
+        throw UsageError(
+            fmt::format("the time to read a file must be a positive number of seconds, not {}", options.timeout_s));
     if (options.max_pixels == 0 || options.max_pixels > (std::uint64_t{1} << 32))
         throw UsageError(fmt::format("the limit of pixels must be between 1 and 2^32, not {}", options.max_pixels));
 }
 
 bool is_model_name(const std::filesystem::path& path) {
     const std::string extension = extension_of(path);
-    return extension == "obj" || extension == "ply" || extension == "stl" || extension == "gltf" || extension == "glb" || extension == "3mf";
+    return extension == "obj" || extension == "ply" || extension == "stl" || extension == "gltf" ||
+           extension == "glb" || extension == "3mf";
 }
 
 ModelFile read_model(const std::filesystem::path& path, const ReadOptions& options) {
     validate(options);
     const std::string name = path.filename().string();
     if (!is_model_name(path))
-        throw InputError(fmt::format("{} is no model of a known kind; OBJ, PLY, STL, glTF, GLB and 3MF can be read", name));
+        throw InputError(
+            fmt::format("{} is no model of a known kind; OBJ, PLY, STL, glTF, GLB and 3MF can be read", name));
     ModelParts parts;
     if (options.isolate)
-        parts = unpack_model(run_isolated(name, limits_of(options), [&] { return pack(parse(path, options)); }, options.progress));
+        parts = unpack_model(run_isolated(
+            name, limits_of(options), [&] { return pack(parse(path, options)); }, options.progress));
     else
         parts = parse(path, options);
     return finish_model(std::move(parts), name, options);
@@ -66,10 +70,13 @@ Picture read_picture(const std::filesystem::path& path, const ReadOptions& optio
     validate(options);
     const std::string name = path.filename().string();
     const auto decode = [&] {
-        return decode_image(read_bytes(path, options.max_file_bytes), name, {.max_pixels = options.max_pixels, .turn_upright = true});
+        return decode_image(read_bytes(path, options.max_file_bytes), name,
+                            {.max_pixels = options.max_pixels, .turn_upright = true});
     };
-    DecodedImage image =
-        options.isolate ? unpack_image(run_isolated(name, limits_of(options), [&] { return pack(decode()); }, options.progress)) : decode();
+    DecodedImage image = options.isolate
+                             ? unpack_image(run_isolated(
+                                   name, limits_of(options), [&] { return pack(decode()); }, options.progress))
+                             : decode();
     Picture picture;
     picture.width_px = image.texels.width_px;
     picture.height_px = image.texels.height_px;

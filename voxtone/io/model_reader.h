@@ -3,14 +3,18 @@
 // Models from files: OBJ + MTL, PLY, STL, glTF 2.0 / GLB and 3MF.
 //
 // Colour, as io/mesh.h combines it (linear sRGB):
-// - OBJ: `map_Kd` with -o, -s and -clamp; Kd, taken as sRGB, where there is no map. Kd does NOT multiply the map, although
-//   the MTL note says so: exporters leave grey defaults there (0.64, 0.8) beside finished photographs, and people expect the
-//   colours of the picture. A Kd that is no grey and was not applied is reported. Vertex colours (v x y z r g b) are sRGB.
+// - OBJ: `map_Kd` with -o, -s and -clamp; Kd, taken as sRGB, where there is no map. Kd does NOT multiply the map,
+// although
+//   the MTL note says so: exporters leave grey defaults there (0.64, 0.8) beside finished photographs, and people
+//   expect the colours of the picture. A Kd that is no grey and was not applied is reported. Vertex colours (v x y z r
+//   g b) are sRGB.
 // - PLY: vertex colours of integers are sRGB codes, of floats linear; `comment TextureFile`. Face colours are reported.
 // - STL: none. Attribute words that look like the colours of VisCAM or Magics are reported.
-// - glTF: baseColorFactor (linear) * COLOR_0 (linear) * baseColorTexture (sRGB) with KHR_texture_transform; nothing else of
-//   the material is colour. Alpha counts only where alphaMode is MASK or BLEND. Node transforms are applied; skins stay as
-//   stored (their bind pose), animations are left aside. The axes are turned from y up to z up: (x, y, z) -> (x, -z, y).
+// - glTF: baseColorFactor (linear) * COLOR_0 (linear) * baseColorTexture (sRGB) with KHR_texture_transform; nothing
+// else of
+//   the material is colour. Alpha counts only where alphaMode is MASK or BLEND. Node transforms are applied; skins stay
+//   as stored (their bind pose), animations are left aside. The axes are turned from y up to z up: (x, y, z) -> (x, -z,
+//   y).
 // - 3MF: see io/read_3mf.h.
 // In all but glTF the axes stay as they are. Alpha is composed over white, with a warning where it is used. Where no
 // triangle of the model uses a texture's texel, the nearest used one is put (io/texel_coverage.h).
@@ -36,7 +40,7 @@ struct ReadOptions {
     std::uint64_t memory_bytes = std::uint64_t{4} << 30;  ///< what parsing may take; 0: no limit (sanitizers need that)
     double timeout_s = 120;                               ///< > 0
     std::uint64_t max_file_bytes = std::uint64_t{2} << 30;
-    std::uint64_t max_pixels = std::uint64_t{1} << 28;    ///< of one picture
+    std::uint64_t max_pixels = std::uint64_t{1} << 28;          ///< of one picture
     std::uint64_t max_unpacked_bytes = std::uint64_t{2} << 30;  ///< of all of a 3MF's parts
     bool fill_gutters = true;
     const Progress* progress = nullptr;  ///< asked for cancellation

@@ -61,8 +61,9 @@ void parse_map(std::string_view text, MtlMaterial& material) {
             numbers(rest);
         } else if (option == "-clamp") {
             material.map_clamp = next_word(rest) == "on";
-        } else if (option == "-blendu" || option == "-blendv" || option == "-cc" || option == "-imfchan" || option == "-boost" ||
-                   option == "-texres" || option == "-bm" || option == "-type" || option == "-colorspace") {
+        } else if (option == "-blendu" || option == "-blendv" || option == "-cc" || option == "-imfchan" ||
+                   option == "-boost" || option == "-texres" || option == "-bm" || option == "-type" ||
+                   option == "-colorspace") {
             next_word(rest);
         } else {
             break;  // a file name that begins with a dash
@@ -75,7 +76,8 @@ void parse_map(std::string_view text, MtlMaterial& material) {
 
 std::string lower(std::string_view text) {
     std::string out(text);
-    std::transform(out.begin(), out.end(), out.begin(), [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
+    std::transform(out.begin(), out.end(), out.begin(),
+                   [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
     return out;
 }
 
@@ -97,7 +99,8 @@ std::vector<MtlMaterial> parse_mtl(std::string_view text) {
         if (key == "kd") {
             const std::vector<float> values = numbers(line);
             if (values.size() == 1) material.kd = Eigen::Vector3f::Constant(values[0]).cwiseMax(0).cwiseMin(1);
-            if (values.size() == 3) material.kd = Eigen::Vector3f(values[0], values[1], values[2]).cwiseMax(0).cwiseMin(1);
+            if (values.size() == 3)
+                material.kd = Eigen::Vector3f(values[0], values[1], values[2]).cwiseMax(0).cwiseMin(1);
         } else if (key == "d" || key == "tr") {
             if (line.starts_with("-halo")) next_word(line);
             if (const std::vector<float> values = numbers(line); !values.empty())

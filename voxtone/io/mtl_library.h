@@ -17,7 +17,7 @@ struct MtlMaterial {
     std::string name;
     std::optional<Eigen::Vector3f> kd;  ///< sRGB codes in [0, 1]
     float opacity = 1;
-    std::string map_kd;                 ///< empty: none
+    std::string map_kd;  ///< empty: none
     Eigen::Vector2f map_offset = Eigen::Vector2f::Zero(), map_scale = Eigen::Vector2f::Ones();
     bool map_clamp = false;
     bool has_opacity_map = false;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// 3MF packages: build items, components and transforms laid out; properties of triangles resolved to colours and textures.
+// 3MF packages: build items, components and transforms laid out; properties of triangles resolved to colours and
+// textures.
 #include <cmath>
 #include <map>
 #include <set>
@@ -21,7 +22,9 @@ namespace {
 constexpr int deepest_component = 64;
 constexpr std::size_t most_instances = 1'000'000, most_triangles = std::size_t{1} << 28;
 
-std::string_view text_of(const std::vector<std::byte>& bytes) { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
+std::string_view text_of(const std::vector<std::byte>& bytes) {
+    return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
 
 Eigen::Vector4f to_linear(const Eigen::Vector4f& code) {
     const Eigen::Vector3f rgb = srgb_to_linear(Eigen::Vector3f(code.head<3>()));
@@ -32,7 +35,7 @@ Eigen::Vector4f to_linear(const Eigen::Vector4f& code) {
 struct Corner {
     Eigen::Vector4f rgba = Eigen::Vector4f::Ones();  // linear; what lies under the texture, if there is one
     Eigen::Vector2f uv = Eigen::Vector2f::Zero();
-    std::uint32_t texture = no_property;             // texture2d on top of the colour
+    std::uint32_t texture = no_property;  // texture2d on top of the colour
 };
 
 /// A layer over what lies below: "mix" by its alpha, or "multiply".
@@ -58,12 +61,15 @@ public:
         const ThreemfPart& part = load(root);
         parts_.mm_per_file_unit = part.mm_per_unit;
         if (part.items.empty()) {
-            warn(fmt::format("{} has no build items, so that nothing in it is meant to be printed; all its objects were taken.", context_.name()));
+            warn(fmt::format(
+                "{} has no build items, so that nothing in it is meant to be printed; all its objects were taken.",
+                context_.name()));
             std::set<std::uint32_t> used;
             for (const auto& [id, object] : part.objects)
                 for (const ThreemfReference& component : object.components) used.insert(component.object);
             for (const auto& [id, object] : part.objects)
-                if (!used.contains(id)) add_object(root, {id, {}, Eigen::Affine3d::Identity()}, Eigen::Affine3d::Identity(), 0);
+                if (!used.contains(id))
+                    add_object(root, {id, {}, Eigen::Affine3d::Identity()}, Eigen::Affine3d::Identity(), 0);
         }
         for (const ThreemfReference& item : part.items) add_object(root, item, Eigen::Affine3d::Identity(), 0);
         report();
@@ -83,38 +89,51 @@ private:
         if (const auto known = model_parts_.find(path); known != model_parts_.end()) return known->second;
         const auto bytes = archive_.read(path);
         if (!bytes) fail(fmt::format("it has no part '{}'", path));
-        const ThreemfPart& part = model_parts_[path] = parse_threemf_part(text_of(*bytes), context_.name() + ":" + path);
+        const ThreemfPart& part = model_parts_[path] =
+            parse_threemf_part(text_of(*bytes), context_.name() + ":" + path);
         for (const std::string& extension : part.required_extensions) {
-            if (extension.find("/material/") != std::string::npos || extension.find("/production/") != std::string::npos) continue;
+            if (extension.find("/material/") != std::string::npos ||
+                extension.find("/production/") != std::string::npos)
+                continue;
             if (extension.find("/securecontent/") != std::string::npos)
                 throw InputError(fmt::format("{} is encrypted; export it without protection", context_.name()));
-            lose(fmt::format("{} requires the extension {}, which cannot be read: what it adds is LOST", context_.name(), extension));
+            lose(fmt::format("{} requires the extension {}, which cannot be read: what it adds is LOST",
+                             context_.name(), extension));
         }
-        if (part.has_beams) lose(fmt::format("{} has a beam lattice, which cannot be read: its beams are LOST. Export it as a mesh", context_.name()));
+        if (part.has_beams)
+            lose(fmt::format("{} has a beam lattice, which cannot be read: its beams are LOST. Export it as a mesh",
+                             context_.name()));
         if (part.has_painting)
-            lose(fmt::format("{} has colours painted in a slicer, in a form of that program's own: they are LOST. Export the model with colour groups "
-                             "or as OBJ or GLB", context_.name()));
+            lose(
+                fmt::format("{} has colours painted in a slicer, in a form of that program's own: they are LOST. "
+                            "Export the model with colour groups "
+                            "or as OBJ or GLB",
+                            context_.name()));
         return part;
     }
 
-    void add_object(const std::string& part_path, const ThreemfReference& reference, const Eigen::Affine3d& parent, int depth) {
+    void add_object(const std::string& part_path, const ThreemfReference& reference, const Eigen::Affine3d& parent,
+                    int depth) {
         if (depth > deepest_component) fail("its components are nested too deep, or hold themselves");
         if (++instances_ > most_instances) fail(fmt::format("it has more than {} components", most_instances));
         const std::string& path = reference.path.empty() ? part_path : reference.path;
         const ThreemfPart& part = load(path);
         const auto found = part.objects.find(reference.object);
-        if (found == part.objects.end()) fail(fmt::format("object {} is used, but does not exist in {}", reference.object, path));
+        if (found == part.objects.end())
+            fail(fmt::format("object {} is used, but does not exist in {}", reference.object, path));
         const ThreemfObject& object = found->second;
         const Eigen::Affine3d transform = parent * reference.transform;
         if (object.type == "support" || object.type == "solidsupport" || object.type == "other") {
-            lose(fmt::format("{} has objects of the type '{}', which are no part of the model; they are left aside", context_.name(), object.type));
+            lose(fmt::format("{} has objects of the type '{}', which are no part of the model; they are left aside",
+                             context_.name(), object.type));
             return;
         }
         for (const ThreemfReference& component : object.components) add_object(path, component, transform, depth + 1);
         if (!object.triangles.empty()) add_mesh(path, part, object, transform);
     }
 
-    void add_mesh(const std::string& path, const ThreemfPart& part, const ThreemfObject& object, const Eigen::Affine3d& transform) {
+    void add_mesh(const std::string& path, const ThreemfPart& part, const ThreemfObject& object,
+                  const Eigen::Affine3d& transform) {
         if (parts_.triangles.size() + object.triangles.size() > most_triangles ||
             parts_.positions.size() + object.vertices.size() > std::size_t{no_property})
             fail(fmt::format("its components add up to more than {} triangles", most_triangles));
@@ -125,7 +144,8 @@ private:
             std::array<std::uint32_t, 3> corners = triangle.corners;
             for (const std::uint32_t corner : corners)
                 if (corner >= object.vertices.size())
-                    fail(fmt::format("a triangle uses vertex {}, but its object has {}", corner, object.vertices.size()));
+                    fail(fmt::format("a triangle uses vertex {}, but its object has {}", corner,
+                                     object.vertices.size()));
             std::array<std::uint32_t, 3> p{triangle.p[0], triangle.p[1] == no_property ? triangle.p[0] : triangle.p[1],
                                            triangle.p[2] == no_property ? triangle.p[0] : triangle.p[2]};
             std::uint32_t pid = triangle.pid;
@@ -143,10 +163,13 @@ private:
         }
     }
 
-    void colour_triangle(const std::string& path, const ThreemfPart& part, std::size_t t, std::uint32_t pid, std::array<std::uint32_t, 3> p) {
+    void colour_triangle(const std::string& path, const ThreemfPart& part, std::size_t t, std::uint32_t pid,
+                         std::array<std::uint32_t, 3> p) {
         const auto group = part.groups.find(pid);
-        if (group == part.groups.end()) return lose(fmt::format("{}: triangles use the property group {}, which does not exist: their colours are LOST",
-                                                                context_.name(), pid));
+        if (group == part.groups.end())
+            return lose(
+                fmt::format("{}: triangles use the property group {}, which does not exist: their colours are LOST",
+                            context_.name(), pid));
         // Base materials and their composites have no gradients: the first corner's holds for all.
         using Kind = ThreemfGroup::Kind;
         if (group->second.kind == Kind::base_materials || group->second.kind == Kind::composites) p[1] = p[2] = p[0];
@@ -155,18 +178,21 @@ private:
         if (group->second.kind == Kind::unknown) return;
         parts_.has_colour = true;
         if (corner[0].texture != no_property) return lay_texture(path, part, t, corner);
-        if (corner[0].rgba != Eigen::Vector4f::Ones() || corner[1].rgba != Eigen::Vector4f::Ones() || corner[2].rgba != Eigen::Vector4f::Ones())
+        if (corner[0].rgba != Eigen::Vector4f::Ones() || corner[1].rgba != Eigen::Vector4f::Ones() ||
+            corner[2].rgba != Eigen::Vector4f::Ones())
             parts_.set_rgba(t, {corner[0].rgba, corner[1].rgba, corner[2].rgba});
     }
 
-    void lay_texture(const std::string& path, const ThreemfPart& part, std::size_t t, const std::array<Corner, 3>& corner) {
-        // A transparent texture shows what lies under it. That colour is laid under the picture as a whole, so it has to be
-        // the same at all three corners.
+    void lay_texture(const std::string& path, const ThreemfPart& part, std::size_t t,
+                     const std::array<Corner, 3>& corner) {
+        // A transparent texture shows what lies under it. That colour is laid under the picture as a whole, so it has
+        // to be the same at all three corners.
         const Eigen::Vector4f &a = corner[0].rgba, &b = corner[1].rgba, &c = corner[2].rgba;
         Eigen::Vector4f under = a;
         if (a != b || a != c) {
             under = (a + b + c) / 3;
-            lose(fmt::format("{}: a texture lies over a colour gradient; its mean is taken under each triangle", context_.name()));
+            lose(fmt::format("{}: a texture lies over a colour gradient; its mean is taken under each triangle",
+                             context_.name()));
         }
         const std::uint32_t material = texture_material(path, part, corner[0].texture, under);
         parts_.material_of_triangle[t] = material;
@@ -176,13 +202,15 @@ private:
             parts_.set_rgba(t, {under, under, under});
     }
 
-    std::uint32_t texture_material(const std::string& path, const ThreemfPart& part, std::uint32_t id, const Eigen::Vector4f& under) {
+    std::uint32_t texture_material(const std::string& path, const ThreemfPart& part, std::uint32_t id,
+                                   const Eigen::Vector4f& under) {
         const auto key = std::make_tuple(path, id, std::array{under.x(), under.y(), under.z(), under.w()});
         if (const auto known = materials_.find(key); known != materials_.end()) return known->second;
         const auto index = static_cast<std::uint32_t>(parts_.materials.size());
         PartMaterial material;
         if (const auto found = part.textures.find(id); found == part.textures.end()) {
-            lose(fmt::format("{} uses the texture {}, which does not exist: its colours are LOST", context_.name(), id));
+            lose(
+                fmt::format("{} uses the texture {}, which does not exist: its colours are LOST", context_.name(), id));
         } else {
             const ThreemfTexture& texture = found->second;
             material.name = texture.path;
@@ -193,7 +221,8 @@ private:
             if (const auto picture = picture_of(texture.path))
                 material.image = context_.add_image_bytes(parts_, texture.path, *picture, context_.decode_options());
             else
-                lose(fmt::format("The texture '{}' that {} names is not in it: its colours are LOST", texture.path, context_.name()));
+                lose(fmt::format("The texture '{}' that {} names is not in it: its colours are LOST", texture.path,
+                                 context_.name()));
         }
         parts_.materials.push_back(material);
         return materials_[key] = index;
@@ -234,7 +263,8 @@ private:
                 corner = stack(part, group, group.values[p], level);
                 break;
             case Kind::unknown:
-                lose(fmt::format("{} has properties of the kind '{}', which cannot be read: they are LOST", context_.name(), group.element));
+                lose(fmt::format("{} has properties of the kind '{}', which cannot be read: they are LOST",
+                                 context_.name(), group.element));
                 break;
         }
         return corner;
@@ -242,13 +272,17 @@ private:
 
     /// The display colours of a composite, mixed by their shares in linear light.
     Eigen::Vector4f mix(const ThreemfPart& part, const ThreemfGroup& group, const std::vector<double>& shares) {
-        lose(fmt::format("{} has composite materials; what they are mixed from is LOST, only their display colours are mixed", context_.name()));
+        lose(fmt::format(
+            "{} has composite materials; what they are mixed from is LOST, only their display colours are mixed",
+            context_.name()));
         const auto base = part.groups.find(group.refers_to);
-        if (base == part.groups.end() || base->second.kind != ThreemfGroup::Kind::base_materials) fail("a composite has no base materials");
+        if (base == part.groups.end() || base->second.kind != ThreemfGroup::Kind::base_materials)
+            fail("a composite has no base materials");
         Eigen::Vector4f sum = Eigen::Vector4f::Zero();
         double total = 0;
         for (std::size_t i = 0; i < shares.size() && i < group.members.size(); ++i) {
-            if (group.members[i] >= base->second.rgba.size()) fail("a composite uses a base material that does not exist");
+            if (group.members[i] >= base->second.rgba.size())
+                fail("a composite uses a base material that does not exist");
             if (!(shares[i] > 0) || !std::isfinite(shares[i])) continue;
             sum += static_cast<float>(shares[i]) * to_linear(base->second.rgba[group.members[i]]);
             total += shares[i];
@@ -256,7 +290,8 @@ private:
         return total > 0 ? Eigen::Vector4f(sum / static_cast<float>(total)) : Eigen::Vector4f(Eigen::Vector4f::Ones());
     }
 
-    /// Layers of a multiproperty from the bottom up: colours as the specification says; of textures the topmost is kept.
+    /// Layers of a multiproperty from the bottom up: colours as the specification says; of textures the topmost is
+    /// kept.
     Corner stack(const ThreemfPart& part, const ThreemfGroup& group, const std::vector<double>& indices, int level) {
         if (level > 0) fail("a multiproperty refers to another one");
         Corner corner;
@@ -264,7 +299,8 @@ private:
         bool colour_over_texture = false;
         for (std::size_t i = 0; i < group.members.size(); ++i) {
             const auto member = part.groups.find(group.members[i]);
-            if (member == part.groups.end()) fail(fmt::format("a multiproperty uses the group {}, which does not exist", group.members[i]));
+            if (member == part.groups.end())
+                fail(fmt::format("a multiproperty uses the group {}, which does not exist", group.members[i]));
             const double index = i < indices.size() ? indices[i] : 0;
             if (!(index >= 0 && index < 4e9)) fail("a multiproperty has an index that is no index");
             const Corner layer = resolve(part, member->second, static_cast<std::uint32_t>(index), level + 1);
@@ -273,18 +309,26 @@ private:
                 ++textures;
                 corner.texture = layer.texture;
                 corner.uv = layer.uv;
-                if (multiply) lose(fmt::format("{}: a texture multiplies what lies under it (multiproperties); it is laid over it instead", context_.name()));
+                if (multiply)
+                    lose(fmt::format(
+                        "{}: a texture multiplies what lies under it (multiproperties); it is laid over it instead",
+                        context_.name()));
             } else {
                 colour_over_texture |= textures > 0;
                 corner.rgba = i == 0 ? layer.rgba : lay_over(corner.rgba, layer.rgba, multiply);
             }
         }
         if (textures > 1)
-            lose(fmt::format("{} lays several textures over each other (multiproperties); only the topmost is kept, the colours of the others are "
-                             "LOST. Bake them into one texture", context_.name()));
+            lose(
+                fmt::format("{} lays several textures over each other (multiproperties); only the topmost is kept, the "
+                            "colours of the others are "
+                            "LOST. Bake them into one texture",
+                            context_.name()));
         if (colour_over_texture)
-            lose(fmt::format("{} lays a colour over a texture (multiproperties); it is taken under it instead. Bake them into one texture",
-                             context_.name()));
+            lose(
+                fmt::format("{} lays a colour over a texture (multiproperties); it is taken under it instead. Bake "
+                            "them into one texture",
+                            context_.name()));
         return corner;
     }
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// glTF 2.0 and GLB: scene, nodes, triangles, base colours. Read here and not by a library, because the libraries at hand
-// lose or rewrite what decides the colour (texture transforms, alpha modes, the second set of coordinates) and do not say
-// what they left out.
-// Based on: Khronos Group, "glTF 2.0 Specification", version 2.0.1, 2021; extension KHR_texture_transform.
+// glTF 2.0 and GLB: scene, nodes, triangles, base colours. Read here and not by a library, because the libraries at
+// hand lose or rewrite what decides the colour (texture transforms, alpha modes, the second set of coordinates) and do
+// not say what they left out. Based on: Khronos Group, "glTF 2.0 Specification", version 2.0.1, 2021; extension
+// KHR_texture_transform.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -12,8 +12,8 @@
 #include <set>
 #include <string_view>
 
-#include <Eigen/Geometry>
 #include <fmt/format.h>
+#include <Eigen/Geometry>
 #include <nlohmann/json.hpp>
 
 #include "voxtone/base/error.h"
@@ -64,7 +64,8 @@ template <class Vector>
 void numbers(const Json& parent, const char* key, Vector& values) {
     const Json& list = array(parent, key);
     for (Eigen::Index i = 0; i < values.size() && i < static_cast<Eigen::Index>(list.size()); ++i)
-        if (list[static_cast<std::size_t>(i)].is_number()) values.data()[i] = list[static_cast<std::size_t>(i)].template get<typename Vector::Scalar>();
+        if (list[static_cast<std::size_t>(i)].is_number())
+            values.data()[i] = list[static_cast<std::size_t>(i)].template get<typename Vector::Scalar>();
 }
 
 std::uint32_t little_endian(std::span<const std::byte> bytes, std::size_t at) {
@@ -77,7 +78,8 @@ std::vector<std::byte> decode_base64(std::string_view coded) {
     constexpr std::string_view digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     std::array<std::int8_t, 256> value;
     value.fill(-1);
-    for (std::size_t i = 0; i < digits.size(); ++i) value[static_cast<unsigned char>(digits[i])] = static_cast<std::int8_t>(i);
+    for (std::size_t i = 0; i < digits.size(); ++i)
+        value[static_cast<unsigned char>(digits[i])] = static_cast<std::int8_t>(i);
     std::vector<std::byte> bytes;
     bytes.reserve(coded.size() / 4 * 3);
     std::uint32_t bits = 0;
@@ -95,8 +97,8 @@ std::vector<std::byte> decode_base64(std::string_view coded) {
 }
 
 /// KHR_texture_transform, in glTF's coordinates (v down): translation * rotation * scale. Positive angles turn the
-/// coordinates counter-clockwise as one sees them on the picture; the matrix in the extension's listing turns the other way,
-/// which is a known mistake there (KhronosGroup/glTF issue 1563) and not what viewers do.
+/// coordinates counter-clockwise as one sees them on the picture; the matrix in the extension's listing turns the other
+/// way, which is a known mistake there (KhronosGroup/glTF issue 1563) and not what viewers do.
 struct UvTransform {
     Eigen::Vector2d offset = Eigen::Vector2d::Zero(), scale = Eigen::Vector2d::Ones();
     double rotation = 0;
@@ -122,7 +124,8 @@ public:
         check_extensions();
         read_buffers();
         read_accessors();
-        for (std::size_t m = 0; m < array(root_, "materials").size(); ++m) read_material(item("materials", static_cast<std::int64_t>(m)));
+        for (std::size_t m = 0; m < array(root_, "materials").size(); ++m)
+            read_material(item("materials", static_cast<std::int64_t>(m)));
         default_material_ = static_cast<std::uint32_t>(parts_.materials.size());
         parts_.materials.emplace_back().name = "(none)";
         material_uv_.emplace_back();
@@ -148,9 +151,11 @@ private:
         std::span<const std::byte> bytes = context_.bytes(), json = bytes;
         if (bytes.size() >= 4 && std::memcmp(bytes.data(), "glTF", 4) == 0) {
             if (bytes.size() < 20) fail("its header is cut short");
-            if (little_endian(bytes, 4) != 2) fail(fmt::format("it is of version {}, only 2 can be read", little_endian(bytes, 4)));
+            if (little_endian(bytes, 4) != 2)
+                fail(fmt::format("it is of version {}, only 2 can be read", little_endian(bytes, 4)));
             const std::size_t declared = little_endian(bytes, 8);
-            if (declared > bytes.size()) fail(fmt::format("it declares {} bytes and has {}: it is cut short", declared, bytes.size()));
+            if (declared > bytes.size())
+                fail(fmt::format("it declares {} bytes and has {}: it is cut short", declared, bytes.size()));
             bytes = bytes.first(declared);
             std::size_t at = 12;
             for (int chunk = 0; at + 8 <= bytes.size(); ++chunk) {
@@ -168,24 +173,29 @@ private:
             fail(fmt::format("its JSON cannot be read ({})", error.what()));
         }
         const std::string version = root_.is_object() ? text(object(root_, "asset"), "version") : "";
-        if (!version.starts_with("2.")) fail(fmt::format("it says that it is of version '{}', only 2.0 can be read", version));
+        if (!version.starts_with("2."))
+            fail(fmt::format("it says that it is of version '{}', only 2.0 can be read", version));
     }
 
     void check_extensions() const {
         for (const Json& extension : array(root_, "extensionsRequired")) {
             const std::string name = extension.is_string() ? extension.get<std::string>() : "";
-            if (name.starts_with("KHR_materials_") || name == "KHR_texture_transform" || name == "KHR_mesh_quantization" ||
-                name == "KHR_lights_punctual" || name == "EXT_texture_webp" || name == "KHR_texture_basisu" || name.starts_with("KHR_animation"))
+            if (name.starts_with("KHR_materials_") || name == "KHR_texture_transform" ||
+                name == "KHR_mesh_quantization" || name == "KHR_lights_punctual" || name == "EXT_texture_webp" ||
+                name == "KHR_texture_basisu" || name.starts_with("KHR_animation"))
                 continue;
-            throw InputError(fmt::format("{} cannot be read without the extension {}, which is not known here; export it without (for Draco or "
-                                         "meshopt: without mesh compression)", context_.name(), name));
+            throw InputError(fmt::format(
+                "{} cannot be read without the extension {}, which is not known here; export it without (for Draco or "
+                "meshopt: without mesh compression)",
+                context_.name(), name));
         }
     }
 
     std::optional<std::vector<std::byte>> data_uri(const std::string& uri) const {
         if (!uri.starts_with("data:")) return std::nullopt;
         const std::size_t comma = uri.find(',');
-        if (comma == std::string::npos || uri.rfind(";base64", comma) == std::string::npos) fail("a data URI is not in base64");
+        if (comma == std::string::npos || uri.rfind(";base64", comma) == std::string::npos)
+            fail("a data URI is not in base64");
         return decode_base64(std::string_view(uri).substr(comma + 1));
     }
 
@@ -203,8 +213,9 @@ private:
             } else {
                 const auto path = context_.files().find(decode_uri(uri));
                 if (!path)
-                    throw InputError(fmt::format("the file '{}', which holds the geometry of {}, was not found beside it; put it there", uri,
-                                                 context_.name()));
+                    throw InputError(fmt::format(
+                        "the file '{}', which holds the geometry of {}, was not found beside it; put it there", uri,
+                        context_.name()));
                 bytes = read_bytes(*path, context_.options().max_file_bytes);
             }
             if (length < 0 || static_cast<std::uint64_t>(length) > bytes.size())
@@ -215,17 +226,29 @@ private:
 
     void read_accessors() {
         for (const Json& v : array(root_, "bufferViews"))
-            data_.views.push_back({integer(v, "buffer", -1), integer(v, "byteOffset", 0), integer(v, "byteLength", -1), integer(v, "byteStride", 0)});
+            data_.views.push_back({integer(v, "buffer", -1), integer(v, "byteOffset", 0), integer(v, "byteLength", -1),
+                                   integer(v, "byteStride", 0)});
         for (const Json& a : array(root_, "accessors")) {
-            GltfAccessor accessor{integer(a, "bufferView", -1), integer(a, "byteOffset", 0), integer(a, "count", -1), integer(a, "componentType", 0), 0, false, {}};
+            GltfAccessor accessor{integer(a, "bufferView", -1),
+                                  integer(a, "byteOffset", 0),
+                                  integer(a, "count", -1),
+                                  integer(a, "componentType", 0),
+                                  0,
+                                  false,
+                                  {}};
             const std::string type = text(a, "type");
-            accessor.components = type == "SCALAR" ? 1 : type == "VEC2" ? 2 : type == "VEC3" ? 3 : type == "VEC4" ? 4 : 0;
+            accessor.components = type == "SCALAR" ? 1
+                                  : type == "VEC2" ? 2
+                                  : type == "VEC3" ? 3
+                                  : type == "VEC4" ? 4
+                                                   : 0;
             const auto normalised = a.find("normalized");
             accessor.normalised = normalised != a.end() && normalised->is_boolean() && normalised->get<bool>();
             if (const Json& sparse = object(a, "sparse"); !sparse.empty()) {
                 const Json &where = object(sparse, "indices"), &what = object(sparse, "values");
-                accessor.sparse = {integer(sparse, "count", -1), integer(where, "bufferView", -1), integer(where, "byteOffset", 0),
-                                   integer(where, "componentType", 0), integer(what, "bufferView", -1), integer(what, "byteOffset", 0)};
+                accessor.sparse = {integer(sparse, "count", -1),    integer(where, "bufferView", -1),
+                                   integer(where, "byteOffset", 0), integer(where, "componentType", 0),
+                                   integer(what, "bufferView", -1), integer(what, "byteOffset", 0)};
             }
             data_.accessors.push_back(accessor);
         }
@@ -236,13 +259,17 @@ private:
         const std::string uri = text(image, "uri"), name = text(image, "name");
         DecodeOptions decode = context_.decode_options();
         decode.use_profile = false;  // section 3.9.2: colour space information in the picture is to be ignored
-        const std::string key = name.empty() ? fmt::format("image {} of {}", index, context_.name()) : fmt::format("image {} ({})", index, name);
-        if (uri.empty()) return context_.add_image_bytes(parts_, key, data_.view(integer(image, "bufferView", -1)), decode);
+        const std::string key = name.empty() ? fmt::format("image {} of {}", index, context_.name())
+                                             : fmt::format("image {} ({})", index, name);
+        if (uri.empty())
+            return context_.add_image_bytes(parts_, key, data_.view(integer(image, "bufferView", -1)), decode);
         if (const auto inside = data_uri(uri)) return context_.add_image_bytes(parts_, key, *inside, decode);
         return context_.add_image_file(parts_, decode_uri(uri), decode);
     }
 
-    static Wrap wrap(std::int64_t code) { return code == 33071 ? Wrap::clamp : code == 33648 ? Wrap::mirror : Wrap::repeat; }
+    static Wrap wrap(std::int64_t code) {
+        return code == 33071 ? Wrap::clamp : code == 33648 ? Wrap::mirror : Wrap::repeat;
+    }
 
     void read_texture(const Json& info, PartMaterial& material, MaterialUv& uv) {
         const Json& texture = item("textures", integer(info, "index", -1));
@@ -261,10 +288,14 @@ private:
         }
         std::int64_t source = integer(texture, "source", -1);
         const Json& extensions = object(texture, "extensions");
-        if (const Json& webp = object(extensions, "EXT_texture_webp"); !webp.empty()) source = integer(webp, "source", source);
+        if (const Json& webp = object(extensions, "EXT_texture_webp"); !webp.empty())
+            source = integer(webp, "source", source);
         if (source == -1) {
-            warn(fmt::format("The texture of the material '{}' is in a form that cannot be read ({}): its colours are LOST. Export it with PNG "
-                             "or JPEG textures.", material.name, extensions.empty() ? "no image" : extensions.begin().key()));
+            warn(
+                fmt::format("The texture of the material '{}' is in a form that cannot be read ({}): its colours are "
+                            "LOST. Export it with PNG "
+                            "or JPEG textures.",
+                            material.name, extensions.empty() ? "no image" : extensions.begin().key()));
             return;
         }
         material.image = read_image(source);
@@ -321,13 +352,16 @@ private:
             if (const std::int64_t mesh = integer(node, "mesh", -1); mesh != -1) {
                 if (node.contains("skin")) ++skinned_;
                 if (object(node, "extensions").contains("EXT_mesh_gpu_instancing"))
-                    warn(fmt::format("Node {} of {} stands for many copies (EXT_mesh_gpu_instancing); only one was read.", index, context_.name()));
+                    warn(fmt::format(
+                        "Node {} of {} stands for many copies (EXT_mesh_gpu_instancing); only one was read.", index,
+                        context_.name()));
                 const Json& primitives = array(item("meshes", mesh), "primitives");
                 for (std::size_t p = 0; p < primitives.size(); ++p) read_primitive(primitives[p], mesh, p, transform);
             }
             const Json& children = array(node, "children");
             for (std::size_t c = children.size(); c-- > 0;)
-                open.emplace_back(children[c].is_number_integer() ? children[c].get<std::int64_t>() : absurd, transform);
+                open.emplace_back(children[c].is_number_integer() ? children[c].get<std::int64_t>() : absurd,
+                                  transform);
         }
     }
 
@@ -345,7 +379,8 @@ private:
         numbers(node, "translation", translation);
         numbers(node, "rotation", q);
         numbers(node, "scale", scale);
-        const Eigen::Quaterniond rotation = q.norm() > 0 ? Eigen::Quaterniond(q).normalized() : Eigen::Quaterniond::Identity();
+        const Eigen::Quaterniond rotation =
+            q.norm() > 0 ? Eigen::Quaterniond(q).normalized() : Eigen::Quaterniond::Identity();
         transform.linear() = rotation.toRotationMatrix() * scale.asDiagonal();
         transform.translation() = translation;
         return transform;
@@ -364,9 +399,11 @@ private:
             if (i >= vertices) fail(fmt::format("a triangle uses vertex {}, but there are only {}", i, vertices));
         std::vector<std::array<std::uint32_t, 3>> triangles;
         if (mode == 4)
-            for (std::size_t i = 0; i + 2 < index.size(); i += 3) triangles.push_back({index[i], index[i + 1], index[i + 2]});
+            for (std::size_t i = 0; i + 2 < index.size(); i += 3)
+                triangles.push_back({index[i], index[i + 1], index[i + 2]});
         else if (mode == 5)
-            for (std::size_t i = 0; i + 2 < index.size(); ++i) triangles.push_back({index[i], index[i + 1 + i % 2], index[i + 2 - i % 2]});
+            for (std::size_t i = 0; i + 2 < index.size(); ++i)
+                triangles.push_back({index[i], index[i + 1 + i % 2], index[i + 2 - i % 2]});
         else if (mode == 6)
             for (std::size_t i = 1; i + 1 < index.size(); ++i) triangles.push_back({index[i], index[i + 1], index[0]});
         else if (mode >= 0 && mode <= 3)
@@ -376,22 +413,28 @@ private:
         return triangles;
     }
 
-    void read_primitive(const Json& primitive, std::int64_t mesh, std::size_t number, const Eigen::Affine3d& transform) {
+    void read_primitive(const Json& primitive, std::int64_t mesh, std::size_t number,
+                        const Eigen::Affine3d& transform) {
         const std::string what = fmt::format("primitive {} of mesh {}", number, mesh);
         if (!primitive.is_object()) fail(fmt::format("{} is no object", what));
         if (!array(primitive, "targets").empty()) morph_targets_ = true;
         const Json& attributes = object(primitive, "attributes");
         const std::int64_t position = integer(attributes, "POSITION", -1);
         if (position == -1) return;
-        if (object(primitive, "extensions").contains("KHR_draco_mesh_compression") && !item("accessors", position).contains("bufferView"))
-            throw InputError(fmt::format("{} is compressed with Draco, which cannot be read here; export it without mesh compression", context_.name()));
+        if (object(primitive, "extensions").contains("KHR_draco_mesh_compression") &&
+            !item("accessors", position).contains("bufferView"))
+            throw InputError(fmt::format(
+                "{} is compressed with Draco, which cannot be read here; export it without mesh compression",
+                context_.name()));
         const std::vector<float> xyz = data_.floats(position, 3);
         const std::size_t vertices = xyz.size() / 3;
-        if (parts_.positions.size() + vertices > std::numeric_limits<std::uint32_t>::max()) fail("it has more than 2^32 vertices");
+        if (parts_.positions.size() + vertices > std::numeric_limits<std::uint32_t>::max())
+            fail("it has more than 2^32 vertices");
 
         const std::int64_t material_index = integer(primitive, "material", -1);
         if (material_index != -1) (void)item("materials", material_index);
-        const std::uint32_t material = material_index == -1 ? default_material_ : static_cast<std::uint32_t>(material_index);
+        const std::uint32_t material =
+            material_index == -1 ? default_material_ : static_cast<std::uint32_t>(material_index);
         const MaterialUv& lay = material_uv_[material];
         std::vector<float> uv, rgba;
         std::size_t channels = 4;
@@ -400,8 +443,10 @@ private:
             if (accessor != -1)
                 uv = data_.floats(accessor, 2);
             else
-                warn(fmt::format("In {}, {} has a texture but no coordinates TEXCOORD_{}: its corner (0, 0) was taken everywhere, colours are LOST.",
-                                 context_.name(), what, lay.set));
+                warn(
+                    fmt::format("In {}, {} has a texture but no coordinates TEXCOORD_{}: its corner (0, 0) was taken "
+                                "everywhere, colours are LOST.",
+                                context_.name(), what, lay.set));
         }
         if (const std::int64_t accessor = integer(attributes, "COLOR_0", -1); accessor != -1) {
             channels = data_.components(accessor) == 3 ? 3 : 4;
@@ -417,7 +462,8 @@ private:
         const bool mirrored = transform.linear().determinant() < 0;
         for (std::array<std::uint32_t, 3> corners : triangles_of(primitive, vertices)) {
             if (mirrored) std::swap(corners[1], corners[2]);
-            const std::size_t t = parts_.add_triangle({first + corners[0], first + corners[1], first + corners[2]}, material);
+            const std::size_t t =
+                parts_.add_triangle({first + corners[0], first + corners[1], first + corners[2]}, material);
             if (!uv.empty()) {
                 std::array<Eigen::Vector2f, 3> here;
                 for (int c = 0; c < 3; ++c) {
@@ -439,12 +485,16 @@ private:
 
     void report() {
         if (points_and_lines_)
-            warn(fmt::format("{} has points or lines ({} vertices); they have no volume and are left aside.", context_.name(), points_and_lines_));
+            warn(fmt::format("{} has points or lines ({} vertices); they have no volume and are left aside.",
+                             context_.name(), points_and_lines_));
         if (skinned_)
-            warn(fmt::format("{} has {} meshes with a skeleton; they are taken in the pose in which they are stored.", context_.name(), skinned_));
+            warn(fmt::format("{} has {} meshes with a skeleton; they are taken in the pose in which they are stored.",
+                             context_.name(), skinned_));
         if (!array(root_, "animations").empty())
-            warn(fmt::format("{} has {} animations; they are left aside.", context_.name(), array(root_, "animations").size()));
-        if (morph_targets_) warn(fmt::format("{} has morph targets; the shape without them is taken.", context_.name()));
+            warn(fmt::format("{} has {} animations; they are left aside.", context_.name(),
+                             array(root_, "animations").size()));
+        if (morph_targets_)
+            warn(fmt::format("{} has morph targets; the shape without them is taken.", context_.name()));
         for (const std::string& warning : context_.files().warnings()) warn(warning);
     }
 

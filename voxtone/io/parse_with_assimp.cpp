@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// OBJ, PLY and STL. assimp gives geometry, texture coordinates and vertex colours; what is colour beside them is read here:
-// material libraries (assimp knows few options and invents defaults), the header of PLY (types, declared sizes) and the
-// attribute words of STL.
+// OBJ, PLY and STL. assimp gives geometry, texture coordinates and vertex colours; what is colour beside them is read
+// here: material libraries (assimp knows few options and invents defaults), the header of PLY (types, declared sizes)
+// and the attribute words of STL.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -10,14 +10,14 @@
 #include <optional>
 #include <set>
 
-#include <assimp/IOStream.hpp>
-#include <assimp/IOSystem.hpp>
-#include <assimp/Importer.hpp>
 #include <assimp/config.h>
 #include <assimp/material.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 #include <fmt/format.h>
+#include <assimp/IOStream.hpp>
+#include <assimp/IOSystem.hpp>
+#include <assimp/Importer.hpp>
 
 #include "voxtone/base/error.h"
 #include "voxtone/io/mtl_library.h"
@@ -58,10 +58,12 @@ private:
     std::size_t at_ = 0;
 };
 
-/// All that assimp sees: the model under a made-up name, and for each material library one that only names the materials.
+/// All that assimp sees: the model under a made-up name, and for each material library one that only names the
+/// materials.
 class ModelFiles : public Assimp::IOSystem {
 public:
-    ModelFiles(ParseContext& context, ModelParts& parts, std::string model) : context_(context), parts_(parts), model_(std::move(model)) {}
+    ModelFiles(ParseContext& context, ModelParts& parts, std::string model)
+        : context_(context), parts_(parts), model_(std::move(model)) {}
 
     bool Exists(const char* file) const override { return file == model_; }
     char getOsSeparator() const override { return '/'; }
@@ -79,8 +81,10 @@ private:
         if (file.starts_with(model_.substr(0, model_.rfind('.')))) return nullptr;
         const auto path = context_.files().find(file);
         if (!path) {
-            parts_.warnings.push_back(fmt::format("The material library '{}' that {} names was not found beside the model: its colours "
-                                                  "and textures are LOST. Put the file into the model's folder.", file, context_.name()));
+            parts_.warnings.push_back(
+                fmt::format("The material library '{}' that {} names was not found beside the model: its colours "
+                            "and textures are LOST. Put the file into the model's folder.",
+                            file, context_.name()));
             return nullptr;
         }
         const std::vector<std::byte> bytes = read_bytes(*path, context_.options().max_file_bytes);
@@ -112,8 +116,9 @@ public:
         parts_.format = extension_ == "obj" ? "OBJ" : extension_ == "ply" ? "PLY" : "STL";
         if (extension_ == "ply") ply_ = read_ply_header(context_.bytes(), context_.name());
         if (ply_ && ply_->face_colours)
-            parts_.warnings.push_back(fmt::format("{} has colours per face; they are LOST. Export it with vertex colours, or as OBJ or GLB.",
-                                                  context_.name()));
+            parts_.warnings.push_back(
+                fmt::format("{} has colours per face; they are LOST. Export it with vertex colours, or as OBJ or GLB.",
+                            context_.name()));
         if (extension_ == "stl") check_stl(context_.bytes(), context_.name(), parts_.warnings);
         const std::string virtual_name = "voxtone model." + extension_;
         auto* files = new ModelFiles(context_, parts_, virtual_name);  // owned by the importer
@@ -121,18 +126,21 @@ public:
         importer.SetIOHandler(files);
         const aiScene* scene = importer.ReadFile(virtual_name, 0);
         if (!scene)
-            throw InputError(fmt::format("{} is no valid {} file ({})", context_.name(), parts_.format, importer.GetErrorString()));
+            throw InputError(
+                fmt::format("{} is no valid {} file ({})", context_.name(), parts_.format, importer.GetErrorString()));
         const std::size_t expected = check(*scene);
         scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
         if (!scene) throw InputError(fmt::format("the polygons of {} cannot be triangulated", context_.name()));
         make_materials(*scene, files->materials);
         for (unsigned m = 0; m < scene->mNumMeshes; ++m) add_mesh(*scene->mMeshes[m]);
         if (parts_.triangles.size() < expected)
-            parts_.warnings.push_back(fmt::format("{} of the {} triangles of polygons in {} could not be made (corners on one line, or "
-                                                  "crossing outlines).", expected - parts_.triangles.size(), expected, context_.name()));
+            parts_.warnings.push_back(
+                fmt::format("{} of the {} triangles of polygons in {} could not be made (corners on one line, or "
+                            "crossing outlines).",
+                            expected - parts_.triangles.size(), expected, context_.name()));
         if (points_and_lines_)
-            parts_.warnings.push_back(fmt::format("{} has {} points or lines; they have no volume and are left aside.", context_.name(),
-                                                  points_and_lines_));
+            parts_.warnings.push_back(fmt::format("{} has {} points or lines; they have no volume and are left aside.",
+                                                  context_.name(), points_and_lines_));
         for (const std::string& warning : context_.files().warnings()) parts_.warnings.push_back(warning);
         return std::move(parts_);
     }
@@ -147,8 +155,9 @@ private:
                 const aiFace& face = mesh.mFaces[f];
                 for (unsigned i = 0; i < face.mNumIndices; ++i)
                     if (face.mIndices[i] >= mesh.mNumVertices)
-                        throw InputError(fmt::format("a face of {} uses vertex {}, but there are only {}; the file is damaged",
-                                                     context_.name(), face.mIndices[i], mesh.mNumVertices));
+                        throw InputError(
+                            fmt::format("a face of {} uses vertex {}, but there are only {}; the file is damaged",
+                                        context_.name(), face.mIndices[i], mesh.mNumVertices));
                 if (face.mNumIndices >= 3)
                     expected += face.mNumIndices - 2;
                 else
@@ -180,7 +189,8 @@ private:
         material.alpha = mtl.opacity;
         if (mtl.kd) parts_.has_colour = true;
         if (mtl.has_opacity_map)
-            parts_.warnings.push_back(fmt::format("The material '{}' has an opacity map; prints are opaque here, it is left aside.", mtl.name));
+            parts_.warnings.push_back(fmt::format(
+                "The material '{}' has an opacity map; prints are opaque here, it is left aside.", mtl.name));
         if (!mtl.map_kd.empty()) {
             parts_.has_colour = true;
             material.image = context_.add_image_file(parts_, mtl.map_kd, context_.decode_options());
@@ -191,15 +201,18 @@ private:
         if (material.image < 0)
             material.rgb = srgb_to_linear(*mtl.kd);
         else if (spread(*mtl.kd) > 0.01f)
-            parts_.warnings.push_back(fmt::format("The material '{}' has both a texture and a coloured Kd ({:.2f} {:.2f} {:.2f}); the texture "
-                                                  "is printed as it is, Kd is left aside.", mtl.name, mtl.kd->x(), mtl.kd->y(), mtl.kd->z()));
+            parts_.warnings.push_back(fmt::format(
+                "The material '{}' has both a texture and a coloured Kd ({:.2f} {:.2f} {:.2f}); the texture "
+                "is printed as it is, Kd is left aside.",
+                mtl.name, mtl.kd->x(), mtl.kd->y(), mtl.kd->z()));
     }
 
     void add_mesh(const aiMesh& mesh) {
         const auto first = static_cast<std::uint32_t>(parts_.positions.size());
         for (unsigned v = 0; v < mesh.mNumVertices; ++v)
             parts_.positions.emplace_back(mesh.mVertices[v].x, mesh.mVertices[v].y, mesh.mVertices[v].z);
-        const UvTransform transform = mesh.mMaterialIndex < transforms_.size() ? transforms_[mesh.mMaterialIndex] : UvTransform{};
+        const UvTransform transform =
+            mesh.mMaterialIndex < transforms_.size() ? transforms_[mesh.mMaterialIndex] : UvTransform{};
         const bool decode_colours = !ply_ || ply_->integer_colours;
         for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
             const aiFace& face = mesh.mFaces[f];
@@ -210,7 +223,8 @@ private:
                 std::array<Eigen::Vector2f, 3> uv;
                 for (int c = 0; c < 3; ++c) {
                     const aiVector3D& coordinate = mesh.mTextureCoords[0][i[c]];
-                    uv[c] = Eigen::Vector2f(coordinate.x, coordinate.y).cwiseProduct(transform.scale) + transform.offset;
+                    uv[c] =
+                        Eigen::Vector2f(coordinate.x, coordinate.y).cwiseProduct(transform.scale) + transform.offset;
                 }
                 parts_.set_uv(t, uv);
             }
@@ -238,6 +252,8 @@ private:
 
 }  // namespace
 
-ModelParts parse_with_assimp(ParseContext& context, const std::string& extension) { return AssimpParser(context, extension).parse(); }
+ModelParts parse_with_assimp(ParseContext& context, const std::string& extension) {
+    return AssimpParser(context, extension).parse();
+}
 
 }  // namespace voxtone::io

@@ -14,11 +14,14 @@ namespace voxtone::io {
 
 namespace {
 
-bool is_float(const std::string& type) { return type == "float" || type == "float32" || type == "double" || type == "float64"; }
+bool is_float(const std::string& type) {
+    return type == "float" || type == "float32" || type == "double" || type == "float64";
+}
 
 std::uint64_t bytes_of(const std::string& type) {
     if (type == "double" || type == "float64") return 8;
-    if (type == "int" || type == "int32" || type == "uint" || type == "uint32" || type == "float" || type == "float32") return 4;
+    if (type == "int" || type == "int32" || type == "uint" || type == "uint32" || type == "float" || type == "float32")
+        return 4;
     if (type == "short" || type == "int16" || type == "ushort" || type == "uint16") return 2;
     return 1;
 }
@@ -31,7 +34,8 @@ struct Element {
 }  // namespace
 
 PlyHeader read_ply_header(std::span<const std::byte> bytes, const std::string& name) {
-    const std::string_view text(reinterpret_cast<const char*>(bytes.data()), std::min<std::size_t>(bytes.size(), 1 << 20));
+    const std::string_view text(reinterpret_cast<const char*>(bytes.data()),
+                                std::min<std::size_t>(bytes.size(), 1 << 20));
     const std::size_t end = text.find("end_header");
     if (!text.starts_with("ply") || end == std::string_view::npos)
         throw InputError(fmt::format("{} is no PLY file or its header is cut short", name));
@@ -49,7 +53,8 @@ PlyHeader read_ply_header(std::span<const std::byte> bytes, const std::string& n
             std::getline(words >> std::ws, header.texture_file);
         } else if (key == "element") {
             Element element{second};
-            if (!(words >> element.count)) throw InputError(fmt::format("{}: the line '{}' of the header has no number", name, line));
+            if (!(words >> element.count))
+                throw InputError(fmt::format("{}: the line '{}' of the header has no number", name, line));
             elements.push_back(element);
         } else if (key == "property" && !elements.empty()) {
             Element& element = elements.back();
@@ -72,8 +77,9 @@ PlyHeader read_ply_header(std::span<const std::byte> bytes, const std::string& n
         const std::uint64_t least = ascii ? 2 * element.properties : element.min_bytes;  // a digit and a blank
         if (least == 0) continue;
         if (element.count > left / least)
-            throw InputError(fmt::format("{} declares {} items '{}', more than its {} bytes can hold; it is damaged or cut short", name,
-                                         element.count, element.name, bytes.size()));
+            throw InputError(
+                fmt::format("{} declares {} items '{}', more than its {} bytes can hold; it is damaged or cut short",
+                            name, element.count, element.name, bytes.size()));
         left -= element.count * least;
     }
     return header;

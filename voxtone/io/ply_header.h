@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// The header of a PLY file: declared sizes are checked against the file's length before a parser believes them, and what
-// carries colour is noted.
+// The header of a PLY file: declared sizes are checked against the file's length before a parser believes them, and
+// what carries colour is noted.
 #pragma once
 
 #include <cstddef>
@@ -14,7 +14,7 @@ namespace voxtone::io {
 struct PlyHeader {
     bool integer_colours = true;  ///< vertex colours are sRGB codes; false: floats, linear
     bool face_colours = false;
-    std::string texture_file;     ///< `comment TextureFile NAME`
+    std::string texture_file;  ///< `comment TextureFile NAME`
 };
 
 /// Throws InputError on a header that is no PLY or declares more than the file can hold.

@@ -25,10 +25,11 @@ public:
     [[nodiscard]] const ReadOptions& options() const { return options_; }
     [[nodiscard]] SideFiles& files() { return files_; }
 
-    /// Decodes a picture into parts.images; -1, with a warning that names it, when it is missing or damaged. `key` tells
-    /// pictures apart: each is decoded once.
+    /// Decodes a picture into parts.images; -1, with a warning that names it, when it is missing or damaged. `key`
+    /// tells pictures apart: each is decoded once.
     std::int32_t add_image_file(ModelParts& parts, const std::string& file, const DecodeOptions& decode);
-    std::int32_t add_image_bytes(ModelParts& parts, const std::string& key, std::span<const std::byte> bytes, const DecodeOptions& decode);
+    std::int32_t add_image_bytes(ModelParts& parts, const std::string& key, std::span<const std::byte> bytes,
+                                 const DecodeOptions& decode);
 
     [[nodiscard]] DecodeOptions decode_options() const { return {.max_pixels = options_.max_pixels}; }
 

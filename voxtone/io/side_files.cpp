@@ -83,11 +83,13 @@ std::optional<fs::path> SideFiles::find(std::string_view name) {
     result = path;
     const std::string taken = path.lexically_relative(folder_).generic_string();
     if (leaves)
-        warnings_.push_back(fmt::format("{} names the file '{}', which lies outside the model's folder and is not followed; "
-                                        "'{}' beside the model was taken instead.", model_, name, taken));
+        warnings_.push_back(
+            fmt::format("{} names the file '{}', which lies outside the model's folder and is not followed; "
+                        "'{}' beside the model was taken instead.",
+                        model_, name, taken));
     else if (taken != exact)
-        warnings_.push_back(fmt::format("{} names the file '{}', which is written '{}' on the disk; that one was taken.",
-                                        model_, name, taken));
+        warnings_.push_back(fmt::format(
+            "{} names the file '{}', which is written '{}' on the disk; that one was taken.", model_, name, taken));
     return result;
 }
 

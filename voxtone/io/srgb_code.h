@@ -16,7 +16,8 @@ namespace voxtone::io {
 /// Linear value of each 8-bit code.
 [[nodiscard]] const std::array<float, 256>& srgb8_to_linear();
 
-/// The 8-bit code nearest to the linear value (nearest in code, not in light); values outside [0, 1] and NaN are clamped.
+/// The 8-bit code nearest to the linear value (nearest in code, not in light); values outside [0, 1] and NaN are
+/// clamped.
 [[nodiscard]] std::uint8_t linear_to_srgb8(float linear);
 
 }  // namespace voxtone::io

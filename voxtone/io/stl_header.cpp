@@ -18,11 +18,13 @@ void check_stl(std::span<const std::byte> bytes, const std::string& name, std::v
     std::uint32_t count = 0;
     if (bytes.size() >= header) std::memcpy(&count, bytes.data() + 80, 4);
     const bool fits = bytes.size() >= header && std::uint64_t{count} * facet + header <= bytes.size();
-    const bool ascii = text.substr(0, 512).find("solid") != std::string_view::npos && text.find("facet") != std::string_view::npos;
+    const bool ascii =
+        text.substr(0, 512).find("solid") != std::string_view::npos && text.find("facet") != std::string_view::npos;
     if (ascii && (!fits || count == 0)) return;
     if (!fits)
-        throw InputError(fmt::format("{} is no STL file, or it is cut short: it declares {} triangles, which need {} bytes, and has {}", name,
-                                     count, std::uint64_t{count} * facet + header, bytes.size()));
+        throw InputError(fmt::format(
+            "{} is no STL file, or it is cut short: it declares {} triangles, which need {} bytes, and has {}", name,
+            count, std::uint64_t{count} * facet + header, bytes.size()));
     std::uint32_t coloured = 0, plain = 0, first = 0x10000;
     bool differ = false;
     for (std::uint32_t i = 0; i < count; ++i) {
@@ -35,8 +37,10 @@ void check_stl(std::span<const std::byte> bytes, const std::string& name, std::v
     }
     const bool magics = text.substr(0, 80).find("COLOR=") != std::string_view::npos;
     if (magics || (coloured && !plain && (differ || coloured < count)))
-        warnings.push_back(fmt::format("{} seems to hold facet colours ({} style); STL has no standard for them and they are LOST. Export the "
-                                       "model as 3MF, OBJ, PLY or GLB to keep its colours.", name, magics ? "Magics" : "VisCAM"));
+        warnings.push_back(fmt::format(
+            "{} seems to hold facet colours ({} style); STL has no standard for them and they are LOST. Export the "
+            "model as 3MF, OBJ, PLY or GLB to keep its colours.",
+            name, magics ? "Magics" : "VisCAM"));
 }
 
 }  // namespace voxtone::io

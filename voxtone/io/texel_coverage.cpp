@@ -48,13 +48,16 @@ std::int64_t modulo(std::int64_t i, std::int64_t n) {
 /// The texel that index i means; -1: none.
 std::int64_t wrapped(std::int64_t i, std::int64_t n, Wrap wrap) {
     switch (wrap) {
-        case Wrap::repeat: return modulo(i, n);
+        case Wrap::repeat:
+            return modulo(i, n);
         case Wrap::mirror: {
             const std::int64_t r = modulo(i, 2 * n);
             return r < n ? r : 2 * n - 1 - r;
         }
-        case Wrap::clamp: return std::clamp<std::int64_t>(i, 0, n - 1);
-        case Wrap::decal: break;
+        case Wrap::clamp:
+            return std::clamp<std::int64_t>(i, 0, n - 1);
+        case Wrap::decal:
+            break;
     }
     return i >= 0 && i < n ? i : -1;
 }
@@ -127,7 +130,8 @@ void TexelCoverage::add(const std::array<Eigen::Vector2f, 3>& uv, Wrap wrap_u, W
         y_low = std::clamp(std::min({p[0].y(), p[1].y(), p[2].y()}), -1.0, h);
         y_high = std::clamp(std::max({p[0].y(), p[1].y(), p[2].y()}), -1.0, h);
     }
-    const auto first_row = static_cast<std::int64_t>(std::floor(y_low)), last_row = static_cast<std::int64_t>(std::floor(y_high));
+    const auto first_row = static_cast<std::int64_t>(std::floor(y_low)),
+               last_row = static_cast<std::int64_t>(std::floor(y_high));
     const auto index = [&](double x) { return static_cast<std::int64_t>(std::clamp(x, -1e15, 1e15)); };
 
     bool any = false;
@@ -135,7 +139,8 @@ void TexelCoverage::add(const std::array<Eigen::Vector2f, 3>& uv, Wrap wrap_u, W
         for (std::int64_t y = first_row; y <= last_row; ++y) {
             const double centre = static_cast<double>(y) + 0.5;
             const Interval x = extent_in_band(p, centre, centre);
-            if (x.low <= x.high) any |= mark_row(y, index(std::ceil(x.low - 0.5)), index(std::floor(x.high - 0.5)), wrap_u, wrap_v);
+            if (x.low <= x.high)
+                any |= mark_row(y, index(std::ceil(x.low - 0.5)), index(std::floor(x.high - 0.5)), wrap_u, wrap_v);
         }
     }
     if (any) return;

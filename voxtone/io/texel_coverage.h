@@ -2,9 +2,9 @@
 //
 // Which texels of a picture the triangles of a mesh use, and the filling of the others.
 //
-// Between the islands of an atlas lies a background (black, often). Bilinear taps and minification at an island's border
-// would pull it in as dark seams. So texels that no triangle uses take the value of the nearest used texel before the
-// levels are made.
+// Between the islands of an atlas lies a background (black, often). Bilinear taps and minification at an island's
+// border would pull it in as dark seams. So texels that no triangle uses take the value of the nearest used texel
+// before the levels are made.
 //
 // A texel is used when a triangle covers its centre: whoever painted the atlas painted those, whereas texels that are
 // merely touched may already hold background. Triangles thinner than a texel, or that cover no centre at all (palettes:

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Decoded pixels with alpha, as a picture reader leaves them: RGBA, rows from the top, alpha straight (not premultiplied).
-// Pictures of 8 bits stay in their sRGB codes, 4 bytes a pixel; deeper ones are linear in 16 bits (65535 is 1).
+// Decoded pixels with alpha, as a picture reader leaves them: RGBA, rows from the top, alpha straight (not
+// premultiplied). Pictures of 8 bits stay in their sRGB codes, 4 bytes a pixel; deeper ones are linear in 16 bits
+// (65535 is 1).
 #pragma once
 
 #include <cstddef>
@@ -30,7 +31,9 @@ struct TexelImage {
         }
         return Eigen::Vector3f(linear16[4 * i], linear16[4 * i + 1], linear16[4 * i + 2]) / 65535.0f;
     }
-    [[nodiscard]] float alpha(std::size_t i) const { return is_8_bit() ? srgb8[4 * i + 3] / 255.0f : linear16[4 * i + 3] / 65535.0f; }
+    [[nodiscard]] float alpha(std::size_t i) const {
+        return is_8_bit() ? srgb8[4 * i + 3] / 255.0f : linear16[4 * i + 3] / 65535.0f;
+    }
 
     /// Sets an opaque pixel from linear RGB in [0, 1].
     void set(std::size_t i, const Eigen::Vector3f& rgb) {
@@ -47,8 +50,9 @@ struct TexelImage {
     }
 };
 
-/// Composes the picture over a colour in linear light: rgb <- tint * rgb * a + under * (1 - a) with a = alpha * tint_alpha.
-void compose_over(TexelImage& image, const Eigen::Vector3f& under, const Eigen::Vector3f& tint = Eigen::Vector3f::Ones(),
-                  float tint_alpha = 1);
+/// Composes the picture over a colour in linear light: rgb <- tint * rgb * a + under * (1 - a) with a = alpha *
+/// tint_alpha.
+void compose_over(TexelImage& image, const Eigen::Vector3f& under,
+                  const Eigen::Vector3f& tint = Eigen::Vector3f::Ones(), float tint_alpha = 1);
 
 }  // namespace voxtone::io

@@ -43,8 +43,8 @@ struct Axis {
     float weight1;
 };
 
-/// The two texels around a folded coordinate. The neighbour of an edge texel is the other edge where the picture repeats,
-/// else itself (which is also what its mirror image is).
+/// The two texels around a folded coordinate. The neighbour of an edge texel is the other edge where the picture
+/// repeats, else itself (which is also what its mirror image is).
 Axis taps(Wrap wrap, float x, std::uint32_t size) {
     const float position = x * static_cast<float>(size) - 0.5f;
     const int i = floor_int(position);
@@ -52,7 +52,8 @@ Axis taps(Wrap wrap, float x, std::uint32_t size) {
     int i0 = i, i1 = i + 1;
     if (i0 < 0) i0 = wrap == Wrap::repeat ? last : 0;
     if (i1 > last) i1 = wrap == Wrap::repeat ? 0 : last;
-    return {static_cast<std::uint32_t>(std::min(i0, last)), static_cast<std::uint32_t>(i1), position - static_cast<float>(i)};
+    return {static_cast<std::uint32_t>(std::min(i0, last)), static_cast<std::uint32_t>(i1),
+            position - static_cast<float>(i)};
 }
 
 struct DecodeSrgb8 {
@@ -64,7 +65,8 @@ struct DecodeLinear16 {
 };
 
 template <class Texel, class Decode>
-Eigen::Vector3f bilinear(const Texel* texels, const MipPyramid::Level& level, const Axis& x, const Axis& y, const Decode& decode) {
+Eigen::Vector3f bilinear(const Texel* texels, const MipPyramid::Level& level, const Axis& x, const Axis& y,
+                         const Decode& decode) {
     const Texel* row0 = texels + 4 * std::size_t{y.i0} * level.width;
     const Texel* row1 = texels + 4 * std::size_t{y.i1} * level.width;
     const float wx = x.weight1, wy = y.weight1;
@@ -78,7 +80,8 @@ Eigen::Vector3f bilinear(const Texel* texels, const MipPyramid::Level& level, co
     return rgb;
 }
 
-Eigen::Vector3f sample_level(const MipPyramid& pyramid, std::size_t l, Wrap wrap_u, Wrap wrap_v, float u, float v, bool nearest) {
+Eigen::Vector3f sample_level(const MipPyramid& pyramid, std::size_t l, Wrap wrap_u, Wrap wrap_v, float u, float v,
+                             bool nearest) {
     const MipPyramid::Level& level = pyramid.levels()[l];
     Axis x = taps(wrap_u, u, level.width), y = taps(wrap_v, 1 - v, level.height);
     if (nearest) {
@@ -113,7 +116,8 @@ Eigen::Vector3f Texture::sample(float u, float v, float lod) const {
     return fine + t * (coarse - fine);
 }
 
-float Texture::lod(const std::array<Eigen::Vector2f, 3>& uv, const std::array<Eigen::Vector3d, 3>& positions_mm, double spacing_mm) const {
+float Texture::lod(const std::array<Eigen::Vector2f, 3>& uv, const std::array<Eigen::Vector3d, 3>& positions_mm,
+                   double spacing_mm) const {
     // Jacobian J = T P^-1 of texels over an orthonormal frame of the triangle; only J J^T is needed.
     const Eigen::Vector3d e1 = positions_mm[1] - positions_mm[0], e2 = positions_mm[2] - positions_mm[0];
     const Eigen::Vector3d normal = e1.cross(e2);

@@ -2,8 +2,8 @@
 //
 // A picture laid on a surface, sampled in linear sRGB.
 //
-// Texel (i, j) of level 0 has its centre at u = (i + 1/2) / width, v = 1 - (j + 1/2) / height: (0, 0) is the bottom left
-// corner. A sample is bilinear within a level and a linear blend of the two nearest levels:
+// Texel (i, j) of level 0 has its centre at u = (i + 1/2) / width, v = 1 - (j + 1/2) / height: (0, 0) is the bottom
+// left corner. A sample is bilinear within a level and a linear blend of the two nearest levels:
 //   sample(u, v, lod) = (1 - t) B_k(u, v) + t B_{k+1}(u, v),  k = floor(lod), t = lod - k,
 // all in linear light. A level is the area average of the level above it, also where sizes are odd, so that every level
 // has the mean of level 0 (within the rounding of its storage: half an 8-bit sRGB code, or 2^-17 for deep pictures).
@@ -64,8 +64,8 @@ public:
     /// The level whose texels, laid on this triangle, are as wide as `spacing_mm`: log2(spacing * s) with s the larger
     /// singular value of the map from mm on the triangle to texels, so that nothing is aliased in any direction.
     /// 0 where the triangle has no area; may be negative (magnification).
-    [[nodiscard]] float lod(const std::array<Eigen::Vector2f, 3>& uv, const std::array<Eigen::Vector3d, 3>& positions_mm,
-                            double spacing_mm) const;
+    [[nodiscard]] float lod(const std::array<Eigen::Vector2f, 3>& uv,
+                            const std::array<Eigen::Vector3d, 3>& positions_mm, double spacing_mm) const;
 
     [[nodiscard]] std::uint32_t width_px() const { return pyramid_->levels().front().width; }
     [[nodiscard]] std::uint32_t height_px() const { return pyramid_->levels().front().height; }

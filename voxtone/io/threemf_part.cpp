@@ -40,7 +40,8 @@ public:
                 leave();
                 continue;
             }
-            if (xml_.depth() == 1 && xml_.name() != "model") xml_.fail(fmt::format("it begins with <{}> and not with <model>", xml_.full_name()));
+            if (xml_.depth() == 1 && xml_.name() != "model")
+                xml_.fail(fmt::format("it begins with <{}> and not with <model>", xml_.full_name()));
             any = true;
             enter();
         }
@@ -54,7 +55,8 @@ private:
         if (digits.starts_with('+')) digits.remove_prefix(1);
         double value = 0;
         const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-        if (digits.empty() || end != digits.data() + digits.size() || (error != std::errc() && error != std::errc::result_out_of_range))
+        if (digits.empty() || end != digits.data() + digits.size() ||
+            (error != std::errc() && error != std::errc::result_out_of_range))
             xml_.fail(fmt::format("'{}' is no number for {}", text, key));
         return value;
     }
@@ -90,7 +92,9 @@ private:
             std::from_chars(text.data() + 1, text.data() + text.size(), bits, 16).ptr != text.data() + text.size())
             xml_.fail(fmt::format("'{}' is no colour", text));
         if (text.size() == 7) bits = (bits << 8) | 0xff;
-        return Eigen::Vector4f(float(bits >> 24), float((bits >> 16) & 0xff), float((bits >> 8) & 0xff), float(bits & 0xff)) / 255.0f;
+        return Eigen::Vector4f(float(bits >> 24), float((bits >> 16) & 0xff), float((bits >> 8) & 0xff),
+                               float(bits & 0xff)) /
+               255.0f;
     }
 
     /// Twelve numbers, row by row, of a 4 x 3 matrix that row vectors are multiplied with from the left.
@@ -101,7 +105,8 @@ private:
         const auto list = words(text);
         if (list.size() != 12) xml_.fail(fmt::format("a transform has {} numbers and not 12", list.size()));
         for (int row = 0; row < 4; ++row)
-            for (int column = 0; column < 3; ++column) result.matrix()(column, row) = number(list[std::size_t(3 * row + column)], "transform");
+            for (int column = 0; column < 3; ++column)
+                result.matrix()(column, row) = number(list[std::size_t(3 * row + column)], "transform");
         if (!result.matrix().allFinite()) xml_.fail("a transform is infinite");
         return result;
     }
@@ -112,7 +117,10 @@ private:
 
     [[nodiscard]] Wrap tile_style(std::string_view key) const {
         const std::string_view style = xml_.attribute(key);
-        return style == "mirror" ? Wrap::mirror : style == "clamp" ? Wrap::clamp : style == "none" ? Wrap::decal : Wrap::repeat;
+        return style == "mirror"  ? Wrap::mirror
+               : style == "clamp" ? Wrap::clamp
+               : style == "none"  ? Wrap::decal
+                                  : Wrap::repeat;
     }
 
     ThreemfGroup& start_group(ThreemfGroup::Kind kind) {
@@ -140,8 +148,9 @@ private:
                 object_->pid = optional_index("pid");
                 object_->pindex = optional_index("pindex");
             } else if (name == "texture2d") {
-                part_.textures[required_index("id")] = {XmlReader::decode(xml_.attribute("path")), tile_style("tilestyleu"),
-                                                        tile_style("tilestylev"), xml_.attribute("filter") == "nearest"};
+                part_.textures[required_index("id")] = {XmlReader::decode(xml_.attribute("path")),
+                                                        tile_style("tilestyleu"), tile_style("tilestylev"),
+                                                        xml_.attribute("filter") == "nearest"};
             } else if (name == "basematerials") {
                 start_group(Kind::base_materials);
             } else if (name == "colorgroup") {
@@ -151,11 +160,13 @@ private:
             } else if (name == "compositematerials") {
                 ThreemfGroup& group = start_group(Kind::composites);
                 group.refers_to = required_index("matid");
-                for (const auto word : words(xml_.attribute("matindices"))) group.members.push_back(index(word, "matindices"));
+                for (const auto word : words(xml_.attribute("matindices")))
+                    group.members.push_back(index(word, "matindices"));
             } else if (name == "multiproperties") {
                 ThreemfGroup& group = start_group(Kind::multi);
                 for (const auto word : words(xml_.attribute("pids"))) group.members.push_back(index(word, "pids"));
-                for (const auto word : words(xml_.attribute("blendmethods"))) group.multiply.push_back(word == "multiply");
+                for (const auto word : words(xml_.attribute("blendmethods")))
+                    group.multiply.push_back(word == "multiply");
             } else if (xml_.attribute("id").data()) {
                 start_group(Kind::unknown);
             }
@@ -205,15 +216,17 @@ private:
 
     void read_model() {
         const std::string_view unit = xml_.attribute("unit");
-        const std::pair<std::string_view, double> units[] = {{"micron", 0.001}, {"millimeter", 1},  {"centimeter", 10},
-                                                             {"inch", 25.4},    {"foot", 304.8},    {"meter", 1000}};
+        const std::pair<std::string_view, double> units[] = {{"micron", 0.001}, {"millimeter", 1}, {"centimeter", 10},
+                                                             {"inch", 25.4},    {"foot", 304.8},   {"meter", 1000}};
         bool known = unit.empty();
         for (const auto& [name, mm] : units)
             if (unit == name) {
                 part_.mm_per_unit = mm;
                 known = true;
             }
-        if (!known) xml_.fail(fmt::format("the unit '{}' is unknown (micron, millimeter, centimeter, inch, foot, meter)", unit));
+        if (!known)
+            xml_.fail(
+                fmt::format("the unit '{}' is unknown (micron, millimeter, centimeter, inch, foot, meter)", unit));
         for (const auto prefix : words(xml_.attribute("requiredextensions")))
             for (const auto& [key, value] : xml_.attributes())
                 if (key == fmt::format("xmlns:{}", prefix)) part_.required_extensions.emplace_back(value);
@@ -221,7 +234,7 @@ private:
 
     XmlReader xml_;
     ThreemfPart part_;
-    ThreemfGroup* group_ = nullptr;    // being read
+    ThreemfGroup* group_ = nullptr;  // being read
     ThreemfObject* object_ = nullptr;
 };
 
@@ -232,7 +245,8 @@ ThreemfPart parse_threemf_part(std::string_view xml, const std::string& what) { 
 std::string threemf_root_part(std::string_view relationships_xml, const std::string& what) {
     XmlReader xml(relationships_xml, what);
     for (XmlReader::Event event; (event = xml.next()) != XmlReader::Event::finished;)
-        if (event == XmlReader::Event::start && xml.name() == "Relationship" && xml.attribute("Type").ends_with("/3dmodel"))
+        if (event == XmlReader::Event::start && xml.name() == "Relationship" &&
+            xml.attribute("Type").ends_with("/3dmodel"))
             return XmlReader::decode(xml.attribute("Target"));
     return "/3D/3dmodel.model";
 }

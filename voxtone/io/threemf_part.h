@@ -2,8 +2,8 @@
 //
 // One model part of a 3MF package as plain values: resources, objects, build items. Indices are as written; nothing is
 // resolved yet.
-// Based on: 3MF Consortium, "3D Manufacturing Format, Core Specification" 1.3.0; "Materials and Properties Extension" 1.2.1;
-// "Production Extension" 1.1.2.
+// Based on: 3MF Consortium, "3D Manufacturing Format, Core Specification" 1.3.0; "Materials and Properties
+// Extension" 1.2.1; "Production Extension" 1.1.2.
 #pragma once
 
 #include <array>
@@ -30,14 +30,21 @@ struct ThreemfTexture {
 
 /// Every kind of property group; which members mean something depends on `kind`.
 struct ThreemfGroup {
-    enum class Kind : std::uint8_t { base_materials, colours, texture, composites, multi, unknown } kind = Kind::unknown;
-    std::string element;                                ///< name of the element, for messages
-    std::vector<Eigen::Vector4f> rgba;                  ///< base_materials, colours: sRGB codes and alpha in [0, 1]
-    std::uint32_t refers_to = no_property;              ///< texture: its texture2d; composites: its base materials
-    std::vector<Eigen::Vector2f> uv;                    ///< texture
-    std::vector<std::uint32_t> members;                 ///< composites: indices into the base materials; multi: ids of groups
-    std::vector<std::vector<double>> values;            ///< composites: shares; multi: indices into each member
-    std::vector<bool> multiply;                         ///< multi: how member i + 1 is laid over those before
+    enum class Kind : std::uint8_t {
+        base_materials,
+        colours,
+        texture,
+        composites,
+        multi,
+        unknown
+    } kind = Kind::unknown;
+    std::string element;                      ///< name of the element, for messages
+    std::vector<Eigen::Vector4f> rgba;        ///< base_materials, colours: sRGB codes and alpha in [0, 1]
+    std::uint32_t refers_to = no_property;    ///< texture: its texture2d; composites: its base materials
+    std::vector<Eigen::Vector2f> uv;          ///< texture
+    std::vector<std::uint32_t> members;       ///< composites: indices into the base materials; multi: ids of groups
+    std::vector<std::vector<double>> values;  ///< composites: shares; multi: indices into each member
+    std::vector<bool> multiply;               ///< multi: how member i + 1 is laid over those before
 };
 
 struct ThreemfTriangle {

@@ -44,7 +44,8 @@ XmlReader::XmlReader(std::string_view text, std::string what) : text_(text), wha
 }
 
 void XmlReader::fail(const std::string& what) const {
-    const auto line = 1 + std::count(text_.begin(), text_.begin() + static_cast<std::ptrdiff_t>(std::min(at_, text_.size())), '\n');
+    const auto line =
+        1 + std::count(text_.begin(), text_.begin() + static_cast<std::ptrdiff_t>(std::min(at_, text_.size())), '\n');
     throw InputError(fmt::format("{}, line {}: {}; the file is damaged, export it again", what_, line, what));
 }
 
@@ -127,7 +128,8 @@ void XmlReader::read_start() {
         if (at_ >= text_.size() || text_[at_] != '=') fail(fmt::format("the attribute {} has no value", key));
         ++at_;
         skip_blanks();
-        if (at_ >= text_.size() || (text_[at_] != '"' && text_[at_] != '\'')) fail(fmt::format("the value of {} has no quotes", key));
+        if (at_ >= text_.size() || (text_[at_] != '"' && text_[at_] != '\''))
+            fail(fmt::format("the value of {} has no quotes", key));
         const char quote = text_[at_++];
         const std::size_t end = text_.find(quote, at_);
         if (end == std::string_view::npos) fail("it is cut short");
@@ -160,8 +162,10 @@ std::string XmlReader::decode(std::string_view value) {
         if (entity == "gt") code = '>';
         if (entity == "quot") code = '"';
         if (entity == "apos") code = '\'';
-        if (entity.starts_with("#x")) std::from_chars(entity.data() + 2, entity.data() + entity.size(), code, 16);
-        else if (entity.starts_with("#")) std::from_chars(entity.data() + 1, entity.data() + entity.size(), code);
+        if (entity.starts_with("#x"))
+            std::from_chars(entity.data() + 2, entity.data() + entity.size(), code, 16);
+        else if (entity.starts_with("#"))
+            std::from_chars(entity.data() + 1, entity.data() + entity.size(), code);
         if (code) append_utf8(out, code);
         i = end;
     }

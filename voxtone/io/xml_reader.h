@@ -19,8 +19,8 @@ public:
     /// `text` must outlive the reader; `what` names the file in errors.
     XmlReader(std::string_view text, std::string what);
 
-    /// The next start or end of an element; an empty element gives both. Throws InputError naming the line when the text
-    /// is not well-formed.
+    /// The next start or end of an element; an empty element gives both. Throws InputError naming the line when the
+    /// text is not well-formed.
     Event next();
 
     /// Name of the element, with and without its prefix.
@@ -30,7 +30,9 @@ public:
     [[nodiscard]] std::size_t depth() const { return depth_; }
 
     /// Attributes of the start that was read last: names with prefixes, values as written (see `decode`).
-    [[nodiscard]] const std::vector<std::pair<std::string_view, std::string_view>>& attributes() const { return attributes_; }
+    [[nodiscard]] const std::vector<std::pair<std::string_view, std::string_view>>& attributes() const {
+        return attributes_;
+    }
     /// Value of the attribute with this name, whatever its prefix; data() == nullptr: none.
     [[nodiscard]] std::string_view attribute(std::string_view local_name) const;
 

@@ -41,12 +41,17 @@ ZipArchive::ZipArchive(std::span<const std::byte> bytes, std::string name, std::
     const zip_int64_t count = zip_get_num_entries(handle_->zip, 0);
     for (zip_int64_t i = 0; i < count; ++i) {
         zip_stat_t about;
-        if (zip_stat_index(handle_->zip, static_cast<zip_uint64_t>(i), 0, &about) != 0 || !(about.valid & ZIP_STAT_SIZE)) continue;
+        if (zip_stat_index(handle_->zip, static_cast<zip_uint64_t>(i), 0, &about) != 0 ||
+            !(about.valid & ZIP_STAT_SIZE))
+            continue;
         if (about.size > max_unpacked_bytes || (total += about.size) > max_unpacked_bytes ||
-            (about.size > small && (about.valid & ZIP_STAT_COMP_SIZE) && about.size / largest_ratio > about.comp_size)) {
+            (about.size > small && (about.valid & ZIP_STAT_COMP_SIZE) &&
+             about.size / largest_ratio > about.comp_size)) {
             zip_discard(handle_->zip);
-            throw InputError(fmt::format("{} declares parts that unpack to more than {} bytes, or {} times their size: it is no model but made "
-                                         "to fill the memory", name_, max_unpacked_bytes, largest_ratio));
+            throw InputError(fmt::format(
+                "{} declares parts that unpack to more than {} bytes, or {} times their size: it is no model but made "
+                "to fill the memory",
+                name_, max_unpacked_bytes, largest_ratio));
         }
     }
 }
@@ -59,11 +64,14 @@ std::optional<std::vector<std::byte>> ZipArchive::read(const std::string& part) 
     if (index < 0) index = zip_name_locate(handle_->zip, path.c_str(), ZIP_FL_NOCASE);
     if (index < 0) return std::nullopt;
     zip_stat_t about;
-    if (zip_stat_index(handle_->zip, static_cast<zip_uint64_t>(index), 0, &about) != 0 || !(about.valid & ZIP_STAT_SIZE))
+    if (zip_stat_index(handle_->zip, static_cast<zip_uint64_t>(index), 0, &about) != 0 ||
+        !(about.valid & ZIP_STAT_SIZE))
         throw InputError(fmt::format("the part '{}' of {} has no size; the file is damaged", path, name_));
-    const std::unique_ptr<zip_file_t, CloseFile> file(zip_fopen_index(handle_->zip, static_cast<zip_uint64_t>(index), 0));
+    const std::unique_ptr<zip_file_t, CloseFile> file(
+        zip_fopen_index(handle_->zip, static_cast<zip_uint64_t>(index), 0));
     const auto damaged = [&] {
-        return InputError(fmt::format("the part '{}' of {} cannot be unpacked; the file is damaged, cut short or locked", path, name_));
+        return InputError(fmt::format(
+            "the part '{}' of {} cannot be unpacked; the file is damaged, cut short or locked", path, name_));
     };
     if (!file) throw damaged();
     // What arrives decides, not what was declared; nothing beyond the declared size is taken.

@@ -15,15 +15,15 @@ namespace voxtone::io {
 
 class ZipArchive {
 public:
-    /// `bytes` must outlive the archive. `max_unpacked_bytes` is for all parts together. Throws InputError when it is no
-    /// archive, or a bomb: parts that declare more, or one over 64 MiB that unpacks to more than 200 times its size.
+    /// `bytes` must outlive the archive. `max_unpacked_bytes` is for all parts together. Throws InputError when it is
+    /// no archive, or a bomb: parts that declare more, or one over 64 MiB that unpacks to more than 200 times its size.
     ZipArchive(std::span<const std::byte> bytes, std::string name, std::uint64_t max_unpacked_bytes);
     ZipArchive(const ZipArchive&) = delete;
     ZipArchive& operator=(const ZipArchive&) = delete;
     ~ZipArchive();
 
-    /// The contents of a part; a leading '/' is ignored, and upper and lower case where no name fits exactly. Nothing: no
-    /// such part. Throws InputError when it is damaged.
+    /// The contents of a part; a leading '/' is ignored, and upper and lower case where no name fits exactly. Nothing:
+    /// no such part. Throws InputError when it is damaged.
     [[nodiscard]] std::optional<std::vector<std::byte>> read(const std::string& part) const;
 
 private:
