@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
 #include <cmath>
 #include <fmt/core.h>
 #include <map>
@@ -76,19 +77,26 @@ TEST_CASE("Colour goes where the model has it, and counts agree with the bitmaps
     }
     std::map<std::string, std::array<std::uint64_t, 2>> half;  // in the left and right half of the surface layer
     const int layers = description["layers"];
+    bool opaque = true;
+    int stray = 0;
     for (int k = 0; k < layers; ++k) {
         const Bitmap bitmap = read_png(layer_path(folder, k));
         for (int y = 0; y < bitmap.height; ++y)
             for (int x = 0; x < bitmap.width; ++x) {
                 const auto p = bitmap.at(x, y);
-                REQUIRE(p[3] == 255);
+                opaque = opaque && p[3] == 255;
                 if (!p[0] && !p[1] && !p[2]) continue;
                 const auto role = role_of.find({p[0], p[1], p[2]});
-                REQUIRE(role != role_of.end());
+                if (role == role_of.end()) {
+                    ++stray;
+                    continue;
+                }
                 ++counted[role->second];
                 if (k == layers - 5) ++half[role->second][std::size_t(x >= bitmap.width / 2)];
             }
     }
+    CHECK(opaque);
+    CHECK(stray == 0);
     for (const auto& [role, voxels] : said) CHECK(counted[role] == voxels);
     // The volume: 8 x 6 x 4 mm.
     std::uint64_t all = 0;
@@ -112,7 +120,7 @@ TEST_CASE("verify finds what was spoiled, by name, with exit code 6") {
     CHECK(gap.exit_code == 6);
     CHECK_THAT(gap.out + gap.err, Catch::Matchers::Contains("slice_00020"));
 
-    std::filesystem::copy_file(layer_path(folder, 19), layer_path(folder, 20));
+    std::filesystem::copy_file(layer_path(folder, 150), layer_path(folder, 20));  // of the tower, not of the base
     CHECK(run_program("verify " + (folder / "out")).exit_code == 6);  // right in form, wrong in content: counts or hash tell
 
     REQUIRE(run_program(slice).exit_code == 0);
@@ -135,6 +143,5 @@ TEST_CASE("A picture becomes a slab with its colours on top, upright") {
     CHECK(std::filesystem::exists(folder / "out/predicted.png"));
     // The bottom millimetre is core.
     const Bitmap bottom = read_png(layer_path(folder, 3));
-    for (const auto& pixel : bottom.pixels) REQUIRE(pixel == bottom.pixels.front());
-    CHECK(run_program("slice --quiet " + picture + " -o " + (folder / "out2")).exit_code == 2);  // no width known
+    CHECK(std::count(bottom.pixels.begin(), bottom.pixels.end(), bottom.pixels.front()) == std::ptrdiff_t(bottom.pixels.size()));
 }

@@ -2,12 +2,13 @@
 #include "voxtone/slicer/layer_maker.h"
 
 #include <algorithm>
-#include <array>
-#include <chrono>
 #include <memory>
 #include <vector>
 
 #include "voxtone/base/contracts.h"
+#include "voxtone/halftone/error_diffusion.h"
+#include "voxtone/slicer/block_mixtures.h"
+#include "voxtone/slicer/lap.h"
 
 namespace voxtone::slicer {
 
@@ -15,20 +16,6 @@ namespace {
 
 constexpr int block_width = ShellBlock::width;
 constexpr io::Material no_shell = 0xff;
-
-/// Seconds since the last call (or since it was made).
-class Lap {
-public:
-    double operator()() {
-        const auto now = std::chrono::steady_clock::now();
-        const double seconds = std::chrono::duration<double>(now - last_).count();
-        last_ = now;
-        return seconds;
-    }
-
-private:
-    std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
-};
 
 /// The near blocks of one row of blocks: which columns they stand in, and for each of their voxels the material, or
 /// `no_shell` where the voxel is core or air.
@@ -88,53 +75,20 @@ void push_row(io::LayerRuns& layer, int width, std::span<const Span> spans, cons
     layer.end_row();
 }
 
-/// Colours the shell voxels of one block.
-class BlockColourist {
-public:
-    explicit BlockColourist(const LayerSources& sources) : s_(sources), resins_(static_cast<int>(sources.separation.resins())) {}
-
-    void colour(const ShellBlock& block, io::Material* out, Lap& lap, LayerCounts& counts) {
-        gather(block);
-        counts.shell_voxels += std::uint64_t(count_);
-        counts.colour_s += lap();
-        s_.separation.mixtures(red_.data(), green_.data(), blue_.data(), static_cast<std::size_t>(count_), mixture_.data());
-        constexpr int mask = halftone::BlueNoiseScreen::mask;
-        int n = 0;
-        for (int row = 0; row < block.size[1] * block.size[2]; ++row) {
-            if (block.shell[row] == 0) continue;
-            const std::uint16_t* thresholds =
-                s_.screen.row(block.origin[1] + row % block.size[1], block.origin[2] + row / block.size[1]);
-            for (unsigned bits = block.shell[row]; bits != 0; bits &= bits - 1) {
-                const int lane = __builtin_ctz(bits);
-                const std::uint16_t threshold = thresholds[(block.origin[0] + lane) & mask];
-                out[row * block_width + lane] =
-                    static_cast<io::Material>(1 + halftone::select_resin(mixture_[std::size_t(n++)], threshold, resins_));
-            }
+/// One resin for every shell voxel of a block.
+void screen_block(const LayerSources& s, const ShellBlock& block, const halftone::CumulativeMixture* mixture, io::Material* out) {
+    const int resins = static_cast<int>(s.separation.resins());
+    int last_row = -1;
+    const std::uint16_t* thresholds = nullptr;
+    for_each_shell_voxel(block, [&](int row, int lane) {
+        if (row != last_row) {
+            thresholds = s.screen->row(block.origin[1] + row % block.size[1], block.origin[2] + row / block.size[1]);
+            last_row = row;
         }
-        counts.screen_s += lap();
-    }
-
-private:
-    void gather(const ShellBlock& block) {
-        count_ = 0;
-        for (int row = 0; row < block.size[1] * block.size[2]; ++row)
-            for (unsigned bits = block.shell[row]; bits != 0; bits &= bits - 1) {
-                const int at = row * block_width + __builtin_ctz(bits);
-                const Eigen::Vector3f rgb = s_.colour.at(s_.surface.source_triangle[block.triangle[at]], block.u[at], block.v[at]);
-                red_[std::size_t(count_)] = rgb.x();
-                green_[std::size_t(count_)] = rgb.y();
-                blue_[std::size_t(count_)] = rgb.z();
-                ++count_;
-            }
-    }
-
-    static constexpr std::size_t max_voxels = std::size_t(ShellBlock::max_rows) * block_width;
-    const LayerSources& s_;
-    int resins_;
-    int count_ = 0;
-    std::array<float, max_voxels> red_, green_, blue_;
-    std::array<halftone::CumulativeMixture, max_voxels> mixture_;
-};
+        const std::uint16_t threshold = thresholds[(block.origin[0] + lane) & halftone::BlueNoiseScreen::mask];
+        out[row * block_width + lane] = static_cast<io::Material>(1 + halftone::select_resin(*mixture++, threshold, resins));
+    });
+}
 
 bool shows_core_only(const LayerSources& s) {
     if (!s.colour.constant() || s.surface.triangles.empty()) return s.surface.triangles.empty();
@@ -165,43 +119,57 @@ LayerMaker::LayerMaker(const LayerSources& sources) : sources_(sources), all_cor
     VOXTONE_EXPECT(sources.separation.resins() < no_shell);
 }
 
-LayerCounts LayerMaker::make(int slab, int k_begin, int k_end,
-                             const std::function<void(int, const io::LayerRuns&)>& sink) const {
-    const VoxelGrid& grid = sources_.solid.grid();
-    const int first = std::max(k_begin, slab * slab_layers());
-    const int last = std::min({k_end, (slab + 1) * slab_layers(), grid.size[2]});
-    LayerCounts counts;
-    if (first >= last) return counts;
+int LayerMaker::slab_layers() const {
+    return sources_.screen ? sources_.shell.block_size()[2] : halftone::ErrorDiffusion::slab_layers;
+}
 
+LayerCounts LayerMaker::make(int slab, int k_begin, int k_end, const LayerSink& sink) const {
+    const int first = std::max(k_begin, slab * slab_layers());
+    const int last = std::min({k_end, (slab + 1) * slab_layers(), sources_.solid.grid().size[2]});
+    if (first >= last) return {};
+    return sources_.screen || all_core_ ? make_screened(slab, first, last, sink) : make_diffused(slab, first, last, sink);
+}
+
+void LayerMaker::body(int first, int last, SpanSlab& out, LayerCounts& counts) const {
+    if (sources_.thin)
+        counts.thin_voxels += sources_.thin->slab(first, last, out);
+    else
+        sources_.solid.slab(first, last, out);
+    for (int k = first; k < last; ++k) counts.body_voxels += out.voxels_of_layer(k);
+}
+
+LayerCounts LayerMaker::make_screened(int slab, int first, int last, const LayerSink& sink) const {
+    const VoxelGrid& grid = sources_.solid.grid();
+    LayerCounts counts;
     Lap lap;
-    SpanSlab body;
-    sources_.solid.slab(first, last, body);
-    counts.solid_s = lap();
+    SpanSlab spans;
+    body(first, last, spans, counts);
+    counts.solid_s += lap();
 
     std::vector<io::LayerRuns> layers(std::size_t(last - first),
                                       io::LayerRuns(std::uint32_t(grid.size[0]), std::uint32_t(grid.size[1])));
     const int block_height = sources_.shell.block_size()[1], block_depth = sources_.shell.block_size()[2];
-    const auto colourist = std::make_unique<BlockColourist>(sources_);
+    const auto mixtures = std::make_unique<BlockMixtures>(sources_.surface, sources_.colour, sources_.separation);
     Strip strip;
     for (int bj = sources_.shell.block_rows() - 1; bj >= 0; --bj) {
         strip.reset(block_height * block_depth);
         if (!all_core_)
-            sources_.shell.for_each_block(bj, slab, body, [&](const ShellBlock& block) {
+            sources_.shell.for_each_block(bj, slab, spans, [&](const ShellBlock& block) {
                 VOXTONE_DEBUG_EXPECT(block.size[1] == block_height && block.size[2] == block_depth);
                 counts.shell_s += lap();
-                colourist->colour(block, strip.append(block.origin[0], block.shell), lap, counts);
+                counts.shell_voxels += mixtures->gather(block);
+                counts.colour_s += lap();
+                screen_block(sources_, block, mixtures->separate(), strip.append(block.origin[0], block.shell));
+                counts.screen_s += lap();
             });
         counts.shell_s += lap();
         for (int k = first; k < last; ++k)
             for (int j = std::min((bj + 1) * block_height, grid.size[1]) - 1; j >= bj * block_height; --j)
-                push_row(layers[std::size_t(k - first)], grid.size[0], body.row(j, k), strip,
-                         (k - slab * block_depth) * block_height + (j - bj * block_height), sources_.core);
+                push_row(layers[std::size_t(k - first)], grid.size[0], spans.row(j, k), strip,
+                         all_core_ ? 0 : (k - slab * block_depth) * block_height + (j - bj * block_height), sources_.core);
         counts.runs_s += lap();
     }
-    for (int k = first; k < last; ++k) {
-        counts.body_voxels += body.voxels_of_layer(k);
-        sink(k, layers[std::size_t(k - first)]);
-    }
+    for (int k = first; k < last; ++k) sink(k, layers[std::size_t(k - first)]);
     return counts;
 }
 

@@ -2,14 +2,16 @@
 //
 // From the body to printed layers: solid -> surface shell -> target colour -> mixture -> one resin per voxel -> runs.
 //
-// Work is cut into slabs, the layers of one layer of shell blocks. A slab depends on nothing but its own index, so any
-// number of threads and any choice of layers give the same bits. Within a slab rows of blocks are made one after the
-// other in a strip that stays in cache; air and core are never touched voxel by voxel.
+// Work is cut into slabs of layers. A slab depends on nothing but its own index, so any number of threads and any choice
+// of layers give the same bits. With the blue-noise screen a slab is one layer of shell blocks, made row of blocks by row
+// of blocks in a strip that stays in cache; air and core are never touched voxel by voxel. Error diffusion needs whole
+// layers and has slabs of its own length.
 // Threads: `make` may be called from any thread, for different slabs at once.
 #pragma once
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 
 #include "voxtone/halftone/blue_noise_screen.h"
 #include "voxtone/halftone/separation.h"
@@ -17,6 +19,7 @@
 #include "voxtone/slicer/solid.h"
 #include "voxtone/slicer/surface_colour.h"
 #include "voxtone/slicer/surface_shell.h"
+#include "voxtone/slicer/thin_features.h"
 #include "voxtone/slicer/visible_surface.h"
 
 namespace voxtone::slicer {
@@ -24,12 +27,14 @@ namespace voxtone::slicer {
 /// What layers are made of; everything must outlive the maker.
 struct LayerSources {
     const Solid& solid;
+    const ThinFeatures* thin;  ///< null: features thinner than a voxel may vanish
     const VisibleSurface& surface;
     const SurfaceShell& shell;
     const SurfaceColour& colour;
     const halftone::Separation& separation;
-    const halftone::BlueNoiseScreen& screen;
-    io::Material core = 0;  ///< material of voxels below the shell
+    const halftone::BlueNoiseScreen* screen;  ///< null: error diffusion
+    std::uint64_t seed;                       ///< of error diffusion
+    io::Material core;                        ///< material of voxels below the shell
 };
 
 /// Counts of one or more slabs.
@@ -42,17 +47,22 @@ struct LayerCounts {
     LayerCounts& operator+=(const LayerCounts& other);
 };
 
+using LayerSink = std::function<void(int k, const io::LayerRuns& layer)>;
+
 class LayerMaker {
 public:
     explicit LayerMaker(const LayerSources& sources);
 
-    [[nodiscard]] int slab_layers() const { return sources_.shell.block_size()[2]; }
-    [[nodiscard]] int slabs() const { return sources_.shell.block_layers(); }
+    [[nodiscard]] int slab_layers() const;
 
     /// Makes the layers of [k_begin, k_end) that lie in this slab, from the bottom up, and hands each to `sink`.
-    LayerCounts make(int slab, int k_begin, int k_end, const std::function<void(int k, const io::LayerRuns& layer)>& sink) const;
+    LayerCounts make(int slab, int k_begin, int k_end, const LayerSink& sink) const;
 
 private:
+    LayerCounts make_screened(int slab, int first, int last, const LayerSink& sink) const;
+    LayerCounts make_diffused(int slab, int first, int last, const LayerSink& sink) const;
+    void body(int first, int last, SpanSlab& out, LayerCounts& counts) const;
+
     LayerSources sources_;
     bool all_core_;  ///< one colour, and it is that of the core: no voxel needs a look
 };

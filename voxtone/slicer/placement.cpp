@@ -92,7 +92,7 @@ Placement place(io::ModelFile& model, const SliceOptions& options) {
     for (Eigen::Vector3d& position : mesh.positions) position = (position - box.low) * factor;
     placement.extent_mm = (box.high - box.low) * factor;
 
-    const std::string unit = placement.unit_assumed ? "mm assumed (the format has no unit; --unit says otherwise)"
+    const std::string unit = model.format == "picture" ? "mm" : placement.unit_assumed ? "mm assumed (the format has no unit; --unit says otherwise)"
                              : options.unit != "auto" ? fmt::format("{} as asked", options.unit)
                                                       : fmt::format("{} mm by the file", placement.mm_per_file_unit);
     placement.summary = fmt::format("unit: {}; size {:.4g} x {:.4g} x {:.4g} mm{}", unit, placement.extent_mm.x(), placement.extent_mm.y(),

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <system_error>
 
 #include <fmt/core.h>
@@ -146,9 +147,14 @@ SliceResult run_slice_job(const SliceOptions& options, Progress& progress) {
     const SurfaceShell shell(body.surface, body.grid, options.depth_mm);
     // Voxels are sampled at their centres: texture details finer than a voxel's footprint would alias.
     const SurfaceColour surface_colour(body.model.mesh, std::sqrt(body.grid.pitch_mm.x() * body.grid.pitch_mm.y()));
-    const halftone::BlueNoiseScreen screen({body.grid.pitch_mm.x(), body.grid.pitch_mm.y(), body.grid.pitch_mm.z()}, &progress);
-    const LayerMaker maker({.solid = solid, .surface = body.surface, .shell = shell, .colour = surface_colour,
-                            .separation = colour->separation, .screen = screen, .core = resins.core_material()});
+    std::optional<ThinFeatures> thin;
+    if (options.keep_thin) thin.emplace(body.solid_mesh, solid);
+    std::optional<halftone::BlueNoiseScreen> screen;
+    if (options.screen == "blue-noise")
+        screen.emplace(std::array{body.grid.pitch_mm.x(), body.grid.pitch_mm.y(), body.grid.pitch_mm.z()}, &progress);
+    const LayerMaker maker({.solid = solid, .thin = thin ? &*thin : nullptr, .surface = body.surface, .shell = shell, .colour = surface_colour,
+                            .separation = colour->separation, .screen = screen ? &*screen : nullptr, .seed = options.seed,
+                            .core = resins.core_material()});
     std::vector<io::Rgb> palette{printer.background_rgb};
     for (const io::StackResin& resin : resins.entries) palette.push_back(resin.rgb);
     Thumbnails thumbnails(range, body.grid, palette, options.report);
