@@ -34,8 +34,8 @@ Eigen::Matrix3d weights(const Eigen::Vector3d& target_oklab, const SeparationOpt
 /// The weighted residual and its derivatives, and the cost, at g.
 class Problem {
 public:
-    Problem(const optics::ShellAppearance& appearance, const Eigen::Vector3d& target_rgb, const Unknowns& penalty, const SeparationOptions& options)
-        : appearance_(appearance), penalty_(penalty), target_(optics::oklab_from_linear_srgb(target_rgb)), w_(weights(target_, options)) {}
+    Problem(const AppearanceColour& colour, const Eigen::Vector3d& target_rgb, const Unknowns& penalty, const SeparationOptions& options)
+        : colour_(colour), penalty_(penalty), target_(optics::oklab_from_linear_srgb(target_rgb)), w_(weights(target_, options)) {}
 
     struct Point {
         Unknowns g, f;
@@ -50,8 +50,7 @@ public:
         p.f = g.cwiseProduct(g) + epsilon * g;
         p.sum_h = p.f.sum();
         p.f /= p.sum_h;
-        Eigen::Vector3d rgb;
-        appearance_.media_relative({p.f.data(), std::size_t(p.f.size())}, {rgb.data(), 3});
+        const Eigen::Vector3d rgb = colour_.rgb({p.f.data(), std::size_t(p.f.size())});
         p.residual = w_ * (optics::oklab_from_linear_srgb(rgb) - target_);
         p.cost = p.residual.squaredNorm() + penalty_.dot(p.f.cwiseProduct(p.f));
         return p;
@@ -60,9 +59,8 @@ public:
     /// Gauss-Newton matrix and half gradient of the cost with respect to g.
     void linearise(const Point& p, Square& matrix, Unknowns& gradient) const {
         const Eigen::Index n = p.g.size();
-        Eigen::Vector3d rgb;
-        Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor, 3, max_resins> rgb_by_f(3, n);
-        appearance_.media_relative({p.f.data(), std::size_t(n)}, {rgb.data(), 3}, {rgb_by_f.data(), std::size_t(3 * n)});
+        AppearanceColour::Gradient rgb_by_f;
+        const Eigen::Vector3d rgb = colour_.rgb({p.f.data(), std::size_t(n)}, rgb_by_f);
         Jacobian by_f = w_ * optics::oklab_derivative(rgb) * rgb_by_f;
         // d f_s / d g_r = h'(g_r) / H (delta_rs - f_s)
         const Unknowns slope = (2 * p.g.array() + epsilon) / p.sum_h;
@@ -82,7 +80,7 @@ public:
     }
 
 private:
-    const optics::ShellAppearance& appearance_;
+    const AppearanceColour& colour_;
     const Unknowns& penalty_;
     Eigen::Vector3d target_;
     Eigen::Matrix3d w_;
@@ -107,9 +105,9 @@ Unknowns projected_step(const Square& matrix, const Unknowns& gradient, const Un
 
 }  // namespace
 
-InvertedColour invert_appearance(const optics::ShellAppearance& appearance, const Eigen::Vector3d& target_rgb, const Unknowns& penalty,
+InvertedColour invert_appearance(const AppearanceColour& colour, const Eigen::Vector3d& target_rgb, const Unknowns& penalty,
                                  const SeparationOptions& options, const Unknowns& start) {
-    const Problem problem(appearance, target_rgb, penalty, options);
+    const Problem problem(colour, target_rgb, penalty, options);
     Problem::Point best = problem.at(start);
     double damping = 1e-3;
     InvertedColour result;

@@ -11,9 +11,9 @@
 
 #include <Eigen/Core>
 
+#include "voxtone/halftone/appearance_colour.h"
 #include "voxtone/halftone/mixture.h"
 #include "voxtone/halftone/separation.h"
-#include "voxtone/optics/shell_appearance.h"
 
 namespace voxtone::halftone {
 
@@ -27,7 +27,7 @@ struct InvertedColour {
 };
 
 /// `penalty`: lambda p_r per resin. `start` warm-starts; its size is the number of resins.
-[[nodiscard]] InvertedColour invert_appearance(const optics::ShellAppearance& appearance, const Eigen::Vector3d& target_rgb, const Unknowns& penalty,
+[[nodiscard]] InvertedColour invert_appearance(const AppearanceColour& colour, const Eigen::Vector3d& target_rgb, const Unknowns& penalty,
                                                const SeparationOptions& options, const Unknowns& start);
 
 }  // namespace voxtone::halftone
