@@ -26,7 +26,8 @@ int main(int argc, char** argv) try {
     });
     std::ofstream file(argv[1], std::ios::binary);
     for (const auto& tile : tiles)
-        file.write(reinterpret_cast<const char*>(tile.data()), static_cast<std::streamsize>(tile.size() * sizeof(tile[0])));
+        file.write(reinterpret_cast<const char*>(tile.data()),
+                   static_cast<std::streamsize>(tile.size() * sizeof(tile[0])));
     file.close();
     if (!file) {
         std::fprintf(stderr, "make_screen: %s could not be written\n", argv[1]);

@@ -22,7 +22,8 @@ CumulativeMixture mixture_of(const std::array<double, resins>& share) {
     CumulativeMixture mixture;
     mixture.bound.fill(65535);
     double sum = 0;
-    for (std::size_t r = 0; r + 1 < resins; ++r) mixture.bound[r] = static_cast<std::uint16_t>(std::min(65535.0, 65536 * (sum += share[r])));
+    for (std::size_t r = 0; r + 1 < resins; ++r)
+        mixture.bound[r] = static_cast<std::uint16_t>(std::min(65535.0, 65536 * (sum += share[r])));
     return mixture;
 }
 
@@ -33,19 +34,22 @@ std::vector<std::uint8_t> field(const CumulativeMixture& mixture, const ErrorDif
     const std::vector<std::uint8_t> body(size * size, 1);
     std::vector<std::uint8_t> out(size * size * size);
     for (int k = 0; k < size; ++k)
-        diffusion.layer(k, mixtures, body, std::span(out).subspan(static_cast<std::size_t>(k) * size * size, size * size));
+        diffusion.layer(k, mixtures, body,
+                        std::span(out).subspan(static_cast<std::size_t>(k) * size * size, size * size));
     return out;
 }
 
 std::vector<std::uint8_t> white_noise(const CumulativeMixture& mixture) {
     std::vector<std::uint8_t> out(size * size * size);
     for (std::size_t v = 0; v < out.size(); ++v)
-        out[v] = static_cast<std::uint8_t>(select_resin(mixture, static_cast<std::uint16_t>(RandomStream(1, v).bits() >> 16), resins));
+        out[v] = static_cast<std::uint8_t>(
+            select_resin(mixture, static_cast<std::uint16_t>(RandomStream(1, v).bits() >> 16), resins));
     return out;
 }
 
 /// Worst |count - share * volume| / volume over all resins and cubes of this edge, all positions in steps of `step`.
-double worst_share_error(const std::vector<std::uint8_t>& voxels, const std::array<double, resins>& share, int edge, int step) {
+double worst_share_error(const std::vector<std::uint8_t>& voxels, const std::array<double, resins>& share, int edge,
+                         int step) {
     double worst = 0;
     for (int k0 = 0; k0 + edge <= size; k0 += step)
         for (int j0 = 0; j0 + edge <= size; j0 += step)
@@ -53,16 +57,18 @@ double worst_share_error(const std::vector<std::uint8_t>& voxels, const std::arr
                 std::array<int, resins> count{};
                 for (int k = k0; k < k0 + edge; ++k)
                     for (int j = j0; j < j0 + edge; ++j)
-                        for (int i = i0; i < i0 + edge; ++i) ++count[voxels[static_cast<std::size_t>(i + size * (j + size * k))]];
+                        for (int i = i0; i < i0 + edge; ++i)
+                            ++count[voxels[static_cast<std::size_t>(i + size * (j + size * k))]];
                 for (std::size_t r = 0; r < resins; ++r)
                     worst = std::max(worst, std::abs(count[r] / std::pow(edge, 3) - share[r]));
             }
     return worst;
 }
 
-const std::vector<std::array<double, resins>> colours{
-    {0.05, 0.3, 0.25, 0.1, 0.3}, {0.2, 0.2, 0.2, 0.2, 0.2}, {0.02, 0.01, 0.03, 0.0, 0.94}, {0.5, 0.0, 0.0, 0.0, 0.5},
-    {0.33, 0.33, 0.34, 0, 0},       {0.003, 0.002, 0.001, 0.004, 0.99}, {0, 0.05, 0, 0, 0.95}};
+const std::vector<std::array<double, resins>> colours{{0.05, 0.3, 0.25, 0.1, 0.3},   {0.2, 0.2, 0.2, 0.2, 0.2},
+                                                      {0.02, 0.01, 0.03, 0.0, 0.94}, {0.5, 0.0, 0.0, 0.0, 0.5},
+                                                      {0.33, 0.33, 0.34, 0, 0},      {0.003, 0.002, 0.001, 0.004, 0.99},
+                                                      {0, 0.05, 0, 0, 0.95}};
 
 }  // namespace
 
@@ -116,7 +122,9 @@ TEST_CASE("Error diffusion never lays a resin where it has no share") {
     for (int k = 0; k < 40; ++k) {
         diffusion.layer(k, mixtures, body, layer);
         for (std::size_t v = 0; v < layer.size(); ++v) {
-            const bool right_one = !body[v] ? layer[v] == 99 : v % 8 < 4 ? layer[v] < 2 : layer[v] == 2 || layer[v] == 4;
+            const bool right_one = !body[v]    ? layer[v] == 99
+                                   : v % 8 < 4 ? layer[v] < 2
+                                               : layer[v] == 2 || layer[v] == 4;
             strays += !right_one;
         }
     }

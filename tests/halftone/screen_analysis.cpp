@@ -39,12 +39,14 @@ void transform_line(Complex* data, std::size_t stride, const std::array<Complex,
 }  // namespace
 
 double worst_cube_error(const Tile& tile) {
-    // Voxel by voxel in the order of thresholds: the extremes of a cube's error lie just before and just after it gains a
-    // voxel. The expected count is rounded down for the highest and up for the lowest error, so the result is an upper
-    // bound within 2 voxels; equal thresholds in a fixed order only make it larger. 16-bit numbers, for speed.
+    // Voxel by voxel in the order of thresholds: the extremes of a cube's error lie just before and just after it gains
+    // a voxel. The expected count is rounded down for the highest and up for the lowest error, so the result is an
+    // upper bound within 2 voxels; equal thresholds in a fixed order only make it larger. 16-bit numbers, for speed.
     std::vector<int> order(voxels);
     for (int v = 0; v < voxels; ++v) order[static_cast<std::size_t>(v)] = v;
-    std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return tile[static_cast<std::size_t>(a)] < tile[static_cast<std::size_t>(b)]; });
+    std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
+        return tile[static_cast<std::size_t>(a)] < tile[static_cast<std::size_t>(b)];
+    });
     std::vector<std::int16_t> count(voxels, 0), least(voxels, 0), most(voxels, 0);
     for (int n = 0; n < voxels; ++n) {
         const int v = order[static_cast<std::size_t>(n)];

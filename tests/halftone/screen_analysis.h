@@ -14,7 +14,8 @@ namespace voxtone::halftone::test {
 using Tile = std::vector<std::uint16_t>;
 
 /// max over all cubes of 16^3 voxels (of the periodic tile) and all intervals [a, b) of thresholds of
-/// |voxels in the interval - 4096 (b - a) / 65536|, in voxels, rounded up by less than 2. This bounds every resin of every mixture in every cube.
+/// |voxels in the interval - 4096 (b - a) / 65536|, in voxels, rounded up by less than 2. This bounds every resin of
+/// every mixture in every cube.
 [[nodiscard]] double worst_cube_error(const Tile& tile);
 
 /// The same thresholds in random order.

@@ -21,7 +21,7 @@ TEST_CASE("A pitch that the library does not carry is made at run time, the same
     REQUIRE_FALSE(has_built_in_screen(pitch));
     const BlueNoiseScreen screen(pitch);
     CHECK_FALSE(screen.built_in());
-    const Tile tile = tile_of(screen);
+    const test::Tile tile = tile_of(screen);
     CHECK(tile == tile_of(BlueNoiseScreen({0.5, 0.5, 0.3})));
     CHECK(test::worst_cube_error(tile) <= 0.01 * 4096);
 }

@@ -49,7 +49,8 @@ std::vector<double> random_mixture(RandomStream& random, std::size_t resins, std
 
 /// CIEDE2000 from the colour of a random mixture through the lattice and back, by `colour_of(appearance, fractions)`.
 template <class ColourOf>
-optics::DifferenceSummary round_trip(const Roles& roles, const SeparationOptions& options, int colours, ColourOf colour_of) {
+optics::DifferenceSummary round_trip(const Roles& roles, const SeparationOptions& options, int colours,
+                                     ColourOf colour_of) {
     const optics::ResinSet set = resin_set(roles);
     const optics::ShellAppearance appearance = appearance_of(set);
     const Separation separation(appearance, options);
@@ -57,7 +58,8 @@ optics::DifferenceSummary round_trip(const Roles& roles, const SeparationOptions
     std::vector<double> differences(static_cast<std::size_t>(colours));
     parallel_for(0, differences.size(), 4, [&](std::size_t n) {
         RandomStream random(1, n);
-        const Eigen::Vector3d target = colour_of(appearance, random_mixture(random, set.resins.size(), core, n % 2 == 1));
+        const Eigen::Vector3d target =
+            colour_of(appearance, random_mixture(random, set.resins.size(), core, n % 2 == 1));
         const Eigen::Vector3d printed = colour_of(appearance, separation.fractions(target.cast<float>()));
         differences[n] = optics::ciede2000(optics::lab_from_linear_srgb(target), optics::lab_from_linear_srgb(printed));
     });
@@ -68,7 +70,8 @@ optics::DifferenceSummary round_trip(const Roles& roles, const SeparationOptions
 Eigen::Vector3d exact_colour(const optics::ShellAppearance& appearance, const std::vector<double>& fractions) {
     const std::vector<double> seen = appearance.exact(fractions);
     Eigen::Vector3d colour;
-    for (std::size_t c = 0; c < 3; ++c) colour[static_cast<Eigen::Index>(c)] = seen[c] / appearance.white_appearance()[c];
+    for (std::size_t c = 0; c < 3; ++c)
+        colour[static_cast<Eigen::Index>(c)] = seen[c] / appearance.white_appearance()[c];
     return colour;
 }
 
@@ -83,7 +86,8 @@ Eigen::Vector3f from_srgb(double r, double g, double b) {
 }  // namespace
 
 TEST_CASE("Colours of mixtures are met within 0.5 mean and 1.5 max CIEDE2000") {
-    for (const Roles& roles : {Roles{"C", "M", "Y", "K", "W"}, Roles{"C", "M", "Y", "W"}, Roles{"C", "M", "W"}, Roles{"K", "W"}}) {
+    for (const Roles& roles :
+         {Roles{"C", "M", "Y", "K", "W"}, Roles{"C", "M", "Y", "W"}, Roles{"C", "M", "W"}, Roles{"K", "W"}}) {
         const auto summary = round_trip(roles, {}, 2000, table_colour);
         INFO(roles.size() << " resins: mean " << summary.mean << ", max " << summary.max);
         CHECK(summary.mean < 0.5);
@@ -102,7 +106,8 @@ TEST_CASE("Colours of mixtures are met when seen by layered transport without ta
 }
 
 TEST_CASE("Sets whose gamut the lattice cuts badly are met within 0.5 mean and 3 max CIEDE2000") {
-    // Without red and yellow, or with clear as a second way to dilute, many colours lie on the edge of the gamut itself.
+    // Without red and yellow, or with clear as a second way to dilute, many colours lie on the edge of the gamut
+    // itself.
     for (const Roles& roles : {Roles{"K", "W", "C"}, Roles{"C", "M", "Y", "K", "W", "T"}}) {
         const auto summary = round_trip(roles, {}, 2000, table_colour);
         INFO(roles.size() << " resins: mean " << summary.mean << ", max " << summary.max);
@@ -112,7 +117,8 @@ TEST_CASE("Sets whose gamut the lattice cuts badly are met within 0.5 mean and 3
 }
 
 TEST_CASE("White is white resin exactly, for every set") {
-    for (const Roles& roles : {Roles{"C", "M", "Y", "K", "W"}, Roles{"C", "M", "W"}, Roles{"K", "W", "C"}, Roles{"W"}, Roles{"C", "M", "Y", "K", "W", "T"}}) {
+    for (const Roles& roles : {Roles{"C", "M", "Y", "K", "W"}, Roles{"C", "M", "W"}, Roles{"K", "W", "C"}, Roles{"W"},
+                               Roles{"C", "M", "Y", "K", "W", "T"}}) {
         const optics::ResinSet set = resin_set(roles);
         const optics::ShellAppearance appearance = appearance_of(set);
         const Separation separation(appearance);
@@ -123,7 +129,8 @@ TEST_CASE("White is white resin exactly, for every set") {
         CumulativeMixture mixture;
         separation.mixtures(&one, &one, &one, 1, &mixture);
         for (int t : {0, 1, 30000, 65534})
-            REQUIRE(select_resin(mixture, static_cast<std::uint16_t>(t), static_cast<int>(set.resins.size())) == set.find("W"));
+            REQUIRE(select_resin(mixture, static_cast<std::uint16_t>(t), static_cast<int>(set.resins.size())) ==
+                    set.find("W"));
     }
 }
 
@@ -163,7 +170,8 @@ TEST_CASE("Colours out of gamut keep their hue") {
                 const Eigen::Vector3d asked = optics::oklab_from_linear_srgb(target.cast<double>());
                 const Eigen::Vector3d got = optics::oklab_from_linear_srgb(separation.predicted(target));
                 if (std::hypot(got.y(), got.z()) < 0.04) continue;
-                const double turn = std::remainder(std::atan2(got.z(), got.y()) - std::atan2(asked.z(), asked.y()), 2 * std::numbers::pi);
+                const double turn = std::remainder(std::atan2(got.z(), got.y()) - std::atan2(asked.z(), asked.y()),
+                                                   2 * std::numbers::pi);
                 worst = std::max(worst, std::abs(turn) * 180 / std::numbers::pi);
                 ++looked_at;
             }
@@ -243,11 +251,14 @@ TEST_CASE("Batches of any length give what single colours give, and bounds are i
 }
 
 TEST_CASE("A spectral set is separated by the colour of its spectrum under D65") {
-    // Five wavelengths with the resins' blue, green and red values: not a real set, but white, cyan, magenta, yellow, black.
+    // Five wavelengths with the resins' blue, green and red values: not a real set, but white, cyan, magenta, yellow,
+    // black.
     optics::ResinSet set = optics::vero_opaque();
     set.channels.wavelengths_nm = {430, 480, 540, 600, 650};
     for (optics::Resin& resin : set.resins) {
-        const auto spread = [](const std::vector<double>& rgb) { return std::vector<double>{rgb[2], rgb[2], rgb[1], rgb[0], rgb[0]}; };
+        const auto spread = [](const std::vector<double>& rgb) {
+            return std::vector<double>{rgb[2], rgb[2], rgb[1], rgb[0], rgb[0]};
+        };
         resin.sigma_t_per_mm = spread(resin.sigma_t_per_mm);
         resin.albedo = spread(resin.albedo);
     }
@@ -284,7 +295,8 @@ TEST_CASE("The separation has the same bits for one thread and for several") {
     const Separation one(appearance, options);
     for (int n = 0; n < 2000; ++n) {
         RandomStream random(8, static_cast<std::uint64_t>(n));
-        const Eigen::Vector3f rgb(static_cast<float>(random.uniform()), static_cast<float>(random.uniform()), static_cast<float>(random.uniform()));
+        const Eigen::Vector3f rgb(static_cast<float>(random.uniform()), static_cast<float>(random.uniform()),
+                                  static_cast<float>(random.uniform()));
         REQUIRE(one.fractions(rgb) == several.fractions(rgb));
     }
 }

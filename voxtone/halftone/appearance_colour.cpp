@@ -13,15 +13,17 @@ AppearanceColour::AppearanceColour(const optics::ShellAppearance& appearance, st
     : appearance_(appearance) {
     const std::size_t channels = wavelengths_nm.empty() ? 3 : wavelengths_nm.size();
     if (appearance.channels() != channels)
-        throw InputError(fmt::format("colour separation was told of {} channels, but the resin set has {}: without their "
-                                     "wavelengths its colour is unknown; give one wavelength per channel",
-                                     channels, appearance.channels()));
+        throw InputError(
+            fmt::format("colour separation was told of {} channels, but the resin set has {}: without their "
+                        "wavelengths its colour is unknown; give one wavelength per channel",
+                        channels, appearance.channels()));
     if (wavelengths_nm.empty()) return;
     const Eigen::Matrix3Xd weights = optics::xyz_weights(wavelengths_nm, optics::Illuminant::d65);
     const Eigen::Vector3d white = weights.rowwise().sum();
     from_spectrum_.resize(3, weights.cols());
     for (Eigen::Index c = 0; c < weights.cols(); ++c)
-        from_spectrum_.col(c) = optics::linear_srgb_from_xyz(optics::adapt_white(weights.col(c), white, optics::d65_white()));
+        from_spectrum_.col(c) =
+            optics::linear_srgb_from_xyz(optics::adapt_white(weights.col(c), white, optics::d65_white()));
 }
 
 Eigen::Vector3d AppearanceColour::rgb(std::span<const double> fractions) const {

@@ -14,7 +14,8 @@ __asm__(
     ".pushsection .rodata\n"
     ".balign 64\n"
     "voxtone_built_in_screens:\n"
-    ".incbin \"" VOXTONE_SCREENS_FILE "\"\n"
+    ".incbin \"" VOXTONE_SCREENS_FILE
+    "\"\n"
     ".popsection\n");
 extern "C" const std::uint16_t voxtone_built_in_screens[] __attribute__((visibility("hidden")));
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// The default screen: a position-addressed three-dimensional blue-noise threshold for every voxel. It is a periodic tile
-// of 64^3 voxels of ranks by void-and-cluster (`void_and_cluster.h`), isotropic in millimetres for one ratio of pitches.
-// Thresholds depend on the voxel's global index alone, so a job may be cut in any way.
+// The default screen: a position-addressed three-dimensional blue-noise threshold for every voxel. It is a periodic
+// tile of 64^3 voxels of ranks by void-and-cluster (`void_and_cluster.h`), isotropic in millimetres for one ratio of
+// pitches. Thresholds depend on the voxel's global index alone, so a job may be cut in any way.
 //
-// Threshold t in [0, 65534]; each value occurs four times in the tile, the last eight times: 65535 is left out, because a
-// bound of 65535 means "all the rest" and must be above every threshold (a pure resin has no stray voxels). In a field of constant colour the volume of each
-// resin is
+// Threshold t in [0, 65534]; each value occurs four times in the tile, the last eight times: 65535 is left out, because
+// a bound of 65535 means "all the rest" and must be above every threshold (a pure resin has no stray voxels). In a
+// field of constant colour the volume of each resin is
 //   - over any cube of 64^3 voxels: as the 16-bit mixture says, within 4 of 262144 voxels;
 //   - over any cube of 16^3 voxels: within 0.81 % of the cube's volume, for any number of resins and any mixture: the
 //     worst case over all cubes and all intervals of thresholds, not a sample (tested, for the tiles of the build).
@@ -30,8 +30,8 @@ public:
     static constexpr int size = 64;
     static constexpr int mask = size - 1;
 
-    /// The screen for voxels of this pitch (mm, > 0; only ratios matter, rounded to 0.5 %). Contract: finite and positive.
-    /// Above a ratio of about 10 between two pitches the screen is not isotropic any more.
+    /// The screen for voxels of this pitch (mm, > 0; only ratios matter, rounded to 0.5 %). Contract: finite and
+    /// positive. Above a ratio of about 10 between two pitches the screen is not isotropic any more.
     explicit BlueNoiseScreen(const std::array<double, 3>& pitch_mm, const Progress* progress = nullptr);
 
     /// False: no tile of the build fits, and this one was made at run time.

@@ -14,9 +14,9 @@ struct BuiltInScreen {
 };
 
 inline constexpr std::array<BuiltInScreen, 3> built_in_screens{{
-    {"j750-27um", {25.4 / 600, 25.4 / 300, 0.027}},   // Stratasys J750, High Mix and High Speed
-    {"j750-14um", {25.4 / 600, 25.4 / 300, 0.014}},   // Stratasys J750, High Quality
-    {"j55", {25.4 / 300, 25.4 / 300, 0.01875}},       // Stratasys J55
+    {"j750-27um", {25.4 / 600, 25.4 / 300, 0.027}},  // Stratasys J750, High Mix and High Speed
+    {"j750-14um", {25.4 / 600, 25.4 / 300, 0.014}},  // Stratasys J750, High Quality
+    {"j55", {25.4 / 300, 25.4 / 300, 0.01875}},      // Stratasys J55
 }};
 
 }  // namespace voxtone::halftone

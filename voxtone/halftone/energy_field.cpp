@@ -7,8 +7,11 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "voxtone/halftone/energy_field.cpp"
+// The order of these two matters.
+// clang-format off
 #include "hwy/foreach_target.h"
 #include <hwy/highway.h>
+// clang-format on
 
 HWY_BEFORE_NAMESPACE();
 namespace voxtone::halftone::HWY_NAMESPACE {
@@ -23,7 +26,8 @@ template <int sign>
 HWY_INLINE void add_near(EnergyField::Data& data, int x, int y, int z) {
     const Tag d;
     for (const KernelRow& k : data.near) {
-        const std::size_t row = static_cast<std::size_t>((y + k.dy) & mask) + edge * static_cast<std::size_t>((z + k.dz) & mask);
+        const std::size_t row =
+            static_cast<std::size_t>((y + k.dy) & mask) + edge * static_cast<std::size_t>((z + k.dz) & mask);
         std::int32_t* energy = &data.energy[row * edge];
         const std::int32_t* kernel = k.value.data() + (field_size - x);
         for (std::size_t i = 0; i < edge; i += hn::Lanes(d)) {
@@ -36,8 +40,8 @@ HWY_INLINE void add_near(EnergyField::Data& data, int x, int y, int z) {
 
 /// Adds the far term to 8 rows, for a vector's width of x, and renews their extremes.
 template <bool highs>
-HWY_INLINE void add_far(EnergyField::Data& data, std::size_t first_row, std::size_t x, const std::int32_t* factor_of_row,
-                        const std::int32_t* along_x) {
+HWY_INLINE void add_far(EnergyField::Data& data, std::size_t first_row, std::size_t x,
+                        const std::int32_t* factor_of_row, const std::int32_t* along_x) {
     const Tag d;
     const auto factor_x = hn::LoadU(d, along_x + x);
     auto smallest = hn::Set(d, INT32_MAX);
@@ -97,7 +101,8 @@ HWY_INLINE void change_field(EnergyField::Data& data, int x, int y, int z) {
     for (int dz = -data.reach_z; dz <= data.reach_z; ++dz) {
         const auto plane = static_cast<std::size_t>((z + dz) & mask);
         const int factor_z = overlap_along_axis(dz);
-        const int first_group = (y + field_size - data.reach_y) / group, last_group = (y + field_size + data.reach_y) / group;
+        const int first_group = (y + field_size - data.reach_y) / group,
+                  last_group = (y + field_size + data.reach_y) / group;
         for (int g = first_group; g <= std::min(last_group, first_group + field_size / group - 1); ++g) {
             const auto first_y = static_cast<std::size_t>((g * group) & mask);
             std::array<std::int32_t, group> factor;

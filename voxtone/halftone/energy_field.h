@@ -4,8 +4,8 @@
 //
 //   energy(v) = sum over marked u of  near(v - u) + far_weight * prod over axes of max(0, 16 - |v - u|),
 //
-// and the search for the smallest and the largest of them. The second term's factor is the number of cubes of 16^3 voxels
-// that hold both voxels. Extremes are kept over groups of 8 voxels along y, and over planes: a step touches the
+// and the search for the smallest and the largest of them. The second term's factor is the number of cubes of 16^3
+// voxels that hold both voxels. Extremes are kept over groups of 8 voxels along y, and over planes: a step touches the
 // neighbourhood of one voxel, and nothing is reduced across vector lanes. Vector code with run-time dispatch; integers,
 // so that every target gives the same bits.
 #pragma once

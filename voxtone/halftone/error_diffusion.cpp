@@ -11,9 +11,9 @@
 namespace voxtone::halftone {
 namespace {
 
-/// What counts when resins are compared is the debt plus this part of the share. With the whole share, as the plain method
-/// has it, a rare resin is owed a good part of a voxel everywhere before it is first laid, and a slab would lose that; with
-/// a fifth the mean debt of rare and common resins is near 0.
+/// What counts when resins are compared is the debt plus this part of the share. With the whole share, as the plain
+/// method has it, a rare resin is owed a good part of a voxel everywhere before it is first laid, and a slab would lose
+/// that; with a fifth the mean debt of rare and common resins is near 0.
 constexpr float share_weight = 0.2f;
 constexpr std::uint32_t noise_stream = 1, start_stream = 2;
 
@@ -22,7 +22,8 @@ std::array<float, max_resins> shares_of(const CumulativeMixture& mixture, int re
     std::array<float, max_resins> share{};
     int below = 0;
     for (std::size_t r = 0; r < static_cast<std::size_t>(resins); ++r) {
-        const int bound = mixture.bound[r] < 65535 && r + 1 < static_cast<std::size_t>(resins) ? mixture.bound[r] : 65536;
+        const int bound =
+            mixture.bound[r] < 65535 && r + 1 < static_cast<std::size_t>(resins) ? mixture.bound[r] : 65536;
         share[r] = static_cast<float>(bound - below) * 0x1p-16f;
         below = bound;
     }
@@ -45,20 +46,25 @@ ErrorDiffusion::ErrorDiffusion(int width, int height, int resins, const ErrorDif
         {{1, 0, 0}, {-1, 1, 0}, {0, 1, 0}, {1, 1, 0}, {0, 0, 1}, {-1, 0, 1}, {1, 0, 1}, {0, -1, 1}, {0, 1, 1}}};
     for (const auto& o : offsets) {
         const double d = std::hypot(o[0] * options.pitch_mm[0], o[1] * options.pitch_mm[1], o[2] * options.pitch_mm[2]);
-        neighbours_.push_back({o[0], o[1], o[2], static_cast<float>(options.pitch_mm[0] * options.pitch_mm[0] / (d * d))});
+        neighbours_.push_back(
+            {o[0], o[1], o[2], static_cast<float>(options.pitch_mm[0] * options.pitch_mm[0] / (d * d))});
     }
-    here_.assign(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * static_cast<std::size_t>(resins), 0);
+    here_.assign(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * static_cast<std::size_t>(resins),
+                 0);
     above_ = here_;
 }
 
 float* ErrorDiffusion::owed(int x, int y, int dz) {
-    const std::size_t voxel = static_cast<std::size_t>(x) + static_cast<std::size_t>(width_) * static_cast<std::size_t>(y);
+    const std::size_t voxel =
+        static_cast<std::size_t>(x) + static_cast<std::size_t>(width_) * static_cast<std::size_t>(y);
     return (dz == 0 ? here_ : above_).data() + voxel * static_cast<std::size_t>(resins_);
 }
 
 void ErrorDiffusion::visit(int x, int y, int k, int dx, int dy, std::span<const CumulativeMixture> mixtures,
                            std::span<const std::uint8_t> body, std::span<std::uint8_t> resin) {
-    const auto voxel = [&](int u, int v) { return static_cast<std::size_t>(u) + static_cast<std::size_t>(width_) * static_cast<std::size_t>(v); };
+    const auto voxel = [&](int u, int v) {
+        return static_cast<std::size_t>(u) + static_cast<std::size_t>(width_) * static_cast<std::size_t>(v);
+    };
     const auto resins = static_cast<std::size_t>(resins_);
     const Shares share = shares_of(mixtures[voxel(x, y)], resins_);
     const float* debt = owed(x, y, 0);
@@ -123,13 +129,15 @@ void ErrorDiffusion::layer(int k, std::span<const CumulativeMixture> mixtures, s
         // As if a resin drawn by the shares had been laid before each voxel, and half of the debt had come here.
         for (int y = 0; y < height_; ++y)
             for (int x = 0; x < width_; ++x) {
-                const std::size_t v = static_cast<std::size_t>(x) + static_cast<std::size_t>(width_) * static_cast<std::size_t>(y);
+                const std::size_t v =
+                    static_cast<std::size_t>(x) + static_cast<std::size_t>(width_) * static_cast<std::size_t>(y);
                 float* debt = owed(x, y, 0);
                 if (!body[v]) continue;
                 const Shares share = shares_of(mixtures[v], resins_);
                 RandomStream random(options_.seed, address(x, y, k), start_stream);
                 const int drawn = select_resin(mixtures[v], static_cast<std::uint16_t>(random.bits() >> 16), resins_);
-                for (int r = 0; r < resins_; ++r) debt[r] = 0.5f * (share[static_cast<std::size_t>(r)] - (r == drawn ? 1.0f : 0.0f));
+                for (int r = 0; r < resins_; ++r)
+                    debt[r] = 0.5f * (share[static_cast<std::size_t>(r)] - (r == drawn ? 1.0f : 0.0f));
             }
     }
     const int dy = k % 2 == 0 ? 1 : -1;
@@ -138,7 +146,8 @@ void ErrorDiffusion::layer(int k, std::span<const CumulativeMixture> mixtures, s
         const int dx = row % 2 == 0 ? 1 : -1;
         for (int column = 0; column < width_; ++column) {
             const int x = dx > 0 ? column : width_ - 1 - column;
-            const std::size_t v = static_cast<std::size_t>(x) + static_cast<std::size_t>(width_) * static_cast<std::size_t>(y);
+            const std::size_t v =
+                static_cast<std::size_t>(x) + static_cast<std::size_t>(width_) * static_cast<std::size_t>(y);
             if (body[v]) visit(x, y, k, dx, dy, mixtures, body, resin);
         }
     }

@@ -23,10 +23,11 @@ Eigen::Matrix3d weights(const Eigen::Vector3d& target_oklab, const SeparationOpt
     const double chroma = std::hypot(target_oklab.y(), target_oklab.z());
     const double coloured = chroma / (chroma + 0.1);
     const double c = chroma > 0 ? target_oklab.y() / chroma : 1.0, s = chroma > 0 ? target_oklab.z() / chroma : 0.0;
-    const double chroma_weight = 1 + coloured * (options.chroma_weight - 1), hue_weight = 1 + coloured * (options.hue_weight - 1);
+    const double chroma_weight = 1 + coloured * (options.chroma_weight - 1),
+                 hue_weight = 1 + coloured * (options.hue_weight - 1);
     Eigen::Matrix3d w;
-    w << options.lightness_weight, 0, 0,                  //
-        0, chroma_weight * c, chroma_weight * s,          //
+    w << options.lightness_weight, 0, 0,          //
+        0, chroma_weight * c, chroma_weight * s,  //
         0, -hue_weight * s, hue_weight * c;
     return w;
 }
@@ -34,8 +35,12 @@ Eigen::Matrix3d weights(const Eigen::Vector3d& target_oklab, const SeparationOpt
 /// The weighted residual and its derivatives, and the cost, at g.
 class Problem {
 public:
-    Problem(const AppearanceColour& colour, const Eigen::Vector3d& target_rgb, const Unknowns& penalty, const SeparationOptions& options)
-        : colour_(colour), penalty_(penalty), target_(optics::oklab_from_linear_srgb(target_rgb)), w_(weights(target_, options)) {}
+    Problem(const AppearanceColour& colour, const Eigen::Vector3d& target_rgb, const Unknowns& penalty,
+            const SeparationOptions& options)
+        : colour_(colour),
+          penalty_(penalty),
+          target_(optics::oklab_from_linear_srgb(target_rgb)),
+          w_(weights(target_, options)) {}
 
     struct Point {
         Unknowns g, f;
@@ -105,8 +110,8 @@ Unknowns projected_step(const Square& matrix, const Unknowns& gradient, const Un
 
 }  // namespace
 
-InvertedColour invert_appearance(const AppearanceColour& colour, const Eigen::Vector3d& target_rgb, const Unknowns& penalty,
-                                 const SeparationOptions& options, const Unknowns& start) {
+InvertedColour invert_appearance(const AppearanceColour& colour, const Eigen::Vector3d& target_rgb,
+                                 const Unknowns& penalty, const SeparationOptions& options, const Unknowns& start) {
     const Problem problem(colour, target_rgb, penalty, options);
     Problem::Point best = problem.at(start);
     double damping = 1e-3;

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // One node of the separation: the fractions whose appearance is nearest to a target, by a projected Gauss-Newton method
-// with Levenberg's damping (D. P. Bertsekas, "Projected Newton methods for optimization problems with simple constraints",
-// SIAM J. Control Optim. 20, 1982).
+// with Levenberg's damping (D. P. Bertsekas, "Projected Newton methods for optimization problems with simple
+// constraints", SIAM J. Control Optim. 20, 1982).
 //
-// Unknowns are g_r >= 0 with f_r = h(g_r) / sum_s h(g_s), h(g) = g^2 + epsilon g: the sum of the fractions is 1 by itself,
-// only bounds remain. Appearance falls as the square root of a small fraction, so it is nearly straight in g there, and
-// epsilon keeps the derivative at g = 0 from vanishing.
+// Unknowns are g_r >= 0 with f_r = h(g_r) / sum_s h(g_s), h(g) = g^2 + epsilon g: the sum of the fractions is 1 by
+// itself, only bounds remain. Appearance falls as the square root of a small fraction, so it is nearly straight in g
+// there, and epsilon keeps the derivative at g = 0 from vanishing.
 #pragma once
 
 #include <Eigen/Core>
@@ -27,7 +27,8 @@ struct InvertedColour {
 };
 
 /// `penalty`: lambda p_r per resin. `start` warm-starts; its size is the number of resins.
-[[nodiscard]] InvertedColour invert_appearance(const AppearanceColour& colour, const Eigen::Vector3d& target_rgb, const Unknowns& penalty,
-                                               const SeparationOptions& options, const Unknowns& start);
+[[nodiscard]] InvertedColour invert_appearance(const AppearanceColour& colour, const Eigen::Vector3d& target_rgb,
+                                               const Unknowns& penalty, const SeparationOptions& options,
+                                               const Unknowns& start);
 
 }  // namespace voxtone::halftone

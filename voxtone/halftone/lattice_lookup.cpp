@@ -70,8 +70,11 @@ inline void store_mixture(Four low, Four high, const FourShorts* all_the_rest, s
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "voxtone/halftone/lattice_lookup.cpp"
+// The order of these two matters.
+// clang-format off
 #include "hwy/foreach_target.h"
 #include <hwy/highway.h>
+// clang-format on
 
 HWY_BEFORE_NAMESPACE();
 namespace voxtone::halftone::HWY_NAMESPACE {
@@ -100,7 +103,8 @@ HWY_INLINE void locate(const float* value, float nodes, Vector& cell, Vector& pa
     const IntTag di;
     const auto raw = hn::LoadU(d, value);
     const auto least = hn::Set(d, 1e-9f), one = hn::Set(d, 1.0f);
-    const auto position = hn::Mul(cube_root(hn::IfThenElse(hn::Gt(raw, least), hn::Min(raw, one), least)), hn::Set(d, nodes - 1));
+    const auto position =
+        hn::Mul(cube_root(hn::IfThenElse(hn::Gt(raw, least), hn::Min(raw, one), least)), hn::Set(d, nodes - 1));
     cell = hn::Min(hn::ConvertTo(d, hn::ConvertTo(di, position)), hn::Set(d, nodes - 2));
     part = hn::Min(hn::Sub(position, cell), one);
 }
@@ -115,8 +119,9 @@ HWY_INLINE void order(Vector& part_a, Vector& step_a, Vector& part_b, Vector& st
     step_a = step;
 }
 
-/// Tetrahedra that share the diagonal from black to white, so that greys are interpolated between greys: from the cell's
-/// first corner to its last along the axis of the largest part first. Whole numbers below 2^24 are kept as floats.
+/// Tetrahedra that share the diagonal from black to white, so that greys are interpolated between greys: from the
+/// cell's first corner to its last along the axis of the largest part first. Whole numbers below 2^24 are kept as
+/// floats.
 void find_corners(const LatticeView& lattice, const float* red, const float* green, const float* blue, Corners& out) {
     const Tag d;
     const IntTag di;
@@ -169,10 +174,11 @@ void lattice_shares(const LatticeView& lattice, float red, float green, float bl
     __builtin_memcpy(shares + 4, &high, sizeof high);
 }
 
-void lattice_mixtures(const LatticeView& lattice, const float* red, const float* green, const float* blue, std::size_t n,
-                      CumulativeMixture* out) {
+void lattice_mixtures(const LatticeView& lattice, const float* red, const float* green, const float* blue,
+                      std::size_t n, CumulativeMixture* out) {
     std::array<FourShorts, 2> all_the_rest{};
-    for (std::size_t r = static_cast<std::size_t>(lattice.resins) - 1; r < max_resins; ++r) all_the_rest[r / 4][r % 4] = 65535;
+    for (std::size_t r = static_cast<std::size_t>(lattice.resins) - 1; r < max_resins; ++r)
+        all_the_rest[r / 4][r % 4] = 65535;
     const auto find = HWY_DYNAMIC_DISPATCH(find_corners);
     Corners corners;
     for (std::size_t first = 0; first < n; first += block) {

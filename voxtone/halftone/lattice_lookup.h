@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// The hot loop of the separation: tetrahedral interpolation in a lattice of mixtures, for many colours. Vector code with
-// run-time dispatch, without fused operations, so that every target gives the same bits.
+// The hot loop of the separation: tetrahedral interpolation in a lattice of mixtures, for many colours. Vector code
+// with run-time dispatch, without fused operations, so that every target gives the same bits.
 #pragma once
 
 #include <cstddef>
@@ -21,7 +21,7 @@ struct LatticeView {
 void lattice_shares(const LatticeView& lattice, float red, float green, float blue, float* shares);
 
 /// Mixtures of n colours.
-void lattice_mixtures(const LatticeView& lattice, const float* red, const float* green, const float* blue, std::size_t n,
-                      CumulativeMixture* out);
+void lattice_mixtures(const LatticeView& lattice, const float* red, const float* green, const float* blue,
+                      std::size_t n, CumulativeMixture* out);
 
 }  // namespace voxtone::halftone

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // A mixture of the loaded resins as the screens read it: cumulative shares of 2^16. Voxel (i, j, k) with threshold
-// t = screen(i, j, k) in [0, 65535] gets the first resin r with t < cumulative[r]; the last resin's bound is 65536 and not stored.
+// t = screen(i, j, k) in [0, 65535] gets the first resin r with t < cumulative[r]; the last resin's bound is 65536 and
+// not stored.
 #pragma once
 
 #include <array>
@@ -13,7 +14,8 @@ namespace voxtone::halftone {
 inline constexpr int max_resins = 8;
 
 struct CumulativeMixture {
-    std::array<std::uint16_t, max_resins> bound{};  ///< nondecreasing; unused and last entries are 65535 and mean "all the rest"
+    std::array<std::uint16_t, max_resins>
+        bound{};  ///< nondecreasing; unused and last entries are 65535 and mean "all the rest"
 };
 
 /// The resin (index into the set) that threshold t selects. `resins` in [1, max_resins].

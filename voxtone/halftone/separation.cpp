@@ -24,7 +24,8 @@ void validate(const SeparationOptions& options) {
     need(options.nodes >= 2 && options.nodes <= 65, "nodes", options.nodes, "must be 2 to 65");
     need(options.ink_penalty > 0, "ink_penalty", options.ink_penalty, "must be above 0");
     need(options.clear_penalty > 0, "clear_penalty", options.clear_penalty, "must be above 0");
-    need(options.lightness_weight > 0 && options.chroma_weight > 0 && options.hue_weight > 0, "weights", options.hue_weight, "must be above 0");
+    need(options.lightness_weight > 0 && options.chroma_weight > 0 && options.hue_weight > 0, "weights",
+         options.hue_weight, "must be above 0");
 }
 
 /// A resin that changes nothing: the appearance of the core does not move when some of it is mixed in.
@@ -40,7 +41,8 @@ bool is_clear(const optics::ShellAppearance& appearance, std::size_t resin) {
 
 }  // namespace
 
-Separation::Separation(const optics::ShellAppearance& appearance, const SeparationOptions& options, const Progress* progress)
+Separation::Separation(const optics::ShellAppearance& appearance, const SeparationOptions& options,
+                       const Progress* progress)
     : colour_(appearance, options.wavelengths_nm), resins_(appearance.resins()), nodes_(options.nodes) {
     validate(options);
     VOXTONE_EXPECT(resins_ >= 1 && resins_ <= std::size_t(max_resins));
@@ -77,7 +79,8 @@ void Separation::solve(const SeparationOptions& options, const Progress* progres
                 const InvertedColour solved = invert_appearance(colour_, target, penalty, options, guess);
                 guess = (solved.fractions.cwiseSqrt().array() + 0.02).matrix();
                 Node& node = lattice_[row * size + red];
-                for (Eigen::Index r = 0; r < n; ++r) node.root[std::size_t(r)] = static_cast<float>(std::sqrt(solved.fractions[r]));
+                for (Eigen::Index r = 0; r < n; ++r)
+                    node.root[std::size_t(r)] = static_cast<float>(std::sqrt(solved.fractions[r]));
             }
         },
         progress);
@@ -86,7 +89,8 @@ void Separation::solve(const SeparationOptions& options, const Progress* progres
 
 LatticeView Separation::view() const { return {lattice_.front().root.data(), nodes_, static_cast<int>(resins_)}; }
 
-void Separation::mixtures(const float* red, const float* green, const float* blue, std::size_t n, CumulativeMixture* out) const {
+void Separation::mixtures(const float* red, const float* green, const float* blue, std::size_t n,
+                          CumulativeMixture* out) const {
     lattice_mixtures(view(), red, green, blue, n, out);
 }
 
@@ -100,12 +104,11 @@ std::vector<double> Separation::fractions(const Eigen::Vector3f& rgb) const {
     return fractions;
 }
 
-Eigen::Vector3d Separation::predicted(const Eigen::Vector3f& rgb) const {
-    return colour_.rgb(fractions(rgb));
-}
+Eigen::Vector3d Separation::predicted(const Eigen::Vector3f& rgb) const { return colour_.rgb(fractions(rgb)); }
 
 double Separation::mapping_distance(const Eigen::Vector3f& rgb) const {
-    return optics::ciede2000(optics::lab_from_linear_srgb(rgb.cast<double>().cwiseMax(0).cwiseMin(1)), optics::lab_from_linear_srgb(predicted(rgb)));
+    return optics::ciede2000(optics::lab_from_linear_srgb(rgb.cast<double>().cwiseMax(0).cwiseMin(1)),
+                             optics::lab_from_linear_srgb(predicted(rgb)));
 }
 
 }  // namespace voxtone::halftone

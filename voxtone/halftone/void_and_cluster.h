@@ -1,20 +1,22 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Ranks every voxel of a periodic cube so that the voxels of rank < n lie evenly in space for every n: a blue-noise mask.
+// Ranks every voxel of a periodic cube so that the voxels of rank < n lie evenly in space for every n: a blue-noise
+// mask.
 //
 // Based on: R. Ulichney, "The void-and-cluster method for dither array generation", SPIE 1913 (1993), carried to three
 // dimensions. The energy of a voxel is a sum over all marked voxels of
 //
 //   exp(-d^2 / (2 sigma^2)) + box_weight * (cubes of 16^3 voxels that hold both) / 16^3,
 //
-// d the distance in mm on the torus, so that the pattern is isotropic in millimetres although voxels are not. The second
-// term is ours: its total over the marked voxels is the sum of squared counts over all cubes of 16^3 voxels, so that the
-// same greedy steps keep those counts even. The worst error of any interval of ranks in any cube of 4096 voxels, on the
-// J750's pitch: 50 voxels (1.2 %) without it, 32 (0.78 %) with it; white noise 170.
+// d the distance in mm on the torus, so that the pattern is isotropic in millimetres although voxels are not. The
+// second term is ours: its total over the marked voxels is the sum of squared counts over all cubes of 16^3 voxels, so
+// that the same greedy steps keep those counts even. The worst error of any interval of ranks in any cube of 4096
+// voxels, on the J750's pitch: 50 voxels (1.2 %) without it, 32 (0.78 %) with it; white noise 170.
 //
-// A random tenth is marked and relaxed (the tightest cluster moves into the largest void until it would move back), then
-// unmarked cluster by cluster (ranks downward) and filled void by void (ranks upward). With a linear filter the method's
-// third phase equals the second. Energies are integers: sums do not drift, and the ranks are the same bits everywhere.
+// A random tenth is marked and relaxed (the tightest cluster moves into the largest void until it would move back),
+// then unmarked cluster by cluster (ranks downward) and filled void by void (ranks upward). With a linear filter the
+// method's third phase equals the second. Energies are integers: sums do not drift, and the ranks are the same bits
+// everywhere.
 #pragma once
 
 #include <array>
