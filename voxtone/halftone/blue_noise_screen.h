@@ -11,7 +11,7 @@
 //   - over any cube of 16^3 voxels: within 0.81 % of the cube's volume, for any number of resins and any mixture: the
 //     worst case over all cubes and all intervals of thresholds, not a sample (tested, for the tiles of the build).
 // Power at low frequencies (below 0.2 of one over the mean distance of a resin's voxels) is under 2 % of white noise's;
-// around the x, y and z axis it is the same within 25 %.
+// around the x, y and z axis it is the same within 30 %.
 //
 // The tiles of the printers in the tree are made while building, by tools/make_screen; another ratio of pitches is made
 // when asked for, which takes a few seconds.
