@@ -20,7 +20,7 @@ TEST_CASE("A length that cannot be read names the option and the known units") {
     for (const char* bad : {"", "mm", "1e999", "nan", "inf", "6 parsec", "6mm7"}) {
         INFO(bad);
         try {
-            parse_length_mm(bad, "--size");
+            (void)parse_length_mm(bad, "--size");
             FAIL("accepted");
         } catch (const UsageError& error) {
             CHECK_THAT(error.what(), Catch::Matchers::Contains("--size"));

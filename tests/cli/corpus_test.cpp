@@ -49,7 +49,7 @@ TEST_CASE("Every model of the corpus gives a stack or a clear error") {
             CHECK((verified.exit_code == 0 || verified.out.find("30") != std::string::npos));
         } else {
             CHECK(outcome.err.size() > 40);
-            CHECK(outcome.err.find("voxtone: ") == 0);
+            CHECK(outcome.err.find("voxtone: ") != std::string::npos);
         }
     }
     CHECK(inputs >= 27);

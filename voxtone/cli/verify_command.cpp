@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <filesystem>
 #include <memory>
 #include <string>
 
@@ -8,14 +9,16 @@
 #include "voxtone/base/parallel.h"
 #include "voxtone/cli/commands.h"
 #include "voxtone/cli/console.h"
+#include "voxtone/io/manifest.h"
 #include "voxtone/io/verify.h"
+#include "voxtone/slicer/printer.h"
 
 namespace voxtone::cli {
 
 namespace {
 
 struct Arguments {
-    std::string stack;
+    std::string stack, printer;
     int threads = 0;
     ConsoleOptions console;
 };
@@ -30,10 +33,32 @@ std::string report_json(const io::StackReport& report) {
     return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
+/// What the printer accepts: that of --printer, else that of the manifest, else what all printers of the family accept.
+io::VerifyRules rules_for(const Arguments& arguments) {
+    io::VerifyRules rules;
+    std::string id = arguments.printer;
+    const auto manifest = std::filesystem::path(arguments.stack) / "manifest.json";
+    if (id.empty() && std::filesystem::exists(manifest)) {
+        // A broken manifest or a user's own profile: `verify_stack` says so, or the common rules hold.
+        try {
+            id = io::read_manifest(manifest).printer;
+            (void)slicer::find_printer(id);
+        } catch (const Error&) {
+            return rules;
+        }
+    }
+    if (id.empty()) return rules;
+    const slicer::PrinterProfile printer = slicer::find_printer(id);
+    rules.most_colours = static_cast<std::uint32_t>(printer.max_colours);
+    rules.least_layers = static_cast<std::uint32_t>(printer.min_layers);
+    if (!arguments.printer.empty()) rules.pitch_um = {printer.pitch_um.x(), printer.pitch_um.y()};
+    return rules;
+}
+
 int run(const Arguments& arguments) {
     const ThreadLimit limit(static_cast<std::size_t>(arguments.threads));
     return run_on_console(arguments.console, [&](Progress& progress) {
-        const io::StackReport report = io::verify_stack(arguments.stack, {}, &progress);
+        const io::StackReport report = io::verify_stack(arguments.stack, rules_for(arguments), &progress);
         return CommandResult{report_json(report), io::report_text(report), report.passed() ? ExitCode::done : ExitCode::check_failed};
     });
 }
@@ -45,6 +70,7 @@ Command add_verify_command(CLI::App& program) {
     CLI::App* command = program.add_subcommand(
         "verify", "Check a layer stack, ours or anyone's, as the printer's software would; exit code 6 with every fault named");
     command->add_option("stack", arguments->stack, "output folder, folder of PNG layers, or .gcvf file")->required()->type_name("FOLDER|FILE");
+    command->add_option("--printer", arguments->printer, "check against this printer; empty: the one that the manifest names")->type_name("ID|FILE");
     command->add_option("--threads", arguments->threads, "threads; 0: one per core")->capture_default_str()->check(CLI::Range(0, 1024));
     add_console_options(*command, arguments->console);
     return [arguments] { return run(*arguments); };

@@ -6,11 +6,13 @@
 // left corner. A sample is bilinear within a level and a linear blend of the two nearest levels:
 //   sample(u, v, lod) = (1 - t) B_k(u, v) + t B_{k+1}(u, v),  k = floor(lod), t = lod - k,
 // all in linear light. A level is the area average of the level above it, also where sizes are odd, so that every level
-// has the mean of level 0 (within the rounding of its storage: half an 8-bit sRGB code, or 2^-17 for deep pictures).
+// has the mean of level 0 (within its rounding: half an 8-bit sRGB code for 8-bit pictures, 2^-17 for deeper ones).
 // Samples lie in [0, 1]. What the filter cannot see: direction. It is isotropic, so a texture that is squeezed in one
 // direction is blurred in the other (see `lod`).
 //
-// Memory: 4 bytes a texel for 8-bit pictures, 8 for deeper ones, times 4/3 for the levels.
+// Texels are kept as 16-bit linear light, of 8-bit pictures too: decoding sRGB codes by table took more than half of the time
+// of a sample. The rounding is 2^-17, a fortieth of the step between the two darkest 8-bit codes. Memory: 8 bytes a texel,
+// times 4/3 for the levels.
 #pragma once
 
 #include <array>
@@ -40,13 +42,14 @@ public:
     explicit MipPyramid(TexelImage image);
 
     [[nodiscard]] const std::vector<Level>& levels() const { return levels_; }
-    [[nodiscard]] bool is_8_bit() const { return !srgb8_.empty(); }
-    [[nodiscard]] const std::uint8_t* srgb8(const Level& level) const { return srgb8_.data() + 4 * level.first; }
+    /// Four values a texel, R, G, B and one that is not used; 65535 is 1.
     [[nodiscard]] const std::uint16_t* linear16(const Level& level) const { return linear16_.data() + 4 * level.first; }
 
 private:
+    void keep_linear();
+
     std::vector<Level> levels_;
-    std::vector<std::uint8_t> srgb8_;
+    std::vector<std::uint8_t> srgb8_;  // of 8-bit pictures, only while the levels are made
     std::vector<std::uint16_t> linear16_;
 };
 

@@ -82,7 +82,7 @@ LayerCounts LayerMaker::make_diffused(int slab, int first, int last, const Layer
         const int bk = begin / block_depth, end = std::min((bk + 1) * block_depth, last);
         SpanSlab spans;
         LayerCounts of_part;
-        body(begin, end, spans, of_part);
+        body(begin, end, first, spans, of_part);
         of_part.solid_s += lap();
         blocks.clear();
         for (int bj = 0; bj < sources_.shell.block_rows(); ++bj)

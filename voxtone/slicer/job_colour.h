@@ -33,12 +33,19 @@ struct LoadedResins {
 /// Stays where it was made: the separation refers to the appearance.
 struct JobColour {
     JobColour(const optics::ResinSet& resins, const optics::ShellGeometry& geometry, const Progress* progress)
-        : appearance(resins, geometry), separation(appearance, {}, progress) {}
+        : appearance(resins, geometry), separation(appearance, separation_options(resins), progress) {}
     JobColour(const JobColour&) = delete;
     JobColour& operator=(const JobColour&) = delete;
 
     const optics::ShellAppearance appearance;
     const halftone::Separation separation;
+
+private:
+    static halftone::SeparationOptions separation_options(const optics::ResinSet& resins) {
+        halftone::SeparationOptions options;
+        options.wavelengths_nm = resins.channels.wavelengths_nm;
+        return options;
+    }
 };
 
 /// `picture_thickness_mm` > 0: a slab of that thickness over `options.backing`; else a body taken to be thick.

@@ -130,12 +130,14 @@ LayerCounts LayerMaker::make(int slab, int k_begin, int k_end, const LayerSink& 
     return sources_.screen || all_core_ ? make_screened(slab, first, last, sink) : make_diffused(slab, first, last, sink);
 }
 
-void LayerMaker::body(int first, int last, SpanSlab& out, LayerCounts& counts) const {
-    if (sources_.thin)
-        counts.thin_voxels += sources_.thin->slab(first, last, out);
-    else
+void LayerMaker::body(int first, int last, int counted_from, SpanSlab& out, LayerCounts& counts) const {
+    if (sources_.thin) {
+        const std::uint64_t added = sources_.thin->slab(first, last, out);
+        if (last > counted_from) counts.thin_voxels += added;
+    } else {
         sources_.solid.slab(first, last, out);
-    for (int k = first; k < last; ++k) counts.body_voxels += out.voxels_of_layer(k);
+    }
+    for (int k = std::max(first, counted_from); k < last; ++k) counts.body_voxels += out.voxels_of_layer(k);
 }
 
 LayerCounts LayerMaker::make_screened(int slab, int first, int last, const LayerSink& sink) const {
@@ -143,7 +145,7 @@ LayerCounts LayerMaker::make_screened(int slab, int first, int last, const Layer
     LayerCounts counts;
     Lap lap;
     SpanSlab spans;
-    body(first, last, spans, counts);
+    body(first, last, first, spans, counts);
     counts.solid_s += lap();
 
     std::vector<io::LayerRuns> layers(std::size_t(last - first),

@@ -61,7 +61,8 @@ public:
 private:
     LayerCounts make_screened(int slab, int first, int last, const LayerSink& sink) const;
     LayerCounts make_diffused(int slab, int first, int last, const LayerSink& sink) const;
-    void body(int first, int last, SpanSlab& out, LayerCounts& counts) const;
+    /// The voxels of [first, last); those from `counted_from` on are counted.
+    void body(int first, int last, int counted_from, SpanSlab& out, LayerCounts& counts) const;
 
     LayerSources sources_;
     bool all_core_;  ///< one colour, and it is that of the core: no voxel needs a look
