@@ -24,7 +24,7 @@ TEST_CASE("Usage errors end with 2, help and version with 0") {
     CHECK_THAT(rule.err, Contains("--depth"));
 }
 
-TEST_CASE("--dump-default prints a job file that slices") {
+TEST_CASE("A dumped default is a job file that slices") {
     const Folder folder("dump");
     const Outcome dump = run_program("slice --dump-default");
     REQUIRE(dump.exit_code == 0);
@@ -69,7 +69,7 @@ TEST_CASE("Missing and invalid inputs have their own exit codes and one clear se
     CHECK(read_tree(folder / "mine").size() == 1);
 }
 
-TEST_CASE("--json: events and one result, one JSON object a line") {
+TEST_CASE("With --json: events and one result, one JSON object a line") {
     const Folder folder("json");
     folder.write("marker.obj", marker_obj());
     const Outcome outcome = run_program("slice --json --layers 0-3 " + (folder / "marker.obj") + " -o " + (folder / "out"));

@@ -55,7 +55,7 @@ TEST_CASE("Units: the user's, the file's, else millimetres said to be assumed") 
     CHECK(inches.extent_mm.isApprox(Eigen::Vector3d(50.8, 101.6, 152.4)));
 }
 
-TEST_CASE("--size makes the largest extent so long and moves the model to the origin") {
+TEST_CASE("A size makes the largest extent so long and moves the model to the origin") {
     io::ModelFile model = marker();
     for (auto& p : model.mesh.positions) p += Eigen::Vector3d(10, -20, 30);
     CHECK(placed(model, [](SliceOptions& o) { o.size_mm = 60; }).extent_mm.isApprox(Eigen::Vector3d(20, 40, 60)));
