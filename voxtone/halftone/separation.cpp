@@ -28,11 +28,10 @@ void validate(const SeparationOptions& options) {
          options.hue_weight, "must be above 0");
 }
 
-/// A resin that changes nothing: the appearance of the core does not move when some of it is mixed in.
+/// A resin that changes nothing: through a shell of it the core shows as it is.
 bool is_clear(const optics::ShellAppearance& appearance, std::size_t resin) {
-    std::vector<double> alone(appearance.resins(), 0.0), mixed = alone;
-    const auto core = std::size_t(appearance.geometry().core_resin);
-    if (resin == core) return false;
+    std::vector<double> alone(appearance.resins(), 0.0);
+    if (resin == std::size_t(appearance.geometry().white())) return false;
     alone[resin] = 1;
     const std::vector<double> seen = appearance.media_relative(alone);
     // Through a clear shell the core is seen, dimmed by nothing but the light that the shell lets past.
@@ -51,18 +50,18 @@ Separation::Separation(const optics::ShellAppearance& appearance, const Separati
 
 void Separation::solve(const SeparationOptions& options, const Progress* progress) {
     const auto n = static_cast<Eigen::Index>(resins_);
-    const auto core = static_cast<Eigen::Index>(colour_.appearance().geometry().core_resin);
+    const auto white = static_cast<Eigen::Index>(colour_.appearance().geometry().white());
     Unknowns penalty = Unknowns::Constant(n, options.ink_penalty);
-    penalty[core] = 0;
+    penalty[white] = 0;
     for (Eigen::Index r = 0; r < n; ++r)
         if (is_clear(colour_.appearance(), std::size_t(r))) penalty[r] = options.clear_penalty;
     Unknowns start = Unknowns::Constant(n, 0.3);
-    start[core] = 1;
+    start[white] = 1;
 
     const auto size = std::size_t(nodes_);
-    Node all_core{};
-    all_core.root[std::size_t(core)] = 1;
-    lattice_.assign(size * size * size, all_core);
+    Node all_white{};
+    all_white.root[std::size_t(white)] = 1;
+    lattice_.assign(size * size * size, all_white);
     if (resins_ == 1) return;
     const auto coordinate = [&](std::size_t i) {
         const double t = double(i) / double(size - 1);
@@ -84,7 +83,7 @@ void Separation::solve(const SeparationOptions& options, const Progress* progres
             }
         },
         progress);
-    lattice_.back() = all_core;  // white, exactly
+    lattice_.back() = all_white;  // white, exactly
 }
 
 LatticeView Separation::view() const { return {lattice_.front().root.data(), nodes_, static_cast<int>(resins_)}; }

@@ -2,8 +2,8 @@
 //
 // Colour separation: which mixture of the loaded resins shows a target colour.
 //
-// The forward model is optics::ShellAppearance, media-relative and read as linear sRGB: the white of a target is the
-// core resin itself. It is inverted once, at the nodes of a lattice over the colour cube, and interpolated in between.
+// The forward model is optics::ShellAppearance, media-relative and read as linear sRGB: the white of a target is a
+// body of white resin. It is inverted once, at the nodes of a lattice over the colour cube, and interpolated in between.
 //
 // At a node with target T the fractions f of the resins minimise
 //     | W (oklab(A(f)) - oklab(T)) |^2  +  lambda sum_r p_r f_r^2,    f_r >= 0,  sum_r f_r = 1.

@@ -96,6 +96,7 @@ ShellAppearance::Tables::Tables(const ResinSet& resins, const ShellGeometry& she
     set.validate();
     VOXTONE_EXPECT(shell.shell_mm > 0 && std::isfinite(shell.shell_mm) && shell.core_mm > 0);
     VOXTONE_EXPECT(shell.core_resin >= 0 && static_cast<std::size_t>(shell.core_resin) < set.resins.size());
+    VOXTONE_EXPECT(shell.white() >= 0 && static_cast<std::size_t>(shell.white()) < set.resins.size());
     inverse_absorption_scale = shell.shell_mm / absorption_scale;
     inverse_scattering_scale = shell.shell_mm / scattering_scale;
     const std::size_t channels = set.channels.size();
@@ -133,7 +134,8 @@ void ShellAppearance::Tables::tabulate(std::size_t channel, const OrdinatePlan& 
         samples(i, j) = appearance_over(plan, shell, geometry.shell_mm, below);
     });
     tables[channel] = BicubicTable(samples, x_max, y_max);
-    white[channel] = appearance_over(plan, core, geometry.shell_mm, below);
+    const Medium white_medium = set.resins[static_cast<std::size_t>(geometry.white())].medium(channel);
+    white[channel] = appearance_over(plan, white_medium, geometry.shell_mm, core_law(plan, white_medium, geometry));
 }
 
 ShellAppearance::ShellAppearance(const ResinSet& resins, const ShellGeometry& geometry)

@@ -35,9 +35,12 @@ namespace voxtone::optics {
 
 struct ShellGeometry {
     double shell_mm = 1.0;  ///< > 0
-    int core_resin = 0;     ///< index into the set; a body all of this resin is the "white" of media-relative values
+    int core_resin = 0;     ///< index into the set
     double core_mm = std::numeric_limits<double>::infinity();  ///< > 0
     Backing backing = Backing::none;                           ///< has no meaning under an infinite core
+    /// The resin of which a body of this geometry, shell and core alike, is the white of media-relative values; -1: the core's.
+    int white_resin = -1;
+    [[nodiscard]] int white() const { return white_resin >= 0 ? white_resin : core_resin; }
 };
 
 class ShellAppearance {
@@ -64,7 +67,7 @@ public:
     void appearance(std::span<const double> fractions, std::span<double> out, std::span<double> gradient) const;
     void media_relative(std::span<const double> fractions, std::span<double> out, std::span<double> gradient) const;
 
-    /// Appearance per channel of the same body all of core resin.
+    /// Appearance per channel of the same body all of white resin.
     [[nodiscard]] std::span<const double> white_appearance() const;
 
     /// The same as `appearance` by adding-doubling, without the table: milliseconds, for tests.

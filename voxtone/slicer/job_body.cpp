@@ -52,6 +52,10 @@ JobBody prepare_body(const SliceOptions& options, const PrinterProfile& printer,
     body.placement = place(body.model, options);
     if (!body.model.has_colour)
         body.warnings.push_back("the model has no colour: it is printed white");
+    constexpr double smallest_plausible_mm = 2;
+    if (!body.is_picture && body.placement.extent_mm.maxCoeff() < smallest_plausible_mm)
+        body.warnings.push_back(fmt::format("the print is only {:.3g} mm large; if that is not meant, give --unit or --size",
+                                            body.placement.extent_mm.maxCoeff()));
     body.read_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     progress.end_stage();
 

@@ -57,6 +57,7 @@ std::unique_ptr<const JobColour> prepare_colour(const SliceOptions& options, con
     optics::ShellGeometry geometry;
     geometry.shell_mm = options.depth_mm;
     geometry.core_resin = resins.core;
+    geometry.white_resin = resins.set.find("W");  // -1, the core, where no white is loaded
     if (picture_thickness_mm > 0) {
         geometry.shell_mm = std::min(options.depth_mm, picture_thickness_mm);
         geometry.core_mm = picture_thickness_mm - geometry.shell_mm;
