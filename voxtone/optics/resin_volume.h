@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Which resin fills each voxel of a print: the input of every appearance model.
+//
+// Voxel (x, y, z) covers [x, x + 1) pitch_x x [y, y + 1) pitch_y x [z, z + 1) pitch_z, in mm from the volume's corner;
+// x runs right, y away, z up, layer 0 is the bottom. Material 0 is air, material m is resin m - 1 of the set in use.
+//
+// Storage: blocks of 16^3 voxels; a block of one material costs 4 bytes, others 4 KiB. Immutable after construction.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace voxtone::optics {
+
+using Material = std::uint8_t;
+inline constexpr Material air = 0;
+
+class ResinVolume {
+public:
+    static constexpr int block_edge = 16;
+
+    ResinVolume() = default;
+
+    [[nodiscard]] const std::array<int, 3>& size() const { return size_; }
+    [[nodiscard]] const std::array<double, 3>& pitch_mm() const { return pitch_mm_; }
+    /// Air outside the volume.
+    [[nodiscard]] Material at(int x, int y, int z) const;
+    /// The box of `extent` voxels from `corner` (may stick out: air there), x fastest, then y, then z.
+    void copy_box(const std::array<int, 3>& corner, const std::array<int, 3>& extent, std::span<Material> out) const;
+    /// The material that fills the whole box, or -1 where there are several (never wrong for boxes inside one block).
+    [[nodiscard]] int uniform_material(const std::array<int, 3>& corner, const std::array<int, 3>& extent) const;
+    /// How many voxels each material has; index = material.
+    [[nodiscard]] std::array<std::uint64_t, 256> count() const;
+    [[nodiscard]] std::size_t memory_bytes() const;
+
+private:
+    friend class ResinVolumeBuilder;
+    [[nodiscard]] std::size_t block_index(int bx, int by, int bz) const;
+
+    std::array<int, 3> size_{}, blocks_{};
+    std::array<double, 3> pitch_mm_{};
+    std::vector<std::int32_t> block_;  ///< >= 0: where its voxels begin in voxels_ / 4096; < 0: -1 - material
+    std::vector<Material> voxels_;
+};
+
+/// Builds a volume layer by layer from the bottom; holds 16 layers besides the blocks that are done.
+class ResinVolumeBuilder {
+public:
+    /// size >= 1 voxel, pitch > 0 mm along each axis.
+    ResinVolumeBuilder(const std::array<int, 3>& size, const std::array<double, 3>& pitch_mm);
+    /// size x * size y materials, x fastest, y ascending.
+    void add_layer(std::span<const Material> layer);
+    /// After the last layer.
+    [[nodiscard]] ResinVolume finish();
+
+private:
+    void close_blocks();
+    ResinVolume volume_;
+    std::vector<Material> slab_;
+    int layers_ = 0;
+};
+
+/// A volume of one function of the voxel, for tests and benchmarks.
+template <class MaterialOf>
+[[nodiscard]] ResinVolume make_resin_volume(const std::array<int, 3>& size, const std::array<double, 3>& pitch_mm,
+                                            MaterialOf&& material_of) {
+    ResinVolumeBuilder builder(size, pitch_mm);
+    std::vector<Material> layer(static_cast<std::size_t>(size[0]) * static_cast<std::size_t>(size[1]));
+    for (int z = 0; z < size[2]; ++z) {
+        std::size_t i = 0;
+        for (int y = 0; y < size[1]; ++y)
+            for (int x = 0; x < size[0]; ++x) layer[i++] = static_cast<Material>(material_of(x, y, z));
+        builder.add_layer(layer);
+    }
+    return builder.finish();
+}
+
+}  // namespace voxtone::optics
