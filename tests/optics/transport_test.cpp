@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <catch2/catch.hpp>
+
+#include <cmath>
+#include <string>
+
+#include "voxtone/base/parallel.h"
+#include "voxtone/base/random.h"
+#include "voxtone/optics/layered_appearance.h"
+#include "voxtone/optics/shell_appearance.h"
+#include "voxtone/optics/transport.h"
+#include "voxtone/optics/transport_directions.h"
+#include "voxtone/optics/transport_medium.h"
+
+using namespace voxtone::optics;
+
+namespace {
+
+constexpr std::array<double, 3> j750{0.0423333, 0.0846667, 0.027};
+
+/// The set with one more resin, a mixture.
+ResinSet with_mixture(ResinSet set, const std::vector<double>& fractions) {
+    Resin mixture;
+    mixture.name = mixture.role = "mixture" + std::to_string(set.resins.size());
+    for (std::size_t c = 0; c < 3; ++c) {
+        const Medium m = set.mix(fractions, c);
+        mixture.sigma_t_per_mm.push_back(m.sigma_t());
+        mixture.albedo.push_back(m.albedo());
+    }
+    set.resins.push_back(mixture);
+    return set;
+}
+
+}  // namespace
+
+TEST_CASE("The directions integrate what diffusion needs, and the surface lets diffuse light through exactly") {
+    const DirectionSet set = make_directions(0.4, 1.5);
+    std::array<double, 3> flux{}, square{};
+    double weight = 0;
+    for (std::size_t d = 0; d < 8; ++d) {
+        weight += set.weight.v[d];
+        for (std::size_t a = 0; a < 3; ++a) {
+            flux[a] += set.weight.v[d] * set.cosine[a].v[d];
+            square[a] += set.weight.v[d] * set.cosine[a].v[d] * set.cosine[a].v[d];
+        }
+    }
+    CHECK(8 * weight == Approx(1).epsilon(1e-6));
+    CHECK(4 * flux[2] == Approx(0.25).epsilon(1e-6));
+    CHECK(4 * flux[0] == Approx(0.25).epsilon(0.03));  // 2.6 % are what two azimuths per quadrant cost
+    for (std::size_t a = 0; a < 3; ++a) CHECK(8 * square[a] == Approx(1.0 / 3).epsilon(1e-5));
+    // 1 - R of diffuse light inside, eta = 1.5: Duntley 1942's 0.5963 is R.
+    CHECK(set.diffuse_transmittance == Approx(1 - 0.5963).epsilon(1e-3));
+    // Through the three kinds of steps of a staircase leaves what leaves through the surface that it stands for.
+    for (const std::array<float, 3>& n :
+         {std::array<float, 3>{0.0f, 0.0f, 1.0f}, {0.6f, 0.0f, 0.8f}, {0.5f, 0.5f, 0.7071068f}, {0.1f, -0.2f, 0.9746794f}}) {
+        double through = 0;
+        for (int axis = 0; axis < 3; ++axis) {
+            const auto a = static_cast<std::size_t>(axis);
+            if (n[a] == 0) continue;
+            const FaceLaw law = face_law(set, axis, n);
+            for (std::size_t signs = 0; signs < 4; ++signs)
+                for (std::size_t d = 0; d < 8; ++d) {
+                    const float t = law.through[signs].v[d];
+                    through += std::abs(n[a]) * set.weight.v[d] * set.cosine[a].v[d] * t;
+                    CHECK(t >= 0);
+                    CHECK(t + law.mirror[signs].v[d] <= 1.000001f);
+                }
+        }
+        INFO(n[0] << ' ' << n[1] << ' ' << n[2]);
+        CHECK(through == Approx(0.25 * set.diffuse_transmittance).epsilon(0.02));
+    }
+}
+
+TEST_CASE("Media carry the albedo that makes a half-space exact") {
+    const TransportMedia media(make_directions(0.4, 1.5));
+    const OrdinatePlan plan = appearance_plan(0.4, 1.5);
+    double worst = 0;
+    for (const double albedo : {0.03, 0.15, 0.35, 0.62, 0.8, 0.93, 0.985, 0.9965, 0.9993, 0.99985}) {
+        const double exact = appearance(plan, half_space(plan, {1 - albedo, albedo}));
+        worst = std::max(worst, std::abs(media.discrete_half_space(1 - media.loss(albedo)) - exact));
+        // Cells of any depth have the same half-space.
+        CHECK(media.discrete_half_space(albedo, 0.02) == Approx(media.discrete_half_space(albedo, 0.6)).epsilon(1e-6));
+    }
+    CHECK(worst < 1e-4);
+    CHECK(std::abs(media.discrete_half_space(0.15) - appearance(plan, half_space(plan, {0.85, 0.15}))) > 5e-4);  // it is needed
+}
+
+TEST_CASE("A body that absorbs nothing is exactly white, whatever its shape and its clear parts") {
+    ResinSet set = vero_opaque();
+    for (Resin& resin : set.resins) resin.albedo.assign(3, 1.0);
+    const ResinVolume volume = make_resin_volume({40, 24, 50}, j750, [](int x, int y, int z) {
+        const double r = std::hypot((x - 20) * j750[0], (y - 12) * j750[1], (z - 25) * j750[2]);
+        return r < 0.6 ? 1 + (x * 5 + y * 3 + z * 7) % 5 : 0;
+    });
+    const Scene scene{&volume, &set, Backing::none, Sides::open};
+    const Surface surface = find_surface(scene, {2, 1, 3}, SurfacePart::all);
+    const Appearance seen = TransportPredictor().predict(scene, surface);
+    float worst = 0;
+    for (const float v : seen.value) {
+        REQUIRE(std::isfinite(v));
+        worst = std::max(worst, std::abs(v - 1));
+    }
+    CHECK(worst < 1e-3);
+}
+
+TEST_CASE("Homogeneous slabs agree with adding-doubling") {
+    const auto backing = GENERATE(Backing::black, Backing::none);
+    const auto fractions = GENERATE(std::vector<double>{1, 0, 0, 0, 0}, std::vector<double>{0, 1, 0, 0, 0},
+                                    std::vector<double>{0, 0, 1, 0, 0}, std::vector<double>{0, 0, 0, 1, 0},
+                                    std::vector<double>{0, 0, 0, 0, 1}, std::vector<double>{0.2, 0.1, 0.3, 0.1, 0.3});
+    const ResinSet set = with_mixture(vero_opaque(), fractions);
+    const int layers = 60;
+    const ResinVolume volume = make_resin_volume({8, 4, layers}, j750, [](int, int, int) { return 6; });
+    const Scene scene{&volume, &set, backing, Sides::mirrored};
+    const Surface surface = find_surface(scene, {2, 1, 3}, SurfacePart::top);
+    TransportOptions options;
+    options.sweeps = 12;  // mirrors a third of a millimetre apart pass on one image a sweep
+    const Appearance seen = TransportPredictor(options).predict(scene, surface);
+    std::vector<double> pure(6, 0.0);
+    pure[5] = 1;
+    const std::vector<double> exact = ShellAppearance(set, {layers * j750[2] - 0.1, 5, 0.1, backing}).exact(pure);
+    for (std::size_t c = 0; c < 3; ++c) {
+        double mean = 0;
+        for (std::size_t i = 0; i < surface.cells.size(); ++i)
+            mean += static_cast<double>(seen.value[3 * i + c]) / static_cast<double>(surface.cells.size());
+        INFO("channel " << c);
+        CHECK(std::abs(mean - exact[c]) < 0.0025);
+    }
+}
+
+TEST_CASE("Any number of threads predicts the same bits") {
+    const ResinSet set = vero_opaque();
+    const ResinVolume volume = make_resin_volume({50, 20, 70}, j750, [](int x, int y, int z) {
+        return voxtone::RandomStream(1, static_cast<std::uint64_t>((z * 20 + y) * 50 + x)).bits() % 5 + 1;
+    });
+    const Scene scene{&volume, &set, Backing::black, Sides::open};
+    const Surface surface = find_surface(scene, {2, 1, 3}, SurfacePart::all);
+    std::vector<float> one, many;
+    {
+        const voxtone::ThreadLimit limit(1);
+        one = TransportPredictor().predict(scene, surface).value;
+    }
+    {
+        const voxtone::ThreadLimit limit(5);
+        many = TransportPredictor().predict(scene, surface).value;
+    }
+    CHECK(one == many);
+}

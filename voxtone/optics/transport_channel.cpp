@@ -1,0 +1,434 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/optics/transport_channel.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "voxtone/base/contracts.h"
+#include "voxtone/base/parallel.h"
+
+namespace voxtone::optics {
+namespace {
+
+double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+
+constexpr double least_transport_sigma = 0.2;  // mm^-1; keeps diffusion finite in clear resin, where it is only a guess
+
+float sum8(const Octet& a, const Octet& b) {
+    float s = 0;
+    for (std::size_t d = 0; d < 8; ++d) s += a.v[d] * b.v[d];
+    return s;
+}
+
+}  // namespace
+
+TransportChannel::TransportChannel(const OpticalGrid& grid, const DiffusionPlan& plan, std::vector<TransportMedium> media,
+                                   const TransportOptions& options)
+    : grid_(grid), plan_(plan), media_(std::move(media)), options_(options) {
+    VOXTONE_EXPECT(media_.size() == grid.palette.size());
+    for (std::size_t a = 0; a < 3; ++a)
+        for (std::size_t d = 0; d < 8; ++d)
+            flux_weight_[a].v[d] = grid.directions.weight.v[d] * grid.directions.cosine[a].v[d];
+    make_diffusion();
+}
+
+TransportChannel::FaceSums TransportChannel::face_sums(std::size_t face) const {
+    const Octet& w = flux_weight_[static_cast<std::size_t>(grid_.faces[face].facing) / 2];
+    FaceSums sums;
+    for (const Octet& t : grid_.law_of(face).through) {
+        for (std::size_t d = 0; d < 8; ++d) {
+            sums.weight += w.v[d];
+            sums.through += w.v[d] * t.v[d];
+        }
+    }
+    return sums;
+}
+
+double TransportChannel::furnace_flux(std::size_t face) const { return face_sums(face).through * grid_.faces[face].area_mm2; }
+
+/// Calls body(block, cell, x, y, z) for every solid transport cell.
+template <class Body>
+void TransportChannel::for_each_cell(Body&& body) const {
+    parallel_for(0, grid_.transport_blocks.size(), 16, [&](std::size_t i) {
+        const GridBlock& block = grid_.blocks[grid_.transport_blocks[i]];
+        const auto n = grid_.cells_in(block.kind);
+        std::size_t cell = block.first_cell;
+        for (int z = 0; z < n[2]; ++z)
+            for (int y = 0; y < n[1]; ++y)
+                for (int x = 0; x < n[0]; ++x, ++cell)
+                    if (grid_.medium[cell] != 0) body(block, cell, std::array<int, 3>{x, y, z});
+    });
+}
+
+void TransportChannel::make_diffusion() {
+    const std::size_t n = grid_.nodes.size();
+    const auto linear = static_cast<float>(grid_.directions.linear);
+    std::vector<float> transport(n), loss(n);
+    sigma_a_.resize(n);
+    D_.resize(n);
+    std::array<double, 3> view{};
+    for (std::size_t a = 0; a < 3; ++a) view[a] = grid_.pitch_mm[a] * grid_.options.view_voxels[a];
+    const double view_volume = view[0] * view[1] * view[2];
+    parallel_for(0, grid_.blocks.size(), 64, [&](std::size_t b) {
+        const GridBlock& block = grid_.blocks[b];
+        if (block.kind == BlockKind::core) {
+            const TransportMedium m = media_[block.medium];
+            const int per_edge = block.nodes_per_edge;
+            for (int k = 0; k < per_edge * per_edge * per_edge; ++k) {
+                sigma_a_[block.first_node + static_cast<std::size_t>(k)] = m.sigma_t - m.sigma_s;
+                transport[block.first_node + static_cast<std::size_t>(k)] = m.sigma_t - linear * m.sigma_s;
+            }
+            return;
+        }
+        const auto cells = grid_.cells_in(block.kind);
+        std::array<float, 64> count{}, absorbed{}, extinct{};
+        std::size_t cell = block.first_cell;
+        for (int z = 0; z < cells[2]; ++z)
+            for (int y = 0; y < cells[1]; ++y)
+                for (int x = 0; x < cells[0]; ++x, ++cell) {
+                    if (grid_.medium[cell] == 0) continue;
+                    const auto place = static_cast<std::size_t>(((z * 4 / cells[2]) * 4 + y * 4 / cells[1]) * 4 + x * 4 / cells[0]);
+                    const TransportMedium m = media_[grid_.medium[cell]];
+                    count[place] += 1;
+                    absorbed[place] += m.sigma_t - m.sigma_s;
+                    extinct[place] += m.sigma_t - linear * m.sigma_s;
+                }
+        std::size_t node = block.first_node;
+        for (std::size_t place = 0; place < 64; ++place) {
+            if (!(block.node_mask >> place & 1)) continue;
+            sigma_a_[node] = absorbed[place] / count[place];
+            transport[node++] = extinct[place] / count[place];
+        }
+    });
+    for (std::size_t i = 0; i < n; ++i) {
+        D_[i] = static_cast<float>(1 / (3 * std::max<double>(transport[i], least_transport_sigma)));
+        const double edge = grid_.nodes[i].edge_cells;
+        loss[i] = static_cast<float>(sigma_a_[i] * view_volume * edge * edge * edge * grid_.nodes[i].solid_share);
+    }
+    // Outer faces: J = (T phi / 4 - S) / (1 - T / 2 + T h / (4 D)), S the current that comes in (Marshak's condition).
+    face_loss_.resize(grid_.faces.size());
+    face_gain_.resize(grid_.faces.size());
+    for (std::size_t f = 0; f < grid_.faces.size(); ++f) {
+        const OuterFace& face = grid_.faces[f];
+        if (face.kind == FaceKind::core) continue;
+        const FaceSums sums = face_sums(f);
+        const double T = face.kind == FaceKind::white_sheet ? 0 : sums.through / sums.weight;
+        const double h = 0.5 * view[static_cast<std::size_t>(face.facing) / 2] * grid_.nodes[face.node].solid_share;
+        const double below = 1 - T / 2 + T * h / (4 * D_[face.node]);
+        face_loss_[f] = static_cast<float>(face.area_mm2 * T / 4 / below);
+        face_gain_[f] = static_cast<float>(face.area_mm2 / below);
+        loss[face.node] += face_loss_[f];
+    }
+    // A contact of area A lies half a node's thickness V / A from its centre, half an edge at most.
+    conductance_.resize(grid_.contacts.size());
+    std::vector<float> eased(grid_.contacts.size());
+    const double widest = *std::max_element(view.begin(), view.end());
+    for (std::size_t i = 0; i < conductance_.size(); ++i) {
+        const NodeContact& c = grid_.contacts[i];
+        const auto half = [&](std::uint32_t node) {
+            const double edge = grid_.nodes[node].edge_cells;
+            return 0.5 * std::min(view[c.axis] * edge, view_volume * edge * edge * edge * grid_.nodes[node].solid_share / c.area_mm2);
+        };
+        const double a = half(c.a), b = half(c.b), more = options_.ease * widest;
+        conductance_[i] = static_cast<float>(c.area_mm2 / (a / D_[c.a] + b / D_[c.b]));
+        eased[i] = static_cast<float>(c.area_mm2 / (a / (D_[c.a] + more) + b / (D_[c.b] + more)));
+    }
+    diffusion_ = std::make_unique<Diffusion>(plan_, conductance_, loss);
+    correction_ = std::make_unique<Diffusion>(plan_, eased, loss);
+    core_conductance_.assign(grid_.faces.size(), 0.0f);
+    for (std::size_t f = 0; f < grid_.faces.size(); ++f) {
+        const OuterFace& face = grid_.faces[f];
+        if (face.kind != FaceKind::core) continue;
+        const double h = 0.5 * view[static_cast<std::size_t>(face.facing) / 2];
+        core_conductance_[f] = static_cast<float>(1 / (h * grid_.nodes[face.node].edge_cells / D_[face.node] +
+                                                       h * grid_.nodes[face.beyond].edge_cells / D_[face.beyond]));
+    }
+}
+
+/// J of every node: half of what flows through the faces on either side. `light`: current that comes in per area where not
+/// empty (start), else none does (correction).
+void TransportChannel::currents(std::span<const float> phi, std::span<const float> incoming, std::vector<Moments>& out) const {
+    out.assign(grid_.nodes.size(), {});
+    std::array<float, 3> area{};
+    for (std::size_t a = 0; a < 3; ++a)
+        area[a] = static_cast<float>(grid_.pitch_mm[(a + 1) % 3] * grid_.options.view_voxels[(a + 1) % 3] *
+                                     grid_.pitch_mm[(a + 2) % 3] * grid_.options.view_voxels[(a + 2) % 3]);
+    const auto add = [&](std::size_t node, std::size_t axis, float flow) {
+        const float edge = grid_.nodes[node].edge_cells;
+        const float J = 0.5f * flow / (area[axis] * edge * edge);
+        Moments& m = out[node];
+        (axis == 0 ? m.x : axis == 1 ? m.y : m.z) += J;
+    };
+    for (std::size_t i = 0; i < conductance_.size(); ++i) {
+        const NodeContact& c = grid_.contacts[i];
+        const float flow = conductance_[i] * (phi[c.a] - phi[c.b]);
+        add(c.a, c.axis, flow);
+        add(c.b, c.axis, flow);
+    }
+    for (std::size_t f = 0; f < grid_.faces.size(); ++f) {
+        const OuterFace& face = grid_.faces[f];
+        if (face.kind == FaceKind::core) continue;
+        const float flow = face_loss_[f] * phi[face.node] - face_gain_[f] * incoming[f];
+        add(face.node, static_cast<std::size_t>(face.facing) / 2, static_cast<int>(face.facing) % 2 ? flow : -flow);
+    }
+    for (std::size_t i = 0; i < out.size(); ++i) out[i].phi = phi[i];
+}
+
+void TransportChannel::start() {
+    std::vector<float> incoming(grid_.faces.size(), 0.0f), right(grid_.nodes.size(), 0.0f);
+    for (std::size_t f = 0; f < grid_.faces.size(); ++f) {
+        const OuterFace& face = grid_.faces[f];
+        if (face.kind == FaceKind::light)
+            incoming[f] = static_cast<float>(face_sums(f).through) * light_[f];
+        if (face.kind != FaceKind::core) right[face.node] += face_gain_[f] * incoming[f];
+    }
+    phi_.assign(grid_.nodes.size(), 1.0f);  // exact where nothing is absorbed
+    steps_ += diffusion_->solve(right, phi_, options_.start_tolerance, 60);
+    currents(phi_, incoming, delta_moments_);
+    source_.assign(grid_.medium.size(), {});
+    sum_.assign(grid_.medium.size(), {});
+    other_sum_.assign(grid_.medium.size(), {});
+    in_.assign(grid_.faces.size() * 4, {});
+    out_.assign(grid_.faces.size() * 4, {});
+    pooled_.assign(grid_.regions * 64, 0.0f);
+    core_current_.assign(grid_.faces.size(), 0.0f);
+    for (std::size_t f = 0; f < grid_.faces.size(); ++f) {
+        const OuterFace& face = grid_.faces[f];
+        if (face.kind == FaceKind::core) core_current_[f] = core_conductance_[f] * (phi_[face.node] - phi_[face.beyond]);
+    }
+}
+
+/// Adds delta_moments_, spread linearly over each node, to the moments of the cells and to what leaves through the faces.
+/// Then the faces send back what they reflect.
+void TransportChannel::enter() {
+    const auto linear_change = [&](const Moments& m, float D, const std::array<float, 3>& offset) {
+        return m.phi - (m.x * offset[0] + m.y * offset[1] + m.z * offset[2]) / D;
+    };
+    const auto& set = grid_.directions;
+    for_each_cell([&](const GridBlock& block, std::size_t cell, const std::array<int, 3>& at) {
+        const auto n = grid_.cells_in(block.kind);
+        const auto edge = grid_.edge_mm(block.kind);
+        const auto node = static_cast<std::size_t>(
+            grid_.node_at(block, at[0] * 4 / n[0], at[1] * 4 / n[1], at[2] * 4 / n[2]));
+        const Moments& m = delta_moments_[node];
+        std::array<float, 3> offset{};
+        for (std::size_t a = 0; a < 3; ++a) {
+            const int per_node = n[a] / 4;
+            offset[a] = static_cast<float>(edge[a]) * (static_cast<float>(at[a] % per_node) + 0.5f - 0.5f * static_cast<float>(per_node));
+        }
+        Moments& s = source_[cell];
+        s.phi += linear_change(m, D_[node], offset);
+        s.x += m.x;
+        s.y += m.y;
+        s.z += m.z;
+        if (grid_.outer[cell] == 0) return;
+        auto f = static_cast<std::size_t>(
+            grid_.face_of_cell[static_cast<std::size_t>(block.first_link) + (cell - block.first_cell)]);
+        for (std::size_t bit = 0; bit < 6; ++bit) {
+            if (!(grid_.outer[cell] >> bit & 1)) continue;
+            const std::size_t face = f++, axis = bit / 2;
+            const OuterFace& outer = grid_.faces[face];
+            const bool plus = bit % 2 == 1;
+            const std::size_t tangent[2] = {axis == 0 ? 1u : 0u, axis == 2 ? 1u : 2u};
+            const FaceLaw& law = grid_.law_of(face);
+            const Octet& w = flux_weight_[axis];
+            std::array<float, 3> at_face = offset;
+            at_face[axis] += static_cast<float>(plus ? 0.5 * edge[axis] : -0.5 * edge[axis]);
+            const float phi = linear_change(m, D_[node], at_face);
+            const std::array<float, 3> J{m.x, m.y, m.z};
+            double leaving = 0, before = 0;
+            for (std::size_t slot = 0; slot < 4; ++slot) {
+                Octet& out = out_[face * 4 + slot];
+                for (std::size_t d = 0; d < 8; ++d) {
+                    const float normal = set.cosine[axis].v[d] * J[axis];
+                    before += w.v[d] * law.through[slot].v[d] * out.v[d];
+                    out.v[d] += phi + 3 * ((plus ? normal : -normal) +
+                                           (slot & 1 ? -1.0f : 1.0f) * set.cosine[tangent[0]].v[d] * J[tangent[0]] +
+                                           (slot & 2 ? -1.0f : 1.0f) * set.cosine[tangent[1]].v[d] * J[tangent[1]]);
+                    leaving += w.v[d] * law.through[slot].v[d] * out.v[d];
+                }
+            }
+            flux_[face] = static_cast<float>(leaving * outer.area_mm2);
+            flux_change_[face] = static_cast<float>((leaving - before) * outer.area_mm2);
+        }
+    });
+    parallel_for(0, grid_.transport_blocks.size(), 64, [&](std::size_t i) {
+        const GridBlock& block = grid_.blocks[grid_.transport_blocks[i]];
+        pool(block);
+        for (std::size_t face = block.first_face; face < block.first_face + block.faces; ++face)
+            for (std::size_t slot = 0; slot < 4; ++slot) in_[face * 4 + slot] = returned(block, face, slot);
+    });
+}
+
+/// Mean radiance of the light that passes corners of the staircase, per region and direction.
+void TransportChannel::pool(const GridBlock& block) {
+    if (block.first_region < 0) return;
+    const auto first = static_cast<std::size_t>(block.first_region) * 64;
+    std::fill_n(pooled_.begin() + static_cast<std::ptrdiff_t>(first), 8 * 64, 0.0f);
+    for (std::size_t f = block.first_face; f < block.first_face + block.faces; ++f) {
+        const FaceLaw& law = grid_.law_of(f);
+        if (law.flat) continue;
+        const OuterFace& face = grid_.faces[f];
+        const Octet& w = flux_weight_[static_cast<std::size_t>(face.facing) / 2];
+        float* const to = pooled_.data() + first + std::size_t{face.region_in_block} * 64;
+        for (std::size_t slot = 0; slot < 4; ++slot)
+            for (std::size_t d = 0; d < 8; ++d)
+                to[static_cast<std::size_t>(leaving_octant(face.facing, static_cast<int>(slot))) * 8 + d] +=
+                    w.v[d] * face.area_mm2 * law.left_over(slot, d) * out_[f * 4 + slot].v[d];
+    }
+    // From fluxes to radiances for the room that there is: of the same direction first, the surplus everywhere.
+    for (std::size_t region = first; region < first + 8 * 64; region += 64) {
+        float surplus = 0, lack = 0;
+        for (std::size_t k = region; k < region + 64; ++k) {
+            const float out = grid_.pool_out[k], in = grid_.pool_in[k];
+            if (out > in) surplus += (1 - in / out) * pooled_[k];
+            else lack += in - out;
+        }
+        const float everywhere = lack > 1e-12f ? surplus / lack : 0;
+        for (std::size_t k = region; k < region + 64; ++k) {
+            const float out = grid_.pool_out[k], in = grid_.pool_in[k];
+            if (out > in) pooled_[k] /= out;
+            else if (in > 0) pooled_[k] = (pooled_[k] + (in - out) * everywhere) / in;
+        }
+    }
+}
+
+/// Radiance that comes in through a face, given what goes out.
+Octet TransportChannel::returned(const GridBlock& block, std::size_t face, std::size_t slot) const {
+    const OuterFace& outer = grid_.faces[face];
+    const auto axis = static_cast<std::size_t>(outer.facing) / 2;
+    Octet in;
+    if (outer.kind == FaceKind::core) {
+        // Diffuse light of the core: phi at the face, extrapolated from the node, and 3 Omega . J.
+        const double half_edge = 0.5 * grid_.nodes[outer.beyond].edge_cells * grid_.pitch_mm[axis] * grid_.options.view_voxels[axis];
+        const float J = core_current_[face];
+        const float phi = phi_[outer.beyond] + J * static_cast<float>(half_edge) / D_[outer.beyond];
+        for (std::size_t d = 0; d < 8; ++d) in.v[d] = phi - 3 * grid_.directions.cosine[axis].v[d] * J;
+        return in;
+    }
+    const FaceLaw& law = grid_.law_of(face);
+    float radiance = light_[face];
+    if (outer.kind == FaceKind::white_sheet) {
+        float leaving = 0, through = 0;
+        for (std::size_t k = 0; k < 4; ++k)
+            for (std::size_t d = 0; d < 8; ++d) {
+                leaving += flux_weight_[axis].v[d] * law.through[k].v[d] * out_[face * 4 + k].v[d];
+                through += flux_weight_[axis].v[d] * law.through[k].v[d];
+            }
+        radiance = leaving / through;
+    }
+    const Octet &back = law.through[slot ^ 3], &mirror = law.mirror[slot], &out = out_[face * 4 + slot];
+    for (std::size_t d = 0; d < 8; ++d) in.v[d] = mirror.v[d] * out.v[d] + back.v[d] * radiance;
+    if (law.flat) return in;
+    const std::size_t from = (static_cast<std::size_t>(block.first_region) + outer.region_in_block) * 64 +
+                             static_cast<std::size_t>(entering_octant(outer.facing, static_cast<int>(slot))) * 8;
+    for (std::size_t d = 0; d < 8; ++d) in.v[d] += law.room(slot, d) * pooled_[from + d];
+    return in;
+}
+
+void TransportChannel::sweep() {
+    parallel_for(0, 2, 1, [&](std::size_t half) {
+        SweepJob job{&grid_, media_, source_, half == 0 ? std::span<Moments>(sum_) : std::span<Moments>(other_sum_), in_, out_};
+        std::fill(job.sum.begin(), job.sum.end(), Moments{});
+        for (int k = 0; k < 4; ++k) sweep_octant(job, half == 0 ? k : 7 - k);
+    });
+}
+
+/// The diffusion correction: delta_ and delta_moments_ from what the sweep changed; source_ becomes the sweep's moments.
+void TransportChannel::correct() {
+    const std::size_t n = grid_.nodes.size();
+    std::vector<float> right(n, 0.0f);
+    std::array<double, 2> volume{};
+    for (std::size_t kind = 0; kind < 2; ++kind) {
+        const auto edge = grid_.edge_mm(static_cast<BlockKind>(kind));
+        volume[kind] = edge[0] * edge[1] * edge[2];
+    }
+    for_each_cell([&](const GridBlock& block, std::size_t cell, const std::array<int, 3>& at) {
+        const auto c = grid_.cells_in(block.kind);
+        const auto node = static_cast<std::size_t>(
+            grid_.node_at(block, at[0] * 4 / c[0], at[1] * 4 / c[1], at[2] * 4 / c[2]));
+        const Moments &p = sum_[cell], &q = other_sum_[cell];
+        const Moments sum{p.phi + q.phi, p.x + q.x, p.y + q.y, p.z + q.z};
+        right[node] += media_[grid_.medium[cell]].sigma_s * static_cast<float>(volume[static_cast<std::size_t>(block.kind)]) *
+                       (sum.phi - source_[cell].phi);
+        source_[cell] = sum;
+    });
+    // What the surface will send back, and what the core got and gave.
+    for (const std::uint32_t b : grid_.transport_blocks) {
+        const GridBlock& block = grid_.blocks[b];
+        pool(block);
+        for (std::size_t f = block.first_face; f < block.first_face + block.faces; ++f) {
+            const OuterFace& face = grid_.faces[f];
+            const Octet& w = flux_weight_[static_cast<std::size_t>(face.facing) / 2];
+            float sum = 0;
+            for (std::size_t slot = 0; slot < 4; ++slot)
+                sum += sum8(w, face.kind == FaceKind::core ? out_[f * 4 + slot] : returned(block, f, slot)) - sum8(w, in_[f * 4 + slot]);
+            if (face.kind == FaceKind::core) {
+                core_current_[f] = sum;
+                right[face.beyond] += sum * face.area_mm2;
+            } else {
+                right[face.node] += face_gain_[f] * sum;
+            }
+        }
+    }
+    std::array<double, 3> view{};
+    for (std::size_t a = 0; a < 3; ++a) view[a] = grid_.pitch_mm[a] * grid_.options.view_voxels[a];
+    const double view_volume = view[0] * view[1] * view[2];
+    const auto in_core = [&](std::uint32_t node) { return grid_.blocks[grid_.node_block[node]].kind == BlockKind::core; };
+    for (std::size_t i = 0; i < conductance_.size(); ++i) {
+        const NodeContact& c = grid_.contacts[i];
+        if (!in_core(c.a) || !in_core(c.b)) continue;
+        const float flow = conductance_[i] * (phi_[c.a] - phi_[c.b]);
+        right[c.a] -= flow;
+        right[c.b] += flow;
+    }
+    for (std::uint32_t i = 0; i < n; ++i) {
+        if (!in_core(i)) continue;
+        const double edge = grid_.nodes[i].edge_cells;
+        right[i] -= static_cast<float>(sigma_a_[i] * view_volume * edge * edge * edge * phi_[i]);
+    }
+    std::vector<float> delta(n, 0.0f);
+    steps_ += correction_->solve(right, delta, options_.correction_tolerance, 30);
+    currents(delta, std::vector<float>(grid_.faces.size(), 0.0f), delta_moments_);
+    for (std::size_t i = 0; i < n; ++i) phi_[i] += delta[i];
+    for (std::size_t f = 0; f < grid_.faces.size(); ++f) {
+        const OuterFace& face = grid_.faces[f];
+        if (face.kind == FaceKind::core) core_current_[f] += core_conductance_[f] * (delta[face.node] - delta[face.beyond]);
+    }
+}
+
+void TransportChannel::solve(std::span<const float> light, TransportSummary& summary, const Progress* progress) {
+    const auto check = [&] {
+        if (progress) progress->check_cancelled();
+    };
+    light_.assign(grid_.faces.size(), 0.0f);
+    for (std::size_t f = 0; f < light_.size(); ++f)
+        if (grid_.faces[f].kind == FaceKind::light) light_[f] = light.empty() ? 1.0f : light[f];
+    flux_.assign(grid_.faces.size(), 0.0f);
+    flux_change_.assign(grid_.faces.size(), 0.0f);
+    double clock = now();
+    const auto lap = [&](double& to) {
+        const double t = now();
+        to += t - clock;
+        clock = t;
+    };
+    start();
+    enter();
+    lap(summary.diffusion_s);
+    for (int k = 0; k < options_.sweeps; ++k) {
+        check();
+        sweep();
+        lap(summary.sweep_s);
+        correct();
+        enter();
+        lap(summary.diffusion_s);
+    }
+    summary.diffusion_steps += steps_;
+    last_change_ = 0;
+    for (std::size_t f = 0; f < flux_.size(); ++f)
+        if (grid_.faces[f].kind == FaceKind::light)
+            last_change_ = std::max(last_change_, std::abs(flux_change_[f]) / furnace_flux(f));
+}
+
+}  // namespace voxtone::optics

@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/optics/transport_sweep.h"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <vector>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "voxtone/optics/transport_sweep.cpp"
+// The order of these two matters.
+// clang-format off
+#include "hwy/foreach_target.h"
+#include <hwy/highway.h>
+// clang-format on
+
+HWY_BEFORE_NAMESPACE();
+namespace voxtone::optics::HWY_NAMESPACE {
+
+// Highway picks the instruction set; the arithmetic is plain vector types of the compiler.
+using V8 = float __attribute__((vector_size(32), may_alias));
+using V4 = float __attribute__((vector_size(16)));
+using I8 = std::int32_t __attribute__((vector_size(32)));
+
+struct Ways {
+    int nx, ny, nz;                ///< cells of a block
+    V8 ax, ay, az, a;              ///< 2 |Omega| / h, and their sum
+};
+
+struct Octant {
+    Ways ways[2];                  ///< skin, margin
+    V8 sx, sy, sz;                 ///< 3 g' Omega
+    V8 weights[4];                 ///< {w, w Omega} of directions 2 k and 2 k + 1
+    bool back[3];
+    unsigned in_bit[3], out_bit[3];
+    int signs[3];
+};
+
+HWY_INLINE void load(V8& v, const void* from) { std::memcpy(&v, from, sizeof v); }
+HWY_INLINE void store(const V8& v, void* to) { std::memcpy(to, &v, sizeof v); }
+HWY_INLINE void add_to(Moments& sum, const V4& v) {
+    V4 all;
+    std::memcpy(&all, &sum, sizeof all);
+    all += v;
+    std::memcpy(static_cast<void*>(&sum), &all, sizeof all);
+}
+
+Octant make_octant(const OpticalGrid& grid, int octant) {
+    Octant o{};
+    const DirectionSet& set = grid.directions;
+    V8 cosine[3];
+    V8 w;
+    load(w, set.weight.v.data());
+    for (std::size_t a = 0; a < 3; ++a) {
+        load(cosine[a], set.cosine[a].v.data());
+        o.back[a] = octant >> a & 1;
+        o.in_bit[a] = static_cast<unsigned>(2 * a + (o.back[a] ? 1 : 0));
+        o.out_bit[a] = static_cast<unsigned>(2 * a + (o.back[a] ? 0 : 1));
+        o.signs[a] = tangential_signs(octant, static_cast<int>(a));
+    }
+    for (int kind = 0; kind < 2; ++kind) {
+        const auto n = grid.cells_in(static_cast<BlockKind>(kind));
+        const auto h = grid.edge_mm(static_cast<BlockKind>(kind));
+        Ways& ways = o.ways[kind];
+        ways.nx = n[0];
+        ways.ny = n[1];
+        ways.nz = n[2];
+        ways.ax = cosine[0] * static_cast<float>(2 / h[0]);
+        ways.ay = cosine[1] * static_cast<float>(2 / h[1]);
+        ways.az = cosine[2] * static_cast<float>(2 / h[2]);
+        ways.a = ways.ax + ways.ay + ways.az;
+    }
+    for (std::size_t a = 0; a < 3; ++a)
+        if (o.back[a]) cosine[a] = -cosine[a];
+    const auto linear = static_cast<float>(3 * set.linear);
+    o.sx = cosine[0] * linear;
+    o.sy = cosine[1] * linear;
+    o.sz = cosine[2] * linear;
+    for (int d = 0; d < 8; ++d) {
+        V8& pair = o.weights[d / 2];
+        const int at = 4 * (d % 2);
+        pair[at] = w[d];
+        pair[at + 1] = w[d] * cosine[0][d];
+        pair[at + 2] = w[d] * cosine[1][d];
+        pair[at + 3] = w[d] * cosine[2][d];
+    }
+    return o;
+}
+
+/// Faces between blocks of different kinds: n1 x n2 skin cells, r1 x r2 of them to a margin cell.
+void to_margin(V8* face, int n1, int n2, int r1, int r2) {
+    const float share = 1.0f / static_cast<float>(r1 * r2);
+    for (int j = 0; j < n2 / r2; ++j)
+        for (int i = 0; i < n1 / r1; ++i) {
+            V8 sum{};
+            for (int b = 0; b < r2; ++b)
+                for (int a = 0; a < r1; ++a) sum += face[(j * r2 + b) * n1 + i * r1 + a];
+            face[j * (n1 / r1) + i] = sum * share;
+        }
+}
+void to_skin(V8* face, int n1, int n2, int r1, int r2) {
+    for (int j = n2; j-- > 0;)
+        for (int i = n1; i-- > 0;) face[j * n1 + i] = face[(j / r2) * (n1 / r1) + i / r1];
+}
+
+HWY_INLINE V8* as_vectors(Octet* octets) { return reinterpret_cast<V8*>(octets); }
+
+struct BlockFaces {
+    V8 *x, *y, *z;
+};
+
+HWY_INLINE void sweep_block(const SweepJob& job, const Octant& o, const GridBlock& block, const BlockFaces& faces) {
+    const OpticalGrid& grid = *job.grid;
+    const Ways ways = o.ways[static_cast<int>(block.kind)];
+    const TransportMedium* const media = job.media.data();
+    const std::uint16_t* const medium = grid.medium.data() + block.first_cell;
+    const std::uint8_t* const outer = grid.outer.data() + block.first_cell;
+    const Moments* const source = job.source.data() + block.first_cell;
+    Moments* const sum = job.sum.data() + block.first_cell;
+    const std::int32_t* const links = block.first_link < 0 ? nullptr : grid.face_of_cell.data() + block.first_link;
+    const int step = o.back[0] ? -1 : 1;
+    for (int kz = 0; kz < ways.nz; ++kz) {
+        const int z = o.back[2] ? ways.nz - 1 - kz : kz;
+        for (int ky = 0; ky < ways.ny; ++ky) {
+            const int y = o.back[1] ? ways.ny - 1 - ky : ky;
+            V8 px = faces.x[z * ways.ny + y];
+            V8* const row_y = faces.y + z * ways.nx;
+            V8* const row_z = faces.z + y * ways.nx;
+            int x = o.back[0] ? ways.nx - 1 : 0;
+            for (int kx = 0; kx < ways.nx; ++kx, x += step) {
+                const int cell = (z * ways.ny + y) * ways.nx + x;
+                const unsigned bits = outer[cell];
+                V8 py = row_y[x], pz = row_z[x];
+                std::size_t first_face = 0;
+                const auto face_of = [&](unsigned bit, int axis) {
+                    return (first_face + static_cast<unsigned>(__builtin_popcount(bits & ((1u << bit) - 1)))) * 4 +
+                           static_cast<unsigned>(o.signs[axis]);
+                };
+                if (bits != 0) {
+                    if (bits & 64u) continue;
+                    first_face = static_cast<std::size_t>(links[cell]);
+                    if (bits >> o.in_bit[0] & 1) load(px, &job.in[face_of(o.in_bit[0], 0)]);
+                    if (bits >> o.in_bit[1] & 1) load(py, &job.in[face_of(o.in_bit[1], 1)]);
+                    if (bits >> o.in_bit[2] & 1) load(pz, &job.in[face_of(o.in_bit[2], 2)]);
+                }
+                const TransportMedium m = media[medium[cell]];
+                const Moments& s = source[cell];
+                const V8 q = m.sigma_s * (s.phi + (s.x * o.sx + s.y * o.sy + s.z * o.sz));
+                const V8 inverse = 1.0f / (ways.a + m.sigma_t);
+                const V8 psi = ((q + ways.ay * py + ways.az * pz) + ways.ax * px) * inverse;
+                const V8 twice = psi + psi;
+                px = twice - px;
+                py = twice - py;
+                pz = twice - pz;
+                row_y[x] = py;
+                row_z[x] = pz;
+                V8 moment = __builtin_shuffle(psi, I8{0, 0, 0, 0, 1, 1, 1, 1}) * o.weights[0];
+                moment += __builtin_shuffle(psi, I8{2, 2, 2, 2, 3, 3, 3, 3}) * o.weights[1];
+                moment += __builtin_shuffle(psi, I8{4, 4, 4, 4, 5, 5, 5, 5}) * o.weights[2];
+                moment += __builtin_shuffle(psi, I8{6, 6, 6, 6, 7, 7, 7, 7}) * o.weights[3];
+                V4 low, high;
+                std::memcpy(&low, &moment, sizeof low);
+                std::memcpy(&high, reinterpret_cast<const char*>(&moment) + sizeof low, sizeof high);
+                add_to(sum[cell], low + high);
+                if (bits != 0) {
+                    if (bits >> o.out_bit[0] & 1) store(px, &job.out[face_of(o.out_bit[0], 0)]);
+                    if (bits >> o.out_bit[1] & 1) store(py, &job.out[face_of(o.out_bit[1], 1)]);
+                    if (bits >> o.out_bit[2] & 1) store(pz, &job.out[face_of(o.out_bit[2], 2)]);
+                }
+            }
+            faces.x[z * ways.ny + y] = px;
+        }
+    }
+}
+
+void sweep(const SweepJob& job, int octant) {
+    const OpticalGrid& grid = *job.grid;
+    const Octant o = make_octant(grid, octant);
+    const auto skin = grid.cells_in(BlockKind::skin), margin = grid.cells_in(BlockKind::margin);
+    const std::array<int, 3> most{std::max(skin[0], margin[0]), std::max(skin[1], margin[1]), std::max(skin[2], margin[2])};
+    const std::array<int, 3> ratio{skin[0] / margin[0], skin[1] / margin[1], skin[2] / margin[2]};
+    const auto per_x = static_cast<std::size_t>(most[1] * most[2]), per_y = static_cast<std::size_t>(most[0] * most[2]),
+               per_z = static_cast<std::size_t>(most[0] * most[1]);
+    const auto across = static_cast<std::size_t>(grid.lattice[0]), deep = static_cast<std::size_t>(grid.lattice[1]);
+    std::vector<Octet> x(per_x), y(per_y * across), z(per_z * across * deep);  // not V8: containers forget its alignment
+    BlockKind x_kind = BlockKind::skin;
+    std::vector<BlockKind> y_kind(across, BlockKind::skin), z_kind(across * deep, BlockKind::skin);
+    const auto fit = [&](V8* face, BlockKind& kind, BlockKind wanted, std::size_t a, std::size_t b) {
+        if (kind == wanted) return;
+        if (wanted == BlockKind::margin) to_margin(face, skin[a], skin[b], ratio[a], ratio[b]);
+        else to_skin(face, skin[a], skin[b], ratio[a], ratio[b]);
+        kind = wanted;
+    };
+    // Rows of blocks along x lie one after the other in y, then z; an octant runs through them forwards or backwards.
+    const std::size_t rows = grid.transport_rows.size() - 1;
+    const auto plane_of = [&](std::size_t row) { return grid.blocks[grid.transport_blocks[grid.transport_rows[row]]].at[2]; };
+    for (std::size_t p = 0; p < rows;) {
+        const std::size_t at = o.back[2] ? rows - 1 - p : p;
+        std::size_t count = 1;
+        while (p + count < rows && plane_of(o.back[2] ? at - count : at + count) == plane_of(at)) ++count;
+        const std::size_t first = o.back[2] ? at + 1 - count : at;
+        for (std::size_t k = 0; k < count; ++k) {
+            const std::size_t row = o.back[1] ? first + count - 1 - k : first + k;
+            const std::size_t begin = grid.transport_rows[row], end = grid.transport_rows[row + 1];
+            for (std::size_t i = begin; i < end; ++i) {
+                const GridBlock& block = grid.blocks[grid.transport_blocks[o.back[0] ? end - 1 - (i - begin) : i]];
+                const auto bx = static_cast<std::size_t>(block.at[0]);
+                const std::size_t bz = static_cast<std::size_t>(block.at[1]) * across + bx;
+                const BlockFaces faces{as_vectors(x.data()), as_vectors(y.data() + per_y * bx), as_vectors(z.data() + per_z * bz)};
+                fit(faces.x, x_kind, block.kind, 1, 2);
+                fit(faces.y, y_kind[bx], block.kind, 0, 2);
+                fit(faces.z, z_kind[bz], block.kind, 0, 1);
+                sweep_block(job, o, block, faces);
+            }
+        }
+        p += count;
+    }
+}
+
+}  // namespace voxtone::optics::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace voxtone::optics {
+
+HWY_EXPORT(sweep);
+
+void sweep_octant(const SweepJob& job, int octant) { HWY_DYNAMIC_DISPATCH(sweep)(job, octant); }
+
+}  // namespace voxtone::optics
+#endif
