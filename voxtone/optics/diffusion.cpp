@@ -223,16 +223,15 @@ int Diffusion::solve(std::span<const float> right_side, std::span<float> x, doub
         for (std::size_t i = 0; i < a.size(); ++i) sum += static_cast<double>(a[i]) * static_cast<double>(b[i]);
         return sum;
     };
-    cycle(0, right_side, z);
-    const double start = dot(right_side, z);
-    if (!(start > 0)) return 0;
     apply(x, q);
     for (std::size_t i = 0; i < n; ++i) r[i] = right_side[i] - q[i];
+    double start = 0;
     double rho = 0;
     int step = 0;
     for (; step < most_steps; ++step) {
         cycle(0, r, z);
         const double rho_new = dot(r, z);
+        if (step == 0) start = rho_new;
         if (!(rho_new > tolerance * tolerance * start)) break;
         const auto beta = static_cast<float>(step == 0 ? 0.0 : rho_new / rho);
         rho = rho_new;

@@ -46,7 +46,7 @@ public:
     /// `conductance` per contact of the grid, `loss` per node.
     Diffusion(const DiffusionPlan& plan, std::span<const float> conductance, std::span<const float> loss);
 
-    /// Improves `x` until the residual is `tolerance` of the right side's (in the norm of its preconditioner) or
+    /// Improves `x` until the residual is `tolerance` of the first one (in the norm of its preconditioner) or
     /// `most_steps` were made; returns the steps.
     int solve(std::span<const float> right_side, std::span<float> x, double tolerance, int most_steps) const;
 

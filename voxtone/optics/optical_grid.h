@@ -61,7 +61,7 @@ struct OuterFace {
     float area_mm2 = 0;
 };
 
-/// Octant of the light that leaves through a face, of these signs along it (bits as in sweep_octant).
+/// Octant of the light that leaves through a face, of these signs along it (bits as in sweep_half).
 [[nodiscard]] constexpr int leaving_octant(Facing facing, int signs) {
     const int f = static_cast<int>(facing), against = f % 2 == 0 ? 1 : 0;
     switch (f / 2) {

@@ -30,12 +30,12 @@
 namespace voxtone::optics {
 
 struct TransportOptions {
-    int sweeps = 4;                           ///< >= 1
+    int sweeps = 3;                           ///< >= 1
     double cell_mm = 0.085;                   ///< viewing cell: sets the cells of the margin and of diffusion
     bool voxel_skin = true;                   ///< skin cells of one voxel; false: of one viewing cell
     int margin_blocks = 2;                    ///< rings of 4 viewing cells of transport below the skin, >= 0
-    double start_tolerance = 1e-3;            ///< of the first diffusion solve
-    double correction_tolerance = 3e-2;       ///< of those after each sweep
+    double start_tolerance = 0.05;            ///< of the first diffusion solve
+    double correction_tolerance = 0.3;        ///< of those after each sweep
     double ease = 0.2;                        ///< of a viewing cell, added to D of the corrections: keeps them stable
     std::size_t memory_bytes = 0;             ///< most to use; 0: no limit
 };

@@ -47,17 +47,55 @@ TransportChannel::FaceSums TransportChannel::face_sums(std::size_t face) const {
 
 double TransportChannel::furnace_flux(std::size_t face) const { return face_sums(face).through * grid_.faces[face].area_mm2; }
 
-/// Calls body(block, cell, x, y, z) for every solid transport cell.
+/// What the cells of one kind of block have in common.
+struct TransportChannel::CellGeometry {
+    std::array<int, 3> cells{}, per_node{};
+    std::array<float, 3> edge{};
+    float volume = 0;
+    /// From the node's centre to the cell's, along an axis.
+    [[nodiscard]] float offset(std::size_t axis, int at) const {
+        return edge[axis] * (static_cast<float>(at % per_node[axis]) + 0.5f - 0.5f * static_cast<float>(per_node[axis]));
+    }
+};
+
+TransportChannel::CellGeometry TransportChannel::geometry(BlockKind kind) const {
+    CellGeometry g;
+    g.cells = grid_.cells_in(kind);
+    const auto edge = grid_.edge_mm(kind);
+    for (std::size_t a = 0; a < 3; ++a) {
+        g.per_node[a] = g.cells[a] / 4;
+        g.edge[a] = static_cast<float>(edge[a]);
+    }
+    g.volume = g.edge[0] * g.edge[1] * g.edge[2];
+    return g;
+}
+
+/// Calls body(block, geometry, cell, x, y, z, node) for every solid transport cell.
 template <class Body>
 void TransportChannel::for_each_cell(Body&& body) const {
-    parallel_for(0, grid_.transport_blocks.size(), 16, [&](std::size_t i) {
-        const GridBlock& block = grid_.blocks[grid_.transport_blocks[i]];
-        const auto n = grid_.cells_in(block.kind);
-        std::size_t cell = block.first_cell;
-        for (int z = 0; z < n[2]; ++z)
-            for (int y = 0; y < n[1]; ++y)
-                for (int x = 0; x < n[0]; ++x, ++cell)
-                    if (grid_.medium[cell] != 0) body(block, cell, std::array<int, 3>{x, y, z});
+    const std::array<CellGeometry, 2> kinds{geometry(BlockKind::skin), geometry(BlockKind::margin)};
+    parallel_ranges(0, grid_.transport_blocks.size(), 16, [&](std::size_t first, std::size_t last) {
+        std::array<std::uint32_t, 64> node_of{};
+        for (std::size_t i = first; i < last; ++i) {
+            const GridBlock& block = grid_.blocks[grid_.transport_blocks[i]];
+            const CellGeometry& g = kinds[static_cast<std::size_t>(block.kind)];
+            std::uint32_t next = block.first_node;
+            for (std::size_t place = 0; place < 64; ++place)
+                if (block.node_mask >> place & 1) node_of[place] = next++;
+            std::size_t cell = block.first_cell;
+            for (int z = 0; z < g.cells[2]; ++z)
+                for (int y = 0; y < g.cells[1]; ++y) {
+                    const auto row = static_cast<std::size_t>(z / g.per_node[2] * 16 + y / g.per_node[1] * 4);
+                    for (int x = 0, px = 0, k = 0; x < g.cells[0]; ++x, ++cell) {
+                        if (grid_.medium[cell] != 0)
+                            body(block, g, cell, std::array<int, 3>{x, y, z}, node_of[row + static_cast<std::size_t>(px)]);
+                        if (++k == g.per_node[0]) {
+                            k = 0;
+                            ++px;
+                        }
+                    }
+                }
+        }
     });
 }
 
@@ -206,17 +244,10 @@ void TransportChannel::enter() {
         return m.phi - (m.x * offset[0] + m.y * offset[1] + m.z * offset[2]) / D;
     };
     const auto& set = grid_.directions;
-    for_each_cell([&](const GridBlock& block, std::size_t cell, const std::array<int, 3>& at) {
-        const auto n = grid_.cells_in(block.kind);
-        const auto edge = grid_.edge_mm(block.kind);
-        const auto node = static_cast<std::size_t>(
-            grid_.node_at(block, at[0] * 4 / n[0], at[1] * 4 / n[1], at[2] * 4 / n[2]));
+    for_each_cell([&](const GridBlock& block, const CellGeometry& g, std::size_t cell, const std::array<int, 3>& at,
+                      std::uint32_t node) {
         const Moments& m = delta_moments_[node];
-        std::array<float, 3> offset{};
-        for (std::size_t a = 0; a < 3; ++a) {
-            const int per_node = n[a] / 4;
-            offset[a] = static_cast<float>(edge[a]) * (static_cast<float>(at[a] % per_node) + 0.5f - 0.5f * static_cast<float>(per_node));
-        }
+        const std::array<float, 3> offset{g.offset(0, at[0]), g.offset(1, at[1]), g.offset(2, at[2])};
         Moments& s = source_[cell];
         s.phi += linear_change(m, D_[node], offset);
         s.x += m.x;
@@ -234,7 +265,7 @@ void TransportChannel::enter() {
             const FaceLaw& law = grid_.law_of(face);
             const Octet& w = flux_weight_[axis];
             std::array<float, 3> at_face = offset;
-            at_face[axis] += static_cast<float>(plus ? 0.5 * edge[axis] : -0.5 * edge[axis]);
+            at_face[axis] += plus ? 0.5f * g.edge[axis] : -0.5f * g.edge[axis];
             const float phi = linear_change(m, D_[node], at_face);
             const std::array<float, 3> J{m.x, m.y, m.z};
             double leaving = 0, before = 0;
@@ -331,7 +362,7 @@ void TransportChannel::sweep() {
     parallel_for(0, 2, 1, [&](std::size_t half) {
         SweepJob job{&grid_, media_, source_, half == 0 ? std::span<Moments>(sum_) : std::span<Moments>(other_sum_), in_, out_};
         std::fill(job.sum.begin(), job.sum.end(), Moments{});
-        for (int k = 0; k < 4; ++k) sweep_octant(job, half == 0 ? k : 7 - k);
+        sweep_half(job, half == 1);
     });
 }
 
@@ -339,19 +370,10 @@ void TransportChannel::sweep() {
 void TransportChannel::correct() {
     const std::size_t n = grid_.nodes.size();
     std::vector<float> right(n, 0.0f);
-    std::array<double, 2> volume{};
-    for (std::size_t kind = 0; kind < 2; ++kind) {
-        const auto edge = grid_.edge_mm(static_cast<BlockKind>(kind));
-        volume[kind] = edge[0] * edge[1] * edge[2];
-    }
-    for_each_cell([&](const GridBlock& block, std::size_t cell, const std::array<int, 3>& at) {
-        const auto c = grid_.cells_in(block.kind);
-        const auto node = static_cast<std::size_t>(
-            grid_.node_at(block, at[0] * 4 / c[0], at[1] * 4 / c[1], at[2] * 4 / c[2]));
+    for_each_cell([&](const GridBlock&, const CellGeometry& g, std::size_t cell, const std::array<int, 3>&, std::uint32_t node) {
         const Moments &p = sum_[cell], &q = other_sum_[cell];
         const Moments sum{p.phi + q.phi, p.x + q.x, p.y + q.y, p.z + q.z};
-        right[node] += media_[grid_.medium[cell]].sigma_s * static_cast<float>(volume[static_cast<std::size_t>(block.kind)]) *
-                       (sum.phi - source_[cell].phi);
+        right[node] += media_[grid_.medium[cell]].sigma_s * g.volume * (sum.phi - source_[cell].phi);
         source_[cell] = sum;
     });
     // What the surface will send back, and what the core got and gave.

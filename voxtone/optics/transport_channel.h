@@ -35,6 +35,8 @@ private:
     struct FaceSums {
         double weight = 0, through = 0;  ///< sum w |Omega . e| (t): of the four octants
     };
+    struct CellGeometry;
+    [[nodiscard]] CellGeometry geometry(BlockKind kind) const;
     [[nodiscard]] FaceSums face_sums(std::size_t face) const;
     void make_diffusion();
     void start();

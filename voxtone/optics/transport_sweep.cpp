@@ -109,110 +109,166 @@ struct BlockFaces {
     V8 *x, *y, *z;
 };
 
-HWY_INLINE void sweep_block(const SweepJob& job, const Octant& o, const GridBlock& block, const BlockFaces& faces) {
+/// What does not depend on the octant: per medium 1 / (sigma_t + sum 2 |Omega| / h), for both kinds of cells.
+struct Media {
+    const V8* inverse[2];
+    const TransportMedium* medium;
+};
+
+/// psi of a cell; px, py, pz come in and go out.
+HWY_INLINE void cross_cell(const Octant& o, const Ways& ways, const V8& inverse, float sigma_s, const Moments& source,
+                           Moments& sum, V8& px, V8& py, V8& pz) {
+    const V8 q = sigma_s * (source.phi + (source.x * o.sx + source.y * o.sy + source.z * o.sz));
+    const V8 psi = ((q + ways.ay * py + ways.az * pz) + ways.ax * px) * inverse;
+    const V8 twice = psi + psi;
+    px = twice - px;
+    py = twice - py;
+    pz = twice - pz;
+    V8 moment = __builtin_shuffle(psi, I8{0, 0, 0, 0, 1, 1, 1, 1}) * o.weights[0];
+    V8 other = __builtin_shuffle(psi, I8{2, 2, 2, 2, 3, 3, 3, 3}) * o.weights[1];
+    moment += __builtin_shuffle(psi, I8{4, 4, 4, 4, 5, 5, 5, 5}) * o.weights[2];
+    other += __builtin_shuffle(psi, I8{6, 6, 6, 6, 7, 7, 7, 7}) * o.weights[3];
+    moment += other;
+    V4 low, high;
+    std::memcpy(&low, &moment, sizeof low);
+    std::memcpy(&high, reinterpret_cast<const char*>(&moment) + sizeof low, sizeof high);
+    add_to(sum, low + high);
+}
+
+/// A row of cells none of which has an outer face.
+template <int step>
+HWY_INLINE void inner_row(const Octant& o, const Ways& ways, const Media& media, const V8* inverse, const std::uint16_t* medium,
+                          const Moments* source, Moments* sum, V8* row_y, V8* row_z, V8& px) {
+    int x = step > 0 ? 0 : ways.nx - 1;
+    for (int k = 0; k < ways.nx; ++k, x += step)
+        cross_cell(o, ways, inverse[medium[x]], media.medium[medium[x]].sigma_s, source[x], sum[x], px, row_y[x], row_z[x]);
+}
+
+void sweep_block(const SweepJob& job, const Octant& o, const Media& media, const GridBlock& block, const BlockFaces& faces) {
     const OpticalGrid& grid = *job.grid;
     const Ways ways = o.ways[static_cast<int>(block.kind)];
-    const TransportMedium* const media = job.media.data();
+    const V8* const inverse = media.inverse[static_cast<int>(block.kind)];
     const std::uint16_t* const medium = grid.medium.data() + block.first_cell;
     const std::uint8_t* const outer = grid.outer.data() + block.first_cell;
     const Moments* const source = job.source.data() + block.first_cell;
     Moments* const sum = job.sum.data() + block.first_cell;
     const std::int32_t* const links = block.first_link < 0 ? nullptr : grid.face_of_cell.data() + block.first_link;
-    const int step = o.back[0] ? -1 : 1;
     for (int kz = 0; kz < ways.nz; ++kz) {
         const int z = o.back[2] ? ways.nz - 1 - kz : kz;
         for (int ky = 0; ky < ways.ny; ++ky) {
             const int y = o.back[1] ? ways.ny - 1 - ky : ky;
+            const int row = (z * ways.ny + y) * ways.nx;
             V8 px = faces.x[z * ways.ny + y];
             V8* const row_y = faces.y + z * ways.nx;
             V8* const row_z = faces.z + y * ways.nx;
-            int x = o.back[0] ? ways.nx - 1 : 0;
-            for (int kx = 0; kx < ways.nx; ++kx, x += step) {
-                const int cell = (z * ways.ny + y) * ways.nx + x;
+            unsigned any = 0;
+            if (links)
+                for (int x = 0; x < ways.nx; ++x) any |= outer[row + x];
+            if (any == 0) {
+                if (o.back[0]) inner_row<-1>(o, ways, media, inverse, medium + row, source + row, sum + row, row_y, row_z, px);
+                else inner_row<1>(o, ways, media, inverse, medium + row, source + row, sum + row, row_y, row_z, px);
+                faces.x[z * ways.ny + y] = px;
+                continue;
+            }
+            const int step = o.back[0] ? -1 : 1;
+            for (int kx = 0, x = o.back[0] ? ways.nx - 1 : 0; kx < ways.nx; ++kx, x += step) {
+                const int cell = row + x;
                 const unsigned bits = outer[cell];
-                V8 py = row_y[x], pz = row_z[x];
-                std::size_t first_face = 0;
-                const auto face_of = [&](unsigned bit, int axis) {
+                if (bits & 64u) continue;
+                const auto first_face = static_cast<std::size_t>(links[cell]);
+                const auto face_of = [&](int axis, unsigned bit) {
                     return (first_face + static_cast<unsigned>(__builtin_popcount(bits & ((1u << bit) - 1)))) * 4 +
                            static_cast<unsigned>(o.signs[axis]);
                 };
-                if (bits != 0) {
-                    if (bits & 64u) continue;
-                    first_face = static_cast<std::size_t>(links[cell]);
-                    if (bits >> o.in_bit[0] & 1) load(px, &job.in[face_of(o.in_bit[0], 0)]);
-                    if (bits >> o.in_bit[1] & 1) load(py, &job.in[face_of(o.in_bit[1], 1)]);
-                    if (bits >> o.in_bit[2] & 1) load(pz, &job.in[face_of(o.in_bit[2], 2)]);
-                }
-                const TransportMedium m = media[medium[cell]];
-                const Moments& s = source[cell];
-                const V8 q = m.sigma_s * (s.phi + (s.x * o.sx + s.y * o.sy + s.z * o.sz));
-                const V8 inverse = 1.0f / (ways.a + m.sigma_t);
-                const V8 psi = ((q + ways.ay * py + ways.az * pz) + ways.ax * px) * inverse;
-                const V8 twice = psi + psi;
-                px = twice - px;
-                py = twice - py;
-                pz = twice - pz;
+                V8 py = row_y[x], pz = row_z[x];
+                if (bits >> o.in_bit[0] & 1) load(px, &job.in[face_of(0, o.in_bit[0])]);
+                if (bits >> o.in_bit[1] & 1) load(py, &job.in[face_of(1, o.in_bit[1])]);
+                if (bits >> o.in_bit[2] & 1) load(pz, &job.in[face_of(2, o.in_bit[2])]);
+                cross_cell(o, ways, inverse[medium[cell]], media.medium[medium[cell]].sigma_s, source[cell], sum[cell], px, py, pz);
                 row_y[x] = py;
                 row_z[x] = pz;
-                V8 moment = __builtin_shuffle(psi, I8{0, 0, 0, 0, 1, 1, 1, 1}) * o.weights[0];
-                moment += __builtin_shuffle(psi, I8{2, 2, 2, 2, 3, 3, 3, 3}) * o.weights[1];
-                moment += __builtin_shuffle(psi, I8{4, 4, 4, 4, 5, 5, 5, 5}) * o.weights[2];
-                moment += __builtin_shuffle(psi, I8{6, 6, 6, 6, 7, 7, 7, 7}) * o.weights[3];
-                V4 low, high;
-                std::memcpy(&low, &moment, sizeof low);
-                std::memcpy(&high, reinterpret_cast<const char*>(&moment) + sizeof low, sizeof high);
-                add_to(sum[cell], low + high);
-                if (bits != 0) {
-                    if (bits >> o.out_bit[0] & 1) store(px, &job.out[face_of(o.out_bit[0], 0)]);
-                    if (bits >> o.out_bit[1] & 1) store(py, &job.out[face_of(o.out_bit[1], 1)]);
-                    if (bits >> o.out_bit[2] & 1) store(pz, &job.out[face_of(o.out_bit[2], 2)]);
-                }
+                if (bits >> o.out_bit[0] & 1) store(px, &job.out[face_of(0, o.out_bit[0])]);
+                if (bits >> o.out_bit[1] & 1) store(py, &job.out[face_of(1, o.out_bit[1])]);
+                if (bits >> o.out_bit[2] & 1) store(pz, &job.out[face_of(2, o.out_bit[2])]);
             }
             faces.x[z * ways.ny + y] = px;
         }
     }
 }
 
-void sweep(const SweepJob& job, int octant) {
+/// The radiance on the faces between blocks along one octant's way.
+struct Front {
+    std::vector<Octet> x, y, z;  // not V8: containers forget its alignment
+    BlockKind x_kind = BlockKind::skin;
+    std::vector<BlockKind> y_kind, z_kind;
+};
+
+void sweep(const SweepJob& job, int half) {
     const OpticalGrid& grid = *job.grid;
-    const Octant o = make_octant(grid, octant);
     const auto skin = grid.cells_in(BlockKind::skin), margin = grid.cells_in(BlockKind::margin);
     const std::array<int, 3> most{std::max(skin[0], margin[0]), std::max(skin[1], margin[1]), std::max(skin[2], margin[2])};
     const std::array<int, 3> ratio{skin[0] / margin[0], skin[1] / margin[1], skin[2] / margin[2]};
     const auto per_x = static_cast<std::size_t>(most[1] * most[2]), per_y = static_cast<std::size_t>(most[0] * most[2]),
                per_z = static_cast<std::size_t>(most[0] * most[1]);
     const auto across = static_cast<std::size_t>(grid.lattice[0]), deep = static_cast<std::size_t>(grid.lattice[1]);
-    std::vector<Octet> x(per_x), y(per_y * across), z(per_z * across * deep);  // not V8: containers forget its alignment
-    BlockKind x_kind = BlockKind::skin;
-    std::vector<BlockKind> y_kind(across, BlockKind::skin), z_kind(across * deep, BlockKind::skin);
+    std::array<Octant, 4> octants;
+    std::array<Front, 4> fronts;
+    for (int k = 0; k < 4; ++k) {
+        const auto i = static_cast<std::size_t>(k);
+        octants[i] = make_octant(grid, k + 4 * half);
+        Front& front = fronts[i];
+        front.x.resize(per_x);
+        front.y.resize(per_y * across);
+        front.z.resize(per_z * across * deep);
+        front.y_kind.assign(across, BlockKind::skin);
+        front.z_kind.assign(across * deep, BlockKind::skin);
+    }
+    std::array<std::vector<Octet>, 2> inverse;
+    Media media{};
+    for (std::size_t kind = 0; kind < 2; ++kind) {
+        inverse[kind].resize(job.media.size());
+        for (std::size_t m = 0; m < job.media.size(); ++m)
+            store(1.0f / (octants[0].ways[kind].a + job.media[m].sigma_t), &inverse[kind][m]);
+        media.inverse[kind] = as_vectors(inverse[kind].data());
+    }
+    media.medium = job.media.data();
     const auto fit = [&](V8* face, BlockKind& kind, BlockKind wanted, std::size_t a, std::size_t b) {
         if (kind == wanted) return;
         if (wanted == BlockKind::margin) to_margin(face, skin[a], skin[b], ratio[a], ratio[b]);
         else to_skin(face, skin[a], skin[b], ratio[a], ratio[b]);
         kind = wanted;
     };
-    // Rows of blocks along x lie one after the other in y, then z; an octant runs through them forwards or backwards.
+    const auto cross_row = [&](std::size_t row, std::size_t k) {
+        const Octant& o = octants[k];
+        Front& front = fronts[k];
+        const std::size_t begin = grid.transport_rows[row], end = grid.transport_rows[row + 1];
+        for (std::size_t i = begin; i < end; ++i) {
+            const GridBlock& block = grid.blocks[grid.transport_blocks[o.back[0] ? end - 1 - (i - begin) : i]];
+            const auto bx = static_cast<std::size_t>(block.at[0]);
+            const std::size_t bz = static_cast<std::size_t>(block.at[1]) * across + bx;
+            const BlockFaces faces{as_vectors(front.x.data()), as_vectors(front.y.data() + per_y * bx),
+                                   as_vectors(front.z.data() + per_z * bz)};
+            fit(faces.x, front.x_kind, block.kind, 1, 2);
+            fit(faces.y, front.y_kind[bx], block.kind, 0, 2);
+            fit(faces.z, front.z_kind[bz], block.kind, 0, 1);
+            sweep_block(job, o, media, block, faces);
+        }
+    };
+    // Rows of blocks along x lie one after the other in y, then z. All four octants of one way along z cross a plane of
+    // blocks before the next one, and both ways along x a row, while its cells are in the cache.
     const std::size_t rows = grid.transport_rows.size() - 1;
     const auto plane_of = [&](std::size_t row) { return grid.blocks[grid.transport_blocks[grid.transport_rows[row]]].at[2]; };
     for (std::size_t p = 0; p < rows;) {
-        const std::size_t at = o.back[2] ? rows - 1 - p : p;
+        const std::size_t at = half ? rows - 1 - p : p;
         std::size_t count = 1;
-        while (p + count < rows && plane_of(o.back[2] ? at - count : at + count) == plane_of(at)) ++count;
-        const std::size_t first = o.back[2] ? at + 1 - count : at;
-        for (std::size_t k = 0; k < count; ++k) {
-            const std::size_t row = o.back[1] ? first + count - 1 - k : first + k;
-            const std::size_t begin = grid.transport_rows[row], end = grid.transport_rows[row + 1];
-            for (std::size_t i = begin; i < end; ++i) {
-                const GridBlock& block = grid.blocks[grid.transport_blocks[o.back[0] ? end - 1 - (i - begin) : i]];
-                const auto bx = static_cast<std::size_t>(block.at[0]);
-                const std::size_t bz = static_cast<std::size_t>(block.at[1]) * across + bx;
-                const BlockFaces faces{as_vectors(x.data()), as_vectors(y.data() + per_y * bx), as_vectors(z.data() + per_z * bz)};
-                fit(faces.x, x_kind, block.kind, 1, 2);
-                fit(faces.y, y_kind[bx], block.kind, 0, 2);
-                fit(faces.z, z_kind[bz], block.kind, 0, 1);
-                sweep_block(job, o, block, faces);
+        while (p + count < rows && plane_of(half ? at - count : at + count) == plane_of(at)) ++count;
+        const std::size_t first = half ? at + 1 - count : at;
+        for (std::size_t back = 0; back < 2; ++back)
+            for (std::size_t k = 0; k < count; ++k) {
+                const std::size_t row = back ? first + count - 1 - k : first + k;
+                cross_row(row, 2 * back);
+                cross_row(row, 2 * back + 1);
             }
-        }
         p += count;
     }
 }
@@ -225,7 +281,7 @@ namespace voxtone::optics {
 
 HWY_EXPORT(sweep);
 
-void sweep_octant(const SweepJob& job, int octant) { HWY_DYNAMIC_DISPATCH(sweep)(job, octant); }
+void sweep_half(const SweepJob& job, bool down) { HWY_DYNAMIC_DISPATCH(sweep)(job, down ? 1 : 0); }
 
 }  // namespace voxtone::optics
 #endif

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// One discrete-ordinates sweep of one octant through the transport cells of an optical grid.
+// One discrete-ordinates sweep of half the directions through the transport cells of an optical grid.
 //
 // In each cell, for each of the octant's 8 directions (one vector register):
 //   psi = (q + sum_a 2 |Omega_a| / h_a psi_in,a) / (sigma_t + sum_a 2 |Omega_a| / h_a),   psi_out,a = 2 psi - psi_in,a
@@ -29,13 +29,13 @@ struct SweepJob {
     const OpticalGrid* grid = nullptr;
     std::span<const TransportMedium> media;  ///< of the palette, this channel
     std::span<const Moments> source;         ///< per cell: phi and J that the source is made of
-    std::span<Moments> sum;                  ///< per cell: the octant's share is added
+    std::span<Moments> sum;                  ///< per cell: their share is added
     std::span<const Octet> in;               ///< [face * 4 + tangential signs]: radiance that enters through outer faces
     std::span<Octet> out;                    ///< the same, that leaves
 };
 
-/// Octant bits: 1, 2, 4 set where light runs against x, y, z.
-void sweep_octant(const SweepJob& job, int octant);
+/// The four octants of light that runs up, or down. Octant bits: 1, 2, 4 set where light runs against x, y, z.
+void sweep_half(const SweepJob& job, bool down);
 
 /// Place among the four octants that cross a face perpendicular to `axis` one way.
 [[nodiscard]] constexpr int tangential_signs(int octant, int axis) {
