@@ -39,6 +39,49 @@ TEST_CASE("A volume gives back every voxel, by one, by box and by count") {
     CHECK(volume.count()[1] == ones);
 }
 
+TEST_CASE("A volume is the same whether built of layers, of rows of blocks or of parts that are stacked") {
+    const std::array<int, 3> size{37, 50, 41};
+    const ResinVolume layers = make_resin_volume(size, j750, pattern);
+    std::vector<ResinVolume> parts;
+    for (int z0 = 0; z0 < size[2]; z0 += ResinVolume::block_edge) {
+        const int depth = std::min(ResinVolume::block_edge, size[2] - z0);
+        ResinVolumeBuilder builder({size[0], size[1], depth}, j750);
+        for (int y0 = 0; y0 < size[1]; y0 += ResinVolume::block_edge) {
+            std::vector<Material> rows;
+            for (int z = z0; z < z0 + depth; ++z)
+                for (int y = y0; y < std::min(y0 + ResinVolume::block_edge, size[1]); ++y)
+                    for (int x = 0; x < size[0]; ++x) rows.push_back(static_cast<Material>(pattern(x, y, z)));
+            builder.add_block_row(rows);
+        }
+        parts.push_back(builder.finish());
+    }
+    const ResinVolume whole = stacked(std::move(parts));
+    CHECK(whole.size() == size);
+    CHECK(whole.memory_bytes() == layers.memory_bytes());
+    std::size_t wrong = 0;
+    for (int z = 0; z < size[2]; ++z)
+        for (int y = 0; y < size[1]; ++y)
+            for (int x = 0; x < size[0]; ++x) wrong += whole.at(x, y, z) != layers.at(x, y, z);
+    CHECK(wrong == 0);
+}
+
+TEST_CASE("The white twin is solid where the volume is, and of one resin") {
+    const std::array<int, 3> size{37, 50, 41};
+    // Solid with a hole; many resins.
+    const auto made = [](int x, int y, int z) { return x > 5 && x < 9 && y > 20 ? 0 : 1 + (x + y + z) % 4; };
+    const ResinVolume volume = make_resin_volume(size, j750, made);
+    const ResinVolume twin = all_of(volume, 7);
+    std::size_t wrong = 0;
+    for (int z = 0; z < size[2]; ++z)
+        for (int y = 0; y < size[1]; ++y)
+            for (int x = 0; x < size[0]; ++x) wrong += twin.at(x, y, z) != (made(x, y, z) == 0 ? 0 : 7);
+    CHECK(wrong == 0);
+    CHECK(twin.count()[7] + twin.count()[0] == static_cast<std::uint64_t>(37 * 50 * 41));
+    // Blocks along x = 16 and beyond are whole, also those that the border cuts: 4096 bytes for each of the others.
+    CHECK(twin.uniform_material({16, 0, 0}, {21, 50, 41}) == 7);
+    CHECK(twin.memory_bytes() < volume.memory_bytes() / 2);
+}
+
 TEST_CASE("Boxes of one material are known as such") {
     const ResinVolume volume = make_resin_volume({64, 64, 64}, j750, [](int x, int, int) { return x < 40 ? 2 : 3; });
     CHECK(volume.uniform_material({0, 0, 0}, {40, 64, 64}) == 2);

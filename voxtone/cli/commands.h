@@ -15,6 +15,7 @@ namespace voxtone::cli {
 using Command = std::function<int()>;
 
 Command add_slice_command(CLI::App& program);
+Command add_predict_command(CLI::App& program);
 Command add_verify_command(CLI::App& program);
 Command add_list_command(CLI::App& program);
 

@@ -30,6 +30,7 @@ int run(int argc, char** argv) {
     program.require_subcommand(1);
     std::vector<std::pair<std::string, voxtone::cli::Command>> commands;
     commands.emplace_back("slice", voxtone::cli::add_slice_command(program));
+    commands.emplace_back("predict", voxtone::cli::add_predict_command(program));
     commands.emplace_back("verify", voxtone::cli::add_verify_command(program));
     commands.emplace_back("list", voxtone::cli::add_list_command(program));
     try {

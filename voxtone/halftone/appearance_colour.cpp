@@ -4,7 +4,6 @@
 #include <fmt/core.h>
 
 #include "voxtone/base/error.h"
-#include "voxtone/optics/colour.h"
 #include "voxtone/optics/spectral_colour.h"
 
 namespace voxtone::halftone {
@@ -18,12 +17,7 @@ AppearanceColour::AppearanceColour(const optics::ShellAppearance& appearance, st
                         "wavelengths its colour is unknown; give one wavelength per channel",
                         channels, appearance.channels()));
     if (wavelengths_nm.empty()) return;
-    const Eigen::Matrix3Xd weights = optics::xyz_weights(wavelengths_nm, optics::Illuminant::d65);
-    const Eigen::Vector3d white = weights.rowwise().sum();
-    from_spectrum_.resize(3, weights.cols());
-    for (Eigen::Index c = 0; c < weights.cols(); ++c)
-        from_spectrum_.col(c) =
-            optics::linear_srgb_from_xyz(optics::adapt_white(weights.col(c), white, optics::d65_white()));
+    from_spectrum_ = optics::linear_srgb_weights(wavelengths_nm);
 }
 
 Eigen::Vector3d AppearanceColour::rgb(std::span<const double> fractions) const {

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "voxtone/io/picture_writer.h"
@@ -16,5 +17,15 @@ namespace voxtone::io {
 /// bytes.
 [[nodiscard]] std::vector<std::uint8_t> exr_bytes(const LinearPicture& picture,
                                                   std::array<double, 2> px_per_mm = {0, 0});
+
+/// A picture of numbers: rows from the top, `names.size()` values a pixel.
+struct NumberPicture {
+    std::uint32_t width_px = 0, height_px = 0;
+    std::vector<std::string> names;  ///< of the channels, all different: "R", "450nm", "error.R"
+    std::vector<float> values;
+};
+
+/// The same kind of file with channels of these names; values are written as they are.
+[[nodiscard]] std::vector<std::uint8_t> exr_bytes(const NumberPicture& picture, std::array<double, 2> px_per_mm = {0, 0});
 
 }  // namespace voxtone::io

@@ -59,4 +59,10 @@ LayerRuns oriented(const LayerRuns& layer, const Orientation& orientation) {
     return result;
 }
 
+LayerRuns as_sliced(LayerRuns layer, const Orientation& o) {
+    if (o == Orientation{}) return layer;
+    // The mirrors came last, so they go first.
+    return oriented(oriented(layer, {o.flip_x, o.flip_y, false}), {false, false, o.swap_xy});
+}
+
 }  // namespace voxtone::io

@@ -10,5 +10,7 @@ namespace voxtone::io {
 
 /// The layer as `orientation` says: first rows and columns swapped, then columns mirrored, then rows.
 [[nodiscard]] LayerRuns oriented(const LayerRuns& layer, const Orientation& orientation);
+/// The layer as it was before `oriented`: in the model's frame.
+[[nodiscard]] LayerRuns as_sliced(LayerRuns layer, const Orientation& orientation);
 
 }  // namespace voxtone::io

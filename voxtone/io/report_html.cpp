@@ -192,6 +192,28 @@ void add_views(std::string& html, const Report& report) {
     html += "</section>\n";
 }
 
+void add_prediction(std::string& html, const Report& report) {
+    if (!report.prediction) return;
+    const ReportPrediction& p = *report.prediction;
+    html += "<section>\n<h2>Predicted against asked for</h2>\n<dl class=\"cards\">\n";
+    add_card(html, "Mean difference", fmt::format("{:.2f}", p.mean_de2000), "CIEDE2000");
+    add_card(html, "Median", fmt::format("{:.2f}", p.median_de2000), "CIEDE2000");
+    add_card(html, "95th percentile", fmt::format("{:.2f}", p.p95_de2000), "CIEDE2000");
+    add_card(html, "Largest", fmt::format("{:.2f}", p.max_de2000), "CIEDE2000");
+    html += "</dl>\n<div class=\"table\"><table>\n<thead><tr><th>Difference</th><th class=\"n\">Share of the surface</th>"
+            "<th></th></tr></thead>\n<tbody>\n";
+    double most = 0;
+    for (const auto& [edge, share] : p.histogram) most = std::max(most, share);
+    for (std::size_t i = 0; i < p.histogram.size(); ++i) {
+        const auto& [edge, share] = p.histogram[i];
+        const std::string range = i + 1 < p.histogram.size() ? fmt::format("{:g} – {:g}", edge, p.histogram[i + 1].first)
+                                                             : fmt::format("{:g} and more", edge);
+        html += fmt::format("<tr><td>{}</td><td class=\"n\">{:.1f} %</td><td class=\"meter\"><i style=\"--share:{:.2f}%\"></i></td></tr>\n",
+                            range, 100 * share, most > 0 ? 100 * share / most : 0);
+    }
+    html += fmt::format("</tbody>\n</table></div>\n<p class=\"soft\">{}</p>\n</section>\n", escaped(p.note));
+}
+
 void add_gamut(std::string& html, const Report& report) {
     if (!report.gamut) return;
     const ReportGamut& gamut = *report.gamut;
@@ -338,6 +360,7 @@ std::string report_html(const Report& report) {
     add_summary(html, report);
     add_warnings(html, report);
     add_views(html, report);
+    add_prediction(html, report);
     add_resins(html, report);
     add_layers(html, report);
     add_gamut(html, report);

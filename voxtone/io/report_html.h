@@ -56,6 +56,18 @@ struct ReportGamut {
     double mean_de2000 = 0, p95_de2000 = 0, max_de2000 = 0;  ///< over the whole coloured surface: asked for - mapped
 };
 
+/// What an appearance model says of the print, against what was asked for; figures weigh the surface by area.
+struct ReportPrediction {
+    std::string model;
+    std::string note;  ///< what it is and what it leaves out; one paragraph
+    std::array<double, 3> cell_um{};
+    std::uint64_t cells = 0;
+    double seconds = 0;
+    double mean_de2000 = 0, median_de2000 = 0, p95_de2000 = 0, max_de2000 = 0;
+    /// Share of the surface with a difference in [edge, next edge), the last one everything above.
+    std::vector<std::pair<double, double>> histogram;
+};
+
 /// A table of texts; cells that look like numbers are set to the right.
 struct ReportTable {
     std::string title;
@@ -85,6 +97,7 @@ struct Report {
     std::uint64_t peak_memory_bytes = 0;
     std::uint64_t output_bytes = 0;
     std::optional<ReportGamut> gamut;
+    std::optional<ReportPrediction> prediction;
     std::string prediction_note;  ///< what the prediction is and what it leaves out; one paragraph
     std::vector<ReportView> views;
     std::vector<ReportLayer> layers;                       ///< some of them, from the bottom up

@@ -59,6 +59,21 @@ std::string report_json(const Report& report) {
                           {{"mean", report.gamut->mean_de2000},
                            {"p95", report.gamut->p95_de2000},
                            {"max", report.gamut->max_de2000}}}};
+    if (report.prediction) {
+        const ReportPrediction& p = *report.prediction;
+        Json histogram = Json::array();
+        for (const auto& [edge, share] : p.histogram) histogram.push_back({{"from", edge}, {"share", share}});
+        json["predicted"] = {{"model", valid_utf8(p.model)},
+                             {"cell_um", p.cell_um},
+                             {"cells", p.cells},
+                             {"seconds", p.seconds},
+                             {"de2000",
+                              {{"mean", p.mean_de2000},
+                               {"median", p.median_de2000},
+                               {"p95", p.p95_de2000},
+                               {"max", p.max_de2000},
+                               {"histogram", histogram}}}};
+    }
     json["warnings"] = Json::array();
     for (const std::string& warning : report.warnings) json["warnings"].push_back(valid_utf8(warning));
     json["stages"] = Json::array();

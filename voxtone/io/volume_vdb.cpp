@@ -31,12 +31,6 @@ struct Slab {
     [[nodiscard]] Material* row(std::uint32_t j, std::uint32_t k) { return voxels.data() + (std::size_t{k} * height + j) * width; }
 };
 
-LayerRuns as_sliced(LayerRuns layer, const Orientation& o) {
-    if (o == Orientation{}) return layer;
-    // The mirrors came last, so they go first.
-    return oriented(oriented(layer, {o.flip_x, o.flip_y, false}), {false, false, o.swap_xy});
-}
-
 void add_block(Tree& tree, Slab& slab, std::uint32_t i, std::uint32_t j, std::uint32_t k) {
     const std::uint32_t ni = std::min(leaf, slab.width - i), nj = std::min(leaf, slab.height - j);
     const Material value = slab.row(j, 0)[i];

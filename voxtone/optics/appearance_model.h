@@ -91,9 +91,6 @@ public:
                                              const Progress* progress = nullptr) const = 0;
 };
 
-/// The same volume with every solid voxel of one resin: the "paper white" that media-relative colour refers to.
-[[nodiscard]] ResinVolume all_of(const ResinVolume& volume, Material material);
-
 /// Throws InputError that names the first material that has no resin in the set.
 void expect_resins_for(const Scene& scene);
 

@@ -39,6 +39,8 @@ public:
 
 private:
     friend class ResinVolumeBuilder;
+    friend ResinVolume stacked(std::vector<ResinVolume> parts);
+    friend ResinVolume all_of(const ResinVolume& volume, Material material);
     [[nodiscard]] std::size_t block_index(int bx, int by, int bz) const;
 
     std::array<int, 3> size_{}, blocks_{};
@@ -47,22 +49,34 @@ private:
     std::vector<Material> voxels_;
 };
 
-/// Builds a volume layer by layer from the bottom; holds 16 layers besides the blocks that are done.
+/// Builds a volume from the bottom, layer by layer (holds 16 layers besides the blocks that are done) or row of blocks
+/// by row of blocks (holds nothing besides); one way or the other for a volume.
 class ResinVolumeBuilder {
 public:
     /// size >= 1 voxel, pitch > 0 mm along each axis.
     ResinVolumeBuilder(const std::array<int, 3>& size, const std::array<double, 3>& pitch_mm);
     /// size x * size y materials, x fastest, y ascending.
     void add_layer(std::span<const Material> layer);
+    /// The next row of blocks, y ascending, then z: `voxels` of the whole width, of 16 rows and 16 layers (of what is
+    /// left of them at the border), x fastest, then y, then z.
+    void add_block_row(std::span<const Material> voxels);
     /// After the last layer.
     [[nodiscard]] ResinVolume finish();
 
 private:
-    void close_blocks();
+    void append_blocks(const Material* first, std::size_t row_stride, std::size_t plane_stride, int rows, int layers);
     ResinVolume volume_;
     std::vector<Material> slab_;
-    int layers_ = 0;
+    int layers_ = 0, block_rows_ = 0;
 };
+
+/// Volumes of the same width, depth and pitch one above the other, the first one lowest; all but the last have a
+/// multiple of 16 layers. The parts are freed one by one, so that the whole is held once.
+[[nodiscard]] ResinVolume stacked(std::vector<ResinVolume> parts);
+
+/// The same volume with every solid voxel of one resin: the "paper white" that media-relative colour refers to. Needs
+/// less memory than the volume: only blocks that the surface passes have several materials.
+[[nodiscard]] ResinVolume all_of(const ResinVolume& volume, Material material);
 
 /// A volume of one function of the voxel, for tests and benchmarks.
 template <class MaterialOf>

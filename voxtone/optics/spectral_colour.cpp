@@ -5,6 +5,7 @@
 #include <array>
 
 #include "voxtone/base/contracts.h"
+#include "voxtone/optics/colour.h"
 
 namespace voxtone::optics {
 
@@ -135,6 +136,15 @@ Eigen::Vector3d xyz_from_spectrum(std::span<const double> wavelengths_nm, std::s
     VOXTONE_EXPECT(wavelengths_nm.size() == reflectance.size());
     return xyz_weights(wavelengths_nm, illuminant) *
            Eigen::Map<const Eigen::VectorXd>(reflectance.data(), static_cast<Eigen::Index>(reflectance.size()));
+}
+
+Eigen::Matrix3Xd linear_srgb_weights(std::span<const double> wavelengths_nm) {
+    if (wavelengths_nm.empty()) return Eigen::Matrix3d::Identity();
+    Eigen::Matrix3Xd weights = xyz_weights(wavelengths_nm, Illuminant::d65);
+    const Eigen::Vector3d white = weights.rowwise().sum();
+    for (Eigen::Index c = 0; c < weights.cols(); ++c)
+        weights.col(c) = linear_srgb_from_xyz(adapt_white(weights.col(c), white, d65_white()));
+    return weights;
 }
 
 Eigen::Vector3d spectral_white(Illuminant illuminant) {

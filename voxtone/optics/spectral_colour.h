@@ -22,6 +22,10 @@ enum class Illuminant { d65, d50, a };
 [[nodiscard]] Eigen::Vector3d xyz_from_spectrum(std::span<const double> wavelengths_nm,
                                                 std::span<const double> reflectance, Illuminant illuminant);
 
+/// Columns w such that linear sRGB = weights * rho, under D65, white adapted to (1, 1, 1) (Bradford): the colour of a
+/// spectrum for the eye. No wavelengths: rho is linear sRGB already, and the weights are the identity.
+[[nodiscard]] Eigen::Matrix3Xd linear_srgb_weights(std::span<const double> wavelengths_nm);
+
 /// XYZ of a perfect diffuser.
 [[nodiscard]] Eigen::Vector3d spectral_white(Illuminant illuminant);
 

@@ -288,18 +288,6 @@ Surface find_surface(const Scene& scene, const std::array<int, 3>& cell, Surface
     return surface;
 }
 
-ResinVolume all_of(const ResinVolume& volume, Material material) {
-    ResinVolumeBuilder builder(volume.size(), volume.pitch_mm());
-    std::vector<Material> layer(static_cast<std::size_t>(volume.size()[0]) * static_cast<std::size_t>(volume.size()[1]));
-    for (int z = 0; z < volume.size()[2]; ++z) {
-        volume.copy_box({0, 0, z}, {volume.size()[0], volume.size()[1], 1}, layer);
-        for (Material& m : layer)
-            if (m != air) m = material;
-        builder.add_layer(layer);
-    }
-    return builder.finish();
-}
-
 void expect_resins_for(const Scene& scene) {
     VOXTONE_EXPECT(scene.volume && scene.resins);
     const auto counts = scene.volume->count();

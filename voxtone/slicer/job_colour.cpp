@@ -60,7 +60,9 @@ std::unique_ptr<const JobColour> prepare_colour(const SliceOptions& options, con
     geometry.white_resin = resins.set.find("W");  // -1, the core, where no white is loaded
     if (picture_thickness_mm > 0) {
         geometry.shell_mm = std::min(options.depth_mm, picture_thickness_mm);
-        geometry.core_mm = picture_thickness_mm - geometry.shell_mm;
+        // A slab that is colour all through has no core; the model wants one: a nanometre of it is nothing to light.
+        constexpr double no_core_mm = 1e-6;
+        geometry.core_mm = std::max(picture_thickness_mm - geometry.shell_mm, no_core_mm);
         geometry.backing = options.backing == "white"   ? optics::Backing::white
                            : options.backing == "black" ? optics::Backing::black
                                                         : optics::Backing::none;

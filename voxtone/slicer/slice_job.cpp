@@ -18,7 +18,9 @@
 #include "voxtone/io/whole_file.h"
 #include "voxtone/slicer/job_body.h"
 #include "voxtone/slicer/job_colour.h"
+#include "voxtone/slicer/job_prediction.h"
 #include "voxtone/slicer/layer_maker.h"
+#include "voxtone/slicer/model_choice.h"
 #include "voxtone/slicer/slice_report.h"
 
 namespace voxtone::slicer {
@@ -106,7 +108,8 @@ private:
 
 /// Reports of an earlier job in this folder do not describe this one.
 void remove_old_report(const std::filesystem::path& folder) {
-    for (const char* name : {"job.json", "report.json", "report.html", "target.png", "predicted.png", "target.glb", "predicted.glb"}) {
+    for (const char* name : {"job.json", "report.json", "report.html", "target.png", "predicted.png", "difference.png", "target.exr",
+                             "predicted.exr", "target.glb", "predicted.glb"}) {
         std::error_code not_there;
         std::filesystem::remove(folder / name, not_there);
     }
@@ -117,6 +120,25 @@ std::vector<std::array<float, 3>> single_precision(const std::vector<Eigen::Vect
     out.reserve(positions.size());
     for (const Eigen::Vector3d& p : positions) out.push_back({float(p.x()), float(p.y()), float(p.z())});
     return out;
+}
+
+/// A prediction is of a whole print, and for the report.
+bool is_predicted(const SliceOptions& options, const LayerRange& range, const VoxelGrid& grid) {
+    return options.report && options.predict != "none" && range.first == 0 && range.last + 1 == grid.size[2];
+}
+
+/// Nothing, with a warning, where it needs more memory than allowed: the print is whole without it.
+std::optional<JobPrediction> predict_or_warn(const SliceOptions& options, const JobBody& body, const LoadedResins& resins, JobVolume& volume,
+                                             Progress& progress) {
+    std::string why_not;
+    try {
+        if (auto whole = volume.finish()) return predict_job(options, body, resins, std::move(*whole), progress);
+        why_not = volume.why_not();
+    } catch (const ResourceError& error) {
+        why_not = error.what();
+    }
+    progress.warn("the print is not predicted: " + why_not);
+    return std::nullopt;
 }
 
 }  // namespace
@@ -159,6 +181,10 @@ SliceResult run_slice_job(const SliceOptions& options, Progress& progress) {
     for (const io::StackResin& resin : resins.entries) palette.push_back(resin.rgb);
     Thumbnails thumbnails(range, body.grid, palette, options.report);
 
+    // The volume and its white twin are held at once.
+    std::optional<JobVolume> volume;
+    if (is_predicted(options, range, body.grid)) volume.emplace(body.grid, memory_budget(options.memory_gib) / 2);
+
     std::mutex figures_mutex;
     progress.begin_stage("layers", std::uint64_t(range.last - range.first + 1), "layers");
     const int first_slab = range.first / maker.slab_layers(), last_slab = range.last / maker.slab_layers();
@@ -171,6 +197,7 @@ SliceResult run_slice_job(const SliceOptions& options, Progress& progress) {
                          writer.write(std::uint32_t(k - range.first), layer);
                          encode_s += encode.total();
                          thumbnails.offer(k, layer);
+                         if (volume) volume->add(k, layer);
                          progress.advance();
                      });
                      const std::scoped_lock lock(figures_mutex);
@@ -188,8 +215,14 @@ SliceResult run_slice_job(const SliceOptions& options, Progress& progress) {
     figures.layer_bytes = writer.bytes_written();
     figures.layers = thumbnails.take();
     figures.finish_s = watch.lap();
+    std::optional<JobPrediction> prediction;
+    if (volume) {
+        progress.end_stage();
+        prediction = predict_or_warn(options, body, resins, *volume, progress);
+        progress.begin_stage("report", 0);
+    }
     figures.total_s = watch.total();
-    const ReportSources sources{options, printer, resins, body, *colour, surface_colour, stack};
+    const ReportSources sources{options, printer, resins, body, *colour, surface_colour, stack, prediction ? &*prediction : nullptr};
     io::Report report = make_report(sources, figures);
     if (options.report) {
         draw_report(sources, report, writer.folder(), progress);

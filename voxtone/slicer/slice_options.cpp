@@ -11,6 +11,7 @@
 
 #include "voxtone/base/error.h"
 #include "voxtone/base/units.h"
+#include "voxtone/slicer/model_choice.h"
 
 namespace voxtone::slicer {
 
@@ -97,9 +98,15 @@ OptionSpec number(OptionSpec s, Number SliceOptions::*member) {
     return s;
 }
 
+std::vector<std::string> models_or_none() {
+    std::vector<std::string> names(model_names().begin(), model_names().end());
+    names.push_back("none");
+    return names;
+}
+
 std::vector<OptionSpec> make_table() {
     using O = SliceOptions;
-    const std::string in = "Input and output", place = "Placement", colour = "Colour", body = "Body", run = "Run";
+    const std::string in = "Input and output", place = "Placement", colour = "Colour", body = "Body", predict = "Prediction", run = "Run";
     return {
         text(spec("model", Kind::text, "FILE", in, "textured mesh (OBJ, PLY, STL, glTF, GLB, 3MF) or picture"), &O::model),
         text(spec("out", Kind::text, "FOLDER", in, "output folder; nothing is written outside it"), &O::out),
@@ -146,6 +153,14 @@ std::vector<OptionSpec> make_table() {
              &O::repair),
         flag(spec("keep-thin", Kind::flag, "", body, "features thinner than a voxel get one voxel instead of vanishing"), &O::keep_thin),
 
+        text(spec("predict", Kind::text, "MODEL", predict,
+                  "what predicts the print for the report; none: the separation's own model, without spreading light", models_or_none()),
+             &O::predict),
+        length(spec("predict-cell", Kind::length, "LENGTH", predict, "cells that are predicted and seen as one"), &O::predict_cell_mm),
+        number(spec("memory", Kind::number, "GIB", predict,
+                    "most memory for the prediction; a print that needs more is printed without it; 0: half of the machine's"),
+               &O::memory_gib),
+
         number(spec("threads", Kind::number, "N", run, "threads; 0: one per core. The result does not depend on it"), &O::threads),
         number(spec("seed", Kind::number, "N", run, "seed of what is random (error diffusion)"), &O::seed),
     };
@@ -182,6 +197,8 @@ void validate(const SliceOptions& o) {
     need(o.width_mm >= 0, "width", fmt::format("{}mm", o.width_mm), "must be above 0");
     need(o.thickness_mm > 0, "thickness", fmt::format("{}mm", o.thickness_mm), "must be above 0");
     need(o.depth_mm > 0 && o.depth_mm <= 10, "depth", fmt::format("{}mm", o.depth_mm), "must be above 0 and at most 10 mm");
+    need(o.predict_cell_mm >= 0.01 && o.predict_cell_mm <= 5, "predict-cell", fmt::format("{}mm", o.predict_cell_mm), "must be 0.01 to 5 mm");
+    need(o.memory_gib >= 0, "memory", fmt::format("{}", o.memory_gib), "must be above 0 GiB, or 0 for half of the machine's");
     need(o.threads >= 0 && o.threads <= 1024, "threads", fmt::format("{}", o.threads), "must be 0 to 1024");
     if (o.unit != "auto") (void)mm_per_unit(o.unit);
 }

@@ -16,7 +16,9 @@
 #include "voxtone/io/picture_writer.h"
 #include "voxtone/io/whole_file.h"
 #include "voxtone/optics/colour.h"
+#include "voxtone/slicer/prediction_files.h"
 #include "voxtone/slicer/preview.h"
+#include "voxtone/slicer/target_cells.h"
 #include "voxtone/slicer/vertex_colours.h"
 
 #ifndef VOXTONE_VERSION
@@ -136,6 +138,62 @@ io::ReportPicture report_picture(const char* caption, const Preview& preview) {
     return {caption, io::png_bytes(codes, {preview.px_per_mm, preview.px_per_mm}), codes.width_px, codes.height_px, preview.px_per_mm};
 }
 
+io::ReportPrediction predicted_figures(const JobPrediction& p) {
+    static const std::vector<double> edges{0, 0.5, 1, 1.5, 2, 3, 4, 5, 7, 10, 15, 20, 30};
+    io::ReportPrediction figures;
+    figures.model = p.model;
+    figures.cell_um = p.cell_um;
+    figures.cells = p.difference.size();
+    figures.seconds = p.seconds;
+    figures.mean_de2000 = p.summary.mean;
+    figures.median_de2000 = p.summary.median;
+    figures.p95_de2000 = p.summary.percentile_95;
+    figures.max_de2000 = p.summary.max;
+    const std::vector<double> share = histogram_by_area(p.predicted.surface, p.difference, edges);
+    for (std::size_t i = 0; i < edges.size(); ++i) figures.histogram.emplace_back(edges[i], share[i]);
+    figures.note = fmt::format(
+        "Predicted by the model {} from the printed voxels, in {} cells of {:.1f} x {:.1f} x {:.1f} um, relative to the same body all of white "
+        "resin, in uniform white light. The target of a cell is the mean of what was asked for over it; every share is one of area.",
+        p.model, p.difference.size(), p.cell_um[0], p.cell_um[1], p.cell_um[2]);
+    return figures;
+}
+
+constexpr const char* difference_caption = "difference, CIEDE2000: white 0, yellow 2, orange 5, red 10, black 20";
+
+std::vector<Eigen::Vector3f> difference_colours(const JobPrediction& p) {
+    std::vector<Eigen::Vector3f> colours;
+    for (const double d : p.difference) colours.push_back(difference_colour(d));
+    return colours;
+}
+
+/// The same cells with other colours; numbers are the colours.
+SurfacePrediction recoloured(const SurfacePrediction& cells, const std::vector<Eigen::Vector3f>& rgb) {
+    SurfacePrediction out;
+    out.surface.cell_voxels = cells.surface.cell_voxels;
+    out.surface.cells = cells.surface.cells;
+    out.channels = 3;
+    out.rgb = rgb;
+    return out;
+}
+
+/// Pictures of a slab from above, one pixel per cell.
+void draw_picture_prediction(const ReportSources& s, io::Report& report, const std::filesystem::path& folder) {
+    const JobPrediction& p = *s.prediction;
+    const auto px_per_mm = picture_px_per_mm(p.volume, p.predicted.surface.cell_voxels);
+    const auto draw = [&](const char* caption, const std::vector<Eigen::Vector3f>& rgb) {
+        const io::Picture8 codes = io::encode_transparent(top_picture(p.volume, recoloured(p.predicted, rgb)));
+        return io::ReportPicture{caption, io::png_bytes(codes, px_per_mm), codes.width_px, codes.height_px, px_per_mm[0]};
+    };
+    report.views.push_back({"top", {draw("target", p.target), draw("predicted", p.predicted.rgb), draw(difference_caption, difference_colours(p))}});
+    const auto& pictures = report.views[0].pictures;
+    io::write_whole_file(folder / "target.png", pictures[0].png);
+    io::write_whole_file(folder / "predicted.png", pictures[1].png);
+    io::write_whole_file(folder / "difference.png", pictures[2].png);
+    const auto& channels = s.resins.set.channels;
+    io::write_whole_file(folder / "predicted.exr", io::exr_bytes(top_numbers(p.volume, channels, p.predicted), px_per_mm));
+    io::write_whole_file(folder / "target.exr", io::exr_bytes(top_picture(p.volume, recoloured(p.predicted, p.target)), px_per_mm));
+}
+
 void write_body_colours(const ColouredSurface& surface, const std::filesystem::path& file, const char* name, const Progress& progress) {
     io::write_whole_file(file, io::glb_bytes(vertex_colours(surface, {}, &progress).mesh, name));
 }
@@ -166,9 +224,14 @@ io::Report make_report(const ReportSources& s, const JobFigures& f) {
     report.peak_memory_bytes = peak_memory_bytes();
     report.output_bytes = f.layer_bytes;
     report.gamut = gamut_figures(s);
-    report.prediction_note =
+    if (s.prediction) {
+        report.prediction = predicted_figures(*s.prediction);
+        report.stages.push_back({"predict", s.prediction->seconds});
+    } else {
+        report.prediction_note =
         "Predicted with the separation's own model: every point as on a wide flat shell of its colour over deep core, relative to the core resin's "
         "white. It shows what the resins can reach. It leaves out how light spreads between neighbouring colours, at edges and in thin parts.";
+    }
     report.sections.push_back(mesh_section(s.body.repair));
     report.sections.push_back(throughput(s, f));
     report.layers = f.layers;
@@ -177,7 +240,23 @@ io::Report make_report(const ReportSources& s, const JobFigures& f) {
 }
 
 void draw_report(const ReportSources& s, io::Report& report, const std::filesystem::path& folder, Progress& progress) {
-    const ColouredSurface target = target_surface(s), predicted = predicted_surface(s);
+    if (s.prediction && s.body.is_picture) return draw_picture_prediction(s, report, folder);
+    const ColouredSurface target = target_surface(s);
+    // The prediction is a mesh of its own, one vertex per cell; the map of differences too.
+    io::ColouredMesh cells, differences;
+    std::vector<Eigen::Vector3d> positions;
+    ColouredSurface predicted, difference;
+    if (s.prediction) {
+        const Eigen::Vector3d& origin = s.body.grid.origin_mm;
+        cells = body_mesh(s.prediction->volume, {origin.x(), origin.y(), origin.z()}, s.prediction->predicted);
+        predicted = mesh_surface(cells, positions);
+        differences.triangles = cells.triangles;
+        differences.rgb = difference_colours(*s.prediction);
+        differences.positions_mm = cells.positions_mm;
+        difference = mesh_surface(differences, positions);
+    } else {
+        predicted = predicted_surface(s);
+    }
     static constexpr View top_only[] = {View::top};
     const std::span<const View> views = s.body.is_picture ? std::span<const View>(top_only) : all_views();
     PreviewOptions options;
@@ -189,12 +268,19 @@ void draw_report(const ReportSources& s, io::Report& report, const std::filesyst
     const std::vector<Preview> asked = render_views(target, views, options, &progress), shown = render_views(predicted, views, options, &progress);
     for (std::size_t v = 0; v < views.size(); ++v)
         report.views.push_back({view_name(views[v]), {report_picture("target", asked[v]), report_picture("predicted", shown[v])}});
+    if (s.prediction) {
+        const std::vector<Preview> maps = render_views(difference, views, options, &progress);
+        for (std::size_t v = 0; v < views.size(); ++v) report.views[v].pictures.push_back(report_picture(difference_caption, maps[v]));
+    }
     if (s.body.is_picture) {
         io::write_whole_file(folder / "target.png", report.views[0].pictures[0].png);
         io::write_whole_file(folder / "predicted.png", report.views[0].pictures[1].png);
     } else {
         write_body_colours(target, folder / "target.glb", "target", progress);
-        write_body_colours(predicted, folder / "predicted.glb", "predicted", progress);
+        if (s.prediction)
+            io::write_whole_file(folder / "predicted.glb", io::glb_bytes(cells, "predicted"));
+        else
+            write_body_colours(predicted, folder / "predicted.glb", "predicted", progress);
     }
 }
 
@@ -205,6 +291,10 @@ std::string summary_text(const io::Report& report, const JobFigures& f, const st
     if (report.gamut)
         text += fmt::format("  colours moved into the gamut: {:.1f} % of the surface; CIEDE2000 mean {:.2f}, 95 % {:.2f}, max {:.2f}\n",
                             100 * report.gamut->mapped_share, report.gamut->mean_de2000, report.gamut->p95_de2000, report.gamut->max_de2000);
+    if (report.prediction)
+        text += fmt::format("  predicted against asked for: CIEDE2000 mean {:.2f}, median {:.2f}, 95 % {:.2f}, max {:.2f} (cells of {:.0f} um, {:.2f} s)\n",
+                            report.prediction->mean_de2000, report.prediction->median_de2000, report.prediction->p95_de2000,
+                            report.prediction->max_de2000, report.prediction->cell_um[0], report.prediction->seconds);
     const double voxels = double(report.size_px[0]) * report.size_px[1] * report.size_px[2];
     text += fmt::format("  {:.3g} voxels in {:.2f} s ({:.0f} million/s), peak memory {:.0f} MB\n", voxels, f.total_s, voxels / f.total_s * 1e-6,
                         double(report.peak_memory_bytes) * 1e-6);

@@ -2,9 +2,9 @@
 //
 // What a finished job says of itself: figures, pictures of the target and of what is expected, layers to look through.
 //
-// The prediction here is that of the separation's own model: every point as if it lay on a wide flat shell of one colour
-// over deep core. It shows what the resins can reach (gamut), not what light does between neighbouring colours, at edges
-// and in thin parts.
+// The prediction is that of an appearance model (job_prediction.h). Without one it is the separation's own: every point as
+// if it lay on a wide flat shell of one colour over deep core, which shows what the resins can reach (gamut), not what
+// light does between neighbouring colours, at edges and in thin parts.
 #pragma once
 
 #include <cstdint>
@@ -16,6 +16,7 @@
 #include "voxtone/io/report_html.h"
 #include "voxtone/slicer/job_body.h"
 #include "voxtone/slicer/job_colour.h"
+#include "voxtone/slicer/job_prediction.h"
 #include "voxtone/slicer/layer_maker.h"
 #include "voxtone/slicer/printer.h"
 #include "voxtone/slicer/slice_options.h"
@@ -40,13 +41,14 @@ struct ReportSources {
     const JobColour& colour;
     const SurfaceColour& surface_colour;
     const io::StackDescription& stack;
+    const JobPrediction* prediction;  ///< null: none was made
 };
 
 /// Figures, gamut and warnings; no pictures.
 [[nodiscard]] io::Report make_report(const ReportSources& sources, const JobFigures& figures);
 
-/// Draws the target and the prediction into the report and writes target.* and predicted.* into the folder: PNG for a
-/// picture, GLB for a body.
+/// Draws the target, the prediction and, with a model, their difference into the report and writes target.* and predicted.*
+/// into the folder: PNG and EXR for a picture, GLB for a body.
 void draw_report(const ReportSources& sources, io::Report& report, const std::filesystem::path& folder, Progress& progress);
 
 /// A few lines for a person.

@@ -1,0 +1,278 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <cmath>
+
+#include <fmt/core.h>
+#include <png.h>
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include "run_program.h"
+
+using namespace voxtone::test;
+using Catch::Matchers::Contains;
+
+namespace {
+
+/// An 8-bit RGB picture, rows from the top.
+void write_png(const std::string& path, int width, int height, const std::vector<std::uint8_t>& rgb) {
+    png_image image{};
+    image.version = PNG_IMAGE_VERSION;
+    image.width = static_cast<png_uint_32>(width);
+    image.height = static_cast<png_uint_32>(height);
+    image.format = PNG_FORMAT_RGB;
+    REQUIRE(png_image_write_to_file(&image, path.c_str(), 0, rgb.data(), 0, nullptr));
+}
+
+/// A picture of one colour with a black mark over its top left quarter: asymmetric in every way.
+std::string marked_picture(const Folder& folder) {
+    std::vector<std::uint8_t> rgb;
+    for (int y = 0; y < 16; ++y)
+        for (int x = 0; x < 24; ++x) rgb.insert(rgb.end(), 3, x < 12 && y < 8 ? 0 : 255);
+    write_png(folder / "mark.png", 24, 16, rgb);
+    return folder / "mark.png";
+}
+
+/// The slab of that picture, 2.4 x 1.6 x 1 mm, as a stack.
+std::string marked_stack(const Folder& folder, const std::string& more = "") {
+    const Outcome made = run_program(fmt::format("slice --quiet --no-report {} --width 2.4mm --thickness 1mm {} -o {}",
+                                                 marked_picture(folder), more, folder / "out"));
+    REQUIRE(made.exit_code == 0);
+    return folder / "out";
+}
+
+double linear(std::uint8_t code) {
+    const double c = code / 255.0;
+    return c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
+}
+
+/// Mean linear green over a part of the picture, in shares of its size.
+double mean_green(const Bitmap& bitmap, double left, double top, double right, double bottom) {
+    double sum = 0;
+    int count = 0;
+    for (int y = int(top * bitmap.height); y < int(bottom * bitmap.height); ++y)
+        for (int x = int(left * bitmap.width); x < int(right * bitmap.width); ++x, ++count)
+            sum += linear(bitmap.at(x, y)[1]);
+    return sum / count;
+}
+
+bool same_bytes(const std::string& a, const std::string& b) { return read_file(a) == read_file(b); }
+
+/// The last line of --json.
+nlohmann::json result_of(const std::string& out) {
+    const std::size_t begin = out.rfind('\n', out.size() - 2);
+    return nlohmann::json::parse(out.substr(begin == std::string::npos ? 0 : begin + 1)).at("result");
+}
+
+}  // namespace
+
+TEST_CASE("predict draws a slab upright, one pixel per cell, the same for any number of threads") {
+    const Folder folder("predict");
+    const std::string predict = "predict --model monte-carlo --spp 32 " + marked_stack(folder);
+    const Outcome outcome =
+        run_program(predict + " --json --threads 1 -o " + (folder / "a.png") + " -o " + (folder / "a.exr"));
+    REQUIRE(outcome.exit_code == 0);
+    const auto result = result_of(outcome.out);
+    CHECK(result["view"] == "top");
+    CHECK(result["backing"] == "black");
+    CHECK(result["size_px"] == nlohmann::json({29, 19}));  // 57 x 19 voxels of 42.3 x 84.7 um, cells of 2 x 1
+    const Bitmap picture = read_png(folder / "a.png");
+    CHECK(picture.width == 29);
+    CHECK(picture.height == 19);
+    // The mark is on the top left, well away from its border; light that spreads leaves a third of the white at most.
+    const double mark = mean_green(picture, 0.05, 0.05, 0.4, 0.4);
+    CHECK(mark < 0.33 * mean_green(picture, 0.6, 0.1, 0.95, 0.4));
+    CHECK(mark < 0.33 * mean_green(picture, 0.05, 0.6, 0.4, 0.9));
+    CHECK(mark < 0.33 * mean_green(picture, 0.6, 0.6, 0.95, 0.9));
+
+    REQUIRE(run_program(predict + " --quiet --threads 2 -o " + (folder / "b.png") + " -o " + (folder / "b.exr"))
+                .exit_code == 0);
+    CHECK(same_bytes(folder / "a.png", folder / "b.png"));
+    CHECK(same_bytes(folder / "a.exr", folder / "b.exr"));
+    REQUIRE(run_program(predict + " --quiet --seed 2 -o " + (folder / "c.png")).exit_code == 0);
+    CHECK(!same_bytes(folder / "a.png", folder / "c.png"));
+}
+
+TEST_CASE("The two models agree on the colour of a slab") {
+    const Folder folder("agree");
+    const std::string stack = marked_stack(folder);
+    const auto mean = [&](const std::string& model) {
+        const Outcome outcome =
+            run_program(fmt::format("predict --json {} --model {} -o {}", stack, model, folder / "p.png"));
+        REQUIRE(outcome.exit_code == 0);
+        return result_of(outcome.out);
+    };
+    const auto traced = mean("monte-carlo --spp 64"), solved = mean("transport");
+    CHECK(solved["cells"] == traced["cells"]);
+    CHECK_FALSE(solved.contains("standard_error"));
+    // Noise of the mean of some hundred cells is below 0.005; the predictor is allowed 0.02 (3 % of this mean) besides.
+    const double noise = 4 * double(traced["standard_error"]["mean"]) / std::sqrt(double(traced["cells"]));
+    CHECK(noise < 0.02);
+    for (std::size_t c = 0; c < 3; ++c)
+        CHECK(std::abs(double(traced["mean_rgb"][c]) - double(solved["mean_rgb"][c])) < noise + 0.02);
+}
+
+TEST_CASE("An all white slab is white") {
+    const Folder folder("white");
+    write_png(folder / "white.png", 2, 2, std::vector<std::uint8_t>(12, 255));
+    REQUIRE(run_program(fmt::format("slice --quiet --no-report --load W {} --width 2mm --thickness 1mm -o {}",
+                                    folder / "white.png", folder / "out"))
+                .exit_code == 0);
+    const Outcome outcome = run_program(
+        fmt::format("predict --json --model monte-carlo --spp 32 {} -o {}", folder / "out", folder / "p.png"));
+    REQUIRE(outcome.exit_code == 0);
+    const auto result = result_of(outcome.out);
+    // Media-relative white is 1. Errors of single cells are independent, so that of the mean is less by the root of
+    // their number; the ratio of two noisy values is biased by about the square of one's error, below 0.02 here.
+    const double error = double(result["standard_error"]["mean"]) / std::sqrt(double(result["cells"]));
+    for (const double mean : result["mean_rgb"]) CHECK(std::abs(mean - 1) < 4 * error + 0.02);
+    // Without noise the body is its own white twin.
+    const Outcome exact =
+        run_program(fmt::format("predict --json --model transport {} -o {}", folder / "out", folder / "p.png"));
+    for (const double mean : result_of(exact.out)["mean_rgb"]) CHECK(mean == Approx(1).epsilon(1e-6));
+    // Absolute: what is missing was absorbed or went into the black sheet.
+    const Outcome absolute = run_program(fmt::format("predict --json --absolute --model monte-carlo --spp 32 {} -o {}",
+                                                     folder / "out", folder / "p.png"));
+    for (const double mean : result_of(absolute.out)["mean_rgb"]) {
+        CHECK(mean > 0.3);
+        CHECK(mean < 0.95);
+    }
+}
+
+TEST_CASE("Ctrl-C stops a prediction with 5 and leaves no file") {
+    const Folder folder("stop");
+    const Outcome outcome = run_program(fmt::format("predict --quiet --model monte-carlo --spp 1000000 {} -o {}",
+                                                    marked_stack(folder), folder / "p.png"),
+                                        1500);
+    CHECK(outcome.exit_code == 5);
+    CHECK_THAT(outcome.err, Contains("cancelled"));
+    for (const auto& entry : std::filesystem::directory_iterator(folder.path()))
+        CHECK(entry.path().filename().string().find("p.png") == std::string::npos);
+}
+
+TEST_CASE("A spectral resin set gives a picture for the eye and numbers per wavelength") {
+    const Folder folder("spectral");
+    folder.write("grey.json",
+                 R"({"format": "voxtone-resins", "version": 1, "name": "grey", "source": "test", "g": 0.4, "eta": 1.5,
+        "channels": {"kind": "wavelength", "nm": [450, 550, 600, 650]}, "resins": [
+        {"name": "White", "role": "W", "sigma_t_per_mm": [9, 9, 9, 9], "albedo": [0.999, 0.999, 0.999, 0.999]},
+        {"name": "Black", "role": "K", "sigma_t_per_mm": [5, 5, 5, 5], "albedo": [0.3, 0.3, 0.3, 0.3]}]})");
+    const std::string stack = marked_stack(folder, "--load K,W --resins " + (folder / "grey.json"));
+    const Outcome outcome =
+        run_program(fmt::format("predict --json --model monte-carlo --spp 16 {} -o {}", stack, folder / "p.exr"));
+    REQUIRE(outcome.exit_code == 0);
+    const auto result = result_of(outcome.out);
+    CHECK(result["channels"] == 4);
+    CHECK(result["resins"] == "grey");
+    const std::string exr = read_file(folder / "p.exr");
+    for (const char* name : {"450nm", "650nm", "error.550nm"}) CHECK_THAT(exr, Contains(name));
+    // Resins alike at every wavelength are grey but for noise: 551 cells of an error of 0.15 each give 0.007, on a mean
+    // of 0.7 1 %, which the way from four wavelengths to R, G, B enlarges threefold; three times that.
+    const auto& mean = result["mean_rgb"];
+    CHECK(double(mean[0]) == Approx(double(mean[1])).epsilon(0.1));
+    CHECK(double(mean[2]) == Approx(double(mean[1])).epsilon(0.1));
+}
+
+TEST_CASE("predict makes meshes of bodies") {
+    const Folder folder("body");
+    folder.write("marker.obj", marker_obj());
+    REQUIRE(
+        run_program(fmt::format("slice --quiet --no-report --size 2mm {} -o {}", folder / "marker.obj", folder / "out"))
+            .exit_code == 0);
+    const Outcome outcome = run_program(
+        fmt::format("predict --quiet --model monte-carlo --spp 4 --cell 0.17mm {0} -o {1}.glb -o {1}.ply -o {1}.png",
+                    folder / "out", folder / "p"));
+    REQUIRE(outcome.exit_code == 0);
+    CHECK_THAT(read_file(folder / "p.glb"), Contains("KHR_materials_unlit") && Contains("COLOR_0"));
+    CHECK_THAT(read_file(folder / "p.ply"),
+               Contains("property float appearance_r") && Contains("property float error_b"));
+    CHECK(read_png(folder / "p.png").width > 100);
+    const Outcome exr = run_program(fmt::format("predict {} -o {}", folder / "out", folder / "p.exr"));
+    CHECK(exr.exit_code == 2);
+    CHECK_THAT(exr.err, Contains("--view top"));
+}
+
+TEST_CASE("predict says what is wrong before any work is done") {
+    const Folder folder("wrong");
+    const std::string stack = marked_stack(folder);
+    const auto fails = [&](const std::string& arguments, int code, const std::string& says) {
+        INFO(arguments);
+        const Outcome outcome = run_program("predict " + arguments);
+        CHECK(outcome.exit_code == code);
+        CHECK_THAT(outcome.err, Contains(says));
+    };
+    const std::string to = " -o " + (folder / "p.png");
+    fails(stack, 2, "out");
+    fails(stack + " -o p.jpg", 2, ".png");
+    fails(stack + to + " --model magic", 2, "monte-carlo");
+    fails(stack + to + " --cell 1m", 2, "--cell");
+    fails(stack + to + " --spp 0", 2, "--spp");
+    fails(stack + to + " --sweeps 0", 2, "--sweeps");
+    fails(stack + to + " --backing red", 2, "--backing");
+    fails(stack + to + " --assign \"#ffffff=W\"", 2, "manifest");
+    fails(stack + " -o " + (folder / "p.glb"), 2, "--view body");
+    fails(stack + " -o " + (folder / "nowhere/p.png"), 4, "nowhere");
+    fails((folder / "nothing") + to, 4, "nothing");
+    fails(stack + to + " --resins no-such-set", 3, "no-such-set");
+    fails(stack + to + " --memory 0.00001", 5, "--memory");
+    fails(stack + "/layers" + to, 3, "--printer");
+    fails(stack + "/layers --printer stratasys-j750-hm" + to, 3, "--assign");
+    CHECK_FALSE(std::filesystem::exists(folder / "p.png"));
+    // The same layers as a foreign stack, with an assignment: the same picture as with the manifest, but for the set's
+    // order.
+    const auto manifest = nlohmann::json::parse(read_file(stack + "/manifest.json"));
+    std::string assign;
+    for (const auto& resin : manifest["resins"])
+        assign += fmt::format("{}#{:02x}{:02x}{:02x}={}", assign.size() ? "," : "", int(resin["rgb"][0]),
+                              int(resin["rgb"][1]), int(resin["rgb"][2]), std::string(resin["role"]));
+    const std::string quick = " --quiet --model monte-carlo --spp 4 --cell 0.3mm";
+    REQUIRE(run_program("predict " + stack + quick + to).exit_code == 0);
+    REQUIRE(run_program("predict " + stack + "/layers --printer stratasys-j750-hm --assign \"" + assign + "\"" + quick +
+                        " -o " + (folder / "q.png"))
+                .exit_code == 0);
+    CHECK(same_bytes(folder / "p.png", folder / "q.png"));
+}
+
+TEST_CASE("slice --predict shows target, prediction and difference, upright, with its figures") {
+    const Folder folder("report");
+    REQUIRE(run_program(
+                fmt::format(
+                    "slice --quiet {} --width 2.4mm --thickness 1mm --predict monte-carlo --predict-cell 0.17mm -o {}",
+                    marked_picture(folder), folder / "out"))
+                .exit_code == 0);
+    const auto report = nlohmann::json::parse(read_file(folder / "out/report.json"));
+    const auto& predicted = report["predicted"];
+    CHECK(predicted["model"] == "monte-carlo");
+    CHECK(predicted["cell_um"][0] == Approx(4 * 25400.0 / 600).epsilon(1e-5));
+    CHECK(predicted["de2000"]["mean"] > 0);
+    double share = 0;
+    for (const auto& bar : predicted["de2000"]["histogram"]) share += double(bar["share"]);
+    CHECK(share == Approx(1));
+    const std::string page = read_file(folder / "out/report.html");
+    CHECK_THAT(page, Contains("Predicted against asked for") && Contains("difference, CIEDE2000"));
+    for (const char* name : {"target", "predicted"}) {
+        INFO(name);
+        const Bitmap picture = read_png(folder / fmt::format("out/{}.png", name));
+        CHECK(picture.width == 15);   // 57 voxels in cells of 4
+        CHECK(picture.height == 10);  // 19 in cells of 2
+        const double mark = mean_green(picture, 0.07, 0.05, 0.4, 0.4);
+        CHECK(mark < 0.33 * mean_green(picture, 0.6, 0.1, 0.95, 0.4));
+        CHECK(mark < 0.33 * mean_green(picture, 0.07, 0.6, 0.4, 0.9));
+        CHECK(mark < 0.33 * mean_green(picture, 0.6, 0.6, 0.95, 0.9));
+        CHECK(std::filesystem::exists(folder / fmt::format("out/{}.exr", name)));
+    }
+    // The stack as it lies there gives the same prediction, the seed being the same.
+    REQUIRE(run_program(fmt::format("predict --quiet --model monte-carlo --cell 0.17mm {} -o {}", folder / "out",
+                                    folder / "again.png"))
+                .exit_code == 0);
+    CHECK(same_bytes(folder / "again.png", folder / "out/predicted.png"));
+
+    // Too little memory: the print is whole, and the job says why it is not predicted.
+    const Outcome little = run_program(fmt::format(
+        "slice --quiet {} --width 2.4mm --thickness 1mm --predict monte-carlo --memory 0.00001 --overwrite -o {}",
+        marked_picture(folder), folder / "out"));
+    CHECK(little.exit_code == 0);
+    CHECK_THAT(little.err, Contains("not predicted") && Contains("--memory"));
+    CHECK_FALSE(nlohmann::json::parse(read_file(folder / "out/report.json")).contains("predicted"));
+    CHECK_FALSE(std::filesystem::exists(folder / "out/predicted.exr"));
+    CHECK(run_program("verify " + (folder / "out")).exit_code == 0);
+}

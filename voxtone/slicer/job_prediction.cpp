@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/slicer/job_prediction.h"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include "voxtone/base/error.h"
+#include "voxtone/slicer/model_choice.h"
+#include "voxtone/slicer/stack_volume.h"
+#include "voxtone/slicer/target_cells.h"
+
+namespace voxtone::slicer {
+
+JobVolume::JobVolume(const VoxelGrid& grid, std::uint64_t memory_bytes) {
+    volume_.emplace(LayerWindow{{}, grid.size}, std::array{grid.pitch_mm.x(), grid.pitch_mm.y(), grid.pitch_mm.z()},
+                    LayerVolume::same_materials(), memory_bytes);
+}
+
+void JobVolume::add(int k, const io::LayerRuns& layer) {
+    if (given_up_) return;
+    try {
+        volume_->add(k, layer);
+    } catch (const ResourceError& error) {
+        const std::scoped_lock lock(mutex_);
+        given_up_ = true;
+        why_not_ = error.what();
+    }
+}
+
+std::optional<optics::ResinVolume> JobVolume::finish() {
+    std::optional<optics::ResinVolume> volume;
+    if (!given_up_) volume = volume_->finish();
+    volume_.reset();
+    return volume;
+}
+
+JobPrediction predict_job(const SliceOptions& options, const JobBody& body, const LoadedResins& resins,
+                          optics::ResinVolume volume, Progress& progress) {
+    const auto start = std::chrono::steady_clock::now();
+    JobPrediction job;
+    job.model = options.predict;
+    job.volume = std::move(volume);
+    progress.begin_stage("predict", 0);
+    const optics::Scene scene{.volume = &job.volume,
+                              .resins = &resins.set,
+                              .backing = body.is_picture ? parse_backing(options.backing) : optics::Backing::none};
+    const auto cell = optics::cell_voxels(job.volume.pitch_mm(), options.predict_cell_mm);
+    for (std::size_t a = 0; a < 3; ++a) job.cell_um[a] = cell[a] * job.volume.pitch_mm()[a] * 1e3;
+    optics::Surface surface =
+        optics::find_surface(scene, cell, body.is_picture ? optics::SurfacePart::top : optics::SurfacePart::all);
+    const ModelMaker maker = [&](bool white) {
+        ModelOptions quality;
+        quality.cell_mm = options.predict_cell_mm;
+        quality.memory_bytes = memory_budget(options.memory_gib) -
+                               std::min(memory_budget(options.memory_gib), 2 * job.volume.memory_bytes());
+        quality.seed = white ? ~options.seed : options.seed;
+        return make_model(options.predict, quality);
+    };
+    const int white = resins.set.find("W");
+    job.predicted = predict_surface(scene, std::move(surface), maker, white >= 0 ? white : resins.core, progress);
+    job.target = target_of_cells(job.predicted.surface, job.volume.pitch_mm(), body.grid.origin_mm, body.surface,
+                                 body.model.mesh, &progress);
+    job.difference = colour_differences(job.target, job.predicted.rgb);
+    job.summary = summarize_by_area(job.predicted.surface, job.difference);
+    progress.end_stage();
+    job.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    return job;
+}
+
+}  // namespace voxtone::slicer

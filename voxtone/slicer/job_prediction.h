@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The last part of a job: what a person will see of the layers just made, beside what was asked for.
+//
+// The volume is filled from the layers while they are written. A body that needs more memory than allowed is printed
+// all the same: the prediction is left out, and the job says so.
+#pragma once
+
+#include <atomic>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "voxtone/base/progress.h"
+#include "voxtone/io/layer_runs.h"
+#include "voxtone/optics/colour.h"
+#include "voxtone/slicer/job_body.h"
+#include "voxtone/slicer/job_colour.h"
+#include "voxtone/slicer/layer_volume.h"
+#include "voxtone/slicer/slice_options.h"
+#include "voxtone/slicer/surface_prediction.h"
+
+namespace voxtone::slicer {
+
+/// The volume of a job, filled layer by layer from any thread.
+class JobVolume {
+public:
+    JobVolume(const VoxelGrid& grid, std::uint64_t memory_bytes);
+    void add(int k, const io::LayerRuns& layer);
+    /// Nothing where it took too much memory; `why_not` says so.
+    [[nodiscard]] std::optional<optics::ResinVolume> finish();
+    [[nodiscard]] const std::string& why_not() const { return why_not_; }
+
+private:
+    std::mutex mutex_;
+    std::optional<LayerVolume> volume_;
+    std::atomic<bool> given_up_{false};
+    std::string why_not_;
+};
+
+struct JobPrediction {
+    std::string model;
+    optics::ResinVolume volume;
+    SurfacePrediction predicted;
+    std::vector<Eigen::Vector3f> target;  ///< per cell, linear sRGB
+    std::vector<double> difference;       ///< per cell, CIEDE2000
+    optics::DifferenceSummary summary;    ///< by area
+    std::array<double, 3> cell_um{};
+    double seconds = 0;
+};
+
+/// Throws what the model throws.
+[[nodiscard]] JobPrediction predict_job(const SliceOptions& options, const JobBody& body, const LoadedResins& resins,
+                                        optics::ResinVolume volume, Progress& progress);
+
+}  // namespace voxtone::slicer
