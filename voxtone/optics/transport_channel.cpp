@@ -244,15 +244,17 @@ void TransportChannel::enter() {
         return m.phi - (m.x * offset[0] + m.y * offset[1] + m.z * offset[2]) / D;
     };
     const auto& set = grid_.directions;
+    const auto g_linear = static_cast<float>(set.linear);
     for_each_cell([&](const GridBlock& block, const CellGeometry& g, std::size_t cell, const std::array<int, 3>& at,
                       std::uint32_t node) {
         const Moments& m = delta_moments_[node];
         const std::array<float, 3> offset{g.offset(0, at[0]), g.offset(1, at[1]), g.offset(2, at[2])};
+        const float sigma_s = media_[grid_.medium[cell]].sigma_s, linear = 3 * g_linear * sigma_s;
         Moments& s = source_[cell];
-        s.phi += linear_change(m, D_[node], offset);
-        s.x += m.x;
-        s.y += m.y;
-        s.z += m.z;
+        s.phi += sigma_s * linear_change(m, D_[node], offset);
+        s.x += linear * m.x;
+        s.y += linear * m.y;
+        s.z += linear * m.z;
         if (grid_.outer[cell] == 0) return;
         auto f = static_cast<std::size_t>(
             grid_.face_of_cell[static_cast<std::size_t>(block.first_link) + (cell - block.first_cell)]);
@@ -370,11 +372,13 @@ void TransportChannel::sweep() {
 void TransportChannel::correct() {
     const std::size_t n = grid_.nodes.size();
     std::vector<float> right(n, 0.0f);
+    const auto g_linear = static_cast<float>(grid_.directions.linear);
     for_each_cell([&](const GridBlock&, const CellGeometry& g, std::size_t cell, const std::array<int, 3>&, std::uint32_t node) {
         const Moments &p = sum_[cell], &q = other_sum_[cell];
-        const Moments sum{p.phi + q.phi, p.x + q.x, p.y + q.y, p.z + q.z};
-        right[node] += media_[grid_.medium[cell]].sigma_s * g.volume * (sum.phi - source_[cell].phi);
-        source_[cell] = sum;
+        const float sigma_s = media_[grid_.medium[cell]].sigma_s, linear = 3 * g_linear * sigma_s;
+        const Moments now{sigma_s * (p.phi + q.phi), linear * (p.x + q.x), linear * (p.y + q.y), linear * (p.z + q.z)};
+        right[node] += g.volume * (now.phi - source_[cell].phi);
+        source_[cell] = now;
     });
     // What the surface will send back, and what the core got and gave.
     for (const std::uint32_t b : grid_.transport_blocks) {

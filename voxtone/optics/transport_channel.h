@@ -64,7 +64,8 @@ private:
     std::vector<float> phi_;                    ///< per node; kept up to date in the core
     std::vector<Moments> delta_moments_;        ///< per node: phi and J of the last correction
     std::vector<float> core_current_;           ///< per face to the core: net current into it
-    std::vector<Moments> source_, sum_, other_sum_;
+    std::vector<Moments> source_;               ///< per cell: sigma_s phi and 3 g' sigma_s J
+    std::vector<Moments> sum_, other_sum_;      ///< per cell: phi and J of light that runs up, and down
     std::vector<Octet> in_, out_;               ///< [face * 4 + tangential signs]
     std::vector<float> pooled_;                 ///< [region * 64 + octant * 8 + direction]: radiance that passes corners
     std::vector<float> flux_, flux_change_;     ///< per face; change: by the last correction

@@ -29,8 +29,8 @@ struct Ways {
 
 struct Octant {
     Ways ways[2];                  ///< skin, margin
-    V8 sx, sy, sz;                 ///< 3 g' Omega
-    V8 weights[4];                 ///< {w, w Omega} of directions 2 k and 2 k + 1
+    V8 sx, sy, sz;                 ///< Omega
+    V8 weights[4];                 ///< {w, w Omega} / 2 of directions 2 k and 2 k + 1
     bool back[3];
     unsigned in_bit[3], out_bit[3];
     int signs[3];
@@ -72,10 +72,10 @@ Octant make_octant(const OpticalGrid& grid, int octant) {
     }
     for (std::size_t a = 0; a < 3; ++a)
         if (o.back[a]) cosine[a] = -cosine[a];
-    const auto linear = static_cast<float>(3 * set.linear);
-    o.sx = cosine[0] * linear;
-    o.sy = cosine[1] * linear;
-    o.sz = cosine[2] * linear;
+    o.sx = cosine[0];
+    o.sy = cosine[1];
+    o.sz = cosine[2];
+    w *= 0.5f;  // the moments are taken of 2 psi
     for (int d = 0; d < 8; ++d) {
         V8& pair = o.weights[d / 2];
         const int at = 4 * (d % 2);
@@ -104,30 +104,33 @@ void to_skin(V8* face, int n1, int n2, int r1, int r2) {
 }
 
 HWY_INLINE V8* as_vectors(Octet* octets) { return reinterpret_cast<V8*>(octets); }
+HWY_INLINE const V8& as_vector(const Octet& octet) { return reinterpret_cast<const V8&>(octet); }
 
 struct BlockFaces {
     V8 *x, *y, *z;
 };
 
-/// What does not depend on the octant: per medium 1 / (sigma_t + sum 2 |Omega| / h), for both kinds of cells.
-struct Media {
-    const V8* inverse[2];
-    const TransportMedium* medium;
+/// What a medium does, the same for all octants: gain = 2 / (sigma_t + sum 2 |Omega| / h), pass = gain 2 |Omega_x| / h_x - 1.
+struct MediumWays {
+    Octet gain, pass;
 };
+using MediaWays = std::array<std::vector<MediumWays>, 2>;  // for both kinds of cells
 
-/// psi of a cell; px, py, pz come in and go out.
-HWY_INLINE void cross_cell(const Octant& o, const Ways& ways, const V8& inverse, float sigma_s, const Moments& source,
-                           Moments& sum, V8& px, V8& py, V8& pz) {
-    const V8 q = sigma_s * (source.phi + (source.x * o.sx + source.y * o.sy + source.z * o.sz));
-    const V8 psi = ((q + ways.ay * py + ways.az * pz) + ways.ax * px) * inverse;
-    const V8 twice = psi + psi;
-    px = twice - px;
+/// psi of a cell; px, py, pz come in and go out. Written so that the way along x, where each cell waits for the one before,
+/// is one multiplication and one addition long: px_out = gain (q + ay py + az pz) + pass px = 2 psi - px.
+HWY_INLINE void cross_cell(const Octant& o, const Ways& ways, const MediumWays& medium, const Moments& source, Moments& sum,
+                           V8& px, V8& py, V8& pz) {
+    const V8 q = (source.phi + source.x * o.sx) + (source.y * o.sy + source.z * o.sz);
+    const V8 rest = q + (ways.ay * py + ways.az * pz);
+    const V8 out = as_vector(medium.gain) * rest + as_vector(medium.pass) * px;
+    const V8 twice = out + px;
+    px = out;
     py = twice - py;
     pz = twice - pz;
-    V8 moment = __builtin_shuffle(psi, I8{0, 0, 0, 0, 1, 1, 1, 1}) * o.weights[0];
-    V8 other = __builtin_shuffle(psi, I8{2, 2, 2, 2, 3, 3, 3, 3}) * o.weights[1];
-    moment += __builtin_shuffle(psi, I8{4, 4, 4, 4, 5, 5, 5, 5}) * o.weights[2];
-    other += __builtin_shuffle(psi, I8{6, 6, 6, 6, 7, 7, 7, 7}) * o.weights[3];
+    V8 moment = __builtin_shuffle(twice, I8{0, 0, 0, 0, 1, 1, 1, 1}) * o.weights[0];
+    V8 other = __builtin_shuffle(twice, I8{2, 2, 2, 2, 3, 3, 3, 3}) * o.weights[1];
+    moment += __builtin_shuffle(twice, I8{4, 4, 4, 4, 5, 5, 5, 5}) * o.weights[2];
+    other += __builtin_shuffle(twice, I8{6, 6, 6, 6, 7, 7, 7, 7}) * o.weights[3];
     moment += other;
     V4 low, high;
     std::memcpy(&low, &moment, sizeof low);
@@ -137,17 +140,24 @@ HWY_INLINE void cross_cell(const Octant& o, const Ways& ways, const V8& inverse,
 
 /// A row of cells none of which has an outer face.
 template <int step>
-HWY_INLINE void inner_row(const Octant& o, const Ways& ways, const Media& media, const V8* inverse, const std::uint16_t* medium,
-                          const Moments* source, Moments* sum, V8* row_y, V8* row_z, V8& px) {
+HWY_INLINE void inner_row(const Octant& o, const Ways& ways, const MediumWays* media, const std::uint16_t* medium,
+                          const Moments* source, Moments* sum, V8* row_y, V8* row_z, V8& px_in_out) {
+    V8 px = px_in_out;
     int x = step > 0 ? 0 : ways.nx - 1;
-    for (int k = 0; k < ways.nx; ++k, x += step)
-        cross_cell(o, ways, inverse[medium[x]], media.medium[medium[x]].sigma_s, source[x], sum[x], px, row_y[x], row_z[x]);
+    for (int k = 0; k < ways.nx; ++k, x += step) {
+        V8 py = row_y[x], pz = row_z[x];
+        cross_cell(o, ways, media[medium[x]], source[x], sum[x], px, py, pz);
+        row_y[x] = py;
+        row_z[x] = pz;
+    }
+    px_in_out = px;
 }
 
-void sweep_block(const SweepJob& job, const Octant& o, const Media& media, const GridBlock& block, const BlockFaces& faces) {
+void sweep_block(const SweepJob& job, const Octant& o, const MediaWays& media_ways, const GridBlock& block,
+                 const BlockFaces& faces) {
     const OpticalGrid& grid = *job.grid;
     const Ways ways = o.ways[static_cast<int>(block.kind)];
-    const V8* const inverse = media.inverse[static_cast<int>(block.kind)];
+    const MediumWays* const media = media_ways[static_cast<std::size_t>(block.kind)].data();
     const std::uint16_t* const medium = grid.medium.data() + block.first_cell;
     const std::uint8_t* const outer = grid.outer.data() + block.first_cell;
     const Moments* const source = job.source.data() + block.first_cell;
@@ -165,8 +175,8 @@ void sweep_block(const SweepJob& job, const Octant& o, const Media& media, const
             if (links)
                 for (int x = 0; x < ways.nx; ++x) any |= outer[row + x];
             if (any == 0) {
-                if (o.back[0]) inner_row<-1>(o, ways, media, inverse, medium + row, source + row, sum + row, row_y, row_z, px);
-                else inner_row<1>(o, ways, media, inverse, medium + row, source + row, sum + row, row_y, row_z, px);
+                if (o.back[0]) inner_row<-1>(o, ways, media, medium + row, source + row, sum + row, row_y, row_z, px);
+                else inner_row<1>(o, ways, media, medium + row, source + row, sum + row, row_y, row_z, px);
                 faces.x[z * ways.ny + y] = px;
                 continue;
             }
@@ -184,7 +194,7 @@ void sweep_block(const SweepJob& job, const Octant& o, const Media& media, const
                 if (bits >> o.in_bit[0] & 1) load(px, &job.in[face_of(0, o.in_bit[0])]);
                 if (bits >> o.in_bit[1] & 1) load(py, &job.in[face_of(1, o.in_bit[1])]);
                 if (bits >> o.in_bit[2] & 1) load(pz, &job.in[face_of(2, o.in_bit[2])]);
-                cross_cell(o, ways, inverse[medium[cell]], media.medium[medium[cell]].sigma_s, source[cell], sum[cell], px, py, pz);
+                cross_cell(o, ways, media[medium[cell]], source[cell], sum[cell], px, py, pz);
                 row_y[x] = py;
                 row_z[x] = pz;
                 if (bits >> o.out_bit[0] & 1) store(px, &job.out[face_of(0, o.out_bit[0])]);
@@ -223,15 +233,16 @@ void sweep(const SweepJob& job, int half) {
         front.y_kind.assign(across, BlockKind::skin);
         front.z_kind.assign(across * deep, BlockKind::skin);
     }
-    std::array<std::vector<Octet>, 2> inverse;
-    Media media{};
+    MediaWays media;
     for (std::size_t kind = 0; kind < 2; ++kind) {
-        inverse[kind].resize(job.media.size());
-        for (std::size_t m = 0; m < job.media.size(); ++m)
-            store(1.0f / (octants[0].ways[kind].a + job.media[m].sigma_t), &inverse[kind][m]);
-        media.inverse[kind] = as_vectors(inverse[kind].data());
+        const Ways& ways = octants[0].ways[kind];
+        media[kind].resize(job.media.size());
+        for (std::size_t m = 0; m < job.media.size(); ++m) {
+            const V8 gain = 2.0f / (ways.a + job.media[m].sigma_t);
+            store(gain, &media[kind][m].gain);
+            store(gain * ways.ax - 1.0f, &media[kind][m].pass);
+        }
     }
-    media.medium = job.media.data();
     const auto fit = [&](V8* face, BlockKind& kind, BlockKind wanted, std::size_t a, std::size_t b) {
         if (kind == wanted) return;
         if (wanted == BlockKind::margin) to_margin(face, skin[a], skin[b], ratio[a], ratio[b]);

@@ -28,7 +28,7 @@ struct alignas(16) Moments {
 struct SweepJob {
     const OpticalGrid* grid = nullptr;
     std::span<const TransportMedium> media;  ///< of the palette, this channel
-    std::span<const Moments> source;         ///< per cell: phi and J that the source is made of
+    std::span<const Moments> source;         ///< per cell: sigma_s phi and 3 g' sigma_s J
     std::span<Moments> sum;                  ///< per cell: their share is added
     std::span<const Octet> in;               ///< [face * 4 + tangential signs]: radiance that enters through outer faces
     std::span<Octet> out;                    ///< the same, that leaves
