@@ -41,13 +41,95 @@ Appearance TransportPredictor::predict(const Scene& scene, const Surface& surfac
 
 Appearance TransportPredictor::predict(const Scene& scene, const Surface& surface, TransportSummary& summary,
                                        const Progress* progress) const {
+    return solve(scene, surface, nullptr, nullptr, summary, progress);
+}
+
+Appearance TransportPredictor::predict(const Scene& scene, const Surface& surface, const Derivative& derivative,
+                                       TransportGradient& gradient, TransportSummary& summary,
+                                       const Progress* progress) const {
+    return solve(scene, surface, &derivative, &gradient, summary, progress);
+}
+
+float TransportGradient::at(const std::array<int, 3>& voxel, std::size_t resin) const {
+    const std::int64_t cell = grid->cell_at(voxel);
+    return cell < 0 ? 0 : by_fraction[static_cast<std::size_t>(cell) * resins + resin];
+}
+
+namespace {
+
+/// Which outer faces make up each surface cell.
+struct SeenFaces {
+    const Surface& surface;
+    std::vector<std::int64_t> face;
+
+    SeenFaces(const OpticalGrid& grid, const Surface& seen) : surface(seen), face(seen.faces.size()) {
+        for (std::size_t i = 0; i < face.size(); ++i) face[i] = grid.face_at(seen.faces[i]);
+    }
+    /// What a furnace sends out of a cell.
+    [[nodiscard]] double furnace(const TransportChannel& channel, const SurfaceCell& cell) const {
+        double sum = 0;
+        for (std::size_t f = cell.first_face; f < cell.first_face + cell.faces; ++f)
+            if (face[f] >= 0) sum += channel.furnace_flux(static_cast<std::size_t>(face[f]));
+        return sum;
+    }
+    void appearance(const TransportChannel& channel, std::size_t c, Appearance& out) const {
+        for (std::size_t i = 0; i < surface.cells.size(); ++i) {
+            const SurfaceCell& cell = surface.cells[i];
+            double leaving = 0;
+            for (std::size_t f = cell.first_face; f < cell.first_face + cell.faces; ++f)
+                if (face[f] >= 0) leaving += channel.flux()[static_cast<std::size_t>(face[f])];
+            const double entering = furnace(channel, cell);
+            out.value[i * out.channels + c] = static_cast<float>(entering > 0 ? leaving / entering : 0);
+        }
+    }
+    /// d F / d flux of every face from d F / d value.
+    [[nodiscard]] std::vector<float> light(const TransportChannel& channel, std::size_t faces, std::size_t c,
+                                           std::size_t channels, std::span<const float> by_value) const {
+        std::vector<float> light(faces, 0.0f);
+        for (std::size_t i = 0; i < surface.cells.size(); ++i) {
+            const SurfaceCell& cell = surface.cells[i];
+            const double entering = furnace(channel, cell);
+            if (!(entering > 0)) continue;
+            // A face of coarse cells holds several faces of voxels and counts once for each.
+            for (std::size_t f = cell.first_face; f < cell.first_face + cell.faces; ++f)
+                if (face[f] >= 0) light[static_cast<std::size_t>(face[f])] += static_cast<float>(by_value[i * channels + c] / entering);
+        }
+        return light;
+    }
+};
+
+/// d (sigma_t, sigma_s of the transport medium) / d fraction of each resin, by central differences of a smooth function.
+std::vector<std::array<double, 2>> medium_derivatives(const TransportMedia& media_of, const ResinSet& resins,
+                                                      const std::vector<PaletteEntry>& palette, std::size_t channel) {
+    std::vector<std::array<double, 2>> out(palette.size() * resins.resins.size());
+    for (std::size_t m = 1; m < palette.size(); ++m) {
+        const Medium middle = mixed(resins, palette[m], channel);
+        for (std::size_t r = 0; r < resins.resins.size(); ++r) {
+            const Medium along = resins.resins[r].medium(channel);
+            const double step = 1e-3 * std::max(middle.sigma_t(), 1e-3) / std::max(along.sigma_t(), 1e-9);
+            const auto moved = [&](double s) {
+                return media_of.exact({std::max(0.0, middle.sigma_a + s * along.sigma_a), std::max(0.0, middle.sigma_s + s * along.sigma_s)});
+            };
+            const auto ahead = moved(step), behind = moved(middle.sigma_t() > 0 ? -step : 0);
+            const double width = middle.sigma_t() > 0 ? 2 * step : step;
+            out[m * resins.resins.size() + r] = {(ahead[0] - behind[0]) / width, (ahead[1] - behind[1]) / width};
+        }
+    }
+    return out;
+}
+
+}  // namespace
+
+Appearance TransportPredictor::solve(const Scene& scene, const Surface& surface, const Derivative* derivative,
+                                     TransportGradient* gradient, TransportSummary& summary, const Progress* progress) const {
     VOXTONE_EXPECT(scene.volume && scene.resins);
     const double begin = now();
     GridOptions grid_options;
     grid_options.view_voxels = cell_voxels(scene.volume->pitch_mm(), options_.cell_mm);
     grid_options.skin_voxels = options_.voxel_skin ? std::array<int, 3>{1, 1, 1} : grid_options.view_voxels;
     grid_options.margin_blocks = options_.margin_blocks;
-    const OpticalGrid grid(scene, grid_options);
+    const auto held = std::make_shared<const OpticalGrid>(scene, grid_options);
+    const OpticalGrid& grid = *held;
     const DiffusionPlan plan(grid);
     for (const std::uint32_t b : grid.transport_blocks) {
         const auto n = grid.cells_in(grid.blocks[b].kind);
@@ -56,31 +138,49 @@ Appearance TransportPredictor::predict(const Scene& scene, const Surface& surfac
     }
     summary.nodes = grid.nodes.size();
     summary.memory_bytes = grid.memory_bytes() + plan.memory_bytes();
-    std::vector<std::int64_t> face(surface.faces.size());
-    for (std::size_t i = 0; i < face.size(); ++i) face[i] = grid.face_at(surface.faces[i]);
+    const SeenFaces seen(grid, surface);
     summary.grid_s = now() - begin;
 
     const TransportMedia media_of(grid.directions);
     const std::size_t channels = scene.resins->channels.size();
+    const auto channel_of = [&](std::size_t c) {
+        std::vector<TransportMedium> media(grid.palette.size());
+        for (std::size_t i = 1; i < media.size(); ++i) media[i] = media_of(mixed(*scene.resins, grid.palette[i], c));
+        return TransportChannel(grid, plan, std::move(media), options_);
+    };
     Appearance appearance;
     appearance.channels = channels;
     appearance.value.assign(surface.cells.size() * channels, 0.0f);
+    std::vector<TransportChannel::Field> fields(channels);
     for (std::size_t c = 0; c < channels; ++c) {
-        std::vector<TransportMedium> media(grid.palette.size());
-        for (std::size_t i = 1; i < media.size(); ++i) media[i] = media_of(mixed(*scene.resins, grid.palette[i], c));
-        TransportChannel channel(grid, plan, std::move(media), options_);
+        TransportChannel channel = channel_of(c);
         channel.solve({}, summary, progress);
-        for (std::size_t i = 0; i < surface.cells.size(); ++i) {
-            const SurfaceCell& cell = surface.cells[i];
-            double leaving = 0, entering = 0;
-            for (std::size_t f = cell.first_face; f < cell.first_face + cell.faces; ++f) {
-                if (face[f] < 0) continue;
-                leaving += channel.flux()[static_cast<std::size_t>(face[f])];
-                entering += channel.furnace_flux(static_cast<std::size_t>(face[f]));
-            }
-            appearance.value[i * channels + c] = static_cast<float>(entering > 0 ? leaving / entering : 0);
-        }
+        seen.appearance(channel, c, appearance);
         summary.last_change.push_back(channel.last_change());
+        if (derivative) fields[c] = channel.take_field();
+    }
+    if (derivative) {
+        std::vector<float> by_value(appearance.value.size(), 0.0f), by_sigma_t, by_sigma_s;
+        (*derivative)(appearance, by_value);
+        const std::size_t resins = scene.resins->resins.size();
+        gradient->grid = held;
+        gradient->resins = resins;
+        gradient->by_fraction.assign(grid.medium.size() * resins, 0.0f);
+        for (std::size_t c = 0; c < channels; ++c) {
+            TransportChannel channel = channel_of(c);
+            channel.solve(seen.light(channel, grid.faces.size(), c, channels, by_value), summary, progress);
+            channel.derivatives(fields[c], channel.take_field(), by_sigma_t, by_sigma_s);
+            fields[c] = {};
+            const auto by_fraction = medium_derivatives(media_of, *scene.resins, grid.palette, c);
+            for (std::size_t cell = 0; cell < grid.medium.size(); ++cell) {
+                const std::size_t m = grid.medium[cell];
+                if (m == 0) continue;
+                for (std::size_t r = 0; r < resins; ++r)
+                    gradient->by_fraction[cell * resins + r] +=
+                        static_cast<float>(static_cast<double>(by_sigma_t[cell]) * by_fraction[m * resins + r][0] +
+                                           static_cast<double>(by_sigma_s[cell]) * by_fraction[m * resins + r][1]);
+            }
+        }
     }
     summary.total_s = now() - begin;
     return appearance;

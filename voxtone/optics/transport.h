@@ -19,7 +19,9 @@
 // cannot see: shadows and second bounces outside the body; sharp caustics in clear resin (64 directions).
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -48,6 +50,16 @@ struct TransportSummary {
     std::vector<double> last_change;   ///< per channel: largest change of a face's appearance by the last sweep's correction
 };
 
+/// Derivative of a function of the appearance with respect to the resin fractions of every transport cell, all fractions
+/// taken as free (a change that keeps their sum is a difference of two entries).
+struct TransportGradient {
+    std::shared_ptr<const OpticalGrid> grid;
+    std::size_t resins = 0;
+    std::vector<float> by_fraction;  ///< [cell * resins + resin]; cells as in `grid`
+    /// 0 for air and for the core, whose cells are no transport cells.
+    [[nodiscard]] float at(const std::array<int, 3>& voxel, std::size_t resin) const;
+};
+
 class TransportPredictor final : public AppearanceModel {
 public:
     explicit TransportPredictor(const TransportOptions& options = {});
@@ -57,7 +69,16 @@ public:
     [[nodiscard]] Appearance predict(const Scene& scene, const Surface& surface, TransportSummary& summary,
                                      const Progress* progress = nullptr) const;
 
+    /// The appearance, and the gradient of a function F of it: `derivative` is handed the appearance and fills in
+    /// d F / d value (same shape). Costs the prediction, one adjoint solve and two more sweeps a channel.
+    using Derivative = std::function<void(const Appearance&, std::span<float>)>;
+    [[nodiscard]] Appearance predict(const Scene& scene, const Surface& surface, const Derivative& derivative,
+                                     TransportGradient& gradient, TransportSummary& summary,
+                                     const Progress* progress = nullptr) const;
+
 private:
+    [[nodiscard]] Appearance solve(const Scene& scene, const Surface& surface, const Derivative* derivative,
+                                   TransportGradient* gradient, TransportSummary& summary, const Progress* progress) const;
     TransportOptions options_;
 };
 

@@ -221,7 +221,7 @@ void TransportChannel::start() {
             incoming[f] = static_cast<float>(face_sums(f).through) * light_[f];
         if (face.kind != FaceKind::core) right[face.node] += face_gain_[f] * incoming[f];
     }
-    phi_.assign(grid_.nodes.size(), 1.0f);  // exact where nothing is absorbed
+    phi_.assign(grid_.nodes.size(), lit_evenly_ ? 1.0f : 0.0f);  // 1 is exact where nothing is absorbed
     steps_ += diffusion_->solve(right, phi_, options_.start_tolerance, 60);
     currents(phi_, incoming, delta_moments_);
     source_.assign(grid_.medium.size(), {});
@@ -429,6 +429,8 @@ void TransportChannel::solve(std::span<const float> light, TransportSummary& sum
         if (progress) progress->check_cancelled();
     };
     light_.assign(grid_.faces.size(), 0.0f);
+    lit_evenly_ = light.empty();
+    steps_ = 0;
     for (std::size_t f = 0; f < light_.size(); ++f)
         if (grid_.faces[f].kind == FaceKind::light) light_[f] = light.empty() ? 1.0f : light[f];
     flux_.assign(grid_.faces.size(), 0.0f);
@@ -455,6 +457,35 @@ void TransportChannel::solve(std::span<const float> light, TransportSummary& sum
     for (std::size_t f = 0; f < flux_.size(); ++f)
         if (grid_.faces[f].kind == FaceKind::light)
             last_change_ = std::max(last_change_, std::abs(flux_change_[f]) / furnace_flux(f));
+}
+
+TransportChannel::Field TransportChannel::take_field() { return {std::move(source_), std::move(in_)}; }
+
+// psi solves L psi = S psi with psi coming in through the surface; the adjoint of L is L with all directions reversed, so
+//   d F / d sigma_t = -V sum_d w_d psi_d psi*_-d,   d F / d sigma_s = V (phi phi* - 3 g' J . J*)
+// in each cell: psi* is lit by dF / d flux, and the sums over directions are those of the sweeps themselves.
+void TransportChannel::derivatives(const Field& forward, const Field& adjoint, std::vector<float>& by_sigma_t,
+                                   std::vector<float>& by_sigma_s) const {
+    const std::size_t n = grid_.medium.size();
+    std::vector<Octet> record(n), out(grid_.faces.size() * 4);
+    by_sigma_t.assign(n, 0.0f);
+    by_sigma_s.assign(n, 0.0f);
+    for (int octant = 0; octant < 8; ++octant) {
+        const SweepJob job{&grid_, media_, forward.source, {}, forward.in, out, record, {}};
+        record_octant(job, octant);
+        const SweepJob against{&grid_, media_, adjoint.source, {}, adjoint.in, out, record, by_sigma_t};
+        multiply_octant(against, 7 - octant);
+    }
+    const auto g_linear = static_cast<float>(grid_.directions.linear);
+    for_each_cell([&](const GridBlock&, const CellGeometry& g, std::size_t cell, const std::array<int, 3>&, std::uint32_t) {
+        const float sigma_s = media_[grid_.medium[cell]].sigma_s;
+        const Moments &a = forward.source[cell], &b = adjoint.source[cell];
+        by_sigma_t[cell] *= -g.volume;
+        // The fields hold sigma_s phi and 3 g' sigma_s J.
+        if (sigma_s > 0)
+            by_sigma_s[cell] = g.volume / (sigma_s * sigma_s) *
+                               (a.phi * b.phi - (g_linear != 0 ? (a.x * b.x + a.y * b.y + a.z * b.z) / (3 * g_linear) : 0.0f));
+    });
 }
 
 }  // namespace voxtone::optics

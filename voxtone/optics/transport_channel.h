@@ -28,6 +28,17 @@ public:
     /// leaves through each outer face, in units in which a furnace of radiance 1 gives `furnace_flux(face)`.
     void solve(std::span<const float> light, TransportSummary& summary, const Progress* progress);
     [[nodiscard]] std::span<const float> flux() const { return flux_; }
+
+    /// The light of a solution, enough to sweep once more.
+    struct Field {
+        std::vector<Moments> source;
+        std::vector<Octet> in;
+    };
+    /// After `solve`: takes its field.
+    [[nodiscard]] Field take_field();
+    /// Derivative of a linear function of the fluxes: per cell by sigma_t and by sigma_s of its medium (TransportMedium),
+    /// mm. `forward`: the field of light 1; `adjoint`: that lit through each face by d(function) / d(flux).
+    void derivatives(const Field& forward, const Field& adjoint, std::vector<float>& by_sigma_t, std::vector<float>& by_sigma_s) const;
     [[nodiscard]] double furnace_flux(std::size_t face) const;
     [[nodiscard]] double last_change() const { return last_change_; }
 
@@ -69,6 +80,7 @@ private:
     std::vector<Octet> in_, out_;               ///< [face * 4 + tangential signs]
     std::vector<float> pooled_;                 ///< [region * 64 + octant * 8 + direction]: radiance that passes corners
     std::vector<float> flux_, flux_change_;     ///< per face; change: by the last correction
+    bool lit_evenly_ = true;
     double last_change_ = 0;
     int steps_ = 0;
 };

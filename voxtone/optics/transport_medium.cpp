@@ -99,10 +99,16 @@ double TransportMedia::loss(double albedo) const {
     return std::min(1.0, ((1 - a) * ratio_[i] + a * ratio_[i + 1]) * loss);
 }
 
+std::array<double, 2> TransportMedia::exact(const Medium& medium) const {
+    constexpr double least = 1e-6;  // mm^-1: nothing is seen of it, and fields can be divided by it
+    const double sigma_t = std::max(medium.sigma_t(), least);
+    const double sigma_s = std::max(sigma_t * (1 - loss(medium.albedo())), least);
+    return {sigma_t - set_.forward_peak * sigma_s, sigma_s * (1 - set_.forward_peak)};
+}
+
 TransportMedium TransportMedia::operator()(const Medium& medium) const {
-    const double sigma_t = medium.sigma_t();
-    const double sigma_s = sigma_t * (1 - loss(medium.albedo()));
-    return {static_cast<float>(sigma_t - set_.forward_peak * sigma_s), static_cast<float>(sigma_s * (1 - set_.forward_peak))};
+    const auto [sigma_t, sigma_s] = exact(medium);
+    return {static_cast<float>(sigma_t), static_cast<float>(sigma_s)};
 }
 
 }  // namespace voxtone::optics

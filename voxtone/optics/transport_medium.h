@@ -9,6 +9,7 @@
 // alpha* = 1 at alpha = 1. With the interpolated alpha* a half-space is exact within 1e-4 (tested).
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "voxtone/optics/resins.h"
@@ -27,6 +28,8 @@ public:
     explicit TransportMedia(const DirectionSet& set);
 
     [[nodiscard]] TransportMedium operator()(const Medium& medium) const;
+    /// The same in double precision: sigma_t, sigma_s.
+    [[nodiscard]] std::array<double, 2> exact(const Medium& medium) const;
     /// 1 - alpha* for this albedo.
     [[nodiscard]] double loss(double albedo) const;
     /// Appearance of a half-space by the discrete equations, in cells of this optical depth.

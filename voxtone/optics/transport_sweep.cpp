@@ -31,6 +31,7 @@ struct Octant {
     Ways ways[2];                  ///< skin, margin
     V8 sx, sy, sz;                 ///< Omega
     V8 weights[4];                 ///< {w, w Omega} / 2 of directions 2 k and 2 k + 1
+    V8 half_weight;                ///< w / 2
     bool back[3];
     unsigned in_bit[3], out_bit[3];
     int signs[3];
@@ -76,6 +77,7 @@ Octant make_octant(const OpticalGrid& grid, int octant) {
     o.sy = cosine[1];
     o.sz = cosine[2];
     w *= 0.5f;  // the moments are taken of 2 psi
+    o.half_weight = w;
     for (int d = 0; d < 8; ++d) {
         V8& pair = o.weights[d / 2];
         const int at = 4 * (d % 2);
@@ -116,10 +118,20 @@ struct MediumWays {
 };
 using MediaWays = std::array<std::vector<MediumWays>, 2>;  // for both kinds of cells
 
+enum class Purpose { moments, record, multiply };
+
+/// Where the results of a block go, by the sweep's purpose.
+struct Places {
+    Moments* sum;
+    Octet* record;
+    float* product;
+};
+
 /// psi of a cell; px, py, pz come in and go out. Written so that the way along x, where each cell waits for the one before,
 /// is one multiplication and one addition long: px_out = gain (q + ay py + az pz) + pass px = 2 psi - px.
-HWY_INLINE void cross_cell(const Octant& o, const Ways& ways, const MediumWays& medium, const Moments& source, Moments& sum,
-                           V8& px, V8& py, V8& pz) {
+template <Purpose purpose>
+HWY_INLINE void cross_cell(const Octant& o, const Ways& ways, const MediumWays& medium, const Moments& source, const Places& to,
+                           int cell, V8& px, V8& py, V8& pz) {
     const V8 q = (source.phi + source.x * o.sx) + (source.y * o.sy + source.z * o.sz);
     const V8 rest = q + (ways.ay * py + ways.az * pz);
     const V8 out = as_vector(medium.gain) * rest + as_vector(medium.pass) * px;
@@ -127,6 +139,17 @@ HWY_INLINE void cross_cell(const Octant& o, const Ways& ways, const MediumWays& 
     px = out;
     py = twice - py;
     pz = twice - pz;
+    if constexpr (purpose == Purpose::record) {
+        store(twice * 0.5f, &to.record[cell]);
+        return;
+    }
+    if constexpr (purpose == Purpose::multiply) {
+        const V8 product = twice * o.half_weight * as_vector(to.record[cell]);
+        float sum = 0;
+        for (int d = 0; d < 8; ++d) sum += product[d];
+        to.product[cell] += sum;
+        return;
+    }
     V8 moment = __builtin_shuffle(twice, I8{0, 0, 0, 0, 1, 1, 1, 1}) * o.weights[0];
     V8 other = __builtin_shuffle(twice, I8{2, 2, 2, 2, 3, 3, 3, 3}) * o.weights[1];
     moment += __builtin_shuffle(twice, I8{4, 4, 4, 4, 5, 5, 5, 5}) * o.weights[2];
@@ -135,24 +158,25 @@ HWY_INLINE void cross_cell(const Octant& o, const Ways& ways, const MediumWays& 
     V4 low, high;
     std::memcpy(&low, &moment, sizeof low);
     std::memcpy(&high, reinterpret_cast<const char*>(&moment) + sizeof low, sizeof high);
-    add_to(sum, low + high);
+    add_to(to.sum[cell], low + high);
 }
 
 /// A row of cells none of which has an outer face.
-template <int step>
+template <Purpose purpose, int step>
 HWY_INLINE void inner_row(const Octant& o, const Ways& ways, const MediumWays* media, const std::uint16_t* medium,
-                          const Moments* source, Moments* sum, V8* row_y, V8* row_z, V8& px_in_out) {
+                          const Moments* source, const Places& to, int row, V8* row_y, V8* row_z, V8& px_in_out) {
     V8 px = px_in_out;
     int x = step > 0 ? 0 : ways.nx - 1;
     for (int k = 0; k < ways.nx; ++k, x += step) {
         V8 py = row_y[x], pz = row_z[x];
-        cross_cell(o, ways, media[medium[x]], source[x], sum[x], px, py, pz);
+        cross_cell<purpose>(o, ways, media[medium[row + x]], source[row + x], to, row + x, px, py, pz);
         row_y[x] = py;
         row_z[x] = pz;
     }
     px_in_out = px;
 }
 
+template <Purpose purpose>
 void sweep_block(const SweepJob& job, const Octant& o, const MediaWays& media_ways, const GridBlock& block,
                  const BlockFaces& faces) {
     const OpticalGrid& grid = *job.grid;
@@ -161,7 +185,9 @@ void sweep_block(const SweepJob& job, const Octant& o, const MediaWays& media_wa
     const std::uint16_t* const medium = grid.medium.data() + block.first_cell;
     const std::uint8_t* const outer = grid.outer.data() + block.first_cell;
     const Moments* const source = job.source.data() + block.first_cell;
-    Moments* const sum = job.sum.data() + block.first_cell;
+    const Places to{job.sum.empty() ? nullptr : job.sum.data() + block.first_cell,
+                    job.record.empty() ? nullptr : job.record.data() + block.first_cell,
+                    job.product.empty() ? nullptr : job.product.data() + block.first_cell};
     const std::int32_t* const links = block.first_link < 0 ? nullptr : grid.face_of_cell.data() + block.first_link;
     for (int kz = 0; kz < ways.nz; ++kz) {
         const int z = o.back[2] ? ways.nz - 1 - kz : kz;
@@ -175,8 +201,8 @@ void sweep_block(const SweepJob& job, const Octant& o, const MediaWays& media_wa
             if (links)
                 for (int x = 0; x < ways.nx; ++x) any |= outer[row + x];
             if (any == 0) {
-                if (o.back[0]) inner_row<-1>(o, ways, media, medium + row, source + row, sum + row, row_y, row_z, px);
-                else inner_row<1>(o, ways, media, medium + row, source + row, sum + row, row_y, row_z, px);
+                if (o.back[0]) inner_row<purpose, -1>(o, ways, media, medium, source, to, row, row_y, row_z, px);
+                else inner_row<purpose, 1>(o, ways, media, medium, source, to, row, row_y, row_z, px);
                 faces.x[z * ways.ny + y] = px;
                 continue;
             }
@@ -194,12 +220,15 @@ void sweep_block(const SweepJob& job, const Octant& o, const MediaWays& media_wa
                 if (bits >> o.in_bit[0] & 1) load(px, &job.in[face_of(0, o.in_bit[0])]);
                 if (bits >> o.in_bit[1] & 1) load(py, &job.in[face_of(1, o.in_bit[1])]);
                 if (bits >> o.in_bit[2] & 1) load(pz, &job.in[face_of(2, o.in_bit[2])]);
-                cross_cell(o, ways, media[medium[cell]], source[cell], sum[cell], px, py, pz);
+                cross_cell<purpose>(o, ways, media[medium[cell]], source[cell], to, cell, px, py, pz);
                 row_y[x] = py;
                 row_z[x] = pz;
-                if (bits >> o.out_bit[0] & 1) store(px, &job.out[face_of(0, o.out_bit[0])]);
-                if (bits >> o.out_bit[1] & 1) store(py, &job.out[face_of(1, o.out_bit[1])]);
-                if (bits >> o.out_bit[2] & 1) store(pz, &job.out[face_of(2, o.out_bit[2])]);
+                if (purpose == Purpose::moments && bits >> o.out_bit[0] & 1)
+                    store(px, &job.out[face_of(0, o.out_bit[0])]);
+                if (purpose == Purpose::moments && bits >> o.out_bit[1] & 1)
+                    store(py, &job.out[face_of(1, o.out_bit[1])]);
+                if (purpose == Purpose::moments && bits >> o.out_bit[2] & 1)
+                    store(pz, &job.out[face_of(2, o.out_bit[2])]);
             }
             faces.x[z * ways.ny + y] = px;
         }
@@ -213,7 +242,8 @@ struct Front {
     std::vector<BlockKind> y_kind, z_kind;
 };
 
-void sweep(const SweepJob& job, int half) {
+template <Purpose purpose>
+void sweep_octants(const SweepJob& job, int half, unsigned chosen) {
     const OpticalGrid& grid = *job.grid;
     const auto skin = grid.cells_in(BlockKind::skin), margin = grid.cells_in(BlockKind::margin);
     const std::array<int, 3> most{std::max(skin[0], margin[0]), std::max(skin[1], margin[1]), std::max(skin[2], margin[2])};
@@ -262,7 +292,7 @@ void sweep(const SweepJob& job, int half) {
             fit(faces.x, front.x_kind, block.kind, 1, 2);
             fit(faces.y, front.y_kind[bx], block.kind, 0, 2);
             fit(faces.z, front.z_kind[bz], block.kind, 0, 1);
-            sweep_block(job, o, media, block, faces);
+            sweep_block<purpose>(job, o, media, block, faces);
         }
     };
     // Rows of blocks along x lie one after the other in y, then z. All four octants of one way along z cross a plane of
@@ -277,12 +307,16 @@ void sweep(const SweepJob& job, int half) {
         for (std::size_t back = 0; back < 2; ++back)
             for (std::size_t k = 0; k < count; ++k) {
                 const std::size_t row = back ? first + count - 1 - k : first + k;
-                cross_row(row, 2 * back);
-                cross_row(row, 2 * back + 1);
+                if (chosen >> (2 * back) & 1) cross_row(row, 2 * back);
+                if (chosen >> (2 * back + 1) & 1) cross_row(row, 2 * back + 1);
             }
         p += count;
     }
 }
+
+void sweep(const SweepJob& job, int half) { sweep_octants<Purpose::moments>(job, half, 15); }
+void record(const SweepJob& job, int octant) { sweep_octants<Purpose::record>(job, octant / 4, 1u << octant % 4); }
+void multiply(const SweepJob& job, int octant) { sweep_octants<Purpose::multiply>(job, octant / 4, 1u << octant % 4); }
 
 }  // namespace voxtone::optics::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
@@ -291,7 +325,11 @@ HWY_AFTER_NAMESPACE();
 namespace voxtone::optics {
 
 HWY_EXPORT(sweep);
+HWY_EXPORT(record);
+HWY_EXPORT(multiply);
 
+void record_octant(const SweepJob& job, int octant) { HWY_DYNAMIC_DISPATCH(record)(job, octant); }
+void multiply_octant(const SweepJob& job, int octant) { HWY_DYNAMIC_DISPATCH(multiply)(job, octant); }
 void sweep_half(const SweepJob& job, bool down) { HWY_DYNAMIC_DISPATCH(sweep)(job, down ? 1 : 0); }
 
 }  // namespace voxtone::optics

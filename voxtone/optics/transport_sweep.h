@@ -32,10 +32,16 @@ struct SweepJob {
     std::span<Moments> sum;                  ///< per cell: their share is added
     std::span<const Octet> in;               ///< [face * 4 + tangential signs]: radiance that enters through outer faces
     std::span<Octet> out;                    ///< the same, that leaves
+    std::span<Octet> record = {};            ///< per cell: psi of one octant
+    std::span<float> product = {};           ///< per cell: sum over directions of w psi psi'
 };
 
 /// The four octants of light that runs up, or down. Octant bits: 1, 2, 4 set where light runs against x, y, z.
 void sweep_half(const SweepJob& job, bool down);
+
+/// One octant alone: writes psi to `record`; or adds the sum of w psi times what was recorded to `product`.
+void record_octant(const SweepJob& job, int octant);
+void multiply_octant(const SweepJob& job, int octant);
 
 /// Place among the four octants that cross a face perpendicular to `axis` one way.
 [[nodiscard]] constexpr int tangential_signs(int octant, int axis) {
