@@ -1,8 +1,8 @@
 #!/bin/sh
-# A picture as a flat print: 20 mm wide, 2 mm thick, then checked as the printer's software would check it.
+# A picture as a flat print: 12 mm wide, 2 mm thick, then checked as the printer's software would check it.
 set -eu
 voxtone=${VOXTONE:-build/release/bin/voxtone}
 out=${OUT:-out}/01-picture
 here=$(dirname "$0")
-"$voxtone" slice "$here/models/spot/spot_texture.png" --width 20mm --thickness 2mm -o "$out"
+"$voxtone" slice "$here/models/spot/spot_texture.png" --width 12mm --thickness 2mm -o "$out"
 "$voxtone" verify "$out"

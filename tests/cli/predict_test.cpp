@@ -140,7 +140,7 @@ TEST_CASE("An all white slab is white") {
 
 TEST_CASE("Ctrl-C stops a prediction with 5 and leaves no file") {
     const Folder folder("stop");
-    const Outcome outcome = run_program(fmt::format("predict --quiet --model monte-carlo --spp 1000000 {} -o {}",
+    const Outcome outcome = run_program(fmt::format("predict --quiet --model monte-carlo --spp 20000 {} -o {}",
                                                     marked_stack(folder), folder / "p.png"),
                                         1500);
     CHECK(outcome.exit_code == 5);
@@ -265,6 +265,14 @@ TEST_CASE("slice --predict shows target, prediction and difference, upright, wit
                                     folder / "again.png"))
                 .exit_code == 0);
     CHECK(same_bytes(folder / "again.png", folder / "out/predicted.png"));
+
+    // A part of the layers is not predicted, and the report says so.
+    REQUIRE(run_program(fmt::format("slice --quiet {} --width 2.4mm --thickness 1mm --layers 0-9 -o {}",
+                                    marked_picture(folder), folder / "part"))
+                .exit_code == 0);
+    const auto part = nlohmann::json::parse(read_file(folder / "part/report.json"));
+    CHECK_FALSE(part.contains("predicted"));
+    CHECK_THAT(std::string(part["prediction"]), Contains("a part is not predicted"));
 
     // Too little memory: the print is whole, and the job says why it is not predicted.
     const Outcome little = run_program(fmt::format(

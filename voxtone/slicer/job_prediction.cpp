@@ -5,6 +5,9 @@
 #include <chrono>
 #include <utility>
 
+#include <fmt/core.h>
+#include <Eigen/Geometry>
+
 #include "voxtone/base/error.h"
 #include "voxtone/slicer/model_choice.h"
 #include "voxtone/slicer/stack_volume.h"
@@ -35,11 +38,26 @@ std::optional<optics::ResinVolume> JobVolume::finish() {
     return volume;
 }
 
-JobPrediction predict_job(const SliceOptions& options, const JobBody& body, const LoadedResins& resins,
-                          optics::ResinVolume volume, Progress& progress) {
+PredictionPlan plan_prediction(const SliceOptions& options, const JobBody& body, bool all_layers) {
+    if (!options.report || options.predict == "none") return {};
+    if (!all_layers) return {"", "Only a part of the layers was made: a part is not predicted."};
+    if (options.predict != "auto") return {options.predict, ""};
+    double area_mm2 = 0;
+    for (const auto& [a, b, c] : body.surface.triangles) {
+        const auto& p = body.surface.positions_mm;
+        area_mm2 += 0.5 * (p[b] - p[a]).cross(p[c] - p[a]).norm();
+    }
+    if (area_mm2 <= 100 * auto_prediction_cm2) return {model_names()[0], ""};
+    return {"", fmt::format("The coloured surface has {:.0f} cm2; more than {:g} cm2 are not predicted without being "
+                            "asked: --predict {}.",
+                            area_mm2 / 100, auto_prediction_cm2, model_names()[0])};
+}
+
+JobPrediction predict_job(const SliceOptions& options, const std::string& model, const JobBody& body,
+                          const LoadedResins& resins, optics::ResinVolume volume, Progress& progress) {
     const auto start = std::chrono::steady_clock::now();
     JobPrediction job;
-    job.model = options.predict;
+    job.model = model;
     job.volume = std::move(volume);
     progress.begin_stage("predict", 0);
     const optics::Scene scene{.volume = &job.volume,
@@ -55,7 +73,7 @@ JobPrediction predict_job(const SliceOptions& options, const JobBody& body, cons
         quality.memory_bytes = memory_budget(options.memory_gib) -
                                std::min(memory_budget(options.memory_gib), 2 * job.volume.memory_bytes());
         quality.seed = white ? ~options.seed : options.seed;
-        return make_model(options.predict, quality);
+        return make_model(model, quality);
     };
     const int white = resins.set.find("W");
     job.predicted = predict_surface(scene, std::move(surface), maker, white >= 0 ? white : resins.core, progress);

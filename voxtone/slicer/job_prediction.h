@@ -23,6 +23,16 @@
 
 namespace voxtone::slicer {
 
+/// What a job predicts, known before its layers are made.
+struct PredictionPlan {
+    std::string model;    ///< empty: none
+    std::string why_not;  ///< where none: a sentence for the report; may be empty
+};
+
+/// By `options.predict`: a model's name; none; auto: the default model up to auto_prediction_cm2 of coloured surface. A
+/// part of the layers is never predicted, nor is a job without a report.
+[[nodiscard]] PredictionPlan plan_prediction(const SliceOptions& options, const JobBody& body, bool all_layers);
+
 /// The volume of a job, filled layer by layer from any thread.
 class JobVolume {
 public:
@@ -51,7 +61,7 @@ struct JobPrediction {
 };
 
 /// Throws what the model throws.
-[[nodiscard]] JobPrediction predict_job(const SliceOptions& options, const JobBody& body, const LoadedResins& resins,
-                                        optics::ResinVolume volume, Progress& progress);
+[[nodiscard]] JobPrediction predict_job(const SliceOptions& options, const std::string& model, const JobBody& body,
+                                        const LoadedResins& resins, optics::ResinVolume volume, Progress& progress);
 
 }  // namespace voxtone::slicer

@@ -122,22 +122,17 @@ std::vector<std::array<float, 3>> single_precision(const std::vector<Eigen::Vect
     return out;
 }
 
-/// A prediction is of a whole print, and for the report.
-bool is_predicted(const SliceOptions& options, const LayerRange& range, const VoxelGrid& grid) {
-    return options.report && options.predict != "none" && range.first == 0 && range.last + 1 == grid.size[2];
-}
-
 /// Nothing, with a warning, where it needs more memory than allowed: the print is whole without it.
-std::optional<JobPrediction> predict_or_warn(const SliceOptions& options, const JobBody& body, const LoadedResins& resins, JobVolume& volume,
-                                             Progress& progress) {
-    std::string why_not;
+std::optional<JobPrediction> predict_or_warn(const SliceOptions& options, PredictionPlan& plan, const JobBody& body, const LoadedResins& resins,
+                                             JobVolume& volume, Progress& progress) {
     try {
-        if (auto whole = volume.finish()) return predict_job(options, body, resins, std::move(*whole), progress);
-        why_not = volume.why_not();
+        if (auto whole = volume.finish()) return predict_job(options, plan.model, body, resins, std::move(*whole), progress);
+        plan.why_not = volume.why_not();
     } catch (const ResourceError& error) {
-        why_not = error.what();
+        plan.why_not = error.what();
     }
-    progress.warn("the print is not predicted: " + why_not);
+    plan.why_not = "The print is not predicted: " + plan.why_not + ".";
+    progress.warn(plan.why_not);
     return std::nullopt;
 }
 
@@ -183,7 +178,8 @@ SliceResult run_slice_job(const SliceOptions& options, Progress& progress) {
 
     // The volume and its white twin are held at once.
     std::optional<JobVolume> volume;
-    if (is_predicted(options, range, body.grid)) volume.emplace(body.grid, memory_budget(options.memory_gib) / 2);
+    PredictionPlan plan = plan_prediction(options, body, range.first == 0 && range.last + 1 == body.grid.size[2]);
+    if (!plan.model.empty()) volume.emplace(body.grid, memory_budget(options.memory_gib) / 2);
 
     std::mutex figures_mutex;
     progress.begin_stage("layers", std::uint64_t(range.last - range.first + 1), "layers");
@@ -215,14 +211,15 @@ SliceResult run_slice_job(const SliceOptions& options, Progress& progress) {
     figures.layer_bytes = writer.bytes_written();
     figures.layers = thumbnails.take();
     figures.finish_s = watch.lap();
+    figures.total_s = watch.total();
     std::optional<JobPrediction> prediction;
     if (volume) {
         progress.end_stage();
-        prediction = predict_or_warn(options, body, resins, *volume, progress);
+        prediction = predict_or_warn(options, plan, body, resins, *volume, progress);
         progress.begin_stage("report", 0);
     }
-    figures.total_s = watch.total();
-    const ReportSources sources{options, printer, resins, body, *colour, surface_colour, stack, prediction ? &*prediction : nullptr};
+    const ReportSources sources{options, printer, resins, body, *colour, surface_colour, stack,
+                                prediction ? &*prediction : nullptr, plan.why_not};
     io::Report report = make_report(sources, figures);
     if (options.report) {
         draw_report(sources, report, writer.folder(), progress);

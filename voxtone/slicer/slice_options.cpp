@@ -99,8 +99,8 @@ OptionSpec number(OptionSpec s, Number SliceOptions::*member) {
 }
 
 std::vector<std::string> models_or_none() {
-    std::vector<std::string> names(model_names().begin(), model_names().end());
-    names.push_back("none");
+    std::vector<std::string> names{"auto", "none"};
+    names.insert(names.end(), model_names().begin(), model_names().end());
     return names;
 }
 
@@ -154,7 +154,10 @@ std::vector<OptionSpec> make_table() {
         flag(spec("keep-thin", Kind::flag, "", body, "features thinner than a voxel get one voxel instead of vanishing"), &O::keep_thin),
 
         text(spec("predict", Kind::text, "MODEL", predict,
-                  "what predicts the print for the report; none: the separation's own model, without spreading light", models_or_none()),
+                  fmt::format("what predicts the print for the report; none: the separation's own model, without spreading light; auto: {} for "
+                              "up to {:g} cm2 of coloured surface, else none",
+                              model_names()[0], auto_prediction_cm2),
+                  models_or_none()),
              &O::predict),
         length(spec("predict-cell", Kind::length, "LENGTH", predict, "cells that are predicted and seen as one"), &O::predict_cell_mm),
         number(spec("memory", Kind::number, "GIB", predict,

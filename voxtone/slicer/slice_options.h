@@ -41,7 +41,7 @@ struct SliceOptions {
     std::vector<std::string> formats;  ///< empty: the printer's default
     bool overwrite = false;
     bool report = true;
-    std::string predict = "none";   ///< model of the prediction in the report; none: the separation's own
+    std::string predict = "auto";   ///< model of the prediction in the report; see job_prediction.h
     double predict_cell_mm = 0.085;
     double memory_gib = 0;          ///< of the prediction; 0: half of the machine's
     int threads = 0;

@@ -155,6 +155,9 @@ io::ReportPrediction predicted_figures(const JobPrediction& p) {
         "Predicted by the model {} from the printed voxels, in {} cells of {:.1f} x {:.1f} x {:.1f} um, relative to the same body all of white "
         "resin, in uniform white light. The target of a cell is the mean of what was asked for over it; every share is one of area.",
         p.model, p.difference.size(), p.cell_um[0], p.cell_um[1], p.cell_um[2]);
+    if (const auto& errors = p.predicted.standard_error; !errors.empty())
+        figures.note += fmt::format(" The model's own noise, a standard error of {:.3f} on average, is part of the differences.",
+                                    std::accumulate(errors.begin(), errors.end(), 0.0) / double(errors.size()));
     return figures;
 }
 
@@ -220,7 +223,7 @@ io::Report make_report(const ReportSources& s, const JobFigures& f) {
         report.warnings.push_back(fmt::format("{} voxels were added where the body is thinner than a voxel, so that nothing vanishes", f.counts.thin_voxels));
     report.stages = {{"read model", f.read_s},   {"repair and visible surface", f.repair_s}, {"separate colours", f.separation_s},
                      {"layers", f.layers_s}, {"finish", f.finish_s}};
-    report.total_seconds = f.total_s;
+    report.total_seconds = f.total_s + (s.prediction ? s.prediction->seconds : 0);
     report.peak_memory_bytes = peak_memory_bytes();
     report.output_bytes = f.layer_bytes;
     report.gamut = gamut_figures(s);
@@ -229,8 +232,10 @@ io::Report make_report(const ReportSources& s, const JobFigures& f) {
         report.stages.push_back({"predict", s.prediction->seconds});
     } else {
         report.prediction_note =
-        "Predicted with the separation's own model: every point as on a wide flat shell of its colour over deep core, relative to the core resin's "
-        "white. It shows what the resins can reach. It leaves out how light spreads between neighbouring colours, at edges and in thin parts.";
+            "Predicted with the separation's own model: every point as on a wide flat shell of its colour over deep core, relative to the core "
+            "resin's white. It shows what the resins can reach. It leaves out how light spreads between neighbouring colours, at edges and in "
+            "thin parts.";
+        if (!s.why_not.empty()) report.prediction_note += " " + s.why_not;
     }
     report.sections.push_back(mesh_section(s.body.repair));
     report.sections.push_back(throughput(s, f));

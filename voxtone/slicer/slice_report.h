@@ -42,6 +42,7 @@ struct ReportSources {
     const SurfaceColour& surface_colour;
     const io::StackDescription& stack;
     const JobPrediction* prediction;  ///< null: none was made
+    const std::string& why_not;       ///< then: a sentence, or empty
 };
 
 /// Figures, gamut and warnings; no pictures.
