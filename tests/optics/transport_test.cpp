@@ -151,7 +151,7 @@ TEST_CASE("The gradient agrees with finite differences") {
     // One voxel of a halftoned slab gets a mixture of its own; F weighs appearances near it in one channel.
     const ResinSet base = vero_opaque();
     TransportOptions options;
-    options.sweeps = 14;
+    options.sweeps = 20;
     options.start_tolerance = 1e-5;
     options.correction_tolerance = 1e-2;
     const TransportPredictor model(options);
@@ -192,7 +192,7 @@ TEST_CASE("The gradient agrees with finite differences") {
         };
         TransportGradient gradient;
         (void)run(0, &gradient);
-        const double step = 0.04, difference = (run(step, nullptr) - run(-step, nullptr)) / (2 * step);
+        const double step = 0.02, difference = (run(step, nullptr) - run(-step, nullptr)) / (2 * step);
         const double adjoint = static_cast<double>(gradient.at(voxel, resin));
         INFO("trial " << trial << " channel " << channel << " resin " << resin << ": difference " << difference << " adjoint " << adjoint);
         CHECK(std::abs(adjoint / difference - 1) < 0.01);

@@ -54,7 +54,16 @@ struct OpticalGrid::Builder {
         return std::find(box.begin(), box.end(), air) != box.end();
     }
 
-    /// A block of one material, solid all around.
+    [[nodiscard]] bool in_window(const std::array<int, 3>& block) const {
+        const auto corner = corner_of(block);
+        for (std::size_t a = 0; a < 3; ++a)
+            if (grid.options.window_end[a] > grid.options.window_begin[a] &&
+                (corner[a] >= grid.options.window_end[a] || corner[a] + block_voxels[a] <= grid.options.window_begin[a]))
+                return false;
+        return true;
+    }
+
+    /// A block of one material, solid all around, or lying on a sheet.
     [[nodiscard]] int buried_material(const std::array<int, 3>& block) const {
         const auto corner = corner_of(block);
         const int material = scene.volume->uniform_material(corner, block_voxels);
@@ -65,7 +74,8 @@ struct OpticalGrid::Builder {
             next[a] = f % 2 == 0 ? corner[a] - 1 : corner[a] + block_voxels[a];
             extent[a] = 1;
             const bool outside = next[a] < 0 || next[a] >= scene.volume->size()[a];
-            if (outside ? !mirrored(f / 2) : any_air(next, extent)) return -1;
+            const bool on_sheet = f == 4 && next[2] < 0 && scene.backing != Backing::none;
+            if (outside ? !mirrored(f / 2) && !on_sheet : any_air(next, extent)) return -1;
         }
         return material;
     }
@@ -83,18 +93,21 @@ struct OpticalGrid::Builder {
 
     void find_blocks() {
         const std::size_t n = product(grid.lattice);
-        std::vector<std::int16_t> material(n);  // -1: skin, 0: air, else the buried material
+        std::vector<std::int16_t> material(n);  // -1: skin, -2: skin, but outside the window, 0: air, else the buried one
         const std::size_t plane = static_cast<std::size_t>(grid.lattice[0]) * static_cast<std::size_t>(grid.lattice[1]);
         parallel_for(0, n, std::max<std::size_t>(1, plane / 8), [&](std::size_t i) {
             const auto x = static_cast<int>(i % static_cast<std::size_t>(grid.lattice[0]));
             const auto y = static_cast<int>(i / static_cast<std::size_t>(grid.lattice[0]) % static_cast<std::size_t>(grid.lattice[1]));
             const auto z = static_cast<int>(i / plane);
             material[i] = static_cast<std::int16_t>(buried_material({x, y, z}));
+            if (material[i] == -1 && !in_window({x, y, z})) material[i] = -2;
         });
-        const int rings = grid.options.margin_blocks + grid.options.fine_core_blocks;
+        std::array<int, 256> margin{};
+        for (std::size_t m = 1; m < grid.palette.size(); ++m) margin[m] = margin_blocks(m);
+        const int rings = *std::max_element(margin.begin(), margin.end()) + grid.options.fine_core_blocks;
         std::vector<std::uint8_t> ring(n, 255);
         for (std::size_t i = 0; i < n; ++i)
-            if (material[i] < 0) ring[i] = 0;
+            if (material[i] == -1) ring[i] = 0;
         for (int r = 1; r <= rings; ++r) grow(ring, r);
         grid.block_at.assign(n, -1);
         std::size_t i = 0;
@@ -104,11 +117,14 @@ struct OpticalGrid::Builder {
             GridBlock block;
             block.at = {at[0], at[1], at[2]};
             const int r = ring[here];
-            block.kind = r == 0                              ? BlockKind::skin
-                         : r <= grid.options.margin_blocks   ? BlockKind::margin
-                                                             : BlockKind::core;
-            block.nodes_per_edge = block.kind != BlockKind::core ? 4 : r <= rings ? 2 : 1;
-            block.medium = r == 0 ? 0 : static_cast<std::uint16_t>(material[here]);
+            const int depth = material[here] > 0 ? margin[static_cast<std::size_t>(material[here])] : 0;
+            block.kind = r == 0 ? BlockKind::skin : r <= depth ? BlockKind::margin : BlockKind::core;
+            if (material[here] == -2) block.kind = BlockKind::core;  // margins are of one material
+            // A sheet takes what diffusion would not give it: light meets it in transport cells, coarse ones.
+            const bool on_sheet = scene.backing != Backing::none && corner_of(at)[2] <= 0;
+            if (on_sheet && block.kind == BlockKind::core && material[here] > 0 && in_window(at)) block.kind = BlockKind::margin;
+            block.nodes_per_edge = block.kind != BlockKind::core ? 4 : r <= depth + grid.options.fine_core_blocks || material[here] == -2 ? 2 : 1;
+            if (material[here] > 0) block.medium = static_cast<std::uint16_t>(material[here]);
             grid.block_at[here] = static_cast<std::int32_t>(grid.blocks.size());
             grid.blocks.push_back(block);
         });
@@ -132,6 +148,19 @@ struct OpticalGrid::Builder {
             grid.transport_blocks.push_back(static_cast<std::uint32_t>(b));
         }
         grid.transport_rows.push_back(static_cast<std::uint32_t>(grid.transport_blocks.size()));
+    }
+
+    /// Light becomes diffuse over transport mean free paths: rings of margin blocks for a material, in its clearest channel.
+    [[nodiscard]] int margin_blocks(std::size_t material) const {
+        constexpr double free_paths = 2.3;
+        double least = 1e9, edge = 0;
+        for (std::size_t c = 0; c < scene.resins->channels.size(); ++c) {
+            const Medium m = scene.resins->resins[material - 1].medium(c);
+            least = std::min(least, m.sigma_a + (1 - scene.resins->g) * m.sigma_s);
+        }
+        for (std::size_t a = 0; a < 3; ++a) edge = std::max(edge, block_voxels[a] * grid.pitch_mm[a]);
+        const double wanted = free_paths / (std::max(least, 1e-3) * edge);
+        return std::max(grid.options.margin_blocks, static_cast<int>(std::min(12.0, std::ceil(wanted - 0.1))));
     }
 
     /// Places that touch ring r - 1 by a face, an edge or a corner become ring r.
@@ -253,16 +282,7 @@ struct OpticalGrid::Builder {
         block.first_node = static_cast<std::uint32_t>(grid.nodes.size());
         const auto b = static_cast<std::uint32_t>(&block - grid.blocks.data());
         if (block.kind == BlockKind::core) {
-            const int n = block.nodes_per_edge;
-            const float edge = 4.0f / static_cast<float>(n);
-            for_each({n, n, n}, [&](const std::array<int, 3>& at) {
-                GridNode node;
-                for (std::size_t a = 0; a < 3; ++a)
-                    node.centre[a] = static_cast<float>(4 * block.at[a]) + (static_cast<float>(at[a]) + 0.5f) * edge;
-                node.edge_cells = edge;
-                grid.nodes.push_back(node);
-                grid.node_block.push_back(b);
-            });
+            number_core_nodes(block, b);
             return;
         }
         std::array<int, 64> solid{};
@@ -291,6 +311,91 @@ struct OpticalGrid::Builder {
                 node.open_share[a] = static_cast<float>(open[place][a]) * static_cast<float>(cells[a] / 4) / whole;
             grid.nodes.push_back(node);
             grid.node_block.push_back(b);
+        });
+    }
+
+    /// Nodes of a core block, 8 or 1, what is solid of them, and where they border on light or a sheet.
+    void number_core_nodes(GridBlock& block, std::uint32_t index) {
+        const int n = block.nodes_per_edge;
+        const std::array<int, 3> corner = corner_of({block.at[0], block.at[1], block.at[2]});
+        const bool whole = block.medium != 0;
+        std::vector<Material> voxels;
+        std::array<int, 3> extent{};
+        for (std::size_t a = 0; a < 3; ++a) extent[a] = block_voxels[a] + 2;
+        const bool on_sheet = scene.backing != Backing::none && corner[2] <= 0;
+        if (!whole || on_sheet) {
+            voxels.resize(product(extent));
+            scene.volume->copy_box({corner[0] - 1, corner[1] - 1, corner[2] - 1}, extent, voxels);
+            for (std::size_t a = 0; a < 2; ++a) mirror_border(voxels, corner, extent, a);
+        }
+        std::vector<std::pair<Material, int>> counts;
+        const float edge = 4.0f / static_cast<float>(n);
+        int place = 0;
+        for_each({n, n, n}, [&](const std::array<int, 3>& at) {
+            GridNode node;
+            for (std::size_t a = 0; a < 3; ++a)
+                node.centre[a] = static_cast<float>(4 * block.at[a]) + (static_cast<float>(at[a]) + 0.5f) * edge;
+            node.edge_cells = edge;
+            const int here = place++;
+            std::array<float, 6> open{};
+            if (!voxels.empty()) {
+                std::array<int, 3> size{}, low{};
+                for (std::size_t a = 0; a < 3; ++a) {
+                    size[a] = block_voxels[a] / n;
+                    low[a] = 1 + at[a] * size[a];
+                }
+                int filled = 0;
+                std::array<int, 3> joined{};
+                for_each(size, [&](const std::array<int, 3>& in) {
+                    const std::array<int, 3> v{low[0] + in[0], low[1] + in[1], low[2] + in[2]};
+                    const Material m = voxels[at3(v, extent)];
+                    if (m == air) return;
+                    ++filled;
+                    if (!whole) {
+                        const auto same = std::find_if(counts.begin(), counts.end(), [&](const auto& c) { return c.first == m; });
+                        if (same == counts.end()) counts.emplace_back(m, 1);
+                        else ++same->second;
+                    }
+                    for (std::size_t f = 0; f < 6; ++f) {
+                        const std::size_t a = f / 2;
+                        std::array<int, 3> next = v;
+                        next[a] += step_of[f][a];
+                        const bool other_side = voxels[at3(next, extent)] != air;
+                        if (!other_side) open[f] += static_cast<float>(grid.pitch_mm[(a + 1) % 3] * grid.pitch_mm[(a + 2) % 3]);
+                        if (other_side && f % 2 == 1 && in[a] + 1 == size[a]) ++joined[a];
+                    }
+                });
+                if (filled == 0) return;
+                const auto all = static_cast<float>(product(size));
+                node.solid_share = static_cast<float>(filled) / all;
+                for (std::size_t a = 0; a < 3; ++a)
+                    node.open_share[a] = static_cast<float>(joined[a]) * static_cast<float>(size[a]) / all;
+            }
+            block.node_mask |= std::uint64_t{1} << here;
+            const auto number = static_cast<std::uint32_t>(grid.nodes.size());
+            grid.nodes.push_back(node);
+            grid.node_block.push_back(index);
+            if (on_sheet && open[4] > 0) {
+                grid.exits.push_back({number, scene.backing == Backing::black ? FaceKind::black_sheet : FaceKind::white_sheet, open[4]});
+                open[4] = 0;
+            }
+            // A plane in any direction shows its steps along three axes; its area is the length of their vector.
+            const float area = std::hypot(open[0] + open[1], open[2] + open[3], open[4] + open[5]);
+            if (area > 0) grid.exits.push_back({number, FaceKind::light, area});
+        });
+        if (!whole) block.medium = counts.empty() ? std::uint16_t{0} : counts.size() == 1 ? counts[0].first : intern(counts);
+    }
+
+    /// Voxels beyond a mirrored border are those before it.
+    void mirror_border(std::vector<Material>& voxels, const std::array<int, 3>& corner, const std::array<int, 3>& extent,
+                       std::size_t axis) const {
+        if (!mirrored(static_cast<int>(axis))) return;
+        for_each(extent, [&](const std::array<int, 3>& at) {
+            const int v = corner[axis] - 1 + at[axis];
+            if (v != -1 && v != scene.volume->size()[axis]) return;
+            std::array<int, 3> inside = at;
+            inside[axis] += v == -1 ? 1 : -1;
+            if (inside[axis] >= 0 && inside[axis] < extent[axis]) voxels[at3(at, extent)] = voxels[at3(inside, extent)];
         });
     }
 
@@ -502,12 +607,12 @@ std::array<double, 3> OpticalGrid::edge_mm(BlockKind kind) const {
 }
 
 std::int64_t OpticalGrid::node_at(const GridBlock& block, int i, int j, int k) const {
+    int place = (k * 4 + j) * 4 + i;
     switch (block.nodes_per_edge) {
-        case 1: return block.first_node;
-        case 2: return block.first_node + static_cast<std::uint32_t>(((k / 2) * 2 + j / 2) * 2 + i / 2);
+        case 1: place = 0; break;
+        case 2: place = ((k / 2) * 2 + j / 2) * 2 + i / 2; break;
         default: break;
     }
-    const int place = (k * 4 + j) * 4 + i;
     if (!(block.node_mask >> place & 1)) return -1;
     return block.first_node + std::popcount(block.node_mask & ((std::uint64_t{1} << place) - 1));
 }
@@ -544,7 +649,7 @@ std::int64_t OpticalGrid::face_at(const SurfaceFace& face) const {
 std::size_t OpticalGrid::memory_bytes() const {
     const auto of = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
     return of(blocks) + of(block_at) + of(transport_rows) + of(transport_blocks) + of(medium) + of(outer) + of(face_of_cell) +
-           of(faces) + of(laws) + of(law) + of(pool_out) + of(pool_in) + of(nodes) + of(node_block) + of(contacts);
+           of(faces) + of(laws) + of(law) + of(pool_out) + of(pool_in) + of(nodes) + of(node_block) + of(contacts) + of(exits);
 }
 
 }  // namespace voxtone::optics

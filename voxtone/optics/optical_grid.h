@@ -6,10 +6,11 @@
 // The volume is cut into blocks of 4 x 4 x 4 viewing cells (J750: a viewing cell is 2 x 1 x 3 voxels, a block 0.34 mm). Blocks
 // are of one of these kinds:
 //   skin        several materials, or a surface: cells of `skin_voxels` (one voxel by default); transport
-//   margin      one material, near a skin block: cells of one viewing cell; transport
-//   core        one material, deeper: no transport, the light is diffuse there
+//   margin      one material, near a skin block or on a sheet: cells of one viewing cell; transport
+//   core        one material, deeper: no transport, the light is diffuse there; so it is, whatever they hold, in blocks
+//               outside the window of interest
 // Besides, diffusion has nodes everywhere: one per viewing cell in skin and margin, in core blocks 8 next to the margin
-// and 1 beyond. Faces of transport cells that lead out of the transport region are kept in a list of their own: to the
+// and near surfaces, and 1 beyond. Faces of transport cells that lead out of the transport region are kept in a list of their own: to the
 // light, onto a sheet, to a mirror, or into the core.
 //
 // Everything here is geometry; optical figures of a channel come from the palette of media.
@@ -29,8 +30,10 @@ namespace voxtone::optics {
 struct GridOptions {
     std::array<int, 3> view_voxels{2, 1, 3};  ///< voxels per viewing cell
     std::array<int, 3> skin_voxels{1, 1, 1};  ///< voxels per skin cell; divides view_voxels
-    int margin_blocks = 2;                    ///< rings of margin blocks around the skin
+    int margin_blocks = 2;                    ///< rings of margin blocks around the skin, at least
     int fine_core_blocks = 1;                 ///< rings of core blocks with 8 nodes around the margin
+    /// Only blocks that touch this box of voxels (first, one past the last) get transport cells; empty: all do.
+    std::array<int, 3> window_begin{}, window_end{};
 };
 
 enum class BlockKind : std::uint8_t { skin, margin, core };
@@ -39,10 +42,10 @@ struct GridBlock {
     std::array<std::int32_t, 3> at{};  ///< in the lattice of blocks
     BlockKind kind{};
     std::uint8_t nodes_per_edge = 4;         ///< 4, 2 or 1
-    std::uint16_t medium = 0;                ///< of a core block
+    std::uint16_t medium = 0;                ///< of a core block: its mean
     std::uint32_t first_cell = 0;            ///< of its cells; none in a core block
     std::uint32_t first_node = 0;
-    std::uint64_t node_mask = 0;             ///< which of the 64 viewing cells have a node (nodes_per_edge 4)
+    std::uint64_t node_mask = 0;             ///< which of its 64 or 8 places have a node (nodes_per_edge 4 or 2)
     std::int32_t first_link = -1;            ///< into `face_of_cell`; -1: no cell of it has an outer face
     std::uint32_t first_face = 0, faces = 0;
     std::int32_t first_region = -1;          ///< of its 8 regions; -1: all its faces are flat
@@ -74,6 +77,13 @@ struct OuterFace {
 [[nodiscard]] constexpr int entering_octant(Facing facing, int signs) {
     return leaving_octant(facing, signs) ^ (1 << static_cast<int>(facing) / 2);
 }
+
+/// Where a core node borders on what is outside: the light or a sheet. Diffusion alone.
+struct NodeExit {
+    std::uint32_t node = 0;
+    FaceKind kind{};
+    float area_mm2 = 0;  ///< of the smooth surface
+};
 
 /// Two diffusion nodes side by side: `facing` is that of `a` towards `b`.
 struct NodeContact {
@@ -120,6 +130,7 @@ public:
     std::vector<GridNode> nodes;
     std::vector<std::uint32_t> node_block;    ///< block of each node
     std::vector<NodeContact> contacts;
+    std::vector<NodeExit> exits;
     std::vector<PaletteEntry> palette;
 
     [[nodiscard]] std::array<int, 3> cells_in(BlockKind kind) const;    ///< cells of a block along each axis

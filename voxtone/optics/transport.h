@@ -38,7 +38,7 @@ struct TransportOptions {
     int margin_blocks = 2;                    ///< rings of 4 viewing cells of transport below the skin, >= 0
     double start_tolerance = 0.05;            ///< of the first diffusion solve
     double correction_tolerance = 0.3;        ///< of those after each sweep
-    double ease = 0.2;                        ///< of a viewing cell, added to D of the corrections: keeps them stable
+    double ease = 0.55;                       ///< keeps the corrections stable: viewing cells added to D per optical depth of one
     std::size_t memory_bytes = 0;             ///< most to use; 0: no limit
 };
 

@@ -2,6 +2,7 @@
 #include "voxtone/optics/transport_channel.h"
 
 #include <algorithm>
+#include <bit>
 #include <chrono>
 #include <cmath>
 
@@ -112,8 +113,7 @@ void TransportChannel::make_diffusion() {
         const GridBlock& block = grid_.blocks[b];
         if (block.kind == BlockKind::core) {
             const TransportMedium m = media_[block.medium];
-            const int per_edge = block.nodes_per_edge;
-            for (int k = 0; k < per_edge * per_edge * per_edge; ++k) {
+            for (int k = 0; k < std::popcount(block.node_mask); ++k) {
                 sigma_a_[block.first_node + static_cast<std::size_t>(k)] = m.sigma_t - m.sigma_s;
                 transport[block.first_node + static_cast<std::size_t>(k)] = m.sigma_t - linear * m.sigma_s;
             }
@@ -158,6 +158,18 @@ void TransportChannel::make_diffusion() {
         face_gain_[f] = static_cast<float>(face.area_mm2 / below);
         loss[face.node] += face_loss_[f];
     }
+    exit_gain_.resize(grid_.exits.size());
+    exit_loss_.resize(grid_.exits.size());
+    for (std::size_t i = 0; i < grid_.exits.size(); ++i) {
+        const NodeExit& exit = grid_.exits[i];
+        const GridNode& node = grid_.nodes[exit.node];
+        const double T = exit.kind == FaceKind::white_sheet ? 0 : grid_.directions.diffuse_transmittance;
+        const double h = 0.5 * std::cbrt(view_volume) * node.edge_cells * node.solid_share;
+        const double below = 1 - T / 2 + T * h / (4 * D_[exit.node]);
+        exit_loss_[i] = static_cast<float>(exit.area_mm2 * T / 4 / below);
+        exit_gain_[i] = exit.kind == FaceKind::light ? exit_loss_[i] : 0;  // in comes T / 4 of radiance 1
+        loss[exit.node] += exit_loss_[i];
+    }
     // A contact of area A lies half a node's thickness V / A from its centre, half an edge at most.
     conductance_.resize(grid_.contacts.size());
     std::vector<float> eased(grid_.contacts.size());
@@ -168,9 +180,11 @@ void TransportChannel::make_diffusion() {
             const double edge = grid_.nodes[node].edge_cells;
             return 0.5 * std::min(view[c.axis] * edge, view_volume * edge * edge * edge * grid_.nodes[node].solid_share / c.area_mm2);
         };
-        const double a = half(c.a), b = half(c.b), more = options_.ease * widest;
+        const double a = half(c.a), b = half(c.b);
+        // Diffusion on cells as thick as a free path overshoots and the iteration would grow: widened by the optical depth.
+        const auto more = [&](std::uint32_t node) { return widest * std::min(0.75, options_.ease * widest / (3 * D_[node])); };
         conductance_[i] = static_cast<float>(c.area_mm2 / (a / D_[c.a] + b / D_[c.b]));
-        eased[i] = static_cast<float>(c.area_mm2 / (a / (D_[c.a] + more) + b / (D_[c.b] + more)));
+        eased[i] = static_cast<float>(c.area_mm2 / (a / (D_[c.a] + more(c.a)) + b / (D_[c.b] + more(c.b))));
     }
     diffusion_ = std::make_unique<Diffusion>(plan_, conductance_, loss);
     correction_ = std::make_unique<Diffusion>(plan_, eased, loss);
@@ -221,6 +235,7 @@ void TransportChannel::start() {
             incoming[f] = static_cast<float>(face_sums(f).through) * light_[f];
         if (face.kind != FaceKind::core) right[face.node] += face_gain_[f] * incoming[f];
     }
+    for (std::size_t i = 0; lit_evenly_ && i < grid_.exits.size(); ++i) right[grid_.exits[i].node] += exit_gain_[i];
     phi_.assign(grid_.nodes.size(), lit_evenly_ ? 1.0f : 0.0f);  // 1 is exact where nothing is absorbed
     steps_ += diffusion_->solve(right, phi_, options_.start_tolerance, 60);
     currents(phi_, incoming, delta_moments_);
@@ -333,10 +348,14 @@ Octet TransportChannel::returned(const GridBlock& block, std::size_t face, std::
     const auto axis = static_cast<std::size_t>(outer.facing) / 2;
     Octet in;
     if (outer.kind == FaceKind::core) {
-        // Diffuse light of the core: phi at the face, extrapolated from the node, and 3 Omega . J.
-        const double half_edge = 0.5 * grid_.nodes[outer.beyond].edge_cells * grid_.pitch_mm[axis] * grid_.options.view_voxels[axis];
-        const float J = core_current_[face];
-        const float phi = phi_[outer.beyond] + J * static_cast<float>(half_edge) / D_[outer.beyond];
+        // Diffuse light: phi and J at the face, from the cell on this side and the node beyond, by what conducts between.
+        const double view = grid_.pitch_mm[axis] * grid_.options.view_voxels[axis];
+        const double cell_edge = grid_.edge_mm(block.kind)[axis];
+        const auto here = static_cast<float>(2 * D_[outer.node] / cell_edge);
+        const auto there = static_cast<float>(2 * D_[outer.beyond] / (view * grid_.nodes[outer.beyond].edge_cells));
+        const float phi_here = source_[outer.cell].phi / media_[grid_.medium[outer.cell]].sigma_s;
+        const float phi = (here * phi_here + there * phi_[outer.beyond]) / (here + there);
+        const float J = here * there / (here + there) * (phi_here - phi_[outer.beyond]);
         for (std::size_t d = 0; d < 8; ++d) in.v[d] = phi - 3 * grid_.directions.cosine[axis].v[d] * J;
         return in;
     }
@@ -412,8 +431,10 @@ void TransportChannel::correct() {
     for (std::uint32_t i = 0; i < n; ++i) {
         if (!in_core(i)) continue;
         const double edge = grid_.nodes[i].edge_cells;
-        right[i] -= static_cast<float>(sigma_a_[i] * view_volume * edge * edge * edge * phi_[i]);
+        right[i] -= static_cast<float>(sigma_a_[i] * view_volume * edge * edge * edge * grid_.nodes[i].solid_share * phi_[i]);
     }
+    for (std::size_t i = 0; i < grid_.exits.size(); ++i)
+        right[grid_.exits[i].node] += (lit_evenly_ ? exit_gain_[i] : 0) - exit_loss_[i] * phi_[grid_.exits[i].node];
     std::vector<float> delta(n, 0.0f);
     steps_ += correction_->solve(right, delta, options_.correction_tolerance, 30);
     currents(delta, std::vector<float>(grid_.faces.size(), 0.0f), delta_moments_);
