@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxtone/optics/monte_carlo.h"
 
+#include <hwy/targets.h>
 #include <catch2/catch.hpp>
 
 #include <cmath>
@@ -135,4 +136,34 @@ TEST_CASE("Paths are drawn until the wanted standard error is there, or said not
     CHECK(summary.error_too_large > 0);
     CHECK_THROWS_AS(MonteCarlo({.paths = 1}), InputError);
     CHECK_THROWS_AS(MonteCarlo({.error = -1}), InputError);
+}
+
+TEST_CASE("The geometry of calibration is for flat prints") {
+    const ResinSet set = vero_opaque();
+    const ResinVolume volume =
+        make_resin_volume({8, 8, 8}, slab_pitch_mm, [](int x, int, int z) { return z < 7 || x > 2 ? 5 : 0; });
+    const Scene scene{&volume, &set, Backing::black, Sides::open};
+    MonteCarloSummary summary;
+    CHECK_THROWS_AS(MonteCarlo().reflectance_45_0(scene, find_surface(scene, {2, 1, 3}, SurfacePart::top), summary),
+                    InputError);
+}
+
+TEST_CASE("Every vector unit gives the same bits") {
+    ResinSet set = vero_opaque();
+    set.resins.push_back({"clear", "T", {0, 0, 0}, {1, 1, 1}});
+    const ResinVolume volume = make_resin_volume({40, 20, 40}, slab_pitch_mm, [](int x, int y, int z) {
+        if ((x - 20) * (x - 20) + 4 * (y - 10) * (y - 10) + (z - 20) * (z - 20) > 380) return 0;
+        return x > 20 ? 5 : 1 + (x * 3 + y * 5 + z * 7) % 6;
+    });
+    const Scene scene{&volume, &set, Backing::white, Sides::open};
+    const Surface surface = find_surface(scene, {4, 2, 6}, SurfacePart::all);
+    std::vector<std::vector<float>> values;
+    hwy::SetSupportedTargetsForTest(0);
+    for (std::int64_t targets = hwy::SupportedTargets(); targets != 0; targets &= targets - 1) {
+        hwy::SetSupportedTargetsForTest(targets & -targets);
+        values.push_back(MonteCarlo({.paths = 16}).predict(scene, surface).value);
+    }
+    hwy::SetSupportedTargetsForTest(0);
+    REQUIRE(values.size() > 1);
+    for (const auto& other : values) CHECK(other == values[0]);
 }

@@ -61,6 +61,18 @@ inline double exact_appearance(const ResinSet& set, std::span<const SlabLayer> t
         backing == Backing::white ? Admittance::white_sheet(plan) : Admittance::air(plan, backing == Backing::none));
 }
 
+/// rho(45 -> 0), exact to 2e-5 for thin films, 1e-6 for thick layers (layered_appearance.h).
+inline double exact_45_0(const ResinSet& set, std::span<const SlabLayer> top_first, Backing backing,
+                         std::size_t channel) {
+    const OrdinatePlan plan = directional_plan(set.g, set.eta, 10, 10);
+    std::vector<LayerOf> layers;
+    for (const SlabLayer& layer : top_first)
+        layers.push_back({set.resins[layer.material - 1u].medium(channel), layer.voxels * slab_pitch_mm[2]});
+    // Nothing shines from below: `none` is as black as the black sheet.
+    return reflectance_45_0(plan, layers,
+                            backing == Backing::white ? Admittance::white_sheet(plan) : Admittance::air(plan, false));
+}
+
 /// The appearance of all channels of a slab with mirrored sides by some model.
 inline Appearance slab_appearance(const AppearanceModel& model, const ResinSet& set,
                                   std::span<const SlabLayer> top_first, Backing backing) {

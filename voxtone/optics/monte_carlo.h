@@ -52,6 +52,12 @@ public:
     [[nodiscard]] Appearance predict(const Scene& scene, const Surface& surface, MonteCarloSummary& summary,
                                      const Progress* progress = nullptr) const;
 
+    /// The geometry of calibration, rho(45 -> 0) = pi L_o / E of each cell, for a flat print seen from above: every face
+    /// of the surface is on the top of the volume, and all of that top is resin. Open, mirrored, on any backing; only
+    /// the top is lit. Traced path by path (directional_paths.h). Throws InputError where the print is not flat.
+    [[nodiscard]] Appearance reflectance_45_0(const Scene& scene, const Surface& surface, MonteCarloSummary& summary,
+                                              const Progress* progress = nullptr) const;
+
 private:
     MonteCarloOptions options_;
 };

@@ -17,12 +17,12 @@
 //                    a white sheet: there it enters again at the same place as diffuse light that is let in
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <vector>
 
 #include "voxtone/optics/appearance_model.h"
 #include "voxtone/optics/path_random.h"
+#include "voxtone/optics/voxel_walk.h"
 
 namespace voxtone::optics {
 
@@ -40,30 +40,26 @@ private:
     std::vector<float> share_;  ///< per face: the running share of its cell's faces, by area; the last is 1
 };
 
-/// The direction in the resin of a ray of diffuse light that the surface lets in. Its normal lies along `axis`,
-/// `inward` is 1 or -1.
-[[nodiscard]] std::array<double, 3> entering_light(std::size_t axis, double inward, double eta, PathRandom& random);
-
 /// All that a path needs to know; lives as long as the scene.
 class PlainPaths {
 public:
-    explicit PlainPaths(const Scene& scene, double roulette_weight = default_roulette_weight);
+    explicit PlainPaths(const Scene& scene, double roulette_weight = default_roulette_weight)
+        : walk_(scene), backing_(scene.backing), roulette_weight_(roulette_weight) {}
 
     /// The weight of the path that these random numbers make, from this cell.
     [[nodiscard]] double weight(const Surface& surface, const PathStarts& starts, std::size_t cell, std::size_t channel,
                                 PathRandom& random) const;
 
 private:
-    struct Optics {
-        std::array<double, 256> sigma_t{}, albedo{};
-    };
-    void scatter(std::array<double, 3>& d, PathRandom& random) const;
-
-    const ResinVolume& volume_;
+    VoxelWalk walk_;
     Backing backing_;
-    Sides sides_;
-    double eta_, g_, roulette_weight_;
-    std::vector<Optics> channels_;
+    double roulette_weight_;
 };
+
+/// Russian roulette for every 4096 surfaces and mirrors met: false where the path ends. Exact on average.
+[[nodiscard]] bool survives_meetings(double& weight, std::uint32_t& meetings, PathRandom& random);
+
+/// Russian roulette below the roulette weight: false where the path ends.
+[[nodiscard]] bool survives_faintness(double& weight, double roulette_weight, PathRandom& random);
 
 }  // namespace voxtone::optics
