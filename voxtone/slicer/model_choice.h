@@ -21,8 +21,8 @@ struct ModelOptions {
     std::uint64_t seed = 1;
 };
 
-/// Coloured surface of a print that `slice` predicts without being asked: half a minute on two cores of 2.5 GHz, and 2
-/// GB.
+/// Coloured surface of a print that `slice` predicts without being asked: half a minute on two idle cores of
+/// 2.5 GHz, and 2.5 GB.
 inline constexpr double auto_prediction_cm2 = 10;
 
 /// The default first.

@@ -167,6 +167,7 @@ PredictResult describe(const PredictOptions& options, const StackVolume& stack, 
                                 {"resins", stack.resins.name},
                                 {"channels", prediction.channels},
                                 {"voxels", stack.volume.size()},
+                                {"volume_bytes", stack.volume.memory_bytes()},
                                 {"cell_um", f.cell_um},
                                 {"cells", prediction.surface.cells.size()},
                                 {"mean_rgb", f.mean}};
