@@ -9,15 +9,17 @@
 #include <string>
 
 #include "voxtone/optics/appearance_model.h"
+#include "voxtone/optics/transport.h"
 
 namespace voxtone::slicer {
 
 struct ModelOptions {
-    double cell_mm = 0.085;          ///< of the viewing grid
-    int sweeps = 4;                  ///< transport: of discrete ordinates, >= 1; more are nearer and slower
-    std::uint64_t memory_bytes = 0;  ///< transport: most to use; 0: no limit
-    std::uint32_t paths = 64;        ///< Monte Carlo: per cell and channel, >= 2
-    double error = 0;                ///< Monte Carlo: wanted standard error of every value; 0: `paths` decides
+    double cell_mm = 0.085;  ///< of the viewing grid
+    int sweeps =
+        optics::TransportOptions{}.sweeps;  ///< transport: of discrete ordinates, >= 1; more are nearer and slower
+    std::uint64_t memory_bytes = 0;         ///< transport: most to use; 0: no limit
+    std::uint32_t paths = 64;               ///< Monte Carlo: per cell and channel, >= 2
+    double error = 0;                       ///< Monte Carlo: wanted standard error of every value; 0: `paths` decides
     std::uint64_t seed = 1;
 };
 
