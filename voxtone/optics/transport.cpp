@@ -141,11 +141,18 @@ Appearance TransportPredictor::solve(const Scene& scene, const Surface& surface,
     const SeenFaces seen(grid, surface);
     summary.grid_s = now() - begin;
 
-    const TransportMedia media_of(grid.directions);
+    const std::array<TransportMedia, 2> media_of{TransportMedia(grid.directions, grid.edge_mm(BlockKind::skin)),
+                                                 TransportMedia(grid.directions, grid.edge_mm(BlockKind::margin))};
     const std::size_t channels = scene.resins->channels.size();
     const auto channel_of = [&](std::size_t c) {
-        std::vector<TransportMedium> media(grid.palette.size());
-        for (std::size_t i = 1; i < media.size(); ++i) media[i] = media_of(mixed(*scene.resins, grid.palette[i], c));
+        TransportChannel::MediaByKind media;
+        for (auto& kind : media) kind.resize(grid.palette.size());
+        for (std::size_t i = 1; i < grid.palette.size(); ++i) {
+            const Medium medium = mixed(*scene.resins, grid.palette[i], c);
+            media[0][i] = media_of[0](medium);
+            media[1][i] = media_of[1](medium);
+            media[2][i] = similar_medium(grid.directions, medium);
+        }
         return TransportChannel(grid, plan, std::move(media), options_);
     };
     Appearance appearance;
@@ -171,14 +178,21 @@ Appearance TransportPredictor::solve(const Scene& scene, const Surface& surface,
             channel.solve(seen.light(channel, grid.faces.size(), c, channels, by_value), summary, progress);
             channel.derivatives(fields[c], channel.take_field(), by_sigma_t, by_sigma_s);
             fields[c] = {};
-            const auto by_fraction = medium_derivatives(media_of, *scene.resins, grid.palette, c);
-            for (std::size_t cell = 0; cell < grid.medium.size(); ++cell) {
-                const std::size_t m = grid.medium[cell];
-                if (m == 0) continue;
-                for (std::size_t r = 0; r < resins; ++r)
-                    gradient->by_fraction[cell * resins + r] +=
-                        static_cast<float>(static_cast<double>(by_sigma_t[cell]) * by_fraction[m * resins + r][0] +
-                                           static_cast<double>(by_sigma_s[cell]) * by_fraction[m * resins + r][1]);
+            const std::array by_fraction{medium_derivatives(media_of[0], *scene.resins, grid.palette, c),
+                                         medium_derivatives(media_of[1], *scene.resins, grid.palette, c)};
+            for (const std::uint32_t b : grid.transport_blocks) {
+                const GridBlock& block = grid.blocks[b];
+                const auto& by = by_fraction[static_cast<std::size_t>(block.kind)];
+                const auto cells = grid.cells_in(block.kind);
+                const std::size_t end = block.first_cell + static_cast<std::size_t>(cells[0] * cells[1] * cells[2]);
+                for (std::size_t cell = block.first_cell; cell < end; ++cell) {
+                    const std::size_t m = grid.medium[cell];
+                    if (m == 0) continue;
+                    for (std::size_t r = 0; r < resins; ++r)
+                        gradient->by_fraction[cell * resins + r] +=
+                            static_cast<float>(static_cast<double>(by_sigma_t[cell]) * by[m * resins + r][0] +
+                                               static_cast<double>(by_sigma_s[cell]) * by[m * resins + r][1]);
+                }
             }
         }
     }

@@ -24,10 +24,10 @@ float sum8(const Octet& a, const Octet& b) {
 
 }  // namespace
 
-TransportChannel::TransportChannel(const OpticalGrid& grid, const DiffusionPlan& plan, std::vector<TransportMedium> media,
+TransportChannel::TransportChannel(const OpticalGrid& grid, const DiffusionPlan& plan, MediaByKind media,
                                    const TransportOptions& options)
     : grid_(grid), plan_(plan), media_(std::move(media)), options_(options) {
-    VOXTONE_EXPECT(media_.size() == grid.palette.size());
+    for (const auto& kind : media_) VOXTONE_EXPECT(kind.size() == grid.palette.size());
     for (std::size_t a = 0; a < 3; ++a)
         for (std::size_t d = 0; d < 8; ++d)
             flux_weight_[a].v[d] = grid.directions.weight.v[d] * grid.directions.cosine[a].v[d];
@@ -112,7 +112,7 @@ void TransportChannel::make_diffusion() {
     parallel_for(0, grid_.blocks.size(), 64, [&](std::size_t b) {
         const GridBlock& block = grid_.blocks[b];
         if (block.kind == BlockKind::core) {
-            const TransportMedium m = media_[block.medium];
+            const TransportMedium m = media_[static_cast<std::size_t>(BlockKind::core)][block.medium];
             for (int k = 0; k < std::popcount(block.node_mask); ++k) {
                 sigma_a_[block.first_node + static_cast<std::size_t>(k)] = m.sigma_t - m.sigma_s;
                 transport[block.first_node + static_cast<std::size_t>(k)] = m.sigma_t - linear * m.sigma_s;
@@ -127,7 +127,7 @@ void TransportChannel::make_diffusion() {
                 for (int x = 0; x < cells[0]; ++x, ++cell) {
                     if (grid_.medium[cell] == 0) continue;
                     const auto place = static_cast<std::size_t>(((z * 4 / cells[2]) * 4 + y * 4 / cells[1]) * 4 + x * 4 / cells[0]);
-                    const TransportMedium m = media_[grid_.medium[cell]];
+                    const TransportMedium m = media_[static_cast<std::size_t>(block.kind)][grid_.medium[cell]];
                     count[place] += 1;
                     absorbed[place] += m.sigma_t - m.sigma_s;
                     extinct[place] += m.sigma_t - linear * m.sigma_s;
@@ -264,7 +264,7 @@ void TransportChannel::enter() {
                       std::uint32_t node) {
         const Moments& m = delta_moments_[node];
         const std::array<float, 3> offset{g.offset(0, at[0]), g.offset(1, at[1]), g.offset(2, at[2])};
-        const float sigma_s = media_[grid_.medium[cell]].sigma_s, linear = 3 * g_linear * sigma_s;
+        const float sigma_s = media_[static_cast<std::size_t>(block.kind)][grid_.medium[cell]].sigma_s, linear = 3 * g_linear * sigma_s;
         Moments& s = source_[cell];
         s.phi += sigma_s * linear_change(m, D_[node], offset);
         s.x += linear * m.x;
@@ -353,7 +353,7 @@ Octet TransportChannel::returned(const GridBlock& block, std::size_t face, std::
         const double cell_edge = grid_.edge_mm(block.kind)[axis];
         const auto here = static_cast<float>(2 * D_[outer.node] / cell_edge);
         const auto there = static_cast<float>(2 * D_[outer.beyond] / (view * grid_.nodes[outer.beyond].edge_cells));
-        const float phi_here = source_[outer.cell].phi / media_[grid_.medium[outer.cell]].sigma_s;
+        const float phi_here = source_[outer.cell].phi / media_[static_cast<std::size_t>(block.kind)][grid_.medium[outer.cell]].sigma_s;
         const float phi = (here * phi_here + there * phi_[outer.beyond]) / (here + there);
         const float J = here * there / (here + there) * (phi_here - phi_[outer.beyond]);
         for (std::size_t d = 0; d < 8; ++d) in.v[d] = phi - 3 * grid_.directions.cosine[axis].v[d] * J;
@@ -381,7 +381,7 @@ Octet TransportChannel::returned(const GridBlock& block, std::size_t face, std::
 
 void TransportChannel::sweep() {
     parallel_for(0, 2, 1, [&](std::size_t half) {
-        SweepJob job{&grid_, media_, source_, half == 0 ? std::span<Moments>(sum_) : std::span<Moments>(other_sum_), in_, out_};
+        SweepJob job{&grid_, {media_[0], media_[1]}, source_, half == 0 ? std::span<Moments>(sum_) : std::span<Moments>(other_sum_), in_, out_};
         std::fill(job.sum.begin(), job.sum.end(), Moments{});
         sweep_half(job, half == 1);
     });
@@ -392,9 +392,9 @@ void TransportChannel::correct() {
     const std::size_t n = grid_.nodes.size();
     std::vector<float> right(n, 0.0f);
     const auto g_linear = static_cast<float>(grid_.directions.linear);
-    for_each_cell([&](const GridBlock&, const CellGeometry& g, std::size_t cell, const std::array<int, 3>&, std::uint32_t node) {
+    for_each_cell([&](const GridBlock& block, const CellGeometry& g, std::size_t cell, const std::array<int, 3>&, std::uint32_t node) {
         const Moments &p = sum_[cell], &q = other_sum_[cell];
-        const float sigma_s = media_[grid_.medium[cell]].sigma_s, linear = 3 * g_linear * sigma_s;
+        const float sigma_s = media_[static_cast<std::size_t>(block.kind)][grid_.medium[cell]].sigma_s, linear = 3 * g_linear * sigma_s;
         const Moments now{sigma_s * (p.phi + q.phi), linear * (p.x + q.x), linear * (p.y + q.y), linear * (p.z + q.z)};
         right[node] += g.volume * (now.phi - source_[cell].phi);
         source_[cell] = now;
@@ -484,28 +484,32 @@ TransportChannel::Field TransportChannel::take_field() { return {std::move(sourc
 
 // psi solves L psi = S psi with psi coming in through the surface; the adjoint of L is L with all directions reversed, so
 //   d F / d sigma_t = -V sum_d w_d psi_d psi*_-d,   d F / d sigma_s = V (phi phi* - 3 g' J . J*)
-// in each cell: psi* is lit by dF / d flux, and the sums over directions are those of the sweeps themselves.
+// in each cell: psi* is lit by dF / d flux. The sums over directions are those of the sweeps themselves, with the terms
+// that exponential fitting adds: for  L psi + fit (sigma psi - q) = 0,  m = fit psi + (1 - fit) q / sigma  seen by the cell,
+//   -V sum_d w_d [ d sigma (fit psi psi* + (1 - fit) q q* / sigma^2)
+//                  + d fit (sigma psi psi* - psi q* - q psi* + q q* / sigma) ].
 void TransportChannel::derivatives(const Field& forward, const Field& adjoint, std::vector<float>& by_sigma_t,
                                    std::vector<float>& by_sigma_s) const {
     const std::size_t n = grid_.medium.size();
-    std::vector<Octet> record(n), out(grid_.faces.size() * 4);
+    std::vector<Octet> record(2 * n), out(grid_.faces.size() * 4);
     by_sigma_t.assign(n, 0.0f);
     by_sigma_s.assign(n, 0.0f);
+    std::vector<float> product(2 * n, 0.0f);
     for (int octant = 0; octant < 8; ++octant) {
-        const SweepJob job{&grid_, media_, forward.source, {}, forward.in, out, record, {}};
+        const SweepJob job{&grid_, {media_[0], media_[1]}, forward.source, {}, forward.in, out, record, {}};
         record_octant(job, octant);
-        const SweepJob against{&grid_, media_, adjoint.source, {}, adjoint.in, out, record, by_sigma_t};
+        const SweepJob against{&grid_, {media_[0], media_[1]}, adjoint.source, {}, adjoint.in, out, record, product};
         multiply_octant(against, 7 - octant);
     }
     const auto g_linear = static_cast<float>(grid_.directions.linear);
-    for_each_cell([&](const GridBlock&, const CellGeometry& g, std::size_t cell, const std::array<int, 3>&, std::uint32_t) {
-        const float sigma_s = media_[grid_.medium[cell]].sigma_s;
+    for_each_cell([&](const GridBlock& block, const CellGeometry& g, std::size_t cell, const std::array<int, 3>&, std::uint32_t) {
+        const float sigma_s = media_[static_cast<std::size_t>(block.kind)][grid_.medium[cell]].sigma_s;
         const Moments &a = forward.source[cell], &b = adjoint.source[cell];
-        by_sigma_t[cell] *= -g.volume;
+        by_sigma_t[cell] = -g.volume * (product[2 * cell] + product[2 * cell + 1]);
         // The fields hold sigma_s phi and 3 g' sigma_s J.
         if (sigma_s > 0)
-            by_sigma_s[cell] = g.volume / (sigma_s * sigma_s) *
-                               (a.phi * b.phi - (g_linear != 0 ? (a.x * b.x + a.y * b.y + a.z * b.z) / (3 * g_linear) : 0.0f));
+            by_sigma_s[cell] = g.volume * product[2 * cell + 1] +
+                               g.volume / (sigma_s * sigma_s) * (a.phi * b.phi - (g_linear != 0 ? (a.x * b.x + a.y * b.y + a.z * b.z) / (3 * g_linear) : 0.0f));
     });
 }
 

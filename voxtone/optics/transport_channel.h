@@ -20,8 +20,9 @@ namespace voxtone::optics {
 
 class TransportChannel {
 public:
-    /// `media`: per palette entry.
-    TransportChannel(const OpticalGrid& grid, const DiffusionPlan& plan, std::vector<TransportMedium> media,
+    /// Per kind of block, per palette entry.
+    using MediaByKind = std::array<std::vector<TransportMedium>, 3>;
+    TransportChannel(const OpticalGrid& grid, const DiffusionPlan& plan, MediaByKind media,
                      const TransportOptions& options);
 
     /// Light of this radiance enters through each face to the light (nothing given: 1 everywhere). Fills `flux`: what
@@ -62,7 +63,7 @@ private:
 
     const OpticalGrid& grid_;
     const DiffusionPlan& plan_;
-    std::vector<TransportMedium> media_;
+    MediaByKind media_;
     TransportOptions options_;
 
     std::array<Octet, 3> flux_weight_;   ///< w |Omega_a|

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstring>
 #include <vector>
 
@@ -112,9 +113,11 @@ struct BlockFaces {
     V8 *x, *y, *z;
 };
 
-/// What a medium does, the same for all octants: gain = 2 / (sigma_t + sum 2 |Omega| / h), pass = gain 2 |Omega_x| / h_x - 1.
+/// What a medium does, the same for all octants: gain = 2 / (sigma + sum 2 |Omega| / h), pass = gain 2 |Omega_x| / h_x - 1,
+/// with sigma = fit sigma_t; twice psi averaged over the cell is fit (2 psi) + rest q fit.
 struct MediumWays {
-    Octet gain, pass;
+    Octet gain, pass, fit, rest;
+    Octet own_q, slope, sigma;  ///< of the derivatives: (1 - fit) / sigma_t^2, d fit / d sigma_a, sigma_t
 };
 using MediaWays = std::array<std::vector<MediumWays>, 2>;  // for both kinds of cells
 
@@ -127,29 +130,61 @@ struct Places {
     float* product;
 };
 
+/// Exponential fitting (transport_sweep.h).
+void fit_medium(const Ways& ways, const TransportMedium& medium, MediumWays& out) {
+    const double sigma = std::max(static_cast<double>(medium.sigma_t), 1e-6);
+    const double sigma_a = std::max(0.0, static_cast<double>(medium.sigma_t) - static_cast<double>(medium.sigma_s));
+    for (int d = 0; d < 8; ++d) {
+        const auto i = static_cast<std::size_t>(d);
+        const double way = 2.0 / static_cast<double>(ways.a[d]), tau = sigma_a * way, half = std::tanh(tau / 2);
+        const bool thin = tau < 0.02;  // there 1 - fit cancels; the series has two terms
+        const double fit = cell_fit(sigma_a, way), lack = thin ? tau * tau / 12 : 1 - fit;
+        const double slope = thin ? -tau * way / 6 : (1 - half * half - fit) / sigma_a;  // d fit / d sigma_a
+        const double gain = 2 / (static_cast<double>(ways.a[d]) + fit * sigma);
+        out.gain.v[i] = static_cast<float>(gain);
+        out.pass.v[i] = static_cast<float>(gain * static_cast<double>(ways.ax[d]) - 1);
+        out.fit.v[i] = static_cast<float>(fit);
+        out.rest.v[i] = static_cast<float>(2 * lack / (sigma * fit));
+        out.own_q.v[i] = static_cast<float>(lack / (sigma * sigma));
+        out.slope.v[i] = static_cast<float>(slope);
+        out.sigma.v[i] = static_cast<float>(sigma);
+    }
+}
+
 /// psi of a cell; px, py, pz come in and go out. Written so that the way along x, where each cell waits for the one before,
-/// is one multiplication and one addition long: px_out = gain (q + ay py + az pz) + pass px = 2 psi - px.
+/// is one multiplication and one addition long: px_out = gain (fit q + ay py + az pz) + pass px = 2 psi - px.
 template <Purpose purpose>
 HWY_INLINE void cross_cell(const Octant& o, const Ways& ways, const MediumWays& medium, const Moments& source, const Places& to,
                            int cell, V8& px, V8& py, V8& pz) {
     const V8 q = (source.phi + source.x * o.sx) + (source.y * o.sy + source.z * o.sz);
-    const V8 rest = q + (ways.ay * py + ways.az * pz);
-    const V8 out = as_vector(medium.gain) * rest + as_vector(medium.pass) * px;
-    const V8 twice = out + px;
+    const V8 fitted = as_vector(medium.fit) * q;
+    const V8 out = as_vector(medium.gain) * (fitted + (ways.ay * py + ways.az * pz)) + as_vector(medium.pass) * px;
+    const V8 centre = out + px;
     px = out;
-    py = twice - py;
-    pz = twice - pz;
+    py = centre - py;
+    pz = centre - pz;
     if constexpr (purpose == Purpose::record) {
-        store(twice * 0.5f, &to.record[cell]);
+        store(centre * 0.5f, &to.record[2 * cell]);
+        store(q, &to.record[2 * cell + 1]);
         return;
     }
     if constexpr (purpose == Purpose::multiply) {
-        const V8 product = twice * o.half_weight * as_vector(to.record[cell]);
-        float sum = 0;
-        for (int d = 0; d < 8; ++d) sum += product[d];
-        to.product[cell] += sum;
+        const V8 psi = centre * 0.5f;
+        const V8 &other_psi = as_vector(to.record[2 * cell]), &other_q = as_vector(to.record[2 * cell + 1]);
+        const V8 w = 2.0f * o.half_weight, sigma = as_vector(medium.sigma);
+        const V8 both = psi * other_psi, sources = q * other_q;
+        const V8 by_sigma_t = w * (as_vector(medium.fit) * both + as_vector(medium.own_q) * sources);
+        const V8 by_fit = w * as_vector(medium.slope) * (sigma * both - (psi * other_q + q * other_psi) + sources / sigma);
+        float sum = 0, fit_sum = 0;
+        for (int d = 0; d < 8; ++d) {
+            sum += by_sigma_t[d];
+            fit_sum += by_fit[d];
+        }
+        to.product[2 * cell] += sum;
+        to.product[2 * cell + 1] += fit_sum;
         return;
     }
+    const V8 twice = as_vector(medium.fit) * centre + as_vector(medium.rest) * fitted;
     V8 moment = __builtin_shuffle(twice, I8{0, 0, 0, 0, 1, 1, 1, 1}) * o.weights[0];
     V8 other = __builtin_shuffle(twice, I8{2, 2, 2, 2, 3, 3, 3, 3}) * o.weights[1];
     moment += __builtin_shuffle(twice, I8{4, 4, 4, 4, 5, 5, 5, 5}) * o.weights[2];
@@ -186,8 +221,8 @@ void sweep_block(const SweepJob& job, const Octant& o, const MediaWays& media_wa
     const std::uint8_t* const outer = grid.outer.data() + block.first_cell;
     const Moments* const source = job.source.data() + block.first_cell;
     const Places to{job.sum.empty() ? nullptr : job.sum.data() + block.first_cell,
-                    job.record.empty() ? nullptr : job.record.data() + block.first_cell,
-                    job.product.empty() ? nullptr : job.product.data() + block.first_cell};
+                    job.record.empty() ? nullptr : job.record.data() + 2 * std::size_t{block.first_cell},
+                    job.product.empty() ? nullptr : job.product.data() + 2 * std::size_t{block.first_cell}};
     const std::int32_t* const links = block.first_link < 0 ? nullptr : grid.face_of_cell.data() + block.first_link;
     for (int kz = 0; kz < ways.nz; ++kz) {
         const int z = o.back[2] ? ways.nz - 1 - kz : kz;
@@ -266,12 +301,8 @@ void sweep_octants(const SweepJob& job, int half, unsigned chosen) {
     MediaWays media;
     for (std::size_t kind = 0; kind < 2; ++kind) {
         const Ways& ways = octants[0].ways[kind];
-        media[kind].resize(job.media.size());
-        for (std::size_t m = 0; m < job.media.size(); ++m) {
-            const V8 gain = 2.0f / (ways.a + job.media[m].sigma_t);
-            store(gain, &media[kind][m].gain);
-            store(gain * ways.ax - 1.0f, &media[kind][m].pass);
-        }
+        media[kind].resize(job.media[kind].size());
+        for (std::size_t m = 0; m < media[kind].size(); ++m) fit_medium(ways, job.media[kind][m], media[kind][m]);
     }
     const auto fit = [&](V8* face, BlockKind& kind, BlockKind wanted, std::size_t a, std::size_t b) {
         if (kind == wanted) return;

@@ -3,15 +3,18 @@
 // One discrete-ordinates sweep of half the directions through the transport cells of an optical grid.
 //
 // In each cell, for each of the octant's 8 directions (one vector register):
-//   psi = (q + sum_a 2 |Omega_a| / h_a psi_in,a) / (sigma_t + sum_a 2 |Omega_a| / h_a),   psi_out,a = 2 psi - psi_in,a
-//   q = sigma_s (phi + 3 g' Omega . J)
-// (diamond differences: Lewis and Miller 1984, Ch. 4), from the cells at which light of this octant comes in to those
-// where it goes out. Between skin and margin cells the radiance of a face is averaged or repeated.
+//   psi = (fit q + sum_a 2 |Omega_a| / h_a psi_in,a) / (fit sigma_t + sum_a 2 |Omega_a| / h_a),
+//   psi_out,a = 2 psi - psi_in,a,     q = sigma_s (phi + 3 g' Omega . J),
+// diamond differences (Lewis and Miller 1984, Ch. 4) with fit = 2 tanh(sigma_a l / 2) / (sigma_a l), l the mean way of the
+// direction through the cell: a cell that only absorbs lets exp(-sigma_a l) through, where diamond differences alone let
+// (2 - sigma_a l) / (2 + sigma_a l). What the cell itself sees is the balance fit psi + (1 - fit) q / sigma_t. Where light is
+// scattered and not absorbed fit is 1 and the scheme keeps its diffusion limit in thick cells. Between skin and margin cells the radiance of a face is averaged or repeated.
 //
 // Work: cells x 8 directions, about 30 vector instructions a cell; data touched: 16 bytes of moments in and out per cell
 // and 3 bytes of geometry. The order of arithmetic is fixed: the same bits on every run.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 
@@ -27,13 +30,13 @@ struct alignas(16) Moments {
 
 struct SweepJob {
     const OpticalGrid* grid = nullptr;
-    std::span<const TransportMedium> media;  ///< of the palette, this channel
+    std::array<std::span<const TransportMedium>, 2> media;  ///< skin, margin: of the palette, this channel
     std::span<const Moments> source;         ///< per cell: sigma_s phi and 3 g' sigma_s J
     std::span<Moments> sum;                  ///< per cell: their share is added
     std::span<const Octet> in;               ///< [face * 4 + tangential signs]: radiance that enters through outer faces
     std::span<Octet> out;                    ///< the same, that leaves
-    std::span<Octet> record = {};            ///< per cell: psi of one octant
-    std::span<float> product = {};           ///< per cell: sum over directions of w psi psi'
+    std::span<Octet> record = {};            ///< per cell, two: psi and q of one octant
+    std::span<float> product = {};           ///< per cell, two: minus the derivative by sigma_t, and by sigma_a through `fit`
 };
 
 /// The four octants of light that runs up, or down. Octant bits: 1, 2, 4 set where light runs against x, y, z.
