@@ -6,6 +6,7 @@
 
 #include "voxtone/base/parallel.h"
 #include "voxtone/base/random.h"
+#include "voxtone/optics/influence.h"
 #include "voxtone/optics/layered_appearance.h"
 #include "voxtone/optics/shell_appearance.h"
 #include "voxtone/optics/transport.h"
@@ -200,4 +201,64 @@ TEST_CASE("The gradient agrees with finite differences") {
     }
     INFO("worst " << worst);
     CHECK(worst > 0);
+}
+
+TEST_CASE("A body predicted in pieces looks like the whole, seams included") {
+    // Ink-rich and white halves under a pattern: light of the one is seen in the other far across the borders of pieces.
+    const ResinSet set = vero_opaque();
+    const std::array<int, 3> size{560, 8, 60};
+    const ResinVolume volume = make_resin_volume(size, j750, [&](int x, int y, int z) -> int {
+        if (z < size[2] - 18) return 5;
+        const auto address = static_cast<std::uint64_t>((z * size[1] + y) * size[0] + x);
+        const double ink = x / 100 % 2 == 0 ? 0.5 : 0.1;
+        const double u = voxtone::RandomStream(3, address).uniform();
+        return u < ink ? 1 + (x / 16 + y / 8) % 4 : 5;
+    });
+    const Scene scene{&volume, &set, Backing::black, Sides::mirrored};
+    const Surface surface = find_surface(scene, {2, 1, 3}, SurfacePart::top);
+    TransportOptions options;
+    options.sweeps = 5;
+    options.start_tolerance = 1e-3;
+    options.correction_tolerance = 0.03;
+    const Appearance whole = TransportPredictor(options).predict(scene, surface);
+    options.piece_mm = 8;
+    TransportSummary summary;
+    const Appearance pieces = TransportPredictor(options).predict(scene, surface, summary);
+    REQUIRE(summary.pieces == 3);
+    double worst = 0;
+    for (std::size_t i = 0; i < whole.value.size(); ++i)
+        worst = std::max(worst, static_cast<double>(std::abs(whole.value[i] - pieces.value[i])));
+    CHECK(worst < 1e-3);
+    options.halo_mm = 0.3;  // too little: the test sees what a halo is for
+    const Appearance bare = TransportPredictor(options).predict(scene, surface);
+    double bare_worst = 0;
+    for (std::size_t i = 0; i < whole.value.size(); ++i)
+        bare_worst = std::max(bare_worst, static_cast<double>(std::abs(whole.value[i] - bare.value[i])));
+    CHECK(bare_worst > 3e-3);
+}
+
+TEST_CASE("A prediction too large for the memory allowed says what it would need") {
+    const ResinSet set = vero_opaque();
+    const ResinVolume volume = make_resin_volume({100, 60, 60}, j750, [](int, int, int) { return 5; });
+    const Scene scene{&volume, &set, Backing::none, Sides::open};
+    const Surface surface = find_surface(scene, {2, 1, 3}, SurfacePart::top);
+    TransportOptions options;
+    options.memory_bytes = 1 << 20;
+    CHECK_THROWS_WITH(TransportPredictor(options).predict(scene, surface), Catch::Contains("MiB") && Catch::Contains("allow more"));
+    options.memory_bytes = std::size_t{400} << 20;
+    TransportSummary summary;
+    (void)TransportPredictor(options).predict(scene, surface, summary);
+    CHECK(summary.pieces == 1);
+    CHECK(summary.memory_bytes < options.memory_bytes);
+}
+
+TEST_CASE("A change is felt the farther the smaller the tolerance, and farther in white than in black") {
+    const ResinSet set = vero_opaque();
+    const auto white = static_cast<std::size_t>(set.find("W")), black = static_cast<std::size_t>(set.find("K"));
+    const double coarse = influence_radius(set, j750, white, black, 1e-2), fine = influence_radius(set, j750, white, black, 1e-4);
+    CHECK(coarse > 0.1);
+    CHECK(fine > 1.5 * coarse);
+    CHECK(fine < 20);
+    CHECK(influence_radius(set, j750, black, white, 1e-2) < coarse);
+    CHECK(influence_radius(set, j750, white, 1e-2) >= coarse);
 }

@@ -173,6 +173,13 @@ Diffusion::Diffusion(const DiffusionPlan& plan, std::span<const float> conductan
     }
 }
 
+std::size_t Diffusion::memory_bytes() const {
+    std::size_t bytes = 0;
+    for (const Values& v : values_) bytes += 4 * (v.c.size() + v.inverse.size() + v.loss.size());
+    for (std::size_t l = 1; l < b_.size(); ++l) bytes += 4 * (b_[l].size() + x_[l].size());
+    return bytes;
+}
+
 void Diffusion::apply(std::span<const float> x, std::span<float> out) const {
     const auto& level = plan_.levels[0];
     const Values& v = values_[0];

@@ -49,6 +49,7 @@ public:
     /// Improves `x` until the residual is `tolerance` of the first one (in the norm of its preconditioner) or
     /// `most_steps` were made; returns the steps.
     int solve(std::span<const float> right_side, std::span<float> x, double tolerance, int most_steps) const;
+    [[nodiscard]] std::size_t memory_bytes() const;
 
 private:
     struct Values {

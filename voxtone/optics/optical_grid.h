@@ -105,6 +105,20 @@ struct PaletteEntry {
     std::vector<std::pair<Material, float>> shares;
 };
 
+/// How much a grid would take, without making it.
+class GridCensus {
+public:
+    GridCensus(const Scene& scene, const GridOptions& options);
+    /// Of grid, equations and one channel's light (transport_channel.h) for this box of blocks (first, one past the last).
+    [[nodiscard]] std::size_t bytes(const std::array<int, 3>& begin, const std::array<int, 3>& end) const;
+
+    std::array<int, 3> lattice{}, block_voxels{}, shift_voxels{};
+
+private:
+    std::vector<std::uint8_t> kind_;  ///< of each place: BlockKind, 255: air
+    std::size_t skin_cells_ = 0;      ///< in a skin block
+};
+
 class OpticalGrid {
 public:
     OpticalGrid(const Scene& scene, const GridOptions& options);
@@ -146,6 +160,8 @@ public:
     [[nodiscard]] std::size_t memory_bytes() const;
 
 private:
+    friend class GridCensus;
+    OpticalGrid() = default;
     struct Builder;
 };
 

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
+#include <limits>
 #include <string>
 
 #include "voxtone/base/contracts.h"
@@ -39,15 +41,123 @@ Appearance TransportPredictor::predict(const Scene& scene, const Surface& surfac
     return predict(scene, surface, summary, progress);
 }
 
+/// A box of voxels whose surface is predicted, and the one in which light is transported for it.
+struct TransportPredictor::Window {
+    std::array<int, 3> begin{}, end{}, halo_begin{}, halo_end{};
+    [[nodiscard]] bool whole() const { return end[0] == 0; }
+    [[nodiscard]] bool holds(const std::array<std::int32_t, 3>& voxel) const {
+        for (std::size_t a = 0; a < 3; ++a)
+            if (voxel[a] < begin[a] || voxel[a] >= end[a]) return false;
+        return true;
+    }
+};
+
+namespace {
+
+GridOptions grid_options(const TransportOptions& options, const Scene& scene) {
+    GridOptions grid;
+    grid.view_voxels = cell_voxels(scene.volume->pitch_mm(), options.cell_mm);
+    grid.skin_voxels = options.voxel_skin ? std::array<int, 3>{1, 1, 1} : grid.view_voxels;
+    grid.margin_blocks = options.margin_blocks;
+    return grid;
+}
+
+/// The cells of a surface that lie in a window, with their faces; `from`: their places in the whole.
+Surface part_of(const Surface& whole, const std::function<bool(const std::array<std::int32_t, 3>&)>& inside,
+                std::vector<std::size_t>& from) {
+    Surface part;
+    part.cell_voxels = whole.cell_voxels;
+    from.clear();
+    for (std::size_t i = 0; i < whole.cells.size(); ++i) {
+        SurfaceCell cell = whole.cells[i];
+        if (!inside(whole.faces[cell.first_face].voxel)) continue;
+        const auto first = static_cast<std::ptrdiff_t>(cell.first_face), last = first + cell.faces;
+        cell.first_face = static_cast<std::uint32_t>(part.faces.size());
+        part.faces.insert(part.faces.end(), whole.faces.begin() + first, whole.faces.begin() + last);
+        part.face_normal.insert(part.face_normal.end(), whole.face_normal.begin() + first, whole.face_normal.begin() + last);
+        part.cells.push_back(cell);
+        from.push_back(i);
+    }
+    return part;
+}
+
+std::string mebibytes(std::size_t bytes) { return std::to_string((bytes >> 20) + 1) + " MiB"; }
+
+}  // namespace
+
+/// Boxes of equal size, as large as memory allows; one that holds everything where it does.
+std::vector<TransportPredictor::Window> TransportPredictor::pieces(const Scene& scene) const {
+    if (options_.memory_bytes == 0 && options_.piece_mm == 0) return {Window{}};
+    const GridOptions grid = grid_options(options_, scene);
+    const GridCensus census(scene, grid);
+    if (options_.piece_mm == 0 && census.bytes({}, census.lattice) <= options_.memory_bytes) return {Window{}};
+    const auto& pitch = scene.volume->pitch_mm();
+    std::array<int, 3> halo{};
+    double block_mm = 0;
+    for (std::size_t a = 0; a < 3; ++a) {
+        const double edge = census.block_voxels[a] * pitch[a];
+        halo[a] = static_cast<int>(std::ceil(options_.halo_mm / edge));
+        block_mm = std::max(block_mm, edge);
+    }
+    // From large to small: the first size whose largest piece fits.
+    std::size_t least = std::numeric_limits<std::size_t>::max();
+    for (int blocks = options_.piece_mm > 0 ? std::max(1, static_cast<int>(std::lround(options_.piece_mm / block_mm))) : 256;;
+         blocks = blocks * 3 / 4) {
+        std::vector<Window> windows;
+        std::size_t most = 0;
+        std::array<int, 3> at{};
+        for (at[2] = 0; at[2] < census.lattice[2]; at[2] += blocks)
+            for (at[1] = 0; at[1] < census.lattice[1]; at[1] += blocks)
+                for (at[0] = 0; at[0] < census.lattice[0]; at[0] += blocks) {
+                    std::array<int, 3> low{}, high{};
+                    Window window;
+                    for (std::size_t a = 0; a < 3; ++a) {
+                        const int end = std::min(at[a] + blocks, census.lattice[a]);
+                        low[a] = std::max(at[a] - halo[a], 0);
+                        high[a] = std::min(end + halo[a], census.lattice[a]);
+                        const auto voxel = [&](int block) { return block * census.block_voxels[a] - census.shift_voxels[a]; };
+                        window.begin[a] = voxel(at[a]);
+                        window.end[a] = voxel(end);
+                        window.halo_begin[a] = voxel(low[a]);
+                        window.halo_end[a] = voxel(high[a]);
+                    }
+                    most = std::max(most, census.bytes(low, high));
+                    windows.push_back(window);
+                }
+        least = std::min(least, most);
+        if (options_.memory_bytes == 0 || most <= options_.memory_bytes) return windows;
+        if (blocks <= 8 || options_.piece_mm > 0)
+            throw ResourceError("the prediction needs " + mebibytes(least) + " of memory even in small pieces and " +
+                                mebibytes(options_.memory_bytes) +
+                                " are allowed: allow more, predict a smaller body, or take larger cells");
+    }
+}
+
 Appearance TransportPredictor::predict(const Scene& scene, const Surface& surface, TransportSummary& summary,
                                        const Progress* progress) const {
-    return solve(scene, surface, nullptr, nullptr, summary, progress);
+    VOXTONE_EXPECT(scene.volume && scene.resins);
+    const std::vector<Window> windows = pieces(scene);
+    summary.pieces = windows.size();
+    if (windows.size() == 1) return solve(scene, surface, windows[0], nullptr, nullptr, summary, progress);
+    Appearance all;
+    all.channels = scene.resins->channels.size();
+    all.value.assign(surface.cells.size() * all.channels, 0.0f);
+    std::vector<std::size_t> from;
+    for (const Window& window : windows) {
+        const Surface part = part_of(surface, [&](const auto& voxel) { return window.holds(voxel); }, from);
+        if (part.cells.empty()) continue;
+        const Appearance seen = solve(scene, part, window, nullptr, nullptr, summary, progress);
+        for (std::size_t i = 0; i < from.size(); ++i)
+            for (std::size_t c = 0; c < all.channels; ++c)
+                all.value[from[i] * all.channels + c] = seen.value[i * all.channels + c];
+    }
+    return all;
 }
 
 Appearance TransportPredictor::predict(const Scene& scene, const Surface& surface, const Derivative& derivative,
                                        TransportGradient& gradient, TransportSummary& summary,
                                        const Progress* progress) const {
-    return solve(scene, surface, &derivative, &gradient, summary, progress);
+    return solve(scene, surface, Window{}, &derivative, &gradient, summary, progress);
 }
 
 float TransportGradient::at(const std::array<int, 3>& voxel, std::size_t resin) const {
@@ -120,15 +230,17 @@ std::vector<std::array<double, 2>> medium_derivatives(const TransportMedia& medi
 
 }  // namespace
 
-Appearance TransportPredictor::solve(const Scene& scene, const Surface& surface, const Derivative* derivative,
-                                     TransportGradient* gradient, TransportSummary& summary, const Progress* progress) const {
+Appearance TransportPredictor::solve(const Scene& scene, const Surface& surface, const Window& window,
+                                     const Derivative* derivative, TransportGradient* gradient, TransportSummary& summary,
+                                     const Progress* progress) const {
     VOXTONE_EXPECT(scene.volume && scene.resins);
     const double begin = now();
-    GridOptions grid_options;
-    grid_options.view_voxels = cell_voxels(scene.volume->pitch_mm(), options_.cell_mm);
-    grid_options.skin_voxels = options_.voxel_skin ? std::array<int, 3>{1, 1, 1} : grid_options.view_voxels;
-    grid_options.margin_blocks = options_.margin_blocks;
-    const auto held = std::make_shared<const OpticalGrid>(scene, grid_options);
+    GridOptions chosen = grid_options(options_, scene);
+    if (!window.whole()) {
+        chosen.window_begin = window.halo_begin;
+        chosen.window_end = window.halo_end;
+    }
+    const auto held = std::make_shared<const OpticalGrid>(scene, chosen);
     const OpticalGrid& grid = *held;
     const DiffusionPlan plan(grid);
     for (const std::uint32_t b : grid.transport_blocks) {
@@ -136,10 +248,9 @@ Appearance TransportPredictor::solve(const Scene& scene, const Surface& surface,
         (grid.blocks[b].kind == BlockKind::skin ? summary.skin_cells : summary.margin_cells) +=
             static_cast<std::size_t>(n[0] * n[1] * n[2]);
     }
-    summary.nodes = grid.nodes.size();
-    summary.memory_bytes = grid.memory_bytes() + plan.memory_bytes();
+    summary.nodes += grid.nodes.size();
     const SeenFaces seen(grid, surface);
-    summary.grid_s = now() - begin;
+    summary.grid_s += now() - begin;
 
     const std::array<TransportMedia, 2> media_of{TransportMedia(grid.directions, grid.edge_mm(BlockKind::skin)),
                                                  TransportMedia(grid.directions, grid.edge_mm(BlockKind::margin))};
@@ -163,7 +274,9 @@ Appearance TransportPredictor::solve(const Scene& scene, const Surface& surface,
         TransportChannel channel = channel_of(c);
         channel.solve({}, summary, progress);
         seen.appearance(channel, c, appearance);
-        summary.last_change.push_back(channel.last_change());
+        summary.last_change.resize(channels);
+        summary.last_change[c] = std::max(summary.last_change[c], channel.last_change());
+        summary.memory_bytes = std::max(summary.memory_bytes, grid.memory_bytes() + plan.memory_bytes() + channel.memory_bytes());
         if (derivative) fields[c] = channel.take_field();
     }
     if (derivative) {
@@ -196,7 +309,7 @@ Appearance TransportPredictor::solve(const Scene& scene, const Surface& surface,
             }
         }
     }
-    summary.total_s = now() - begin;
+    summary.total_s += now() - begin;
     return appearance;
 }
 

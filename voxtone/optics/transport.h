@@ -12,6 +12,10 @@
 // The refractive surface reflects by mirror images of directions (transport_directions.h); media carry the albedo that
 // makes homogeneous half-spaces exact (transport_medium.h).
 //
+// Pieces. A body too large for the memory allowed is cut into boxes. For each the whole body is solved, but with transport
+// cells only in the box and a halo around it and with diffusion on a few nodes per block elsewhere, so that white still
+// carries light over any distance. What the halo leaves of the difference is stated in docs/predict.md.
+//
 // Gradient: the operator is its own adjoint under reversal of directions, so the adjoint is one more solve, lit through
 // the surface by d(function)/d(appearance).
 //
@@ -39,12 +43,15 @@ struct TransportOptions {
     double start_tolerance = 0.05;            ///< of the first diffusion solve
     double correction_tolerance = 0.3;        ///< of those after each sweep
     double ease = 0.55;                       ///< keeps the corrections stable: viewing cells added to D per optical depth of one
+    double piece_mm = 0;                      ///< edge of the pieces that a body is predicted in; 0: as large as memory allows
+    double halo_mm = 5;                       ///< how far around a piece light is transported in full; diffusion beyond
     std::size_t memory_bytes = 0;             ///< most to use; 0: no limit
 };
 
 /// What a prediction did and took.
 struct TransportSummary {
     std::size_t skin_cells = 0, margin_cells = 0, nodes = 0, memory_bytes = 0;
+    std::size_t pieces = 0;
     double grid_s = 0, diffusion_s = 0, sweep_s = 0, total_s = 0;
     int diffusion_steps = 0;           ///< of all channels
     std::vector<double> last_change;   ///< per channel: largest change of a face's appearance by the last sweep's correction
@@ -77,7 +84,9 @@ public:
                                      const Progress* progress = nullptr) const;
 
 private:
-    [[nodiscard]] Appearance solve(const Scene& scene, const Surface& surface, const Derivative* derivative,
+    struct Window;
+    [[nodiscard]] std::vector<Window> pieces(const Scene& scene) const;
+    [[nodiscard]] Appearance solve(const Scene& scene, const Surface& surface, const Window& window, const Derivative* derivative,
                                    TransportGradient* gradient, TransportSummary& summary, const Progress* progress) const;
     TransportOptions options_;
 };

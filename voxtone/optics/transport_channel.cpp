@@ -480,6 +480,14 @@ void TransportChannel::solve(std::span<const float> light, TransportSummary& sum
             last_change_ = std::max(last_change_, std::abs(flux_change_[f]) / furnace_flux(f));
 }
 
+std::size_t TransportChannel::memory_bytes() const {
+    const auto of = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
+    return of(sigma_a_) + of(D_) + of(conductance_) + of(face_loss_) + of(face_gain_) + of(exit_loss_) + of(exit_gain_) +
+           of(core_conductance_) + of(light_) + of(phi_) + of(delta_moments_) + of(core_current_) + of(source_) + of(sum_) +
+           of(other_sum_) + of(in_) + of(out_) + of(pooled_) + of(flux_) + of(flux_change_) + diffusion_->memory_bytes() +
+           correction_->memory_bytes();
+}
+
 TransportChannel::Field TransportChannel::take_field() { return {std::move(source_), std::move(in_)}; }
 
 // psi solves L psi = S psi with psi coming in through the surface; the adjoint of L is L with all directions reversed, so

@@ -42,6 +42,7 @@ public:
     void derivatives(const Field& forward, const Field& adjoint, std::vector<float>& by_sigma_t, std::vector<float>& by_sigma_s) const;
     [[nodiscard]] double furnace_flux(std::size_t face) const;
     [[nodiscard]] double last_change() const { return last_change_; }
+    [[nodiscard]] std::size_t memory_bytes() const;
 
 private:
     struct FaceSums {
