@@ -252,16 +252,16 @@ Appearance TransportPredictor::solve(const Scene& scene, const Surface& surface,
     const SeenFaces seen(grid, surface);
     summary.grid_s += now() - begin;
 
-    const std::array<TransportMedia, 2> media_of{TransportMedia(grid.directions, grid.edge_mm(BlockKind::skin)),
-                                                 TransportMedia(grid.directions, grid.edge_mm(BlockKind::margin))};
+    const std::array media_of{shared_media(grid.directions, grid.edge_mm(BlockKind::skin)),
+                              shared_media(grid.directions, grid.edge_mm(BlockKind::margin))};
     const std::size_t channels = scene.resins->channels.size();
     const auto channel_of = [&](std::size_t c) {
         TransportChannel::MediaByKind media;
         for (auto& kind : media) kind.resize(grid.palette.size());
         for (std::size_t i = 1; i < grid.palette.size(); ++i) {
             const Medium medium = mixed(*scene.resins, grid.palette[i], c);
-            media[0][i] = media_of[0](medium);
-            media[1][i] = media_of[1](medium);
+            media[0][i] = (*media_of[0])(medium);
+            media[1][i] = (*media_of[1])(medium);
             media[2][i] = similar_medium(grid.directions, medium);
         }
         return TransportChannel(grid, plan, std::move(media), options_);
@@ -291,8 +291,8 @@ Appearance TransportPredictor::solve(const Scene& scene, const Surface& surface,
             channel.solve(seen.light(channel, grid.faces.size(), c, channels, by_value), summary, progress);
             channel.derivatives(fields[c], channel.take_field(), by_sigma_t, by_sigma_s);
             fields[c] = {};
-            const std::array by_fraction{medium_derivatives(media_of[0], *scene.resins, grid.palette, c),
-                                         medium_derivatives(media_of[1], *scene.resins, grid.palette, c)};
+            const std::array by_fraction{medium_derivatives(*media_of[0], *scene.resins, grid.palette, c),
+                                         medium_derivatives(*media_of[1], *scene.resins, grid.palette, c)};
             for (const std::uint32_t b : grid.transport_blocks) {
                 const GridBlock& block = grid.blocks[b];
                 const auto& by = by_fraction[static_cast<std::size_t>(block.kind)];

@@ -186,8 +186,8 @@ void TransportChannel::make_diffusion() {
         conductance_[i] = static_cast<float>(c.area_mm2 / (a / D_[c.a] + b / D_[c.b]));
         eased[i] = static_cast<float>(c.area_mm2 / (a / (D_[c.a] + more(c.a)) + b / (D_[c.b] + more(c.b))));
     }
-    diffusion_ = std::make_unique<Diffusion>(plan_, conductance_, loss);
-    correction_ = std::make_unique<Diffusion>(plan_, eased, loss);
+    eased_ = std::move(eased);
+    loss_ = std::move(loss);
     core_conductance_.assign(grid_.faces.size(), 0.0f);
     for (std::size_t f = 0; f < grid_.faces.size(); ++f) {
         const OuterFace& face = grid_.faces[f];
@@ -236,8 +236,11 @@ void TransportChannel::start() {
         if (face.kind != FaceKind::core) right[face.node] += face_gain_[f] * incoming[f];
     }
     for (std::size_t i = 0; lit_evenly_ && i < grid_.exits.size(); ++i) right[grid_.exits[i].node] += exit_gain_[i];
+    diffusion_ = std::make_unique<Diffusion>(plan_, conductance_, loss_);
     phi_.assign(grid_.nodes.size(), lit_evenly_ ? 1.0f : 0.0f);  // 1 is exact where nothing is absorbed
     steps_ += diffusion_->solve(right, phi_, options_.start_tolerance, 60);
+    // The equations of the start make room for those of the corrections.
+    diffusion_ = std::make_unique<Diffusion>(plan_, eased_, loss_);
     currents(phi_, incoming, delta_moments_);
     source_.assign(grid_.medium.size(), {});
     sum_.assign(grid_.medium.size(), {});
@@ -436,7 +439,7 @@ void TransportChannel::correct() {
     for (std::size_t i = 0; i < grid_.exits.size(); ++i)
         right[grid_.exits[i].node] += (lit_evenly_ ? exit_gain_[i] : 0) - exit_loss_[i] * phi_[grid_.exits[i].node];
     std::vector<float> delta(n, 0.0f);
-    steps_ += correction_->solve(right, delta, options_.correction_tolerance, 30);
+    steps_ += diffusion_->solve(right, delta, options_.correction_tolerance, 30);
     currents(delta, std::vector<float>(grid_.faces.size(), 0.0f), delta_moments_);
     for (std::size_t i = 0; i < n; ++i) phi_[i] += delta[i];
     for (std::size_t f = 0; f < grid_.faces.size(); ++f) {
@@ -484,8 +487,8 @@ std::size_t TransportChannel::memory_bytes() const {
     const auto of = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
     return of(sigma_a_) + of(D_) + of(conductance_) + of(face_loss_) + of(face_gain_) + of(exit_loss_) + of(exit_gain_) +
            of(core_conductance_) + of(light_) + of(phi_) + of(delta_moments_) + of(core_current_) + of(source_) + of(sum_) +
-           of(other_sum_) + of(in_) + of(out_) + of(pooled_) + of(flux_) + of(flux_change_) + diffusion_->memory_bytes() +
-           correction_->memory_bytes();
+           of(other_sum_) + of(in_) + of(out_) + of(pooled_) + of(flux_) + of(flux_change_) + of(eased_) + of(loss_) +
+           diffusion_->memory_bytes();
 }
 
 TransportChannel::Field TransportChannel::take_field() { return {std::move(source_), std::move(in_)}; }

@@ -72,7 +72,8 @@ private:
     std::vector<float> conductance_;     ///< per contact
     std::vector<float> face_loss_, face_gain_;  ///< per face: into the node's loss; right side per unit of incoming current
     std::vector<float> exit_loss_, exit_gain_;  ///< per exit of a core node
-    std::unique_ptr<Diffusion> diffusion_, correction_;
+    std::vector<float> eased_, loss_;  ///< conductances of the corrections, losses of the nodes
+    std::unique_ptr<Diffusion> diffusion_;  ///< of the start, then of the corrections
     std::vector<float> core_conductance_;       ///< per face to the core, per area
     std::vector<float> light_;                  ///< per face: radiance that comes from outside
     std::vector<float> phi_;                    ///< per node; kept up to date in the core

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
+#include <mutex>
 
 #include <Eigen/Dense>
 
@@ -86,7 +88,7 @@ double TransportMedia::discrete_half_space(double albedo, double sigma_t) const 
         const CellResponse next = doubled(layer);
         const double change = (next.R - layer.R).cwiseAbs().maxCoeff();
         layer = next;
-        if (change < 1e-12) break;
+        if (change < 1e-9) break;
     }
     // Under the surface: down = t + (1 - t) up, up = R down.
     Eigen::Matrix<double, n, 1> t_, flux;
@@ -110,7 +112,7 @@ TransportMedia::TransportMedia(const DirectionSet& set, const std::array<double,
                 return discrete_half_space(1 - std::min(1.0, loss * std::exp(log_ratio)), extinctions[k]) - wanted;
             };
             double a = k > 0 ? std::log(ratio_[(k - 1) * albedos + i]) : 0, b = a - 0.01, fa = miss(a), fb = miss(b);
-            for (int step = 0; step < 12 && std::abs(fb) > 1e-9 && fa != fb; ++step) {
+            for (int step = 0; step < 12 && std::abs(fb) > 2e-6 && fa != fb; ++step) {
                 const double c = std::clamp(b - fb * (b - a) / (fb - fa), -1.0, 1.0);
                 a = b;
                 fa = fb;
@@ -134,6 +136,21 @@ double TransportMedia::loss(double albedo, double sigma_t) const {
                                 0.0, 1.0);
     const auto at = [&](std::size_t row) { return (1 - a) * ratio_[row * albedos + i] + a * ratio_[row * albedos + i + 1]; };
     return std::min(1.0, ((1 - b) * at(k) + b * at(k + 1)) * loss);
+}
+
+std::shared_ptr<const TransportMedia> shared_media(const DirectionSet& set, const std::array<double, 3>& edge_mm) {
+    // A prediction is asked for again and again with the same cells; the tables take a tenth of a second.
+    static std::mutex guard;
+    static std::map<std::array<double, 5>, std::shared_ptr<const TransportMedia>> known;
+    const std::array<double, 5> key{set.g, set.eta, edge_mm[0], edge_mm[1], edge_mm[2]};
+    {
+        const std::lock_guard lock(guard);
+        if (const auto found = known.find(key); found != known.end()) return found->second;
+    }
+    auto made = std::make_shared<const TransportMedia>(set, edge_mm);  // outside the lock: it runs parallel loops
+    const std::lock_guard lock(guard);
+    if (known.size() > 64) known.clear();
+    return known.try_emplace(key, std::move(made)).first->second;
 }
 
 TransportMedium similar_medium(const DirectionSet& set, const Medium& medium) {

@@ -10,6 +10,7 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <vector>
 
 #include "voxtone/optics/resins.h"
@@ -47,5 +48,8 @@ private:
     std::array<double, 3> edge_mm_;
     std::vector<double> ratio_;  ///< (1 - alpha*) / (1 - alpha) at [extinction][albedo]
 };
+
+/// The same tables for the same cells, made once.
+[[nodiscard]] std::shared_ptr<const TransportMedia> shared_media(const DirectionSet& set, const std::array<double, 3>& edge_mm);
 
 }  // namespace voxtone::optics
