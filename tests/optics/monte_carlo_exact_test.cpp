@@ -94,14 +94,13 @@ TEST_CASE("Homogeneous and layered slabs agree with the exact solution") {
 }
 
 TEST_CASE("Reflectance from 45 degrees to the normal agrees with the exact solution") {
-    // 2 (1 - Phi(z)) * 33 tests = 1e-3
-    const double most_z = 4.17, wanted = 0.02 / (most_z + 3);
+    // 2 (1 - Phi(z)) * 24 tests = 1e-3
+    const double most_z = 4.10, wanted = 0.02 / (most_z + 3);
     const Backing backings[3]{Backing::black, Backing::white, Backing::none};
     int done = 0;
     double sum_of_squares = 0;
-    const std::vector<std::vector<SlabLayer>> slabs{{{1, 7}},  {{2, 25}},         {{3, 7}},        {{4, 7}},
-                                                    {{5, 20}}, {{5, 45}},         {{6, 7}},        {{9, 40}},
-                                                    {{10, 7}}, {{1, 6}, {5, 30}}, {{5, 5}, {4, 9}}};
+    const std::vector<std::vector<SlabLayer>> slabs{{{1, 7}},  {{2, 25}}, {{3, 7}},          {{4, 7}},
+                                                    {{5, 30}}, {{10, 7}}, {{1, 6}, {5, 15}}, {{5, 5}, {4, 9}}};
     for (std::size_t i = 0; i < slabs.size(); ++i) {
         const ResinVolume volume = slab_volume(slabs[i]);
         const Scene scene{&volume, &resins(), backings[i % 3], Sides::mirrored};
@@ -130,9 +129,9 @@ TEST_CASE("Reflectance from 45 degrees to the normal agrees with the exact solut
             ++done;
         }
     }
-    CHECK(done == 33);
+    CHECK(done == 24);
     INFO("sum of z^2 " << sum_of_squares);
-    CHECK(std::abs(sum_of_squares - 33) < 4 * std::sqrt(2.0 * 33));
+    CHECK(std::abs(sum_of_squares - 24) < 4 * std::sqrt(2.0 * 24));
 }
 
 TEST_CASE("Packets trace what the plain loop traces") {

@@ -56,6 +56,25 @@ TEST_CASE("White furnace: every path of a body that absorbs nothing counts exact
         }
 }
 
+TEST_CASE("Light trapped in clear resin comes out or is ended without bias") {
+    // A clear sheet with few specks that scatter: what they send sideways is totally reflected until it meets one
+    // again, after some ten thousand reflections, more than a path is let without a throw of the dice.
+    ResinSet set = one_resin(0, 1);
+    set.resins.push_back({"white", "W", {200}, {1}});
+    const ResinVolume volume = make_resin_volume(
+        {96, 48, 4}, slab_pitch_mm, [](int x, int y, int z) { return x == 40 && y == 20 && z == 2 ? 2 : 1; });
+    for (const PathTracer tracer : {PathTracer::packets, PathTracer::plain}) {
+        const Scene scene{&volume, &set, Backing::none, Sides::mirrored};
+        Surface surface = find_surface(scene, {1, 1, 4}, SurfacePart::top);
+        surface.cells = {surface.cells[20 * 96 + 40]};  // over the speck
+        const Appearance seen = MonteCarlo({.paths = 4000, .tracer = tracer}).predict(scene, surface);
+        INFO(seen.value[0] << " +- " << seen.standard_error[0]);
+        CHECK(seen.standard_error[0] > 0);
+        CHECK(std::abs(seen.value[0] - 1) < 4 * seen.standard_error[0]);
+        CHECK(seen.standard_error[0] < 0.05);
+    }
+}
+
 TEST_CASE("Half-spaces look as a prototype and the exact solution say") {
     // physics.md: four digits, 1.6 million paths each.
     const std::vector<std::pair<double, double>> table{{0.35, 0.0124}, {0.7, 0.0553}, {0.95, 0.2648}, {0.99, 0.5194}};

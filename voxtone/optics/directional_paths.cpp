@@ -72,12 +72,12 @@ double DirectionalPaths::estimate(const Surface& surface, const PathStarts& star
         return to_light;
     };
     double sum = 0, weight = 1;
-    std::uint32_t meetings = 0;
+    Patience patience;
     for (;;) {
         double depth = -std::log1p(-random.uniform());
         for (;;) {
-            const Stop stop = walk_.advance(ray, optics, depth, meetings);
-            if (!survives_meetings(weight, meetings, random)) return sum;
+            const Stop stop = walk_.advance(ray, optics, depth, patience.meetings);
+            if (!patience.survives(weight, random)) return sum;
             if (!stop.at_surface) break;
             if (random.uniform() < internal_reflectance(std::abs(ray.d[stop.axis]), walk_.eta())) {
                 ray.d[stop.axis] = -ray.d[stop.axis];

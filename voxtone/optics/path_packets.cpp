@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "voxtone/optics/plain_paths.h"
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "voxtone/optics/path_packets.cpp"
 // The order of these two matters.
@@ -18,7 +20,6 @@ namespace voxtone::optics {
 namespace {
 
 constexpr std::size_t most_lanes = 64;
-constexpr std::int32_t meetings_before_roulette = 4096;
 constexpr std::int32_t boundary_is_near = PathVolume::boundary_is_near;
 
 /// The paths of a packet. Whole numbers below 2^24 are kept as floats.
@@ -28,7 +29,8 @@ struct Lanes {
     alignas(64) std::array<Row<float>, 3> at{}, direction{};
     alignas(64) std::array<Row<float>, 3> low{}, high{};  ///< the box
     alignas(64) Row<float> depth{}, weight{}, majorant{};
-    alignas(64) Row<std::int32_t> base{}, meetings{}, alive{};
+    alignas(64) Row<std::int32_t> base{}, alive{};
+    alignas(64) Row<std::int32_t> meetings{}, meetings_allowed{};
     alignas(64) Row<std::int32_t> near{};  ///< the boundary may pass through the box
     alignas(64) std::array<Row<std::uint32_t>, 4> random{};
     Row<std::uint32_t> tag{};
@@ -210,8 +212,12 @@ private:
             const Mask meets = hn::Or(surface, mirrored);
             const Int meetings = hn::Add(hn::Load(di, lanes_.meetings.data() + row),
                                          hn::IfThenElseZero(hn::RebindMask(di, meets), hn::Set(di, 1)));
-            const Mask many = hn::RebindMask(d, hn::Eq(meetings, hn::Set(di, meetings_before_roulette)));
-            hn::Store(hn::IfThenZeroElse(hn::RebindMask(di, many), meetings), di, lanes_.meetings.data() + row);
+            hn::Store(meetings, di, lanes_.meetings.data() + row);
+            const Int allowed = hn::Load(di, lanes_.meetings_allowed.data() + row);
+            const auto spent = hn::And(hn::Eq(meetings, allowed), hn::RebindMask(di, meets));
+            const Mask many = hn::RebindMask(d, spent);
+            hn::Store(hn::IfThenElse(spent, hn::Add(allowed, hn::ShiftRight<1>(allowed)), allowed), di,
+                      lanes_.meetings_allowed.data() + row);
             const Mask stops = hn::And(many, hn::Lt(unit(bits_d), constant(0.5f)));
             weight = hn::IfThenElse(many, hn::IfThenElse(stops, zero, hn::Add(weight, weight)), weight);
             ends = hn::Or(ends, hn::And(stops, alive));
@@ -279,8 +285,8 @@ private:
                 lost += !refill(lane);
                 continue;
             }
-            if (++lanes_.meetings[lane] == meetings_before_roulette) {
-                lanes_.meetings[lane] = 0;
+            if (++lanes_.meetings[lane] == lanes_.meetings_allowed[lane]) {
+                lanes_.meetings_allowed[lane] += lanes_.meetings_allowed[lane] / 2;
                 PathRandom random(random_state(lane));
                 const bool stops = random.uniform() < 0.5;
                 set_random_state(lane, random.state());
@@ -416,6 +422,7 @@ private:
         lanes_.majorant[lane] = scene_.majorant[b];
         lanes_.weight[lane] = 1;
         lanes_.meetings[lane] = 0;
+        lanes_.meetings_allowed[lane] = static_cast<std::int32_t>(Patience().allowed);
         lanes_.tag[lane] = start.tag;
         lanes_.depth[lane] = start.depth;
         for (std::size_t k = 0; k < 4; ++k) lanes_.random[k][lane] = start.random[k];

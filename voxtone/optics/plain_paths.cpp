@@ -9,8 +9,6 @@
 namespace voxtone::optics {
 namespace {
 
-constexpr std::uint32_t meetings_before_roulette = 4096;
-
 double face_area(std::size_t axis, const std::array<double, 3>& pitch) {
     return pitch[(axis + 1) % 3] * pitch[(axis + 2) % 3];
 }
@@ -41,9 +39,9 @@ std::size_t PathStarts::face_at(const SurfaceCell& cell, double u) const {
     return static_cast<std::size_t>(std::upper_bound(first, first + cell.faces - 1, u) - share_.begin());
 }
 
-bool survives_meetings(double& weight, std::uint32_t& meetings, PathRandom& random) {
-    if (meetings < meetings_before_roulette) return true;
-    meetings = 0;
+bool Patience::survives(double& weight, PathRandom& random) {
+    if (meetings < allowed) return true;
+    allowed += allowed / 2;
     weight *= 2;
     return random.uniform() < 0.5;
 }
@@ -65,12 +63,12 @@ double PlainPaths::weight(const Surface& surface, const PathStarts& starts, std:
     ray.d = entering_light(static_cast<std::size_t>(facing / 2), facing % 2 == 1 ? -1.0 : 1.0, walk_.eta(), random);
 
     double weight = 1;
-    std::uint32_t meetings = 0;
+    Patience patience;
     for (;;) {
         double depth = -std::log1p(-random.uniform());
         for (;;) {
-            const Stop stop = walk_.advance(ray, optics, depth, meetings);
-            if (!survives_meetings(weight, meetings, random)) return 0;
+            const Stop stop = walk_.advance(ray, optics, depth, patience.meetings);
+            if (!patience.survives(weight, random)) return 0;
             if (!stop.at_surface) break;
             if (random.uniform() < internal_reflectance(std::abs(ray.d[stop.axis]), walk_.eta())) {
                 ray.d[stop.axis] = -ray.d[stop.axis];

@@ -11,13 +11,15 @@
 //   free path        exponential in optical depth, voxel by voxel
 //   weight           times the albedo at every scattering; below `roulette_weight` the path survives with probability
 //                    weight / roulette_weight and goes on with that weight: unbiased
-//   bounces          no cap. Every 4096 meetings with the surface the path survives with probability 1/2 and twice its
-//                    weight (unbiased), so that light trapped by total reflection in clear resin ends too
+//   bounces          no cap. After 4096, 6144, 9216 ... meetings with the surface the path survives with probability
+//   1/2
+//                    and twice its weight (unbiased), so that light trapped by total reflection in clear resin ends too
 //   surface          reflected with the Fresnel reflectance, else it leaves. Light that left never comes back, but from
 //                    a white sheet: there it enters again at the same place as diffuse light that is let in
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "voxtone/optics/appearance_model.h"
@@ -27,6 +29,15 @@
 namespace voxtone::optics {
 
 inline constexpr double default_roulette_weight = 0.1;
+
+/// How many surfaces and mirrors a path may meet before Russian roulette with probability 1/2. The interval grows by
+/// half each time: slower than the weight, so that the work for light that never comes out is bounded on average; fast
+/// enough that the spread of the weights stays finite where it comes out late.
+struct Patience {
+    std::uint32_t meetings = 0, allowed = 4096;
+    /// False where the path ends. Exact on average.
+    [[nodiscard]] bool survives(double& weight, PathRandom& random);
+};
 
 /// Where a path may start: the faces of a surface, drawn by area within a cell; where `smooth`, by the area of the
 /// smooth surface that lies before a face.
@@ -55,9 +66,6 @@ private:
     Backing backing_;
     double roulette_weight_;
 };
-
-/// Russian roulette for every 4096 surfaces and mirrors met: false where the path ends. Exact on average.
-[[nodiscard]] bool survives_meetings(double& weight, std::uint32_t& meetings, PathRandom& random);
 
 /// Russian roulette below the roulette weight: false where the path ends.
 [[nodiscard]] bool survives_faintness(double& weight, double roulette_weight, PathRandom& random);
