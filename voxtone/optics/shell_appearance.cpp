@@ -9,6 +9,7 @@
 #include "voxtone/optics/adding_doubling.h"
 #include "voxtone/optics/bicubic_table.h"
 #include "voxtone/optics/directional.h"
+#include "voxtone/optics/halftone_medium.h"
 #include "voxtone/optics/layered_appearance.h"
 
 namespace voxtone::optics {
@@ -52,47 +53,38 @@ struct ShellAppearance::Tables {
     ShellGeometry geometry;
     double inverse_absorption_scale, inverse_scattering_scale;  // mm
     std::vector<BicubicTable> tables;                           // per channel
-    std::vector<double> sigma_a, sigma_s;                       // [channel * resins + resin]
+    HalftoneMedium medium;
     std::vector<double> white;                                  // per channel
 
     Tables(const ResinSet& resins, const ShellGeometry& shell);
     void tabulate(std::size_t channel, const OrdinatePlan& plan);
 
     [[nodiscard]] Medium mix(std::span<const double> fractions, std::size_t channel) const {
-        const double* a = sigma_a.data() + channel * fractions.size();
-        const double* s = sigma_s.data() + channel * fractions.size();
-        Medium medium;
-        for (std::size_t r = 0; r < fractions.size(); ++r) {
-            medium.sigma_a += fractions[r] * a[r];
-            medium.sigma_s += fractions[r] * s[r];
-        }
+        const Medium mixed = medium(fractions, channel);
         // Shares a rounding below 0 must not leave the table.
-        return {std::max(medium.sigma_a, 0.0), std::max(medium.sigma_s, 0.0)};
+        return {std::max(mixed.sigma_a, 0.0), std::max(mixed.sigma_s, 0.0)};
     }
 
     [[nodiscard]] double value(std::span<const double> fractions, std::size_t channel) const {
-        const Medium medium = mix(fractions, channel);
-        return tables[channel](std::log1p(medium.sigma_a * inverse_absorption_scale),
-                               std::log1p(medium.sigma_s * inverse_scattering_scale));
+        const Medium mixed = mix(fractions, channel);
+        return tables[channel](std::log1p(mixed.sigma_a * inverse_absorption_scale),
+                               std::log1p(mixed.sigma_s * inverse_scattering_scale));
     }
 
     // Value and gradient, both times `factor`.
     double with_gradient(std::span<const double> fractions, std::size_t channel, double factor,
-                         double* gradient) const {
-        const Medium medium = mix(fractions, channel);
-        const double x = 1 + medium.sigma_a * inverse_absorption_scale,
-                     y = 1 + medium.sigma_s * inverse_scattering_scale;
+                         std::span<double> gradient) const {
+        const HalftoneMedium::Point at = medium.at(fractions, channel);
+        const double x = 1 + std::max(at.medium.sigma_a, 0.0) * inverse_absorption_scale,
+                     y = 1 + std::max(at.medium.sigma_s, 0.0) * inverse_scattering_scale;
         const BicubicTable::Value value = tables[channel].with_gradient(std::log(x), std::log(y));
-        const double by_absorption = factor * value.df_dx * inverse_absorption_scale / x;
-        const double by_scattering = factor * value.df_dy * inverse_scattering_scale / y;
-        const double* a = sigma_a.data() + channel * fractions.size();
-        const double* s = sigma_s.data() + channel * fractions.size();
-        for (std::size_t r = 0; r < fractions.size(); ++r) gradient[r] = by_absorption * a[r] + by_scattering * s[r];
+        medium.gradient(at, channel, factor * value.df_dx * inverse_absorption_scale / x,
+                        factor * value.df_dy * inverse_scattering_scale / y, gradient);
         return factor * value.f;
     }
 };
 
-ShellAppearance::Tables::Tables(const ResinSet& resins, const ShellGeometry& shell) : set(resins), geometry(shell) {
+ShellAppearance::Tables::Tables(const ResinSet& resins, const ShellGeometry& shell) : set(resins), geometry(shell), medium(resins, shell.pitch_mm) {
     set.validate();
     VOXTONE_EXPECT(shell.shell_mm > 0 && std::isfinite(shell.shell_mm) && shell.core_mm > 0);
     VOXTONE_EXPECT(shell.core_resin >= 0 && static_cast<std::size_t>(shell.core_resin) < set.resins.size());
@@ -100,12 +92,6 @@ ShellAppearance::Tables::Tables(const ResinSet& resins, const ShellGeometry& she
     inverse_absorption_scale = shell.shell_mm / absorption_scale;
     inverse_scattering_scale = shell.shell_mm / scattering_scale;
     const std::size_t channels = set.channels.size();
-    for (std::size_t c = 0; c < channels; ++c) {
-        for (const Resin& resin : set.resins) {
-            sigma_a.push_back(resin.medium(c).sigma_a);
-            sigma_s.push_back(resin.medium(c).sigma_s);
-        }
-    }
     tables.resize(channels);
     white.resize(channels);
     const OrdinatePlan plan = appearance_plan(set.g, set.eta);
@@ -116,11 +102,9 @@ void ShellAppearance::Tables::tabulate(std::size_t channel, const OrdinatePlan& 
     const Medium core = set.resins[static_cast<std::size_t>(geometry.core_resin)].medium(channel);
     const Admittance below = core_law(plan, core, geometry);
     // A range of nothing (no resin absorbs, say) still needs an interval to stand on.
-    double most_a = 1e-6 / inverse_absorption_scale, most_s = 1e-6 / inverse_scattering_scale;
-    for (const Resin& resin : set.resins) {
-        most_a = std::max(most_a, resin.medium(channel).sigma_a);
-        most_s = std::max(most_s, resin.medium(channel).sigma_s);
-    }
+    const Medium most = medium.bound(channel);
+    const double most_a = std::max(most.sigma_a, 1e-6 / inverse_absorption_scale),
+                 most_s = std::max(most.sigma_s, 1e-6 / inverse_scattering_scale);
     const double x_max = std::log1p(most_a * inverse_absorption_scale),
                  y_max = std::log1p(most_s * inverse_scattering_scale);
     Eigen::MatrixXd samples(absorption_samples, scattering_samples);
@@ -176,7 +160,7 @@ void ShellAppearance::appearance(std::span<const double> fractions, std::span<do
     VOXTONE_EXPECT(fractions.size() == resins() && out.size() == channels() &&
                    gradient.size() == resins() * channels());
     for (std::size_t c = 0; c < out.size(); ++c) {
-        out[c] = tables_->with_gradient(fractions, c, 1, gradient.data() + c * fractions.size());
+        out[c] = tables_->with_gradient(fractions, c, 1, gradient.subspan(c * fractions.size(), fractions.size()));
     }
 }
 
@@ -185,7 +169,8 @@ void ShellAppearance::media_relative(std::span<const double> fractions, std::spa
     VOXTONE_EXPECT(fractions.size() == resins() && out.size() == channels() &&
                    gradient.size() == resins() * channels());
     for (std::size_t c = 0; c < out.size(); ++c) {
-        out[c] = tables_->with_gradient(fractions, c, 1 / tables_->white[c], gradient.data() + c * fractions.size());
+        out[c] = tables_->with_gradient(fractions, c, 1 / tables_->white[c],
+                                        gradient.subspan(c * fractions.size(), fractions.size()));
     }
 }
 

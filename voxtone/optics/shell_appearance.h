@@ -7,21 +7,24 @@
 // is the flux that leaves through the refractive surface divided by the flux that entered, so that a body that absorbs
 // nothing has exactly 1.
 //
-// For a fixed geometry the appearance in one channel is a function of the shell's sigma_a and sigma_s alone, and an
-// ideal mixture averages both linearly (Iser, Rittig, Wilkie 2025, Eq. 7). The constructor tabulates that function of
-// two variables per channel and interpolates it with a cubic spline whose first and second derivatives are continuous:
+// For a fixed geometry the appearance in one channel is a function of the shell's sigma_a and sigma_s alone. The
+// constructor tabulates that function of two variables per channel and interpolates it with a cubic spline whose first
+// and second derivatives are continuous:
 //
-//   A_c(f) = table_c( ln(1 + sigma_a / s_a), ln(1 + sigma_s / s_s) ),   sigma_(f) = sum_r f_r sigma_r
+//   A_c(f) = table_c( ln(1 + sigma_a / s_a), ln(1 + sigma_s / s_s) )
+//
+// sigma_a and sigma_s are those of the mixture: of a halftone of voxels where their pitch is given (halftone_medium.h),
+// else their averages (Iser, Rittig, Wilkie 2025, Eq. 7).
 //
 // Range: fractions in [0, 1] that sum to 1 (anything in the box of absorption and scattering that the resins span;
 // outside it the value at the edge holds). Error against adding-doubling for cores that scatter: below 1e-4 in
 // appearance, tested; the worst of 400 random mixtures was 1.2e-6 for 1 mm of the start set over deep white and 3.4e-5
 // for shells of 0.1 to 5 mm with clear resin, over deep white and over finite cores. A nearly clear shell on a clear
 // core has no such bound: light trapped in it is scattered out or absorbed by the ratio of two vanishing numbers.
-// What it cannot see: edges, curvature, neighbouring colours, the grain of a halftone (voxels that are optically
-// thick). Immutable after construction: one object may serve any number of threads.
+// What it cannot see: edges, curvature, neighbouring colours. Immutable after construction: one object may serve any number of threads.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <limits>
 #include <memory>
@@ -40,6 +43,7 @@ struct ShellGeometry {
     Backing backing = Backing::none;                           ///< has no meaning under an infinite core
     /// The resin of which a body of this geometry, shell and core alike, is the white of media-relative values; -1: the core's.
     int white_resin = -1;
+    std::array<double, 3> pitch_mm{};  ///< of the voxels of a halftone, > 0; all 0: ideal mixtures
     [[nodiscard]] int white() const { return white_resin >= 0 ? white_resin : core_resin; }
 };
 

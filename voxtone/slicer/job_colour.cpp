@@ -51,11 +51,12 @@ LoadedResins load_resins(const SliceOptions& options, const PrinterProfile& prin
     return loaded;
 }
 
-std::unique_ptr<const JobColour> prepare_colour(const SliceOptions& options, const LoadedResins& resins, double picture_thickness_mm,
-                                                Progress& progress) {
+std::unique_ptr<const JobColour> prepare_colour(const SliceOptions& options, const LoadedResins& resins, const Eigen::Vector3d& pitch_mm,
+                                                double picture_thickness_mm, Progress& progress) {
     progress.begin_stage("separate colours", 0);
     optics::ShellGeometry geometry;
     geometry.shell_mm = options.depth_mm;
+    if (options.mixing == "voxels") geometry.pitch_mm = {pitch_mm.x(), pitch_mm.y(), pitch_mm.z()};
     geometry.core_resin = resins.core;
     geometry.white_resin = resins.set.find("W");  // -1, the core, where no white is loaded
     if (picture_thickness_mm > 0) {

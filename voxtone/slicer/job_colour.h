@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "voxtone/base/progress.h"
 #include "voxtone/halftone/separation.h"
 #include "voxtone/io/layer_runs.h"
@@ -49,7 +51,9 @@ private:
 };
 
 /// `picture_thickness_mm` > 0: a slab of that thickness over `options.backing`; else a body taken to be thick.
+/// `pitch_mm`: of the print's voxels.
 [[nodiscard]] std::unique_ptr<const JobColour> prepare_colour(const SliceOptions& options, const LoadedResins& resins,
+                                                              const Eigen::Vector3d& pitch_mm,
                                                               double picture_thickness_mm, Progress& progress);
 
 }  // namespace voxtone::slicer

@@ -154,7 +154,7 @@ SliceResult run_slice_job(const SliceOptions& options, Progress& progress) {
     figures.read_s = body.read_s;
     figures.repair_s = watch.lap() - body.read_s;
 
-    const auto colour = prepare_colour(options, resins, body.is_picture ? body.placement.extent_mm.z() : 0, progress);
+    const auto colour = prepare_colour(options, resins, body.grid.pitch_mm, body.is_picture ? body.placement.extent_mm.z() : 0, progress);
     figures.separation_s = watch.lap();
 
     io::LayerStackWriter writer(options.out, describe(printer, resins, body.grid, range), outputs_of(options, printer), options.overwrite);

@@ -35,6 +35,7 @@ struct SliceOptions {
     std::string repair = "auto";
     bool keep_thin = true;
     std::string screen = "blue-noise";
+    std::string mixing = "voxels";  ///< what a mixture looks like: of voxels of the printer's size, or ideal (Eq. 7)
     std::uint64_t seed = 1;
     std::string layers;  ///< "a-b", inclusive; empty: all
 

@@ -113,6 +113,19 @@ io::ReportSection throughput(const ReportSources& s, const JobFigures& f) {
     return section;
 }
 
+io::ReportSection colour_section(const ReportSources& s) {
+    const std::array<double, 3>& um = s.stack.pitch_um;
+    io::ReportSection section;
+    section.title = "Mixtures";
+    section.paragraphs.push_back(
+        s.options.mixing == "voxels"
+            ? fmt::format("Colours were separated for what voxels of {:.1f} x {:.1f} x {:.1f} um look like: light that passes between strongly coloured "
+                          "ones makes a halftone brighter than an ideal mixture of the same resins.",
+                          um[0], um[1], um[2])
+            : std::string("Colours were separated as if resins mixed ideally (--mixing ideal); in print, voxels of strong resins look brighter."));
+    return section;
+}
+
 io::ReportSection mesh_section(const RepairReport& r) {
     io::ReportSection section;
     section.title = "The mesh";
@@ -237,6 +250,7 @@ io::Report make_report(const ReportSources& s, const JobFigures& f) {
             "thin parts.";
         if (!s.why_not.empty()) report.prediction_note += " " + s.why_not;
     }
+    report.sections.push_back(colour_section(s));
     report.sections.push_back(mesh_section(s.body.repair));
     report.sections.push_back(throughput(s, f));
     report.layers = f.layers;
