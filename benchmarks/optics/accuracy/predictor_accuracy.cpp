@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// How far the fast predictor is from Monte Carlo, and what it costs.
+//
+//   predictor_accuracy report             all of the tables below
+//   predictor_accuracy compare [FOLDER]   one table with a row per case; what the columns mean: compare.h
+//   predictor_accuracy homogeneous        slabs of every mixture of a 10 % lattice; tilted slabs and spheres of one colour
+//   predictor_accuracy speed              cost per cell, square centimetre and byte
+//   predictor_accuracy dial [FOLDER]      sweeps and skin cells: error and price
+//   predictor_accuracy make [FOLDER]      Monte Carlo references of the suite, case by case
+//   predictor_accuracy picture CASE FILE  target, Monte Carlo, prediction, difference side by side (PNG)
+#include <cstdio>
+#include <ctime>
+#include <filesystem>
+#include <iostream>
+
+#include <CLI/CLI.hpp>
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include "compare.h"
+#include "homogeneous.h"
+#include "make_reference.h"
+#include "photo_cases.h"
+#include "pictures.h"
+#include "speed.h"
+#include "voxtone/base/parallel.h"
+
+namespace {
+
+using namespace voxtone;
+using namespace voxtone::accuracy;
+namespace fs = std::filesystem;
+
+struct Arguments {
+    fs::path folder = fs::path(VOXTONE_SOURCE_DIR) / "tests/data/appearance", models = fs::path(VOXTONE_SOURCE_DIR) / "../shared/models", file;
+    std::string only;
+    std::uint64_t seed = 1, threads = 1;
+    double effort = 0.5, largest = 1e7;
+    int steps = 10;
+    bool again = false, viewing_skin = false;
+    optics::TransportOptions transport;
+};
+
+void make(const Arguments& a) {
+    fs::create_directories(a.folder);
+    for (SuiteCase& c : suite_cases(a.models)) {
+        const fs::path file = a.folder / (c.name + ".ref");
+        if (c.name.find(a.only) == std::string::npos || (fs::exists(file) && !a.again)) continue;
+        const std::string name = c.name;
+        Reference r = make_reference(std::move(c), a.seed, a.effort);
+        r.made = fmt::format("predictor_accuracy make --seed {} --effort {}, {:%Y-%m-%d}", a.seed, a.effort, fmt::gmtime(std::time(nullptr)));
+        write_reference(file, r);
+        fmt::print("{:<16} {:>8.1f} s of one core, {:.3g} paths, {} bytes\n", name, r.core_seconds, static_cast<double>(r.all_paths),
+                   fs::file_size(file));
+        std::fflush(stdout);
+    }
+}
+
+std::vector<fs::path> references(const Arguments& a) {
+    std::vector<fs::path> files;
+    for (const auto& entry : fs::directory_iterator(a.folder))
+        if (entry.path().extension() == ".ref" && entry.path().stem().string().find(a.only) != std::string::npos) files.push_back(entry.path());
+    std::sort(files.begin(), files.end());
+    return files;
+}
+
+void compare_all(const Arguments& a) {
+    fmt::print(
+        "| case | mean without noise | mean | rms without noise | 95 % | max | bias of L* | noise | bias R, G, B | cells | core s | us/cell | "
+        "s/cm2 | x faster |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
+    double sum = 0, sum_with = 0, worst = 0, n = 0;
+    for (const fs::path& file : references(a)) {
+        const Reference reference = read_reference(file);
+        const Comparison c = compare(reference, a.transport);
+        sum += c.mean_without_noise;
+        sum_with += c.mean;
+        worst = std::max(worst, c.mean_without_noise);
+        ++n;
+        fmt::print(
+            "| {}{} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:+.2f} | {:.2f} | {:+.4f} {:+.4f} {:+.4f} | {} | {:.2f} | {:.2f} | {:.2f} | {:.0f} |\n",
+            reference.of.name, reference.of.tuning ? "" : " (unseen)", c.mean_without_noise, c.mean, c.rms, c.percentile_95, c.max, c.bias,
+            c.noise, c.channel_bias[0], c.channel_bias[1], c.channel_bias[2], c.optical_cells, c.core_seconds,
+            1e6 * c.core_seconds / static_cast<double>(c.optical_cells), 100 * c.core_seconds / c.area_mm2, c.times_faster);
+        std::fflush(stdout);
+    }
+    if (n > 0) fmt::print("| mean of {} cases (largest {:.2f}) | {:.2f} | {:.2f} |\n", n, worst, sum / n, sum_with / n);
+}
+
+void homogeneous(const Arguments& a) {
+    const HomogeneousErrors e = compare_mixtures(a.transport, a.steps);
+    fmt::print("{} mixtures, slabs of 1.08 mm over black, 12 sweeps: mean {:.3f}, 95 % {:.3f}, max {:.3f} ({}); largest error of appearance "
+               "R {:.4f} G {:.4f} B {:.4f}\n\n",
+               e.mixtures, e.mean, e.percentile_95, e.max, e.worst, e.largest[0], e.largest[1], e.largest[2]);
+    fmt::print("| body | colour | between orientations, largest | cells from the mean, mean | 95 % |\n|---|---|---|---|---|\n");
+    for (const Spread& s : one_colour_bodies(a.transport))
+        fmt::print("| {} | {} | {:.2f} | {:.2f} | {:.2f} |\n", s.body, s.colour, s.between, s.cells_mean, s.cells_95);
+}
+
+void speed(const Arguments& a) {
+    fmt::print("| cells | cm2 | voxels | core s | us/cell | s/cm2 | bytes/cell | grid | diffusion | sweeps |\n|---|---|---|---|---|---|---|---|---|---|\n");
+    for (double cells = 1e5; cells <= a.largest; cells *= 10) {
+        const Cost c = price_of_slab(a.transport, cells);
+        fmt::print("| {:.3g} | {:.3f} | {:.3g} | {:.2f} | {:.2f} | {:.2f} | {:.0f} | {:.2f} | {:.2f} | {:.2f} |\n",
+                   static_cast<double>(c.optical_cells), c.area_mm2 / 100, static_cast<double>(c.voxels), c.core_seconds,
+                   1e6 * c.core_seconds / static_cast<double>(c.optical_cells), 100 * c.core_seconds / c.area_mm2, c.bytes_per_cell,
+                   c.summary.grid_s, c.summary.diffusion_s, c.summary.sweep_s);
+        std::fflush(stdout);
+    }
+}
+
+void dial(const Arguments& a) {
+    fmt::print("| skin cells | sweeps | mean without noise | largest case | us/cell | s/cm2 |\n|---|---|---|---|---|---|\n");
+    std::vector<Reference> all;
+    for (const fs::path& file : references(a)) all.push_back(read_reference(file));
+    for (const bool voxels : {true, false})
+        for (int sweeps = 1; sweeps <= 5; ++sweeps) {
+            optics::TransportOptions options = a.transport;
+            options.voxel_skin = voxels;
+            options.sweeps = sweeps;
+            double sum = 0, worst = 0, seconds = 0, cells = 0, area = 0;
+            for (const Reference& reference : all) {
+                const Comparison c = compare(reference, options);
+                sum += c.mean_without_noise;
+                worst = std::max(worst, c.mean_without_noise);
+                seconds += c.core_seconds;
+                cells += static_cast<double>(c.optical_cells);
+                area += c.area_mm2;
+            }
+            fmt::print("| {} | {} | {:.2f} | {:.2f} | {:.2f} | {:.2f} |\n", voxels ? "voxel" : "viewing cell", sweeps,
+                       sum / static_cast<double>(all.size()), worst, 1e6 * seconds / cells, 100 * seconds / area);
+            std::fflush(stdout);
+        }
+}
+
+void picture(const Arguments& a) {
+    const Reference reference = read_reference(a.folder / (a.only + ".ref"));
+    const Comparison c = compare(reference, a.transport);
+    write_side_by_side(a.file, reference, c, photo_target(a.models, a.only, c.surface));
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    Arguments a;
+    CLI::App app("How far the fast predictor is from Monte Carlo, and what it costs");
+    app.require_subcommand(1);
+    app.add_option("--threads", a.threads, "0: one per core")->capture_default_str();
+    app.add_option("--sweeps", a.transport.sweeps)->capture_default_str();
+    app.add_flag("--viewing-skin", a.viewing_skin, "skin cells of one viewing cell");
+    app.add_option("--models", a.models, "folder of the photographs")->capture_default_str();
+    auto* report_command = app.add_subcommand("report", "all tables");
+    auto* make_command = app.add_subcommand("make", "trace the references");
+    make_command->add_option("--seed", a.seed)->capture_default_str();
+    make_command->add_option("--effort", a.effort, "multiplies the paths")->capture_default_str();
+    make_command->add_flag("--again", a.again, "also those that are there");
+    auto* compare_command = app.add_subcommand("compare", "a row per case");
+    auto* dial_command = app.add_subcommand("dial", "sweeps and skin cells");
+    auto* homogeneous_command = app.add_subcommand("homogeneous", "bodies of one colour");
+    auto* speed_command = app.add_subcommand("speed", "cost");
+    for (CLI::App* command : {report_command, make_command, compare_command, dial_command}) {
+        command->add_option("folder", a.folder, "of the references")->capture_default_str();
+        command->add_option("--only", a.only, "cases whose name has this in it");
+    }
+    for (CLI::App* command : {report_command, homogeneous_command})
+        command->add_option("--steps", a.steps, "of the lattice of mixtures")->capture_default_str();
+    for (CLI::App* command : {report_command, speed_command})
+        command->add_option("--largest", a.largest, "cells of the largest slab")->capture_default_str();
+    auto* picture_command = app.add_subcommand("picture", "side by side");
+    picture_command->add_option("case", a.only)->required();
+    picture_command->add_option("file", a.file)->required();
+    CLI11_PARSE(app, argc, argv);
+    a.transport.voxel_skin = !a.viewing_skin;
+    const ThreadLimit limit(a.threads);
+    try {
+        if (*make_command) make(a);
+        if (*compare_command || *report_command) compare_all(a);
+        if (*homogeneous_command || *report_command) homogeneous(a);
+        if (*speed_command || *report_command) speed(a);
+        if (*dial_command || *report_command) dial(a);
+        if (*picture_command) picture(a);
+    } catch (const std::exception& e) {
+        std::cerr << e.what() << '\n';
+        return 1;
+    }
+    return 0;
+}
