@@ -41,6 +41,16 @@ Eigen::Vector3d lab(const Rgb& rgb) {
     return lab_from_linear_srgb({static_cast<double>(rgb[0]), static_cast<double>(rgb[1]), static_cast<double>(rgb[2])});
 }
 
+ResinVolume refined(const ResinVolume& volume, const std::array<int, 3>& parts) {
+    std::array<int, 3> size{};
+    std::array<double, 3> pitch{};
+    for (std::size_t a = 0; a < 3; ++a) {
+        size[a] = volume.size()[a] * parts[a];
+        pitch[a] = volume.pitch_mm()[a] / parts[a];
+    }
+    return make_resin_volume(size, pitch, [&](int x, int y, int z) { return volume.at(x / parts[0], y / parts[1], z / parts[2]); });
+}
+
 }  // namespace
 
 std::vector<double> exact_slab(const ResinSet& set, std::size_t resin, double thickness_mm, Backing backing) {
@@ -65,11 +75,15 @@ double weighted_percentile(std::span<const double> values, std::span<const doubl
     return 0;
 }
 
-Comparison compare(const Reference& reference, const TransportOptions& options) {
+Comparison compare(const Reference& reference, const TransportOptions& options, const std::array<int, 3>& refine) {
     const SuiteCase& c = reference.of;
-    const Scene scene = c.scene();
+    const ResinVolume volume = refined(c.volume, refine);
+    Scene scene = c.scene();
+    scene.volume = &volume;
+    std::array<int, 3> cut_cell = viewing_cell;
+    for (std::size_t a = 0; a < 3; ++a) cut_cell[a] *= refine[a];
     Comparison r;
-    r.surface = find_surface(scene, viewing_cell, c.part);
+    r.surface = find_surface(scene, cut_cell, c.part);
     const Groups groups = group_cells(c, r.surface);
     const TransportPredictor predictor(options);
     TransportSummary summary;
@@ -78,10 +92,11 @@ Comparison compare(const Reference& reference, const TransportOptions& options) 
     r.core_seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
     r.cells = r.surface.cells.size();
     r.optical_cells = summary.skin_cells + summary.margin_cells;
-    const ResinVolume white_volume = all_of(c.volume, c.white());
+    const ResinVolume white_volume = all_of(volume, c.white());
     Scene white_scene = scene;
     white_scene.volume = &white_volume;
-    r.predicted = relative(seen.value, predictor.predict(white_scene, r.surface).value);
+    const std::vector<float> seen_white = predictor.predict(white_scene, r.surface).value;
+    r.predicted = relative(seen.value, seen_white);
 
     const auto white = white_of(reference);
     const std::vector<Rgb> half_1 = relative(reference.half[0], white[0]), half_2 = relative(reference.half[1], white[1]),
@@ -93,6 +108,10 @@ Comparison compare(const Reference& reference, const TransportOptions& options) 
     for (std::size_t i = 0; i < r.cells; ++i) {
         const std::size_t g = groups.of_cell[i];
         const double share = areas[i] / r.area_mm2;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const double m = 0.5 * static_cast<double>(white[0][3 * g + k] + white[1][3 * g + k]);
+            r.white_bias[k] += share * (static_cast<double>(seen_white[3 * i + k]) / m - 1);
+        }
         r.reference.push_back(both[g]);
         const Eigen::Vector3d p = lab(r.predicted[i]), m = lab(both[g]);
         const double error = ciede2000(p, m), noise = 0.5 * ciede2000(lab(half_1[g]), lab(half_2[g]));

@@ -31,6 +31,7 @@ struct Comparison {
     double mean = 0, percentile_95 = 0, max = 0, bias = 0;
     double noise = 0, rms = 0, mean_without_noise = 0;
     std::array<double, 3> channel_bias{};  ///< mean of P - M
+    std::array<double, 3> white_bias{};    ///< of the mean of the white, as a share of it: what media-relative colour hides
     std::size_t cells = 0;                 ///< of the surface
     std::size_t optical_cells = 0;         ///< of transport
     double area_mm2 = 0;
@@ -43,7 +44,10 @@ struct Comparison {
     optics::Surface surface;
 };
 
-[[nodiscard]] Comparison compare(const Reference& reference, const optics::TransportOptions& options);
+/// `refine`: into how many parts every voxel is cut along x, y and z before the prediction. Same body, finer cells: what then
+/// remains of an error is not the cells'.
+[[nodiscard]] Comparison compare(const Reference& reference, const optics::TransportOptions& options,
+                                 const std::array<int, 3>& refine = {1, 1, 1});
 
 /// The appearance of a slab with mirrored sides, all of this resin, per channel: exact.
 [[nodiscard]] std::vector<double> exact_slab(const optics::ResinSet& set, std::size_t resin, double thickness_mm, optics::Backing backing);

@@ -64,7 +64,7 @@ std::vector<SuiteCase> photo_cases(const std::filesystem::path& models) {
         c.shown = piece.shown;
         c.tuning = piece.tuning;
         c.resins = suite_resins();
-        c.noise = 0.45;
+        c.noise = 0.6;
         c.volume = make_resin_volume({nx, ny, slab_layers}, j750_mm, [&](int x, int y, int z) {
             return z >= slab_layers - skin_layers ? skin.at(mixtures[static_cast<std::size_t>(y * nx + x)], x, y, z) : resin::W;
         });

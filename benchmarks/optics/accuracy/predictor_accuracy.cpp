@@ -12,6 +12,7 @@
 #include <cstdio>
 #include <ctime>
 #include <filesystem>
+#include <fstream>
 #include <iostream>
 
 #include <CLI/CLI.hpp>
@@ -33,11 +34,12 @@ using namespace voxtone::accuracy;
 namespace fs = std::filesystem;
 
 struct Arguments {
-    fs::path folder = fs::path(VOXTONE_SOURCE_DIR) / "tests/data/appearance", models = fs::path(VOXTONE_SOURCE_DIR) / "../shared/models", file;
+    fs::path folder = fs::path(VOXTONE_SOURCE_DIR) / "tests/data/appearance", models = fs::path(VOXTONE_SOURCE_DIR) / "../shared/models", file, cells;
     std::string only;
     std::uint64_t seed = 1, threads = 1;
     double effort = 0.5, largest = 1e7;
     int steps = 10;
+    std::array<int, 3> refine{1, 1, 1};
     bool again = false, viewing_skin = false;
     optics::TransportOptions transport;
 };
@@ -65,24 +67,36 @@ std::vector<fs::path> references(const Arguments& a) {
     return files;
 }
 
+/// Colours of every cell, to look for the place of an error.
+void write_cells(const fs::path& file, const Comparison& c) {
+    std::ofstream out(file);
+    out << "x,y,z,predicted_r,predicted_g,predicted_b,reference_r,reference_g,reference_b,error\n";
+    for (std::size_t i = 0; i < c.cells; ++i) {
+        const auto& at = c.surface.cells[i].cell;
+        const Rgb &p = c.predicted[i], &m = c.reference[i];
+        out << fmt::format("{},{},{},{:.5f},{:.5f},{:.5f},{:.5f},{:.5f},{:.5f},{:.3f}\n", at[0], at[1], at[2], p[0], p[1], p[2], m[0], m[1], m[2], c.error[i]);
+    }
+}
+
 void compare_all(const Arguments& a) {
     fmt::print(
-        "| case | mean without noise | mean | rms without noise | 95 % | max | bias of L* | noise | bias R, G, B | cells | core s | us/cell | "
-        "s/cm2 | x faster |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
+        "| case | mean without noise | mean | rms without noise | 95 % | max | bias of L* | noise | bias R, G, B | of white, % | cells | core s | us/cell | "
+        "s/cm2 | x faster |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
     double sum = 0, sum_with = 0, worst = 0, n = 0;
     for (const fs::path& file : references(a)) {
         const Reference reference = read_reference(file);
-        const Comparison c = compare(reference, a.transport);
+        const Comparison c = compare(reference, a.transport, a.refine);
         sum += c.mean_without_noise;
         sum_with += c.mean;
         worst = std::max(worst, c.mean_without_noise);
         ++n;
         fmt::print(
-            "| {}{} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:+.2f} | {:.2f} | {:+.4f} {:+.4f} {:+.4f} | {} | {:.2f} | {:.2f} | {:.2f} | {:.0f} |\n",
+            "| {}{} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:+.2f} | {:.2f} | {:+.4f} {:+.4f} {:+.4f} | {:+.2f} {:+.2f} {:+.2f} | {} | {:.2f} | {:.2f} | {:.2f} | {:.0f} |\n",
             reference.of.name, reference.of.tuning ? "" : " (unseen)", c.mean_without_noise, c.mean, c.rms, c.percentile_95, c.max, c.bias,
-            c.noise, c.channel_bias[0], c.channel_bias[1], c.channel_bias[2], c.optical_cells, c.core_seconds,
+            c.noise, c.channel_bias[0], c.channel_bias[1], c.channel_bias[2], 100 * c.white_bias[0], 100 * c.white_bias[1], 100 * c.white_bias[2], c.optical_cells, c.core_seconds,
             1e6 * c.core_seconds / static_cast<double>(c.optical_cells), 100 * c.core_seconds / c.area_mm2, c.times_faster);
         std::fflush(stdout);
+        if (!a.cells.empty()) write_cells(a.cells / (reference.of.name + ".csv"), c);
     }
     if (n > 0) fmt::print("| mean of {} cases (largest {:.2f}) | {:.2f} | {:.2f} |\n", n, worst, sum / n, sum_with / n);
 }
@@ -155,6 +169,8 @@ int main(int argc, char** argv) {
     make_command->add_option("--effort", a.effort, "multiplies the paths")->capture_default_str();
     make_command->add_flag("--again", a.again, "also those that are there");
     auto* compare_command = app.add_subcommand("compare", "a row per case");
+    compare_command->add_option("--refine", a.refine, "cut voxels into so many parts along x, y, z");
+    compare_command->add_option("--cells", a.cells, "folder for the colours of every cell, CSV");
     auto* dial_command = app.add_subcommand("dial", "sweeps and skin cells");
     auto* homogeneous_command = app.add_subcommand("homogeneous", "bodies of one colour");
     auto* speed_command = app.add_subcommand("speed", "cost");

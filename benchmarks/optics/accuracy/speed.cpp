@@ -17,8 +17,8 @@ Cost price_of_slab(const TransportOptions& options, double optical_cells) {
     std::vector<halftone::CumulativeMixture> field;
     for (int j = 0; j < 16; ++j)
         for (int i = 0; i < 16; ++i) field.push_back(skin.of_code(40 + 13 * i, 40 + 13 * j, 240 - 6 * (i + j)));
-    // 22 cells of transport per column of voxels where the skin has cells of one voxel.
-    const int ny = std::max(8, static_cast<int>(std::lround(std::sqrt(optical_cells / 22 / 2)))), nx = 2 * ny;
+    // About 34 cells of transport per column of voxels where the skin has cells of one voxel.
+    const int ny = std::max(8, static_cast<int>(std::lround(std::sqrt(optical_cells / 34 / 2)))), nx = 2 * ny;
     const ResinSet set = suite_resins();
     const ResinVolume volume = make_resin_volume({nx, ny, slab_layers}, j750_mm, [&](int x, int y, int z) {
         return z >= slab_layers - skin_layers ? skin.at(field[static_cast<std::size_t>(y * 16 / ny * 16 + x * 16 / nx)], x, y, z) : resin::W;

@@ -8,7 +8,7 @@ namespace voxtone::accuracy {
 
 Groups group_cells(const SuiteCase& c, const optics::Surface& surface) {
     std::array<int, 3> cells{};
-    for (std::size_t a = 0; a < 3; ++a) cells[a] = (c.volume.size()[a] + surface.cell_voxels[a] - 1) / surface.cell_voxels[a];
+    for (std::size_t a = 0; a < 3; ++a) cells[a] = (c.volume.size()[a] + viewing_cell[a] - 1) / viewing_cell[a];
     Groups groups;
     std::map<std::array<int, 3>, std::uint32_t> known;
     for (std::size_t i = 0; i < surface.cells.size(); ++i) {
