@@ -73,7 +73,7 @@ TEST_CASE("The directions integrate what diffusion needs, and the surface lets d
 }
 
 TEST_CASE("Media carry the albedo that makes a half-space exact") {
-    const TransportMedia media(make_directions(0.4, 1.5), j750);
+    const TransportMedia media(make_directions(0.4, 1.5), {0.0423, 0.0423, 0.027});
     const OrdinatePlan plan = appearance_plan(0.4, 1.5);
     double worst = 0, without = 0;
     for (const double sigma_t : {0.5, 3.0, 8.0, 15.0, 24.0, 40.0})

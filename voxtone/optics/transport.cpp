@@ -133,9 +133,90 @@ std::vector<TransportPredictor::Window> TransportPredictor::pieces(const Scene& 
     }
 }
 
-Appearance TransportPredictor::predict(const Scene& scene, const Surface& surface, TransportSummary& summary,
+namespace {
+
+/// The same body and surface with every voxel cut into equal pieces: cells that are no thicker than light can be followed in.
+struct CutScene {
+    std::array<int, 3> split{1, 1, 1};
+    ResinVolume volume;
+    Scene scene;
+    Surface surface;
+    const Surface* seen = nullptr;
+
+    CutScene(const Scene& whole, const Surface& whole_surface, const TransportOptions& options)
+        : scene(whole), seen(&whole_surface) {
+        const auto& pitch = whole.volume->pitch_mm();
+        for (std::size_t a = 0; options.finest_mm > 0 && options.voxel_skin && a < 3; ++a)
+            split[a] = std::clamp(static_cast<int>(std::ceil(pitch[a] / options.finest_mm - 0.1)), 1, 4);
+        if (split == std::array{1, 1, 1}) return;
+        cut_volume(*whole.volume);
+        cut_surface(whole_surface);
+        scene.volume = &volume;
+        seen = &surface;
+    }
+    CutScene(const CutScene&) = delete;
+    CutScene& operator=(const CutScene&) = delete;
+
+private:
+    void cut_volume(const ResinVolume& from) {
+        const auto& n = from.size();
+        std::array<int, 3> size{};
+        std::array<double, 3> pitch{};
+        for (std::size_t a = 0; a < 3; ++a) {
+            size[a] = n[a] * split[a];
+            pitch[a] = from.pitch_mm()[a] / split[a];
+        }
+        ResinVolumeBuilder builder(size, pitch);
+        std::vector<Material> coarse(static_cast<std::size_t>(n[0]) * static_cast<std::size_t>(n[1])),
+            fine(static_cast<std::size_t>(size[0]) * static_cast<std::size_t>(size[1]));
+        for (int z = 0; z < n[2]; ++z) {
+            from.copy_box({0, 0, z}, {n[0], n[1], 1}, coarse);
+            std::size_t i = 0;
+            for (int y = 0; y < size[1]; ++y) {
+                const Material* const row = coarse.data() + static_cast<std::ptrdiff_t>(y / split[1]) * n[0];
+                for (int x = 0; x < n[0]; ++x)
+                    for (int k = 0; k < split[0]; ++k) fine[i++] = row[x];
+            }
+            for (int k = 0; k < split[2]; ++k) builder.add_layer(fine);
+        }
+        volume = builder.finish();
+    }
+
+    void cut_surface(const Surface& from) {
+        surface.cells = from.cells;
+        for (std::size_t a = 0; a < 3; ++a) surface.cell_voxels[a] = from.cell_voxels[a] * split[a];
+        for (SurfaceCell& cell : surface.cells) {
+            const std::size_t first = cell.first_face, last = first + cell.faces;
+            cell.first_face = static_cast<std::uint32_t>(surface.faces.size());
+            for (std::size_t f = first; f < last; ++f) {
+                const SurfaceFace& face = from.faces[f];
+                const auto axis = static_cast<std::size_t>(face.facing) / 2;
+                const bool plus = static_cast<int>(face.facing) % 2 == 1;
+                std::array<int, 3> begin{}, end = split;
+                if (plus) begin[axis] = split[axis] - 1;
+                else end[axis] = 1;
+                for (int z = begin[2]; z < end[2]; ++z)
+                    for (int y = begin[1]; y < end[1]; ++y)
+                        for (int x = begin[0]; x < end[0]; ++x) {
+                            surface.faces.push_back({{face.voxel[0] * split[0] + x, face.voxel[1] * split[1] + y,
+                                                      face.voxel[2] * split[2] + z},
+                                                     face.facing});
+                            surface.face_normal.push_back(from.face_normal[f]);
+                        }
+            }
+            cell.faces = static_cast<std::uint32_t>(surface.faces.size()) - cell.first_face;
+        }
+    }
+};
+
+}  // namespace
+
+Appearance TransportPredictor::predict(const Scene& given, const Surface& given_surface, TransportSummary& summary,
                                        const Progress* progress) const {
-    VOXTONE_EXPECT(scene.volume && scene.resins);
+    VOXTONE_EXPECT(given.volume && given.resins);
+    const CutScene cut(given, given_surface, options_);
+    const Scene& scene = cut.scene;
+    const Surface& surface = *cut.seen;
     const std::vector<Window> windows = pieces(scene);
     summary.pieces = windows.size();
     if (windows.size() == 1) return solve(scene, surface, windows[0], nullptr, nullptr, summary, progress);
@@ -157,12 +238,21 @@ Appearance TransportPredictor::predict(const Scene& scene, const Surface& surfac
 Appearance TransportPredictor::predict(const Scene& scene, const Surface& surface, const Derivative& derivative,
                                        TransportGradient& gradient, TransportSummary& summary,
                                        const Progress* progress) const {
-    return solve(scene, surface, Window{}, &derivative, &gradient, summary, progress);
+    const CutScene cut(scene, surface, options_);
+    gradient.split = cut.split;
+    summary.pieces = 1;
+    return solve(cut.scene, *cut.seen, Window{}, &derivative, &gradient, summary, progress);
 }
 
 float TransportGradient::at(const std::array<int, 3>& voxel, std::size_t resin) const {
-    const std::int64_t cell = grid->cell_at(voxel);
-    return cell < 0 ? 0 : by_fraction[static_cast<std::size_t>(cell) * resins + resin];
+    float sum = 0;
+    for (int z = 0; z < split[2]; ++z)
+        for (int y = 0; y < split[1]; ++y)
+            for (int x = 0; x < split[0]; ++x) {
+                const std::int64_t cell = grid->cell_at({voxel[0] * split[0] + x, voxel[1] * split[1] + y, voxel[2] * split[2] + z});
+                if (cell >= 0) sum += by_fraction[static_cast<std::size_t>(cell) * resins + resin];
+            }
+    return sum;
 }
 
 namespace {

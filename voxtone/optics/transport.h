@@ -39,6 +39,7 @@ struct TransportOptions {
     int sweeps = 3;                           ///< >= 1
     double cell_mm = 0.085;                   ///< viewing cell: sets the cells of the margin and of diffusion
     bool voxel_skin = true;                   ///< skin cells of one voxel; false: of one viewing cell
+    double finest_mm = 0.0425;                ///< skin voxels are cut along axes where they are longer; 0: never
     int margin_blocks = 2;                    ///< rings of 4 viewing cells of transport below the skin, >= 0
     double start_tolerance = 0.05;            ///< of the first diffusion solve
     double correction_tolerance = 0.3;        ///< of those after each sweep
@@ -63,6 +64,7 @@ struct TransportGradient {
     std::shared_ptr<const OpticalGrid> grid;
     std::size_t resins = 0;
     std::vector<float> by_fraction;  ///< [cell * resins + resin]; cells as in `grid`
+    std::array<int, 3> split{1, 1, 1};  ///< pieces that a voxel was cut into
     /// 0 for air and for the core, whose cells are no transport cells.
     [[nodiscard]] float at(const std::array<int, 3>& voxel, std::size_t resin) const;
 };
