@@ -148,12 +148,13 @@ std::size_t direction_of(const std::array<float, 3>& n) {
 }
 
 Spread spread_of(std::string body, std::string colour, const std::vector<Seen>& parts) {
-    Spread s{std::move(body), std::move(colour), 0, 0, 0};
+    Spread s{std::move(body), std::move(colour), 0, 0, 0, {}};
     Seen all;
     std::vector<Eigen::Vector3d> means;
     for (const Seen& part : parts) {
         if (part.rgb.empty()) continue;
         means.push_back(lab_of(part.mean()));
+        s.lightness.push_back(means.back()[0]);
         all.rgb.insert(all.rgb.end(), part.rgb.begin(), part.rgb.end());
         all.area.insert(all.area.end(), part.area.begin(), part.area.end());
     }
@@ -227,7 +228,7 @@ std::vector<Spread> one_colour_bodies(const TransportOptions& options) {
         const ResinSet set = with_mixture(colour.fractions);
         std::vector<Seen> tilts;
         for (const auto& [tilt, around] : {std::pair{0.0, 0.0}, {10.0, 0.0}, {25.0, 0.0}, {45.0, 0.0}, {60.0, 0.0}, {80.0, 0.0}, {90.0, 0.0},
-                                           {35.0, 45.0}, {60.0, 30.0}, {45.0, 90.0}, {90.0, 45.0}})
+                                           {35.0, 45.0}, {60.0, 30.0}, {45.0, 90.0}, {90.0, 90.0}})
             tilts.push_back(look_at_slab(predictor, set, turned(tilt, around)));
         table.push_back(spread_of("slab, eleven tilts", colour.name, tilts));
         const Seen sphere = look_at_sphere(predictor, set);

@@ -29,9 +29,12 @@ struct Spread {
     double between = 0;
     /// Of single viewing cells from the mean of all, by area.
     double cells_mean = 0, cells_95 = 0;
+    /// Mean L* of each tilt, or of the 26 directions from bottom to top, y and x rising.
+    std::vector<double> lightness;
 };
 
-/// A slab of 2.4 x 2.4 x 1 mm at eleven tilts (the cells within 0.7 mm of the middle of its large sides), and a sphere of 2.4 mm.
+/// A slab of 2.4 x 2.4 x 1 mm at eleven tilts about y, then about z, degrees: 0, 10, 25, 45, 60, 80,
+/// 90 about y alone; 35 and 45, 60 and 30, 45 and 90, 90 and 90 (the cells within 0.7 mm of the middle of its large sides), and a sphere of 2.4 mm.
 [[nodiscard]] std::vector<Spread> one_colour_bodies(const optics::TransportOptions& options);
 
 }  // namespace voxtone::accuracy

@@ -88,7 +88,7 @@ void write_side_by_side(const std::filesystem::path& file, const Reference& refe
     }
     std::vector<const std::vector<Rgb>*> panels{&comparison.reference, &comparison.predicted, &difference};
     if (!target.empty()) panels.insert(panels.begin(), &target);
-    const std::uint32_t zoom = flat ? std::max(1u, 280 / view.width) : 4u, gap = 6;
+    const std::uint32_t zoom = flat ? std::max(1u, 360 / view.width) : 4u, gap = 6;
     io::LinearPicture picture;
     picture.width_px = static_cast<std::uint32_t>(panels.size()) * (view.width * zoom + gap) - gap;
     picture.height_px = view.height * zoom;

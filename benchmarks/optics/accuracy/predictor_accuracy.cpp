@@ -18,6 +18,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/chrono.h>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "compare.h"
 #include "homogeneous.h"
@@ -106,9 +107,9 @@ void homogeneous(const Arguments& a) {
     fmt::print("{} mixtures, slabs of 1.08 mm over black, 12 sweeps: mean {:.3f}, 95 % {:.3f}, max {:.3f} ({}); largest error of appearance "
                "R {:.4f} G {:.4f} B {:.4f}\n\n",
                e.mixtures, e.mean, e.percentile_95, e.max, e.worst, e.largest[0], e.largest[1], e.largest[2]);
-    fmt::print("| body | colour | between orientations, largest | cells from the mean, mean | 95 % |\n|---|---|---|---|---|\n");
+    fmt::print("| body | colour | between orientations, largest | cells from the mean, mean | 95 % | L* of tilts or directions |\n|---|---|---|---|---|---|\n");
     for (const Spread& s : one_colour_bodies(a.transport))
-        fmt::print("| {} | {} | {:.2f} | {:.2f} | {:.2f} |\n", s.body, s.colour, s.between, s.cells_mean, s.cells_95);
+        fmt::print("| {} | {} | {:.2f} | {:.2f} | {:.2f} | {:.2f} |\n", s.body, s.colour, s.between, s.cells_mean, s.cells_95, fmt::join(s.lightness, " "));
 }
 
 void speed(const Arguments& a) {
@@ -185,6 +186,7 @@ int main(int argc, char** argv) {
     auto* picture_command = app.add_subcommand("picture", "side by side");
     picture_command->add_option("case", a.only)->required();
     picture_command->add_option("file", a.file)->required();
+    picture_command->add_option("--references", a.folder)->capture_default_str();
     CLI11_PARSE(app, argc, argv);
     a.transport.voxel_skin = !a.viewing_skin;
     const ThreadLimit limit(a.threads);
