@@ -82,23 +82,30 @@ TEST_CASE("Percentiles by weight") {
     CHECK(weighted_percentile(values, weights, 0.95) == 3);
 }
 
-// Wanted: mean over the suite 0.7, no case above 1.2.
-TEST_CASE("The predictor agrees with Monte Carlo on every case of the suite") {
-    const std::vector<fs::path> files = references();
-    REQUIRE(files.size() >= 25);
+// Wanted: mean over the suite 0.7, no case above 1.2, also for resins and pictures that were not used while tuning. The set
+// `random-1` has g = 0.65; delta-Eddington scattering is too bright there (docs/benchmarks.md).
+TEST_CASE("The predictor agrees with Monte Carlo on every flat case of the suite") {
     double sum = 0, n = 0;
-    for (const fs::path& file : files) {
+    for (const fs::path& file : references()) {
         const Reference reference = read_reference(file);
+        if (reference.of.sides != optics::Sides::mirrored) continue;
         const Comparison c = compare(reference, {});
         INFO(reference.of.name << ": mean " << c.mean_without_noise << " without noise, 95 % " << c.percentile_95 << " with noise "
                                << c.noise << ", bias of L* " << c.bias);
-        // The two beyond what was wanted: g = 0.645, unseen while tuning, and dark cells near the poles of a sphere.
-        const bool known = reference.of.name == "random-1" || reference.of.name == "sphere";
-        CHECK(c.mean_without_noise < (known ? 1.6 : 1.2));
+        CHECK(c.mean_without_noise < (reference.of.name == "random-1" ? 1.4 : 1.2));
+        CHECK(c.percentile_95 < 2.5);
         sum += c.mean_without_noise;
         ++n;
     }
-    CHECK(sum / n < 0.7);
+    REQUIRE(n >= 25);
+    CHECK(sum / n < 0.6);
+}
+
+// Wanted: 1.2. Reached: 1.5 (docs/benchmarks.md).
+TEST_CASE("A textured sphere looks as it does to light paths that see the sphere itself") {
+    const Comparison c = compare(read_reference(fs::path(VOXTONE_TEST_DATA) / "appearance/sphere.ref"), {});
+    CHECK(c.mean_without_noise < 1.6);
+    CHECK(std::abs(c.bias) < 0.5);
 }
 
 TEST_CASE("The suite sees that averaging resins over a viewing cell is wrong") {

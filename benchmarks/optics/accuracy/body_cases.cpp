@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "extruded_polygon.h"
 #include "halftone_skin.h"
-#include "voxtone/slicer/mesh_boundary.h"
 
 namespace voxtone::accuracy {
 namespace {
@@ -64,70 +64,30 @@ SuiteCase textured_sphere(const HalftoneSkin& skin) {
     return c;
 }
 
-/// Corners (x, z) of a comb with three leaning, tapered fins, counter-clockwise; the first of a fin is at its right foot.
-constexpr std::array<std::array<double, 2>, 14> comb{{{0.05, 0.05}, {3.25, 0.05}, {3.25, 0.90},              //
-                                                      {3.00, 0.90}, {3.25, 2.30}, {2.65, 2.30}, {2.20, 0.90},  // 0.8 to 0.6 mm
-                                                      {1.80, 0.90}, {1.60, 2.30}, {1.25, 2.30}, {1.30, 0.90},  // 0.5 to 0.35 mm
-                                                      {0.60, 0.90}, {0.45, 2.30}, {0.20, 2.30}}};              // 0.3 to 0.25 mm
-constexpr std::array<double, 2> last_foot{0.30, 0.90}, left_shoulder{0.05, 0.90};
-constexpr double comb_from = 0.05, comb_to = 1.55;  // y
-
-std::vector<std::array<double, 2>> comb_outline() {
-    std::vector<std::array<double, 2>> outline(comb.begin(), comb.end());
-    outline.push_back(last_foot);
-    outline.push_back(left_shoulder);
-    return outline;
-}
-
-bool inside(const std::vector<std::array<double, 2>>& outline, double x, double z) {
-    bool in = false;
-    for (std::size_t i = 0, j = outline.size() - 1; i < outline.size(); j = i++)
-        if ((outline[i][1] > z) != (outline[j][1] > z) &&
-            x < (outline[j][0] - outline[i][0]) * (z - outline[i][1]) / (outline[j][1] - outline[i][1]) + outline[i][0])
-            in = !in;
-    return in;
-}
-
-/// The comb as a closed mesh, outward: sides of two triangles each; ends of the block and three fins.
-std::shared_ptr<const BodyBoundary> comb_mesh(const std::vector<std::array<double, 2>>& outline) {
-    const auto n = static_cast<std::uint32_t>(outline.size());
-    std::vector<Eigen::Vector3d> positions;
-    for (const double y : {comb_from, comb_to})
-        for (const auto& p : outline) positions.emplace_back(p[0], y, p[1]);
-    std::vector<std::array<std::uint32_t, 3>> triangles;
-    for (std::uint32_t i = 0; i < n; ++i) {
-        const std::uint32_t j = (i + 1) % n;
-        triangles.push_back({i, i + n, j});
-        triangles.push_back({j, i + n, j + n});
-    }
-    const auto end = [&](std::initializer_list<std::uint32_t> polygon) {
-        const std::vector<std::uint32_t> p(polygon);
-        for (std::size_t k = 1; k + 1 < p.size(); ++k) {
-            triangles.push_back({p[0], p[k], p[k + 1]});              // at comb_from, outward is -y
-            triangles.push_back({p[0] + n, p[k + 1] + n, p[k] + n});
-        }
-    };
-    end({3, 4, 5, 6});
-    end({7, 8, 9, 10});
-    end({11, 12, 13, 14});
-    end({0, 1, 2, 3, 6, 7, 10, 11, 14, 15});
-    return std::make_shared<slicer::MeshBoundary>(positions, triangles, Eigen::Vector3d::Zero());
-}
+/// A block with three leaning, tapered fins: corners (x, z), counter-clockwise, each fin from its right foot to its left. Flat sides that
+/// look along an axis lie on borders of voxels, as `slice` lays a body's lower sides; those that lean do not.
+constexpr double left = 1 * j750_mm[0], right = 77 * j750_mm[0], bottom = 2 * j750_mm[2], shoulder = 33 * j750_mm[2], top = 85 * j750_mm[2];
+const std::vector<std::array<double, 2>> comb{{left, bottom},   {right, bottom}, {right, shoulder},
+                                              {3.00, shoulder}, {3.25, top},     {2.65, top},       {2.20, shoulder},  // 0.8 to 0.6 mm
+                                              {1.80, shoulder}, {1.60, top},     {1.25, top},       {1.30, shoulder},  // 0.5 to 0.35 mm
+                                              {0.60, shoulder}, {0.45, top},     {0.20, top},       {0.30, shoulder},  // 0.3 to 0.25 mm
+                                              {left, shoulder}};
+constexpr double front = 1 * j750_mm[1], back = 13 * j750_mm[1];
 
 SuiteCase fins(const HalftoneSkin& skin) {
-    SuiteCase c = body("fins", "a block with three leaning fins, 0.8, 0.5 and 0.3 mm thick", "the mesh");
-    const auto outline = comb_outline();
-    c.true_boundary = comb_mesh(outline);
+    SuiteCase c = body("fins", "a block with three leaning fins, 0.8, 0.5 and 0.3 mm thick", "the body's flat sides");
+    const auto shape = std::make_shared<ExtrudedPolygon>(comb, front, back);
+    c.true_boundary = shape;
     const std::vector<CumulativeMixture> field = colours(skin);
-    c.volume = make_resin_volume(voxels_of({3.30, 1.60, 2.35}), j750_mm, [&](int x, int y, int z) {
+    c.volume = make_resin_volume(voxels_of({right + 0.07, back + 0.05, top + 0.05}), j750_mm, [&](int x, int y, int z) {
         const Point p = centre_of(x, y, z);
-        if (p[1] < comb_from || p[1] > comb_to || !inside(outline, p[0], p[2])) return air;
+        if (!shape->inside(p)) return air;
         BoundaryNormals normals;
-        const Point at = c.true_boundary->nearest(p, normals);
+        const Point at = shape->nearest(p, normals);
         if (std::hypot(at[0] - p[0], at[1] - p[1], at[2] - p[2]) > skin_mm) return resin::W;
         // One colour for what looks left, another for what looks right, and bands along y.
         const std::size_t side = normals.geometric[0] > 0.1 ? 0 : normals.geometric[0] < -0.1 ? 2 : 4;
-        return skin.at(field[side + (at[1] > 0.8 ? 1 : 0)], x, y, z);
+        return skin.at(field[side + (at[1] > (front + back) / 2 ? 1 : 0)], x, y, z);
     });
     return c;
 }
