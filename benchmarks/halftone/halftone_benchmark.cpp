@@ -22,10 +22,12 @@ using namespace voxtone::halftone;
 
 constexpr int resins = 5;
 
-optics::ShellAppearance vero() {
+/// As `slice` has it; `ideal`: mixtures by Eq. 7.
+optics::ShellAppearance vero(bool ideal = false) {
     const optics::ResinSet set = optics::vero_opaque();
     optics::ShellGeometry geometry;
     geometry.core_resin = set.find("W");
+    if (!ideal) geometry.pitch_mm = built_in_screens[0].pitch_mm;
     return optics::ShellAppearance(set, geometry);
 }
 
@@ -54,11 +56,12 @@ std::vector<CumulativeMixture> mixtures_of(std::size_t n) {
     return mixtures;
 }
 
+/// Argument: 1 for ideal mixtures.
 void separation_lattice(benchmark::State& state) {
-    const optics::ShellAppearance appearance = vero();
+    const optics::ShellAppearance appearance = vero(state.range(0) == 1);
     for (auto _ : state) benchmark::DoNotOptimize(Separation(appearance).resins());
 }
-BENCHMARK(separation_lattice)->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime()->UseRealTime();
+BENCHMARK(separation_lattice)->Arg(0)->Arg(1)->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime()->UseRealTime();
 
 /// Argument: step of the walk through colours in percent (5: a picture; 100: independent colours).
 void separation_lookup(benchmark::State& state) {

@@ -83,6 +83,23 @@ TEST_CASE("A resin alone, or beside its equals, is itself; equal resins may be t
     }
 }
 
+TEST_CASE("A body seen from all sides lies between its views along the axes; cubes look the same from everywhere") {
+    const ResinSet set = random_resins(6, 4);
+    const std::vector<double> f{0.2, 0.4, 0.1, 0.3};
+    const std::array<double, 3> cube{0.04, 0.04, 0.04};
+    for (std::size_t c = 0; c < 3; ++c) {
+        const auto along = [&](std::size_t up) {
+            return HalftoneMedium(set, {j750[(up + 1) % 3], j750[(up + 2) % 3], j750[up]})(f, c);
+        };
+        const Medium x = along(0), y = along(1), z = along(2), all = HalftoneMedium(set, j750, SeenFrom::all_sides)(f, c);
+        CHECK(all.sigma_a > std::min({x.sigma_a, y.sigma_a, z.sigma_a}));
+        CHECK(all.sigma_a < std::max({x.sigma_a, y.sigma_a, z.sigma_a}));
+        CHECK(all.sigma_s > std::min({x.sigma_s, y.sigma_s, z.sigma_s}));
+        CHECK(all.sigma_s < std::max({x.sigma_s, y.sigma_s, z.sigma_s}));
+        CHECK(HalftoneMedium(set, cube, SeenFrom::all_sides)(f, c).sigma_s == Approx(HalftoneMedium(set, cube)(f, c).sigma_s).epsilon(1e-12));
+    }
+}
+
 TEST_CASE("Resins that absorb nothing make a medium that absorbs nothing") {
     ResinSet set = vero_opaque();
     for (Resin& resin : set.resins) resin.albedo = {1, 1, 1};

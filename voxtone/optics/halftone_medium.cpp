@@ -10,27 +10,29 @@ namespace voxtone::optics {
 
 namespace {
 
-constexpr double k_0 = 0.58, k_1 = 0.38;
-constexpr double a = 0.25;
-constexpr double b_1 = 0.58, h_0 = 0.13;
-
 // w^q with q = 7/4, and its derivative by w.
 double power(double w) { return w * std::sqrt(w) * std::sqrt(std::sqrt(w)); }
 constexpr double q = 1.75;
 
 }  // namespace
 
-HalftoneMedium::HalftoneMedium(const ResinSet& resins, const std::array<double, 3>& pitch_mm)
-    : resins_(resins.resins.size()) {
+HalftoneMedium::HalftoneMedium(const ResinSet& resins, const std::array<double, 3>& pitch_mm, SeenFrom seen,
+                               const HalftoneConstants& constants)
+    : resins_(resins.resins.size()), k_0_(constants.k_0), k_1_(constants.k_1) {
     const auto [least, most] = std::minmax_element(pitch_mm.begin(), pitch_mm.end());
     VOXTONE_EXPECT(*least > 0 || (*least == 0 && *most == 0));
     ideal_ = *least == 0;
     double chord = 0, absorbing = 0, b = 0;
     if (!ideal_) {
         chord = 2 / (1 / pitch_mm[0] + 1 / pitch_mm[1] + 1 / pitch_mm[2]);
-        const double h = pitch_mm[2] / std::sqrt(pitch_mm[0] * pitch_mm[1]);
-        absorbing = chord * (1 + a * (h - 0.5));
-        b = b_1 * std::max(h - h_0, 0.0);
+        const std::size_t first = seen == SeenFrom::above ? 2 : 0;
+        const double share = 1.0 / static_cast<double>(3 - first);
+        for (std::size_t up = first; up < 3; ++up) {
+            const double along = pitch_mm[up], across = std::sqrt(pitch_mm[(up + 1) % 3] * pitch_mm[(up + 2) % 3]);
+            const double h = along / (across + 0.5 * along);
+            absorbing += share * chord * (1 + constants.a * (h - 0.4));
+            b += share * constants.b_1 * std::max(h - constants.h_0, 0.0);
+        }
     }
     for (std::size_t c = 0; c < resins.channels.size(); ++c)
         for (const Resin& resin : resins.resins) {
@@ -59,7 +61,7 @@ HalftoneMedium::Point HalftoneMedium::at(std::span<const double> f, std::size_t 
         U += f[r] * of[r].v * of[r].u;
     }
     p.u = U / p.V;
-    p.k = k_0 + k_1 * p.u;
+    p.k = k_0_ + k_1_ * p.u;
     double A = 0, S = 0;
     for (std::size_t r = 0; r < f.size(); ++r) {
         const double w = 1 / (1 + p.k * of[r].t);
@@ -84,7 +86,7 @@ void HalftoneMedium::gradient(const Point& p, std::size_t channel, double by_abs
     }
     for (std::size_t r = 0; r < resins_; ++r) {
         const double w = 1 / (1 + p.k * of[r].t), v = of[r].v;
-        const double dk = k_1 * (of[r].u - p.u) * v / p.V;
+        const double dk = k_1_ * (of[r].u - p.u) * v / p.V;
         const double dW = w + p.W_k * dk;
         const double d_sigma_a = (w * of[r].sigma_a + p.A_k * dk - p.medium.sigma_a * dW) / p.W;
         const double d_sigma_s = (power(w) * v * of[r].sigma_s + p.S_k * dk) / p.scattering_norm -
@@ -103,7 +105,7 @@ Medium HalftoneMedium::bound(std::size_t channel) const {
         u = std::max(u, resin.u);
     }
     // f phi <= 1 and phi <= 1 / w; v / V <= 1 / min v is met where f v / V <= 1.
-    if (!ideal()) most.sigma_s *= std::pow(1 + (k_0 + k_1 * u) * t, q - 1);
+    if (!ideal()) most.sigma_s *= std::pow(1 + (k_0_ + k_1_ * u) * t, q - 1);
     return most;
 }
 

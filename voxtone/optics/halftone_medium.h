@@ -5,11 +5,15 @@
 //
 // An ideal mixture averages sigma_a and sigma_s (Iser, Rittig, Wilkie 2025, Eq. 7). Voxels do not, because the light is
 // not the same in all of them: where a resin absorbs, its voxels are darker than their surroundings. With a voxel's mean
-// chord l = 4 V / S, its slenderness h = p_z / sqrt(p_x p_y), the optical sizes of a voxel of resin i
+// chord l = 4 V / S, its pitch p_z along the light's way and p_x, p_y across, and its slenderness
 //
-//   t_i = sigma_a,i l (1 + a (h - 1/2)),     u_i = sigma_s,i (1 - g) l
+//   h = p_z / (sqrt(p_x p_y) + p_z / 2),
 //
-// and the shares f_i, the model is
+// the optical sizes of a voxel of resin i are
+//
+//   t_i = sigma_a,i l (1 + a (h - 0.4)),     u_i = sigma_s,i (1 - g) l,
+//
+// and with the shares f_i the model is
 //
 //   sigma_a* = sum_i f_i sigma_a,i phi_i,     sigma_s* = sum_i f_i sigma_s,i phi_i^q v_i / V
 //
@@ -24,11 +28,11 @@
 // One resin, equal resins and voxels of vanishing size give Eq. 7; a body that absorbs nothing stays so.
 //
 // The constants are one set for all resins and printers, fitted to Monte Carlo of halftones of random resins by
-// benchmarks/halftone/halftone_departure.cpp. Errors, in units of L* of a channel read as a grey: 0.1 to 0.2 rms for
-// pitches of printers, against 1.0 by Eq. 7 (docs/halftone-departure.md). They belong to the blue-noise screen.
+// benchmarks/halftone/halftone_departure.cpp. Errors, in units of L* of a channel read as a grey: 0.1 to 0.2 rms, against
+// 0.7 to 1.3 by Eq. 7 (docs/halftone-departure.md). They belong to the blue-noise screen.
 //
-// Units mm, mm^-1. Range: any fractions >= 0, sigma_t up to about 1 / l (40 per mm for J750's voxels), h from 0.2 to
-// 1, light from above (along z). What it cannot see: anything but the mean over many voxels.
+// Units mm, mm^-1. Range: any fractions >= 0, sigma_t up to about 1 / l (40 per mm for J750's voxels), p_z between a
+// fifth and two and a half times sqrt(p_x p_y). What it cannot see: anything but the mean over many voxels.
 #pragma once
 
 #include <array>
@@ -39,11 +43,20 @@
 
 namespace voxtone::optics {
 
+/// Which way light falls on the voxels: a picture is seen from above, along z; a body from all sides, for which the
+/// mean of the three axes is taken.
+enum class SeenFrom { above, all_sides };
+
+struct HalftoneConstants {
+    double k_0 = 0.57, k_1 = 0.40, a = 0.40, b_1 = 0.95, h_0 = 0.16;
+};
+
 class HalftoneMedium {
 public:
     HalftoneMedium() = default;
     /// Pitch of the voxels, mm; all 0: ideal mixtures, Eq. 7. Contract: all above 0 or all 0.
-    HalftoneMedium(const ResinSet& resins, const std::array<double, 3>& pitch_mm);
+    HalftoneMedium(const ResinSet& resins, const std::array<double, 3>& pitch_mm, SeenFrom seen = SeenFrom::above,
+                   const HalftoneConstants& constants = {});
 
     /// `fractions`: one per resin; they need not sum to 1 exactly.
     [[nodiscard]] Medium operator()(std::span<const double> fractions, std::size_t channel) const;
@@ -70,6 +83,7 @@ private:
         return {constants_.data() + channel * resins_, resins_};
     }
     std::size_t resins_ = 0;
+    double k_0_ = 0, k_1_ = 0;
     bool ideal_ = true;
     std::vector<Constants> constants_;  ///< [channel * resins + resin]
 };

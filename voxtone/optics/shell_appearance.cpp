@@ -9,7 +9,6 @@
 #include "voxtone/optics/adding_doubling.h"
 #include "voxtone/optics/bicubic_table.h"
 #include "voxtone/optics/directional.h"
-#include "voxtone/optics/halftone_medium.h"
 #include "voxtone/optics/layered_appearance.h"
 
 namespace voxtone::optics {
@@ -84,7 +83,7 @@ struct ShellAppearance::Tables {
     }
 };
 
-ShellAppearance::Tables::Tables(const ResinSet& resins, const ShellGeometry& shell) : set(resins), geometry(shell), medium(resins, shell.pitch_mm) {
+ShellAppearance::Tables::Tables(const ResinSet& resins, const ShellGeometry& shell) : set(resins), geometry(shell), medium(resins, shell.pitch_mm, shell.seen) {
     set.validate();
     VOXTONE_EXPECT(shell.shell_mm > 0 && std::isfinite(shell.shell_mm) && shell.core_mm > 0);
     VOXTONE_EXPECT(shell.core_resin >= 0 && static_cast<std::size_t>(shell.core_resin) < set.resins.size());

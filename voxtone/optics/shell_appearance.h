@@ -32,6 +32,7 @@
 #include <vector>
 
 #include "voxtone/optics/backing.h"
+#include "voxtone/optics/halftone_medium.h"
 #include "voxtone/optics/resins.h"
 
 namespace voxtone::optics {
@@ -44,6 +45,7 @@ struct ShellGeometry {
     /// The resin of which a body of this geometry, shell and core alike, is the white of media-relative values; -1: the core's.
     int white_resin = -1;
     std::array<double, 3> pitch_mm{};  ///< of the voxels of a halftone, > 0; all 0: ideal mixtures
+    SeenFrom seen = SeenFrom::above;   ///< which way the voxels lie to the shell's surface
     [[nodiscard]] int white() const { return white_resin >= 0 ? white_resin : core_resin; }
 };
 

@@ -59,7 +59,9 @@ std::unique_ptr<const JobColour> prepare_colour(const SliceOptions& options, con
     if (options.mixing == "voxels") geometry.pitch_mm = {pitch_mm.x(), pitch_mm.y(), pitch_mm.z()};
     geometry.core_resin = resins.core;
     geometry.white_resin = resins.set.find("W");  // -1, the core, where no white is loaded
+    geometry.seen = optics::SeenFrom::all_sides;
     if (picture_thickness_mm > 0) {
+        geometry.seen = optics::SeenFrom::above;
         geometry.shell_mm = std::min(options.depth_mm, picture_thickness_mm);
         // A slab that is colour all through has no core; the model wants one: a nanometre of it is nothing to light.
         constexpr double no_core_mm = 1e-6;

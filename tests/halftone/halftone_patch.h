@@ -11,6 +11,7 @@
 
 #include "voxtone/base/random.h"
 #include "voxtone/halftone/blue_noise_screen.h"
+#include "voxtone/halftone/error_diffusion.h"
 #include "voxtone/halftone/mixture.h"
 #include "voxtone/optics/monte_carlo.h"
 #include "voxtone/optics/shell_appearance.h"
@@ -24,18 +25,52 @@ struct HalftonePatch {
     std::vector<double> fractions;  ///< that the screen made of the mixture
 };
 
+/// `up`: which axis of the screen and of `pitch_mm` the light comes along, 2 for a picture on a slab.
 inline HalftonePatch make_patch(const halftone::BlueNoiseScreen& screen, const std::array<double, 3>& pitch_mm,
                                 const halftone::CumulativeMixture& mixture, int resins, int core_resin, int layers,
-                                int core_layers) {
+                                int core_layers, std::size_t up = 2) {
     constexpr int edge = halftone::BlueNoiseScreen::size;
     HalftonePatch patch;
     patch.fractions.assign(static_cast<std::size_t>(resins), 0.0);
-    patch.volume = optics::make_resin_volume({edge, edge, layers + core_layers}, pitch_mm, [&](int x, int y, int z) {
+    const std::size_t right = (up + 1) % 3, away = (up + 2) % 3;
+    const std::array<double, 3> turned{pitch_mm[right], pitch_mm[away], pitch_mm[up]};
+    patch.volume = optics::make_resin_volume({edge, edge, layers + core_layers}, turned, [&](int x, int y, int z) {
         if (z < core_layers) return core_resin + 1;
-        const int resin = halftone::select_resin(mixture, screen.threshold(x, y, z), resins);
+        std::array<int, 3> at{};
+        at[right] = x, at[away] = y, at[up] = z;
+        const int resin = halftone::select_resin(mixture, screen.threshold(at[0], at[1], at[2]), resins);
         patch.fractions[static_cast<std::size_t>(resin)] += 1.0 / (edge * edge * layers);
         return resin + 1;
     });
+    return patch;
+}
+
+/// The same by error diffusion, in a rectangle of twice the screen's tile, of which the middle is taken.
+inline HalftonePatch make_diffused_patch(const std::array<double, 3>& pitch_mm, const halftone::CumulativeMixture& mixture,
+                                         int resins, int core_resin, int layers, int core_layers) {
+    constexpr int edge = halftone::BlueNoiseScreen::size, wide = 2 * edge, margin = edge / 2;
+    halftone::ErrorDiffusionOptions options;
+    options.pitch_mm = pitch_mm;
+    halftone::ErrorDiffusion diffusion(wide, wide, resins, options);
+    const std::vector<halftone::CumulativeMixture> mixtures(wide * wide, mixture);
+    const std::vector<std::uint8_t> body(wide * wide, 1);
+    std::vector<std::uint8_t> layer(wide * wide);
+    HalftonePatch patch;
+    patch.fractions.assign(static_cast<std::size_t>(resins), 0.0);
+    optics::ResinVolumeBuilder builder({edge, edge, layers + core_layers}, pitch_mm);
+    std::vector<optics::Material> out(edge * edge, static_cast<optics::Material>(core_resin + 1));
+    for (int z = 0; z < core_layers; ++z) builder.add_layer(out);
+    for (int z = 0; z < layers; ++z) {
+        diffusion.layer(z, mixtures, body, layer);
+        for (int y = 0; y < edge; ++y)
+            for (int x = 0; x < edge; ++x) {
+                const std::uint8_t resin = layer[static_cast<std::size_t>((y + margin) * wide + x + margin)];
+                out[static_cast<std::size_t>(y * edge + x)] = static_cast<optics::Material>(resin + 1);
+                patch.fractions[resin] += 1.0 / (edge * edge * layers);
+            }
+        builder.add_layer(out);
+    }
+    patch.volume = builder.finish();
     return patch;
 }
 
