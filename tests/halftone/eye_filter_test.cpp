@@ -112,6 +112,22 @@ TEST_CASE("the amplitude of a grating falls by the transfer function of the Gaus
     CHECK(worst > 0);
 }
 
+TEST_CASE("without the surround the luminance channel is a low-pass that darkens nothing", "[eye_filter]") {
+    CHECK(eye_transfer(0, 0, EyeSurround::none) == Approx(1));
+    CHECK(eye_transfer(0, 1, EyeSurround::none) < 1);
+    CHECK(eye_transfer(0, 1) > 1.05);
+    const optics::Surface surface = plate(6, 6, 0.1);
+    std::vector<Eigen::Vector3f> rgb;
+    for (const auto& c : surface.cells) rgb.push_back(c.centre_mm[0] < 3 ? Eigen::Vector3f::Zero().eval() : Eigen::Vector3f::Ones().eval());
+    const auto least = [&](EyeSurround surround) {
+        float low = 1;
+        for (const auto& c : EyeFilter(surface, distance_mm, surround)(rgb)) low = std::min(low, c.minCoeff());
+        return low;
+    };
+    CHECK(least(EyeSurround::none) > -1e-3F);
+    CHECK(least(EyeSurround::published) < -0.04F);
+}
+
 TEST_CASE("a small spot looks the same on a large sphere as on a plate", "[eye_filter]") {
     const double radius = 12, pitch = 0.1;
     const optics::Surface flat = plate(12, 12, pitch);

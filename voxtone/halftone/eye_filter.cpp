@@ -21,17 +21,16 @@ struct Gaussian {
     double weight, spread_degrees;
 };
 
-/// Zhang and Wandell 1997; weights as printed there.
-const std::array<std::vector<Gaussian>, 3>& gaussians() {
+/// Zhang and Wandell 1997; scaled to the sum 1.
+std::vector<Gaussian> gaussians(std::size_t channel, EyeSurround surround) {
     static const std::array<std::vector<Gaussian>, 3> table{
         {{{0.921, 0.0283}, {0.105, 0.133}, {-0.108, 4.336}}, {{0.531, 0.0392}, {0.330, 0.494}}, {{0.488, 0.0536}, {0.371, 0.386}}}};
-    return table;
-}
-
-double weight_sum(std::size_t channel) {
+    std::vector<Gaussian> of_channel = table[channel];
+    if (surround == EyeSurround::none) std::erase_if(of_channel, [](const Gaussian& g) { return g.weight < 0; });
     double sum = 0;
-    for (const Gaussian& g : gaussians()[channel]) sum += g.weight;
-    return sum;
+    for (const Gaussian& g : of_channel) sum += g.weight;
+    for (Gaussian& g : of_channel) g.weight /= sum;
+    return of_channel;
 }
 
 struct Wide {
@@ -75,17 +74,18 @@ const Eigen::Matrix3d& opponent_from_xyz_matrix() {
     return matrix;
 }
 
-double eye_transfer(std::size_t opponent_channel, double cycles_per_degree) {
+double eye_transfer(std::size_t opponent_channel, double cycles_per_degree, EyeSurround surround) {
     VOXTONE_EXPECT(opponent_channel < 3);
     double sum = 0;
-    for (const Gaussian& g : gaussians()[opponent_channel]) {
+    for (const Gaussian& g : gaussians(opponent_channel, surround)) {
         const double a = std::numbers::pi * g.spread_degrees * cycles_per_degree;
         sum += g.weight * std::exp(-a * a);
     }
-    return sum / weight_sum(opponent_channel);
+    return sum;
 }
 
-EyeFilter::EyeFilter(const optics::Surface& surface, double viewing_distance_mm) : data_(std::make_unique<Data>()) {
+EyeFilter::EyeFilter(const optics::Surface& surface, double viewing_distance_mm, EyeSurround surround)
+    : data_(std::make_unique<Data>()) {
     if (!(viewing_distance_mm > 0) || !std::isfinite(viewing_distance_mm))
         throw InputError(fmt::format("the viewing distance is {} mm; it must be above 0", viewing_distance_mm));
     Data& d = *data_;
@@ -96,11 +96,11 @@ EyeFilter::EyeFilter(const optics::Surface& surface, double viewing_distance_mm)
     d.points = points_of(surface);
     const double point_mm = typical_edge_mm(d.points);
     const double mm_per_degree = viewing_distance_mm * std::numbers::pi / 180;  // along the arc
-    const double first = gaussians()[0][0].spread_degrees * mm_per_degree;
+    const double first = gaussians(0, surround).front().spread_degrees * mm_per_degree;
     d.narrow = std::make_unique<SurfaceSmoothing>(d.points, first, 0.0, point_mm);
     for (std::size_t c = 0; c < 3; ++c)
-        for (const Gaussian& g : gaussians()[c]) {
-            const auto weight = static_cast<float>(g.weight / weight_sum(c));
+        for (const Gaussian& g : gaussians(c, surround)) {
+            const auto weight = static_cast<float>(g.weight);
             if (c == 0 && d.narrow_weight[0] == 0) d.narrow_weight[0] = weight;
             else d.wide.push_back({c, weight, SurfaceSmoothing(d.points, g.spread_degrees * mm_per_degree, first, point_mm)});
         }

@@ -21,7 +21,9 @@
 //
 // What it cannot see: that sensitivity grows with the light there is and depends on the direction of stripes (less at 45
 // degrees); the optics' glare; masking of errors by a busy neighbourhood; foreshortening, shadows and gloss; that a viewer may come nearer.
-// Below 0.1 lines per mm at 300 mm the luminance channel passes a little more than 1 (its wide Gaussian is negative).
+// The wide Gaussian of luminance is negative: it takes 12 % of the mean luminance within 4 degrees from every place and amplifies
+// what is finer by as much. Places darker than that are black or less afterwards (negative values; clamp them before Lab), so that
+// differences in the dark beside bright areas count for more than a person sees. `EyeSurround::none` leaves it out.
 //
 // Time: docs/benchmarks.md. Memory: about 0.2 kB per cell. Same bits for any number of threads.
 #pragma once
@@ -37,10 +39,16 @@
 
 namespace voxtone::halftone {
 
+/// What the widest Gaussian of luminance, which is negative, does.
+enum class EyeSurround {
+    published,  ///< as the authors have it
+    none,       ///< left out, the other two scaled to the sum 1: a low-pass
+};
+
 class EyeFilter {
 public:
     /// The surface is not needed afterwards. Throws InputError for a distance that is not above 0.
-    EyeFilter(const optics::Surface& surface, double viewing_distance_mm);
+    EyeFilter(const optics::Surface& surface, double viewing_distance_mm, EyeSurround surround = EyeSurround::published);
     ~EyeFilter();
     EyeFilter(EyeFilter&&) noexcept;
     EyeFilter& operator=(EyeFilter&&) noexcept;
@@ -60,7 +68,8 @@ private:
 
 /// What the eye makes of stripes: amplitude of a grating of `cycles_per_degree` in an opponent channel (0: luminance, 1: red-green,
 /// 2: blue-yellow), sum of weight exp(-(pi spread f)^2).
-[[nodiscard]] double eye_transfer(std::size_t opponent_channel, double cycles_per_degree);
+[[nodiscard]] double eye_transfer(std::size_t opponent_channel, double cycles_per_degree,
+                                  EyeSurround surround = EyeSurround::published);
 
 /// Rows luminance, red-green, blue-yellow; columns X, Y, Z.
 [[nodiscard]] const Eigen::Matrix3d& opponent_from_xyz_matrix();

@@ -36,7 +36,7 @@ struct Arguments {
     fs::path models = fs::path(VOXTONE_SOURCE_DIR) / "../shared/models", work = "loop-benchmark";
     std::string only, crop;
     std::vector<std::string> set;
-    std::uint32_t paths = 128;
+    std::uint32_t paths = 256;
     double viewing_distance_mm = 300;
     std::size_t threads = 0;
     bool reuse = false;
@@ -62,7 +62,7 @@ SlabRow judge_target(const Arguments& a, const Target& target, const std::vector
     row.name = target.name;
     row.gratings = target.gratings;
     std::array<Judgement, 2> judged;
-    std::optional<halftone::EyeFilter> eye;
+    std::optional<Eye> eye;
     for (std::size_t v = 0; v < 2; ++v) {
         slicer::SliceOptions options;
         options.model = target.picture.string();

@@ -36,11 +36,12 @@ Figures compare(const Colours& target, const std::array<Colours, 2>& half, std::
             without_noise(&optics::DifferenceSummary::percentile_95), summary(half[0], half[1], mask).mean / 2, m.count};
 }
 
-Scores score(const Judgement& j, const halftone::EyeFilter& eye) {
-    const Colours target = eye(j.target);
-    const std::array<Colours, 2> half{eye(j.half[0]), eye(j.half[1])};
-    return {compare(j.target, j.half, j.in_gamut), compare(j.target, j.half, {}), compare(target, half, j.in_gamut),
-            compare(target, half, {})};
+Scores score(const Judgement& j, const Eye& eye) {
+    const auto through = [&](const halftone::EyeFilter& filter, std::span<const char> mask) {
+        return compare(filter(j.target), {filter(j.half[0]), filter(j.half[1])}, mask);
+    };
+    return {compare(j.target, j.half, j.in_gamut), compare(j.target, j.half, {}), through(eye.published, j.in_gamut),
+            through(eye.published, {}), through(eye.low_pass, j.in_gamut)};
 }
 
 }  // namespace voxtone::loop_benchmark

@@ -25,12 +25,18 @@ struct Figures {
 struct Scores {
     Figures cells_in_gamut, cells_all;  ///< cell by cell
     Figures eye_in_gamut, eye_all;      ///< print and target both seen through the eye filter
+    Figures low_pass_in_gamut;          ///< the same without the filter's negative surround
 };
 
 /// Of the cells whose mask is not 0; empty: of all.
 [[nodiscard]] Figures compare(const Colours& target, const std::array<Colours, 2>& half, std::span<const char> mask);
 
-[[nodiscard]] Scores score(const Judgement& j, const halftone::EyeFilter& eye);
+struct Eye {
+    Eye(const optics::Surface& surface, double distance_mm)
+        : published(surface, distance_mm), low_pass(surface, distance_mm, halftone::EyeSurround::none) {}
+    halftone::EyeFilter published, low_pass;
+};
+[[nodiscard]] Scores score(const Judgement& j, const Eye& eye);
 
 /// CIEDE2000 per cell, of the mean of the halves.
 [[nodiscard]] std::vector<double> differences(const Colours& a, const Colours& b);

@@ -65,6 +65,10 @@ void write_strip(const std::filesystem::path& file, const std::vector<const Judg
     picture.pixels.assign(std::size_t{picture.width_px} * picture.height_px, Eigen::Vector4f::Zero());
     draw(picture, 0, 0, first, first.target, whole);
     draw(picture, 0, 2 * whole_h, first, first.target, part);
+    Colours inside(first.target.size(), Eigen::Vector3f::Ones());
+    for (std::size_t i = 0; i < inside.size(); ++i)
+        if (!first.in_gamut[i]) inside[i] = {0.35F, 0.35F, 0.5F};
+    draw(picture, 0, whole_h, first, inside, whole);
     for (std::size_t p = 0; p < prints.size(); ++p) {
         const Judgement& j = *prints[p];
         const Colours print = j.print();

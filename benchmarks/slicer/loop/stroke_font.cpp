@@ -59,6 +59,34 @@ const std::map<char, std::string>& glyphs() {
 
 constexpr double em_units = 10, line_units = 0.95, between_units = 1.7, blank_units = 2.6;
 
+struct Point {
+    double x, y;
+};
+
+/// Cuts corners that turn by 50 degrees or less, twice (Chaikin): octagons become round, right angles stay.
+std::vector<Point> rounded(std::vector<Point> line) {
+    for (int pass = 0; pass < 2; ++pass) {
+        std::vector<Point> next;
+        for (std::size_t i = 0; i < line.size(); ++i) {
+            if (i == 0 || i + 1 == line.size()) {
+                next.push_back(line[i]);
+                continue;
+            }
+            const Point &a = line[i - 1], &b = line[i], &c = line[i + 1];
+            const double ux = b.x - a.x, uy = b.y - a.y, vx = c.x - b.x, vy = c.y - b.y;
+            const double cosine = (ux * vx + uy * vy) / (std::hypot(ux, uy) * std::hypot(vx, vy));
+            if (cosine < 0.64 || cosine > 0.9999) {
+                next.push_back(b);
+                continue;
+            }
+            next.push_back({b.x - 0.3 * ux, b.y - 0.3 * uy});
+            next.push_back({b.x + 0.3 * vx, b.y + 0.3 * vy});
+        }
+        line = std::move(next);
+    }
+    return line;
+}
+
 double distance(const Stroke& s, double x, double y) {
     const double dx = s.x1 - s.x0, dy = s.y1 - s.y0, length2 = dx * dx + dy * dy;
     const double t = length2 > 0 ? std::clamp(((x - s.x0) * dx + (y - s.y0) * dy) / length2, 0.0, 1.0) : 0.0;
@@ -77,20 +105,24 @@ double add_text(std::vector<Stroke>& strokes, const std::string& text, double x,
         }
         const std::string& path = found->second;
         int width = 0;
-        double px = 0, py = 0;
-        bool pen_down = false;
+        std::vector<Point> line;
+        const auto draw = [&] {
+            const std::vector<Point> round = rounded(std::move(line));
+            for (std::size_t i = 0; i + 1 < round.size(); ++i)
+                strokes.push_back({round[i].x, round[i].y, round[i + 1].x, round[i + 1].y, line_units * unit});
+            line.clear();
+        };
         for (std::size_t i = 0; i < path.size();) {
             if (path[i] == ' ') {
-                pen_down = false;
+                draw();
                 ++i;
                 continue;
             }
-            const double nx = x + (path[i] - '0') * unit, ny = y + (path[i + 1] - 'c') * unit;
             width = std::max(width, path[i] - '0');
-            if (pen_down) strokes.push_back({px, py, nx, ny, line_units * unit});
-            px = nx, py = ny, pen_down = true;
+            line.push_back({x + (path[i] - '0') * unit, y + (path[i + 1] - 'c') * unit});
             i += 2;
         }
+        draw();
         x += (width + between_units) * unit;
     }
     return x;

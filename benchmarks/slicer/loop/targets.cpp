@@ -51,9 +51,9 @@ void write_page(const fs::path& file, const Window& window, double px_per_mm, in
     io::write_whole_file(file, io::png_bytes(io::encode_over(picture, Eigen::Vector3f::Ones())));
 }
 
-/// Lines of 12, 10, 8, 7 and 6 point, black on white; all letters of the face occur.
+/// Lines of 12, 10, 8, 7 and 6 point, black on white.
 struct TextPage {
-    static constexpr double width = page_width_mm, height = 16;
+    static constexpr double width = page_width_mm, height = 20;
     static constexpr double px_per_mm = 4 * page_px_per_mm;
     TextPage() {
         std::vector<Stroke> strokes;
@@ -63,11 +63,11 @@ struct TextPage {
             add_text(strokes, text, 0.7, y, points);
             y -= 0.28 * points * mm_per_point;
         };
-        line("Sphinx of", 12);
-        line("black quartz", 10);
-        line("judge my vow 12", 8);
-        line("Pack 57 dozen jugs", 7);
-        line("6 pt. two lazy frogs 0.9", 6);
+        line("Sphinx", 12);
+        line("of black", 10);
+        line("quartz, 8 pt", 8);
+        line("judge my vow 7", 7);
+        line("Pack 5 dozen jugs", 6);
         ink = draw_strokes(strokes, width, height, px_per_mm);
     }
     [[nodiscard]] Eigen::Vector3d operator()(double x, double y) const {
