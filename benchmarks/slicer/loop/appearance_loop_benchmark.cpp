@@ -75,7 +75,7 @@ SlabRow judge_target(const Arguments& a, const Target& target, const std::vector
         options.out = (a.work / fmt::format("{}.{}", target.name, v)).string();
         options.width_mm = target.width_mm;
         options.threads = static_cast<int>(a.threads);
-        apply(ways[v].set, options);
+        set_options(ways[v].set, options);
         row.print[v] = make_print(options, a.reuse);
         judged[v] = judge_slab(row.print[v].options, {.paths = a.paths, .cache = a.work / "traced"});
         if (!eye) eye.emplace(judged[v].surface, a.viewing_distance_mm);
@@ -116,7 +116,7 @@ void run_bodies(const Arguments& a) {
             options.out = (a.work / fmt::format("{}.{}", target.name, v)).string();
             options.size_mm = target.size_mm * a.scale;
             options.threads = static_cast<int>(a.threads);
-            apply(ways[v].set, options);
+            set_options(ways[v].set, options);
             row.print[v] = make_print(options, a.reuse);
             const BodyJudgement judged = judge_body(row.print[v].options, {.paths = a.paths, .cache = a.work / "traced"}, {.windows = a.windows});
             const std::array<BodyFigures, 2> figures = body_figures(judged, a.viewing_distance_mm);
