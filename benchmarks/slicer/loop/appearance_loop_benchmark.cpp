@@ -41,7 +41,7 @@ struct Arguments {
     fs::path models = fs::path(VOXTONE_SOURCE_DIR) / "../shared/models", work = "loop-benchmark";
     std::string only, crop;
     std::vector<std::string> set;
-    std::uint32_t paths = 256;
+    std::uint32_t paths = 256, body_paths = 64;
     std::size_t windows = 40;
     double viewing_distance_mm = 300, scale = 1;
     std::size_t threads = 0;
@@ -118,7 +118,7 @@ void run_bodies(const Arguments& a) {
             options.threads = static_cast<int>(a.threads);
             set_options(ways[v].set, options);
             row.print[v] = make_print(options, a.reuse);
-            const BodyJudgement judged = judge_body(row.print[v].options, {.paths = a.paths, .cache = a.work / "traced"}, {.windows = a.windows});
+            const BodyJudgement judged = judge_body(row.print[v].options, {.paths = a.body_paths, .cache = a.work / "traced"}, {.windows = a.windows});
             const std::array<BodyFigures, 2> figures = body_figures(judged, a.viewing_distance_mm);
             row.thick[v] = figures[0];
             row.thin[v] = figures[1];
@@ -147,6 +147,7 @@ int main(int argc, char** argv) {
     app.add_option("--set", a.set, "KEY=VALUE: option of slice for the loop's prints; may be repeated");
     app.add_option("--paths", a.paths, "Monte Carlo paths per cell, channel and half")->capture_default_str();
     app.add_option("--viewing-distance", a.viewing_distance_mm, "mm")->capture_default_str();
+    app.add_option("--body-paths", a.body_paths, "the same for bodies")->capture_default_str();
     app.add_option("--windows", a.windows, "bodies: windows that are judged")->capture_default_str();
     app.add_option("--scale", a.scale, "bodies: of their size")->capture_default_str();
     app.add_option("--threads", a.threads, "0: one per core");
