@@ -36,7 +36,8 @@ std::vector<Gaussian> gaussians(std::size_t channel, EyeSurround surround) {
 struct Wide {
     std::size_t channel;
     float weight;
-    SurfaceSmoothing smoothing;
+    double spread_mm;
+    std::unique_ptr<SurfaceSmoothing> smoothing{};
 };
 
 std::vector<SurfacePoint> points_of(const optics::Surface& surface) {
@@ -97,13 +98,16 @@ EyeFilter::EyeFilter(const optics::Surface& surface, double viewing_distance_mm,
     const double point_mm = typical_edge_mm(d.points);
     const double mm_per_degree = viewing_distance_mm * std::numbers::pi / 180;  // along the arc
     const double first = gaussians(0, surround).front().spread_degrees * mm_per_degree;
-    d.narrow = std::make_unique<SurfaceSmoothing>(d.points, first, 0.0, point_mm);
     for (std::size_t c = 0; c < 3; ++c)
         for (const Gaussian& g : gaussians(c, surround)) {
             const auto weight = static_cast<float>(g.weight);
             if (c == 0 && d.narrow_weight[0] == 0) d.narrow_weight[0] = weight;
-            else d.wide.push_back({c, weight, SurfaceSmoothing(d.points, g.spread_degrees * mm_per_degree, first, point_mm)});
+            else d.wide.push_back({c, weight, g.spread_degrees * mm_per_degree});
         }
+    parallel_for(0, d.wide.size() + 1, 1, [&](std::size_t k) {
+        if (k == 0) d.narrow = std::make_unique<SurfaceSmoothing>(d.points, first, 0.0, point_mm);
+        else d.wide[k - 1].smoothing = std::make_unique<SurfaceSmoothing>(d.points, d.wide[k - 1].spread_mm, first, point_mm);
+    });
 }
 
 EyeFilter::~EyeFilter() = default;
@@ -129,7 +133,7 @@ std::vector<Eigen::Vector3f> EyeFilter::filter(std::span<const Eigen::Vector3f> 
     });
     std::vector<float> part(count);
     for (const Wide& w : d.wide) {
-        w.smoothing.apply(opponent[w.channel], part, 1);
+        w.smoothing->apply(opponent[w.channel], part, 1);
         parallel_for(0, count, 4096, [&](std::size_t i) { sum[w.channel][i] += w.weight * part[i]; });
     }
     std::vector<Eigen::Vector3f> out(count);

@@ -27,7 +27,8 @@
 // White is not neutral in these channels (red-green -0.22), and red-green is smoothed more than luminance: an edge
 // between black and white gets faint coloured fringes. Print and target get the same ones.
 //
-// Time: docs/benchmarks.md. Memory: about 0.2 kB per cell. Same bits for any number of threads.
+// Time for a million cells (67 cm2): 2.1 core-seconds to build, 2.1 to filter, 0.6 for `smoothed`. Memory: 0.3 kB per cell.
+// Same bits for any number of threads.
 #pragma once
 
 #include <cstddef>

@@ -7,7 +7,7 @@
 // these are smoothed, and a narrow Gaussian brings the result back to the points; spreads add up in squares, the boxes'
 // own blur with them. Error of the transfer function: below 0.01. Work per point and call does not grow with the spread.
 //
-// Memory: 20 bytes per point besides the points. Results are the same bits for any number of threads.
+// Memory: 20 bytes per point besides the points (48 where there is no lattice). Results are the same bits for any number of threads.
 #pragma once
 
 #include <cstddef>
