@@ -112,6 +112,25 @@ TEST_CASE("the amplitude of a grating falls by the transfer function of the Gaus
     CHECK(worst > 0);
 }
 
+TEST_CASE("from very near everything is seen, from very far only the mean", "[eye_filter]") {
+    const optics::Surface surface = plate(5, 4, 0.1);
+    std::vector<Eigen::Vector3f> rgb;
+    Eigen::Vector3f mean = Eigen::Vector3f::Zero();
+    for (std::size_t i = 0; i < surface.cells.size(); ++i) {
+        RandomStream random(8, i);
+        rgb.emplace_back(static_cast<float>(random.uniform()), 0.2F, static_cast<float>(random.uniform()));
+        mean += rgb.back() / static_cast<float>(surface.cells.size());
+    }
+    const auto far = EyeFilter(surface, 1e5)(rgb);
+    for (const auto& c : far) REQUIRE((c - mean).cwiseAbs().maxCoeff() < 5e-3F);
+    // From 2 mm the narrow Gaussians are 0.001 mm wide, the wide ones of colour 0.02, that of luminance 0.15 mm: only the
+    // part of the latter, 12 %, sees more than one cell.
+    const auto near = EyeFilter(surface, 2, EyeSurround::none)(rgb);
+    float worst = 0;
+    for (std::size_t i = 0; i < rgb.size(); ++i) worst = std::max(worst, (near[i] - rgb[i]).cwiseAbs().maxCoeff());
+    CHECK(worst < 1e-5F);
+}
+
 TEST_CASE("without the surround the luminance channel is a low-pass that darkens nothing", "[eye_filter]") {
     CHECK(eye_transfer(0, 0, EyeSurround::none) == Approx(1));
     CHECK(eye_transfer(0, 1, EyeSurround::none) < 1);
