@@ -84,8 +84,9 @@ HWY_INLINE void accumulate_channels(const Kernel& kernel, const std::vector<Cand
             const auto cosine = hn::Add(hn::Add(hn::Mul(mx, nx), hn::Mul(my, ny)), hn::Mul(mz, nz));
             const auto off_plane = hn::Add(hn::Add(hn::Mul(dx, hn::Add(mx, nx)), hn::Mul(dy, hn::Add(my, ny))),
                                            hn::Mul(dz, hn::Add(mz, nz)));
-            const auto seen = hn::And(hn::And(hn::Le(r2, hn::Set(d, kernel.reach2)), hn::Gt(cosine, hn::Set(d, least_cosine))),
-                                      hn::Le(hn::Mul(off_plane, off_plane), hn::Add(r2, hn::Set(d, kernel.slack2))));
+            const auto seen =
+                hn::And(hn::And(hn::Le(r2, hn::Set(d, kernel.reach2)), hn::Gt(cosine, hn::Set(d, least_cosine))),
+                        hn::Le(hn::Mul(off_plane, off_plane), hn::Add(r2, hn::Set(d, kernel.slack2))));
             const auto t = hn::Min(hn::Mul(r2, hn::Set(d, kernel.per_spread2)), hn::Set(d, 8.0F));
             const auto w = hn::IfThenElseZero(seen, hn::Mul(hn::Mul(hn::Set(d, p.area), cosine), decay(t)));
             weight = hn::Add(weight, w);
@@ -103,8 +104,10 @@ HWY_INLINE void accumulate_channels(const Kernel& kernel, const std::vector<Cand
 }
 
 void accumulate(const Kernel& kernel, const std::vector<Candidate>& near, std::size_t channels, Lanes& q) {
-    if (channels == 1) accumulate_channels<1>(kernel, near, q);
-    else accumulate_channels<3>(kernel, near, q);
+    if (channels == 1)
+        accumulate_channels<1>(kernel, near, q);
+    else
+        accumulate_channels<3>(kernel, near, q);
 }
 
 }  // namespace voxtone::halftone::HWY_NAMESPACE
@@ -148,8 +151,10 @@ GaussianGather::GaussianGather(std::span<const SurfacePoint> from, std::span<con
 void GaussianGather::apply(std::span<const float> in, std::span<float> out, std::size_t channels) const {
     VOXTONE_EXPECT(in.size() == from_order_.size() * channels && out.size() == to_.size() * channels);
     VOXTONE_EXPECT(channels == 1 || channels == 3);
-    if (channels == 1) apply_channels<1>(in.data(), out.data());
-    else apply_channels<3>(in.data(), out.data());
+    if (channels == 1)
+        apply_channels<1>(in.data(), out.data());
+    else
+        apply_channels<3>(in.data(), out.data());
 }
 
 template <int Channels>

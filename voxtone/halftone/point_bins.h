@@ -14,8 +14,8 @@
 
 namespace voxtone::halftone {
 
-/// A box, as one number that rises with z, then y, then x, then what else tells the points of a box apart (`kind`, 0 to 7):
-/// 20 bits for each place; boxes further out than 2^19 from the origin count as the outermost.
+/// A box, as one number that rises with z, then y, then x, then what else tells the points of a box apart (`kind`, 0 to
+/// 7): 20 bits for each place; boxes further out than 2^19 from the origin count as the outermost.
 using Bin = std::uint64_t;
 
 struct BoxPlace {
@@ -31,7 +31,9 @@ inline BoxPlace place_of(const std::array<float, 3>& p, float edge) {
 }
 
 inline Bin bin_of(const BoxPlace& place, unsigned kind = 0) {
-    const auto part = [](std::int64_t v) { return static_cast<Bin>(std::clamp<std::int64_t>(v + (1 << 19), 0, (1 << 20) - 1)); };
+    const auto part = [](std::int64_t v) {
+        return static_cast<Bin>(std::clamp<std::int64_t>(v + (1 << 19), 0, (1 << 20) - 1));
+    };
     return (part(place.z) << 43) | (part(place.y) << 23) | (part(place.x) << 3) | kind;
 }
 

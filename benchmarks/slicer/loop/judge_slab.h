@@ -28,8 +28,8 @@ struct Judgement {
 };
 
 struct Effort {
-    std::uint32_t paths = 128;        ///< per cell, channel and half
-    std::uint32_t white_paths = 64;   ///< per cell and channel of the white twin
+    std::uint32_t paths = 128;       ///< per cell, channel and half
+    std::uint32_t white_paths = 64;  ///< per cell and channel of the white twin
     double cell_mm = 0.085;
     std::filesystem::path cache;
 };

@@ -62,7 +62,8 @@ std::vector<Variant> variants(const OptionSet& loop) {
 void set_options(const OptionSet& set, slicer::SliceOptions& options) {
     const auto table = slicer::slice_option_table();
     for (const auto& [key, value] : set) {
-        const auto spec = std::find_if(table.begin(), table.end(), [&, k = key](const slicer::OptionSpec& s) { return s.key == k; });
+        const auto spec =
+            std::find_if(table.begin(), table.end(), [&, k = key](const slicer::OptionSpec& s) { return s.key == k; });
         if (spec == table.end()) throw UsageError(fmt::format("slice has no option --{}", key));
         spec->set(options, value);
     }
@@ -101,8 +102,10 @@ Print make_print(const slicer::SliceOptions& wanted, bool reuse) {
     print.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     print.core_seconds = core_seconds() - cores_before;
     print.iterations = find_number(nlohmann::json::parse(result.json), "iterations");
-    const nlohmann::json record{{"job", nlohmann::json::parse(job)}, {"seconds", print.seconds},
-                                {"core_seconds", print.core_seconds}, {"iterations", print.iterations}};
+    const nlohmann::json record{{"job", nlohmann::json::parse(job)},
+                                {"seconds", print.seconds},
+                                {"core_seconds", print.core_seconds},
+                                {"iterations", print.iterations}};
     io::write_whole_file(done, record.dump(1));
     return print;
 }
