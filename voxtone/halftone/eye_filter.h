@@ -24,6 +24,8 @@
 // The wide Gaussian of luminance is negative: it takes 12 % of the mean luminance within 4 degrees from every place and amplifies
 // what is finer by as much. Places darker than that are black or less afterwards (negative values; clamp them before Lab), so that
 // differences in the dark beside bright areas count for more than a person sees. `EyeSurround::none` leaves it out.
+// White is not neutral in these channels (red-green -0.22), and red-green is smoothed more than luminance: an edge
+// between black and white gets faint coloured fringes. Print and target get the same ones.
 //
 // Time: docs/benchmarks.md. Memory: about 0.2 kB per cell. Same bits for any number of threads.
 #pragma once

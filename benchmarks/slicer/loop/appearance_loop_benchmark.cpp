@@ -5,17 +5,22 @@
 //
 //   appearance_loop_benchmark slabs     photographs, text, star, colour checker, gratings: 20 mm wide, 4 mm thick, J750
 //                                       High Mix, Vero Opaque, on black
+//   appearance_loop_benchmark bodies    spot, fox, ycb_banana, sword with a checker, in windows (judge_body.h)
+//   appearance_loop_benchmark report    both
 //   appearance_loop_benchmark targets   only writes the pictures
 //
 // Pictures and stacks lie in --work; what was traced is kept there and not traced again. The table goes to standard
-// output and to --work/slabs.md; strips (target | open loop | loop) are --work/NAME.strip.png.
+// output and to --work/slabs.md and bodies.md; strips (target | open loop | loop) are --work/NAME.strip.png.
 #include <cstdio>
 #include <optional>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "body_tables.h"
+#include "body_targets.h"
 #include "gratings.h"
+#include "judge_body.h"
 #include "judge_slab.h"
 #include "scores.h"
 #include "strips.h"
@@ -36,8 +41,9 @@ struct Arguments {
     fs::path models = fs::path(VOXTONE_SOURCE_DIR) / "../shared/models", work = "loop-benchmark";
     std::string only, crop;
     std::vector<std::string> set;
-    std::uint32_t paths = 256;
-    double viewing_distance_mm = 300;
+    std::uint32_t paths = 256, body_paths = 64;
+    std::size_t windows = 40;
+    double viewing_distance_mm = 300, scale = 1;
     std::size_t threads = 0;
     bool reuse = false;
 };
@@ -69,7 +75,7 @@ SlabRow judge_target(const Arguments& a, const Target& target, const std::vector
         options.out = (a.work / fmt::format("{}.{}", target.name, v)).string();
         options.width_mm = target.width_mm;
         options.threads = static_cast<int>(a.threads);
-        apply(ways[v].set, options);
+        set_options(ways[v].set, options);
         row.print[v] = make_print(options, a.reuse);
         judged[v] = judge_slab(row.print[v].options, {.paths = a.paths, .cache = a.work / "traced"});
         if (!eye) eye.emplace(judged[v].surface, a.viewing_distance_mm);
@@ -94,6 +100,40 @@ void run_slabs(const Arguments& a) {
     fmt::print("{}", text);
 }
 
+void run_bodies(const Arguments& a) {
+    const ThreadLimit limit(a.threads);
+    const std::vector<Variant> ways = variants(parse_set(a.set));
+    std::vector<std::string> missing;
+    const std::vector<BodyTarget> found = body_targets(a.models, a.work, a.only, missing);
+    for (const std::string& name : missing) fmt::print("{}: not in {}; left out\n", name, a.models.string());
+    std::vector<BodyRow> rows;
+    for (const BodyTarget& target : found) {
+        BodyRow row;
+        row.name = target.name;
+        for (std::size_t v = 0; v < 2; ++v) {
+            slicer::SliceOptions options;
+            options.model = target.model.string();
+            options.out = (a.work / fmt::format("{}.{}", target.name, v)).string();
+            options.size_mm = target.size_mm * a.scale;
+            options.threads = static_cast<int>(a.threads);
+            set_options(ways[v].set, options);
+            row.print[v] = make_print(options, a.reuse);
+            const BodyJudgement judged = judge_body(row.print[v].options, {.paths = a.body_paths, .cache = a.work / "traced"}, {.windows = a.windows});
+            const std::array<BodyFigures, 2> figures = body_figures(judged, a.viewing_distance_mm);
+            row.thick[v] = figures[0];
+            row.thin[v] = figures[1];
+            row.windows = judged.windows;
+            row.surface_cells = judged.surface_cells;
+            fmt::print(stderr, "{} {}: {:.1f} s printed, {:.1f} s traced {} of {:.0f} cells, as seen {:.2f}, thin parts {:.2f}\n", target.name, ways[v].name,
+                       row.print[v].seconds, judged.cells.trace_seconds, judged.inner.size(), judged.surface_cells, figures[0].seen.mean, figures[1].seen.mean);
+        }
+        rows.push_back(row);
+    }
+    const std::string text = body_table(rows, {ways[0].name, ways[1].name});
+    io::write_whole_file(a.work / "bodies.md", text);
+    fmt::print("{}", text);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -107,10 +147,18 @@ int main(int argc, char** argv) {
     app.add_option("--set", a.set, "KEY=VALUE: option of slice for the loop's prints; may be repeated");
     app.add_option("--paths", a.paths, "Monte Carlo paths per cell, channel and half")->capture_default_str();
     app.add_option("--viewing-distance", a.viewing_distance_mm, "mm")->capture_default_str();
+    app.add_option("--body-paths", a.body_paths, "the same for bodies")->capture_default_str();
+    app.add_option("--windows", a.windows, "bodies: windows that are judged")->capture_default_str();
+    app.add_option("--scale", a.scale, "bodies: of their size")->capture_default_str();
     app.add_option("--threads", a.threads, "0: one per core");
     app.add_flag("--reuse", a.reuse, "take finished prints in --work that were made with the same options");
     app.fallthrough();
     app.add_subcommand("slabs", "photographs and pages")->callback([&] { run_slabs(a); });
+    app.add_subcommand("bodies", "meshes")->callback([&] { run_bodies(a); });
+    app.add_subcommand("report", "both")->callback([&] {
+        run_slabs(a);
+        run_bodies(a);
+    });
     app.add_subcommand("targets", "write the pictures")->callback([&] {
         for (const Target& t : targets(a)) fmt::print("{} {:g} x {:g} mm\n", t.picture.string(), t.width_mm, t.height_mm);
     });

@@ -21,7 +21,7 @@ struct Tracing {
     std::string boundary_name;  ///< stands for the boundary in the digest
 };
 
-/// SHA-256 of size, pitch and voxels.
+/// SHA-256 of size, pitch and the layers' XXH64.
 [[nodiscard]] std::string volume_digest(const optics::ResinVolume& volume);
 
 /// value[cell * channels + channel]. `digest`: that of the scene's volume.

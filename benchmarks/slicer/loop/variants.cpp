@@ -59,7 +59,7 @@ std::vector<Variant> variants(const OptionSet& loop) {
     return v;
 }
 
-void apply(const OptionSet& set, slicer::SliceOptions& options) {
+void set_options(const OptionSet& set, slicer::SliceOptions& options) {
     const auto table = slicer::slice_option_table();
     for (const auto& [key, value] : set) {
         const auto spec = std::find_if(table.begin(), table.end(), [&, k = key](const slicer::OptionSpec& s) { return s.key == k; });

@@ -23,7 +23,7 @@ struct Variant {
 [[nodiscard]] std::vector<Variant> variants(const OptionSet& loop);
 
 /// Applies a set. Throws UsageError for a key that `slice` does not have.
-void apply(const OptionSet& set, slicer::SliceOptions& options);
+void set_options(const OptionSet& set, slicer::SliceOptions& options);
 
 /// "key=value" each. Throws UsageError.
 [[nodiscard]] OptionSet parse_set(const std::vector<std::string>& texts);
