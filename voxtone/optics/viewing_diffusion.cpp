@@ -2,6 +2,9 @@
 #include "voxtone/optics/viewing_diffusion.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
 
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/parallel.h"
@@ -306,6 +309,27 @@ void ViewingDiffusion::relax(const Level<n>& level, std::span<const float> b, st
     }
 }
 
+/// Calls body(core node, flow out of it) for every contact of a core node.
+template <int n, class Body>
+void ViewingDiffusion::for_core_flows(const Level<n>& level, std::span<const float> x, std::span<const float> core_x, Body&& body) const {
+    constexpr int all = n * n * n;
+    for (std::size_t i = 0; i < contacts_.size(); ++i) {
+        const CoreContact& c = contacts_[i];
+        const float flow = core_conductance_[i] * (core_x[c.a] - core_x[c.b]);
+        body(c.a, flow);
+        body(c.b, -flow);
+    }
+    for (std::size_t i = 0; i < sides_.size(); ++i) {
+        const CoreSide& side = sides_[i];
+        float sum = 0;
+        for (int v = 0; v < n; ++v)
+            for (int u = 0; u < n; ++u)
+                sum += level.side[i * n * n + static_cast<std::size_t>(v * n + u)] *
+                       (x[std::size_t{side.block} * all + static_cast<std::size_t>(on_side<n>(side.facing, u, v))] - core_x[side.core]);
+        body(side.core, -sum);
+    }
+}
+
 /// Residuals, summed over 2 x 2 x 2 cells.
 template <int n>
 void ViewingDiffusion::restrict_to(const Level<n>& level, std::span<const float> b, std::span<const float> x, std::span<const float> core_x,
@@ -331,29 +355,17 @@ void ViewingDiffusion::restrict_to(const Level<n>& level, std::span<const float>
         for (int i = 0; i < half * half * half; ++i) coarse_b[t * half * half * half + static_cast<std::size_t>(i)] = sum[i];
     });
     for (std::size_t i = 0; i < core_b.size(); ++i) coarse_core_b[i] = core_b[i] - core_loss_[i] * core_x[i];
-    for (std::size_t i = 0; i < contacts_.size(); ++i) {
-        const CoreContact& c = contacts_[i];
-        const float flow = core_conductance_[i] * (core_x[c.a] - core_x[c.b]);
-        coarse_core_b[c.a] -= flow;
-        coarse_core_b[c.b] += flow;
-    }
-    for (std::size_t i = 0; i < sides_.size(); ++i) {
-        const CoreSide& side = sides_[i];
-        float sum = 0;
-        for (int v = 0; v < n; ++v)
-            for (int u = 0; u < n; ++u)
-                sum += level.side[i * n * n + static_cast<std::size_t>(v * n + u)] *
-                       (x[std::size_t{side.block} * all + static_cast<std::size_t>(on_side<n>(side.facing, u, v))] - core_x[side.core]);
-        coarse_core_b[side.core] += sum;
-    }
+    for_core_flows(level, x, core_x, [&](std::uint32_t core, float flow) { coarse_core_b[core] -= flow; });
 }
 
-void ViewingDiffusion::cycle(std::span<const float> b, std::span<const float> core_b, std::span<float> x, std::span<float> core_x) {
+void ViewingDiffusion::cycle(Vector b, Vector x) {
     const Level<4> fine{fine_, fine_side_};
     const Level<2> middle{middle_, middle_side_};
-    const std::size_t n = neighbour_.size(), cores = core_b.size();
-    relax(fine, b, x, core_x, false);
-    restrict_to(fine, b, x, core_x, core_b, b1_, core_b1_);
+    const std::size_t n = neighbour_.size(), cores = b.core.size();
+    std::fill(x.cells.begin(), x.cells.end(), 0.0f);
+    std::fill(x.core.begin(), x.core.end(), 0.0f);
+    relax(fine, b.cells, x.cells, x.core, false);
+    restrict_to(fine, b.cells, x.cells, x.core, b.core, b1_, core_b1_);
     std::fill(x1_.begin(), x1_.end(), 0.0f);
     std::fill(core_x1_.begin(), core_x1_.end(), 0.0f);
     relax(middle, std::span<const float>(b1_), x1_, core_x1_, false);
@@ -363,14 +375,90 @@ void ViewingDiffusion::cycle(std::span<const float> b, std::span<const float> co
     for (std::size_t i = 0; i < 8 * n; ++i)
         if (middle_[i].inverse > 0) x1_[i] += x2_[i / 8];
     relax(middle, std::span<const float>(b1_), x1_, core_x1_, true);
-    for (std::size_t i = 0; i < cores; ++i) core_x[i] += core_x1_[i];
+    std::copy(core_x1_.begin(), core_x1_.end(), x.core.begin());
     parallel_for(0, n, grain, [&](std::size_t t) {
         for (std::size_t place = 0; place < 64; ++place) {
             const std::size_t at = 64 * t + place;
-            if (fine_[at].inverse > 0) x[at] += x1_[8 * t + (place / 32 * 2 + place / 8 % 2) * 2 + place / 2 % 2];
+            if (fine_[at].inverse > 0) x.cells[at] += x1_[8 * t + (place / 32 * 2 + place / 8 % 2) * 2 + place / 2 % 2];
         }
     });
-    relax(fine, b, x, core_x, true);
+    relax(fine, b.cells, x.cells, x.core, true);
+}
+
+void ViewingDiffusion::apply(Vector x, Vector out) const {
+    constexpr int n = 4, m = n + 2, all = n * n * n;
+    const Level<4> fine{fine_, fine_side_};
+    parallel_for(0, neighbour_.size(), grain, [&](std::size_t t) {
+        Patch<n> patch;
+        gather<n>(patch, t, fine.stencil, fine.side, x.cells, x.core, neighbour_[t], side_of_[t], sides_);
+        const CellStencil* const s = fine.stencil.data() + t * all;
+        float* const to = out.cells.data() + t * all;
+        for (int k = 0; k < n; ++k)
+            for (int j = 0; j < n; ++j)
+                for (int i = 0; i < n; ++i) {
+                    const int at = (k * n + j) * n + i;
+                    const float* const here = patch.x + ((k + 1) * m + j + 1) * m + i + 1;
+                    const float* const cx = patch.cx + (k * n + j) * (n + 1) + i;
+                    const float inverse = s[at].inverse;
+                    to[at] = !(inverse > 0) ? 0.0f
+                                            : *here / inverse - (patch.cy[(k * (n + 1) + j) * n + i] * here[-m] + patch.cy[(k * (n + 1) + j + 1) * n + i] * here[m] +
+                                                                 patch.cz[at] * here[-m * m] + patch.cz[at + n * n] * here[m * m] + cx[0] * here[-1] + cx[1] * here[1]);
+                }
+    });
+    for (std::size_t i = 0; i < x.core.size(); ++i) out.core[i] = core_loss_[i] * x.core[i];
+    for_core_flows(fine, x.cells, x.core, [&](std::uint32_t core, float flow) { out.core[core] += flow; });
+}
+
+namespace {
+
+/// Sums of fixed ranges, then the ranges in order: the same bits for any number of threads.
+double dot(const ViewingDiffusion::Vector& a, const ViewingDiffusion::Vector& b) {
+    constexpr std::size_t range = 1 << 14;
+    const auto n = a.cells.size();
+    std::vector<double> part((n + range - 1) / range, 0.0);
+    parallel_for(0, part.size(), 1, [&](std::size_t r) {
+        double sum = 0;
+        for (std::size_t i = r * range; i < std::min(n, (r + 1) * range); ++i) sum += static_cast<double>(a.cells[i] * b.cells[i]);
+        part[r] = sum;
+    });
+    double sum = 0;
+    for (const double p : part) sum += p;
+    for (std::size_t i = 0; i < a.core.size(); ++i) sum += static_cast<double>(a.core[i] * b.core[i]);
+    return sum;
+}
+
+/// to = a * to + b * from
+void combine(const ViewingDiffusion::Vector& to, float a, float b, const ViewingDiffusion::Vector& from) {
+    parallel_ranges(0, to.cells.size(), 1 << 14, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) to.cells[i] = a * to.cells[i] + b * from.cells[i];
+    });
+    for (std::size_t i = 0; i < to.core.size(); ++i) to.core[i] = a * to.core[i] + b * from.core[i];
+}
+
+}  // namespace
+
+int ViewingDiffusion::solve(Vector x, Vector residual, Vector p, Vector z, double tolerance, int most_steps) {
+    double start = 0, rho = 0;
+    int step = 0;
+    for (; step < most_steps; ++step) {
+        cycle(residual, z);
+        const double rho_new = dot(residual, z);
+        if (step == 0) start = rho_new;
+        if (!(rho_new > tolerance * tolerance * start)) break;
+        if (step == 0) {
+            std::copy(z.cells.begin(), z.cells.end(), p.cells.begin());
+            std::copy(z.core.begin(), z.core.end(), p.core.begin());
+        } else {
+            combine(p, static_cast<float>(rho_new / rho), 1, z);
+        }
+        rho = rho_new;
+        apply(p, z);
+        const auto alpha = static_cast<float>(rho / dot(p, z));
+        combine(x, 1, alpha, p);
+        combine(residual, 1, -alpha, z);
+        if (getenv("SHOW")) fprintf(stderr, "  %d rho %g alpha %g\n", step, std::sqrt(rho_new / start), alpha);
+    }
+    return step;
 }
 
 std::size_t ViewingDiffusion::memory_bytes() const {

@@ -32,8 +32,15 @@ public:
     /// for every cell and is kept by the caller until the next call.
     void prepare(std::span<const float> D_of_medium, std::span<const float> D_of_core, std::span<const float> cell_loss,
                  std::span<const float> core_loss, std::span<CellStencil> cells);
-    /// One V-cycle for A x = b: improves x of cells and core nodes.
-    void cycle(std::span<const float> b, std::span<const float> core_b, std::span<float> x, std::span<float> core_x);
+    /// Values of cells and core nodes.
+    struct Vector {
+        std::span<float> cells, core;
+    };
+    /// Improves x from A x = b by conjugate gradients until the residual is `tolerance` of the first one or `most_steps` were
+    /// made; returns the steps. `residual` comes in as b - A x; it, `p` and `z` are room to work in.
+    int solve(Vector x, Vector residual, Vector p, Vector z, double tolerance, int most_steps);
+    /// out = A x.
+    void apply(Vector x, Vector out) const;
     [[nodiscard]] std::size_t memory_bytes() const;
 
     /// Where a transport block borders on a core block.
@@ -65,8 +72,12 @@ public:
 private:
     template <int n>
     struct Level;
+    /// x = about the solution for b, by one V-cycle from 0.
+    void cycle(Vector b, Vector x);
     template <int n>
     void relax(const Level<n>& level, std::span<const float> b, std::span<float> x, std::span<const float> core_x, bool back) const;
+    template <int n, class Body>
+    void for_core_flows(const Level<n>& level, std::span<const float> x, std::span<const float> core_x, Body&& body) const;
     template <int n>
     void restrict_to(const Level<n>& level, std::span<const float> b, std::span<const float> x, std::span<const float> core_x,
                      std::span<const float> core_b, std::span<float> coarse_b, std::span<float> coarse_core_b) const;

