@@ -2,9 +2,6 @@
 #include "voxtone/optics/viewing_diffusion.h"
 
 #include <algorithm>
-#include <cmath>
-#include <cstdio>
-#include <cstdlib>
 
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/parallel.h"
@@ -456,7 +453,6 @@ int ViewingDiffusion::solve(Vector x, Vector residual, Vector p, Vector z, doubl
         const auto alpha = static_cast<float>(rho / dot(p, z));
         combine(x, 1, alpha, p);
         combine(residual, 1, -alpha, z);
-        if (getenv("SHOW")) fprintf(stderr, "  %d rho %g alpha %g\n", step, std::sqrt(rho_new / start), alpha);
     }
     return step;
 }

@@ -398,6 +398,7 @@ struct ViewingGrid::Builder {
                         for (std::size_t a = 0; a < 3; ++a) normal[seen.face[e]][a] += surface.face_normal[f][a];
             }
         }
+        find_ways(normal);
         const auto length = [](const std::array<float, 3>& n) { return std::hypot(n[0], n[1], n[2]); };
         grid.laws.push_back(mirror_law());
         for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -434,6 +435,44 @@ struct ViewingGrid::Builder {
             grid.law[f] = found->second;
         }
     }
+    /// Which way the nearest surface lies: the main direction of the normals in each block, of its neighbours' where it has none.
+    void find_ways(const std::vector<std::array<float, 3>>& normal) {
+        const std::size_t n = grid.transport_blocks.size();
+        std::vector<std::int32_t> place(grid.blocks.size(), -1);
+        std::vector<std::array<float, 3>> way(n);
+        std::vector<std::uint32_t> front, next;
+        for (std::size_t t = 0; t < n; ++t) place[grid.transport_blocks[t]] = static_cast<std::int32_t>(t);
+        std::vector<std::uint8_t> known(n, 0);
+        for (std::size_t t = 0; t < n; ++t) {
+            const GridBlock& block = grid.blocks[grid.transport_blocks[t]];
+            for (std::size_t f = block.first_face; f < block.first_face + block.faces; ++f)
+                for (std::size_t a = 0; a < 3; ++a) way[t][a] += normal[f][a];
+            if (way[t] == std::array<float, 3>{}) continue;
+            known[t] = 1;
+            front.push_back(static_cast<std::uint32_t>(t));
+        }
+        for (; !front.empty(); front.swap(next)) {
+            next.clear();
+            for (const std::uint32_t t : front)
+                for (const std::int32_t other : grid.blocks[grid.transport_blocks[t]].neighbour) {
+                    if (other < 0 || place[static_cast<std::size_t>(other)] < 0) continue;
+                    const auto to = static_cast<std::size_t>(place[static_cast<std::size_t>(other)]);
+                    if (known[to] == 1) continue;
+                    if (known[to] == 0) next.push_back(static_cast<std::uint32_t>(to));
+                    known[to] = 2;
+                    for (std::size_t a = 0; a < 3; ++a) way[to][a] += way[t][a];
+                }
+            for (const std::uint32_t t : next) known[t] = 1;
+        }
+        self.towards_.assign(n, static_cast<std::uint8_t>(Facing::plus_z));
+        for (std::size_t t = 0; t < n; ++t) {
+            std::size_t axis = 2;
+            for (std::size_t a = 0; a < 3; ++a)
+                if (std::abs(way[t][a]) > std::abs(way[t][axis])) axis = a;
+            self.towards_[t] = static_cast<std::uint8_t>(2 * axis + (way[t][axis] >= 0 ? 1 : 0));
+        }
+    }
+
     /// Sum of the normals of the faces of the cells around that look partly the way of this one.
     [[nodiscard]] std::array<float, 3> normal_near(std::uint32_t f, const std::vector<std::array<float, 3>>& normal) const {
         const OuterFace& face = grid.faces[f];
@@ -491,7 +530,7 @@ struct ViewingGrid::Builder {
 
 ViewingGrid::ViewingGrid(const Scene& scene, const std::array<int, 3>& view_voxels, double colour_mm,
                          std::span<const std::uint8_t> also)
-    : mirrored_(scene.sides == Sides::mirrored), materials_(scene.resins->resins.size()) {
+    : mirrored_(scene.sides == Sides::mirrored) {
     expect_resins_for(scene);
     grid.options.view_voxels = grid.options.skin_voxels = view_voxels;
     grid.directions = make_directions(scene.resins->g, scene.resins->eta);
@@ -542,6 +581,7 @@ ViewingGrid::Seen ViewingGrid::see(const Surface& surface) const {
     std::array<double, 3> edge{};
     for (std::size_t a = 0; a < 3; ++a) edge[a] = grid.options.view_voxels[a] * grid.pitch_mm[a];
     Seen seen;
+    std::vector<std::pair<std::uint32_t, double>> near;
     seen.first.reserve(surface.cells.size() + 1);
     seen.cell.reserve(surface.cells.size());
     seen.first.push_back(0);
@@ -566,6 +606,39 @@ ViewingGrid::Seen ViewingGrid::see(const Surface& surface) const {
             }
             return sum;
         };
+        // On a slanting surface the light of the steps near by, so that a picture does not show them.
+        const bool slanting = std::max({std::abs(cell.normal[0]), std::abs(cell.normal[1]), std::abs(cell.normal[2])}) < 0.999f;
+        constexpr double blur = 0.05;  // mm
+        if (slanting) {
+            near.clear();
+            std::array<double, 6> weights{};
+            for_each({3, 3, 3}, [&](const Place& k) {
+                const Place at{home[0] + k[0] - 1, home[1] + k[1] - 1, home[2] + k[2] - 1};
+                const std::int64_t there = cell_of(at);
+                if (there < 0) return;
+                each_face(static_cast<std::uint32_t>(there), [&](std::uint32_t f) {
+                    const auto facing = static_cast<std::size_t>(grid.faces[f].facing);
+                    if (grid.faces[f].kind != FaceKind::light || area[facing] == 0) return;
+                    const double weight = std::exp(-0.5 * distance2(at, static_cast<int>(facing)) / (blur * blur));
+                    weights[facing] += weight;
+                    near.push_back({f, weight});
+                });
+            });
+            bool all = true;
+            for (std::size_t f = 0; f < 6; ++f) all &= area[f] == 0 || weights[f] > 0;
+            if (all) {
+                for (const auto& [f, weight] : near) {
+                    const auto facing = static_cast<std::size_t>(grid.faces[f].facing);
+                    const double share = weight / weights[facing];
+                    if (share < 0.01) continue;
+                    seen.face.push_back(f);
+                    seen.share.push_back(static_cast<float>(share * area[facing] / static_cast<double>(grid.faces[f].area_mm2)));
+                }
+                seen.first.push_back(static_cast<std::uint32_t>(seen.face.size()));
+                seen.cell.push_back(grid.faces[near[0].first].cell);
+                continue;
+            }
+        }
         std::array<double, 6> nearest{};
         std::array<std::int64_t, 6> found{};
         nearest.fill(1e9);
@@ -648,33 +721,47 @@ bool ViewingGrid::fill(const ResinVolume& volume, std::vector<std::uint8_t>& wan
 
 namespace {
 
-/// Counts of materials in a cell. Where there are too many different mixtures: rounded to eighths, the largest rests up.
-struct Mixture {
-    std::vector<std::pair<Material, int>> counts;
-    void add(Material m) {
-        for (auto& [of, n] : counts)
-            if (of == m) {
-                ++n;
+/// Counts of materials in the layers of a cell.
+struct Counts {
+    struct Count {
+        Material material;
+        std::uint8_t layer;
+        int n;
+    };
+    std::vector<Count> counts;
+    void add(Material m, int layer) {
+        for (Count& c : counts)
+            if (c.material == m && c.layer == layer) {
+                ++c.n;
                 return;
             }
-        counts.emplace_back(m, 1);
+        counts.push_back({m, static_cast<std::uint8_t>(layer), 1});
     }
+    void sort() {
+        std::sort(counts.begin(), counts.end(), [](const Count& a, const Count& b) { return std::pair(a.layer, a.material) < std::pair(b.layer, b.material); });
+    }
+    /// Where there are too many different mixtures: layers are forgotten, the shares are rounded to eighths, the largest rests up.
     void round_to_eighths(int in_cell) {
-        std::sort(counts.begin(), counts.end());
+        std::array<int, 256> by_material{};
         int all = 0;
-        for (const auto& [m, n] : counts) all += n;
+        for (const Count& c : counts) {
+            by_material[c.material] += c.n;
+            all += c.n;
+        }
+        counts.clear();
         const int parts = std::max(1, (8 * all + in_cell / 2) / in_cell);
         std::vector<std::pair<int, std::size_t>> rest;
         int given = 0;
-        for (std::size_t i = 0; i < counts.size(); ++i) {
-            const int wanted = counts[i].second * parts;
-            counts[i].second = wanted / all;
-            given += counts[i].second;
-            rest.emplace_back(-(wanted % all), i);
+        for (std::size_t m = 1; m < by_material.size(); ++m) {
+            if (by_material[m] == 0) continue;
+            const int wanted = by_material[m] * parts;
+            rest.emplace_back(-(wanted % all), counts.size());
+            counts.push_back({static_cast<Material>(m), 0, wanted / all});
+            given += wanted / all;
         }
         std::sort(rest.begin(), rest.end());
-        for (std::size_t i = 0; given < parts; ++i, ++given) ++counts[rest[i].second].second;
-        std::erase_if(counts, [](const auto& c) { return c.second == 0; });
+        for (std::size_t i = 0; given < parts; ++i, ++given) ++counts[rest[i].second].n;
+        std::erase_if(counts, [](const Count& c) { return c.n == 0; });
     }
 };
 
@@ -688,7 +775,12 @@ void ViewingGrid::take_palette(const ResinVolume& volume, bool coarse, bool& ful
     constexpr std::size_t range = 256;
     struct Part {
         std::unordered_map<std::uint64_t, std::uint16_t> known;
-        std::vector<std::pair<std::uint64_t, Mixture>> mixtures;
+        struct New {
+            std::uint64_t key;
+            std::uint8_t axis;
+            Counts counts;
+        };
+        std::vector<New> mixtures;
         bool full = false;
     };
     const std::size_t n = grid.transport_blocks.size(), ranges = (n + range - 1) / range;
@@ -696,8 +788,7 @@ void ViewingGrid::take_palette(const ResinVolume& volume, bool coarse, bool& ful
     parallel_for(0, ranges, 1, [&](std::size_t r) {
         Part& part = parts[r];
         std::vector<Material> box, donor;
-        Mixture mixture;
-        const auto number = [&](std::uint64_t key, auto&& counts) -> std::uint16_t {
+        const auto number = [&](std::uint64_t key, std::uint8_t axis, auto&& counts) -> std::uint16_t {
             if (const auto found = part.known.find(key); found != part.known.end()) return found->second;
             if (part.mixtures.size() >= 65535) {
                 part.full = true;
@@ -705,7 +796,7 @@ void ViewingGrid::take_palette(const ResinVolume& volume, bool coarse, bool& ful
             }
             const auto index = static_cast<std::uint16_t>(part.mixtures.size());
             part.known.emplace(key, index);
-            part.mixtures.emplace_back(key, counts());
+            part.mixtures.push_back({key, axis, counts()});
             return index;
         };
         for (std::size_t i = r * range; i < std::min(n, (r + 1) * range); ++i) {
@@ -714,78 +805,98 @@ void ViewingGrid::take_palette(const ResinVolume& volume, bool coarse, bool& ful
             const int only = volume.uniform_material(corner, extent);
             std::uint16_t* const medium = grid.medium.data() + block.first_cell;
             if (only > 0 && donors_of_[i] == donors_of_[i + 1]) {
-                Mixture pure;
-                pure.counts = {{static_cast<Material>(only), in_cell}};
-                const std::uint16_t index = number(static_cast<std::uint64_t>(in_cell) * code[static_cast<std::size_t>(only)], [&] { return pure; });
+                const std::uint16_t index = number(static_cast<std::uint64_t>(in_cell) * code[static_cast<std::size_t>(only)], 2, [&] {
+                    return Counts{{{static_cast<Material>(only), 0, coarse ? 8 : in_cell}}};
+                });
                 std::fill_n(medium, 64, index);
                 continue;
             }
+            const auto axis = static_cast<std::size_t>(towards_[i] / 2);
+            const bool plus = towards_[i] % 2 == 1;
+            const int layers = view[axis];
             read_box(volume, mirrored_, corner, extent, box);
             std::uint32_t next_donor = donors_of_[i];
             for_each({4, 4, 4}, [&](const Place& at) {
                 const std::size_t place = place_in_block(at[0], at[1], at[2]);
                 if (!(block.node_mask >> place & 1)) return;
-                std::uint64_t key = 0;
-                const auto each_own = [&](auto&& body) {
-                    for (int z = 0; z < view[2]; ++z)
-                        for (int y = 0; y < view[1]; ++y) {
-                            const std::size_t first = at3({at[0] * view[0], at[1] * view[1] + y, at[2] * view[2] + z}, extent);
-                            for (int x = 0; x < view[0]; ++x) body(box[first + static_cast<std::size_t>(x)]);
-                        }
+                // Every voxel of the cell and of what is given to it, with its layer.
+                const auto layer_of = [&](int along) {
+                    const int layer = std::clamp(along, 0, layers - 1);
+                    return plus ? layers - 1 - layer : layer;
                 };
-                each_own([&](Material m) { key += code[m]; });
                 const std::uint32_t first_donor = next_donor;
-                const auto each_donated = [&](auto&& body) {
+                const auto each_voxel = [&](auto&& body) {
+                    for_each(view, [&](const Place& in) {
+                        body(box[at3({at[0] * view[0] + in[0], at[1] * view[1] + in[1], at[2] * view[2] + in[2]}, extent)], layer_of(in[axis]));
+                    });
                     for (next_donor = first_donor; next_donor < donors_of_[i + 1] && donors_[next_donor].to == block.first_cell + place; ++next_donor) {
-                        read_box(volume, mirrored_, donors_[next_donor].from, view, donor);
-                        for (const Material m : donor) body(m);
+                        const Place& from = donors_[next_donor].from;
+                        read_box(volume, mirrored_, from, view, donor);
+                        const int before = from[axis] - corner[axis] - at[axis] * view[axis];
+                        std::size_t k = 0;
+                        for_each(view, [&](const Place& in) { body(donor[k++], layer_of(before + in[axis])); });
                     }
                 };
-                each_donated([&](Material m) { key += code[m]; });
+                std::uint64_t key = 0;
+                bool several = false;
+                Material first = air;
+                each_voxel([&](Material m, int layer) {
+                    if (m == air) return;
+                    several |= first != air && m != first;
+                    first = m;
+                    key += code[m] * code[static_cast<std::size_t>(255 - layer)];
+                });
+                if (!several) {  // no layers in a cell of one resin
+                    key = 0;
+                    each_voxel([&](Material m, int) { key += code[m]; });
+                } else {
+                    key = key * 31 + axis + 1;
+                }
                 const auto counts = [&] {
-                    Mixture found;
-                    const auto add = [&](Material m) {
-                        if (m != air) found.add(m);
-                    };
-                    each_own(add);
-                    each_donated(add);
+                    Counts found;
+                    each_voxel([&](Material m, int layer) {
+                        if (m != air) found.add(m, several ? layer : 0);
+                    });
                     if (coarse) found.round_to_eighths(in_cell);
+                    found.sort();
                     return found;
                 };
                 if (coarse) {
-                    const Mixture rounded = counts();
+                    const Counts rounded = counts();
                     key = 1;
-                    for (const auto& [m, k] : rounded.counts) key += static_cast<std::uint64_t>(k) * code[m];
-                    medium[place] = number(key, [&] { return rounded; });
+                    for (const Counts::Count& c : rounded.counts) key += static_cast<std::uint64_t>(c.n) * code[c.material];
+                    medium[place] = number(key, 2, [&] { return rounded; });
                 } else {
-                    medium[place] = number(key, counts);
+                    medium[place] = number(key, static_cast<std::uint8_t>(axis), counts);
                 }
             });
         }
     });
+    mixtures.assign(1, {});
     grid.palette.assign(1, {});
     std::unordered_map<std::uint64_t, std::uint16_t> known;
     std::vector<std::vector<std::uint16_t>> common(ranges);
     const auto whole = static_cast<float>(coarse ? 8 : in_cell);
     for (std::size_t r = 0; r < ranges; ++r) {
         full |= parts[r].full;
-        for (auto& [key, mixture] : parts[r].mixtures) {
-            const auto [found, fresh] = known.try_emplace(key, static_cast<std::uint16_t>(grid.palette.size()));
+        for (const typename Part::New& fresh_one : parts[r].mixtures) {
+            const auto [found, fresh] = known.try_emplace(fresh_one.key, static_cast<std::uint16_t>(mixtures.size()));
             if (fresh) {
-                if (grid.palette.size() == 65535) {
+                if (mixtures.size() == 65535) {
                     full = true;
                     return;
                 }
-                std::sort(mixture.counts.begin(), mixture.counts.end());
-                PaletteEntry entry;
-                for (const auto& [m, k] : mixture.counts) entry.shares.emplace_back(m, static_cast<float>(k) / whole);
-                grid.palette.push_back(std::move(entry));
+                Mixture mixture;
+                mixture.axis = fresh_one.axis;
+                for (const Counts::Count& c : fresh_one.counts.counts) mixture.holds.push_back({c.material, c.layer, static_cast<float>(c.n) / whole});
+                mixtures.push_back(std::move(mixture));
             }
             common[r].push_back(found->second);
         }
         parts[r] = {};
     }
     if (full) return;
+    grid.palette.resize(mixtures.size());
     parallel_for(0, ranges, 1, [&](std::size_t r) {
         for (std::size_t i = r * range; i < std::min(n, (r + 1) * range); ++i) {
             const GridBlock& block = grid.blocks[grid.transport_blocks[i]];

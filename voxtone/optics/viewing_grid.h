@@ -49,6 +49,17 @@ public:
     /// Its palette is of mixtures whose shares add up to resin / volume of the cell. No nodes; `node` of a face is its cell,
     /// `beyond` a core node.
     OpticalGrid grid;
+    /// What a cell holds: share of its volume by resin and by layer across the light's way, the one nearest to the air first.
+    struct Holding {
+        Material material = 0;
+        std::uint8_t layer = 0;
+        float share = 0;
+    };
+    struct Mixture {
+        std::vector<Holding> holds;  ///< ascending in layer, then material
+        std::uint8_t axis = 2;       ///< along which light comes
+    };
+    std::vector<Mixture> mixtures;  ///< of the palette
     std::vector<std::uint32_t> core_block;   ///< of each core node
     std::vector<std::uint32_t> core_faces;   ///< outer faces that lead into the core
     std::vector<std::uint32_t> light_faces;  ///< those to the light or a sheet
@@ -68,7 +79,7 @@ private:
     [[nodiscard]] std::array<std::int32_t, 3> corner_of(const GridBlock& block) const;
 
     bool mirrored_ = false;
-    std::size_t materials_ = 0;
+    std::vector<std::uint8_t> towards_;      ///< of each transport block: the facing of the surface near it
     std::vector<Donor> donors_;              ///< ascending in `to`
     std::vector<std::uint32_t> donors_of_;   ///< first donor of each transport block, with an end mark
 };

