@@ -15,6 +15,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -82,6 +83,14 @@ struct Appearance {
     std::vector<float> standard_error;  ///< one sigma, same shape; empty where the model draws no random numbers
 };
 
+/// One model asked again and again about bodies of one shape, of which only the resins change: what an appearance loop does.
+class AppearanceSequence {
+public:
+    virtual ~AppearanceSequence() = default;
+    /// `volume` has the size, pitch and air of the scene's that the sequence was made for.
+    [[nodiscard]] virtual Appearance next(const ResinVolume& volume, const Progress* progress = nullptr) = 0;
+};
+
 class AppearanceModel {
 public:
     virtual ~AppearanceModel() = default;
@@ -89,6 +98,9 @@ public:
     /// without a resin, ResourceError where it would need more memory than allowed, Cancelled.
     [[nodiscard]] virtual Appearance predict(const Scene& scene, const Surface& surface,
                                              const Progress* progress = nullptr) const = 0;
+    /// Predictions of volumes of the scene's shape, one after the other; what they share may be kept between them. The
+    /// default predicts each anew. Scene, surface and model must outlive the sequence.
+    [[nodiscard]] virtual std::unique_ptr<AppearanceSequence> sequence(const Scene& scene, const Surface& surface) const;
 };
 
 /// Throws InputError that names the first material that has no resin in the set.

@@ -12,10 +12,7 @@ namespace {
 using Index = std::uint32_t;
 using Place = std::array<std::int32_t, 3>;  // of a node: block, or group of blocks
 
-struct Pair {
-    Index a, b;
-    friend auto operator<=>(const Pair&, const Pair&) = default;
-};
+using Pair = DiffusionPlan::Contact;
 
 /// Rows from an unordered list of contacts; `entry_ab[i]`, `entry_ba[i]`: where contact i went.
 void make_rows(std::size_t nodes, std::span<const Pair> contacts, DiffusionPlan::Level& level, std::vector<Index>& entry_ab,
@@ -48,7 +45,16 @@ DiffusionPlan::DiffusionPlan(const OpticalGrid& grid) {
 
     std::vector<std::array<float, 3>> centre(grid.nodes.size());
     for (std::size_t i = 0; i < centre.size(); ++i) centre[i] = grid.nodes[i].centre;
+    gather_levels(std::move(centre));
+}
 
+DiffusionPlan::DiffusionPlan(std::vector<std::array<float, 3>> centre, std::span<const Contact> contacts) {
+    levels.emplace_back();
+    make_rows(centre.size(), contacts, levels[0], entry_ab, entry_ba);
+    gather_levels(std::move(centre));
+}
+
+void DiffusionPlan::gather_levels(std::vector<std::array<float, 3>> centre) {
     // Groups: edge of the group in viewing cells doubles from level to level, 2, 4 (a block), 8, ...
     int group = 2;
     while (levels.back().nodes() > 32 && group < 4096) {

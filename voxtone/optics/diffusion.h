@@ -13,6 +13,8 @@
 // before and after. Work and memory are linear in the number of nodes. Deterministic.
 #pragma once
 
+#include <array>
+#include <compare>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -25,6 +27,12 @@ namespace voxtone::optics {
 class DiffusionPlan {
 public:
     explicit DiffusionPlan(const OpticalGrid& grid);
+    struct Contact {
+        std::uint32_t a, b;
+        friend auto operator<=>(const Contact&, const Contact&) = default;
+    };
+    /// For nodes at these places, which are apart by 1 or more, and contacts between them.
+    DiffusionPlan(std::vector<std::array<float, 3>> centre, std::span<const Contact> contacts);
 
     struct Level {
         std::vector<std::uint32_t> row, column;  ///< neighbours of node i: column[row[i]] .. column[row[i + 1] - 1]
@@ -39,6 +47,9 @@ public:
     std::vector<std::vector<std::uint32_t>> twins;  ///< of level l + 1: the entry of the same contact in the other row
     std::vector<std::uint32_t> entry_ab, entry_ba;  ///< of each contact of the grid, on level 0
     [[nodiscard]] std::size_t memory_bytes() const;
+
+private:
+    void gather_levels(std::vector<std::array<float, 3>> centre);
 };
 
 class Diffusion {
@@ -49,6 +60,8 @@ public:
     /// Improves `x` until the residual is `tolerance` of the first one (in the norm of its preconditioner) or
     /// `most_steps` were made; returns the steps.
     int solve(std::span<const float> right_side, std::span<float> x, double tolerance, int most_steps) const;
+    /// x: roughly the solution for this right side, by one V-cycle.
+    void precondition(std::span<const float> right_side, std::span<float> x) const { cycle(0, right_side, x); }
     [[nodiscard]] std::size_t memory_bytes() const;
 
 private:

@@ -161,6 +161,7 @@ public:
 
 private:
     friend class GridCensus;
+    friend class ViewingGrid;
     OpticalGrid() = default;
     struct Builder;
 };

@@ -26,12 +26,14 @@ constexpr std::array<std::array<int, 3>, 6> step_of{{{-1, 0, 0}, {1, 0, 0}, {0, 
 struct Patch {
     std::array<int, 3> corner{}, extent{};
     std::vector<Material> voxels;
-    [[nodiscard]] bool solid(int x, int y, int z) const {
-        return voxels[(static_cast<std::size_t>(z - corner[2]) * static_cast<std::size_t>(extent[1]) +
-                       static_cast<std::size_t>(y - corner[1])) *
-                          static_cast<std::size_t>(extent[0]) +
-                      static_cast<std::size_t>(x - corner[0])] != air;
+    std::vector<std::int32_t> filled;  ///< solid voxels of each viewing cell within the kernel's reach of the tile
+    [[nodiscard]] const Material* row(int x, int y, int z) const {
+        return voxels.data() + (static_cast<std::size_t>(z - corner[2]) * static_cast<std::size_t>(extent[1]) +
+                                static_cast<std::size_t>(y - corner[1])) *
+                                   static_cast<std::size_t>(extent[0]) +
+               static_cast<std::size_t>(x - corner[0]);
     }
+    [[nodiscard]] bool solid(int x, int y, int z) const { return *row(x, y, z) != air; }
 };
 
 int reflected(int i, int n) {
@@ -70,7 +72,8 @@ public:
                     const double r2 = at[0] * at[0] + at[1] * at[1] + at[2] * at[2];
                     if (r2 == 0 || r2 > kernel_reach_mm * kernel_reach_mm) continue;
                     const double w = std::exp(-0.5 * r2 / (kernel_sigma_mm * kernel_sigma_mm));
-                    kernel_.push_back({{x, y, z}, {at[0] * w, at[1] * w, at[2] * w}});
+                    const std::array<int, 3> n = counted();
+                    kernel_.push_back({(static_cast<std::ptrdiff_t>(z) * n[1] + y) * n[0] + x, {at[0] * w, at[1] * w, at[2] * w}});
                 }
     }
     [[nodiscard]] const std::array<int, 3>& edge() const { return edge_; }
@@ -89,18 +92,20 @@ public:
             patch.extent[a] = edge_[a] + 2 * margin_[a];
         }
         read_patch(scene_, patch);
+        count_cells(corner, patch);
         for (int z = corner[2]; z < corner[2] + edge_[2]; z += cell_[2])
             for (int y = corner[1]; y < corner[1] + edge_[1]; y += cell_[1])
-                for (int x = corner[0]; x < corner[0] + edge_[0]; x += cell_[0]) append_cell(patch, {x, y, z}, out);
+                for (int x = corner[0]; x < corner[0] + edge_[0]; x += cell_[0]) append_cell(patch, corner, {x, y, z}, out);
     }
 
 private:
     struct Tap {
-        std::array<int, 3> offset;
+        std::ptrdiff_t step;  ///< between places of Patch::filled
         std::array<double, 3> weight;
     };
 
-    void append_cell(const Patch& patch, const std::array<int, 3>& low, Surface& out) const {
+    void append_cell(const Patch& patch, const std::array<int, 3>& corner, const std::array<int, 3>& low, Surface& out) const {
+        if (no_faces(patch, corner, low)) return;
         const auto& size = scene_.volume->size();
         const auto& pitch = scene_.volume->pitch_mm();
         SurfaceCell cell;
@@ -120,7 +125,7 @@ private:
                         if (on_terrace(patch, {x, y, z}, f)) {
                             n[axis] = s[axis];
                         } else {
-                            if (smooth[0] == 0 && smooth[1] == 0 && smooth[2] == 0) smooth = gradient(patch, low);
+                            if (smooth[0] == 0 && smooth[1] == 0 && smooth[2] == 0) smooth = gradient(patch, corner, low);
                             n = smooth;
                             if (n[axis] * s[axis] <= 0) {  // a kink that the smooth surface does not have
                                 n = {};
@@ -174,15 +179,57 @@ private:
         return true;
     }
 
-    [[nodiscard]] std::array<double, 3> gradient(const Patch& patch, const std::array<int, 3>& low) const {
+    [[nodiscard]] std::array<int, 3> counted() const {
+        std::array<int, 3> n{};
+        for (std::size_t a = 0; a < 3; ++a) n[a] = edge_[a] / cell_[a] + 2 * reach_[a];
+        return n;
+    }
+
+    void count_cells(const std::array<int, 3>& corner, Patch& patch) const {
+        const std::array<int, 3> n = counted();
+        patch.filled.assign(static_cast<std::size_t>(n[0]) * static_cast<std::size_t>(n[1]) * static_cast<std::size_t>(n[2]), 0);
+        std::size_t i = 0;
+        for (int cz = 0; cz < n[2]; ++cz)
+            for (int cy = 0; cy < n[1]; ++cy)
+                for (int cx = 0; cx < n[0]; ++cx, ++i) {
+                    const int x0 = corner[0] + (cx - reach_[0]) * cell_[0], y0 = corner[1] + (cy - reach_[1]) * cell_[1],
+                              z0 = corner[2] + (cz - reach_[2]) * cell_[2];
+                    std::int32_t sum = 0;
+                    for (int z = z0; z < z0 + cell_[2]; ++z)
+                        for (int y = y0; y < y0 + cell_[1]; ++y) {
+                            const Material* const row = patch.row(x0, y, z);
+                            for (int x = 0; x < cell_[0]; ++x) sum += row[x] != air;
+                        }
+                    patch.filled[i] = sum;
+                }
+    }
+
+    /// The count of a cell of the tile.
+    [[nodiscard]] const std::int32_t* count_of(const Patch& patch, const std::array<int, 3>& corner, const std::array<int, 3>& low) const {
+        const std::array<int, 3> n = counted();
+        std::array<std::ptrdiff_t, 3> home{};
+        for (std::size_t a = 0; a < 3; ++a) home[a] = (low[a] - corner[a]) / cell_[a] + reach_[a];
+        return patch.filled.data() + (home[2] * n[1] + home[1]) * n[0] + home[0];
+    }
+
+    /// Neither it nor a neighbour has a surface, as all are solid, or it is air.
+    [[nodiscard]] bool no_faces(const Patch& patch, const std::array<int, 3>& corner, const std::array<int, 3>& low) const {
+        const std::int32_t* const here = count_of(patch, corner, low);
+        if (*here == 0) return true;
+        const std::array<int, 3> n = counted();
+        const std::int32_t whole = cell_[0] * cell_[1] * cell_[2];
+        std::ptrdiff_t step = 1;
+        for (std::size_t a = 0; a < 3; step *= n[a], ++a)
+            if (*here != whole || reach_[a] == 0 || here[-step] != whole || here[step] != whole) return false;
+        return true;
+    }
+
+    [[nodiscard]] std::array<double, 3> gradient(const Patch& patch, const std::array<int, 3>& corner,
+                                                 const std::array<int, 3>& low) const {
+        const std::int32_t* const here = count_of(patch, corner, low);
         std::array<double, 3> n{};
         for (const Tap& tap : kernel_) {
-            int filled = 0;
-            const int x0 = low[0] + tap.offset[0] * cell_[0], y0 = low[1] + tap.offset[1] * cell_[1],
-                      z0 = low[2] + tap.offset[2] * cell_[2];
-            for (int z = z0; z < z0 + cell_[2]; ++z)
-                for (int y = y0; y < y0 + cell_[1]; ++y)
-                    for (int x = x0; x < x0 + cell_[0]; ++x) filled += patch.solid(x, y, z);
+            const std::int32_t filled = here[tap.step];
             for (std::size_t k = 0; k < 3; ++k) n[k] -= filled * tap.weight[k];
         }
         const double length = std::hypot(n[0], n[1], n[2]);

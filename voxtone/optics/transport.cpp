@@ -11,6 +11,7 @@
 #include "voxtone/base/error.h"
 #include "voxtone/optics/diffusion.h"
 #include "voxtone/optics/transport_channel.h"
+#include "voxtone/optics/viewing_sequence.h"
 
 namespace voxtone::optics {
 namespace {
@@ -214,6 +215,12 @@ private:
 Appearance TransportPredictor::predict(const Scene& given, const Surface& given_surface, TransportSummary& summary,
                                        const Progress* progress) const {
     VOXTONE_EXPECT(given.volume && given.resins);
+    if (options_.viewing_cells) {
+        ViewingSequence sequence(given, given_surface, options_);
+        Appearance seen = sequence.next(*given.volume, progress);
+        summary = sequence.summary();
+        return seen;
+    }
     const CutScene cut(given, given_surface, options_);
     const Scene& scene = cut.scene;
     const Surface& surface = *cut.seen;
@@ -235,9 +242,15 @@ Appearance TransportPredictor::predict(const Scene& given, const Surface& given_
     return all;
 }
 
+std::unique_ptr<AppearanceSequence> TransportPredictor::sequence(const Scene& scene, const Surface& surface) const {
+    if (!options_.viewing_cells) return AppearanceModel::sequence(scene, surface);
+    return std::make_unique<ViewingSequence>(scene, surface, options_);
+}
+
 Appearance TransportPredictor::predict(const Scene& scene, const Surface& surface, const Derivative& derivative,
                                        TransportGradient& gradient, TransportSummary& summary,
                                        const Progress* progress) const {
+    if (options_.viewing_cells) throw UsageError("derivatives are of cells of one voxel: ask a predictor without viewing cells");
     const CutScene cut(scene, surface, options_);
     gradient.split = cut.split;
     summary.pieces = 1;

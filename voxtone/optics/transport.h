@@ -39,6 +39,9 @@ struct TransportOptions {
     int sweeps = 3;                           ///< >= 1
     double cell_mm = 0.085;                   ///< viewing cell: sets the cells of the margin and of diffusion
     bool voxel_skin = true;                   ///< skin cells of one voxel; false: of one viewing cell
+    bool viewing_cells = false;               ///< the whole prediction on viewing cells (viewing_sequence.h), ten times as fast
+    double colour_mm = 1;                     ///< with them: how deep below the surface colour is expected to come and go
+    int next_sweeps = 2;                      ///< with them: of the later predictions of a sequence, >= 1
     double finest_mm = 0.0425;                ///< skin voxels are cut along axes where they are longer; 0: never
     int margin_blocks = 2;                    ///< rings of 4 viewing cells of transport below the skin, >= 0
     double start_tolerance = 0.05;            ///< of the first diffusion solve
@@ -77,6 +80,8 @@ public:
                                      const Progress* progress = nullptr) const override;
     [[nodiscard]] Appearance predict(const Scene& scene, const Surface& surface, TransportSummary& summary,
                                      const Progress* progress = nullptr) const;
+    /// With `viewing_cells` a ViewingSequence, where memory allows.
+    [[nodiscard]] std::unique_ptr<AppearanceSequence> sequence(const Scene& scene, const Surface& surface) const override;
 
     /// The appearance, and the gradient of a function F of it: `derivative` is handed the appearance and fills in
     /// d F / d value (same shape). Costs the prediction, one adjoint solve and two more sweeps a channel.

@@ -2,7 +2,6 @@
 #include "voxtone/slicer/slice_job.h"
 
 #include <chrono>
-#include <cmath>
 #include <filesystem>
 #include <map>
 #include <mutex>
@@ -12,15 +11,16 @@
 #include <fmt/core.h>
 
 #include "voxtone/base/parallel.h"
-#include "voxtone/halftone/blue_noise_screen.h"
 #include "voxtone/io/layer_stack_writer.h"
 #include "voxtone/io/layer_thumbnail.h"
 #include "voxtone/io/whole_file.h"
 #include "voxtone/slicer/job_body.h"
 #include "voxtone/slicer/job_colour.h"
+#include "voxtone/slicer/job_loop.h"
 #include "voxtone/slicer/job_prediction.h"
 #include "voxtone/slicer/layer_maker.h"
 #include "voxtone/slicer/model_choice.h"
+#include "voxtone/slicer/print_parts.h"
 #include "voxtone/slicer/slice_report.h"
 
 namespace voxtone::slicer {
@@ -136,6 +136,24 @@ std::optional<JobPrediction> predict_or_warn(const SliceOptions& options, Predic
     return std::nullopt;
 }
 
+/// Null, with the reason, where there is no loop: the open loop is printed then.
+std::unique_ptr<const JobLoop> rearrange(const SliceOptions& options, const JobBody& body, const LoadedResins& resins, const JobColour& colour,
+                                         const PrintParts& parts, const std::filesystem::path& folder, std::string& why_not, Progress& progress) {
+    const LoopPlan plan = plan_loop(options, body, resins);
+    why_not = plan.why_not;
+    if (plan.iterations == 0) {
+        if (!why_not.empty()) progress.note(why_not);
+        return nullptr;
+    }
+    try {
+        return std::make_unique<const JobLoop>(options, plan, body, resins, colour, parts, folder, progress);
+    } catch (const ResourceError& error) {
+        why_not = fmt::format("The resins were not rearranged: {}.", error.what());
+        progress.warn(why_not);
+        return nullptr;
+    }
+}
+
 }  // namespace
 
 SliceResult run_slice_job(const SliceOptions& options, Progress& progress) {
@@ -160,18 +178,11 @@ SliceResult run_slice_job(const SliceOptions& options, Progress& progress) {
     io::LayerStackWriter writer(options.out, describe(printer, resins, body.grid, range), outputs_of(options, printer), options.overwrite);
     remove_old_report(options.out);
 
-    const Solid solid(body.solid_mesh, body.grid);
-    const SurfaceShell shell(body.surface, body.grid, options.depth_mm);
-    // Voxels are sampled at their centres: texture details finer than a voxel's footprint would alias.
-    const SurfaceColour surface_colour(body.model.mesh, std::sqrt(body.grid.pitch_mm.x() * body.grid.pitch_mm.y()));
-    std::optional<ThinFeatures> thin;
-    if (options.keep_thin) thin.emplace(body.solid_mesh, solid);
-    std::optional<halftone::BlueNoiseScreen> screen;
-    if (options.screen == "blue-noise")
-        screen.emplace(std::array{body.grid.pitch_mm.x(), body.grid.pitch_mm.y(), body.grid.pitch_mm.z()}, &progress);
-    const LayerMaker maker({.solid = solid, .thin = thin ? &*thin : nullptr, .surface = body.surface, .shell = shell, .colour = surface_colour,
-                            .separation = colour->separation, .screen = screen ? &*screen : nullptr, .seed = options.seed,
-                            .core = resins.core_material()});
+    const PrintParts parts(options, body, resins, *colour, progress);
+    std::string why_no_loop;
+    const auto loop = rearrange(options, body, resins, *colour, parts, writer.folder(), why_no_loop, progress);
+    figures.loop_s = watch.lap();
+    const LayerMaker maker(parts.sources(loop ? loop->skin() : nullptr));
     std::vector<io::Rgb> palette{printer.background_rgb};
     for (const io::StackResin& resin : resins.entries) palette.push_back(resin.rgb);
     Thumbnails thumbnails(range, body.grid, palette, options.report);
@@ -218,7 +229,7 @@ SliceResult run_slice_job(const SliceOptions& options, Progress& progress) {
         prediction = predict_or_warn(options, plan, body, resins, *volume, progress);
         progress.begin_stage("report", 0);
     }
-    const ReportSources sources{options, printer, resins, body, *colour, surface_colour, stack,
+    const ReportSources sources{options, printer, resins, body, *colour, parts.surface_colour(), stack,
                                 prediction ? &*prediction : nullptr, plan.why_not};
     io::Report report = make_report(sources, figures);
     if (options.report) {

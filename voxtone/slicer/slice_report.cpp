@@ -235,7 +235,7 @@ io::Report make_report(const ReportSources& s, const JobFigures& f) {
     if (f.counts.thin_voxels > 0)
         report.warnings.push_back(fmt::format("{} voxels were added where the body is thinner than a voxel, so that nothing vanishes", f.counts.thin_voxels));
     report.stages = {{"read model", f.read_s},   {"repair and visible surface", f.repair_s}, {"separate colours", f.separation_s},
-                     {"layers", f.layers_s}, {"finish", f.finish_s}};
+                     {"appearance loop", f.loop_s}, {"layers", f.layers_s}, {"finish", f.finish_s}};
     report.total_seconds = f.total_s + (s.prediction ? s.prediction->seconds : 0);
     report.peak_memory_bytes = peak_memory_bytes();
     report.output_bytes = f.layer_bytes;

@@ -26,7 +26,7 @@ namespace voxtone::slicer {
 
 /// What was measured while the job ran.
 struct JobFigures {
-    double read_s = 0, repair_s = 0, separation_s = 0, layers_s = 0, finish_s = 0, total_s = 0;
+    double read_s = 0, repair_s = 0, separation_s = 0, loop_s = 0, layers_s = 0, finish_s = 0, total_s = 0;
     double encode_s = 0;  ///< summed over threads, like those of `counts`
     LayerCounts counts;
     std::uint64_t layer_bytes = 0;

@@ -162,6 +162,8 @@ int main(int argc, char** argv) {
     app.require_subcommand(1);
     app.add_option("--threads", a.threads, "0: one per core")->capture_default_str();
     app.add_option("--sweeps", a.transport.sweeps)->capture_default_str();
+    app.add_flag("--viewing-cells", a.transport.viewing_cells, "the whole prediction on viewing cells");
+    app.add_option("--cell", a.transport.cell_mm, "mm")->capture_default_str();
     app.add_flag("--viewing-skin", a.viewing_skin, "skin cells of one viewing cell");
     app.add_option("--models", a.models, "folder of the photographs")->capture_default_str();
     auto* report_command = app.add_subcommand("report", "all tables");

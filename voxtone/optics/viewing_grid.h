@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// A body cut into cells of the eye: transport on viewing cells (J750: 2 x 1 x 3 voxels), for an optical grid that keeps its
+// shape while the resins change.
+//
+// A cell is solid where at least half of its voxels are, or where no neighbour is that would stand for it. What a cell that
+// is not solid holds is given to the fullest neighbour across a face, so that no resin is lost: a cell's extinction is that
+// of its voxels times the volume of resin in it / the cell's volume, 0.5 to 2 or so at a slanting surface, 1 elsewhere. The
+// surface is the staircase of solid cells; each of its faces has the normal of the smooth surface there, and the laws of
+// transport_directions.h keep the flux per true area. A face of a voxel is seen through the nearest face of the staircase
+// that looks the same way.
+//
+// Transport blocks (4 x 4 x 4 cells, all of them stored): those within `colour_mm` of the surface, those of several materials,
+// those on a sheet, and a margin. Deeper, each block is one node of diffusion. Cells and nodes of diffusion are the same.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "voxtone/optics/optical_grid.h"
+
+namespace voxtone::optics {
+
+class ViewingGrid {
+public:
+    /// `also`: blocks of the lattice that get transport cells besides, empty or one byte per place. Throws InputError for a
+    /// material without a resin.
+    ViewingGrid(const Scene& scene, const std::array<int, 3>& view_voxels, double colour_mm,
+                std::span<const std::uint8_t> also = {});
+
+    /// Takes the resins of a volume of the same shape. False, and nothing done, where a block without transport cells has
+    /// got other materials; those are marked in `wanted`, one byte per place of the lattice.
+    [[nodiscard]] bool fill(const ResinVolume& volume, std::vector<std::uint8_t>& wanted);
+
+    /// Which outer faces stand for each cell of a surface: entries first[i] .. first[i + 1] - 1; `share` is the area of voxel
+    /// faces seen there / the area of the face. A cell without entries has no face of the staircase near.
+    struct Seen {
+        std::vector<std::uint32_t> first, face;
+        std::vector<float> share;
+        std::vector<std::uint32_t> cell;  ///< the solid cell nearest to each surface cell
+    };
+    [[nodiscard]] Seen see(const Surface& surface) const;
+
+    [[nodiscard]] std::size_t cells() const { return grid.medium.size(); }
+    [[nodiscard]] std::size_t memory_bytes() const;
+
+    /// Its palette is of mixtures whose shares add up to resin / volume of the cell. No nodes; `node` of a face is its cell,
+    /// `beyond` a core node.
+    OpticalGrid grid;
+    /// What a cell holds: share of its volume by resin and by layer across the light's way, the one nearest to the air first.
+    struct Holding {
+        Material material = 0;
+        std::uint8_t layer = 0;
+        float share = 0;
+    };
+    struct Mixture {
+        std::vector<Holding> holds;  ///< ascending in layer, then material
+        std::uint8_t axis = 2;       ///< along which light comes
+    };
+    std::vector<Mixture> mixtures;  ///< of the palette
+    std::vector<std::uint32_t> core_block;   ///< of each core node
+    std::vector<std::uint32_t> core_faces;   ///< outer faces that lead into the core
+    std::vector<std::uint32_t> light_faces;  ///< those to the light or a sheet
+    std::array<std::vector<std::uint32_t>, 2> blocks_by_parity;  ///< transport blocks whose neighbours are of the other parity
+
+private:
+    struct Donor {
+        std::uint32_t to;                 ///< cell
+        std::array<std::int32_t, 3> from;  ///< lowest voxel of a cell that is not solid
+    };
+    struct Builder;
+    /// The solid transport cell at a place of the viewing grid, or -1.
+    [[nodiscard]] std::int64_t cell_of(const std::array<std::int32_t, 3>& at) const;
+    template <class Body>
+    void each_face(std::uint32_t cell, Body&& body) const;
+    void take_palette(const ResinVolume& volume, bool coarse, bool& full);
+    [[nodiscard]] std::array<std::int32_t, 3> corner_of(const GridBlock& block) const;
+
+    bool mirrored_ = false;
+    std::vector<std::uint8_t> towards_;      ///< of each transport block: the facing of the surface near it
+    std::vector<Donor> donors_;              ///< ascending in `to`
+    std::vector<std::uint32_t> donors_of_;   ///< first donor of each transport block, with an end mark
+};
+
+}  // namespace voxtone::optics

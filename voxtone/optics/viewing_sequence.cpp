@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/optics/viewing_sequence.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "voxtone/base/contracts.h"
+#include "voxtone/base/error.h"
+#include "voxtone/optics/halftone_medium.h"
+
+namespace voxtone::optics {
+namespace {
+
+double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+
+bool looks_up(const Surface& surface) {
+    double up = 0, all = 0;
+    for (const SurfaceCell& cell : surface.cells) {
+        up += static_cast<double>(cell.area_mm2 * std::abs(cell.normal[2]));
+        all += static_cast<double>(cell.area_mm2);
+    }
+    return up > 0.9 * all;
+}
+
+}  // namespace
+
+/// The medium of a cell. Of its layers those count more that light reaches more: see the header.
+Medium ViewingSequence::seen_medium(const ViewingGrid::Mixture& mixture, const HalftoneMedium& halftone, const ResinSet& resins, std::size_t channel) const {
+    std::vector<double> fractions(resins.resins.size());
+    double filled = 0;
+    int layers = 0;
+    for (const auto& [material, layer, share] : mixture.holds) {
+        filled += static_cast<double>(share);
+        layers = std::max(layers, layer + 1);
+    }
+    for (const auto& [material, layer, share] : mixture.holds) fractions[material - 1u] += static_cast<double>(share) / filled;
+    Medium medium = halftone(fractions, channel);
+    if (layers > 1) {
+        constexpr double strength = 0.8;  // fitted to the accuracy suite; 1 would be light that falls and leaves as diffuse light does
+        const double kappa = std::sqrt(3 * medium.sigma_a * (medium.sigma_a + (1 - resins.g) * medium.sigma_s));
+        const double step = 2 * strength * kappa * grid_->grid.pitch_mm[mixture.axis];
+        std::fill(fractions.begin(), fractions.end(), 0.0);
+        double all = 0;
+        for (const auto& [material, layer, share] : mixture.holds) {
+            const double weight = static_cast<double>(share) * std::exp(-step * layer);
+            all += weight;
+            fractions[material - 1u] += weight;
+        }
+        for (double& f : fractions) f /= all;
+        medium = halftone(fractions, channel);
+    }
+    return {filled * medium.sigma_a, filled * medium.sigma_s};
+}
+
+ViewingSequence::ViewingSequence(const Scene& scene, const Surface& surface, const TransportOptions& options)
+    : scene_(scene), surface_(surface), options_(options), from_above_(looks_up(surface)) {
+    VOXTONE_EXPECT(scene.volume && scene.resins);
+    fields_.resize(scene.resins->channels.size());
+    make_grid(scene, {});
+}
+
+void ViewingSequence::make_grid(const Scene& scene, std::span<const std::uint8_t> also) {
+    const double begin = now();
+    transport_.reset();
+    grid_ = std::make_unique<ViewingGrid>(scene, cell_voxels(scene.volume->pitch_mm(), options_.cell_mm), options_.colour_mm, also);
+    seen_ = grid_->see(surface_);
+    transport_ = std::make_unique<ViewingTransport>(*grid_, options_);
+    summary_.skin_cells = grid_->cells();
+    summary_.nodes = grid_->cells() + grid_->core_block.size();
+    summary_.pieces = 1;
+    summary_.grid_s += now() - begin;
+}
+
+/// Light of the cells that both grids have; where the new one has cells in what was core, the core's.
+void ViewingSequence::carry_over(const ViewingGrid& from) {
+    const OpticalGrid &was = from.grid, &is = grid_->grid;
+    for (ViewingField& field : fields_) {
+        if (field.cells.empty()) continue;
+        ViewingField next;
+        next.cells.resize(grid_->cells());
+        next.core.resize(grid_->core_block.size());
+        for (std::size_t place = 0; place < is.block_at.size(); ++place) {
+            if (is.block_at[place] < 0) continue;
+            const GridBlock &to = is.blocks[static_cast<std::size_t>(is.block_at[place])],
+                            &of = was.blocks[static_cast<std::size_t>(was.block_at[place])];
+            if (of.kind != BlockKind::core && to.kind != BlockKind::core) {
+                std::copy_n(field.cells.begin() + of.first_cell, 64, next.cells.begin() + to.first_cell);
+            } else if (of.kind == BlockKind::core && to.kind == BlockKind::core) {
+                next.core[to.first_node] = field.core[of.first_node];
+            } else if (to.kind != BlockKind::core) {
+                ViewingField::Code code;
+                code.phi = phi_code(field.core[of.first_node]);
+                std::fill_n(next.cells.begin() + to.first_cell, 64, code);
+            } else {
+                double sum = 0;
+                for (std::size_t k = 0; k < 64; ++k) sum += phi_of(field.cells[of.first_cell + k]);
+                next.core[to.first_node] = static_cast<float>(sum / 64);
+            }
+        }
+        // Blocks with faces to the light are the same in both, and so is their order.
+        VOXTONE_ENSURE(from.light_faces.size() == grid_->light_faces.size());
+        next.out = std::move(field.out);
+        field = std::move(next);
+    }
+}
+
+Appearance ViewingSequence::next(const ResinVolume& volume, const Progress* progress) {
+    const double begin = now();
+    VOXTONE_EXPECT(volume.size() == scene_.volume->size());
+    Scene scene = scene_;
+    scene.volume = &volume;
+    expect_resins_for(scene);
+    std::vector<std::uint8_t> wanted;
+    if (!grid_->fill(volume, wanted)) {
+        also_.resize(wanted.size(), 0);
+        for (std::size_t i = 0; i < wanted.size(); ++i) also_[i] |= wanted[i];
+        const std::unique_ptr<ViewingGrid> was = std::move(grid_);
+        make_grid(scene, also_);
+        carry_over(*was);
+    }
+    const OpticalGrid& grid = grid_->grid;
+    const ResinSet& resins = *scene_.resins;
+    const std::size_t channels = resins.channels.size();
+    const HalftoneMedium halftone(resins, grid.pitch_mm, from_above_ ? SeenFrom::above : SeenFrom::all_sides);
+    const auto media_of = shared_media(grid.directions, grid.edge_mm(BlockKind::skin));
+    Appearance appearance;
+    appearance.channels = channels;
+    appearance.value.assign(surface_.cells.size() * channels, 0.0f);
+    summary_.last_change.assign(channels, 0.0);
+    for (std::size_t c = 0; c < channels; ++c) {
+        ViewingTransport::Media media;
+        media.cells.resize(grid.palette.size());
+        media.core.resize(resins.resins.size() + 1);
+        for (std::size_t m = 1; m < media.core.size(); ++m) media.core[m] = similar_medium(grid.directions, resins.resins[m - 1].medium(c));
+        for (std::size_t m = 1; m < grid.palette.size(); ++m) {
+            const Medium medium = seen_medium(grid_->mixtures[m], halftone, resins, c);
+            media.cells[m] = (*media_of)(medium);
+        }
+        transport_->solve(media, fields_[c], fields_[c].cells.empty() ? options_.sweeps : options_.next_sweeps, summary_, progress);
+        summary_.last_change[c] = transport_->last_change();
+        const auto flux = transport_->flux();
+        for (std::size_t i = 0; i < surface_.cells.size(); ++i) {
+            float leaving = 0, furnace = 0;
+            for (std::uint32_t e = seen_.first[i]; e < seen_.first[i + 1]; ++e) {
+                leaving += seen_.share[e] * flux[seen_.face[e]];
+                furnace += seen_.share[e] * transport_->furnace_flux(seen_.face[e]);
+            }
+            // Inside a bubble smaller than a cell the light is that of the cell.
+            appearance.value[i * channels + c] = furnace > 0                    ? leaving / furnace
+                                                 : seen_.cell[i] != 0xffffffffu ? transport_->phi(seen_.cell[i])
+                                                                                : 0;
+        }
+    }
+    summary_.memory_bytes = grid_->memory_bytes() + transport_->memory_bytes();
+    for (const ViewingField& field : fields_) summary_.memory_bytes += field.memory_bytes();
+    summary_.total_s += now() - begin;
+    return appearance;
+}
+
+}  // namespace voxtone::optics

@@ -1,0 +1,458 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/optics/viewing_transport.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "voxtone/base/contracts.h"
+#include "voxtone/base/parallel.h"
+
+namespace voxtone::optics {
+namespace {
+
+double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+
+constexpr float least_transport_sigma = 0.2f;  // mm^-1; keeps diffusion finite in clear resin, where it is only a guess
+constexpr std::size_t grain = 32;              // blocks
+constexpr float phi_step = 2.0f / 65535, J_step = 1.0f / 32767;
+
+std::int16_t J_code(float v) {
+    return static_cast<std::int16_t>(static_cast<int>(std::clamp(v * (1 / J_step), -32767.0f, 32767.0f) + 32768.5f) - 32768);
+}
+
+}  // namespace
+
+std::uint16_t phi_code(float phi) { return static_cast<std::uint16_t>(std::clamp(phi * (1 / phi_step) + 0.5f, 0.0f, 65535.0f)); }
+float phi_of(const ViewingField::Code& code) { return phi_step * static_cast<float>(code.phi); }
+
+ViewingTransport::ViewingTransport(const ViewingGrid& viewing, const TransportOptions& options)
+    : viewing_(viewing), grid_(viewing.grid), options_(options), diffusion_(viewing) {
+    const auto edge = grid_.edge_mm(BlockKind::skin);
+    for (std::size_t a = 0; a < 3; ++a) {
+        edge_[a] = static_cast<float>(edge[a]);
+        for (std::size_t d = 0; d < 8; ++d)
+            flux_weight_[a].v[d] = grid_.directions.weight.v[d] * grid_.directions.cosine[a].v[d];
+    }
+    volume_ = edge_[0] * edge_[1] * edge_[2];
+    const std::size_t cells = viewing.cells(), faces = grid_.faces.size();
+    source_.resize(cells);
+    sum_.resize(cells);
+    other_.resize(cells);
+    static_assert(sizeof(CellStencil) == sizeof(Moments));
+    stencil_ = {reinterpret_cast<CellStencil*>(sum_.data()), cells};
+    x_ = {reinterpret_cast<float*>(other_.data()), cells};
+    right_ = {reinterpret_cast<float*>(other_.data()) + cells, cells};
+    p_ = {reinterpret_cast<float*>(other_.data()) + 2 * cells, cells};
+    z_ = {reinterpret_cast<float*>(other_.data()) + 3 * cells, cells};
+    core_phi_.resize(viewing.core_block.size());
+    core_x_.resize(core_phi_.size());
+    core_right_.resize(core_phi_.size());
+    core_p_.resize(core_phi_.size());
+    core_z_.resize(core_phi_.size());
+    in_.resize(4 * faces);
+    out_.resize(4 * faces);
+    pooled_.resize(grid_.regions * 64);
+    core_sum_.resize(faces);
+    flux_.resize(faces);
+    flux_change_.resize(faces);
+    std::vector<std::uint8_t> axis_of(grid_.laws.size(), 0);
+    for (std::size_t f = 0; f < faces; ++f) axis_of[grid_.law[f]] = static_cast<std::uint8_t>(grid_.faces[f].facing) / 2;
+    sums_.resize(grid_.laws.size());
+    for (std::size_t l = 1; l < sums_.size(); ++l)
+        for (const Octet& t : grid_.laws[l].through)
+            for (std::size_t d = 0; d < 8; ++d) {
+                sums_[l].weight += flux_weight_[axis_of[l]].v[d];
+                sums_[l].through += flux_weight_[axis_of[l]].v[d] * t.v[d];
+            }
+}
+
+float ViewingTransport::furnace_flux(std::size_t face) const { return sums_[grid_.law[face]].through * grid_.faces[face].area_mm2; }
+
+float ViewingTransport::phi(std::size_t cell) const { return source_[cell].phi / media_->cells[grid_.medium[cell]].sigma_s; }
+
+void ViewingTransport::prepare() {
+    const auto linear = static_cast<float>(grid_.directions.linear);
+    const float widest = *std::max_element(edge_.begin(), edge_.end());
+    const auto fill = [&](const std::vector<TransportMedium>& media, std::vector<float>& D, std::vector<float>& eased, float edge) {
+        D.assign(media.size(), 0.0f);
+        eased.assign(media.size(), 0.0f);
+        for (std::size_t m = 1; m < media.size(); ++m) {
+            D[m] = 1 / (3 * std::max(media[m].sigma_t - linear * media[m].sigma_s, least_transport_sigma));
+            // Diffusion on cells as thick as a free path overshoots and the iteration would grow: widened by the optical depth.
+            eased[m] = D[m] + edge * std::min(0.75f, static_cast<float>(options_.ease) * edge / (3 * D[m]));
+        }
+    };
+    fill(media_->cells, D_, eased_, widest);
+    fill(media_->core, core_D_, core_eased_, widest);
+}
+
+/// J = (T phi / 4 - S) / (1 - T / 2 + T h / (4 D)), S the current that comes in (Marshak's condition).
+ViewingTransport::Exchange ViewingTransport::exchange(std::size_t f) const {
+    const OuterFace& face = grid_.faces[f];
+    const FaceSums& sums = sums_[grid_.law[f]];
+    if (face.kind == FaceKind::mirror) return {0, face.area_mm2};
+    const float T = face.kind == FaceKind::white_sheet ? 0 : sums.through / sums.weight;
+    const float below = 1 - T / 2 + T * 0.5f * edge_[static_cast<std::size_t>(face.facing) / 2] / (4 * D_[grid_.medium[face.cell]]);
+    return {face.area_mm2 * T / 4 / below, face.area_mm2 / below};
+}
+
+/// The equations for these diffusion constants; what is lost: absorbed, and out through the surface. Leaves x_ at 0.
+void ViewingTransport::make_equations(const std::vector<float>& D, const std::vector<float>& core_D) {
+    parallel_for(0, grid_.transport_blocks.size(), grain, [&](std::size_t t) {
+        for (std::size_t cell = 64 * t; cell < 64 * t + 64; ++cell) {
+            const TransportMedium& m = media_->cells[grid_.medium[cell]];
+            x_[cell] = volume_ * (m.sigma_t - m.sigma_s);
+        }
+        const GridBlock& block = grid_.blocks[grid_.transport_blocks[t]];
+        for (std::size_t f = block.first_face; f < block.first_face + block.faces; ++f)
+            if (grid_.faces[f].kind != FaceKind::core) x_[grid_.faces[f].cell] += exchange(f).loss;
+    });
+    for (std::size_t i = 0; i < core_x_.size(); ++i) core_x_[i] = core_absorption(i);
+    diffusion_.prepare(D, core_D, x_, core_x_, stencil_);
+    std::fill(x_.begin(), x_.end(), 0.0f);
+    std::fill(core_x_.begin(), core_x_.end(), 0.0f);
+}
+
+int ViewingTransport::solve_diffusion(double tolerance, int most_steps) {
+    return steps_ += diffusion_.solve({x_, core_x_}, {right_, core_right_}, {p_, core_p_}, {z_, core_z_}, tolerance, most_steps);
+}
+
+float ViewingTransport::core_absorption(std::size_t core) const {
+    const TransportMedium& m = media_->core[grid_.blocks[viewing_.core_block[core]].medium];
+    return 64 * volume_ * (m.sigma_t - m.sigma_s);
+}
+
+void ViewingTransport::start() {
+    std::fill(source_.begin(), source_.end(), Moments{});
+    std::fill(out_.begin(), out_.end(), Octet{});
+    std::fill(core_phi_.begin(), core_phi_.end(), 0.0f);
+    make_equations(D_, core_D_);
+    std::fill(x_.begin(), x_.end(), 1.0f);  // exact where nothing is absorbed
+    std::fill(core_x_.begin(), core_x_.end(), 1.0f);
+    std::fill(right_.begin(), right_.end(), 0.0f);
+    std::fill(core_right_.begin(), core_right_.end(), 0.0f);
+    for (const std::uint32_t f : viewing_.light_faces) {
+        const OuterFace& face = grid_.faces[f];
+        if (face.kind == FaceKind::light) right_[face.cell] += exchange(f).gain * sums_[grid_.law[f]].through;
+    }
+    // The residual of light 1 everywhere.
+    diffusion_.apply({x_, core_x_}, {z_, core_z_});
+    for (std::size_t i = 0; i < x_.size(); ++i) right_[i] -= z_[i];
+    for (std::size_t i = 0; i < core_x_.size(); ++i) core_right_[i] -= core_z_[i];
+    solve_diffusion(options_.start_tolerance, 60);
+    for (std::size_t cell = 0; cell < x_.size(); ++cell)
+        if (grid_.medium[cell] == 0) x_[cell] = 0;
+    enter(true);
+    reflect();
+}
+
+void ViewingTransport::load(const ViewingField& field) {
+    const auto linear = 3 * static_cast<float>(grid_.directions.linear);
+    parallel_ranges(0, source_.size(), 1 << 14, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t cell = begin; cell < end; ++cell) {
+            const float sigma_s = media_->cells[grid_.medium[cell]].sigma_s;
+            const ViewingField::Code& code = field.cells[cell];
+            const float J = linear * sigma_s * J_step;
+            source_[cell] = {sigma_s * phi_step * static_cast<float>(code.phi), J * static_cast<float>(code.x), J * static_cast<float>(code.y),
+                             J * static_cast<float>(code.z)};
+        }
+    });
+    core_phi_ = field.core;
+    parallel_ranges(0, viewing_.light_faces.size(), 1 << 10, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i)
+            for (std::size_t k = 0; k < 32; ++k)
+                out_[4 * std::size_t{viewing_.light_faces[i]} + k / 8].v[k % 8] = phi_step * static_cast<float>(field.out[32 * i + k]);
+    });
+    reflect();
+}
+
+void ViewingTransport::store(ViewingField& field) const {
+    const auto linear = 3 * static_cast<float>(grid_.directions.linear);
+    field.cells.resize(source_.size());
+    parallel_ranges(0, source_.size(), 1 << 14, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t cell = begin; cell < end; ++cell) {
+            if (grid_.medium[cell] == 0) {
+                field.cells[cell] = {};
+                continue;
+            }
+            const float share = 1 / media_->cells[grid_.medium[cell]].sigma_s, J = linear != 0 ? share / linear : 0;
+            const Moments& s = source_[cell];
+            field.cells[cell] = {phi_code(share * s.phi), J_code(J * s.x), J_code(J * s.y), J_code(J * s.z)};
+        }
+    });
+    field.core = core_phi_;
+    field.out.resize(32 * viewing_.light_faces.size());
+    parallel_ranges(0, viewing_.light_faces.size(), 1 << 10, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i)
+            for (std::size_t k = 0; k < 32; ++k)
+                field.out[32 * i + k] = phi_code(out_[4 * std::size_t{viewing_.light_faces[i]} + k / 8].v[k % 8]);
+    });
+}
+
+// J of a cell is half of what flows through the faces on either side, from x_ and, at the start, the light that comes in.
+// Adds phi and J, spread linearly over the cell, to the moments of cells and to what leaves through faces.
+void ViewingTransport::enter(bool start) {
+    const auto& set = grid_.directions;
+    const auto g_linear = static_cast<float>(set.linear);
+    const auto neighbours = diffusion_.neighbours();
+    const auto sides_of = diffusion_.sides_of();
+    const auto sides = diffusion_.core_sides();
+    std::array<float, 3> area{};
+    for (std::size_t a = 0; a < 3; ++a) area[a] = volume_ / edge_[a];
+    parallel_for(0, grid_.transport_blocks.size(), grain, [&](std::size_t t) {
+        const GridBlock& block = grid_.blocks[grid_.transport_blocks[t]];
+        const std::array<int, 3> step{1, 4, 16};
+        std::array<std::array<float, 3>, 64> J{};
+        const std::size_t first = 64 * t;
+        const auto media = [&](std::size_t cell) { return grid_.medium[cell]; };
+        for (int place = 0; place < 64; ++place) {
+            const std::size_t cell = first + static_cast<std::size_t>(place);
+            const float D = D_[media(cell)];
+            if (!(D > 0)) continue;
+            for (std::size_t a = 0; a < 3; ++a) {
+                const int at = place / step[a] % 4;
+                // Towards plus, to both cells; towards minus only where the block begins.
+                float flow = 0;
+                if (at < 3) {
+                    const std::size_t next = cell + static_cast<std::size_t>(step[a]);
+                    flow = diffusion_.cell_contact(a, D, D_[media(next)]) * (x_[cell] - x_[next]);
+                    J[static_cast<std::size_t>(place + step[a])][a] += flow;
+                } else if (neighbours[t][2 * a + 1] >= 0) {
+                    const std::size_t next = 64 * static_cast<std::size_t>(neighbours[t][2 * a + 1]) + static_cast<std::size_t>(place - 3 * step[a]);
+                    flow = diffusion_.cell_contact(a, D, D_[media(next)]) * (x_[cell] - x_[next]);
+                } else if (sides_of[t][2 * a + 1] >= 0) {
+                    const std::uint32_t core = sides[static_cast<std::size_t>(sides_of[t][2 * a + 1])].core;
+                    flow = diffusion_.side_contact(a, D, core_D_[grid_.blocks[viewing_.core_block[core]].medium]) * (x_[cell] - core_x_[core]);
+                }
+                J[static_cast<std::size_t>(place)][a] += flow;
+                if (at > 0) continue;
+                flow = 0;
+                if (neighbours[t][2 * a] >= 0) {
+                    const std::size_t next = 64 * static_cast<std::size_t>(neighbours[t][2 * a]) + static_cast<std::size_t>(place + 3 * step[a]);
+                    flow = diffusion_.cell_contact(a, D, D_[media(next)]) * (x_[next] - x_[cell]);
+                } else if (sides_of[t][2 * a] >= 0) {
+                    const std::uint32_t core = sides[static_cast<std::size_t>(sides_of[t][2 * a])].core;
+                    flow = diffusion_.side_contact(a, D, core_D_[grid_.blocks[viewing_.core_block[core]].medium]) * (core_x_[core] - x_[cell]);
+                }
+                J[static_cast<std::size_t>(place)][a] += flow;
+            }
+        }
+        for (std::size_t f = block.first_face; f < block.first_face + block.faces; ++f) {
+            const OuterFace& face = grid_.faces[f];
+            if (face.kind == FaceKind::core) continue;
+            const std::size_t a = static_cast<std::size_t>(face.facing) / 2;
+            const Exchange at = exchange(f);
+            const float flow = at.loss * x_[face.cell] - (start && face.kind == FaceKind::light ? at.gain * sums_[grid_.law[f]].through : 0);
+            J[face.cell - first][a] += static_cast<int>(face.facing) % 2 ? flow : -flow;
+        }
+        for (std::size_t place = 0; place < 64; ++place) {
+            const std::size_t cell = first + place;
+            if (grid_.medium[cell] == 0) continue;
+            for (std::size_t a = 0; a < 3; ++a) J[place][a] *= 0.5f / area[a];
+            const float sigma_s = media_->cells[grid_.medium[cell]].sigma_s, linear = 3 * g_linear * sigma_s;
+            Moments& s = source_[cell];
+            s.phi += sigma_s * x_[cell];
+            s.x += linear * J[place][0];
+            s.y += linear * J[place][1];
+            s.z += linear * J[place][2];
+        }
+        for (std::size_t f = block.first_face; f < block.first_face + block.faces; ++f) {
+            const OuterFace& face = grid_.faces[f];
+            if (face.kind == FaceKind::core) continue;
+            const auto facing = static_cast<std::size_t>(face.facing), axis = facing / 2;
+            const bool plus = facing % 2 == 1;
+            const std::size_t tangent[2] = {axis == 0 ? 1u : 0u, axis == 2 ? 1u : 2u};
+            const FaceLaw& law = grid_.law_of(f);
+            const Octet& w = flux_weight_[axis];
+            const std::array<float, 3>& j = J[face.cell - first];
+            const float phi = x_[face.cell] - (plus ? 0.5f : -0.5f) * edge_[axis] * j[axis] / D_[grid_.medium[face.cell]];
+            const float Jn = 3 * (plus ? j[axis] : -j[axis]), Ju = 3 * j[tangent[0]], Jv = 3 * j[tangent[1]];
+            float leaving = 0, before = 0;
+            for (std::size_t slot = 0; slot < 4; ++slot) {
+                Octet& out = out_[f * 4 + slot];
+                const float u = slot & 1 ? -Ju : Ju, v = slot & 2 ? -Jv : Jv;
+                for (std::size_t d = 0; d < 8; ++d) {
+                    const float weight = w.v[d] * law.through[slot].v[d];
+                    before += weight * out.v[d];
+                    out.v[d] += phi + set.cosine[axis].v[d] * Jn + set.cosine[tangent[0]].v[d] * u + set.cosine[tangent[1]].v[d] * v;
+                    leaving += weight * out.v[d];
+                }
+            }
+            flux_[f] = leaving * face.area_mm2;
+            flux_change_[f] = (leaving - before) * face.area_mm2;
+        }
+    });
+    for (std::size_t i = 0; i < core_phi_.size(); ++i) core_phi_[i] += core_x_[i];
+}
+
+/// The faces send back what they reflect.
+void ViewingTransport::reflect() {
+    parallel_for(0, grid_.transport_blocks.size(), grain, [&](std::size_t t) {
+        const GridBlock& block = grid_.blocks[grid_.transport_blocks[t]];
+        pool(block);
+        for (std::size_t face = block.first_face; face < block.first_face + block.faces; ++face)
+            for (std::size_t slot = 0; slot < 4; ++slot) in_[face * 4 + slot] = returned(block, face, slot);
+    });
+}
+
+/// Mean radiance of the light that passes corners of the staircase, per region and direction.
+void ViewingTransport::pool(const GridBlock& block) {
+    if (block.first_region < 0) return;
+    const auto first = static_cast<std::size_t>(block.first_region) * 64;
+    std::fill_n(pooled_.begin() + static_cast<std::ptrdiff_t>(first), 8 * 64, 0.0f);
+    for (std::size_t f = block.first_face; f < block.first_face + block.faces; ++f) {
+        const FaceLaw& law = grid_.law_of(f);
+        if (law.flat) continue;
+        const OuterFace& face = grid_.faces[f];
+        const Octet& w = flux_weight_[static_cast<std::size_t>(face.facing) / 2];
+        float* const to = pooled_.data() + first + std::size_t{face.region_in_block} * 64;
+        for (std::size_t slot = 0; slot < 4; ++slot)
+            for (std::size_t d = 0; d < 8; ++d)
+                to[static_cast<std::size_t>(leaving_octant(face.facing, static_cast<int>(slot))) * 8 + d] +=
+                    w.v[d] * face.area_mm2 * law.left_over(slot, d) * out_[f * 4 + slot].v[d];
+    }
+    // From fluxes to radiances for the room that there is: of the same direction first, the surplus everywhere.
+    for (std::size_t region = first; region < first + 8 * 64; region += 64) {
+        float surplus = 0, lack = 0;
+        for (std::size_t k = region; k < region + 64; ++k) {
+            const float out = grid_.pool_out[k], in = grid_.pool_in[k];
+            if (out > in) surplus += (1 - in / out) * pooled_[k];
+            else lack += in - out;
+        }
+        const float everywhere = lack > 1e-12f ? surplus / lack : 0;
+        for (std::size_t k = region; k < region + 64; ++k) {
+            const float out = grid_.pool_out[k], in = grid_.pool_in[k];
+            if (out > in) pooled_[k] /= out;
+            else if (in > 0) pooled_[k] = (pooled_[k] + (in - out) * everywhere) / in;
+        }
+    }
+}
+
+/// Radiance that comes in through a face, given what goes out.
+Octet ViewingTransport::returned(const GridBlock& block, std::size_t face, std::size_t slot) const {
+    const OuterFace& outer = grid_.faces[face];
+    const auto axis = static_cast<std::size_t>(outer.facing) / 2;
+    Octet in;
+    if (outer.kind == FaceKind::core) {
+        // Diffuse light: phi and J at the face, from the cell on this side and the node beyond, by what conducts between.
+        const std::uint16_t medium = grid_.medium[outer.cell];
+        const float here = 2 * D_[medium] / edge_[axis];
+        const float there = core_D_[grid_.blocks[viewing_.core_block[outer.beyond]].medium] / (2 * edge_[axis]);
+        const float phi_here = source_[outer.cell].phi / media_->cells[medium].sigma_s, phi_there = core_phi_[outer.beyond];
+        const float phi = (here * phi_here + there * phi_there) / (here + there);
+        const float J = here * there / (here + there) * (phi_here - phi_there);
+        for (std::size_t d = 0; d < 8; ++d) in.v[d] = phi - 3 * grid_.directions.cosine[axis].v[d] * J;
+        return in;
+    }
+    const FaceLaw& law = grid_.law_of(face);
+    float radiance = outer.kind == FaceKind::light ? 1.0f : 0.0f;
+    if (outer.kind == FaceKind::white_sheet) {
+        float leaving = 0, through = 0;
+        for (std::size_t k = 0; k < 4; ++k)
+            for (std::size_t d = 0; d < 8; ++d) {
+                leaving += flux_weight_[axis].v[d] * law.through[k].v[d] * out_[face * 4 + k].v[d];
+                through += flux_weight_[axis].v[d] * law.through[k].v[d];
+            }
+        radiance = leaving / through;
+    }
+    const Octet &back = law.through[slot ^ 3], &mirror = law.mirror[slot], &out = out_[face * 4 + slot];
+    for (std::size_t d = 0; d < 8; ++d) in.v[d] = mirror.v[d] * out.v[d] + back.v[d] * radiance;
+    if (law.flat) return in;
+    const std::size_t from = (static_cast<std::size_t>(block.first_region) + outer.region_in_block) * 64 +
+                             static_cast<std::size_t>(entering_octant(outer.facing, static_cast<int>(slot))) * 8;
+    for (std::size_t d = 0; d < 8; ++d) in.v[d] += law.room(slot, d) * pooled_[from + d];
+    return in;
+}
+
+void ViewingTransport::sweep() {
+    parallel_for(0, 2, 1, [&](std::size_t half) {
+        SweepJob job{&grid_, {media_->cells, media_->cells}, source_, half == 0 ? std::span<Moments>(sum_) : std::span<Moments>(other_), in_, out_};
+        std::fill(job.sum.begin(), job.sum.end(), Moments{});
+        sweep_half(job, half == 1);
+    });
+}
+
+/// The diffusion correction, into x_ and core_x_, from what the sweep changed; source_ becomes the sweep's moments.
+void ViewingTransport::correct() {
+    const auto g_linear = static_cast<float>(grid_.directions.linear);
+    parallel_ranges(0, source_.size(), 1 << 14, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t cell = begin; cell < end; ++cell) {
+            const Moments &p = sum_[cell], &q = other_[cell];
+            const float sigma_s = media_->cells[grid_.medium[cell]].sigma_s, linear = 3 * g_linear * sigma_s;
+            const Moments now{sigma_s * (p.phi + q.phi), linear * (p.x + q.x), linear * (p.y + q.y), linear * (p.z + q.z)};
+            sum_[cell].phi = volume_ * (now.phi - source_[cell].phi);
+            source_[cell] = now;
+        }
+    });
+    parallel_ranges(0, source_.size(), 1 << 14, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t cell = begin; cell < end; ++cell) right_[cell] = sum_[cell].phi;
+    });
+    // What the surface will send back, and what the core got and gave.
+    parallel_for(0, grid_.transport_blocks.size(), grain, [&](std::size_t t) {
+        const GridBlock& block = grid_.blocks[grid_.transport_blocks[t]];
+        pool(block);
+        for (std::size_t f = block.first_face; f < block.first_face + block.faces; ++f) {
+            const OuterFace& face = grid_.faces[f];
+            const Octet& w = flux_weight_[static_cast<std::size_t>(face.facing) / 2];
+            float sum = 0;
+            for (std::size_t slot = 0; slot < 4; ++slot) {
+                const Octet from = face.kind == FaceKind::core ? out_[f * 4 + slot] : returned(block, f, slot);
+                for (std::size_t d = 0; d < 8; ++d) sum += w.v[d] * (from.v[d] - in_[f * 4 + slot].v[d]);
+            }
+            if (face.kind == FaceKind::core) core_sum_[f] = sum * face.area_mm2;
+            else right_[face.cell] += exchange(f).gain * sum;
+        }
+    });
+    for (std::size_t i = 0; i < core_right_.size(); ++i) core_right_[i] = -core_absorption(i) * core_phi_[i];
+    for (const std::uint32_t f : viewing_.core_faces) core_right_[grid_.faces[f].beyond] += core_sum_[f];
+    for (const ViewingDiffusion::CoreContact& c : diffusion_.core_contacts()) {
+        const auto D = [&](std::uint32_t core) { return core_D_[grid_.blocks[viewing_.core_block[core]].medium]; };
+        const float flow = diffusion_.core_contact(c.axis, D(c.a), D(c.b)) * (core_phi_[c.a] - core_phi_[c.b]);
+        core_right_[c.a] -= flow;
+        core_right_[c.b] += flow;
+    }
+    make_equations(eased_, core_eased_);
+    solve_diffusion(options_.correction_tolerance, 30);
+}
+
+void ViewingTransport::solve(const Media& media, ViewingField& field, int sweeps, TransportSummary& summary, const Progress* progress) {
+    VOXTONE_EXPECT(media.cells.size() == grid_.palette.size());
+    media_ = &media;
+    double clock = now();
+    const auto lap = [&](double& to) {
+        const double t = now();
+        to += t - clock;
+        clock = t;
+    };
+    prepare();
+    std::fill(flux_.begin(), flux_.end(), 0.0f);
+    std::fill(flux_change_.begin(), flux_change_.end(), 0.0f);
+    if (field.cells.empty()) start();
+    else load(field);
+    lap(summary.diffusion_s);
+    for (int k = 0; k < sweeps; ++k) {
+        if (progress) progress->check_cancelled();
+        sweep();
+        lap(summary.sweep_s);
+        correct();
+        enter(false);
+        if (k + 1 < sweeps) reflect();
+        lap(summary.diffusion_s);
+    }
+    summary.diffusion_steps += steps_;
+    steps_ = 0;
+    store(field);
+    last_change_ = 0;
+    for (const std::uint32_t f : viewing_.light_faces)
+        if (grid_.faces[f].kind == FaceKind::light)
+            last_change_ = std::max(last_change_, static_cast<double>(std::abs(flux_change_[f]) / furnace_flux(f)));
+}
+
+std::size_t ViewingTransport::memory_bytes() const {
+    const auto of = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
+    return of(source_) + of(sum_) + of(other_) + of(core_phi_) + of(core_x_) + of(core_right_) + of(in_) + of(out_) + of(pooled_) +
+           of(core_sum_) + of(flux_) + of(flux_change_) + diffusion_.memory_bytes();
+}
+
+}  // namespace voxtone::optics

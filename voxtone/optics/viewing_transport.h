@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Light in a viewing grid, channel after channel: the iteration of transport.h where cells and nodes of diffusion are one.
+//
+// Keeps nothing of a channel but what the caller holds for it, a field: phi and J of each cell, phi of the core nodes and what
+// leaves through each face, in 16-bit steps of 3e-5. A field of other resins is as good a start as the resins are alike.
+//
+// Memory besides the grid and the fields: 48 bytes a cell (moments before and after a sweep, of light that runs up and
+// down; the diffusion equations take the place of the latter when they are summed), 256 a face, and that of ViewingDiffusion.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "voxtone/base/progress.h"
+#include "voxtone/optics/transport.h"
+#include "voxtone/optics/transport_medium.h"
+#include "voxtone/optics/transport_sweep.h"
+#include "voxtone/optics/viewing_diffusion.h"
+#include "voxtone/optics/viewing_grid.h"
+
+namespace voxtone::optics {
+
+/// One channel's light between two predictions.
+struct ViewingField {
+    struct Code {
+        std::uint16_t phi = 0;
+        std::int16_t x = 0, y = 0, z = 0;
+    };
+    std::vector<Code> cells;
+    std::vector<float> core;
+    std::vector<std::uint16_t> out;  ///< 32 for each face to the light or a sheet
+    [[nodiscard]] std::size_t memory_bytes() const { return cells.capacity() * sizeof(Code) + 4 * core.capacity() + 2 * out.capacity(); }
+};
+
+/// Steps of the codes: phi to 2, J to 1.
+[[nodiscard]] std::uint16_t phi_code(float phi);
+[[nodiscard]] float phi_of(const ViewingField::Code& code);
+
+class ViewingTransport {
+public:
+    ViewingTransport(const ViewingGrid& grid, const TransportOptions& options);
+
+    /// Media of the grid's palette and of core blocks, by material; index 0 is air. Starts from `field`, or with a diffusion
+    /// solve where it is empty; leaves the new field there.
+    struct Media {
+        std::vector<TransportMedium> cells, core;
+    };
+    void solve(const Media& media, ViewingField& field, int sweeps, TransportSummary& summary, const Progress* progress);
+    /// What leaves through each outer face, in units in which a furnace gives `furnace_flux`.
+    [[nodiscard]] std::span<const float> flux() const { return flux_; }
+    [[nodiscard]] float furnace_flux(std::size_t face) const;
+    /// phi of a cell, after `solve`.
+    [[nodiscard]] float phi(std::size_t cell) const;
+    /// Largest change of a face's appearance by the last correction.
+    [[nodiscard]] double last_change() const { return last_change_; }
+    [[nodiscard]] std::size_t memory_bytes() const;
+
+private:
+    struct FaceSums {
+        float weight = 0, through = 0;  ///< sum w |Omega . e| (t): of the four octants
+    };
+    /// What a cell loses through an outer face per phi, and gets per unit of current that comes in.
+    struct Exchange {
+        float loss = 0, gain = 0;
+    };
+    [[nodiscard]] Exchange exchange(std::size_t face) const;
+    [[nodiscard]] float core_absorption(std::size_t core) const;
+    int solve_diffusion(double tolerance, int most_steps);
+    void make_equations(const std::vector<float>& D, const std::vector<float>& core_D);
+    void prepare();
+    void start();
+    void load(const ViewingField& field);
+    void store(ViewingField& field) const;
+    void enter(bool start);
+    void reflect();
+    void sweep();
+    void correct();
+    void pool(const GridBlock& block);
+    [[nodiscard]] Octet returned(const GridBlock& block, std::size_t face, std::size_t slot) const;
+
+    const ViewingGrid& viewing_;
+    const OpticalGrid& grid_;
+    TransportOptions options_;
+    ViewingDiffusion diffusion_;
+    const Media* media_ = nullptr;
+
+    std::array<float, 3> edge_{};
+    float volume_ = 0;
+    std::array<Octet, 3> flux_weight_{};      ///< w |Omega_a|
+    std::vector<FaceSums> sums_;              ///< per law
+    std::vector<float> D_, core_D_, eased_, core_eased_;  ///< per medium
+    std::vector<Moments> source_;             ///< per cell: sigma_s phi and 3 g' sigma_s J
+    std::vector<Moments> sum_, other_;        ///< per cell: phi and J of light that runs up, and down; also what follows
+    std::span<CellStencil> stencil_;          ///< in sum_
+    std::span<float> x_, right_, p_, z_;      ///< in other_
+    std::vector<float> core_phi_, core_x_, core_right_, core_p_, core_z_;
+    int steps_ = 0;                           ///< of the diffusion solves
+    std::vector<Octet> in_, out_;             ///< [face * 4 + tangential signs]
+    std::vector<float> pooled_;               ///< [region * 64 + octant * 8 + direction]: radiance that passes corners
+    std::vector<float> core_sum_;             ///< per face to the core: net current into it
+    std::vector<float> flux_, flux_change_;   ///< per face
+    double last_change_ = 0;
+};
+
+}  // namespace voxtone::optics
