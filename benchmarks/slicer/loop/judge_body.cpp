@@ -123,7 +123,7 @@ BodyJudgement judge_body(const slicer::SliceOptions& options, const Effort& effo
     j.surface = take_windows(whole, thin, choice, result);
     j.target = slicer::target_of_cells(j.surface, stack.volume.pitch_mm(), body.grid.origin_mm, body.surface,
                                        body.model.mesh, nullptr);
-    j.in_gamut = in_gamut(options, j.target, 0);
+    map_target(options, 0, j);
 
     const auto start = std::chrono::steady_clock::now();
     const slicer::MeshBoundary boundary(body.surface.positions_mm, body.surface.triangles, body.grid.origin_mm);

@@ -22,17 +22,19 @@ Colours Judgement::print() const {
     return mean;
 }
 
-std::vector<char> in_gamut(const slicer::SliceOptions& options, const Colours& target, double picture_thickness_mm) {
+void map_target(const slicer::SliceOptions& options, double picture_thickness_mm, Judgement& j) {
     slicer::SliceOptions flat = options;
     flat.depth_mm = 1;
     const slicer::PrinterProfile printer = slicer::find_printer(flat.printer);
     const slicer::LoadedResins resins = slicer::load_resins(flat, printer);
     Progress progress;
     const auto colour = slicer::prepare_colour(flat, resins, printer.pitch_mm(), picture_thickness_mm, progress);
-    std::vector<char> inside(target.size());
-    parallel_for(0, target.size(), 256,
-                 [&](std::size_t i) { inside[i] = colour->separation.mapping_distance(target[i]) < 1; });
-    return inside;
+    j.in_gamut.resize(j.target.size());
+    j.mapped.resize(j.target.size());
+    parallel_for(0, j.target.size(), 256, [&](std::size_t i) {
+        j.in_gamut[i] = colour->separation.mapping_distance(j.target[i]) < 1;
+        j.mapped[i] = j.in_gamut[i] ? j.target[i] : colour->separation.predicted(j.target[i]).cast<float>().eval();
+    });
 }
 
 Judgement judge_slab(const slicer::SliceOptions& options, const Effort& effort) {
@@ -54,7 +56,7 @@ Judgement judge_slab(const slicer::SliceOptions& options, const Effort& effort) 
     const slicer::JobBody body = slicer::prepare_body(options, slicer::find_printer(options.printer), progress);
     j.target = slicer::target_of_cells(j.surface, stack.volume.pitch_mm(), body.grid.origin_mm, body.surface,
                                        body.model.mesh, nullptr);
-    j.in_gamut = in_gamut(options, j.target, body.placement.extent_mm.z());
+    map_target(options, body.placement.extent_mm.z(), j);
 
     const auto start = std::chrono::steady_clock::now();
     const std::string digest = volume_digest(stack.volume);

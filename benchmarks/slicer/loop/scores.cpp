@@ -45,8 +45,14 @@ Scores score(const Judgement& j, const Eye& eye) {
     const auto through = [&](const halftone::EyeFilter& filter, std::span<const char> mask) {
         return compare(filter(j.target), {filter(j.half[0]), filter(j.half[1])}, mask);
     };
-    return {compare(j.target, j.half, j.in_gamut), compare(j.target, j.half, {}), through(eye.published, j.in_gamut),
-            through(eye.published, {}), through(eye.low_pass, j.in_gamut)};
+    Scores s;
+    s.cells_in_gamut = compare(j.target, j.half, j.in_gamut);
+    s.cells_all = compare(j.target, j.half, {});
+    s.eye_in_gamut = through(eye.published, j.in_gamut);
+    s.eye_all = through(eye.published, {});
+    s.eye_mapped = compare(eye.published(j.mapped), {eye.published(j.half[0]), eye.published(j.half[1])}, {});
+    s.low_pass_in_gamut = through(eye.low_pass, j.in_gamut);
+    return s;
 }
 
 }  // namespace voxtone::loop_benchmark

@@ -38,6 +38,8 @@ std::string slab_tables(const std::vector<SlabRow>& rows, const std::vector<std:
         error_table(rows, names, "After the eye filter at 300 mm, in-gamut pixels", &Scores::eye_in_gamut) +
         error_table(rows, names, "The same without the filter's negative surround", &Scores::low_pass_in_gamut) +
         error_table(rows, names, "Cells of 0.085 mm, in-gamut pixels", &Scores::cells_in_gamut) +
+        error_table(rows, names, "After the eye filter, all pixels, target mapped into the gamut",
+                    &Scores::eye_mapped) +
         error_table(rows, names, "After the eye filter, all pixels", &Scores::eye_all) +
         error_table(rows, names, "Cells of 0.085 mm, all pixels", &Scores::cells_all);
     text += fmt::format(

@@ -19,6 +19,9 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double page_width_mm = 20, page_px_per_mm = 40;
+/// Linear light of black on white: L* 15.5, as black ink on paper, and just within the gamut of 1 mm of Vero Black, so
+/// that letters count among the in-gamut pixels.
+constexpr double ink_light = 0.02;
 
 /// Linear sRGB of a place; y points up.
 using Paint = std::function<Eigen::Vector3d(double x, double y)>;
@@ -74,8 +77,8 @@ struct TextPage {
         const auto columns = static_cast<std::size_t>(std::lround(width * px_per_mm));
         const std::size_t i = static_cast<std::size_t>(x * px_per_mm),
                           j = static_cast<std::size_t>((height - y) * px_per_mm);
-        return Eigen::Vector3d::Constant(1 -
-                                         0.99 * static_cast<double>(ink[std::min(j * columns + i, ink.size() - 1)]));
+        return Eigen::Vector3d::Constant(1 - (1 - ink_light) *
+                                                 static_cast<double>(ink[std::min(j * columns + i, ink.size() - 1)]));
     }
     std::vector<float> ink;
 };
@@ -87,7 +90,7 @@ Eigen::Vector3d siemens_star(double x, double y) {
     if (r > radius) return Eigen::Vector3d::Ones();
     if (r < hub) return Eigen::Vector3d::Constant(0.5);
     const double turn = std::atan2(y - 7, x - 10) / (2 * std::numbers::pi) * 36;
-    return Eigen::Vector3d::Constant(turn - std::floor(turn) < 0.5 ? 0.01 : 1.0);
+    return Eigen::Vector3d::Constant(turn - std::floor(turn) < 0.5 ? ink_light : 1.0);
 }
 
 /// Source: sRGB codes that GretagMacbeth published for the ColorChecker chart of 24 patches (C. S. McCamy, H. Marcus,

@@ -41,6 +41,15 @@ int find_number(const nlohmann::json& json, const std::string& name) {
     return -1;
 }
 
+/// Keeps what the job says on its way: the loop's iterations.
+class NotingProgress : public Progress {
+public:
+    std::vector<std::string> notes;
+
+protected:
+    void on_note(const std::string& note) override { notes.push_back(note); }
+};
+
 std::string text_of(const std::filesystem::path& file) {
     const auto bytes = io::read_whole_file(file, std::uint64_t{1} << 26);
     return {bytes.begin(), bytes.end()};
@@ -95,7 +104,7 @@ Print make_print(const slicer::SliceOptions& wanted, bool reuse) {
         }
     }
     std::filesystem::remove_all(folder);
-    Progress progress;
+    NotingProgress progress;
     const auto start = std::chrono::steady_clock::now();
     const double cores_before = core_seconds();
     const slicer::SliceResult result = slicer::run_slice_job(print.options, progress);
@@ -105,7 +114,8 @@ Print make_print(const slicer::SliceOptions& wanted, bool reuse) {
     const nlohmann::json record{{"job", nlohmann::json::parse(job)},
                                 {"seconds", print.seconds},
                                 {"core_seconds", print.core_seconds},
-                                {"iterations", print.iterations}};
+                                {"iterations", print.iterations},
+                                {"notes", progress.notes}};
     io::write_whole_file(done, record.dump(1));
     return print;
 }
