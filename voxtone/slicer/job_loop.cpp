@@ -34,6 +34,8 @@ halftone::Intent parse_intent(const std::string& name) {
 std::unique_ptr<const optics::AppearanceModel> loop_model(const SliceOptions& options, std::uint64_t memory_bytes) {
     ModelOptions quality;
     quality.cell_mm = options.predict_cell_mm;
+    quality.viewing_cells = true;
+    quality.colour_mm = options.depth_mm;
     quality.memory_bytes = memory_bytes;
     quality.seed = options.seed;
     constexpr std::uint32_t paths = 256;  // noise goes straight into the halftone
