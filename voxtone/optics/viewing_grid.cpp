@@ -274,6 +274,7 @@ struct ViewingGrid::Builder {
             next_front.clear();
             for (const Place& at : front)
                 for_each({3, 3, 3}, [&](const Place& k) {
+                    if (k[0] != 1 && k[1] != 1 && k[2] != 1) return;  // across a face or an edge
                     const Place to{at[0] + k[0] - 1, at[1] + k[1] - 1, at[2] + k[2] - 1};
                     for (std::size_t a = 0; a < 3; ++a)
                         if (to[a] < 0 || to[a] >= grid.lattice[a]) return;
@@ -493,37 +494,13 @@ struct ViewingGrid::Builder {
         return sum;
     }
 
-    void pool() {
+    /// Blocks with faces of a slanting surface: there light passes corners of the staircase.
+    void find_regions() {
         for (const std::uint32_t b : grid.transport_blocks) {
             GridBlock& block = grid.blocks[b];
             bool flat = true;
             for (std::size_t f = block.first_face; f < block.first_face + block.faces; ++f) flat &= grid.law_of(f).flat;
-            if (flat) continue;
-            block.first_region = static_cast<std::int32_t>(grid.regions);
-            grid.regions += 8;
-        }
-        grid.pool_out.assign(grid.regions * 64, 0.0f);
-        grid.pool_in.assign(grid.regions * 64, 0.0f);
-        for (const std::uint32_t b : grid.transport_blocks) {
-            const GridBlock& block = grid.blocks[b];
-            if (block.first_region < 0) continue;
-            for (std::size_t f = block.first_face; f < block.first_face + block.faces; ++f) {
-                const FaceLaw& law = grid.law_of(f);
-                if (law.flat) continue;
-                const OuterFace& face = grid.faces[f];
-                const Octet& cosine = grid.directions.cosine[static_cast<std::size_t>(face.facing) / 2];
-                const std::size_t region = (static_cast<std::size_t>(block.first_region) + face.region_in_block) * 64;
-                for (int signs = 0; signs < 4; ++signs) {
-                    const auto slot = static_cast<std::size_t>(signs);
-                    const std::size_t out = region + static_cast<std::size_t>(leaving_octant(face.facing, signs)) * 8,
-                                      in = region + static_cast<std::size_t>(entering_octant(face.facing, signs)) * 8;
-                    for (std::size_t d = 0; d < 8; ++d) {
-                        const float flux = grid.directions.weight.v[d] * cosine.v[d] * face.area_mm2;
-                        grid.pool_out[out + d] += flux * law.left_over(slot, d);
-                        grid.pool_in[in + d] += flux * law.room(slot, d);
-                    }
-                }
-            }
+            if (!flat) block.first_region = 0;
         }
     }
 };
@@ -540,7 +517,7 @@ ViewingGrid::ViewingGrid(const Scene& scene, const std::array<int, 3>& view_voxe
     builder.find_blocks(colour_mm, also);
     builder.list_faces();
     builder.find_laws();
-    builder.pool();
+    builder.find_regions();
     std::vector<std::uint8_t> wanted;
     const bool filled = fill(*scene.volume, wanted);
     VOXTONE_ENSURE(filled);

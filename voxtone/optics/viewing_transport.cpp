@@ -52,7 +52,6 @@ ViewingTransport::ViewingTransport(const ViewingGrid& viewing, const TransportOp
     core_z_.resize(core_phi_.size());
     in_.resize(4 * faces);
     out_.resize(4 * faces);
-    pooled_.resize(grid_.regions * 64);
     core_sum_.resize(faces);
     flux_.resize(faces);
     flux_change_.resize(faces);
@@ -290,47 +289,52 @@ void ViewingTransport::enter(bool start) {
 void ViewingTransport::reflect() {
     parallel_for(0, grid_.transport_blocks.size(), grain, [&](std::size_t t) {
         const GridBlock& block = grid_.blocks[grid_.transport_blocks[t]];
-        pool(block);
+        Pool passing;
+        pool(block, passing);
         for (std::size_t face = block.first_face; face < block.first_face + block.faces; ++face)
-            for (std::size_t slot = 0; slot < 4; ++slot) in_[face * 4 + slot] = returned(block, face, slot);
+            for (std::size_t slot = 0; slot < 4; ++slot) in_[face * 4 + slot] = returned(passing, face, slot);
     });
 }
 
-/// Mean radiance of the light that passes corners of the staircase, per region and direction.
-void ViewingTransport::pool(const GridBlock& block) {
+/// Mean radiance of the light that passes corners of the staircase, per region and direction (transport_directions.h).
+void ViewingTransport::pool(const GridBlock& block, Pool& pool) const {
     if (block.first_region < 0) return;
-    const auto first = static_cast<std::size_t>(block.first_region) * 64;
-    std::fill_n(pooled_.begin() + static_cast<std::ptrdiff_t>(first), 8 * 64, 0.0f);
+    std::array<float, 512> leaves{}, room{};
+    pool.fill(0);
     for (std::size_t f = block.first_face; f < block.first_face + block.faces; ++f) {
         const FaceLaw& law = grid_.law_of(f);
         if (law.flat) continue;
         const OuterFace& face = grid_.faces[f];
         const Octet& w = flux_weight_[static_cast<std::size_t>(face.facing) / 2];
-        float* const to = pooled_.data() + first + std::size_t{face.region_in_block} * 64;
-        for (std::size_t slot = 0; slot < 4; ++slot)
-            for (std::size_t d = 0; d < 8; ++d)
-                to[static_cast<std::size_t>(leaving_octant(face.facing, static_cast<int>(slot))) * 8 + d] +=
-                    w.v[d] * face.area_mm2 * law.left_over(slot, d) * out_[f * 4 + slot].v[d];
+        const std::size_t region = std::size_t{face.region_in_block} * 64;
+        for (std::size_t slot = 0; slot < 4; ++slot) {
+            const std::size_t out = region + static_cast<std::size_t>(leaving_octant(face.facing, static_cast<int>(slot))) * 8,
+                              in = region + static_cast<std::size_t>(entering_octant(face.facing, static_cast<int>(slot))) * 8;
+            for (std::size_t d = 0; d < 8; ++d) {
+                const float flux = w.v[d] * face.area_mm2, passes = flux * std::max(0.0f, 1 - law.through[slot].v[d] - law.mirror[slot].v[d]);
+                leaves[out + d] += passes;
+                room[in + d] += flux * std::max(0.0f, 1 - law.through[slot ^ 3].v[d] - law.mirror[slot].v[d]);
+                pool[out + d] += passes * out_[f * 4 + slot].v[d];
+            }
+        }
     }
     // From fluxes to radiances for the room that there is: of the same direction first, the surplus everywhere.
-    for (std::size_t region = first; region < first + 8 * 64; region += 64) {
+    for (std::size_t region = 0; region < 512; region += 64) {
         float surplus = 0, lack = 0;
         for (std::size_t k = region; k < region + 64; ++k) {
-            const float out = grid_.pool_out[k], in = grid_.pool_in[k];
-            if (out > in) surplus += (1 - in / out) * pooled_[k];
-            else lack += in - out;
+            if (leaves[k] > room[k]) surplus += (1 - room[k] / leaves[k]) * pool[k];
+            else lack += room[k] - leaves[k];
         }
         const float everywhere = lack > 1e-12f ? surplus / lack : 0;
         for (std::size_t k = region; k < region + 64; ++k) {
-            const float out = grid_.pool_out[k], in = grid_.pool_in[k];
-            if (out > in) pooled_[k] /= out;
-            else if (in > 0) pooled_[k] = (pooled_[k] + (in - out) * everywhere) / in;
+            if (leaves[k] > room[k]) pool[k] /= leaves[k];
+            else if (room[k] > 0) pool[k] = (pool[k] + (room[k] - leaves[k]) * everywhere) / room[k];
         }
     }
 }
 
 /// Radiance that comes in through a face, given what goes out.
-Octet ViewingTransport::returned(const GridBlock& block, std::size_t face, std::size_t slot) const {
+Octet ViewingTransport::returned(const Pool& pool, std::size_t face, std::size_t slot) const {
     const OuterFace& outer = grid_.faces[face];
     const auto axis = static_cast<std::size_t>(outer.facing) / 2;
     Octet in;
@@ -359,9 +363,9 @@ Octet ViewingTransport::returned(const GridBlock& block, std::size_t face, std::
     const Octet &back = law.through[slot ^ 3], &mirror = law.mirror[slot], &out = out_[face * 4 + slot];
     for (std::size_t d = 0; d < 8; ++d) in.v[d] = mirror.v[d] * out.v[d] + back.v[d] * radiance;
     if (law.flat) return in;
-    const std::size_t from = (static_cast<std::size_t>(block.first_region) + outer.region_in_block) * 64 +
+    const std::size_t from = std::size_t{outer.region_in_block} * 64 +
                              static_cast<std::size_t>(entering_octant(outer.facing, static_cast<int>(slot))) * 8;
-    for (std::size_t d = 0; d < 8; ++d) in.v[d] += law.room(slot, d) * pooled_[from + d];
+    for (std::size_t d = 0; d < 8; ++d) in.v[d] += law.room(slot, d) * pool[from + d];
     return in;
 }
 
@@ -391,13 +395,14 @@ void ViewingTransport::correct() {
     // What the surface will send back, and what the core got and gave.
     parallel_for(0, grid_.transport_blocks.size(), grain, [&](std::size_t t) {
         const GridBlock& block = grid_.blocks[grid_.transport_blocks[t]];
-        pool(block);
+        Pool passing;
+        pool(block, passing);
         for (std::size_t f = block.first_face; f < block.first_face + block.faces; ++f) {
             const OuterFace& face = grid_.faces[f];
             const Octet& w = flux_weight_[static_cast<std::size_t>(face.facing) / 2];
             float sum = 0;
             for (std::size_t slot = 0; slot < 4; ++slot) {
-                const Octet from = face.kind == FaceKind::core ? out_[f * 4 + slot] : returned(block, f, slot);
+                const Octet from = face.kind == FaceKind::core ? out_[f * 4 + slot] : returned(passing, f, slot);
                 for (std::size_t d = 0; d < 8; ++d) sum += w.v[d] * (from.v[d] - in_[f * 4 + slot].v[d]);
             }
             if (face.kind == FaceKind::core) core_sum_[f] = sum * face.area_mm2;
@@ -413,7 +418,8 @@ void ViewingTransport::correct() {
         core_right_[c.b] += flow;
     }
     make_equations(eased_, core_eased_);
-    solve_diffusion(options_.correction_tolerance, 30);
+    // One step leaves a tenth to a third of the residual; the next sweep makes more of the time that another would take.
+    solve_diffusion(0, 1);
 }
 
 void ViewingTransport::solve(const Media& media, ViewingField& field, int sweeps, TransportSummary& summary, const Progress* progress) {
@@ -451,7 +457,7 @@ void ViewingTransport::solve(const Media& media, ViewingField& field, int sweeps
 
 std::size_t ViewingTransport::memory_bytes() const {
     const auto of = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
-    return of(source_) + of(sum_) + of(other_) + of(core_phi_) + of(core_x_) + of(core_right_) + of(in_) + of(out_) + of(pooled_) +
+    return of(source_) + of(sum_) + of(other_) + of(core_phi_) + of(core_x_) + of(core_right_) + of(in_) + of(out_) +
            of(core_sum_) + of(flux_) + of(flux_change_) + diffusion_.memory_bytes();
 }
 

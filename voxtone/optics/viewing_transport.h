@@ -78,8 +78,9 @@ private:
     void reflect();
     void sweep();
     void correct();
-    void pool(const GridBlock& block);
-    [[nodiscard]] Octet returned(const GridBlock& block, std::size_t face, std::size_t slot) const;
+    using Pool = std::array<float, 512>;  ///< of a block: [region][octant][direction]
+    void pool(const GridBlock& block, Pool& pool) const;
+    [[nodiscard]] Octet returned(const Pool& pool, std::size_t face, std::size_t slot) const;
 
     const ViewingGrid& viewing_;
     const OpticalGrid& grid_;
@@ -99,7 +100,6 @@ private:
     std::vector<float> core_phi_, core_x_, core_right_, core_p_, core_z_;
     int steps_ = 0;                           ///< of the diffusion solves
     std::vector<Octet> in_, out_;             ///< [face * 4 + tangential signs]
-    std::vector<float> pooled_;               ///< [region * 64 + octant * 8 + direction]: radiance that passes corners
     std::vector<float> core_sum_;             ///< per face to the core: net current into it
     std::vector<float> flux_, flux_change_;   ///< per face
     double last_change_ = 0;
