@@ -10,6 +10,7 @@
 
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/parallel.h"
+#include "voxtone/optics/transport_sweep.h"
 
 namespace voxtone::optics {
 namespace {
@@ -366,10 +367,12 @@ struct ViewingGrid::Builder {
                         if (other.kind != BlockKind::core) continue;
                         face.kind = FaceKind::core;
                         face.beyond = other.first_node;
+                        self.place_of_face.push_back(into_core | static_cast<std::uint32_t>(self.core_faces.size()));
                         self.core_faces.push_back(static_cast<std::uint32_t>(grid.faces.size()));
                     } else {
                         face.kind = kind_of(next, f);
-                        if (face.kind != FaceKind::mirror) self.light_faces.push_back(static_cast<std::uint32_t>(grid.faces.size()));
+                        self.place_of_face.push_back(static_cast<std::uint32_t>(self.open_faces.size()));
+                        self.open_faces.push_back(static_cast<std::uint32_t>(grid.faces.size()));
                         if (fill_at(next) > 0 && receiver(next) == cell) {
                             Place from{};
                             for (std::size_t a = 0; a < 3; ++a) from[a] = next[a] * view[a] - grid.shift_voxels[a];
@@ -409,9 +412,10 @@ struct ViewingGrid::Builder {
         }
         grid.law.assign(grid.faces.size(), 0);
         std::map<std::array<int, 3>, std::uint32_t> known;
-        for (const std::uint32_t f : self.light_faces) {
+        for (const std::uint32_t f : self.open_faces) {
             const OuterFace& face = grid.faces[f];
             const auto axis = static_cast<std::size_t>(face.facing) / 2;
+            if (face.kind == FaceKind::mirror) continue;
             grid.law[f] = 1 + static_cast<std::uint32_t>(axis);
             if (face.kind != FaceKind::light) continue;
             const float sign = static_cast<int>(face.facing) % 2 ? 1.0f : -1.0f;
@@ -887,7 +891,7 @@ void ViewingGrid::take_palette(const ResinVolume& volume, bool coarse, bool& ful
 
 std::size_t ViewingGrid::memory_bytes() const {
     const auto of = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
-    return grid.memory_bytes() + of(core_block) + of(core_faces) + of(light_faces) + of(blocks_by_parity[0]) +
+    return grid.memory_bytes() + of(core_block) + of(core_faces) + of(open_faces) + of(place_of_face) + of(blocks_by_parity[0]) +
            of(blocks_by_parity[1]) + of(donors_) + of(donors_of_);
 }
 

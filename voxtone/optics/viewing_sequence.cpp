@@ -98,8 +98,8 @@ void ViewingSequence::carry_over(const ViewingGrid& from) {
                 next.core[to.first_node] = static_cast<float>(sum / 64);
             }
         }
-        // Blocks with faces to the light are the same in both, and so is their order.
-        VOXTONE_ENSURE(from.light_faces.size() == grid_->light_faces.size());
+        // Blocks with open faces are the same in both, and so is their order.
+        VOXTONE_ENSURE(from.open_faces.size() == grid_->open_faces.size());
         next.out = std::move(field.out);
         field = std::move(next);
     }
