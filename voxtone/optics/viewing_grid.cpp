@@ -889,6 +889,16 @@ void ViewingGrid::take_palette(const ResinVolume& volume, bool coarse, bool& ful
     });
 }
 
+void ViewingGrid::shrink() {
+    grid.blocks.shrink_to_fit();
+    grid.transport_blocks.shrink_to_fit();
+    grid.face_of_cell.shrink_to_fit();
+    grid.faces.shrink_to_fit();
+    for (auto* list : {&core_block, &core_faces, &open_faces, &place_of_face, &blocks_by_parity[0], &blocks_by_parity[1], &donors_of_})
+        list->shrink_to_fit();
+    donors_.shrink_to_fit();
+}
+
 std::size_t ViewingGrid::memory_bytes() const {
     const auto of = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
     return grid.memory_bytes() + of(core_block) + of(core_faces) + of(open_faces) + of(place_of_face) + of(blocks_by_parity[0]) +

@@ -45,6 +45,8 @@ public:
 
     [[nodiscard]] std::size_t cells() const { return grid.medium.size(); }
     [[nodiscard]] std::size_t memory_bytes() const;
+    /// Frees what the vectors hold in reserve.
+    void shrink();
 
     /// Its palette is of mixtures whose shares add up to resin / volume of the cell. No nodes; `node` of a face is its cell,
     /// `beyond` a core node.

@@ -67,6 +67,11 @@ ViewingTransport::ViewingTransport(const ViewingGrid& viewing, const TransportOp
             }
 }
 
+std::size_t ViewingTransport::bytes_for(const ViewingGrid& grid, std::size_t channels) {
+    return grid.cells() * (3 * sizeof(Moments) + channels * sizeof(ViewingField::Code) + 8) + grid.open_faces.size() * (8 * sizeof(Octet) + 64 * channels + 8) +
+           grid.core_faces.size() * 32 + (grid.cells() / 64 + grid.core_block.size()) * 200;
+}
+
 float ViewingTransport::furnace_flux(std::size_t face) const { return sums_[grid_.law[face]].through * grid_.faces[face].area_mm2; }
 
 float ViewingTransport::phi(std::size_t cell) const { return source_[cell].phi / media_->cells[grid_.medium[cell]].sigma_s; }

@@ -42,6 +42,8 @@ struct ViewingField {
 class ViewingTransport {
 public:
     ViewingTransport(const ViewingGrid& grid, const TransportOptions& options);
+    /// What it will take about, with fields of so many channels.
+    [[nodiscard]] static std::size_t bytes_for(const ViewingGrid& grid, std::size_t channels);
 
     /// Media of the grid's palette and of core blocks, by material; index 0 is air. Starts from `field`, or with a diffusion
     /// solve where it is empty; leaves the new field there.
