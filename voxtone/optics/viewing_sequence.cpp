@@ -130,7 +130,7 @@ Appearance ViewingSequence::next(const ResinVolume& volume, const Progress* prog
     const ResinSet& resins = *scene_.resins;
     const std::size_t channels = resins.channels.size();
     const HalftoneMedium halftone(resins, grid.pitch_mm, from_above_ ? SeenFrom::above : SeenFrom::all_sides);
-    const auto media_of = shared_media(grid.directions, grid.edge_mm(BlockKind::skin));
+    const auto media_of = shared_media(grid.directions, grid.edge_mm(BlockKind::skin), viewing_theta);
     Appearance appearance;
     appearance.channels = channels;
     appearance.value.assign(surface_.cells.size() * channels, 0.0f);
