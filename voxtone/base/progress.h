@@ -34,6 +34,8 @@ public:
 
     /// Safe to call from a signal handler.
     void cancel() noexcept { cancelled_ = true; }
+    /// After a request to stop was met with a result: the work goes on to bring it home.
+    void forgive() noexcept { cancelled_ = false; }
     [[nodiscard]] bool cancelled() const noexcept { return cancelled_; }
     void check_cancelled() const {
         if (cancelled_) throw Cancelled();

@@ -63,6 +63,8 @@ public:
     /// Mixtures of n colours, given as separate arrays of linear sRGB channels; the hot path.
     void mixtures(const float* red, const float* green, const float* blue, std::size_t n, CumulativeMixture* out) const;
 
+    /// Shares of one colour, max_resins of them; their sum is near 1.
+    void shares(const Eigen::Vector3f& rgb, float* out) const { lattice_shares(view(), rgb.x(), rgb.y(), rgb.z(), out); }
     /// Fractions of one colour; they sum to 1.
     [[nodiscard]] std::vector<double> fractions(const Eigen::Vector3f& rgb) const;
     /// The colour that the forward model gives for `fractions(rgb)`: linear sRGB, media-relative.

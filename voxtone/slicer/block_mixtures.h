@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// The mixtures that the shell voxels of one block ask for: target colour at the nearest surface point, separated.
+// The mixtures that the shell voxels of one block ask for: target colour at the nearest surface point, separated; or what
+// the appearance loop found for them.
 #pragma once
 
 #include <array>
 #include <cstddef>
 
 #include "voxtone/halftone/separation.h"
+#include "voxtone/slicer/skin_source.h"
 #include "voxtone/slicer/surface_colour.h"
 #include "voxtone/slicer/surface_shell.h"
 #include "voxtone/slicer/visible_surface.h"
@@ -22,10 +24,12 @@ void for_each_shell_voxel(const ShellBlock& block, Visit&& visit) {
 
 class BlockMixtures {
 public:
-    BlockMixtures(const VisibleSurface& surface, const SurfaceColour& colour, const halftone::Separation& separation)
-        : surface_(surface), colour_(colour), separation_(separation) {}
+    /// `skin`: null: separate the target colours.
+    BlockMixtures(const VisibleSurface& surface, const SurfaceColour& colour, const halftone::Separation& separation,
+                  const SkinSource* skin)
+        : surface_(surface), colour_(colour), separation_(separation), skin_(skin) {}
 
-    /// Looks up the target colours of the block; returns how many voxels there are.
+    /// Looks up what the voxels of the block ask for; returns how many there are.
     std::size_t gather(const ShellBlock& block);
     /// Separates them; valid until the next call of `gather`.
     const halftone::CumulativeMixture* separate();
@@ -35,6 +39,7 @@ private:
     const VisibleSurface& surface_;
     const SurfaceColour& colour_;
     const halftone::Separation& separation_;
+    const SkinSource* skin_;
     std::size_t count_ = 0;
     std::array<float, max_voxels> red_, green_, blue_;
     std::array<halftone::CumulativeMixture, max_voxels> mixture_;

@@ -70,7 +70,7 @@ LayerCounts LayerMaker::make_diffused(int slab, int first, int last, const Layer
     options.pitch_mm = {grid.pitch_mm.x(), grid.pitch_mm.y(), grid.pitch_mm.z()};
     options.seed = sources_.seed;
     halftone::ErrorDiffusion diffusion(width, height, static_cast<int>(sources_.separation.resins()), options);
-    const auto mixtures = std::make_unique<BlockMixtures>(sources_.surface, sources_.colour, sources_.separation);
+    const auto mixtures = std::make_unique<BlockMixtures>(sources_.surface, sources_.colour, sources_.separation, sources_.skin);
     FullLayer full(width, height);
     io::LayerRuns runs{std::uint32_t(width), std::uint32_t(height)};
     LayerCounts counts;

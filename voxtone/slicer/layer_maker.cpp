@@ -91,6 +91,7 @@ void screen_block(const LayerSources& s, const ShellBlock& block, const halftone
 }
 
 bool shows_core_only(const LayerSources& s) {
+    if (s.skin) return s.surface.triangles.empty();
     if (!s.colour.constant() || s.surface.triangles.empty()) return s.surface.triangles.empty();
     const Eigen::Vector3f rgb = s.colour.at(s.surface.source_triangle[0], 0, 0);
     halftone::CumulativeMixture mixture;
@@ -151,7 +152,7 @@ LayerCounts LayerMaker::make_screened(int slab, int first, int last, const Layer
     std::vector<io::LayerRuns> layers(std::size_t(last - first),
                                       io::LayerRuns(std::uint32_t(grid.size[0]), std::uint32_t(grid.size[1])));
     const int block_height = sources_.shell.block_size()[1], block_depth = sources_.shell.block_size()[2];
-    const auto mixtures = std::make_unique<BlockMixtures>(sources_.surface, sources_.colour, sources_.separation);
+    const auto mixtures = std::make_unique<BlockMixtures>(sources_.surface, sources_.colour, sources_.separation, sources_.skin);
     Strip strip;
     for (int bj = sources_.shell.block_rows() - 1; bj >= 0; --bj) {
         strip.reset(block_height * block_depth);

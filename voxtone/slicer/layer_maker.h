@@ -16,6 +16,7 @@
 #include "voxtone/halftone/blue_noise_screen.h"
 #include "voxtone/halftone/separation.h"
 #include "voxtone/io/layer_runs.h"
+#include "voxtone/slicer/skin_source.h"
 #include "voxtone/slicer/solid.h"
 #include "voxtone/slicer/surface_colour.h"
 #include "voxtone/slicer/surface_shell.h"
@@ -35,6 +36,7 @@ struct LayerSources {
     const halftone::BlueNoiseScreen* screen;  ///< null: error diffusion
     std::uint64_t seed;                       ///< of error diffusion
     io::Material core;                        ///< material of voxels below the shell
+    const SkinSource* skin = nullptr;         ///< the appearance loop's mixtures instead of the separation's
 };
 
 /// Counts of one or more slabs.

@@ -24,6 +24,8 @@ std::unique_ptr<const optics::AppearanceModel> make_model(const std::string& nam
         optics::TransportOptions transport;
         transport.sweeps = options.sweeps;
         transport.cell_mm = options.cell_mm;
+        transport.viewing_cells = options.viewing_cells;
+        transport.colour_mm = options.colour_mm;
         transport.memory_bytes = static_cast<std::size_t>(options.memory_bytes);
         return std::make_unique<optics::TransportPredictor>(transport);
     }

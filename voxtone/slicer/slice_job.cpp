@@ -2,7 +2,6 @@
 #include "voxtone/slicer/slice_job.h"
 
 #include <chrono>
-#include <cmath>
 #include <filesystem>
 #include <map>
 #include <mutex>
@@ -12,15 +11,16 @@
 #include <fmt/core.h>
 
 #include "voxtone/base/parallel.h"
-#include "voxtone/halftone/blue_noise_screen.h"
 #include "voxtone/io/layer_stack_writer.h"
 #include "voxtone/io/layer_thumbnail.h"
 #include "voxtone/io/whole_file.h"
 #include "voxtone/slicer/job_body.h"
 #include "voxtone/slicer/job_colour.h"
+#include "voxtone/slicer/job_loop.h"
 #include "voxtone/slicer/job_prediction.h"
 #include "voxtone/slicer/layer_maker.h"
 #include "voxtone/slicer/model_choice.h"
+#include "voxtone/slicer/print_parts.h"
 #include "voxtone/slicer/slice_report.h"
 
 namespace voxtone::slicer {
@@ -108,7 +108,7 @@ private:
 
 /// Reports of an earlier job in this folder do not describe this one.
 void remove_old_report(const std::filesystem::path& folder) {
-    for (const char* name : {"job.json", "report.json", "report.html", "target.png", "predicted.png", "difference.png", "target.exr",
+    for (const char* name : {"job.json", "report.json", "report.html", "target.png", "predicted.png", "difference.png", "open-loop.png", "target.exr",
                              "predicted.exr", "target.glb", "predicted.glb"}) {
         std::error_code not_there;
         std::filesystem::remove(folder / name, not_there);
@@ -124,9 +124,14 @@ std::vector<std::array<float, 3>> single_precision(const std::vector<Eigen::Vect
 
 /// Nothing, with a warning, where it needs more memory than allowed: the print is whole without it.
 std::optional<JobPrediction> predict_or_warn(const SliceOptions& options, PredictionPlan& plan, const JobBody& body, const LoadedResins& resins,
-                                             JobVolume& volume, Progress& progress) {
+                                             JobVolume& volume, const JobLoop* loop, Progress& progress) {
     try {
-        if (auto whole = volume.finish()) return predict_job(options, plan.model, body, resins, std::move(*whole), progress);
+        if (auto whole = volume.finish()) {
+            if (plan.model == loop_prediction) return prediction_of_loop(*loop, std::move(*whole));
+            JobPrediction prediction = predict_job(options, plan.model, body, resins, std::move(*whole), progress);
+            if (loop) prediction.open_loop = loop->result.state.open;
+            return prediction;
+        }
         plan.why_not = volume.why_not();
     } catch (const ResourceError& error) {
         plan.why_not = error.what();
@@ -134,6 +139,24 @@ std::optional<JobPrediction> predict_or_warn(const SliceOptions& options, Predic
     plan.why_not = "The print is not predicted: " + plan.why_not + ".";
     progress.warn(plan.why_not);
     return std::nullopt;
+}
+
+/// Null, with the reason, where there is no loop: the open loop is printed then.
+std::unique_ptr<const JobLoop> rearrange(const SliceOptions& options, const JobBody& body, const LoadedResins& resins, const JobColour& colour,
+                                         const PrintParts& parts, const std::filesystem::path& folder, std::string& why_not, Progress& progress) {
+    const LoopPlan plan = plan_loop(options, body, resins);
+    why_not = plan.why_not;
+    if (plan.iterations == 0) {
+        if (!why_not.empty()) progress.note(why_not);
+        return nullptr;
+    }
+    try {
+        return std::make_unique<const JobLoop>(options, plan, body, resins, colour, parts, folder, progress);
+    } catch (const ResourceError& error) {
+        why_not = fmt::format("The resins were not rearranged: {}.", error.what());
+        progress.warn(why_not);
+        return nullptr;
+    }
 }
 
 }  // namespace
@@ -160,25 +183,19 @@ SliceResult run_slice_job(const SliceOptions& options, Progress& progress) {
     io::LayerStackWriter writer(options.out, describe(printer, resins, body.grid, range), outputs_of(options, printer), options.overwrite);
     remove_old_report(options.out);
 
-    const Solid solid(body.solid_mesh, body.grid);
-    const SurfaceShell shell(body.surface, body.grid, options.depth_mm);
-    // Voxels are sampled at their centres: texture details finer than a voxel's footprint would alias.
-    const SurfaceColour surface_colour(body.model.mesh, std::sqrt(body.grid.pitch_mm.x() * body.grid.pitch_mm.y()));
-    std::optional<ThinFeatures> thin;
-    if (options.keep_thin) thin.emplace(body.solid_mesh, solid);
-    std::optional<halftone::BlueNoiseScreen> screen;
-    if (options.screen == "blue-noise")
-        screen.emplace(std::array{body.grid.pitch_mm.x(), body.grid.pitch_mm.y(), body.grid.pitch_mm.z()}, &progress);
-    const LayerMaker maker({.solid = solid, .thin = thin ? &*thin : nullptr, .surface = body.surface, .shell = shell, .colour = surface_colour,
-                            .separation = colour->separation, .screen = screen ? &*screen : nullptr, .seed = options.seed,
-                            .core = resins.core_material()});
+    const PrintParts parts(options, body, resins, *colour, progress);
+    std::string why_no_loop;
+    const auto loop = rearrange(options, body, resins, *colour, parts, writer.folder(), why_no_loop, progress);
+    figures.loop_s = watch.lap();
+    const LayerMaker maker(parts.sources(loop ? loop->skin() : nullptr));
     std::vector<io::Rgb> palette{printer.background_rgb};
     for (const io::StackResin& resin : resins.entries) palette.push_back(resin.rgb);
     Thumbnails thumbnails(range, body.grid, palette, options.report);
 
     // The volume and its white twin are held at once.
     std::optional<JobVolume> volume;
-    PredictionPlan plan = plan_prediction(options, body, range.first == 0 && range.last + 1 == body.grid.size[2]);
+    const bool reusable = loop && resins.set.channels.wavelengths_nm.empty();
+    PredictionPlan plan = plan_prediction(options, body, range.first == 0 && range.last + 1 == body.grid.size[2], reusable);
     if (!plan.model.empty()) volume.emplace(body.grid, memory_budget(options.memory_gib) / 2);
 
     std::mutex figures_mutex;
@@ -215,11 +232,11 @@ SliceResult run_slice_job(const SliceOptions& options, Progress& progress) {
     std::optional<JobPrediction> prediction;
     if (volume) {
         progress.end_stage();
-        prediction = predict_or_warn(options, plan, body, resins, *volume, progress);
+        prediction = predict_or_warn(options, plan, body, resins, *volume, loop.get(), progress);
         progress.begin_stage("report", 0);
     }
-    const ReportSources sources{options, printer, resins, body, *colour, surface_colour, stack,
-                                prediction ? &*prediction : nullptr, plan.why_not};
+    const ReportSources sources{options, printer, resins, body, *colour, parts.surface_colour(), stack,
+                                prediction ? &*prediction : nullptr, plan.why_not, loop.get(), why_no_loop, palette};
     io::Report report = make_report(sources, figures);
     if (options.report) {
         draw_report(sources, report, writer.folder(), progress);

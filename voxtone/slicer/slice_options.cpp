@@ -106,7 +106,7 @@ std::vector<std::string> models_or_none() {
 
 std::vector<OptionSpec> make_table() {
     using O = SliceOptions;
-    const std::string in = "Input and output", place = "Placement", colour = "Colour", body = "Body", predict = "Prediction", run = "Run";
+    const std::string in = "Input and output", place = "Placement", colour = "Colour", body = "Body", loop = "Appearance loop", predict = "Prediction", run = "Run";
     return {
         text(spec("model", Kind::text, "FILE", in, "textured mesh (OBJ, PLY, STL, glTF, GLB, 3MF) or picture"), &O::model),
         text(spec("out", Kind::text, "FOLDER", in, "output folder; nothing is written outside it"), &O::out),
@@ -151,6 +151,23 @@ std::vector<OptionSpec> make_table() {
                   {"black", "white", "none"}),
              &O::backing),
 
+        text(spec("iterations", Kind::text, "N", loop,
+                  fmt::format("how often the resins are rearranged after looking at the predicted print; 0: never; auto: until it stops gaining, for "
+                              "up to {:g} cm2 of coloured surface, else never",
+                              auto_loop_cm2)),
+             &O::iterations),
+        text(spec("intent", Kind::text, "NAME", loop,
+                  "relative: the target's white is the white resin; absolute: it is a body that absorbs nothing; contrast: relative, and where a "
+                  "limit is met the surroundings give way too, so that local contrast is kept",
+                  {"relative", "absolute", "contrast"}),
+             &O::intent),
+        length(spec("viewing-distance", Kind::length, "LENGTH", loop, "from where the print is looked at: what cannot be seen from there counts less"),
+               &O::viewing_distance_mm),
+        text(spec("loop-model", Kind::text, "MODEL", loop, "what predicts the print in the loop; monte-carlo is for slabs of a few mm",
+                  {model_names().begin(), model_names().end()}),
+             &O::loop_model),
+        flag(spec("resume", Kind::flag, "", loop, "go on with the loop of an interrupted job in the same output folder"), &O::resume),
+
         text(spec("repair", Kind::text, "HOW", body,
                   "broken meshes: off (refuse), auto (close holes; wrap what stays open) or wrap (always)",
                   {"off", "auto", "wrap"}),
@@ -180,6 +197,13 @@ std::span<const OptionSpec> slice_option_table() {
     return table;
 }
 
+int parse_iterations(const std::string& text) {
+    if (text == "auto") return -1;
+    const int n = parse_number<int>("iterations", text);
+    if (n < 0 || n > 1000) throw UsageError(fmt::format("--iterations {}: must be 0 to 1000, or auto", text));
+    return n;
+}
+
 LayerRange parse_layer_range(const std::string& text, int layers) {
     if (text.empty()) return {0, layers - 1};
     const std::size_t dash = text.find('-');
@@ -205,6 +229,8 @@ void validate(const SliceOptions& o) {
     need(o.thickness_mm > 0, "thickness", fmt::format("{}mm", o.thickness_mm), "must be above 0");
     need(o.depth_mm > 0 && o.depth_mm <= 10, "depth", fmt::format("{}mm", o.depth_mm), "must be above 0 and at most 10 mm");
     need(o.predict_cell_mm >= 0.01 && o.predict_cell_mm <= 5, "predict-cell", fmt::format("{}mm", o.predict_cell_mm), "must be 0.01 to 5 mm");
+    (void)parse_iterations(o.iterations);
+    need(o.viewing_distance_mm >= 10 && o.viewing_distance_mm <= 1e5, "viewing-distance", fmt::format("{}mm", o.viewing_distance_mm), "must be 10 mm to 100 m");
     need(o.memory_gib >= 0, "memory", fmt::format("{}", o.memory_gib), "must be above 0 GiB, or 0 for half of the machine's");
     need(o.threads >= 0 && o.threads <= 1024, "threads", fmt::format("{}", o.threads), "must be 0 to 1024");
     if (o.unit != "auto") (void)mm_per_unit(o.unit);

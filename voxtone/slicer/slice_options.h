@@ -39,6 +39,12 @@ struct SliceOptions {
     std::uint64_t seed = 1;
     std::string layers;  ///< "a-b", inclusive; empty: all
 
+    std::string iterations = "auto";      ///< of the appearance loop: a number, 0 for none; see job_loop.h
+    std::string intent = "relative";
+    double viewing_distance_mm = 300;
+    std::string loop_model = "transport";
+    bool resume = false;
+
     std::vector<std::string> formats;  ///< empty: the printer's default
     bool overwrite = false;
     bool report = true;
@@ -63,6 +69,12 @@ struct OptionSpec {
 };
 
 [[nodiscard]] std::span<const OptionSpec> slice_option_table();
+
+/// Coloured surface whose resins `slice` rearranges without being asked.
+inline constexpr double auto_loop_cm2 = 100;
+
+/// Most iterations of the loop; -1: until it stops gaining ("auto"). Throws UsageError.
+[[nodiscard]] int parse_iterations(const std::string& text);
 
 /// First and last layer that are asked for, inclusive.
 struct LayerRange {

@@ -26,7 +26,7 @@ namespace voxtone::slicer {
 
 /// What was measured while the job ran.
 struct JobFigures {
-    double read_s = 0, repair_s = 0, separation_s = 0, layers_s = 0, finish_s = 0, total_s = 0;
+    double read_s = 0, repair_s = 0, separation_s = 0, loop_s = 0, layers_s = 0, finish_s = 0, total_s = 0;
     double encode_s = 0;  ///< summed over threads, like those of `counts`
     LayerCounts counts;
     std::uint64_t layer_bytes = 0;
@@ -43,6 +43,9 @@ struct ReportSources {
     const io::StackDescription& stack;
     const JobPrediction* prediction;  ///< null: none was made
     const std::string& why_not;       ///< then: a sentence, or empty
+    const JobLoop* loop;              ///< null: none was made
+    const std::string& why_no_loop;   ///< then: a sentence, or empty
+    const std::vector<io::Rgb>& palette;  ///< background and resins, as the bitmaps colour them
 };
 
 /// Figures, gamut and warnings; no pictures.

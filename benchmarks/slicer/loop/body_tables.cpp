@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "body_tables.h"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace voxtone::loop_benchmark {
+namespace {
+
+/// Standard error of the mean of the windows' means, noise included.
+double sampling_error(const BodyJudgement& j, const Colours& target, const Colours& print, const std::vector<char>& mask) {
+    const std::vector<double> d = differences(target, print);
+    std::vector<double> sum(j.windows, 0), count(j.windows, 0);
+    for (std::size_t i = 0; i < d.size(); ++i)
+        if (mask[i]) sum[j.window[i]] += d[i], count[j.window[i]] += 1;
+    double n = 0, mean = 0, square = 0;
+    for (std::size_t w = 0; w < j.windows; ++w)
+        if (count[w] > 0) mean += sum[w] / count[w], n += 1;
+    if (n < 2) return 0;
+    mean /= n;
+    for (std::size_t w = 0; w < j.windows; ++w)
+        if (count[w] > 0) square += (sum[w] / count[w] - mean) * (sum[w] / count[w] - mean);
+    return std::sqrt(square / (n - 1) / n);
+}
+
+}  // namespace
+
+std::array<BodyFigures, 2> body_figures(const BodyJudgement& j, double viewing_distance_mm) {
+    const halftone::EyeFilter eye(j.cells.surface, viewing_distance_mm);
+    const Colours target = eye(j.cells.target);
+    const std::array<Colours, 2> half{eye(j.cells.half[0]), eye(j.cells.half[1])};
+    const Colours print = eye(j.cells.print());
+    std::array<BodyFigures, 2> figures;
+    for (std::size_t thin = 0; thin < 2; ++thin) {
+        std::vector<char> mask(j.inner.size());
+        for (std::size_t i = 0; i < mask.size(); ++i) mask[i] = j.inner[i] && j.cells.in_gamut[i] && static_cast<std::size_t>(j.thin[i]) == thin;
+        figures[thin] = {compare(target, half, mask), compare(j.cells.target, j.cells.half, mask), sampling_error(j, target, print, mask)};
+    }
+    return figures;
+}
+
+std::string body_table(const std::vector<BodyRow>& rows, const std::vector<std::string>& names) {
+    std::string text = fmt::format(
+        "\n**Bodies**, CIEDE2000 of in-gamut cells in windows drawn over the surface, {} -> {}; thin: less than 2 mm of body under the cell\n\n"
+        "| body | part | cells judged | as seen from 300 mm: mean (+- of sampling) | median | 95 % | cells of 0.085 mm: mean | seconds | core seconds | iterations |\n"
+        "|---|---|---|---|---|---|---|---|---|---|\n",
+        names[0], names[1]);
+    for (const BodyRow& r : rows)
+        for (std::size_t thin = 0; thin < 2; ++thin) {
+            const auto& f = thin ? r.thin : r.thick;
+            if (f[0].seen.cells == 0) continue;
+            text += fmt::format("| {} | {} | {} | {:.2f} (+- {:.2f}) -> {:.2f} (+- {:.2f}) | {:.2f} -> {:.2f} | {:.2f} -> {:.2f} | {:.2f} -> {:.2f} | {:.0f} -> {:.0f} | {:.0f} -> {:.0f} | {} |\n",
+                                r.name, thin ? "thin" : "thick", f[0].seen.cells, f[0].seen.mean, f[0].sampling, f[1].seen.mean, f[1].sampling,
+                                f[0].seen.median, f[1].seen.median, f[0].seen.percentile_95, f[1].seen.percentile_95, f[0].cells.mean, f[1].cells.mean,
+                                r.print[0].seconds, r.print[1].seconds, r.print[0].core_seconds, r.print[1].core_seconds,
+                                r.print[1].iterations >= 0 ? std::to_string(r.print[1].iterations) : "-");
+        }
+    return text;
+}
+
+}  // namespace voxtone::loop_benchmark

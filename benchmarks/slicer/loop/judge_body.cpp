@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "judge_body.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "traced.h"
+#include "voxtone/base/contracts.h"
+#include "voxtone/base/parallel.h"
+#include "voxtone/base/progress.h"
+#include "voxtone/base/random.h"
+#include "voxtone/halftone/surface_smoothing.h"
+#include "voxtone/optics/spectral_colour.h"
+#include "voxtone/slicer/job_body.h"
+#include "voxtone/slicer/mesh_boundary.h"
+#include "voxtone/slicer/stack_volume.h"
+#include "voxtone/slicer/target_cells.h"
+
+namespace voxtone::loop_benchmark {
+namespace {
+
+constexpr double thin_mm = 2, white_spread_mm = 0.3;
+
+Eigen::Vector3f vector_of(const std::array<float, 3>& a) { return {a[0], a[1], a[2]}; }
+
+/// Cells drawn by area.
+std::vector<std::size_t> draw_centres(const optics::Surface& surface, const WindowChoice& choice) {
+    std::vector<double> area(surface.cells.size() + 1, 0);
+    for (std::size_t i = 0; i < surface.cells.size(); ++i) area[i + 1] = area[i] + static_cast<double>(surface.cells[i].area_mm2);
+    std::vector<std::size_t> centres;
+    for (std::size_t w = 0; w < choice.windows; ++w) {
+        RandomStream random(choice.seed, w);
+        const auto at = std::upper_bound(area.begin() + 1, area.end(), random.uniform() * area.back());
+        centres.push_back(std::min(surface.cells.size() - 1, static_cast<std::size_t>(at - area.begin() - 1)));
+    }
+    return centres;
+}
+
+/// The part of the surface that the windows see, with cells and faces of its own.
+optics::Surface take_windows(const optics::Surface& whole, const WindowChoice& choice, BodyJudgement& j) {
+    optics::Surface part;
+    part.cell_voxels = whole.cell_voxels;
+    const std::vector<std::size_t> centres = draw_centres(whole, choice);
+    j.windows = centres.size();
+    for (std::size_t w = 0; w < centres.size(); ++w) {
+        const Eigen::Vector3f centre = vector_of(whole.cells[centres[w]].centre_mm), normal = vector_of(whole.cells[centres[w]].normal);
+        for (const optics::SurfaceCell& cell : whole.cells) {
+            const auto away = static_cast<double>((vector_of(cell.centre_mm) - centre).norm());
+            if (away > choice.radius_mm || vector_of(cell.normal).dot(normal) < 0.342F) continue;
+            optics::SurfaceCell copy = cell;
+            copy.first_face = static_cast<std::uint32_t>(part.faces.size());
+            for (std::uint32_t f = cell.first_face; f < cell.first_face + cell.faces; ++f) {
+                part.faces.push_back(whole.faces[f]);
+                part.face_normal.push_back(whole.face_normal[f]);
+            }
+            part.cells.push_back(copy);
+            j.window.push_back(static_cast<std::uint32_t>(w));
+            j.inner.push_back(away <= choice.radius_mm / 2);
+        }
+    }
+    return part;
+}
+
+/// Less than thin_mm from the cell through the body, against the normal, to the air behind.
+bool is_thin(const optics::ResinVolume& volume, const optics::SurfaceCell& cell) {
+    const auto& pitch = volume.pitch_mm();
+    for (double depth = 0.1; depth < thin_mm; depth += 0.02) {
+        std::array<int, 3> voxel{};
+        for (std::size_t a = 0; a < 3; ++a)
+            voxel[a] = static_cast<int>(std::floor((static_cast<double>(cell.centre_mm[a]) - depth * static_cast<double>(cell.normal[a])) / pitch[a]));
+        if (volume.at(voxel[0], voxel[1], voxel[2]) == optics::air) return true;
+    }
+    return false;
+}
+
+void smooth_white(const optics::Surface& surface, std::vector<float>& white, double cell_mm) {
+    std::vector<halftone::SurfacePoint> points;
+    for (const optics::SurfaceCell& c : surface.cells) points.push_back({c.centre_mm, c.normal, std::max(c.area_mm2, 1e-9F)});
+    std::vector<float> smooth(white.size());
+    halftone::SurfaceSmoothing(points, white_spread_mm, 0, cell_mm).apply(white, smooth, 3);
+    white = std::move(smooth);
+}
+
+}  // namespace
+
+BodyJudgement judge_body(const slicer::SliceOptions& options, const Effort& effort, const WindowChoice& choice) {
+    Progress progress;
+    const slicer::StackVolume stack = slicer::read_stack_volume({.stack = options.out}, progress);
+    VOXTONE_EXPECT(!stack.of_picture && stack.white >= 0 && stack.resins.channels.is_rgb());
+    const slicer::JobBody body = slicer::prepare_body(options, slicer::find_printer(options.printer), progress);
+    const optics::Scene scene{.volume = &stack.volume, .resins = &stack.resins};
+    const optics::Surface whole =
+        optics::find_surface(scene, optics::cell_voxels(stack.volume.pitch_mm(), effort.cell_mm), optics::SurfacePart::all);
+    BodyJudgement result;
+    result.surface_cells = static_cast<double>(whole.cells.size());
+    Judgement& j = result.cells;
+    j.surface = take_windows(whole, choice, result);
+    for (const optics::SurfaceCell& c : j.surface.cells) result.thin.push_back(is_thin(stack.volume, c));
+    j.target = slicer::target_of_cells(j.surface, stack.volume.pitch_mm(), body.grid.origin_mm, body.surface, body.model.mesh, nullptr);
+    j.in_gamut = in_gamut(options, j.target, 0);
+
+    const auto start = std::chrono::steady_clock::now();
+    const slicer::MeshBoundary boundary(body.surface.positions_mm, body.surface.triangles, body.grid.origin_mm);
+    const std::string digest = volume_digest(stack.volume);
+    // The boundary is a function of the model and of how it was placed.
+    const std::string boundary_name = fmt::format("{} {} {} triangles", options.model, options.size_mm, body.surface.triangles.size());
+    std::array<std::vector<float>, 2> value;
+    for (std::size_t h = 0; h < 2; ++h) value[h] = traced(scene, digest, j.surface, {effort.paths, h + 1, &boundary, boundary_name}, effort.cache);
+    const optics::ResinVolume twin = optics::all_of(stack.volume, static_cast<optics::Material>(stack.white + 1));
+    optics::Scene white_scene = scene;
+    white_scene.volume = &twin;
+    std::vector<float> white = traced(white_scene, volume_digest(twin), j.surface, {effort.white_paths, 3, &boundary, boundary_name}, effort.cache);
+    smooth_white(j.surface, white, effort.cell_mm);
+    j.trace_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    const Eigen::Matrix3f weights = optics::linear_srgb_weights({}).cast<float>();
+    for (std::size_t h = 0; h < 2; ++h)
+        for (std::size_t i = 0; i < j.surface.cells.size(); ++i) {
+            Eigen::Vector3f relative;
+            for (std::size_t c = 0; c < 3; ++c) relative[static_cast<Eigen::Index>(c)] = value[h][3 * i + c] / std::max(white[3 * i + c], 1e-6F);
+            j.half[h].push_back(weights * relative);
+        }
+    return result;
+}
+
+}  // namespace voxtone::loop_benchmark

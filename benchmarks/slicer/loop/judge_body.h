@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What a printed body looks like beside what was asked for, judged in windows: Monte Carlo of a whole body would take
+// hours.
+//
+// A window is what is seen of the surface within `radius_mm` of a cell drawn at random by area (normals less than 70
+// degrees apart). All cells of a window are traced, on the mesh as the body's boundary, relative to the same cells of the
+// body all of white (smoothed over the surface by a Gaussian of 0.3 mm, since white light is smooth); the eye filter sees
+// the window alone, so that its Gaussians wider than the window act on what of it there is. Judged are the cells in the
+// inner half of the radius: with the standard error of the mean over windows, which are independent of each other.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "judge_slab.h"
+
+namespace voxtone::loop_benchmark {
+
+struct BodyJudgement {
+    Judgement cells;                    ///< of all windows, one after the other
+    std::vector<std::uint32_t> window;  ///< per cell
+    std::vector<char> inner;            ///< per cell: judged
+    std::vector<char> thin;             ///< per cell: less than 2 mm of body under it, along the normal
+    std::size_t windows = 0;
+    double surface_cells = 0;  ///< of the whole body
+};
+
+struct WindowChoice {
+    std::size_t windows = 40;
+    double radius_mm = 1.0;
+    std::uint64_t seed = 1;
+};
+
+[[nodiscard]] BodyJudgement judge_body(const slicer::SliceOptions& options, const Effort& effort,
+                                       const WindowChoice& choice);
+
+}  // namespace voxtone::loop_benchmark

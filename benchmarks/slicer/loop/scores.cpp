@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scores.h"
+
+#include <algorithm>
+
+#include "voxtone/base/parallel.h"
+#include "voxtone/optics/colour.h"
+
+namespace voxtone::loop_benchmark {
+namespace {
+
+Eigen::Vector3d lab(const Eigen::Vector3f& rgb) { return optics::lab_from_linear_srgb(rgb.cwiseMax(0.0F).cast<double>()); }
+
+optics::DifferenceSummary summary(const Colours& a, const Colours& b, std::span<const char> mask) {
+    const std::vector<double> all = differences(a, b);
+    std::vector<double> counted;
+    for (std::size_t i = 0; i < all.size(); ++i)
+        if (mask.empty() || mask[i]) counted.push_back(all[i]);
+    return optics::summarize(counted);
+}
+
+}  // namespace
+
+std::vector<double> differences(const Colours& a, const Colours& b) {
+    std::vector<double> d(a.size());
+    parallel_for(0, a.size(), 1024, [&](std::size_t i) { d[i] = optics::ciede2000(lab(a[i]), lab(b[i])); });
+    return d;
+}
+
+Figures compare(const Colours& target, const std::array<Colours, 2>& half, std::span<const char> mask) {
+    Colours mean(target.size());
+    for (std::size_t i = 0; i < mean.size(); ++i) mean[i] = 0.5F * (half[0][i] + half[1][i]);
+    const auto m = summary(target, mean, mask), a = summary(target, half[0], mask), b = summary(target, half[1], mask);
+    const auto without_noise = [&](double optics::DifferenceSummary::*f) { return std::max(0.0, 2 * m.*f - (a.*f + b.*f) / 2); };
+    return {without_noise(&optics::DifferenceSummary::mean), without_noise(&optics::DifferenceSummary::median),
+            without_noise(&optics::DifferenceSummary::percentile_95), summary(half[0], half[1], mask).mean / 2, m.count};
+}
+
+Scores score(const Judgement& j, const Eye& eye) {
+    const auto through = [&](const halftone::EyeFilter& filter, std::span<const char> mask) {
+        return compare(filter(j.target), {filter(j.half[0]), filter(j.half[1])}, mask);
+    };
+    return {compare(j.target, j.half, j.in_gamut), compare(j.target, j.half, {}), through(eye.published, j.in_gamut),
+            through(eye.published, {}), through(eye.low_pass, j.in_gamut)};
+}
+
+}  // namespace voxtone::loop_benchmark

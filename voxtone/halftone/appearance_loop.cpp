@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/halftone/appearance_loop.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include <fmt/core.h>
+
+#include "voxtone/base/contracts.h"
+#include "voxtone/base/parallel.h"
+#include "voxtone/halftone/eye_filter.h"
+#include "voxtone/halftone/residual_feedback.h"
+#include "voxtone/optics/spectral_colour.h"
+
+namespace voxtone::halftone {
+
+namespace {
+
+using Colours = std::vector<Eigen::Vector3f>;
+
+double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+
+/// A model's answers as colours.
+class Viewer {
+public:
+    Viewer(const LoopTask& task, bool relative, const Progress& progress)
+        : channels_(task.scene.resins->channels.size()),
+          weights_(optics::linear_srgb_weights(task.scene.resins->channels.wavelengths_nm).cast<float>()) {
+        if (!relative) return;
+        const optics::ResinVolume twin = optics::all_of(*task.scene.volume, static_cast<optics::Material>(task.white_material));
+        optics::Scene scene = task.scene;
+        scene.volume = &twin;
+        white = task.model->predict(scene, *task.surface, &progress).value;
+    }
+    [[nodiscard]] Colours colours(const optics::Appearance& seen) const {
+        Colours rgb(seen.value.size() / channels_);
+        parallel_for(0, rgb.size(), 4096, [&](std::size_t i) {
+            Eigen::VectorXf value(static_cast<Eigen::Index>(channels_));
+            for (std::size_t c = 0; c < channels_; ++c) {
+                const std::size_t at = i * channels_ + c;
+                // A place without any light, which white can do nothing about, is black.
+                value[static_cast<Eigen::Index>(c)] = white.empty() ? seen.value[at] : white[at] > 0 ? seen.value[at] / white[at] : 0;
+            }
+            rgb[i] = weights_ * value;
+        });
+        return rgb;
+    }
+    std::vector<float> white;
+
+private:
+    std::size_t channels_;
+    Eigen::Matrix3Xf weights_;
+};
+
+/// Errors against the target as it was asked for, over the cells in the gamut.
+class Judge {
+public:
+    Judge(const optics::Surface& surface, std::span<const Eigen::Vector3f> target, const std::vector<char>& counts, double distance_mm)
+        : surface_(surface), eye_(surface, distance_mm, EyeSurround::none), target_(target), seen_target_(eye_.filter(target)), counts_(counts) {}
+
+    void operator()(const Colours& rgb, LoopStep& step) const {
+        step.cells = errors(target_, rgb);
+        step.seen = errors(seen_target_, eye_.filter(rgb));
+    }
+
+private:
+    [[nodiscard]] optics::DifferenceSummary errors(std::span<const Eigen::Vector3f> target, std::span<const Eigen::Vector3f> rgb) const {
+        std::vector<float> difference(target.size());
+        parallel_for(0, target.size(), 1024, [&](std::size_t i) {
+            const auto lab = [](const Eigen::Vector3f& v) { return optics::lab_from_linear_srgb(v.cast<double>().cwiseMax(0)); };
+            difference[i] = counts_[i] ? static_cast<float>(optics::ciede2000(lab(target[i]), lab(rgb[i]))) : 0;
+        });
+        return summary(difference);
+    }
+    [[nodiscard]] optics::DifferenceSummary summary(const std::vector<float>& difference) const {
+        std::vector<std::uint32_t> order;
+        for (std::size_t i = 0; i < difference.size(); ++i)
+            if (counts_[i]) order.push_back(static_cast<std::uint32_t>(i));
+        optics::DifferenceSummary s;
+        s.count = order.size();
+        if (order.empty()) return s;
+        std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+            return difference[a] != difference[b] ? difference[a] < difference[b] : a < b;
+        });
+        double area = 0, sum = 0, up_to = 0;
+        for (const std::uint32_t i : order) {
+            area += surface_.cells[i].area_mm2;
+            sum += surface_.cells[i].area_mm2 * difference[i];
+        }
+        s.mean = sum / area;
+        s.max = difference[order.back()];
+        s.median = s.percentile_95 = s.max;
+        bool half = false;
+        for (const std::uint32_t i : order) {
+            up_to += surface_.cells[i].area_mm2;
+            if (!half && up_to >= 0.5 * area) half = true, s.median = difference[i];
+            if (up_to >= 0.95 * area) {
+                s.percentile_95 = difference[i];
+                break;
+            }
+        }
+        return s;
+    }
+
+    const optics::Surface& surface_;
+    EyeFilter eye_;
+    std::span<const Eigen::Vector3f> target_;
+    Colours seen_target_;
+    const std::vector<char>& counts_;
+};
+
+/// Marks the cells whose target the resins can show; all where none is.
+std::vector<char> cells_in_gamut(const SurfaceFirst& recipes, std::span<const Eigen::Vector3f> target) {
+    constexpr double visible = 1;  // CIEDE2000
+    std::vector<char> in(target.size());
+    parallel_for(0, target.size(), 256, [&](std::size_t i) { in[i] = recipes.deepest().mapping_distance(target[i]) < visible; });
+    if (std::find(in.begin(), in.end(), 1) == in.end()) std::fill(in.begin(), in.end(), 1);
+    return in;
+}
+
+void expect_finite(std::span<const Eigen::Vector3f> target) {
+    for (const Eigen::Vector3f& rgb : target) VOXTONE_EXPECT(rgb.allFinite());
+}
+
+/// True where two steps in a row did not improve the best mean before them by 1 %.
+bool stopped_gaining(const std::vector<LoopStep>& steps) {
+    constexpr double gain = 0.99;
+    if (steps.size() < 4) return false;
+    double before = steps[0].seen.mean;
+    for (std::size_t i = 0; i + 2 < steps.size(); ++i) before = std::min(before, steps[i].seen.mean);
+    return std::min(steps[steps.size() - 1].seen.mean, steps[steps.size() - 2].seen.mean) > gain * before;
+}
+
+std::string report_line(const LoopState& state, int most) {
+    const LoopStep& step = state.steps.back();
+    const double left_s = std::max(0, most - step.iteration) * step.seconds;
+    return fmt::format("iteration {}: mean error as seen {:.2f}, median {:.2f} (open loop {:.2f}, {:.2f}), {:.1f} s; at most {:.0f} s left", step.iteration,
+                       step.seen.mean, step.seen.median, state.steps.front().seen.mean, state.steps.front().seen.median, step.seconds, left_s);
+}
+
+}  // namespace
+
+SkinMixtures mixtures_of(const SurfaceFirst& recipes, std::span<const Eigen::Vector3f> drive) {
+    SkinMixtures skin(drive.size(), recipes.layers().size(), recipes.resins());
+    parallel_for(0, drive.size(), 256, [&](std::size_t i) { recipes.recipe(drive[i], skin.cell(i)); });
+    return skin;
+}
+
+std::optional<SkinMixtures> LoopResult::best_mixtures(const SurfaceFirst& recipes) const {
+    if (state.best_drive.empty()) return std::nullopt;
+    return mixtures_of(recipes, state.best_drive);
+}
+
+LoopResult run_appearance_loop(const LoopTask& task, const LoopOptions& options, Progress& progress, const LoopListener& listener,
+                               const LoopState* resume) {
+    VOXTONE_EXPECT(task.model && task.scene.volume && task.surface && task.recipes && task.realise);
+    VOXTONE_EXPECT(task.target.size() == task.surface->cells.size());
+    expect_finite(task.target);
+    const SurfaceFirst& recipes = *task.recipes;
+    const auto into_gamut = [&](const Eigen::Vector3f& rgb) { return recipes.into_gamut(rgb); };
+    const int most = options.iterations < 0 ? most_iterations : options.iterations;
+
+    LoopResult result;
+    result.in_gamut = cells_in_gamut(recipes, task.target);
+    result.target.resize(task.target.size());
+    parallel_for(0, task.target.size(), 256, [&](std::size_t i) { result.target[i] = into_gamut(task.target[i]); });
+    const Viewer viewer(task, options.intent != Intent::absolute, progress);
+    result.white = viewer.white;
+    const Judge judge(*task.surface, task.target, result.in_gamut, options.viewing_distance_mm);
+    const auto sequence = task.model->sequence(task.scene, *task.surface);
+
+    LoopState& state = result.state;
+    double start = now();
+    const auto next = [&](const optics::ResinVolume& volume, double stuck_share) {
+        Colours rgb = viewer.colours(sequence->next(volume, &progress));
+        LoopStep step;
+        step.iteration = static_cast<int>(state.steps.size());
+        judge(rgb, step);
+        step.stuck_share = stuck_share;
+        step.seconds = now() - start;
+        start = now();
+        state.steps.push_back(step);
+        progress.note(report_line(state, most));
+        progress.advance();
+        return rgb;
+    };
+    progress.begin_stage("appearance loop", static_cast<std::uint64_t>(most) + 1, "predictions");
+    Colours rgb;
+    double stuck_share = 0;
+    const auto correct = [&] {
+        state.eased.resize(rgb.size());
+        const std::size_t stuck = feed_back(result.target, rgb, into_gamut, {}, state.drive, state.eased);
+        stuck_share = rgb.empty() ? 0 : double(stuck) / double(rgb.size());
+    };
+    if (resume) {
+        state = *resume;
+    } else {
+        rgb = next(*task.scene.volume, 0);
+        state.open = state.shown = rgb;
+        state.drive = result.target;
+        correct();
+        if (listener) listener(state);
+    }
+    try {
+        result.why_stopped = "all iterations were made";
+        while (static_cast<int>(state.steps.size()) <= most) {
+            {
+                const optics::ResinVolume volume = task.realise(mixtures_of(recipes, state.drive));
+                rgb = next(volume, stuck_share);
+            }
+            if (state.steps.back().seen.mean < state.steps[state.best].seen.mean) {
+                state.best = state.steps.size() - 1;
+                state.best_drive = state.drive;
+                state.shown = rgb;
+            }
+            if (options.iterations < 0 && stopped_gaining(state.steps)) {
+                result.why_stopped = "it stopped gaining";
+                break;
+            }
+            correct();
+            if (listener) listener(state);
+        }
+    } catch (const Cancelled&) {
+        result.cancelled = true;
+        result.why_stopped = "it was stopped";
+    }
+    progress.end_stage();
+    return result;
+}
+
+}  // namespace voxtone::halftone

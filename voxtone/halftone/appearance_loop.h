@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The appearance loop: resins rearranged until the print looks like its target.
+//
+//   distribute resins -> predict what will be seen -> compare with the target -> redistribute, again
+//   (Iser, Rittig, Wilkie 2025, Fig. 2; Elek et al. 2017; Sumin et al. 2019)
+//
+// The unknowns are mixtures by surface cell and depth (skin.h), made surface first (surface_first.h) from one colour per cell,
+// its drive; each step is residual_feedback.h. What is predicted are the voxels themselves, as the screen laid them: its error is
+// fed back like any other. Any AppearanceModel serves.
+//
+// Before the first step targets are mapped into the gamut of the resins on a thick body (the separation's mapping: hue
+// kept); what a place cannot show because of its neighbours or of what lies behind it is found out on the way and eased.
+//
+// Errors are CIEDE2000, media-relative, weighed by area, over the cells whose target lies in the gamut (all cells where none
+// does), as they are and after the eye filter (eye_filter.h). The best iterate is that of the smallest mean error after
+// the eye filter (without its negative surround); iteration 0 is the open loop, so the result is never worse than that as far as the model can see.
+//
+// Stops after `iterations`, or when two steps in a row did not improve the best mean by 1 %, or when it is cancelled: then with
+// the best iterate so far. Same bits for any number of threads.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "voxtone/base/progress.h"
+#include "voxtone/halftone/skin.h"
+#include "voxtone/halftone/surface_first.h"
+#include "voxtone/optics/appearance_model.h"
+#include "voxtone/optics/colour.h"
+
+namespace voxtone::halftone {
+
+enum class Intent {
+    relative,  ///< white of the target is the white resin at that place
+    absolute,  ///< white of the target is a body that absorbs nothing
+    contrast,  ///< as relative, but where a limit is met the neighbourhood gives way too, and local contrast is kept
+};
+
+struct LoopOptions {
+    int iterations = -1;               ///< most; -1: until it stops gaining
+    double viewing_distance_mm = 300;  ///< > 0
+    Intent intent = Intent::relative;
+};
+
+inline constexpr int most_iterations = 16;  ///< of a loop that has no limit
+
+struct LoopTask {
+    const optics::AppearanceModel* model = nullptr;
+    optics::Scene scene;  ///< its volume is the open loop's print
+    const optics::Surface* surface = nullptr;
+    const SurfaceFirst* recipes = nullptr;
+    std::span<const Eigen::Vector3f> target;  ///< linear sRGB per surface cell
+    int white_material = 1;                   ///< of the twin that media-relative values refer to
+    /// The print of these mixtures: same size and shape as the scene's volume.
+    std::function<optics::ResinVolume(const SkinMixtures&)> realise;
+};
+
+/// Errors of one iterate.
+struct LoopStep {
+    int iteration = 0;
+    optics::DifferenceSummary seen;  ///< after the eye filter
+    optics::DifferenceSummary cells; ///< as they are
+    double stuck_share = 0;          ///< of the cells, at their limits, in the step that made this iterate
+    double seconds = 0;              ///< of distributing and predicting
+};
+
+/// Enough to go on later.
+struct LoopState {
+    std::vector<LoopStep> steps;
+    std::size_t best = 0;                       ///< index into steps; 0: the open loop
+    std::vector<Eigen::Vector3f> drive;         ///< of the next iterate, per cell
+    std::vector<Eigen::Vector3f> best_drive;    ///< empty: the open loop
+    std::vector<Eigen::Vector3f> open, shown;   ///< predicted colours of the open loop and of the best iterate
+    std::vector<Eigen::Vector3f> eased;         ///< what the last step asked for
+};
+
+struct LoopResult {
+    LoopState state;
+    std::vector<Eigen::Vector3f> target;   ///< as it was mapped before the loop
+    std::vector<char> in_gamut;            ///< per cell
+    std::vector<float> white;              ///< appearance of the white twin; empty for the absolute intent
+    bool cancelled = false;
+    std::string why_stopped;
+    /// Empty: the open loop was best.
+    [[nodiscard]] std::optional<SkinMixtures> best_mixtures(const SurfaceFirst& recipes) const;
+};
+
+/// After each iteration, with all that is needed to go on.
+using LoopListener = std::function<void(const LoopState&)>;
+
+/// `resume`: a state of the same task. Throws what the model throws; Cancelled only before the open loop was predicted.
+[[nodiscard]] LoopResult run_appearance_loop(const LoopTask& task, const LoopOptions& options, Progress& progress,
+                                             const LoopListener& listener = {}, const LoopState* resume = nullptr);
+
+/// Mixtures of every cell for these drives.
+[[nodiscard]] SkinMixtures mixtures_of(const SurfaceFirst& recipes, std::span<const Eigen::Vector3f> drive);
+
+}  // namespace voxtone::halftone

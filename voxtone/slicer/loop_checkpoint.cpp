@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/slicer/loop_checkpoint.h"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <type_traits>
+#include <vector>
+
+#include <fmt/core.h>
+
+#include "voxtone/base/error.h"
+#include "voxtone/io/sha256.h"
+#include "voxtone/io/whole_file.h"
+
+namespace voxtone::slicer {
+
+namespace {
+
+// The file: magic, digest of the job, state, digest of all before. Native byte order: it is read where it was written.
+constexpr std::string_view magic = "voxtone-loop 1\n";
+constexpr std::size_t digest_size = 64;
+constexpr std::array<std::string_view, 9> free_options{"out", "overwrite", "report", "predict", "threads", "resume", "iterations", "formats", "layers"};
+
+struct Writer {
+    std::vector<std::uint8_t> bytes;
+    void raw(const void* data, std::size_t size) {
+        const auto* const from = static_cast<const std::uint8_t*>(data);
+        bytes.insert(bytes.end(), from, from + size);
+    }
+    template <class T>
+    void list(const std::vector<T>& values) {
+        const std::uint64_t count = values.size();
+        raw(&count, sizeof count);
+        for (const T& value : values) raw(&value, sizeof value);
+    }
+};
+
+struct Reader {
+    std::span<const std::uint8_t> bytes;
+    bool good = true;
+    void raw(void* to, std::size_t size) {
+        if (size > bytes.size()) {
+            good = false;
+            return;
+        }
+        std::memcpy(to, bytes.data(), size);
+        bytes = bytes.subspan(size);
+    }
+    template <class T>
+    void list(std::vector<T>& values) {
+        std::uint64_t count = 0;
+        raw(&count, sizeof count);
+        if (!good || count > bytes.size() / sizeof(T)) {
+            good = false;
+            return;
+        }
+        values.resize(count);
+        for (T& value : values) raw(&value, sizeof value);
+    }
+};
+
+/// Every part of a state, in the file's order, for reading and writing alike.
+template <class File, class State>
+void state_in(File& file, State& state) {
+    static_assert(std::is_trivially_copyable_v<halftone::LoopStep>);
+    auto best = static_cast<std::uint64_t>(state.best);
+    file.raw(&best, sizeof best);
+    if constexpr (!std::is_const_v<State>) state.best = static_cast<std::size_t>(best);
+    file.list(state.steps);
+    file.list(state.drive);
+    file.list(state.best_drive);
+    file.list(state.open);
+    file.list(state.shown);
+    file.list(state.eased);
+}
+
+template <class T>
+std::span<const std::uint8_t> bytes_of(std::span<const T> values) {
+    return {reinterpret_cast<const std::uint8_t*>(values.data()), values.size_bytes()};
+}
+
+}  // namespace
+
+LoopCheckpoint::LoopCheckpoint(const std::filesystem::path& folder, const SliceOptions& options, std::span<const Eigen::Vector3f> target)
+    : file_(folder / "loop.checkpoint"), cells_(target.size()) {
+    io::Sha256 job;
+    for (const OptionSpec& spec : slice_option_table()) {
+        if (std::find(free_options.begin(), free_options.end(), spec.key) != free_options.end()) continue;
+        const std::string text = spec.key + "=" + spec.get(options) + "\n";
+        job.update(bytes_of(std::span<const char>(text)));
+    }
+    job.update(bytes_of(target));
+    digest_ = job.finish();
+}
+
+void LoopCheckpoint::write(const halftone::LoopState& state) const {
+    Writer file;
+    file.raw(magic.data(), magic.size());
+    file.raw(digest_.data(), digest_.size());
+    state_in(file, state);
+    const std::string sum = io::sha256(file.bytes);
+    file.raw(sum.data(), sum.size());
+    io::write_whole_file(file_, file.bytes);
+}
+
+std::optional<halftone::LoopState> LoopCheckpoint::read(Progress& progress) const {
+    if (!std::filesystem::exists(file_)) {
+        progress.note("--resume: there is no loop.checkpoint in the output folder; the loop begins at its start");
+        return std::nullopt;
+    }
+    constexpr std::uint64_t most = std::uint64_t{1} << 34;
+    const std::vector<std::uint8_t> bytes = io::read_whole_file(file_, most);
+    const std::span<const std::uint8_t> all(bytes);
+    const std::size_t head = magic.size() + digest_size;
+    const auto broken = [&] {
+        return FileError(fmt::format("{}: is not whole, or no checkpoint of this program; remove it and start without --resume", file_.string()));
+    };
+    if (all.size() < head + digest_size || std::memcmp(all.data(), magic.data(), magic.size()) != 0) throw broken();
+    const auto body = all.first(all.size() - digest_size);
+    if (io::sha256(body) != std::string(all.end() - digest_size, all.end())) throw broken();
+    if (std::string(all.begin() + static_cast<std::ptrdiff_t>(magic.size()), all.begin() + static_cast<std::ptrdiff_t>(head)) != digest_)
+        throw InputError(fmt::format("{}: belongs to a job with another model or other options; --resume goes on with the same job only: give the "
+                                     "same options, or remove the file and start anew",
+                                     file_.string()));
+    halftone::LoopState state;
+    Reader file{body.subspan(head)};
+    state_in(file, state);
+    const auto fits = [&](const auto& list, bool may_lack) { return list.size() == cells_ || (may_lack && list.empty()); };
+    if (!file.good || !file.bytes.empty() || state.steps.empty() || state.best >= state.steps.size() || !fits(state.drive, false) ||
+        !fits(state.best_drive, true) || !fits(state.open, false) || !fits(state.shown, false) || !fits(state.eased, false))
+        throw broken();
+    progress.note(fmt::format("--resume: going on after iteration {}", state.steps.back().iteration));
+    return state;
+}
+
+void LoopCheckpoint::remove() const {
+    std::error_code not_there;
+    std::filesystem::remove(file_, not_there);
+}
+
+}  // namespace voxtone::slicer

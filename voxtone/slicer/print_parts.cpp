@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/slicer/print_parts.h"
+
+#include <array>
+#include <cmath>
+
+#include "voxtone/base/parallel.h"
+#include "voxtone/slicer/layer_volume.h"
+
+namespace voxtone::slicer {
+
+PrintParts::PrintParts(const SliceOptions& options, const JobBody& body, const LoadedResins& resins, const JobColour& colour, const Progress& progress)
+    : body_(body),
+      resins_(resins),
+      colour_(colour),
+      seed_(options.seed),
+      solid_(body.solid_mesh, body.grid),
+      shell_(body.surface, body.grid, options.depth_mm),
+      // Voxels are sampled at their centres: texture details finer than a voxel's footprint would alias.
+      surface_colour_(body.model.mesh, std::sqrt(body.grid.pitch_mm.x() * body.grid.pitch_mm.y())) {
+    if (options.keep_thin) thin_.emplace(body.solid_mesh, solid_);
+    if (options.screen == "blue-noise")
+        screen_.emplace(std::array{body.grid.pitch_mm.x(), body.grid.pitch_mm.y(), body.grid.pitch_mm.z()}, &progress);
+}
+
+LayerSources PrintParts::sources(const SkinSource* skin) const {
+    return {.solid = solid_, .thin = thin_ ? &*thin_ : nullptr, .surface = body_.surface, .shell = shell_, .colour = surface_colour_,
+            .separation = colour_.separation, .screen = screen_ ? &*screen_ : nullptr, .seed = seed_, .core = resins_.core_material(), .skin = skin};
+}
+
+optics::ResinVolume PrintParts::volume(const SkinSource* skin, std::uint64_t memory_bytes, const Progress& progress) const {
+    const LayerMaker maker(sources(skin));
+    const VoxelGrid& grid = body_.grid;
+    LayerVolume volume(LayerWindow{{}, grid.size}, {grid.pitch_mm.x(), grid.pitch_mm.y(), grid.pitch_mm.z()}, LayerVolume::same_materials(), memory_bytes);
+    const int layers = grid.size[2];
+    parallel_for(0, static_cast<std::size_t>((layers + maker.slab_layers() - 1) / maker.slab_layers()), 1,
+                 [&](std::size_t slab) {
+                     (void)maker.make(static_cast<int>(slab), 0, layers, [&](int k, const io::LayerRuns& layer) { volume.add(k, layer); });
+                 },
+                 &progress);
+    return volume.finish();
+}
+
+}  // namespace voxtone::slicer

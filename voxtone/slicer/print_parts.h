@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What the layers of a job are made of, made once: solid, coloured shell, target colours, screen. Layers come out of it as
+// often as they are asked for: to be written, or as the volume that a model looks at.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "voxtone/base/progress.h"
+#include "voxtone/halftone/blue_noise_screen.h"
+#include "voxtone/optics/resin_volume.h"
+#include "voxtone/slicer/job_body.h"
+#include "voxtone/slicer/job_colour.h"
+#include "voxtone/slicer/layer_maker.h"
+#include "voxtone/slicer/slice_options.h"
+#include "voxtone/slicer/solid.h"
+#include "voxtone/slicer/surface_colour.h"
+#include "voxtone/slicer/surface_shell.h"
+#include "voxtone/slicer/thin_features.h"
+
+namespace voxtone::slicer {
+
+class PrintParts {
+public:
+    /// Keeps references to all but the options.
+    PrintParts(const SliceOptions& options, const JobBody& body, const LoadedResins& resins, const JobColour& colour, const Progress& progress);
+    PrintParts(const PrintParts&) = delete;
+    PrintParts& operator=(const PrintParts&) = delete;
+
+    [[nodiscard]] const SurfaceColour& surface_colour() const { return surface_colour_; }
+    /// `skin`: null: the separation's mixtures.
+    [[nodiscard]] LayerSources sources(const SkinSource* skin) const;
+    /// All layers as a volume. Throws ResourceError where it takes more than `memory_bytes`.
+    [[nodiscard]] optics::ResinVolume volume(const SkinSource* skin, std::uint64_t memory_bytes, const Progress& progress) const;
+
+private:
+    const JobBody& body_;
+    const LoadedResins& resins_;
+    const JobColour& colour_;
+    std::uint64_t seed_;
+    Solid solid_;
+    SurfaceShell shell_;
+    SurfaceColour surface_colour_;
+    std::optional<ThinFeatures> thin_;
+    std::optional<halftone::BlueNoiseScreen> screen_;
+};
+
+}  // namespace voxtone::slicer
