@@ -12,6 +12,9 @@
 // The refractive surface reflects by mirror images of directions (transport_directions.h); media carry the albedo that
 // makes homogeneous half-spaces exact (transport_medium.h).
 //
+// Sequences. With `viewing_cells` everything is predicted on viewing cells and the light is kept from one prediction to the
+// next, for loops: viewing_sequence.h.
+//
 // Pieces. A body too large for the memory allowed is cut into boxes. For each the whole body is solved, but with transport
 // cells only in the box and a halo around it and with diffusion on a few nodes per block elsewhere, so that white still
 // carries light over any distance. What the halo leaves of the difference is stated in docs/predict.md.
@@ -40,7 +43,7 @@ struct TransportOptions {
     double cell_mm = 0.085;                   ///< viewing cell: sets the cells of the margin and of diffusion
     bool voxel_skin = true;                   ///< skin cells of one voxel; false: of one viewing cell
     bool viewing_cells = false;               ///< the whole prediction on viewing cells (viewing_sequence.h), ten times as fast
-    double colour_mm = 1;                     ///< with them: how deep below the surface colour is expected to come and go
+    double colour_mm = 0.8;                     ///< with them: how deep below the surface colour is expected to come and go
     int next_sweeps = 2;                      ///< with them: of the later predictions of a sequence, >= 1
     double finest_mm = 0.0425;                ///< skin voxels are cut along axes where they are longer; 0: never
     int margin_blocks = 2;                    ///< rings of 4 viewing cells of transport below the skin, >= 0
