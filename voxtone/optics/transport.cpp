@@ -212,13 +212,27 @@ private:
 
 }  // namespace
 
+namespace {
+
+/// None where viewing cells are not asked for, or a body takes more memory with them than is allowed: then it is predicted
+/// in pieces, on voxels.
+std::unique_ptr<ViewingSequence> viewing_sequence(const Scene& scene, const Surface& surface, const TransportOptions& options) {
+    if (!options.viewing_cells) return nullptr;
+    try {
+        return std::make_unique<ViewingSequence>(scene, surface, options);
+    } catch (const ResourceError&) {
+        return nullptr;
+    }
+}
+
+}  // namespace
+
 Appearance TransportPredictor::predict(const Scene& given, const Surface& given_surface, TransportSummary& summary,
                                        const Progress* progress) const {
     VOXTONE_EXPECT(given.volume && given.resins);
-    if (options_.viewing_cells) {
-        ViewingSequence sequence(given, given_surface, options_);
-        Appearance seen = sequence.next(*given.volume, progress);
-        summary = sequence.summary();
+    if (const auto sequence = viewing_sequence(given, given_surface, options_)) {
+        Appearance seen = sequence->next(*given.volume, progress);
+        summary = sequence->summary();
         return seen;
     }
     const CutScene cut(given, given_surface, options_);
@@ -243,8 +257,8 @@ Appearance TransportPredictor::predict(const Scene& given, const Surface& given_
 }
 
 std::unique_ptr<AppearanceSequence> TransportPredictor::sequence(const Scene& scene, const Surface& surface) const {
-    if (!options_.viewing_cells) return AppearanceModel::sequence(scene, surface);
-    return std::make_unique<ViewingSequence>(scene, surface, options_);
+    if (auto sequence = viewing_sequence(scene, surface, options_)) return sequence;
+    return AppearanceModel::sequence(scene, surface);
 }
 
 Appearance TransportPredictor::predict(const Scene& scene, const Surface& surface, const Derivative& derivative,

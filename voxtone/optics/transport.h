@@ -40,7 +40,7 @@ struct TransportOptions {
     double cell_mm = 0.085;                   ///< viewing cell: sets the cells of the margin and of diffusion
     bool voxel_skin = true;                   ///< skin cells of one voxel; false: of one viewing cell
     bool viewing_cells = false;               ///< the whole prediction on viewing cells (viewing_sequence.h), ten times as fast
-    double colour_mm = 1;                     ///< with them: how deep below the surface colour is expected to come and go
+    double colour_mm = 0.8;                     ///< with them: how deep below the surface colour is expected to come and go
     int next_sweeps = 2;                      ///< with them: of the later predictions of a sequence, >= 1
     double finest_mm = 0.0425;                ///< skin voxels are cut along axes where they are longer; 0: never
     int margin_blocks = 2;                    ///< rings of 4 viewing cells of transport below the skin, >= 0

@@ -33,6 +33,7 @@ struct Octant {
     V8 sx, sy, sz;                 ///< Omega
     V8 weights[4];                 ///< {w, w Omega} / 2 of directions 2 k and 2 k + 1
     V8 half_weight;                ///< w / 2
+    V8 along[3], flux[3];          ///< |Omega|, w |Omega|
     bool back[3];
     unsigned in_bit[3], out_bit[3];
     int signs[3];
@@ -71,6 +72,10 @@ Octant make_octant(const OpticalGrid& grid, int octant) {
         ways.ay = cosine[1] * static_cast<float>(2 / h[1]);
         ways.az = cosine[2] * static_cast<float>(2 / h[2]);
         ways.a = ways.ax + ways.ay + ways.az;
+    }
+    for (int a = 0; a < 3; ++a) {
+        o.along[a] = cosine[a];
+        o.flux[a] = w * cosine[a];
     }
     for (std::size_t a = 0; a < 3; ++a)
         if (o.back[a]) cosine[a] = -cosine[a];
@@ -247,23 +252,45 @@ void sweep_block(const SweepJob& job, const Octant& o, const MediaWays& media_wa
                 const unsigned bits = outer[cell];
                 if (bits & 64u) continue;
                 const auto first_face = static_cast<std::size_t>(links[cell]);
-                const auto face_of = [&](int axis, unsigned bit) {
-                    return (first_face + static_cast<unsigned>(__builtin_popcount(bits & ((1u << bit) - 1)))) * 4 +
-                           static_cast<unsigned>(o.signs[axis]);
+                const auto face_of = [&](unsigned bit) {
+                    return first_face + static_cast<unsigned>(__builtin_popcount(bits & ((1u << bit) - 1)));
+                };
+                const auto take = [&](int axis, unsigned bit, V8& p) {
+                    std::size_t at = face_of(bit);
+                    if (!job.place.empty()) {
+                        at = job.place[at];
+                        if (at & into_core) {
+                            const auto& [phi, J] = job.core_in[at & ~std::size_t{into_core}];
+                            p = phi - (3 * J) * o.along[axis];
+                            return;
+                        }
+                    }
+                    load(p, &job.in[4 * at + static_cast<unsigned>(o.signs[axis])]);
+                };
+                const auto give = [&](int axis, unsigned bit, const V8& p) {
+                    std::size_t at = face_of(bit);
+                    if (!job.place.empty()) {
+                        at = job.place[at];
+                        if (at & into_core) {
+                            const V8 flux = o.flux[axis] * p;
+                            float sum = 0;
+                            for (int d = 0; d < 8; ++d) sum += flux[d];
+                            job.core_out[4 * (at & ~std::size_t{into_core}) + static_cast<unsigned>(o.signs[axis])] = sum;
+                            return;
+                        }
+                    }
+                    store(p, &job.out[4 * at + static_cast<unsigned>(o.signs[axis])]);
                 };
                 V8 py = row_y[x], pz = row_z[x];
-                if (bits >> o.in_bit[0] & 1) load(px, &job.in[face_of(0, o.in_bit[0])]);
-                if (bits >> o.in_bit[1] & 1) load(py, &job.in[face_of(1, o.in_bit[1])]);
-                if (bits >> o.in_bit[2] & 1) load(pz, &job.in[face_of(2, o.in_bit[2])]);
+                if (bits >> o.in_bit[0] & 1) take(0, o.in_bit[0], px);
+                if (bits >> o.in_bit[1] & 1) take(1, o.in_bit[1], py);
+                if (bits >> o.in_bit[2] & 1) take(2, o.in_bit[2], pz);
                 cross_cell<purpose>(o, ways, media[medium[cell]], source[cell], to, cell, px, py, pz);
                 row_y[x] = py;
                 row_z[x] = pz;
-                if (purpose == Purpose::moments && bits >> o.out_bit[0] & 1)
-                    store(px, &job.out[face_of(0, o.out_bit[0])]);
-                if (purpose == Purpose::moments && bits >> o.out_bit[1] & 1)
-                    store(py, &job.out[face_of(1, o.out_bit[1])]);
-                if (purpose == Purpose::moments && bits >> o.out_bit[2] & 1)
-                    store(pz, &job.out[face_of(2, o.out_bit[2])]);
+                if (purpose == Purpose::moments && bits >> o.out_bit[0] & 1) give(0, o.out_bit[0], px);
+                if (purpose == Purpose::moments && bits >> o.out_bit[1] & 1) give(1, o.out_bit[1], py);
+                if (purpose == Purpose::moments && bits >> o.out_bit[2] & 1) give(2, o.out_bit[2], pz);
             }
             faces.x[z * ways.ny + y] = px;
         }

@@ -28,6 +28,8 @@ struct alignas(16) Moments {
     float phi = 0, x = 0, y = 0, z = 0;
 };
 
+inline constexpr std::uint32_t into_core = 0x80000000u;
+
 struct SweepJob {
     const OpticalGrid* grid = nullptr;
     std::array<std::span<const TransportMedium>, 2> media;  ///< skin, margin: of the palette, this channel
@@ -37,6 +39,11 @@ struct SweepJob {
     std::span<Octet> out;                    ///< the same, that leaves
     std::span<Octet> record = {};            ///< per cell, two: psi and q of one octant
     std::span<float> product = {};           ///< per cell, two: minus the derivative by sigma_t, and by sigma_a through `fit`
+    /// Where faces keep their light in `in` and `out`, or with `into_core` set that of the core, which is diffuse; empty: each
+    /// at its own number.
+    std::span<const std::uint32_t> place = {};
+    std::span<const std::array<float, 2>> core_in = {};  ///< phi and net current outwards: psi = phi - 3 |Omega . e| J comes in
+    std::span<float> core_out = {};                      ///< [core face * 4 + tangential signs]: sum w |Omega . e| psi that leaves
 };
 
 /// The four octants of light that runs up, or down. Octant bits: 1, 2, 4 set where light runs against x, y, z.

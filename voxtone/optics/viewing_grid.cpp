@@ -10,6 +10,7 @@
 
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/parallel.h"
+#include "voxtone/optics/transport_sweep.h"
 
 namespace voxtone::optics {
 namespace {
@@ -274,6 +275,7 @@ struct ViewingGrid::Builder {
             next_front.clear();
             for (const Place& at : front)
                 for_each({3, 3, 3}, [&](const Place& k) {
+                    if (k[0] != 1 && k[1] != 1 && k[2] != 1) return;  // across a face or an edge
                     const Place to{at[0] + k[0] - 1, at[1] + k[1] - 1, at[2] + k[2] - 1};
                     for (std::size_t a = 0; a < 3; ++a)
                         if (to[a] < 0 || to[a] >= grid.lattice[a]) return;
@@ -365,10 +367,12 @@ struct ViewingGrid::Builder {
                         if (other.kind != BlockKind::core) continue;
                         face.kind = FaceKind::core;
                         face.beyond = other.first_node;
+                        self.place_of_face.push_back(into_core | static_cast<std::uint32_t>(self.core_faces.size()));
                         self.core_faces.push_back(static_cast<std::uint32_t>(grid.faces.size()));
                     } else {
                         face.kind = kind_of(next, f);
-                        if (face.kind != FaceKind::mirror) self.light_faces.push_back(static_cast<std::uint32_t>(grid.faces.size()));
+                        self.place_of_face.push_back(static_cast<std::uint32_t>(self.open_faces.size()));
+                        self.open_faces.push_back(static_cast<std::uint32_t>(grid.faces.size()));
                         if (fill_at(next) > 0 && receiver(next) == cell) {
                             Place from{};
                             for (std::size_t a = 0; a < 3; ++a) from[a] = next[a] * view[a] - grid.shift_voxels[a];
@@ -408,9 +412,10 @@ struct ViewingGrid::Builder {
         }
         grid.law.assign(grid.faces.size(), 0);
         std::map<std::array<int, 3>, std::uint32_t> known;
-        for (const std::uint32_t f : self.light_faces) {
+        for (const std::uint32_t f : self.open_faces) {
             const OuterFace& face = grid.faces[f];
             const auto axis = static_cast<std::size_t>(face.facing) / 2;
+            if (face.kind == FaceKind::mirror) continue;
             grid.law[f] = 1 + static_cast<std::uint32_t>(axis);
             if (face.kind != FaceKind::light) continue;
             const float sign = static_cast<int>(face.facing) % 2 ? 1.0f : -1.0f;
@@ -493,37 +498,13 @@ struct ViewingGrid::Builder {
         return sum;
     }
 
-    void pool() {
+    /// Blocks with faces of a slanting surface: there light passes corners of the staircase.
+    void find_regions() {
         for (const std::uint32_t b : grid.transport_blocks) {
             GridBlock& block = grid.blocks[b];
             bool flat = true;
             for (std::size_t f = block.first_face; f < block.first_face + block.faces; ++f) flat &= grid.law_of(f).flat;
-            if (flat) continue;
-            block.first_region = static_cast<std::int32_t>(grid.regions);
-            grid.regions += 8;
-        }
-        grid.pool_out.assign(grid.regions * 64, 0.0f);
-        grid.pool_in.assign(grid.regions * 64, 0.0f);
-        for (const std::uint32_t b : grid.transport_blocks) {
-            const GridBlock& block = grid.blocks[b];
-            if (block.first_region < 0) continue;
-            for (std::size_t f = block.first_face; f < block.first_face + block.faces; ++f) {
-                const FaceLaw& law = grid.law_of(f);
-                if (law.flat) continue;
-                const OuterFace& face = grid.faces[f];
-                const Octet& cosine = grid.directions.cosine[static_cast<std::size_t>(face.facing) / 2];
-                const std::size_t region = (static_cast<std::size_t>(block.first_region) + face.region_in_block) * 64;
-                for (int signs = 0; signs < 4; ++signs) {
-                    const auto slot = static_cast<std::size_t>(signs);
-                    const std::size_t out = region + static_cast<std::size_t>(leaving_octant(face.facing, signs)) * 8,
-                                      in = region + static_cast<std::size_t>(entering_octant(face.facing, signs)) * 8;
-                    for (std::size_t d = 0; d < 8; ++d) {
-                        const float flux = grid.directions.weight.v[d] * cosine.v[d] * face.area_mm2;
-                        grid.pool_out[out + d] += flux * law.left_over(slot, d);
-                        grid.pool_in[in + d] += flux * law.room(slot, d);
-                    }
-                }
-            }
+            if (!flat) block.first_region = 0;
         }
     }
 };
@@ -540,7 +521,7 @@ ViewingGrid::ViewingGrid(const Scene& scene, const std::array<int, 3>& view_voxe
     builder.find_blocks(colour_mm, also);
     builder.list_faces();
     builder.find_laws();
-    builder.pool();
+    builder.find_regions();
     std::vector<std::uint8_t> wanted;
     const bool filled = fill(*scene.volume, wanted);
     VOXTONE_ENSURE(filled);
@@ -908,9 +889,19 @@ void ViewingGrid::take_palette(const ResinVolume& volume, bool coarse, bool& ful
     });
 }
 
+void ViewingGrid::shrink() {
+    grid.blocks.shrink_to_fit();
+    grid.transport_blocks.shrink_to_fit();
+    grid.face_of_cell.shrink_to_fit();
+    grid.faces.shrink_to_fit();
+    for (auto* list : {&core_block, &core_faces, &open_faces, &place_of_face, &blocks_by_parity[0], &blocks_by_parity[1], &donors_of_})
+        list->shrink_to_fit();
+    donors_.shrink_to_fit();
+}
+
 std::size_t ViewingGrid::memory_bytes() const {
     const auto of = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
-    return grid.memory_bytes() + of(core_block) + of(core_faces) + of(light_faces) + of(blocks_by_parity[0]) +
+    return grid.memory_bytes() + of(core_block) + of(core_faces) + of(open_faces) + of(place_of_face) + of(blocks_by_parity[0]) +
            of(blocks_by_parity[1]) + of(donors_) + of(donors_of_);
 }
 

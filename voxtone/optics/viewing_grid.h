@@ -45,6 +45,8 @@ public:
 
     [[nodiscard]] std::size_t cells() const { return grid.medium.size(); }
     [[nodiscard]] std::size_t memory_bytes() const;
+    /// Frees what the vectors hold in reserve.
+    void shrink();
 
     /// Its palette is of mixtures whose shares add up to resin / volume of the cell. No nodes; `node` of a face is its cell,
     /// `beyond` a core node.
@@ -62,7 +64,8 @@ public:
     std::vector<Mixture> mixtures;  ///< of the palette
     std::vector<std::uint32_t> core_block;   ///< of each core node
     std::vector<std::uint32_t> core_faces;   ///< outer faces that lead into the core
-    std::vector<std::uint32_t> light_faces;  ///< those to the light or a sheet
+    std::vector<std::uint32_t> open_faces;   ///< the others: to the light, a sheet or a mirror
+    std::vector<std::uint32_t> place_of_face;        ///< of each outer face among the open ones; `into_core` and among the core's
     std::array<std::vector<std::uint32_t>, 2> blocks_by_parity;  ///< transport blocks whose neighbours are of the other parity
 
 private:

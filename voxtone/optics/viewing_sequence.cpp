@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <string>
 
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/error.h"
@@ -64,7 +65,13 @@ void ViewingSequence::make_grid(const Scene& scene, std::span<const std::uint8_t
     const double begin = now();
     transport_.reset();
     grid_ = std::make_unique<ViewingGrid>(scene, cell_voxels(scene.volume->pitch_mm(), options_.cell_mm), options_.colour_mm, also);
+    grid_->shrink();
     seen_ = grid_->see(surface_);
+    const std::size_t needed = grid_->memory_bytes() + ViewingTransport::bytes_for(*grid_, fields_.size());
+    if (options_.memory_bytes > 0 && needed > options_.memory_bytes)
+        throw ResourceError("a sequence of predictions of " + std::to_string(grid_->cells()) + " viewing cells needs " +
+                            std::to_string((needed >> 20) + 1) + " MiB of memory and " + std::to_string(options_.memory_bytes >> 20) +
+                            " are allowed: allow more, expect colour less deep, or take larger cells");
     transport_ = std::make_unique<ViewingTransport>(*grid_, options_);
     summary_.skin_cells = grid_->cells();
     summary_.nodes = grid_->cells() + grid_->core_block.size();
@@ -98,8 +105,8 @@ void ViewingSequence::carry_over(const ViewingGrid& from) {
                 next.core[to.first_node] = static_cast<float>(sum / 64);
             }
         }
-        // Blocks with faces to the light are the same in both, and so is their order.
-        VOXTONE_ENSURE(from.light_faces.size() == grid_->light_faces.size());
+        // Blocks with open faces are the same in both, and so is their order.
+        VOXTONE_ENSURE(from.open_faces.size() == grid_->open_faces.size());
         next.out = std::move(field.out);
         field = std::move(next);
     }

@@ -50,10 +50,10 @@ ViewingTransport::ViewingTransport(const ViewingGrid& viewing, const TransportOp
     core_right_.resize(core_phi_.size());
     core_p_.resize(core_phi_.size());
     core_z_.resize(core_phi_.size());
-    in_.resize(4 * faces);
-    out_.resize(4 * faces);
-    pooled_.resize(grid_.regions * 64);
-    core_sum_.resize(faces);
+    in_.resize(4 * viewing.open_faces.size());
+    out_.resize(4 * viewing.open_faces.size());
+    core_in_.resize(viewing.core_faces.size());
+    core_out_.resize(4 * viewing.core_faces.size());
     flux_.resize(faces);
     flux_change_.resize(faces);
     std::vector<std::uint8_t> axis_of(grid_.laws.size(), 0);
@@ -65,6 +65,11 @@ ViewingTransport::ViewingTransport(const ViewingGrid& viewing, const TransportOp
                 sums_[l].weight += flux_weight_[axis_of[l]].v[d];
                 sums_[l].through += flux_weight_[axis_of[l]].v[d] * t.v[d];
             }
+}
+
+std::size_t ViewingTransport::bytes_for(const ViewingGrid& grid, std::size_t channels) {
+    return grid.cells() * (3 * sizeof(Moments) + channels * sizeof(ViewingField::Code) + 8) + grid.open_faces.size() * (8 * sizeof(Octet) + 64 * channels + 8) +
+           grid.core_faces.size() * 32 + (grid.cells() / 64 + grid.core_block.size()) * 200;
 }
 
 float ViewingTransport::furnace_flux(std::size_t face) const { return sums_[grid_.law[face]].through * grid_.faces[face].area_mm2; }
@@ -132,7 +137,7 @@ void ViewingTransport::start() {
     std::fill(core_x_.begin(), core_x_.end(), 1.0f);
     std::fill(right_.begin(), right_.end(), 0.0f);
     std::fill(core_right_.begin(), core_right_.end(), 0.0f);
-    for (const std::uint32_t f : viewing_.light_faces) {
+    for (const std::uint32_t f : viewing_.open_faces) {
         const OuterFace& face = grid_.faces[f];
         if (face.kind == FaceKind::light) right_[face.cell] += exchange(f).gain * sums_[grid_.law[f]].through;
     }
@@ -159,10 +164,10 @@ void ViewingTransport::load(const ViewingField& field) {
         }
     });
     core_phi_ = field.core;
-    parallel_ranges(0, viewing_.light_faces.size(), 1 << 10, [&](std::size_t begin, std::size_t end) {
+    parallel_ranges(0, viewing_.open_faces.size(), 1 << 10, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i)
             for (std::size_t k = 0; k < 32; ++k)
-                out_[4 * std::size_t{viewing_.light_faces[i]} + k / 8].v[k % 8] = phi_step * static_cast<float>(field.out[32 * i + k]);
+                out_[4 * i + k / 8].v[k % 8] = phi_step * static_cast<float>(field.out[32 * i + k]);
     });
     reflect();
 }
@@ -182,11 +187,11 @@ void ViewingTransport::store(ViewingField& field) const {
         }
     });
     field.core = core_phi_;
-    field.out.resize(32 * viewing_.light_faces.size());
-    parallel_ranges(0, viewing_.light_faces.size(), 1 << 10, [&](std::size_t begin, std::size_t end) {
+    field.out.resize(32 * viewing_.open_faces.size());
+    parallel_ranges(0, viewing_.open_faces.size(), 1 << 10, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i)
             for (std::size_t k = 0; k < 32; ++k)
-                field.out[32 * i + k] = phi_code(out_[4 * std::size_t{viewing_.light_faces[i]} + k / 8].v[k % 8]);
+                field.out[32 * i + k] = phi_code(out_[4 * i + k / 8].v[k % 8]);
     });
 }
 
@@ -270,7 +275,7 @@ void ViewingTransport::enter(bool start) {
             const float Jn = 3 * (plus ? j[axis] : -j[axis]), Ju = 3 * j[tangent[0]], Jv = 3 * j[tangent[1]];
             float leaving = 0, before = 0;
             for (std::size_t slot = 0; slot < 4; ++slot) {
-                Octet& out = out_[f * 4 + slot];
+                Octet& out = out_[4 * std::size_t{viewing_.place_of_face[f]} + slot];
                 const float u = slot & 1 ? -Ju : Ju, v = slot & 2 ? -Jv : Jv;
                 for (std::size_t d = 0; d < 8; ++d) {
                     const float weight = w.v[d] * law.through[slot].v[d];
@@ -290,84 +295,94 @@ void ViewingTransport::enter(bool start) {
 void ViewingTransport::reflect() {
     parallel_for(0, grid_.transport_blocks.size(), grain, [&](std::size_t t) {
         const GridBlock& block = grid_.blocks[grid_.transport_blocks[t]];
-        pool(block);
-        for (std::size_t face = block.first_face; face < block.first_face + block.faces; ++face)
-            for (std::size_t slot = 0; slot < 4; ++slot) in_[face * 4 + slot] = returned(block, face, slot);
+        Pool passing;
+        pool(block, passing);
+        for (std::size_t face = block.first_face; face < block.first_face + block.faces; ++face) {
+            const std::uint32_t place = viewing_.place_of_face[face];
+            if (place & into_core) core_in_[place & ~into_core] = from_core(face);
+            else
+                for (std::size_t slot = 0; slot < 4; ++slot) in_[4 * std::size_t{place} + slot] = returned(passing, face, slot);
+        }
     });
 }
 
-/// Mean radiance of the light that passes corners of the staircase, per region and direction.
-void ViewingTransport::pool(const GridBlock& block) {
+/// Mean radiance of the light that passes corners of the staircase, per region and direction (transport_directions.h).
+void ViewingTransport::pool(const GridBlock& block, Pool& pool) const {
     if (block.first_region < 0) return;
-    const auto first = static_cast<std::size_t>(block.first_region) * 64;
-    std::fill_n(pooled_.begin() + static_cast<std::ptrdiff_t>(first), 8 * 64, 0.0f);
+    std::array<float, 512> leaves{}, room{};
+    pool.fill(0);
     for (std::size_t f = block.first_face; f < block.first_face + block.faces; ++f) {
         const FaceLaw& law = grid_.law_of(f);
         if (law.flat) continue;
         const OuterFace& face = grid_.faces[f];
         const Octet& w = flux_weight_[static_cast<std::size_t>(face.facing) / 2];
-        float* const to = pooled_.data() + first + std::size_t{face.region_in_block} * 64;
-        for (std::size_t slot = 0; slot < 4; ++slot)
-            for (std::size_t d = 0; d < 8; ++d)
-                to[static_cast<std::size_t>(leaving_octant(face.facing, static_cast<int>(slot))) * 8 + d] +=
-                    w.v[d] * face.area_mm2 * law.left_over(slot, d) * out_[f * 4 + slot].v[d];
+        const std::size_t region = std::size_t{face.region_in_block} * 64;
+        for (std::size_t slot = 0; slot < 4; ++slot) {
+            const std::size_t out = region + static_cast<std::size_t>(leaving_octant(face.facing, static_cast<int>(slot))) * 8,
+                              in = region + static_cast<std::size_t>(entering_octant(face.facing, static_cast<int>(slot))) * 8;
+            for (std::size_t d = 0; d < 8; ++d) {
+                const float flux = w.v[d] * face.area_mm2, passes = flux * std::max(0.0f, 1 - law.through[slot].v[d] - law.mirror[slot].v[d]);
+                leaves[out + d] += passes;
+                room[in + d] += flux * std::max(0.0f, 1 - law.through[slot ^ 3].v[d] - law.mirror[slot].v[d]);
+                pool[out + d] += passes * out_[4 * std::size_t{viewing_.place_of_face[f]} + slot].v[d];
+            }
+        }
     }
     // From fluxes to radiances for the room that there is: of the same direction first, the surplus everywhere.
-    for (std::size_t region = first; region < first + 8 * 64; region += 64) {
+    for (std::size_t region = 0; region < 512; region += 64) {
         float surplus = 0, lack = 0;
         for (std::size_t k = region; k < region + 64; ++k) {
-            const float out = grid_.pool_out[k], in = grid_.pool_in[k];
-            if (out > in) surplus += (1 - in / out) * pooled_[k];
-            else lack += in - out;
+            if (leaves[k] > room[k]) surplus += (1 - room[k] / leaves[k]) * pool[k];
+            else lack += room[k] - leaves[k];
         }
         const float everywhere = lack > 1e-12f ? surplus / lack : 0;
         for (std::size_t k = region; k < region + 64; ++k) {
-            const float out = grid_.pool_out[k], in = grid_.pool_in[k];
-            if (out > in) pooled_[k] /= out;
-            else if (in > 0) pooled_[k] = (pooled_[k] + (in - out) * everywhere) / in;
+            if (leaves[k] > room[k]) pool[k] /= leaves[k];
+            else if (room[k] > 0) pool[k] = (pool[k] + (room[k] - leaves[k]) * everywhere) / room[k];
         }
     }
 }
 
-/// Radiance that comes in through a face, given what goes out.
-Octet ViewingTransport::returned(const GridBlock& block, std::size_t face, std::size_t slot) const {
+/// Diffuse light: phi and J at the face, from the cell on this side and the node beyond, by what conducts between.
+std::array<float, 2> ViewingTransport::from_core(std::size_t face) const {
     const OuterFace& outer = grid_.faces[face];
     const auto axis = static_cast<std::size_t>(outer.facing) / 2;
+    const std::uint16_t medium = grid_.medium[outer.cell];
+    const float here = 2 * D_[medium] / edge_[axis];
+    const float there = core_D_[grid_.blocks[viewing_.core_block[outer.beyond]].medium] / (2 * edge_[axis]);
+    const float phi_here = source_[outer.cell].phi / media_->cells[medium].sigma_s, phi_there = core_phi_[outer.beyond];
+    return {(here * phi_here + there * phi_there) / (here + there), here * there / (here + there) * (phi_here - phi_there)};
+}
+
+/// Radiance that comes in through an open face, given what goes out.
+Octet ViewingTransport::returned(const Pool& pool, std::size_t face, std::size_t slot) const {
+    const OuterFace& outer = grid_.faces[face];
+    const auto axis = static_cast<std::size_t>(outer.facing) / 2;
+    const Octet* const leaves = out_.data() + 4 * std::size_t{viewing_.place_of_face[face]};
     Octet in;
-    if (outer.kind == FaceKind::core) {
-        // Diffuse light: phi and J at the face, from the cell on this side and the node beyond, by what conducts between.
-        const std::uint16_t medium = grid_.medium[outer.cell];
-        const float here = 2 * D_[medium] / edge_[axis];
-        const float there = core_D_[grid_.blocks[viewing_.core_block[outer.beyond]].medium] / (2 * edge_[axis]);
-        const float phi_here = source_[outer.cell].phi / media_->cells[medium].sigma_s, phi_there = core_phi_[outer.beyond];
-        const float phi = (here * phi_here + there * phi_there) / (here + there);
-        const float J = here * there / (here + there) * (phi_here - phi_there);
-        for (std::size_t d = 0; d < 8; ++d) in.v[d] = phi - 3 * grid_.directions.cosine[axis].v[d] * J;
-        return in;
-    }
     const FaceLaw& law = grid_.law_of(face);
     float radiance = outer.kind == FaceKind::light ? 1.0f : 0.0f;
     if (outer.kind == FaceKind::white_sheet) {
         float leaving = 0, through = 0;
         for (std::size_t k = 0; k < 4; ++k)
             for (std::size_t d = 0; d < 8; ++d) {
-                leaving += flux_weight_[axis].v[d] * law.through[k].v[d] * out_[face * 4 + k].v[d];
+                leaving += flux_weight_[axis].v[d] * law.through[k].v[d] * leaves[k].v[d];
                 through += flux_weight_[axis].v[d] * law.through[k].v[d];
             }
         radiance = leaving / through;
     }
-    const Octet &back = law.through[slot ^ 3], &mirror = law.mirror[slot], &out = out_[face * 4 + slot];
+    const Octet &back = law.through[slot ^ 3], &mirror = law.mirror[slot], &out = leaves[slot];
     for (std::size_t d = 0; d < 8; ++d) in.v[d] = mirror.v[d] * out.v[d] + back.v[d] * radiance;
     if (law.flat) return in;
-    const std::size_t from = (static_cast<std::size_t>(block.first_region) + outer.region_in_block) * 64 +
+    const std::size_t from = std::size_t{outer.region_in_block} * 64 +
                              static_cast<std::size_t>(entering_octant(outer.facing, static_cast<int>(slot))) * 8;
-    for (std::size_t d = 0; d < 8; ++d) in.v[d] += law.room(slot, d) * pooled_[from + d];
+    for (std::size_t d = 0; d < 8; ++d) in.v[d] += law.room(slot, d) * pool[from + d];
     return in;
 }
 
 void ViewingTransport::sweep() {
     parallel_for(0, 2, 1, [&](std::size_t half) {
-        SweepJob job{&grid_, {media_->cells, media_->cells}, source_, half == 0 ? std::span<Moments>(sum_) : std::span<Moments>(other_), in_, out_};
+        SweepJob job{&grid_, {media_->cells, media_->cells}, source_, half == 0 ? std::span<Moments>(sum_) : std::span<Moments>(other_), in_, out_, {}, {}, viewing_.place_of_face, core_in_, core_out_};
         std::fill(job.sum.begin(), job.sum.end(), Moments{});
         sweep_half(job, half == 1);
     });
@@ -391,21 +406,34 @@ void ViewingTransport::correct() {
     // What the surface will send back, and what the core got and gave.
     parallel_for(0, grid_.transport_blocks.size(), grain, [&](std::size_t t) {
         const GridBlock& block = grid_.blocks[grid_.transport_blocks[t]];
-        pool(block);
+        Pool passing;
+        pool(block, passing);
         for (std::size_t f = block.first_face; f < block.first_face + block.faces; ++f) {
             const OuterFace& face = grid_.faces[f];
+            if (face.kind == FaceKind::core) continue;
             const Octet& w = flux_weight_[static_cast<std::size_t>(face.facing) / 2];
             float sum = 0;
             for (std::size_t slot = 0; slot < 4; ++slot) {
-                const Octet from = face.kind == FaceKind::core ? out_[f * 4 + slot] : returned(block, f, slot);
-                for (std::size_t d = 0; d < 8; ++d) sum += w.v[d] * (from.v[d] - in_[f * 4 + slot].v[d]);
+                const Octet from = returned(passing, f, slot);
+                const Octet& was = in_[4 * std::size_t{viewing_.place_of_face[f]} + slot];
+                for (std::size_t d = 0; d < 8; ++d) sum += w.v[d] * (from.v[d] - was.v[d]);
             }
-            if (face.kind == FaceKind::core) core_sum_[f] = sum * face.area_mm2;
-            else right_[face.cell] += exchange(f).gain * sum;
+            right_[face.cell] += exchange(f).gain * sum;
         }
     });
     for (std::size_t i = 0; i < core_right_.size(); ++i) core_right_[i] = -core_absorption(i) * core_phi_[i];
-    for (const std::uint32_t f : viewing_.core_faces) core_right_[grid_.faces[f].beyond] += core_sum_[f];
+    std::array<float, 3> by_phi{}, by_J{};
+    for (std::size_t a = 0; a < 3; ++a)
+        for (std::size_t d = 0; d < 8; ++d) {
+            by_phi[a] += 4 * flux_weight_[a].v[d];
+            by_J[a] += 12 * flux_weight_[a].v[d] * grid_.directions.cosine[a].v[d];
+        }
+    for (std::size_t c = 0; c < core_in_.size(); ++c) {
+        const OuterFace& face = grid_.faces[viewing_.core_faces[c]];
+        const auto a = static_cast<std::size_t>(face.facing) / 2;
+        const float out = core_out_[4 * c] + core_out_[4 * c + 1] + core_out_[4 * c + 2] + core_out_[4 * c + 3];
+        core_right_[face.beyond] += face.area_mm2 * (out - by_phi[a] * core_in_[c][0] + by_J[a] * core_in_[c][1]);
+    }
     for (const ViewingDiffusion::CoreContact& c : diffusion_.core_contacts()) {
         const auto D = [&](std::uint32_t core) { return core_D_[grid_.blocks[viewing_.core_block[core]].medium]; };
         const float flow = diffusion_.core_contact(c.axis, D(c.a), D(c.b)) * (core_phi_[c.a] - core_phi_[c.b]);
@@ -413,7 +441,8 @@ void ViewingTransport::correct() {
         core_right_[c.b] += flow;
     }
     make_equations(eased_, core_eased_);
-    solve_diffusion(options_.correction_tolerance, 30);
+    // One step leaves a tenth to a third of the residual; the next sweep makes more of the time that another would take.
+    solve_diffusion(0, 1);
 }
 
 void ViewingTransport::solve(const Media& media, ViewingField& field, int sweeps, TransportSummary& summary, const Progress* progress) {
@@ -444,15 +473,15 @@ void ViewingTransport::solve(const Media& media, ViewingField& field, int sweeps
     steps_ = 0;
     store(field);
     last_change_ = 0;
-    for (const std::uint32_t f : viewing_.light_faces)
+    for (const std::uint32_t f : viewing_.open_faces)
         if (grid_.faces[f].kind == FaceKind::light)
             last_change_ = std::max(last_change_, static_cast<double>(std::abs(flux_change_[f]) / furnace_flux(f)));
 }
 
 std::size_t ViewingTransport::memory_bytes() const {
     const auto of = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
-    return of(source_) + of(sum_) + of(other_) + of(core_phi_) + of(core_x_) + of(core_right_) + of(in_) + of(out_) + of(pooled_) +
-           of(core_sum_) + of(flux_) + of(flux_change_) + diffusion_.memory_bytes();
+    return of(source_) + of(sum_) + of(other_) + of(core_phi_) + of(core_x_) + of(core_right_) + of(in_) + of(out_) +
+           of(core_in_) + of(core_out_) + of(flux_) + of(flux_change_) + diffusion_.memory_bytes();
 }
 
 }  // namespace voxtone::optics

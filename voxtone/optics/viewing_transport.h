@@ -6,7 +6,7 @@
 // leaves through each face, in 16-bit steps of 3e-5. A field of other resins is as good a start as the resins are alike.
 //
 // Memory besides the grid and the fields: 48 bytes a cell (moments before and after a sweep, of light that runs up and
-// down; the diffusion equations take the place of the latter when they are summed), 256 a face, and that of ViewingDiffusion.
+// down; the diffusion equations take the place of the latter when they are summed), 256 a face to the light, and that of ViewingDiffusion.
 #pragma once
 
 #include <array>
@@ -31,7 +31,7 @@ struct ViewingField {
     };
     std::vector<Code> cells;
     std::vector<float> core;
-    std::vector<std::uint16_t> out;  ///< 32 for each face to the light or a sheet
+    std::vector<std::uint16_t> out;  ///< 32 for each open face
     [[nodiscard]] std::size_t memory_bytes() const { return cells.capacity() * sizeof(Code) + 4 * core.capacity() + 2 * out.capacity(); }
 };
 
@@ -42,6 +42,8 @@ struct ViewingField {
 class ViewingTransport {
 public:
     ViewingTransport(const ViewingGrid& grid, const TransportOptions& options);
+    /// What it will take about, with fields of so many channels.
+    [[nodiscard]] static std::size_t bytes_for(const ViewingGrid& grid, std::size_t channels);
 
     /// Media of the grid's palette and of core blocks, by material; index 0 is air. Starts from `field`, or with a diffusion
     /// solve where it is empty; leaves the new field there.
@@ -78,8 +80,10 @@ private:
     void reflect();
     void sweep();
     void correct();
-    void pool(const GridBlock& block);
-    [[nodiscard]] Octet returned(const GridBlock& block, std::size_t face, std::size_t slot) const;
+    using Pool = std::array<float, 512>;  ///< of a block: [region][octant][direction]
+    void pool(const GridBlock& block, Pool& pool) const;
+    [[nodiscard]] std::array<float, 2> from_core(std::size_t face) const;
+    [[nodiscard]] Octet returned(const Pool& pool, std::size_t face, std::size_t slot) const;
 
     const ViewingGrid& viewing_;
     const OpticalGrid& grid_;
@@ -98,9 +102,9 @@ private:
     std::span<float> x_, right_, p_, z_;      ///< in other_
     std::vector<float> core_phi_, core_x_, core_right_, core_p_, core_z_;
     int steps_ = 0;                           ///< of the diffusion solves
-    std::vector<Octet> in_, out_;             ///< [face * 4 + tangential signs]
-    std::vector<float> pooled_;               ///< [region * 64 + octant * 8 + direction]: radiance that passes corners
-    std::vector<float> core_sum_;             ///< per face to the core: net current into it
+    std::vector<Octet> in_, out_;             ///< [open face * 4 + tangential signs]
+    std::vector<std::array<float, 2>> core_in_;  ///< per core face (transport_sweep.h)
+    std::vector<float> core_out_;
     std::vector<float> flux_, flux_change_;   ///< per face
     double last_change_ = 0;
 };
