@@ -65,6 +65,9 @@ void SurfaceFirst::recipe(const Eigen::Vector3f& rgb, std::span<float> fractions
         if (weight[s] <= 0) continue;
         std::array<float, max_resins> share;
         skins_[s]->separation.shares(rgb, share.data());
+        float sum = 0;
+        for (std::size_t r = 0; r < resins_; ++r) sum += share[r];
+        for (std::size_t r = 0; r < resins_; ++r) share[r] /= sum;
         for (std::size_t l = 0; l < layers_.size(); ++l) {
             float* const layer = fractions.data() + l * resins_;
             if (l > s + 1) {  // skin s reaches down to layer s + 1

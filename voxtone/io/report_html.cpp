@@ -214,6 +214,37 @@ void add_prediction(std::string& html, const Report& report) {
     html += fmt::format("</tbody>\n</table></div>\n<p class=\"soft\">{}</p>\n</section>\n", escaped(p.note));
 }
 
+void add_loop(std::string& html, const Report& report) {
+    if (!report.loop) return;
+    const ReportLoop& loop = *report.loop;
+    html += "<section>\n<h2>The appearance loop</h2>\n";
+    html += fmt::format("<p class=\"soft\">{}</p>\n", escaped(loop.note));
+    html += "<div class=\"table\"><table>\n<thead><tr><th>Iteration</th><th class=\"n\">Mean as seen</th><th></th><th class=\"n\">Median</th>"
+            "<th class=\"n\">95th percentile</th><th class=\"n wide-only\">Mean of cells</th><th class=\"n wide-only\">At limits</th>"
+            "<th class=\"n wide-only\">Time</th></tr></thead>\n<tbody>\n";
+    double most = 0;
+    for (const ReportIteration& i : loop.iterations) most = std::max(most, i.mean);
+    for (const ReportIteration& i : loop.iterations) {
+        const std::string name = fmt::format("{}{}{}", i.number, i.number == 0 ? ", open loop" : "", i.number == loop.best ? ", printed" : "");
+        html += fmt::format(
+            "<tr><td>{}</td><td class=\"n\">{:.2f}</td><td class=\"meter\"><i style=\"--share:{:.2f}%\"></i></td><td class=\"n\">{:.2f}</td>"
+            "<td class=\"n\">{:.2f}</td><td class=\"n wide-only\">{:.2f}</td><td class=\"n wide-only\">{:.1f} %</td>"
+            "<td class=\"n wide-only\">{}</td></tr>\n",
+            name, i.mean, most > 0 ? 100 * i.mean / most : 0, i.median, i.p95, i.cells_mean, 100 * i.stuck_share, duration_text(i.seconds));
+    }
+    html += "</tbody>\n</table></div>\n";
+    if (!loop.crops.empty()) {
+        html += "<h3>Magnified, where the loop changed most</h3>\n";
+        add_pictures(html, loop.crops);
+    }
+    if (!loop.sections.empty()) {
+        html += "<h3>A cut through the resins</h3>\n";
+        add_pictures(html, loop.sections);
+        html += fmt::format("<p class=\"soft\">{}</p>\n", escaped(loop.sections_note));
+    }
+    html += "</section>\n";
+}
+
 void add_gamut(std::string& html, const Report& report) {
     if (!report.gamut) return;
     const ReportGamut& gamut = *report.gamut;
@@ -361,6 +392,7 @@ std::string report_html(const Report& report) {
     add_warnings(html, report);
     add_views(html, report);
     add_prediction(html, report);
+    add_loop(html, report);
     add_resins(html, report);
     add_layers(html, report);
     add_gamut(html, report);

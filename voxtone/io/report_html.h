@@ -68,6 +68,24 @@ struct ReportPrediction {
     std::vector<std::pair<double, double>> histogram;
 };
 
+/// One print of the appearance loop: errors against the target, over the colours that the resins can show, by area, CIEDE2000.
+struct ReportIteration {
+    int number = 0;                                   ///< 0: the open loop
+    double mean = 0, median = 0, p95 = 0;             ///< as seen from the viewing distance
+    double cells_mean = 0;                            ///< cell by cell
+    double stuck_share = 0;                           ///< of the cells, at their limits, in [0, 1]
+    double seconds = 0;
+};
+
+struct ReportLoop {
+    std::string note;                   ///< what was done and why it ended; one paragraph
+    std::vector<ReportIteration> iterations;
+    int best = 0;                       ///< number of the one that is printed
+    double seconds = 0;
+    std::vector<ReportPicture> crops, sections;  ///< magnified surface; cut through the resins
+    std::string sections_note;
+};
+
 /// A table of texts; cells that look like numbers are set to the right.
 struct ReportTable {
     std::string title;
@@ -98,6 +116,7 @@ struct Report {
     std::uint64_t output_bytes = 0;
     std::optional<ReportGamut> gamut;
     std::optional<ReportPrediction> prediction;
+    std::optional<ReportLoop> loop;
     std::string prediction_note;  ///< what the prediction is and what it leaves out; one paragraph
     std::vector<ReportView> views;
     std::vector<ReportLayer> layers;                       ///< some of them, from the bottom up

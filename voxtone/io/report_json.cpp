@@ -74,6 +74,16 @@ std::string report_json(const Report& report) {
                                {"max", p.max_de2000},
                                {"histogram", histogram}}}};
     }
+    if (report.loop) {
+        Json iterations = Json::array();
+        for (const ReportIteration& i : report.loop->iterations)
+            iterations.push_back({{"iteration", i.number},
+                                  {"seen_de2000", {{"mean", i.mean}, {"median", i.median}, {"p95", i.p95}}},
+                                  {"cells_de2000", {{"mean", i.cells_mean}}},
+                                  {"stuck_share", i.stuck_share},
+                                  {"seconds", i.seconds}});
+        json["loop"] = {{"best", report.loop->best}, {"seconds", report.loop->seconds}, {"note", valid_utf8(report.loop->note)}, {"iterations", iterations}};
+    }
     json["warnings"] = Json::array();
     for (const std::string& warning : report.warnings) json["warnings"].push_back(valid_utf8(warning));
     json["stages"] = Json::array();

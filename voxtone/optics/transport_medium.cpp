@@ -41,8 +41,9 @@ CellResponse doubled(const CellResponse& layer) {
 
 }  // namespace
 
-double cell_fit(double sigma_a, double way) {
+double cell_fit(double sigma_a, double way, double theta) {
     const double tau = sigma_a * way;
+    if (theta != 1) return tau < 1e-6 ? 1 : -(1 + theta) * std::expm1(-tau) / ((theta + std::exp(-tau)) * tau);
     return tau < 0.02 ? 1 - tau * tau / 12 : 2 * std::tanh(tau / 2) / tau;
 }
 
@@ -58,7 +59,7 @@ double TransportMedia::discrete_half_space(double albedo, double sigma_t) const 
         t[d] = set_.nu_transmittance[d / 2];
         double per_way = 0;
         for (std::size_t a = 0; a < 3; ++a) per_way += static_cast<double>(set_.cosine[a].v[d]) / edge_mm_[a];
-        fit[d] = cell_fit((1 - albedo) * sigma_t, 1 / per_way);
+        fit[d] = cell_fit((1 - albedo) * sigma_t, 1 / per_way, theta_);
     }
     // psi of the cell's centre from what comes in, x: stream (c - in) + fit extinction c = fit q, q = S m, and the mean
     // of the cell m = fit c + (1 - fit) q / extinction. So m = (1 - (1 - fit) S / extinction)^-1 fit c.
@@ -73,7 +74,7 @@ double TransportMedia::discrete_half_space(double albedo, double sigma_t) const 
     for (int i = 0; i < 2 * n; ++i) {
         const auto k = static_cast<std::size_t>(i % n);
         fits[i] = fit[k];
-        streams[i] = 2 * nu[k] / edge_mm_[2];
+        streams[i] = (1 + theta_) * nu[k] / edge_mm_[2];
     }
     mean -= ((1 - fits.array()) / extinction).matrix().asDiagonal() * S;
     const Pair centre_to_mean = mean.partialPivLu().solve(Pair(fits.asDiagonal()));
@@ -82,7 +83,7 @@ double TransportMedia::discrete_half_space(double albedo, double sigma_t) const 
         system(i, i) += fits[i] * extinction + streams[i];
         inflow(i, i) = streams[i];
     }
-    const Pair out = 2 * system.partialPivLu().solve(inflow) - Pair::Identity();
+    const Pair out = (1 + theta_) * system.partialPivLu().solve(inflow) - theta_ * Pair::Identity();
     CellResponse layer{out.block<n, n>(n, 0), out.block<n, n>(0, 0)};
     for (int k = 0; k < 60; ++k) {
         const CellResponse next = doubled(layer);
@@ -101,8 +102,8 @@ double TransportMedia::discrete_half_space(double albedo, double sigma_t) const 
     return flux.dot(surface.partialPivLu().solve(layer.R * t_)) / flux.sum();
 }
 
-TransportMedia::TransportMedia(const DirectionSet& set, const std::array<double, 3>& edge_mm)
-    : set_(set), edge_mm_(edge_mm), ratio_(extinctions.size() * albedos, 1.0) {
+TransportMedia::TransportMedia(const DirectionSet& set, const std::array<double, 3>& edge_mm, double theta)
+    : set_(set), edge_mm_(edge_mm), theta_(theta), ratio_(extinctions.size() * albedos, 1.0) {
     const OrdinatePlan plan = appearance_plan(set.g, set.eta);
     parallel_for(1, albedos, 1, [&](std::size_t i) {
         const double loss = loss_at(i), wanted = appearance(plan, half_space(plan, {loss, 1 - loss}));
@@ -138,16 +139,16 @@ double TransportMedia::loss(double albedo, double sigma_t) const {
     return std::min(1.0, ((1 - b) * at(k) + b * at(k + 1)) * loss);
 }
 
-std::shared_ptr<const TransportMedia> shared_media(const DirectionSet& set, const std::array<double, 3>& edge_mm) {
+std::shared_ptr<const TransportMedia> shared_media(const DirectionSet& set, const std::array<double, 3>& edge_mm, double theta) {
     // A prediction is asked for again and again with the same cells; the tables take a tenth of a second.
     static std::mutex guard;
-    static std::map<std::array<double, 5>, std::shared_ptr<const TransportMedia>> known;
-    const std::array<double, 5> key{set.g, set.eta, edge_mm[0], edge_mm[1], edge_mm[2]};
+    static std::map<std::array<double, 6>, std::shared_ptr<const TransportMedia>> known;
+    const std::array<double, 6> key{set.g, set.eta, edge_mm[0], edge_mm[1], edge_mm[2], theta};
     {
         const std::lock_guard lock(guard);
         if (const auto found = known.find(key); found != known.end()) return found->second;
     }
-    auto made = std::make_shared<const TransportMedia>(set, edge_mm);  // outside the lock: it runs parallel loops
+    auto made = std::make_shared<const TransportMedia>(set, edge_mm, theta);  // outside the lock: it runs parallel loops
     const std::lock_guard lock(guard);
     if (known.size() > 64) known.clear();
     return known.try_emplace(key, std::move(made)).first->second;

@@ -27,13 +27,13 @@ struct TransportMedium {
 /// The medium with the forward peak taken as not scattered and nothing else changed: what diffusion wants.
 [[nodiscard]] TransportMedium similar_medium(const DirectionSet& set, const Medium& medium);
 
-/// fit of a cell (transport_sweep.h): sigma_a in mm^-1, mean way in mm.
-[[nodiscard]] double cell_fit(double sigma_a, double way);
+/// fit of a cell (transport_sweep.h): sigma_a in mm^-1, mean way in mm, weight of the differences.
+[[nodiscard]] double cell_fit(double sigma_a, double way, double theta = 1);
 
 class TransportMedia {
 public:
-    /// For cells of these edges.
-    TransportMedia(const DirectionSet& set, const std::array<double, 3>& edge_mm);
+    /// For cells of these edges; `theta` as in transport_sweep.h.
+    TransportMedia(const DirectionSet& set, const std::array<double, 3>& edge_mm, double theta = 1);
 
     [[nodiscard]] TransportMedium operator()(const Medium& medium) const;
     /// The same in double precision: sigma_t, sigma_s.
@@ -46,10 +46,12 @@ public:
 private:
     DirectionSet set_;
     std::array<double, 3> edge_mm_;
+    double theta_;
     std::vector<double> ratio_;  ///< (1 - alpha*) / (1 - alpha) at [extinction][albedo]
 };
 
 /// The same tables for the same cells, made once.
-[[nodiscard]] std::shared_ptr<const TransportMedia> shared_media(const DirectionSet& set, const std::array<double, 3>& edge_mm);
+[[nodiscard]] std::shared_ptr<const TransportMedia> shared_media(const DirectionSet& set, const std::array<double, 3>& edge_mm,
+                                                                 double theta = 1);
 
 }  // namespace voxtone::optics

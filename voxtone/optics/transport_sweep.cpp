@@ -25,7 +25,7 @@ using I8 = std::int32_t __attribute__((vector_size(32)));
 
 struct Ways {
     int nx, ny, nz;                ///< cells of a block
-    V8 ax, ay, az, a;              ///< 2 |Omega| / h, and their sum
+    V8 ax, ay, az, a;              ///< (1 + theta) |Omega| / h, and their sum
 };
 
 struct Octant {
@@ -33,6 +33,7 @@ struct Octant {
     V8 sx, sy, sz;                 ///< Omega
     V8 weights[4];                 ///< {w, w Omega} / 2 of directions 2 k and 2 k + 1
     V8 half_weight;                ///< w / 2
+    V8 theta, twice;               ///< theta, 2 / (1 + theta)
     V8 along[3], flux[3];          ///< |Omega|, w |Omega|
     bool back[3];
     unsigned in_bit[3], out_bit[3];
@@ -48,8 +49,10 @@ HWY_INLINE void add_to(Moments& sum, const V4& v) {
     std::memcpy(static_cast<void*>(&sum), &all, sizeof all);
 }
 
-Octant make_octant(const OpticalGrid& grid, int octant) {
+Octant make_octant(const OpticalGrid& grid, int octant, float theta) {
     Octant o{};
+    o.theta += theta;
+    o.twice += 2 / (1 + theta);
     const DirectionSet& set = grid.directions;
     V8 cosine[3];
     V8 w;
@@ -68,9 +71,9 @@ Octant make_octant(const OpticalGrid& grid, int octant) {
         ways.nx = n[0];
         ways.ny = n[1];
         ways.nz = n[2];
-        ways.ax = cosine[0] * static_cast<float>(2 / h[0]);
-        ways.ay = cosine[1] * static_cast<float>(2 / h[1]);
-        ways.az = cosine[2] * static_cast<float>(2 / h[2]);
+        ways.ax = cosine[0] * static_cast<float>((1 + static_cast<double>(theta)) / h[0]);
+        ways.ay = cosine[1] * static_cast<float>((1 + static_cast<double>(theta)) / h[1]);
+        ways.az = cosine[2] * static_cast<float>((1 + static_cast<double>(theta)) / h[2]);
         ways.a = ways.ax + ways.ay + ways.az;
     }
     for (int a = 0; a < 3; ++a) {
@@ -118,8 +121,8 @@ struct BlockFaces {
     V8 *x, *y, *z;
 };
 
-/// What a medium does, the same for all octants: gain = 2 / (sigma + sum 2 |Omega| / h), pass = gain 2 |Omega_x| / h_x - 1,
-/// with sigma = fit sigma_t; twice psi averaged over the cell is fit (2 psi) + rest q fit.
+/// What a medium does, the same for all octants: with d = 1 + theta: gain = d / (sigma + sum d |Omega| / h),
+/// pass = gain d |Omega_x| / h_x - theta, sigma = fit sigma_t; twice psi averaged over the cell is fit (2 psi) + rest q fit.
 struct MediumWays {
     Octet gain, pass, fit, rest;
     Octet own_q, slope, sigma;  ///< of the derivatives: (1 - fit) / sigma_t^2, d fit / d sigma_a, sigma_t
@@ -136,18 +139,18 @@ struct Places {
 };
 
 /// Exponential fitting (transport_sweep.h).
-void fit_medium(const Ways& ways, const TransportMedium& medium, MediumWays& out) {
+void fit_medium(const Ways& ways, const TransportMedium& medium, double theta, MediumWays& out) {
     const double sigma = std::max(static_cast<double>(medium.sigma_t), 1e-6);
     const double sigma_a = std::max(0.0, static_cast<double>(medium.sigma_t) - static_cast<double>(medium.sigma_s));
     for (int d = 0; d < 8; ++d) {
         const auto i = static_cast<std::size_t>(d);
-        const double way = 2.0 / static_cast<double>(ways.a[d]), tau = sigma_a * way, half = std::tanh(tau / 2);
+        const double way = (1 + theta) / static_cast<double>(ways.a[d]), tau = sigma_a * way, half = std::tanh(tau / 2);
         const bool thin = tau < 0.02;  // there 1 - fit cancels; the series has two terms
-        const double fit = cell_fit(sigma_a, way), lack = thin ? tau * tau / 12 : 1 - fit;
+        const double fit = cell_fit(sigma_a, way, theta), lack = theta == 1 && thin ? tau * tau / 12 : 1 - fit;
         const double slope = thin ? -tau * way / 6 : (1 - half * half - fit) / sigma_a;  // d fit / d sigma_a
-        const double gain = 2 / (static_cast<double>(ways.a[d]) + fit * sigma);
+        const double gain = (1 + theta) / (static_cast<double>(ways.a[d]) + fit * sigma);
         out.gain.v[i] = static_cast<float>(gain);
-        out.pass.v[i] = static_cast<float>(gain * static_cast<double>(ways.ax[d]) - 1);
+        out.pass.v[i] = static_cast<float>(gain * static_cast<double>(ways.ax[d]) - theta);
         out.fit.v[i] = static_cast<float>(fit);
         out.rest.v[i] = static_cast<float>(2 * lack / (sigma * fit));
         out.own_q.v[i] = static_cast<float>(lack / (sigma * sigma));
@@ -157,17 +160,18 @@ void fit_medium(const Ways& ways, const TransportMedium& medium, MediumWays& out
 }
 
 /// psi of a cell; px, py, pz come in and go out. Written so that the way along x, where each cell waits for the one before,
-/// is one multiplication and one addition long: px_out = gain (fit q + ay py + az pz) + pass px = 2 psi - px.
+/// is one multiplication and one addition long: px_out = gain (fit q + ay py + az pz) + pass px = (1 + theta) psi - theta px.
 template <Purpose purpose>
 HWY_INLINE void cross_cell(const Octant& o, const Ways& ways, const MediumWays& medium, const Moments& source, const Places& to,
                            int cell, V8& px, V8& py, V8& pz) {
     const V8 q = (source.phi + source.x * o.sx) + (source.y * o.sy + source.z * o.sz);
     const V8 fitted = as_vector(medium.fit) * q;
     const V8 out = as_vector(medium.gain) * (fitted + (ways.ay * py + ways.az * pz)) + as_vector(medium.pass) * px;
-    const V8 centre = out + px;
+    const V8 both = out + o.theta * px;
     px = out;
-    py = centre - py;
-    pz = centre - pz;
+    py = both - o.theta * py;
+    pz = both - o.theta * pz;
+    const V8 centre = both * o.twice;
     if constexpr (purpose == Purpose::record) {
         store(centre * 0.5f, &to.record[2 * cell]);
         store(q, &to.record[2 * cell + 1]);
@@ -177,9 +181,9 @@ HWY_INLINE void cross_cell(const Octant& o, const Ways& ways, const MediumWays& 
         const V8 psi = centre * 0.5f;
         const V8 &other_psi = as_vector(to.record[2 * cell]), &other_q = as_vector(to.record[2 * cell + 1]);
         const V8 w = 2.0f * o.half_weight, sigma = as_vector(medium.sigma);
-        const V8 both = psi * other_psi, sources = q * other_q;
-        const V8 by_sigma_t = w * (as_vector(medium.fit) * both + as_vector(medium.own_q) * sources);
-        const V8 by_fit = w * as_vector(medium.slope) * (sigma * both - (psi * other_q + q * other_psi) + sources / sigma);
+        const V8 squares = psi * other_psi, sources = q * other_q;
+        const V8 by_sigma_t = w * (as_vector(medium.fit) * squares + as_vector(medium.own_q) * sources);
+        const V8 by_fit = w * as_vector(medium.slope) * (sigma * squares - (psi * other_q + q * other_psi) + sources / sigma);
         float sum = 0, fit_sum = 0;
         for (int d = 0; d < 8; ++d) {
             sum += by_sigma_t[d];
@@ -317,7 +321,7 @@ void sweep_octants(const SweepJob& job, int half, unsigned chosen) {
     std::array<Front, 4> fronts;
     for (int k = 0; k < 4; ++k) {
         const auto i = static_cast<std::size_t>(k);
-        octants[i] = make_octant(grid, k + 4 * half);
+        octants[i] = make_octant(grid, k + 4 * half, job.theta);
         Front& front = fronts[i];
         front.x.resize(per_x);
         front.y.resize(per_y * across);
@@ -329,7 +333,7 @@ void sweep_octants(const SweepJob& job, int half, unsigned chosen) {
     for (std::size_t kind = 0; kind < 2; ++kind) {
         const Ways& ways = octants[0].ways[kind];
         media[kind].resize(job.media[kind].size());
-        for (std::size_t m = 0; m < media[kind].size(); ++m) fit_medium(ways, job.media[kind][m], media[kind][m]);
+        for (std::size_t m = 0; m < media[kind].size(); ++m) fit_medium(ways, job.media[kind][m], static_cast<double>(job.theta), media[kind][m]);
     }
     const auto fit = [&](V8* face, BlockKind& kind, BlockKind wanted, std::size_t a, std::size_t b) {
         if (kind == wanted) return;

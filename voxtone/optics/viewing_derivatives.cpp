@@ -27,6 +27,7 @@ void ViewingTransport::derivatives(const ViewingField& forward, std::span<float>
 
 void ViewingTransport::exact_derivatives(const ViewingField& forward, std::span<float> by_sigma_t, std::span<float> by_sigma_s) {
     const std::size_t n = source_.size();
+    const auto theta = static_cast<float>(viewing_theta);
     reflect();
     std::vector<Moments> source = source_;
     std::vector<Octet> in = in_;
@@ -37,9 +38,9 @@ void ViewingTransport::exact_derivatives(const ViewingField& forward, std::span<
     std::vector<Octet> record(2 * n), out(out_.size());
     std::vector<float> product(2 * n, 0.0f);
     for (int octant = 0; octant < 8; ++octant) {
-        const SweepJob job{&grid_, {media_->cells, media_->cells}, source_, {}, in_, out, record, {}, viewing_.place_of_face, core_in_, core_out_};
+        const SweepJob job{&grid_, {media_->cells, media_->cells}, source_, {}, in_, out, record, {}, viewing_.place_of_face, core_in_, theta, core_out_};
         record_octant(job, octant);
-        const SweepJob against{&grid_, {media_->cells, media_->cells}, source, {}, in, out, record, product, viewing_.place_of_face, core_in, core_out_};
+        const SweepJob against{&grid_, {media_->cells, media_->cells}, source, {}, in, out, record, product, viewing_.place_of_face, core_in, theta, core_out_};
         multiply_octant(against, 7 - octant);
     }
     const auto linear = static_cast<float>(grid_.directions.linear);

@@ -2,72 +2,20 @@
 #include "voxtone/optics/viewing_grid.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <limits>
 #include <map>
-#include <unordered_map>
 
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/parallel.h"
 #include "voxtone/optics/transport_sweep.h"
+#include "voxtone/optics/viewing_places.h"
 
 namespace voxtone::optics {
 namespace {
 
-using Place = std::array<std::int32_t, 3>;
 constexpr std::array<Place, 6> step_of{{{-1, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0}, {0, 0, -1}, {0, 0, 1}}};
 constexpr std::uint8_t not_solid = 64;
-
-std::size_t at3(const Place& i, const Place& n) {
-    return (static_cast<std::size_t>(i[2]) * static_cast<std::size_t>(n[1]) + static_cast<std::size_t>(i[1])) *
-               static_cast<std::size_t>(n[0]) +
-           static_cast<std::size_t>(i[0]);
-}
-std::size_t product(const Place& n) {
-    return static_cast<std::size_t>(n[0]) * static_cast<std::size_t>(n[1]) * static_cast<std::size_t>(n[2]);
-}
-template <class Body>
-void for_each(const Place& n, Body&& body) {
-    for (int z = 0; z < n[2]; ++z)
-        for (int y = 0; y < n[1]; ++y)
-            for (int x = 0; x < n[0]; ++x) body(Place{x, y, z});
-}
-std::size_t place_in_block(int x, int y, int z) { return static_cast<std::size_t>((z * 4 + y) * 4 + x); }
-
-int reflected(int i, int n) {
-    while (i < 0 || i >= n) i = i < 0 ? -1 - i : 2 * n - 1 - i;
-    return i;
-}
-
-/// A box of voxels; beyond mirrored sides those before them.
-void read_box(const ResinVolume& volume, bool mirrored, const Place& corner, const Place& extent, std::vector<Material>& out) {
-    out.resize(product(extent));
-    volume.copy_box(corner, extent, out);
-    if (!mirrored) return;
-    const auto& size = volume.size();
-    if (corner[0] >= 0 && corner[1] >= 0 && corner[0] + extent[0] <= size[0] && corner[1] + extent[1] <= size[1]) return;
-    std::size_t i = 0;
-    for_each(extent, [&](const Place& at) {
-        const int x = corner[0] + at[0], y = corner[1] + at[1];
-        if (x < 0 || y < 0 || x >= size[0] || y >= size[1])
-            out[i] = volume.at(reflected(x, size[0]), reflected(y, size[1]), corner[2] + at[2]);
-        ++i;
-    });
-}
-
-/// Sum of count * constant: as good as unique for a mixture, and one addition a voxel.
-std::array<std::uint64_t, 256> mixture_codes() {
-    std::array<std::uint64_t, 256> code{};
-    std::uint64_t state = 0x9e3779b97f4a7c15u;
-    for (std::size_t m = 1; m < code.size(); ++m) {  // splitmix64
-        std::uint64_t z = (state += 0x9e3779b97f4a7c15u);
-        z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-        z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-        code[m] = (z ^ (z >> 31)) | 1u;
-    }
-    return code;
-}
 
 }  // namespace
 
@@ -533,18 +481,14 @@ std::array<std::int32_t, 3> ViewingGrid::corner_of(const GridBlock& block) const
     return corner;
 }
 
-std::int64_t ViewingGrid::cell_of(const Place& at) const {
-    Place block{};
-    for (std::size_t a = 0; a < 3; ++a) {
-        if (at[a] < 0 || at[a] >= 4 * grid.lattice[a]) return -1;
-        block[a] = at[a] / 4;
-    }
-    const std::int32_t b = grid.block_at[at3(block, grid.lattice)];
-    if (b < 0) return -1;
-    const GridBlock& home = grid.blocks[static_cast<std::size_t>(b)];
-    if (home.kind == BlockKind::core) return -1;
-    const std::size_t place = place_in_block(at[0] % 4, at[1] % 4, at[2] % 4);
-    return home.node_mask >> place & 1 ? static_cast<std::int64_t>(home.first_cell + place) : -1;
+void ViewingGrid::shrink() {
+    grid.blocks.shrink_to_fit();
+    grid.transport_blocks.shrink_to_fit();
+    grid.face_of_cell.shrink_to_fit();
+    grid.faces.shrink_to_fit();
+    for (auto* list : {&core_block, &core_faces, &open_faces, &place_of_face, &blocks_by_parity[0], &blocks_by_parity[1], &donors_of_})
+        list->shrink_to_fit();
+    donors_.shrink_to_fit();
 }
 
 ViewingGrid::Home ViewingGrid::home_of(const std::array<int, 3>& voxel) const {
@@ -583,362 +527,24 @@ ViewingGrid::Home ViewingGrid::home_of(const std::array<int, 3>& voxel) const {
     return home;
 }
 
-template <class Body>
-void ViewingGrid::each_face(std::uint32_t cell, Body&& body) const {
-    const unsigned bits = grid.outer[cell];
-    if (bits == 0 || bits & not_solid) return;
-    const GridBlock& home = grid.blocks[grid.transport_blocks[cell / 64]];
-    const auto first = static_cast<std::uint32_t>(grid.face_of_cell[static_cast<std::size_t>(home.first_link) + cell % 64]);
-    for (std::uint32_t f = first; f < first + static_cast<std::uint32_t>(std::popcount(bits)); ++f) body(f);
-}
-
-ViewingGrid::Seen ViewingGrid::see(const Surface& surface) const {
-    // Places around a cell, near ones first.
-    constexpr int reach = 2;
-    std::array<double, 3> edge{};
-    for (std::size_t a = 0; a < 3; ++a) edge[a] = grid.options.view_voxels[a] * grid.pitch_mm[a];
-    Seen seen;
-    std::vector<std::pair<std::uint32_t, double>> near;
-    seen.first.reserve(surface.cells.size() + 1);
-    seen.cell.reserve(surface.cells.size());
-    seen.first.push_back(0);
-    for (const SurfaceCell& cell : surface.cells) {
-        std::array<double, 6> area{};
-        for (std::size_t f = cell.first_face; f < cell.first_face + cell.faces; ++f) {
-            const auto facing = static_cast<std::size_t>(surface.faces[f].facing), a = facing / 2;
-            area[facing] += grid.pitch_mm[(a + 1) % 3] * grid.pitch_mm[(a + 2) % 3];
-        }
-        Place home{};
-        for (std::size_t a = 0; a < 3; ++a) {
-            // Half a hair inside, so that faces of a cell that is met exactly are its own.
-            const double at = static_cast<double>(cell.centre_mm[a]) / grid.pitch_mm[a] - 1e-3 * static_cast<double>(cell.normal[a]);
-            home[a] = (static_cast<int>(std::floor(at)) + grid.shift_voxels[a]) / grid.options.view_voxels[a];
-        }
-        const auto distance2 = [&](const Place& at, int facing) {
-            double sum = 0;
-            for (std::size_t a = 0; a < 3; ++a) {
-                double middle = (at[a] + 0.5) * edge[a] - grid.shift_voxels[a] * grid.pitch_mm[a];
-                if (facing / 2 == static_cast<int>(a) && facing >= 0) middle += (facing % 2 ? 0.5 : -0.5) * edge[a];
-                sum += std::pow(middle - static_cast<double>(cell.centre_mm[a]), 2);
-            }
-            return sum;
-        };
-        // On a slanting surface the light of the steps near by, so that a picture does not show them.
-        const bool slanting = std::max({std::abs(cell.normal[0]), std::abs(cell.normal[1]), std::abs(cell.normal[2])}) < 0.999f;
-        constexpr double blur = 0.05;  // mm
-        if (slanting) {
-            near.clear();
-            std::array<double, 6> weights{};
-            for_each({3, 3, 3}, [&](const Place& k) {
-                const Place at{home[0] + k[0] - 1, home[1] + k[1] - 1, home[2] + k[2] - 1};
-                const std::int64_t there = cell_of(at);
-                if (there < 0) return;
-                each_face(static_cast<std::uint32_t>(there), [&](std::uint32_t f) {
-                    const auto facing = static_cast<std::size_t>(grid.faces[f].facing);
-                    if (grid.faces[f].kind != FaceKind::light || area[facing] == 0) return;
-                    const double weight = std::exp(-0.5 * distance2(at, static_cast<int>(facing)) / (blur * blur));
-                    weights[facing] += weight;
-                    near.push_back({f, weight});
-                });
-            });
-            bool all = true;
-            for (std::size_t f = 0; f < 6; ++f) all &= area[f] == 0 || weights[f] > 0;
-            if (all) {
-                for (const auto& [f, weight] : near) {
-                    const auto facing = static_cast<std::size_t>(grid.faces[f].facing);
-                    const double share = weight / weights[facing];
-                    if (share < 0.01) continue;
-                    seen.face.push_back(f);
-                    seen.share.push_back(static_cast<float>(share * area[facing] / static_cast<double>(grid.faces[f].area_mm2)));
-                }
-                seen.first.push_back(static_cast<std::uint32_t>(seen.face.size()));
-                seen.cell.push_back(grid.faces[near[0].first].cell);
-                continue;
-            }
-        }
-        std::array<double, 6> nearest{};
-        std::array<std::int64_t, 6> found{};
-        nearest.fill(1e9);
-        found.fill(-1);
-        double nearest_cell = 1e9, nearest_any = 1e9;
-        std::int64_t solid = -1, any = -1;
-        for (int r = 1; r <= reach; ++r) {
-            bool all = true;
-            for_each({2 * r + 1, 2 * r + 1, 2 * r + 1}, [&](const Place& k) {
-                const Place at{home[0] + k[0] - r, home[1] + k[1] - r, home[2] + k[2] - r};
-                const std::int64_t there = cell_of(at);
-                if (there < 0) return;
-                if (const double d = distance2(at, -1); d < nearest_cell) {
-                    nearest_cell = d;
-                    solid = there;
-                }
-                each_face(static_cast<std::uint32_t>(there), [&](std::uint32_t f) {
-                    const OuterFace& face = grid.faces[f];
-                    if (face.kind != FaceKind::light) return;
-                    const auto facing = static_cast<std::size_t>(face.facing);
-                    const double d = distance2(at, static_cast<int>(facing));
-                    const double towards = static_cast<double>(cell.normal[facing / 2]) * (facing % 2 ? 1 : -1);
-                    if (d < nearest[facing]) {
-                        nearest[facing] = d;
-                        found[facing] = f;
-                    }
-                    if (towards > 0 && d < nearest_any) {
-                        nearest_any = d;
-                        any = f;
-                    }
-                });
-            });
-            for (std::size_t f = 0; f < 6; ++f) all &= area[f] == 0 || found[f] >= 0;
-            if (all) break;
-        }
-        for (std::size_t f = 0; f < 6; ++f) {
-            if (area[f] == 0) continue;
-            const std::int64_t face = found[f] >= 0 ? found[f] : any;
-            if (face < 0) continue;
-            seen.face.push_back(static_cast<std::uint32_t>(face));
-            seen.share.push_back(static_cast<float>(area[f] / static_cast<double>(grid.faces[static_cast<std::size_t>(face)].area_mm2)));
-        }
-        seen.first.push_back(static_cast<std::uint32_t>(seen.face.size()));
-        seen.cell.push_back(solid < 0 ? 0xffffffffu : static_cast<std::uint32_t>(solid));
-    }
-    return seen;
-}
-
-bool ViewingGrid::fill(const ResinVolume& volume, std::vector<std::uint8_t>& wanted) {
-    VOXTONE_EXPECT(volume.pitch_mm() == grid.pitch_mm);
-    wanted.assign(grid.block_at.size(), 0);
-    const Place extent{4 * grid.options.view_voxels[0], 4 * grid.options.view_voxels[1], 4 * grid.options.view_voxels[2]};
-    bool same = true;
-    for (const std::uint32_t b : core_block) {
-        GridBlock& block = grid.blocks[b];
-        const Place corner = corner_of(block);
-        int material = volume.uniform_material(corner, extent);
-        if (material != block.medium && material < 0) {
-            std::vector<Material> box;
-            read_box(volume, mirrored_, corner, extent, box);
-            material = std::all_of(box.begin(), box.end(), [&](Material m) { return m == box[0]; }) ? box[0] : -1;
-        }
-        if (material > 0) {
-            block.medium = static_cast<std::uint16_t>(material);
-            continue;
-        }
-        same = false;
-        wanted[at3(block.at, grid.lattice)] = 1;
-    }
-    if (!same) return false;
-    bool full = false;
-    take_palette(volume, false, full);
-    if (full) {
-        full = false;
-        take_palette(volume, true, full);
-        VOXTONE_ENSURE(!full);
-    }
-    return true;
-}
-
-namespace {
-
-/// Counts of materials in the layers of a cell.
-struct Counts {
-    struct Count {
-        Material material;
-        std::uint8_t layer;
-        int n;
-    };
-    std::vector<Count> counts;
-    void add(Material m, int layer) {
-        for (Count& c : counts)
-            if (c.material == m && c.layer == layer) {
-                ++c.n;
-                return;
-            }
-        counts.push_back({m, static_cast<std::uint8_t>(layer), 1});
-    }
-    void sort() {
-        std::sort(counts.begin(), counts.end(), [](const Count& a, const Count& b) { return std::pair(a.layer, a.material) < std::pair(b.layer, b.material); });
-    }
-    /// Where there are too many different mixtures: layers are forgotten, the shares are rounded to eighths, the largest rests up.
-    void round_to_eighths(int in_cell) {
-        std::array<int, 256> by_material{};
-        int all = 0;
-        for (const Count& c : counts) {
-            by_material[c.material] += c.n;
-            all += c.n;
-        }
-        counts.clear();
-        const int parts = std::max(1, (8 * all + in_cell / 2) / in_cell);
-        std::vector<std::pair<int, std::size_t>> rest;
-        int given = 0;
-        for (std::size_t m = 1; m < by_material.size(); ++m) {
-            if (by_material[m] == 0) continue;
-            const int wanted = by_material[m] * parts;
-            rest.emplace_back(-(wanted % all), counts.size());
-            counts.push_back({static_cast<Material>(m), 0, wanted / all});
-            given += wanted / all;
-        }
-        std::sort(rest.begin(), rest.end());
-        for (std::size_t i = 0; given < parts; ++i, ++given) ++counts[rest[i].second].n;
-        std::erase_if(counts, [](const Count& c) { return c.n == 0; });
-    }
-};
-
-}  // namespace
-
-void ViewingGrid::take_palette(const ResinVolume& volume, bool coarse, bool& full) {
-    static const std::array<std::uint64_t, 256> code = mixture_codes();
-    const Place view = grid.options.view_voxels, extent{4 * view[0], 4 * view[1], 4 * view[2]};
-    const int in_cell = view[0] * view[1] * view[2];
-    // Ranges of blocks number their mixtures for themselves; then the numbers are made common.
-    constexpr std::size_t range = 256;
-    struct Part {
-        std::unordered_map<std::uint64_t, std::uint16_t> known;
-        struct New {
-            std::uint64_t key;
-            std::uint8_t axis;
-            Counts counts;
-        };
-        std::vector<New> mixtures;
-        bool full = false;
-    };
-    const std::size_t n = grid.transport_blocks.size(), ranges = (n + range - 1) / range;
-    std::vector<Part> parts(ranges);
-    parallel_for(0, ranges, 1, [&](std::size_t r) {
-        Part& part = parts[r];
-        std::vector<Material> box, donor;
-        const auto number = [&](std::uint64_t key, std::uint8_t axis, auto&& counts) -> std::uint16_t {
-            if (const auto found = part.known.find(key); found != part.known.end()) return found->second;
-            if (part.mixtures.size() >= 65535) {
-                part.full = true;
-                return 0;
-            }
-            const auto index = static_cast<std::uint16_t>(part.mixtures.size());
-            part.known.emplace(key, index);
-            part.mixtures.push_back({key, axis, counts()});
-            return index;
-        };
-        for (std::size_t i = r * range; i < std::min(n, (r + 1) * range); ++i) {
-            const GridBlock& block = grid.blocks[grid.transport_blocks[i]];
-            const Place corner = corner_of(block);
-            const int only = volume.uniform_material(corner, extent);
-            std::uint16_t* const medium = grid.medium.data() + block.first_cell;
-            if (only > 0 && donors_of_[i] == donors_of_[i + 1]) {
-                const std::uint16_t index = number(static_cast<std::uint64_t>(in_cell) * code[static_cast<std::size_t>(only)], 2, [&] {
-                    return Counts{{{static_cast<Material>(only), 0, coarse ? 8 : in_cell}}};
-                });
-                std::fill_n(medium, 64, index);
-                continue;
-            }
-            const auto axis = static_cast<std::size_t>(towards_[i] / 2);
-            const bool plus = towards_[i] % 2 == 1;
-            const int layers = view[axis];
-            read_box(volume, mirrored_, corner, extent, box);
-            std::uint32_t next_donor = donors_of_[i];
-            for_each({4, 4, 4}, [&](const Place& at) {
-                const std::size_t place = place_in_block(at[0], at[1], at[2]);
-                if (!(block.node_mask >> place & 1)) return;
-                // Every voxel of the cell and of what is given to it, with its layer.
-                const auto layer_of = [&](int along) {
-                    const int layer = std::clamp(along, 0, layers - 1);
-                    return plus ? layers - 1 - layer : layer;
-                };
-                const std::uint32_t first_donor = next_donor;
-                const auto each_voxel = [&](auto&& body) {
-                    for_each(view, [&](const Place& in) {
-                        body(box[at3({at[0] * view[0] + in[0], at[1] * view[1] + in[1], at[2] * view[2] + in[2]}, extent)], layer_of(in[axis]));
-                    });
-                    for (next_donor = first_donor; next_donor < donors_of_[i + 1] && donors_[next_donor].to == block.first_cell + place; ++next_donor) {
-                        const Place& from = donors_[next_donor].from;
-                        read_box(volume, mirrored_, from, view, donor);
-                        const int before = from[axis] - corner[axis] - at[axis] * view[axis];
-                        std::size_t k = 0;
-                        for_each(view, [&](const Place& in) { body(donor[k++], layer_of(before + in[axis])); });
-                    }
-                };
-                std::uint64_t key = 0;
-                bool several = false;
-                Material first = air;
-                each_voxel([&](Material m, int layer) {
-                    if (m == air) return;
-                    several |= first != air && m != first;
-                    first = m;
-                    key += code[m] * code[static_cast<std::size_t>(255 - layer)];
-                });
-                if (!several) {  // no layers in a cell of one resin
-                    key = 0;
-                    each_voxel([&](Material m, int) { key += code[m]; });
-                } else {
-                    key = key * 31 + axis + 1;
-                }
-                const auto counts = [&] {
-                    Counts found;
-                    each_voxel([&](Material m, int layer) {
-                        if (m != air) found.add(m, several ? layer : 0);
-                    });
-                    if (coarse) found.round_to_eighths(in_cell);
-                    found.sort();
-                    return found;
-                };
-                if (coarse) {
-                    const Counts rounded = counts();
-                    key = 1;
-                    for (const Counts::Count& c : rounded.counts) key += static_cast<std::uint64_t>(c.n) * code[c.material];
-                    medium[place] = number(key, 2, [&] { return rounded; });
-                } else {
-                    medium[place] = number(key, static_cast<std::uint8_t>(axis), counts);
-                }
-            });
-        }
-    });
-    mixtures.assign(1, {});
-    grid.palette.assign(1, {});
-    std::unordered_map<std::uint64_t, std::uint16_t> known;
-    std::vector<std::vector<std::uint16_t>> common(ranges);
-    const auto whole = static_cast<float>(coarse ? 8 : in_cell);
-    for (std::size_t r = 0; r < ranges; ++r) {
-        full |= parts[r].full;
-        for (const typename Part::New& fresh_one : parts[r].mixtures) {
-            const auto [found, fresh] = known.try_emplace(fresh_one.key, static_cast<std::uint16_t>(mixtures.size()));
-            if (fresh) {
-                if (mixtures.size() == 65535) {
-                    full = true;
-                    return;
-                }
-                Mixture mixture;
-                mixture.axis = fresh_one.axis;
-                for (const Counts::Count& c : fresh_one.counts.counts) mixture.holds.push_back({c.material, c.layer, static_cast<float>(c.n) / whole});
-                mixtures.push_back(std::move(mixture));
-            }
-            common[r].push_back(found->second);
-        }
-        parts[r] = {};
-    }
-    if (full) return;
-    grid.palette.resize(mixtures.size());
-    parallel_for(0, ranges, 1, [&](std::size_t r) {
-        for (std::size_t i = r * range; i < std::min(n, (r + 1) * range); ++i) {
-            const GridBlock& block = grid.blocks[grid.transport_blocks[i]];
-            for (std::size_t place = 0; place < 64; ++place) {
-                std::uint16_t& medium = grid.medium[block.first_cell + place];
-                medium = block.node_mask >> place & 1 ? common[r][medium] : std::uint16_t{0};
-            }
-        }
-    });
-}
-
-void ViewingGrid::shrink() {
-    grid.blocks.shrink_to_fit();
-    grid.transport_blocks.shrink_to_fit();
-    grid.face_of_cell.shrink_to_fit();
-    grid.faces.shrink_to_fit();
-    for (auto* list : {&core_block, &core_faces, &open_faces, &place_of_face, &blocks_by_parity[0], &blocks_by_parity[1], &donors_of_})
-        list->shrink_to_fit();
-    donors_.shrink_to_fit();
-}
-
 std::size_t ViewingGrid::memory_bytes() const {
     const auto of = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
     return grid.memory_bytes() + of(core_block) + of(core_faces) + of(open_faces) + of(place_of_face) + of(blocks_by_parity[0]) +
            of(blocks_by_parity[1]) + of(donors_) + of(donors_of_);
+}
+
+std::int64_t ViewingGrid::cell_of(const Place& at) const {
+    Place block{};
+    for (std::size_t a = 0; a < 3; ++a) {
+        if (at[a] < 0 || at[a] >= 4 * grid.lattice[a]) return -1;
+        block[a] = at[a] / 4;
+    }
+    const std::int32_t b = grid.block_at[at3(block, grid.lattice)];
+    if (b < 0) return -1;
+    const GridBlock& home = grid.blocks[static_cast<std::size_t>(b)];
+    if (home.kind == BlockKind::core) return -1;
+    const std::size_t place = place_in_block(at[0] % 4, at[1] % 4, at[2] % 4);
+    return home.node_mask >> place & 1 ? static_cast<std::int64_t>(home.first_cell + place) : -1;
 }
 
 }  // namespace voxtone::optics

@@ -131,7 +131,7 @@ Appearance ViewingSequence::next(const ResinVolume& volume, const Progress* prog
 ViewingTransport::Media ViewingSequence::media(std::size_t channel) const {
     const OpticalGrid& grid = grid_->grid;
     const ResinSet& resins = *scene_.resins;
-    const auto media_of = shared_media(grid.directions, grid.edge_mm(BlockKind::skin));
+    const auto media_of = shared_media(grid.directions, grid.edge_mm(BlockKind::skin), viewing_theta);
     const SeenMedium seen{halftone_, resins, grid.pitch_mm};
     ViewingTransport::Media media;
     media.cells.resize(grid.palette.size());
@@ -148,7 +148,7 @@ std::unique_ptr<const ResinGradient> ViewingSequence::gradient(std::span<const f
     VOXTONE_EXPECT(by_value.size() == surface_.cells.size() * channels);
     VOXTONE_EXPECT(!fields_[0].cells.empty());
     adjoint_.resize(channels);
-    const auto media_of = shared_media(grid.directions, grid.edge_mm(BlockKind::skin));
+    const auto media_of = shared_media(grid.directions, grid.edge_mm(BlockKind::skin), viewing_theta);
     const SeenMedium seen{halftone_, resins, grid.pitch_mm};
     auto gradient = std::make_unique<ViewingGradient>(*grid_, seen, channels);
     std::vector<float> light(grid.faces.size()), by_sigma_t(grid_->cells()), by_sigma_s(grid_->cells());

@@ -396,7 +396,7 @@ Octet ViewingTransport::returned(const Pool& pool, std::size_t face, std::size_t
 
 void ViewingTransport::sweep() {
     parallel_for(0, 2, 1, [&](std::size_t half) {
-        SweepJob job{&grid_, {media_->cells, media_->cells}, source_, half == 0 ? std::span<Moments>(sum_) : std::span<Moments>(other_), in_, out_, {}, {}, viewing_.place_of_face, core_in_, core_out_};
+        SweepJob job{&grid_, {media_->cells, media_->cells}, source_, half == 0 ? std::span<Moments>(sum_) : std::span<Moments>(other_), in_, out_, {}, {}, viewing_.place_of_face, core_in_, static_cast<float>(viewing_theta), core_out_};
         std::fill(job.sum.begin(), job.sum.end(), Moments{});
         sweep_half(job, half == 1);
     });

@@ -38,7 +38,7 @@ std::optional<optics::ResinVolume> JobVolume::finish() {
     return volume;
 }
 
-PredictionPlan plan_prediction(const SliceOptions& options, const JobBody& body, bool all_layers) {
+PredictionPlan plan_prediction(const SliceOptions& options, const JobBody& body, bool all_layers, bool looped) {
     if (!options.report || options.predict == "none") return {};
     if (!all_layers) return {"", "Only a part of the layers was made: a part is not predicted."};
     if (options.predict != "auto") return {options.predict, ""};
@@ -48,9 +48,26 @@ PredictionPlan plan_prediction(const SliceOptions& options, const JobBody& body,
         area_mm2 += 0.5 * (p[b] - p[a]).cross(p[c] - p[a]).norm();
     }
     if (area_mm2 <= 100 * auto_prediction_cm2) return {model_names()[0], ""};
+    if (looped) return {loop_prediction, ""};
     return {"", fmt::format("The coloured surface has {:.0f} cm2; more than {:g} cm2 are not predicted without being "
                             "asked: --predict {}.",
                             area_mm2 / 100, auto_prediction_cm2, model_names()[0])};
+}
+
+JobPrediction prediction_of_loop(const JobLoop& loop, optics::ResinVolume volume) {
+    JobPrediction job;
+    job.model = loop.model + ", in the loop's cells";
+    job.volume = std::move(volume);
+    job.predicted.surface = loop.surface;
+    job.predicted.channels = 3;
+    job.predicted.rgb = loop.result.state.shown;
+    for (const Eigen::Vector3f& rgb : job.predicted.rgb) job.predicted.value.insert(job.predicted.value.end(), rgb.data(), rgb.data() + 3);
+    job.target = loop.target;
+    job.cell_um = loop.cell_um;
+    job.open_loop = loop.result.state.open;
+    job.difference = colour_differences(job.target, job.predicted.rgb);
+    job.summary = summarize_by_area(job.predicted.surface, job.difference);
+    return job;
 }
 
 JobPrediction predict_job(const SliceOptions& options, const std::string& model, const JobBody& body,

@@ -17,6 +17,7 @@
 #include "voxtone/optics/colour.h"
 #include "voxtone/slicer/job_body.h"
 #include "voxtone/slicer/job_colour.h"
+#include "voxtone/slicer/job_loop.h"
 #include "voxtone/slicer/layer_volume.h"
 #include "voxtone/slicer/slice_options.h"
 #include "voxtone/slicer/surface_prediction.h"
@@ -29,9 +30,13 @@ struct PredictionPlan {
     std::string why_not;  ///< where none: a sentence for the report; may be empty
 };
 
-/// By `options.predict`: a model's name; none; auto: the default model up to auto_prediction_cm2 of coloured surface. A
-/// part of the layers is never predicted, nor is a job without a report.
-[[nodiscard]] PredictionPlan plan_prediction(const SliceOptions& options, const JobBody& body, bool all_layers);
+/// Name of the prediction that comes out of the appearance loop at no further cost.
+inline constexpr const char* loop_prediction = "appearance loop";
+
+/// By `options.predict`: a model's name; none; auto: the default model up to auto_prediction_cm2 of coloured surface, above
+/// that what the appearance loop predicted, if there was one (`looped`). A part of the layers is never predicted, nor is a job
+/// without a report.
+[[nodiscard]] PredictionPlan plan_prediction(const SliceOptions& options, const JobBody& body, bool all_layers, bool looped);
 
 /// The volume of a job, filled layer by layer from any thread.
 class JobVolume {
@@ -58,7 +63,11 @@ struct JobPrediction {
     optics::DifferenceSummary summary;    ///< by area
     std::array<double, 3> cell_um{};
     double seconds = 0;
+    std::vector<Eigen::Vector3f> open_loop;  ///< per cell, what the open loop would have shown; empty without an appearance loop
 };
+
+/// What the appearance loop itself predicted of the print that it chose; the volume is that print. RGB resins only.
+[[nodiscard]] JobPrediction prediction_of_loop(const JobLoop& loop, optics::ResinVolume volume);
 
 /// Throws what the model throws.
 [[nodiscard]] JobPrediction predict_job(const SliceOptions& options, const std::string& model, const JobBody& body,

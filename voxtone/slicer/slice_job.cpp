@@ -108,7 +108,7 @@ private:
 
 /// Reports of an earlier job in this folder do not describe this one.
 void remove_old_report(const std::filesystem::path& folder) {
-    for (const char* name : {"job.json", "report.json", "report.html", "target.png", "predicted.png", "difference.png", "target.exr",
+    for (const char* name : {"job.json", "report.json", "report.html", "target.png", "predicted.png", "difference.png", "open-loop.png", "target.exr",
                              "predicted.exr", "target.glb", "predicted.glb"}) {
         std::error_code not_there;
         std::filesystem::remove(folder / name, not_there);
@@ -124,9 +124,14 @@ std::vector<std::array<float, 3>> single_precision(const std::vector<Eigen::Vect
 
 /// Nothing, with a warning, where it needs more memory than allowed: the print is whole without it.
 std::optional<JobPrediction> predict_or_warn(const SliceOptions& options, PredictionPlan& plan, const JobBody& body, const LoadedResins& resins,
-                                             JobVolume& volume, Progress& progress) {
+                                             JobVolume& volume, const JobLoop* loop, Progress& progress) {
     try {
-        if (auto whole = volume.finish()) return predict_job(options, plan.model, body, resins, std::move(*whole), progress);
+        if (auto whole = volume.finish()) {
+            if (plan.model == loop_prediction) return prediction_of_loop(*loop, std::move(*whole));
+            JobPrediction prediction = predict_job(options, plan.model, body, resins, std::move(*whole), progress);
+            if (loop) prediction.open_loop = loop->result.state.open;
+            return prediction;
+        }
         plan.why_not = volume.why_not();
     } catch (const ResourceError& error) {
         plan.why_not = error.what();
@@ -189,7 +194,8 @@ SliceResult run_slice_job(const SliceOptions& options, Progress& progress) {
 
     // The volume and its white twin are held at once.
     std::optional<JobVolume> volume;
-    PredictionPlan plan = plan_prediction(options, body, range.first == 0 && range.last + 1 == body.grid.size[2]);
+    const bool reusable = loop && resins.set.channels.wavelengths_nm.empty();
+    PredictionPlan plan = plan_prediction(options, body, range.first == 0 && range.last + 1 == body.grid.size[2], reusable);
     if (!plan.model.empty()) volume.emplace(body.grid, memory_budget(options.memory_gib) / 2);
 
     std::mutex figures_mutex;
@@ -226,11 +232,11 @@ SliceResult run_slice_job(const SliceOptions& options, Progress& progress) {
     std::optional<JobPrediction> prediction;
     if (volume) {
         progress.end_stage();
-        prediction = predict_or_warn(options, plan, body, resins, *volume, progress);
+        prediction = predict_or_warn(options, plan, body, resins, *volume, loop.get(), progress);
         progress.begin_stage("report", 0);
     }
     const ReportSources sources{options, printer, resins, body, *colour, parts.surface_colour(), stack,
-                                prediction ? &*prediction : nullptr, plan.why_not};
+                                prediction ? &*prediction : nullptr, plan.why_not, loop.get(), why_no_loop, palette};
     io::Report report = make_report(sources, figures);
     if (options.report) {
         draw_report(sources, report, writer.folder(), progress);

@@ -16,6 +16,7 @@
 #include "voxtone/io/picture_writer.h"
 #include "voxtone/io/whole_file.h"
 #include "voxtone/optics/colour.h"
+#include "voxtone/slicer/loop_report.h"
 #include "voxtone/slicer/prediction_files.h"
 #include "voxtone/slicer/preview.h"
 #include "voxtone/slicer/target_cells.h"
@@ -176,9 +177,9 @@ io::ReportPrediction predicted_figures(const JobPrediction& p) {
 
 constexpr const char* difference_caption = "difference, CIEDE2000: white 0, yellow 2, orange 5, red 10, black 20";
 
-std::vector<Eigen::Vector3f> difference_colours(const JobPrediction& p) {
+std::vector<Eigen::Vector3f> difference_colours(const std::vector<double>& difference) {
     std::vector<Eigen::Vector3f> colours;
-    for (const double d : p.difference) colours.push_back(difference_colour(d));
+    for (const double d : difference) colours.push_back(difference_colour(d));
     return colours;
 }
 
@@ -200,7 +201,13 @@ void draw_picture_prediction(const ReportSources& s, io::Report& report, const s
         const io::Picture8 codes = io::encode_transparent(top_picture(p.volume, recoloured(p.predicted, rgb)));
         return io::ReportPicture{caption, io::png_bytes(codes, px_per_mm), codes.width_px, codes.height_px, px_per_mm[0]};
     };
-    report.views.push_back({"top", {draw("target", p.target), draw("predicted", p.predicted.rgb), draw(difference_caption, difference_colours(p))}});
+    report.views.push_back({"top", {draw("target", p.target), draw("predicted", p.predicted.rgb), draw(difference_caption, difference_colours(p.difference))}});
+    if (!p.open_loop.empty()) {
+        auto& with_open = report.views[0].pictures;
+        with_open.push_back(draw("open loop: without the appearance loop", p.open_loop));
+        with_open.push_back(draw("difference of the open loop", difference_colours(colour_differences(p.target, p.open_loop))));
+        io::write_whole_file(folder / "open-loop.png", with_open[3].png);
+    }
     const auto& pictures = report.views[0].pictures;
     io::write_whole_file(folder / "target.png", pictures[0].png);
     io::write_whole_file(folder / "predicted.png", pictures[1].png);
@@ -250,6 +257,8 @@ io::Report make_report(const ReportSources& s, const JobFigures& f) {
             "thin parts.";
         if (!s.why_not.empty()) report.prediction_note += " " + s.why_not;
     }
+    if (s.loop) report.loop = loop_report(*s.loop, s.body, s.prediction ? &s.prediction->volume : nullptr, s.palette);
+    if (!s.why_no_loop.empty()) report.warnings.push_back(s.why_no_loop);
     report.sections.push_back(colour_section(s));
     report.sections.push_back(mesh_section(s.body.repair));
     report.sections.push_back(throughput(s, f));
@@ -270,7 +279,7 @@ void draw_report(const ReportSources& s, io::Report& report, const std::filesyst
         cells = body_mesh(s.prediction->volume, {origin.x(), origin.y(), origin.z()}, s.prediction->predicted);
         predicted = mesh_surface(cells, positions);
         differences.triangles = cells.triangles;
-        differences.rgb = difference_colours(*s.prediction);
+        differences.rgb = difference_colours(s.prediction->difference);
         differences.positions_mm = cells.positions_mm;
         difference = mesh_surface(differences, positions);
     } else {
@@ -290,6 +299,13 @@ void draw_report(const ReportSources& s, io::Report& report, const std::filesyst
     if (s.prediction) {
         const std::vector<Preview> maps = render_views(difference, views, options, &progress);
         for (std::size_t v = 0; v < views.size(); ++v) report.views[v].pictures.push_back(report_picture(difference_caption, maps[v]));
+        if (!s.prediction->open_loop.empty()) {
+            cells.rgb = s.prediction->open_loop;
+            const std::vector<Preview> open = render_views(mesh_surface(cells, positions), views, options, &progress);
+            for (std::size_t v = 0; v < views.size(); ++v)
+                report.views[v].pictures.push_back(report_picture("open loop: without the appearance loop", open[v]));
+            cells.rgb = s.prediction->predicted.rgb;
+        }
     }
     if (s.body.is_picture) {
         io::write_whole_file(folder / "target.png", report.views[0].pictures[0].png);

@@ -43,6 +43,9 @@ struct ReportSources {
     const io::StackDescription& stack;
     const JobPrediction* prediction;  ///< null: none was made
     const std::string& why_not;       ///< then: a sentence, or empty
+    const JobLoop* loop;              ///< null: none was made
+    const std::string& why_no_loop;   ///< then: a sentence, or empty
+    const std::vector<io::Rgb>& palette;  ///< background and resins, as the bitmaps colour them
 };
 
 /// Figures, gamut and warnings; no pictures.
