@@ -22,6 +22,10 @@ private:
 
 }  // namespace
 
+std::unique_ptr<const ResinGradient> AppearanceSequence::gradient(std::span<const float> /*by_value*/, const Progress* /*progress*/) {
+    return nullptr;
+}
+
 std::unique_ptr<AppearanceSequence> AppearanceModel::sequence(const Scene& scene, const Surface& surface) const {
     return std::make_unique<AnewEachTime>(*this, scene, surface);
 }

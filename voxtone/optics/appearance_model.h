@@ -83,12 +83,24 @@ struct Appearance {
     std::vector<float> standard_error;  ///< one sigma, same shape; empty where the model draws no random numbers
 };
 
+/// Derivative of a function F of the appearance with respect to what voxels are filled with.
+class ResinGradient {
+public:
+    virtual ~ResinGradient() = default;
+    /// d F / d (fraction of a resin in a voxel), all fractions taken as free: a change that keeps their sum, resin a for resin b,
+    /// is a difference of two. 0 outside the cells that light is followed through. May be asked from several threads.
+    [[nodiscard]] virtual float at(const std::array<int, 3>& voxel, std::size_t resin) const = 0;
+};
+
 /// One model asked again and again about bodies of one shape, of which only the resins change: what an appearance loop does.
 class AppearanceSequence {
 public:
     virtual ~AppearanceSequence() = default;
     /// `volume` has the size, pitch and air of the scene's that the sequence was made for.
     [[nodiscard]] virtual Appearance next(const ResinVolume& volume, const Progress* progress = nullptr) = 0;
+    /// At the last prediction, of a function F with these d F / d value (as Appearance::value). Null where the model has none.
+    /// It is good until the next prediction or gradient.
+    [[nodiscard]] virtual std::unique_ptr<const ResinGradient> gradient(std::span<const float> by_value, const Progress* progress = nullptr);
 };
 
 class AppearanceModel {

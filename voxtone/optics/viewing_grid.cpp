@@ -459,7 +459,7 @@ struct ViewingGrid::Builder {
 
 ViewingGrid::ViewingGrid(const Scene& scene, const std::array<int, 3>& view_voxels, double colour_mm,
                          std::span<const std::uint8_t> also)
-    : mirrored_(scene.sides == Sides::mirrored) {
+    : mirrored_(scene.sides == Sides::mirrored), size_(scene.volume->size()) {
     expect_resins_for(scene);
     grid.options.view_voxels = grid.options.skin_voxels = view_voxels;
     grid.directions = make_directions(scene.resins->g, scene.resins->eta);
@@ -489,6 +489,42 @@ void ViewingGrid::shrink() {
     for (auto* list : {&core_block, &core_faces, &open_faces, &place_of_face, &blocks_by_parity[0], &blocks_by_parity[1], &donors_of_})
         list->shrink_to_fit();
     donors_.shrink_to_fit();
+}
+
+ViewingGrid::Home ViewingGrid::home_of(const std::array<int, 3>& voxel) const {
+    const Place& view = grid.options.view_voxels;
+    Place at{}, in{};
+    Home home;
+    home.share = 1 / static_cast<float>(view[0] * view[1] * view[2]);
+    for (std::size_t a = 0; a < 3; ++a) {
+        const int v = voxel[a] + grid.shift_voxels[a];
+        if (v < 0 || v >= 4 * grid.lattice[a] * view[a]) return {};
+        at[a] = v / view[a];
+        in[a] = v % view[a];
+        // A cell that sticks out of a mirrored side holds the image too.
+        if (mirrored_ && a < 2 && 2 * size_[a] - 1 - voxel[a] < (at[a] + 1) * view[a] - grid.shift_voxels[a]) home.share *= 2;
+    }
+    Place to = at;
+    home.cell = cell_of(to);
+    for (std::size_t f = 0; f < 6 && home.cell < 0; ++f) {
+        to = {at[0] + step_of[f][0], at[1] + step_of[f][1], at[2] + step_of[f][2]};
+        const std::int64_t next = cell_of(to);
+        if (next < 0) continue;
+        const auto block = static_cast<std::size_t>(next / 64);
+        const auto first = donors_.begin() + donors_of_[block], last = donors_.begin() + donors_of_[block + 1];
+        for (auto d = std::lower_bound(first, last, next, [](const Donor& donor, std::int64_t cell) { return donor.to < cell; });
+             d != last && d->to == next; ++d) {
+            bool same = true;
+            for (std::size_t a = 0; a < 3; ++a) same &= d->from[a] == at[a] * view[a] - grid.shift_voxels[a];
+            if (same) home.cell = next;
+        }
+    }
+    if (home.cell < 0) return {};
+    const std::uint8_t towards = towards_[static_cast<std::size_t>(home.cell / 64)];
+    home.axis = towards / 2;
+    const int layers = view[home.axis], layer = std::clamp((at[home.axis] - to[home.axis]) * layers + in[home.axis], 0, layers - 1);
+    home.layer = static_cast<std::uint8_t>(towards % 2 == 1 ? layers - 1 - layer : layer);
+    return home;
 }
 
 std::size_t ViewingGrid::memory_bytes() const {

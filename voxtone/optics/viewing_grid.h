@@ -43,6 +43,14 @@ public:
     };
     [[nodiscard]] Seen see(const Surface& surface) const;
 
+    /// The solid transport cell in which a voxel counts (cell -1: none), in which of its layers, and its share of the cell's volume.
+    struct Home {
+        std::int64_t cell = -1;
+        std::uint8_t axis = 2, layer = 0;  ///< as of Mixture
+        float share = 0;
+    };
+    [[nodiscard]] Home home_of(const std::array<int, 3>& voxel) const;
+
     [[nodiscard]] std::size_t cells() const { return grid.medium.size(); }
     [[nodiscard]] std::size_t memory_bytes() const;
     /// Frees what the vectors hold in reserve.
@@ -82,6 +90,7 @@ private:
     [[nodiscard]] std::array<std::int32_t, 3> corner_of(const GridBlock& block) const;
 
     bool mirrored_ = false;
+    std::array<int, 3> size_{};              ///< of the volume
     std::vector<std::uint8_t> towards_;      ///< of each transport block: the facing of the surface near it
     std::vector<Donor> donors_;              ///< ascending in `to`
     std::vector<std::uint32_t> donors_of_;   ///< first donor of each transport block, with an end mark

@@ -8,7 +8,9 @@
 
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/error.h"
-#include "voxtone/optics/halftone_medium.h"
+#include "voxtone/base/parallel.h"
+#include "voxtone/optics/seen_medium.h"
+#include "voxtone/optics/viewing_gradient.h"
 
 namespace voxtone::optics {
 namespace {
@@ -26,37 +28,8 @@ bool looks_up(const Surface& surface) {
 
 }  // namespace
 
-/// The medium of a cell. Of its layers those count more that light reaches more: see the header.
-Medium ViewingSequence::seen_medium(const ViewingGrid::Mixture& mixture, const HalftoneMedium& halftone, const ResinSet& resins, std::size_t channel) const {
-    std::vector<double> fractions(resins.resins.size());
-    double filled = 0;
-    int layers = 0;
-    for (const auto& [material, layer, share] : mixture.holds) {
-        filled += static_cast<double>(share);
-        layers = std::max(layers, layer + 1);
-    }
-    for (const auto& [material, layer, share] : mixture.holds) fractions[material - 1u] += static_cast<double>(share) / filled;
-    Medium medium = halftone(fractions, channel);
-    if (layers > 1) {
-        constexpr double strength = 0.8;  // fitted to the accuracy suite; 1 would be light that falls and leaves as diffuse light does
-        const double kappa = std::sqrt(3 * medium.sigma_a * (medium.sigma_a + (1 - resins.g) * medium.sigma_s));
-        const double step = 2 * strength * kappa * grid_->grid.pitch_mm[mixture.axis];
-        std::fill(fractions.begin(), fractions.end(), 0.0);
-        double all = 0;
-        for (const auto& [material, layer, share] : mixture.holds) {
-            const double weight = static_cast<double>(share) * std::exp(-step * layer);
-            all += weight;
-            fractions[material - 1u] += weight;
-        }
-        for (double& f : fractions) f /= all;
-        medium = halftone(fractions, channel);
-    }
-    return {filled * medium.sigma_a, filled * medium.sigma_s};
-}
-
 ViewingSequence::ViewingSequence(const Scene& scene, const Surface& surface, const TransportOptions& options)
-    : scene_(scene), surface_(surface), options_(options), from_above_(looks_up(surface)) {
-    VOXTONE_EXPECT(scene.volume && scene.resins);
+    : scene_(scene), surface_(surface), options_(options), halftone_(*scene.resins, scene.volume->pitch_mm(), looks_up(surface) ? SeenFrom::above : SeenFrom::all_sides) {
     fields_.resize(scene.resins->channels.size());
     make_grid(scene, {});
 }
@@ -125,26 +98,16 @@ Appearance ViewingSequence::next(const ResinVolume& volume, const Progress* prog
         const std::unique_ptr<ViewingGrid> was = std::move(grid_);
         make_grid(scene, also_);
         carry_over(*was);
+        adjoint_.clear();
     }
-    const OpticalGrid& grid = grid_->grid;
-    const ResinSet& resins = *scene_.resins;
-    const std::size_t channels = resins.channels.size();
-    const HalftoneMedium halftone(resins, grid.pitch_mm, from_above_ ? SeenFrom::above : SeenFrom::all_sides);
-    const auto media_of = shared_media(grid.directions, grid.edge_mm(BlockKind::skin), viewing_theta);
+    const std::size_t channels = scene_.resins->channels.size();
     Appearance appearance;
     appearance.channels = channels;
     appearance.value.assign(surface_.cells.size() * channels, 0.0f);
     summary_.last_change.assign(channels, 0.0);
     for (std::size_t c = 0; c < channels; ++c) {
-        ViewingTransport::Media media;
-        media.cells.resize(grid.palette.size());
-        media.core.resize(resins.resins.size() + 1);
-        for (std::size_t m = 1; m < media.core.size(); ++m) media.core[m] = similar_medium(grid.directions, resins.resins[m - 1].medium(c));
-        for (std::size_t m = 1; m < grid.palette.size(); ++m) {
-            const Medium medium = seen_medium(grid_->mixtures[m], halftone, resins, c);
-            media.cells[m] = (*media_of)(medium);
-        }
-        transport_->solve(media, fields_[c], fields_[c].cells.empty() ? options_.sweeps : options_.next_sweeps, summary_, progress);
+        const ViewingTransport::Media in = media(c);
+        transport_->solve(in, fields_[c], fields_[c].cells.empty() ? options_.sweeps : options_.next_sweeps, summary_, progress);
         summary_.last_change[c] = transport_->last_change();
         const auto flux = transport_->flux();
         for (std::size_t i = 0; i < surface_.cells.size(); ++i) {
@@ -163,6 +126,47 @@ Appearance ViewingSequence::next(const ResinVolume& volume, const Progress* prog
     for (const ViewingField& field : fields_) summary_.memory_bytes += field.memory_bytes();
     summary_.total_s += now() - begin;
     return appearance;
+}
+
+ViewingTransport::Media ViewingSequence::media(std::size_t channel) const {
+    const OpticalGrid& grid = grid_->grid;
+    const ResinSet& resins = *scene_.resins;
+    const auto media_of = shared_media(grid.directions, grid.edge_mm(BlockKind::skin), viewing_theta);
+    const SeenMedium seen{halftone_, resins, grid.pitch_mm};
+    ViewingTransport::Media media;
+    media.cells.resize(grid.palette.size());
+    media.core.resize(resins.resins.size() + 1);
+    for (std::size_t m = 1; m < media.core.size(); ++m) media.core[m] = similar_medium(grid.directions, resins.resins[m - 1].medium(channel));
+    parallel_for(1, grid.palette.size(), 1 << 8, [&](std::size_t m) { media.cells[m] = (*media_of)(seen(grid_->mixtures[m], channel)); });
+    return media;
+}
+
+std::unique_ptr<const ResinGradient> ViewingSequence::gradient(std::span<const float> by_value, const Progress* progress) {
+    const OpticalGrid& grid = grid_->grid;
+    const ResinSet& resins = *scene_.resins;
+    const std::size_t channels = fields_.size();
+    VOXTONE_EXPECT(by_value.size() == surface_.cells.size() * channels);
+    VOXTONE_EXPECT(!fields_[0].cells.empty());
+    adjoint_.resize(channels);
+    const auto media_of = shared_media(grid.directions, grid.edge_mm(BlockKind::skin), viewing_theta);
+    const SeenMedium seen{halftone_, resins, grid.pitch_mm};
+    auto gradient = std::make_unique<ViewingGradient>(*grid_, seen, channels);
+    std::vector<float> light(grid.faces.size()), by_sigma_t(grid_->cells()), by_sigma_s(grid_->cells());
+    for (std::size_t c = 0; c < channels; ++c) {
+        const ViewingTransport::Media in = media(c);
+        std::fill(light.begin(), light.end(), 0.0f);
+        for (std::size_t i = 0; i < surface_.cells.size(); ++i) {
+            float furnace = 0;
+            for (std::uint32_t e = seen_.first[i]; e < seen_.first[i + 1]; ++e) furnace += seen_.share[e] * transport_->furnace_flux(seen_.face[e]);
+            for (std::uint32_t e = seen_.first[i]; furnace > 0 && e < seen_.first[i + 1]; ++e)
+                light[seen_.face[e]] += by_value[i * channels + c] * seen_.share[e] / furnace;
+        }
+        transport_->solve(in, adjoint_[c], adjoint_[c].cells.empty() ? options_.sweeps : options_.next_sweeps, summary_, progress, light);
+        if (getenv("EXACT")) transport_->exact_derivatives(fields_[c], by_sigma_t, by_sigma_s);
+        else transport_->derivatives(fields_[c], by_sigma_t, by_sigma_s);
+        gradient->add(c, *media_of, seen, by_sigma_t, by_sigma_s);
+    }
+    return gradient;
 }
 
 }  // namespace voxtone::optics

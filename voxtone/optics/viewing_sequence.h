@@ -6,12 +6,8 @@
 // from the light of the one before and takes `next_sweeps`. What changes in between enters with the first sweep, through
 // sources and extinctions. A block that gets colour deeper than `colour_mm` makes a new grid; the light is carried over.
 //
-// Where in a cell a resin lies is seen too: light falls off as exp(-kappa s) on its way in and out, kappa^2 = 3 sigma_a (sigma_a +
-// (1 - g) sigma_s) of the cell's mean. So the layers of a cell across the way to the nearest surface are weighed by
-// exp(-1.6 kappa s). It takes a quarter off the error of photographs (docs/benchmarks.md).
-//
 // Media are those of the halftone (halftone_medium.h) of each cell's voxels, seen from above where the surface looks up and
-// from all sides else.
+// from all sides else; where in a cell a resin lies is seen too (seen_medium.h).
 #pragma once
 
 #include <memory>
@@ -28,24 +24,26 @@ public:
     /// Throws ResourceError where it would need more memory than `options` allow.
     ViewingSequence(const Scene& scene, const Surface& surface, const TransportOptions& options);
     [[nodiscard]] Appearance next(const ResinVolume& volume, const Progress* progress = nullptr) override;
+    /// Of viewing_gradient.h. The adjoint light of each channel is kept for the next one: `sweeps` the first time, then `next_sweeps`.
+    /// Contract: there was a prediction.
+    [[nodiscard]] std::unique_ptr<const ResinGradient> gradient(std::span<const float> by_value, const Progress* progress = nullptr) override;
     /// Of the predictions so far; times of all, cells of the grid now.
     [[nodiscard]] const TransportSummary& summary() const { return summary_; }
 
 private:
-    [[nodiscard]] Medium seen_medium(const ViewingGrid::Mixture& mixture, const HalftoneMedium& halftone, const ResinSet& resins,
-                                     std::size_t channel) const;
+    [[nodiscard]] ViewingTransport::Media media(std::size_t channel) const;
     void make_grid(const Scene& scene, std::span<const std::uint8_t> also);
     void carry_over(const ViewingGrid& from);
 
     Scene scene_;
     const Surface& surface_;
     TransportOptions options_;
-    bool from_above_ = true;
+    HalftoneMedium halftone_;
     std::unique_ptr<ViewingGrid> grid_;
     std::unique_ptr<ViewingTransport> transport_;
     ViewingGrid::Seen seen_;
     std::vector<std::uint8_t> also_;
-    std::vector<ViewingField> fields_;
+    std::vector<ViewingField> fields_, adjoint_;  ///< per channel
     TransportSummary summary_;
 };
 

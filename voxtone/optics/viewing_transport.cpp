@@ -16,6 +16,11 @@ double now() { return std::chrono::duration<double>(std::chrono::steady_clock::n
 constexpr float least_transport_sigma = 0.2f;  // mm^-1; keeps diffusion finite in clear resin, where it is only a guess
 constexpr std::size_t grain = 32;              // blocks
 constexpr float phi_step = 2.0f / 65535, J_step = 1.0f / 32767;
+constexpr float signed_step = 2 * phi_step, signed_zero = 32768;  // of phi of an adjoint
+
+std::uint16_t signed_code(float v) {
+    return static_cast<std::uint16_t>(std::clamp(v * (1 / signed_step) + (signed_zero + 0.5f), 0.0f, 65535.0f));
+}
 
 std::int16_t J_code(float v) {
     return static_cast<std::int16_t>(static_cast<int>(std::clamp(v * (1 / J_step), -32767.0f, 32767.0f) + 32768.5f) - 32768);
@@ -25,6 +30,9 @@ std::int16_t J_code(float v) {
 
 std::uint16_t phi_code(float phi) { return static_cast<std::uint16_t>(std::clamp(phi * (1 / phi_step) + 0.5f, 0.0f, 65535.0f)); }
 float phi_of(const ViewingField::Code& code) { return phi_step * static_cast<float>(code.phi); }
+Moments moments_of(const ViewingField::Code& code) {
+    return {phi_of(code), J_step * static_cast<float>(code.x), J_step * static_cast<float>(code.y), J_step * static_cast<float>(code.z)};
+}
 
 ViewingTransport::ViewingTransport(const ViewingGrid& viewing, const TransportOptions& options)
     : viewing_(viewing), grid_(viewing.grid), options_(options), diffusion_(viewing) {
@@ -133,15 +141,16 @@ void ViewingTransport::start() {
     std::fill(out_.begin(), out_.end(), Octet{});
     std::fill(core_phi_.begin(), core_phi_.end(), 0.0f);
     make_equations(D_, core_D_);
-    std::fill(x_.begin(), x_.end(), 1.0f);  // exact where nothing is absorbed
-    std::fill(core_x_.begin(), core_x_.end(), 1.0f);
+    const float guess = scale_ > 0 ? 0.0f : 1.0f;  // 1 is exact where nothing is absorbed
+    std::fill(x_.begin(), x_.end(), guess);
+    std::fill(core_x_.begin(), core_x_.end(), guess);
     std::fill(right_.begin(), right_.end(), 0.0f);
     std::fill(core_right_.begin(), core_right_.end(), 0.0f);
     for (const std::uint32_t f : viewing_.open_faces) {
         const OuterFace& face = grid_.faces[f];
-        if (face.kind == FaceKind::light) right_[face.cell] += exchange(f).gain * sums_[grid_.law[f]].through;
+        if (face.kind == FaceKind::light) right_[face.cell] += exchange(f).gain * sums_[grid_.law[f]].through * light(f);
     }
-    // The residual of light 1 everywhere.
+    // The residual of that guess.
     diffusion_.apply({x_, core_x_}, {z_, core_z_});
     for (std::size_t i = 0; i < x_.size(); ++i) right_[i] -= z_[i];
     for (std::size_t i = 0; i < core_x_.size(); ++i) core_right_[i] -= core_z_[i];
@@ -154,26 +163,31 @@ void ViewingTransport::start() {
 
 void ViewingTransport::load(const ViewingField& field) {
     const auto linear = 3 * static_cast<float>(grid_.directions.linear);
+    const bool both_signs = field.scale > 0;
+    const float rescale = both_signs ? field.scale / scale_ : 1.0f, zero = both_signs ? signed_zero : 0.0f,
+                step = (both_signs ? signed_step : phi_step) * rescale;
     parallel_ranges(0, source_.size(), 1 << 14, [&](std::size_t begin, std::size_t end) {
         for (std::size_t cell = begin; cell < end; ++cell) {
             const float sigma_s = media_->cells[grid_.medium[cell]].sigma_s;
             const ViewingField::Code& code = field.cells[cell];
-            const float J = linear * sigma_s * J_step;
-            source_[cell] = {sigma_s * phi_step * static_cast<float>(code.phi), J * static_cast<float>(code.x), J * static_cast<float>(code.y),
+            const float J = linear * sigma_s * (J_step * rescale);
+            source_[cell] = {sigma_s * step * (static_cast<float>(code.phi) - zero), J * static_cast<float>(code.x), J * static_cast<float>(code.y),
                              J * static_cast<float>(code.z)};
         }
     });
-    core_phi_ = field.core;
+    for (std::size_t i = 0; i < core_phi_.size(); ++i) core_phi_[i] = rescale * field.core[i];
     parallel_ranges(0, viewing_.open_faces.size(), 1 << 10, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i)
             for (std::size_t k = 0; k < 32; ++k)
-                out_[4 * i + k / 8].v[k % 8] = phi_step * static_cast<float>(field.out[32 * i + k]);
+                out_[4 * i + k / 8].v[k % 8] = step * (static_cast<float>(field.out[32 * i + k]) - zero);
     });
     reflect();
 }
 
 void ViewingTransport::store(ViewingField& field) const {
     const auto linear = 3 * static_cast<float>(grid_.directions.linear);
+    const auto code = scale_ > 0 ? signed_code : phi_code;
+    field.scale = scale_;
     field.cells.resize(source_.size());
     parallel_ranges(0, source_.size(), 1 << 14, [&](std::size_t begin, std::size_t end) {
         for (std::size_t cell = begin; cell < end; ++cell) {
@@ -183,7 +197,7 @@ void ViewingTransport::store(ViewingField& field) const {
             }
             const float share = 1 / media_->cells[grid_.medium[cell]].sigma_s, J = linear != 0 ? share / linear : 0;
             const Moments& s = source_[cell];
-            field.cells[cell] = {phi_code(share * s.phi), J_code(J * s.x), J_code(J * s.y), J_code(J * s.z)};
+            field.cells[cell] = {code(share * s.phi), J_code(J * s.x), J_code(J * s.y), J_code(J * s.z)};
         }
     });
     field.core = core_phi_;
@@ -191,7 +205,7 @@ void ViewingTransport::store(ViewingField& field) const {
     parallel_ranges(0, viewing_.open_faces.size(), 1 << 10, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i)
             for (std::size_t k = 0; k < 32; ++k)
-                field.out[32 * i + k] = phi_code(out_[4 * i + k / 8].v[k % 8]);
+                field.out[32 * i + k] = code(out_[4 * i + k / 8].v[k % 8]);
     });
 }
 
@@ -248,7 +262,7 @@ void ViewingTransport::enter(bool start) {
             if (face.kind == FaceKind::core) continue;
             const std::size_t a = static_cast<std::size_t>(face.facing) / 2;
             const Exchange at = exchange(f);
-            const float flow = at.loss * x_[face.cell] - (start && face.kind == FaceKind::light ? at.gain * sums_[grid_.law[f]].through : 0);
+            const float flow = at.loss * x_[face.cell] - (start && face.kind == FaceKind::light ? at.gain * sums_[grid_.law[f]].through * light(f) : 0);
             J[face.cell - first][a] += static_cast<int>(face.facing) % 2 ? flow : -flow;
         }
         for (std::size_t place = 0; place < 64; ++place) {
@@ -361,7 +375,7 @@ Octet ViewingTransport::returned(const Pool& pool, std::size_t face, std::size_t
     const Octet* const leaves = out_.data() + 4 * std::size_t{viewing_.place_of_face[face]};
     Octet in;
     const FaceLaw& law = grid_.law_of(face);
-    float radiance = outer.kind == FaceKind::light ? 1.0f : 0.0f;
+    float radiance = light(face);
     if (outer.kind == FaceKind::white_sheet) {
         float leaving = 0, through = 0;
         for (std::size_t k = 0; k < 4; ++k)
@@ -445,9 +459,12 @@ void ViewingTransport::correct() {
     solve_diffusion(0, 1);
 }
 
-void ViewingTransport::solve(const Media& media, ViewingField& field, int sweeps, TransportSummary& summary, const Progress* progress) {
+void ViewingTransport::solve(const Media& media, ViewingField& field, int sweeps, TransportSummary& summary, const Progress* progress,
+                             std::span<const float> light) {
     VOXTONE_EXPECT(media.cells.size() == grid_.palette.size());
     media_ = &media;
+    take_light(light);
+    VOXTONE_EXPECT(field.cells.empty() || (field.scale > 0) == (scale_ > 0));
     double clock = now();
     const auto lap = [&](double& to) {
         const double t = now();
@@ -478,10 +495,21 @@ void ViewingTransport::solve(const Media& media, ViewingField& field, int sweeps
             last_change_ = std::max(last_change_, static_cast<double>(std::abs(flux_change_[f]) / furnace_flux(f)));
 }
 
+void ViewingTransport::take_light(std::span<const float> light) {
+    light_.clear();
+    scale_ = 0;
+    if (light.empty()) return;
+    VOXTONE_EXPECT(light.size() == grid_.faces.size());
+    for (const std::uint32_t f : viewing_.open_faces)
+        if (grid_.faces[f].kind == FaceKind::light) scale_ = std::max(scale_, std::abs(light[f]));
+    if (!(scale_ > 0)) scale_ = 1;  // no light at all
+    for (const std::uint32_t f : viewing_.open_faces) light_.push_back(grid_.faces[f].kind == FaceKind::light ? light[f] / scale_ : 0);
+}
+
 std::size_t ViewingTransport::memory_bytes() const {
     const auto of = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
     return of(source_) + of(sum_) + of(other_) + of(core_phi_) + of(core_x_) + of(core_right_) + of(in_) + of(out_) +
-           of(core_in_) + of(core_out_) + of(flux_) + of(flux_change_) + diffusion_.memory_bytes();
+           of(core_in_) + of(core_out_) + of(light_) + of(flux_) + of(flux_change_) + diffusion_.memory_bytes();
 }
 
 }  // namespace voxtone::optics

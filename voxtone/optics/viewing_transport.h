@@ -23,7 +23,7 @@
 
 namespace voxtone::optics {
 
-/// One channel's light between two predictions.
+/// One channel's light between two predictions; of an adjoint, which has both signs, in coarser steps of its `scale`.
 struct ViewingField {
     struct Code {
         std::uint16_t phi = 0;
@@ -32,12 +32,14 @@ struct ViewingField {
     std::vector<Code> cells;
     std::vector<float> core;
     std::vector<std::uint16_t> out;  ///< 32 for each open face
+    float scale = 0;                 ///< of an adjoint: radiance that stands for 1; 0: of light 1 everywhere
     [[nodiscard]] std::size_t memory_bytes() const { return cells.capacity() * sizeof(Code) + 4 * core.capacity() + 2 * out.capacity(); }
 };
 
 /// Steps of the codes: phi to 2, J to 1.
 [[nodiscard]] std::uint16_t phi_code(float phi);
 [[nodiscard]] float phi_of(const ViewingField::Code& code);
+[[nodiscard]] Moments moments_of(const ViewingField::Code& code);
 
 /// Weight of the differences (transport_sweep.h): on cells as thick as these an edge would show ripples with 1; of 1, 0.85 and
 /// 0.7 this one is nearest to Monte Carlo.
@@ -50,12 +52,18 @@ public:
     [[nodiscard]] static std::size_t bytes_for(const ViewingGrid& grid, std::size_t channels);
 
     /// Media of the grid's palette and of core blocks, by material; index 0 is air. Starts from `field`, or with a diffusion
-    /// solve where it is empty; leaves the new field there.
+    /// solve where it is empty; leaves the new field there. `light`: radiance that comes in through each outer face to the
+    /// light, of any sign and size; nothing given: 1.
     struct Media {
         std::vector<TransportMedium> cells, core;
     };
-    void solve(const Media& media, ViewingField& field, int sweeps, TransportSummary& summary, const Progress* progress);
-    /// What leaves through each outer face, in units in which a furnace gives `furnace_flux`.
+    void solve(const Media& media, ViewingField& field, int sweeps, TransportSummary& summary, const Progress* progress,
+               std::span<const float> light = {});
+    /// After `solve` with a function's d F / d flux as light: d F / d sigma_t and d F / d sigma_s of each cell's TransportMedium,
+    /// from `forward`, the field of light 1 in the same media (viewing_gradient.h).
+    void derivatives(const ViewingField& forward, std::span<float> by_sigma_t, std::span<float> by_sigma_s) const;
+    void exact_derivatives(const ViewingField& forward, std::span<float> by_sigma_t, std::span<float> by_sigma_s);
+    /// What leaves through each outer face (of light given: / its scale), in units in which a furnace gives `furnace_flux`.
     [[nodiscard]] std::span<const float> flux() const { return flux_; }
     [[nodiscard]] float furnace_flux(std::size_t face) const;
     /// phi of a cell, after `solve`.
@@ -73,10 +81,16 @@ private:
         float loss = 0, gain = 0;
     };
     [[nodiscard]] Exchange exchange(std::size_t face) const;
+    /// Radiance that comes in from outside.
+    [[nodiscard]] float light(std::size_t face) const {
+        if (scale_ > 0) return light_[viewing_.place_of_face[face]];
+        return grid_.faces[face].kind == FaceKind::light ? 1.0f : 0.0f;
+    }
     [[nodiscard]] float core_absorption(std::size_t core) const;
     int solve_diffusion(double tolerance, int most_steps);
     void make_equations(const std::vector<float>& D, const std::vector<float>& core_D);
     void prepare();
+    void take_light(std::span<const float> light);
     void start();
     void load(const ViewingField& field);
     void store(ViewingField& field) const;
@@ -110,6 +124,8 @@ private:
     std::vector<std::array<float, 2>> core_in_;  ///< per core face (transport_sweep.h)
     std::vector<float> core_out_;
     std::vector<float> flux_, flux_change_;   ///< per face
+    std::vector<float> light_;                ///< per open face, / scale_; empty: 1
+    float scale_ = 0;                         ///< 0: light is 1
     double last_change_ = 0;
 };
 

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Derivative of a function F of the appearance with respect to the resins of a viewing grid.
+//
+// L psi = S psi with psi coming in through the surface; the adjoint of L is L with all directions reversed. With psi* the light
+// that enters through each face with radiance d F / d (flux that leaves there), in a cell of volume V
+//
+//   d F / d sigma_t = -V sum_d w_d psi_d psi*_-d,   d F / d sigma_s = V (phi phi* - 3 g' J . J*).
+//
+// From there to a voxel: transport media (transport_medium.h) by differences, the cell's medium by seen_medium.h, and the voxel's
+// share of the cell's volume.
+//
+// What it leaves out: how the weights of a cell's layers depend on its resins; bubbles smaller than a cell, that are seen as the
+// cell's phi; resins of core blocks.
+//
+// Memory: 4 bytes a cell and channel (upper halves of floats: three digits are plenty), and a table by mixture, layer, resin.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "voxtone/optics/appearance_model.h"
+#include "voxtone/optics/seen_medium.h"
+#include "voxtone/optics/transport_medium.h"
+#include "voxtone/optics/viewing_grid.h"
+
+namespace voxtone::optics {
+
+class ViewingGradient final : public ResinGradient {
+public:
+    /// `grid` must outlive it and keep its resins.
+    ViewingGradient(const ViewingGrid& grid, const SeenMedium& seen, std::size_t channels);
+    /// A channel's share, from the derivatives by the TransportMedium of each cell.
+    void add(std::size_t channel, const TransportMedia& media_of, const SeenMedium& seen, std::span<const float> by_sigma_t,
+             std::span<const float> by_sigma_s);
+    [[nodiscard]] float at(const std::array<int, 3>& voxel, std::size_t resin) const override;
+    [[nodiscard]] std::size_t memory_bytes() const;
+
+private:
+    [[nodiscard]] std::size_t rows_of(std::size_t mixture) const;
+    [[nodiscard]] std::size_t row(std::size_t mixture, const ViewingGrid::Home& home) const;
+
+    const ViewingGrid& grid_;
+    std::size_t resins_ = 0, channels_ = 0;
+    std::vector<std::array<std::uint16_t, 2>> by_medium_;  ///< [cell * channels + channel]: by sigma_t, sigma_s
+    std::vector<std::uint32_t> first_row_;                 ///< of each mixture: its layers; of one resin alone, along each axis
+    std::vector<std::array<float, 2>> table_;  ///< [(row * resins + resin) * channels + channel]: d (sigma_t, sigma_s) / d share
+};
+
+}  // namespace voxtone::optics
