@@ -7,6 +7,11 @@
 //
 //   d F / d sigma_t = -V sum_d w_d psi_d psi*_-d,   d F / d sigma_s = V (phi phi* - 3 g' J . J*).
 //
+// The sum over directions is taken of psi = phi + 3 Omega . J, where it is phi phi* - 3 J . J*: it costs nothing, and the kept
+// moments are enough. Against the sum itself (slab and sphere of 2 mm, colours in 0.5 mm): cosine over all voxels and resins 0.957 and
+// 0.966, scale 0.93 and 0.91; of changes that keep the sum of the fractions 0.989 and 0.994, scale 0.99 and 1.03. Worst in the cells
+// at the surface: 0.93 and 0.99.
+//
 // From there to a voxel: transport media (transport_medium.h) by differences, the cell's medium by seen_medium.h, and the voxel's
 // share of the cell's volume.
 //
@@ -39,13 +44,13 @@ public:
     [[nodiscard]] std::size_t memory_bytes() const;
 
 private:
-    [[nodiscard]] std::size_t rows_of(std::size_t mixture) const;
     [[nodiscard]] std::size_t row(std::size_t mixture, const ViewingGrid::Home& home) const;
 
     const ViewingGrid& grid_;
     std::size_t resins_ = 0, channels_ = 0;
     std::vector<std::array<std::uint16_t, 2>> by_medium_;  ///< [cell * channels + channel]: by sigma_t, sigma_s
-    std::vector<std::uint32_t> first_row_;                 ///< of each mixture: its layers; of one resin alone, along each axis
+    /// Of each mixture: a row for each of its layers; of one resin `alone`, for those along each axis.
+    std::vector<std::uint32_t> first_row_;
     std::vector<std::array<float, 2>> table_;  ///< [(row * resins + resin) * channels + channel]: d (sigma_t, sigma_s) / d share
 };
 
