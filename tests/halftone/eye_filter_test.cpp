@@ -92,7 +92,8 @@ TEST_CASE("the amplitude of a grating falls by the transfer function of the Gaus
         for (const double cycles_per_mm : {0.25, 0.5, 1.0, 2.0, 3.0}) {
             const double k = 2 * std::numbers::pi * cycles_per_mm;
             std::vector<Eigen::Vector3f> rgb;
-            for (const auto& c : surface.cells) rgb.push_back(of_opponent(channel, std::sin(k * (c.centre_mm[0] - 12))));
+            for (const auto& c : surface.cells)
+                rgb.push_back(of_opponent(channel, std::sin(k * (c.centre_mm[0] - 12))));
             const auto seen = eye(rgb);
             double in_phase = 0, count = 0;
             for (std::size_t i = 0; i < rgb.size(); ++i) {
@@ -112,13 +113,33 @@ TEST_CASE("the amplitude of a grating falls by the transfer function of the Gaus
     CHECK(worst > 0);
 }
 
+TEST_CASE("from very near everything is seen, from very far only the mean", "[eye_filter]") {
+    const optics::Surface surface = plate(5, 4, 0.1);
+    std::vector<Eigen::Vector3f> rgb;
+    Eigen::Vector3f mean = Eigen::Vector3f::Zero();
+    for (std::size_t i = 0; i < surface.cells.size(); ++i) {
+        RandomStream random(8, i);
+        rgb.emplace_back(static_cast<float>(random.uniform()), 0.2F, static_cast<float>(random.uniform()));
+        mean += rgb.back() / static_cast<float>(surface.cells.size());
+    }
+    const auto far = EyeFilter(surface, 1e5)(rgb);
+    for (const auto& c : far) REQUIRE((c - mean).cwiseAbs().maxCoeff() < 5e-3F);
+    // From 2 mm the narrow Gaussians are 0.001 mm wide, the wide ones of colour 0.02, that of luminance 0.15 mm: only
+    // the part of the latter, 12 %, sees more than one cell.
+    const auto near = EyeFilter(surface, 2, EyeSurround::none)(rgb);
+    float worst = 0;
+    for (std::size_t i = 0; i < rgb.size(); ++i) worst = std::max(worst, (near[i] - rgb[i]).cwiseAbs().maxCoeff());
+    CHECK(worst < 1e-5F);
+}
+
 TEST_CASE("without the surround the luminance channel is a low-pass that darkens nothing", "[eye_filter]") {
     CHECK(eye_transfer(0, 0, EyeSurround::none) == Approx(1));
     CHECK(eye_transfer(0, 1, EyeSurround::none) < 1);
     CHECK(eye_transfer(0, 1) > 1.05);
     const optics::Surface surface = plate(6, 6, 0.1);
     std::vector<Eigen::Vector3f> rgb;
-    for (const auto& c : surface.cells) rgb.push_back(c.centre_mm[0] < 3 ? Eigen::Vector3f::Zero().eval() : Eigen::Vector3f::Ones().eval());
+    for (const auto& c : surface.cells)
+        rgb.push_back(c.centre_mm[0] < 3 ? Eigen::Vector3f::Zero().eval() : Eigen::Vector3f::Ones().eval());
     const auto least = [&](EyeSurround surround) {
         double low = 1;
         for (const auto& c : EyeFilter(surface, distance_mm, surround)(rgb)) low = std::min(low, opponent(0, c));
@@ -131,9 +152,11 @@ TEST_CASE("without the surround the luminance channel is a low-pass that darkens
 TEST_CASE("a small spot looks the same on a large sphere as on a plate", "[eye_filter]") {
     const double radius = 12, pitch = 0.1;
     const optics::Surface flat = plate(12, 12, pitch);
-    const optics::Surface round = sphere(radius, static_cast<int>(4 * std::numbers::pi * radius * radius / (pitch * pitch)));
+    const optics::Surface round =
+        sphere(radius, static_cast<int>(4 * std::numbers::pi * radius * radius / (pitch * pitch)));
     const auto spot = [](double r) {
-        return Eigen::Vector3f(static_cast<float>(std::exp(-r * r / 0.8)), static_cast<float>(std::exp(-r * r / 0.4)), 0.2F);
+        return Eigen::Vector3f(static_cast<float>(std::exp(-r * r / 0.8)), static_cast<float>(std::exp(-r * r / 0.4)),
+                               0.2F);
     };
     std::vector<Eigen::Vector3f> on_flat, on_round;
     for (const auto& c : flat.cells) on_flat.push_back(spot(std::hypot(c.centre_mm[0] - 6, c.centre_mm[1] - 6)));
@@ -162,8 +185,8 @@ TEST_CASE("a small spot looks the same on a large sphere as on a plate", "[eye_f
 TEST_CASE("sides of a wall and sheets behind one another do not mix", "[eye_filter]") {
     optics::Surface surface = plate(4, 4, 0.1, 0.5, 1);
     const std::size_t side = surface.cells.size();
-    append(surface, plate(4, 4, 0.1, 0.0, -1));   // the other side of this wall
-    append(surface, plate(4, 4, 0.1, -1.0, 1));   // the next wall's upper side
+    append(surface, plate(4, 4, 0.1, 0.0, -1));  // the other side of this wall
+    append(surface, plate(4, 4, 0.1, -1.0, 1));  // the next wall's upper side
     std::vector<Eigen::Vector3f> rgb(surface.cells.size(), Eigen::Vector3f::Zero());
     for (std::size_t i = 0; i < side; ++i) rgb[i] = Eigen::Vector3f(0.9F, 0.5F, 0.2F);
     const auto seen = EyeFilter(surface, distance_mm).smoothed(rgb);

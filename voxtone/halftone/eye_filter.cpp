@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
-#include <Eigen/LU>
 #include <fmt/format.h>
+#include <Eigen/LU>
 
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/error.h"
@@ -23,8 +23,9 @@ struct Gaussian {
 
 /// Zhang and Wandell 1997; scaled to the sum 1.
 std::vector<Gaussian> gaussians(std::size_t channel, EyeSurround surround) {
-    static const std::array<std::vector<Gaussian>, 3> table{
-        {{{0.921, 0.0283}, {0.105, 0.133}, {-0.108, 4.336}}, {{0.531, 0.0392}, {0.330, 0.494}}, {{0.488, 0.0536}, {0.371, 0.386}}}};
+    static const std::array<std::vector<Gaussian>, 3> table{{{{0.921, 0.0283}, {0.105, 0.133}, {-0.108, 4.336}},
+                                                             {{0.531, 0.0392}, {0.330, 0.494}},
+                                                             {{0.488, 0.0536}, {0.371, 0.386}}}};
     std::vector<Gaussian> of_channel = table[channel];
     if (surround == EyeSurround::none) std::erase_if(of_channel, [](const Gaussian& g) { return g.weight < 0; });
     double sum = 0;
@@ -36,7 +37,8 @@ std::vector<Gaussian> gaussians(std::size_t channel, EyeSurround surround) {
 struct Wide {
     std::size_t channel;
     float weight;
-    SurfaceSmoothing smoothing;
+    double spread_mm;
+    std::unique_ptr<SurfaceSmoothing> smoothing{};
 };
 
 std::vector<SurfacePoint> points_of(const optics::Surface& surface) {
@@ -97,13 +99,21 @@ EyeFilter::EyeFilter(const optics::Surface& surface, double viewing_distance_mm,
     const double point_mm = typical_edge_mm(d.points);
     const double mm_per_degree = viewing_distance_mm * std::numbers::pi / 180;  // along the arc
     const double first = gaussians(0, surround).front().spread_degrees * mm_per_degree;
-    d.narrow = std::make_unique<SurfaceSmoothing>(d.points, first, 0.0, point_mm);
     for (std::size_t c = 0; c < 3; ++c)
         for (const Gaussian& g : gaussians(c, surround)) {
             const auto weight = static_cast<float>(g.weight);
-            if (c == 0 && d.narrow_weight[0] == 0) d.narrow_weight[0] = weight;
-            else d.wide.push_back({c, weight, SurfaceSmoothing(d.points, g.spread_degrees * mm_per_degree, first, point_mm)});
+            if (c == 0 && d.narrow_weight[0] == 0)
+                d.narrow_weight[0] = weight;
+            else
+                d.wide.push_back({c, weight, g.spread_degrees * mm_per_degree});
         }
+    parallel_for(0, d.wide.size() + 1, 1, [&](std::size_t k) {
+        if (k == 0)
+            d.narrow = std::make_unique<SurfaceSmoothing>(d.points, first, 0.0, point_mm);
+        else
+            d.wide[k - 1].smoothing =
+                std::make_unique<SurfaceSmoothing>(d.points, d.wide[k - 1].spread_mm, first, point_mm);
+    });
 }
 
 EyeFilter::~EyeFilter() = default;
@@ -129,13 +139,12 @@ std::vector<Eigen::Vector3f> EyeFilter::filter(std::span<const Eigen::Vector3f> 
     });
     std::vector<float> part(count);
     for (const Wide& w : d.wide) {
-        w.smoothing.apply(opponent[w.channel], part, 1);
+        w.smoothing->apply(opponent[w.channel], part, 1);
         parallel_for(0, count, 4096, [&](std::size_t i) { sum[w.channel][i] += w.weight * part[i]; });
     }
     std::vector<Eigen::Vector3f> out(count);
-    parallel_for(0, count, 4096, [&](std::size_t i) {
-        out[i] = d.from_opponent * Eigen::Vector3f(sum[0][i], sum[1][i], sum[2][i]);
-    });
+    parallel_for(0, count, 4096,
+                 [&](std::size_t i) { out[i] = d.from_opponent * Eigen::Vector3f(sum[0][i], sum[1][i], sum[2][i]); });
     return out;
 }
 

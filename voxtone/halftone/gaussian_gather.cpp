@@ -84,8 +84,9 @@ HWY_INLINE void accumulate_channels(const Kernel& kernel, const std::vector<Cand
             const auto cosine = hn::Add(hn::Add(hn::Mul(mx, nx), hn::Mul(my, ny)), hn::Mul(mz, nz));
             const auto off_plane = hn::Add(hn::Add(hn::Mul(dx, hn::Add(mx, nx)), hn::Mul(dy, hn::Add(my, ny))),
                                            hn::Mul(dz, hn::Add(mz, nz)));
-            const auto seen = hn::And(hn::And(hn::Le(r2, hn::Set(d, kernel.reach2)), hn::Gt(cosine, hn::Set(d, least_cosine))),
-                                      hn::Le(hn::Mul(off_plane, off_plane), hn::Add(r2, hn::Set(d, kernel.slack2))));
+            const auto seen =
+                hn::And(hn::And(hn::Le(r2, hn::Set(d, kernel.reach2)), hn::Gt(cosine, hn::Set(d, least_cosine))),
+                        hn::Le(hn::Mul(off_plane, off_plane), hn::Add(r2, hn::Set(d, kernel.slack2))));
             const auto t = hn::Min(hn::Mul(r2, hn::Set(d, kernel.per_spread2)), hn::Set(d, 8.0F));
             const auto w = hn::IfThenElseZero(seen, hn::Mul(hn::Mul(hn::Set(d, p.area), cosine), decay(t)));
             weight = hn::Add(weight, w);
@@ -103,8 +104,10 @@ HWY_INLINE void accumulate_channels(const Kernel& kernel, const std::vector<Cand
 }
 
 void accumulate(const Kernel& kernel, const std::vector<Candidate>& near, std::size_t channels, Lanes& q) {
-    if (channels == 1) accumulate_channels<1>(kernel, near, q);
-    else accumulate_channels<3>(kernel, near, q);
+    if (channels == 1)
+        accumulate_channels<1>(kernel, near, q);
+    else
+        accumulate_channels<3>(kernel, near, q);
 }
 
 }  // namespace voxtone::halftone::HWY_NAMESPACE
@@ -116,8 +119,7 @@ HWY_EXPORT(accumulate);
 
 GaussianGather::GaussianGather(std::span<const SurfacePoint> from, std::span<const SurfacePoint> to,
                                std::vector<std::uint32_t> fallback, double spread_mm, double slack_mm)
-    : from_(from),
-      to_(to),
+    : to_(to),
       fallback_(std::move(fallback)),
       spread_(static_cast<float>(spread_mm)),
       slack_(static_cast<float>(slack_mm)) {
@@ -125,29 +127,34 @@ GaussianGather::GaussianGather(std::span<const SurfacePoint> from, std::span<con
     const float reach = reach_spreads * spread_, edge = 0.7F * reach;
     BinnedPoints near = sort_into_bins(from.size(), [&](std::size_t i) { return bin_of(from[i].at, edge); });
     BinnedPoints groups = sort_into_bins(to.size(), [&](std::size_t i) { return bin_of(to[i].at, edge); });
-    constexpr std::int32_t around = 2;  // bins: 1 / 0.7, rounded up
+    constexpr std::int64_t around = 2;  // bins: 1 / 0.7, rounded up
     ranges_begin_.push_back(0);
-    for (const Bin& g : groups.bins) {
-        for (std::int32_t z = g[0] - around; z <= g[0] + around; ++z)
-            for (std::int32_t y = g[1] - around; y <= g[1] + around; ++y) {
-                const auto first = std::lower_bound(near.bins.begin(), near.bins.end(), Bin{z, y, g[2] - around, 0});
-                const auto last = std::upper_bound(first, near.bins.end(), Bin{z, y, g[2] + around, 0});
+    for (std::size_t k = 0; k < groups.bins.size(); ++k) {
+        const BoxPlace g = place_of(to[groups.order[groups.begin[k]]].at, edge);
+        for (std::int64_t z = g.z - around; z <= g.z + around; ++z)
+            for (std::int64_t y = g.y - around; y <= g.y + around; ++y) {
+                const auto first = std::lower_bound(near.bins.begin(), near.bins.end(), bin_of({z, y, g.x - around}));
+                const auto last = std::upper_bound(first, near.bins.end(), bin_of({z, y, g.x + around}));
                 if (first == last) continue;
                 ranges_.emplace_back(near.begin[static_cast<std::size_t>(first - near.bins.begin())],
                                      near.begin[static_cast<std::size_t>(last - near.bins.begin())]);
             }
         ranges_begin_.push_back(static_cast<std::uint32_t>(ranges_.size()));
     }
+    from_sorted_.reserve(from.size());
+    for (const std::uint32_t i : near.order) from_sorted_.push_back(from[i]);
     from_order_ = std::move(near.order);
     to_order_ = std::move(groups.order);
     group_begin_ = std::move(groups.begin);
 }
 
 void GaussianGather::apply(std::span<const float> in, std::span<float> out, std::size_t channels) const {
-    VOXTONE_EXPECT(in.size() == from_.size() * channels && out.size() == to_.size() * channels);
+    VOXTONE_EXPECT(in.size() == from_order_.size() * channels && out.size() == to_.size() * channels);
     VOXTONE_EXPECT(channels == 1 || channels == 3);
-    if (channels == 1) apply_channels<1>(in.data(), out.data());
-    else apply_channels<3>(in.data(), out.data());
+    if (channels == 1)
+        apply_channels<1>(in.data(), out.data());
+    else
+        apply_channels<3>(in.data(), out.data());
 }
 
 template <int Channels>
@@ -168,11 +175,11 @@ void GaussianGather::apply_channels(const float* in, float* out) const {
             near.clear();
             for (std::uint32_t r = ranges_begin_[g]; r < ranges_begin_[g + 1]; ++r)
                 for (std::uint32_t i = ranges_[r].first; i < ranges_[r].second; ++i) {
-                    const std::uint32_t j = from_order_[i];
-                    const SurfacePoint& p = from_[j];
+                    const SurfacePoint& p = from_sorted_[i];
                     if (p.at[0] < low[0] || p.at[0] > high[0] || p.at[1] < low[1] || p.at[1] > high[1] ||
                         p.at[2] < low[2] || p.at[2] > high[2])
                         continue;
+                    const std::uint32_t j = from_order_[i];
                     near.push_back({p, {}});
                     for (std::size_t c = 0; c < n; ++c) near.back().value[c] = in[j * n + c];
                 }

@@ -27,13 +27,11 @@ SurfaceSmoothing::SurfaceSmoothing(std::span<const SurfacePoint> points, double 
     }
     const auto edge = static_cast<float>(pitch);
     BinnedPoints boxes = sort_into_bins(points.size(), [&](std::size_t i) {
-        Bin bin = bin_of(points[i].at, edge);
         const auto& normal = points[i].normal;
         std::size_t axis = 0;
         for (std::size_t a = 1; a < 3; ++a)
             if (std::abs(normal[a]) > std::abs(normal[axis])) axis = a;
-        bin[3] = static_cast<std::int32_t>(2 * axis) + (normal[axis] > 0 ? 1 : 0);
-        return bin;
+        return bin_of(place_of(points[i].at, edge), static_cast<unsigned>(2 * axis) + (normal[axis] > 0 ? 1U : 0U));
     });
     cluster_of_.resize(points.size());
     clusters_.resize(boxes.bins.size());

@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// A Gaussian of any width over a surface given as points with areas: flat, curved, thin. What gaussian_gather.h says of who is seen
-// together holds here.
+// A Gaussian of any width over a surface given as points with areas: flat, curved, thin. What gaussian_gather.h says of
+// who is seen together holds here.
 //
-// Gaussians wider than a few points go by way of a lattice: the points in a box that look along the same axis become one,
-// these are smoothed, and a narrow Gaussian brings the result back to the points; spreads add up in squares, the boxes'
-// own blur with them. Error of the transfer function: below 0.01. Work per point and call does not grow with the spread.
+// Gaussians wider than a few points go by way of a lattice: the points in a box that look along the same axis become
+// one, these are smoothed, and a narrow Gaussian brings the result back to the points; spreads add up in squares, the
+// boxes' own blur with them. Error of the transfer function: below 0.01. Work per point and call does not grow with the
+// spread.
 //
-// Memory: 20 bytes per point besides the points. Results are the same bits for any number of threads.
+// Memory: 20 bytes per point besides the points (48 where there is no lattice). Results are the same bits for any
+// number of threads.
 #pragma once
 
 #include <cstddef>

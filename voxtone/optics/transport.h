@@ -12,6 +12,9 @@
 // The refractive surface reflects by mirror images of directions (transport_directions.h); media carry the albedo that
 // makes homogeneous half-spaces exact (transport_medium.h).
 //
+// Sequences. With `viewing_cells` everything is predicted on viewing cells and the light is kept from one prediction to the
+// next, for loops: viewing_sequence.h.
+//
 // Pieces. A body too large for the memory allowed is cut into boxes. For each the whole body is solved, but with transport
 // cells only in the box and a halo around it and with diffusion on a few nodes per block elsewhere, so that white still
 // carries light over any distance. What the halo leaves of the difference is stated in docs/predict.md.

@@ -14,8 +14,8 @@
 #include <cstdio>
 #include <optional>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 #include "body_tables.h"
 #include "body_targets.h"
@@ -38,7 +38,7 @@ using namespace voxtone::loop_benchmark;
 namespace fs = std::filesystem;
 
 struct Arguments {
-    fs::path models = fs::path(VOXTONE_SOURCE_DIR) / "../shared/models", work = "loop-benchmark";
+    fs::path models = fs::path(VOXTONE_SOURCE_DIR) / "../shared/models", work = "build/loop-benchmark";
     std::string only, crop;
     std::vector<std::string> set;
     std::uint32_t paths = 256, body_paths = 64;
@@ -51,7 +51,8 @@ struct Arguments {
 Crop parse_crop(const std::string& text) {
     Crop crop;
     if (text.empty()) return crop;
-    if (std::sscanf(text.c_str(), "%lfx%lf", &crop.width_mm, &crop.height_mm) != 2 || !(crop.width_mm > 0) || !(crop.height_mm > 0))
+    if (std::sscanf(text.c_str(), "%lfx%lf", &crop.width_mm, &crop.height_mm) != 2 || !(crop.width_mm > 0) ||
+        !(crop.height_mm > 0))
         throw UsageError(fmt::format("--crop {}: give WIDTHxHEIGHT in mm, 6x4", text));
     return crop;
 }
@@ -80,11 +81,14 @@ SlabRow judge_target(const Arguments& a, const Target& target, const std::vector
         judged[v] = judge_slab(row.print[v].options, {.paths = a.paths, .cache = a.work / "traced"});
         if (!eye) eye.emplace(judged[v].surface, a.viewing_distance_mm);
         row.scores[v] = score(judged[v], *eye);
-        row.share_in_gamut = static_cast<double>(row.scores[v].cells_in_gamut.cells) / static_cast<double>(judged[v].target.size());
+        row.share_in_gamut =
+            static_cast<double>(row.scores[v].cells_in_gamut.cells) / static_cast<double>(judged[v].target.size());
         if (target.gratings)
-            row.modulation[v] = modulation_by_frequency(target.width_mm, target.height_mm, judged[v].surface, judged[v].target, judged[v].print());
-        fmt::print(stderr, "{} {}: {:.1f} s printed, {:.1f} s traced, mean {:.2f}, as seen {:.2f}\n", target.name, ways[v].name,
-                   row.print[v].seconds, judged[v].trace_seconds, row.scores[v].cells_in_gamut.mean, row.scores[v].eye_in_gamut.mean);
+            row.modulation[v] = modulation_by_frequency(target.width_mm, target.height_mm, judged[v].surface,
+                                                        judged[v].target, judged[v].print());
+        fmt::print(stderr, "{} {}: {:.1f} s printed, {:.1f} s traced, mean {:.2f}, as seen {:.2f}\n", target.name,
+                   ways[v].name, row.print[v].seconds, judged[v].trace_seconds, row.scores[v].cells_in_gamut.mean,
+                   row.scores[v].eye_in_gamut.mean);
     }
     write_strip(a.work / (target.name + ".strip.png"), {&judged[0], &judged[1]});
     return row;
@@ -118,14 +122,18 @@ void run_bodies(const Arguments& a) {
             options.threads = static_cast<int>(a.threads);
             set_options(ways[v].set, options);
             row.print[v] = make_print(options, a.reuse);
-            const BodyJudgement judged = judge_body(row.print[v].options, {.paths = a.body_paths, .cache = a.work / "traced"}, {.windows = a.windows});
+            const BodyJudgement judged = judge_body(
+                row.print[v].options, {.paths = a.body_paths, .cache = a.work / "traced"}, {.windows = a.windows});
             const std::array<BodyFigures, 2> figures = body_figures(judged, a.viewing_distance_mm);
             row.thick[v] = figures[0];
             row.thin[v] = figures[1];
             row.windows = judged.windows;
-            row.surface_cells = judged.surface_cells;
-            fmt::print(stderr, "{} {}: {:.1f} s printed, {:.1f} s traced {} of {:.0f} cells, as seen {:.2f}, thin parts {:.2f}\n", target.name, ways[v].name,
-                       row.print[v].seconds, judged.cells.trace_seconds, judged.inner.size(), judged.surface_cells, figures[0].seen.mean, figures[1].seen.mean);
+            row.thin_share = judged.thin_share;
+            fmt::print(
+                stderr,
+                "{} {}: {:.1f} s printed, {:.1f} s traced {} of {:.0f} cells, as seen {:.2f}, thin parts {:.2f}\n",
+                target.name, ways[v].name, row.print[v].seconds, judged.cells.trace_seconds, judged.inner.size(),
+                judged.surface_cells, figures[0].seen.mean, figures[1].seen.mean);
         }
         rows.push_back(row);
     }
@@ -160,7 +168,8 @@ int main(int argc, char** argv) {
         run_bodies(a);
     });
     app.add_subcommand("targets", "write the pictures")->callback([&] {
-        for (const Target& t : targets(a)) fmt::print("{} {:g} x {:g} mm\n", t.picture.string(), t.width_mm, t.height_mm);
+        for (const Target& t : targets(a))
+            fmt::print("{} {:g} x {:g} mm\n", t.picture.string(), t.width_mm, t.height_mm);
     });
     try {
         app.parse(argc, argv);

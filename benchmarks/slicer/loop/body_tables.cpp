@@ -9,7 +9,8 @@ namespace voxtone::loop_benchmark {
 namespace {
 
 /// Standard error of the mean of the windows' means, noise included.
-double sampling_error(const BodyJudgement& j, const Colours& target, const Colours& print, const std::vector<char>& mask) {
+double sampling_error(const BodyJudgement& j, const Colours& target, const Colours& print,
+                      const std::vector<char>& mask) {
     const std::vector<double> d = differences(target, print);
     std::vector<double> sum(j.windows, 0), count(j.windows, 0);
     for (std::size_t i = 0; i < d.size(); ++i)
@@ -34,27 +35,34 @@ std::array<BodyFigures, 2> body_figures(const BodyJudgement& j, double viewing_d
     std::array<BodyFigures, 2> figures;
     for (std::size_t thin = 0; thin < 2; ++thin) {
         std::vector<char> mask(j.inner.size());
-        for (std::size_t i = 0; i < mask.size(); ++i) mask[i] = j.inner[i] && j.cells.in_gamut[i] && static_cast<std::size_t>(j.thin[i]) == thin;
-        figures[thin] = {compare(target, half, mask), compare(j.cells.target, j.cells.half, mask), sampling_error(j, target, print, mask)};
+        for (std::size_t i = 0; i < mask.size(); ++i)
+            mask[i] = j.inner[i] && j.cells.in_gamut[i] && static_cast<std::size_t>(j.thin[i]) == thin;
+        figures[thin] = {compare(target, half, mask), compare(j.cells.target, j.cells.half, mask),
+                         sampling_error(j, target, print, mask)};
     }
     return figures;
 }
 
 std::string body_table(const std::vector<BodyRow>& rows, const std::vector<std::string>& names) {
     std::string text = fmt::format(
-        "\n**Bodies**, CIEDE2000 of in-gamut cells in windows drawn over the surface, {} -> {}; thin: less than 2 mm of body under the cell\n\n"
-        "| body | part | cells judged | as seen from 300 mm: mean (+- of sampling) | median | 95 % | cells of 0.085 mm: mean | seconds | core seconds | iterations |\n"
-        "|---|---|---|---|---|---|---|---|---|---|\n",
+        "\n**Bodies**, CIEDE2000 of in-gamut cells in windows drawn over the surface, {} -> {}; thin: less than 2 mm "
+        "of body under the cell\n\n"
+        "| body | part | of the surface | cells judged | as seen from 300 mm: mean (+- of sampling) | median | 95 % | "
+        "cells of 0.085 mm: mean | seconds | core seconds | iterations |\n"
+        "|---|---|---|---|---|---|---|---|---|---|---|\n",
         names[0], names[1]);
     for (const BodyRow& r : rows)
         for (std::size_t thin = 0; thin < 2; ++thin) {
             const auto& f = thin ? r.thin : r.thick;
             if (f[0].seen.cells == 0) continue;
-            text += fmt::format("| {} | {} | {} | {:.2f} (+- {:.2f}) -> {:.2f} (+- {:.2f}) | {:.2f} -> {:.2f} | {:.2f} -> {:.2f} | {:.2f} -> {:.2f} | {:.0f} -> {:.0f} | {:.0f} -> {:.0f} | {} |\n",
-                                r.name, thin ? "thin" : "thick", f[0].seen.cells, f[0].seen.mean, f[0].sampling, f[1].seen.mean, f[1].sampling,
-                                f[0].seen.median, f[1].seen.median, f[0].seen.percentile_95, f[1].seen.percentile_95, f[0].cells.mean, f[1].cells.mean,
-                                r.print[0].seconds, r.print[1].seconds, r.print[0].core_seconds, r.print[1].core_seconds,
-                                r.print[1].iterations >= 0 ? std::to_string(r.print[1].iterations) : "-");
+            text += fmt::format(
+                "| {} | {} | {:.1f} % | {} | {:.2f} (+- {:.2f}) -> {:.2f} (+- {:.2f}) | {:.2f} -> {:.2f} | {:.2f} -> "
+                "{:.2f} | {:.2f} -> {:.2f} | {:.0f} -> {:.0f} | {:.0f} -> {:.0f} | {} |\n",
+                r.name, thin ? "thin" : "thick", 100 * (thin ? r.thin_share : 1 - r.thin_share), f[0].seen.cells,
+                f[0].seen.mean, f[0].sampling, f[1].seen.mean, f[1].sampling, f[0].seen.median, f[1].seen.median,
+                f[0].seen.percentile_95, f[1].seen.percentile_95, f[0].cells.mean, f[1].cells.mean, r.print[0].seconds,
+                r.print[1].seconds, r.print[0].core_seconds, r.print[1].core_seconds,
+                r.print[1].iterations >= 0 ? std::to_string(r.print[1].iterations) : "-");
         }
     return text;
 }

@@ -14,9 +14,9 @@
 namespace voxtone::loop_benchmark {
 
 struct BodyFigures {
-    Figures seen;           ///< after the eye filter
-    Figures cells;          ///< cell by cell
-    double sampling = 0;    ///< standard error of the mean as seen, over windows
+    Figures seen;         ///< after the eye filter
+    Figures cells;        ///< cell by cell
+    double sampling = 0;  ///< standard error of the mean as seen, over windows
 };
 
 struct BodyRow {
@@ -24,10 +24,11 @@ struct BodyRow {
     std::array<BodyFigures, 2> thick, thin;  ///< of judged cells whose target is in the gamut of a thick body
     std::array<Print, 2> print;
     std::size_t windows = 0;
-    double surface_cells = 0;
+    double thin_share = 0;
 };
 
-[[nodiscard]] std::array<BodyFigures, 2> body_figures(const BodyJudgement& j, double viewing_distance_mm);  ///< thick, thin
+[[nodiscard]] std::array<BodyFigures, 2> body_figures(const BodyJudgement& j,
+                                                      double viewing_distance_mm);  ///< thick, thin
 
 [[nodiscard]] std::string body_table(const std::vector<BodyRow>& rows, const std::vector<std::string>& variant_names);
 

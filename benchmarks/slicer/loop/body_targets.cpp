@@ -25,7 +25,8 @@ void write_checker(const fs::path& file, int columns, int rows) {
     picture.height_px = static_cast<std::uint32_t>(rows * px);
     for (int y = 0; y < rows * px; ++y)
         for (int x = 0; x < columns * px; ++x)
-            picture.pixels.push_back((x / px + y / px) % 2 ? Eigen::Vector4f(0.65F, 0.62F, 0.55F, 1) : Eigen::Vector4f(0.12F, 0.25F, 0.28F, 1));
+            picture.pixels.push_back((x / px + y / px) % 2 ? Eigen::Vector4f(0.65F, 0.62F, 0.55F, 1)
+                                                           : Eigen::Vector4f(0.12F, 0.25F, 0.28F, 1));
     io::write_whole_file(file, io::png_bytes(io::encode_over(picture, Eigen::Vector3f::Ones())));
 }
 
@@ -61,7 +62,8 @@ fs::path project_checker(const fs::path& source, const fs::path& work, double si
     write_checker(work / "checker.png", columns, rows);
     std::string text = "mtllib checker.mtl\nusemtl checker\n";
     for (const auto& v : vertex)
-        text += fmt::format("v {} {} {}\nvt {:.6f} {:.6f}\n", v[0], v[1], v[2], (v[1] - low[1]) / (high[1] - low[1]), (v[2] - low[2]) / (high[2] - low[2]));
+        text += fmt::format("v {} {} {}\nvt {:.6f} {:.6f}\n", v[0], v[1], v[2], (v[1] - low[1]) / (high[1] - low[1]),
+                            (v[2] - low[2]) / (high[2] - low[2]));
     io::write_whole_file(work / "sword_checker.obj", text + faces);
     io::write_whole_file(work / "checker.mtl", "newmtl checker\nKd 1 1 1\nmap_Kd checker.png\n");
     return work / "sword_checker.obj";

@@ -45,10 +45,12 @@ double modulation_kept(const GratingBlock& block, const optics::Surface& surface
     Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
     Eigen::Vector3d right_target = Eigen::Vector3d::Zero(), right_print = Eigen::Vector3d::Zero();
     int cells = 0;
-    const double x0 = block.x0 + margin_mm, x1 = block.x1 - margin_mm, y0 = block.y0 + margin_mm, y1 = block.y1 - margin_mm;
+    const double x0 = block.x0 + margin_mm, x1 = block.x1 - margin_mm, y0 = block.y0 + margin_mm,
+                 y1 = block.y1 - margin_mm;
     if ((block.axis == 0 ? x1 - x0 : y1 - y0) < 1 / block.per_mm) return std::numeric_limits<double>::quiet_NaN();
     for (std::size_t i = 0; i < surface.cells.size(); ++i) {
-        const double x = static_cast<double>(surface.cells[i].centre_mm[0]), y = static_cast<double>(surface.cells[i].centre_mm[1]);
+        const double x = static_cast<double>(surface.cells[i].centre_mm[0]),
+                     y = static_cast<double>(surface.cells[i].centre_mm[1]);
         if (x < x0 || x > x1 || y < y0 || y > y1) continue;
         const Eigen::Vector3d basis(1, std::cos(phase(block, x, y)), std::sin(phase(block, x, y)));
         normal += basis * basis.transpose();
@@ -75,7 +77,8 @@ std::array<double, 3> modulation_by_frequency(double width_mm, double height_mm,
         sum[f] += k;
         ++count[f];
     }
-    for (std::size_t f = 0; f < 3; ++f) kept[f] = count[f] ? sum[f] / count[f] : std::numeric_limits<double>::quiet_NaN();
+    for (std::size_t f = 0; f < 3; ++f)
+        kept[f] = count[f] ? sum[f] / count[f] : std::numeric_limits<double>::quiet_NaN();
     return kept;
 }
 

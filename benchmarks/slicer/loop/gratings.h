@@ -2,10 +2,11 @@
 //
 // A page of sine gratings, and how much of their modulation a print keeps.
 //
-// Columns: 0.5, 1, 2 line pairs per mm; rows: stripes that follow each other along x and along y, of mid contrast (linear
-// light 0.4 +- 0.15: within the gamut) and of full contrast (0.5 +- 0.48: beyond it). Modulation is amplitude / mean of
-// the luminance; "kept" is that of the print over that of the target, both by least squares of a constant, a sine and a
-// cosine over the inside of a block. Only what is in phase with the target counts, so noise does not add to it.
+// Columns: 0.5, 1, 2 line pairs per mm; rows: stripes that follow each other along x and along y, of mid contrast
+// (linear light 0.4 +- 0.15: within the gamut) and of full contrast (0.5 +- 0.48: beyond it). Modulation is amplitude /
+// mean of the luminance; "kept" is that of the print over that of the target, both by least squares of a constant, a
+// sine and a cosine over the inside of a block. Only what is in phase with the target counts, so noise does not add to
+// it.
 #pragma once
 
 #include <array>

@@ -4,10 +4,12 @@
 // hours.
 //
 // A window is what is seen of the surface within `radius_mm` of a cell drawn at random by area (normals less than 70
-// degrees apart). All cells of a window are traced, on the mesh as the body's boundary, relative to the same cells of the
-// body all of white (smoothed over the surface by a Gaussian of 0.3 mm, since white light is smooth); the eye filter sees
-// the window alone, so that its Gaussians wider than the window act on what of it there is. Judged are the cells in the
-// inner half of the radius: with the standard error of the mean over windows, which are independent of each other.
+// degrees apart); where more than 5 mm2 of the surface are thin, every second one is drawn there: figures of thin and
+// thick parts belong apart. All cells of a window are traced, on the mesh as the body's boundary, relative to the same
+// cells of the body all of white (smoothed over the surface by a Gaussian of 0.3 mm, since white light is smooth); the
+// eye filter sees the window alone, so that its Gaussians wider than the window act on what of it there is. Judged are
+// the cells in the inner half of the radius: with the standard error of the mean over windows, which are independent of
+// each other.
 #pragma once
 
 #include <cstdint>
@@ -24,6 +26,7 @@ struct BodyJudgement {
     std::vector<char> thin;             ///< per cell: less than 2 mm of body under it, along the normal
     std::size_t windows = 0;
     double surface_cells = 0;  ///< of the whole body
+    double thin_share = 0;     ///< of its area
 };
 
 struct WindowChoice {

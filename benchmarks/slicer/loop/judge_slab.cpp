@@ -22,16 +22,19 @@ Colours Judgement::print() const {
     return mean;
 }
 
-std::vector<char> in_gamut(const slicer::SliceOptions& options, const Colours& target, double picture_thickness_mm) {
+void map_target(const slicer::SliceOptions& options, double picture_thickness_mm, Judgement& j) {
     slicer::SliceOptions flat = options;
     flat.depth_mm = 1;
     const slicer::PrinterProfile printer = slicer::find_printer(flat.printer);
     const slicer::LoadedResins resins = slicer::load_resins(flat, printer);
     Progress progress;
     const auto colour = slicer::prepare_colour(flat, resins, printer.pitch_mm(), picture_thickness_mm, progress);
-    std::vector<char> inside(target.size());
-    parallel_for(0, target.size(), 256, [&](std::size_t i) { inside[i] = colour->separation.mapping_distance(target[i]) < 1; });
-    return inside;
+    j.in_gamut.resize(j.target.size());
+    j.mapped.resize(j.target.size());
+    parallel_for(0, j.target.size(), 256, [&](std::size_t i) {
+        j.in_gamut[i] = colour->separation.mapping_distance(j.target[i]) < 1;
+        j.mapped[i] = j.in_gamut[i] ? j.target[i] : colour->separation.predicted(j.target[i]).cast<float>().eval();
+    });
 }
 
 Judgement judge_slab(const slicer::SliceOptions& options, const Effort& effort) {
@@ -51,8 +54,9 @@ Judgement judge_slab(const slicer::SliceOptions& options, const Effort& effort) 
     VOXTONE_EXPECT(j.surface.cells.size() == j.columns * j.rows);  // a box, in order of y, x
 
     const slicer::JobBody body = slicer::prepare_body(options, slicer::find_printer(options.printer), progress);
-    j.target = slicer::target_of_cells(j.surface, stack.volume.pitch_mm(), body.grid.origin_mm, body.surface, body.model.mesh, nullptr);
-    j.in_gamut = in_gamut(options, j.target, body.placement.extent_mm.z());
+    j.target = slicer::target_of_cells(j.surface, stack.volume.pitch_mm(), body.grid.origin_mm, body.surface,
+                                       body.model.mesh, nullptr);
+    map_target(options, body.placement.extent_mm.z(), j);
 
     const auto start = std::chrono::steady_clock::now();
     const std::string digest = volume_digest(stack.volume);
@@ -71,7 +75,8 @@ Judgement judge_slab(const slicer::SliceOptions& options, const Effort& effort) 
     how.seed = 3;
     std::vector<float> white = traced(white_scene, volume_digest(twin), j.surface, how, effort.cache);
     const std::size_t channels = stack.resins.channels.size();
-    smooth_flat_white(white, j.columns, j.rows, channels, effort.cell_mm, size[0] % cell[0] == 0, size[1] % cell[1] == 0);
+    smooth_flat_white(white, j.columns, j.rows, channels, effort.cell_mm, size[0] % cell[0] == 0,
+                      size[1] % cell[1] == 0);
     j.trace_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 
     const Eigen::Matrix3Xf weights = optics::linear_srgb_weights(stack.resins.channels.wavelengths_nm).cast<float>();
@@ -80,7 +85,8 @@ Judgement judge_slab(const slicer::SliceOptions& options, const Effort& effort) 
         for (std::size_t i = 0; i < j.half[h].size(); ++i) {
             Eigen::VectorXf relative(weights.cols());
             for (Eigen::Index c = 0; c < weights.cols(); ++c)
-                relative[c] = value[h][i * channels + static_cast<std::size_t>(c)] / white[i * channels + static_cast<std::size_t>(c)];
+                relative[c] = value[h][i * channels + static_cast<std::size_t>(c)] /
+                              white[i * channels + static_cast<std::size_t>(c)];
             j.half[h][i] = weights * relative;
         }
     }

@@ -23,13 +23,14 @@ struct Judgement {
     Colours target;
     std::array<Colours, 2> half;  ///< of the print, from independent paths
     std::vector<char> in_gamut;   ///< of the target: a flat print of 1 mm of colour shows it within 1 CIEDE2000
+    Colours mapped;               ///< the target as a flat print of 1 mm of colour shows it: beyond the gamut mapped
     double trace_seconds = 0;
     [[nodiscard]] Colours print() const;  ///< mean of the halves
 };
 
 struct Effort {
-    std::uint32_t paths = 128;        ///< per cell, channel and half
-    std::uint32_t white_paths = 64;   ///< per cell and channel of the white twin
+    std::uint32_t paths = 128;       ///< per cell, channel and half
+    std::uint32_t white_paths = 64;  ///< per cell and channel of the white twin
     double cell_mm = 0.085;
     std::filesystem::path cache;
 };
@@ -37,8 +38,7 @@ struct Effort {
 /// `options`: those that the stack in options.out was made with.
 [[nodiscard]] Judgement judge_slab(const slicer::SliceOptions& options, const Effort& effort);
 
-/// Which of these colours a flat print with 1 mm of colour can show, by the separation of the job.
-[[nodiscard]] std::vector<char> in_gamut(const slicer::SliceOptions& options, const Colours& target,
-                                         double picture_thickness_mm);
+/// Fills `in_gamut` and `mapped` from the target, by the separation of the job.
+void map_target(const slicer::SliceOptions& options, double picture_thickness_mm, Judgement& j);
 
 }  // namespace voxtone::loop_benchmark

@@ -58,13 +58,16 @@ TEST_CASE("the modulation of a known grating is found, noise and all", "[loop_be
     const std::array<double, 3> kept{0.8, 0.5, 0.25};
     Colours target, print;
     for (std::size_t i = 0; i < surface.cells.size(); ++i) {
-        const double x = static_cast<double>(surface.cells[i].centre_mm[0]), y = static_cast<double>(surface.cells[i].centre_mm[1]);
+        const double x = static_cast<double>(surface.cells[i].centre_mm[0]),
+                     y = static_cast<double>(surface.cells[i].centre_mm[1]);
         const double t = grating_light(blocks, x, y);
         target.push_back(Eigen::Vector3f::Constant(static_cast<float>(t)));
         double p = t;
         for (const GratingBlock& b : blocks)
             if (x >= b.x0 && x < b.x1 && y >= b.y0 && y < b.y1) {
-                const double mean = b.full ? 0.5 : 0.4, share = b.per_mm < 0.75 ? kept[0] : b.per_mm < 1.5 ? kept[1] : kept[2];
+                const double mean = b.full ? 0.5 : 0.4, share = b.per_mm < 0.75  ? kept[0]
+                                                                : b.per_mm < 1.5 ? kept[1]
+                                                                                 : kept[2];
                 p = 0.9 * (mean + share * (t - mean));  // darker as a whole: modulation is relative to the mean
             }
         print.push_back(Eigen::Vector3f::Constant(static_cast<float>(p + 0.05 * gaussian(i, 5))));
@@ -76,7 +79,8 @@ TEST_CASE("the modulation of a known grating is found, noise and all", "[loop_be
     const GratingBlock& b = blocks[0];
     for (std::size_t i = 0; i < shifted.size(); ++i) {
         const double x = static_cast<double>(surface.cells[i].centre_mm[0]);
-        shifted[i] = Eigen::Vector3f::Constant(static_cast<float>(0.4 + 0.15 * std::sin(2 * std::numbers::pi * b.per_mm * (x - 0.5 * (b.x0 + b.x1)))));
+        shifted[i] = Eigen::Vector3f::Constant(
+            static_cast<float>(0.4 + 0.15 * std::sin(2 * std::numbers::pi * b.per_mm * (x - 0.5 * (b.x0 + b.x1)))));
     }
     CHECK(std::abs(modulation_kept(b, surface, target, shifted)) < 0.01);
 }
@@ -87,7 +91,8 @@ TEST_CASE("noise of the tracer is taken out of an error that is there, and flatt
         std::array<Colours, 2> half{colours, colours};
         for (std::size_t h = 0; h < 2; ++h)
             for (std::size_t i = 0; i < colours.size(); ++i)
-                for (Eigen::Index c = 0; c < 3; ++c) half[h][i][c] += static_cast<float>(0.02 * gaussian(i, 10 * h + static_cast<std::size_t>(c)));
+                for (Eigen::Index c = 0; c < 3; ++c)
+                    half[h][i][c] += static_cast<float>(0.02 * gaussian(i, 10 * h + static_cast<std::size_t>(c)));
         return half;
     };
     const double truth = differences(target, off).front();
@@ -105,16 +110,19 @@ TEST_CASE("noise of the tracer is taken out of an error that is there, and flatt
 TEST_CASE("smoothing the white keeps planes and symmetric falls, and takes noise away", "[loop_benchmark]") {
     const std::size_t columns = 60, rows = 40;
     const auto fall = [&](std::size_t x, std::size_t y) {
-        const auto u = static_cast<double>(std::min(x, columns - 1 - x)), v = static_cast<double>(std::min(y, rows - 1 - y));
+        const auto u = static_cast<double>(std::min(x, columns - 1 - x)),
+                   v = static_cast<double>(std::min(y, rows - 1 - y));
         return 0.8 - 0.1 * std::exp(-u / 20) - 0.1 * std::exp(-v / 20);
     };
     std::vector<float> value;
     for (std::size_t y = 0; y < rows; ++y)
-        for (std::size_t x = 0; x < columns; ++x) value.push_back(static_cast<float>(fall(x, y) + 0.03 * gaussian(y * columns + x, 3)));
+        for (std::size_t x = 0; x < columns; ++x)
+            value.push_back(static_cast<float>(fall(x, y) + 0.03 * gaussian(y * columns + x, 3)));
     smooth_flat_white(value, columns, rows, 1, 0.085, true, true);
     double worst_inside = 0;
     for (std::size_t y = 8; y < rows - 8; ++y)
-        for (std::size_t x = 8; x < columns - 8; ++x) worst_inside = std::max(worst_inside, std::abs(static_cast<double>(value[y * columns + x]) - fall(x, y)));
+        for (std::size_t x = 8; x < columns - 8; ++x)
+            worst_inside = std::max(worst_inside, std::abs(static_cast<double>(value[y * columns + x]) - fall(x, y)));
     CHECK(worst_inside < 0.012);
     CHECK(value[0] == value[columns - 1]);
     CHECK(value[0] == value[(rows - 1) * columns]);
@@ -135,8 +143,10 @@ TEST_CASE("letters are drawn as wide and as dark as their size says", "[loop_ben
 TEST_CASE("a white picture is judged white up to its edges, and a grey one is not", "[loop_benchmark]") {
     const Folder folder;
     const auto judged = [&](const std::string& name, float light) {
-        io::LinearPicture picture{40, 32, std::vector<Eigen::Vector4f>(40 * 32, Eigen::Vector4f(light, light, light, 1))};
-        io::write_whole_file(folder.path / (name + ".png"), io::png_bytes(io::encode_over(picture, Eigen::Vector3f::Ones())));
+        io::LinearPicture picture{40, 32,
+                                  std::vector<Eigen::Vector4f>(40 * 32, Eigen::Vector4f(light, light, light, 1))};
+        io::write_whole_file(folder.path / (name + ".png"),
+                             io::png_bytes(io::encode_over(picture, Eigen::Vector3f::Ones())));
         slicer::SliceOptions options;
         options.model = (folder.path / (name + ".png")).string();
         options.out = (folder.path / name).string();
@@ -147,7 +157,8 @@ TEST_CASE("a white picture is judged white up to its edges, and a grey one is no
         const Print print = make_print(options, false);
         CHECK(print.seconds > 0);
         CHECK(make_print(options, true).seconds == print.seconds);  // taken as it is
-        return judge_slab(print.options, {.paths = 64, .white_paths = 256, .cell_mm = 0.085, .cache = folder.path / "traced"});
+        return judge_slab(print.options,
+                          {.paths = 64, .white_paths = 256, .cell_mm = 0.085, .cache = folder.path / "traced"});
     };
     const Judgement white = judged("white", 1.0F);
     REQUIRE(white.surface.cells.size() == white.columns * white.rows);

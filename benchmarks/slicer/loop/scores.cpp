@@ -9,7 +9,9 @@
 namespace voxtone::loop_benchmark {
 namespace {
 
-Eigen::Vector3d lab(const Eigen::Vector3f& rgb) { return optics::lab_from_linear_srgb(rgb.cwiseMax(0.0F).cast<double>()); }
+Eigen::Vector3d lab(const Eigen::Vector3f& rgb) {
+    return optics::lab_from_linear_srgb(rgb.cwiseMax(0.0F).cast<double>());
+}
 
 optics::DifferenceSummary summary(const Colours& a, const Colours& b, std::span<const char> mask) {
     const std::vector<double> all = differences(a, b);
@@ -31,17 +33,26 @@ Figures compare(const Colours& target, const std::array<Colours, 2>& half, std::
     Colours mean(target.size());
     for (std::size_t i = 0; i < mean.size(); ++i) mean[i] = 0.5F * (half[0][i] + half[1][i]);
     const auto m = summary(target, mean, mask), a = summary(target, half[0], mask), b = summary(target, half[1], mask);
-    const auto without_noise = [&](double optics::DifferenceSummary::*f) { return std::max(0.0, 2 * m.*f - (a.*f + b.*f) / 2); };
+    const auto without_noise = [&](double optics::DifferenceSummary::*f) {
+        return std::max(0.0, 2 * m.*f - (a.*f + b.*f) / 2);
+    };
     return {without_noise(&optics::DifferenceSummary::mean), without_noise(&optics::DifferenceSummary::median),
-            without_noise(&optics::DifferenceSummary::percentile_95), summary(half[0], half[1], mask).mean / 2, m.count};
+            without_noise(&optics::DifferenceSummary::percentile_95), summary(half[0], half[1], mask).mean / 2,
+            m.count};
 }
 
 Scores score(const Judgement& j, const Eye& eye) {
     const auto through = [&](const halftone::EyeFilter& filter, std::span<const char> mask) {
         return compare(filter(j.target), {filter(j.half[0]), filter(j.half[1])}, mask);
     };
-    return {compare(j.target, j.half, j.in_gamut), compare(j.target, j.half, {}), through(eye.published, j.in_gamut),
-            through(eye.published, {}), through(eye.low_pass, j.in_gamut)};
+    Scores s;
+    s.cells_in_gamut = compare(j.target, j.half, j.in_gamut);
+    s.cells_all = compare(j.target, j.half, {});
+    s.eye_in_gamut = through(eye.published, j.in_gamut);
+    s.eye_all = through(eye.published, {});
+    s.eye_mapped = compare(eye.published(j.mapped), {eye.published(j.half[0]), eye.published(j.half[1])}, {});
+    s.low_pass_in_gamut = through(eye.low_pass, j.in_gamut);
+    return s;
 }
 
 }  // namespace voxtone::loop_benchmark

@@ -3,11 +3,11 @@
 // Colour differences between print and target, with what the tracer's noise adds taken out as far as two independent
 // halves allow.
 //
-// With M the mean of the halves and M1, M2 the halves, a figure F (mean, median, 95th percentile of CIEDE2000) of M has half the
-// noise variance of that of M1 or M2. Straight on to no noise: F = 2 F(M) - (F(M1) + F(M2)) / 2. That is exact where the
-// noise is small against the error (its effect is then linear in its variance) and too large, by 0.41 of a half's noise, where there is
-// nothing but noise: never flattering. Figures are not less than 0. `noise` is the mean of F(M1, M2) / 2: what the noise left in M looks like.
-// Differences are of linear sRGB clamped from below at 0.
+// With M the mean of the halves and M1, M2 the halves, a figure F (mean, median, 95th percentile of CIEDE2000) of M has
+// half the noise variance of that of M1 or M2. Straight on to no noise: F = 2 F(M) - (F(M1) + F(M2)) / 2. That is exact
+// where the noise is small against the error (its effect is then linear in its variance) and too large, by 0.41 of a
+// half's noise, where there is nothing but noise: never flattering. Figures are not less than 0. `noise` is the mean of
+// F(M1, M2) / 2: what the noise left in M looks like. Differences are of linear sRGB clamped from below at 0.
 #pragma once
 
 #include <span>
@@ -25,6 +25,7 @@ struct Figures {
 struct Scores {
     Figures cells_in_gamut, cells_all;  ///< cell by cell
     Figures eye_in_gamut, eye_all;      ///< print and target both seen through the eye filter
+    Figures eye_mapped;                 ///< all cells, the target mapped into the gamut
     Figures low_pass_in_gamut;          ///< the same without the filter's negative surround
 };
 

@@ -21,15 +21,19 @@ struct View {
 
 /// The window of a sixth of the slab's width and height over which the target changes most from cell to cell.
 View busiest(const Judgement& j, std::size_t zoom) {
-    const std::size_t w = std::max<std::size_t>(1, j.columns / enlarged), h = std::max<std::size_t>(1, j.rows / enlarged);
+    const std::size_t w = std::max<std::size_t>(1, j.columns / enlarged),
+                      h = std::max<std::size_t>(1, j.rows / enlarged);
     std::vector<double> sum((j.columns + 1) * (j.rows + 1), 0);
-    const auto grey = [&](std::size_t x, std::size_t y) { return std::cbrt(std::max(0.0, static_cast<double>(j.target[y * j.columns + x].sum()))); };
+    const auto grey = [&](std::size_t x, std::size_t y) {
+        return std::cbrt(std::max(0.0, static_cast<double>(j.target[y * j.columns + x].sum())));
+    };
     for (std::size_t y = 0; y < j.rows; ++y)
         for (std::size_t x = 0; x < j.columns; ++x) {
             double step = 0;
             if (x + 1 < j.columns) step += std::abs(grey(x + 1, y) - grey(x, y));
             if (y + 1 < j.rows) step += std::abs(grey(x, y + 1) - grey(x, y));
-            sum[(y + 1) * (j.columns + 1) + x + 1] = step + sum[y * (j.columns + 1) + x + 1] + sum[(y + 1) * (j.columns + 1) + x] - sum[y * (j.columns + 1) + x];
+            sum[(y + 1) * (j.columns + 1) + x + 1] = step + sum[y * (j.columns + 1) + x + 1] +
+                                                     sum[(y + 1) * (j.columns + 1) + x] - sum[y * (j.columns + 1) + x];
         }
     View best{0, 0, w, h, zoom * enlarged};
     double most = -1;
@@ -42,7 +46,8 @@ View busiest(const Judgement& j, std::size_t zoom) {
     return best;
 }
 
-void draw(io::LinearPicture& picture, std::size_t left, std::size_t top, const Judgement& j, const Colours& colours, const View& view) {
+void draw(io::LinearPicture& picture, std::size_t left, std::size_t top, const Judgement& j, const Colours& colours,
+          const View& view) {
     for (std::size_t y = 0; y < view.height * view.zoom; ++y)
         for (std::size_t x = 0; x < view.width * view.zoom; ++x) {
             const std::size_t row = view.y + view.height - 1 - y / view.zoom, column = view.x + x / view.zoom;

@@ -144,7 +144,8 @@ std::vector<float> draw_strokes(const std::vector<Stroke>& strokes, double width
         for (int j = top; j <= bottom; ++j)
             for (int i = left; i <= right; ++i)
                 if (distance(s, (i + 0.5) / per_mm, height_mm - (j + 0.5) / per_mm) <= r)
-                    ink[static_cast<std::size_t>(j) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(i)] = 1;
+                    ink[static_cast<std::size_t>(j) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(i)] =
+                        1;
     }
     const int w = columns / samples, h = rows / samples;
     std::vector<float> coverage(static_cast<std::size_t>(w) * static_cast<std::size_t>(h), 0);

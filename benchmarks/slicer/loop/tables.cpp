@@ -34,22 +34,29 @@ std::string error_table(const std::vector<SlabRow>& rows, const std::vector<std:
 }  // namespace
 
 std::string slab_tables(const std::vector<SlabRow>& rows, const std::vector<std::string>& names) {
-    std::string text = error_table(rows, names, "After the eye filter at 300 mm, in-gamut pixels", &Scores::eye_in_gamut) +
-                       error_table(rows, names, "The same without the filter's negative surround", &Scores::low_pass_in_gamut) +
-                       error_table(rows, names, "Cells of 0.085 mm, in-gamut pixels", &Scores::cells_in_gamut) +
-                       error_table(rows, names, "After the eye filter, all pixels", &Scores::eye_all) +
-                       error_table(rows, names, "Cells of 0.085 mm, all pixels", &Scores::cells_all);
-    text += fmt::format("\n**Work**, {} -> {}\n\n| target | in gamut | iterations | seconds | core seconds |\n|---|---|---|---|---|\n", names[0], names[1]);
+    std::string text =
+        error_table(rows, names, "After the eye filter at 300 mm, in-gamut pixels", &Scores::eye_in_gamut) +
+        error_table(rows, names, "The same without the filter's negative surround", &Scores::low_pass_in_gamut) +
+        error_table(rows, names, "Cells of 0.085 mm, in-gamut pixels", &Scores::cells_in_gamut) +
+        error_table(rows, names, "After the eye filter, all pixels, target mapped into the gamut",
+                    &Scores::eye_mapped) +
+        error_table(rows, names, "After the eye filter, all pixels", &Scores::eye_all) +
+        error_table(rows, names, "Cells of 0.085 mm, all pixels", &Scores::cells_all);
+    text += fmt::format(
+        "\n**Work**, {} -> {}\n\n| target | in gamut | iterations | seconds | core seconds |\n|---|---|---|---|---|\n",
+        names[0], names[1]);
     for (const SlabRow& r : rows)
         text += fmt::format("| {} | {:.0f} % | {} | {} -> {} | {} -> {} |\n", r.name, 100 * r.share_in_gamut,
-                            r.print[1].iterations >= 0 ? std::to_string(r.print[1].iterations) : "-", number(r.print[0].seconds, 1),
-                            number(r.print[1].seconds, 1), number(r.print[0].core_seconds, 1), number(r.print[1].core_seconds, 1));
+                            r.print[1].iterations >= 0 ? std::to_string(r.print[1].iterations) : "-",
+                            number(r.print[0].seconds, 1), number(r.print[1].seconds, 1),
+                            number(r.print[0].core_seconds, 1), number(r.print[1].core_seconds, 1));
     for (const SlabRow& r : rows) {
         if (!r.gratings) continue;
-        text += fmt::format("\n**Modulation kept**, {}\n\n| line pairs per mm | {} | {} | ratio |\n|---|---|---|---|\n", r.name, names[0], names[1]);
+        text += fmt::format("\n**Modulation kept**, {}\n\n| line pairs per mm | {} | {} | ratio |\n|---|---|---|---|\n",
+                            r.name, names[0], names[1]);
         for (std::size_t f = 0; f < 3; ++f)
-            text += fmt::format("| {} | {} | {} | {} |\n", grating_frequencies[f], number(r.modulation[0][f]), number(r.modulation[1][f]),
-                                ratio(r.modulation[0][f], r.modulation[1][f]));
+            text += fmt::format("| {} | {} | {} | {} |\n", grating_frequencies[f], number(r.modulation[0][f]),
+                                number(r.modulation[1][f]), ratio(r.modulation[0][f], r.modulation[1][f]));
     }
     return text;
 }

@@ -19,6 +19,9 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double page_width_mm = 20, page_px_per_mm = 40;
+/// Linear light of black on white: L* 15.5, as black ink on paper, and just within the gamut of 1 mm of Vero Black, so
+/// that letters count among the in-gamut pixels.
+constexpr double ink_light = 0.02;
 
 /// Linear sRGB of a place; y points up.
 using Paint = std::function<Eigen::Vector3d(double x, double y)>;
@@ -72,8 +75,10 @@ struct TextPage {
     }
     [[nodiscard]] Eigen::Vector3d operator()(double x, double y) const {
         const auto columns = static_cast<std::size_t>(std::lround(width * px_per_mm));
-        const std::size_t i = static_cast<std::size_t>(x * px_per_mm), j = static_cast<std::size_t>((height - y) * px_per_mm);
-        return Eigen::Vector3d::Constant(1 - 0.99 * static_cast<double>(ink[std::min(j * columns + i, ink.size() - 1)]));
+        const std::size_t i = static_cast<std::size_t>(x * px_per_mm),
+                          j = static_cast<std::size_t>((height - y) * px_per_mm);
+        return Eigen::Vector3d::Constant(1 - (1 - ink_light) *
+                                                 static_cast<double>(ink[std::min(j * columns + i, ink.size() - 1)]));
     }
     std::vector<float> ink;
 };
@@ -85,15 +90,15 @@ Eigen::Vector3d siemens_star(double x, double y) {
     if (r > radius) return Eigen::Vector3d::Ones();
     if (r < hub) return Eigen::Vector3d::Constant(0.5);
     const double turn = std::atan2(y - 7, x - 10) / (2 * std::numbers::pi) * 36;
-    return Eigen::Vector3d::Constant(turn - std::floor(turn) < 0.5 ? 0.01 : 1.0);
+    return Eigen::Vector3d::Constant(turn - std::floor(turn) < 0.5 ? ink_light : 1.0);
 }
 
-/// Source: sRGB codes that GretagMacbeth published for the ColorChecker chart of 24 patches (C. S. McCamy, H. Marcus, J. G.
-/// Davidson, J. Appl. Photogr. Eng. 2, 95 (1976)), in the chart's order, row by row.
+/// Source: sRGB codes that GretagMacbeth published for the ColorChecker chart of 24 patches (C. S. McCamy, H. Marcus,
+/// J. G. Davidson, J. Appl. Photogr. Eng. 2, 95 (1976)), in the chart's order, row by row.
 constexpr std::array<std::array<int, 3>, 24> checker_codes{{
-    {115, 82, 68},  {194, 150, 130}, {98, 122, 157},  {87, 108, 67},   {133, 128, 177}, {103, 189, 170},
-    {214, 126, 44}, {80, 91, 166},   {193, 90, 99},   {94, 60, 108},   {157, 188, 64},  {224, 163, 46},
-    {56, 61, 150},  {70, 148, 73},   {175, 54, 60},   {231, 199, 31},  {187, 86, 149},  {8, 133, 161},
+    {115, 82, 68},   {194, 150, 130}, {98, 122, 157},  {87, 108, 67},   {133, 128, 177}, {103, 189, 170},
+    {214, 126, 44},  {80, 91, 166},   {193, 90, 99},   {94, 60, 108},   {157, 188, 64},  {224, 163, 46},
+    {56, 61, 150},   {70, 148, 73},   {175, 54, 60},   {231, 199, 31},  {187, 86, 149},  {8, 133, 161},
     {243, 243, 242}, {200, 200, 200}, {160, 160, 160}, {122, 122, 121}, {85, 85, 85},    {52, 52, 52},
 }};
 

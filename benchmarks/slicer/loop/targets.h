@@ -11,7 +11,7 @@ namespace voxtone::loop_benchmark {
 
 struct Target {
     std::string name;
-    std::filesystem::path picture;      ///< PNG in the work folder
+    std::filesystem::path picture;  ///< PNG in the work folder
     double width_mm = 0, height_mm = 0;
     bool gratings = false;
 };

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Monte Carlo of printed voxels, kept in a folder under the digest of everything that decides it, so that a second run of
-// the benchmark traces nothing that it has traced before.
+// Monte Carlo of printed voxels, kept in a folder under the digest of everything that decides it, so that a second run
+// of the benchmark traces nothing that it has traced before.
 #pragma once
 
 #include <cstdint>

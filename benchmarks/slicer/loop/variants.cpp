@@ -41,6 +41,15 @@ int find_number(const nlohmann::json& json, const std::string& name) {
     return -1;
 }
 
+/// Keeps what the job says on its way: the loop's iterations.
+class NotingProgress : public Progress {
+public:
+    std::vector<std::string> notes;
+
+protected:
+    void on_note(const std::string& note) override { notes.push_back(note); }
+};
+
 std::string text_of(const std::filesystem::path& file) {
     const auto bytes = io::read_whole_file(file, std::uint64_t{1} << 26);
     return {bytes.begin(), bytes.end()};
@@ -62,7 +71,8 @@ std::vector<Variant> variants(const OptionSet& loop) {
 void set_options(const OptionSet& set, slicer::SliceOptions& options) {
     const auto table = slicer::slice_option_table();
     for (const auto& [key, value] : set) {
-        const auto spec = std::find_if(table.begin(), table.end(), [&, k = key](const slicer::OptionSpec& s) { return s.key == k; });
+        const auto spec =
+            std::find_if(table.begin(), table.end(), [&, k = key](const slicer::OptionSpec& s) { return s.key == k; });
         if (spec == table.end()) throw UsageError(fmt::format("slice has no option --{}", key));
         spec->set(options, value);
     }
@@ -94,15 +104,18 @@ Print make_print(const slicer::SliceOptions& wanted, bool reuse) {
         }
     }
     std::filesystem::remove_all(folder);
-    Progress progress;
+    NotingProgress progress;
     const auto start = std::chrono::steady_clock::now();
     const double cores_before = core_seconds();
     const slicer::SliceResult result = slicer::run_slice_job(print.options, progress);
     print.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     print.core_seconds = core_seconds() - cores_before;
     print.iterations = find_number(nlohmann::json::parse(result.json), "iterations");
-    const nlohmann::json record{{"job", nlohmann::json::parse(job)}, {"seconds", print.seconds},
-                                {"core_seconds", print.core_seconds}, {"iterations", print.iterations}};
+    const nlohmann::json record{{"job", nlohmann::json::parse(job)},
+                                {"seconds", print.seconds},
+                                {"core_seconds", print.core_seconds},
+                                {"iterations", print.iterations},
+                                {"notes", progress.notes}};
     io::write_whole_file(done, record.dump(1));
     return print;
 }

@@ -34,8 +34,8 @@ struct Print {
     int iterations = -1;  ///< of the loop, as the report says; -1: it says nothing
 };
 
-/// Slices into options.out; everything but the prediction for the report. A folder that holds a finished print of the same
-/// options is taken as it is where `reuse`.
+/// Slices into options.out; everything but the prediction for the report. A folder that holds a finished print of the
+/// same options is taken as it is where `reuse`.
 [[nodiscard]] Print make_print(const slicer::SliceOptions& options, bool reuse);
 
 }  // namespace voxtone::loop_benchmark
