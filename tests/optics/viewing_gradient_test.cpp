@@ -160,20 +160,20 @@ TEST_CASE("The gradient on viewing cells agrees with the difference that other r
         gg += predicted * predicted;
     }
     CAPTURE(body.sphere, dg / std::sqrt(dd * gg), dg / dd);
-    CHECK(dg / std::sqrt(dd * gg) > 0.95);
-    CHECK(dg / dd == Approx(1).epsilon(0.1));
+    CHECK(dg / std::sqrt(dd * gg) > 0.99);
+    CHECK(dg / dd == Approx(1).epsilon(0.05));
 }
 
 TEST_CASE("A step against the gradient brings what is seen nearer to its target") {
     const Body body(GENERATE(false, true));
     const ResinVolume volume = body.volume();
     const Surface surface = body.surface(volume);
-    ViewingSequence sequence(body.scene(volume), surface, on_viewing_cells(3));
+    ViewingSequence sequence(body.scene(volume), surface, on_viewing_cells(8));
     const Appearance seen = sequence.next(volume);
     const double start = distance(seen);
     const auto gradient = sequence.gradient(by_value(seen));
     REQUIRE(gradient);
-    // Voxels of the colour that gain most change to the resin that lowers F most.
+    // What each voxel of the coloured skin promises, with the resin that lowers F most.
     struct Gain {
         double by;
         std::array<int, 3> voxel;
@@ -194,24 +194,26 @@ TEST_CASE("A step against the gradient brings what is seen nearer to its target"
                 if (best.by < 0) gains.push_back(best);
             }
     std::sort(gains.begin(), gains.end(), [](const Gain& a, const Gain& b) { return a.by < b.by; });
-    double least = start;
-    for (const double share : {0.0005, 0.03, 0.1}) {
+    const auto step = [&](std::size_t first, std::size_t last, std::size_t every, double& expected) {
         std::vector<std::uint8_t> to(static_cast<std::size_t>(body.size[0] * body.size[1] * body.size[2]), 0);
-        double expected = 0;
-        for (std::size_t i = 0; i < static_cast<std::size_t>(share * static_cast<double>(gains.size())); ++i) {
+        for (std::size_t i = first; i < last; i += every) {
             const auto& [by, voxel, resin] = gains[i];
             to[body.address(voxel[0], voxel[1], voxel[2])] = static_cast<std::uint8_t>(resin);
             expected += by;
         }
-        const double now = distance(sequence.next(body.volume([&](int x, int y, int z, int m) {
+        return distance(sequence.next(body.volume([&](int x, int y, int z, int m) {
             const int resin = to[body.address(x, y, z)];
             return resin > 0 ? resin : m;
         })));
-        UNSCOPED_INFO("share " << share << ": from " << start << " to " << now << ", expected " << start + expected);
-        least = std::min(least, now);
-        // Those that promise most are also those whose promise is most in error.
-        if (share == 0.0005) CHECK((now - start) / expected == Approx(1).epsilon(0.4));
-    }
+    };
+    // A few voxels far from each other do what is expected of them.
+    double expected = 0;
+    const double after = step(gains.size() / 50, gains.size(), 400, expected);
+    CAPTURE(body.sphere, start, after, expected);
+    CHECK((after - start) / expected == Approx(1).epsilon(0.1));
+    // More of them, those that promise most, together do less: one of these steps is good.
+    double least = start;
+    for (const std::size_t share : {30u, 10u}) least = std::min(least, step(0, gains.size() / share, 1, expected));
     CHECK(least < 0.75 * start);
 }
 
@@ -230,8 +232,15 @@ TEST_CASE("Any number of threads gives the same gradient, and predictions do not
             const auto gradient = sequence.gradient(by_value(seen));
             for (int z = 0; z < body.size[2]; z += 3)
                 for (int y = 0; y < body.size[1]; ++y)
-                    for (int x = 0; x < body.size[0]; ++x)
-                        for (std::size_t r = 0; r < 5; ++r) out.push_back(gradient->at({x, y, z}, r));
+                    for (int x = 0; x < body.size[0]; ++x) {
+                        std::array<float, 5> all{};
+                        gradient->all_at({x, y, z}, all);
+                        for (std::size_t r = 0; r < 5; ++r) {
+                            const float single = gradient->at({x, y, z}, r);
+                            if (single != all[r]) FAIL("resin " << r << ": alone " << single << ", with the others " << all[r]);
+                            out.push_back(single);
+                        }
+                    }
         }
         return out;
     };

@@ -80,18 +80,31 @@ void ViewingGradient::add(std::size_t channel, const TransportMedia& media_of, c
     });
 }
 
-float ViewingGradient::at(const std::array<int, 3>& voxel, std::size_t resin) const {
-    VOXTONE_EXPECT(resin < resins_);
+void ViewingGradient::take(const std::array<int, 3>& voxel, std::size_t first_resin, std::span<float> out) const {
+    VOXTONE_EXPECT(first_resin + out.size() <= resins_);
     const ViewingGrid::Home home = grid_.home_of(voxel);
-    if (home.cell < 0) return 0;
+    if (home.cell < 0) {
+        std::fill(out.begin(), out.end(), 0.0f);
+        return;
+    }
     const auto cell = static_cast<std::size_t>(home.cell);
     const auto* const by_medium = by_medium_.data() + cell * channels_;
-    const auto* const by_share = table_.data() + (row(grid_.grid.medium[cell], home) * resins_ + resin) * channels_;
-    float sum = 0;
-    for (std::size_t c = 0; c < channels_; ++c)
-        sum += from_upper_half(by_medium[c][0]) * by_share[c][0] + from_upper_half(by_medium[c][1]) * by_share[c][1];
-    return home.share * sum;
+    const auto* by_share = table_.data() + (row(grid_.grid.medium[cell], home) * resins_ + first_resin) * channels_;
+    for (float& to : out) {
+        float sum = 0;
+        for (std::size_t c = 0; c < channels_; ++c, ++by_share)
+            sum += from_upper_half(by_medium[c][0]) * (*by_share)[0] + from_upper_half(by_medium[c][1]) * (*by_share)[1];
+        to = home.share * sum;
+    }
 }
+
+float ViewingGradient::at(const std::array<int, 3>& voxel, std::size_t resin) const {
+    float out = 0;
+    take(voxel, resin, {&out, 1});
+    return out;
+}
+
+void ViewingGradient::all_at(const std::array<int, 3>& voxel, std::span<float> out) const { take(voxel, 0, out); }
 
 std::size_t ViewingGradient::memory_bytes() const {
     const auto of = [](const auto& v) { return v.capacity() * sizeof(v[0]); };

@@ -44,10 +44,12 @@ public:
     void add(std::size_t channel, const TransportMedia& media_of, const SeenMedium& seen, std::span<const float> by_sigma_t,
              std::span<const float> by_sigma_s);
     [[nodiscard]] float at(const std::array<int, 3>& voxel, std::size_t resin) const override;
+    void all_at(const std::array<int, 3>& voxel, std::span<float> out) const override;
     [[nodiscard]] std::size_t memory_bytes() const;
 
 private:
     [[nodiscard]] std::size_t row(std::size_t mixture, const ViewingGrid::Home& home) const;
+    void take(const std::array<int, 3>& voxel, std::size_t first_resin, std::span<float> out) const;
 
     const ViewingGrid& grid_;
     std::size_t resins_ = 0, channels_ = 0;
