@@ -34,7 +34,7 @@ std::string marked_picture(const Folder& folder) {
 
 /// The slab of that picture, 2.4 x 1.6 x 1 mm, as a stack.
 std::string marked_stack(const Folder& folder, const std::string& more = "") {
-    const Outcome made = run_program(fmt::format("slice --quiet --no-report {} --width 2.4mm --thickness 1mm {} -o {}",
+    const Outcome made = run_program(fmt::format("slice --quiet --no-report --iterations 0 {} --width 2.4mm --thickness 1mm {} -o {}",
                                                  marked_picture(folder), more, folder / "out"));
     REQUIRE(made.exit_code == 0);
     return folder / "out";
@@ -114,7 +114,7 @@ TEST_CASE("The two models agree on the colour of a slab") {
 TEST_CASE("An all white slab is white") {
     const Folder folder("white");
     write_png(folder / "white.png", 2, 2, std::vector<std::uint8_t>(12, 255));
-    REQUIRE(run_program(fmt::format("slice --quiet --no-report --load W {} --width 2mm --thickness 1mm -o {}",
+    REQUIRE(run_program(fmt::format("slice --quiet --no-report --iterations 0 --load W {} --width 2mm --thickness 1mm -o {}",
                                     folder / "white.png", folder / "out"))
                 .exit_code == 0);
     const Outcome outcome = run_program(
@@ -176,7 +176,7 @@ TEST_CASE("predict makes meshes of bodies") {
     const Folder folder("body");
     folder.write("marker.obj", marker_obj());
     REQUIRE(
-        run_program(fmt::format("slice --quiet --no-report --size 2mm {} -o {}", folder / "marker.obj", folder / "out"))
+        run_program(fmt::format("slice --quiet --no-report --iterations 0 --size 2mm {} -o {}", folder / "marker.obj", folder / "out"))
             .exit_code == 0);
     const Outcome outcome = run_program(
         fmt::format("predict --quiet --model monte-carlo --spp 4 --cell 0.17mm {0} -o {1}.glb -o {1}.ply -o {1}.png",

@@ -43,7 +43,7 @@ TEST_CASE("An asymmetric marker proves every axis and mirror") {
     for (const Case& c : {Case{"", true, true}, Case{"--flip-x", false, true}, Case{"--flip-y", true, false}, Case{"--flip-x --flip-y", false, false},
                           Case{"--rotate z180", false, false}}) {
         INFO(c.options);
-        REQUIRE(run_program(fmt::format("slice --quiet --no-report --overwrite {} {} -o {}", folder / "marker.obj", c.options, folder / "out"))
+        REQUIRE(run_program(fmt::format("slice --quiet --no-report --iterations 0 --overwrite {} {} -o {}", folder / "marker.obj", c.options, folder / "out"))
                     .exit_code == 0);
         const auto description = manifest(folder);
         CHECK(description["size_px"] == nlohmann::json({142, 36}));  // 6 / 0.0423333 = 141.7, 3 / 0.0846667 = 35.4
@@ -60,14 +60,14 @@ TEST_CASE("An asymmetric marker proves every axis and mirror") {
         CHECK((tower.bottom >= top.height - 1) == c.bottom);  // small y is the last row
         CHECK((tower.top <= 1) == !c.bottom);
     }
-    REQUIRE(run_program(fmt::format("slice --quiet --no-report --overwrite --swap-xy {} -o {}", folder / "marker.obj", folder / "out")).exit_code == 0);
+    REQUIRE(run_program(fmt::format("slice --quiet --no-report --iterations 0 --overwrite --swap-xy {} -o {}", folder / "marker.obj", folder / "out")).exit_code == 0);
     CHECK(manifest(folder)["size_px"] == nlohmann::json({71, 71}));  // 3 / 0.0423333 = 70.9, 6 / 0.0846667 = 70.9
 }
 
 TEST_CASE("Colour goes where the model has it, and counts agree with the bitmaps") {
     const Folder folder("ramp");
     folder.write("box.obj", ramp_box_obj(8, 6, 4));
-    REQUIRE(run_program(fmt::format("slice --quiet --no-report {} -o {}", folder / "box.obj", folder / "out")).exit_code == 0);
+    REQUIRE(run_program(fmt::format("slice --quiet --no-report --iterations 0 {} -o {}", folder / "box.obj", folder / "out")).exit_code == 0);
     const auto description = manifest(folder);
     std::map<std::array<std::uint8_t, 3>, std::string> role_of;
     std::map<std::string, std::uint64_t> said, counted;
@@ -111,7 +111,7 @@ TEST_CASE("Colour goes where the model has it, and counts agree with the bitmaps
 TEST_CASE("verify finds what was spoiled, by name, with exit code 6") {
     const Folder folder("spoil");
     folder.write("marker.obj", marker_obj());
-    const std::string slice = fmt::format("slice --quiet --no-report --overwrite {} -o {}", folder / "marker.obj", folder / "out");
+    const std::string slice = fmt::format("slice --quiet --no-report --iterations 0 --overwrite {} -o {}", folder / "marker.obj", folder / "out");
     REQUIRE(run_program(slice).exit_code == 0);
     REQUIRE(run_program("verify " + (folder / "out")).exit_code == 0);
 
@@ -134,7 +134,7 @@ TEST_CASE("verify finds what was spoiled, by name, with exit code 6") {
 TEST_CASE("A picture becomes a slab with its colours on top, upright") {
     const Folder folder("picture");
     const std::string picture = std::string(VOXTONE_SOURCE_DIR) + "/examples/models/spot/spot_texture.png";
-    REQUIRE(run_program(fmt::format("slice --quiet {} --width 12mm --thickness 2mm -o {}", picture, folder / "out")).exit_code == 0);
+    REQUIRE(run_program(fmt::format("slice --quiet --iterations 0 {} --width 12mm --thickness 2mm -o {}", picture, folder / "out")).exit_code == 0);
     const auto description = manifest(folder);
     CHECK(description["size_px"] == nlohmann::json({284, 142}));  // 12 mm at 600 and 300 dpi, rounded up
     CHECK(description["layers"] == 75);                           // 2 mm / 27 um, rounded up

@@ -46,6 +46,18 @@ public:
         });
         return rgb;
     }
+    /// d F / d value from d F / d colour.
+    [[nodiscard]] std::vector<float> by_value(std::span<const Eigen::Vector3f> by_colour) const {
+        std::vector<float> out(by_colour.size() * channels_);
+        parallel_for(0, by_colour.size(), 4096, [&](std::size_t i) {
+            const Eigen::VectorXf by = weights_.transpose() * by_colour[i];
+            for (std::size_t c = 0; c < channels_; ++c) {
+                const std::size_t at = i * channels_ + c;
+                out[at] = white.empty() ? by[static_cast<Eigen::Index>(c)] : white[at] > 0 ? by[static_cast<Eigen::Index>(c)] / white[at] : 0;
+            }
+        });
+        return out;
+    }
     std::vector<float> white;
 
 private:
@@ -63,6 +75,8 @@ public:
         step.cells = errors(target_, rgb);
         step.seen = errors(seen_target_, eye_.filter(rgb));
     }
+
+    [[nodiscard]] const EyeFilter& eye() const { return eye_; }
 
 private:
     [[nodiscard]] optics::DifferenceSummary errors(std::span<const Eigen::Vector3f> target, std::span<const Eigen::Vector3f> rgb) const {
@@ -123,19 +137,25 @@ void expect_finite(std::span<const Eigen::Vector3f> target) {
     for (const Eigen::Vector3f& rgb : target) VOXTONE_EXPECT(rgb.allFinite());
 }
 
-/// True where two steps in a row did not improve the best mean before them by 1 %.
-bool stopped_gaining(const std::vector<LoopStep>& steps) {
+/// True where the last `patience` steps did not improve the best mean before them by 1 %.
+bool stopped_gaining(const std::vector<LoopStep>& steps, char method, std::size_t patience) {
     constexpr double gain = 0.99;
-    if (steps.size() < 4) return false;
-    double before = steps[0].seen.mean;
-    for (std::size_t i = 0; i + 2 < steps.size(); ++i) before = std::min(before, steps[i].seen.mean);
-    return std::min(steps[steps.size() - 1].seen.mean, steps[steps.size() - 2].seen.mean) > gain * before;
+    const auto made = static_cast<std::size_t>(std::count_if(steps.begin(), steps.end(), [&](const LoopStep& s) { return s.method == method; }));
+    if (made < patience + 1) return false;
+    const auto least = [](auto first, auto last) {
+        double mean = first->seen.mean;
+        for (; first != last; ++first) mean = std::min(mean, first->seen.mean);
+        return mean;
+    };
+    const auto middle = steps.end() - static_cast<std::ptrdiff_t>(patience);
+    return least(middle, steps.end()) > gain * least(steps.begin(), middle);
 }
 
 std::string report_line(const LoopState& state, int most) {
     const LoopStep& step = state.steps.back();
     const double left_s = std::max(0, most - step.iteration) * step.seconds;
-    return fmt::format("iteration {}: mean error as seen {:.2f}, median {:.2f} (open loop {:.2f}, {:.2f}), {:.1f} s; at most {:.0f} s left", step.iteration,
+    const char* const method = step.method == 'o' ? "open loop" : step.method == 'f' ? "feedback" : "descent";
+    return fmt::format("iteration {} ({}): mean error as seen {:.2f}, median {:.2f} (open loop {:.2f}, {:.2f}), {:.1f} s; at most {:.0f} s left", step.iteration, method,
                        step.seen.mean, step.seen.median, state.steps.front().seen.mean, state.steps.front().seen.median, step.seconds, left_s);
 }
 
@@ -145,11 +165,6 @@ SkinMixtures mixtures_of(const SurfaceFirst& recipes, std::span<const Eigen::Vec
     SkinMixtures skin(drive.size(), recipes.layers().size(), recipes.resins());
     parallel_for(0, drive.size(), 256, [&](std::size_t i) { recipes.recipe(drive[i], skin.cell(i)); });
     return skin;
-}
-
-std::optional<SkinMixtures> LoopResult::best_mixtures(const SurfaceFirst& recipes) const {
-    if (state.best_drive.empty()) return std::nullopt;
-    return mixtures_of(recipes, state.best_drive);
 }
 
 LoopResult run_appearance_loop(const LoopTask& task, const LoopOptions& options, Progress& progress, const LoopListener& listener,
@@ -171,11 +186,14 @@ LoopResult run_appearance_loop(const LoopTask& task, const LoopOptions& options,
     const auto sequence = task.model->sequence(task.scene, *task.surface);
 
     LoopState& state = result.state;
-    double start = now();
-    const auto next = [&](const optics::ResinVolume& volume, double stuck_share) {
-        Colours rgb = viewer.colours(sequence->next(volume, &progress));
+    progress.begin_stage("appearance loop", static_cast<std::uint64_t>(most) + 1, "predictions");
+    double start = now(), stuck_share = 0;
+    Colours rgb;
+    const auto predict = [&](const optics::ResinVolume& volume, char method) {
+        rgb = viewer.colours(sequence->next(volume, &progress));
         LoopStep step;
         step.iteration = static_cast<int>(state.steps.size());
+        step.method = method;
         judge(rgb, step);
         step.stuck_share = stuck_share;
         step.seconds = now() - start;
@@ -183,20 +201,32 @@ LoopResult run_appearance_loop(const LoopTask& task, const LoopOptions& options,
         state.steps.push_back(step);
         progress.note(report_line(state, most));
         progress.advance();
-        return rgb;
     };
-    progress.begin_stage("appearance loop", static_cast<std::uint64_t>(most) + 1, "predictions");
-    Colours rgb;
-    double stuck_share = 0;
+    const auto keep_if_best = [&](const SkinMixtures& mixtures) {
+        if (!(state.steps.back().seen.mean < state.steps[state.best].seen.mean)) return;
+        state.best = state.steps.size() - 1;
+        state.best_mixtures = mixtures;
+        state.shown = rgb;
+    };
     const auto correct = [&] {
         state.eased.resize(rgb.size());
         const std::size_t stuck = feed_back(result.target, rgb, into_gamut, {}, state.drive, state.eased);
         stuck_share = rgb.empty() ? 0 : double(stuck) / double(rgb.size());
     };
+    const MisfitFunction misfit(*task.surface, judge.eye(), result.target);
+    /// False where the model has no gradient.
+    const auto turn_downhill = [&] {
+        const Misfit now_is = misfit(rgb);
+        const auto gradient = task.by_mixtures ? sequence->gradient(viewer.by_value(now_is.by_colour), &progress) : nullptr;
+        if (!gradient) return false;
+        descend(task.by_mixtures(*gradient), now_is.value, {}, state.descent);
+        return true;
+    };
+
     if (resume) {
         state = *resume;
     } else {
-        rgb = next(*task.scene.volume, 0);
+        predict(*task.scene.volume, 'o');
         state.open = state.shown = rgb;
         state.drive = result.target;
         correct();
@@ -204,27 +234,40 @@ LoopResult run_appearance_loop(const LoopTask& task, const LoopOptions& options,
     }
     try {
         result.why_stopped = "all iterations were made";
+        bool downhill = true;
         while (static_cast<int>(state.steps.size()) <= most) {
-            {
-                const optics::ResinVolume volume = task.realise(mixtures_of(recipes, state.drive));
-                rgb = next(volume, stuck_share);
+            const bool feedback = state.descent.mixtures.cells() == 0;
+            const SkinMixtures mixtures = feedback ? mixtures_of(recipes, state.drive) : printed(state.descent.mixtures);
+            const std::vector<LoopStep> before = state.steps;
+            predict(task.realise(mixtures), feedback ? 'f' : 'd');
+            keep_if_best(mixtures);
+            if (feedback) {
+                const double mean = state.steps.back().seen.mean;
+                if (std::all_of(before.begin() + 1, before.end(), [&](const LoopStep& s) { return mean < s.seen.mean; })) state.start_drive = state.drive;
+                const auto made = static_cast<int>(state.steps.size()) - 1;
+                if (downhill && task.by_mixtures && made >= feedback_iterations && made < most) {
+                    // From the best by feedback; if that is not the last one, the last one's gradient would be another's.
+                    state.descent = begin_descent(mixtures_of(recipes, state.start_drive), {});
+                    if (state.start_drive == state.drive) downhill = turn_downhill();
+                    if (!downhill) state.descent = {};
+                }
+                if (state.descent.mixtures.cells() == 0) correct();
+            } else if (!turn_downhill()) {
+                downhill = false;
+                state.descent = {};
             }
-            if (state.steps.back().seen.mean < state.steps[state.best].seen.mean) {
-                state.best = state.steps.size() - 1;
-                state.best_drive = state.drive;
-                state.shown = rgb;
-            }
-            if (options.iterations < 0 && stopped_gaining(state.steps)) {
+            const char method = state.steps.back().method;
+            if (options.iterations < 0 && (method == 'd' || !downhill) && stopped_gaining(state.steps, method, 3)) {
                 result.why_stopped = "it stopped gaining";
                 break;
             }
-            correct();
             if (listener) listener(state);
         }
     } catch (const Cancelled&) {
         result.cancelled = true;
         result.why_stopped = "it was stopped";
     }
+    if (state.best > 0) result.best = state.best_mixtures;
     progress.end_stage();
     return result;
 }

@@ -5,9 +5,11 @@
 //   distribute resins -> predict what will be seen -> compare with the target -> redistribute, again
 //   (Iser, Rittig, Wilkie 2025, Fig. 2; Elek et al. 2017; Sumin et al. 2019)
 //
-// The unknowns are mixtures by surface cell and depth (skin.h), made surface first (surface_first.h) from one colour per cell,
-// its drive; each step is residual_feedback.h. What is predicted are the voxels themselves, as the screen laid them: its error is
-// fed back like any other. Any AppearanceModel serves.
+// The unknowns are mixtures by surface cell and depth (skin.h). The first steps make them surface first (surface_first.h) from one
+// colour per cell, its drive, by residual_feedback.h: most of the way for the price of a prediction each. Where the model has a
+// gradient, mixture_descent.h goes on from the best of these, for the price of about three: it weighs what cells do to each other.
+// docs/benchmarks.md compares the two. What is predicted are the voxels themselves, as the screen laid them: its error is fed
+// back like any other. Any AppearanceModel serves.
 //
 // Before the first step targets are mapped into the gamut of the resins on a thick body (the separation's mapping: hue
 // kept); what a place cannot show because of its neighbours or of what lies behind it is found out on the way and eased.
@@ -16,7 +18,7 @@
 // does), as they are and after the eye filter (eye_filter.h). The best iterate is that of the smallest mean error after
 // the eye filter (without its negative surround); iteration 0 is the open loop, so the result is never worse than that as far as the model can see.
 //
-// Stops after `iterations`, or when two steps in a row did not improve the best mean by 1 %, or when it is cancelled: then with
+// Stops after `iterations`, or when three steps in a row did not improve the best mean by 1 %, or when it is cancelled: then with
 // the best iterate so far. Same bits for any number of threads.
 #pragma once
 
@@ -30,6 +32,7 @@
 #include <Eigen/Core>
 
 #include "voxtone/base/progress.h"
+#include "voxtone/halftone/mixture_descent.h"
 #include "voxtone/halftone/skin.h"
 #include "voxtone/halftone/surface_first.h"
 #include "voxtone/optics/appearance_model.h"
@@ -49,7 +52,8 @@ struct LoopOptions {
     Intent intent = Intent::relative;
 };
 
-inline constexpr int most_iterations = 16;  ///< of a loop that has no limit
+inline constexpr int most_iterations = 24;     ///< of a loop that has no limit
+inline constexpr int feedback_iterations = 3;  ///< before the descent
 
 struct LoopTask {
     const optics::AppearanceModel* model = nullptr;
@@ -60,11 +64,14 @@ struct LoopTask {
     int white_material = 1;                   ///< of the twin that media-relative values refer to
     /// The print of these mixtures: same size and shape as the scene's volume.
     std::function<optics::ResinVolume(const SkinMixtures&)> realise;
+    /// The gradient by voxels, summed over those of each cell and layer: as SkinMixtures::all.
+    std::function<std::vector<float>(const optics::ResinGradient&)> by_mixtures;
 };
 
 /// Errors of one iterate.
 struct LoopStep {
     int iteration = 0;
+    char method = 'o';               ///< that made it: o open loop, f feedback, d descent
     optics::DifferenceSummary seen;  ///< after the eye filter
     optics::DifferenceSummary cells; ///< as they are
     double stuck_share = 0;          ///< of the cells, at their limits, in the step that made this iterate
@@ -75,8 +82,10 @@ struct LoopStep {
 struct LoopState {
     std::vector<LoopStep> steps;
     std::size_t best = 0;                       ///< index into steps; 0: the open loop
-    std::vector<Eigen::Vector3f> drive;         ///< of the next iterate, per cell
-    std::vector<Eigen::Vector3f> best_drive;    ///< empty: the open loop
+    std::vector<Eigen::Vector3f> drive;         ///< of the next iterate, per cell, while there is feedback
+    std::vector<Eigen::Vector3f> start_drive;   ///< of the best iterate by feedback: where descent starts
+    DescentState descent;                       ///< without cells until it begins
+    SkinMixtures best_mixtures;                 ///< without cells: the open loop
     std::vector<Eigen::Vector3f> open, shown;   ///< predicted colours of the open loop and of the best iterate
     std::vector<Eigen::Vector3f> eased;         ///< what the last step asked for
 };
@@ -88,8 +97,7 @@ struct LoopResult {
     std::vector<float> white;              ///< appearance of the white twin; empty for the absolute intent
     bool cancelled = false;
     std::string why_stopped;
-    /// Empty: the open loop was best.
-    [[nodiscard]] std::optional<SkinMixtures> best_mixtures(const SurfaceFirst& recipes) const;
+    std::optional<SkinMixtures> best;      ///< nothing: the open loop was best
 };
 
 /// After each iteration, with all that is needed to go on.

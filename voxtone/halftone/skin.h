@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "voxtone/base/contracts.h"
@@ -40,6 +41,11 @@ public:
     SkinMixtures(std::size_t cells, std::size_t layers, std::size_t resins)
         : layers_(layers), resins_(resins), fraction_(cells * layers * resins, 0.0f) {
         VOXTONE_EXPECT(resins >= 1 && resins <= max_resins);
+    }
+    /// Fractions as `all` gives them; their number is a multiple of layers * resins.
+    SkinMixtures(std::size_t layers, std::size_t resins, std::vector<float> fractions)
+        : layers_(layers), resins_(resins), fraction_(std::move(fractions)) {
+        VOXTONE_EXPECT(fraction_.empty() || (resins >= 1 && resins <= max_resins && layers >= 1 && fraction_.size() % (layers * resins) == 0));
     }
     [[nodiscard]] std::size_t cells() const { return fraction_.empty() ? 0 : fraction_.size() / (layers_ * resins_); }
     [[nodiscard]] std::size_t layers() const { return layers_; }

@@ -11,6 +11,7 @@
 #include "voxtone/base/error.h"
 #include "voxtone/slicer/loop_checkpoint.h"
 #include "voxtone/slicer/model_choice.h"
+#include "voxtone/slicer/skin_gradient.h"
 #include "voxtone/slicer/stack_volume.h"
 #include "voxtone/slicer/target_cells.h"
 
@@ -31,11 +32,11 @@ halftone::Intent parse_intent(const std::string& name) {
     return name == "absolute" ? halftone::Intent::absolute : name == "contrast" ? halftone::Intent::contrast : halftone::Intent::relative;
 }
 
-std::unique_ptr<const optics::AppearanceModel> loop_model(const SliceOptions& options, std::uint64_t memory_bytes) {
+std::unique_ptr<const optics::AppearanceModel> loop_model(const SliceOptions& options, double colour_mm, std::uint64_t memory_bytes) {
     ModelOptions quality;
     quality.cell_mm = options.predict_cell_mm;
     quality.viewing_cells = true;
-    quality.colour_mm = options.depth_mm;
+    quality.colour_mm = colour_mm;
     quality.memory_bytes = memory_bytes;
     quality.seed = options.seed;
     constexpr std::uint32_t paths = 256;  // noise goes straight into the halftone
@@ -85,7 +86,7 @@ JobLoop::JobLoop(const SliceOptions& options, const LoopPlan& plan, const JobBod
     progress.end_stage();
 
     const int white = resins.set.find("W");
-    const auto forward = loop_model(options, memory - std::min(memory, 3 * open.memory_bytes()));
+    const auto forward = loop_model(options, layers_.depth_mm(), memory - std::min(memory, 3 * open.memory_bytes()));
     halftone::LoopTask task;
     task.model = forward.get();
     task.scene = scene;
@@ -93,9 +94,13 @@ JobLoop::JobLoop(const SliceOptions& options, const LoopPlan& plan, const JobBod
     task.recipes = recipes_.get();
     task.target = target;
     task.white_material = (white >= 0 ? white : resins.core) + 1;
+    const SkinMap map{places_, *cells_, layers_};
     task.realise = [&](const halftone::SkinMixtures& mixtures) {
-        const SkinSource skin(places_, *cells_, layers_, mixtures, resins.core);
+        const SkinSource skin(map, mixtures, resins.core);
         return parts.volume(&skin, memory / 3, progress);
+    };
+    task.by_mixtures = [&](const optics::ResinGradient& gradient) {
+        return skin_gradient(parts, map, surface.cells.size(), resins.set.resins.size(), gradient, progress);
     };
     halftone::LoopOptions loop;
     loop.iterations = plan.iterations;
@@ -113,7 +118,7 @@ JobLoop::JobLoop(const SliceOptions& options, const LoopPlan& plan, const JobBod
     } else {
         checkpoint.remove();
     }
-    if (const auto mixtures = result.best_mixtures(*recipes_)) skin_.emplace(places_, *cells_, layers_, *mixtures, resins.core);
+    if (result.best) skin_.emplace(map, *result.best, resins.core);
     seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 

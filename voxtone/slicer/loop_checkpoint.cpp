@@ -60,6 +60,22 @@ struct Reader {
     }
 };
 
+void mixtures_in(Writer& file, const halftone::SkinMixtures& mixtures) {
+    const std::array<std::uint64_t, 2> shape{mixtures.layers(), mixtures.resins()};
+    file.raw(shape.data(), sizeof shape);
+    file.list(std::vector<float>(mixtures.all().begin(), mixtures.all().end()));
+}
+
+void mixtures_in(Reader& file, halftone::SkinMixtures& mixtures) {
+    std::array<std::uint64_t, 2> shape{};
+    std::vector<float> fractions;
+    file.raw(shape.data(), sizeof shape);
+    file.list(fractions);
+    if (!file.good || fractions.empty()) return;
+    file.good = shape[0] >= 1 && shape[0] <= 64 && shape[1] >= 1 && shape[1] <= halftone::max_resins && fractions.size() % (shape[0] * shape[1]) == 0;
+    if (file.good) mixtures = halftone::SkinMixtures(shape[0], shape[1], std::move(fractions));
+}
+
 /// Every part of a state, in the file's order, for reading and writing alike.
 template <class File, class State>
 void state_in(File& file, State& state) {
@@ -69,7 +85,13 @@ void state_in(File& file, State& state) {
     if constexpr (!std::is_const_v<State>) state.best = static_cast<std::size_t>(best);
     file.list(state.steps);
     file.list(state.drive);
-    file.list(state.best_drive);
+    file.list(state.start_drive);
+    mixtures_in(file, state.best_mixtures);
+    mixtures_in(file, state.descent.mixtures);
+    file.list(state.descent.momentum);
+    file.list(state.descent.scale);
+    file.raw(&state.descent.rate, sizeof state.descent.rate);
+    file.raw(&state.descent.misfit, sizeof state.descent.misfit);
     file.list(state.open);
     file.list(state.shown);
     file.list(state.eased);
@@ -128,7 +150,9 @@ std::optional<halftone::LoopState> LoopCheckpoint::read(Progress& progress) cons
     state_in(file, state);
     const auto fits = [&](const auto& list, bool may_lack) { return list.size() == cells_ || (may_lack && list.empty()); };
     if (!file.good || !file.bytes.empty() || state.steps.empty() || state.best >= state.steps.size() || !fits(state.drive, false) ||
-        !fits(state.best_drive, true) || !fits(state.open, false) || !fits(state.shown, false) || !fits(state.eased, false))
+        !fits(state.start_drive, true) || !fits(state.descent.scale, true) || state.descent.momentum.size() != state.descent.mixtures.all().size() ||
+        (state.descent.mixtures.cells() != 0 && state.descent.mixtures.cells() != cells_) ||
+        (state.best > 0 && state.best_mixtures.cells() != cells_) || !fits(state.open, false) || !fits(state.shown, false) || !fits(state.eased, false))
         throw broken();
     progress.note(fmt::format("--resume: going on after iteration {}", state.steps.back().iteration));
     return state;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxtone/slicer/print_parts.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -39,6 +40,19 @@ optics::ResinVolume PrintParts::volume(const SkinSource* skin, std::uint64_t mem
                  },
                  &progress);
     return volume.finish();
+}
+
+void PrintParts::for_each_block(const std::function<void(const ShellBlock&)>& visit, const Progress& progress) const {
+    const int depth = shell_.block_size()[2], layers = body_.grid.size[2];
+    parallel_for(0, static_cast<std::size_t>(shell_.block_layers()), 1,
+                 [&](std::size_t slab) {
+                     const int first = static_cast<int>(slab) * depth, last = std::min(first + depth, layers);
+                     SpanSlab spans;
+                     if (thin_) (void)thin_->slab(first, last, spans);
+                     else solid_.slab(first, last, spans);
+                     for (int row = 0; row < shell_.block_rows(); ++row) shell_.for_each_block(row, static_cast<int>(slab), spans, visit);
+                 },
+                 &progress);
 }
 
 }  // namespace voxtone::slicer

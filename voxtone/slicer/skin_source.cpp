@@ -32,9 +32,8 @@ SurfacePlaces::SurfacePlaces(const VisibleSurface& surface, const Eigen::Vector3
     });
 }
 
-SkinSource::SkinSource(const SurfacePlaces& places, const CellIndex& cells, const halftone::SkinLayers& layers,
-                       const halftone::SkinMixtures& mixtures, int core)
-    : places_(places), cells_(cells), layers_(layers), mixture_(halftone::cumulative_mixtures(mixtures)) {
+SkinSource::SkinSource(const SkinMap& map, const halftone::SkinMixtures& mixtures, int core)
+    : map_(map), mixture_(halftone::cumulative_mixtures(mixtures)) {
     halftone::SkinMixtures pure(1, 1, mixtures.resins());
     pure.cell(0)[static_cast<std::size_t>(core)] = 1;
     core_ = halftone::cumulative_mixtures(pure)[0];

@@ -31,20 +31,30 @@ private:
     std::vector<std::array<Eigen::Vector3f, 3>> frame_;
 };
 
+/// Which unknown of the loop a shell voxel belongs to. Keeps references.
+struct SkinMap {
+    const SurfacePlaces& places;
+    const CellIndex& cells;
+    const halftone::SkinLayers& layers;
+    static constexpr std::size_t core = ~std::size_t{0};
+    /// cell * layers + layer; `core` below the skin.
+    [[nodiscard]] std::size_t at(std::uint32_t triangle, float u, float v, float distance_mm) const {
+        const std::size_t layer = layers.layer_of(distance_mm);
+        return layer == layers.size() ? core : std::size_t{cells.at(places.at(triangle, u, v))} * layers.size() + layer;
+    }
+};
+
 class SkinSource {
 public:
-    /// Keeps references. `core`: index of the core resin.
-    SkinSource(const SurfacePlaces& places, const CellIndex& cells, const halftone::SkinLayers& layers,
-               const halftone::SkinMixtures& mixtures, int core);
+    /// `core`: index of the core resin.
+    SkinSource(const SkinMap& map, const halftone::SkinMixtures& mixtures, int core);
     [[nodiscard]] const halftone::CumulativeMixture& mixture(std::uint32_t triangle, float u, float v, float distance_mm) const {
-        const std::size_t layer = layers_.layer_of(distance_mm);
-        return layer == layers_.size() ? core_ : mixture_[std::size_t{cells_.at(places_.at(triangle, u, v))} * layers_.size() + layer];
+        const std::size_t at = map_.at(triangle, u, v, distance_mm);
+        return at == SkinMap::core ? core_ : mixture_[at];
     }
 
 private:
-    const SurfacePlaces& places_;
-    const CellIndex& cells_;
-    const halftone::SkinLayers& layers_;
+    SkinMap map_;
     std::vector<halftone::CumulativeMixture> mixture_;
     halftone::CumulativeMixture core_;
 };

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/halftone/mixture_descent.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "voxtone/base/contracts.h"
+#include "voxtone/base/parallel.h"
+#include "voxtone/optics/colour.h"
+
+namespace voxtone::halftone {
+
+namespace {
+
+constexpr double least_light = 1e-4;  // keeps the slope of Oklab finite
+constexpr float beta = 0.1f;
+
+/// | W (oklab(p) - oklab(t)) |^2 and half its derivative by p.
+double colour_misfit(const Eigen::Vector3f& p, const Eigen::Vector3f& t, Eigen::Vector3f& half_slope) {
+    const Eigen::Vector3d square_weight(1, 4, 4);
+    const Eigen::Vector3d at = p.cast<double>().cwiseMax(least_light);
+    const Eigen::Vector3d residual = optics::oklab_from_linear_srgb(at) - optics::oklab_from_linear_srgb(t.cast<double>().cwiseMax(least_light));
+    const Eigen::Vector3d weighed = square_weight.cwiseProduct(residual);
+    half_slope = (optics::oklab_derivative(at).transpose() * weighed).cast<float>();
+    return weighed.dot(residual);
+}
+
+}  // namespace
+
+MisfitFunction::MisfitFunction(const optics::Surface& surface, const EyeFilter& eye, std::span<const Eigen::Vector3f> target)
+    : eye_(eye), target_(target), seen_target_(eye.smoothed(target)) {
+    double mean = 0;
+    for (const optics::SurfaceCell& cell : surface.cells) mean += cell.area_mm2;
+    mean /= static_cast<double>(std::max<std::size_t>(1, surface.cells.size()));
+    for (const optics::SurfaceCell& cell : surface.cells) area_.push_back(static_cast<float>(cell.area_mm2 / mean));
+}
+
+Misfit MisfitFunction::operator()(std::span<const Eigen::Vector3f> predicted) const {
+    VOXTONE_EXPECT(predicted.size() == target_.size());
+    const std::vector<Eigen::Vector3f> seen = eye_.smoothed(predicted);
+    std::vector<Eigen::Vector3f> of_seen(seen.size()), of_cells(seen.size());
+    std::vector<double> part(seen.size());
+    parallel_for(0, seen.size(), 1024, [&](std::size_t i) {
+        const double far = colour_misfit(seen[i], seen_target_[i], of_seen[i]), near = colour_misfit(predicted[i], target_[i], of_cells[i]);
+        part[i] = static_cast<double>(area_[i]) * (far + static_cast<double>(beta) * near);
+    });
+    Misfit misfit;
+    for (const double p : part) misfit.value += p;
+    // E averages by area over neighbours, E_ij = w_ij a_j / sum_j w_ij a_j with symmetric w: where the sums are alike its
+    // transpose, times areas on either side, is E again.
+    misfit.by_colour = eye_.smoothed(of_seen);
+    parallel_for(0, seen.size(), 4096, [&](std::size_t i) { misfit.by_colour[i] = 2 * area_[i] * (misfit.by_colour[i] + beta * of_cells[i]); });
+    return misfit;
+}
+
+DescentState begin_descent(SkinMixtures mixtures, const DescentOptions& options) {
+    DescentState state;
+    state.mixtures = std::move(mixtures);
+    state.rate = options.rate;
+    state.momentum.assign(state.mixtures.all().size(), 0.0f);
+    state.scale.assign(state.mixtures.cells(), 0.0f);
+    const std::size_t resins = state.mixtures.resins();
+    parallel_for(0, state.mixtures.cells() * state.mixtures.layers(), 4096, [&](std::size_t i) {
+        float* const f = state.mixtures.all().data() + i * resins;
+        float sum = 0;
+        for (std::size_t r = 0; r < resins; ++r) sum += f[r] = std::max(f[r], least_fraction);
+        for (std::size_t r = 0; r < resins; ++r) f[r] /= sum;
+    });
+    return state;
+}
+
+void descend(std::span<const float> gradient, double misfit, const DescentOptions& options, DescentState& state) {
+    const std::size_t resins = state.mixtures.resins(), layers = state.mixtures.layers(), cells = state.mixtures.cells();
+    VOXTONE_EXPECT(gradient.size() == state.mixtures.all().size());
+    if (state.misfit > 0 && misfit > state.misfit) state.rate *= 0.75f;
+    state.misfit = misfit;
+    const auto mean_of = [&](std::size_t c, std::size_t l) {
+        const float* const f = state.mixtures.cell(c).data() + l * resins;
+        const float* const g = gradient.data() + (c * layers + l) * resins;
+        float mean = 0;
+        for (std::size_t r = 0; r < resins; ++r) mean += f[r] * g[r];
+        return mean;
+    };
+    parallel_for(0, cells, 512, [&](std::size_t c) {
+        float largest = 0;
+        for (std::size_t l = 0; l < layers; ++l) {
+            const float mean = mean_of(c, l);
+            for (std::size_t r = 0; r < resins; ++r) {
+                const std::size_t at = l * resins + r;
+                largest = std::max(largest, std::abs(gradient[c * layers * resins + at] - mean) * std::sqrt(state.mixtures.cell(c)[at]));
+            }
+        }
+        state.scale[c] = std::max(0.9f * state.scale[c], largest);
+    });
+    double sum = 0;
+    for (const float s : state.scale) sum += s;
+    const float shared = options.shared * static_cast<float>(sum / static_cast<double>(std::max<std::size_t>(1, cells)));
+    parallel_for(0, cells, 512, [&](std::size_t c) {
+        const float s = state.scale[c] + shared;
+        if (!(s > 0)) return;
+        for (std::size_t l = 0; l < layers; ++l) {
+            const float mean = mean_of(c, l);
+            float* const f = state.mixtures.cell(c).data() + l * resins;
+            float total = 0;
+            for (std::size_t r = 0; r < resins; ++r) {
+                const std::size_t at = (c * layers + l) * resins + r;
+                float& m = state.momentum[at];
+                m = options.momentum * m + (1 - options.momentum) * (gradient[at] - mean);
+                f[r] = std::clamp(f[r] * std::exp(std::clamp(-state.rate * m / s, -1.0f, 1.0f)), least_fraction, 1.0f);
+                total += f[r];
+            }
+            for (std::size_t r = 0; r < resins; ++r) f[r] /= total;
+        }
+    });
+}
+
+SkinMixtures printed(const SkinMixtures& mixtures) {
+    SkinMixtures out = mixtures;
+    for (float& f : out.all())
+        if (f < 3 * least_fraction) f = 0;
+    return out;
+}
+
+}  // namespace voxtone::halftone

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/slicer/skin_gradient.h"
+
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <cstdint>
+
+#include "voxtone/base/parallel.h"
+#include "voxtone/slicer/block_mixtures.h"
+
+namespace voxtone::slicer {
+
+std::vector<float> skin_gradient(const PrintParts& parts, const SkinMap& map, std::size_t cells, std::size_t resins,
+                                 const optics::ResinGradient& gradient, const Progress& progress) {
+    constexpr double scale = 0x1p32;
+    std::vector<std::int64_t> sum(cells * map.layers.size() * resins);
+    parts.for_each_block(
+        [&](const ShellBlock& block) {
+            for_each_shell_voxel(block, [&](int row, int lane) {
+                const int i = row * ShellBlock::width + lane;
+                const std::size_t at = map.at(block.triangle[i], block.u[i], block.v[i], block.distance_mm[i]);
+                if (at == SkinMap::core) return;
+                const std::array<int, 3> voxel{block.origin[0] + lane, block.origin[1] + row % block.size[1], block.origin[2] + row / block.size[1]};
+                for (std::size_t r = 0; r < resins; ++r) {
+                    const auto units = static_cast<std::int64_t>(std::llround(static_cast<double>(gradient.at(voxel, r)) * scale));
+                    if (units != 0) std::atomic_ref(sum[at * resins + r]).fetch_add(units, std::memory_order_relaxed);
+                }
+            });
+        },
+        progress);
+    std::vector<float> out(sum.size());
+    parallel_for(0, out.size(), 1 << 16, [&](std::size_t i) { out[i] = static_cast<float>(static_cast<double>(sum[i]) / scale); });
+    return out;
+}
+
+}  // namespace voxtone::slicer
