@@ -29,7 +29,8 @@ bool looks_up(const Surface& surface) {
 }  // namespace
 
 ViewingSequence::ViewingSequence(const Scene& scene, const Surface& surface, const TransportOptions& options)
-    : scene_(scene), surface_(surface), options_(options), halftone_(*scene.resins, scene.volume->pitch_mm(), looks_up(surface) ? SeenFrom::above : SeenFrom::all_sides) {
+    : scene_(scene), surface_(surface), options_(options),
+      halftone_(*scene.resins, scene.volume->pitch_mm(), looks_up(surface) ? SeenFrom::above : SeenFrom::all_sides) {
     fields_.resize(scene.resins->channels.size());
     make_grid(scene, {});
 }
@@ -123,7 +124,8 @@ Appearance ViewingSequence::next(const ResinVolume& volume, const Progress* prog
         }
     }
     summary_.memory_bytes = grid_->memory_bytes() + transport_->memory_bytes();
-    for (const ViewingField& field : fields_) summary_.memory_bytes += field.memory_bytes();
+    for (const auto* const fields : {&fields_, &adjoint_})
+        for (const ViewingField& field : *fields) summary_.memory_bytes += field.memory_bytes();
     summary_.total_s += now() - begin;
     return appearance;
 }
@@ -142,6 +144,7 @@ ViewingTransport::Media ViewingSequence::media(std::size_t channel) const {
 }
 
 std::unique_ptr<const ResinGradient> ViewingSequence::gradient(std::span<const float> by_value, const Progress* progress) {
+    const double begin = now();
     const OpticalGrid& grid = grid_->grid;
     const ResinSet& resins = *scene_.resins;
     const std::size_t channels = fields_.size();
@@ -162,10 +165,13 @@ std::unique_ptr<const ResinGradient> ViewingSequence::gradient(std::span<const f
                 light[seen_.face[e]] += by_value[i * channels + c] * seen_.share[e] / furnace;
         }
         transport_->solve(in, adjoint_[c], adjoint_[c].cells.empty() ? options_.sweeps : options_.next_sweeps, summary_, progress, light);
-        if (getenv("EXACT")) transport_->exact_derivatives(fields_[c], by_sigma_t, by_sigma_s);
-        else transport_->derivatives(fields_[c], by_sigma_t, by_sigma_s);
+        transport_->derivatives(fields_[c], by_sigma_t, by_sigma_s);
         gradient->add(c, *media_of, seen, by_sigma_t, by_sigma_s);
     }
+    summary_.memory_bytes = grid_->memory_bytes() + transport_->memory_bytes() + gradient->memory_bytes() + 4 * (light.size() + by_sigma_t.size() + by_sigma_s.size());
+    for (const auto* const fields : {&fields_, &adjoint_})
+        for (const ViewingField& field : *fields) summary_.memory_bytes += field.memory_bytes();
+    summary_.total_s += now() - begin;
     return gradient;
 }
 

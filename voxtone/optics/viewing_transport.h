@@ -60,9 +60,8 @@ public:
     void solve(const Media& media, ViewingField& field, int sweeps, TransportSummary& summary, const Progress* progress,
                std::span<const float> light = {});
     /// After `solve` with a function's d F / d flux as light: d F / d sigma_t and d F / d sigma_s of each cell's TransportMedium,
-    /// from `forward`, the field of light 1 in the same media (viewing_gradient.h).
-    void derivatives(const ViewingField& forward, std::span<float> by_sigma_t, std::span<float> by_sigma_s) const;
-    void exact_derivatives(const ViewingField& forward, std::span<float> by_sigma_t, std::span<float> by_sigma_s);
+    /// from `forward`, the field of light 1 in the same media (viewing_gradient.h). Holds that light afterwards.
+    void derivatives(const ViewingField& forward, std::span<float> by_sigma_t, std::span<float> by_sigma_s);
     /// What leaves through each outer face (of light given: / its scale), in units in which a furnace gives `furnace_flux`.
     [[nodiscard]] std::span<const float> flux() const { return flux_; }
     [[nodiscard]] float furnace_flux(std::size_t face) const;
