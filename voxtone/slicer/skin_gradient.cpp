@@ -22,8 +22,10 @@ std::vector<float> skin_gradient(const PrintParts& parts, const SkinMap& map, st
                 const std::size_t at = map.at(block.triangle[i], block.u[i], block.v[i], block.distance_mm[i]);
                 if (at == SkinMap::core) return;
                 const std::array<int, 3> voxel{block.origin[0] + lane, block.origin[1] + row % block.size[1], block.origin[2] + row / block.size[1]};
+                std::array<float, halftone::max_resins> by_resin{};
+                gradient.all_at(voxel, {by_resin.data(), resins});
                 for (std::size_t r = 0; r < resins; ++r) {
-                    const auto units = static_cast<std::int64_t>(std::llround(static_cast<double>(gradient.at(voxel, r)) * scale));
+                    const auto units = static_cast<std::int64_t>(static_cast<double>(by_resin[r]) * scale);
                     if (units != 0) std::atomic_ref(sum[at * resins + r]).fetch_add(units, std::memory_order_relaxed);
                 }
             });
