@@ -137,6 +137,12 @@ void expect_finite(std::span<const Eigen::Vector3f> target) {
     for (const Eigen::Vector3f& rgb : target) VOXTONE_EXPECT(rgb.allFinite());
 }
 
+double least_mean(const std::vector<LoopStep>& steps) {
+    double mean = steps.front().seen.mean;
+    for (const LoopStep& step : steps) mean = std::min(mean, step.seen.mean);
+    return mean;
+}
+
 /// True where the last `patience` steps did not improve the best mean before them by 1 %.
 bool stopped_gaining(const std::vector<LoopStep>& steps, char method, std::size_t patience) {
     constexpr double gain = 0.99;
@@ -228,7 +234,7 @@ LoopResult run_appearance_loop(const LoopTask& task, const LoopOptions& options,
     } else {
         predict(*task.scene.volume, 'o');
         state.open = state.shown = rgb;
-        state.drive = result.target;
+        state.drive = state.start_drive = result.target;
         correct();
         if (listener) listener(state);
     }
@@ -242,13 +248,15 @@ LoopResult run_appearance_loop(const LoopTask& task, const LoopOptions& options,
             predict(task.realise(mixtures), feedback ? 'f' : 'd');
             keep_if_best(mixtures);
             if (feedback) {
-                const double mean = state.steps.back().seen.mean;
-                if (std::all_of(before.begin() + 1, before.end(), [&](const LoopStep& s) { return mean < s.seen.mean; })) state.start_drive = state.drive;
-                const auto made = static_cast<int>(state.steps.size()) - 1;
-                if (downhill && task.by_mixtures && made >= feedback_iterations && made < most) {
-                    // From the best by feedback; if that is not the last one, the last one's gradient would be another's.
+                // Worth another step while the mean falls by 3 %.
+                const double mean = state.steps.back().seen.mean, least = least_mean(before);
+                const bool gained = mean < 0.97 * least, last = static_cast<int>(state.steps.size()) > feedback_iterations;
+                if (mean < least) state.start_drive = state.drive;
+                const bool more = static_cast<int>(state.steps.size()) <= most;
+                if (downhill && task.by_mixtures && more && (!gained || last)) {
+                    // From the best by feedback; the gradient is at hand if that was the last one.
                     state.descent = begin_descent(mixtures_of(recipes, state.start_drive), {});
-                    if (state.start_drive == state.drive) downhill = turn_downhill();
+                    if (mean < least) downhill = turn_downhill();
                     if (!downhill) state.descent = {};
                 }
                 if (state.descent.mixtures.cells() == 0) correct();
@@ -257,7 +265,7 @@ LoopResult run_appearance_loop(const LoopTask& task, const LoopOptions& options,
                 state.descent = {};
             }
             const char method = state.steps.back().method;
-            if (options.iterations < 0 && (method == 'd' || !downhill) && stopped_gaining(state.steps, method, 3)) {
+            if (options.iterations < 0 && (method == 'd' || !downhill) && stopped_gaining(state.steps, method, method == 'd' ? 5 : 3)) {
                 result.why_stopped = "it stopped gaining";
                 break;
             }

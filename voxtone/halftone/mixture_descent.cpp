@@ -73,7 +73,13 @@ DescentState begin_descent(SkinMixtures mixtures, const DescentOptions& options)
 void descend(std::span<const float> gradient, double misfit, const DescentOptions& options, DescentState& state) {
     const std::size_t resins = state.mixtures.resins(), layers = state.mixtures.layers(), cells = state.mixtures.cells();
     VOXTONE_EXPECT(gradient.size() == state.mixtures.all().size());
-    if (state.misfit > 0 && misfit > state.misfit) state.rate *= 0.75f;
+    // Colours that all cells share, as when light spreads for millimetres, overshoot first: F rises, and the step was too long.
+    if (state.misfit > 0 && misfit > state.misfit) {
+        state.rate *= options.slower;
+        for (float& m : state.momentum) m *= options.forget;
+    } else if (state.misfit > 0) {
+        state.rate = std::min(state.rate * options.faster, options.rate);
+    }
     state.misfit = misfit;
     const auto mean_of = [&](std::size_t c, std::size_t l) {
         const float* const f = state.mixtures.cell(c).data() + l * resins;

@@ -51,9 +51,11 @@ private:
 };
 
 struct DescentOptions {
-    float rate = 0.5f;      ///< in (0, 2]
+    float rate = 0.6f;      ///< in (0, 2]
     float momentum = 0.7f;  ///< mu, in [0, 1)
-    float shared = 0.3f;    ///< part of the cells' mean in s
+    float shared = 0.5f;    ///< part of the cells' mean in s
+    float slower = 0.7f, forget = 0.3f;  ///< factors of rate and momentum where F rose
+    float faster = 1.1f;                 ///< of the rate where it fell, up to what it was
 };
 
 /// What a descent carries from step to step.
@@ -70,7 +72,7 @@ inline constexpr float least_fraction = 1e-3f;
 /// Fractions kept above `least_fraction`; no momentum.
 [[nodiscard]] DescentState begin_descent(SkinMixtures mixtures, const DescentOptions& options);
 
-/// `gradient`: d F / d fraction of every cell, layer and resin. The rate falls by a quarter where F rose.
+/// `gradient`: d F / d fraction of every cell, layer and resin. Slower where F rose.
 void descend(std::span<const float> gradient, double misfit, const DescentOptions& options, DescentState& state);
 
 /// As they are printed: fractions that are below three times `least_fraction` are left out.
