@@ -265,6 +265,12 @@ TEST_CASE("Where there is nothing to gain, or no model of it, the gradient says 
     CHECK(gradient->at({24, 12, 70}, 0) == 0);
     CHECK(gradient->at({-1, 0, 0}, 0) == 0);
     CHECK(gradient->at({0, 0, 0}, 0) == 0);  // air
+    // Enough memory for predictions, not for the adjoint light besides.
+    TransportOptions tight = on_viewing_cells(2);
+    tight.memory_bytes = sequence.summary().memory_bytes * 7 / 10;
+    ViewingSequence small(body.scene(volume), surface, tight);
+    (void)small.next(volume);
+    CHECK(small.gradient(none) == nullptr);
     TransportOptions voxels;
     const TransportPredictor predictor(voxels);
     CHECK(predictor.sequence(body.scene(volume), surface)->gradient(none) == nullptr);

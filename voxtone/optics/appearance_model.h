@@ -102,8 +102,8 @@ public:
     virtual ~AppearanceSequence() = default;
     /// `volume` has the size, pitch and air of the scene's that the sequence was made for.
     [[nodiscard]] virtual Appearance next(const ResinVolume& volume, const Progress* progress = nullptr) = 0;
-    /// At the last prediction, of a function F with these d F / d value (as Appearance::value). Null where the model has none.
-    /// It is good until the next prediction or gradient.
+    /// At the last prediction, of a function F with these d F / d value (as Appearance::value). Null where the model has none
+    /// or not the memory for it. It is good until the next prediction or gradient.
     [[nodiscard]] virtual std::unique_ptr<const ResinGradient> gradient(std::span<const float> by_value, const Progress* progress = nullptr);
 };
 

@@ -150,6 +150,10 @@ std::unique_ptr<const ResinGradient> ViewingSequence::gradient(std::span<const f
     const std::size_t channels = fields_.size();
     VOXTONE_EXPECT(by_value.size() == surface_.cells.size() * channels);
     VOXTONE_EXPECT(!fields_[0].cells.empty());
+    // Fields of both lights, the derivatives, and copies of the light on the faces.
+    const std::size_t needed = grid_->memory_bytes() + ViewingTransport::bytes_for(*grid_, 2 * channels) + grid_->cells() * (4 * channels + 8) +
+                               grid_->open_faces.size() * 8 * sizeof(Octet);
+    if (options_.memory_bytes > 0 && needed > options_.memory_bytes) return nullptr;
     adjoint_.resize(channels);
     const auto media_of = shared_media(grid.directions, grid.edge_mm(BlockKind::skin), viewing_theta);
     const SeenMedium seen{halftone_, resins, grid.pitch_mm};

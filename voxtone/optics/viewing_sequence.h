@@ -25,7 +25,7 @@ public:
     ViewingSequence(const Scene& scene, const Surface& surface, const TransportOptions& options);
     [[nodiscard]] Appearance next(const ResinVolume& volume, const Progress* progress = nullptr) override;
     /// Of viewing_gradient.h. The adjoint light of each channel is kept for the next one: `sweeps` the first time, then `next_sweeps`.
-    /// Contract: there was a prediction.
+    /// Null where it needs more memory than `options` allow. Contract: there was a prediction.
     [[nodiscard]] std::unique_ptr<const ResinGradient> gradient(std::span<const float> by_value, const Progress* progress = nullptr) override;
     /// Of the predictions so far; times of all, cells of the grid now.
     [[nodiscard]] const TransportSummary& summary() const { return summary_; }
