@@ -24,14 +24,14 @@ double now() { return std::chrono::duration<double>(std::chrono::steady_clock::n
 /// A model's answers as colours.
 class Viewer {
 public:
-    Viewer(const LoopTask& task, const optics::AppearanceModel& model, bool relative, const Progress& progress)
+    Viewer(const LoopTask& task, bool relative, const Progress& progress)
         : channels_(task.scene.resins->channels.size()),
           weights_(optics::linear_srgb_weights(task.scene.resins->channels.wavelengths_nm).cast<float>()) {
         if (!relative) return;
         const optics::ResinVolume twin = optics::all_of(*task.scene.volume, static_cast<optics::Material>(task.white_material));
         optics::Scene scene = task.scene;
         scene.volume = &twin;
-        white = model.predict(scene, *task.surface, &progress).value;
+        white = task.model->predict(scene, *task.surface, &progress).value;
     }
     [[nodiscard]] Colours colours(const optics::Appearance& seen) const {
         Colours rgb(seen.value.size() / channels_);
@@ -124,17 +124,6 @@ private:
     const std::vector<char>& counts_;
 };
 
-/// Limited to a factor of two either way.
-Colours ratios(const Colours& above, const Colours& below) {
-    Colours out(above.size());
-    constexpr float least = 1e-3f;
-    parallel_for(0, out.size(), 4096, [&](std::size_t i) {
-        for (Eigen::Index c = 0; c < 3; ++c)
-            out[i][c] = std::clamp((std::max(above[i][c], 0.0f) + least) / (std::max(below[i][c], 0.0f) + least), 0.5f, 2.0f);
-    });
-    return out;
-}
-
 /// Marks the cells whose target the resins can show; all where none is.
 std::vector<char> cells_in_gamut(const SurfaceFirst& recipes, std::span<const Eigen::Vector3f> target) {
     constexpr double visible = 1;  // CIEDE2000
@@ -172,7 +161,7 @@ std::string report_line(const LoopState& state, int most) {
     const LoopStep& step = state.steps.back();
     const double left_s = std::max(0, most - step.iteration) * step.seconds;
     const char* const method = step.method == 'o' ? "open loop" : step.method == 'f' ? "feedback" : "descent";
-    return fmt::format("iteration {} ({}{}): mean error as seen {:.2f}, median {:.2f} (open loop {:.2f}, {:.2f}), {:.1f} s; at most {:.0f} s left", step.iteration, method, step.checked ? ", checked" : "",
+    return fmt::format("iteration {} ({}): mean error as seen {:.2f}, median {:.2f} (open loop {:.2f}, {:.2f}), {:.1f} s; at most {:.0f} s left", step.iteration, method,
                        step.seen.mean, step.seen.median, state.steps.front().seen.mean, state.steps.front().seen.median, step.seconds, left_s);
 }
 
@@ -197,7 +186,7 @@ LoopResult run_appearance_loop(const LoopTask& task, const LoopOptions& options,
     result.in_gamut = cells_in_gamut(recipes, task.target);
     result.target.resize(task.target.size());
     parallel_for(0, task.target.size(), 256, [&](std::size_t i) { result.target[i] = into_gamut(task.target[i]); });
-    const Viewer viewer(task, *task.model, options.intent != Intent::absolute, progress);
+    const Viewer viewer(task, options.intent != Intent::absolute, progress);
     result.white = viewer.white;
     const Judge judge(*task.surface, task.target, result.in_gamut, options.viewing_distance_mm);
     const auto sequence = task.model->sequence(task.scene, *task.surface);
@@ -206,21 +195,9 @@ LoopResult run_appearance_loop(const LoopTask& task, const LoopOptions& options,
     progress.begin_stage("appearance loop", static_cast<std::uint64_t>(most) + 1, "predictions");
     double start = now(), stuck_share = 0;
     Colours rgb;
-    std::optional<Viewer> checker;
-    const auto check = [&](const optics::ResinVolume& volume) {
-        if (!checker) checker.emplace(task, *task.check, options.intent != Intent::absolute, progress);
-        optics::Scene scene = task.scene;
-        scene.volume = &volume;
-        const Colours quick = std::move(rgb);
-        rgb = checker->colours(task.check->predict(scene, *task.surface, &progress));
-        state.correction = ratios(judge.eye().smoothed(rgb), judge.eye().smoothed(quick));
-    };
-    const auto predict = [&](const optics::ResinVolume& volume, char method, bool looked_at) {
+    const auto predict = [&](const optics::ResinVolume& volume, char method) {
         rgb = viewer.colours(sequence->next(volume, &progress));
-        if (looked_at) check(volume);
-        else for (std::size_t i = 0; i < state.correction.size(); ++i) rgb[i] = rgb[i].cwiseProduct(state.correction[i]);
         LoopStep step;
-        step.checked = looked_at;
         step.iteration = static_cast<int>(state.steps.size());
         step.method = method;
         judge(rgb, step);
@@ -232,9 +209,7 @@ LoopResult run_appearance_loop(const LoopTask& task, const LoopOptions& options,
         progress.advance();
     };
     const auto keep_if_best = [&](const SkinMixtures& mixtures) {
-        // The first look puts all that came before it in another light.
-        const bool first_look = state.steps.back().checked && std::count_if(state.steps.begin(), state.steps.end(), [](const LoopStep& s) { return s.checked; }) == 1;
-        if (!(state.steps.back().seen.mean < state.steps[first_look ? 0 : state.best].seen.mean)) return;
+        if (!(state.steps.back().seen.mean < state.steps[state.best].seen.mean)) return;
         state.best = state.steps.size() - 1;
         state.best_mixtures = mixtures;
         state.shown = rgb;
@@ -244,15 +219,11 @@ LoopResult run_appearance_loop(const LoopTask& task, const LoopOptions& options,
         const std::size_t stuck = feed_back(result.target, rgb, into_gamut, {}, state.drive, state.eased);
         stuck_share = rgb.empty() ? 0 : double(stuck) / double(rgb.size());
     };
-    const auto corrected = [&](Colours by_colour) {
-        for (std::size_t i = 0; i < state.correction.size(); ++i) by_colour[i] = by_colour[i].cwiseProduct(state.correction[i]);
-        return by_colour;
-    };
     const MisfitFunction misfit(*task.surface, judge.eye(), result.target);
     /// False where the model has no gradient.
     const auto turn_downhill = [&] {
         const Misfit now_is = misfit(rgb);
-        const auto gradient = task.by_mixtures ? sequence->gradient(viewer.by_value(corrected(now_is.by_colour)), &progress) : nullptr;
+        const auto gradient = task.by_mixtures ? sequence->gradient(viewer.by_value(now_is.by_colour), &progress) : nullptr;
         if (!gradient) return false;
         descend(task.by_mixtures(*gradient), now_is.value, {}, state.descent);
         return true;
@@ -261,7 +232,7 @@ LoopResult run_appearance_loop(const LoopTask& task, const LoopOptions& options,
     if (resume) {
         state = *resume;
     } else {
-        predict(*task.scene.volume, 'o', false);
+        predict(*task.scene.volume, 'o');
         state.open = state.shown = rgb;
         state.drive = state.start_drive = result.target;
         correct();
@@ -274,8 +245,7 @@ LoopResult run_appearance_loop(const LoopTask& task, const LoopOptions& options,
             const bool feedback = state.descent.mixtures.cells() == 0;
             const SkinMixtures mixtures = feedback ? mixtures_of(recipes, state.drive) : printed(state.descent.mixtures);
             const std::vector<LoopStep> before = state.steps;
-            const auto descents = std::count_if(before.begin(), before.end(), [](const LoopStep& s) { return s.method == 'd'; });
-            predict(task.realise(mixtures), feedback ? 'f' : 'd', task.check && !feedback && (descents + 1) % check_every == 0);
+            predict(task.realise(mixtures), feedback ? 'f' : 'd');
             keep_if_best(mixtures);
             if (feedback) {
                 // Worth another step while the mean falls by 3 %.

@@ -11,10 +11,6 @@
 // docs/benchmarks.md compares the two. What is predicted are the voxels themselves, as the screen laid them: its error is fed
 // back like any other. Any AppearanceModel serves.
 //
-// A slower and nearer model (`check`) may look at the print after every `check_every`-th step of the descent. From then on what the
-// quick one says is multiplied by the ratio of the two there, each smoothed as the eye does; errors before the first look are as
-// the quick one alone sees them.
-//
 // Before the first step targets are mapped into the gamut of the resins on a thick body (the separation's mapping: hue
 // kept); what a place cannot show because of its neighbours or of what lies behind it is found out on the way and eased.
 //
@@ -56,13 +52,11 @@ struct LoopOptions {
     Intent intent = Intent::relative;
 };
 
-inline constexpr int most_iterations = 24;     ///< of a loop that has no limit
+inline constexpr int most_iterations = 12;     ///< of a loop that has no limit
 inline constexpr int feedback_iterations = 3;  ///< before the descent
-inline constexpr int check_every = 6;
 
 struct LoopTask {
     const optics::AppearanceModel* model = nullptr;
-    const optics::AppearanceModel* check = nullptr;  ///< may be null
     optics::Scene scene;  ///< its volume is the open loop's print
     const optics::Surface* surface = nullptr;
     const SurfaceFirst* recipes = nullptr;
@@ -78,7 +72,6 @@ struct LoopTask {
 struct LoopStep {
     int iteration = 0;
     char method = 'o';               ///< that made it: o open loop, f feedback, d descent
-    bool checked = false;            ///< its errors are those that the nearer model sees
     optics::DifferenceSummary seen;  ///< after the eye filter
     optics::DifferenceSummary cells; ///< as they are
     double stuck_share = 0;          ///< of the cells, at their limits, in the step that made this iterate
@@ -93,7 +86,6 @@ struct LoopState {
     std::vector<Eigen::Vector3f> start_drive;   ///< of the best iterate by feedback: where descent starts
     DescentState descent;                       ///< without cells until it begins
     SkinMixtures best_mixtures;                 ///< without cells: the open loop
-    std::vector<Eigen::Vector3f> correction;    ///< of what the quick model sees; empty before the first check
     std::vector<Eigen::Vector3f> open, shown;   ///< predicted colours of the open loop and of the best iterate
     std::vector<Eigen::Vector3f> eased;         ///< what the last step asked for
 };

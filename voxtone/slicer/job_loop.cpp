@@ -32,10 +32,10 @@ halftone::Intent parse_intent(const std::string& name) {
     return name == "absolute" ? halftone::Intent::absolute : name == "contrast" ? halftone::Intent::contrast : halftone::Intent::relative;
 }
 
-std::unique_ptr<const optics::AppearanceModel> loop_model(const SliceOptions& options, bool quick, double colour_mm, std::uint64_t memory_bytes) {
+std::unique_ptr<const optics::AppearanceModel> loop_model(const SliceOptions& options, double colour_mm, std::uint64_t memory_bytes) {
     ModelOptions quality;
     quality.cell_mm = options.predict_cell_mm;
-    quality.viewing_cells = quick;
+    quality.viewing_cells = true;
     quality.colour_mm = colour_mm;
     quality.memory_bytes = memory_bytes;
     quality.seed = options.seed;
@@ -86,14 +86,9 @@ JobLoop::JobLoop(const SliceOptions& options, const LoopPlan& plan, const JobBod
     progress.end_stage();
 
     const int white = resins.set.find("W");
-    const auto forward = loop_model(options, true, layers_.depth_mm(), memory - std::min(memory, 3 * open.memory_bytes()));
-    // Looks of the voxels' own model pay where they do not take longer than all the rest.
-    std::unique_ptr<const optics::AppearanceModel> near;
-    if (options.loop_model == model_names()[0] && coloured_mm2(body) <= 100 * auto_prediction_cm2)
-        near = loop_model(options, false, layers_.depth_mm(), memory - std::min(memory, 3 * open.memory_bytes()));
+    const auto forward = loop_model(options, layers_.depth_mm(), memory - std::min(memory, 3 * open.memory_bytes()));
     halftone::LoopTask task;
     task.model = forward.get();
-    task.check = near.get();
     task.scene = scene;
     task.surface = &surface;
     task.recipes = recipes_.get();

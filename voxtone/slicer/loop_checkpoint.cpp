@@ -95,7 +95,6 @@ void state_in(File& file, State& state) {
     file.list(state.open);
     file.list(state.shown);
     file.list(state.eased);
-    file.list(state.correction);
 }
 
 template <class T>
@@ -153,7 +152,7 @@ std::optional<halftone::LoopState> LoopCheckpoint::read(Progress& progress) cons
     if (!file.good || !file.bytes.empty() || state.steps.empty() || state.best >= state.steps.size() || !fits(state.drive, false) ||
         !fits(state.start_drive, true) || !fits(state.descent.scale, true) || state.descent.momentum.size() != state.descent.mixtures.all().size() ||
         (state.descent.mixtures.cells() != 0 && state.descent.mixtures.cells() != cells_) ||
-        (state.best > 0 && state.best_mixtures.cells() != cells_) || !fits(state.open, false) || !fits(state.shown, false) || !fits(state.eased, false) || !fits(state.correction, true))
+        (state.best > 0 && state.best_mixtures.cells() != cells_) || !fits(state.open, false) || !fits(state.shown, false) || !fits(state.eased, false))
         throw broken();
     progress.note(fmt::format("--resume: going on after iteration {}", state.steps.back().iteration));
     return state;
