@@ -50,14 +50,14 @@ struct SmallSlab {
     }
     [[nodiscard]] halftone::LoopTask task(const optics::AppearanceModel& model, const optics::ResinVolume& open,
                                           std::span<const Eigen::Vector3f> target) {
-        scene.volume = &open;
+        scene.volume = &plain;
         halftone::LoopTask task;
         task.model = &model;
         task.scene = scene;
         task.surface = &surface;
         task.recipes = recipes.get();
         task.target = target;
-        task.white_material = white + 1;
+        task.open_loop = [&open] { return open; };
         task.realise = [this](const halftone::SkinMixtures& mixtures) { return print(mixtures); };
         return task;
     }

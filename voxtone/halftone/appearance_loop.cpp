@@ -28,10 +28,7 @@ public:
         : channels_(task.scene.resins->channels.size()),
           weights_(optics::linear_srgb_weights(task.scene.resins->channels.wavelengths_nm).cast<float>()) {
         if (!relative) return;
-        const optics::ResinVolume twin = optics::all_of(*task.scene.volume, static_cast<optics::Material>(task.white_material));
-        optics::Scene scene = task.scene;
-        scene.volume = &twin;
-        white = task.model->predict(scene, *task.surface, &progress).value;
+        white = task.model->predict(task.scene, *task.surface, &progress).value;
     }
     [[nodiscard]] Colours colours(const optics::Appearance& seen) const {
         Colours rgb(seen.value.size() / channels_);
@@ -175,7 +172,7 @@ SkinMixtures mixtures_of(const SurfaceFirst& recipes, std::span<const Eigen::Vec
 
 LoopResult run_appearance_loop(const LoopTask& task, const LoopOptions& options, Progress& progress, const LoopListener& listener,
                                const LoopState* resume) {
-    VOXTONE_EXPECT(task.model && task.scene.volume && task.surface && task.recipes && task.realise);
+    VOXTONE_EXPECT(task.model && task.scene.volume && task.surface && task.recipes && task.open_loop && task.realise);
     VOXTONE_EXPECT(task.target.size() == task.surface->cells.size());
     expect_finite(task.target);
     const SurfaceFirst& recipes = *task.recipes;
@@ -232,7 +229,7 @@ LoopResult run_appearance_loop(const LoopTask& task, const LoopOptions& options,
     if (resume) {
         state = *resume;
     } else {
-        predict(*task.scene.volume, 'o');
+        predict(task.open_loop(), 'o');
         state.open = state.shown = rgb;
         state.drive = state.start_drive = result.target;
         correct();
@@ -240,7 +237,7 @@ LoopResult run_appearance_loop(const LoopTask& task, const LoopOptions& options,
     }
     try {
         result.why_stopped = "all iterations were made";
-        bool downhill = true;
+        bool downhill = options.descent && task.by_mixtures;
         while (static_cast<int>(state.steps.size()) <= most) {
             const bool feedback = state.descent.mixtures.cells() == 0;
             const SkinMixtures mixtures = feedback ? mixtures_of(recipes, state.drive) : printed(state.descent.mixtures);
@@ -253,7 +250,7 @@ LoopResult run_appearance_loop(const LoopTask& task, const LoopOptions& options,
                 const bool gained = mean < 0.97 * least, last = static_cast<int>(state.steps.size()) > feedback_iterations;
                 if (mean < least) state.start_drive = state.drive;
                 const bool more = static_cast<int>(state.steps.size()) <= most;
-                if (downhill && task.by_mixtures && more && (!gained || last)) {
+                if (downhill && more && (!gained || last)) {
                     // From the best by feedback; the gradient is at hand if that was the last one.
                     state.descent = begin_descent(mixtures_of(recipes, state.start_drive), {});
                     if (mean < least) downhill = turn_downhill();

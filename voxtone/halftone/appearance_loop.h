@@ -50,6 +50,7 @@ struct LoopOptions {
     int iterations = -1;               ///< most; -1: until it stops gaining
     double viewing_distance_mm = 300;  ///< > 0
     Intent intent = Intent::relative;
+    bool descent = true;  ///< after feedback, where the model has a gradient
 };
 
 inline constexpr int most_iterations = 12;     ///< of a loop that has no limit
@@ -57,11 +58,11 @@ inline constexpr int feedback_iterations = 3;  ///< before the descent
 
 struct LoopTask {
     const optics::AppearanceModel* model = nullptr;
-    optics::Scene scene;  ///< its volume is the open loop's print
+    optics::Scene scene;  ///< its volume is the shape, all of the white resin: what media-relative values refer to
+    std::function<optics::ResinVolume()> open_loop;  ///< the print that the loop begins with
     const optics::Surface* surface = nullptr;
     const SurfaceFirst* recipes = nullptr;
     std::span<const Eigen::Vector3f> target;  ///< linear sRGB per surface cell
-    int white_material = 1;                   ///< of the twin that media-relative values refer to
     /// The print of these mixtures: same size and shape as the scene's volume.
     std::function<optics::ResinVolume(const SkinMixtures&)> realise;
     /// The gradient by voxels, summed over those of each cell and layer: as SkinMixtures::all.

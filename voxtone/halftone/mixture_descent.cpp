@@ -78,7 +78,7 @@ void descend(std::span<const float> gradient, double misfit, const DescentOption
         state.rate *= options.slower;
         for (float& m : state.momentum) m *= options.forget;
     } else if (state.misfit > 0) {
-        state.rate = std::min(state.rate * options.faster, options.rate);
+        state.rate = std::min(state.rate * options.faster, options.most_rate);
     }
     state.misfit = misfit;
     const auto mean_of = [&](std::size_t c, std::size_t l) {

@@ -51,11 +51,12 @@ private:
 };
 
 struct DescentOptions {
-    float rate = 0.6f;      ///< in (0, 2]
+    float rate = 0.45f;     ///< of the first step, in (0, 2]
+    float most_rate = 0.8f;
     float momentum = 0.7f;  ///< mu, in [0, 1)
     float shared = 0.5f;    ///< part of the cells' mean in s
-    float slower = 0.7f, forget = 0.3f;  ///< factors of rate and momentum where F rose
-    float faster = 1.1f;                 ///< of the rate where it fell, up to what it was
+    float slower = 0.6f, forget = 0.3f;  ///< factors of rate and momentum where F rose
+    float faster = 1.3f;                 ///< of the rate where it fell
 };
 
 /// What a descent carries from step to step.

@@ -65,14 +65,16 @@ JobLoop::JobLoop(const SliceOptions& options, const LoopPlan& plan, const JobBod
     const auto start = std::chrono::steady_clock::now();
     progress.begin_stage("prepare the loop", 0);
     const std::uint64_t memory = memory_budget(options.memory_gib);
-    const optics::ResinVolume open = parts.volume(nullptr, memory / 3, progress);
-    const optics::Scene scene{.volume = &open, .resins = &resins.set,
+    const int white = resins.set.find("W");
+    // The shape takes little memory where it is all white; the open loop's print is made again when it is looked at.
+    const optics::ResinVolume shape = optics::all_of(parts.volume(nullptr, memory / 3, progress), static_cast<optics::Material>((white >= 0 ? white : resins.core) + 1));
+    const optics::Scene scene{.volume = &shape, .resins = &resins.set,
                               .backing = body.is_picture ? parse_backing(options.backing) : optics::Backing::none};
-    const auto cell = optics::cell_voxels(open.pitch_mm(), options.predict_cell_mm);
-    for (std::size_t a = 0; a < 3; ++a) cell_um[a] = cell[a] * open.pitch_mm()[a] * 1e3;
+    const auto cell = optics::cell_voxels(shape.pitch_mm(), options.predict_cell_mm);
+    for (std::size_t a = 0; a < 3; ++a) cell_um[a] = cell[a] * shape.pitch_mm()[a] * 1e3;
     surface = optics::find_surface(scene, cell, body.is_picture ? optics::SurfacePart::top : optics::SurfacePart::all);
-    target = target_of_cells(surface, open.pitch_mm(), body.grid.origin_mm, body.surface, body.model.mesh, &progress);
-    cells_.emplace(surface, open.pitch_mm());
+    target = target_of_cells(surface, shape.pitch_mm(), body.grid.origin_mm, body.surface, body.model.mesh, &progress);
+    cells_.emplace(surface, shape.pitch_mm());
 
     const optics::ShellGeometry& shell = colour.appearance.geometry();
     layers_ = halftone::skin_layers(shell.shell_mm);
@@ -85,15 +87,14 @@ JobLoop::JobLoop(const SliceOptions& options, const LoopPlan& plan, const JobBod
     recipes_ = std::make_unique<const halftone::SurfaceFirst>(resins.set, below, layers_, separation, &progress);
     progress.end_stage();
 
-    const int white = resins.set.find("W");
-    const auto forward = loop_model(options, layers_.depth_mm(), memory - std::min(memory, 3 * open.memory_bytes()));
+    const auto forward = loop_model(options, layers_.depth_mm(), memory - memory / 3);
     halftone::LoopTask task;
     task.model = forward.get();
     task.scene = scene;
     task.surface = &surface;
     task.recipes = recipes_.get();
     task.target = target;
-    task.white_material = (white >= 0 ? white : resins.core) + 1;
+    task.open_loop = [&] { return parts.volume(nullptr, memory / 3, progress); };
     const SkinMap map{places_, *cells_, layers_};
     task.realise = [&](const halftone::SkinMixtures& mixtures) {
         const SkinSource skin(map, mixtures, resins.core);
@@ -106,6 +107,7 @@ JobLoop::JobLoop(const SliceOptions& options, const LoopPlan& plan, const JobBod
     loop.iterations = plan.iterations;
     loop.viewing_distance_mm = options.viewing_distance_mm;
     loop.intent = parse_intent(options.intent);
+    loop.descent = options.loop_method != "feedback";
     const LoopCheckpoint checkpoint(folder, options, target);
     const std::optional<halftone::LoopState> before = options.resume ? checkpoint.read(progress) : std::nullopt;
     result = halftone::run_appearance_loop(task, loop, progress, [&](const halftone::LoopState& state) { checkpoint.write(state); },

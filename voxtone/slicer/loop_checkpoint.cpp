@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <fstream>
 #include <type_traits>
 #include <vector>
 
@@ -22,18 +23,35 @@ constexpr std::string_view magic = "voxtone-loop 1\n";
 constexpr std::size_t digest_size = 64;
 constexpr std::array<std::string_view, 9> free_options{"out", "overwrite", "report", "predict", "threads", "resume", "iterations", "formats", "layers"};
 
-struct Writer {
-    std::vector<std::uint8_t> bytes;
+/// Writes and digests as it goes: a state of a large body is not held twice.
+class Writer {
+public:
+    explicit Writer(const std::filesystem::path& file) : out_(file, std::ios::binary) {}
     void raw(const void* data, std::size_t size) {
-        const auto* const from = static_cast<const std::uint8_t*>(data);
-        bytes.insert(bytes.end(), from, from + size);
+        sum_.update({static_cast<const std::uint8_t*>(data), size});
+        out_.write(static_cast<const char*>(data), static_cast<std::streamsize>(size));
+    }
+    template <class T>
+    void list(std::span<const T> values) {
+        const std::uint64_t count = values.size();
+        raw(&count, sizeof count);
+        raw(values.data(), values.size_bytes());
     }
     template <class T>
     void list(const std::vector<T>& values) {
-        const std::uint64_t count = values.size();
-        raw(&count, sizeof count);
-        for (const T& value : values) raw(&value, sizeof value);
+        list(std::span<const T>(values));
     }
+    /// False where something could not be written.
+    [[nodiscard]] bool finish() {
+        const std::string digest = sum_.finish();
+        out_.write(digest.data(), static_cast<std::streamsize>(digest.size()));
+        out_.close();
+        return !out_.fail();
+    }
+
+private:
+    std::ofstream out_;
+    io::Sha256 sum_;
 };
 
 struct Reader {
@@ -56,14 +74,14 @@ struct Reader {
             return;
         }
         values.resize(count);
-        for (T& value : values) raw(&value, sizeof value);
+        raw(values.data(), count * sizeof(T));
     }
 };
 
 void mixtures_in(Writer& file, const halftone::SkinMixtures& mixtures) {
     const std::array<std::uint64_t, 2> shape{mixtures.layers(), mixtures.resins()};
     file.raw(shape.data(), sizeof shape);
-    file.list(std::vector<float>(mixtures.all().begin(), mixtures.all().end()));
+    file.list(mixtures.all());
 }
 
 void mixtures_in(Reader& file, halftone::SkinMixtures& mixtures) {
@@ -117,13 +135,13 @@ LoopCheckpoint::LoopCheckpoint(const std::filesystem::path& folder, const SliceO
 }
 
 void LoopCheckpoint::write(const halftone::LoopState& state) const {
-    Writer file;
+    Writer file(io::part_path(file_));
     file.raw(magic.data(), magic.size());
     file.raw(digest_.data(), digest_.size());
     state_in(file, state);
-    const std::string sum = io::sha256(file.bytes);
-    file.raw(sum.data(), sum.size());
-    io::write_whole_file(file_, file.bytes);
+    if (!file.finish())
+        throw FileError(fmt::format("{}: cannot be written; is the disk full? Free some space, or write to another folder", file_.string()));
+    io::finish_part(file_);
 }
 
 std::optional<halftone::LoopState> LoopCheckpoint::read(Progress& progress) const {

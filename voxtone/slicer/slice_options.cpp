@@ -166,6 +166,11 @@ std::vector<OptionSpec> make_table() {
         text(spec("loop-model", Kind::text, "MODEL", loop, "what predicts the print in the loop; monte-carlo is for slabs of a few mm",
                   {model_names().begin(), model_names().end()}),
              &O::loop_model),
+        text(spec("loop-method", Kind::text, "NAME", loop,
+                  "feedback: each place corrects itself; descent: feedback, then along the gradient of the whole print, which is sharper and takes "
+                  "twice the time and memory",
+                  {"descent", "feedback"}),
+             &O::loop_method),
         flag(spec("resume", Kind::flag, "", loop, "go on with the loop of an interrupted job in the same output folder"), &O::resume),
 
         text(spec("repair", Kind::text, "HOW", body,

@@ -43,6 +43,7 @@ struct SliceOptions {
     std::string intent = "relative";
     double viewing_distance_mm = 300;
     std::string loop_model = "transport";
+    std::string loop_method = "descent";
     bool resume = false;
 
     std::vector<std::string> formats;  ///< empty: the printer's default
