@@ -216,7 +216,9 @@ LoopResult run_appearance_loop(const LoopTask& task, const LoopOptions& options,
         const std::size_t stuck = feed_back(result.target, rgb, into_gamut, {}, state.drive, state.eased);
         stuck_share = rgb.empty() ? 0 : double(stuck) / double(rgb.size());
     };
-    const MisfitFunction misfit(*task.surface, judge.eye(), result.target);
+    std::optional<EyeFilter> wide;
+    if (options.intent == Intent::contrast) wide.emplace(*task.surface, wider * options.viewing_distance_mm, EyeSurround::none);
+    const MisfitFunction misfit(*task.surface, judge.eye(), result.target, wide ? &*wide : nullptr);
     /// False where the model has no gradient.
     const auto turn_downhill = [&] {
         const Misfit now_is = misfit(rgb);

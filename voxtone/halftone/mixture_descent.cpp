@@ -16,20 +16,19 @@ namespace {
 constexpr double least_light = 1e-4;  // keeps the slope of Oklab finite
 constexpr float beta = 0.1f;
 
-/// | W (oklab(p) - oklab(t)) |^2 and half its derivative by p.
-double colour_misfit(const Eigen::Vector3f& p, const Eigen::Vector3f& t, Eigen::Vector3f& half_slope) {
-    const Eigen::Vector3d square_weight(1, 4, 4);
-    const Eigen::Vector3d at = p.cast<double>().cwiseMax(least_light);
-    const Eigen::Vector3d residual = optics::oklab_from_linear_srgb(at) - optics::oklab_from_linear_srgb(t.cast<double>().cwiseMax(least_light));
-    const Eigen::Vector3d weighed = square_weight.cwiseProduct(residual);
-    half_slope = (optics::oklab_derivative(at).transpose() * weighed).cast<float>();
-    return weighed.dot(residual);
+Eigen::Vector3f oklab(const Eigen::Vector3f& rgb) { return optics::oklab_from_linear_srgb(rgb.cast<double>().cwiseMax(least_light)).cast<float>(); }
+
+/// d (W^2 r . oklab(p)) / d p, and |W r|^2.
+Eigen::Vector3f half_slope(const Eigen::Vector3f& p, const Eigen::Vector3f& residual) {
+    const Eigen::Vector3d weighed = Eigen::Vector3d(1, 4, 4).cwiseProduct(residual.cast<double>());
+    return (optics::oklab_derivative(p.cast<double>().cwiseMax(least_light)).transpose() * weighed).cast<float>();
 }
+double square(const Eigen::Vector3f& residual) { return Eigen::Vector3d(1, 4, 4).dot(residual.cast<double>().cwiseAbs2()); }
 
 }  // namespace
 
-MisfitFunction::MisfitFunction(const optics::Surface& surface, const EyeFilter& eye, std::span<const Eigen::Vector3f> target)
-    : eye_(eye), target_(target), seen_target_(eye.smoothed(target)) {
+MisfitFunction::MisfitFunction(const optics::Surface& surface, const EyeFilter& eye, std::span<const Eigen::Vector3f> target, const EyeFilter* wide)
+    : eye_(eye), wide_(wide), target_(target), seen_target_(eye.smoothed(target)) {
     double mean = 0;
     for (const optics::SurfaceCell& cell : surface.cells) mean += cell.area_mm2;
     mean /= static_cast<double>(std::max<std::size_t>(1, surface.cells.size()));
@@ -38,19 +37,32 @@ MisfitFunction::MisfitFunction(const optics::Surface& surface, const EyeFilter& 
 
 Misfit MisfitFunction::operator()(std::span<const Eigen::Vector3f> predicted) const {
     VOXTONE_EXPECT(predicted.size() == target_.size());
+    const std::size_t n = predicted.size();
     const std::vector<Eigen::Vector3f> seen = eye_.smoothed(predicted);
-    std::vector<Eigen::Vector3f> of_seen(seen.size()), of_cells(seen.size());
-    std::vector<double> part(seen.size());
-    parallel_for(0, seen.size(), 1024, [&](std::size_t i) {
-        const double far = colour_misfit(seen[i], seen_target_[i], of_seen[i]), near = colour_misfit(predicted[i], target_[i], of_cells[i]);
-        part[i] = static_cast<double>(area_[i]) * (far + static_cast<double>(beta) * near);
+    std::vector<Eigen::Vector3f> far(n), slope(n);
+    parallel_for(0, n, 1024, [&](std::size_t i) { far[i] = oklab(seen[i]) - oklab(seen_target_[i]); });
+    // d - k S d; in the derivative it stands once more: smoothing averages by area over neighbours, S_ij = w_ij a_j / sum_j w_ij a_j
+    // with symmetric w, so where the sums are alike its transpose, with areas on either side, is S again.
+    const auto sharpened = [&](std::vector<Eigen::Vector3f>& d) {
+        if (!wide_) return;
+        const std::vector<Eigen::Vector3f> spread = wide_->smoothed(d);
+        for (std::size_t i = 0; i < n; ++i) d[i] -= contrast_part * spread[i];
+    };
+    sharpened(far);
+    std::vector<double> part(n);
+    std::vector<Eigen::Vector3f> near(n);
+    parallel_for(0, n, 1024, [&](std::size_t i) {
+        near[i] = oklab(predicted[i]) - oklab(target_[i]);
+        part[i] = static_cast<double>(area_[i]) * (square(far[i]) + static_cast<double>(beta) * square(near[i]));
     });
     Misfit misfit;
     for (const double p : part) misfit.value += p;
-    // E averages by area over neighbours, E_ij = w_ij a_j / sum_j w_ij a_j with symmetric w: where the sums are alike its
-    // transpose, times areas on either side, is E again.
-    misfit.by_colour = eye_.smoothed(of_seen);
-    parallel_for(0, seen.size(), 4096, [&](std::size_t i) { misfit.by_colour[i] = 2 * area_[i] * (misfit.by_colour[i] + beta * of_cells[i]); });
+    sharpened(far);
+    parallel_for(0, n, 1024, [&](std::size_t i) { slope[i] = half_slope(seen[i], far[i]); });
+    misfit.by_colour = eye_.smoothed(slope);
+    parallel_for(0, n, 1024, [&](std::size_t i) {
+        misfit.by_colour[i] = 2 * area_[i] * (misfit.by_colour[i] + beta * half_slope(predicted[i], near[i]));
+    });
     return misfit;
 }
 

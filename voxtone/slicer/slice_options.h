@@ -72,7 +72,7 @@ struct OptionSpec {
 [[nodiscard]] std::span<const OptionSpec> slice_option_table();
 
 /// Coloured surface whose resins `slice` rearranges without being asked.
-inline constexpr double auto_loop_cm2 = 100;
+inline constexpr double auto_loop_cm2 = 30;
 
 /// Most iterations of the loop; -1: until it stops gaining ("auto"). Throws UsageError.
 [[nodiscard]] int parse_iterations(const std::string& text);

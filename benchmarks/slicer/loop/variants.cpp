@@ -30,15 +30,9 @@ bool has_option(const std::string& key) {
     return std::any_of(table.begin(), table.end(), [&](const slicer::OptionSpec& s) { return s.key == key; });
 }
 
-/// The first whole number of this name anywhere in the report.
-int find_number(const nlohmann::json& json, const std::string& name) {
-    if (json.is_object()) {
-        if (const auto at = json.find(name); at != json.end() && at->is_number_integer()) return at->get<int>();
-    }
-    if (json.is_structured())
-        for (const auto& part : json)
-            if (const int n = find_number(part, name); n >= 0) return n;
-    return -1;
+/// How often the loop rearranged the resins, by the job's report; -1: no loop.
+int iterations_made(const nlohmann::json& report) {
+    return report.contains("loop") ? static_cast<int>(report.at("loop").at("iterations").size()) - 1 : -1;
 }
 
 /// Keeps what the job says on its way: the loop's iterations.
@@ -110,7 +104,7 @@ Print make_print(const slicer::SliceOptions& wanted, bool reuse) {
     const slicer::SliceResult result = slicer::run_slice_job(print.options, progress);
     print.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     print.core_seconds = core_seconds() - cores_before;
-    print.iterations = find_number(nlohmann::json::parse(result.json), "iterations");
+    print.iterations = iterations_made(nlohmann::json::parse(result.json));
     const nlohmann::json record{{"job", nlohmann::json::parse(job)},
                                 {"seconds", print.seconds},
                                 {"core_seconds", print.core_seconds},

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <catch2/catch.hpp>
+
+#include <cmath>
+
+#include "voxtone/base/random.h"
+#include "voxtone/halftone/mixture_descent.h"
+
+using namespace voxtone;
+using namespace voxtone::halftone;
+
+namespace {
+
+constexpr int n = 40;
+
+/// A flat square of cells of 0.085 mm.
+optics::Surface square() {
+    optics::Surface surface;
+    surface.cell_voxels = {2, 1, 3};
+    for (int y = 0; y < n; ++y)
+        for (int x = 0; x < n; ++x) {
+            optics::SurfaceCell cell;
+            cell.cell = {x, y, 0};
+            cell.centre_mm = {0.085f * float(x), 0.085f * float(y), 0};
+            cell.normal = {0, 0, 1};
+            cell.area_mm2 = 0.085f * 0.085f;
+            surface.cells.push_back(cell);
+        }
+    return surface;
+}
+
+std::vector<Eigen::Vector3f> colours(std::uint64_t seed) {
+    std::vector<Eigen::Vector3f> rgb;
+    for (std::uint64_t i = 0; i < n * n; ++i) {
+        RandomStream random(seed, i);
+        rgb.emplace_back(0.1 + 0.8 * random.uniform(), 0.1 + 0.8 * random.uniform(), 0.1 + 0.8 * random.uniform());
+    }
+    return rgb;
+}
+
+}  // namespace
+
+TEST_CASE("The misfit is 0 at the target, and its derivative is that of differences", "[loop]") {
+    const optics::Surface surface = square();
+    const EyeFilter eye(surface, 300, EyeSurround::none), wide(surface, 300 * wider, EyeSurround::none);
+    const auto target = colours(1), shown = colours(2);
+    for (const bool contrast : {false, true}) {
+        const MisfitFunction misfit(surface, eye, target, contrast ? &wide : nullptr);
+        CHECK(misfit(target).value == Approx(0).margin(1e-9));
+        const Misfit here = misfit(shown);
+        CHECK(here.value > 0);
+        // Away from the border, where the filter's sums are alike.
+        for (const int cell : {n * 20 + 17, n * 15 + 22}) {
+            for (Eigen::Index c = 0; c < 3; ++c) {
+                constexpr float step = 0.02f;
+                auto up = shown, down = shown;
+                up[std::size_t(cell)][c] += step;
+                down[std::size_t(cell)][c] -= step;
+                const double difference = (misfit(up).value - misfit(down).value) / double(2 * step);
+                CHECK(double(here.by_colour[std::size_t(cell)][c]) == Approx(difference).epsilon(0.05).margin(2e-3));
+            }
+        }
+    }
+}
+
+TEST_CASE("With the contrast intent an even offset counts little, a pattern as before", "[loop]") {
+    const optics::Surface surface = square();
+    const EyeFilter eye(surface, 300, EyeSurround::none), wide(surface, 300 * wider, EyeSurround::none);
+    const std::vector<Eigen::Vector3f> grey(n * n, Eigen::Vector3f::Constant(0.3f)), lighter(n * n, Eigen::Vector3f::Constant(0.4f));
+    std::vector<Eigen::Vector3f> stripes = grey;  // of the same mean
+    for (std::size_t i = 0; i < stripes.size(); ++i)
+        stripes[i].setConstant(i % n / 4 % 2 ? 0.35f : 0.25f);
+    const MisfitFunction plain(surface, eye, grey), contrast(surface, eye, grey, &wide);
+    const double keeps = (1 - double(contrast_part)) * (1 - double(contrast_part));
+    // The small part that is taken cell by cell has no privilege.
+    CHECK(contrast(lighter).value < (keeps + 0.12) * plain(lighter).value);
+    CHECK(contrast(stripes).value > 0.5 * plain(stripes).value);
+}
+
+TEST_CASE("Descent moves shares towards what lowers the misfit and keeps their sum", "[loop]") {
+    SkinMixtures start(2, 1, 3);
+    for (std::size_t c = 0; c < 2; ++c) start.cell(c)[2] = 1;
+    DescentState state = begin_descent(start, {});
+    for (const float f : state.mixtures.all()) CHECK(f >= 0.9f * least_fraction);
+    // Resin 0 helps in the first cell, hurts in the second.
+    const std::vector<float> gradient{-1, 0, 0, 1, 0, 0};
+    for (int i = 0; i < 60; ++i) descend(gradient, 100 - i, {}, state);
+    CHECK(state.mixtures.cell(0)[0] > 0.5f);
+    CHECK(state.mixtures.cell(1)[0] < 2 * least_fraction);
+    for (std::size_t c = 0; c < 2; ++c) CHECK(state.mixtures.cell(c)[0] + state.mixtures.cell(c)[1] + state.mixtures.cell(c)[2] == Approx(1));
+    CHECK(printed(state.mixtures).cell(1)[0] == 0);
+    // It slows down where the misfit rises.
+    const float rate = state.rate;
+    descend(gradient, 1000, {}, state);
+    CHECK(state.rate < rate);
+    // No gradient at all: nothing moves.
+    DescentState still = begin_descent(start, {});
+    const SkinMixtures before = still.mixtures;
+    descend(std::vector<float>(6, 0.0f), 1, {}, still);
+    CHECK(std::ranges::equal(still.mixtures.all(), before.all()));
+}
