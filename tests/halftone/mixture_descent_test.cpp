@@ -12,6 +12,7 @@ using namespace voxtone::halftone;
 namespace {
 
 constexpr int n = 40;
+constexpr float contrast_part = 0.7f;
 
 /// A flat square of cells of 0.085 mm.
 optics::Surface square() {
@@ -45,7 +46,7 @@ TEST_CASE("The misfit is 0 at the target, and its derivative is that of differen
     const EyeFilter eye(surface, 300, EyeSurround::none), wide(surface, 300 * wider, EyeSurround::none);
     const auto target = colours(1), shown = colours(2);
     for (const bool contrast : {false, true}) {
-        const MisfitFunction misfit(surface, eye, target, contrast ? &wide : nullptr);
+        const MisfitFunction misfit(surface, eye, target, contrast ? &wide : nullptr, contrast_part);
         CHECK(misfit(target).value == Approx(0).margin(1e-9));
         const Misfit here = misfit(shown);
         CHECK(here.value > 0);
@@ -70,7 +71,7 @@ TEST_CASE("With the contrast intent an even offset counts little, a pattern as b
     std::vector<Eigen::Vector3f> stripes = grey;  // of the same mean
     for (std::size_t i = 0; i < stripes.size(); ++i)
         stripes[i].setConstant(i % n / 4 % 2 ? 0.35f : 0.25f);
-    const MisfitFunction plain(surface, eye, grey), contrast(surface, eye, grey, &wide);
+    const MisfitFunction plain(surface, eye, grey), contrast(surface, eye, grey, &wide, contrast_part);
     const double keeps = (1 - double(contrast_part)) * (1 - double(contrast_part));
     // The small part that is taken cell by cell has no privilege.
     CHECK(contrast(lighter).value < (keeps + 0.12) * plain(lighter).value);

@@ -218,7 +218,8 @@ LoopResult run_appearance_loop(const LoopTask& task, const LoopOptions& options,
     };
     std::optional<EyeFilter> wide;
     if (options.intent == Intent::contrast) wide.emplace(*task.surface, wider * options.viewing_distance_mm, EyeSurround::none);
-    const MisfitFunction misfit(*task.surface, judge.eye(), result.target, wide ? &*wide : nullptr);
+    constexpr float contrast_part = 0.7f;
+    const MisfitFunction misfit(*task.surface, judge.eye(), result.target, wide ? &*wide : nullptr, contrast_part);
     /// False where the model has no gradient.
     const auto turn_downhill = [&] {
         const Misfit now_is = misfit(rgb);

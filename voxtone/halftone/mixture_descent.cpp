@@ -27,8 +27,9 @@ double square(const Eigen::Vector3f& residual) { return Eigen::Vector3d(1, 4, 4)
 
 }  // namespace
 
-MisfitFunction::MisfitFunction(const optics::Surface& surface, const EyeFilter& eye, std::span<const Eigen::Vector3f> target, const EyeFilter* wide)
-    : eye_(eye), wide_(wide), target_(target), seen_target_(eye.smoothed(target)) {
+MisfitFunction::MisfitFunction(const optics::Surface& surface, const EyeFilter& eye, std::span<const Eigen::Vector3f> target, const EyeFilter* wide,
+                               float contrast_part)
+    : eye_(eye), wide_(wide), contrast_part_(contrast_part), target_(target), seen_target_(eye.smoothed(target)) {
     double mean = 0;
     for (const optics::SurfaceCell& cell : surface.cells) mean += cell.area_mm2;
     mean /= static_cast<double>(std::max<std::size_t>(1, surface.cells.size()));
@@ -46,7 +47,7 @@ Misfit MisfitFunction::operator()(std::span<const Eigen::Vector3f> predicted) co
     const auto sharpened = [&](std::vector<Eigen::Vector3f>& d) {
         if (!wide_) return;
         const std::vector<Eigen::Vector3f> spread = wide_->smoothed(d);
-        for (std::size_t i = 0; i < n; ++i) d[i] -= contrast_part * spread[i];
+        for (std::size_t i = 0; i < n; ++i) d[i] -= contrast_part_ * spread[i];
     };
     sharpened(far);
     std::vector<double> part(n);

@@ -6,8 +6,9 @@
 //   F = sum over cells i of  a_i ( | W (oklab(E p)_i - oklab(E t)_i) |^2 + beta | W (oklab(p_i) - oklab(t_i)) |^2 ),
 //
 // p what is predicted, t the target, a_i the cell's area / mean area, W = diag(1, 2, 2), E the narrowest Gaussian of the eye
-// filter. For contrast's sake the first difference d may be replaced by d - k S d, S a Gaussian eight times as wide: what is
-// off over more than a millimetre counts little then, what is off from its surroundings in full. Feedback (residual_feedback.h) treats a cell as if only its own resins decided what it shows; the gradient knows
+// filter. For contrast's sake the first difference d may be replaced by d - k S d, S a Gaussian eight times as wide: what is off over
+// more than a millimetre counts less then, what is off from its surroundings in full. With k = 0 black text on white comes out
+// pale: a little more light on the wide paper outweighs the few dark strokes. Feedback (residual_feedback.h) treats a cell as if only its own resins decided what it shows; the gradient knows
 // that black beside white takes white's light, that deep ink blurs, and that a little less of it may be better for both.
 //
 // Fractions f move by exponentiated gradients (J. Kivinen, M. K. Warmuth, Information and Computation 132, 1997), which keep them
@@ -40,13 +41,15 @@ struct Misfit {
 
 class MisfitFunction {
 public:
-    /// Keeps references. `wide`: S, null where contrast has no privilege.
-    MisfitFunction(const optics::Surface& surface, const EyeFilter& eye, std::span<const Eigen::Vector3f> target, const EyeFilter* wide = nullptr);
+    /// Keeps references. `wide`: S, null where contrast has no privilege; `contrast_part`: k, in [0, 1].
+    MisfitFunction(const optics::Surface& surface, const EyeFilter& eye, std::span<const Eigen::Vector3f> target, const EyeFilter* wide = nullptr,
+                   float contrast_part = 0);
     [[nodiscard]] Misfit operator()(std::span<const Eigen::Vector3f> predicted) const;
 
 private:
     const EyeFilter& eye_;
     const EyeFilter* wide_;
+    float contrast_part_;
     std::span<const Eigen::Vector3f> target_;
     std::vector<Eigen::Vector3f> seen_target_;
     std::vector<float> area_;
@@ -71,7 +74,6 @@ struct DescentState {
 };
 
 inline constexpr double wider = 8;             ///< the spread of S / that of E
-inline constexpr float contrast_part = 0.7f;   ///< k
 inline constexpr float least_fraction = 1e-3f;
 
 /// Fractions kept above `least_fraction`; no momentum.
