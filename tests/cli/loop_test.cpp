@@ -65,7 +65,7 @@ TEST_CASE("The loop lowers the error, reports it and leaves a stack that verifie
     }
 }
 
-TEST_CASE("--iterations 0 prints the open loop and says nothing of a loop") {
+TEST_CASE("Without iterations the open loop is printed, and nothing is said of a loop") {
     const Folder folder("no-loop");
     REQUIRE(run_program(fmt::format("slice --quiet --iterations 0 {} --width 2.4mm --thickness 1mm -o {}", picture, folder / "out")).exit_code == 0);
     CHECK_FALSE(json_of(folder / "out/report.json").contains("loop"));
