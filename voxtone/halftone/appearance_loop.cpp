@@ -140,6 +140,14 @@ double least_mean(const std::vector<LoopStep>& steps) {
     return mean;
 }
 
+/// Corrections become smaller where they overshot: on large bodies light spreads farther than a step can know.
+float feedback_gain(const std::vector<LoopStep>& steps) {
+    float gain = 1;
+    for (std::size_t i = 1; i < steps.size(); ++i)
+        if (steps[i].seen.mean > steps[i - 1].seen.mean) gain *= 0.6f;
+    return gain;
+}
+
 /// True where the last `patience` steps did not improve the best mean before them by 1 %.
 bool stopped_gaining(const std::vector<LoopStep>& steps, char method, std::size_t patience) {
     constexpr double gain = 0.99;
@@ -213,7 +221,7 @@ LoopResult run_appearance_loop(const LoopTask& task, const LoopOptions& options,
     };
     const auto correct = [&] {
         state.eased.resize(rgb.size());
-        const std::size_t stuck = feed_back(result.target, rgb, into_gamut, {}, state.drive, state.eased);
+        const std::size_t stuck = feed_back(result.target, rgb, into_gamut, {.gain = feedback_gain(state.steps)}, state.drive, state.eased);
         stuck_share = rgb.empty() ? 0 : double(stuck) / double(rgb.size());
     };
     std::optional<EyeFilter> wide;
