@@ -50,7 +50,7 @@ Outcome run_program(const std::string& arguments, int interrupt_after_ms) {
 }
 
 Folder::Folder(const std::string& name) {
-    std::string pattern = (fs::temp_directory_path() / ("voxtone-" + name + "-XXXXXX")).string();
+    std::string pattern = (fs::temp_directory_path() / ("voxtone-" + name + "-")).string().append(6, 'X');
     if (!mkdtemp(pattern.data())) throw std::runtime_error("no temporary folder");
     path_ = pattern;
 }

@@ -16,7 +16,7 @@ namespace voxtone::test {
 namespace fs = std::filesystem;
 
 Folder::Folder() {
-    std::string name = (fs::temp_directory_path() / "voxtone-test-XXXXXX").string();
+    std::string name = (fs::temp_directory_path() / "voxtone-test-").string().append(6, 'X');
     if (!mkdtemp(name.data())) throw std::runtime_error("no folder for the test");
     path_ = name;
 }

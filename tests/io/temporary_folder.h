@@ -12,7 +12,7 @@ namespace voxtone::io {
 class TemporaryFolder {
 public:
     TemporaryFolder() {
-        std::string name = (std::filesystem::temp_directory_path() / "voxtone-test-XXXXXX").string();
+        std::string name = (std::filesystem::temp_directory_path() / "voxtone-test-").string().append(6, 'X');
         if (!mkdtemp(name.data())) throw std::filesystem::filesystem_error("mkdtemp", std::error_code(errno, std::generic_category()));
         path_ = name;
     }

@@ -20,7 +20,7 @@ halftone::LoopState some_state(std::size_t cells) {
     state.steps.resize(3);
     state.steps[1].seen.mean = 1.25;
     state.best = 1;
-    for (auto* list : {&state.drive, &state.open, &state.shown, &state.eased, &state.start_drive})
+    for (auto* list : {&state.drive, &state.open, &state.shown, &state.start_drive})
         for (std::size_t i = 0; i < cells; ++i) list->push_back(Eigen::Vector3f(float(i), 0.5f, -1));
     state.best_mixtures = halftone::SkinMixtures(cells, 4, 5);
     state.best_mixtures.all()[7] = 0.75f;

@@ -189,8 +189,8 @@ LoopResult run_appearance_loop(const LoopTask& task, const LoopOptions& options,
 
     LoopResult result;
     result.in_gamut = cells_in_gamut(recipes, task.target);
-    result.target.resize(task.target.size());
-    parallel_for(0, task.target.size(), 256, [&](std::size_t i) { result.target[i] = into_gamut(task.target[i]); });
+    Colours target(task.target.size());  // as the resins can show it on a thick body
+    parallel_for(0, task.target.size(), 256, [&](std::size_t i) { target[i] = into_gamut(task.target[i]); });
     const Viewer viewer(task, options.intent != Intent::absolute, progress);
     result.white = viewer.white;
     const Judge judge(*task.surface, task.target, result.in_gamut, options.viewing_distance_mm);
@@ -220,14 +220,14 @@ LoopResult run_appearance_loop(const LoopTask& task, const LoopOptions& options,
         state.shown = rgb;
     };
     const auto correct = [&] {
-        state.eased.resize(rgb.size());
-        const std::size_t stuck = feed_back(result.target, rgb, into_gamut, {.gain = feedback_gain(state.steps)}, state.drive, state.eased);
+        Colours eased(rgb.size());
+        const std::size_t stuck = feed_back(target, rgb, into_gamut, {.gain = feedback_gain(state.steps)}, state.drive, eased);
         stuck_share = rgb.empty() ? 0 : double(stuck) / double(rgb.size());
     };
     std::optional<EyeFilter> wide;
     if (options.intent == Intent::contrast) wide.emplace(*task.surface, wider * options.viewing_distance_mm, EyeSurround::none);
     constexpr float contrast_part = 0.7f;
-    const MisfitFunction misfit(*task.surface, judge.eye(), result.target, wide ? &*wide : nullptr, contrast_part);
+    const MisfitFunction misfit(*task.surface, judge.eye(), target, wide ? &*wide : nullptr, contrast_part);
     /// False where the model has no gradient.
     const auto turn_downhill = [&] {
         const Misfit now_is = misfit(rgb);
@@ -242,7 +242,7 @@ LoopResult run_appearance_loop(const LoopTask& task, const LoopOptions& options,
     } else {
         predict(task.open_loop(), 'o');
         state.open = state.shown = rgb;
-        state.drive = state.start_drive = result.target;
+        state.drive = state.start_drive = target;
         correct();
         if (listener) listener(state);
     }

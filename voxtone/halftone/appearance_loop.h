@@ -88,12 +88,10 @@ struct LoopState {
     DescentState descent;                       ///< without cells until it begins
     SkinMixtures best_mixtures;                 ///< without cells: the open loop
     std::vector<Eigen::Vector3f> open, shown;   ///< predicted colours of the open loop and of the best iterate
-    std::vector<Eigen::Vector3f> eased;         ///< what the last step asked for
 };
 
 struct LoopResult {
     LoopState state;
-    std::vector<Eigen::Vector3f> target;   ///< as it was mapped before the loop
     std::vector<char> in_gamut;            ///< per cell
     std::vector<float> white;              ///< appearance of the white twin; empty for the absolute intent
     bool cancelled = false;

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include <fmt/core.h>
-#include <Eigen/Geometry>
 
 #include "voxtone/base/error.h"
 #include "voxtone/slicer/loop_checkpoint.h"
@@ -18,15 +17,6 @@
 namespace voxtone::slicer {
 
 namespace {
-
-double coloured_mm2(const JobBody& body) {
-    double area = 0;
-    for (const auto& [a, b, c] : body.surface.triangles) {
-        const auto& p = body.surface.positions_mm;
-        area += 0.5 * (p[b] - p[a]).cross(p[c] - p[a]).norm();
-    }
-    return area;
-}
 
 halftone::Intent parse_intent(const std::string& name) {
     return name == "absolute" ? halftone::Intent::absolute : name == "contrast" ? halftone::Intent::contrast : halftone::Intent::relative;
@@ -51,7 +41,7 @@ LoopPlan plan_loop(const SliceOptions& options, const JobBody& body, const Loade
     if (iterations == 0) return {};
     if (resins.set.resins.size() < 2) return {0, "The resins were not rearranged: one resin alone leaves nothing to choose."};
     if (body.surface.triangles.empty()) return {0, "The resins were not rearranged: the body has no coloured surface."};
-    const double cm2 = coloured_mm2(body) / 100;
+    const double cm2 = coloured_area_mm2(body.surface) / 100;
     if (options.iterations == "auto" && cm2 > auto_loop_cm2)
         return {0, fmt::format("The resins were not rearranged: the coloured surface has {:.0f} cm2, and more than {:g} cm2 are not "
                                "without being asked; ask with --iterations N.",

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include <fmt/core.h>
-#include <Eigen/Geometry>
 
 #include "voxtone/base/error.h"
 #include "voxtone/slicer/model_choice.h"
@@ -42,11 +41,7 @@ PredictionPlan plan_prediction(const SliceOptions& options, const JobBody& body,
     if (!options.report || options.predict == "none") return {};
     if (!all_layers) return {"", "Only a part of the layers was made: a part is not predicted."};
     if (options.predict != "auto") return {options.predict, ""};
-    double area_mm2 = 0;
-    for (const auto& [a, b, c] : body.surface.triangles) {
-        const auto& p = body.surface.positions_mm;
-        area_mm2 += 0.5 * (p[b] - p[a]).cross(p[c] - p[a]).norm();
-    }
+    const double area_mm2 = coloured_area_mm2(body.surface);
     if (area_mm2 <= 100 * auto_prediction_cm2) return {model_names()[0], ""};
     if (looped) return {loop_prediction, ""};
     return {"", fmt::format("The coloured surface has {:.0f} cm2; more than {:g} cm2 are not predicted without being "

@@ -112,7 +112,6 @@ void state_in(File& file, State& state) {
     file.raw(&state.descent.misfit, sizeof state.descent.misfit);
     file.list(state.open);
     file.list(state.shown);
-    file.list(state.eased);
 }
 
 template <class T>
@@ -170,7 +169,7 @@ std::optional<halftone::LoopState> LoopCheckpoint::read(Progress& progress) cons
     if (!file.good || !file.bytes.empty() || state.steps.empty() || state.best >= state.steps.size() || !fits(state.drive, false) ||
         !fits(state.start_drive, true) || !fits(state.descent.scale, true) || state.descent.momentum.size() != state.descent.mixtures.all().size() ||
         (state.descent.mixtures.cells() != 0 && state.descent.mixtures.cells() != cells_) ||
-        (state.best > 0 && state.best_mixtures.cells() != cells_) || !fits(state.open, false) || !fits(state.shown, false) || !fits(state.eased, false))
+        (state.best > 0 && state.best_mixtures.cells() != cells_) || !fits(state.open, false) || !fits(state.shown, false))
         throw broken();
     progress.note(fmt::format("--resume: going on after iteration {}", state.steps.back().iteration));
     return state;

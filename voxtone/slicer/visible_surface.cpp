@@ -267,4 +267,13 @@ VisibleSurface find_visible_surface(const std::vector<Vector3d>& positions_mm, c
     return out;
 }
 
+double coloured_area_mm2(const VisibleSurface& surface) {
+    double area = 0;
+    for (const auto& [a, b, c] : surface.triangles) {
+        const auto& p = surface.positions_mm;
+        area += 0.5 * (p[b] - p[a]).cross(p[c] - p[a]).norm();
+    }
+    return area;
+}
+
 }  // namespace voxtone::slicer

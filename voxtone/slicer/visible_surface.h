@@ -28,6 +28,8 @@ struct VisibleSurface {
     std::vector<std::array<Eigen::Vector2f, 3>> source_uv;
 };
 
+[[nodiscard]] double coloured_area_mm2(const VisibleSurface& surface);
+
 struct VisibleSurfaceReport {
     std::size_t hidden = 0;   ///< triangles of the solid that are hidden as a whole
     std::size_t cut = 0;      ///< triangles of which a part is hidden
