@@ -11,6 +11,7 @@
 #include "voxtone/base/parallel.h"
 #include "voxtone/halftone/eye_filter.h"
 #include "voxtone/halftone/residual_feedback.h"
+#include "voxtone/optics/area_summary.h"
 #include "voxtone/optics/spectral_colour.h"
 
 namespace voxtone::halftone {
@@ -77,41 +78,12 @@ public:
 
 private:
     [[nodiscard]] optics::DifferenceSummary errors(std::span<const Eigen::Vector3f> target, std::span<const Eigen::Vector3f> rgb) const {
-        std::vector<float> difference(target.size());
+        std::vector<double> difference(target.size());
         parallel_for(0, target.size(), 1024, [&](std::size_t i) {
             const auto lab = [](const Eigen::Vector3f& v) { return optics::lab_from_linear_srgb(v.cast<double>().cwiseMax(0)); };
-            difference[i] = counts_[i] ? static_cast<float>(optics::ciede2000(lab(target[i]), lab(rgb[i]))) : 0;
+            difference[i] = counts_[i] ? optics::ciede2000(lab(target[i]), lab(rgb[i])) : 0;
         });
-        return summary(difference);
-    }
-    [[nodiscard]] optics::DifferenceSummary summary(const std::vector<float>& difference) const {
-        std::vector<std::uint32_t> order;
-        for (std::size_t i = 0; i < difference.size(); ++i)
-            if (counts_[i]) order.push_back(static_cast<std::uint32_t>(i));
-        optics::DifferenceSummary s;
-        s.count = order.size();
-        if (order.empty()) return s;
-        std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-            return difference[a] != difference[b] ? difference[a] < difference[b] : a < b;
-        });
-        double area = 0, sum = 0, up_to = 0;
-        for (const std::uint32_t i : order) {
-            area += surface_.cells[i].area_mm2;
-            sum += surface_.cells[i].area_mm2 * difference[i];
-        }
-        s.mean = sum / area;
-        s.max = difference[order.back()];
-        s.median = s.percentile_95 = s.max;
-        bool half = false;
-        for (const std::uint32_t i : order) {
-            up_to += surface_.cells[i].area_mm2;
-            if (!half && up_to >= 0.5 * area) half = true, s.median = difference[i];
-            if (up_to >= 0.95 * area) {
-                s.percentile_95 = difference[i];
-                break;
-            }
-        }
-        return s;
+        return optics::summarize_by_area(surface_, difference, counts_);
     }
 
     const optics::Surface& surface_;

@@ -6,8 +6,9 @@
 //   (Iser, Rittig, Wilkie 2025, Fig. 2; Elek et al. 2017; Sumin et al. 2019)
 //
 // The unknowns are mixtures by surface cell and depth (skin.h). The first steps make them surface first (surface_first.h) from one
-// colour per cell, its drive, by residual_feedback.h: most of the way for the price of a prediction each, while they gain. Where the model has a
-// gradient, mixture_descent.h goes on from the best of these, for the price of about three: it weighs what cells do to each other.
+// colour per cell, its drive, by residual_feedback.h: most of the way for the price of a prediction each, while they gain.
+// Where the model has a gradient, mixture_descent.h goes on from the best of these, for the price of a little more than two:
+// it weighs what cells do to each other.
 // docs/benchmarks.md compares the two. What is predicted are the voxels themselves, as the screen laid them: its error is fed
 // back like any other. Any AppearanceModel serves.
 //
@@ -16,10 +17,12 @@
 //
 // Errors are CIEDE2000, media-relative, weighed by area, over the cells whose target lies in the gamut (all cells where none
 // does), as they are and after the eye filter (eye_filter.h). The best iterate is that of the smallest mean error after
-// the eye filter (without its negative surround); iteration 0 is the open loop, so the result is never worse than that as far as the model can see.
+// the eye filter (without its negative surround); iteration 0 is the open loop, so the result is never worse than that as far
+// as the model can see.
 //
-// Stops after `iterations`, or when five steps in a row (three of feedback where there is no gradient) did not improve the best mean by 1 %, or when it is cancelled: then with
-// the best iterate so far. Same bits for any number of threads.
+// Stops after `iterations`, or when five steps in a row (three of feedback where there is no gradient) did not improve the best
+// mean by 1 %, or when it is cancelled: then with the best iterate so far. Same bits for any number of threads; a resumed loop
+// gives them too where the model keeps nothing between predictions (the transport sequence does: nearly the same print then).
 #pragma once
 
 #include <cstddef>

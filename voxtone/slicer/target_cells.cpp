@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/parallel.h"
@@ -99,34 +98,6 @@ std::vector<double> colour_differences(const std::vector<Eigen::Vector3f>& targe
                                            optics::lab_from_linear_srgb(predicted[i].cast<double>()));
     });
     return differences;
-}
-
-optics::DifferenceSummary summarize_by_area(const optics::Surface& cells, const std::vector<double>& differences) {
-    VOXTONE_EXPECT(cells.cells.size() == differences.size());
-    optics::DifferenceSummary summary;
-    summary.count = differences.size();
-    if (differences.empty()) return summary;
-    std::vector<std::size_t> order(differences.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-        return differences[a] != differences[b] ? differences[a] < differences[b] : a < b;
-    });
-    double area = 0, sum = 0;
-    for (const std::size_t i : order) {
-        area += cells.cells[i].area_mm2;
-        sum += cells.cells[i].area_mm2 * differences[i];
-    }
-    summary.mean = sum / area;
-    summary.max = differences[order.back()];
-    const auto percentile = [&](double share) {
-        double up_to = 0;
-        for (const std::size_t i : order)
-            if ((up_to += cells.cells[i].area_mm2) >= share * area) return differences[i];
-        return summary.max;
-    };
-    summary.median = percentile(0.5);
-    summary.percentile_95 = percentile(0.95);
-    return summary;
 }
 
 std::vector<double> histogram_by_area(const optics::Surface& cells, const std::vector<double>& differences,

@@ -15,7 +15,7 @@
 #include "voxtone/base/progress.h"
 #include "voxtone/io/mesh.h"
 #include "voxtone/optics/appearance_model.h"
-#include "voxtone/optics/colour.h"
+#include "voxtone/optics/area_summary.h"
 #include "voxtone/slicer/visible_surface.h"
 
 namespace voxtone::slicer {
@@ -32,9 +32,7 @@ namespace voxtone::slicer {
 [[nodiscard]] std::vector<double> colour_differences(const std::vector<Eigen::Vector3f>& target,
                                                      const std::vector<Eigen::Vector3f>& predicted);
 
-/// Percentiles: the smallest difference that this share of the area does not exceed.
-[[nodiscard]] optics::DifferenceSummary summarize_by_area(const optics::Surface& cells,
-                                                          const std::vector<double>& differences);
+using optics::summarize_by_area;
 
 /// Share of the area with a difference in [edges[i], edges[i + 1]), the last one everything above. Edges rise.
 [[nodiscard]] std::vector<double> histogram_by_area(const optics::Surface& cells,
