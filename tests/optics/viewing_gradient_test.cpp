@@ -49,6 +49,12 @@ struct Body {
     [[nodiscard]] std::uint64_t address(int x, int y, int z) const {
         return static_cast<std::uint64_t>((z * size[1] + y) * size[0] + x);
     }
+    template <class Visit>
+    void for_each_voxel(Visit&& visit) const {
+        for (int z = 0; z < size[2]; ++z)
+            for (int y = 0; y < size[1]; ++y)
+                for (int x = 0; x < size[0]; ++x) visit(x, y, z);
+    }
     template <class Change>
     [[nodiscard]] ResinVolume volume(Change&& change) const {
         return make_resin_volume(size, j750, [&](int x, int y, int z) {
@@ -143,16 +149,14 @@ TEST_CASE("The gradient on viewing cells agrees with the difference that other r
         double predicted = 0, before = 0, after = 0;
         for (const bool changed : {false, true}) {
             (changed ? after : before) = F(sequence.next(changed ? other : volume));
-            const auto gradient = sequence.gradient(weight);
-            REQUIRE(gradient);
-            for (int z = 0; z < body.size[2]; ++z)
-                for (int y = 0; y < body.size[1]; ++y)
-                    for (int x = 0; x < body.size[0]; ++x) {
-                        const int m = volume.at(x, y, z);
-                        if (m == 0 || !chosen(x, y, z)) continue;
-                        predicted += 0.5 * static_cast<double>(gradient->at({x, y, z}, static_cast<std::size_t>(resin - 1)) -
-                                                               gradient->at({x, y, z}, static_cast<std::size_t>(m - 1)));
-                    }
+            REQUIRE(sequence.gradient(weight, [&](const ResinGradient& gradient, const VoxelBox& box) {
+                body.for_each_voxel([&](int x, int y, int z) {
+                    const int m = volume.at(x, y, z);
+                    if (m == 0 || !box.holds({x, y, z}) || !chosen(x, y, z)) return;
+                    predicted += 0.5 * static_cast<double>(gradient.at({x, y, z}, static_cast<std::size_t>(resin - 1)) -
+                                                           gradient.at({x, y, z}, static_cast<std::size_t>(m - 1)));
+                });
+            }));
         }
         UNSCOPED_INFO("trial " << trial << ": difference " << after - before << ", gradient " << predicted);
         dd += (after - before) * (after - before);
@@ -171,8 +175,6 @@ TEST_CASE("A step against the gradient brings what is seen nearer to its target"
     ViewingSequence sequence(body.scene(volume), surface, on_viewing_cells(8));
     const Appearance seen = sequence.next(volume);
     const double start = distance(seen);
-    const auto gradient = sequence.gradient(by_value(seen));
-    REQUIRE(gradient);
     // What each voxel of the coloured skin promises, with the resin that lowers F most.
     struct Gain {
         double by;
@@ -180,19 +182,19 @@ TEST_CASE("A step against the gradient brings what is seen nearer to its target"
         int resin;
     };
     std::vector<Gain> gains;
-    for (int z = 0; z < body.size[2]; ++z)
-        for (int y = 0; y < body.size[1]; ++y)
-            for (int x = 0; x < body.size[0]; ++x) {
-                const int m = volume.at(x, y, z);
-                if (m == 0 || body.depth(x, y, z) > 0.4) continue;
-                Gain best{0, {x, y, z}, m};
-                for (int r = 1; r <= 5; ++r) {
-                    const auto change = static_cast<double>(gradient->at({x, y, z}, static_cast<std::size_t>(r - 1)) -
-                                                            gradient->at({x, y, z}, static_cast<std::size_t>(m - 1)));
-                    if (change < best.by) best = {change, {x, y, z}, r};
-                }
-                if (best.by < 0) gains.push_back(best);
+    REQUIRE(sequence.gradient(by_value(seen), [&](const ResinGradient& gradient, const VoxelBox& box) {
+        body.for_each_voxel([&](int x, int y, int z) {
+            const int m = volume.at(x, y, z);
+            if (m == 0 || !box.holds({x, y, z}) || body.depth(x, y, z) > 0.4) return;
+            Gain best{0, {x, y, z}, m};
+            for (int r = 1; r <= 5; ++r) {
+                const auto change = static_cast<double>(gradient.at({x, y, z}, static_cast<std::size_t>(r - 1)) -
+                                                        gradient.at({x, y, z}, static_cast<std::size_t>(m - 1)));
+                if (change < best.by) best = {change, {x, y, z}, r};
             }
+            if (best.by < 0) gains.push_back(best);
+        });
+    }));
     std::sort(gains.begin(), gains.end(), [](const Gain& a, const Gain& b) { return a.by < b.by; });
     const auto step = [&](std::size_t first, std::size_t last, std::size_t every, double& expected) {
         std::vector<std::uint8_t> to(static_cast<std::size_t>(body.size[0] * body.size[1] * body.size[2]), 0);
@@ -229,18 +231,18 @@ TEST_CASE("Any number of threads gives the same gradient, and predictions do not
             const Appearance seen = sequence.next(volume);
             last = seen.value;
             if (!with_gradient) continue;
-            const auto gradient = sequence.gradient(by_value(seen));
-            for (int z = 0; z < body.size[2]; z += 3)
-                for (int y = 0; y < body.size[1]; ++y)
-                    for (int x = 0; x < body.size[0]; ++x) {
-                        std::array<float, 5> all{};
-                        gradient->all_at({x, y, z}, all);
-                        for (std::size_t r = 0; r < 5; ++r) {
-                            const float single = gradient->at({x, y, z}, r);
-                            if (single != all[r]) FAIL("resin " << r << ": alone " << single << ", with the others " << all[r]);
-                            out.push_back(single);
-                        }
+            REQUIRE(sequence.gradient(by_value(seen), [&](const ResinGradient& gradient, const VoxelBox& box) {
+                body.for_each_voxel([&](int x, int y, int z) {
+                    if (z % 3 != 0 || !box.holds({x, y, z})) return;
+                    std::array<float, 5> all{};
+                    gradient.all_at({x, y, z}, all);
+                    for (std::size_t r = 0; r < 5; ++r) {
+                        const float single = gradient.at({x, y, z}, r);
+                        if (single != all[r]) FAIL("resin " << r << ": alone " << single << ", with the others " << all[r]);
+                        out.push_back(single);
                     }
+                });
+            }));
         }
         return out;
     };
@@ -260,18 +262,20 @@ TEST_CASE("Where there is nothing to gain, or no model of it, the gradient says 
     const Surface surface = body.surface(volume);
     ViewingSequence sequence(body.scene(volume), surface, on_viewing_cells(2));
     const std::vector<float> none(sequence.next(volume).value.size(), 0.0f);
-    const auto gradient = sequence.gradient(none);
-    REQUIRE(gradient);
-    CHECK(gradient->at({24, 12, 70}, 0) == 0);
-    CHECK(gradient->at({-1, 0, 0}, 0) == 0);
-    CHECK(gradient->at({0, 0, 0}, 0) == 0);  // air
+    REQUIRE(sequence.gradient(none, [&](const ResinGradient& gradient, const VoxelBox& box) {
+        CHECK(box.holds({24, 12, 70}));
+        CHECK(gradient.at({24, 12, 70}, 0) == 0);
+        CHECK(gradient.at({-1, 0, 0}, 0) == 0);
+        CHECK(gradient.at({0, 0, 0}, 0) == 0);  // air
+    }));
     // Enough memory for predictions, not for the adjoint light besides.
     TransportOptions tight = on_viewing_cells(2);
     tight.memory_bytes = sequence.summary().memory_bytes * 7 / 10;
     ViewingSequence small(body.scene(volume), surface, tight);
     (void)small.next(volume);
-    CHECK(small.gradient(none) == nullptr);
+    const auto never = [](const ResinGradient&, const VoxelBox&) { FAIL("visited"); };
+    CHECK(!small.gradient(none, never));
     TransportOptions voxels;
     const TransportPredictor predictor(voxels);
-    CHECK(predictor.sequence(body.scene(volume), surface)->gradient(none) == nullptr);
+    CHECK(!predictor.sequence(body.scene(volume), surface)->gradient(none, never));
 }

@@ -172,8 +172,10 @@ LoopResult run_appearance_loop(const LoopTask& task, const LoopOptions& options,
     progress.begin_stage("appearance loop", static_cast<std::uint64_t>(most) + 1, "predictions");
     double start = now(), stuck_share = 0;
     Colours rgb;
-    const auto predict = [&](const optics::ResinVolume& volume, char method) {
-        rgb = viewer.colours(sequence->next(volume, &progress));
+    optics::ResinVolume print;  // the sequence looks at it again for the gradient
+    const auto predict = [&](optics::ResinVolume volume, char method) {
+        print = std::move(volume);
+        rgb = viewer.colours(sequence->next(print, &progress));
         LoopStep step;
         step.iteration = static_cast<int>(state.steps.size());
         step.method = method;
@@ -203,9 +205,11 @@ LoopResult run_appearance_loop(const LoopTask& task, const LoopOptions& options,
     /// False where the model has no gradient.
     const auto turn_downhill = [&] {
         const Misfit now_is = misfit(rgb);
-        const auto gradient = task.by_mixtures ? sequence->gradient(viewer.by_value(now_is.by_colour), &progress) : nullptr;
-        if (!gradient) return false;
-        descend(task.by_mixtures(*gradient), now_is.value, {}, state.descent);
+        const std::vector<float> by_value = viewer.by_value(now_is.by_colour);
+        const std::vector<float> by_mixtures =
+            task.by_mixtures([&](const LoopTask::GradientVisitor& visit) { return sequence->gradient(by_value, visit, &progress); });
+        if (by_mixtures.empty()) return false;
+        descend(by_mixtures, now_is.value, {}, state.descent);
         return true;
     };
 

@@ -68,8 +68,10 @@ struct LoopTask {
     std::span<const Eigen::Vector3f> target;  ///< linear sRGB per surface cell
     /// The print of these mixtures: same size and shape as the scene's volume.
     std::function<optics::ResinVolume(const SkinMixtures&)> realise;
-    /// The gradient by voxels, summed over those of each cell and layer: as SkinMixtures::all.
-    std::function<std::vector<float>(const optics::ResinGradient&)> by_mixtures;
+    using GradientVisitor = optics::AppearanceSequence::GradientVisitor;
+    /// The gradient by voxels that `visit_all` hands over, summed over those of each cell and layer: as SkinMixtures::all. Empty where
+    /// that says that there is none.
+    std::function<std::vector<float>(const std::function<bool(const GradientVisitor&)>& visit_all)> by_mixtures;
 };
 
 /// Errors of one iterate.

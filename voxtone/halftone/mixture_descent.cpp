@@ -71,6 +71,7 @@ DescentState begin_descent(SkinMixtures mixtures, const DescentOptions& options)
     DescentState state;
     state.mixtures = std::move(mixtures);
     state.rate = options.rate;
+    state.most_rate = options.most_rate;
     state.momentum.assign(state.mixtures.all().size(), 0.0f);
     state.scale.assign(state.mixtures.cells(), 0.0f);
     const std::size_t resins = state.mixtures.resins();
@@ -88,10 +89,11 @@ void descend(std::span<const float> gradient, double misfit, const DescentOption
     VOXTONE_EXPECT(gradient.size() == state.mixtures.all().size());
     // Colours that all cells share, as when light spreads for millimetres, overshoot first: F rises, and the step was too long.
     if (state.misfit > 0 && misfit > state.misfit) {
+        state.most_rate = std::min(state.most_rate, options.ceiling * state.rate);
         state.rate *= options.slower;
         for (float& m : state.momentum) m *= options.forget;
     } else if (state.misfit > 0) {
-        state.rate = std::min(state.rate * options.faster, options.most_rate);
+        state.rate = std::min(state.rate * options.faster, state.most_rate);
     }
     state.misfit = misfit;
     const auto mean_of = [&](std::size_t c, std::size_t l) {

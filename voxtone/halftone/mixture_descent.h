@@ -56,12 +56,13 @@ private:
 };
 
 struct DescentOptions {
-    float rate = 0.45f;     ///< of the first step, in (0, 2]
-    float most_rate = 0.8f;
-    float momentum = 0.7f;  ///< mu, in [0, 1)
+    float rate = 0.3f;      ///< of the first step, in (0, 2]
+    float most_rate = 0.42f;
+    float momentum = 0.4f;  ///< mu, in [0, 1); more makes bodies swing, whose cells share light over millimetres
     float shared = 0.5f;    ///< part of the cells' mean in s
     float slower = 0.6f, forget = 0.3f;  ///< factors of rate and momentum where F rose
     float faster = 1.3f;                 ///< of the rate where it fell
+    float ceiling = 0.75f;               ///< the rate stays below this part of each rate with which F rose
 };
 
 /// What a descent carries from step to step.
@@ -70,6 +71,7 @@ struct DescentState {
     std::vector<float> momentum;  ///< as mixtures
     std::vector<float> scale;     ///< s, per cell
     float rate = 0;
+    float most_rate = 0;          ///< that it may rise to
     double misfit = 0;            ///< F at the last step
 };
 

@@ -22,8 +22,8 @@ private:
 
 }  // namespace
 
-std::unique_ptr<const ResinGradient> AppearanceSequence::gradient(std::span<const float> /*by_value*/, const Progress* /*progress*/) {
-    return nullptr;
+bool AppearanceSequence::gradient(std::span<const float> /*by_value*/, const GradientVisitor& /*visit*/, const Progress* /*progress*/) {
+    return false;
 }
 
 std::unique_ptr<AppearanceSequence> AppearanceModel::sequence(const Scene& scene, const Surface& surface) const {

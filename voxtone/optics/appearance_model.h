@@ -15,6 +15,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -73,8 +74,20 @@ enum class SurfacePart {
 /// Voxels per viewing cell that come nearest to cubes of `cell_mm`; J750 and 0.085 mm: 2 x 1 x 3.
 [[nodiscard]] std::array<int, 3> cell_voxels(const std::array<double, 3>& pitch_mm, double cell_mm);
 
+/// A box of voxels: the first and one past the last along each axis.
+struct VoxelBox {
+    std::array<int, 3> begin{}, end{};
+    [[nodiscard]] bool holds(const std::array<int, 3>& voxel) const {
+        for (std::size_t a = 0; a < 3; ++a)
+            if (voxel[a] < begin[a] || voxel[a] >= end[a]) return false;
+        return true;
+    }
+};
+
 /// The surface of a scene's volume. Faces on a sheet and on mirrored sides do not count.
 [[nodiscard]] Surface find_surface(const Scene& scene, const std::array<int, 3>& cell_voxels, SurfacePart part);
+/// All of it inside a box, and perhaps some around.
+[[nodiscard]] Surface find_surface_near(const Scene& scene, const std::array<int, 3>& cell_voxels, const VoxelBox& box);
 
 /// What a model says of a surface: value[cell * channels + channel].
 struct Appearance {
@@ -100,11 +113,13 @@ public:
 class AppearanceSequence {
 public:
     virtual ~AppearanceSequence() = default;
-    /// `volume` has the size, pitch and air of the scene's that the sequence was made for.
+    /// `volume` has the size, pitch and air of the scene's that the sequence was made for, and lives until the next prediction.
     [[nodiscard]] virtual Appearance next(const ResinVolume& volume, const Progress* progress = nullptr) = 0;
-    /// At the last prediction, of a function F with these d F / d value (as Appearance::value). Null where the model has none
-    /// or not the memory for it. It is good until the next prediction or gradient.
-    [[nodiscard]] virtual std::unique_ptr<const ResinGradient> gradient(std::span<const float> by_value, const Progress* progress = nullptr);
+    /// Takes the derivatives of the voxels in a box; they are good during the call.
+    using GradientVisitor = std::function<void(const ResinGradient&, const VoxelBox&)>;
+    /// At the last prediction, of a function F with these d F / d value (as Appearance::value): handed over box by box, which together
+    /// hold every voxel once. False, and nothing visited, where the model has none or not the memory for it.
+    [[nodiscard]] virtual bool gradient(std::span<const float> by_value, const GradientVisitor& visit, const Progress* progress = nullptr);
 };
 
 class AppearanceModel {

@@ -253,16 +253,22 @@ void append(Surface& to, const Surface& from) {
     to.face_normal.insert(to.face_normal.end(), from.face_normal.begin(), from.face_normal.end());
 }
 
-Surface whole_surface(const Scene& scene, const std::array<int, 3>& cell) {
+/// Of the tiles that touch the box.
+Surface surface_near(const Scene& scene, const std::array<int, 3>& cell, const VoxelBox& box) {
     const TileSurface tiles(scene, cell);
     const auto& size = scene.volume->size();
-    std::array<std::size_t, 3> n{};
-    for (std::size_t a = 0; a < 3; ++a) n[a] = static_cast<std::size_t>((size[a] + tiles.edge()[a] - 1) / tiles.edge()[a]);
-    std::vector<Surface> rows(n[1] * n[2]);
+    std::array<int, 3> first{}, n{};
+    for (std::size_t a = 0; a < 3; ++a) {
+        const int edge = tiles.edge()[a], last = std::min(box.end[a], size[a]);
+        first[a] = std::max(box.begin[a], 0) / edge;
+        n[a] = std::max(0, (last + edge - 1) / edge - first[a]);
+    }
+    const auto across = static_cast<std::size_t>(n[1]);
+    std::vector<Surface> rows(across * static_cast<std::size_t>(n[2]));
     parallel_for(0, rows.size(), 1, [&](std::size_t row) {
-        for (std::size_t x = 0; x < n[0]; ++x)
-            tiles.append({static_cast<int>(x) * tiles.edge()[0], static_cast<int>(row % n[1]) * tiles.edge()[1],
-                          static_cast<int>(row / n[1]) * tiles.edge()[2]},
+        for (int x = 0; x < n[0]; ++x)
+            tiles.append({(first[0] + x) * tiles.edge()[0], (first[1] + static_cast<int>(row % across)) * tiles.edge()[1],
+                          (first[2] + static_cast<int>(row / across)) * tiles.edge()[2]},
                          rows[row]);
     });
     Surface all;
@@ -330,7 +336,13 @@ std::array<int, 3> cell_voxels(const std::array<double, 3>& pitch_mm, double cel
 
 Surface find_surface(const Scene& scene, const std::array<int, 3>& cell, SurfacePart part) {
     VOXTONE_EXPECT(scene.volume && cell[0] >= 1 && cell[1] >= 1 && cell[2] >= 1);
-    Surface surface = part == SurfacePart::top ? top_surface(scene, cell) : whole_surface(scene, cell);
+    Surface surface = part == SurfacePart::top ? top_surface(scene, cell) : surface_near(scene, cell, {{}, scene.volume->size()});
+    surface.cell_voxels = cell;
+    return surface;
+}
+
+Surface find_surface_near(const Scene& scene, const std::array<int, 3>& cell, const VoxelBox& box) {
+    Surface surface = surface_near(scene, cell, box);
     surface.cell_voxels = cell;
     return surface;
 }

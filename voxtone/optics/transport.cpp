@@ -35,6 +35,7 @@ TransportPredictor::TransportPredictor(const TransportOptions& options) : option
     if (!(options.cell_mm > 0)) throw UsageError("the predictor's cells must be larger than 0 mm");
     if (options.margin_blocks < 0 || options.margin_blocks > 64)
         throw UsageError("the predictor's margin must be 0 to 64 blocks");
+    VOXTONE_EXPECT(options.tile_cells >= 1 && options.tile_halo >= 1);
 }
 
 Appearance TransportPredictor::predict(const Scene& scene, const Surface& surface, const Progress* progress) const {

@@ -45,6 +45,8 @@ struct TransportOptions {
     bool viewing_cells = false;               ///< the whole prediction on viewing cells (viewing_sequence.h), ten times as fast
     double colour_mm = 0.8;                     ///< with them: how deep below the surface colour is expected to come and go
     int next_sweeps = 2;                      ///< with them: of the later predictions of a sequence, >= 1
+    std::size_t tile_cells = 250'000;         ///< with them: most surface cells that are predicted at once (viewing_tiles.h), >= 1
+    int tile_halo = 3;                        ///< with them: blocks around a tile that it transports light in, >= 1
     double finest_mm = 0.0425;                ///< skin voxels are cut along axes where they are longer; 0: never
     int margin_blocks = 2;                    ///< rings of 4 viewing cells of transport below the skin, >= 0
     double start_tolerance = 0.05;            ///< of the first diffusion solve

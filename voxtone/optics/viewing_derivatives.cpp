@@ -80,7 +80,7 @@ void ViewingTransport::derivatives(const ViewingField& forward, std::span<float>
     // What there is beyond phi and J in the cells at the surface: as much as its faces say, each for itself.
     reflect();
     const std::vector<Octet> in = in_, out = out_;
-    take_light({});
+    take_light({}, {});
     load(forward);
     const DirectionSet& set = grid_.directions;
     parallel_for(0, grid_.transport_blocks.size(), 32, [&](std::size_t t) {

@@ -39,15 +39,15 @@ struct ViewingGrid::Builder {
     [[nodiscard]] bool mirrored(std::size_t axis) const { return self.mirrored_ && axis < 2; }
 
     void look() {
-        const auto& size = scene.volume->size();
+        view = grid.options.view_voxels;
+        const BlockLattice whole(scene.volume->size(), view);
+        block_voxels = whole.block_voxels;
         for (std::size_t a = 0; a < 3; ++a) {
-            view[a] = grid.options.view_voxels[a];
-            block_voxels[a] = 4 * view[a];
-            grid.lattice[a] = (size[a] + block_voxels[a] - 1) / block_voxels[a];
+            grid.lattice[a] = self.window.end[a] - self.window.begin[a];
+            grid.shift_voxels[a] = whole.shift_voxels[a] - self.window.begin[a] * block_voxels[a];
             cells[a] = 4 * grid.lattice[a];
         }
         in_cell = view[0] * view[1] * view[2];
-        grid.shift_voxels[2] = grid.lattice[2] * block_voxels[2] - size[2];
         const std::size_t n = product(grid.lattice);
         state.assign(n, empty);
         material.assign(n, 0);
@@ -104,6 +104,12 @@ struct ViewingGrid::Builder {
         if (!any_air) return;
         fill_of[here] = static_cast<std::uint32_t>(to.size());
         to.insert(to.end(), fill.begin(), fill.end());
+    }
+
+    [[nodiscard]] Material some_material(const Place& block) const {
+        std::vector<Material> box;
+        read_box(*scene.volume, self.mirrored_, corner_of(block), block_voxels, box);
+        return *std::max_element(box.begin(), box.end());
     }
 
     [[nodiscard]] int fill_at(const Place& cell) const {
@@ -168,6 +174,10 @@ struct ViewingGrid::Builder {
         for_each(grid.lattice, [&](const Place& at) {
             const std::size_t here = i++;
             if (state[here] == empty) return;
+            if (self.is_ghost(at)) {
+                seed[here] = material[here] < 0;
+                return;
+            }
             bool lit = state[here] == part, sheet = false;
             for (std::size_t f = 0; f < 6 && !lit; ++f) {
                 const Place next = beside(at, f);
@@ -243,6 +253,8 @@ struct ViewingGrid::Builder {
             if (state[here] == empty) return;
             GridBlock block;
             block.at = at;
+            const bool ghost = self.is_ghost(at);
+            if (ghost) wanted[here] = 0;
             block.kind = wanted[here] ? BlockKind::skin : BlockKind::core;
             block.nodes_per_edge = wanted[here] ? 4 : 1;
             const auto index = static_cast<std::uint32_t>(grid.blocks.size());
@@ -257,6 +269,11 @@ struct ViewingGrid::Builder {
                 block.medium = static_cast<std::uint16_t>(material[here]);
                 block.node_mask = 1;
                 block.first_node = static_cast<std::uint32_t>(self.core_block.size());
+                if (ghost) {
+                    // Whatever it holds: its light is given, and the halo keeps it out of sight.
+                    if (material[here] < 0) block.medium = some_material(at);
+                    self.ghosts.push_back(block.first_node);
+                }
                 self.core_block.push_back(index);
             }
             grid.block_at[here] = static_cast<std::int32_t>(index);
@@ -338,7 +355,12 @@ struct ViewingGrid::Builder {
 
     /// The laws of the faces: of the mean normal of the voxel faces seen through each; where there are none, of faces near by.
     void find_laws() {
-        const Surface surface = find_surface(scene, grid.options.view_voxels, SurfacePart::all);
+        VoxelBox box;
+        for (std::size_t a = 0; a < 3; ++a) {
+            box.begin[a] = -grid.shift_voxels[a];
+            box.end[a] = box.begin[a] + grid.lattice[a] * block_voxels[a];
+        }
+        const Surface surface = find_surface_near(scene, grid.options.view_voxels, box);
         const Seen seen = self.see(surface);
         std::vector<std::array<float, 3>> normal(grid.faces.size());
         for (std::size_t i = 0; i < surface.cells.size(); ++i) {
@@ -457,9 +479,21 @@ struct ViewingGrid::Builder {
     }
 };
 
+BlockLattice::BlockLattice(const std::array<int, 3>& size, const std::array<int, 3>& view_voxels) {
+    for (std::size_t a = 0; a < 3; ++a) {
+        block_voxels[a] = 4 * view_voxels[a];
+        blocks[a] = (size[a] + block_voxels[a] - 1) / block_voxels[a];
+    }
+    shift_voxels[2] = blocks[2] * block_voxels[2] - size[2];
+}
+
 ViewingGrid::ViewingGrid(const Scene& scene, const std::array<int, 3>& view_voxels, double colour_mm,
                          std::span<const std::uint8_t> also)
-    : mirrored_(scene.sides == Sides::mirrored), size_(scene.volume->size()) {
+    : ViewingGrid(scene, view_voxels, colour_mm, also, {{}, BlockLattice(scene.volume->size(), view_voxels).blocks, {}}) {}
+
+ViewingGrid::ViewingGrid(const Scene& scene, const std::array<int, 3>& view_voxels, double colour_mm, std::span<const std::uint8_t> also,
+                         const ViewingWindow& part)
+    : window(part), mirrored_(scene.sides == Sides::mirrored), size_(scene.volume->size()) {
     expect_resins_for(scene);
     grid.options.view_voxels = grid.options.skin_voxels = view_voxels;
     grid.directions = make_directions(scene.resins->g, scene.resins->eta);
@@ -486,7 +520,7 @@ void ViewingGrid::shrink() {
     grid.transport_blocks.shrink_to_fit();
     grid.face_of_cell.shrink_to_fit();
     grid.faces.shrink_to_fit();
-    for (auto* list : {&core_block, &core_faces, &open_faces, &place_of_face, &blocks_by_parity[0], &blocks_by_parity[1], &donors_of_})
+    for (auto* list : {&core_block, &ghosts, &core_faces, &open_faces, &place_of_face, &blocks_by_parity[0], &blocks_by_parity[1], &donors_of_})
         list->shrink_to_fit();
     donors_.shrink_to_fit();
 }

@@ -23,12 +23,33 @@
 
 namespace voxtone::optics {
 
+/// The lattice of blocks of 4 x 4 x 4 viewing cells over a volume: from voxel 0 along x and y, from the top along z.
+struct BlockLattice {
+    BlockLattice(const std::array<int, 3>& size, const std::array<int, 3>& view_voxels);
+    [[nodiscard]] std::uint64_t index(const std::array<int, 3>& block) const {
+        return (static_cast<std::uint64_t>(block[2]) * static_cast<std::uint64_t>(blocks[1]) + static_cast<std::uint64_t>(block[1])) *
+                   static_cast<std::uint64_t>(blocks[0]) +
+               static_cast<std::uint64_t>(block[0]);
+    }
+    std::array<int, 3> block_voxels{}, blocks{};
+    std::array<int, 3> shift_voxels{};  ///< voxel 0 lies so many voxels inside the first block
+};
+
+/// A part of the lattice: blocks begin .. end - 1. Where the body goes on beyond (`cut`, by Facing), the outermost ring of blocks
+/// holds no transport cells but one node each, a ghost: its light comes from who knows it (ViewingTransport::solve).
+struct ViewingWindow {
+    std::array<int, 3> begin{}, end{};
+    std::array<bool, 6> cut{};
+};
+
 class ViewingGrid {
 public:
-    /// `also`: blocks of the lattice that get transport cells besides, empty or one byte per place. Throws InputError for a
+    /// `also`: blocks of the window that get transport cells besides, empty or one byte per place. Throws InputError for a
     /// material without a resin.
     ViewingGrid(const Scene& scene, const std::array<int, 3>& view_voxels, double colour_mm,
                 std::span<const std::uint8_t> also = {});
+    ViewingGrid(const Scene& scene, const std::array<int, 3>& view_voxels, double colour_mm, std::span<const std::uint8_t> also,
+                const ViewingWindow& window);
 
     /// Takes the resins of a volume of the same shape. False, and nothing done, where a block without transport cells has
     /// got other materials; those are marked in `wanted`, one byte per place of the lattice.
@@ -70,7 +91,9 @@ public:
         std::uint8_t axis = 2;       ///< along which light comes
     };
     std::vector<Mixture> mixtures;  ///< of the palette
+    ViewingWindow window;
     std::vector<std::uint32_t> core_block;   ///< of each core node
+    std::vector<std::uint32_t> ghosts;       ///< core nodes on the cut sides of the window, ascending
     std::vector<std::uint32_t> core_faces;   ///< outer faces that lead into the core
     std::vector<std::uint32_t> open_faces;   ///< the others: to the light, a sheet or a mirror
     std::vector<std::uint32_t> place_of_face;        ///< of each outer face among the open ones; `into_core` and among the core's
@@ -88,6 +111,12 @@ private:
     void each_face(std::uint32_t cell, Body&& body) const;
     void take_palette(const ResinVolume& volume, bool coarse, bool& full);
     [[nodiscard]] std::array<std::int32_t, 3> corner_of(const GridBlock& block) const;
+
+    [[nodiscard]] bool is_ghost(const std::array<std::int32_t, 3>& block) const {
+        for (std::size_t a = 0; a < 3; ++a)
+            if ((window.cut[2 * a] && block[a] == 0) || (window.cut[2 * a + 1] && block[a] == grid.lattice[a] - 1)) return true;
+        return false;
+    }
 
     bool mirrored_ = false;
     std::array<int, 3> size_{};              ///< of the volume

@@ -33,6 +33,7 @@ bool ViewingGrid::fill(const ResinVolume& volume, std::vector<std::uint8_t>& wan
     bool same = true;
     for (const std::uint32_t b : core_block) {
         GridBlock& block = grid.blocks[b];
+        if (is_ghost(block.at)) continue;
         const Place corner = corner_of(block);
         int material = volume.uniform_material(corner, extent);
         if (material != block.medium && material < 0) {

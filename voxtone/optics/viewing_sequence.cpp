@@ -15,6 +15,9 @@
 namespace voxtone::optics {
 namespace {
 
+constexpr int first_rounds = 2;
+constexpr std::uint32_t nowhere = 0xffffffffu;
+
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 bool looks_up(const Surface& surface) {
@@ -29,38 +32,108 @@ bool looks_up(const Surface& surface) {
 }  // namespace
 
 ViewingSequence::ViewingSequence(const Scene& scene, const Surface& surface, const TransportOptions& options)
-    : scene_(scene), surface_(surface), options_(options),
+    : scene_(scene), surface_(surface), options_(options), view_voxels_(cell_voxels(scene.volume->pitch_mm(), options.cell_mm)),
+      lattice_(scene.volume->size(), view_voxels_),
       halftone_(*scene.resins, scene.volume->pitch_mm(), looks_up(surface) ? SeenFrom::above : SeenFrom::all_sides) {
-    fields_.resize(scene.resins->channels.size());
-    make_grid(scene, {});
+    for (ViewingTile& tile :
+         viewing_tiles(surface, scene.volume->size(), scene.volume->pitch_mm(), view_voxels_, options.tile_cells, options.tile_halo)) {
+        tiles_.emplace_back();
+        static_cast<ViewingTile&>(tiles_.back()) = std::move(tile);
+        tiles_.back().light.resize(channels());
+        tiles_.back().adjoint.resize(channels());
+    }
+    summary_.pieces = tiles_.size();
+    list_ghosts();
+    make_live(0);
 }
 
-void ViewingSequence::make_grid(const Scene& scene, std::span<const std::uint8_t> also) {
+/// All places on the rims of windows, whether the body is there or not.
+void ViewingSequence::list_ghosts() {
+    for (const Tile& tile : tiles_) {
+        const auto &low = tile.window.begin, &high = tile.window.end;
+        for (std::size_t f = 0; f < 6; ++f) {
+            if (!tile.window.cut[f]) continue;
+            std::array<int, 3> first = low, last = high;
+            first[f / 2] = f % 2 ? high[f / 2] - 1 : low[f / 2];
+            last[f / 2] = first[f / 2] + 1;
+            for (int z = first[2]; z < last[2]; ++z)
+                for (int y = first[1]; y < last[1]; ++y)
+                    for (int x = first[0]; x < last[0]; ++x) ghost_places_.push_back(lattice_.index({x, y, z}));
+        }
+    }
+    std::sort(ghost_places_.begin(), ghost_places_.end());
+    ghost_places_.erase(std::unique(ghost_places_.begin(), ghost_places_.end()), ghost_places_.end());
+    ghost_places_.shrink_to_fit();
+}
+
+void ViewingSequence::make_live(std::size_t index) {
     const double begin = now();
-    transport_.reset();
-    grid_ = std::make_unique<ViewingGrid>(scene, cell_voxels(scene.volume->pitch_mm(), options_.cell_mm), options_.colour_mm, also);
-    grid_->shrink();
-    seen_ = grid_->see(surface_);
-    const std::size_t needed = grid_->memory_bytes() + ViewingTransport::bytes_for(*grid_, fields_.size());
+    live_.reset();
+    Tile& tile = tiles_[index];
+    auto live = std::make_unique<Live>();
+    live->tile = index;
+    live->grid = std::make_unique<ViewingGrid>(scene_, view_voxels_, options_.colour_mm, tile.also, tile.window);
+    ViewingGrid& grid = *live->grid;
+    grid.shrink();
+    live->seen = grid.see(tiles_.size() == 1 ? surface_ : part_of(surface_, tile.near));
+    tile.bytes = grid.memory_bytes() + ViewingTransport::bytes_for(grid, 0);
+    tile.cells_of_grid = grid.cells();
+    tile.open_faces = grid.open_faces.size();
+    const std::size_t own = tile.light[0].cells.empty() ? channels() * (grid.cells() * sizeof(ViewingField::Code) + 64 * grid.open_faces.size()) : 0,
+                      needed = tile.bytes + own + field_bytes();
     if (options_.memory_bytes > 0 && needed > options_.memory_bytes)
-        throw ResourceError("a sequence of predictions of " + std::to_string(grid_->cells()) + " viewing cells needs " +
+        throw ResourceError("a sequence of predictions of " + std::to_string(grid.cells()) + " viewing cells at once needs " +
                             std::to_string((needed >> 20) + 1) + " MiB of memory and " + std::to_string(options_.memory_bytes >> 20) +
                             " are allowed: allow more, expect colour less deep, or take larger cells");
-    transport_ = std::make_unique<ViewingTransport>(*grid_, options_);
-    summary_.skin_cells = grid_->cells();
-    summary_.nodes = grid_->cells() + grid_->core_block.size();
-    summary_.pieces = 1;
+    const auto place_of = [&](std::uint32_t block) {
+        std::array<int, 3> at = grid.grid.blocks[block].at;
+        for (std::size_t a = 0; a < 3; ++a) at[a] += tile.window.begin[a];
+        return at;
+    };
+    const auto ghost_at = [&](const std::array<int, 3>& at) {
+        const auto found = std::lower_bound(ghost_places_.begin(), ghost_places_.end(), lattice_.index(at));
+        return found != ghost_places_.end() && *found == lattice_.index(at) ? static_cast<std::uint32_t>(found - ghost_places_.begin()) : nowhere;
+    };
+    for (std::uint32_t b = 0; b < grid.grid.blocks.size(); ++b) {
+        const std::array<int, 3> at = place_of(b);
+        if (!VoxelBox{tile.begin, tile.end}.holds(at)) continue;
+        if (const std::uint32_t ghost = ghost_at(at); ghost != nowhere) live->tells.emplace_back(b, ghost);
+    }
+    for (const std::uint32_t ghost : grid.ghosts) live->hears.push_back(ghost_at(place_of(grid.core_block[ghost])));
+    live->transport = std::make_unique<ViewingTransport>(grid, options_);
+    live_ = std::move(live);
+    summary_.skin_cells = summary_.nodes = 0;
+    for (const Tile& t : tiles_) summary_.skin_cells += t.cells_of_grid;
+    summary_.nodes = summary_.skin_cells + grid.core_block.size();
     summary_.grid_s += now() - begin;
 }
 
+void ViewingSequence::look_at(std::size_t index) {
+    if (live_->tile != index) make_live(index);
+    if (live_->filled == volume_) return;
+    std::vector<std::uint8_t> wanted;
+    if (!live_->grid->fill(*volume_, wanted)) {
+        Tile& tile = tiles_[index];
+        tile.also.resize(wanted.size(), 0);
+        for (std::size_t i = 0; i < wanted.size(); ++i) tile.also[i] |= wanted[i];
+        const std::unique_ptr<ViewingGrid> was = std::move(live_->grid);
+        make_live(index);
+        carry_over(*was, tile.light);
+        tile.adjoint.assign(channels(), {});
+        const bool filled = live_->grid->fill(*volume_, wanted);
+        VOXTONE_ENSURE(filled);
+    }
+    live_->filled = volume_;
+}
+
 /// Light of the cells that both grids have; where the new one has cells in what was core, the core's.
-void ViewingSequence::carry_over(const ViewingGrid& from) {
-    const OpticalGrid &was = from.grid, &is = grid_->grid;
-    for (ViewingField& field : fields_) {
+void ViewingSequence::carry_over(const ViewingGrid& from, Fields& fields) const {
+    const OpticalGrid &was = from.grid, &is = live_->grid->grid;
+    for (ViewingField& field : fields) {
         if (field.cells.empty()) continue;
         ViewingField next;
-        next.cells.resize(grid_->cells());
-        next.core.resize(grid_->core_block.size());
+        next.cells.resize(live_->grid->cells());
+        next.core.resize(live_->grid->core_block.size());
         for (std::size_t place = 0; place < is.block_at.size(); ++place) {
             if (is.block_at[place] < 0) continue;
             const GridBlock &to = is.blocks[static_cast<std::size_t>(is.block_at[place])],
@@ -80,58 +153,14 @@ void ViewingSequence::carry_over(const ViewingGrid& from) {
             }
         }
         // Blocks with open faces are the same in both, and so is their order.
-        VOXTONE_ENSURE(from.open_faces.size() == grid_->open_faces.size());
+        VOXTONE_ENSURE(from.open_faces.size() == live_->grid->open_faces.size());
         next.out = std::move(field.out);
         field = std::move(next);
     }
 }
 
-Appearance ViewingSequence::next(const ResinVolume& volume, const Progress* progress) {
-    const double begin = now();
-    VOXTONE_EXPECT(volume.size() == scene_.volume->size());
-    Scene scene = scene_;
-    scene.volume = &volume;
-    expect_resins_for(scene);
-    std::vector<std::uint8_t> wanted;
-    if (!grid_->fill(volume, wanted)) {
-        also_.resize(wanted.size(), 0);
-        for (std::size_t i = 0; i < wanted.size(); ++i) also_[i] |= wanted[i];
-        const std::unique_ptr<ViewingGrid> was = std::move(grid_);
-        make_grid(scene, also_);
-        carry_over(*was);
-        adjoint_.clear();
-    }
-    const std::size_t channels = scene_.resins->channels.size();
-    Appearance appearance;
-    appearance.channels = channels;
-    appearance.value.assign(surface_.cells.size() * channels, 0.0f);
-    summary_.last_change.assign(channels, 0.0);
-    for (std::size_t c = 0; c < channels; ++c) {
-        const ViewingTransport::Media in = media(c);
-        transport_->solve(in, fields_[c], fields_[c].cells.empty() ? options_.sweeps : options_.next_sweeps, summary_, progress);
-        summary_.last_change[c] = transport_->last_change();
-        const auto flux = transport_->flux();
-        for (std::size_t i = 0; i < surface_.cells.size(); ++i) {
-            float leaving = 0, furnace = 0;
-            for (std::uint32_t e = seen_.first[i]; e < seen_.first[i + 1]; ++e) {
-                leaving += seen_.share[e] * flux[seen_.face[e]];
-                furnace += seen_.share[e] * transport_->furnace_flux(seen_.face[e]);
-            }
-            // Inside a bubble smaller than a cell the light is that of the cell.
-            appearance.value[i * channels + c] = furnace > 0                    ? leaving / furnace
-                                                 : seen_.cell[i] != 0xffffffffu ? transport_->phi(seen_.cell[i])
-                                                                                : 0;
-        }
-    }
-    summary_.memory_bytes = grid_->memory_bytes() + transport_->memory_bytes();
-    for (const auto* const fields : {&fields_, &adjoint_})
-        for (const ViewingField& field : *fields) summary_.memory_bytes += field.memory_bytes();
-    summary_.total_s += now() - begin;
-    return appearance;
-}
-
 ViewingTransport::Media ViewingSequence::media(std::size_t channel) const {
-    const OpticalGrid& grid = grid_->grid;
+    const OpticalGrid& grid = live_->grid->grid;
     const ResinSet& resins = *scene_.resins;
     const auto media_of = shared_media(grid.directions, grid.edge_mm(BlockKind::skin), viewing_theta);
     const SeenMedium seen{halftone_, resins, grid.pitch_mm};
@@ -139,44 +168,140 @@ ViewingTransport::Media ViewingSequence::media(std::size_t channel) const {
     media.cells.resize(grid.palette.size());
     media.core.resize(resins.resins.size() + 1);
     for (std::size_t m = 1; m < media.core.size(); ++m) media.core[m] = similar_medium(grid.directions, resins.resins[m - 1].medium(channel));
-    parallel_for(1, grid.palette.size(), 1 << 8, [&](std::size_t m) { media.cells[m] = (*media_of)(seen(grid_->mixtures[m], channel)); });
+    parallel_for(1, grid.palette.size(), 1 << 8, [&](std::size_t m) { media.cells[m] = (*media_of)(seen(live_->grid->mixtures[m], channel)); });
     return media;
 }
 
-std::unique_ptr<const ResinGradient> ViewingSequence::gradient(std::span<const float> by_value, const Progress* progress) {
-    const double begin = now();
-    const OpticalGrid& grid = grid_->grid;
-    const ResinSet& resins = *scene_.resins;
-    const std::size_t channels = fields_.size();
-    VOXTONE_EXPECT(by_value.size() == surface_.cells.size() * channels);
-    VOXTONE_EXPECT(!fields_[0].cells.empty());
-    // Fields of both lights, the derivatives, and copies of the light on the faces.
-    const std::size_t needed = grid_->memory_bytes() + ViewingTransport::bytes_for(*grid_, 2 * channels) + grid_->cells() * (4 * channels + 8) +
-                               grid_->open_faces.size() * 8 * sizeof(Octet);
-    if (options_.memory_bytes > 0 && needed > options_.memory_bytes) return nullptr;
-    adjoint_.resize(channels);
-    const auto media_of = shared_media(grid.directions, grid.edge_mm(BlockKind::skin), viewing_theta);
-    const SeenMedium seen{halftone_, resins, grid.pitch_mm};
-    auto gradient = std::make_unique<ViewingGradient>(*grid_, seen, channels);
-    std::vector<float> light(grid.faces.size()), by_sigma_t(grid_->cells()), by_sigma_s(grid_->cells());
-    for (std::size_t c = 0; c < channels; ++c) {
+template <class Done>
+void ViewingSequence::solve(Fields Tile::*fields, GhostLight& ghosts, bool hear, int sweeps, std::span<const float> by_value,
+                            const Progress* progress, Done&& done) {
+    std::vector<float> around, light;
+    for (std::size_t c = 0; c < channels(); ++c) {
         const ViewingTransport::Media in = media(c);
-        std::fill(light.begin(), light.end(), 0.0f);
-        for (std::size_t i = 0; i < surface_.cells.size(); ++i) {
-            float furnace = 0;
-            for (std::uint32_t e = seen_.first[i]; e < seen_.first[i + 1]; ++e) furnace += seen_.share[e] * transport_->furnace_flux(seen_.face[e]);
-            for (std::uint32_t e = seen_.first[i]; furnace > 0 && e < seen_.first[i + 1]; ++e)
-                light[seen_.face[e]] += by_value[i * channels + c] * seen_.share[e] / furnace;
-        }
-        transport_->solve(in, adjoint_[c], adjoint_[c].cells.empty() ? options_.sweeps : options_.next_sweeps, summary_, progress, light);
-        transport_->derivatives(fields_[c], by_sigma_t, by_sigma_s);
-        gradient->add(c, *media_of, seen, by_sigma_t, by_sigma_s);
+        if (!by_value.empty()) light = light_of(by_value, c);
+        around.clear();
+        if (hear)
+            for (const std::uint32_t place : live_->hears) around.push_back(ghosts[c][place]);
+        live_->transport->solve(in, (tiles_[live_->tile].*fields)[c], sweeps, summary_, progress, light, around);
+        for (const auto& [block, place] : live_->tells) ghosts[c][place] = live_->transport->mean_phi(live_->grid->grid.blocks[block]);
+        done(c);
     }
-    summary_.memory_bytes = grid_->memory_bytes() + transport_->memory_bytes() + gradient->memory_bytes() + 4 * (light.size() + by_sigma_t.size() + by_sigma_s.size());
-    for (const auto* const fields : {&fields_, &adjoint_})
-        for (const ViewingField& field : *fields) summary_.memory_bytes += field.memory_bytes();
-    summary_.total_s += now() - begin;
-    return gradient;
+}
+
+void ViewingSequence::begin(Fields Tile::*fields, GhostLight& ghosts, std::span<const float> by_value, const Progress* progress) {
+    ghosts.assign(channels(), std::vector<float>(ghost_places_.size()));
+    if (tiles_.size() == 1) return;
+    for (int round = 0; round < first_rounds; ++round)
+        for (std::size_t t = 0; t < tiles_.size(); ++t) {
+            look_at(t);
+            (tiles_[t].*fields).assign(channels(), {});
+            solve(fields, ghosts, round > 0, 0, by_value, progress, [](std::size_t) {});
+        }
+}
+
+Appearance ViewingSequence::next(const ResinVolume& volume, const Progress* progress) {
+    const double start = now();
+    VOXTONE_EXPECT(volume.size() == scene_.volume->size());
+    Scene scene = scene_;
+    scene.volume = &volume;
+    expect_resins_for(scene);
+    volume_ = &volume;
+    live_->filled = nullptr;
+    const bool first = ghost_light_.empty();
+    if (first) begin(&Tile::light, ghost_light_, {}, progress);
+    Appearance appearance;
+    appearance.channels = channels();
+    appearance.value.assign(surface_.cells.size() * channels(), 0.0f);
+    summary_.last_change.assign(channels(), 0.0);
+    for (std::size_t t = 0; t < tiles_.size(); ++t) {
+        look_at(t);
+        solve(&Tile::light, ghost_light_, true, first ? options_.sweeps : options_.next_sweeps, {}, progress, [&](std::size_t c) {
+            summary_.last_change[c] = std::max(summary_.last_change[c], live_->transport->last_change());
+            read_appearance(c, appearance);
+        });
+    }
+    count_memory(0);
+    summary_.total_s += now() - start;
+    return appearance;
+}
+
+void ViewingSequence::read_appearance(std::size_t channel, Appearance& to) const {
+    const ViewingTransport& transport = *live_->transport;
+    const ViewingGrid::Seen& seen = live_->seen;
+    const Tile& tile = tiles_[live_->tile];
+    const auto flux = transport.flux();
+    std::size_t own = 0;
+    for (std::size_t k = 0; k < tile.near.size() && own < tile.cells.size(); ++k) {
+        if (tile.near[k] != tile.cells[own]) continue;
+        ++own;
+        float leaving = 0, furnace = 0;
+        for (std::uint32_t e = seen.first[k]; e < seen.first[k + 1]; ++e) {
+            leaving += seen.share[e] * flux[seen.face[e]];
+            furnace += seen.share[e] * transport.furnace_flux(seen.face[e]);
+        }
+        // Inside a bubble smaller than a cell the light is that of the cell.
+        to.value[tile.near[k] * channels() + channel] = furnace > 0 ? leaving / furnace : seen.cell[k] != nowhere ? transport.phi(seen.cell[k]) : 0;
+    }
+    VOXTONE_ENSURE(own == tile.cells.size());
+}
+
+std::vector<float> ViewingSequence::light_of(std::span<const float> by_value, std::size_t channel) const {
+    const ViewingGrid::Seen& seen = live_->seen;
+    const Tile& tile = tiles_[live_->tile];
+    std::vector<float> light(live_->grid->grid.faces.size(), 0.0f);
+    for (std::size_t k = 0; k < tile.near.size(); ++k) {
+        float furnace = 0;
+        for (std::uint32_t e = seen.first[k]; e < seen.first[k + 1]; ++e) furnace += seen.share[e] * live_->transport->furnace_flux(seen.face[e]);
+        for (std::uint32_t e = seen.first[k]; furnace > 0 && e < seen.first[k + 1]; ++e)
+            light[seen.face[e]] += by_value[tile.near[k] * channels() + channel] * seen.share[e] / furnace;
+    }
+    return light;
+}
+
+bool ViewingSequence::gradient(std::span<const float> by_value, const GradientVisitor& visit, const Progress* progress) {
+    const double start = now();
+    VOXTONE_EXPECT(by_value.size() == surface_.cells.size() * channels());
+    VOXTONE_EXPECT(volume_ != nullptr);
+    // Fields of both lights, the derivatives, and copies of the light on the faces.
+    std::size_t fields = 0, most = 0;
+    for (const Tile& tile : tiles_) {
+        fields += tile.cells_of_grid * sizeof(ViewingField::Code) + 64 * tile.open_faces;
+        most = std::max(most, tile.bytes + tile.cells_of_grid * (4 * channels() + 8) + tile.open_faces * 8 * sizeof(Octet));
+    }
+    if (options_.memory_bytes > 0 && most + 2 * channels() * fields > options_.memory_bytes) return false;
+    const bool first = ghost_adjoint_.empty();
+    if (first) begin(&Tile::adjoint, ghost_adjoint_, by_value, progress);
+    // Backwards: the tile that was looked at last is still at hand.
+    for (std::size_t t = tiles_.size(); t-- > 0;) {
+        look_at(t);
+        Tile& tile = tiles_[t];
+        const OpticalGrid& grid = live_->grid->grid;
+        const auto media_of = shared_media(grid.directions, grid.edge_mm(BlockKind::skin), viewing_theta);
+        const SeenMedium seen{halftone_, *scene_.resins, grid.pitch_mm};
+        ViewingGradient gradient(*live_->grid, seen, channels());
+        std::vector<float> by_sigma_t(live_->grid->cells()), by_sigma_s(live_->grid->cells());
+        const bool anew = first || tile.adjoint[0].cells.empty();
+        solve(&Tile::adjoint, ghost_adjoint_, true, anew ? options_.sweeps : options_.next_sweeps, by_value, progress, [&](std::size_t c) {
+            live_->transport->derivatives(tile.light[c], by_sigma_t, by_sigma_s);
+            gradient.add(c, *media_of, seen, by_sigma_t, by_sigma_s);
+        });
+        visit(gradient, tile.voxels);
+        count_memory(gradient.memory_bytes() + 4 * (grid.faces.size() + by_sigma_t.size() + by_sigma_s.size()));
+    }
+    summary_.total_s += now() - start;
+    return true;
+}
+
+std::size_t ViewingSequence::field_bytes() const {
+    std::size_t sum = 0;
+    for (const Tile& tile : tiles_)
+        for (const Fields* const fields : {&tile.light, &tile.adjoint})
+            for (const ViewingField& field : *fields) sum += field.memory_bytes();
+    return sum;
+}
+
+void ViewingSequence::count_memory(std::size_t besides) {
+    summary_.memory_bytes = std::max(summary_.memory_bytes, live_->grid->memory_bytes() + live_->transport->memory_bytes() + field_bytes() + besides);
 }
 
 }  // namespace voxtone::optics

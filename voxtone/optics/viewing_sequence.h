@@ -1,20 +1,31 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Predictions on cells of the eye, one after the other: grid, laws and the light of the last one are kept.
+// Predictions on cells of the eye, one after the other: shape, laws and the light of the last one are kept.
 //
 // The first prediction is a diffusion solve and `sweeps` rounds of sweep and correction (transport.h); each later one starts
 // from the light of the one before and takes `next_sweeps`. What changes in between enters with the first sweep, through
 // sources and extinctions. A block that gets colour deeper than `colour_mm` makes a new grid; the light is carried over.
 //
+// Large bodies are predicted tile by tile (viewing_tiles.h), in a fixed order: grid and equations are made for one tile at a time, its
+// light is kept in 16-bit steps. What shines across a cut is the light that the neighbour had when it was last looked at, so
+// that light travels from tile to tile as the predictions go on (Schwarz's alternating method). The first prediction goes over
+// the tiles `first_rounds` times with diffusion alone before it sweeps.
+//
 // Media are those of the halftone (halftone_medium.h) of each cell's voxels, seen from above where the surface looks up and
 // from all sides else; where in a cell a resin lies is seen too (seen_medium.h).
+//
+// Memory: grid and equations of one tile, 24 bytes a viewing cell for its light, as much again for the adjoint.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "voxtone/optics/halftone_medium.h"
 #include "voxtone/optics/transport.h"
+#include "voxtone/optics/viewing_tiles.h"
 #include "voxtone/optics/viewing_transport.h"
 
 namespace voxtone::optics {
@@ -24,26 +35,63 @@ public:
     /// Throws ResourceError where it would need more memory than `options` allow.
     ViewingSequence(const Scene& scene, const Surface& surface, const TransportOptions& options);
     [[nodiscard]] Appearance next(const ResinVolume& volume, const Progress* progress = nullptr) override;
-    /// Of viewing_gradient.h. The adjoint light of each channel is kept for the next one: `sweeps` the first time, then `next_sweeps`.
-    /// Null where it needs more memory than `options` allow. Contract: there was a prediction.
-    [[nodiscard]] std::unique_ptr<const ResinGradient> gradient(std::span<const float> by_value, const Progress* progress = nullptr) override;
-    /// Of the predictions so far; times of all, cells of the grid now.
+    /// Of viewing_gradient.h, box by box of the tiles. The adjoint light of each channel is kept for the next one: `sweeps` the first
+    /// time, then `next_sweeps`. Contract: there was a prediction.
+    [[nodiscard]] bool gradient(std::span<const float> by_value, const GradientVisitor& visit, const Progress* progress = nullptr) override;
+    /// Of the predictions so far; times of all, cells of the grids now.
     [[nodiscard]] const TransportSummary& summary() const { return summary_; }
 
 private:
+    /// Light of all channels, or of all adjoints.
+    using Fields = std::vector<ViewingField>;
+    struct Tile : ViewingTile {
+        std::vector<std::uint8_t> also;  ///< blocks of the window that have had colour deep down
+        Fields light, adjoint;
+        std::size_t bytes = 0, cells_of_grid = 0, open_faces = 0;  ///< of its grid and equations
+    };
+    /// phi at the ghosts of all tiles, [channel][ghost]; empty before the first prediction or gradient.
+    using GhostLight = std::vector<std::vector<float>>;
+    /// The tile that is being looked at.
+    struct Live {
+        std::size_t tile = 0;
+        const ResinVolume* filled = nullptr;
+        std::unique_ptr<ViewingGrid> grid;
+        ViewingGrid::Seen seen;
+        std::unique_ptr<ViewingTransport> transport;
+        std::vector<std::uint32_t> hears;                               ///< places of the grid's ghosts among all
+        std::vector<std::pair<std::uint32_t, std::uint32_t>> tells;     ///< own blocks that are others' ghosts, and these
+    };
+    [[nodiscard]] std::size_t channels() const { return scene_.resins->channels.size(); }
+    void list_ghosts();
+    /// Makes it live, with the resins of the last volume.
+    void look_at(std::size_t tile);
+    void make_live(std::size_t tile);
+    void carry_over(const ViewingGrid& from, Fields& fields) const;
     [[nodiscard]] ViewingTransport::Media media(std::size_t channel) const;
-    void make_grid(const Scene& scene, std::span<const std::uint8_t> also);
-    void carry_over(const ViewingGrid& from);
+    /// Solves all channels of the live tile, with the light of its neighbours where it is to `hear` it, and tells them its own;
+    /// `done` is called after each channel.
+    template <class Done>
+    void solve(Fields Tile::*fields, GhostLight& ghosts, bool hear, int sweeps, std::span<const float> by_value, const Progress* progress,
+               Done&& done);
+    /// For the first time: diffusion alone, until light has come around.
+    void begin(Fields Tile::*fields, GhostLight& ghosts, std::span<const float> by_value, const Progress* progress);
+    /// Light that stands for d F / d value.
+    [[nodiscard]] std::vector<float> light_of(std::span<const float> by_value, std::size_t channel) const;
+    void read_appearance(std::size_t channel, Appearance& to) const;
+    [[nodiscard]] std::size_t field_bytes() const;
+    void count_memory(std::size_t besides);
 
     Scene scene_;
     const Surface& surface_;
     TransportOptions options_;
+    std::array<int, 3> view_voxels_;
+    BlockLattice lattice_;
     HalftoneMedium halftone_;
-    std::unique_ptr<ViewingGrid> grid_;
-    std::unique_ptr<ViewingTransport> transport_;
-    ViewingGrid::Seen seen_;
-    std::vector<std::uint8_t> also_;
-    std::vector<ViewingField> fields_, adjoint_;  ///< per channel
+    std::vector<Tile> tiles_;
+    std::vector<std::uint64_t> ghost_places_;  ///< in the lattice of the body, ascending
+    GhostLight ghost_light_, ghost_adjoint_;
+    std::unique_ptr<Live> live_;
+    const ResinVolume* volume_ = nullptr;      ///< of the last prediction
     TransportSummary summary_;
 };
 

@@ -84,6 +84,19 @@ float ViewingTransport::furnace_flux(std::size_t face) const { return sums_[grid
 
 float ViewingTransport::phi(std::size_t cell) const { return source_[cell].phi / media_->cells[grid_.medium[cell]].sigma_s; }
 
+float ViewingTransport::mean_phi(const GridBlock& block) const {
+    const float unit = scale_ > 0 ? scale_ : 1.0f;
+    if (block.kind == BlockKind::core) return unit * core_phi_[block.first_node];
+    double sum = 0;
+    int solid = 0;
+    for (std::size_t cell = block.first_cell; cell < block.first_cell + 64u; ++cell)
+        if (grid_.medium[cell] != 0) {
+            sum += static_cast<double>(phi(cell));
+            ++solid;
+        }
+    return solid == 0 ? 0 : unit * static_cast<float>(sum / solid);
+}
+
 void ViewingTransport::prepare() {
     const auto linear = static_cast<float>(grid_.directions.linear);
     const float widest = *std::max_element(edge_.begin(), edge_.end());
@@ -122,6 +135,12 @@ void ViewingTransport::make_equations(const std::vector<float>& D, const std::ve
             if (grid_.faces[f].kind != FaceKind::core) x_[grid_.faces[f].cell] += exchange(f).loss;
     });
     for (std::size_t i = 0; i < core_x_.size(); ++i) core_x_[i] = core_absorption(i);
+    if (!ghost_phi_.empty()) {
+        // A loss so large that nothing moves them; their equations have no right side.
+        const float widest = *std::max_element(core_D.begin(), core_D.end());
+        const float held = 1e4f * (diffusion_.core_contact(0, widest, widest) + diffusion_.core_contact(1, widest, widest) + diffusion_.core_contact(2, widest, widest));
+        for (const std::uint32_t ghost : viewing_.ghosts) core_x_[ghost] = held;
+    }
     diffusion_.prepare(D, core_D, x_, core_x_, stencil_);
     std::fill(x_.begin(), x_.end(), 0.0f);
     std::fill(core_x_.begin(), core_x_.end(), 0.0f);
@@ -144,6 +163,7 @@ void ViewingTransport::start() {
     const float guess = scale_ > 0 ? 0.0f : 1.0f;  // 1 is exact where nothing is absorbed
     std::fill(x_.begin(), x_.end(), guess);
     std::fill(core_x_.begin(), core_x_.end(), guess);
+    for (std::size_t i = 0; i < ghost_phi_.size(); ++i) core_x_[viewing_.ghosts[i]] = ghost_phi_[i];
     std::fill(right_.begin(), right_.end(), 0.0f);
     std::fill(core_right_.begin(), core_right_.end(), 0.0f);
     for (const std::uint32_t f : viewing_.open_faces) {
@@ -154,6 +174,7 @@ void ViewingTransport::start() {
     diffusion_.apply({x_, core_x_}, {z_, core_z_});
     for (std::size_t i = 0; i < x_.size(); ++i) right_[i] -= z_[i];
     for (std::size_t i = 0; i < core_x_.size(); ++i) core_right_[i] -= core_z_[i];
+    hold_ghosts();
     solve_diffusion(options_.start_tolerance, 60);
     for (std::size_t cell = 0; cell < x_.size(); ++cell)
         if (grid_.medium[cell] == 0) x_[cell] = 0;
@@ -176,6 +197,7 @@ void ViewingTransport::load(const ViewingField& field) {
         }
     });
     for (std::size_t i = 0; i < core_phi_.size(); ++i) core_phi_[i] = rescale * field.core[i];
+    for (std::size_t i = 0; i < ghost_phi_.size(); ++i) core_phi_[viewing_.ghosts[i]] = ghost_phi_[i];
     parallel_ranges(0, viewing_.open_faces.size(), 1 << 10, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i)
             for (std::size_t k = 0; k < 32; ++k)
@@ -454,16 +476,23 @@ void ViewingTransport::correct() {
         core_right_[c.a] -= flow;
         core_right_[c.b] += flow;
     }
+    hold_ghosts();
     make_equations(eased_, core_eased_);
     // One step leaves a tenth to a third of the residual; the next sweep makes more of the time that another would take.
     solve_diffusion(0, 1);
 }
 
+/// No residual where the light is given.
+void ViewingTransport::hold_ghosts() {
+    if (ghost_phi_.empty()) return;
+    for (const std::uint32_t ghost : viewing_.ghosts) core_right_[ghost] = 0;
+}
+
 void ViewingTransport::solve(const Media& media, ViewingField& field, int sweeps, TransportSummary& summary, const Progress* progress,
-                             std::span<const float> light) {
+                             std::span<const float> light, std::span<const float> ghost_phi) {
     VOXTONE_EXPECT(media.cells.size() == grid_.palette.size());
     media_ = &media;
-    take_light(light);
+    take_light(light, ghost_phi);
     VOXTONE_EXPECT(field.cells.empty() || (field.scale > 0) == (scale_ > 0));
     double clock = now();
     const auto lap = [&](double& to) {
@@ -495,14 +524,18 @@ void ViewingTransport::solve(const Media& media, ViewingField& field, int sweeps
             last_change_ = std::max(last_change_, static_cast<double>(std::abs(flux_change_[f]) / furnace_flux(f)));
 }
 
-void ViewingTransport::take_light(std::span<const float> light) {
+void ViewingTransport::take_light(std::span<const float> light, std::span<const float> ghost_phi) {
+    VOXTONE_EXPECT(ghost_phi.empty() || ghost_phi.size() == viewing_.ghosts.size());
     light_.clear();
+    ghost_phi_.assign(ghost_phi.begin(), ghost_phi.end());
     scale_ = 0;
     if (light.empty()) return;
     VOXTONE_EXPECT(light.size() == grid_.faces.size());
     for (const std::uint32_t f : viewing_.open_faces)
         if (grid_.faces[f].kind == FaceKind::light) scale_ = std::max(scale_, std::abs(light[f]));
+    for (const float phi : ghost_phi) scale_ = std::max(scale_, std::abs(phi));
     if (!(scale_ > 0)) scale_ = 1;  // no light at all
+    for (float& phi : ghost_phi_) phi /= scale_;
     for (const std::uint32_t f : viewing_.open_faces) light_.push_back(grid_.faces[f].kind == FaceKind::light ? light[f] / scale_ : 0);
 }
 

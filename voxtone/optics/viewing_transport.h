@@ -53,12 +53,13 @@ public:
 
     /// Media of the grid's palette and of core blocks, by material; index 0 is air. Starts from `field`, or with a diffusion
     /// solve where it is empty; leaves the new field there. `light`: radiance that comes in through each outer face to the
-    /// light, of any sign and size; nothing given: 1.
+    /// light, of any sign and size; nothing given: 1. `ghost_phi`: phi of the grid's ghosts; nothing given: they take that of
+    /// their neighbours, as if the cut were a mirror.
     struct Media {
         std::vector<TransportMedium> cells, core;
     };
     void solve(const Media& media, ViewingField& field, int sweeps, TransportSummary& summary, const Progress* progress,
-               std::span<const float> light = {});
+               std::span<const float> light = {}, std::span<const float> ghost_phi = {});
     /// After `solve` with a function's d F / d flux as light: d F / d sigma_t and d F / d sigma_s of each cell's TransportMedium,
     /// from `forward`, the field of light 1 in the same media (viewing_gradient.h). Holds that light afterwards.
     void derivatives(const ViewingField& forward, std::span<float> by_sigma_t, std::span<float> by_sigma_s);
@@ -67,6 +68,8 @@ public:
     [[nodiscard]] float furnace_flux(std::size_t face) const;
     /// phi of a cell, after `solve`.
     [[nodiscard]] float phi(std::size_t cell) const;
+    /// Mean phi of a block's solid cells, or of its node, after `solve`; of light given too, in its own units.
+    [[nodiscard]] float mean_phi(const GridBlock& block) const;
     /// Largest change of a face's appearance by the last correction.
     [[nodiscard]] double last_change() const { return last_change_; }
     [[nodiscard]] std::size_t memory_bytes() const;
@@ -89,7 +92,8 @@ private:
     int solve_diffusion(double tolerance, int most_steps);
     void make_equations(const std::vector<float>& D, const std::vector<float>& core_D);
     void prepare();
-    void take_light(std::span<const float> light);
+    void take_light(std::span<const float> light, std::span<const float> ghost_phi);
+    void hold_ghosts();
     void start();
     void load(const ViewingField& field);
     void store(ViewingField& field) const;
@@ -125,6 +129,7 @@ private:
     std::vector<float> flux_, flux_change_;   ///< per face
     std::vector<float> light_;                ///< per open face, / scale_; empty: 1
     float scale_ = 0;                         ///< 0: light is 1
+    std::vector<float> ghost_phi_;            ///< / scale_; empty: not known
     double last_change_ = 0;
 };
 

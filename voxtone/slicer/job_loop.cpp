@@ -90,8 +90,8 @@ JobLoop::JobLoop(const SliceOptions& options, const LoopPlan& plan, const JobBod
         const SkinSource skin(map, mixtures, resins.core);
         return parts.volume(&skin, memory / 3, progress);
     };
-    task.by_mixtures = [&](const optics::ResinGradient& gradient) {
-        return skin_gradient(parts, map, surface.cells.size(), resins.set.resins.size(), gradient, progress);
+    task.by_mixtures = [&](const auto& visit_all) {
+        return skin_gradient(parts, map, surface.cells.size(), resins.set.resins.size(), visit_all, progress);
     };
     halftone::LoopOptions loop;
     loop.iterations = plan.iterations;

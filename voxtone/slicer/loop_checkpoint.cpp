@@ -19,7 +19,7 @@ namespace voxtone::slicer {
 namespace {
 
 // The file: magic, digest of the job, state, digest of all before. Native byte order: it is read where it was written.
-constexpr std::string_view magic = "voxtone-loop 1\n";
+constexpr std::string_view magic = "voxtone-loop 2\n";
 constexpr std::size_t digest_size = 64;
 constexpr std::array<std::string_view, 9> free_options{"out", "overwrite", "report", "predict", "threads", "resume", "iterations", "formats", "layers"};
 
@@ -109,6 +109,7 @@ void state_in(File& file, State& state) {
     file.list(state.descent.momentum);
     file.list(state.descent.scale);
     file.raw(&state.descent.rate, sizeof state.descent.rate);
+    file.raw(&state.descent.most_rate, sizeof state.descent.most_rate);
     file.raw(&state.descent.misfit, sizeof state.descent.misfit);
     file.list(state.open);
     file.list(state.shown);

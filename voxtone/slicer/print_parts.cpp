@@ -42,15 +42,19 @@ optics::ResinVolume PrintParts::volume(const SkinSource* skin, std::uint64_t mem
     return volume.finish();
 }
 
-void PrintParts::for_each_block(const std::function<void(const ShellBlock&)>& visit, const Progress& progress) const {
-    const int depth = shell_.block_size()[2], layers = body_.grid.size[2];
-    parallel_for(0, static_cast<std::size_t>(shell_.block_layers()), 1,
+void PrintParts::for_each_block(const optics::VoxelBox& box, const std::function<void(const ShellBlock&)>& visit, const Progress& progress) const {
+    const int depth = shell_.block_size()[2], across = shell_.block_size()[1], layers = body_.grid.size[2];
+    const auto first_of = [](int voxel, int edge) { return std::max(voxel, 0) / edge; };
+    const auto end_of = [](int voxel, int edge, int blocks) { return std::min((voxel + edge - 1) / edge, blocks); };
+    const int end = end_of(box.end[2], depth, shell_.block_layers()), last_row = end_of(box.end[1], across, shell_.block_rows());
+    parallel_for(static_cast<std::size_t>(first_of(box.begin[2], depth)), static_cast<std::size_t>(end), 1,
                  [&](std::size_t slab) {
                      const int first = static_cast<int>(slab) * depth, last = std::min(first + depth, layers);
                      SpanSlab spans;
                      if (thin_) (void)thin_->slab(first, last, spans);
                      else solid_.slab(first, last, spans);
-                     for (int row = 0; row < shell_.block_rows(); ++row) shell_.for_each_block(row, static_cast<int>(slab), spans, visit);
+                     for (int row = first_of(box.begin[1], across); row < last_row; ++row)
+                         shell_.for_each_block(row, static_cast<int>(slab), spans, visit, box.begin[0], box.end[0]);
                  },
                  &progress);
 }

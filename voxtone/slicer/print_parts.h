@@ -34,8 +34,8 @@ public:
     [[nodiscard]] LayerSources sources(const SkinSource* skin) const;
     /// All layers as a volume. Throws ResourceError where it takes more than `memory_bytes`.
     [[nodiscard]] optics::ResinVolume volume(const SkinSource* skin, std::uint64_t memory_bytes, const Progress& progress) const;
-    /// Visits the blocks that have shell voxels, from several threads at once.
-    void for_each_block(const std::function<void(const ShellBlock&)>& visit, const Progress& progress) const;
+    /// Visits the blocks that touch a box of voxels and have shell voxels, from several threads at once.
+    void for_each_block(const optics::VoxelBox& box, const std::function<void(const ShellBlock&)>& visit, const Progress& progress) const;
 
 private:
     const JobBody& body_;

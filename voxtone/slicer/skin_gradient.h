@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <vector>
 
 #include "voxtone/base/progress.h"
@@ -14,8 +15,10 @@
 
 namespace voxtone::slicer {
 
-/// [(cell * layers + layer) * resins + resin]; `cells` of them. Memory: 8 bytes a value while it works.
+/// [(cell * layers + layer) * resins + resin]; `cells` of them. `visit_all` hands the gradient over, box by box; empty where it says
+/// that there is none. Memory: 8 bytes a value while it works.
 [[nodiscard]] std::vector<float> skin_gradient(const PrintParts& parts, const SkinMap& map, std::size_t cells, std::size_t resins,
-                                               const optics::ResinGradient& gradient, const Progress& progress);
+                                               const std::function<bool(const optics::AppearanceSequence::GradientVisitor&)>& visit_all,
+                                               const Progress& progress);
 
 }  // namespace voxtone::slicer

@@ -87,7 +87,8 @@ SurfaceShell::SurfaceShell(const VisibleSurface& surface, const VoxelGrid& grid,
 
 SurfaceShell::~SurfaceShell() = default;
 
-void SurfaceShell::for_each_block(int bj, int bk, const SpanSlab& body, const std::function<void(const ShellBlock&)>& visit) const {
+void SurfaceShell::for_each_block(int bj, int bk, const SpanSlab& body, const std::function<void(const ShellBlock&)>& visit, int i_begin,
+                                  int i_end) const {
     VOXTONE_EXPECT(0 <= bj && bj < block_rows() && 0 <= bk && bk < block_layers() && body.rows() == grid_.size[1]);
     const TriangleTree& tree = index_->tree;
     if (tree.empty()) return;
@@ -123,6 +124,7 @@ void SurfaceShell::for_each_block(int bj, int bk, const SpanSlab& body, const st
     double known_distance = 0;
     for (std::size_t g = 0; g * group < blocks; ++g) {
         const std::size_t first = g * group, last = std::min(first + group, blocks);
+        if (int(last) * 8 <= i_begin || int(first) * 8 >= i_end) continue;
         if (std::find(masks.occupied.begin() + std::ptrdiff_t(first), masks.occupied.begin() + std::ptrdiff_t(last), 1) ==
             masks.occupied.begin() + std::ptrdiff_t(last))
             continue;
@@ -150,7 +152,7 @@ void SurfaceShell::for_each_block(int bj, int bk, const SpanSlab& body, const st
         }
 
         for (std::size_t bi = first; bi < last; ++bi) {
-            if (!masks.occupied[bi]) continue;
+            if (!masks.occupied[bi] || int(bi + 1) * 8 <= i_begin || int(bi) * 8 >= i_end) continue;
             const std::size_t b = bi - first;
             std::size_t best = 0;
             for (std::size_t c = 1; c < candidates.size(); ++c)

@@ -18,6 +18,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <memory>
 
 #include "voxtone/slicer/span_slab.h"
@@ -54,9 +55,10 @@ public:
     [[nodiscard]] int block_rows() const { return (grid_.size[1] + block_size_[1] - 1) / block_size_[1]; }
     [[nodiscard]] int block_layers() const { return (grid_.size[2] + block_size_[2] - 1) / block_size_[2]; }
 
-    /// Visits the blocks of block row `bj`, block layer `bk` that have shell voxels, along +x. Voxels of layers that `body`
-    /// does not hold are left out, so a slab may end anywhere. The block is valid during the call only.
-    void for_each_block(int bj, int bk, const SpanSlab& body, const std::function<void(const ShellBlock&)>& visit) const;
+    /// Visits the blocks of block row `bj`, block layer `bk` that have shell voxels and touch columns i_begin .. i_end - 1, along +x.
+    /// Voxels of layers that `body` does not hold are left out, so a slab may end anywhere. The block is valid during the call only.
+    void for_each_block(int bj, int bk, const SpanSlab& body, const std::function<void(const ShellBlock&)>& visit, int i_begin = 0,
+                        int i_end = std::numeric_limits<int>::max()) const;
 
 private:
     struct Index;
