@@ -10,6 +10,7 @@
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/parallel.h"
 #include "voxtone/halftone/eye_filter.h"
+#include "voxtone/halftone/map_targets.h"
 #include "voxtone/halftone/residual_feedback.h"
 #include "voxtone/optics/area_summary.h"
 #include "voxtone/optics/spectral_colour.h"
@@ -161,8 +162,12 @@ LoopResult run_appearance_loop(const LoopTask& task, const LoopOptions& options,
 
     LoopResult result;
     result.in_gamut = cells_in_gamut(recipes, task.target);
-    Colours target(task.target.size());  // as the resins can show it on a thick body
-    parallel_for(0, task.target.size(), 256, [&](std::size_t i) { target[i] = into_gamut(task.target[i]); });
+    std::optional<EyeFilter> wide;
+    const auto wide_filter = [&]() -> const EyeFilter& {
+        if (!wide) wide.emplace(*task.surface, wider * options.viewing_distance_mm, EyeSurround::none);
+        return *wide;
+    };
+    const Colours target = map_targets(task.target, into_gamut, wide_filter);  // as the resins can show it on a thick body
     const Viewer viewer(task, options.intent != Intent::absolute, progress);
     result.white = viewer.white;
     const Judge judge(*task.surface, task.target, result.in_gamut, options.viewing_distance_mm);
@@ -198,10 +203,9 @@ LoopResult run_appearance_loop(const LoopTask& task, const LoopOptions& options,
         const std::size_t stuck = feed_back(target, rgb, into_gamut, {.gain = feedback_gain(state.steps)}, state.drive, eased);
         stuck_share = rgb.empty() ? 0 : double(stuck) / double(rgb.size());
     };
-    std::optional<EyeFilter> wide;
-    if (options.intent == Intent::contrast) wide.emplace(*task.surface, wider * options.viewing_distance_mm, EyeSurround::none);
     constexpr float contrast_part = 0.7f;
-    const MisfitFunction misfit(*task.surface, judge.eye(), target, wide ? &*wide : nullptr, contrast_part);
+    const MisfitFunction misfit(*task.surface, judge.eye(), target, options.intent == Intent::contrast ? &wide_filter() : nullptr, contrast_part);
+    if (options.intent != Intent::contrast) wide.reset();
     /// False where the model has no gradient.
     const auto turn_downhill = [&] {
         const Misfit now_is = misfit(rgb);

@@ -13,7 +13,7 @@
 // back like any other. Any AppearanceModel serves.
 //
 // Before the first step targets are mapped into the gamut of the resins on a thick body (the separation's mapping: hue
-// kept); what a place cannot show because of its neighbours or of what lies behind it is found out on the way and eased.
+// kept; local contrast given back, map_targets.h); what a place cannot show because of its neighbours or of what lies behind it is found out on the way and eased.
 //
 // Errors are CIEDE2000, media-relative, weighed by area, over the cells whose target lies in the gamut (all cells where none
 // does), as they are and after the eye filter (eye_filter.h). The best iterate is that of the smallest mean error after

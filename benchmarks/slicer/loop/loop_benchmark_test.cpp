@@ -17,6 +17,7 @@
 #include "voxtone/base/error.h"
 #include "voxtone/base/random.h"
 #include "voxtone/io/picture_writer.h"
+#include "tests/io/temporary_folder.h"
 #include "voxtone/io/whole_file.h"
 #include "voxtone/optics/colour.h"
 
@@ -24,12 +25,6 @@ using namespace voxtone;
 using namespace voxtone::loop_benchmark;
 
 namespace {
-
-struct Folder {
-    Folder() { std::filesystem::create_directories(path); }
-    ~Folder() { std::filesystem::remove_all(path); }
-    std::filesystem::path path = std::filesystem::temp_directory_path() / "voxtone-loop-benchmark-test";
-};
 
 optics::Surface plate(double width, double height, double pitch) {
     optics::Surface surface;
@@ -141,15 +136,15 @@ TEST_CASE("letters are drawn as wide and as dark as their size says", "[loop_ben
 }
 
 TEST_CASE("a white picture is judged white up to its edges, and a grey one is not", "[loop_benchmark]") {
-    const Folder folder;
+    const io::TemporaryFolder folder;
     const auto judged = [&](const std::string& name, float light) {
         io::LinearPicture picture{40, 32,
                                   std::vector<Eigen::Vector4f>(40 * 32, Eigen::Vector4f(light, light, light, 1))};
-        io::write_whole_file(folder.path / (name + ".png"),
+        io::write_whole_file(folder.path() / (name + ".png"),
                              io::png_bytes(io::encode_over(picture, Eigen::Vector3f::Ones())));
         slicer::SliceOptions options;
-        options.model = (folder.path / (name + ".png")).string();
-        options.out = (folder.path / name).string();
+        options.model = (folder.path() / (name + ".png")).string();
+        options.out = (folder.path() / name).string();
         options.width_mm = 2;
         options.thickness_mm = 1;
         options.depth_mm = 0.5;
@@ -158,7 +153,7 @@ TEST_CASE("a white picture is judged white up to its edges, and a grey one is no
         CHECK(print.seconds > 0);
         CHECK(make_print(options, true).seconds == print.seconds);  // taken as it is
         return judge_slab(print.options,
-                          {.paths = 64, .white_paths = 256, .cell_mm = 0.085, .cache = folder.path / "traced"});
+                          {.paths = 64, .white_paths = 256, .cell_mm = 0.085, .cache = folder.path() / "traced"});
     };
     const Judgement white = judged("white", 1.0F);
     REQUIRE(white.surface.cells.size() == white.columns * white.rows);
@@ -187,9 +182,9 @@ TEST_CASE("options of a variant are those of slice, and unknown ones are refused
 }
 
 TEST_CASE("pages are made in the size that is asked for", "[loop_benchmark]") {
-    const Folder folder;
+    const io::TemporaryFolder folder;
     std::vector<std::string> missing;
-    const auto targets = make_targets(folder.path / "no-models", folder.path, "", {6, 4}, missing);
+    const auto targets = make_targets(folder.path() / "no-models", folder.path(), "", {6, 4}, missing);
     CHECK(missing.size() == 4);
     REQUIRE(targets.size() == 4);
     for (const Target& t : targets) {
