@@ -6,7 +6,8 @@
 //   appearance_loop_benchmark slabs     photographs, text, star, colour checker, gratings: 20 mm wide, 4 mm thick, J750
 //                                       High Mix, Vero Opaque, on black
 //   appearance_loop_benchmark bodies    spot, fox, ycb_banana, sword with a checker, in windows (judge_body.h)
-//   appearance_loop_benchmark report    both
+//   appearance_loop_benchmark flat      slabs of one colour each, 8 mm: the mean of the middle 4 mm
+//   appearance_loop_benchmark report    slabs and bodies
 //   appearance_loop_benchmark targets   only writes the pictures
 //
 // Pictures and stacks lie in --work; what was traced is kept there and not traced again. The table goes to standard
@@ -19,6 +20,7 @@
 
 #include "body_tables.h"
 #include "body_targets.h"
+#include "flat_slabs.h"
 #include "gratings.h"
 #include "judge_body.h"
 #include "judge_slab.h"
@@ -104,6 +106,29 @@ void run_slabs(const Arguments& a) {
     fmt::print("{}", text);
 }
 
+void run_flat(const Arguments& a) {
+    const ThreadLimit limit(a.threads);
+    const std::vector<Variant> ways = variants(parse_set(a.set));
+    std::vector<FlatRow> rows;
+    for (const FlatTarget& target : flat_targets(a.work)) {
+        FlatRow row{target.rgb, {}, 0};
+        for (std::size_t v = 0; v < 2; ++v) {
+            slicer::SliceOptions options;
+            options.model = target.picture.string();
+            options.out = (a.work / fmt::format("{}.{}", target.picture.stem().string(), v)).string();
+            options.width_mm = flat_mm;
+            options.threads = static_cast<int>(a.threads);
+            set_options(ways[v].set, options);
+            const Print print = make_print(options, a.reuse);
+            judge_flat(judge_slab(print.options, {.paths = a.paths, .cache = a.work / "traced"}), v, row);
+        }
+        rows.push_back(row);
+    }
+    const std::string text = flat_table(rows);
+    io::write_whole_file(a.work / "flat.md", text);
+    fmt::print("{}", text);
+}
+
 void run_bodies(const Arguments& a) {
     const ThreadLimit limit(a.threads);
     const std::vector<Variant> ways = variants(parse_set(a.set));
@@ -162,6 +187,7 @@ int main(int argc, char** argv) {
     app.add_flag("--reuse", a.reuse, "take finished prints in --work that were made with the same options");
     app.fallthrough();
     app.add_subcommand("slabs", "photographs and pages")->callback([&] { run_slabs(a); });
+    app.add_subcommand("flat", "slabs of one colour each")->callback([&] { run_flat(a); });
     app.add_subcommand("bodies", "meshes")->callback([&] { run_bodies(a); });
     app.add_subcommand("report", "both")->callback([&] {
         run_slabs(a);
