@@ -89,6 +89,9 @@ struct VoxelBox {
 /// All of it inside a box, and perhaps some around.
 [[nodiscard]] Surface find_surface_near(const Scene& scene, const std::array<int, 3>& cell_voxels, const VoxelBox& box);
 
+/// The cells of a surface that are listed, with their faces.
+[[nodiscard]] Surface part_of(const Surface& surface, std::span<const std::uint32_t> cells);
+
 /// What a model says of a surface: value[cell * channels + channel].
 struct Appearance {
     std::size_t channels = 0;

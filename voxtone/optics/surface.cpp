@@ -347,6 +347,20 @@ Surface find_surface_near(const Scene& scene, const std::array<int, 3>& cell, co
     return surface;
 }
 
+Surface part_of(const Surface& surface, std::span<const std::uint32_t> cells) {
+    Surface part;
+    part.cell_voxels = surface.cell_voxels;
+    for (const std::uint32_t i : cells) {
+        SurfaceCell cell = surface.cells[i];
+        const auto first = static_cast<std::ptrdiff_t>(cell.first_face), last = first + static_cast<std::ptrdiff_t>(cell.faces);
+        cell.first_face = static_cast<std::uint32_t>(part.faces.size());
+        part.cells.push_back(cell);
+        part.faces.insert(part.faces.end(), surface.faces.begin() + first, surface.faces.begin() + last);
+        part.face_normal.insert(part.face_normal.end(), surface.face_normal.begin() + first, surface.face_normal.begin() + last);
+    }
+    return part;
+}
+
 void expect_resins_for(const Scene& scene) {
     VOXTONE_EXPECT(scene.volume && scene.resins);
     const auto counts = scene.volume->count();

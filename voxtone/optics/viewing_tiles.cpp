@@ -95,18 +95,4 @@ std::vector<ViewingTile> viewing_tiles(const Surface& surface, const std::array<
     return tiles;
 }
 
-Surface part_of(const Surface& surface, std::span<const std::uint32_t> cells) {
-    Surface part;
-    part.cell_voxels = surface.cell_voxels;
-    for (const std::uint32_t i : cells) {
-        SurfaceCell cell = surface.cells[i];
-        const auto first = static_cast<std::ptrdiff_t>(cell.first_face), last = first + static_cast<std::ptrdiff_t>(cell.faces);
-        cell.first_face = static_cast<std::uint32_t>(part.faces.size());
-        part.cells.push_back(cell);
-        part.faces.insert(part.faces.end(), surface.faces.begin() + first, surface.faces.begin() + last);
-        part.face_normal.insert(part.face_normal.end(), surface.face_normal.begin() + first, surface.face_normal.begin() + last);
-    }
-    return part;
-}
-
 }  // namespace voxtone::optics

@@ -27,7 +27,4 @@ struct ViewingTile {
 [[nodiscard]] std::vector<ViewingTile> viewing_tiles(const Surface& surface, const std::array<int, 3>& size, const std::array<double, 3>& pitch_mm,
                                                      const std::array<int, 3>& view_voxels, std::size_t most_cells, int halo);
 
-/// The cells of a surface that are listed, with their faces.
-[[nodiscard]] Surface part_of(const Surface& surface, std::span<const std::uint32_t> cells);
-
 }  // namespace voxtone::optics

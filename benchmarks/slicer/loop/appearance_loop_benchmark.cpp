@@ -7,6 +7,7 @@
 //                                       High Mix, Vero Opaque, on black
 //   appearance_loop_benchmark bodies    spot, fox, ycb_banana, sword with a checker, in windows (judge_body.h)
 //   appearance_loop_benchmark flat      slabs of one colour each, 8 mm: the mean of the middle 4 mm
+//   appearance_loop_benchmark seams     what cutting a body into tiles does to its predictions, for a stack that slice made
 //   appearance_loop_benchmark report    slabs and bodies
 //   appearance_loop_benchmark targets   only writes the pictures
 //
@@ -28,6 +29,7 @@
 #include "strips.h"
 #include "tables.h"
 #include "targets.h"
+#include "tile_seams.h"
 #include "variants.h"
 #include "voxtone/base/error.h"
 #include "voxtone/base/parallel.h"
@@ -46,7 +48,8 @@ struct Arguments {
     std::uint32_t paths = 256, body_paths = 64;
     std::size_t windows = 40;
     double viewing_distance_mm = 300, scale = 1;
-    std::size_t threads = 0;
+    std::size_t threads = 0, tile_cells = 250'000;
+    std::string stack;
     bool reuse = false;
 };
 
@@ -188,6 +191,13 @@ int main(int argc, char** argv) {
     app.fallthrough();
     app.add_subcommand("slabs", "photographs and pages")->callback([&] { run_slabs(a); });
     app.add_subcommand("flat", "slabs of one colour each")->callback([&] { run_flat(a); });
+    CLI::App* seams = app.add_subcommand("seams", "tiles against the whole body");
+    seams->add_option("stack", a.stack, "output folder of slice")->required();
+    seams->add_option("--tile-cells", a.tile_cells, "most surface cells of a tile")->capture_default_str();
+    seams->callback([&] {
+        const ThreadLimit limit(a.threads);
+        fmt::print("{}", tile_seams(a.stack, a.tile_cells));
+    });
     app.add_subcommand("bodies", "meshes")->callback([&] { run_bodies(a); });
     app.add_subcommand("report", "both")->callback([&] {
         run_slabs(a);

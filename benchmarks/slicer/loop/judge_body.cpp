@@ -64,8 +64,7 @@ std::vector<std::size_t> draw_centres(const optics::Surface& surface, const std:
 /// The part of the surface that the windows see, with cells and faces of its own.
 optics::Surface take_windows(const optics::Surface& whole, const std::vector<char>& thin, const WindowChoice& choice,
                              BodyJudgement& j) {
-    optics::Surface part;
-    part.cell_voxels = whole.cell_voxels;
+    std::vector<std::uint32_t> chosen;
     const std::vector<std::size_t> centres = draw_centres(whole, thin, choice);
     j.windows = centres.size();
     for (std::size_t w = 0; w < centres.size(); ++w) {
@@ -75,19 +74,13 @@ optics::Surface take_windows(const optics::Surface& whole, const std::vector<cha
             const optics::SurfaceCell& cell = whole.cells[i];
             const auto away = static_cast<double>((vector_of(cell.centre_mm) - centre).norm());
             if (away > choice.radius_mm || vector_of(cell.normal).dot(normal) < 0.342F) continue;
-            optics::SurfaceCell copy = cell;
-            copy.first_face = static_cast<std::uint32_t>(part.faces.size());
-            for (std::uint32_t f = cell.first_face; f < cell.first_face + cell.faces; ++f) {
-                part.faces.push_back(whole.faces[f]);
-                part.face_normal.push_back(whole.face_normal[f]);
-            }
-            part.cells.push_back(copy);
+            chosen.push_back(static_cast<std::uint32_t>(i));
             j.window.push_back(static_cast<std::uint32_t>(w));
             j.thin.push_back(thin[i]);
             j.inner.push_back(away <= choice.radius_mm / 2);
         }
     }
-    return part;
+    return optics::part_of(whole, chosen);
 }
 
 void smooth_white(const optics::Surface& surface, std::vector<float>& white, double cell_mm) {
