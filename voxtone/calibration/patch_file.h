@@ -20,8 +20,14 @@ namespace voxtone::calibration {
 [[nodiscard]] PatchMixture parse_mixture(std::string_view text);
 [[nodiscard]] std::string mixture_text(const PatchMixture& mixture);
 
+/// "C:10+W:90 on K", for messages.
+[[nodiscard]] std::string patch_name(const Patch& patch);
+/// "R" or "450 nm".
+[[nodiscard]] std::string channel_name(const optics::Channels& channels, std::size_t channel);
+
 /// Throws InputError that names file, line, column and patch: missing columns, rows of another length, values that are no
-/// numbers, negative or above 1, fractions that do not sum to 100, a patch measured twice with different values.
+/// numbers, negative or above 1, fractions that do not sum to 100, a patch measured twice with different values (a row
+/// that says the same again is left out). Where a standard error is given, a value may lie three of them below 0: noise.
 [[nodiscard]] PatchTable parse_patches(std::string_view text, std::string source);
 /// Throws FileError, InputError.
 [[nodiscard]] PatchTable read_patches(const std::filesystem::path& file);
