@@ -93,7 +93,7 @@ ChannelFitter::Part ChannelFitter::part(std::vector<std::size_t> patches) const 
 
 ChannelFitter::ChannelFitter(const PatchTable& table, const TargetRoles& roles, const PatchModelOptions& options, double noise)
     : table_(&table), roles_(roles), options_(options), noise_(noise), plan_(patch_plan(options)), bounds_(resin_bounds(options.g)),
-      principles_(table, roles_, options, noise, plan_) {
+      principles_(table, roles_, options, noise) {
     std::vector<std::size_t> all(table.patches.size());
     std::iota(all.begin(), all.end(), std::size_t{0});
     whole_ = part(all);
@@ -132,8 +132,8 @@ double ChannelFitter::solve(const Part& of, std::size_t channel, const std::vect
     ceres::Solver::Options options;
     options.linear_solver_type = ceres::DENSE_QR;
     options.max_num_iterations = 12;
-    options.function_tolerance = 1e-9;
-    options.parameter_tolerance = 1e-9;
+    options.function_tolerance = 1e-7;
+    options.parameter_tolerance = 1e-7;
     options.gradient_tolerance = 1e-9;
     options.logging_type = ceres::SILENT;
     options.num_threads = 1;
@@ -212,7 +212,9 @@ void ChannelFitter::errors(std::size_t channel, const std::vector<std::size_t>& 
         const auto i = static_cast<Eigen::Index>(2 * k);
         const double v = std::sqrt(covariance(i, i)), s = std::sqrt(covariance(i + 1, i + 1));
         fit.errors[free[k]] = {v, s};
-        fit.correlation[free[k]] = covariance(i, i + 1) / (v * s);
+        for (std::size_t other = 0; other < free.size(); ++other)
+            fit.covariance.block<2, 2>(static_cast<Eigen::Index>(2 * free[k]), static_cast<Eigen::Index>(2 * free[other])) =
+                covariance.block<2, 2>(i, static_cast<Eigen::Index>(2 * other));
     }
 }
 
@@ -222,7 +224,7 @@ ChannelFit ChannelFitter::fit(std::size_t channel) const {
     ChannelFit fit;
     fit.resins = start.resins;
     fit.errors.assign(count, {0, 0});
-    fit.correlation.assign(count, 0);
+    fit.covariance.setZero(static_cast<Eigen::Index>(2 * count), static_cast<Eigen::Index>(2 * count));
     fit.second.assign(count, false);
     choose_minima(channel, start, fit);
     std::vector<std::size_t> free;

@@ -21,8 +21,8 @@ namespace voxtone::calibration {
 
 struct ChannelFit {
     std::vector<ResinPoint> resins;    ///< one per role; clear ones mean nothing
-    std::vector<ResinPoint> errors;    ///< standard errors of both coordinates; infinite where nothing tells
-    std::vector<double> correlation;   ///< of the two coordinates of a resin
+    std::vector<ResinPoint> errors;    ///< standard errors of both coordinates; huge where nothing tells
+    Eigen::MatrixXd covariance;        ///< of v and ln sigma_t of each role in turn; 0 for clear resin
     std::vector<double> predicted;     ///< rho of each patch
     double chi2 = 0;                   ///< sum of squared residuals / noise^2
     int freedom = 0;                   ///< patches - fitted values

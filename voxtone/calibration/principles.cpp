@@ -11,6 +11,7 @@
 
 #include "voxtone/base/error.h"
 #include "voxtone/calibration/patch_file.h"
+#include "voxtone/optics/layered_appearance.h"
 
 namespace voxtone::calibration {
 
@@ -160,10 +161,9 @@ Principles::Group Principles::group(const std::vector<std::size_t>& patches) con
     return result;
 }
 
-Principles::Principles(const PatchTable& table, const TargetRoles& roles, const PatchModelOptions& options, double noise,
-                       std::shared_ptr<const optics::OrdinatePlan> plan)
-    : table_(&table), roles_(&roles), options_(options), noise_(noise), plan_(plan ? std::move(plan) : patch_plan(options)),
-      bounds_(resin_bounds(options.g)) {
+Principles::Principles(const PatchTable& table, const TargetRoles& roles, const PatchModelOptions& options, double noise)
+    : table_(&table), roles_(&roles), options_(options), noise_(noise),
+      plan_(std::make_shared<const optics::OrdinatePlan>(optics::directional_plan(options.g, options.eta, 4, 4))), bounds_(resin_bounds(options.g)) {
     std::vector<std::size_t> mixed;
     for (std::size_t r = 0; r < roles.roles.size(); ++r) {
         const std::string& role = roles.roles[r];

@@ -68,7 +68,9 @@ void describe(const ChannelFit& fit, std::size_t role, double scale, const Squar
     // sigma_a + sigma_s (1 - g) = sigma_t (1 - g alpha)
     FittedValue& reduced = resin.reduced[channel];
     const double share = 1 - g * albedo.value, by_v = -g * albedo_by_v(at.v, g) / share * error.v;
-    const double variance = error.ln_sigma_t * error.ln_sigma_t + by_v * by_v + 2 * fit.correlation[role] * error.ln_sigma_t * by_v;
+    const auto i = static_cast<Eigen::Index>(2 * role);
+    const double slope = by_v / std::max(error.v, 1e-300);
+    const double variance = error.ln_sigma_t * error.ln_sigma_t + by_v * by_v + 2 * scale * scale * fit.covariance(i, i + 1) * slope;
     const double spread = std::sqrt(std::max(variance, 0.0));
     reduced.value = sigma_t.value * share;
     reduced.standard_error = std::min(reduced.value * spread, bounds.most_sigma_t);
