@@ -13,6 +13,7 @@
 #include "voxtone/base/error.h"
 #include "voxtone/base/parallel.h"
 #include "voxtone/calibration/channel_fit.h"
+#include "voxtone/calibration/fit_report.h"
 #include "voxtone/calibration/principles.h"
 
 using namespace voxtone;
@@ -351,4 +352,21 @@ TEST_CASE("A check refuses patches of other channels or resins") {
     optics::ResinSet spectral = optics::vero_opaque();
     spectral.channels.wavelengths_nm = {450, 550, 650};
     CHECK_THROWS_WITH(check_resins(spectral, table, {}), Contains("3 wavelengths"));
+}
+
+TEST_CASE("The report shows every patch, holds no broken number, and lets no name become markup") {
+    optics::ResinSet truth = optics::vero_opaque();
+    truth.resins[0].role = "<b>&";
+    for (const bool spectral : {false, true}) {
+        if (spectral) truth.channels.wavelengths_nm = {450, 550, 610};
+        PatchTable table = target('A', {"<b>&", "M", "Y"});
+        measure(table, truth, 0.005, 1);
+        const ResinFit fit = fit_resins(table, {});
+        const std::string page = fit_report_html(fit, table, {});
+        CHECK_THAT(page, Contains("&lt;b&gt;&amp; on W") && Contains("Principle 3") && Contains("</html>"));
+        CHECK_THAT(page, !Contains("<b>") && !Contains("nan") && !Contains("inf") && !Contains("http://") && !Contains("https://"));
+        std::size_t shown = 0;
+        for (std::size_t at = page.find("class=\"swatch\""); at != std::string::npos; at = page.find("class=\"swatch\"", at + 1)) ++shown;
+        CHECK(shown == table.patches.size());
+    }
 }
