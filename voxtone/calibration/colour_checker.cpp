@@ -47,7 +47,7 @@ double residual_of_matrix(const CheckerChart& chart, const std::vector<AreaSampl
     Eigen::MatrixXd from(samples.size(), 3), to(samples.size(), 3);
     Eigen::Index used = 0;
     for (std::size_t p = 0; p < samples.size(); ++p) {
-        if (!samples[p].complete || samples[p].clipped.maxCoeff() > 0.005) continue;
+        if (!samples[p].complete || samples[p].clipped.maxCoeff() > 0.005 || samples[p].at_zero.maxCoeff() > AreaSample::dark_share) continue;
         from.row(used) = samples[p].mean.transpose();
         to.row(used++) = chart.linear_srgb[p].transpose();
     }

@@ -83,9 +83,11 @@ AreaSample sample_area(const io::Photograph& photo, const Rectification& place, 
             block.y += own.y() - 0.5;
             ++block.pixels;
             ++sample.pixels;
+            sample.at_zero += (value.array() <= 0).cast<double>().matrix();
             sample.clipped += (value.array() >= clip.array()).cast<double>().matrix();
         }
     sample.clipped /= double(std::max<std::size_t>(sample.pixels, 1));
+    sample.at_zero /= double(std::max<std::size_t>(sample.pixels, 1));
     std::vector<Block> blocks;
     for (Block& block : grid) {
         if (block.pixels == 0) continue;
@@ -125,8 +127,7 @@ AreaSample sample_area(const io::Photograph& photo, const Rectification& place, 
 }
 
 Eigen::Vector3d clipping_level(const io::Photograph& photo) {
-    constexpr float just_below = 0.996f;  // an 8-bit code less than the largest
-    if (photo.bits < 32) return Eigen::Vector3d::Constant(just_below);
+    if (photo.bits < 32) return Eigen::Vector3d::Constant(photo.bits == 8 ? 0.99 : 0.996);  // of 8 bits: a code less than the largest
     Eigen::Vector3f most = Eigen::Vector3f::Zero();
     for (const Eigen::Vector3f& pixel : photo.pixels) most = most.cwiseMax(pixel);
     Eigen::Vector3d level;

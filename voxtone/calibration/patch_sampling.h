@@ -17,11 +17,13 @@
 namespace voxtone::calibration {
 
 struct AreaSample {
+    static constexpr double dark_share = 0.1;            ///< more of `at_zero` than this makes a mean doubtful
     Eigen::Vector2d middle_px = Eigen::Vector2d::Zero();
     Eigen::Vector3d mean = Eigen::Vector3d::Zero();      ///< in the middle of the area
     Eigen::Vector3d spread = Eigen::Vector3d::Zero();    ///< standard deviation of good blocks about the plane
     Eigen::Vector3d error = Eigen::Vector3d::Zero();     ///< standard error of the mean
     Eigen::Vector3d clipped = Eigen::Vector3d::Zero();   ///< share of pixels at or above the clipping level
+    Eigen::Vector3d at_zero = Eigen::Vector3d::Zero();   ///< share of pixels at or below 0: the mean of the others is too large
     std::size_t pixels = 0;
     double rejected = 0;                                 ///< share of the blocks
     bool complete = false;                               ///< the whole area is in the picture and has enough pixels

@@ -69,7 +69,8 @@ std::vector<LitSample> usable_chart(const PhotoMeasurement& m, const CheckerChar
     std::vector<LitSample> lit;
     for (std::size_t p = 0; p < m.checker.patches.size(); ++p) {
         const AreaSample& sample = m.checker.patches[p];
-        if (sample.complete && sample.clipped.maxCoeff() <= clipped_share && sample.rejected <= dirty_share) lit.push_back({sample.middle_px, sample.mean, chart.linear_srgb[p]});
+        if (sample.complete && sample.clipped.maxCoeff() <= clipped_share && sample.at_zero.maxCoeff() <= AreaSample::dark_share && sample.rejected <= dirty_share)
+            lit.push_back({sample.middle_px, sample.mean, chart.linear_srgb[p]});
     }
     return lit;
 }
@@ -131,6 +132,10 @@ PhotoMeasurement measure_linear(io::Photograph photograph, const Target& target,
         m.error.push_back((m.model.error(sample.middle_px, sample.mean).cwiseAbs2() + m.model.noise(sample.middle_px, sample.error).cwiseAbs2()).cwiseSqrt());
     }
     check_halves(m, target);
+    for (std::size_t s = 0; s < m.squares.size(); ++s)
+        if (m.squares[s].at_zero.maxCoeff() > AreaSample::dark_share)
+            m.warnings.push_back(fmt::format("{}: {} is so dark that {:.0f} % of its pixels are 0 in a channel; its value is too large by up to the noise. Expose more.", photo.name,
+                                             square_name(target, s), 100 * m.squares[s].at_zero.maxCoeff()));
     if (m.view.markers < 4) m.warnings.push_back(fmt::format("{}: only {} of the four markers were found; the place of the squares is less certain.", photo.name, m.view.markers));
     if (photo.bits == 8)
         m.warnings.push_back(fmt::format("{}: 8 bits per sample are coarse for dark squares, and pictures of this kind were developed for the eye; use the camera's RAW file or a linear 16-bit TIFF.", photo.name));

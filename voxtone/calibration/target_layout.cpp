@@ -9,6 +9,7 @@
 
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/error.h"
+#include "voxtone/base/random.h"
 #include "voxtone/calibration/marker_pattern.h"
 #include "voxtone/calibration/patch_file.h"
 
@@ -48,7 +49,9 @@ void check(const TargetOptions& o) {
 
 /// A share of the first resin in the second, in percent.
 PatchMixture in_light(const std::string& role, int percent, const std::string& light) {
-    return {{role, percent / 100.0}, {light, (100 - percent) / 100.0}};
+    PatchMixture mixture{{role, percent / 100.0}, {light, (100 - percent) / 100.0}};
+    if (light < role) std::swap(mixture[0], mixture[1]);  // as patch tables order them
+    return mixture;
 }
 
 std::vector<PatchMixture> mixtures(const TargetOptions& o) {
@@ -80,8 +83,9 @@ int columns_of_half(int squares, double pitch_mm, double frame_mm) {
     return best;
 }
 
-/// The first of the four numbers, from what the target holds (FNV-1a).
-int first_marker(const Target& target) {
+/// Numbers of the four markers, a fingerprint of what the target holds (FNV-1a, mixed): 250 for each, so that two
+/// targets share a number now and then but hardly ever three.
+std::array<int, 4> marker_numbers(const Target& target) {
     std::uint64_t hash = 0xcbf29ce484222325u;
     const auto add = [&](const std::string& text) {
         for (const unsigned char c : text) hash = (hash ^ c) * 0x100000001b3u;
@@ -89,7 +93,11 @@ int first_marker(const Target& target) {
     for (const TargetSquare& square : target.squares)
         add(fmt::format("{} on {} at {:.2f},{:.2f};", mixture_text(square.top), square.backing, square.area.min_mm.x(), square.area.min_mm.y()));
     add(fmt::format("{:.4f} {:.4f}", target.top_mm, target.base_mm));
-    return static_cast<int>((hash ^ (hash >> 32)) % (marker_count / 4)) * 4;
+    const std::array<std::uint32_t, 4> mixed = philox4x32({static_cast<std::uint32_t>(hash), static_cast<std::uint32_t>(hash >> 32), 0, 0}, {0, 0});
+    constexpr int each = marker_count / 4;
+    std::array<int, 4> numbers{};
+    for (int m = 0; m < 4; ++m) numbers[std::size_t(m)] = each * m + static_cast<int>(mixed[std::size_t(m)] % each);
+    return numbers;
 }
 
 bool overlap(const Area& a, const Area& b) {
@@ -131,10 +139,10 @@ Target lay_out_target(const TargetOptions& o) {
                                            Eigen::Vector2d(o.gap_mm + column * pitch, o.gap_mm + (rows - 1 - row) * pitch);
             target.squares.push_back({tops[s], on_light ? o.light : o.dark, {corner, corner + Eigen::Vector2d::Constant(o.square_mm)}});
         }
-    const int first = first_marker(target);
+    const std::array<int, 4> numbers = marker_numbers(target);
     const Eigen::Vector2d near = Eigen::Vector2d::Constant(o.quiet_mm), far = target.size_mm - Eigen::Vector2d::Constant(o.quiet_mm + o.marker_mm);
     const Eigen::Vector2d corners[] = {{near.x(), far.y()}, far, {far.x(), near.y()}, near};
-    for (int m = 0; m < 4; ++m) target.markers.push_back({first + m, {corners[m], corners[m] + Eigen::Vector2d::Constant(o.marker_mm)}});
+    for (int m = 0; m < 4; ++m) target.markers.push_back({numbers[std::size_t(m)], {corners[m], corners[m] + Eigen::Vector2d::Constant(o.marker_mm)}});
     target.validate("target");
     return target;
 }

@@ -12,8 +12,8 @@
 // bottom and wide enough that its middle sees little of what is around it: photographs measure the light there.
 //
 // Coordinates: mm, x to the right, y up, seen from above; (0, 0) is the lower left corner. z: 0 is the lower side.
-// The four markers have numbers of their own for every content of the target (one of 250), so that a photograph of
-// another target is recognised, and each is turned the right way up only where x, y are neither turned nor mirrored.
+// The numbers of the four markers are a fingerprint of what the target holds, so that a photograph of another target is
+// recognised; no marker looks like another one turned or mirrored, so that a turned or mirrored one is recognised too.
 #pragma once
 
 #include <array>
