@@ -101,7 +101,7 @@ TEST_CASE("A faulty table names line, patch and what is wrong") {
     CHECK_THAT(fault(header + "C:20+W:90,W,1,0.1,0.2,0.3\n"), Contains("line 2") && Contains("sum to 110"));
     CHECK_THAT(fault(header + "C,,1,0.1,0.2,0.3\n"), Contains("role"));
     CHECK_THAT(fault("top,backing,thickness_mm,R,G,B,R_se,G_se,B_se\nC,W,1,0,0,0,0.1,0,0.1\n"), Contains("standard error of G"));
-    CHECK_THAT(fault("top,backing,thickness_mm,R,G,B,R_se,G_se,B_se\nC,W,1,0,-0.016,0,0.1,0.005,0.1\n"), Contains("negative"));
+    CHECK_THAT(fault("top,backing,thickness_mm,R,G,B,R_se,G_se,B_se\nC,W,1,0,-0.031,0,0.1,0.005,0.1\n"), Contains("negative"));
     // No control character of a file reaches the terminal.
     CHECK_THAT(fault(header + "C,W,\x1b[2J,0.1,0.2,0.3\n"), !Contains("\x1b"));
 }

@@ -5,7 +5,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "target_samples.h"
+#include "photo_samples.h"
 #include "voxtone/base/error.h"
 
 using namespace voxtone;

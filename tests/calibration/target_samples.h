@@ -1,45 +1,65 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Targets and photographs that several tests look at.
+// Targets A, B and C (Iser, Rittig, Wilkie 2025, Sec. 3.5) as patch tables, and their measurement by the model itself with
+// Gaussian noise.
 #pragma once
 
-#include "voxtone/calibration/photo_measurement.h"
-#include "voxtone/calibration/photo_simulation.h"
-#include "voxtone/calibration/target_layout.h"
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "voxtone/base/random.h"
+#include "voxtone/calibration/patch_model.h"
+#include "voxtone/optics/resins.h"
 
 namespace voxtone::calibration::testing {
 
-/// Of the voxels of a Stratasys J750, High Mix.
-inline TargetOptions target_options(TargetLayout layout, std::vector<std::string> roles = {"C", "M", "Y", "K", "W"}) {
-    TargetOptions options;
-    options.layout = layout;
-    options.roles = std::move(roles);
-    options.printer = "stratasys-j750-hm";
-    options.pitch_um = {25400.0 / 600, 25400.0 / 300, 27};
-    return options;
+/// Squares of layout 'A', 'B' or 'C' for these roles on a white and a black base; no values yet.
+inline PatchTable target(char layout, const std::vector<std::string>& colours, const std::string& white = "W",
+                         const std::string& black = "K", double base_mm = 0) {
+    PatchTable table;
+    table.source.assign(1, layout);
+    const auto add = [&](const PatchMixture& top) {
+        for (const std::string& backing : {white, black}) table.patches.push_back({top, backing, 0.675, base_mm, {}, {}, {}});
+    };
+    const auto percent = [&](const std::string& role, double of, const std::string& rest) {
+        add({{role, of / 100}, {rest, 1 - of / 100}});
+    };
+    add({{white, 1}}), add({{black, 1}});
+    for (const auto& colour : colours) add({{colour, 1}});
+    if (layout == 'A') return table;
+    percent(black, 10, white), percent(black, 90, white);
+    const std::vector<double> shares = layout == 'B' ? std::vector<double>{10} : std::vector<double>{5, 10, 25, 50};
+    for (const auto& colour : colours)
+        for (const double share : shares) percent(colour, share, white);
+    return table;
 }
 
-inline Target target_of(TargetLayout layout, std::vector<std::string> roles = {"C", "M", "Y", "K", "W"}) { return lay_out_target(target_options(layout, std::move(roles))); }
-
-/// Vero as Elek et al. measured it, and a set that differs from it in every value.
-inline optics::ResinSet changed_vero() {
-    optics::ResinSet set = optics::vero_opaque();
-    set.name = "vero-changed";
-    double step = 0;
-    for (optics::Resin& resin : set.resins)
-        for (std::size_t channel = 0; channel < 3; ++channel) {
-            step += 1;
-            resin.sigma_t_per_mm[channel] *= 1 + 0.2 * std::sin(step);
-            resin.albedo[channel] = std::pow(resin.albedo[channel], 1 + 0.2 * std::cos(2 * step));
-        }
-    return set;
+/// A standard normal number at an address (Box, Muller 1958).
+inline double normal(std::uint64_t seed, std::uint64_t address) {
+    RandomStream random(seed, address, 17);
+    const double radius = std::sqrt(-2 * std::log(1 - random.uniform()));
+    return radius * std::cos(2 * std::numbers::pi * random.uniform());
 }
 
-/// The photograph's largest distance from the truth.
-inline double worst_error(const std::vector<Eigen::Vector3d>& rho, const TargetColours& truth) {
-    double worst = 0;
-    for (std::size_t s = 0; s < rho.size(); ++s) worst = std::max(worst, (rho[s] - truth.squares[s]).cwiseAbs().maxCoeff());
-    return worst;
+/// Fills in what the patches reflect if they are made of these resins.
+inline void measure(PatchTable& table, const optics::ResinSet& truth, double noise, std::uint64_t seed, PatchModelOptions options = {}) {
+    options.g = truth.g, options.eta = truth.eta;
+    table.channels = truth.channels;
+    std::vector<std::string> roles;
+    for (const auto& resin : truth.resins) roles.push_back(resin.role);
+    const PatchModel model(table.patches, roles, options);
+    for (Patch& patch : table.patches) patch.rho.clear();
+    for (std::size_t c = 0; c < truth.channels.size(); ++c) {
+        std::vector<optics::Medium> media;
+        for (const auto& resin : truth.resins) media.push_back(resin.medium(c));
+        const std::vector<double> rho = model.rho(media);
+        for (std::size_t p = 0; p < rho.size(); ++p)
+            table.patches[p].rho.push_back(rho[p] + noise * normal(seed, p * 1000 + c));
+    }
 }
 
 }  // namespace voxtone::calibration::testing

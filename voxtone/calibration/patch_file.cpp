@@ -197,7 +197,7 @@ private:
             if (has_errors_ && !(patch.error[c] > 0 && patch.error[c] <= 1))
                 fail_here(fmt::format("patch {}: the standard error of {} is {}; expected more than 0 and at most 1", name, channel,
                                       patch.error[c]));
-            if (rho < (has_errors_ ? -3 * patch.error[c] : 0))
+            if (rho < (has_errors_ ? -6 * patch.error[c] : 0))
                 fail_here(fmt::format("patch {}: {} is {}, but a reflectance cannot be negative; look at the dark level that was "
                                       "subtracted, or give standard errors (R_se, ...) if this is noise",
                                       name, channel, rho));

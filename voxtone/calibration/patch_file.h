@@ -27,7 +27,7 @@ namespace voxtone::calibration {
 
 /// Throws InputError that names file, line, column and patch: missing columns, rows of another length, values that are no
 /// numbers, negative or above 1, fractions that do not sum to 100, a patch measured twice with different values (a row
-/// that says the same again is left out). Where a standard error is given, a value may lie three of them below 0: noise.
+/// that says the same again is left out). Where a standard error is given, a value may lie six of them below 0: noise.
 [[nodiscard]] PatchTable parse_patches(std::string_view text, std::string source);
 /// Throws FileError, InputError.
 [[nodiscard]] PatchTable read_patches(const std::filesystem::path& file);

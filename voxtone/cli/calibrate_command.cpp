@@ -17,6 +17,8 @@ Command add_calibrate_command(CLI::App& program) {
     command->require_subcommand(1);
     auto steps = std::make_shared<std::vector<std::pair<CLI::App*, Command>>>();
     const auto add = [&](const char* name, Command step) { steps->emplace_back(command->get_subcommand(name), std::move(step)); };
+    add("check", add_calibrate_check_command(*command));
+    add("fit", add_calibrate_fit_command(*command));
     add("photo", add_calibrate_photo_command(*command));
     add("simulate", add_calibrate_simulate_command(*command));
     add("target", add_calibrate_target_command(*command));
