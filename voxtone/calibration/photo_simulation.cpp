@@ -22,7 +22,12 @@ constexpr double pi = std::numbers::pi;
 constexpr double gap_mm = 8, chart_rim_mm = 4, margin = 0.06;
 constexpr double sheet = 0.03, chart_black = 0.04, patch_share = 0.84;
 constexpr double white_level = 0.8;
-enum Stream : std::uint32_t { dust_stream = 1, scratch_stream = 2, noise_stream = 3 };
+enum Stream : std::uint32_t { dust_stream = 1, scratch_stream = 2, noise_stream = 3, chart_stream = 4 };
+
+double normal(RandomStream& random) {
+    const double u = 1 - random.uniform(), v = random.uniform();
+    return std::sqrt(-2 * std::log(u)) * std::cos(2 * pi * v);
+}
 
 double radians(double degrees) { return degrees * pi / 180; }
 
@@ -50,6 +55,11 @@ public:
         const Eigen::Vector2d middle(target.size_mm.x() + gap_mm + chart_rim_mm + chart_size.x() / 2, target.size_mm.y() / 2);
         chart_area_ = {middle - chart_size / 2, middle + chart_size / 2};
         chart_middle_ = middle;
+        for (std::size_t p = 0; p < chart.linear_srgb.size(); ++p) {
+            RandomStream random(o.seed, p, chart_stream);
+            chart_colours_.push_back(chart.linear_srgb[p]);
+            for (double& value : chart_colours_.back()) value *= 1 + o.checker_error * normal(random);
+        }
         all_.max_mm = target.size_mm;
         if (o.checker) {
             const Area rim = chart_area_.shrunk(-chart_rim_mm);
@@ -82,7 +92,7 @@ private:
         if (column < 0 || row < 0 || column >= chart_.columns || row >= chart_.rows) return Eigen::Vector3d::Constant(chart_black);
         const double edge = std::max(std::abs(column - std::floor(column) - 0.5), std::abs(row - std::floor(row) - 0.5));
         if (edge > patch_share / 2) return Eigen::Vector3d::Constant(chart_black);
-        return chart_.linear_srgb[std::size_t(int(row) * chart_.columns + int(column))];
+        return chart_colours_[std::size_t(int(row) * chart_.columns + int(column))];
     }
 
     [[nodiscard]] static std::pair<int, int> bucket(const Eigen::Vector2d& p) { return {int(std::floor(p.x() / bucket_mm)), int(std::floor(p.y() / bucket_mm))}; }
@@ -128,6 +138,7 @@ private:
     const PhotoOptions& options_;
     Area chart_area_, all_;
     Eigen::Vector2d chart_middle_ = Eigen::Vector2d::Zero();
+    std::vector<Eigen::Vector3d> chart_colours_;
     std::vector<Dirt> dirt_;
     std::map<std::pair<int, int>, std::vector<std::size_t>> buckets_;
 };
@@ -211,11 +222,6 @@ Eigen::Matrix3d camera_colours(const PhotoOptions& o) {
     return balanced * (o.exposure * white_level / o.white_balance.maxCoeff());
 }
 
-double normal(RandomStream& random) {
-    const double u = 1 - random.uniform(), v = random.uniform();
-    return std::sqrt(-2 * std::log(u)) * std::cos(2 * pi * v);
-}
-
 }  // namespace
 
 void PhotoOptions::validate() const {
@@ -240,6 +246,7 @@ void PhotoOptions::validate() const {
     range("dust", dust, 0, 10000);
     range("scratches", scratches, 0, 1000);
     range("checker turns", checker_turns, 0, 3);
+    range("checker error", checker_error, 0, 0.5);
     range("checker cell", checker_cell_mm, 1, 100);
 }
 

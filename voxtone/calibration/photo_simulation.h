@@ -41,6 +41,7 @@ struct PhotoOptions {
     bool checker = true;                              ///< the chart lies beside the target
     int checker_turns = 1;                            ///< quarter turns of the chart
     double checker_cell_mm = 12;                      ///< edge of a cell
+    double checker_error = 0;                         ///< relative standard deviation of its patches from what is known of them
     std::uint64_t seed = 1;
 
     /// Throws InputError that names the option and the rule it breaks.
