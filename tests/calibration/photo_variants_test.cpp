@@ -124,3 +124,23 @@ TEST_CASE("everything at once is measured within 0.005") {
         CHECK(error_of(options) < wanted);
     }
 }
+
+TEST_CASE("standard errors of photographs are honest with a checker that is one percent off") {
+    // Errors of a photograph are common to its squares, so that each of the ten counts for little more than one value; their
+    // mean squares of (error / standard error) lie between 0.3 and 3, the mean of ten within the bounds below. Errors stated
+    // at half their size give 4 times as much, at twice their size a quarter: both fail.
+    const Rendered& r = rendered();
+    double square = 0;
+    int count = 0;
+    for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+        PhotoOptions options = options_of([](O& o) { o.checker_error = 0.01; }, seed);
+        options.width_px = 1200;
+        options.height_px = 800;
+        const PhotoMeasurement m = measure_photo(simulate_photo(r.target, r.truth, r.chart, options).photograph, r.target, r.chart, {});
+        for (std::size_t s = 0; s < m.rho.size(); ++s) square += (m.rho[s] - r.truth.squares[s]).cwiseQuotient(m.error[s]).squaredNorm();
+        count += 3 * int(m.rho.size());
+    }
+    CAPTURE(square / count);
+    CHECK(square / count > 0.4);
+    CHECK(square / count < 2.5);
+}
