@@ -43,6 +43,8 @@ void ask_for_sensor_values(OIIO::ImageSpec& config) {
     config.attribute("raw:use_auto_wb", 0);
     config.attribute("raw:HighlightMode", 0);
     config.attribute("raw:adjust_maximum_thr", 0.0f);
+    constexpr float as_counted[4] = {1, 1, 1, 1};
+    config.attribute("raw:user_mul", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 4), as_counted);
 }
 
 std::vector<std::byte> decode(const std::filesystem::path& file) {
