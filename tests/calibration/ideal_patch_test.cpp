@@ -19,8 +19,10 @@ TEST_CASE("ideal patches have the reference's reflectance") {
         const char *top, *backing;
         double R, G, B;
     };
-    const Row rows[] = {{"W", "K", .38062, .49350, .70058}, {"K", "W", .01187, .01144, .01104}, {"C", "W", .00095, .06074, .46597}, {"C", "K", .00095, .04944, .33322},
-                        {"M", "W", .63116, .00866, .16077}, {"M", "K", .16136, .00219, .15765}, {"Y", "W", .78516, .79763, .00332}, {"Y", "K", .16114, .25480, .00332},
+    const Row rows[] = {{"W", "K", .38062, .49350, .70058}, {"K", "W", .01187, .01144, .01104},
+                        {"C", "W", .00095, .06074, .46597}, {"C", "K", .00095, .04944, .33322},
+                        {"M", "W", .63116, .00866, .16077}, {"M", "K", .16136, .00219, .15765},
+                        {"Y", "W", .78516, .79763, .00332}, {"Y", "K", .16114, .25480, .00332},
                         {"W", "W", .80632, .88272, .79719}, {"K", "K", .01089, .01089, .01089}};
     const IdealPatches patches(optics::vero_opaque());
     for (const Row& row : rows) {
@@ -34,7 +36,8 @@ TEST_CASE("ideal patches have the reference's reflectance") {
 
 TEST_CASE("five millimetres of Vero white are not opaque and ten nearly are") {
     // The reference: 0.030 and 0.029 below an endless base at 5 mm, 0.0025 and 0.0033 at 10 mm, 1e-5 in blue.
-    const std::vector<double> five = lost_through_base(optics::vero_opaque(), "W", 5), ten = lost_through_base(optics::vero_opaque(), "W", 10);
+    const std::vector<double> five = lost_through_base(optics::vero_opaque(), "W", 5),
+                              ten = lost_through_base(optics::vero_opaque(), "W", 10);
     CHECK(five[0] == Approx(0.030).margin(6e-4));
     CHECK(five[1] == Approx(0.029).margin(6e-4));
     CHECK(five[2] < 2e-5);
@@ -44,5 +47,6 @@ TEST_CASE("five millimetres of Vero white are not opaque and ten nearly are") {
 }
 
 TEST_CASE("a resin that a set lacks is named") {
-    CHECK_THROWS_WITH(IdealPatches(optics::vero_opaque()).reflectance({{"T", 1.0}}, 0.675, "W", 0), Catch::Contains("no resin T"));
+    CHECK_THROWS_WITH(IdealPatches(optics::vero_opaque()).reflectance({{"T", 1.0}}, 0.675, "W", 0),
+                      Catch::Contains("no resin T"));
 }

@@ -45,8 +45,12 @@ Scene scene(double noise, std::uint64_t seed) {
     }
     for (int k = 0; k < 40; ++k) {
         const double t = k % 10 / 9.0;
-        const Vector2d px = k < 10 ? Vector2d(200 + 1000 * t, 300) : k < 20 ? Vector2d(200 + 1000 * t, 1200) : k < 30 ? Vector2d(200, 300 + 900 * t) : Vector2d(1200, 300 + 900 * t);
-        s.frame.push_back({px, noisy(light_at(px) * (camera * Vector3d(0.8, 0.85, 0.78)), std::uint64_t(1000 + k)), Vector3d::Zero()});
+        const Vector2d px = k < 10   ? Vector2d(200 + 1000 * t, 300)
+                            : k < 20 ? Vector2d(200 + 1000 * t, 1200)
+                            : k < 30 ? Vector2d(200, 300 + 900 * t)
+                                     : Vector2d(1200, 300 + 900 * t);
+        s.frame.push_back({px, noisy(light_at(px) * (camera * Vector3d(0.8, 0.85, 0.78)), std::uint64_t(1000 + k)),
+                           Vector3d::Zero()});
     }
     return s;
 }
@@ -84,7 +88,8 @@ TEST_CASE("standard errors of the light and colour fit are honest") {
 TEST_CASE("too little of chart or frame is refused by name") {
     Scene s = scene(0, 1);
     s.frame.resize(5);
-    CHECK_THROWS_WITH(PhotoModel::fit(s.chart, s.frame, 2400, 1600, "p.tif"), Catch::Contains("p.tif") && Catch::Contains("frame"));
+    CHECK_THROWS_WITH(PhotoModel::fit(s.chart, s.frame, 2400, 1600, "p.tif"),
+                      Catch::Contains("p.tif") && Catch::Contains("frame"));
     s = scene(0, 1);
     s.chart.resize(9);
     CHECK_THROWS_WITH(PhotoModel::fit(s.chart, s.frame, 2400, 1600, "p.tif"), Catch::Contains("checker"));

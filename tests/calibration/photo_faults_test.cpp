@@ -26,25 +26,32 @@ struct Scene {
         options.dust = options.scratches = 0;
     }
     [[nodiscard]] SimulatedPhoto photo() const { return simulate_photo(target, colours, chart, options); }
-    [[nodiscard]] PhotoMeasurement measured(const Target& described, const PhotoMeasureOptions& how = {}) const { return measure_photo(photo().photograph, described, chart, how); }
+    [[nodiscard]] PhotoMeasurement measured(const Target& described, const PhotoMeasureOptions& how = {}) const {
+        return measure_photo(photo().photograph, described, chart, how);
+    }
 };
 
-std::array<Eigen::Vector2d, 4> four(const std::vector<Eigen::Vector2d>& points) { return {points[0], points[1], points[2], points[3]}; }
+std::array<Eigen::Vector2d, 4> four(const std::vector<Eigen::Vector2d>& points) {
+    return {points[0], points[1], points[2], points[3]};
+}
 
 }  // namespace
 
 TEST_CASE("a photograph without a target is refused") {
     Scene scene;
     io::Photograph empty = scene.photo().photograph;
-    for (std::size_t i = 0; i < empty.pixels.size(); ++i) empty.pixels[i] = Eigen::Vector3f::Constant(0.3f + 0.1f * float(i % 7));
-    CHECK_THROWS_WITH(measure_photo(std::move(empty), scene.target, scene.chart, {}), Contains("no target found") && Contains("--corners"));
+    for (std::size_t i = 0; i < empty.pixels.size(); ++i)
+        empty.pixels[i] = Eigen::Vector3f::Constant(0.3f + 0.1f * float(i % 7));
+    CHECK_THROWS_WITH(measure_photo(std::move(empty), scene.target, scene.chart, {}),
+                      Contains("no target found") && Contains("--corners"));
 }
 
 TEST_CASE("a blurred photograph is refused") {
     Scene scene;
     scene.options.blur_px = 9;  // no marker is seen
     CHECK_THROWS_WITH(scene.measured(scene.target), Contains("sharp"));
-    scene.options.blur_px = 6;  // with corners by hand the markers are still told by their cells, and the blur is measured
+    scene.options.blur_px =
+        6;  // with corners by hand the markers are still told by their cells, and the blur is measured
     const SimulatedPhoto photo = scene.photo();
     PhotoMeasureOptions by_hand;
     by_hand.corners = four(photo.target_corners_px);
@@ -54,7 +61,8 @@ TEST_CASE("a blurred photograph is refused") {
 TEST_CASE("clipped channels are refused with the square and the channel") {
     Scene scene;
     scene.options.exposure = 1.6;
-    CHECK_THROWS_WITH(scene.measured(scene.target), Contains("square") && Contains("on W") && Contains("overexposed") && Contains("green"));
+    CHECK_THROWS_WITH(scene.measured(scene.target),
+                      Contains("square") && Contains("on W") && Contains("overexposed") && Contains("green"));
     scene.options.exposure = 1;
     CHECK_NOTHROW(scene.measured(scene.target));
 }
@@ -68,7 +76,9 @@ TEST_CASE("an underexposed photograph is refused") {
 TEST_CASE("a photograph of another target is refused with both numbers") {
     Scene scene;
     const Target other = target_of(TargetLayout::a, {"M", "C", "Y", "K", "W"});
-    CHECK_THROWS_WITH(scene.measured(other), Contains("another target") && Contains(std::to_string(scene.target.markers[0].id)) && Contains(std::to_string(other.markers[0].id)));
+    CHECK_THROWS_WITH(scene.measured(other), Contains("another target") &&
+                                                 Contains(std::to_string(scene.target.markers[0].id)) &&
+                                                 Contains(std::to_string(other.markers[0].id)));
 }
 
 TEST_CASE("black and white exchanged in the printer are told from the markers") {
@@ -128,11 +138,14 @@ TEST_CASE("three markers are enough and two are not") {
     Scene scene;
     SimulatedPhoto photo = scene.photo();
     const auto cover = [&](double x, double y) {  // a finger on the slab, 14 mm
-        const Rectification place = Rectification::fit(std::array{Eigen::Vector2d(0, scene.target.size_mm.y()), scene.target.size_mm, Eigen::Vector2d(scene.target.size_mm.x(), 0), Eigen::Vector2d(0, 0)},
-                                                       photo.target_corners_px);
+        const Rectification place =
+            Rectification::fit(std::array{Eigen::Vector2d(0, scene.target.size_mm.y()), scene.target.size_mm,
+                                          Eigen::Vector2d(scene.target.size_mm.x(), 0), Eigen::Vector2d(0, 0)},
+                               photo.target_corners_px);
         for (std::uint32_t v = 0; v < photo.photograph.height_px; ++v)
             for (std::uint32_t u = 0; u < photo.photograph.width_px; ++u)
-                if ((place.from_px({u + 0.5, v + 0.5}) - Eigen::Vector2d(x, y)).norm() < 7) photo.photograph.pixels[photo.photograph.index(u, v)] = {0.3f, 0.25f, 0.15f};
+                if ((place.from_px({u + 0.5, v + 0.5}) - Eigen::Vector2d(x, y)).norm() < 7)
+                    photo.photograph.pixels[photo.photograph.index(u, v)] = {0.3f, 0.25f, 0.15f};
     };
     cover(3, 3);
     const PhotoMeasurement m = measure_photo(photo.photograph, scene.target, scene.chart, {});
@@ -149,7 +162,8 @@ TEST_CASE("samples that do not say what they mean are told by the checker's grey
     photo.coding = io::SampleCoding::unknown;
     CHECK(worst_error(measure_photo(photo, scene.target, scene.chart, {}).rho, scene.colours) < 0.005);
     for (Eigen::Vector3f& pixel : photo.pixels)
-        for (float& value : pixel) value = float(value <= 0.0031308f ? 12.92f * value : 1.055f * std::pow(value, 1 / 2.4f) - 0.055f);
+        for (float& value : pixel)
+            value = float(value <= 0.0031308f ? 12.92f * value : 1.055f * std::pow(value, 1 / 2.4f) - 0.055f);
     const PhotoMeasurement m = measure_photo(photo, scene.target, scene.chart, {});
     CHECK(worst_error(m.rho, scene.colours) < 0.005);
     CHECK_THAT(m.warnings.back(), Contains("sRGB"));
@@ -170,7 +184,8 @@ TEST_CASE("several photographs are averaged and their spread is told") {
     CHECK(mean.warnings.empty());
     for (std::size_t s = 0; s < mean.table.patches.size(); ++s)
         for (std::size_t channel = 0; channel < 3; ++channel) {
-            CHECK(std::abs(mean.table.patches[s].rho[channel] - scene.colours.squares[s][Eigen::Index(channel)]) < 0.005);
+            CHECK(std::abs(mean.table.patches[s].rho[channel] - scene.colours.squares[s][Eigen::Index(channel)]) <
+                  0.005);
             CHECK(mean.spread[s][Eigen::Index(channel)] > 0);
         }
     photos[1].rho[4] += Eigen::Vector3d::Constant(0.1);

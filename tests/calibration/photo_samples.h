@@ -19,7 +19,9 @@ inline TargetOptions target_options(TargetLayout layout, std::vector<std::string
     return options;
 }
 
-inline Target target_of(TargetLayout layout, std::vector<std::string> roles = {"C", "M", "Y", "K", "W"}) { return lay_out_target(target_options(layout, std::move(roles))); }
+inline Target target_of(TargetLayout layout, std::vector<std::string> roles = {"C", "M", "Y", "K", "W"}) {
+    return lay_out_target(target_options(layout, std::move(roles)));
+}
 
 /// Vero as Elek et al. measured it, and a set that differs from it in every value.
 inline optics::ResinSet changed_vero() {
@@ -38,7 +40,8 @@ inline optics::ResinSet changed_vero() {
 /// The photograph's largest distance from the truth.
 inline double worst_error(const std::vector<Eigen::Vector3d>& rho, const TargetColours& truth) {
     double worst = 0;
-    for (std::size_t s = 0; s < rho.size(); ++s) worst = std::max(worst, (rho[s] - truth.squares[s]).cwiseAbs().maxCoeff());
+    for (std::size_t s = 0; s < rho.size(); ++s)
+        worst = std::max(worst, (rho[s] - truth.squares[s]).cwiseAbs().maxCoeff());
     return worst;
 }
 

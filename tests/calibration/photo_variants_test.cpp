@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Rendered photographs of targets whose reflectances are known: every square within 0.005 of the truth, or a clear refusal
-// where that is expected. Fixed seeds.
+// Rendered photographs of targets whose reflectances are known: every square within 0.005 of the truth, or a clear
+// refusal where that is expected. Fixed seeds.
 #include <functional>
 #include <string>
 
@@ -86,20 +86,27 @@ TEST_CASE("blurred and noisy photographs are measured within 0.005") {
 }
 
 TEST_CASE("photographs in uneven light are measured within 0.005") {
-    check({{"vignetting of 30 %", [](O& o) { o.vignetting = 0.3; }},
-           {"vignetting of 60 %", [](O& o) { o.vignetting = 0.6; }},
-           {"lamp at 0.6 m", [](O& o) { o.lamp_mm = 600; }},
-           {"lamp at 0.4 m beside the chart", [](O& o) { o.lamp_mm = 400, o.lamp_azimuth_deg = 0; }},
-           {"lamp at 0.4 m beside the target", [](O& o) { o.lamp_mm = 400, o.lamp_azimuth_deg = 180, o.exposure = 0.6; }},
-           {"light from far away", [](O& o) { o.lamp_mm = 0, o.vignetting = 0; }}});
+    check(
+        {{"vignetting of 30 %", [](O& o) { o.vignetting = 0.3; }},
+         {"vignetting of 60 %", [](O& o) { o.vignetting = 0.6; }},
+         {"lamp at 0.6 m", [](O& o) { o.lamp_mm = 600; }},
+         {"lamp at 0.4 m beside the chart", [](O& o) { o.lamp_mm = 400, o.lamp_azimuth_deg = 0; }},
+         {"lamp at 0.4 m beside the target", [](O& o) { o.lamp_mm = 400, o.lamp_azimuth_deg = 180, o.exposure = 0.6; }},
+         {"light from far away", [](O& o) { o.lamp_mm = 0, o.vignetting = 0; }}});
 }
 
 TEST_CASE("dirty targets and wrong white balance are measured within 0.005") {
     check({{"clean", [](O& o) { o.dust = 0, o.scratches = 0; }},
            {"300 specks of dust", [](O& o) { o.dust = 300; }},
            {"30 scratches", [](O& o) { o.scratches = 30; }},
-           {"red", [](O& o) { o.white_balance = {1, 0.5, 0.4}; }},
-           {"green", [](O& o) { o.white_balance = {0.35, 1, 0.5}; }},
+           {"red",
+            [](O& o) {
+                o.white_balance = {1, 0.5, 0.4};
+            }},
+           {"green",
+            [](O& o) {
+                o.white_balance = {0.35, 1, 0.5};
+            }},
            {"a camera of pure channels", [](O& o) { o.matrix = 0; }},
            {"a camera that mixes more", [](O& o) { o.matrix = 1.2; }}});
 }
@@ -119,16 +126,17 @@ TEST_CASE("everything at once is measured within 0.005") {
                 o.checker_turns = int(between(0, 4));
             },
             seed);
-        INFO("combination " << seed << ": tilt " << options.tilt_x_deg << " " << options.tilt_y_deg << ", turn " << options.turn_deg << ", lamp " << options.lamp_mm << ", blur "
-                            << options.blur_px << ", vignetting " << options.vignetting << ", chart " << options.checker_turns);
+        INFO("combination " << seed << ": tilt " << options.tilt_x_deg << " " << options.tilt_y_deg << ", turn "
+                            << options.turn_deg << ", lamp " << options.lamp_mm << ", blur " << options.blur_px
+                            << ", vignetting " << options.vignetting << ", chart " << options.checker_turns);
         CHECK(error_of(options) < wanted);
     }
 }
 
 TEST_CASE("standard errors of photographs are honest with a checker that is one percent off") {
-    // Errors of a photograph are common to its squares, so that each of the ten counts for little more than one value; their
-    // mean squares of (error / standard error) lie between 0.3 and 3, the mean of ten within the bounds below. Errors stated
-    // at half their size give 4 times as much, at twice their size a quarter: both fail.
+    // Errors of a photograph are common to its squares, so that each of the ten counts for little more than one value;
+    // their mean squares of (error / standard error) lie between 0.3 and 3, the mean of ten within the bounds below.
+    // Errors stated at half their size give 4 times as much, at twice their size a quarter: both fail.
     const Rendered& r = rendered();
     double square = 0;
     int count = 0;
@@ -136,8 +144,10 @@ TEST_CASE("standard errors of photographs are honest with a checker that is one 
         PhotoOptions options = options_of([](O& o) { o.checker_error = 0.01; }, seed);
         options.width_px = 1200;
         options.height_px = 800;
-        const PhotoMeasurement m = measure_photo(simulate_photo(r.target, r.truth, r.chart, options).photograph, r.target, r.chart, {});
-        for (std::size_t s = 0; s < m.rho.size(); ++s) square += (m.rho[s] - r.truth.squares[s]).cwiseQuotient(m.error[s]).squaredNorm();
+        const PhotoMeasurement m =
+            measure_photo(simulate_photo(r.target, r.truth, r.chart, options).photograph, r.target, r.chart, {});
+        for (std::size_t s = 0; s < m.rho.size(); ++s)
+            square += (m.rho[s] - r.truth.squares[s]).cwiseQuotient(m.error[s]).squaredNorm();
         count += 3 * int(m.rho.size());
     }
     CAPTURE(square / count);

@@ -31,7 +31,8 @@ std::set<std::string> tops_on(const Target& target, const std::string& backing) 
 double share_at(const std::vector<TargetBox>& boxes, const Eigen::Vector3d& p, std::size_t resin) {
     double share = -1;
     for (const TargetBox& box : boxes)
-        if ((p.array() >= box.min_mm.array()).all() && (p.array() < box.max_mm.array()).all()) share = box.fractions[resin];
+        if ((p.array() >= box.min_mm.array()).all() && (p.array() < box.max_mm.array()).all())
+            share = box.fractions[resin];
     return share;
 }
 
@@ -49,7 +50,9 @@ TEST_CASE("layouts hold the squares of the paper upon both halves") {
     b.insert({"K:10+W:90", "K:90+W:10", "C:10+W:90", "M:10+W:90", "W:90+Y:10"});
     c.insert({"K:5+W:95", "K:10+W:90", "K:25+W:75", "K:50+W:50", "K:90+W:10"});
     for (const std::string role : {"C", "M", "Y"})
-        for (const int percent : {5, 10, 25, 50}) c.insert(mixture_text(parse_mixture(role + ":" + std::to_string(percent) + "+W:" + std::to_string(100 - percent))));
+        for (const int percent : {5, 10, 25, 50})
+            c.insert(mixture_text(
+                parse_mixture(role + ":" + std::to_string(percent) + "+W:" + std::to_string(100 - percent))));
     for (const std::string backing : {"W", "K"}) {
         CHECK(tops_on(target_of(TargetLayout::a), backing) == a);
         CHECK(tops_on(target_of(TargetLayout::b), backing) == b);
@@ -134,7 +137,8 @@ TEST_CASE("faulty descriptions are refused with the place and the rule") {
     refused("DICT_5X5_1000", "DICT_4X4_50", "dictionary");
     refused("\"dark\": \"K\"", "\"dark\": \"W\"", "dark");
     refused("\"size_mm\": [100.0,74.0]", "\"size_mm\": [90.0,74.0]", "t.json");
-    for (std::size_t cut = 0; cut + 2 < text.size(); cut += 7) CHECK_THROWS_AS(parse_target(text.substr(0, cut), "cut"), InputError);
+    for (std::size_t cut = 0; cut + 2 < text.size(); cut += 7)
+        CHECK_THROWS_AS(parse_target(text.substr(0, cut), "cut"), InputError);
 }
 
 TEST_CASE("boxes fill every place of a target with what the description says") {
@@ -149,7 +153,8 @@ TEST_CASE("boxes fill every place of a target with what the description says") {
             for (const ResinShare& share : square.top)
                 if (share.role == target.roles[r]) expected = share.fraction;
             CHECK(share_at(boxes, {p.x(), p.y(), top}, r) == expected);
-            CHECK(share_at(boxes, {p.x(), p.y(), target.base_mm / 2}, r) == (target.roles[r] == square.backing ? 1 : 0));
+            CHECK(share_at(boxes, {p.x(), p.y(), target.base_mm / 2}, r) ==
+                  (target.roles[r] == square.backing ? 1 : 0));
         }
     }
     CHECK(share_at(boxes, {1, 1, 0.1}, W) == 1);
@@ -184,14 +189,18 @@ TEST_CASE("no marker of a target looks like another one turned or mirrored") {
             for (const TargetMarker& n : target.markers)
                 for (int turns = 0; turns < 4; ++turns)
                     for (const bool mirrored : {false, true})
-                        if (m.id != n.id || turns > 0 || mirrored) CHECK(marker_pattern(m.id) != moved(marker_pattern(n.id), turns, mirrored));
+                        if (m.id != n.id || turns > 0 || mirrored)
+                            CHECK(marker_pattern(m.id) != moved(marker_pattern(n.id), turns, mirrored));
     }
 }
 
 TEST_CASE("targets of other content have other markers") {
     std::vector<std::vector<int>> each;
     for (const TargetLayout layout : {TargetLayout::a, TargetLayout::b, TargetLayout::c})
-        for (const std::vector<std::string>& roles : {std::vector<std::string>{"W", "K"}, {"C", "M", "Y", "K", "W"}, {"C", "M", "Y", "K", "W", "T"}, {"M", "C", "Y", "K", "W"}}) {
+        for (const std::vector<std::string>& roles : {std::vector<std::string>{"W", "K"},
+                                                      {"C", "M", "Y", "K", "W"},
+                                                      {"C", "M", "Y", "K", "W", "T"},
+                                                      {"M", "C", "Y", "K", "W"}}) {
             std::vector<int> numbers;
             for (const TargetMarker& marker : target_of(layout, roles).markers) numbers.push_back(marker.id);
             for (const std::vector<int>& other : each) {

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include <catch2/catch.hpp>
 #include <fmt/format.h>
+#include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
 #include "run_program.h"
@@ -38,7 +38,8 @@ double worst_difference(const std::string& a, const std::string& b) {
     for (std::size_t p = 0; p < one.patches.size(); ++p) {
         REQUIRE(one.patches[p].top == other.patches[p].top);
         REQUIRE(one.patches[p].backing == other.patches[p].backing);
-        for (std::size_t c = 0; c < 3; ++c) worst = std::max(worst, std::abs(one.patches[p].rho[c] - other.patches[p].rho[c]));
+        for (std::size_t c = 0; c < 3; ++c)
+            worst = std::max(worst, std::abs(one.patches[p].rho[c] - other.patches[p].rho[c]));
     }
     return worst;
 }
@@ -47,7 +48,8 @@ double worst_difference(const std::string& a, const std::string& b) {
 
 TEST_CASE("A printed target is its description, voxel by voxel") {
     const Folder folder("target");
-    const std::string command = "calibrate target --resins C,K,W --layout B --square 5mm --gap 1mm --base 0.54mm --gcvf --quiet ";
+    const std::string command =
+        "calibrate target --resins C,K,W --layout B --square 5mm --gap 1mm --base 0.54mm --gcvf --quiet ";
     require_done(run_program(command + "--threads 1 -o " + folder / "out"));
     require_done(run_program("verify " + folder / "out"));
     require_done(run_program("verify " + folder / "out/stack.gcvf"));
@@ -71,10 +73,14 @@ TEST_CASE("A printed target is its description, voxel by voxel") {
             std::uint32_t i = 0;
             for (const io::Run& run : layer.row(row))
                 for (std::uint32_t end = i + run.length; i < end; ++i, ++voxels) {
-                    const Eigen::Vector3d p((i + 0.5) * stack.pitch_um[0] / 1000, (stack.size_px[1] - row - 0.5) * stack.pitch_um[1] / 1000, (k + 0.5) * stack.pitch_um[2] / 1000);
+                    const Eigen::Vector3d p((i + 0.5) * stack.pitch_um[0] / 1000,
+                                            (stack.size_px[1] - row - 0.5) * stack.pitch_um[1] / 1000,
+                                            (k + 0.5) * stack.pitch_um[2] / 1000);
                     std::size_t owner = boxes.size();
                     for (std::size_t b = 0; b < boxes.size(); ++b)
-                        if ((p.array() > boxes[b].min_mm.array() - 1e-6).all() && (p.array() < boxes[b].max_mm.array() - 1e-6).all()) owner = b;
+                        if ((p.array() > boxes[b].min_mm.array() - 1e-6).all() &&
+                            (p.array() < boxes[b].max_mm.array() - 1e-6).all())
+                            owner = b;
                     if (owner == boxes.size()) {
                         wrong += run.material != 0;
                         continue;
@@ -103,18 +109,23 @@ TEST_CASE("A printed target is its description, voxel by voxel") {
 
 TEST_CASE("Targets that a printer cannot make are refused") {
     const Folder folder("refused");
-    CHECK_THAT(run_program("calibrate target --resins C,M,Y,K,W,T --printer stratasys-j55 -o " + folder / "a").err, Contains("carries 5"));
-    CHECK_THAT(run_program("calibrate target --resins C,K,W --layout C --square 90mm -o " + folder / "b").err, Contains("tray"));
+    CHECK_THAT(run_program("calibrate target --resins C,M,Y,K,W,T --printer stratasys-j55 -o " + folder / "a").err,
+               Contains("carries 5"));
+    CHECK_THAT(run_program("calibrate target --resins C,K,W --layout C --square 90mm -o " + folder / "b").err,
+               Contains("tray"));
     CHECK(run_program("calibrate target --resins C,M -o " + folder / "c").exit_code == 3);
     CHECK(run_program("calibrate target --resins K,W --layout D -o " + folder / "d").exit_code == 2);
-    CHECK_THAT(run_program("calibrate target --resins K,W --resin-set vero-opaque -o " + folder / "e").err, Contains("not opaque") && Contains("0.029"));
+    CHECK_THAT(run_program("calibrate target --resins K,W --resin-set vero-opaque -o " + folder / "e").err,
+               Contains("not opaque") && Contains("0.029"));
 }
 
 TEST_CASE("Photographs of all kinds of files are measured") {
     const Folder folder("photo");
     require_done(run_program("calibrate target --resins C,M,Y,K,W --layout A --quiet -o " + folder / "out"));
-    const std::string simulate = "calibrate simulate " + folder / "out/target.json" + " --quiet --width 1500 --height 1000 --truth " + folder / "truth.csv" + " -o ";
-    const std::string photo = "calibrate photo --target " + folder / "out/target.json" + " --json -o " + folder / "patches.csv" + " ";
+    const std::string simulate = "calibrate simulate " + folder / "out/target.json" +
+                                 " --quiet --width 1500 --height 1000 --truth " + folder / "truth.csv" + " -o ";
+    const std::string photo =
+        "calibrate photo --target " + folder / "out/target.json" + " --json -o " + folder / "patches.csv" + " ";
     for (const std::string name : {"photo.png", "photo.tif", "photo.exr"}) {
         require_done(run_program(simulate + folder / name));
         const nlohmann::json result = result_of(run_program(photo + folder / name));
@@ -133,15 +144,19 @@ TEST_CASE("Photographs of all kinds of files are measured") {
 TEST_CASE("What is no photograph of a target is refused with the right code") {
     const Folder folder("fault");
     require_done(run_program("calibrate target --resins K,W --layout A --quiet -o " + folder / "out"));
-    const std::string photo = "calibrate photo --target " + folder / "out/target.json" + " -o " + folder / "patches.csv" + " ";
+    const std::string photo =
+        "calibrate photo --target " + folder / "out/target.json" + " -o " + folder / "patches.csv" + " ";
     CHECK(run_program(photo + folder / "nothing.png").exit_code == 4);
     folder.write("broken.png", "\x89PNG\r\n\x1a\nbroken");
     CHECK(run_program(photo + folder / "broken.png").exit_code == 3);
-    const Outcome drawing = run_program(photo + folder / "out/target.png");  // a target, but no photograph with a checker
+    const Outcome drawing =
+        run_program(photo + folder / "out/target.png");  // a target, but no photograph with a checker
     CHECK(drawing.exit_code == 3);
     CHECK_THAT(drawing.err, Contains("target.png"));
     CHECK_FALSE(std::filesystem::exists(folder / "patches.csv"));
     CHECK(run_program(photo + folder / "out/target.png" + " --corners 1,2,3").exit_code == 2);
     folder.write("target.json", "{\"format\": \"voxtone-target\"}");
-    CHECK(run_program("calibrate photo --target " + folder / "target.json" + " -o " + folder / "p.csv " + folder / "out/target.png").exit_code == 3);
+    CHECK(run_program("calibrate photo --target " + folder / "target.json" + " -o " + folder / "p.csv " +
+                      folder / "out/target.png")
+              .exit_code == 3);
 }

@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include <catch2/catch.hpp>
 #include <tiffio.h>
+#include <catch2/catch.hpp>
 
 #include "temporary_folder.h"
 #include "voxtone/base/error.h"
@@ -32,7 +32,8 @@ double difference(const Photograph& a, const Photograph& b, std::uint32_t rim = 
     REQUIRE(a.height_px == b.height_px);
     double worst = 0;
     for (std::uint32_t y = rim; y + rim < a.height_px; ++y)
-        for (std::uint32_t x = rim; x + rim < a.width_px; ++x) worst = std::max(worst, double((a.pixels[a.index(x, y)] - b.pixels[b.index(x, y)]).cwiseAbs().maxCoeff()));
+        for (std::uint32_t x = rim; x + rim < a.width_px; ++x)
+            worst = std::max(worst, double((a.pixels[a.index(x, y)] - b.pixels[b.index(x, y)]).cwiseAbs().maxCoeff()));
     return worst;
 }
 
@@ -69,7 +70,8 @@ void write_dng(const Photograph& photo, const std::filesystem::path& file) {
     std::vector<std::uint16_t> row(photo.width_px);
     for (std::uint32_t y = 0; y < photo.height_px; ++y) {
         for (std::uint32_t x = 0; x < photo.width_px; ++x)
-            row[x] = static_cast<std::uint16_t>(65535 * photo.pixels[photo.index(x, y)][pattern[2 * (y % 2) + x % 2]] + 0.5f);
+            row[x] = static_cast<std::uint16_t>(65535 * photo.pixels[photo.index(x, y)][pattern[2 * (y % 2) + x % 2]] +
+                                                0.5f);
         REQUIRE(TIFFWriteScanline(tiff, row.data(), y, 0) == 1);
     }
     TIFFClose(tiff);
@@ -80,7 +82,8 @@ void write_dng(const Photograph& photo, const std::filesystem::path& file) {
 TEST_CASE("photographs come back from PNG, TIFF and EXR as they were written") {
     const TemporaryFolder folder;
     const Photograph photo = smooth(60, 40);
-    const Photograph png = written_and_read(photo, "a.png", folder), tiff = written_and_read(photo, "a.tif", folder), exr = written_and_read(photo, "a.exr", folder);
+    const Photograph png = written_and_read(photo, "a.png", folder), tiff = written_and_read(photo, "a.tif", folder),
+                     exr = written_and_read(photo, "a.exr", folder);
     constexpr double half_code = 0.51 / 65535;
     CHECK(difference(photo, png) < half_code);
     CHECK(png.coding == SampleCoding::linear);

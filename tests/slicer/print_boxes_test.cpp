@@ -19,7 +19,9 @@ namespace {
 std::vector<std::vector<io::Material>> voxels(const io::LayerRuns& layer) {
     std::vector<std::vector<io::Material>> rows(layer.height_px());
     for (std::uint32_t row = 0; row < layer.height_px(); ++row)
-        for (const io::Run& run : layer.row(row)) rows[layer.height_px() - 1 - row].insert(rows[layer.height_px() - 1 - row].end(), run.length, io::Material(run.material));
+        for (const io::Run& run : layer.row(row))
+            rows[layer.height_px() - 1 - row].insert(rows[layer.height_px() - 1 - row].end(), run.length,
+                                                     io::Material(run.material));
     return rows;
 }
 
@@ -41,7 +43,8 @@ double share_distance(double printed, double p, std::uint64_t seed) {
 }  // namespace
 
 TEST_CASE("a voxel belongs to the last box that holds its centre") {
-    const BoxLayers layers({{Vector3d::Zero(), {1, 1, 0.1}, {1, 0}}, {{0.5, 0.4, 0.05}, {2, 0.6, 0.2}, {0, 1}}}, {1.2, 1, 0.1}, pitch_um, 1);
+    const BoxLayers layers({{Vector3d::Zero(), {1, 1, 0.1}, {1, 0}}, {{0.5, 0.4, 0.05}, {2, 0.6, 0.2}, {0, 1}}},
+                           {1.2, 1, 0.1}, pitch_um, 1);
     CHECK(layers.size() == std::array<std::uint32_t, 3>{24, 10, 4});
     for (std::uint32_t k = 0; k < 4; ++k) {
         const auto rows = voxels(layers.layer(k));
@@ -80,7 +83,8 @@ TEST_CASE("a dither is white: neighbours do not know each other") {
 
 TEST_CASE("a layer does not depend on the others, a seed changes it") {
     const std::vector<PrintBox> boxes{{Vector3d::Zero(), {4, 4, 0.1}, {0.5, 0.5}}};
-    const BoxLayers a(boxes, {4, 4, 0.1}, pitch_um, 1), b(boxes, {4, 4, 0.1}, pitch_um, 1), c(boxes, {4, 4, 0.1}, pitch_um, 2);
+    const BoxLayers a(boxes, {4, 4, 0.1}, pitch_um, 1), b(boxes, {4, 4, 0.1}, pitch_um, 1),
+        c(boxes, {4, 4, 0.1}, pitch_um, 2);
     (void)b.layer(0);
     CHECK(voxels(a.layer(2)) == voxels(b.layer(2)));
     CHECK(voxels(a.layer(2)) != voxels(a.layer(1)));

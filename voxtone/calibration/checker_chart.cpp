@@ -34,9 +34,11 @@ CheckerChart from_json(const io::JsonObject& object) {
         const std::vector<double> lab = patch.numbers("lab_d50", 3, -200, 200);
         const Eigen::Vector3d xyz = optics::xyz_from_lab({lab[0], lab[1], lab[2]}, optics::d50_white());
         chart.names.push_back(patch.text("name"));
-        chart.linear_srgb.push_back(optics::linear_srgb_from_xyz(optics::adapt_white(xyz, optics::d50_white(), optics::d65_white())));
+        chart.linear_srgb.push_back(
+            optics::linear_srgb_from_xyz(optics::adapt_white(xyz, optics::d50_white(), optics::d65_white())));
     }
-    if (chart.names.size() != std::size_t(chart.columns * chart.rows)) object.fail("patches", "must be as many as columns x rows");
+    if (chart.names.size() != std::size_t(chart.columns * chart.rows))
+        object.fail("patches", "must be as many as columns x rows");
     if (chart.names.size() < 8) object.fail("patches", "must be eight or more, for a colour correction to be found");
     return chart;
 }
@@ -46,11 +48,14 @@ CheckerChart from_json(const io::JsonObject& object) {
 CheckerChart find_checker(const std::string& name_or_file) {
     std::string names;
     for (const EmbeddedFile& file : embedded::checkers()) {
-        if (file.name == name_or_file) return from_json(io::JsonObject::parse(file.text, fmt::format("checker {}", file.name)));
+        if (file.name == name_or_file)
+            return from_json(io::JsonObject::parse(file.text, fmt::format("checker {}", file.name)));
         names += (names.empty() ? "" : ", ") + std::string(file.name);
     }
     if (std::filesystem::exists(name_or_file)) return from_json(io::JsonObject::read(name_or_file));
-    throw InputError(fmt::format("there is no colour checker \"{}\" and no file of that name; checkers that come with the program: {}", name_or_file, names));
+    throw InputError(fmt::format(
+        "there is no colour checker \"{}\" and no file of that name; checkers that come with the program: {}",
+        name_or_file, names));
 }
 
 }  // namespace calibration

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 
-#include <Eigen/QR>
 #include <fmt/format.h>
+#include <Eigen/QR>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/mcc.hpp>
 
@@ -47,7 +47,9 @@ double residual_of_matrix(const CheckerChart& chart, const std::vector<AreaSampl
     Eigen::MatrixXd from(samples.size(), 3), to(samples.size(), 3);
     Eigen::Index used = 0;
     for (std::size_t p = 0; p < samples.size(); ++p) {
-        if (!samples[p].complete || samples[p].clipped.maxCoeff() > 0.005 || samples[p].at_zero.maxCoeff() > AreaSample::dark_share) continue;
+        if (!samples[p].complete || samples[p].clipped.maxCoeff() > 0.005 ||
+            samples[p].at_zero.maxCoeff() > AreaSample::dark_share)
+            continue;
         from.row(used) = samples[p].mean.transpose();
         to.row(used++) = chart.linear_srgb[p].transpose();
     }
@@ -56,12 +58,15 @@ double residual_of_matrix(const CheckerChart& chart, const std::vector<AreaSampl
     return std::sqrt((from.topRows(used) * A - to.topRows(used)).squaredNorm() / (3.0 * double(used)));
 }
 
-CheckerView view_with(const io::Photograph& photo, const CheckerChart& chart, const Eigen::Vector3d& clip, const Corners& px) {
-    const Corners own{Eigen::Vector2d(0, 0), Eigen::Vector2d(chart.columns, 0), Eigen::Vector2d(chart.columns, chart.rows), Eigen::Vector2d(0, chart.rows)};
+CheckerView view_with(const io::Photograph& photo, const CheckerChart& chart, const Eigen::Vector3d& clip,
+                      const Corners& px) {
+    const Corners own{Eigen::Vector2d(0, 0), Eigen::Vector2d(chart.columns, 0),
+                      Eigen::Vector2d(chart.columns, chart.rows), Eigen::Vector2d(0, chart.rows)};
     CheckerView view;
     view.place = Rectification::fit(own, px);
     for (int row = 0; row < chart.rows; ++row)
-        for (int column = 0; column < chart.columns; ++column) view.patches.push_back(sample_area(photo, view.place, checker_area(column, row), clip));
+        for (int column = 0; column < chart.columns; ++column)
+            view.patches.push_back(sample_area(photo, view.place, checker_area(column, row), clip));
     view.residual = residual_of_matrix(chart, view.patches);
     return view;
 }
@@ -74,12 +79,16 @@ Area checker_area(int column, int row) {
     return {middle - Eigen::Vector2d::Constant(share / 2), middle + Eigen::Vector2d::Constant(share / 2)};
 }
 
-CheckerView find_checker_in(const io::Photograph& photo, const CheckerChart& chart, const Eigen::Vector3d& clip, const Corners& hidden, const std::optional<Corners>& corners) {
+CheckerView find_checker_in(const io::Photograph& photo, const CheckerChart& chart, const Eigen::Vector3d& clip,
+                            const Corners& hidden, const std::optional<Corners>& corners) {
     std::optional<Corners> px = corners;
     if (!px) px = detect(photo, hidden);
     if (!px)
-        throw InputError(fmt::format("{}: no colour checker found beside the target. It must be in the picture as a whole, flat, sharp and without glare; or give the corners "
-                                     "of its patches by hand with --checker-corners", photo.name));
+        throw InputError(
+            fmt::format("{}: no colour checker found beside the target. It must be in the picture as a whole, flat, "
+                        "sharp and without glare; or give the corners "
+                        "of its patches by hand with --checker-corners",
+                        photo.name));
     CheckerView best;
     best.residual = std::numeric_limits<double>::infinity();
     bool mirrored = false;
@@ -94,10 +103,15 @@ CheckerView find_checker_in(const io::Photograph& photo, const CheckerChart& cha
             mirrored = !best.place.seen_from_back({chart.columns / 2.0, chart.rows / 2.0});
         }
     if (!(best.residual < worst_residual))
-        throw InputError(fmt::format("{}: what was taken for the colour checker has not its colours (they miss them by {:.3f} of white on average, in the best of all orders). Wrong "
-                                     "corners, another chart, patches that clip, or samples that are not linear light (a tone curve): develop the photograph linearly",
-                                     photo.name, best.residual));
-    if (mirrored) throw InputError(fmt::format("{}: the colour checker is mirrored, so the whole picture is; give it as it was taken", photo.name));
+        throw InputError(
+            fmt::format("{}: what was taken for the colour checker has not its colours (they miss them by {:.3f} of "
+                        "white on average, in the best of all orders). Wrong "
+                        "corners, another chart, patches that clip, or samples that are not linear light (a tone "
+                        "curve): develop the photograph linearly",
+                        photo.name, best.residual));
+    if (mirrored)
+        throw InputError(fmt::format(
+            "{}: the colour checker is mirrored, so the whole picture is; give it as it was taken", photo.name));
     return best;
 }
 

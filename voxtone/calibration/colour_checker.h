@@ -21,10 +21,10 @@ struct CheckerView {
     double residual = 0;              ///< root mean square of the best matrix, of a perfect white
 };
 
-/// `hidden`: where the target lies; the chart is looked for elsewhere. `corners`: of the chart's cells, in any order round
-/// it. Throws InputError where there is none, its colours fit in no order, or only mirrored.
-[[nodiscard]] CheckerView find_checker_in(const io::Photograph& photograph, const CheckerChart& chart, const Eigen::Vector3d& clip,
-                                          const std::array<Eigen::Vector2d, 4>& hidden,
+/// `hidden`: where the target lies; the chart is looked for elsewhere. `corners`: of the chart's cells, in any order
+/// round it. Throws InputError where there is none, its colours fit in no order, or only mirrored.
+[[nodiscard]] CheckerView find_checker_in(const io::Photograph& photograph, const CheckerChart& chart,
+                                          const Eigen::Vector3d& clip, const std::array<Eigen::Vector2d, 4>& hidden,
                                           const std::optional<std::array<Eigen::Vector2d, 4>>& corners = std::nullopt);
 
 /// The part of cell (column, row) that is sampled, in the chart's coordinates.

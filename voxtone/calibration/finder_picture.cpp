@@ -13,7 +13,8 @@ std::vector<std::uint8_t> finder_bgr(const io::Photograph& photograph) {
     std::array<float, 3> white{};
     for (int channel = 0; channel < 3; ++channel) {
         std::vector<float> values;
-        for (std::size_t i = 0; i < photograph.pixels.size(); i += step) values.push_back(photograph.pixels[i][channel]);
+        for (std::size_t i = 0; i < photograph.pixels.size(); i += step)
+            values.push_back(photograph.pixels[i][channel]);
         const auto high = values.begin() + std::ptrdiff_t(double(values.size() - 1) * 0.995);
         std::nth_element(values.begin(), high, values.end());
         white[std::size_t(channel)] = std::max(*high, 1e-6f);
@@ -32,7 +33,8 @@ std::vector<std::uint8_t> finder_bgr(const io::Photograph& photograph) {
 std::vector<std::uint8_t> finder_grey(const io::Photograph& photograph) {
     const std::vector<std::uint8_t> bgr = finder_bgr(photograph);
     std::vector<std::uint8_t> grey(bgr.size() / 3);
-    for (std::size_t i = 0; i < grey.size(); ++i) grey[i] = static_cast<std::uint8_t>((bgr[3 * i] + bgr[3 * i + 1] + bgr[3 * i + 2]) / 3);
+    for (std::size_t i = 0; i < grey.size(); ++i)
+        grey[i] = static_cast<std::uint8_t>((bgr[3 * i] + bgr[3 * i + 1] + bgr[3 * i + 2]) / 3);
     return grey;
 }
 

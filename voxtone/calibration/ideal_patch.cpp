@@ -21,7 +21,9 @@ constexpr int trapped = 8, escaping = 8;  // 1e-6 for calibration patches (quadr
 }  // namespace
 
 IdealPatches::IdealPatches(const optics::ResinSet& set)
-    : set_(set), solver_(optics::angular_grid(set.eta, trapped, escaping, std::array{cos_45, 1.0}), set.g, 2 * (trapped + escaping)) {}
+    : set_(set),
+      solver_(optics::angular_grid(set.eta, trapped, escaping, std::array{cos_45, 1.0}), set.g,
+              2 * (trapped + escaping)) {}
 
 std::vector<double> IdealPatches::fractions(const PatchMixture& mixture) const {
     std::vector<double> all(set_.resins.size(), 0.0);
@@ -37,7 +39,8 @@ std::vector<double> IdealPatches::fractions(const PatchMixture& mixture) const {
     return all;
 }
 
-std::vector<double> IdealPatches::reflectance(const PatchMixture& top, double top_mm, const std::string& backing, double base_mm) const {
+std::vector<double> IdealPatches::reflectance(const PatchMixture& top, double top_mm, const std::string& backing,
+                                              double base_mm) const {
     const std::vector<double> upper = fractions(top), lower = fractions({{backing, 1.0}});
     const optics::AngularGrid& grid = solver_.grid();
     const int out = grid.find(1.0), in = grid.find(cos_45);
@@ -46,7 +49,9 @@ std::vector<double> IdealPatches::reflectance(const PatchMixture& top, double to
         const optics::Medium base = set_.mix(lower, channel), square = set_.mix(upper, channel);
         const Eigen::MatrixXd nothing = Eigen::MatrixXd::Zero(grid.size(), grid.size());
         const bool endless = base_mm <= 0 && base.sigma_t() > 0;
-        Eigen::MatrixXd R = endless ? solver_.half_space(base) : base_mm > 0 ? solver_.over(solver_.layer(base, base_mm), nothing) : nothing;
+        Eigen::MatrixXd R = endless       ? solver_.half_space(base)
+                            : base_mm > 0 ? solver_.over(solver_.layer(base, base_mm), nothing)
+                                          : nothing;
         R = solver_.over(solver_.layer(square, top_mm), R);
         rho.push_back(optics::reflectance_factors(grid, R)(out, in));
     }
@@ -66,7 +71,8 @@ std::vector<double> lost_through_base(const optics::ResinSet& set, const std::st
     const PatchMixture resin{{role, 1.0}};
     std::vector<double> finite = patches.reflectance(resin, base_mm / 2, role, base_mm / 2);
     const std::vector<double> endless = patches.reflectance(resin, base_mm / 2, role, 0);
-    for (std::size_t channel = 0; channel < finite.size(); ++channel) finite[channel] = endless[channel] - finite[channel];
+    for (std::size_t channel = 0; channel < finite.size(); ++channel)
+        finite[channel] = endless[channel] - finite[channel];
     return finite;
 }
 

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Dense>
 #include <ceres/ceres.h>
 #include <fmt/format.h>
+#include <Eigen/Dense>
 
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/error.h"
@@ -36,7 +36,9 @@ struct ChartCost {
     bool operator()(const T* M, const T* light, T* residual) const {
         const T L = light_of(basis, light);
         for (int i = 0; i < 3; ++i)
-            residual[i] = (L * (M[3 * i] * reference[0] + M[3 * i + 1] * reference[1] + M[3 * i + 2] * reference[2]) - value[i]) / deviation[i];
+            residual[i] =
+                (L * (M[3 * i] * reference[0] + M[3 * i + 1] * reference[1] + M[3 * i + 2] * reference[2]) - value[i]) /
+                deviation[i];
         return true;
     }
 };
@@ -61,7 +63,9 @@ struct PriorCost {
 };
 
 /// A chart's patches are wrong partly by a share of themselves, partly by a share of white.
-Eigen::Vector3d chart_deviation(const Eigen::Vector3d& value, const Eigen::Vector3d& white) { return 0.5 * value + 0.1 * white; }
+Eigen::Vector3d chart_deviation(const Eigen::Vector3d& value, const Eigen::Vector3d& white) {
+    return 0.5 * value + 0.1 * white;
+}
 
 }  // namespace
 
@@ -74,12 +78,19 @@ Basis PhotoModel::basis(const Eigen::Vector2d& px) const {
     return b;
 }
 
-PhotoModel PhotoModel::fit(std::span<const LitSample> chart, std::span<const LitSample> frame, double width_px, double height_px, const std::string& name) {
+PhotoModel PhotoModel::fit(std::span<const LitSample> chart, std::span<const LitSample> frame, double width_px,
+                           double height_px, const std::string& name) {
     constexpr std::size_t least_patches = 12, least_frame = 8;
     if (chart.size() < least_patches)
-        throw InputError(fmt::format("{}: only {} patches of the colour checker can be used, {} are needed; the others clip or are cut off: expose less, show all of it", name, chart.size(), least_patches));
+        throw InputError(
+            fmt::format("{}: only {} patches of the colour checker can be used, {} are needed; the others clip or are "
+                        "cut off: expose less, show all of it",
+                        name, chart.size(), least_patches));
     if (frame.size() < least_frame)
-        throw InputError(fmt::format("{}: only {} places of the light frame can be used, {} are needed; it clips, is cut off or is too small in the picture", name, frame.size(), least_frame));
+        throw InputError(
+            fmt::format("{}: only {} places of the light frame can be used, {} are needed; it clips, is cut off or is "
+                        "too small in the picture",
+                        name, frame.size(), least_frame));
     PhotoModel model;
     model.width_px_ = width_px;
     model.height_px_ = height_px;
@@ -103,11 +114,16 @@ PhotoModel PhotoModel::fit(std::span<const LitSample> chart, std::span<const Lit
         ceres::Problem problem;
         double* const blocks[] = {theta.data(), theta.data() + 9, theta.data() + 12};
         for (const LitSample& s : chart)
-            problem.AddResidualBlock(new ceres::AutoDiffCostFunction<ChartCost, 3, 9, terms>(new ChartCost{model.basis(s.px), s.value, s.reference, chart_scale * chart_deviation(s.value, chart_white)}),
-                                     nullptr, blocks[0], blocks[2]);
+            problem.AddResidualBlock(
+                new ceres::AutoDiffCostFunction<ChartCost, 3, 9, terms>(new ChartCost{
+                    model.basis(s.px), s.value, s.reference, chart_scale * chart_deviation(s.value, chart_white)}),
+                nullptr, blocks[0], blocks[2]);
         for (const LitSample& s : frame)
-            problem.AddResidualBlock(new ceres::AutoDiffCostFunction<FrameCost, 3, 3, terms>(new FrameCost{model.basis(s.px), s.value, frame_scale * s.value}), nullptr, blocks[1], blocks[2]);
-        problem.AddResidualBlock(new ceres::AutoDiffCostFunction<PriorCost, terms, terms>(new PriorCost), nullptr, blocks[2]);
+            problem.AddResidualBlock(new ceres::AutoDiffCostFunction<FrameCost, 3, 3, terms>(
+                                         new FrameCost{model.basis(s.px), s.value, frame_scale * s.value}),
+                                     nullptr, blocks[1], blocks[2]);
+        problem.AddResidualBlock(new ceres::AutoDiffCostFunction<PriorCost, terms, terms>(new PriorCost), nullptr,
+                                 blocks[2]);
         ceres::Solver::Options options;
         options.linear_solver_type = ceres::DENSE_QR;
         options.max_num_iterations = 100;
@@ -115,18 +131,22 @@ PhotoModel PhotoModel::fit(std::span<const LitSample> chart, std::span<const Lit
         options.logging_type = ceres::SILENT;
         ceres::Solver::Summary summary;
         ceres::Solve(options, &problem, &summary);
-        if (!summary.IsSolutionUsable() || !theta.allFinite()) throw InputError(fmt::format("{}: the light in the picture cannot be fitted ({})", name, summary.message));
+        if (!summary.IsSolutionUsable() || !theta.allFinite())
+            throw InputError(fmt::format("{}: the light in the picture cannot be fitted ({})", name, summary.message));
 
         // Deviations from the residuals; the frame's three channels and the chart's see one light field and one matrix.
         double chart_square = 0, frame_square = 0, srgb_square = 0;
         const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> camera(theta.data());
         for (const LitSample& s : chart) {
-            const Eigen::Vector3d off = light_of(model.basis(s.px), theta.data() + 12) * (camera * s.reference) - s.value;
+            const Eigen::Vector3d off =
+                light_of(model.basis(s.px), theta.data() + 12) * (camera * s.reference) - s.value;
             chart_square += off.cwiseQuotient(chart_deviation(s.value, chart_white)).squaredNorm();
             srgb_square += (reflectance_with(theta, model.basis(s.px), s.value) - s.reference).squaredNorm();
         }
         for (const LitSample& s : frame)
-            frame_square += (light_of(model.basis(s.px), theta.data() + 12) * theta.segment<3>(9) - s.value).cwiseQuotient(s.value).squaredNorm();
+            frame_square += (light_of(model.basis(s.px), theta.data() + 12) * theta.segment<3>(9) - s.value)
+                                .cwiseQuotient(s.value)
+                                .squaredNorm();
         const double chart_count = 3.0 * double(chart.size()), frame_count = 3.0 * double(frame.size());
         const double lost = 9 + 3 + terms;  // parameters, shared out by the number of values
         const double freedom = std::max(0.2, 1 - lost / (chart_count + frame_count));
@@ -145,20 +165,24 @@ PhotoModel PhotoModel::fit(std::span<const LitSample> chart, std::span<const Lit
         for (int row = 0; row < J.num_rows; ++row)
             for (int a = J.rows[std::size_t(row)]; a < J.rows[std::size_t(row) + 1]; ++a)
                 for (int b = J.rows[std::size_t(row)]; b < J.rows[std::size_t(row) + 1]; ++b)
-                    normal(J.cols[std::size_t(a)], J.cols[std::size_t(b)]) += J.values[std::size_t(a)] * J.values[std::size_t(b)];
+                    normal(J.cols[std::size_t(a)], J.cols[std::size_t(b)]) +=
+                        J.values[std::size_t(a)] * J.values[std::size_t(b)];
         model.covariance_ = normal.ldlt().solve(Eigen::MatrixXd::Identity(parameters, parameters));
     }
     return model;
 }
 
-Eigen::Vector3d PhotoModel::reflectance_with(const Parameters& theta, const Basis& basis, const Eigen::Vector3d& value) {
+Eigen::Vector3d PhotoModel::reflectance_with(const Parameters& theta, const Basis& basis,
+                                             const Eigen::Vector3d& value) {
     const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> M(theta.data());
     return M.inverse() * value / light_of(basis, theta.data() + 12);
 }
 
 double PhotoModel::light(const Eigen::Vector2d& px) const { return light_of(basis(px), theta_.data() + 12); }
 
-Eigen::Vector3d PhotoModel::reflectance(const Eigen::Vector2d& px, const Eigen::Vector3d& value) const { return reflectance_with(theta_, basis(px), value); }
+Eigen::Vector3d PhotoModel::reflectance(const Eigen::Vector2d& px, const Eigen::Vector3d& value) const {
+    return reflectance_with(theta_, basis(px), value);
+}
 
 Eigen::Vector3d PhotoModel::error(const Eigen::Vector2d& px, const Eigen::Vector3d& value) const {
     const Basis here = basis(px);

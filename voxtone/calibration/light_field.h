@@ -6,8 +6,8 @@
 //
 // L: uneven light and vignetting, the same in all channels: a full cubic and the fourth power of the distance from the
 // middle. M: 3 x 3, from linear sRGB to the camera's channels (white balance and exposure included). Known are the
-// colours of the chart's patches; of the light frame it is only known that it has one colour everywhere, whichever. So the
-// frame tells L over the target, the chart tells M and L over itself, and L being smooth ties the two together.
+// colours of the chart's patches; of the light frame it is only known that it has one colour everywhere, whichever. So
+// the frame tells L over the target, the chart tells M and L over itself, and L being smooth ties the two together.
 //
 // Least squares (Ceres); relative errors of frame and chart are estimated from the residuals, weak priors keep what the
 // samples do not tell small. Standard errors of reflectances follow from the fit's covariance.
@@ -34,7 +34,8 @@ public:
     static constexpr int light_terms = 10, parameters = 9 + 3 + light_terms;
 
     /// Throws InputError (beginning with `name`) where there are too few samples or the fit fails.
-    [[nodiscard]] static PhotoModel fit(std::span<const LitSample> chart, std::span<const LitSample> frame, double width_px, double height_px, const std::string& name);
+    [[nodiscard]] static PhotoModel fit(std::span<const LitSample> chart, std::span<const LitSample> frame,
+                                        double width_px, double height_px, const std::string& name);
 
     /// Light at a place, relative to the middle of the picture.
     [[nodiscard]] double light(const Eigen::Vector2d& px) const;
@@ -53,7 +54,9 @@ public:
 
 private:
     using Parameters = Eigen::Matrix<double, parameters, 1>;
-    [[nodiscard]] static Eigen::Vector3d reflectance_with(const Parameters& theta, const Eigen::Matrix<double, light_terms, 1>& basis, const Eigen::Vector3d& value);
+    [[nodiscard]] static Eigen::Vector3d reflectance_with(const Parameters& theta,
+                                                          const Eigen::Matrix<double, light_terms, 1>& basis,
+                                                          const Eigen::Vector3d& value);
     [[nodiscard]] Eigen::Matrix<double, light_terms, 1> basis(const Eigen::Vector2d& px) const;
 
     double width_px_ = 1, height_px_ = 1;

@@ -14,7 +14,8 @@ std::vector<bool> marker_pattern(int id) {
     VOXTONE_ENSURE(cells.rows == marker_cells && cells.cols == marker_cells);
     std::vector<bool> dark;
     for (int row = 0; row < marker_cells; ++row)
-        for (int column = 0; column < marker_cells; ++column) dark.push_back(cells.at<unsigned char>(row, column) < 128);
+        for (int column = 0; column < marker_cells; ++column)
+            dark.push_back(cells.at<unsigned char>(row, column) < 128);
     return dark;
 }
 

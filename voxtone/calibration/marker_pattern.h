@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// The squares by which a photograph of a target finds itself: ArUco markers of 5 x 5 bits in a dark border one cell wide.
-// S. Garrido-Jurado et al., "Generation of fiducial marker dictionaries using mixed integer linear programming", 2016
-// (OpenCV's DICT_5X5_1000). No marker of the dictionary is another one turned, so each tells which way up it is.
+// The squares by which a photograph of a target finds itself: ArUco markers of 5 x 5 bits in a dark border one cell
+// wide. S. Garrido-Jurado et al., "Generation of fiducial marker dictionaries using mixed integer linear programming",
+// 2016 (OpenCV's DICT_5X5_1000). No marker of the dictionary is another one turned, so each tells which way up it is.
 #pragma once
 
 #include <string_view>

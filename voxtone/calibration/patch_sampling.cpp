@@ -56,7 +56,8 @@ void reweigh(std::vector<Block>& blocks, const Eigen::Matrix3d& plane) {
 
 }  // namespace
 
-AreaSample sample_area(const io::Photograph& photo, const Rectification& place, const Area& area, const Eigen::Vector3d& clip) {
+AreaSample sample_area(const io::Photograph& photo, const Rectification& place, const Area& area,
+                       const Eigen::Vector3d& clip) {
     AreaSample sample;
     sample.middle_px = place.to_px(area.center());
     Eigen::Vector2d low = Eigen::Vector2d::Constant(1e30), high = -low;
@@ -127,14 +128,17 @@ AreaSample sample_area(const io::Photograph& photo, const Rectification& place, 
 }
 
 Eigen::Vector3d clipping_level(const io::Photograph& photo) {
-    if (photo.bits < 32) return Eigen::Vector3d::Constant(photo.bits == 8 ? 0.99 : 0.996);  // of 8 bits: a code less than the largest
+    if (photo.bits < 32)
+        return Eigen::Vector3d::Constant(photo.bits == 8 ? 0.99 : 0.996);  // of 8 bits: a code less than the largest
     Eigen::Vector3f most = Eigen::Vector3f::Zero();
     for (const Eigen::Vector3f& pixel : photo.pixels) most = most.cwiseMax(pixel);
     Eigen::Vector3d level;
     for (int channel = 0; channel < 3; ++channel) {
         std::size_t there = 0;
         for (const Eigen::Vector3f& pixel : photo.pixels) there += pixel[channel] >= most[channel] * 0.9999f;
-        level[channel] = there > std::max<std::size_t>(20, photo.pixels.size() / 10000) ? most[channel] * 0.999 : std::numeric_limits<double>::infinity();
+        level[channel] = there > std::max<std::size_t>(20, photo.pixels.size() / 10000)
+                             ? most[channel] * 0.999
+                             : std::numeric_limits<double>::infinity();
     }
     return level;
 }

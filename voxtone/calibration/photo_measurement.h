@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// From photographs of a target to its patch table: find the target, rectify, sample every square, find the chart, fit light
-// and colours, average photographs. What cannot be measured is refused, naming the square; what is doubtful is said.
+// From photographs of a target to its patch table: find the target, rectify, sample every square, find the chart, fit
+// light and colours, average photographs. What cannot be measured is refused, naming the square; what is doubtful is
+// said.
 //
-// Errors of the table: noise of the samples, the fit of light and colours (light_field.h), and how far photographs differ,
-// whichever is larger. They do not hold what all photographs have in common: a chart that is not what its file says, a
-// camera that sees colours as no matrix can relate, glare, light that wanders from one square to the next inside the slab.
+// Errors of the table: noise of the samples, the fit of light and colours (light_field.h), and how far photographs
+// differ, whichever is larger. They do not hold what all photographs have in common: a chart that is not what its file
+// says, a camera that sees colours as no matrix can relate, glare, light that wanders from one square to the next
+// inside the slab.
 #pragma once
 
 #include <array>
@@ -21,13 +23,14 @@
 namespace voxtone::calibration {
 
 struct PhotoMeasureOptions {
-    io::SampleCoding coding = io::SampleCoding::unknown;  ///< unknown: as the file says, else what the chart's greys say
-    double inner = 0.6;                                   ///< part of a square's edge that is sampled, [0.1, 0.9]
+    io::SampleCoding coding =
+        io::SampleCoding::unknown;  ///< unknown: as the file says, else what the chart's greys say
+    double inner = 0.6;             ///< part of a square's edge that is sampled, [0.1, 0.9]
     std::optional<std::array<Eigen::Vector2d, 4>> corners, checker_corners;  ///< by hand, px
 };
 
 struct PhotoMeasurement {
-    io::Photograph photograph;                ///< linear
+    io::Photograph photograph;  ///< linear
     TargetView view;
     CheckerView checker;
     PhotoModel model;
@@ -38,7 +41,8 @@ struct PhotoMeasurement {
 };
 
 /// Throws InputError that names photograph and square.
-[[nodiscard]] PhotoMeasurement measure_photo(io::Photograph photograph, const Target& target, const CheckerChart& chart, const PhotoMeasureOptions& options);
+[[nodiscard]] PhotoMeasurement measure_photo(io::Photograph photograph, const Target& target, const CheckerChart& chart,
+                                             const PhotoMeasureOptions& options);
 
 /// Where the light of a target's frame is sampled: places of the light resin away from all else.
 [[nodiscard]] std::vector<Area> frame_areas(const Target& target);

@@ -10,6 +10,7 @@
 
 namespace voxtone::calibration {
 
-[[nodiscard]] io::Picture8 photo_overlay(const PhotoMeasurement& measurement, const CheckerChart& chart, int longest_px = 1600);
+[[nodiscard]] io::Picture8 photo_overlay(const PhotoMeasurement& measurement, const CheckerChart& chart,
+                                         int longest_px = 1600);
 
 }  // namespace voxtone::calibration

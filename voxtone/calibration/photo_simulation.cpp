@@ -6,9 +6,9 @@
 #include <map>
 #include <numbers>
 
+#include <fmt/format.h>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
-#include <fmt/format.h>
 
 #include "voxtone/base/error.h"
 #include "voxtone/base/parallel.h"
@@ -35,7 +35,7 @@ double radians(double degrees) { return degrees * pi / 180; }
 struct Dirt {
     Eigen::Vector2d from, to;  ///< the same for a speck
     double radius_mm;
-    double cover;              ///< share of what is seen there
+    double cover;  ///< share of what is seen there
     Eigen::Vector3d colour;
     [[nodiscard]] bool hits(const Eigen::Vector2d& p) const {
         const Eigen::Vector2d along = to - from;
@@ -51,8 +51,10 @@ public:
     Table(const Target& target, const TargetColours& colours, const CheckerChart& chart, const PhotoOptions& o)
         : target_(target), scene_(target, colours), chart_(chart), options_(o) {
         const bool turned = o.checker_turns % 2 != 0;
-        const Eigen::Vector2d chart_size = o.checker_cell_mm * Eigen::Vector2d(turned ? chart.rows : chart.columns, turned ? chart.columns : chart.rows);
-        const Eigen::Vector2d middle(target.size_mm.x() + gap_mm + chart_rim_mm + chart_size.x() / 2, target.size_mm.y() / 2);
+        const Eigen::Vector2d chart_size = o.checker_cell_mm * Eigen::Vector2d(turned ? chart.rows : chart.columns,
+                                                                               turned ? chart.columns : chart.rows);
+        const Eigen::Vector2d middle(target.size_mm.x() + gap_mm + chart_rim_mm + chart_size.x() / 2,
+                                     target.size_mm.y() / 2);
         chart_area_ = {middle - chart_size / 2, middle + chart_size / 2};
         chart_middle_ = middle;
         for (std::size_t p = 0; p < chart.linear_srgb.size(); ++p) {
@@ -78,7 +80,8 @@ public:
     }
 
     [[nodiscard]] Eigen::Vector3d at(const Eigen::Vector2d& p) const {
-        if (p.x() >= 0 && p.y() >= 0 && p.x() <= target_.size_mm.x() && p.y() <= target_.size_mm.y()) return dirty(p, scene_.at(p));
+        if (p.x() >= 0 && p.y() >= 0 && p.x() <= target_.size_mm.x() && p.y() <= target_.size_mm.y())
+            return dirty(p, scene_.at(p));
         if (options_.checker && chart_area_.shrunk(-chart_rim_mm).contains(p)) return chart_colour(p);
         return Eigen::Vector3d::Constant(sheet);
     }
@@ -87,15 +90,20 @@ private:
     static constexpr double bucket_mm = 2;
 
     [[nodiscard]] Eigen::Vector3d chart_colour(const Eigen::Vector2d& p) const {
-        const Eigen::Vector2d own = Eigen::Rotation2Dd(pi / 2 * options_.checker_turns) * ((p - chart_middle_) / options_.checker_cell_mm);
+        const Eigen::Vector2d own =
+            Eigen::Rotation2Dd(pi / 2 * options_.checker_turns) * ((p - chart_middle_) / options_.checker_cell_mm);
         const double column = own.x() + chart_.columns / 2.0, row = chart_.rows / 2.0 - own.y();
-        if (column < 0 || row < 0 || column >= chart_.columns || row >= chart_.rows) return Eigen::Vector3d::Constant(chart_black);
-        const double edge = std::max(std::abs(column - std::floor(column) - 0.5), std::abs(row - std::floor(row) - 0.5));
+        if (column < 0 || row < 0 || column >= chart_.columns || row >= chart_.rows)
+            return Eigen::Vector3d::Constant(chart_black);
+        const double edge =
+            std::max(std::abs(column - std::floor(column) - 0.5), std::abs(row - std::floor(row) - 0.5));
         if (edge > patch_share / 2) return Eigen::Vector3d::Constant(chart_black);
         return chart_colours_[std::size_t(int(row) * chart_.columns + int(column))];
     }
 
-    [[nodiscard]] static std::pair<int, int> bucket(const Eigen::Vector2d& p) { return {int(std::floor(p.x() / bucket_mm)), int(std::floor(p.y() / bucket_mm))}; }
+    [[nodiscard]] static std::pair<int, int> bucket(const Eigen::Vector2d& p) {
+        return {int(std::floor(p.x() / bucket_mm)), int(std::floor(p.y() / bucket_mm))};
+    }
 
     void add(const Dirt& dirt) {
         dirt_.push_back(dirt);
@@ -113,14 +121,17 @@ private:
         for (int i = 0; i < options_.dust; ++i) {
             RandomStream random(options_.seed, std::uint64_t(i), dust_stream);
             const Eigen::Vector2d p = somewhere(random);
-            const double radius = 0.05 + 0.35 * random.uniform() * random.uniform(), grey = random.uniform() < 0.7 ? 0.05 + 0.1 * random.uniform() : 0.8;
+            const double radius = 0.05 + 0.35 * random.uniform() * random.uniform(),
+                         grey = random.uniform() < 0.7 ? 0.05 + 0.1 * random.uniform() : 0.8;
             add({p, p, radius, 0.9, Eigen::Vector3d::Constant(grey)});
         }
         for (int i = 0; i < options_.scratches; ++i) {
             RandomStream random(options_.seed, std::uint64_t(i), scratch_stream);
             const Eigen::Vector2d p = somewhere(random);
-            const double length = 5 + 35 * random.uniform(), angle = pi * random.uniform(), radius = 0.03 + 0.05 * random.uniform();
-            add({p, p + length * Eigen::Vector2d(std::cos(angle), std::sin(angle)), radius, 0.4, Eigen::Vector3d::Constant(0.9)});
+            const double length = 5 + 35 * random.uniform(), angle = pi * random.uniform(),
+                         radius = 0.03 + 0.05 * random.uniform();
+            add({p, p + length * Eigen::Vector2d(std::cos(angle), std::sin(angle)), radius, 0.4,
+                 Eigen::Vector3d::Constant(0.9)});
         }
     }
 
@@ -148,9 +159,10 @@ Eigen::Matrix3d camera(const Area& all, const PhotoOptions& o) {
     const double width = all.size().maxCoeff();
     Eigen::Matrix3d to_middle = Eigen::Matrix3d::Identity();
     to_middle.topRightCorner<2, 1>() = -all.center();
-    const Eigen::Matrix3d turned =
-        (Eigen::AngleAxisd(radians(o.tilt_x_deg), Eigen::Vector3d::UnitX()) * Eigen::AngleAxisd(radians(o.tilt_y_deg), Eigen::Vector3d::UnitY()) *
-         Eigen::AngleAxisd(radians(o.turn_deg), Eigen::Vector3d::UnitZ())).toRotationMatrix();
+    const Eigen::Matrix3d turned = (Eigen::AngleAxisd(radians(o.tilt_x_deg), Eigen::Vector3d::UnitX()) *
+                                    Eigen::AngleAxisd(radians(o.tilt_y_deg), Eigen::Vector3d::UnitY()) *
+                                    Eigen::AngleAxisd(radians(o.turn_deg), Eigen::Vector3d::UnitZ()))
+                                       .toRotationMatrix();
     Eigen::Matrix3d project;  // the table's plane, turned, in front of a pinhole; the picture's y runs down
     project.row(0) = Eigen::RowVector3d(turned(0, 0), turned(0, 1), 0) * (o.mirrored ? -1 : 1);
     project.row(1) = Eigen::RowVector3d(-turned(1, 0), -turned(1, 1), 0);
@@ -176,12 +188,15 @@ Eigen::Matrix3d camera(const Area& all, const PhotoOptions& o) {
 class Lamp {
 public:
     Lamp(const Area& all, const PhotoOptions& o) : distance_(o.lamp_mm) {
-        const Eigen::Vector2d side = std::sqrt(0.5) * o.lamp_mm * Eigen::Vector2d(std::cos(radians(o.lamp_azimuth_deg)), std::sin(radians(o.lamp_azimuth_deg)));
+        const Eigen::Vector2d side =
+            std::sqrt(0.5) * o.lamp_mm *
+            Eigen::Vector2d(std::cos(radians(o.lamp_azimuth_deg)), std::sin(radians(o.lamp_azimuth_deg)));
         place_ = {all.center().x() + side.x(), all.center().y() + side.y(), std::sqrt(0.5) * o.lamp_mm};
     }
     [[nodiscard]] double at(const Eigen::Vector2d& p) const {
         if (distance_ <= 0) return 1;
-        return std::pow(distance_ / (place_ - Eigen::Vector3d(p.x(), p.y(), 0)).norm(), 3);  // 1/r^2, and the cosine has another 1/r
+        return std::pow(distance_ / (place_ - Eigen::Vector3d(p.x(), p.y(), 0)).norm(),
+                        3);  // 1/r^2, and the cosine has another 1/r
     }
 
 private:
@@ -204,7 +219,8 @@ void blur(std::vector<Eigen::Vector3f>& pixels, std::uint32_t width, std::uint32
             for (std::uint32_t x = 0; x < width; ++x) {
                 Eigen::Vector3f value = Eigen::Vector3f::Zero();
                 for (int i = -reach; i <= reach; ++i) {
-                    const int u = along_x ? std::clamp(int(x) + i, 0, int(width) - 1) : int(x), v = along_x ? int(y) : std::clamp(int(y) + i, 0, int(height) - 1);
+                    const int u = along_x ? std::clamp(int(x) + i, 0, int(width) - 1) : int(x),
+                              v = along_x ? int(y) : std::clamp(int(y) + i, 0, int(height) - 1);
                     value += kernel[std::size_t(i + reach)] * in[std::size_t(v) * width + std::size_t(u)];
                 }
                 out[y * width + x] = value / sum;
@@ -218,7 +234,8 @@ void blur(std::vector<Eigen::Vector3f>& pixels, std::uint32_t width, std::uint32
 Eigen::Matrix3d camera_colours(const PhotoOptions& o) {
     Eigen::Matrix3d mixing;
     mixing << 0.71, 0.25, 0.04, 0.16, 0.74, 0.10, 0.03, 0.21, 0.76;  // rows sum to 1; of the size of a camera's
-    const Eigen::Matrix3d balanced = o.white_balance.asDiagonal() * (Eigen::Matrix3d::Identity() + o.matrix * (mixing - Eigen::Matrix3d::Identity()));
+    const Eigen::Matrix3d balanced = o.white_balance.asDiagonal() *
+                                     (Eigen::Matrix3d::Identity() + o.matrix * (mixing - Eigen::Matrix3d::Identity()));
     return balanced * (o.exposure * white_level / o.white_balance.maxCoeff());
 }
 
@@ -226,7 +243,9 @@ Eigen::Matrix3d camera_colours(const PhotoOptions& o) {
 
 void PhotoOptions::validate() const {
     const auto range = [](const char* name, double value, double least, double most) {
-        if (!(value >= least && value <= most)) throw InputError(fmt::format("simulated photograph: {} is {}; it must be from {} to {}", name, value, least, most));
+        if (!(value >= least && value <= most))
+            throw InputError(
+                fmt::format("simulated photograph: {} is {}; it must be from {} to {}", name, value, least, most));
     };
     range("width", width_px, 64, 20000);
     range("height", height_px, 64, 20000);
@@ -250,7 +269,8 @@ void PhotoOptions::validate() const {
     range("checker cell", checker_cell_mm, 1, 100);
 }
 
-SimulatedPhoto simulate_photo(const Target& target, const TargetColours& colours, const CheckerChart& chart, const PhotoOptions& o) {
+SimulatedPhoto simulate_photo(const Target& target, const TargetColours& colours, const CheckerChart& chart,
+                              const PhotoOptions& o) {
     o.validate();
     const Table table(target, colours, chart, o);
     const Eigen::Matrix3d H = camera(table.all(), o), back = H.inverse();
@@ -268,7 +288,8 @@ SimulatedPhoto simulate_photo(const Target& target, const TargetColours& colours
         for (std::uint32_t x = 0; x < o.width_px; ++x) {
             Eigen::Vector3d sum = Eigen::Vector3d::Zero();
             for (int s = 0; s < samples * samples; ++s) {
-                const Eigen::Vector3d at(x + (s % samples + 0.5) / samples, double(y) + (s / samples + 0.5) / samples, 1);
+                const Eigen::Vector3d at(x + (s % samples + 0.5) / samples, double(y) + (s / samples + 0.5) / samples,
+                                         1);
                 const Eigen::Vector2d p = (back * at).hnormalized();
                 sum += lamp.at(p) * table.at(p);
             }
@@ -286,15 +307,20 @@ SimulatedPhoto simulate_photo(const Target& target, const TargetColours& colours
             Eigen::Vector3d signal = seen * photo.pixels[i].cast<double>() / std::pow(1 + fall * r2, 2);
             RandomStream random(o.seed, i, noise_stream);
             if (o.electrons > 0)
-                for (double& value : signal) value += normal(random) * std::sqrt(std::max(value, 0.0) / o.electrons + o.read_noise * o.read_noise);
+                for (double& value : signal)
+                    value +=
+                        normal(random) * std::sqrt(std::max(value, 0.0) / o.electrons + o.read_noise * o.read_noise);
             photo.pixels[i] = signal.cwiseMax(0).cwiseMin(1).cast<float>();
         }
     });
     const auto pixel = [&](const Eigen::Vector2d& p) -> Eigen::Vector2d { return (H * p.homogeneous()).hnormalized(); };
     const Eigen::Vector2d& size = target.size_mm;
-    for (const Eigen::Vector2d& p : {Eigen::Vector2d(0, size.y()), Eigen::Vector2d(size), Eigen::Vector2d(size.x(), 0), Eigen::Vector2d(0, 0)}) result.target_corners_px.push_back(pixel(p));
+    for (const Eigen::Vector2d& p :
+         {Eigen::Vector2d(0, size.y()), Eigen::Vector2d(size), Eigen::Vector2d(size.x(), 0), Eigen::Vector2d(0, 0)})
+        result.target_corners_px.push_back(pixel(p));
     if (o.checker)
-        for (const auto& [column, row] : {std::pair{0, 0}, std::pair{chart.columns, 0}, std::pair{chart.columns, chart.rows}, std::pair{0, chart.rows}})
+        for (const auto& [column, row] : {std::pair{0, 0}, std::pair{chart.columns, 0},
+                                          std::pair{chart.columns, chart.rows}, std::pair{0, chart.rows}})
             result.checker_corners_px.push_back(pixel(table.chart_point(column, row)));
     return result;
 }

@@ -10,7 +10,8 @@
 
 namespace voxtone::calibration {
 
-Rectification Rectification::fit(std::span<const Eigen::Vector2d> plane, std::span<const Eigen::Vector2d> px, double* residual_px) {
+Rectification Rectification::fit(std::span<const Eigen::Vector2d> plane, std::span<const Eigen::Vector2d> px,
+                                 double* residual_px) {
     VOXTONE_EXPECT(plane.size() == px.size() && plane.size() >= 4);
     std::vector<cv::Point2d> from, to;
     for (std::size_t i = 0; i < plane.size(); ++i) {
@@ -33,7 +34,8 @@ Rectification Rectification::fit(std::span<const Eigen::Vector2d> plane, std::sp
 
 double Rectification::area_change(const Eigen::Vector2d& p) const {
     constexpr double step = 1e-3;
-    const Eigen::Vector2d x = (to_px(p + Eigen::Vector2d(step, 0)) - to_px(p)) / step, y = (to_px(p + Eigen::Vector2d(0, step)) - to_px(p)) / step;
+    const Eigen::Vector2d x = (to_px(p + Eigen::Vector2d(step, 0)) - to_px(p)) / step,
+                          y = (to_px(p + Eigen::Vector2d(0, step)) - to_px(p)) / step;
     return x.x() * y.y() - x.y() * y.x();
 }
 

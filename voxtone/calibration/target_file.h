@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// target.json: the description of a calibration target (format "voxtone-target", version 1), mm throughout; coordinates as
-// in target_layout.h. Mixtures are written as in patch tables, "C:10+W:90" (percent).
+// target.json: the description of a calibration target (format "voxtone-target", version 1), mm throughout; coordinates
+// as in target_layout.h. Mixtures are written as in patch tables, "C:10+W:90" (percent).
 #pragma once
 
 #include <filesystem>

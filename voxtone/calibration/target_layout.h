@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // What lies where on a calibration target: a slab, half of a light resin and half of a dark one, thin squares of every
-// resin and of mixtures upon both halves, and a light frame around all with four markers. Iser, Rittig, Wilkie 2025, Sec. 3.5.
+// resin and of mixtures upon both halves, and a light frame around all with four markers. Iser, Rittig, Wilkie 2025,
+// Sec. 3.5.
 //
 //   layout A  every resin by itself
 //   layout B  A, the dark and the light resin 10:90 and 90:10, every other resin with the light one 10:90
@@ -34,13 +35,14 @@ struct TargetOptions {
     std::string light = "W";         ///< role of the light half and of the frame; one of `roles`
     std::string dark = "K";          ///< role of the dark half and of the markers; one of `roles`, not the light one
     std::string printer;             ///< id of its profile
-    std::array<double, 3> pitch_um{};  ///< of its voxels; squares get the nearest whole number of layers, the base at least its thickness
-    double square_mm = 10;           ///< edge of a square, [1, 100]
-    double top_mm = 0.675;           ///< thickness of the squares, (0, 10]
-    double base_mm = 5;              ///< thickness of what is under them, (0, 100]
-    double gap_mm = 2;               ///< between squares, and from squares to the edge of their half, [0, 50]
-    double marker_mm = 9;            ///< edge of a marker, [2, 50]
-    double quiet_mm = 1.5;           ///< light around a marker; at least one of its cells (a seventh of its edge), at most 50
+    std::array<double, 3>
+        pitch_um{};  ///< of its voxels; squares get the nearest whole number of layers, the base at least its thickness
+    double square_mm = 10;  ///< edge of a square, [1, 100]
+    double top_mm = 0.675;  ///< thickness of the squares, (0, 10]
+    double base_mm = 5;     ///< thickness of what is under them, (0, 100]
+    double gap_mm = 2;      ///< between squares, and from squares to the edge of their half, [0, 50]
+    double marker_mm = 9;   ///< edge of a marker, [2, 50]
+    double quiet_mm = 1.5;  ///< light around a marker; at least one of its cells (a seventh of its edge), at most 50
 };
 
 /// An axis-parallel rectangle, mm.
@@ -78,9 +80,9 @@ struct Target {
     std::string light, dark;
     double top_mm = 0, base_mm = 0;
     Eigen::Vector2d size_mm = Eigen::Vector2d::Zero();
-    Area dark_half;                      ///< what is around it is light
+    Area dark_half;  ///< what is around it is light
     std::vector<TargetSquare> squares;
-    std::vector<TargetMarker> markers;   ///< upper left, upper right, lower right, lower left
+    std::vector<TargetMarker> markers;  ///< upper left, upper right, lower right, lower left
 
     /// Throws InputError naming the part and the rule it breaks: outside, overlapping, unknown roles, fractions, ...
     void validate(const std::string& where) const;

@@ -15,7 +15,8 @@ namespace voxtone::calibration {
 
 TargetColours reflected_colours(const Target& target, const optics::ResinSet& set) {
     if (!set.channels.is_rgb())
-        throw InputError(fmt::format("the resin set {} is spectral; a photograph has red, green and blue: give an RGB set", set.name));
+        throw InputError(fmt::format(
+            "the resin set {} is spectral; a photograph has red, green and blue: give an RGB set", set.name));
     const IdealPatches patches(set);
     const auto colour = [](const std::vector<double>& rho) { return Eigen::Vector3d(rho[0], rho[1], rho[2]); };
     TargetColours colours;
@@ -30,7 +31,9 @@ TargetColours drawn_colours(const Target& target, const std::vector<Eigen::Vecto
     const auto mix = [&](const PatchMixture& mixture) {
         Eigen::Vector3d sum = Eigen::Vector3d::Zero();
         for (const ResinShare& share : mixture)
-            sum += share.fraction * of_roles[std::size_t(std::find(target.roles.begin(), target.roles.end(), share.role) - target.roles.begin())];
+            sum +=
+                share.fraction * of_roles[std::size_t(std::find(target.roles.begin(), target.roles.end(), share.role) -
+                                                      target.roles.begin())];
         return sum;
     };
     TargetColours colours{mix({{target.light, 1.0}}), mix({{target.dark, 1.0}}), {}};
@@ -50,7 +53,8 @@ const Eigen::Vector3d& TargetScene::at(const Eigen::Vector2d& p) const {
         const Area& area = target_.markers[m].area;
         if (!area.contains(p)) continue;
         const double cell = area.size().x() / marker_cells;
-        const int column = std::min(marker_cells - 1, int((p.x() - area.min_mm.x()) / cell)), row = std::min(marker_cells - 1, int((area.max_mm.y() - p.y()) / cell));
+        const int column = std::min(marker_cells - 1, int((p.x() - area.min_mm.x()) / cell)),
+                  row = std::min(marker_cells - 1, int((area.max_mm.y() - p.y()) / cell));
         return patterns_[m][std::size_t(row * marker_cells + column)] ? colours_.dark : colours_.light;
     }
     return target_.dark_half.contains(p) ? colours_.dark : colours_.light;
@@ -63,7 +67,8 @@ io::LinearPicture target_preview(const Target& target, const TargetColours& colo
     picture.height_px = static_cast<std::uint32_t>(std::lround(target.size_mm.y() * px_per_mm));
     for (std::uint32_t y = 0; y < picture.height_px; ++y)
         for (std::uint32_t x = 0; x < picture.width_px; ++x) {
-            const Eigen::Vector3f rgb = scene.at({(x + 0.5) / px_per_mm, target.size_mm.y() - (y + 0.5) / px_per_mm}).cast<float>();
+            const Eigen::Vector3f rgb =
+                scene.at({(x + 0.5) / px_per_mm, target.size_mm.y() - (y + 0.5) / px_per_mm}).cast<float>();
             picture.pixels.emplace_back(rgb.x(), rgb.y(), rgb.z(), 1.0f);
         }
     return picture;

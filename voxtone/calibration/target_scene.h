@@ -18,7 +18,8 @@ struct TargetColours {
     std::vector<Eigen::Vector3d> squares;
 };
 
-/// rho(45 -> 0) of an RGB resin set as colours (ideal_patch.h). Throws InputError where the set is not RGB or lacks a resin.
+/// rho(45 -> 0) of an RGB resin set as colours (ideal_patch.h). Throws InputError where the set is not RGB or lacks a
+/// resin.
 [[nodiscard]] TargetColours reflected_colours(const Target& target, const optics::ResinSet& set);
 /// The resins' colours averaged by their shares: a drawing, no prediction. One colour for each of the target's roles.
 [[nodiscard]] TargetColours drawn_colours(const Target& target, const std::vector<Eigen::Vector3d>& of_roles);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Photographs as measurements: samples as floats, as near to what the sensor counted as the file has them. PNG, TIFF, EXR,
-// and the camera's own files (RAW) where OpenImageIO was built with LibRaw. Unlike `decode_image`, nothing is rounded to 16
-// bits, clamped or converted by a profile.
+// Photographs as measurements: samples as floats, as near to what the sensor counted as the file has them. PNG, TIFF,
+// EXR, and the camera's own files (RAW) where OpenImageIO was built with LibRaw. Unlike `decode_image`, nothing is
+// rounded to 16 bits, clamped or converted by a profile.
 #pragma once
 
 #include <cstdint>
@@ -39,8 +39,8 @@ struct Photograph {
 /// sRGB codes become linear light.
 void make_linear(Photograph& photograph);
 
-/// The bytes of a file of the kind that the name's extension tells: .png or .tif (16 bits, linear; a PNG says so, TIFF has
-/// no word for it), .exr (float). With `bits` 8: .png of sRGB codes. Throws UsageError for other extensions.
+/// The bytes of a file of the kind that the name's extension tells: .png or .tif (16 bits, linear; a PNG says so, TIFF
+/// has no word for it), .exr (float). With `bits` 8: .png of sRGB codes. Throws UsageError for other extensions.
 [[nodiscard]] std::vector<std::uint8_t> photograph_bytes(const Photograph& photograph, const std::string& file_name);
 
 }  // namespace voxtone::io
