@@ -166,10 +166,13 @@ Verdict judge(const Case& of) {
             verdict.albedo_over += row.albedo_median > row.albedo_limit();
             verdict.worst_sigma = std::max(verdict.worst_sigma, row.sigma_median / row.sigma_limit());
             verdict.worst_albedo = std::max(verdict.worst_albedo, row.albedo_median / row.albedo_limit());
+            verdict.mean_ln_sigma += std::log(row.sigma_median / row.sigma_limit());
+            verdict.mean_ln_albedo += std::log(row.albedo_median / row.albedo_limit());
             verdict.sigma_inside += row.sigma_inside, verdict.albedo_inside += row.albedo_inside;
             verdict.sigma_inside_trusted += row.sigma_inside_trusted * row.sigma_trusted, sigma_trusted += row.sigma_trusted;
             verdict.albedo_inside_trusted += row.albedo_inside_trusted * row.albedo_trusted, albedo_trusted += row.albedo_trusted;
         }
+    verdict.mean_ln_sigma /= verdict.rows, verdict.mean_ln_albedo /= verdict.rows;
     verdict.sigma_inside /= verdict.rows, verdict.albedo_inside /= verdict.rows;
     if (sigma_trusted > 0) verdict.sigma_inside_trusted /= sigma_trusted;
     if (albedo_trusted > 0) verdict.albedo_inside_trusted /= albedo_trusted;

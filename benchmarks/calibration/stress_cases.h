@@ -54,6 +54,7 @@ struct Verdict {
     double sigma_inside = 0, albedo_inside = 0;  ///< over all rows
     double sigma_inside_trusted = 0, albedo_inside_trusted = 0;
     double worst_sigma = 0, worst_albedo = 0;    ///< largest median / limit
+    double mean_ln_sigma = 0, mean_ln_albedo = 0;  ///< mean logarithm of median / limit: all rows together, less noisy than one
 };
 [[nodiscard]] Verdict judge(const Case& of);
 

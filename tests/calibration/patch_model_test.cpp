@@ -7,7 +7,6 @@
 #include <nlohmann/json.hpp>
 
 #include "target_samples.h"
-#include "voxtone/optics/halftone_medium.h"
 
 using namespace voxtone;
 using namespace voxtone::calibration;
@@ -107,7 +106,7 @@ TEST_CASE("Where the pitch is known a mixture is the halftone's medium, a pure r
     PatchTable table;
     table.patches = {{{{"W", 0.5}, {"Y", 0.5}}, "W", 0.675, 0, {}, {}, {}}, {{{"Y", 1}}, "W", 0.675, 0, {}, {}, {}}};
     const auto rho = PatchModel(table.patches, roles, options).rho(media(set, 2));
-    const Medium mixed = optics::HalftoneMedium(set, options.pitch_mm)(std::vector{0.0, 0.0, 0.5, 0.0, 0.5}, 2);
+    const Medium mixed = optics::HalftoneMedium(set, options.pitch_mm, optics::SeenFrom::above, random_dither)(std::vector{0.0, 0.0, 0.5, 0.0, 0.5}, 2);
     const auto plan = patch_plan(options);
     const optics::OrdinateBase white(*plan, set.resins[4].medium(2), false);
     CHECK(rho[0] == Approx(optics::OrdinateLayer(*plan, mixed, 0.675, false).upon(white).rho).margin(1e-12));

@@ -13,6 +13,7 @@
 #include "voxtone/base/error.h"
 #include "voxtone/base/parallel.h"
 #include "voxtone/calibration/channel_fit.h"
+#include "voxtone/calibration/fit_report.h"
 #include "voxtone/calibration/principles.h"
 
 using namespace voxtone;
@@ -242,10 +243,13 @@ TEST_CASE("Where the patches cannot tell, a flag says which value and why") {
     // Pure squares alone: opaque magenta (blue) and black, cyan that is black in red, yellow that is black in blue.
     const ResinFit a = fit_resins(measured('A', 0.005), {});
     CHECK(has(resin_of(a, "C").albedo[0], Doubt::dark));
-    CHECK(has(resin_of(a, "C").sigma_t[0], Doubt::opaque));
+    CHECK_FALSE(resin_of(a, "C").sigma_t[0].doubts.empty());
     CHECK(has(resin_of(a, "Y").albedo[2], Doubt::dark));
-    CHECK(has(resin_of(a, "Y").sigma_t[2], Doubt::opaque));
-    CHECK(has(resin_of(a, "K").sigma_t[1], Doubt::opaque));
+    CHECK_FALSE(resin_of(a, "Y").sigma_t[2].doubts.empty());
+    const auto is_limit = [](const FittedValue& value, double truth) {
+        return has(value, Doubt::opaque) && value.low == value.value && value.value < truth && value.high == 120;
+    };
+    CHECK(is_limit(resin_of(a, "M").sigma_t[2], 10));
     // What is well seen is not doubted.
     CHECK(resin_of(a, "W").albedo[1].doubts.empty());
     CHECK(resin_of(a, "W").sigma_t[1].doubts.empty());
@@ -255,6 +259,7 @@ TEST_CASE("Where the patches cannot tell, a flag says which value and why") {
     CHECK(resin_of(b, "C").sigma_t[0].doubts.empty());
     CHECK(resin_of(b, "Y").sigma_t[2].doubts.empty());
     CHECK(resin_of(b, "K").sigma_t[1].doubts.empty());
+    CHECK(resin_of(b, "M").sigma_t[2].doubts.empty());
     CHECK(has(resin_of(b, "C").albedo[0], Doubt::dark));
 
     optics::ResinSet thin = optics::vero_opaque();
@@ -347,4 +352,21 @@ TEST_CASE("A check refuses patches of other channels or resins") {
     optics::ResinSet spectral = optics::vero_opaque();
     spectral.channels.wavelengths_nm = {450, 550, 650};
     CHECK_THROWS_WITH(check_resins(spectral, table, {}), Contains("3 wavelengths"));
+}
+
+TEST_CASE("The report shows every patch, holds no broken number, and lets no name become markup") {
+    optics::ResinSet truth = optics::vero_opaque();
+    truth.resins[0].role = "<b>&";
+    for (const bool spectral : {false, true}) {
+        if (spectral) truth.channels.wavelengths_nm = {450, 550, 610};
+        PatchTable table = target('A', {"<b>&", "M", "Y"});
+        measure(table, truth, 0.005, 1);
+        const ResinFit fit = fit_resins(table, {});
+        const std::string page = fit_report_html(fit, table, {});
+        CHECK_THAT(page, Contains("&lt;b&gt;&amp; on W") && Contains("Principle 3") && Contains("</html>"));
+        CHECK_THAT(page, !Contains("<b>") && !Contains("nan") && !Contains("inf") && !Contains("http://") && !Contains("https://"));
+        std::size_t shown = 0;
+        for (std::size_t at = page.find("class=\"swatch\""); at != std::string::npos; at = page.find("class=\"swatch\"", at + 1)) ++shown;
+        CHECK(shown == table.patches.size());
+    }
 }

@@ -109,7 +109,7 @@ ChannelFitter::ChannelFitter(const PatchTable& table, const TargetRoles& roles, 
 // A coordinate that has run into its bound is held there, and let go when the residuals pull it back: within bounds alone
 // Ceres creeps along them.
 double ChannelFitter::solve(const Part& of, std::size_t channel, const std::vector<std::size_t>& free, bool bases_move,
-                            std::vector<ResinPoint>& resins, int& evaluations) const {
+                            std::vector<ResinPoint>& resins, int& evaluations, const std::vector<std::size_t>& held_resins) const {
     Residuals residuals(*this, of, channel, free, bases_move, resins, evaluations);
     const std::size_t count = 2 * free.size();
     std::vector<double> x, low, high;
@@ -138,7 +138,12 @@ double ChannelFitter::solve(const Part& of, std::size_t channel, const std::vect
     options.logging_type = ceres::SILENT;
     options.num_threads = 1;
     double chi2 = 0;
-    std::vector<bool> held(count, false);
+    std::vector<bool> fixed(count, false), held(count, false);
+    for (std::size_t k = 0; k < free.size(); ++k)
+        if (std::ranges::find(held_resins, free[k]) != held_resins.end()) {
+            fixed[2 * k + 1] = held[2 * k + 1] = true;
+            problem.SetParameterBlockConstant(blocks[2 * k + 1]);
+        }
     std::vector<double> gradient, residual(of.patches.size());
     for (int round = 0; round < 8; ++round) {
         ceres::Solver::Summary summary;
@@ -151,7 +156,7 @@ double ChannelFitter::solve(const Part& of, std::size_t channel, const std::vect
         bool changed = false;
         for (std::size_t k = 0; k < count; ++k) {
             const double reach = 1e-7 * (high[k] - low[k]);
-            const bool out = (x[k] <= low[k] + reach && gradient[k] > 0) || (x[k] >= high[k] - reach && gradient[k] < 0);
+            const bool out = fixed[k] || (x[k] <= low[k] + reach && gradient[k] > 0) || (x[k] >= high[k] - reach && gradient[k] < 0);
             changed = changed || out != held[k];
             held[k] = out;
             if (out) problem.SetParameterBlockConstant(blocks[k]);
@@ -187,6 +192,40 @@ void ChannelFitter::choose_minima(std::size_t channel, const ChannelStart& start
     }
 }
 
+void ChannelFitter::limit_opaque(std::size_t channel, const std::vector<std::size_t>& free, ChannelFit& fit) const {
+    const double high = std::log(bounds_.most_sigma_t);
+    std::vector<ResinPoint> limited = fit.resins;
+    for (const std::size_t r : free) {
+        const double at = fit.resins[r].ln_sigma_t;
+        if (fit.errors[r].ln_sigma_t < 0.5 && at < high - 1e-6) continue;
+        // A colour's own patches decide with the bases held; a base's are all.
+        const bool base = of_resin_[r].patches.empty();
+        const Part& of = base ? whole_ : of_resin_[r];
+        const std::vector<std::size_t> moving = base ? free : std::vector<std::size_t>{r};
+        std::vector<ResinPoint> resins;
+        const auto chi2 = [&](double ln_sigma_t) {
+            resins = fit.resins;
+            resins[r].ln_sigma_t = ln_sigma_t;
+            return solve(of, channel, moving, base, resins, fit.evaluations, {r});
+        };
+        const double least = chi2(at);
+        if (chi2(high) > least + 1) continue;
+        double below = std::log(bounds_.least_sigma_t), above = at;
+        limited[r] = fit.resins[r];
+        for (int step = 0; step < 9 && above - below > 0.03; ++step) {
+            const double middle = std::max(0.5 * (below + above), above - 1);
+            const bool allowed = chi2(middle) <= least + 1;
+            (allowed ? above : below) = middle;
+            if (allowed) limited[r] = resins[r];
+        }
+        fit.opaque[r] = true;
+    }
+    if (std::ranges::find(fit.opaque, true) == fit.opaque.end()) return;
+    // The others stay at the least squares: a limit must not lean on them.
+    fit.resins = std::move(limited);
+    errors(channel, free, fit);
+}
+
 void ChannelFitter::errors(std::size_t channel, const std::vector<std::size_t>& free, ChannelFit& fit) const {
     int evaluations = 0;
     const Residuals residuals(*this, whole_, channel, free, true, fit.resins, evaluations);
@@ -208,8 +247,11 @@ void ChannelFitter::errors(std::size_t channel, const std::vector<std::size_t>& 
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(J.transpose() * J);
     const Eigen::VectorXd values = eigen.eigenvalues().cwiseMax(1e-12);
     const Eigen::MatrixXd covariance = eigen.eigenvectors() * values.cwiseInverse().asDiagonal() * eigen.eigenvectors().transpose();
+    const Eigen::VectorXd step = -covariance * (J.transpose() * r);
+    fit.beyond = fit.resins;
     for (std::size_t k = 0; k < free.size(); ++k) {
         const auto i = static_cast<Eigen::Index>(2 * k);
+        fit.beyond[free[k]].v += step[i];
         const double v = std::sqrt(covariance(i, i)), s = std::sqrt(covariance(i + 1, i + 1));
         fit.errors[free[k]] = {v, s};
         for (std::size_t other = 0; other < free.size(); ++other)
@@ -226,12 +268,14 @@ ChannelFit ChannelFitter::fit(std::size_t channel) const {
     fit.errors.assign(count, {0, 0});
     fit.covariance.setZero(static_cast<Eigen::Index>(2 * count), static_cast<Eigen::Index>(2 * count));
     fit.second.assign(count, false);
+    fit.opaque.assign(count, false);
     choose_minima(channel, start, fit);
     std::vector<std::size_t> free;
     for (std::size_t r = 0; r < count; ++r)
         if (!roles_.is_clear(r)) free.push_back(r);
     solve(whole_, channel, free, true, fit.resins, fit.evaluations);
     errors(channel, free, fit);
+    limit_opaque(channel, free, fit);
     fit.freedom = static_cast<int>(whole_.patches.size()) - static_cast<int>(2 * free.size());
     for (std::size_t r = 0; r < count; ++r) {
         const ResinPoint& p = fit.resins[r];

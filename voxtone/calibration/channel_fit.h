@@ -8,6 +8,9 @@
 // Eq. 6 has other local minima, each resin is first fitted by itself from each of them and the deepest is taken. The
 // covariance is the inverse of J^T J, taken with bounds open: a value that lies on a bound keeps the error that it would
 // have beside it.
+//
+// A resin so opaque that its patches would look the same at the largest extinction (chi2 within 1 of the least) has no
+// least squares worth the name: its extinction is then the lower limit, where chi2 is 1 above the least.
 #pragma once
 
 #include <memory>
@@ -22,11 +25,13 @@ namespace voxtone::calibration {
 struct ChannelFit {
     std::vector<ResinPoint> resins;    ///< one per role; clear ones mean nothing
     std::vector<ResinPoint> errors;    ///< standard errors of both coordinates; huge where nothing tells
+    std::vector<ResinPoint> beyond;    ///< where the least squares would lie without bounds, to first order
     Eigen::MatrixXd covariance;        ///< of v and ln sigma_t of each role in turn; 0 for clear resin
     std::vector<double> predicted;     ///< rho of each patch
     double chi2 = 0;                   ///< sum of squared residuals / noise^2
     int freedom = 0;                   ///< patches - fitted values
     std::vector<bool> v_low, v_high, sigma_low, sigma_high;  ///< on a bound
+    std::vector<bool> opaque;          ///< ln sigma_t is a lower limit
     std::vector<bool> second;          ///< another set of values of this resin explains its patches nearly as well
     int evaluations = 0;               ///< of the whole target
 };
@@ -43,9 +48,10 @@ private:
     };
     class Residuals;
     [[nodiscard]] Part part(std::vector<std::size_t> patches) const;
-    /// Moves the resins `free` to the least squares of a part; returns chi2.
+    /// Moves the resins `free` to the least squares of a part, the extinctions of `held` staying; returns chi2.
     double solve(const Part& part, std::size_t channel, const std::vector<std::size_t>& free, bool bases_move, std::vector<ResinPoint>& resins,
-                 int& evaluations) const;
+                 int& evaluations, const std::vector<std::size_t>& held = {}) const;
+    void limit_opaque(std::size_t channel, const std::vector<std::size_t>& free, ChannelFit& fit) const;
     void choose_minima(std::size_t channel, const ChannelStart& start, ChannelFit& fit) const;
     void errors(std::size_t channel, const std::vector<std::size_t>& free, ChannelFit& fit) const;
 

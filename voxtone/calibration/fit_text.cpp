@@ -27,6 +27,12 @@ std::string with_error(double value, double error) {
     return fmt::format("{:.{}f} +- {:.{}f}", value, digits, error, digits);
 }
 
+// A lower limit has no error of its own.
+std::string extinction_text(const FittedValue& of, const FittedValue& shown) {
+    const bool limit = std::ranges::find(of.doubts, Doubt::opaque) != of.doubts.end();
+    return limit ? fmt::format("> {:.2g}", shown.value) : with_error(shown.value, shown.standard_error);
+}
+
 std::string doubts_of(const FittedValue& albedo, const FittedValue& sigma_t) {
     std::string text;
     const auto add = [&](const char* of, const FittedValue& value) {
@@ -88,7 +94,7 @@ std::string fit_text(const ResinFit& fit, const PatchTable& table) {
         for (std::size_t c = 0; c < table.channels.size(); ++c) {
             const FittedValue &a = resin.albedo[c], &s = resin.sigma_t[c], &r = resin.reduced[c];
             text += fmt::format("{:<8} {:<8} {:<28} {:<24} {:<24} {}\n", c == 0 ? resin.role : "", channel_name(table.channels, c), with_error(a.value, a.standard_error),
-                                with_error(s.value, s.standard_error), with_error(r.value, r.standard_error), doubts_of(a, s));
+                                extinction_text(s, s), extinction_text(s, r), doubts_of(a, s));
             for (const Doubt d : a.doubts) ++doubts[d];
             for (const Doubt d : s.doubts) ++doubts[d];
         }

@@ -4,7 +4,6 @@
 #include <algorithm>
 
 #include "voxtone/base/contracts.h"
-#include "voxtone/optics/halftone_medium.h"
 #include "voxtone/optics/layered_appearance.h"
 
 namespace voxtone::calibration {
@@ -85,7 +84,7 @@ PatchModel::Mixed PatchModel::mix(const Layer& layer, std::span<const Medium> re
     std::vector<Medium> parts;
     for (const std::size_t r : layer.resins) parts.push_back(resins[r]);
     const auto effective = [&] {
-        return optics::HalftoneMedium(one_channel(parts, options_), options_.pitch_mm)(layer.fractions, 0);
+        return optics::HalftoneMedium(one_channel(parts, options_), options_.pitch_mm, optics::SeenFrom::above, options_.dither)(layer.fractions, 0);
     };
     mixed.medium = effective();
     if (!with_derivatives) return mixed;

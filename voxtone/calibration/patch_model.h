@@ -21,6 +21,7 @@
 #include <Eigen/Core>
 
 #include "voxtone/calibration/patch_table.h"
+#include "voxtone/optics/halftone_medium.h"
 #include "voxtone/optics/layer_on_base.h"
 
 namespace voxtone::calibration {
@@ -31,11 +32,17 @@ enum class UnderBase {
     air,    ///< a smooth lower surface to air, and nothing or a black sheet that does not touch
 };
 
+/// A target's mixtures are dithered by a random choice per voxel, whose lumps are larger than those of the blue-noise
+/// screen that HalftoneMedium's constants belong to: k_0 and k_1 are 1.25 times theirs. The factor is fitted to Monte Carlo
+/// of the dithers of target B (Vero, J750) and holds for other resins and shares: benchmarks/calibration/printed_target.
+inline constexpr optics::HalftoneConstants random_dither{.k_0 = 0.7125, .k_1 = 0.5};
+
 struct PatchModelOptions {
     double g = 0.4;
     double eta = 1.5;
     UnderBase under = UnderBase::black;
     std::array<double, 3> pitch_mm{};  ///< of the voxels that mixtures are made of; 0: ideal mixtures
+    optics::HalftoneConstants dither = random_dither;
 };
 
 /// The same for all channels and for models of parts of a target: what depends on g and eta alone.

@@ -4,11 +4,13 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "voxtone/base/error.h"
 #include "voxtone/base/parallel.h"
+#include "voxtone/calibration/bounded_interval.h"
 #include "voxtone/calibration/channel_fit.h"
 #include "voxtone/calibration/patch_file.h"
 
@@ -26,36 +28,42 @@ void doubt(FittedValue& value, Doubt reason) {
     if (std::ranges::find(value.doubts, reason) == value.doubts.end()) value.doubts.push_back(reason);
 }
 
-// What the squares of a resin look like in one channel.
-struct Squares {
-    double thickness_mm = 0;  ///< of the thickest pure one
-    bool hide = false;        ///< pure ones look the same on all bases
-};
-
-Squares squares_of(const PatchTable& table, const std::string& role, std::size_t channel, double noise) {
-    Squares squares;
-    double least = 2, most = -2;
-    int count = 0;
-    for (const Patch& patch : table.patches) {
-        if (patch.top.size() != 1 || patch.top.front().role != role || patch.backing == role) continue;
-        squares.thickness_mm = std::max(squares.thickness_mm, patch.thickness_mm);
-        least = std::min(least, patch.rho[channel]), most = std::max(most, patch.rho[channel]);
-        ++count;
-    }
+// Thickness of a resin's thickest pure square upon another one; 0 where it has none.
+double square_mm(const PatchTable& table, const std::string& role) {
+    double most = 0;
     for (const Patch& patch : table.patches)
-        if (patch.top.size() == 1 && patch.top.front().role == role && patch.backing == role && count > 0)
-            least = std::min(least, patch.rho[channel]), most = std::max(most, patch.rho[channel]);
-    squares.hide = count > 0 && most - least < 4 * noise;
-    return squares;
+        if (patch.top.size() == 1 && patch.top.front().role == role && patch.backing != role) most = std::max(most, patch.thickness_mm);
+    return most;
+}
+
+// One standard error to either side. Near the ends of what an albedo can be, v has the interval of a bounded value, and
+// ln sigma_t, which leans on v with slope b, takes from it b times v's way to either side and its own remaining error.
+std::pair<ResinPoint, ResinPoint> interval(const ChannelFit& fit, std::size_t role, double scale, const ResinBounds& bounds) {
+    const ResinPoint& at = fit.resins[role];
+    const auto i = static_cast<Eigen::Index>(2 * role);
+    const double v_error = scale * fit.errors[role].v, v_variance = std::max(fit.covariance(i, i), 1e-300);
+    const double lean = fit.covariance(i, i + 1) / v_variance;
+    const double own = scale * scale * std::max(fit.covariance(i + 1, i + 1) - lean * lean * v_variance, 0.0);
+    double v_low = at.v - v_error, v_high = at.v + v_error;
+    const double to_black = bounds.most_v - fit.beyond[role].v, to_white = fit.beyond[role].v - bounds.least_v;
+    if (to_black < 2 * v_error && to_black <= to_white) {
+        const Interval of = interval_above_zero(to_black / v_error);
+        v_low = bounds.most_v - of.high * v_error, v_high = bounds.most_v - of.low * v_error;
+    } else if (to_white < 2 * v_error) {
+        const Interval of = interval_above_zero(to_white / v_error);
+        v_low = bounds.least_v + of.low * v_error, v_high = bounds.least_v + of.high * v_error;
+    }
+    const double down = lean > 0 ? at.v - v_low : v_high - at.v, up = lean > 0 ? v_high - at.v : at.v - v_low;
+    const auto reach = [&](double v) { return std::sqrt(own + lean * lean * v * v); };
+    return {clamped({v_low, at.ln_sigma_t - reach(down)}, bounds), clamped({v_high, at.ln_sigma_t + reach(up)}, bounds)};
 }
 
 // Values, errors and doubts of one resin in one channel.
-void describe(const ChannelFit& fit, std::size_t role, double scale, const Squares& squares, double g, FittedResin& resin, std::size_t channel) {
+void describe(const ChannelFit& fit, std::size_t role, double scale, double thickness_mm, double g, FittedResin& resin, std::size_t channel) {
     const ResinBounds bounds = resin_bounds(g);
     const ResinPoint& at = fit.resins[role];
     const ResinPoint error{scale * fit.errors[role].v, scale * fit.errors[role].ln_sigma_t};
-    const ResinPoint low = clamped({at.v - error.v, at.ln_sigma_t - error.ln_sigma_t}, bounds);
-    const ResinPoint high = clamped({at.v + error.v, at.ln_sigma_t + error.ln_sigma_t}, bounds);
+    const auto [low, high] = interval(fit, role, scale, bounds);
     FittedValue& albedo = resin.albedo[channel];
     albedo.value = albedo_of_v(at.v, g);
     albedo.low = albedo_of_v(high.v, g), albedo.high = albedo_of_v(low.v, g);
@@ -63,6 +71,7 @@ void describe(const ChannelFit& fit, std::size_t role, double scale, const Squar
     FittedValue& sigma_t = resin.sigma_t[channel];
     sigma_t.value = std::exp(at.ln_sigma_t);
     sigma_t.low = std::exp(low.ln_sigma_t), sigma_t.high = std::exp(high.ln_sigma_t);
+    if (fit.opaque[role]) sigma_t.low = sigma_t.value, sigma_t.high = bounds.most_sigma_t;
     sigma_t.standard_error = std::min(sigma_t.value * error.ln_sigma_t, bounds.most_sigma_t);
 
     // sigma_a + sigma_s (1 - g) = sigma_t (1 - g alpha)
@@ -77,12 +86,12 @@ void describe(const ChannelFit& fit, std::size_t role, double scale, const Squar
     reduced.low = reduced.value * std::exp(-spread), reduced.high = reduced.value * std::exp(spread);
 
     const bool weak_albedo = error.v > 0.1, weak_sigma_t = error.ln_sigma_t > 0.35;
-    const bool dark = at.v + error.v >= bounds.most_v;
-    const bool thin = squares.thickness_mm > 0 && sigma_t.value * squares.thickness_mm < 0.5;
+    const bool dark = at.v + 2 * error.v >= bounds.most_v;
+    const bool thin = thickness_mm > 0 && sigma_t.value * thickness_mm < 0.5;
     if (dark) doubt(albedo, Doubt::dark);
     if (fit.v_low[role]) doubt(albedo, Doubt::bound);
-    if (fit.sigma_low[role] || fit.sigma_high[role]) doubt(sigma_t, Doubt::bound);
-    if (weak_sigma_t && squares.hide && !thin) doubt(sigma_t, Doubt::opaque);
+    if (fit.sigma_low[role] || (fit.sigma_high[role] && !fit.opaque[role])) doubt(sigma_t, Doubt::bound);
+    if (fit.opaque[role]) doubt(sigma_t, Doubt::opaque);
     if (thin && (weak_albedo || weak_sigma_t || dark)) {
         doubt(albedo, Doubt::thin);
         doubt(sigma_t, Doubt::thin);
@@ -114,7 +123,7 @@ std::string_view doubt_meaning(Doubt d) {
     switch (d) {
         case Doubt::assumed: return "clear resin: taken as neither absorbing nor scattering, not fitted";
         case Doubt::dark: return "reflects too little to tell its albedo from 0; only the upper end is known";
-        case Doubt::opaque: return "its squares hide the base: only a lower limit of the extinction is known; print it diluted with white";
+        case Doubt::opaque: return "its squares hide the base: the extinction given is a lower limit; print it diluted with white";
         case Doubt::thin: return "its squares are so clear that albedo and extinction cannot be told apart; print thicker ones";
         case Doubt::bound: return "at the end of the searched range";
         case Doubt::second: return "other values explain its patches nearly as well; print it diluted in other shares";
@@ -169,7 +178,7 @@ ResinFit fit_resins(const PatchTable& table, const FitOptions& options, const Pr
                 fitted.albedo[c] = {1, 0, 1, 1, {Doubt::assumed}};
                 fitted.sigma_t[c] = {0, 0, 0, 0, {Doubt::assumed}};
             } else {
-                describe(fits[c], r, scale[c], squares_of(table, role, c, options.noise), options.model.g, fitted, c);
+                describe(fits[c], r, scale[c], square_mm(table, role), options.model.g, fitted, c);
             }
             resin.albedo.push_back(fitted.albedo[c].value);
             resin.sigma_t_per_mm.push_back(fitted.sigma_t[c].value);

@@ -4,8 +4,8 @@
 // (channel_fit.h), in parallel; then what is known of every value, and what is not.
 //
 // Errors. Standard errors are those of the coordinates v and ln sigma_t (resin_coordinates.h), in which they are near to
-// normal: `low` and `high` are the ends of one standard error there, clipped to what is possible; `standard_error` is the
-// same to first order in albedo and mm^-1. They follow from the noise of the patches: their own errors, or one constant.
+// normal: `low` and `high` are the ends of one standard error there (bounded_interval.h where an albedo is near 0 or 1, so
+// that truths lie between them in 68 % of cases there too); `standard_error` is the same to first order in albedo and mm^-1. They follow from the noise of the patches: their own errors, or one constant.
 // Where the residuals of a channel are larger than the noise can explain (chi2 beyond its 99.9 % point), errors are
 // scaled up by the root of chi2 per degree of freedom, and the channel is listed in `misfit`.
 //
@@ -39,7 +39,7 @@ void validate(const FitOptions& options);
 enum class Doubt {
     assumed,   ///< clear resin: taken as neither absorbing nor scattering, not fitted
     dark,      ///< albedo: reflects too little to tell it from 0; `high` is what is known
-    opaque,    ///< extinction: its squares hide the base; only a lower limit is known
+    opaque,    ///< extinction: its squares hide the base; the value is a lower limit
     thin,      ///< its squares are so clear that albedo and extinction cannot be told apart
     bound,     ///< at the end of the searched range
     second,    ///< other values explain the patches nearly as well

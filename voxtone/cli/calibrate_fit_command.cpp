@@ -11,6 +11,7 @@
 #include "voxtone/base/error.h"
 #include "voxtone/base/parallel.h"
 #include "voxtone/base/units.h"
+#include "voxtone/calibration/fit_report.h"
 #include "voxtone/calibration/fit_text.h"
 #include "voxtone/calibration/patch_file.h"
 #include "voxtone/calibration/resin_fit.h"
@@ -28,7 +29,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Arguments {
-    std::string patches, out, printer, pitch, base, under = "black", check, name;
+    std::string patches, out, report, printer, pitch, base, under = "black", check, name;
     calibration::FitOptions fit;
     bool sweep = false;
     int threads = 0;
@@ -87,6 +88,7 @@ int run(const Arguments& arguments) {
             text += calibration::sweep_text(lines);
             json += fmt::format(",\"g_sweep\":{}", calibration::sweep_json(lines));
         }
+        if (!arguments.report.empty()) io::write_whole_file(arguments.report, calibration::fit_report_html(fit, table, options));
         text += fmt::format("\nWrote {} and {}\n", arguments.out, side_file(arguments.out).string());
         return CommandResult{json + "}", text};
     });
@@ -101,6 +103,7 @@ Command add_calibrate_fit_command(CLI::App& calibrate) {
         ->required()
         ->type_name("FILE");
     command->add_option("-o,--out", arguments->out, "resin set to write; errors and doubts go beside it, as NAME.fit.json")->required()->type_name("FILE");
+    command->add_option("--report", arguments->report, "page to look at: patches measured and predicted, curves, errors")->type_name("FILE.html");
     command->add_option("--name", arguments->name, "name of the set; empty: that of the file");
     command->add_option("--resins", arguments->fit.expected, "resins that must be among the patches: C,M,Y,K,W")->type_name("LIST")->delimiter(',')->allow_extra_args(false);
     command->add_option("--noise", arguments->fit.noise, "standard error of a reflectance, where the table gives none")->capture_default_str();
