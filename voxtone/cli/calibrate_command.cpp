@@ -19,6 +19,9 @@ Command add_calibrate_command(CLI::App& program) {
     const auto add = [&](const char* name, Command step) { steps->emplace_back(command->get_subcommand(name), std::move(step)); };
     add("check", add_calibrate_check_command(*command));
     add("fit", add_calibrate_fit_command(*command));
+    add("photo", add_calibrate_photo_command(*command));
+    add("simulate", add_calibrate_simulate_command(*command));
+    add("target", add_calibrate_target_command(*command));
     return [steps] {
         for (const auto& [step, run] : *steps)
             if (step->parsed()) return run();
