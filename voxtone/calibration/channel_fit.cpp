@@ -15,6 +15,9 @@ using optics::Medium;
 
 namespace {
 
+// No measurement is better than the model's own error.
+constexpr double model_error = 2e-6;
+
 Medium medium(const TargetRoles& roles, std::size_t role, const ResinPoint& point, double g) {
     return roles.is_clear(role) ? Medium{} : medium_of(point, g);
 }
@@ -31,7 +34,7 @@ public:
         for (const std::size_t p : part.patches) {
             const Patch& patch = fitter.table_->patches[p];
             measured_.push_back(patch.rho[channel]);
-            weight_.push_back(1 / (patch.error.empty() ? fitter.noise_ : patch.error[channel]));
+            weight_.push_back(1 / std::max(patch.error.empty() ? fitter.noise_ : patch.error[channel], model_error));
         }
         media_.resize(points_.size());
         refresh();

@@ -187,10 +187,10 @@ private:
     }
 
     void check(const Patch& patch, const std::string& name) const {
-        if (!(patch.thickness_mm > 0 && patch.thickness_mm <= 1000))
-            fail_here(fmt::format("patch {}: thickness_mm is {}; expected a thickness in mm, above 0", name, patch.thickness_mm));
-        if (!(patch.base_mm >= 0 && patch.base_mm <= 10000))
-            fail_here(fmt::format("patch {}: base_mm is {}; expected mm, or 0 where it is not known", name, patch.base_mm));
+        if (!(patch.thickness_mm >= 0.001 && patch.thickness_mm <= 1000))
+            fail_here(fmt::format("patch {}: thickness_mm is {}; expected mm, from 0.001 to 1000", name, patch.thickness_mm));
+        if (!(patch.base_mm == 0 || (patch.base_mm >= 0.001 && patch.base_mm <= 10000)))
+            fail_here(fmt::format("patch {}: base_mm is {}; expected mm, from 0.001 to 10000, or 0 where it is not known", name, patch.base_mm));
         for (std::size_t c = 0; c < patch.rho.size(); ++c) {
             const double rho = patch.rho[c];
             const std::string channel = channel_name(table_.channels, c);

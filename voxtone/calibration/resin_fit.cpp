@@ -53,6 +53,7 @@ std::pair<ResinPoint, ResinPoint> interval(const ChannelFit& fit, std::size_t ro
         const Interval of = interval_above_zero(to_white / v_error);
         v_low = bounds.least_v + of.low * v_error, v_high = bounds.least_v + of.high * v_error;
     }
+    v_low = std::min(v_low, at.v), v_high = std::max(v_high, at.v);
     const double down = lean > 0 ? at.v - v_low : v_high - at.v, up = lean > 0 ? v_high - at.v : at.v - v_low;
     const auto reach = [&](double v) { return std::sqrt(own + lean * lean * v * v); };
     return {clamped({v_low, at.ln_sigma_t - reach(down)}, bounds), clamped({v_high, at.ln_sigma_t + reach(up)}, bounds)};
@@ -163,9 +164,11 @@ ResinFit fit_resins(const PatchTable& table, const FitOptions& options, const Pr
     std::vector<double> scale(channels, 1);
     for (std::size_t c = 0; c < channels; ++c) {
         result.chi2.push_back(fits[c].chi2);
-        if (result.freedom <= 0 || !(fits[c].chi2 > chi2_limit(result.freedom))) continue;
+        // With as many values as patches nothing is left to explain, but nonsense still does not fit.
+        const int freedom = std::max(result.freedom, 1);
+        if (!(fits[c].chi2 > chi2_limit(freedom))) continue;
         result.misfit.push_back(c);
-        scale[c] = std::sqrt(fits[c].chi2 / result.freedom);
+        scale[c] = std::sqrt(fits[c].chi2 / freedom);
     }
     for (std::size_t r = 0; r < roles.roles.size(); ++r) {
         const std::string& role = roles.roles[r];
