@@ -38,6 +38,9 @@ public:
     [[nodiscard]] const AngularGrid& grid() const { return grid_; }
     [[nodiscard]] const PhaseMatrices& phase() const { return phase_; }
     [[nodiscard]] int size() const { return grid_.size(); }
+    /// S_same + S_opposite and S_same - S_opposite: -dE/da and -dF/da.
+    [[nodiscard]] const OrdinateMatrix& even() const { return even_; }
+    [[nodiscard]] const OrdinateMatrix& odd() const { return odd_; }
 
 private:
     friend class LayerModes;
@@ -70,6 +73,11 @@ public:
     [[nodiscard]] Admittance over(const Admittance& below, double thickness_mm) const;
     /// Decay per mm of each mode, ascending; the first is the reciprocal of the diffusion length.
     [[nodiscard]] OrdinateVector decay_per_mm() const;
+    /// Lambda, ascending; W; W^-1; and the optical depth of a mm, without the forward peak of the phase function.
+    [[nodiscard]] const OrdinateVector& lambda() const { return lambda_; }
+    [[nodiscard]] const OrdinateMatrix& W() const { return W_; }
+    [[nodiscard]] const OrdinateMatrix& W_inverse() const { return W_inverse_; }
+    [[nodiscard]] double depth_per_mm() const { return sigma_t_; }
 
 private:
     double sigma_t_;

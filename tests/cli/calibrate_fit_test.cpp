@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/core.h>
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include "../calibration/target_samples.h"
+#include "run_program.h"
+#include "voxtone/calibration/patch_file.h"
+#include "voxtone/io/resin_file.h"
+
+using namespace voxtone;
+using namespace voxtone::test;
+using namespace voxtone::calibration;
+using Catch::Matchers::Contains;
+
+namespace {
+
+PatchTable measured(double noise) {
+    PatchTable table = calibration::testing::target('B', {"C", "M", "Y"});
+    calibration::testing::measure(table, optics::vero_opaque(), noise, 3);
+    if (noise > 0)
+        for (Patch& patch : table.patches) patch.error.assign(3, noise);
+    return table;
+}
+
+}  // namespace
+
+TEST_CASE("calibrate fit makes a resin set of patches that slice can use, and calibrate check says how good it is") {
+    const Folder folder("calibrate_fit");
+    folder.write("patches.csv", patch_table_text(measured(0), "target B"));
+    const Outcome fit = run_program(
+        fmt::format("calibrate fit {} --resins C,M,Y,K,W -o {}", folder / "patches.csv", folder / "my.json"));
+    INFO(fit.err);
+    REQUIRE(fit.exit_code == 0);
+    CHECK_THAT(fit.out, Contains("CIEDE2000 of 20 patches") && Contains("reduced extinction"));
+    const optics::ResinSet set = io::read_resin_set(folder / "my.json");
+    CHECK(set.name == "my");
+    const optics::ResinSet truth = optics::vero_opaque();
+    for (const auto& resin : truth.resins)
+        for (std::size_t c = 0; c < 3; ++c) {
+            const auto& found = set.resins[static_cast<std::size_t>(set.find(resin.role))];
+            CHECK(found.albedo[c] == Approx(resin.albedo[c]).epsilon(1e-3));
+            CHECK(found.sigma_t_per_mm[c] == Approx(resin.sigma_t_per_mm[c]).epsilon(1e-3));
+        }
+    const auto details = nlohmann::json::parse(read_file(folder / "my.fit.json"));
+    CHECK(details.at("format") == "voxtone-fit");
+    CHECK(details.at("resins").size() == 5);
+    CHECK(details.at("resins")[0].at("channels")[0].at("sigma_t_per_mm").at("standard_error") > 0);
+
+    folder.write("noisy.csv", patch_table_text(measured(0.005)));
+    const Outcome check =
+        run_program(fmt::format("calibrate check {} {} --json", folder / "my.json", folder / "noisy.csv"));
+    REQUIRE(check.exit_code == 0);
+    CHECK_THAT(check.out, Contains("voxtone-check") && Contains("mean_de2000"));
+
+    folder.write("marker.obj", marker_obj());
+    const Outcome slice = run_program(fmt::format("slice --quiet --no-report --iterations 0 {} --resins {} -o {}",
+                                                  folder / "marker.obj", folder / "my.json", folder / "out"));
+    INFO(slice.err);
+    CHECK(slice.exit_code == 0);
+}
+
+TEST_CASE(
+    "calibrate fit with --json gives one object a line, the same for any number of threads, with a sweep over g") {
+    const Folder folder("calibrate_json");
+    folder.write("patches.csv", patch_table_text(measured(0.005)));
+    const auto values = [&](int threads) {
+        const Outcome fit =
+            run_program(fmt::format("calibrate fit {} -o {} --json --g-sweep --check {} --threads {}",
+                                    folder / "patches.csv", folder / "my.json", folder / "patches.csv", threads));
+        REQUIRE(fit.exit_code == 0);
+        const auto from = fit.out.rfind('\n', fit.out.size() - 2);
+        auto line = nlohmann::json::parse(fit.out.substr(from == std::string::npos ? 0 : from + 1));
+        return line.contains("result") ? line.at("result") : line;
+    };
+    const auto one = values(1), two = values(2);
+    CHECK(one.at("resins") == two.at("resins"));
+    CHECK(one.at("g_sweep").size() == 19);
+    CHECK(one.at("check").at("patches").at("list").size() == 20);
+}
+
+TEST_CASE("calibrate fit refuses what it cannot use, with the exit code of its kind") {
+    const Folder folder("calibrate_faults");
+    const std::string good = patch_table_text(measured(0));
+    folder.write("good.csv", good);
+    folder.write("empty.csv", "");
+    folder.write("negative.csv", "top,backing,thickness_mm,R,G,B\nW,W,0.675,0.8,-0.2,0.8\n");
+    const auto fit = [&](const std::string& more) {
+        return run_program(fmt::format("calibrate fit {} -o {}", more, folder / "x.json"));
+    };
+    const auto fails = [&](const std::string& more, int code, const std::string& with) {
+        const Outcome outcome = fit(more);
+        INFO(more << ": " << outcome.err);
+        CHECK(outcome.exit_code == code);
+        CHECK_THAT(outcome.err, Contains(with));
+        CHECK_FALSE(std::filesystem::exists(folder / "x.json"));
+    };
+    fails(folder / "nothing.csv", 4, "nothing.csv");
+    fails(folder / "empty.csv", 3, "no header");
+    fails(folder / "negative.csv", 3, "W on W");
+    fails(folder / "good.csv --resins C,M,Y,K,W,O", 3, "resin O has no patch");
+    fails(folder / "good.csv --g 1.5", 3, "g is 1.5");
+    fails(folder / "good.csv --printer stratasys-j750-hm --pitch 1,1,1mm", 2, "--pitch");
+    const Outcome check = run_program(fmt::format("calibrate check nowhere {}", folder / "good.csv"));
+    CHECK(check.exit_code == 3);
+}

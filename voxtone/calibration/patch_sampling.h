@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The mean of an evenly coloured area of a photograph, robust against dust and scratches.
+//
+// The area is cut into blocks. The means of blocks are fitted with a plane (light may vary across the area) by
+// iteratively reweighted least squares with Tukey's biweight (Beaton and Tukey 1974), a block that lies off in one
+// channel losing its weight in all. Blocks, not pixels: pixels of a dithered mixture differ by right, the means of a
+// few hundred voxels do not. Fails where more than about 40 % of the blocks are dirty.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "voxtone/calibration/rectify.h"
+#include "voxtone/calibration/target_layout.h"
+#include "voxtone/io/photograph.h"
+
+namespace voxtone::calibration {
+
+struct AreaSample {
+    static constexpr double dark_share = 0.1;  ///< more of `at_zero` than this makes a mean doubtful
+    Eigen::Vector2d middle_px = Eigen::Vector2d::Zero();
+    Eigen::Vector3d mean = Eigen::Vector3d::Zero();     ///< in the middle of the area
+    Eigen::Vector3d spread = Eigen::Vector3d::Zero();   ///< standard deviation of good blocks about the plane
+    Eigen::Vector3d error = Eigen::Vector3d::Zero();    ///< standard error of the mean
+    Eigen::Vector3d clipped = Eigen::Vector3d::Zero();  ///< share of pixels at or above the clipping level
+    Eigen::Vector3d at_zero =
+        Eigen::Vector3d::Zero();  ///< share of pixels at or below 0: the mean of the others is too large
+    std::size_t pixels = 0;
+    double rejected = 0;    ///< share of the blocks
+    bool complete = false;  ///< the whole area is in the picture and has enough pixels
+};
+
+/// `area` in the coordinates of `place`. Linear samples are averaged; `clip` is the level at which channels are
+/// clipped.
+[[nodiscard]] AreaSample sample_area(const io::Photograph& photograph, const Rectification& place, const Area& area,
+                                     const Eigen::Vector3d& clip);
+
+/// Where channels clip: full scale of integer samples; of floats the largest value where it is found many times, else
+/// infinity.
+[[nodiscard]] Eigen::Vector3d clipping_level(const io::Photograph& photograph);
+
+}  // namespace voxtone::calibration

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/calibration/target_scene.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "voxtone/base/contracts.h"
+#include "voxtone/base/error.h"
+#include "voxtone/calibration/ideal_patch.h"
+#include "voxtone/calibration/marker_pattern.h"
+
+namespace voxtone::calibration {
+
+TargetColours reflected_colours(const Target& target, const optics::ResinSet& set) {
+    if (!set.channels.is_rgb())
+        throw InputError(fmt::format(
+            "the resin set {} is spectral; a photograph has red, green and blue: give an RGB set", set.name));
+    const IdealPatches patches(set);
+    const auto colour = [](const std::vector<double>& rho) { return Eigen::Vector3d(rho[0], rho[1], rho[2]); };
+    TargetColours colours;
+    colours.light = colour(patches.reflectance({{target.light, 1.0}}, target.top_mm, target.light, target.base_mm));
+    colours.dark = colour(patches.reflectance({{target.dark, 1.0}}, target.top_mm, target.dark, target.base_mm));
+    for (const std::vector<double>& rho : patches.squares(target)) colours.squares.push_back(colour(rho));
+    return colours;
+}
+
+TargetColours drawn_colours(const Target& target, const std::vector<Eigen::Vector3d>& of_roles) {
+    VOXTONE_EXPECT(of_roles.size() == target.roles.size());
+    const auto mix = [&](const PatchMixture& mixture) {
+        Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+        for (const ResinShare& share : mixture)
+            sum +=
+                share.fraction * of_roles[std::size_t(std::find(target.roles.begin(), target.roles.end(), share.role) -
+                                                      target.roles.begin())];
+        return sum;
+    };
+    TargetColours colours{mix({{target.light, 1.0}}), mix({{target.dark, 1.0}}), {}};
+    for (const TargetSquare& square : target.squares) colours.squares.push_back(mix(square.top));
+    return colours;
+}
+
+TargetScene::TargetScene(const Target& target, TargetColours colours) : target_(target), colours_(std::move(colours)) {
+    VOXTONE_EXPECT(colours_.squares.size() == target.squares.size());
+    for (const TargetMarker& marker : target.markers) patterns_.push_back(marker_pattern(marker.id));
+}
+
+const Eigen::Vector3d& TargetScene::at(const Eigen::Vector2d& p) const {
+    for (std::size_t s = 0; s < target_.squares.size(); ++s)
+        if (target_.squares[s].area.contains(p)) return colours_.squares[s];
+    for (std::size_t m = 0; m < target_.markers.size(); ++m) {
+        const Area& area = target_.markers[m].area;
+        if (!area.contains(p)) continue;
+        const double cell = area.size().x() / marker_cells;
+        const int column = std::min(marker_cells - 1, int((p.x() - area.min_mm.x()) / cell)),
+                  row = std::min(marker_cells - 1, int((area.max_mm.y() - p.y()) / cell));
+        return patterns_[m][std::size_t(row * marker_cells + column)] ? colours_.dark : colours_.light;
+    }
+    return target_.dark_half.contains(p) ? colours_.dark : colours_.light;
+}
+
+io::LinearPicture target_preview(const Target& target, const TargetColours& colours, double px_per_mm) {
+    const TargetScene scene(target, colours);
+    io::LinearPicture picture;
+    picture.width_px = static_cast<std::uint32_t>(std::lround(target.size_mm.x() * px_per_mm));
+    picture.height_px = static_cast<std::uint32_t>(std::lround(target.size_mm.y() * px_per_mm));
+    for (std::uint32_t y = 0; y < picture.height_px; ++y)
+        for (std::uint32_t x = 0; x < picture.width_px; ++x) {
+            const Eigen::Vector3f rgb =
+                scene.at({(x + 0.5) / px_per_mm, target.size_mm.y() - (y + 0.5) / px_per_mm}).cast<float>();
+            picture.pixels.emplace_back(rgb.x(), rgb.y(), rgb.z(), 1.0f);
+        }
+    return picture;
+}
+
+}  // namespace voxtone::calibration
