@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // What a calibration's patches and fits cost. Run: build/release/benchmarks/calibration/fit_benchmark
+#include <algorithm>
 #include <vector>
 
 #include <benchmark/benchmark.h>
 
 #include "../../tests/calibration/target_samples.h"
+#include "voxtone/calibration/resin_fit.h"
 
 namespace {
 
@@ -46,5 +48,33 @@ void target_b(benchmark::State& state) {
         benchmark::Counter(static_cast<double>(rho.size()), benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 BENCHMARK(target_b)->Arg(0)->Arg(1)->Unit(benchmark::kMicrosecond);
+
+// Vero between 380 and 780 nm: its blue, green and red joined by straight lines.
+optics::ResinSet spectral(double step_nm) {
+    const optics::ResinSet vero = optics::vero_opaque();
+    optics::ResinSet set = vero;
+    for (double nm = 380; nm <= 780; nm += step_nm) set.channels.wavelengths_nm.push_back(nm);
+    const auto at = [](const std::vector<double>& rgb, double nm) {
+        const double green = std::clamp((nm - 465) / 85, 0.0, 1.0), red = std::clamp((nm - 550) / 60, 0.0, 1.0);
+        return rgb[2] + green * (rgb[1] - rgb[2]) + red * (rgb[0] - rgb[1]);
+    };
+    for (std::size_t r = 0; r < set.resins.size(); ++r) {
+        auto &sigma_t = set.resins[r].sigma_t_per_mm, &albedo = set.resins[r].albedo;
+        sigma_t.clear(), albedo.clear();
+        for (const double nm : set.channels.wavelengths_nm) {
+            sigma_t.push_back(at(vero.resins[r].sigma_t_per_mm, nm));
+            albedo.push_back(at(vero.resins[r].albedo, nm));
+        }
+    }
+    return set;
+}
+
+// A whole fit of target B with noise, all threads: 0: R, G, B; 25, 5: wavelengths in steps of so many nm.
+void fit_target_b(benchmark::State& state) {
+    PatchTable table = testing::target('B', {"C", "M", "Y"});
+    testing::measure(table, state.range(0) == 0 ? optics::vero_opaque() : spectral(static_cast<double>(state.range(0))), 0.005, 7);
+    for (auto _ : state) benchmark::DoNotOptimize(fit_resins(table, {}));
+}
+BENCHMARK(fit_target_b)->Arg(0)->Arg(25)->Arg(5)->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime()->UseRealTime();
 
 }  // namespace

@@ -67,6 +67,16 @@ TEST_CASE("A table of patches written and read again is the same") {
     }
 }
 
+TEST_CASE("Values relative to a white reference become relative to a perfect diffuser") {
+    PatchTable table = parsed("top,backing,thickness_mm,450,550,450_se,550_se\nW,W,1,0.8,1,0.01,0.02\n");
+    apply_white_reference(table, 0.99);
+    CHECK(table.patches[0].rho[0] == Approx(0.792));
+    CHECK(table.patches[0].rho[1] == Approx(0.99));
+    CHECK(table.patches[0].error[1] == Approx(0.0198));
+    CHECK_THROWS_AS(apply_white_reference(table, 99), InputError);
+    CHECK_THROWS_AS(apply_white_reference(table, 0), InputError);
+}
+
 TEST_CASE("Mixtures are percentages of roles that sum to 100, in one order") {
     CHECK(parse_mixture("W:90+C:10") == parse_mixture("C:10+W:90"));
     CHECK(mixture_text(parse_mixture(" W:90 + C:10 ")) == "C:10+W:90");

@@ -343,6 +343,18 @@ TEST_CASE("A colour seen on one base only is fitted as far as it can be, and dou
     CHECK(resin_of(fit, "Y").sigma_t[0].doubts.empty());
 }
 
+TEST_CASE("Bases that are crossed by mixtures with colours only are found too") {
+    PatchTable table = measured('C', 0);
+    erase(table, [](const Patch& p) { return !contains(p, "C") && !contains(p, "M") && !contains(p, "Y") && !is(p, "W", "W") && !is(p, "K", "K"); });
+    table.patches.push_back({{{"C", 0.5}, {"K", 0.5}}, "W", 0.675, 0, {}, {}, {}});
+    table.patches.push_back({{{"Y", 0.5}, {"K", 0.5}}, "W", 0.675, 0, {}, {}, {}});
+    table.patches.push_back({{{"M", 0.5}, {"K", 0.5}}, "W", 0.675, 0, {}, {}, {}});
+    measure(table, optics::vero_opaque(), 0, 1);
+    const ResinFit fit = fit_resins(table, {});
+    CHECK(fit.patches.rms < 1e-4);
+    CHECK(resin_of(fit, "W").sigma_t[1].value == Approx(9).epsilon(0.01));
+}
+
 TEST_CASE("A check refuses patches of other channels or resins") {
     const PatchTable table = measured('B', 0);
     CHECK(check_resins(optics::vero_opaque(), table, {}).differences.max < 1e-6);

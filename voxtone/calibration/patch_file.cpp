@@ -283,6 +283,15 @@ PatchTable read_patches(const std::filesystem::path& file) {
     return parse_patches({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, file.string());
 }
 
+void apply_white_reference(PatchTable& table, double reflectance) {
+    if (!(reflectance > 0 && reflectance <= 1))
+        throw InputError(fmt::format("The white reference reflects {}; expected a share above 0 and at most 1, such as 0.99.", reflectance));
+    for (Patch& patch : table.patches) {
+        for (double& rho : patch.rho) rho *= reflectance;
+        for (double& error : patch.error) error *= reflectance;
+    }
+}
+
 std::string patch_table_text(const PatchTable& table, std::string_view comment) {
     std::string text;
     for (std::size_t from = 0; from < comment.size();) {

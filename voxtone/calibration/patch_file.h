@@ -31,6 +31,9 @@ namespace voxtone::calibration {
 [[nodiscard]] PatchTable parse_patches(std::string_view text, std::string source);
 /// Throws FileError, InputError.
 [[nodiscard]] PatchTable read_patches(const std::filesystem::path& file);
+/// Values that were divided by those of a white reference become relative to a perfect diffuser: times the reference's own
+/// reflectance (0.99 for Spectralon of 99 %), errors too. Throws InputError unless it lies in (0, 1].
+void apply_white_reference(PatchTable& table, double reflectance);
 /// `comment`: written before the header, a # before each of its lines.
 [[nodiscard]] std::string patch_table_text(const PatchTable& table, std::string_view comment = {});
 

@@ -232,9 +232,9 @@ ChannelStart Principles::start(std::size_t channel) const {
         line(search, at[base].ln_sigma_t, low, high, 20, 2);
     }
     Search mixtures(*this, mixed_bases_, channel, at);
-    mixtures.keep_bases();
+    if (!mixtures.empty()) mixtures.keep_bases();
     // Dark bases first: pure squares say least of them.
-    for (int round = 0; round < 3; ++round)
+    for (int round = 0; round < 3 && !mixtures.empty(); ++round)
         for (auto base = roles_->bases.rbegin(); base != roles_->bases.rend(); ++base) {
             double& value = at[*base].ln_sigma_t;
             if (round == 0) line(mixtures, value, low, high, 20, 1);

@@ -20,6 +20,7 @@ namespace {
 
 struct Arguments {
     std::string resins, patches, printer, base, under = "black";
+    double white = 1;
     int threads = 0;
     ConsoleOptions console;
 };
@@ -34,6 +35,7 @@ int run(const Arguments& arguments) {
         }
         options.under = arguments.under == "air" ? calibration::UnderBase::air : calibration::UnderBase::black;
         calibration::PatchTable table = calibration::read_patches(arguments.patches);
+        calibration::apply_white_reference(table, arguments.white);
         if (!arguments.base.empty()) {
             const double base_mm = parse_length_mm(arguments.base, "--base");
             for (calibration::Patch& patch : table.patches) patch.base_mm = base_mm;
@@ -50,6 +52,8 @@ Command add_calibrate_check_command(CLI::App& calibrate) {
     CLI::App* command = calibrate.add_subcommand("check", "How well a resin set predicts measured patches, as CIEDE2000");
     command->add_option("resins", arguments->resins, "resin set (`voxtone list resins`) or file")->required()->type_name("SET|FILE");
     command->add_option("patches", arguments->patches, "CSV of measured patches")->required()->type_name("FILE");
+    command->add_option("--white", arguments->white, "reflectance of the white reference that the values were divided by: 0.99 for Spectralon of 99 %")
+        ->capture_default_str();
     command->add_option("--base", arguments->base, "thickness of the base under the squares; empty: the table's base_mm, else without end")->type_name("LENGTH");
     command->add_option("--under", arguments->under, "what a base of known thickness lies on: black in optical contact, or air above a sheet")
         ->check(CLI::IsMember({"black", "air"}))

@@ -32,6 +32,7 @@ struct Arguments {
     std::string patches, out, report, printer, pitch, base, under = "black", check, name;
     calibration::FitOptions fit;
     bool sweep = false;
+    double white = 1;
     int threads = 0;
     ConsoleOptions console;
 };
@@ -66,6 +67,7 @@ int run(const Arguments& arguments) {
         options.name = arguments.name.empty() ? fs::path(arguments.out).stem().string() : arguments.name;
         validate(options);
         calibration::PatchTable table = calibration::read_patches(arguments.patches);
+        calibration::apply_white_reference(table, arguments.white);
         if (!arguments.base.empty()) {
             const double base_mm = parse_length_mm(arguments.base, "--base");
             for (calibration::Patch& patch : table.patches) patch.base_mm = base_mm;
@@ -109,6 +111,8 @@ Command add_calibrate_fit_command(CLI::App& calibrate) {
     command->add_option("--noise", arguments->fit.noise, "standard error of a reflectance, where the table gives none")->capture_default_str();
     command->add_option("--g", arguments->fit.model.g, "mean cosine of the scattering angle; patches cannot tell it")->group("Model")->capture_default_str();
     command->add_option("--eta", arguments->fit.model.eta, "refractive index; patches cannot tell it")->group("Model")->capture_default_str();
+    command->add_option("--white", arguments->white, "reflectance of the white reference that the values were divided by: 0.99 for Spectralon of 99 %")
+        ->capture_default_str();
     command->add_option("--base", arguments->base, "thickness of the base under the squares, for all patches; empty: the table's base_mm, else without end")
         ->type_name("LENGTH")
         ->group("Model");
