@@ -93,9 +93,9 @@ AreaSample sample_area(const io::Photograph& photo, const Rectification& place, 
         }
     if (!(low.x() >= 0 && low.y() >= 0 && high.x() <= photo.width_px && high.y() <= photo.height_px)) return sample;
     const double edge_px = place.px_per_unit(area.center()) * std::sqrt(area.size().prod());
-    constexpr double least_edge_px = 9, px_per_block = 2.5;
+    constexpr double least_edge_px = 9, px_per_block = 3;
     if (edge_px < least_edge_px) return sample;
-    const int n = std::clamp(int(edge_px / px_per_block), 3, 24);
+    const int n = std::clamp(int(edge_px / px_per_block), 3, 20);
     std::vector<Block> grid(std::size_t(n) * std::size_t(n));
     for (auto y = std::uint32_t(low.y()); y < std::min<double>(photo.height_px, high.y()); ++y)
         for (auto x = std::uint32_t(low.x()); x < std::min<double>(photo.width_px, high.x()); ++x) {
@@ -153,8 +153,10 @@ AreaSample sample_area(const io::Photograph& photo, const Rectification& place, 
         std::vector<double> off;
         for (const Block& block : blocks) off.push_back(off_plane(block, plane)[channel]);
         const double pull = shortest_half(std::move(off)).middle, chance = wander * sample.spread[channel];
-        sample.error[channel] = std::hypot(sample.spread[channel] * std::sqrt(weight2) / weight,
-                                           std::sqrt(std::max(0.0, pull * pull - chance * chance)));
+        // What is fainter than twice the spread is not found at all: it is allowed to cover some percent of the area.
+        const double undetected = 0.15 * sample.spread[channel];
+        sample.error[channel] = std::sqrt(std::pow(sample.spread[channel], 2) * weight2 / (weight * weight) +
+                                          std::max(0.0, pull * pull - chance * chance) + undetected * undetected);
     }
     for (int channel = 0; channel < 3; ++channel)
         sample.zero_excess[channel] = std::max(0.0, sample.mean[channel]) * (1 - uncut_share(sample.at_zero[channel]));

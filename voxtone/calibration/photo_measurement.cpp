@@ -19,6 +19,7 @@ using Eigen::Vector3d;
 constexpr double clipped_share = 0.005;  // of an area's pixels: more is refused
 constexpr double dirty_share = 0.33;     // of an area's blocks: more is refused
 constexpr double dark_share = 0.1;       // of a chart's patch at 0: more, and it is left out
+constexpr double most_spread = 0.025;    // of reflectance, between blocks of a square: more is refused
 constexpr double most_excess = 0.003;    // of reflectance, from noise cut off at 0: more is refused
 constexpr double least_light = 0.04;     // of full scale, in the brightest channel of the frame
 constexpr double blur_reach = 3.5;       // deviations of the blur between a sampled part and the edge of its square
@@ -26,6 +27,7 @@ constexpr double uneven_frame = 0.01;    // relative residual of the frame: more
 constexpr double steep_light = 0.5;      // least light on target and checker / most: less is said
 constexpr double steepest_light = 0.25;  // less is refused
 constexpr double chart_doubt = 0.03;     // residual of the chart in linear sRGB
+constexpr double chart_wrong = 0.05;     // more is refused
 
 [[noreturn]] void refuse(const std::string& photo, const std::string& what) {
     throw InputError(fmt::format("{}: {}", photo, what));
@@ -126,6 +128,12 @@ void check_light(PhotoMeasurement& m, const std::vector<LitSample>& frame) {
     if (least < steep_light * most)
         m.warnings.push_back(
             fmt::format("{}: {}; it was corrected, but light from further away is better.", m.photograph.name, fall));
+    if (m.model.chart_residual() > chart_wrong)
+        refuse(m.photograph.name,
+               fmt::format("after the correction of light and colours the checker's patches are still off by {:.3f} on "
+                           "average (linear, white is 1): another chart, glare on it, or samples that are not linear "
+                           "light (a tone curve): develop the photograph linearly",
+                           m.model.chart_residual()));
     if (m.model.chart_residual() > chart_doubt)
         m.warnings.push_back(
             fmt::format("{}: after the colour correction the checker's patches are still off by {:.3f} on average "
@@ -173,6 +181,13 @@ PhotoMeasurement measure_linear(io::Photograph photograph, const Target& target,
     check_light(m, frame);
     for (std::size_t q = 0; q < m.squares.size(); ++q) {
         const AreaSample& sample = m.squares[q];
+        const Vector3d spread = m.model.noise(sample.middle_px, sample.spread);
+        if (spread.maxCoeff() > most_spread)
+            refuse(photo.name,
+                   fmt::format("{} is too noisy or too dirty: its parts differ by {:.3f} (standard deviation), "
+                               "so that dirt cannot be told from noise. Clean the target, expose more, come "
+                               "nearer",
+                               square_name(target, q), spread.maxCoeff()));
         const Vector3d excess =
             m.model.to_linear_srgb().cwiseAbs() * sample.zero_excess / m.model.light(sample.middle_px);
         if (excess.maxCoeff() > most_excess)
