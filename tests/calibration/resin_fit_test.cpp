@@ -355,6 +355,33 @@ TEST_CASE("Bases that are crossed by mixtures with colours only are found too") 
     CHECK(resin_of(fit, "W").sigma_t[1].value == Approx(9).epsilon(0.01));
 }
 
+TEST_CASE("Nonsense in, doubts or a refusal out, and never a broken number") {
+    for (std::uint64_t seed = 0; seed < 12; ++seed) {
+        PatchTable table = measured(seed % 2 ? 'A' : 'B', 0);
+        std::size_t at = 0;
+        for (Patch& patch : table.patches) {
+            for (double& rho : patch.rho) rho = RandomStream(seed, at++, 3).uniform();
+            if (seed % 3 == 0) patch.error.assign(3, seed % 2 ? 1e-12 : 1);
+            if (seed % 4 == 0) patch.thickness_mm = seed % 8 ? 0.001 : 1000;
+        }
+        try {
+            const ResinFit fit = fit_resins(table, {});
+            fit.set.validate();
+            CHECK(std::isfinite(fit.patches.rms));
+            for (const FittedResin& resin : fit.resins)
+                for (std::size_t c = 0; c < 3; ++c)
+                    for (const FittedValue* value : {&resin.albedo[c], &resin.sigma_t[c]}) {
+                        CHECK(std::isfinite(value->standard_error));
+                        CHECK(value->low <= value->value + 1e-9);
+                        CHECK(value->value <= value->high + 1e-9);
+                    }
+            if (seed % 3 != 0) CHECK(fit.misfit.size() == 3);
+        } catch (const InputError& error) {
+            CHECK_THAT(error.what(), Contains("swapped") || Contains("contrast"));
+        }
+    }
+}
+
 TEST_CASE("A check refuses patches of other channels or resins") {
     const PatchTable table = measured('B', 0);
     CHECK(check_resins(optics::vero_opaque(), table, {}).differences.max < 1e-6);

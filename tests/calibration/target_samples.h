@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Targets A, B and C (Iser, Rittig, Wilkie 2025, Sec. 3.5) as patch tables, and their measurement by the model itself with
-// Gaussian noise.
+// Targets A, B and C (Iser, Rittig, Wilkie 2025, Sec. 3.5) as patch tables, and their measurement by the model itself
+// with Gaussian noise.
 #pragma once
 
 #include <cmath>
@@ -23,7 +23,8 @@ inline PatchTable target(char layout, const std::vector<std::string>& colours, c
     PatchTable table;
     table.source.assign(1, layout);
     const auto add = [&](const PatchMixture& top) {
-        for (const std::string& backing : {white, black}) table.patches.push_back({top, backing, 0.675, base_mm, {}, {}, {}});
+        for (const std::string& backing : {white, black})
+            table.patches.push_back({top, backing, 0.675, base_mm, {}, {}, {}});
     };
     const auto percent = [&](const std::string& role, double of, const std::string& rest) {
         add({{role, of / 100}, {rest, 1 - of / 100}});
@@ -46,7 +47,8 @@ inline double normal(std::uint64_t seed, std::uint64_t address) {
 }
 
 /// Fills in what the patches reflect if they are made of these resins.
-inline void measure(PatchTable& table, const optics::ResinSet& truth, double noise, std::uint64_t seed, PatchModelOptions options = {}) {
+inline void measure(PatchTable& table, const optics::ResinSet& truth, double noise, std::uint64_t seed,
+                    PatchModelOptions options = {}) {
     options.g = truth.g, options.eta = truth.eta;
     table.channels = truth.channels;
     std::vector<std::string> roles;

@@ -28,7 +28,8 @@ PatchTable measured(double noise) {
 TEST_CASE("calibrate fit makes a resin set of patches that slice can use, and calibrate check says how good it is") {
     const Folder folder("calibrate_fit");
     folder.write("patches.csv", patch_table_text(measured(0), "target B"));
-    const Outcome fit = run_program(fmt::format("calibrate fit {} --resins C,M,Y,K,W -o {}", folder / "patches.csv", folder / "my.json"));
+    const Outcome fit = run_program(
+        fmt::format("calibrate fit {} --resins C,M,Y,K,W -o {}", folder / "patches.csv", folder / "my.json"));
     INFO(fit.err);
     REQUIRE(fit.exit_code == 0);
     CHECK_THAT(fit.out, Contains("CIEDE2000 of 20 patches") && Contains("reduced extinction"));
@@ -47,22 +48,26 @@ TEST_CASE("calibrate fit makes a resin set of patches that slice can use, and ca
     CHECK(details.at("resins")[0].at("channels")[0].at("sigma_t_per_mm").at("standard_error") > 0);
 
     folder.write("noisy.csv", patch_table_text(measured(0.005)));
-    const Outcome check = run_program(fmt::format("calibrate check {} {} --json", folder / "my.json", folder / "noisy.csv"));
+    const Outcome check =
+        run_program(fmt::format("calibrate check {} {} --json", folder / "my.json", folder / "noisy.csv"));
     REQUIRE(check.exit_code == 0);
     CHECK_THAT(check.out, Contains("voxtone-check") && Contains("mean_de2000"));
 
     folder.write("marker.obj", marker_obj());
-    const Outcome slice = run_program(fmt::format("slice --quiet --no-report --iterations 0 {} --resins {} -o {}", folder / "marker.obj", folder / "my.json", folder / "out"));
+    const Outcome slice = run_program(fmt::format("slice --quiet --no-report --iterations 0 {} --resins {} -o {}",
+                                                  folder / "marker.obj", folder / "my.json", folder / "out"));
     INFO(slice.err);
     CHECK(slice.exit_code == 0);
 }
 
-TEST_CASE("calibrate fit with --json gives one object a line, the same for any number of threads, with a sweep over g") {
+TEST_CASE(
+    "calibrate fit with --json gives one object a line, the same for any number of threads, with a sweep over g") {
     const Folder folder("calibrate_json");
     folder.write("patches.csv", patch_table_text(measured(0.005)));
     const auto values = [&](int threads) {
-        const Outcome fit = run_program(fmt::format("calibrate fit {} -o {} --json --g-sweep --check {} --threads {}", folder / "patches.csv",
-                                                    folder / "my.json", folder / "patches.csv", threads));
+        const Outcome fit =
+            run_program(fmt::format("calibrate fit {} -o {} --json --g-sweep --check {} --threads {}",
+                                    folder / "patches.csv", folder / "my.json", folder / "patches.csv", threads));
         REQUIRE(fit.exit_code == 0);
         const auto from = fit.out.rfind('\n', fit.out.size() - 2);
         auto line = nlohmann::json::parse(fit.out.substr(from == std::string::npos ? 0 : from + 1));
@@ -80,7 +85,9 @@ TEST_CASE("calibrate fit refuses what it cannot use, with the exit code of its k
     folder.write("good.csv", good);
     folder.write("empty.csv", "");
     folder.write("negative.csv", "top,backing,thickness_mm,R,G,B\nW,W,0.675,0.8,-0.2,0.8\n");
-    const auto fit = [&](const std::string& more) { return run_program(fmt::format("calibrate fit {} -o {}", more, folder / "x.json")); };
+    const auto fit = [&](const std::string& more) {
+        return run_program(fmt::format("calibrate fit {} -o {}", more, folder / "x.json"));
+    };
     const auto fails = [&](const std::string& more, int code, const std::string& with) {
         const Outcome outcome = fit(more);
         INFO(more << ": " << outcome.err);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// A layer upon a base against the layer modes themselves, directional.json and adding-doubling; derivatives against differences.
+// A layer upon a base against the layer modes themselves, directional.json and adding-doubling; derivatives against
+// differences.
 #include "voxtone/optics/layer_on_base.h"
 
 #include <array>
@@ -28,8 +29,9 @@ const std::array<double, 6> albedos{0.0, 0.1, 0.7, 0.99, 0.9997, 0.9999999};
 const std::array<double, 5> extinctions{0.02, 0.5, 5, 24, 120};
 
 double rho(const OrdinatePlan& plan, const Medium& layer, double thickness, const Medium& base, double base_thickness) {
-    const OrdinateBase below = base_thickness > 0 ? OrdinateBase(plan, base, base_thickness, Admittance::black(plan), false)
-                                                  : OrdinateBase(plan, base, false);
+    const OrdinateBase below = base_thickness > 0
+                                   ? OrdinateBase(plan, base, base_thickness, Admittance::black(plan), false)
+                                   : OrdinateBase(plan, base, false);
     return OrdinateLayer(plan, layer, thickness, false).upon(below).rho;
 }
 
@@ -43,7 +45,8 @@ TEST_CASE("A layer upon a base reflects as its modes say, whatever both are made
             for (const double b : albedos)
                 for (const double base_mm : {0.0, 5.0}) {
                     const LayerOf layer{medium(s, a), 0.675}, base{medium(5, b), base_mm};
-                    const Admittance law = base_mm > 0 ? stack(plan, std::span(&base, 1), Admittance::black(plan)) : half_space(plan, base.medium);
+                    const Admittance law = base_mm > 0 ? stack(plan, std::span(&base, 1), Admittance::black(plan))
+                                                       : half_space(plan, base.medium);
                     const double expected = reflectance_45_0(plan, std::span(&layer, 1), law);
                     worst = std::max(worst, std::abs(rho(plan, layer.medium, 0.675, base.medium, base_mm) - expected));
                 }
@@ -57,16 +60,19 @@ TEST_CASE("Two-layer patches and finite slabs have the reference's reflectance")
     double worst = 0;
     for (const auto& entry : table.at("rho_two_layer_grid"))
         for (std::size_t t = 0; t < entry.at("tau_top").size(); ++t) {
-            const double found = rho(plan, medium(1, entry.at("alpha_top")), entry.at("tau_top")[t], medium(1, entry.at("alpha_bottom")), 0);
+            const double found = rho(plan, medium(1, entry.at("alpha_top")), entry.at("tau_top")[t],
+                                     medium(1, entry.at("alpha_bottom")), 0);
             worst = std::max(worst, std::abs(found - entry.at("rho")[t].get<double>()));
         }
     const ResinSet set = vero_opaque();
     for (const auto& row : table.at("finite_slab_over_index_matched_black").at("rows")) {
         const auto channel = std::string("RGB").find(row.at("channel").get<std::string>());
-        const Medium resin = set.resins[static_cast<std::size_t>(set.find(row.at("resin").get<std::string>()))].medium(channel);
+        const Medium resin =
+            set.resins[static_cast<std::size_t>(set.find(row.at("resin").get<std::string>()))].medium(channel);
         for (std::size_t t = 0; t < row.at("thickness_mm").size(); ++t) {
             const double mm = row.at("thickness_mm")[t];  // cut in two anywhere
-            worst = std::max(worst, std::abs(rho(plan, resin, 0.3 * mm, resin, 0.7 * mm) - row.at("rho_45_0")[t].get<double>()));
+            worst = std::max(
+                worst, std::abs(rho(plan, resin, 0.3 * mm, resin, 0.7 * mm) - row.at("rho_45_0")[t].get<double>()));
         }
     }
     INFO(worst);
@@ -94,12 +100,18 @@ TEST_CASE("The derivatives of a patch are those of its reflectance, by layer and
             for (const double s : extinctions)
                 for (const double b : {0.35, 0.9, 0.9991}) {
                     const Medium top = medium(s, a), base = medium(6, b);
-                    const OrdinateBase below = base_mm > 0 ? OrdinateBase(plan, base, base_mm, Admittance::black(plan), true) : OrdinateBase(plan, base, true);
+                    const OrdinateBase below = base_mm > 0
+                                                   ? OrdinateBase(plan, base, base_mm, Admittance::black(plan), true)
+                                                   : OrdinateBase(plan, base, true);
                     const LayerReflectance r = OrdinateLayer(plan, top, 0.675, true).upon(below);
                     // Differences of fourth order, by the logarithms of absorption and scattering.
-                    const auto difference = [&](const Medium& of, const std::function<double(const Medium&)>& f, bool absorption) {
+                    const auto difference = [&](const Medium& of, const std::function<double(const Medium&)>& f,
+                                                bool absorption) {
                         const double size = absorption ? of.sigma_a : of.sigma_s, h = 0.02 * size;
-                        const auto at = [&](double d) { return f(absorption ? Medium{of.sigma_a + d, of.sigma_s} : Medium{of.sigma_a, of.sigma_s + d}); };
+                        const auto at = [&](double d) {
+                            return f(absorption ? Medium{of.sigma_a + d, of.sigma_s}
+                                                : Medium{of.sigma_a, of.sigma_s + d});
+                        };
                         return (8 * (at(h) - at(-h)) - (at(2 * h) - at(-2 * h))) / (12 * h) * size;
                     };
                     const auto by_top = [&](const Medium& m) { return rho(plan, m, 0.675, base, base_mm); };
@@ -109,7 +121,9 @@ TEST_CASE("The derivatives of a patch are those of its reflectance, by layer and
                                             r.by_base.sigma_a * base.sigma_a - difference(base, by_base, true),
                                             r.by_base.sigma_s * base.sigma_s - difference(base, by_base, false)};
                     for (const double error : errors) {
-                        if (std::abs(error) > 1e-7) UNSCOPED_INFO("albedo " << a << " extinction " << s << " base " << b << ", " << base_mm << " mm: " << error);
+                        if (std::abs(error) > 1e-7)
+                            UNSCOPED_INFO("albedo " << a << " extinction " << s << " base " << b << ", " << base_mm
+                                                    << " mm: " << error);
                         worst = std::max(worst, std::abs(error));
                     }
                 }
@@ -120,5 +134,6 @@ TEST_CASE("A clear layer is not seen") {
     const OrdinatePlan plan = directional_plan(0.4, 1.5);
     const Medium base = medium(6, 0.999);
     const Admittance law = half_space(plan, base);
-    CHECK(rho(plan, {0, 0}, 0.675, base, 0) == Approx(reflectance_factor(plan, law, std::numbers::sqrt2 / 2, 1)).margin(1e-7));
+    CHECK(rho(plan, {0, 0}, 0.675, base, 0) ==
+          Approx(reflectance_factor(plan, law, std::numbers::sqrt2 / 2, 1)).margin(1e-7));
 }

@@ -13,13 +13,16 @@ double normal_share(double below) { return 0.5 * std::erfc(-below / std::numbers
 
 const double within_one = std::erf(1 / std::numbers::sqrt2);
 
-// Estimates that are accepted for a true value mu < 1, from `first` (below 0) to `second`: equal likelihood ratios at both ends.
+// Estimates that are accepted for a true value mu < 1, from `first` (below 0) to `second`: equal likelihood ratios at
+// both ends.
 struct Accepted {
     double first, second;
 };
 
 Accepted accepted(double mu) {
-    const auto first = [&](double second) { return second > 2 * mu ? second - second * second / (2 * mu) : 2 * mu - second; };
+    const auto first = [&](double second) {
+        return second > 2 * mu ? second - second * second / (2 * mu) : 2 * mu - second;
+    };
     double low = mu, high = mu + 2;
     for (int step = 0; step < 45; ++step) {
         const double second = 0.5 * (low + high);

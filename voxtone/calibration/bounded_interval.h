@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // The 68 % interval of a value that cannot be negative, from an estimate that can: Feldman, Cousins 1998, Phys. Rev. D
-// 57:3873, Sec. IV.B. An estimate x with a normal error of 1 gives [low, high]; far from 0 that is x - 1 to x + 1; near it
-// and below, the interval ends at 0 and still holds the truth in 68 % of all cases, where cutting off x - 1 to x + 1 does not.
+// 57:3873, Sec. IV.B. An estimate x with a normal error of 1 gives [low, high]; far from 0 that is x - 1 to x + 1; near
+// it and below, the interval ends at 0 and still holds the truth in 68 % of all cases, where cutting off x - 1 to x + 1
+// does not.
 #pragma once
 
 namespace voxtone::calibration {

@@ -6,14 +6,17 @@
 #include <limits>
 #include <numeric>
 
-#include <Eigen/Eigenvalues>
 #include <ceres/ceres.h>
+#include <Eigen/Eigenvalues>
 
 namespace voxtone::calibration {
 
 using optics::Medium;
 
 namespace {
+
+// No measurement is better than the model's own error.
+constexpr double model_error = 2e-6;
 
 Medium medium(const TargetRoles& roles, std::size_t role, const ResinPoint& point, double g) {
     return roles.is_clear(role) ? Medium{} : medium_of(point, g);
@@ -24,14 +27,19 @@ Medium medium(const TargetRoles& roles, std::size_t role, const ResinPoint& poin
 // Residuals / noise of a part of the target as a function of some resins' coordinates.
 class ChannelFitter::Residuals : public ceres::CostFunction {
 public:
-    Residuals(const ChannelFitter& fitter, const Part& part, std::size_t channel, std::vector<std::size_t> free, bool bases_move,
-              const std::vector<ResinPoint>& resins, int& evaluations)
-        : fitter_(fitter), part_(part), free_(std::move(free)), evaluations_(evaluations), bases_move_(bases_move), points_(resins),
+    Residuals(const ChannelFitter& fitter, const Part& part, std::size_t channel, std::vector<std::size_t> free,
+              bool bases_move, const std::vector<ResinPoint>& resins, int& evaluations)
+        : fitter_(fitter),
+          part_(part),
+          free_(std::move(free)),
+          evaluations_(evaluations),
+          bases_move_(bases_move),
+          points_(resins),
           rho_(part.patches.size()) {
         for (const std::size_t p : part.patches) {
             const Patch& patch = fitter.table_->patches[p];
             measured_.push_back(patch.rho[channel]);
-            weight_.push_back(1 / (patch.error.empty() ? fitter.noise_ : patch.error[channel]));
+            weight_.push_back(1 / std::max(patch.error.empty() ? fitter.noise_ : patch.error[channel], model_error));
         }
         media_.resize(points_.size());
         refresh();
@@ -45,8 +53,10 @@ public:
         for (std::size_t k = 0; k < free_.size(); ++k) points_[free_[k]] = {*parameters[2 * k], *parameters[2 * k + 1]};
         refresh();
         if (bases_move_) bases_ = part_.model->bases(media_, jacobians != nullptr);
-        if (jacobians) part_.model->evaluate(media_, bases_, rho_, by_resin_);
-        else part_.model->evaluate(media_, bases_, rho_);
+        if (jacobians)
+            part_.model->evaluate(media_, bases_, rho_, by_resin_);
+        else
+            part_.model->evaluate(media_, bases_, rho_);
         ++evaluations_;
         for (std::size_t p = 0; p < rho_.size(); ++p) residuals[p] = weight_[p] * (rho_[p] - measured_[p]);
         if (!jacobians) return true;
@@ -55,11 +65,14 @@ public:
             for (std::size_t k = 0; k < free_.size(); ++k) {
                 const std::size_t r = free_[k];
                 const double by_absorption = by_resin_(static_cast<Eigen::Index>(p), static_cast<Eigen::Index>(2 * r));
-                const double by_scattering = by_resin_(static_cast<Eigen::Index>(p), static_cast<Eigen::Index>(2 * r + 1));
+                const double by_scattering =
+                    by_resin_(static_cast<Eigen::Index>(p), static_cast<Eigen::Index>(2 * r + 1));
                 const Medium& m = media_[r];
                 if (jacobians[2 * k])
-                    jacobians[2 * k][p] = weight_[p] * (by_scattering - by_absorption) * m.sigma_t() * albedo_by_v(points_[r].v, g);
-                if (jacobians[2 * k + 1]) jacobians[2 * k + 1][p] = weight_[p] * (by_absorption * m.sigma_a + by_scattering * m.sigma_s);
+                    jacobians[2 * k][p] =
+                        weight_[p] * (by_scattering - by_absorption) * m.sigma_t() * albedo_by_v(points_[r].v, g);
+                if (jacobians[2 * k + 1])
+                    jacobians[2 * k + 1][p] = weight_[p] * (by_absorption * m.sigma_a + by_scattering * m.sigma_s);
             }
         return true;
     }
@@ -68,7 +81,8 @@ public:
 
 private:
     void refresh() const {
-        for (std::size_t r = 0; r < points_.size(); ++r) media_[r] = medium(fitter_.roles_, r, points_[r], fitter_.options_.g);
+        for (std::size_t r = 0; r < points_.size(); ++r)
+            media_[r] = medium(fitter_.roles_, r, points_[r], fitter_.options_.g);
     }
     const ChannelFitter& fitter_;
     const Part& part_;
@@ -91,8 +105,14 @@ ChannelFitter::Part ChannelFitter::part(std::vector<std::size_t> patches) const 
     return result;
 }
 
-ChannelFitter::ChannelFitter(const PatchTable& table, const TargetRoles& roles, const PatchModelOptions& options, double noise)
-    : table_(&table), roles_(roles), options_(options), noise_(noise), plan_(patch_plan(options)), bounds_(resin_bounds(options.g)),
+ChannelFitter::ChannelFitter(const PatchTable& table, const TargetRoles& roles, const PatchModelOptions& options,
+                             double noise)
+    : table_(&table),
+      roles_(roles),
+      options_(options),
+      noise_(noise),
+      plan_(patch_plan(options)),
+      bounds_(resin_bounds(options.g)),
       principles_(table, roles_, options, noise) {
     std::vector<std::size_t> all(table.patches.size());
     std::iota(all.begin(), all.end(), std::size_t{0});
@@ -101,15 +121,18 @@ ChannelFitter::ChannelFitter(const PatchTable& table, const TargetRoles& roles, 
         std::vector<std::size_t> of;
         if (!roles_.is_base(r) && !roles_.is_clear(r))
             for (const std::size_t p : all)
-                if (std::ranges::any_of(table.patches[p].top, [&](const ResinShare& s) { return s.role == roles_.roles[r]; })) of.push_back(p);
+                if (std::ranges::any_of(table.patches[p].top,
+                                        [&](const ResinShare& s) { return s.role == roles_.roles[r]; }))
+                    of.push_back(p);
         of_resin_.push_back(part(std::move(of)));
     }
 }
 
-// A coordinate that has run into its bound is held there, and let go when the residuals pull it back: within bounds alone
-// Ceres creeps along them.
+// A coordinate that has run into its bound is held there, and let go when the residuals pull it back: within bounds
+// alone Ceres creeps along them.
 double ChannelFitter::solve(const Part& of, std::size_t channel, const std::vector<std::size_t>& free, bool bases_move,
-                            std::vector<ResinPoint>& resins, int& evaluations, const std::vector<std::size_t>& held_resins) const {
+                            std::vector<ResinPoint>& resins, int& evaluations,
+                            const std::vector<std::size_t>& held_resins) const {
     Residuals residuals(*this, of, channel, free, bases_move, resins, evaluations);
     const std::size_t count = 2 * free.size();
     std::vector<double> x, low, high;
@@ -156,7 +179,8 @@ double ChannelFitter::solve(const Part& of, std::size_t channel, const std::vect
         bool changed = false;
         for (std::size_t k = 0; k < count; ++k) {
             const double reach = 1e-7 * (high[k] - low[k]);
-            const bool out = fixed[k] || (x[k] <= low[k] + reach && gradient[k] > 0) || (x[k] >= high[k] - reach && gradient[k] < 0);
+            const bool out =
+                fixed[k] || (x[k] <= low[k] + reach && gradient[k] > 0) || (x[k] >= high[k] - reach && gradient[k] < 0);
             changed = changed || out != held[k];
             held[k] = out;
             if (out) problem.SetParameterBlockConstant(blocks[k]);
@@ -188,7 +212,8 @@ void ChannelFitter::choose_minima(std::size_t channel, const ChannelStart& start
         }
         fit.resins[r] = best;
         for (const auto& [chi2, end] : ends)
-            if (chi2 < least + 2 && std::hypot((end.v - best.v) / 0.05, (end.ln_sigma_t - best.ln_sigma_t) / 0.2) > 1) fit.second[r] = true;
+            if (chi2 < least + 2 && std::hypot((end.v - best.v) / 0.05, (end.ln_sigma_t - best.ln_sigma_t) / 0.2) > 1)
+                fit.second[r] = true;
     }
 }
 
@@ -229,7 +254,8 @@ void ChannelFitter::limit_opaque(std::size_t channel, const std::vector<std::siz
 void ChannelFitter::errors(std::size_t channel, const std::vector<std::size_t>& free, ChannelFit& fit) const {
     int evaluations = 0;
     const Residuals residuals(*this, whole_, channel, free, true, fit.resins, evaluations);
-    const auto rows = static_cast<Eigen::Index>(whole_.patches.size()), columns = static_cast<Eigen::Index>(2 * free.size());
+    const auto rows = static_cast<Eigen::Index>(whole_.patches.size()),
+               columns = static_cast<Eigen::Index>(2 * free.size());
     Eigen::MatrixXd J(rows, columns);
     Eigen::VectorXd r(rows), x(columns);
     std::vector<const double*> at;
@@ -246,7 +272,8 @@ void ChannelFitter::errors(std::size_t channel, const std::vector<std::size_t>& 
     // What no patch tells has an eigenvalue of nothing: its error is without bound.
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(J.transpose() * J);
     const Eigen::VectorXd values = eigen.eigenvalues().cwiseMax(1e-12);
-    const Eigen::MatrixXd covariance = eigen.eigenvectors() * values.cwiseInverse().asDiagonal() * eigen.eigenvectors().transpose();
+    const Eigen::MatrixXd covariance =
+        eigen.eigenvectors() * values.cwiseInverse().asDiagonal() * eigen.eigenvectors().transpose();
     const Eigen::VectorXd step = -covariance * (J.transpose() * r);
     fit.beyond = fit.resins;
     for (std::size_t k = 0; k < free.size(); ++k) {
@@ -255,7 +282,8 @@ void ChannelFitter::errors(std::size_t channel, const std::vector<std::size_t>& 
         const double v = std::sqrt(covariance(i, i)), s = std::sqrt(covariance(i + 1, i + 1));
         fit.errors[free[k]] = {v, s};
         for (std::size_t other = 0; other < free.size(); ++other)
-            fit.covariance.block<2, 2>(static_cast<Eigen::Index>(2 * free[k]), static_cast<Eigen::Index>(2 * free[other])) =
+            fit.covariance.block<2, 2>(static_cast<Eigen::Index>(2 * free[k]),
+                                       static_cast<Eigen::Index>(2 * free[other])) =
                 covariance.block<2, 2>(i, static_cast<Eigen::Index>(2 * other));
     }
 }

@@ -44,30 +44,35 @@ std::string doubts_of(const FittedValue& albedo, const FittedValue& sigma_t) {
 }
 
 std::string differences_text(const optics::DifferenceSummary& d) {
-    return fmt::format("CIEDE2000 of {} patches: mean {:.2f}, median {:.2f}, 95 % {:.2f}, largest {:.2f}", d.count, d.mean, d.median, d.percentile_95, d.max);
+    return fmt::format("CIEDE2000 of {} patches: mean {:.2f}, median {:.2f}, 95 % {:.2f}, largest {:.2f}", d.count,
+                       d.mean, d.median, d.percentile_95, d.max);
 }
 
 std::string worst_patches(const PatchCheck& check, const PatchTable& table) {
     std::vector<std::size_t> order(check.patches.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
-    std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) { return check.patches[a].difference > check.patches[b].difference; });
+    std::ranges::stable_sort(
+        order, [&](std::size_t a, std::size_t b) { return check.patches[a].difference > check.patches[b].difference; });
     std::string text;
     for (std::size_t k = 0; k < order.size() && k < 5; ++k) {
         const CheckedPatch& patch = check.patches[order[k]];
-        text += fmt::format("  {:<16} CIEDE2000 {:.2f}, largest error of a reflectance {:.4f}\n", patch_name(table.patches[order[k]]), patch.difference, patch.worst);
+        text += fmt::format("  {:<16} CIEDE2000 {:.2f}, largest error of a reflectance {:.4f}\n",
+                            patch_name(table.patches[order[k]]), patch.difference, patch.worst);
     }
     return text;
 }
 
 Json value_json(const FittedValue& value) {
-    Json json{{"value", value.value}, {"standard_error", value.standard_error}, {"low", value.low}, {"high", value.high}};
+    Json json{
+        {"value", value.value}, {"standard_error", value.standard_error}, {"low", value.low}, {"high", value.high}};
     json["doubts"] = Json::array();
     for (const Doubt d : value.doubts) json["doubts"].push_back(std::string(doubt_name(d)));
     return json;
 }
 
 Json differences_json(const optics::DifferenceSummary& d) {
-    return {{"mean_de2000", d.mean}, {"median_de2000", d.median}, {"p95_de2000", d.percentile_95}, {"max_de2000", d.max}};
+    return {
+        {"mean_de2000", d.mean}, {"median_de2000", d.median}, {"p95_de2000", d.percentile_95}, {"max_de2000", d.max}};
 }
 
 Json patches_json(const PatchCheck& check, const PatchTable& table) {
@@ -86,34 +91,45 @@ Json patches_json(const PatchCheck& check, const PatchTable& table) {
 }  // namespace
 
 std::string fit_text(const ResinFit& fit, const PatchTable& table) {
-    std::string text = fmt::format("{} resins from {} patches, {} channels, g {}, eta {}, {:.2f} s\n\n", fit.resins.size(), table.patches.size(),
-                                   table.channels.size(), fit.set.g, fit.set.eta, fit.seconds);
-    text += fmt::format("{:<8} {:<8} {:<28} {:<24} {:<24} {}\n", "resin", "channel", "albedo", "extinction /mm", "reduced extinction /mm", "doubts");
+    std::string text =
+        fmt::format("{} resins from {} patches, {} channels, g {}, eta {}, {:.2f} s\n\n", fit.resins.size(),
+                    table.patches.size(), table.channels.size(), fit.set.g, fit.set.eta, fit.seconds);
+    text += fmt::format("{:<8} {:<8} {:<28} {:<24} {:<24} {}\n", "resin", "channel", "albedo", "extinction /mm",
+                        "reduced extinction /mm", "doubts");
     std::map<Doubt, int> doubts;
     for (const FittedResin& resin : fit.resins)
         for (std::size_t c = 0; c < table.channels.size(); ++c) {
             const FittedValue &a = resin.albedo[c], &s = resin.sigma_t[c], &r = resin.reduced[c];
-            text += fmt::format("{:<8} {:<8} {:<28} {:<24} {:<24} {}\n", c == 0 ? resin.role : "", channel_name(table.channels, c), with_error(a.value, a.standard_error),
+            text += fmt::format("{:<8} {:<8} {:<28} {:<24} {:<24} {}\n", c == 0 ? resin.role : "",
+                                channel_name(table.channels, c), with_error(a.value, a.standard_error),
                                 extinction_text(s, s), extinction_text(s, r), doubts_of(a, s));
             for (const Doubt d : a.doubts) ++doubts[d];
             for (const Doubt d : s.doubts) ++doubts[d];
         }
     text += fmt::format("\n{}\n{}", differences_text(fit.patches.differences), worst_patches(fit.patches, table));
-    for (const auto& [d, count] : doubts) text += fmt::format("{} values \"{}\": {}\n", count, doubt_name(d), doubt_meaning(d));
+    for (const auto& [d, count] : doubts)
+        text += fmt::format("{} values \"{}\": {}\n", count, doubt_name(d), doubt_meaning(d));
     if (!fit.misfit.empty()) {
         std::vector<std::string> names;
-        for (const std::size_t c : fit.misfit) names.push_back(fmt::format("{} (chi2 {:.0f} of {})", channel_name(table.channels, c), fit.chi2[c], fit.freedom));
-        text += fmt::format("The residuals are larger than the noise explains in {}: look at the patches above, at --g, at the thickness of squares and base, "
-                            "and at --pitch for dithered mixtures; errors were scaled up.\n",
-                            fmt::join(names, ", "));
+        for (const std::size_t c : fit.misfit)
+            names.push_back(
+                fmt::format("{} (chi2 {:.0f} of {})", channel_name(table.channels, c), fit.chi2[c], fit.freedom));
+        text += fmt::format(
+            "The residuals are larger than the noise explains in {}: look at the patches above, at --g, at the "
+            "thickness of squares and base, "
+            "and at --pitch for dithered mixtures; errors were scaled up.\n",
+            fmt::join(names, ", "));
     }
     if (fit.freedom <= 0)
-        text += fmt::format("There are no more patches than values to find ({} less): residuals say nothing of how good the fit is.\n", -fit.freedom);
+        text += fmt::format(
+            "There are no more patches than values to find ({} less): residuals say nothing of how good the fit is.\n",
+            -fit.freedom);
     return text;
 }
 
 std::string fit_json(const ResinFit& fit, const PatchTable& table) {
-    Json json{{"format", "voxtone-fit"}, {"version", 1}, {"g", fit.set.g}, {"eta", fit.set.eta}, {"seconds", fit.seconds}, {"freedom", fit.freedom}};
+    Json json{{"format", "voxtone-fit"}, {"version", 1},           {"g", fit.set.g},
+              {"eta", fit.set.eta},      {"seconds", fit.seconds}, {"freedom", fit.freedom}};
     json["channels"] = Json::array();
     for (std::size_t c = 0; c < table.channels.size(); ++c) json["channels"].push_back(channel_name(table.channels, c));
     json["chi2"] = fit.chi2;
@@ -135,7 +151,8 @@ std::string fit_json(const ResinFit& fit, const PatchTable& table) {
 }
 
 std::string check_text(const PatchCheck& check, const PatchTable& table) {
-    return fmt::format("{}\nrms error of a reflectance {:.4f}\n{}", differences_text(check.differences), check.rms, worst_patches(check, table));
+    return fmt::format("{}\nrms error of a reflectance {:.4f}\n{}", differences_text(check.differences), check.rms,
+                       worst_patches(check, table));
 }
 
 std::string check_json(const PatchCheck& check, const PatchTable& table) {
@@ -143,10 +160,12 @@ std::string check_json(const PatchCheck& check, const PatchTable& table) {
 }
 
 std::string sweep_text(const std::vector<SweepLine>& lines) {
-    std::string text = fmt::format("\n{:>6} {:>18} {:>8} {:>8} {:>8} {:>8}\n", "g", "chi2 per freedom", "mean", "median", "95 %", "largest CIEDE2000");
+    std::string text = fmt::format("\n{:>6} {:>18} {:>8} {:>8} {:>8} {:>8}\n", "g", "chi2 per freedom", "mean",
+                                   "median", "95 %", "largest CIEDE2000");
     for (const SweepLine& line : lines)
-        text += fmt::format("{:>6.2f} {:>18.3f} {:>8.3f} {:>8.3f} {:>8.3f} {:>8.3f}\n", line.g, line.chi2, line.differences.mean, line.differences.median,
-                            line.differences.percentile_95, line.differences.max);
+        text += fmt::format("{:>6.2f} {:>18.3f} {:>8.3f} {:>8.3f} {:>8.3f} {:>8.3f}\n", line.g, line.chi2,
+                            line.differences.mean, line.differences.median, line.differences.percentile_95,
+                            line.differences.max);
     return text;
 }
 

@@ -2,11 +2,13 @@
 //
 // What a fit or a check has to say: as text for people, as one JSON object for programs.
 //
-//   {"format": "voxtone-fit", "version": 1, "g", "eta", "channels", "seconds", "freedom", "chi2": [...], "misfit": [...],
-//    "resins": [{"role", "channels": [{"channel", "albedo": {"value", "standard_error", "low", "high", "doubts"}, "sigma_t_per_mm": {...},
-//                "reduced_per_mm": {...}}]}], "patches": {...}}
-//   {"format": "voxtone-check", "version": 1, "patches": {...}}
-//   "patches": {"mean_de2000", "median_de2000", "p95_de2000", "max_de2000", "rms", "list": [{"patch", "thickness_mm", "de2000", "measured", "predicted"}]}
+//   {"format": "voxtone-fit", "version": 1, "g", "eta", "seconds", "freedom", "channels": [...], "chi2": [...],
+//    "misfit": [...], "resins": [{"role", "channels": [{"channel", "albedo": VALUE, "sigma_t_per_mm": VALUE,
+//    "reduced_per_mm": VALUE}]}], "patches": PATCHES}
+//   {"format": "voxtone-check", "version": 1, "patches": PATCHES}
+//   VALUE: {"value", "standard_error", "low", "high", "doubts": [...]}
+//   PATCHES: {"mean_de2000", "median_de2000", "p95_de2000", "max_de2000", "rms",
+//             "list": [{"patch", "thickness_mm", "de2000", "measured", "predicted"}]}
 #pragma once
 
 #include <string>

@@ -19,7 +19,8 @@ PatchCheck compare_patches(const PatchTable& table, const std::vector<std::vecto
     VOXTONE_EXPECT(predicted.size() == table.patches.size());
     const Eigen::Matrix3Xd weights = optics::linear_srgb_weights(table.channels.wavelengths_nm);
     const auto colour = [&](const std::vector<double>& rho) {
-        return Eigen::Vector3d(weights * Eigen::Map<const Eigen::VectorXd>(rho.data(), static_cast<Eigen::Index>(rho.size())));
+        return Eigen::Vector3d(weights *
+                               Eigen::Map<const Eigen::VectorXd>(rho.data(), static_cast<Eigen::Index>(rho.size())));
     };
     PatchCheck check;
     std::vector<double> differences;
@@ -30,7 +31,8 @@ PatchCheck compare_patches(const PatchTable& table, const std::vector<std::vecto
         patch.predicted = predicted[p];
         patch.measured_rgb = colour(measured);
         patch.predicted_rgb = colour(predicted[p]);
-        patch.difference = optics::ciede2000(optics::lab_from_linear_srgb(patch.predicted_rgb), optics::lab_from_linear_srgb(patch.measured_rgb));
+        patch.difference = optics::ciede2000(optics::lab_from_linear_srgb(patch.predicted_rgb),
+                                             optics::lab_from_linear_srgb(patch.measured_rgb));
         differences.push_back(patch.difference);
         for (std::size_t c = 0; c < measured.size(); ++c) {
             const double error = predicted[p][c] - measured[c];
@@ -47,10 +49,13 @@ PatchCheck compare_patches(const PatchTable& table, const std::vector<std::vecto
 PatchCheck check_resins(const optics::ResinSet& set, const PatchTable& table, PatchModelOptions options) {
     if (set.channels != table.channels) {
         const auto name = [](const optics::Channels& c) {
-            return c.is_rgb() ? std::string("R, G, B") : fmt::format("{} wavelengths from {} to {} nm", c.size(), c.wavelengths_nm.front(), c.wavelengths_nm.back());
+            return c.is_rgb() ? std::string("R, G, B")
+                              : fmt::format("{} wavelengths from {} to {} nm", c.size(), c.wavelengths_nm.front(),
+                                            c.wavelengths_nm.back());
         };
-        throw InputError(fmt::format("{}: the patches have {}, the resin set \"{}\" has {}; measure and calibrate with the same channels.",
-                                     table.source, name(table.channels), set.name, name(set.channels)));
+        throw InputError(fmt::format(
+            "{}: the patches have {}, the resin set \"{}\" has {}; measure and calibrate with the same channels.",
+            table.source, name(table.channels), set.name, name(set.channels)));
     }
     std::vector<std::string> roles;
     for (const optics::Resin& resin : set.resins) roles.push_back(resin.role);
@@ -60,7 +65,8 @@ PatchCheck check_resins(const optics::ResinSet& set, const PatchTable& table, Pa
         for (const std::string& role : needed)
             if (set.find(role) < 0)
                 throw InputError(fmt::format("{}: patch {}: the resin set \"{}\" has no resin {}; it has {}.",
-                                             patch.where.empty() ? table.source : patch.where, patch_name(patch), set.name, role, fmt::join(roles, ", ")));
+                                             patch.where.empty() ? table.source : patch.where, patch_name(patch),
+                                             set.name, role, fmt::join(roles, ", ")));
     }
     options.g = set.g, options.eta = set.eta;
     const PatchModel model(table.patches, roles, options);

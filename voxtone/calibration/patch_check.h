@@ -20,14 +20,14 @@ namespace voxtone::calibration {
 struct CheckedPatch {
     std::vector<double> predicted;  ///< rho per channel
     Eigen::Vector3d measured_rgb = Eigen::Vector3d::Zero(), predicted_rgb = Eigen::Vector3d::Zero();  ///< linear sRGB
-    double difference = 0;          ///< CIEDE2000
-    double worst = 0;               ///< largest |predicted - measured| over the channels
+    double difference = 0;                                                                            ///< CIEDE2000
+    double worst = 0;  ///< largest |predicted - measured| over the channels
 };
 
 struct PatchCheck {
-    std::vector<CheckedPatch> patches;       ///< in the order of the table
-    optics::DifferenceSummary differences;   ///< CIEDE2000
-    double rms = 0;                          ///< of predicted - measured, over patches and channels
+    std::vector<CheckedPatch> patches;      ///< in the order of the table
+    optics::DifferenceSummary differences;  ///< CIEDE2000
+    double rms = 0;                         ///< of predicted - measured, over patches and channels
 };
 
 /// Compares predictions, [patch][channel], with a table.

@@ -57,7 +57,8 @@ void check_role(std::string_view role, std::string_view whole) {
         printable(role) == role) {
         return;
     }
-    throw InputError(fmt::format("{} is no mixture: a role is a short word such as C or W, a mixture \"C:10+W:90\" in percent.", shown(whole)));
+    throw InputError(fmt::format(
+        "{} is no mixture: a role is a short word such as C or W, a mixture \"C:10+W:90\" in percent.", shown(whole)));
 }
 
 // What a column of the table holds.
@@ -80,8 +81,10 @@ public:
             from = to + 1;
             ++line_;
             if (line.empty() || line.starts_with('#')) continue;
-            if (columns_.empty()) header(line);
-            else row(line);
+            if (columns_.empty())
+                header(line);
+            else
+                row(line);
         }
         if (columns_.empty())
             fail("has no header line; expected top,backing,thickness_mm,R,G,B or wavelengths in nm in place of R,G,B");
@@ -90,7 +93,9 @@ public:
     }
 
 private:
-    [[noreturn]] void fail(const std::string& what) const { throw InputError(fmt::format("{}: {}.", table_.source, what)); }
+    [[noreturn]] void fail(const std::string& what) const {
+        throw InputError(fmt::format("{}: {}.", table_.source, what));
+    }
     [[noreturn]] void fail_here(const std::string& what) const {
         throw InputError(fmt::format("{}: line {}: {}.", table_.source, line_, what));
     }
@@ -98,7 +103,8 @@ private:
     void header(std::string_view line) {
         const auto names = split(line, ',');
         if (names.size() == 1 && line.find_first_of(";\t") != std::string_view::npos)
-            fail_here("columns are separated by semicolons or tabs; save the table with commas (and points in numbers)");
+            fail_here(
+                "columns are separated by semicolons or tabs; save the table with commas (and points in numbers)");
         if (names.size() > most_columns) fail_here(fmt::format("{} columns, more than {}", names.size(), most_columns));
         const std::vector<std::string> first{"top", "backing", "thickness_mm"};
         for (std::size_t k = 0; k < first.size(); ++k) {
@@ -129,7 +135,8 @@ private:
             if (nm) wavelengths.push_back(*nm);
         }
         if (channels.empty()) fail_here("no channel; after thickness_mm come R,G,B or wavelengths in nm");
-        if (wavelengths.empty() && channels.size() != 3) fail_here("of R, G and B some are missing; all three are needed");
+        if (wavelengths.empty() && channels.size() != 3)
+            fail_here("of R, G and B some are missing; all three are needed");
         for (std::size_t k = 1; k < wavelengths.size(); ++k)
             if (!(wavelengths[k] > wavelengths[k - 1]))
                 fail_here(fmt::format("wavelengths must rise, {} comes after {}", wavelengths[k], wavelengths[k - 1]));
@@ -150,7 +157,8 @@ private:
             columns_.push_back({error ? Column::Kind::error : Column::Kind::value, channel->second});
         }
         if (errors != 0 && errors != channels.size())
-            fail_here(fmt::format("{} of {} channels have a standard error; give it for all or for none", errors, channels.size()));
+            fail_here(fmt::format("{} of {} channels have a standard error; give it for all or for none", errors,
+                                  channels.size()));
         has_errors_ = errors != 0;
     }
 
@@ -158,7 +166,8 @@ private:
         if (table_.patches.size() >= most_patches) fail_here(fmt::format("more than {} patches", most_patches));
         const auto cells = split(line, ',');
         if (cells.size() != columns_.size())
-            fail_here(fmt::format("{} cells, but the header has {}; every patch needs them all", cells.size(), columns_.size()));
+            fail_here(fmt::format("{} cells, but the header has {}; every patch needs them all", cells.size(),
+                                  columns_.size()));
         Patch patch;
         patch.where = fmt::format("{}: line {}", table_.source, line_);
         try {
@@ -176,10 +185,17 @@ private:
             if (!value) fail_here(fmt::format("patch {}, column {}: {} is no number", name, k + 1, shown(cells[k])));
             const Column& column = columns_[k];
             switch (column.kind) {
-                case Column::Kind::thickness: patch.thickness_mm = *value; break;
-                case Column::Kind::base: patch.base_mm = *value; break;
-                case Column::Kind::error: patch.error[column.channel] = *value; break;
-                default: patch.rho[column.channel] = *value;
+                case Column::Kind::thickness:
+                    patch.thickness_mm = *value;
+                    break;
+                case Column::Kind::base:
+                    patch.base_mm = *value;
+                    break;
+                case Column::Kind::error:
+                    patch.error[column.channel] = *value;
+                    break;
+                default:
+                    patch.rho[column.channel] = *value;
             }
         }
         check(patch, name);
@@ -187,24 +203,29 @@ private:
     }
 
     void check(const Patch& patch, const std::string& name) const {
-        if (!(patch.thickness_mm > 0 && patch.thickness_mm <= 1000))
-            fail_here(fmt::format("patch {}: thickness_mm is {}; expected a thickness in mm, above 0", name, patch.thickness_mm));
-        if (!(patch.base_mm >= 0 && patch.base_mm <= 10000))
-            fail_here(fmt::format("patch {}: base_mm is {}; expected mm, or 0 where it is not known", name, patch.base_mm));
+        if (!(patch.thickness_mm >= 0.001 && patch.thickness_mm <= 1000))
+            fail_here(
+                fmt::format("patch {}: thickness_mm is {}; expected mm, from 0.001 to 1000", name, patch.thickness_mm));
+        if (!(patch.base_mm == 0 || (patch.base_mm >= 0.001 && patch.base_mm <= 10000)))
+            fail_here(
+                fmt::format("patch {}: base_mm is {}; expected mm, from 0.001 to 10000, or 0 where it is not known",
+                            name, patch.base_mm));
         for (std::size_t c = 0; c < patch.rho.size(); ++c) {
             const double rho = patch.rho[c];
             const std::string channel = channel_name(table_.channels, c);
             if (has_errors_ && !(patch.error[c] > 0 && patch.error[c] <= 1))
-                fail_here(fmt::format("patch {}: the standard error of {} is {}; expected more than 0 and at most 1", name, channel,
-                                      patch.error[c]));
+                fail_here(fmt::format("patch {}: the standard error of {} is {}; expected more than 0 and at most 1",
+                                      name, channel, patch.error[c]));
             if (rho < (has_errors_ ? -6 * patch.error[c] : 0))
-                fail_here(fmt::format("patch {}: {} is {}, but a reflectance cannot be negative; look at the dark level that was "
-                                      "subtracted, or give standard errors (R_se, ...) if this is noise",
-                                      name, channel, rho));
+                fail_here(fmt::format(
+                    "patch {}: {} is {}, but a reflectance cannot be negative; look at the dark level that was "
+                    "subtracted, or give standard errors (R_se, ...) if this is noise",
+                    name, channel, rho));
             if (rho > 1)
-                fail_here(fmt::format("patch {}: {} is {}, above 1, more than a perfect diffuser reflects; divide by the white "
-                                      "reference's reflectance, and give shares, not percent",
-                                      name, channel, rho));
+                fail_here(fmt::format(
+                    "patch {}: {} is {}, above 1, more than a perfect diffuser reflects; divide by the white "
+                    "reference's reflectance, and give shares, not percent",
+                    name, channel, rho));
         }
     }
 
@@ -221,8 +242,9 @@ private:
                                        ? fmt::format("{} {} there and {} here", channel_name(table_.channels, channel),
                                                      other.rho[channel], patch.rho[channel])
                                        : "other standard errors";
-        fail_here(fmt::format("patch {} of {} mm was measured already ({}) with other values: {}; keep one row, the mean of both",
-                              name, patch.thickness_mm, other.where, values));
+        fail_here(fmt::format(
+            "patch {} of {} mm was measured already ({}) with other values: {}; keep one row, the mean of both", name,
+            patch.thickness_mm, other.where, values));
     }
 
     std::string_view text_;
@@ -247,7 +269,8 @@ PatchMixture parse_mixture(std::string_view text) {
         if (colon != std::string_view::npos || parts.size() > 1) {
             const auto value = colon == std::string_view::npos ? std::nullopt : number(trimmed(part.substr(colon + 1)));
             if (!value || !(*value > 0 && *value <= 100))
-                throw InputError(fmt::format("Mixture {}: every part of it needs a percentage above 0, as in \"C:10+W:90\".", shown(text)));
+                throw InputError(fmt::format(
+                    "Mixture {}: every part of it needs a percentage above 0, as in \"C:10+W:90\".", shown(text)));
             percent = *value;
         }
         if (std::ranges::any_of(mixture, [&](const ResinShare& share) { return share.role == role; }))
@@ -255,7 +278,8 @@ PatchMixture parse_mixture(std::string_view text) {
         mixture.push_back({std::string(role), percent / 100});
         sum += percent;
     }
-    if (std::abs(sum - 100) > 0.01) throw InputError(fmt::format("Mixture {}: the percentages sum to {}, not to 100.", shown(text), sum));
+    if (std::abs(sum - 100) > 0.01)
+        throw InputError(fmt::format("Mixture {}: the percentages sum to {}, not to 100.", shown(text), sum));
     for (ResinShare& share : mixture) share.fraction *= 100 / sum;
     // One order of resins for one mixture, so that it is recognised.
     std::ranges::sort(mixture, {}, &ResinShare::role);
@@ -265,7 +289,8 @@ PatchMixture parse_mixture(std::string_view text) {
 std::string mixture_text(const PatchMixture& mixture) {
     if (mixture.size() == 1) return mixture.front().role;
     std::string text;
-    for (const ResinShare& share : mixture) text += fmt::format("{}{}:{:.6g}", text.empty() ? "" : "+", share.role, share.fraction * 100);
+    for (const ResinShare& share : mixture)
+        text += fmt::format("{}{}:{:.6g}", text.empty() ? "" : "+", share.role, share.fraction * 100);
     return text;
 }
 
@@ -285,7 +310,8 @@ PatchTable read_patches(const std::filesystem::path& file) {
 
 void apply_white_reference(PatchTable& table, double reflectance) {
     if (!(reflectance > 0 && reflectance <= 1))
-        throw InputError(fmt::format("The white reference reflects {}; expected a share above 0 and at most 1, such as 0.99.", reflectance));
+        throw InputError(fmt::format(
+            "The white reference reflects {}; expected a share above 0 and at most 1, such as 0.99.", reflectance));
     for (Patch& patch : table.patches) {
         for (double& rho : patch.rho) rho *= reflectance;
         for (double& error : patch.error) error *= reflectance;
@@ -300,10 +326,12 @@ std::string patch_table_text(const PatchTable& table, std::string_view comment) 
         from = to + 1;
     }
     const bool base = std::ranges::any_of(table.patches, [](const Patch& p) { return p.base_mm > 0; });
-    const bool errors = !table.patches.empty() && std::ranges::all_of(table.patches, [](const Patch& p) { return !p.error.empty(); });
+    const bool errors =
+        !table.patches.empty() && std::ranges::all_of(table.patches, [](const Patch& p) { return !p.error.empty(); });
     std::vector<std::string> names;
     for (std::size_t c = 0; c < table.channels.size(); ++c)
-        names.push_back(table.channels.is_rgb() ? channel_name(table.channels, c) : fmt::format("{}", table.channels.wavelengths_nm[c]));
+        names.push_back(table.channels.is_rgb() ? channel_name(table.channels, c)
+                                                : fmt::format("{}", table.channels.wavelengths_nm[c]));
     text += "top,backing,thickness_mm";
     for (const auto& name : names) text += fmt::format(",{}", name);
     if (base) text += ",base_mm";

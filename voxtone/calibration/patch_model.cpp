@@ -39,7 +39,8 @@ std::shared_ptr<const optics::OrdinatePlan> patch_plan(const PatchModelOptions& 
 PatchModel::PatchModel(std::span<const Patch> patches, std::vector<std::string> roles, const PatchModelOptions& options,
                        std::shared_ptr<const optics::OrdinatePlan> plan)
     : roles_(std::move(roles)), options_(options), plan_(plan ? std::move(plan) : patch_plan(options)) {
-    below_ = options_.under == UnderBase::black ? optics::Admittance::black(*plan_) : optics::Admittance::air(*plan_, false);
+    below_ =
+        options_.under == UnderBase::black ? optics::Admittance::black(*plan_) : optics::Admittance::air(*plan_, false);
     const auto resin = [&](const std::string& role) {
         const auto found = std::ranges::find(roles_, role);
         VOXTONE_EXPECT(found != roles_.end());
@@ -84,7 +85,8 @@ PatchModel::Mixed PatchModel::mix(const Layer& layer, std::span<const Medium> re
     std::vector<Medium> parts;
     for (const std::size_t r : layer.resins) parts.push_back(resins[r]);
     const auto effective = [&] {
-        return optics::HalftoneMedium(one_channel(parts, options_), options_.pitch_mm, optics::SeenFrom::above, options_.dither)(layer.fractions, 0);
+        return optics::HalftoneMedium(one_channel(parts, options_), options_.pitch_mm, optics::SeenFrom::above,
+                                      options_.dither)(layer.fractions, 0);
     };
     mixed.medium = effective();
     if (!with_derivatives) return mixed;
@@ -99,15 +101,18 @@ PatchModel::Mixed PatchModel::mix(const Layer& layer, std::span<const Medium> re
             value = kept - low;
             const Medium below = effective();
             value = kept;
-            by[static_cast<std::size_t>(s)] = {(above.sigma_a - below.sigma_a) / (step + low), (above.sigma_s - below.sigma_s) / (step + low)};
+            by[static_cast<std::size_t>(s)] = {(above.sigma_a - below.sigma_a) / (step + low),
+                                               (above.sigma_s - below.sigma_s) / (step + low)};
         }
     }
     return mixed;
 }
 
-void PatchModel::run(std::span<const Medium> resins, const Bases& laws, std::span<double> rho, Eigen::MatrixXd* by_resin) const {
+void PatchModel::run(std::span<const Medium> resins, const Bases& laws, std::span<double> rho,
+                     Eigen::MatrixXd* by_resin) const {
     VOXTONE_EXPECT(resins.size() == roles_.size() && rho.size() == patches_.size() && laws.size() == bases_.size());
-    if (by_resin) by_resin->setZero(static_cast<Eigen::Index>(patches_.size()), static_cast<Eigen::Index>(2 * resins.size()));
+    if (by_resin)
+        by_resin->setZero(static_cast<Eigen::Index>(patches_.size()), static_cast<Eigen::Index>(2 * resins.size()));
     for (std::size_t l = 0; l < layers_.size(); ++l) {
         const Mixed mixed = mix(layers_[l], resins, by_resin != nullptr);
         const optics::OrdinateLayer layer(*plan_, mixed.medium, layers_[l].thickness_mm, by_resin != nullptr);
@@ -133,7 +138,8 @@ void PatchModel::evaluate(std::span<const Medium> resins, const Bases& bases, st
     run(resins, bases, rho, nullptr);
 }
 
-void PatchModel::evaluate(std::span<const Medium> resins, const Bases& bases, std::span<double> rho, Eigen::MatrixXd& by_resin) const {
+void PatchModel::evaluate(std::span<const Medium> resins, const Bases& bases, std::span<double> rho,
+                          Eigen::MatrixXd& by_resin) const {
     run(resins, bases, rho, &by_resin);
 }
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// What the patches of a target reflect, rho(45 -> 0), for given resins, one channel at a time, with exact derivatives by
-// every resin's absorption and scattering.
+// What the patches of a target reflect, rho(45 -> 0), for given resins, one channel at a time, with exact derivatives
+// by every resin's absorption and scattering.
 //
 // A patch is a layer of a mixture upon a base (optics/layer_on_base.h). Squares of one mixture and thickness share the
-// modes of their layer, squares on one base share its law. Mixtures are ideal (Iser, Rittig, Wilkie 2025, Eq. 7) or, where
-// the pitch of the voxels is given, halftones (optics/halftone_medium.h). A base of unknown thickness has no end; one of
-// known thickness ends at what is `under` it.
+// modes of their layer, squares on one base share its law. Mixtures are ideal (Iser, Rittig, Wilkie 2025, Eq. 7) or,
+// where the pitch of the voxels is given, halftones (optics/halftone_medium.h). A base of unknown thickness has no end;
+// one of known thickness ends at what is `under` it.
 //
 // Units mm, mm^-1. Error of rho with the 15 directions used: 1e-6 for patches of 0.675 mm. Time: docs/benchmarks.md.
 // What it cannot see: the sides of a square (light that leaves it sideways), rough surfaces.
@@ -33,8 +33,9 @@ enum class UnderBase {
 };
 
 /// A target's mixtures are dithered by a random choice per voxel, whose lumps are larger than those of the blue-noise
-/// screen that HalftoneMedium's constants belong to: k_0 and k_1 are 1.25 times theirs. The factor is fitted to Monte Carlo
-/// of the dithers of target B (Vero, J750) and holds for other resins and shares: benchmarks/calibration/printed_target.
+/// screen that HalftoneMedium's constants belong to: k_0 and k_1 are 1.25 times theirs. The factor is fitted to Monte
+/// Carlo of the dithers of target B (Vero, J750) and holds for other resins and shares:
+/// benchmarks/calibration/printed_target.
 inline constexpr optics::HalftoneConstants random_dither{.k_0 = 0.7125, .k_1 = 0.5};
 
 struct PatchModelOptions {
@@ -50,7 +51,8 @@ struct PatchModelOptions {
 
 class PatchModel {
 public:
-    /// `roles`: the resins, in the order in which evaluate() takes them. Contract: every resin of `patches` is among them.
+    /// `roles`: the resins, in the order in which evaluate() takes them. Contract: every resin of `patches` is among
+    /// them.
     PatchModel(std::span<const Patch> patches, std::vector<std::string> roles, const PatchModelOptions& options,
                std::shared_ptr<const optics::OrdinatePlan> plan = {});
 
@@ -64,7 +66,8 @@ public:
     /// rho of every patch.
     void evaluate(std::span<const optics::Medium> resins, const Bases& bases, std::span<double> rho) const;
     /// And its derivatives, mm: column 2 r by sigma_a of resin r, column 2 r + 1 by its sigma_s.
-    void evaluate(std::span<const optics::Medium> resins, const Bases& bases, std::span<double> rho, Eigen::MatrixXd& by_resin) const;
+    void evaluate(std::span<const optics::Medium> resins, const Bases& bases, std::span<double> rho,
+                  Eigen::MatrixXd& by_resin) const;
 
     [[nodiscard]] std::vector<double> rho(std::span<const optics::Medium> resins) const;
 
@@ -89,7 +92,8 @@ private:
         std::vector<std::array<optics::Medium, 2>> by_resin;
     };
     [[nodiscard]] Mixed mix(const Layer& layer, std::span<const optics::Medium> resins, bool with_derivatives) const;
-    void run(std::span<const optics::Medium> resins, const Bases& bases, std::span<double> rho, Eigen::MatrixXd* by_resin) const;
+    void run(std::span<const optics::Medium> resins, const Bases& bases, std::span<double> rho,
+             Eigen::MatrixXd* by_resin) const;
 
     std::vector<std::string> roles_;
     PatchModelOptions options_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Small line plots as SVG text: one box, two axes (linear or logarithmic), lines, bands, points with error bars, labels.
+// Small line plots as SVG text: one box, two axes (linear or logarithmic), lines, bands, points with error bars,
+// labels.
 #pragma once
 
 #include <string>

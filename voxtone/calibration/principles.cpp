@@ -20,8 +20,11 @@ using optics::Medium;
 namespace {
 
 const char* const clear_role = "T";
+constexpr double model_error = 1e-4;  // of a reflectance by the ten directions used here
 
-bool is_pure(const Patch& patch, const std::string& role) { return patch.top.size() == 1 && patch.top.front().role == role; }
+bool is_pure(const Patch& patch, const std::string& role) {
+    return patch.top.size() == 1 && patch.top.front().role == role;
+}
 
 // Mean over the channels of a base's square on itself.
 double lightness(const PatchTable& table, const std::string& base) {
@@ -32,8 +35,9 @@ double lightness(const PatchTable& table, const std::string& base) {
         count += static_cast<double>(patch.rho.size());
     }
     if (count == 0)
-        throw InputError(fmt::format("{}: patch {} on {} is missing; the albedo of a base is read from its own square upon it.",
-                                     table.source, base, base));
+        throw InputError(
+            fmt::format("{}: patch {} on {} is missing; the albedo of a base is read from its own square upon it.",
+                        table.source, base, base));
     return sum / count;
 }
 
@@ -57,18 +61,22 @@ TargetRoles find_target_roles(const PatchTable& table, std::span<const std::stri
     for (const std::string& base : bases)
         if (!contains(all, base)) all.push_back(base);
     if (all.size() < 2)
-        throw InputError(fmt::format("{}: all patches are of one resin, {}; a calibration needs two of contrasting albedo.", table.source,
-                                     fmt::join(all, "")));
+        throw InputError(
+            fmt::format("{}: all patches are of one resin, {}; a calibration needs two of contrasting albedo.",
+                        table.source, fmt::join(all, "")));
     if (bases.size() < 2)
-        throw InputError(fmt::format("{}: all patches lie on {}; each resin must be seen on a light and on a dark base, or its "
-                                     "albedo and extinction cannot be told apart.",
-                                     table.source, fmt::join(bases, "")));
+        throw InputError(
+            fmt::format("{}: all patches lie on {}; each resin must be seen on a light and on a dark base, or its "
+                        "albedo and extinction cannot be told apart.",
+                        table.source, fmt::join(bases, "")));
     for (const std::string& role : expected)
         if (!contains(all, role))
-            throw InputError(fmt::format("{}: resin {} has no patch; measured are {}. Measure its squares too, or leave it out of the list.",
-                                         table.source, role, fmt::join(all, ", ")));
+            throw InputError(fmt::format(
+                "{}: resin {} has no patch; measured are {}. Measure its squares too, or leave it out of the list.",
+                table.source, role, fmt::join(all, ", ")));
     if (contains(bases, clear_role))
-        throw InputError(fmt::format("{}: patches lie on clear resin ({}); a base must be opaque.", table.source, clear_role));
+        throw InputError(
+            fmt::format("{}: patches lie on clear resin ({}); a base must be opaque.", table.source, clear_role));
     std::vector<std::pair<double, std::string>> by_light;
     for (const std::string& base : bases) by_light.emplace_back(-lightness(table, base), base);
     std::ranges::stable_sort(by_light, {}, [](const auto& entry) { return entry.first; });
@@ -76,13 +84,15 @@ TargetRoles find_target_roles(const PatchTable& table, std::span<const std::stri
     const auto white = std::ranges::find(by_light, "W", [](const auto& e) { return e.second; });
     const auto black = std::ranges::find(by_light, "K", [](const auto& e) { return e.second; });
     if (white != by_light.end() && black != by_light.end() && white->first > black->first + noise)
-        throw InputError(fmt::format("{}: W on W reflects {:.4f} and K on K {:.4f}: black and white are swapped, in the target, in its "
-                                     "description or in the photograph's orientation.",
-                                     table.source, -white->first, -black->first));
+        throw InputError(fmt::format(
+            "{}: W on W reflects {:.4f} and K on K {:.4f}: black and white are swapped, in the target, in its "
+            "description or in the photograph's orientation.",
+            table.source, -white->first, -black->first));
     if (!(lightest - darkest > 6 * noise))
-        throw InputError(fmt::format("{}: the bases have no contrast: {} reflects {:.4f} and {} {:.4f}, which must differ by {:.3f} at least. "
-                                     "Print the squares on two resins that differ more.",
-                                     table.source, by_light.front().second, lightest, by_light.back().second, darkest, 6 * noise));
+        throw InputError(fmt::format(
+            "{}: the bases have no contrast: {} reflects {:.4f} and {} {:.4f}, which must differ by {:.3f} at least. "
+            "Print the squares on two resins that differ more.",
+            table.source, by_light.front().second, lightest, by_light.back().second, darkest, 6 * noise));
     TargetRoles result;
     for (const auto& [light, base] : by_light) {
         result.bases.push_back(result.roles.size());
@@ -98,8 +108,9 @@ TargetRoles find_target_roles(const PatchTable& table, std::span<const std::stri
             return p.backing != base && std::ranges::any_of(p.top, [&](const ResinShare& s) { return s.role == base; });
         });
         if (crossed) continue;
-        throw InputError(fmt::format("{}: patch {} on {} is missing; the extinction of a base is read from its square upon another base.",
-                                     table.source, base, base == by_light.front().second ? by_light.back().second : by_light.front().second));
+        throw InputError(fmt::format(
+            "{}: patch {} on {} is missing; the extinction of a base is read from its square upon another base.",
+            table.source, base, base == by_light.front().second ? by_light.back().second : by_light.front().second));
     }
     return result;
 }
@@ -111,7 +122,7 @@ public:
         : roles_(*all.roles_), group_(group), resins_(resins), g_(all.options_.g), rho_(group.patches.size()) {
         for (const Patch& patch : group.patches) {
             measured_.push_back(patch.rho[channel]);
-            weight_.push_back(1 / (patch.error.empty() ? all.noise_ : patch.error[channel]));
+            weight_.push_back(1 / std::max(patch.error.empty() ? all.noise_ : patch.error[channel], model_error));
         }
         media_.resize(resins.size());
     }
@@ -140,7 +151,8 @@ public:
 
 private:
     void refresh() {
-        for (std::size_t r = 0; r < resins_.size(); ++r) media_[r] = roles_.is_clear(r) ? Medium{} : medium_of(resins_[r], g_);
+        for (std::size_t r = 0; r < resins_.size(); ++r)
+            media_[r] = roles_.is_clear(r) ? Medium{} : medium_of(resins_[r], g_);
     }
     const TargetRoles& roles_;
     const Group& group_;
@@ -161,9 +173,14 @@ Principles::Group Principles::group(const std::vector<std::size_t>& patches) con
     return result;
 }
 
-Principles::Principles(const PatchTable& table, const TargetRoles& roles, const PatchModelOptions& options, double noise)
-    : table_(&table), roles_(&roles), options_(options), noise_(noise),
-      plan_(std::make_shared<const optics::OrdinatePlan>(optics::directional_plan(options.g, options.eta, 4, 4))), bounds_(resin_bounds(options.g)) {
+Principles::Principles(const PatchTable& table, const TargetRoles& roles, const PatchModelOptions& options,
+                       double noise)
+    : table_(&table),
+      roles_(&roles),
+      options_(options),
+      noise_(noise),
+      plan_(std::make_shared<const optics::OrdinatePlan>(optics::directional_plan(options.g, options.eta, 4, 4))),
+      bounds_(resin_bounds(options.g)) {
     std::vector<std::size_t> mixed;
     for (std::size_t r = 0; r < roles.roles.size(); ++r) {
         const std::string& role = roles.roles[r];
@@ -174,7 +191,8 @@ Principles::Principles(const PatchTable& table, const TargetRoles& roles, const 
             // Of a resin that is no base: all patches in which only bases and clear resin stand beside it.
             bool has_it = false, known = true;
             for (const ResinShare& share : patch.top) {
-                const auto other = static_cast<std::size_t>(std::ranges::find(roles.roles, share.role) - roles.roles.begin());
+                const auto other =
+                    static_cast<std::size_t>(std::ranges::find(roles.roles, share.role) - roles.roles.begin());
                 has_it = has_it || other == r;
                 known = known && (other == r || roles.is_base(other) || roles.is_clear(other));
             }
@@ -187,7 +205,8 @@ Principles::Principles(const PatchTable& table, const TargetRoles& roles, const 
     for (std::size_t p = 0; p < table.patches.size(); ++p) {
         const Patch& patch = table.patches[p];
         const bool of_bases = std::ranges::all_of(patch.top, [&](const ResinShare& share) {
-            return roles.is_base(static_cast<std::size_t>(std::ranges::find(roles.roles, share.role) - roles.roles.begin()));
+            return roles.is_base(
+                static_cast<std::size_t>(std::ranges::find(roles.roles, share.role) - roles.roles.begin()));
         });
         if (of_bases && !(patch.top.size() == 1 && patch.top.front().role == patch.backing)) mixed.push_back(p);
     }
@@ -196,7 +215,8 @@ Principles::Principles(const PatchTable& table, const TargetRoles& roles, const 
 
 ChannelStart Principles::start(std::size_t channel) const {
     const std::size_t count = roles_->roles.size();
-    ChannelStart start{std::vector<ResinPoint>(count, ResinPoint{0.5, std::log(5.0)}), std::vector<std::vector<ResinPoint>>(count)};
+    ChannelStart start{std::vector<ResinPoint>(count, ResinPoint{0.5, std::log(5.0)}),
+                       std::vector<std::vector<ResinPoint>>(count)};
     std::vector<ResinPoint>& at = start.resins;
     const double low = std::log(bounds_.least_sigma_t), high = std::log(bounds_.most_sigma_t);
 
@@ -237,8 +257,10 @@ ChannelStart Principles::start(std::size_t channel) const {
     for (int round = 0; round < 3 && !mixtures.empty(); ++round)
         for (auto base = roles_->bases.rbegin(); base != roles_->bases.rend(); ++base) {
             double& value = at[*base].ln_sigma_t;
-            if (round == 0) line(mixtures, value, low, high, 20, 1);
-            else line(mixtures, value, std::max(low, value - 0.4), std::min(high, value + 0.4), 8, 1);
+            if (round == 0)
+                line(mixtures, value, low, high, 20, 1);
+            else
+                line(mixtures, value, std::max(low, value - 0.4), std::min(high, value + 0.4), 8, 1);
         }
 
     // Principle 3.
@@ -256,7 +278,9 @@ ChannelStart Principles::start(std::size_t channel) const {
                 at[role] = point(i, k);
                 deviation[static_cast<std::size_t>(i)][static_cast<std::size_t>(k)] = search.deviation();
             }
-        const auto value = [&](int i, int k) { return deviation[static_cast<std::size_t>(i)][static_cast<std::size_t>(k)]; };
+        const auto value = [&](int i, int k) {
+            return deviation[static_cast<std::size_t>(i)][static_cast<std::size_t>(k)];
+        };
         std::vector<std::pair<double, ResinPoint>> minima;
         for (int i = 0; i < rows; ++i)
             for (int k = 0; k < columns; ++k) {
@@ -264,7 +288,9 @@ ChannelStart Principles::start(std::size_t channel) const {
                 for (int di = -1; di <= 1; ++di)
                     for (int dk = -1; dk <= 1; ++dk) {
                         const int y = i + di, x = k + dk;
-                        if ((di != 0 || dk != 0) && y >= 0 && y < rows && x >= 0 && x < columns && value(y, x) < value(i, k)) least = false;
+                        if ((di != 0 || dk != 0) && y >= 0 && y < rows && x >= 0 && x < columns &&
+                            value(y, x) < value(i, k))
+                            least = false;
                     }
                 if (least) minima.emplace_back(value(i, k), point(i, k));
             }

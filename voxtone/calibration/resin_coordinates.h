@@ -3,8 +3,8 @@
 // The coordinates in which a resin is searched and fitted: v = ((1 - alpha) / (1 - alpha g))^(1/4) and ln sigma_t.
 //
 // The reflectance of a half-space is nearly linear in v from black (v = 1) to white (v = 0), where d rho / d alpha runs
-// to infinity; extinctions are uncertain by factors. Errors are therefore near to normal in these coordinates where they
-// are far from it in albedo and extinction.
+// to infinity; extinctions are uncertain by factors. Errors are therefore near to normal in these coordinates where
+// they are far from it in albedo and extinction.
 #pragma once
 
 #include <algorithm>
@@ -25,7 +25,9 @@ struct ResinBounds {
     double least_v = 0, most_v = 1;
 };
 
-[[nodiscard]] inline double v_of_albedo(double albedo, double g) { return std::pow((1 - albedo) / (1 - albedo * g), 0.25); }
+[[nodiscard]] inline double v_of_albedo(double albedo, double g) {
+    return std::pow((1 - albedo) / (1 - albedo * g), 0.25);
+}
 
 [[nodiscard]] inline double albedo_of_v(double v, double g) {
     const double x = v * v * v * v;
@@ -44,7 +46,8 @@ struct ResinBounds {
 }
 
 [[nodiscard]] inline ResinPoint clamped(ResinPoint p, const ResinBounds& b) {
-    return {std::clamp(p.v, b.least_v, b.most_v), std::clamp(p.ln_sigma_t, std::log(b.least_sigma_t), std::log(b.most_sigma_t))};
+    return {std::clamp(p.v, b.least_v, b.most_v),
+            std::clamp(p.ln_sigma_t, std::log(b.least_sigma_t), std::log(b.most_sigma_t))};
 }
 
 [[nodiscard]] inline ResinPoint point_of(const optics::Medium& medium, double g) {

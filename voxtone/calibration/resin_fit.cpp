@@ -32,13 +32,15 @@ void doubt(FittedValue& value, Doubt reason) {
 double square_mm(const PatchTable& table, const std::string& role) {
     double most = 0;
     for (const Patch& patch : table.patches)
-        if (patch.top.size() == 1 && patch.top.front().role == role && patch.backing != role) most = std::max(most, patch.thickness_mm);
+        if (patch.top.size() == 1 && patch.top.front().role == role && patch.backing != role)
+            most = std::max(most, patch.thickness_mm);
     return most;
 }
 
 // One standard error to either side. Near the ends of what an albedo can be, v has the interval of a bounded value, and
 // ln sigma_t, which leans on v with slope b, takes from it b times v's way to either side and its own remaining error.
-std::pair<ResinPoint, ResinPoint> interval(const ChannelFit& fit, std::size_t role, double scale, const ResinBounds& bounds) {
+std::pair<ResinPoint, ResinPoint> interval(const ChannelFit& fit, std::size_t role, double scale,
+                                           const ResinBounds& bounds) {
     const ResinPoint& at = fit.resins[role];
     const auto i = static_cast<Eigen::Index>(2 * role);
     const double v_error = scale * fit.errors[role].v, v_variance = std::max(fit.covariance(i, i), 1e-300);
@@ -53,13 +55,16 @@ std::pair<ResinPoint, ResinPoint> interval(const ChannelFit& fit, std::size_t ro
         const Interval of = interval_above_zero(to_white / v_error);
         v_low = bounds.least_v + of.low * v_error, v_high = bounds.least_v + of.high * v_error;
     }
+    v_low = std::min(v_low, at.v), v_high = std::max(v_high, at.v);
     const double down = lean > 0 ? at.v - v_low : v_high - at.v, up = lean > 0 ? v_high - at.v : at.v - v_low;
     const auto reach = [&](double v) { return std::sqrt(own + lean * lean * v * v); };
-    return {clamped({v_low, at.ln_sigma_t - reach(down)}, bounds), clamped({v_high, at.ln_sigma_t + reach(up)}, bounds)};
+    return {clamped({v_low, at.ln_sigma_t - reach(down)}, bounds),
+            clamped({v_high, at.ln_sigma_t + reach(up)}, bounds)};
 }
 
 // Values, errors and doubts of one resin in one channel.
-void describe(const ChannelFit& fit, std::size_t role, double scale, double thickness_mm, double g, FittedResin& resin, std::size_t channel) {
+void describe(const ChannelFit& fit, std::size_t role, double scale, double thickness_mm, double g, FittedResin& resin,
+              std::size_t channel) {
     const ResinBounds bounds = resin_bounds(g);
     const ResinPoint& at = fit.resins[role];
     const ResinPoint error{scale * fit.errors[role].v, scale * fit.errors[role].ln_sigma_t};
@@ -79,7 +84,8 @@ void describe(const ChannelFit& fit, std::size_t role, double scale, double thic
     const double share = 1 - g * albedo.value, by_v = -g * albedo_by_v(at.v, g) / share * error.v;
     const auto i = static_cast<Eigen::Index>(2 * role);
     const double slope = by_v / std::max(error.v, 1e-300);
-    const double variance = error.ln_sigma_t * error.ln_sigma_t + by_v * by_v + 2 * scale * scale * fit.covariance(i, i + 1) * slope;
+    const double variance =
+        error.ln_sigma_t * error.ln_sigma_t + by_v * by_v + 2 * scale * scale * fit.covariance(i, i + 1) * slope;
     const double spread = std::sqrt(std::max(variance, 0.0));
     reduced.value = sigma_t.value * share;
     reduced.standard_error = std::min(reduced.value * spread, bounds.most_sigma_t);
@@ -108,26 +114,40 @@ void describe(const ChannelFit& fit, std::size_t role, double scale, double thic
 
 std::string_view doubt_name(Doubt d) {
     switch (d) {
-        case Doubt::assumed: return "assumed";
-        case Doubt::dark: return "dark";
-        case Doubt::opaque: return "opaque";
-        case Doubt::thin: return "thin";
-        case Doubt::bound: return "bound";
-        case Doubt::second: return "second";
-        case Doubt::unsure: return "unsure";
+        case Doubt::assumed:
+            return "assumed";
+        case Doubt::dark:
+            return "dark";
+        case Doubt::opaque:
+            return "opaque";
+        case Doubt::thin:
+            return "thin";
+        case Doubt::bound:
+            return "bound";
+        case Doubt::second:
+            return "second";
+        case Doubt::unsure:
+            return "unsure";
     }
     return {};
 }
 
 std::string_view doubt_meaning(Doubt d) {
     switch (d) {
-        case Doubt::assumed: return "clear resin: taken as neither absorbing nor scattering, not fitted";
-        case Doubt::dark: return "reflects too little to tell its albedo from 0; only the upper end is known";
-        case Doubt::opaque: return "its squares hide the base: the extinction given is a lower limit; print it diluted with white";
-        case Doubt::thin: return "its squares are so clear that albedo and extinction cannot be told apart; print thicker ones";
-        case Doubt::bound: return "at the end of the searched range";
-        case Doubt::second: return "other values explain its patches nearly as well; print it diluted in other shares";
-        case Doubt::unsure: return "the patches say little of this value";
+        case Doubt::assumed:
+            return "clear resin: taken as neither absorbing nor scattering, not fitted";
+        case Doubt::dark:
+            return "reflects too little to tell its albedo from 0; only the upper end is known";
+        case Doubt::opaque:
+            return "its squares hide the base: the extinction given is a lower limit; print it diluted with white";
+        case Doubt::thin:
+            return "its squares are so clear that albedo and extinction cannot be told apart; print thicker ones";
+        case Doubt::bound:
+            return "at the end of the searched range";
+        case Doubt::second:
+            return "other values explain its patches nearly as well; print it diluted in other shares";
+        case Doubt::unsure:
+            return "the patches say little of this value";
     }
     return {};
 }
@@ -136,13 +156,18 @@ void validate(const FitOptions& options) {
     const auto fail = [](std::string_view what, double value, std::string_view rule) {
         throw InputError(fmt::format("{} is {}; {}.", what, value, rule));
     };
-    if (!(std::abs(options.model.g) <= 0.95)) fail("g", options.model.g, "the mean cosine of the scattering angle must lie between -0.95 and 0.95");
-    if (!(options.model.eta >= 1 && options.model.eta <= 3)) fail("eta", options.model.eta, "the refractive index must lie between 1 and 3 (resins have about 1.5)");
-    if (!(options.noise > 0 && options.noise <= 1)) fail("noise", options.noise, "the standard error of a reflectance must lie above 0 and at most at 1 (0.005 is usual)");
+    if (!(std::abs(options.model.g) <= 0.95))
+        fail("g", options.model.g, "the mean cosine of the scattering angle must lie between -0.95 and 0.95");
+    if (!(options.model.eta >= 1 && options.model.eta <= 3))
+        fail("eta", options.model.eta, "the refractive index must lie between 1 and 3 (resins have about 1.5)");
+    if (!(options.noise > 0 && options.noise <= 1))
+        fail("noise", options.noise,
+             "the standard error of a reflectance must lie above 0 and at most at 1 (0.005 is usual)");
     const auto& pitch = options.model.pitch_mm;
     const bool none = pitch[0] == 0 && pitch[1] == 0 && pitch[2] == 0;
     for (const double p : pitch)
-        if (!none && !(p > 0 && p <= 10)) fail("pitch", p, "give the voxel's size along all axes, or none for ideal mixtures");
+        if (!none && !(p > 0 && p <= 10))
+            fail("pitch", p, "give the voxel's size along all axes, or none for ideal mixtures");
 }
 
 ResinFit fit_resins(const PatchTable& table, const FitOptions& options, const Progress* progress) {
@@ -152,7 +177,8 @@ ResinFit fit_resins(const PatchTable& table, const FitOptions& options, const Pr
     const ChannelFitter fitter(table, roles, options.model, options.noise);
     const std::size_t channels = table.channels.size();
     std::vector<ChannelFit> fits(channels);
-    parallel_for(0, channels, 1, [&](std::size_t c) { fits[c] = fitter.fit(c); }, progress);
+    parallel_for(
+        0, channels, 1, [&](std::size_t c) { fits[c] = fitter.fit(c); }, progress);
 
     ResinFit result;
     result.set.name = options.name;
@@ -163,9 +189,11 @@ ResinFit fit_resins(const PatchTable& table, const FitOptions& options, const Pr
     std::vector<double> scale(channels, 1);
     for (std::size_t c = 0; c < channels; ++c) {
         result.chi2.push_back(fits[c].chi2);
-        if (result.freedom <= 0 || !(fits[c].chi2 > chi2_limit(result.freedom))) continue;
+        // With as many values as patches nothing is left to explain, but nonsense still does not fit.
+        const int freedom = std::max(result.freedom, 1);
+        if (!(fits[c].chi2 > chi2_limit(freedom))) continue;
         result.misfit.push_back(c);
-        scale[c] = std::sqrt(fits[c].chi2 / result.freedom);
+        scale[c] = std::sqrt(fits[c].chi2 / freedom);
     }
     for (std::size_t r = 0; r < roles.roles.size(); ++r) {
         const std::string& role = roles.roles[r];

@@ -3,14 +3,15 @@
 // From measured patches to a set of resins: every channel by the Principles and a joint least-squares refinement
 // (channel_fit.h), in parallel; then what is known of every value, and what is not.
 //
-// Errors. Standard errors are those of the coordinates v and ln sigma_t (resin_coordinates.h), in which they are near to
-// normal: `low` and `high` are the ends of one standard error there (bounded_interval.h where an albedo is near 0 or 1, so
-// that truths lie between them in 68 % of cases there too); `standard_error` is the same to first order in albedo and mm^-1. They follow from the noise of the patches: their own errors, or one constant.
-// Where the residuals of a channel are larger than the noise can explain (chi2 beyond its 99.9 % point), errors are
-// scaled up by the root of chi2 per degree of freedom, and the channel is listed in `misfit`.
+// Errors. Standard errors are those of the coordinates v and ln sigma_t (resin_coordinates.h), in which they are near
+// to normal: `low` and `high` are the ends of one standard error there (bounded_interval.h where an albedo is near 0 or
+// 1, so that truths lie between them in 68 % of cases there too); `standard_error` is the same to first order in albedo
+// and mm^-1. They follow from the noise of the patches: their own errors, or one constant. Where the residuals of a
+// channel are larger than the noise can explain (chi2 beyond its 99.9 % point), errors are scaled up by the root of
+// chi2 per degree of freedom, and the channel is listed in `misfit`.
 //
-// What it cannot see: g and eta (by similarity a wrong g is mostly a wrong extinction: sigma_a and sigma_s (1 - g) stay);
-// errors that all patches share, such as a wrong white reference.
+// What it cannot see: g and eta (by similarity a wrong g is mostly a wrong extinction: sigma_a and sigma_s (1 - g)
+// stay); errors that all patches share, such as a wrong white reference.
 #pragma once
 
 #include <string>
@@ -37,13 +38,13 @@ void validate(const FitOptions& options);
 
 /// Why a value is not to be relied on.
 enum class Doubt {
-    assumed,   ///< clear resin: taken as neither absorbing nor scattering, not fitted
-    dark,      ///< albedo: reflects too little to tell it from 0; `high` is what is known
-    opaque,    ///< extinction: its squares hide the base; the value is a lower limit
-    thin,      ///< its squares are so clear that albedo and extinction cannot be told apart
-    bound,     ///< at the end of the searched range
-    second,    ///< other values explain the patches nearly as well
-    unsure,    ///< error larger than 0.1 in v or 0.35 in ln sigma_t, for none of these reasons
+    assumed,  ///< clear resin: taken as neither absorbing nor scattering, not fitted
+    dark,     ///< albedo: reflects too little to tell it from 0; `high` is what is known
+    opaque,   ///< extinction: its squares hide the base; the value is a lower limit
+    thin,     ///< its squares are so clear that albedo and extinction cannot be told apart
+    bound,    ///< at the end of the searched range
+    second,   ///< other values explain the patches nearly as well
+    unsure,   ///< error larger than 0.1 in v or 0.35 in ln sigma_t, for none of these reasons
 };
 [[nodiscard]] std::string_view doubt_name(Doubt doubt);
 /// One line for the user.
@@ -72,6 +73,7 @@ struct ResinFit {
 };
 
 /// Throws InputError where a calibration is not possible (principles.h), naming patch or resin.
-[[nodiscard]] ResinFit fit_resins(const PatchTable& table, const FitOptions& options, const Progress* progress = nullptr);
+[[nodiscard]] ResinFit fit_resins(const PatchTable& table, const FitOptions& options,
+                                  const Progress* progress = nullptr);
 
 }  // namespace voxtone::calibration

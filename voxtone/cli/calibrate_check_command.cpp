@@ -49,17 +49,33 @@ int run(const Arguments& arguments) {
 
 Command add_calibrate_check_command(CLI::App& calibrate) {
     auto arguments = std::make_shared<Arguments>();
-    CLI::App* command = calibrate.add_subcommand("check", "How well a resin set predicts measured patches, as CIEDE2000");
-    command->add_option("resins", arguments->resins, "resin set (`voxtone list resins`) or file")->required()->type_name("SET|FILE");
+    CLI::App* command =
+        calibrate.add_subcommand("check", "How well a resin set predicts measured patches, as CIEDE2000");
+    command->add_option("resins", arguments->resins, "resin set (`voxtone list resins`) or file")
+        ->required()
+        ->type_name("SET|FILE");
     command->add_option("patches", arguments->patches, "CSV of measured patches")->required()->type_name("FILE");
-    command->add_option("--white", arguments->white, "reflectance of the white reference that the values were divided by: 0.99 for Spectralon of 99 %")
+    command
+        ->add_option("--white", arguments->white,
+                     "reflectance of the white reference that the values were divided by: 0.99 for Spectralon of 99 %")
         ->capture_default_str();
-    command->add_option("--base", arguments->base, "thickness of the base under the squares; empty: the table's base_mm, else without end")->type_name("LENGTH");
-    command->add_option("--under", arguments->under, "what a base of known thickness lies on: black in optical contact, or air above a sheet")
+    command
+        ->add_option("--base", arguments->base,
+                     "thickness of the base under the squares; empty: the table's base_mm, else without end")
+        ->type_name("LENGTH");
+    command
+        ->add_option("--under", arguments->under,
+                     "what a base of known thickness lies on: black in optical contact, or air above a sheet")
         ->check(CLI::IsMember({"black", "air"}))
         ->capture_default_str();
-    command->add_option("--printer", arguments->printer, "mixtures are dithers of this printer's voxels; empty: ideal mixtures")->type_name("ID|FILE");
-    command->add_option("--threads", arguments->threads, "threads; 0: one per core")->group("Run")->capture_default_str()->check(CLI::Range(0, 1024));
+    command
+        ->add_option("--printer", arguments->printer,
+                     "mixtures are dithers of this printer's voxels; empty: ideal mixtures")
+        ->type_name("ID|FILE");
+    command->add_option("--threads", arguments->threads, "threads; 0: one per core")
+        ->group("Run")
+        ->capture_default_str()
+        ->check(CLI::Range(0, 1024));
     add_console_options(*command, arguments->console);
     return [arguments] { return run(*arguments); };
 }

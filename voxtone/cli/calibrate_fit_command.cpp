@@ -40,15 +40,17 @@ struct Arguments {
 /// OUT.fit.json beside OUT.json.
 fs::path side_file(const fs::path& out) { return fs::path(out).replace_extension(".fit.json"); }
 
-std::vector<calibration::SweepLine> sweep(const calibration::PatchTable& table, const calibration::PatchTable* others, calibration::FitOptions options,
-                                          Progress& progress) {
+std::vector<calibration::SweepLine> sweep(const calibration::PatchTable& table, const calibration::PatchTable* others,
+                                          calibration::FitOptions options, Progress& progress) {
     std::vector<calibration::SweepLine> lines;
     for (int step = -9; step <= 9; ++step) {
         options.model.g = step / 10.0;
         const auto fit = calibration::fit_resins(table, options, &progress);
         const double freedom = static_cast<double>(fit.freedom) * static_cast<double>(fit.chi2.size());
-        lines.push_back({options.model.g, freedom > 0 ? std::accumulate(fit.chi2.begin(), fit.chi2.end(), 0.0) / freedom : 0,
-                         others ? calibration::check_resins(fit.set, *others, options.model).differences : fit.patches.differences});
+        lines.push_back({options.model.g,
+                         freedom > 0 ? std::accumulate(fit.chi2.begin(), fit.chi2.end(), 0.0) / freedom : 0,
+                         others ? calibration::check_resins(fit.set, *others, options.model).differences
+                                : fit.patches.differences});
     }
     return lines;
 }
@@ -57,7 +59,8 @@ int run(const Arguments& arguments) {
     const ThreadLimit limit(static_cast<std::size_t>(arguments.threads));
     return run_on_console(arguments.console, [&](Progress& progress) {
         calibration::FitOptions options = arguments.fit;
-        if (!arguments.printer.empty() && !arguments.pitch.empty()) throw UsageError("--printer and --pitch both give the voxel's size; give one of them");
+        if (!arguments.printer.empty() && !arguments.pitch.empty())
+            throw UsageError("--printer and --pitch both give the voxel's size; give one of them");
         if (!arguments.pitch.empty()) options.model.pitch_mm = slicer::parse_pitch_mm(arguments.pitch);
         if (!arguments.printer.empty()) {
             const auto pitch = slicer::find_printer(arguments.printer).pitch_mm();
@@ -90,7 +93,8 @@ int run(const Arguments& arguments) {
             text += calibration::sweep_text(lines);
             json += fmt::format(",\"g_sweep\":{}", calibration::sweep_json(lines));
         }
-        if (!arguments.report.empty()) io::write_whole_file(arguments.report, calibration::fit_report_html(fit, table, options));
+        if (!arguments.report.empty())
+            io::write_whole_file(arguments.report, calibration::fit_report_html(fit, table, options));
         text += fmt::format("\nWrote {} and {}\n", arguments.out, side_file(arguments.out).string());
         return CommandResult{json + "}", text};
     });
@@ -100,31 +104,68 @@ int run(const Arguments& arguments) {
 
 Command add_calibrate_fit_command(CLI::App& calibrate) {
     auto arguments = std::make_shared<Arguments>();
-    CLI::App* command = calibrate.add_subcommand("fit", "Albedo and extinction of every resin, with their errors, from measured patches");
-    command->add_option("patches", arguments->patches, "CSV: top,backing,thickness_mm,R,G,B or wavelengths in nm; 45/0 reflectance of a perfect diffuser is 1")
+    CLI::App* command = calibrate.add_subcommand(
+        "fit", "Albedo and extinction of every resin, with their errors, from measured patches");
+    command
+        ->add_option(
+            "patches", arguments->patches,
+            "CSV: top,backing,thickness_mm,R,G,B or wavelengths in nm; 45/0 reflectance of a perfect diffuser is 1")
         ->required()
         ->type_name("FILE");
-    command->add_option("-o,--out", arguments->out, "resin set to write; errors and doubts go beside it, as NAME.fit.json")->required()->type_name("FILE");
-    command->add_option("--report", arguments->report, "page to look at: patches measured and predicted, curves, errors")->type_name("FILE.html");
+    command
+        ->add_option("-o,--out", arguments->out, "resin set to write; errors and doubts go beside it, as NAME.fit.json")
+        ->required()
+        ->type_name("FILE");
+    command
+        ->add_option("--report", arguments->report, "page to look at: patches measured and predicted, curves, errors")
+        ->type_name("FILE.html");
     command->add_option("--name", arguments->name, "name of the set; empty: that of the file");
-    command->add_option("--resins", arguments->fit.expected, "resins that must be among the patches: C,M,Y,K,W")->type_name("LIST")->delimiter(',')->allow_extra_args(false);
-    command->add_option("--noise", arguments->fit.noise, "standard error of a reflectance, where the table gives none")->capture_default_str();
-    command->add_option("--g", arguments->fit.model.g, "mean cosine of the scattering angle; patches cannot tell it")->group("Model")->capture_default_str();
-    command->add_option("--eta", arguments->fit.model.eta, "refractive index; patches cannot tell it")->group("Model")->capture_default_str();
-    command->add_option("--white", arguments->white, "reflectance of the white reference that the values were divided by: 0.99 for Spectralon of 99 %")
+    command->add_option("--resins", arguments->fit.expected, "resins that must be among the patches: C,M,Y,K,W")
+        ->type_name("LIST")
+        ->delimiter(',')
+        ->allow_extra_args(false);
+    command->add_option("--noise", arguments->fit.noise, "standard error of a reflectance, where the table gives none")
         ->capture_default_str();
-    command->add_option("--base", arguments->base, "thickness of the base under the squares, for all patches; empty: the table's base_mm, else without end")
+    command->add_option("--g", arguments->fit.model.g, "mean cosine of the scattering angle; patches cannot tell it")
+        ->group("Model")
+        ->capture_default_str();
+    command->add_option("--eta", arguments->fit.model.eta, "refractive index; patches cannot tell it")
+        ->group("Model")
+        ->capture_default_str();
+    command
+        ->add_option("--white", arguments->white,
+                     "reflectance of the white reference that the values were divided by: 0.99 for Spectralon of 99 %")
+        ->capture_default_str();
+    command
+        ->add_option(
+            "--base", arguments->base,
+            "thickness of the base under the squares, for all patches; empty: the table's base_mm, else without end")
         ->type_name("LENGTH")
         ->group("Model");
-    command->add_option("--under", arguments->under, "what a base of known thickness lies on: black in optical contact, or air above a sheet")
+    command
+        ->add_option("--under", arguments->under,
+                     "what a base of known thickness lies on: black in optical contact, or air above a sheet")
         ->check(CLI::IsMember({"black", "air"}))
         ->group("Model")
         ->capture_default_str();
-    command->add_option("--printer", arguments->printer, "mixtures are dithers of this printer's voxels; empty: ideal mixtures")->type_name("ID|FILE")->group("Model");
-    command->add_option("--pitch", arguments->pitch, "the same by the voxel's size along columns, rows, layers: 42.33,84.67,27um")->type_name("X,Y,Z")->group("Model");
+    command
+        ->add_option("--printer", arguments->printer,
+                     "mixtures are dithers of this printer's voxels; empty: ideal mixtures")
+        ->type_name("ID|FILE")
+        ->group("Model");
+    command
+        ->add_option("--pitch", arguments->pitch,
+                     "the same by the voxel's size along columns, rows, layers: 42.33,84.67,27um")
+        ->type_name("X,Y,Z")
+        ->group("Model");
     command->add_option("--check", arguments->check, "other patches to predict with the result")->type_name("FILE");
-    command->add_flag("--g-sweep", arguments->sweep, "also fit for g from -0.9 to 0.9 and print how well each explains the patches (of --check, if given)");
-    command->add_option("--threads", arguments->threads, "threads; 0: one per core. The result does not depend on it")->group("Run")->capture_default_str()->check(CLI::Range(0, 1024));
+    command->add_flag(
+        "--g-sweep", arguments->sweep,
+        "also fit for g from -0.9 to 0.9 and print how well each explains the patches (of --check, if given)");
+    command->add_option("--threads", arguments->threads, "threads; 0: one per core. The result does not depend on it")
+        ->group("Run")
+        ->capture_default_str()
+        ->check(CLI::Range(0, 1024));
     add_console_options(*command, arguments->console);
     return [arguments] { return run(*arguments); };
 }

@@ -28,7 +28,8 @@ Ends ends(double lambda, double T) {
     const double root = std::sqrt(lambda), x = root * T;
     if (x < 0.05) {
         const double y = x * x;
-        return {(1 + y / 3 - y * y / 45 + 2 * y * y * y / 945) / T, (1 - y / 6 + 7 * y * y / 360 - 31 * y * y * y / 15120) / T,
+        return {(1 + y / 3 - y * y / 45 + 2 * y * y * y / 945) / T,
+                (1 - y / 6 + 7 * y * y / 360 - 31 * y * y * y / 15120) / T,
                 T * (1.0 / 3 - 2 * y / 45 + 2 * y * y / 315), -T * (1.0 / 6 - 7 * y / 180 + 31 * y * y / 5040)};
     }
     if (x > 350) return {root, 0, 0.5 / root, 0};
@@ -72,7 +73,8 @@ Change albedo_change(const OrdinatePlan& plan, const LayerModes& modes, double T
 }
 
 // From derivatives by the albedo and the optical depth without forward peak to those by sigma_a and sigma_s.
-Medium by_medium(double by_albedo, double by_depth, double sigma_t, double albedo, double truncated, double thickness_mm) {
+Medium by_medium(double by_albedo, double by_depth, double sigma_t, double albedo, double truncated,
+                 double thickness_mm) {
     const double by_scattering = by_albedo * (1 - albedo) / sigma_t + by_depth * thickness_mm;
     return {-by_albedo * albedo / sigma_t + by_depth * thickness_mm, by_scattering * (1 - truncated)};
 }
@@ -178,9 +180,11 @@ LayerReflectance OrdinateLayer::upon(const OrdinateBase& base) const {
     const auto change = [&](const OrdinateMatrix& matrix, const Pair& left, const Pair& right) {
         return left.col(0).dot(matrix * right.col(1));
     };
-    const double by_albedo = scale_ * (change(same_end_, a, a) + change(same_end_, b, b) + change(other_end_, a, b) + change(other_end_, b, a));
+    const double by_albedo = scale_ * (change(same_end_, a, a) + change(same_end_, b, b) + change(other_end_, a, b) +
+                                       change(other_end_, b, a));
     const Pair v = C_.asDiagonal() * a - S_.asDiagonal() * b;
-    const double by_depth = -scale_ * ((lambda_.array() * a.col(0).array() * a.col(1).array()).sum() - v.col(0).dot(v.col(1)));
+    const double by_depth =
+        -scale_ * ((lambda_.array() * a.col(0).array() * a.col(1).array()).sum() - v.col(0).dot(v.col(1)));
     result.by_layer = by_medium(by_albedo, by_depth, sigma_t_, albedo_, truncated_, depth_);
     result.by_base = {-scale_ * change(base.Y_absorption_, U, U), -scale_ * change(base.Y_scattering_, U, U)};
     return result;

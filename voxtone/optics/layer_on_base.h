@@ -4,7 +4,7 @@
 //
 // The modes of layer_modes.h, cut so that what is needed by many patches is made once:
 //   OrdinateBase    the law of a base, V = Y U, and dY; for all patches on it
-//   OrdinateLayer   a layer seen from below, V = -P U + ..., for all bases under it; per base one Cholesky factor is left.
+//   OrdinateLayer   a layer seen from below, V = -P U + ..., for all bases under it; one Cholesky factor a base is left
 //
 // With D = (1 - r)/(1 + r) the surface's law in modes, A = C + W^-1 D W^-T and N = S A^-1 S (C, S: layer_modes.h),
 //
