@@ -11,6 +11,7 @@
 #include "run_program.h"
 #include "voxtone/calibration/patch_file.h"
 #include "voxtone/calibration/target_file.h"
+#include "voxtone/io/resin_file.h"
 #include "voxtone/io/stack_reader.h"
 
 using namespace voxtone;
@@ -159,4 +160,34 @@ TEST_CASE("What is no photograph of a target is refused with the right code") {
     CHECK(run_program("calibrate photo --target " + folder / "target.json" + " -o " + folder / "p.csv " +
                       folder / "out/target.png")
               .exit_code == 3);
+}
+
+TEST_CASE("The road from a target to its resins recovers resins that the fit does not know") {
+    const Folder folder("road");
+    const std::string truth = VOXTONE_SOURCE_DIR "/examples/07-resins.json";
+    require_done(run_program("calibrate target --resins C,M,Y,K,W --layout B --quiet -o " + folder / "out"));
+    require_done(run_program("calibrate simulate " + folder / "out/target.json" + " --resins " + truth +
+                             " --dithered --quiet -o " + folder / "photo.tif"));
+    require_done(run_program("calibrate photo " + folder / "photo.tif" + " --target " + folder / "out/target.json" +
+                             " --quiet -o " + folder / "patches.csv"));
+    const std::string fit = "calibrate fit " + folder / "patches.csv" + " --quiet -o " + folder / "resins.json";
+    require_done(run_program(fit + " --printer stratasys-j750-hm"));
+    const auto distances = [&] {  // relative, of extinction and of absorption
+        const optics::ResinSet known = io::read_resin_set(truth), found = io::read_resin_set(folder / "resins.json");
+        double extinction = 0, absorption = 0;
+        for (const optics::Resin& resin : known.resins) {
+            const optics::Resin& other = found.resins.at(std::size_t(found.find(resin.role)));
+            for (std::size_t c = 0; c < 3; ++c) {
+                extinction = std::max(extinction, std::abs(other.medium(c).sigma_t() / resin.medium(c).sigma_t() - 1));
+                absorption = std::max(absorption, std::abs(other.medium(c).sigma_a / resin.medium(c).sigma_a - 1));
+            }
+        }
+        return std::pair(extinction, absorption);
+    };
+    const auto [extinction, absorption] = distances();
+    CHECK(extinction < 0.02);
+    CHECK(absorption < 0.02);
+    // A fit that takes the dithers for ideal mixtures is worse, or the test would not see them.
+    require_done(run_program(fit));
+    CHECK(distances().first > 3 * extinction);
 }

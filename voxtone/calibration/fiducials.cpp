@@ -23,6 +23,7 @@ using Eigen::Vector2d;
 using Corners = std::array<Vector2d, 4>;  // upper left, upper right, lower right, lower left
 
 constexpr std::size_t enough = 3;
+constexpr double good_agreement = 0.7;  // of the markers' cells with the picture, 1 at most
 constexpr double finder_px[] = {
     2400, 1400, 800};  // longest sides of the pictures in which markers are looked for: less of them, less blur
 constexpr double worst_residual = 0.15;  // mm: beyond this the markers do not lie as described
@@ -128,7 +129,7 @@ double agreement(const cv::Mat& grey, const Target& target, const Rectification&
                         "and print the target again, for all other prints are mirrored as well",
                         name));
     const std::map<int, Corners> either = known_markers(find_markers(grey, true), target);
-    if (either.size() >= 2 && agreement(grey, target, place_of(either, target)) < 0)
+    if (either.size() >= enough && agreement(grey, target, place_of(either, target)) < -good_agreement)
         throw InputError(
             fmt::format("{}: the markers are light on dark: the resins {} and {} were exchanged when they were "
                         "assigned to the bitmaps' colours, or the picture "
@@ -154,7 +155,6 @@ double agreement(const cv::Mat& grey, const Target& target, const Rectification&
 
 /// Says which other way the corners would fit.
 void check_corners(const cv::Mat& grey, const Target& target, const Corners& given, const std::string& name) {
-    constexpr double good = 0.7;
     const Corners own = corners_of({Vector2d::Zero(), target.size_mm});
     const auto place = [&](int turn, bool mirrored) {
         Corners px;
@@ -163,15 +163,15 @@ void check_corners(const cv::Mat& grey, const Target& target, const Corners& giv
         return Rectification::fit(own, px);
     };
     const double as_given = agreement(grey, target, place(0, false));
-    if (as_given > good) return;
+    if (as_given > good_agreement) return;
     for (int turn = 0; turn < 4; ++turn)
         for (const bool mirrored : {false, true}) {
             const double fits = agreement(grey, target, place(turn, mirrored));
-            if (fits < -good)
+            if (fits < -good_agreement)
                 throw InputError(fmt::format(
                     "{}: at the given corners the markers are light on dark: the resins {} and {} are exchanged", name,
                     target.light, target.dark));
-            if (fits > good)
+            if (fits > good_agreement)
                 throw InputError(mirrored
                                      ? fmt::format("{}: at the given corners the target is mirrored, or the corners "
                                                    "are given anticlockwise; they must be upper left, upper "

@@ -19,7 +19,7 @@ constexpr int terms = PhotoModel::light_terms;
 using Basis = Eigen::Matrix<double, terms, 1>;
 
 /// Standard deviations of the light's terms before anything is seen; lengths in half diagonals of the picture.
-const double prior[terms] = {0.5, 0.5, 0.3, 0.3, 0.3, 0.1, 0.1, 0.1, 0.1, 0.1};
+const double prior[terms] = {0.5, 0.5, 0.3, 0.3, 0.3, 0.1, 0.1, 0.1, 0.1, 0.2, 0.2};
 
 template <class T>
 T light_of(const Basis& basis, const T* light) {
@@ -74,7 +74,7 @@ Basis PhotoModel::basis(const Eigen::Vector2d& px) const {
     const Eigen::Vector2d u = (px - middle) / middle.norm();
     const double x = u.x(), y = u.y(), r2 = u.squaredNorm();
     Basis b;
-    b << x, y, x * x, x * y, y * y, x * x * x, x * x * y, x * y * y, y * y * y, r2 * r2;
+    b << x, y, x * x, x * y, y * y, x * x * x, x * x * y, x * y * y, y * y * y, r2 * r2, r2 * r2 * r2;
     return b;
 }
 

@@ -4,10 +4,11 @@
 //
 //   sample(u) = L(u) M rho,      log L = a smooth polynomial of the place u in the picture
 //
-// L: uneven light and vignetting, the same in all channels: a full cubic and the fourth power of the distance from the
-// middle. M: 3 x 3, from linear sRGB to the camera's channels (white balance and exposure included). Known are the
-// colours of the chart's patches; of the light frame it is only known that it has one colour everywhere, whichever. So
-// the frame tells L over the target, the chart tells M and L over itself, and L being smooth ties the two together.
+// L: uneven light and vignetting, the same in all channels: a full cubic and the fourth and sixth powers of the
+// distance from the middle. M: 3 x 3, from linear sRGB to the camera's channels (white balance and exposure included).
+// Known are the colours of the chart's patches; of the light frame it is only known that it has one colour everywhere,
+// whichever. So the frame tells L over the target, the chart tells M and L over itself, and L being smooth ties the two
+// together.
 //
 // Least squares (Ceres); relative errors of frame and chart are estimated from the residuals, weak priors keep what the
 // samples do not tell small. Standard errors of reflectances follow from the fit's covariance.
@@ -31,7 +32,7 @@ struct LitSample {
 
 class PhotoModel {
 public:
-    static constexpr int light_terms = 10, parameters = 9 + 3 + light_terms;
+    static constexpr int light_terms = 11, parameters = 9 + 3 + light_terms;
 
     /// Throws InputError (beginning with `name`) where there are too few samples or the fit fails.
     [[nodiscard]] static PhotoModel fit(std::span<const LitSample> chart, std::span<const LitSample> frame,

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <vector>
 
 #include <Eigen/Cholesky>
@@ -18,10 +19,20 @@ struct Block {
     double pixels = 0, weight = 1;
 };
 
-double median(std::vector<double> values) {
-    const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
+/// The shortest interval that holds half of the values: dirt is on one side of a distribution and hardly moves it.
+struct ShortestHalf {
+    double middle, length;
+};
+
+ShortestHalf shortest_half(std::vector<double> values) {
+    std::sort(values.begin(), values.end());
+    const std::size_t half = values.size() / 2;
+    std::size_t first = 0;
+    for (std::size_t k = 1; k + half < values.size(); ++k)
+        if (values[k + half] - values[k] < values[first + half] - values[first]) first = k;
+    double sum = 0;
+    for (std::size_t k = first; k <= first + half; ++k) sum += values[k];
+    return {sum / double(half + 1), values[first + half] - values[first]};
 }
 
 /// Rows: value in the middle, slopes along x and y; columns: channels.
@@ -41,17 +52,30 @@ Eigen::Vector3d off_plane(const Block& block, const Eigen::Matrix3d& plane) {
 }
 
 void reweigh(std::vector<Block>& blocks, const Eigen::Matrix3d& plane) {
-    constexpr double tukey = 4.685, to_deviation = 1.4826;
+    constexpr double tukey = 4.685, to_deviation = 0.7413;
     Eigen::Vector3d scale;
     for (int channel = 0; channel < 3; ++channel) {
-        std::vector<double> size;
-        for (const Block& block : blocks) size.push_back(std::abs(off_plane(block, plane)[channel]));
-        scale[channel] = std::max(to_deviation * median(size), 1e-9);
+        std::vector<double> off;
+        for (const Block& block : blocks) off.push_back(off_plane(block, plane)[channel]);
+        scale[channel] = std::max(to_deviation * shortest_half(std::move(off)).length, 1e-9);
     }
     for (Block& block : blocks) {
         const double worst = (off_plane(block, plane).array().abs() / scale.array()).maxCoeff() / tukey;
         block.weight = worst < 1 ? std::pow(1 - worst * worst, 2) : 0;
     }
+}
+
+/// Mean of a normal distribution over the mean of it cut off at 0, given the share below 0.
+double uncut_share(double below) {
+    if (below <= 0) return 1;
+    if (below >= 0.5) return 0;
+    double low = 0, high = 10;  // mean in standard deviations, by bisection
+    for (int step = 0; step < 60; ++step) {
+        const double t = 0.5 * (low + high);
+        (0.5 * std::erfc(t / std::numbers::sqrt2) > below ? low : high) = t;
+    }
+    const double t = low, density = std::exp(-0.5 * t * t) / std::sqrt(2 * std::numbers::pi);
+    return t / (density + t * (1 - below));
 }
 
 }  // namespace
@@ -71,7 +95,7 @@ AreaSample sample_area(const io::Photograph& photo, const Rectification& place, 
     const double edge_px = place.px_per_unit(area.center()) * std::sqrt(area.size().prod());
     constexpr double least_edge_px = 9, px_per_block = 3;
     if (edge_px < least_edge_px) return sample;
-    const int n = std::clamp(int(edge_px / px_per_block), 3, 14);
+    const int n = std::clamp(int(edge_px / px_per_block), 3, 20);
     std::vector<Block> grid(std::size_t(n) * std::size_t(n));
     for (auto y = std::uint32_t(low.y()); y < std::min<double>(photo.height_px, high.y()); ++y)
         for (auto x = std::uint32_t(low.x()); x < std::min<double>(photo.width_px, high.x()); ++x) {
@@ -97,12 +121,12 @@ AreaSample sample_area(const io::Photograph& photo, const Rectification& place, 
         block.y /= block.pixels;
         blocks.push_back(block);
     }
-    // From the medians: an area half of dirt would pull a first plane away.
+    // From the shortest halves: an area half of dirt would pull a first plane away.
     Eigen::Matrix3d plane = Eigen::Matrix3d::Zero();
     for (int channel = 0; channel < 3; ++channel) {
         std::vector<double> values;
         for (const Block& block : blocks) values.push_back(block.value[channel]);
-        plane(0, channel) = median(values);
+        plane(0, channel) = shortest_half(std::move(values)).middle;
     }
     constexpr int rounds = 15;
     for (int round = 0; round < rounds; ++round) {
@@ -121,8 +145,21 @@ AreaSample sample_area(const io::Photograph& photo, const Rectification& place, 
     }
     sample.mean = plane.row(0).transpose();
     sample.spread = (square / weight).cwiseSqrt();
-    sample.error = sample.spread * std::sqrt(weight2) / weight;
     sample.rejected = double(rejected) / double(blocks.size());
+    // Dirt that is too little to be found as such pulls the mean to one side; the middle of the shortest half moves
+    // less. By itself that wanders by some n^(-1/3) of the spread, which is nothing to go by.
+    const double wander = 1.5 / std::cbrt(double(blocks.size()));
+    for (int channel = 0; channel < 3; ++channel) {
+        std::vector<double> off;
+        for (const Block& block : blocks) off.push_back(off_plane(block, plane)[channel]);
+        const double pull = shortest_half(std::move(off)).middle, chance = wander * sample.spread[channel];
+        // What is fainter than twice the spread is not found at all: it is allowed to cover some percent of the area.
+        const double undetected = 0.15 * sample.spread[channel];
+        sample.error[channel] = std::sqrt(std::pow(sample.spread[channel], 2) * weight2 / (weight * weight) +
+                                          std::max(0.0, pull * pull - chance * chance) + undetected * undetected);
+    }
+    for (int channel = 0; channel < 3; ++channel)
+        sample.zero_excess[channel] = std::max(0.0, sample.mean[channel]) * (1 - uncut_share(sample.at_zero[channel]));
     sample.complete = true;
     return sample;
 }

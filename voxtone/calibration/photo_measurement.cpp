@@ -17,12 +17,17 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr double clipped_share = 0.005;  // of an area's pixels: more is refused
-constexpr double dirty_share = 0.4;      // of an area's blocks: more is refused
+constexpr double dirty_share = 0.33;     // of an area's blocks: more is refused
+constexpr double dark_share = 0.1;       // of a chart's patch at 0: more, and it is left out
+constexpr double most_spread = 0.025;    // of reflectance, between blocks of a square: more is refused
+constexpr double most_excess = 0.003;    // of reflectance, from noise cut off at 0: more is refused
 constexpr double least_light = 0.04;     // of full scale, in the brightest channel of the frame
 constexpr double blur_reach = 3.5;       // deviations of the blur between a sampled part and the edge of its square
 constexpr double uneven_frame = 0.01;    // relative residual of the frame: more means shadows or glare
-constexpr double steep_light = 0.6;      // least light on the target / most light
+constexpr double steep_light = 0.5;      // least light on target and checker / most: less is said
+constexpr double steepest_light = 0.25;  // less is refused
 constexpr double chart_doubt = 0.03;     // residual of the chart in linear sRGB
+constexpr double chart_wrong = 0.05;     // more is refused
 
 [[noreturn]] void refuse(const std::string& photo, const std::string& what) {
     throw InputError(fmt::format("{}: {}", photo, what));
@@ -86,8 +91,8 @@ std::vector<LitSample> usable_chart(const PhotoMeasurement& m, const CheckerChar
     std::vector<LitSample> lit;
     for (std::size_t p = 0; p < m.checker.patches.size(); ++p) {
         const AreaSample& sample = m.checker.patches[p];
-        if (sample.complete && sample.clipped.maxCoeff() <= clipped_share &&
-            sample.at_zero.maxCoeff() <= AreaSample::dark_share && sample.rejected <= dirty_share)
+        if (sample.complete && sample.clipped.maxCoeff() <= clipped_share && sample.at_zero.maxCoeff() <= dark_share &&
+            sample.rejected <= dirty_share)
             lit.push_back({sample.middle_px, sample.mean, chart.linear_srgb[p]});
     }
     return lit;
@@ -107,16 +112,28 @@ void check_light(PhotoMeasurement& m, const std::vector<LitSample>& frame) {
                            "glare, or dirt. Light the target evenly from one side at 45 degrees",
                            100 * m.model.frame_residual()));
     double least = 1e30, most = 0;
-    for (const LitSample& sample : frame) {
-        const double light = m.model.light(sample.px);
-        least = std::min(least, light);
-        most = std::max(most, light);
-    }
+    for (const std::vector<AreaSample>* samples : {&m.frame, &m.checker.patches})
+        for (const AreaSample& sample : *samples) {
+            if (!sample.complete) continue;
+            const double light = m.model.light(sample.middle_px);
+            least = std::min(least, light);
+            most = std::max(most, light);
+        }
+    const std::string fall =
+        fmt::format("the light falls off to {:.0f} % across target and checker", 100 * least / most);
+    if (least < steepest_light * most)
+        refuse(m.photograph.name, fall +
+                                      ", too much for it to be corrected; use light from further away, and less of "
+                                      "the picture's corners");
     if (least < steep_light * most)
         m.warnings.push_back(
-            fmt::format("{}: the light falls off to {:.0f} % across the target; it was corrected, but light from "
-                        "further away is better.",
-                        m.photograph.name, 100 * least / most));
+            fmt::format("{}: {}; it was corrected, but light from further away is better.", m.photograph.name, fall));
+    if (m.model.chart_residual() > chart_wrong)
+        refuse(m.photograph.name,
+               fmt::format("after the correction of light and colours the checker's patches are still off by {:.3f} on "
+                           "average (linear, white is 1): another chart, glare on it, or samples that are not linear "
+                           "light (a tone curve): develop the photograph linearly",
+                           m.model.chart_residual()));
     if (m.model.chart_residual() > chart_doubt)
         m.warnings.push_back(
             fmt::format("{}: after the colour correction the checker's patches are still off by {:.3f} on average "
@@ -162,19 +179,27 @@ PhotoMeasurement measure_linear(io::Photograph photograph, const Target& target,
     m.checker = find_checker_in(photo, chart, clip, hidden, options.checker_corners);
     m.model = PhotoModel::fit(usable_chart(m, chart), frame, photo.width_px, photo.height_px, photo.name);
     check_light(m, frame);
-    for (const AreaSample& sample : m.squares) {
+    for (std::size_t q = 0; q < m.squares.size(); ++q) {
+        const AreaSample& sample = m.squares[q];
+        const Vector3d spread = m.model.noise(sample.middle_px, sample.spread);
+        if (spread.maxCoeff() > most_spread)
+            refuse(photo.name,
+                   fmt::format("{} is too noisy or too dirty: its parts differ by {:.3f} (standard deviation), "
+                               "so that dirt cannot be told from noise. Clean the target, expose more, come "
+                               "nearer",
+                               square_name(target, q), spread.maxCoeff()));
+        const Vector3d excess =
+            m.model.to_linear_srgb().cwiseAbs() * sample.zero_excess / m.model.light(sample.middle_px);
+        if (excess.maxCoeff() > most_excess)
+            refuse(photo.name, fmt::format("{} is underexposed: {:.0f} % of its pixels are 0 in a channel, so that its "
+                                           "mean is too large by about {:.3f}. Expose more",
+                                           square_name(target, q), 100 * sample.at_zero.maxCoeff(), excess.maxCoeff()));
         m.rho.push_back(m.model.reflectance(sample.middle_px, sample.mean));
         m.error.push_back((m.model.error(sample.middle_px, sample.mean).cwiseAbs2() +
-                           m.model.noise(sample.middle_px, sample.error).cwiseAbs2())
+                           m.model.noise(sample.middle_px, sample.error).cwiseAbs2() + excess.cwiseAbs2())
                               .cwiseSqrt());
     }
     check_halves(m, target);
-    for (std::size_t s = 0; s < m.squares.size(); ++s)
-        if (m.squares[s].at_zero.maxCoeff() > AreaSample::dark_share)
-            m.warnings.push_back(
-                fmt::format("{}: {} is so dark that {:.0f} % of its pixels are 0 in a channel; its value is too large "
-                            "by up to the noise. Expose more.",
-                            photo.name, square_name(target, s), 100 * m.squares[s].at_zero.maxCoeff()));
     if (m.view.markers < 4)
         m.warnings.push_back(
             fmt::format("{}: only {} of the four markers were found; the place of the squares is less certain.",

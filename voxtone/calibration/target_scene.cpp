@@ -10,19 +10,48 @@
 #include "voxtone/base/error.h"
 #include "voxtone/calibration/ideal_patch.h"
 #include "voxtone/calibration/marker_pattern.h"
+#include "voxtone/calibration/patch_model.h"
 
 namespace voxtone::calibration {
 
-TargetColours reflected_colours(const Target& target, const optics::ResinSet& set) {
-    if (!set.channels.is_rgb())
+namespace {
+
+/// Of all squares, by channel.
+std::vector<std::vector<double>> dithered_squares(const Target& target, const optics::ResinSet& set) {
+    std::vector<Patch> patches;
+    for (const TargetSquare& square : target.squares)
+        patches.push_back({square.top, square.backing, target.top_mm, target.base_mm, {}, {}, {}});
+    PatchModelOptions options;
+    options.g = set.g;
+    options.eta = set.eta;
+    for (std::size_t axis = 0; axis < 3; ++axis) options.pitch_mm[axis] = target.pitch_um[axis] / 1000;
+    const PatchModel model(patches, target.roles, options);
+    std::vector<std::vector<double>> rho(patches.size());
+    for (std::size_t channel = 0; channel < set.channels.size(); ++channel) {
+        std::vector<optics::Medium> media;
+        for (const std::string& role : target.roles)
+            media.push_back(set.resins[std::size_t(set.find(role))].medium(channel));
+        const std::vector<double> values = model.rho(media);
+        for (std::size_t s = 0; s < values.size(); ++s) rho[s].push_back(values[s]);
+    }
+    return rho;
+}
+
+}  // namespace
+
+TargetColours reflected_colours(const Target& target, const optics::ResinSet& all, MixtureKind mixtures) {
+    if (!all.channels.is_rgb())
         throw InputError(fmt::format(
-            "the resin set {} is spectral; a photograph has red, green and blue: give an RGB set", set.name));
+            "the resin set {} is spectral; a photograph has red, green and blue: give an RGB set", all.name));
+    const optics::ResinSet set = all.subset(target.roles);
     const IdealPatches patches(set);
     const auto colour = [](const std::vector<double>& rho) { return Eigen::Vector3d(rho[0], rho[1], rho[2]); };
     TargetColours colours;
     colours.light = colour(patches.reflectance({{target.light, 1.0}}, target.top_mm, target.light, target.base_mm));
     colours.dark = colour(patches.reflectance({{target.dark, 1.0}}, target.top_mm, target.dark, target.base_mm));
-    for (const std::vector<double>& rho : patches.squares(target)) colours.squares.push_back(colour(rho));
+    const bool ideal = mixtures == MixtureKind::ideal;
+    for (const std::vector<double>& rho : ideal ? patches.squares(target) : dithered_squares(target, set))
+        colours.squares.push_back(colour(rho));
     return colours;
 }
 

@@ -18,9 +18,14 @@ struct TargetColours {
     std::vector<Eigen::Vector3d> squares;
 };
 
-/// rho(45 -> 0) of an RGB resin set as colours (ideal_patch.h). Throws InputError where the set is not RGB or lacks a
+/// What mixtures are: smooth (ideal_patch.h), or random dithers of the voxels that the target is printed of, as the fit
+/// has them (patch_model.h).
+enum class MixtureKind { ideal, dithered };
+
+/// rho(45 -> 0) of an RGB resin set as colours. Throws InputError where the set is not RGB or lacks a
 /// resin.
-[[nodiscard]] TargetColours reflected_colours(const Target& target, const optics::ResinSet& set);
+[[nodiscard]] TargetColours reflected_colours(const Target& target, const optics::ResinSet& set,
+                                              MixtureKind mixtures = MixtureKind::ideal);
 /// The resins' colours averaged by their shares: a drawing, no prediction. One colour for each of the target's roles.
 [[nodiscard]] TargetColours drawn_colours(const Target& target, const std::vector<Eigen::Vector3d>& of_roles);
 

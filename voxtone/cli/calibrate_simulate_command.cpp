@@ -24,7 +24,7 @@ struct Arguments {
     calibration::PhotoOptions options;
     std::string target, resins = "vero-opaque", out, truth, checker = "colorchecker24";
     std::vector<double> white_balance{0.62, 1.0, 0.75};
-    bool no_checker = false, eight_bits = false;
+    bool no_checker = false, eight_bits = false, dithered = false;
     int threads = 0;
     ConsoleOptions console;
 };
@@ -36,7 +36,8 @@ CommandResult simulate(Arguments& a, Progress& progress) {
     a.options.white_balance = {a.white_balance[0], a.white_balance[1], a.white_balance[2]};
     a.options.validate();
     progress.begin_stage("photograph", 0);
-    const calibration::TargetColours colours = calibration::reflected_colours(target, set);
+    const calibration::TargetColours colours = calibration::reflected_colours(
+        target, set, a.dithered ? calibration::MixtureKind::dithered : calibration::MixtureKind::ideal);
     calibration::SimulatedPhoto photo =
         calibration::simulate_photo(target, colours, calibration::find_checker(a.checker), a.options);
     if (a.eight_bits) photo.photograph.bits = 8;
@@ -90,6 +91,10 @@ Command add_calibrate_simulate_command(CLI::App& calibrate) {
     command->add_option("--checker", a.checker, "chart beside the target: colorchecker24 or a file")
         ->type_name("NAME|FILE")
         ->capture_default_str();
+    command->add_flag(
+        "--dithered", a.dithered,
+        "mixtures are dithers of the printer's voxels, as they are printed (fit them with --printer); else "
+        "they are ideal");
     command->add_flag("--no-checker", a.no_checker, "no chart in the picture");
     command->add_flag("--8-bits", a.eight_bits, "a PNG of 8-bit sRGB codes");
     const auto number = [&](const char* name, auto& value, const char* help) {
