@@ -167,7 +167,7 @@ TEST_CASE("The road from a target to its resins recovers resins that the fit doe
     const std::string truth = VOXTONE_SOURCE_DIR "/examples/07-resins.json";
     require_done(run_program("calibrate target --resins C,M,Y,K,W --layout B --quiet -o " + folder / "out"));
     require_done(run_program("calibrate simulate " + folder / "out/target.json" + " --resins " + truth +
-                             " --dithered --quiet -o " + folder / "photo.tif"));
+                             " --quiet -o " + folder / "photo.tif"));
     require_done(run_program("calibrate photo " + folder / "photo.tif" + " --target " + folder / "out/target.json" +
                              " --quiet -o " + folder / "patches.csv"));
     const std::string fit = "calibrate fit " + folder / "patches.csv" + " --quiet -o " + folder / "resins.json";

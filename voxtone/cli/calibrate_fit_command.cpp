@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <numeric>
@@ -71,6 +72,10 @@ int run(const Arguments& arguments) {
         validate(options);
         calibration::PatchTable table = calibration::read_patches(arguments.patches);
         calibration::apply_white_reference(table, arguments.white);
+        const bool mixed = std::any_of(table.patches.begin(), table.patches.end(), [](const auto& p) { return p.top.size() > 1; });
+        if (mixed && arguments.printer.empty() && arguments.pitch.empty())
+            progress.warn("mixtures are taken as ideal; those of a printed target are dithers of voxels, and extinctions come out up to a "
+                          "third wrong without them: give --printer or --pitch");
         if (!arguments.base.empty()) {
             const double base_mm = parse_length_mm(arguments.base, "--base");
             for (calibration::Patch& patch : table.patches) patch.base_mm = base_mm;

@@ -24,7 +24,7 @@ struct Arguments {
     calibration::PhotoOptions options;
     std::string target, resins = "vero-opaque", out, truth, checker = "colorchecker24";
     std::vector<double> white_balance{0.62, 1.0, 0.75};
-    bool no_checker = false, eight_bits = false, dithered = false;
+    bool no_checker = false, eight_bits = false, ideal = false;
     int threads = 0;
     ConsoleOptions console;
 };
@@ -37,7 +37,7 @@ CommandResult simulate(Arguments& a, Progress& progress) {
     a.options.validate();
     progress.begin_stage("photograph", 0);
     const calibration::TargetColours colours = calibration::reflected_colours(
-        target, set, a.dithered ? calibration::MixtureKind::dithered : calibration::MixtureKind::ideal);
+        target, set, a.ideal ? calibration::MixtureKind::ideal : calibration::MixtureKind::dithered);
     calibration::SimulatedPhoto photo =
         calibration::simulate_photo(target, colours, calibration::find_checker(a.checker), a.options);
     if (a.eight_bits) photo.photograph.bits = 8;
@@ -92,9 +92,9 @@ Command add_calibrate_simulate_command(CLI::App& calibrate) {
         ->type_name("NAME|FILE")
         ->capture_default_str();
     command->add_flag(
-        "--dithered", a.dithered,
-        "mixtures are dithers of the printer's voxels, as they are printed (fit them with --printer); else "
-        "they are ideal");
+        "--ideal", a.ideal,
+        "mixtures are ideal (fit them without --printer); else they are dithers of the printer's voxels, as they "
+        "are printed");
     command->add_flag("--no-checker", a.no_checker, "no chart in the picture");
     command->add_flag("--8-bits", a.eight_bits, "a PNG of 8-bit sRGB codes");
     const auto number = [&](const char* name, auto& value, const char* help) {
