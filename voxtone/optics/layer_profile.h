@@ -18,8 +18,8 @@
 // with gamma^2 = K (K + 2 S) and gamma / K standing for (K + 2 S) / gamma, which stays finite where K = 0. So nothing is lost to
 // rounding for layers that absorb nothing, and T keeps a relative error of about 1e-15 / (1 - R) however small it is.
 //
-// Coefficients are kept in [0, 1]. What it cannot see: in which direction light passes from layer to layer, and a refractive surface
-// between them. A coefficient T that is lost in noise (0) makes every thinner layer opaque there too: measure thin layers.
+// Coefficients are kept in [0, 1]. What it cannot see: in which direction light passes from layer to layer, and a refractive
+// surface between them. A coefficient T that is lost in noise (0) makes every thinner layer opaque there too.
 #pragma once
 
 #include <cstddef>
