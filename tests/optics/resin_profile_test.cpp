@@ -176,6 +176,34 @@ TEST_CASE("A smooth surface turns light back as Fresnel says") {
     CHECK(seen.R_top[2] == 0);
 }
 
+TEST_CASE("A layer under its surface has the totals that are traced, in and out") {
+    const HankelGrid grid(10, 32);
+    const LayerPathOptions options{1 << 18, 21};
+    for (const auto& [of, mm] : {std::pair{medium(10, 0.97), 0.3}, {medium(4, 0.5), 0.2}, {medium(6, 1), 1.0}}) {
+        const LayerProfile layer = surfaced_layer(of, 0.4, 1.5, mm, grid, {1024, 1});
+        const TracedProfile above = trace_layers({{{of, mm}}, 0.4, 1.5, 1}, grid, options);
+        const TracedProfile below = trace_layers({{{of, mm}}, 0.4, 1, 1.5}, grid, options);
+        const double let_out = 1 - smooth_surface(1.5, 1).R_bottom[0];
+        // Reciprocity: the way out is the way in times what the surface lets out of diffuse light.
+        const double T_down = above.T.total + above.T_direct.total, T_up = below.T.total + below.T_direct.total;
+        const double T_error = std::hypot(above.T.standard_error, above.T_direct.standard_error);
+        INFO(mm << " mm");
+        CHECK(std::abs(layer.R_top[0] - above.R.total) < largest_z * above.R.standard_error);
+        CHECK(std::abs(layer.R_bottom[0] - below.R.total) < largest_z * below.R.standard_error);
+        CHECK(std::abs(layer.T[0] - std::sqrt(let_out) * T_down) < largest_z * T_error);
+        CHECK(std::abs(layer.T[0] - T_up / std::sqrt(let_out)) < largest_z * T_error * 2);
+        // A layer under a surface of index 1.4 is another.
+        const LayerProfile other = surfaced_layer(of, 0.4, 1.4, mm, grid, {1024, 1});
+        CHECK(std::abs(other.R_bottom[0] - below.R.total) > largest_z * below.R.standard_error);
+    }
+    // Without refraction it is the resin's own profile.
+    const LayerProfile plain = surfaced_layer(medium(10, 0.97), 0.4, 1.0, 0.3, grid, {1024, 1});
+    const ResinProfile own = resin_profile(medium(10, 0.97), 0.4, 0.3, grid, {1024, 1});
+    CHECK(plain.R_top[0] == Approx(own.R[0]).margin(1e-9));
+    CHECK(plain.R_bottom[0] == Approx(own.R[0]).margin(1e-9));
+    CHECK(plain.T[0] == Approx(own.T[0]).margin(1e-5));
+}
+
 TEST_CASE("Layers that cannot be are refused") {
     const HankelGrid grid(8, 8);
     CHECK_THROWS_AS(trace_layers({{}, 0.4, 1, 1}, grid), ContractViolation);

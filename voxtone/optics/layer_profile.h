@@ -38,6 +38,10 @@ struct LayerProfile {
 [[nodiscard]] LayerProfile no_layer(std::size_t coefficients);
 /// One layer upon another. Contract: as many coefficients.
 [[nodiscard]] LayerProfile stack(const LayerProfile& upper, const LayerProfile& lower);
+/// Upside down.
+[[nodiscard]] inline LayerProfile turned_over(const LayerProfile& layer) {
+    return {layer.T, layer.R_bottom, layer.R_top};
+}
 
 /// A homogeneous material of any thickness.
 class HomogeneousLayer {

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <Eigen/LU>
+
 #include "voxtone/base/contracts.h"
 #include "voxtone/optics/adding_doubling.h"
 #include "voxtone/optics/quadrature.h"
@@ -45,6 +47,40 @@ std::vector<double> scaled(const HankelGrid& grid, const std::vector<double>& ed
     return coefficients;
 }
 
+// Totals of a layer under a refractive surface, solved in all directions: of light that the surface let in, and of diffuse light from
+// below.
+struct SurfacedTotals {
+    double R_top, T_down, R_bottom, T_up;
+};
+
+SurfacedTotals surfaced_totals(const Medium& medium, double g, double eta, double thickness_mm) {
+    const AddingDoubling solver(angular_grid(eta, directions / 2, directions / 2), g, terms);
+    const LayerResponse layer = solver.layer(medium, thickness_mm);
+    const AngularGrid& at = solver.grid();
+    const auto C = at.c.matrix().asDiagonal();
+    const Eigen::VectorXd c = at.c.matrix(), leaving = (at.c * at.t).matrix(), ones = Eigen::VectorXd::Ones(at.size());
+    // Down below the surface: what comes in, and what the surface sends back of what the layer sent up.
+    const Eigen::MatrixXd returned = at.r.matrix().asDiagonal() * (layer.R_above * C);
+    const auto inside = (Eigen::MatrixXd::Identity(at.size(), at.size()) - returned).partialPivLu();
+    const auto through = [&](const Eigen::MatrixXd& D, const Eigen::VectorXd& light) -> Eigen::VectorXd {
+        return layer.direct.matrix().cwiseProduct(light) + D * (C * light);
+    };
+    const Eigen::VectorXd down = inside.solve(at.t.matrix() / leaving.sum());
+    const Eigen::VectorXd up_from_below = through(layer.D_up, ones);
+    const Eigen::VectorXd sent_back = inside.solve((at.r * up_from_below.array()).matrix());
+    return {leaving.dot(layer.R_above * (C * down)), c.dot(through(layer.D_down, down)),
+            c.dot(layer.R_below * c) + c.dot(through(layer.D_down, sent_back)),
+            leaving.dot(up_from_below + layer.R_above * (C * sent_back))};
+}
+
+// Rings of two kinds of light.
+RingLight sum(const RingLight& a, const RingLight& b) {
+    RingLight both = a;
+    for (std::size_t i = 0; i < b.light.size(); ++i) both.light[i] += b.light[i];
+    both.total += b.total;
+    return both;
+}
+
 }  // namespace
 
 DiffuseTotals diffuse_totals(const LayerScene& scene) {
@@ -74,6 +110,22 @@ ResinProfile resin_profile(const Medium& medium, double g, double thickness_mm, 
     const std::vector<double> direct =
         grid.from_rings(traced.edges_mm, straight_through(medium.sigma_t() * thickness_mm, thickness_mm, traced.edges_mm));
     for (std::size_t i = 0; i < grid.size(); ++i) profile.T[i] += direct[i];
+    return profile;
+}
+
+LayerProfile surfaced_layer(const Medium& medium, double g, double eta, double thickness_mm, const HankelGrid& grid,
+                            const LayerPathOptions& options, const Progress* progress) {
+    const SurfacedTotals totals = surfaced_totals(medium, g, eta, thickness_mm);
+    const TracedProfile above = trace_layers({{{medium, thickness_mm}}, g, eta, 1}, grid, options, progress);
+    LayerPathOptions other = options;
+    other.seed += 1;
+    const TracedProfile below = trace_layers({{{medium, thickness_mm}}, g, 1, eta}, grid, other, progress);
+    LayerProfile profile;
+    profile.R_top = scaled(grid, above.edges_mm, above.R, totals.R_top);
+    profile.R_bottom = scaled(grid, below.edges_mm, below.R, totals.R_bottom);
+    profile.T = scaled(grid, above.edges_mm, sum(above.T, above.T_direct), std::sqrt(totals.T_down * totals.T_up));
+    for (auto* coefficients : {&profile.R_top, &profile.R_bottom, &profile.T})
+        for (double& x : *coefficients) x = std::clamp(x, 0.0, 1.0);
     return profile;
 }
 
