@@ -142,6 +142,25 @@ TEST_CASE("Tails: what is cut off is missing in the total, what lies beyond the 
     CHECK(grid.profile(whole, 10) > 1.5 * exponential(10, L));
 }
 
+TEST_CASE("A blur takes the ripples of a profile that rises like 1/r, and leaves its tail") {
+    const HankelGrid grid(10, 128);
+    // exp(-r / L) / (2 pi L r) has the transform 1 / sqrt(1 + (2 pi k L)^2).
+    const double L = 0.4, s = 1.5 * 10 / 128;
+    const auto peaked = [&](double r) { return std::exp(-r / L) / (2 * pi * L * r); };
+    const std::vector<double> sharp = at(grid.k(), [&](double k) { return 1 / std::hypot(1, 2 * pi * k * L); });
+    const std::vector<double> soft = grid.blurred(sharp, s);
+    double worst_sharp = 0, worst_soft = 0;
+    for (double r = 2; r < 3.5; r += 0.05) {
+        worst_sharp = std::max(worst_sharp, std::abs(grid.profile(sharp, r) / peaked(r) - 1));
+        worst_soft = std::max(worst_soft, std::abs(grid.profile(soft, r) / peaked(r) - 1));
+    }
+    INFO(worst_sharp << " " << worst_soft);
+    CHECK(worst_sharp > 1);
+    CHECK(worst_soft < 0.1);  // the blur lifts an exponential by s^2 / (2 L^2) = 4 %
+    CHECK(grid.blurred(sharp, 0) == sharp);
+    CHECK(soft[0] == sharp[0]);
+}
+
 TEST_CASE("A transform of the wrong size is refused") {
     CHECK_THROWS_AS(HankelGrid(0, 8), ContractViolation);
     CHECK_THROWS_AS(HankelGrid(1, 1), ContractViolation);

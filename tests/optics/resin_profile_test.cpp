@@ -8,6 +8,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "benchmarks/optics/profile_stacks/stacks.h"
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/parallel.h"
 #include "voxtone/optics/layered_appearance.h"
@@ -202,6 +203,44 @@ TEST_CASE("A layer under its surface has the totals that are traced, in and out"
     CHECK(plain.R_top[0] == Approx(own.R[0]).margin(1e-9));
     CHECK(plain.R_bottom[0] == Approx(own.R[0]).margin(1e-9));
     CHECK(plain.T[0] == Approx(own.T[0]).margin(1e-5));
+}
+
+TEST_CASE("Composites of single layers have the totals of the composite within 2 % of the light; films have not") {
+    // Totals alone, exact on both sides: the first coefficients, without noise.
+    const auto single = [](const PlainLayer& of) {
+        const DiffuseTotals totals = diffuse_totals({{of}, 0.4, 1, 1});
+        return LayerProfile{{totals.T}, {totals.R}, {totals.R}};
+    };
+    const auto predicted = [&](const LayerScene& scene) {
+        LayerProfile all = no_layer(1);
+        for (const PlainLayer& of : scene.layers) all = stack(all, single(of));
+        return all;
+    };
+    const std::vector<profile_stacks::Stack> stacks = profile_stacks::thick_stacks();
+    CHECK(stacks.size() >= 12);
+    int upside_down_fails = 0, asymmetric = 0;
+    for (const profile_stacks::Stack& of : stacks) {
+        LayerScene scene = profile_stacks::scene_of(of);
+        const DiffuseTotals exact = diffuse_totals(scene);
+        const LayerProfile model = predicted(scene);
+        INFO(profile_stacks::name_of(of) << ": R " << model.R_top[0] << " for " << exact.R << ", T " << model.T[0] << " for " << exact.T);
+        CHECK(std::abs(model.R_top[0] - exact.R) < 0.02);
+        CHECK(std::abs(model.T[0] - exact.T) < 0.02);
+        CHECK(model.T[0] <= exact.T);  // the side on which the model errs: light between layers is not diffuse but runs down
+        std::reverse(scene.layers.begin(), scene.layers.end());
+        const double other = diffuse_totals(scene).R;
+        if (std::abs(other - exact.R) < 0.05) continue;
+        ++asymmetric;
+        upside_down_fails += std::abs(model.R_top[0] - other) > 0.02;
+    }
+    CHECK(asymmetric >= 8);
+    CHECK(upside_down_fails == asymmetric);
+    double worst = 0;
+    for (const profile_stacks::Stack& of : profile_stacks::film_stacks()) {
+        const LayerScene scene = profile_stacks::scene_of(of);
+        worst = std::max(worst, std::abs(predicted(scene).R_top[0] - diffuse_totals(scene).R));
+    }
+    CHECK(worst > 0.02);
 }
 
 TEST_CASE("Layers that cannot be are refused") {

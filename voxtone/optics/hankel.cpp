@@ -93,6 +93,13 @@ std::vector<double> HankelGrid::from_rings(std::span<const double> edges_mm, std
     return coefficients;
 }
 
+std::vector<double> HankelGrid::blurred(std::span<const double> coefficients, double s_mm) const {
+    VOXTONE_EXPECT(coefficients.size() == size() && s_mm >= 0);
+    std::vector<double> result(coefficients.begin(), coefficients.end());
+    for (std::size_t i = 0; i < size(); ++i) result[i] *= std::exp(-2 * pi * pi * s_mm * s_mm * k_[i] * k_[i]);
+    return result;
+}
+
 double HankelGrid::profile(std::span<const double> coefficients, double r_mm) const {
     VOXTONE_EXPECT(coefficients.size() == size() && r_mm >= 0 && r_mm <= reach_mm_);
     double sum = 0;

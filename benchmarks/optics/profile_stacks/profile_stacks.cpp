@@ -62,21 +62,17 @@ struct Bench {
 
 struct Truth {
     std::vector<double> R, T;
-    RingLight R_rings, T_rings;
-    std::vector<double> edges_mm;
     double R_error = 0, T_error = 0;
 };
 
 Truth traced(const LayerScene& scene, LayerPathOptions options) {
     options.seed += 1000;
     const TracedProfile profile = trace_layers(scene, grid(), options);
+    RingLight T = profile.T;
+    for (std::size_t i = 0; i < T.light.size(); ++i) T.light[i] += profile.T_direct.light[i];
     Truth truth;
-    truth.edges_mm = profile.edges_mm;
-    truth.R_rings = profile.R;
-    truth.T_rings = profile.T;
-    for (std::size_t i = 0; i < profile.T.light.size(); ++i) truth.T_rings.light[i] += profile.T_direct.light[i];
-    truth.R = grid().from_rings(profile.edges_mm, truth.R_rings.light);
-    truth.T = grid().from_rings(profile.edges_mm, truth.T_rings.light);
+    truth.R = grid().from_rings(profile.edges_mm, profile.R.light);
+    truth.T = grid().from_rings(profile.edges_mm, T.light);
     truth.R_error = profile.R.standard_error;
     truth.T_error = std::hypot(profile.T.standard_error, profile.T_direct.standard_error);
     return truth;
@@ -114,25 +110,13 @@ void row(const std::string& name, const Truth& truth, const LayerProfile& model)
     std::fflush(stdout);
 }
 
-// In rings of 0.1 mm, so that traced and predicted curves say the same.
+// Both curves are drawn through the same blur, which takes the ripples of a series that ends.
 Curve curve_of(const std::vector<double>& coefficients) {
+    const std::vector<double> soft = grid().blurred(coefficients, 1.5 * grid().reach_mm() / static_cast<double>(grid().size()));
     Curve curve;
-    for (double r = 0; r < 6; r += 0.1) {
-        const double area = M_PI * ((r + 0.1) * (r + 0.1) - r * r);
-        curve.r_mm.push_back(r + 0.05);
-        curve.light.push_back((grid().light_within(coefficients, r + 0.1) - grid().light_within(coefficients, r)) / area);
-    }
-    return curve;
-}
-
-Curve curve_of(const std::vector<double>& edges_mm, const RingLight& rings) {
-    Curve curve;
-    std::size_t ring = 0;
-    for (double r = 0; r < 6; r += 0.1) {
-        double light = 0;
-        for (; ring < rings.light.size() && 0.5 * (edges_mm[ring] + edges_mm[ring + 1]) < r + 0.1; ++ring) light += rings.light[ring];
-        curve.r_mm.push_back(r + 0.05);
-        curve.light.push_back(light / (M_PI * ((r + 0.1) * (r + 0.1) - r * r)));
+    for (int i = 0; i <= 120; ++i) {
+        curve.r_mm.push_back(0.05 * i);
+        curve.light.push_back(grid().profile(soft, curve.r_mm.back()));
     }
     return curve;
 }
@@ -152,8 +136,8 @@ int main(int argc, char** argv) {
         const Truth truth = traced(scene, bench.options);
         const LayerProfile model = bench.predicted(scene);
         row(name_of(stack), truth, model);
-        panels.push_back({"R: " + name_of(stack), curve_of(truth.edges_mm, truth.R_rings), curve_of(model.R_top)});
-        panels.push_back({"T: " + name_of(stack), curve_of(truth.edges_mm, truth.T_rings), curve_of(model.T)});
+        panels.push_back({"R: " + name_of(stack), curve_of(truth.R), curve_of(model.R_top)});
+        panels.push_back({"T: " + name_of(stack), curve_of(truth.T), curve_of(model.T)});
     }
     if (argc > 2) std::ofstream(argv[2]) << draw_panels(panels, 4, 6);
 
