@@ -37,8 +37,8 @@ Coefficients many_layers(std::uint64_t seed) {
 double largest_difference(const LayerProfile& a, const LayerProfile& b) {
     double worst = 0;
     for (std::size_t i = 0; i < a.size(); ++i)
-        worst = std::max({worst, std::abs(a.T[i] - b.T[i]), std::abs(a.R_top[i] - b.R_top[i]),
-                          std::abs(a.R_bottom[i] - b.R_bottom[i])});
+        worst = std::max(
+            {worst, std::abs(a.T[i] - b.T[i]), std::abs(a.R_top[i] - b.R_top[i]), std::abs(a.R_bottom[i] - b.R_bottom[i])});
     return worst;
 }
 

@@ -62,8 +62,7 @@ TEST_CASE("A measured profile is scaled to its albedo") {
 TEST_CASE("Noisy tails go below zero without making the layer brighter or darker") {
     const HankelGrid grid(10, 64);
     MeasuredProfile noisy = known();
-    for (std::size_t i = 0; i < noisy.R.light.size(); ++i)
-        noisy.R.light[i] += 2e-3 * (2 * RandomStream(8, i).uniform() - 1);
+    for (std::size_t i = 0; i < noisy.R.light.size(); ++i) noisy.R.light[i] += 2e-3 * (2 * RandomStream(8, i).uniform() - 1);
     MeasuredSummary summary, clean;
     (void)measured_layer(noisy, grid, summary);
     (void)measured_layer(known(), grid, clean);

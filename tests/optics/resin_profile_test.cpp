@@ -223,7 +223,8 @@ TEST_CASE("Composites of single layers have the totals of the composite within 2
         LayerScene scene = profile_stacks::scene_of(of);
         const DiffuseTotals exact = diffuse_totals(scene);
         const LayerProfile model = predicted(scene);
-        INFO(profile_stacks::name_of(of) << ": R " << model.R_top[0] << " for " << exact.R << ", T " << model.T[0] << " for " << exact.T);
+        INFO(profile_stacks::name_of(of) << ": R " << model.R_top[0] << " for " << exact.R << ", T " << model.T[0] << " for "
+                                         << exact.T);
         CHECK(std::abs(model.R_top[0] - exact.R) < 0.02);
         CHECK(std::abs(model.T[0] - exact.T) < 0.02);
         CHECK(model.T[0] <= exact.T);  // the side on which the model errs: light between layers is not diffuse but runs down

@@ -5,7 +5,8 @@
 //   f^(k) = 2 pi integral of f(r) J0(2 pi k r) r dr        (Hasan et al. 2010, Sec. 5.1; k in cycles per mm)
 //
 // taken at k_i = j_i / (2 pi reach), where j_0 = 0 and j_i is the i-th zero of J1. These are the waves that a disc of radius
-// `reach` with a mirror as its rim can hold (Dini's series; Watson, A Treatise on the Theory of Bessel Functions, 2nd ed., Sec. 18.3):
+// `reach` with a mirror as its rim can hold (Dini's series; Watson, A Treatise on the Theory of Bessel Functions, 2nd ed., Sec.
+// 18.3):
 //
 //   f(r) = 1 / (pi reach^2)  sum_i f^(k_i) J0(2 pi k_i r) / J0(j_i)^2
 //
@@ -33,7 +34,8 @@ public:
     [[nodiscard]] double reach_mm() const { return reach_mm_; }
     /// k_i, mm^-1, ascending; the first is 0.
     [[nodiscard]] std::span<const double> k() const { return k_; }
-    /// n radii in (0, reach), mm: where the wave that follows the last has its zeros. Samples there and coefficients say the same.
+    /// n radii in (0, reach), mm: where the wave that follows the last has its zeros. Samples there and coefficients say the
+    /// same.
     [[nodiscard]] std::span<const double> radii() const { return radii_; }
 
     /// From samples at `radii`: the coefficients whose series goes through them.
@@ -44,8 +46,8 @@ public:
     /// From the light in rings, spread evenly over each: `edges_mm` ascending from >= 0, one more than rings. Exact.
     [[nodiscard]] std::vector<double> from_rings(std::span<const double> edges_mm, std::span<const double> light) const;
 
-    /// Seen through a Gaussian blur of standard deviation s on each axis. From s = 1.5 reach / n on the end of the series leaves no
-    /// ripples: below 2e-5 of the peak. What to draw, or to read a faint tail from.
+    /// Seen through a Gaussian blur of standard deviation s on each axis. From s = 1.5 reach / n on the end of the series
+    /// leaves no ripples: below 2e-5 of the peak. What to draw, or to read a faint tail from.
     [[nodiscard]] std::vector<double> blurred(std::span<const double> coefficients, double s_mm) const;
 
     /// f(r), mm^-2, 0 <= r <= reach.

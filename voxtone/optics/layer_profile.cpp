@@ -39,7 +39,8 @@ double sech2(double z) {
 }  // namespace
 
 LayerProfile no_layer(std::size_t coefficients) {
-    return {std::vector<double>(coefficients, 1.0), std::vector<double>(coefficients, 0.0), std::vector<double>(coefficients, 0.0)};
+    return {std::vector<double>(coefficients, 1.0), std::vector<double>(coefficients, 0.0),
+            std::vector<double>(coefficients, 0.0)};
 }
 
 LayerProfile stack(const LayerProfile& upper, const LayerProfile& lower) {

@@ -10,8 +10,9 @@
 //   T_12 = T_1 T_2 / (1 - R'_1 R_2),   R_12 = R_1 + T_1^2 R_2 / (1 - R'_1 R_2),   R'_12 = R'_2 + T_2^2 R'_1 / (1 - R'_1 R_2)
 //
 // A homogeneous layer of any thickness follows from one of a known thickness by Kubelka and Munk's equations, taken for each
-// coefficient by itself (Sec. 5.2). K and S are the limits of (1 - R - T) / h and R / h as h goes to 0. The paper halves the layer
-// until it is thin; here they are taken in closed form, from the two ways of lighting a layer from both sides, alike and opposed:
+// coefficient by itself (Sec. 5.2). K and S are the limits of (1 - R - T) / h and R / h as h goes to 0. The paper halves the
+// layer until it is thin; here they are taken in closed form, from the two ways of lighting a layer from both sides, alike and
+// opposed:
 //
 //   x = (1 - T - R) / (1 + T + R) = (K / gamma) t,   y = (1 - T + R) / (1 + T - R) = (gamma / K) t,   t = tanh(gamma h / 2)
 //
@@ -39,9 +40,7 @@ struct LayerProfile {
 /// One layer upon another. Contract: as many coefficients.
 [[nodiscard]] LayerProfile stack(const LayerProfile& upper, const LayerProfile& lower);
 /// Upside down.
-[[nodiscard]] inline LayerProfile turned_over(const LayerProfile& layer) {
-    return {layer.T, layer.R_bottom, layer.R_top};
-}
+[[nodiscard]] inline LayerProfile turned_over(const LayerProfile& layer) { return {layer.T, layer.R_bottom, layer.R_top}; }
 
 /// A homogeneous material of any thickness.
 class HomogeneousLayer {

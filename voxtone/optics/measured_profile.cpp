@@ -16,8 +16,9 @@ constexpr double largest_sum = 1.02;
 
 void check(const RadialSamples& samples, const char* name) {
     if (!(samples.spacing_mm > 0 && std::isfinite(samples.spacing_mm)))
-        throw InputError(fmt::format("The {} profile has a spacing of {} mm; it must be above 0. Give the distance between samples in mm.",
-                                     name, samples.spacing_mm));
+        throw InputError(
+            fmt::format("The {} profile has a spacing of {} mm; it must be above 0. Give the distance between samples in mm.",
+                        name, samples.spacing_mm));
     if (samples.light.size() < fewest_samples)
         throw InputError(fmt::format("The {} profile has {} samples; at least {} are needed to know how light falls off.", name,
                                      samples.light.size(), fewest_samples));
@@ -26,8 +27,8 @@ void check(const RadialSamples& samples, const char* name) {
             throw InputError(fmt::format("Sample {} of the {} profile is {}; every sample must be a finite number.", i, name,
                                          samples.light[i]));
     if (samples.total && !(*samples.total >= 0 && *samples.total <= 1))
-        throw InputError(fmt::format("The total of the {} profile is {}; a share of the light that entered lies between 0 and 1.", name,
-                                     *samples.total));
+        throw InputError(fmt::format("The total of the {} profile is {}; a share of the light that entered lies between 0 and 1.",
+                                     name, *samples.total));
 }
 
 // Light of the samples in rings about them.
@@ -63,9 +64,10 @@ std::vector<double> coefficients(const RadialSamples& samples, const char* name,
     const double sum = f[0];
     if (!(sum > 0)) {
         if (*samples.total == 0) return std::vector<double>(f.size(), 0.0);
-        throw InputError(fmt::format("The {} profile holds no light, but its total is {}: it cannot be scaled. Measure it with longer "
-                                     "exposures or a thinner layer.",
-                                     name, *samples.total));
+        throw InputError(
+            fmt::format("The {} profile holds no light, but its total is {}: it cannot be scaled. Measure it with longer "
+                        "exposures or a thinner layer.",
+                        name, *samples.total));
     }
     for (double& x : f) x *= *samples.total / sum;
     return f;
@@ -75,17 +77,25 @@ std::vector<double> coefficients(const RadialSamples& samples, const char* name,
 
 HomogeneousLayer measured_layer(const MeasuredProfile& measured, const HankelGrid& grid, MeasuredSummary& summary) {
     if (!(measured.thickness_mm > 0 && std::isfinite(measured.thickness_mm)))
-        throw InputError(fmt::format("The measured layer is {} mm thick; other thicknesses can be predicted from a thickness above 0 only.",
-                                     measured.thickness_mm));
+        throw InputError(
+            fmt::format("The measured layer is {} mm thick; other thicknesses can be predicted from a thickness above 0 only.",
+                        measured.thickness_mm));
     check(measured.T, "transmission");
     check(measured.R, "reflection");
-    const std::vector<double> T = coefficients(measured.T, "transmission", grid), R = coefficients(measured.R, "reflection", grid);
+    const std::vector<double> T = coefficients(measured.T, "transmission", grid),
+                              R = coefficients(measured.R, "reflection", grid);
     if (T[0] + R[0] > largest_sum)
-        throw InputError(fmt::format("The layer transmits {:.4g} and reflects {:.4g} of the light: {:.4g} in all, more than it got. Check the "
-                                     "scale of the profiles or give the measured albedos.",
-                                     T[0], R[0], T[0] + R[0]));
+        throw InputError(
+            fmt::format("The layer transmits {:.4g} and reflects {:.4g} of the light: {:.4g} in all, more than it got. Check the "
+                        "scale of the profiles or give the measured albedos.",
+                        T[0], R[0], T[0] + R[0]));
     const HomogeneousLayer layer(T, R, measured.thickness_mm);
-    summary = {T[0], R[0], negative_share(measured.T), negative_share(measured.R), share_beyond(measured.T), share_beyond(measured.R),
+    summary = {T[0],
+               R[0],
+               negative_share(measured.T),
+               negative_share(measured.R),
+               share_beyond(measured.T),
+               share_beyond(measured.R),
                layer.clamped()};
     return layer;
 }

@@ -47,8 +47,8 @@ std::vector<double> scaled(const HankelGrid& grid, const std::vector<double>& ed
     return coefficients;
 }
 
-// Totals of a layer under a refractive surface, solved in all directions: of light that the surface let in, and of diffuse light from
-// below.
+// Totals of a layer under a refractive surface, solved in all directions: of light that the surface let in, and of diffuse
+// light from below.
 struct SurfacedTotals {
     double R_top, T_down, R_bottom, T_up;
 };

@@ -39,12 +39,13 @@ std::string draw_panels(const std::vector<Panel>& panels, int columns, double r_
         width * columns, height * rows);
     for (std::size_t i = 0; i < panels.size(); ++i) {
         const int column = static_cast<int>(i) % columns, row = static_cast<int>(i) / columns;
-        svg += fmt::format("<g transform=\"translate({},{})\">\n<text x=\"{}\" y=\"16\" font-size=\"{}\">{}</text>\n", column * width,
-                           row * height, left, panels[i].title.size() > 44 ? 7 : 9, panels[i].title);
+        svg += fmt::format("<g transform=\"translate({},{})\">\n<text x=\"{}\" y=\"16\" font-size=\"{}\">{}</text>\n",
+                           column * width, row * height, left, panels[i].title.size() > 44 ? 7 : 9, panels[i].title);
         for (int power = static_cast<int>(lowest); power <= static_cast<int>(highest); ++power) {
             const double y = top + (highest - power) / (highest - lowest) * (height - top - bottom);
-            svg += fmt::format("<path d=\"M{} {} H{}\" stroke=\"#ddd\"/><text x=\"{}\" y=\"{}\" text-anchor=\"end\">1e{}</text>\n", left, y,
-                               width - right, left - 3, y + 3, power);
+            svg +=
+                fmt::format("<path d=\"M{} {} H{}\" stroke=\"#ddd\"/><text x=\"{}\" y=\"{}\" text-anchor=\"end\">1e{}</text>\n",
+                            left, y, width - right, left - 3, y + 3, power);
         }
         for (double r = 0; r <= r_max_mm; r += 1)
             svg += fmt::format("<text x=\"{}\" y=\"{}\" text-anchor=\"middle\">{:.0f}</text>\n",

@@ -4,8 +4,8 @@
 //
 //   profile_stacks [paths, default 1048576] [picture.svg]
 //
-// Prints tables as Markdown: stacks of index-matched layers; the same between smooth surfaces to air, predicted in two ways; forward
-// scattering at one reduced scattering; layers of another thickness than the known one. % are of the value itself.
+// Prints tables as Markdown: stacks of index-matched layers; the same between smooth surfaces to air, predicted in two ways;
+// forward scattering at one reduced scattering; layers of another thickness than the known one. % are of the value itself.
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -95,18 +95,21 @@ double largest_difference(const std::vector<double>& a, const std::vector<double
 }
 
 void header(const char* title) {
-    fmt::print("\n### {}\n\n"
-               "| stack, mm | R | predicted | % of R | T | predicted | % of T | R^ off by | T^ off by | width of R, mm | predicted "
-               "| of T | predicted |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|\n",
-               title);
+    fmt::print(
+        "\n### {}\n\n"
+        "| stack, mm | R | predicted | % of R | T | predicted | % of T | R^ off by | T^ off by | width of R, mm | predicted "
+        "| of T | predicted |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|\n",
+        title);
 }
 
 void row(const std::string& name, const Truth& truth, const LayerProfile& model) {
-    fmt::print("| {} | {:.4f} ± {:.4f} | {:.4f} | {:+.1f} | {:.4f} ± {:.4f} | {:.4f} | {:+.1f} | {:.4f} | {:.4f} | {:.2f} | {:.2f} | {:.2f} "
-               "| {:.2f} |\n",
-               name, truth.R[0], truth.R_error, model.R_top[0], 100 * (model.R_top[0] / truth.R[0] - 1), truth.T[0], truth.T_error,
-               model.T[0], 100 * (model.T[0] / truth.T[0] - 1), largest_difference(truth.R, model.R_top),
-               largest_difference(truth.T, model.T), width(truth.R), width(model.R_top), width(truth.T), width(model.T));
+    fmt::print(
+        "| {} | {:.4f} ± {:.4f} | {:.4f} | {:+.1f} | {:.4f} ± {:.4f} | {:.4f} | {:+.1f} | {:.4f} | {:.4f} | {:.2f} | {:.2f} | "
+        "{:.2f} "
+        "| {:.2f} |\n",
+        name, truth.R[0], truth.R_error, model.R_top[0], 100 * (model.R_top[0] / truth.R[0] - 1), truth.T[0], truth.T_error,
+        model.T[0], 100 * (model.T[0] / truth.T[0] - 1), largest_difference(truth.R, model.R_top),
+        largest_difference(truth.T, model.T), width(truth.R), width(model.R_top), width(truth.T), width(model.T));
     std::fflush(stdout);
 }
 
