@@ -96,10 +96,10 @@ Stop VoxelWalk::advance(Ray& ray, const Optics& optics, double& depth, std::uint
     }
 }
 
-void VoxelWalk::scatter(std::array<double, 3>& d, PathRandom& random) const {
+void turn_henyey_greenstein(std::array<double, 3>& d, double g, PathRandom& random) {
     const double u = random.uniform();
     // The inverse of Henyey and Greenstein's distribution, free of cancellation and of a special case for g = 0.
-    const double D = 1 - g_ + 2 * g_ * u, versine = 2 * (1 - g_) * (1 - g_) * (1 - u) * (1 + g_ * u) / (D * D);
+    const double D = 1 - g + 2 * g * u, versine = 2 * (1 - g) * (1 - g) * (1 - u) * (1 + g * u) / (D * D);
     const double cosine = 1 - versine, sine = std::sqrt(std::max(0.0, versine * (2 - versine))),
                  phi = 2 * std::numbers::pi * random.uniform();
     const double a = sine * std::cos(phi), b = sine * std::sin(phi);

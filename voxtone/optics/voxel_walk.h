@@ -26,6 +26,9 @@ struct Stop {
     bool on_sheet = false;    ///< it looks down from the plane z = 0
 };
 
+/// Turns d by an angle of Henyey and Greenstein of mean cosine g.
+void turn_henyey_greenstein(std::array<double, 3>& d, double g, PathRandom& random);
+
 class VoxelWalk {
 public:
     explicit VoxelWalk(const Scene& scene);
@@ -45,7 +48,7 @@ public:
     Stop advance(Ray& ray, const Optics& optics, double& depth, std::uint32_t& meetings) const;
 
     /// Turns d by an angle of Henyey and Greenstein.
-    void scatter(std::array<double, 3>& d, PathRandom& random) const;
+    void scatter(std::array<double, 3>& d, PathRandom& random) const { turn_henyey_greenstein(d, g_, random); }
 
 private:
     const ResinVolume& volume_;
