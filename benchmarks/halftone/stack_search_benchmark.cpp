@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Time, nodes visited and pruned of the stack search; materials of tests/halftone/resin_layers.h.
+// Run: build/release/benchmarks/halftone/stack_search_benchmark [N [TABLE]]: N coefficients per channel (64), TABLE:
+// most sub-stacks in a table (12000).
+//
+// Targets, 100 of each kind, drawn by address:
+//   slabs    three to five layers of the materials of any thickness: in the gamut of continuous thickness
+//   solids   half-spaces of sigma_s' 0.5 to 20 mm^-1, sigma_a 0.002 to 0.5 mm^-1 per channel: many of them outside of
+//   the gamut
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+
+#include "tests/halftone/resin_layers.h"
+#include "voxtone/base/parallel.h"
+
+using namespace voxtone;
+using namespace voxtone::halftone;
+
+namespace {
+
+double now_ms() {
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+ChannelProfiles slab_target(const std::vector<StackMaterial>& materials, double thickness_mm, std::uint64_t address) {
+    RandomStream random(6, address);
+    std::vector<StackLayer> layers;
+    const auto count = static_cast<std::size_t>(3 + 3 * random.uniform());
+    for (std::size_t k = 0; k < count; ++k)
+        layers.push_back({std::min(materials.size() - 1,
+                                   static_cast<std::size_t>(static_cast<double>(materials.size()) * random.uniform())),
+                          log_uniform(random, 0.02, 1) * thickness_mm / static_cast<double>(count)});
+    return stack_reflection(materials, layers, {});
+}
+
+ChannelProfiles solid_target(std::size_t channels, std::size_t coefficients, std::uint64_t address) {
+    RandomStream random(7, address);
+    ChannelProfiles target;
+    for (std::size_t c = 0; c < channels; ++c) {
+        const double sigma_a = log_uniform(random, 0.002, 0.5);
+        target.push_back(diffusing_target(sigma_a, log_uniform(random, 0.5, 20), coefficients));
+    }
+    return target;
+}
+
+struct Case {
+    std::size_t materials, channels;
+    std::uint32_t steps;
+    std::size_t targets;
+};
+
+void run(const Case& the, std::size_t coefficients, std::uint32_t table) {
+    const std::vector<StackMaterial> materials = resin_layers(the.materials, the.channels, coefficients);
+    for (const char* kind : {"slabs", "solids"}) {
+        std::vector<ChannelProfiles> targets;
+        StackSearchOptions options;
+        options.steps = the.steps;
+        if (table > 0) options.table_stacks = table;
+        for (std::size_t i = 0; i < the.targets; ++i)
+            targets.push_back(kind[1] == 'l' ? slab_target(materials, options.thickness_mm, i)
+                                             : solid_target(the.channels, coefficients, i));
+        std::vector<FoundStack> found;
+        double one_prepared, all;
+        std::vector<double> times;
+        double stackings;
+        {
+            const ThreadLimit one_thread(1);
+            double start = now_ms();
+            const StackSearch search(materials, options);
+            one_prepared = now_ms() - start;
+            stackings = search.stackings();
+            for (const ChannelProfiles& target : targets) {
+                start = now_ms();
+                found.push_back(search.find(target));
+                times.push_back(now_ms() - start);
+            }
+        }
+        std::uint32_t table_blocks;
+        {
+            const ThreadLimit two_threads(2);
+            const double start = now_ms();
+            const StackSearch search(materials, options);
+            const std::vector<FoundStack> again = search.find_all(targets);
+            all = now_ms() - start;
+            table_blocks = search.table_blocks();
+        }
+        double visited = 0, pruned = 0, judged = 0, distance = 0;
+        for (const FoundStack& f : found) {
+            visited += static_cast<double>(f.count.visited);
+            pruned += static_cast<double>(f.count.pruned);
+            judged += static_cast<double>(f.count.judged);
+            distance += f.distance;
+        }
+        const double n = static_cast<double>(found.size());
+        std::sort(times.begin(), times.end());
+        std::printf(
+            "| %zu | %u | %zu x %zu | %.3g | %s | %.1f | %.1f / %.1f / %.1f | %.0f / %.0f / %.0f | %.4f | %zu targets: "
+            "%.0f ms, tables of %u |\n",
+            the.materials, the.steps, the.channels, coefficients, stackings, kind, one_prepared,
+            times[times.size() / 2], times[times.size() * 95 / 100], times.back(), visited / n, pruned / n, judged / n,
+            distance / n, targets.size(), all, table_blocks);
+        std::fflush(stdout);
+    }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    const std::size_t coefficients = argc > 1 ? std::strtoul(argv[1], nullptr, 10) : 64;
+    const auto table = static_cast<std::uint32_t>(argc > 2 ? std::strtoul(argv[2], nullptr, 10) : 0);
+    std::printf(
+        "| materials | n | channels x N | stackings | targets | tables, ms | one target on one core: median / 95 %% / "
+        "max, ms "
+        "| visited / pruned / judged, mean | distance, mean | together on two threads, tables included |\n"
+        "|---|---|---|---|---|---|---|---|---|---|\n");
+    run({3, 1, 64, 100}, coefficients, table);
+    run({3, 3, 64, 100}, coefficients, table);
+    run({6, 3, 256, 10}, coefficients, table);
+}
