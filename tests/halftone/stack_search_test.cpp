@@ -400,7 +400,8 @@ TEST_CASE("the boxes of what can follow hold whatever follows") {
     StackSearchOptions options;
     options.steps = 40;
     const StackBlocks blocks(materials, options);
-    const StackBounds bounds(blocks, 1, 3);
+    const StackBounds bounds(blocks, 3);
+    LaneBoxes lanes;
     const std::vector<float> none(9, 0.0F);
     int reached = 0;
     for (int trial = 0; trial < 20000; ++trial) {
@@ -416,7 +417,7 @@ TEST_CASE("the boxes of what can follow hold whatever follows") {
             blocks.cover(at[k], x, y);
             x = y;
         }
-        const StackBounds::Lanes lanes = bounds.lanes(3, units, at[0] / stack_lanes);
+        bounds.next_block(3, units, at[0] / stack_lanes, lanes);
         for (std::size_t i = 0; i < 9; ++i) {
             const float low = lanes.low[stack_lanes * i + at[0] % stack_lanes],
                         high = lanes.high[stack_lanes * i + at[0] % stack_lanes];

@@ -4,78 +4,69 @@
 #include <algorithm>
 
 #include "voxtone/base/contracts.h"
+#include "voxtone/base/parallel.h"
 
 namespace voxtone::halftone {
 namespace {
 
-/// Boxes of stackings of exactly e blocks, by level; `possible` where there is one.
-struct LevelBoxes {
-    std::vector<std::vector<float>> low, high;
-    std::vector<char> possible;
-};
+constexpr std::uint32_t most_levels = 512;
 
 }  // namespace
 
-StackBounds::StackBounds(const StackBlocks& blocks, std::uint32_t first_lanes, std::uint32_t most_blocks)
-    : level_units_((blocks.units() + 15) / 16),
+StackBounds::StackBounds(const StackBlocks& blocks, std::uint32_t most_blocks)
+    : blocks_(blocks),
+      level_units_((blocks.units() + most_levels - 1) / most_levels),
       levels_((blocks.units() + level_units_ - 1) / level_units_ + 1),
-      first_lanes_(first_lanes),
-      groups_((blocks.size() + stack_lanes - 1) / stack_lanes),
-      coefficients_(blocks.coefficients()) {
-    const std::size_t n = coefficients_;
-    LevelBoxes below;  // e = 0: the backing
-    const std::vector<float> backing(blocks.backing().begin(), blocks.backing().end());
-    below.low.assign(levels_, backing);
-    below.high.assign(levels_, backing);
-    below.possible.assign(levels_, 1);
-    least_ = most_ = backing;
-    std::vector<float> low(n), high(n);
+      low_((most_blocks + 1) * levels_),
+      high_(low_.size()),
+      least_(blocks.backing().begin(), blocks.backing().end()),
+      most_(least_) {
+    const std::size_t n = blocks.coefficients();
+    for (std::size_t level = 0; level < levels_; ++level) low_[place(0, level)] = high_[place(0, level)] = least_;
     for (std::uint32_t e = 1; e <= most_blocks; ++e) {
-        LevelBoxes next;
-        next.low.assign(levels_, std::vector<float>(n, 1.0F));
-        next.high.assign(levels_, std::vector<float>(n, 0.0F));
-        next.possible.assign(levels_, 0);
-        std::vector<float>*lanes_low = nullptr, *lanes_high = nullptr;
-        if (e >= first_lanes) {
-            lanes_low = &low_.emplace_back(levels_ * groups_ * n * stack_lanes, 0.0F);
-            lanes_high = &high_.emplace_back(levels_ * groups_ * n * stack_lanes, 1.0F);
-        }
-        for (std::size_t level = 0; level < levels_; ++level) {
+        parallel_for(0, levels_, 4, [&](std::size_t level) {
             const std::uint32_t units = std::min(static_cast<std::uint32_t>(level) * level_units_, blocks.units());
+            std::vector<float>&low = low_[place(e, level)], &high = high_[place(e, level)];
             for (std::size_t b = 0; b < blocks.size(); ++b) {
                 if (blocks[b].units > units) continue;
-                const std::size_t rest = level_of(units - blocks[b].units);
-                if (!below.possible[rest]) continue;
+                const std::size_t rest = place(e - 1, level_of(units - blocks[b].units));
+                if (low_[rest].empty()) continue;
+                if (low.empty()) {
+                    low.assign(n, 1.0F);
+                    high.assign(n, 0.0F);
+                }
                 const auto block = static_cast<BlockIndex>(b);
-                blocks.cover(block, below.low[rest], low);
-                blocks.cover(block, below.high[rest], high);
-                next.possible[level] = 1;
-                for (std::size_t i = 0; i < n; ++i) {
-                    next.low[level][i] = std::min(next.low[level][i], low[i]);
-                    next.high[level][i] = std::max(next.high[level][i], high[i]);
-                }
-                if (lanes_low == nullptr) continue;
-                const std::size_t base = (level * groups_ + b / stack_lanes) * n * stack_lanes + b % stack_lanes;
-                for (std::size_t i = 0; i < n; ++i) {
-                    (*lanes_low)[base + i * stack_lanes] = low[i];
-                    (*lanes_high)[base + i * stack_lanes] = high[i];
-                }
+                widen_box({blocks.R_single(block).data(), blocks.T_single(block).data()}, low_[rest], high_[rest], low, high);
             }
-        }
-        below = std::move(next);
-        if (below.possible.back()) {
-            for (std::size_t i = 0; i < n; ++i) {
-                least_[i] = std::min(least_[i], below.low.back()[i]);
-                most_[i] = std::max(most_[i], below.high.back()[i]);
-            }
+        });
+        const std::size_t all = place(e, levels_ - 1);
+        if (low_[all].empty()) continue;
+        for (std::size_t i = 0; i < n; ++i) {
+            least_[i] = std::min(least_[i], low_[all][i]);
+            most_[i] = std::max(most_[i], high_[all][i]);
         }
     }
 }
 
-StackBounds::Lanes StackBounds::lanes(std::uint32_t e, std::uint32_t units, std::size_t group) const {
-    VOXTONE_DEBUG_EXPECT(e >= first_lanes_);
-    const std::size_t base = (level_of(units) * groups_ + group) * coefficients_ * stack_lanes;
-    return {low_[e - first_lanes_].data() + base, high_[e - first_lanes_].data() + base};
+void StackBounds::next_block(std::uint32_t e, std::uint32_t units, std::size_t group, LaneBoxes& boxes) const {
+    VOXTONE_DEBUG_EXPECT(e > 0);
+    const std::size_t n = blocks_.coefficients();
+    boxes.low.resize(n * stack_lanes);
+    boxes.high.resize(n * stack_lanes);
+    std::vector<float> low(n), high(n);
+    for (std::size_t l = 0; l < stack_lanes; ++l) {
+        const std::size_t b = group * stack_lanes + l;
+        if (b >= blocks_.size() || blocks_[b].units > units) continue;
+        const std::size_t rest = place(e - 1, level_of(units - blocks_[b].units));
+        if (low_[rest].empty()) continue;
+        std::fill(low.begin(), low.end(), 1.0F);
+        std::fill(high.begin(), high.end(), 0.0F);
+        widen_box({blocks_.R_single(b).data(), blocks_.T_single(b).data()}, low_[rest], high_[rest], low, high);
+        for (std::size_t i = 0; i < n; ++i) {
+            boxes.low[i * stack_lanes + l] = low[i];
+            boxes.high[i * stack_lanes + l] = high[i];
+        }
+    }
 }
 
 }  // namespace voxtone::halftone

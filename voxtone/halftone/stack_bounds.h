@@ -3,8 +3,8 @@
 // The least and the most that stackings of exactly e blocks can reflect within a thickness, coefficient by coefficient.
 //
 // Dynamic programming over e: what is best at one coefficient may be worst at another, so a box holds every stacking,
-// and more. The order of blocks and the distance from the top are left out of account, thickness is rounded up to
-// sixteenths: boxes grow, and stay boxes.
+// and more. The order of blocks and the distance from the top are left out of account, and above 512 steps thickness is
+// rounded up to the next of 512 levels: boxes grow, and stay boxes.
 #pragma once
 
 #include <cstdint>
@@ -16,18 +16,18 @@
 
 namespace voxtone::halftone {
 
+/// Boxes laid out by lanes, to be filled again and again.
+struct LaneBoxes {
+    std::vector<float> low, high;
+};
+
 class StackBounds {
 public:
-    /// Boxes of one next block and what follows it are kept for e in [first_lanes, most_blocks].
-    StackBounds(const StackBlocks& blocks, std::uint32_t first_lanes, std::uint32_t most_blocks);
+    StackBounds(const StackBlocks& blocks, std::uint32_t most_blocks);
 
-    /// The boxes of stackings that start with block 16 g + l and have e blocks in all, within `units`; laid out by
-    /// lanes.
-    struct Lanes {
-        const float *low, *high;
-    };
-    [[nodiscard]] std::size_t groups() const { return groups_; }
-    [[nodiscard]] Lanes lanes(std::uint32_t e, std::uint32_t units, std::size_t group) const;
+    /// The boxes of stackings that start with block 16 group + l and have e blocks in all, within `units`. Lanes of
+    /// blocks for which there is no such stacking hold anything.
+    void next_block(std::uint32_t e, std::uint32_t units, std::size_t group, LaneBoxes& boxes) const;
 
     /// The box of all stackings of any number of blocks.
     [[nodiscard]] std::span<const float> least() const { return least_; }
@@ -35,10 +35,11 @@ public:
 
 private:
     [[nodiscard]] std::size_t level_of(std::uint32_t units) const { return (units + level_units_ - 1) / level_units_; }
+    [[nodiscard]] std::size_t place(std::uint32_t e, std::size_t level) const { return e * levels_ + level; }
 
-    std::uint32_t level_units_, levels_, first_lanes_;
-    std::size_t groups_, coefficients_;
-    std::vector<std::vector<float>> low_, high_;  ///< by e - first_lanes: [level][group][coefficient][lane]
+    const StackBlocks& blocks_;
+    std::uint32_t level_units_, levels_;
+    std::vector<std::vector<float>> low_, high_;  ///< of exactly e blocks within a level; empty: there is none
     std::vector<float> least_, most_;
 };
 

@@ -8,7 +8,8 @@ namespace voxtone::halftone {
 namespace {
 
 /// What single precision may take from a residual, and from a sum of squares.
-constexpr double residual_error = 4e-6, sum_error = 2e-5;
+constexpr double residual_error = 4e-6;
+double sum_error(std::size_t coefficients) { return (12 + static_cast<double>(coefficients) / 8) * 0x1p-25; }
 
 struct Promise {
     float squares;
@@ -48,7 +49,7 @@ private:
     void lower_limit() {
         const double root_weights = std::sqrt(t_.blocks.weight_sum());
         const double limit =
-            std::sqrt(best_.squares) * (1 + sum_error) + (residual_error - t_.tolerance) * root_weights;
+            std::sqrt(best_.squares) * (1 + sum_error(target_.size())) + (residual_error - t_.tolerance) * root_weights;
         limit_ = limit > 0 ? static_cast<float>(limit * limit) : 0.0F;
     }
 
@@ -89,10 +90,10 @@ private:
         Level& here = levels_[depth];
         const std::uint32_t units_left = t_.blocks.units() - here.units;
         here.promises.clear();
-        for (std::size_t g = 0; g < t_.bounds.groups(); ++g) {
-            const StackBounds::Lanes lanes = t_.bounds.lanes(left, units_left, g);
+        for (std::size_t g = 0; g * stack_lanes < t_.blocks.size(); ++g) {
+            t_.bounds.next_block(left, units_left, g, boxes_);
             LaneSums sums;
-            box_distances(here.seen, lanes.low, lanes.high, limit_, sums);
+            box_distances(here.seen, boxes_.low.data(), boxes_.high.data(), limit_, sums);
             const std::size_t begin = g * stack_lanes, end = std::min(begin + stack_lanes, t_.blocks.size());
             for (std::size_t i = begin; i < end; ++i) {
                 const auto b = static_cast<BlockIndex>(i);
@@ -171,6 +172,7 @@ private:
     std::vector<float> target_single_;
     std::vector<Level> levels_;
     std::vector<std::vector<Promise>> promises_;  ///< by depth in a tree
+    LaneBoxes boxes_;
     std::vector<BlockIndex> path_;
     DescentResult best_;
     float limit_ = 0;

@@ -31,4 +31,12 @@ struct SeenThrough {
 /// Sums of squares of each lane. Lanes may stop early, together, once all of them are at `limit` or above.
 void box_distances(const SeenThrough& above, const float* low, const float* high, float limit, LaneSums& sums);
 
+/// A homogeneous layer: reflection and transmission by coefficient.
+struct LayerRows {
+    const float *R, *T;
+};
+/// Widens the box [low, high] so that it holds the layer over whatever lies in [below_low, below_high].
+void widen_box(const LayerRows& layer, const std::vector<float>& below_low, const std::vector<float>& below_high,
+               std::vector<float>& low, std::vector<float>& high);
+
 }  // namespace voxtone::halftone

@@ -47,7 +47,7 @@ struct StackSearch::Tables {
           blocks(m, o),
           counts(blocks.count_stackings(o.max_blocks)),
           table_blocks(choose_table_blocks(blocks, o, counts)),
-          bounds(blocks, table_blocks + 1, o.max_blocks) {
+          bounds(blocks, o.max_blocks) {
         SubStackRows rows = backing_rows(blocks);
         for (std::uint32_t e = 1; e <= table_blocks; ++e) {
             rows = cover_all(blocks, rows);

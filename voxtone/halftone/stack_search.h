@@ -18,18 +18,18 @@
 // trees of boxes in the space of coefficients, made once for all targets. Bounds, all of them per coefficient and
 // provable:
 // - Reflection from above only grows with reflection from below (Eq. 6 has no negative term). The paper puts 0 (too
-// bright) and 1 (too
-//   dark) below a partial stacking. Here the least and the most go there that exactly the blocks left, within the
-//   thickness left, starting with the block in question, can reflect at each coefficient by themselves (dynamic
-//   programming; thickness left is rounded up to sixteenths). Coefficients that are too bright and such that are too
-//   dark add up; the paper takes the larger of both sums.
+//   bright) and 1 (too dark) below a partial stacking. Here the least and the most go there that exactly the blocks
+//   left, within the thickness left, starting with the block in question, can reflect at each coefficient by themselves
+//   (dynamic programming, stack_bounds.h). Coefficients that are too bright and such that are too dark add up; the
+//   paper takes the larger of both sums.
 // - A tree node stands for many sub-stacks; the box of their coefficients bounds them all in the same way.
 // - Sums of squares stop at the bound; coefficients that differ most between materials come first.
 //
 // The trees and bounds are single precision; a residual is wrong there by at most 4e-6. What passes is judged in double
 // precision. Nothing is cut that could be better than the result by more than `tolerance` (0: by anything): the margin
-// of rounding is allowed for. The result, its counts included, has the same bits for any number of threads and any
-// company of targets.
+// of rounding is allowed for. Below a tolerance of about 5e-6 all stackings that tie within rounding are judged one by one:
+// where light does not reach the lower layers there are thousands, and the search is slow.
+// The result, its counts included, has the same bits for any number of threads and any company of targets.
 //
 // What it cannot see: blocks of other sizes (stack_refinement.h), and everything that profiles cannot
 // (layer_profile.h).
