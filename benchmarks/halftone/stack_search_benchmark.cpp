@@ -4,15 +4,17 @@
 // Run: build/release/benchmarks/halftone/stack_search_benchmark [N [TABLE]]: N coefficients per channel (64), TABLE:
 // most sub-stacks in a table (12000).
 //
-// Targets, 100 of each kind, drawn by address:
+// Targets, drawn by address:
 //   slabs    three to five layers of the materials of any thickness: in the gamut of continuous thickness
-//   solids   half-spaces of sigma_s' 0.5 to 20 mm^-1, sigma_a 0.002 to 0.5 mm^-1 per channel: many of them outside of
-//   the gamut
+//   solids   half-spaces of sigma_s' 0.5 to 20 mm^-1, sigma_a 0.002 to 0.5 mm^-1 per channel: many outside of the gamut
+//   bright   0.5 to 1.2 at every coefficient of a channel: light comes back where it entered; far outside
+// Last comes the search of the paper as it is (tests/halftone/plain_stack_search.h), on the first solids.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
 
+#include "tests/halftone/plain_stack_search.h"
 #include "tests/halftone/resin_layers.h"
 #include "voxtone/base/parallel.h"
 
@@ -46,6 +48,20 @@ ChannelProfiles solid_target(std::size_t channels, std::size_t coefficients, std
     return target;
 }
 
+ChannelProfiles bright_target(std::size_t channels, std::size_t coefficients, std::uint64_t address) {
+    RandomStream random(8, address);
+    ChannelProfiles target;
+    for (std::size_t c = 0; c < channels; ++c) target.emplace_back(coefficients, 0.5 + 0.7 * random.uniform());
+    return target;
+}
+
+ChannelProfiles target_of(char kind, const std::vector<StackMaterial>& materials, double thickness_mm,
+                          std::size_t coefficients, std::uint64_t address) {
+    if (kind == 'l') return slab_target(materials, thickness_mm, address);
+    if (kind == 'o') return solid_target(materials[0].size(), coefficients, address);
+    return bright_target(materials[0].size(), coefficients, address);
+}
+
 struct Case {
     std::size_t materials, channels;
     std::uint32_t steps;
@@ -54,14 +70,13 @@ struct Case {
 
 void run(const Case& the, std::size_t coefficients, std::uint32_t table) {
     const std::vector<StackMaterial> materials = resin_layers(the.materials, the.channels, coefficients);
-    for (const char* kind : {"slabs", "solids"}) {
+    for (const char* kind : {"slabs", "solids", "bright"}) {
         std::vector<ChannelProfiles> targets;
         StackSearchOptions options;
         options.steps = the.steps;
         if (table > 0) options.table_stacks = table;
         for (std::size_t i = 0; i < the.targets; ++i)
-            targets.push_back(kind[1] == 'l' ? slab_target(materials, options.thickness_mm, i)
-                                             : solid_target(the.channels, coefficients, i));
+            targets.push_back(target_of(kind[1], materials, options.thickness_mm, coefficients, i));
         std::vector<FoundStack> found;
         double one_prepared, all;
         std::vector<double> times;
@@ -106,6 +121,26 @@ void run(const Case& the, std::size_t coefficients, std::uint32_t table) {
     }
 }
 
+void run_plain(std::size_t coefficients) {
+    const std::vector<StackMaterial> materials = resin_layers(3, 1, coefficients);
+    const StackSearch search(materials, {});
+    PlainStackSearch plain(materials, 5, 64);
+    std::printf(
+        "\n| solid | the paper's search, ms | visited | pruned | distance | this one: visited | judged | distance |\n"
+        "|---|---|---|---|---|---|---|---|\n");
+    for (std::uint64_t i = 0; i < 5; ++i) {
+        const ChannelProfiles target = solid_target(1, coefficients, i);
+        const double start = now_ms();
+        const PlainStackSearch::Found expected = plain.find(target, 6);
+        const double took = now_ms() - start;
+        const FoundStack found = search.find(target);
+        std::printf("| %d | %.0f | %llu | %llu | %.6f | %llu | %llu | %.6f |\n", static_cast<int>(i), took,
+                    static_cast<unsigned long long>(expected.visited), static_cast<unsigned long long>(expected.pruned),
+                    expected.distance, static_cast<unsigned long long>(found.count.visited),
+                    static_cast<unsigned long long>(found.count.judged), found.distance);
+    }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -118,5 +153,7 @@ int main(int argc, char** argv) {
         "|---|---|---|---|---|---|---|---|---|---|\n");
     run({3, 1, 64, 100}, coefficients, table);
     run({3, 3, 64, 100}, coefficients, table);
-    run({6, 3, 256, 10}, coefficients, table);
+    run({6, 1, 256, 20}, coefficients, table);
+    run({6, 3, 256, 20}, coefficients, table);
+    run_plain(coefficients);
 }

@@ -36,7 +36,8 @@ StackBounds::StackBounds(const StackBlocks& blocks, std::uint32_t most_blocks)
                     high.assign(n, 0.0F);
                 }
                 const auto block = static_cast<BlockIndex>(b);
-                widen_box({blocks.R_single(block).data(), blocks.T_single(block).data()}, low_[rest], high_[rest], low, high);
+                widen_box({blocks.R_single(block).data(), blocks.T_single(block).data()}, low_[rest], high_[rest], low,
+                          high);
             }
         });
         const std::size_t all = place(e, levels_ - 1);

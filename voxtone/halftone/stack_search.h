@@ -27,9 +27,9 @@
 //
 // The trees and bounds are single precision; a residual is wrong there by at most 4e-6. What passes is judged in double
 // precision. Nothing is cut that could be better than the result by more than `tolerance` (0: by anything): the margin
-// of rounding is allowed for. Below a tolerance of about 5e-6 all stackings that tie within rounding are judged one by one:
-// where light does not reach the lower layers there are thousands, and the search is slow.
-// The result, its counts included, has the same bits for any number of threads and any company of targets.
+// of rounding is allowed for. Below a tolerance of about 5e-6 all stackings that tie within rounding are judged one by
+// one: where light does not reach the lower layers there are thousands, and the search is slow. The result, its counts
+// included, has the same bits for any number of threads and any company of targets.
 //
 // What it cannot see: blocks of other sizes (stack_refinement.h), and everything that profiles cannot
 // (layer_profile.h).
