@@ -8,6 +8,8 @@
 //   slabs    three to five layers of the materials of any thickness: in the gamut of continuous thickness
 //   solids   half-spaces of sigma_s' 0.5 to 20 mm^-1, sigma_a 0.002 to 0.5 mm^-1 per channel: many outside of the gamut
 //   bright   0.5 to 1.2 at every coefficient of a channel: light comes back where it entered; far outside
+//   widths   Sec. 8.2 of the paper, neutral: from the profile of a white solid to that of a translucent one, all of one
+//   albedo
 // Last comes the search of the paper as it is (tests/halftone/plain_stack_search.h), on the first solids.
 #include <algorithm>
 #include <chrono>
@@ -55,10 +57,20 @@ ChannelProfiles bright_target(std::size_t channels, std::size_t coefficients, st
     return target;
 }
 
+ChannelProfiles width_target(std::size_t channels, std::size_t coefficients, double share) {
+    const std::vector<double> narrow = diffusing_target(0.002, 20, coefficients),
+                              wide = diffusing_target(0.005, 0.4, coefficients);
+    std::vector<double> R(coefficients);
+    for (std::size_t i = 0; i < coefficients; ++i)
+        R[i] = 0.75 * (share * narrow[i] / narrow[0] + (1 - share) * wide[i] / wide[0]);
+    return ChannelProfiles(channels, R);
+}
+
 ChannelProfiles target_of(char kind, const std::vector<StackMaterial>& materials, double thickness_mm,
-                          std::size_t coefficients, std::uint64_t address) {
+                          std::size_t coefficients, std::uint64_t address, double share) {
     if (kind == 'l') return slab_target(materials, thickness_mm, address);
     if (kind == 'o') return solid_target(materials[0].size(), coefficients, address);
+    if (kind == 'i') return width_target(materials[0].size(), coefficients, share);
     return bright_target(materials[0].size(), coefficients, address);
 }
 
@@ -70,13 +82,14 @@ struct Case {
 
 void run(const Case& the, std::size_t coefficients, std::uint32_t table) {
     const std::vector<StackMaterial> materials = resin_layers(the.materials, the.channels, coefficients);
-    for (const char* kind : {"slabs", "solids", "bright"}) {
+    for (const char* kind : {"slabs", "solids", "bright", "widths"}) {
         std::vector<ChannelProfiles> targets;
         StackSearchOptions options;
         options.steps = the.steps;
         if (table > 0) options.table_stacks = table;
         for (std::size_t i = 0; i < the.targets; ++i)
-            targets.push_back(target_of(kind[1], materials, options.thickness_mm, coefficients, i));
+            targets.push_back(target_of(kind[1], materials, options.thickness_mm, coefficients, i,
+                                        static_cast<double>(i) / static_cast<double>(the.targets - 1)));
         std::vector<FoundStack> found;
         double one_prepared, all;
         std::vector<double> times;
