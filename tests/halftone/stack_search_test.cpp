@@ -449,6 +449,7 @@ TEST_CASE("sixteen boxes at once are what one box is by itself") {
             high[i * stack_lanes + l] = std::max(p, q);
         }
     }
+    above.tail.assign(n / lane_stride + 2, 0.0F);
     LaneSums sums;
     box_distances(above, low.data(), high.data(), 1e9F, sums);
     for (std::size_t l = 0; l < stack_lanes; ++l) {

@@ -65,6 +65,17 @@ private:
             const float wanted = missing > 0 ? missing / std::max(T2 + level.R_below[i] * missing, 1e-30F) : 0.0F;
             seen.q[i] = std::min(wanted, 1.0F);
         }
+        const std::span<const float> least = t_.bounds.least(), most = t_.bounds.most();
+        seen.tail.assign((w.size() + lane_stride - 1) / lane_stride + 1, 0.0F);
+        for (std::size_t k = seen.tail.size() - 1; k-- > 0;) {
+            float sum = 0;
+            for (std::size_t i = lane_stride * k; i < std::min(lane_stride * (k + 1), w.size()); ++i) {
+                const float x = std::min(std::max(seen.q[i], least[i]), most[i]);
+                const float e = seen.a[i] + seen.b[i] * x / std::max(1 - seen.c[i] * x, 1e-30F);
+                sum += e * e;
+            }
+            seen.tail[k] = seen.tail[k + 1] + sum;
+        }
     }
 
     void put_under(const Level& above, BlockIndex b, Level& out) const {

@@ -17,16 +17,14 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 using Tag = hn::CappedTag<float, stack_lanes>;
 
-/// Coefficients between two looks at the limit.
-constexpr std::size_t stride = 8;
-
 void add_distances(const SeenThrough& above, const float* low, const float* high, float limit, LaneSums& sums) {
     const Tag d;
     const auto one = hn::Set(d, 1.0F), least = hn::Set(d, 1e-30F);
     const std::size_t count = above.a.size();
     sums.fill(0.0F);
-    for (std::size_t begin = 0; begin < count; begin += stride) {
-        const std::size_t end = std::min(count, begin + stride);
+    for (std::size_t begin = 0; begin < count; begin += lane_stride) {
+        const std::size_t end = std::min(count, begin + lane_stride);
+        const float tail = above.tail[begin / lane_stride + 1];
         bool open = false;
         for (std::size_t l = 0; l < stack_lanes; l += hn::Lanes(d)) {
             auto sum = hn::Zero(d);  // of a few first: rounding grows with the longest chain of sums
@@ -39,9 +37,12 @@ void add_distances(const SeenThrough& above, const float* low, const float* high
             }
             sum = hn::Add(sum, hn::LoadU(d, &sums[l]));
             hn::StoreU(sum, d, &sums[l]);
-            open = open || !hn::AllFalse(d, hn::Lt(sum, hn::Set(d, limit)));
+            open = open || !hn::AllFalse(d, hn::Lt(hn::Add(sum, hn::Set(d, tail)), hn::Set(d, limit)));
         }
-        if (!open) return;
+        if (!open) {
+            for (float& sum : sums) sum += tail;
+            return;
+        }
     }
 }
 

@@ -20,15 +20,19 @@ namespace voxtone::halftone {
 
 inline constexpr std::size_t stack_lanes = 16;
 
+/// Coefficients between two looks at the limit.
+inline constexpr std::size_t lane_stride = 8;
+
 /// Where sixteen boxes are kept: the value of lane l at coefficient i at [16 i + l].
 using LaneSums = std::array<float, stack_lanes>;
 
 /// An upper stack and a target, folded: sqrt(weight) times the residual is a + b x / (1 - c x), zero at x = q.
 struct SeenThrough {
     std::vector<float> a, b, c, q;
+    std::vector<float> tail;  ///< squares that the coefficients from lane_stride * k on add at least; 0 after the last
 };
 
-/// Sums of squares of each lane. Lanes may stop early, together, once all of them are at `limit` or above.
+/// Sums of squares of each lane. Lanes may stop early, together, once all of them must end at `limit` or above.
 void box_distances(const SeenThrough& above, const float* low, const float* high, float limit, LaneSums& sums);
 
 /// A homogeneous layer: reflection and transmission by coefficient.

@@ -23,7 +23,8 @@
 //   (dynamic programming, stack_bounds.h). Coefficients that are too bright and such that are too dark add up; the
 //   paper takes the larger of both sums.
 // - A tree node stands for many sub-stacks; the box of their coefficients bounds them all in the same way.
-// - Sums of squares stop at the bound; coefficients that differ most between materials come first.
+// - Sums of squares stop at the bound, less what the coefficients to come add at least, whatever lies below; those that
+//   differ most between materials come first.
 //
 // The trees and bounds are single precision; a residual is wrong there by at most 4e-6. What passes is judged in double
 // precision. Nothing is cut that could be better than the result by more than `tolerance` (0: by anything): the margin
