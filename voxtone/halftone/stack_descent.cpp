@@ -7,8 +7,7 @@
 namespace voxtone::halftone {
 namespace {
 
-/// What single precision may take from a residual, and from a sum of squares.
-constexpr double residual_error = 4e-6;
+/// What single precision may take from the root of a sum of squares, relative.
 double sum_error(std::size_t coefficients) { return (12 + static_cast<double>(coefficients) / 8) * 0x1p-25; }
 
 struct Promise {

@@ -11,6 +11,9 @@
 
 namespace voxtone::halftone {
 
+/// What single precision may take from a residual.
+inline constexpr double residual_error = 4e-6;
+
 struct DescentTables {
     const StackBlocks& blocks;
     const StackBounds& bounds;

@@ -88,12 +88,11 @@ FoundStack StackSearch::find(const ChannelProfiles& target) const {
     }
     found.distance = std::sqrt(best.squares / t.blocks.weight_sum());
 
-    constexpr double rounding = 4e-6;  // of the bounds, per coefficient
     double outside = 0;
     const std::span<const float> least = t.bounds.least(), most = t.bounds.most(), root_weight = t.blocks.root_weight();
     for (std::size_t i = 0; i < row.size(); ++i) {
         const double missing =
-            std::max({0.0, least[i] - rounding - row[i], row[i] - most[i] - rounding}) * root_weight[i];
+            std::max({0.0, least[i] - residual_error - row[i], row[i] - most[i] - residual_error}) * root_weight[i];
         outside += missing * missing;
     }
     found.outside = std::min(found.distance, std::sqrt(outside / t.blocks.weight_sum()));

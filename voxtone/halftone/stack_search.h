@@ -56,12 +56,13 @@ struct StackSearchOptions {
     std::uint32_t steps = 64;      ///< of thickness, [1, 4096]
     std::uint32_t max_blocks = 6;  ///< [1, 16]
     double dc_weight = 1;          ///< above 0
-    std::vector<double>
-        clear_top_mm;         ///< by material: it stays that far from the top (rounded up to steps); empty: no limits
+    /// By material: it stays that far from the top (rounded up to steps); empty: no limits.
+    std::vector<double> clear_top_mm;
     ChannelProfiles backing;  ///< empty: black
     double tolerance = 1e-5;  ///< how much nearer than the result another stacking may be, at most; >= 0
-    std::uint32_t table_stacks =
-        12000;  ///< most sub-stacks in a table: what pays; changes the counts, not what is best
+    /// Most sub-stacks in a table. More cost more to prepare and less for each target; the result stays within
+    /// `tolerance`.
+    std::uint32_t table_stacks = 12000;
 };
 
 struct StackLayer {
@@ -79,15 +80,15 @@ struct SearchCount {
 struct ChannelMatch {
     double target_total, found_total;  ///< DC coefficients
     double least_total, most_total;    ///< of any stacking that is searched
-    double target_spread,
-        found_spread;  ///< mean of all coefficients over the DC one: smaller where light spreads wider
+    /// Mean of all coefficients over the DC one: smaller where light spreads wider.
+    double target_spread, found_spread;
 };
 
 struct FoundStack {
     std::vector<StackLayer> layers;  ///< from the top; neighbours differ in material; empty: the backing alone is best
     double distance = 0;  ///< see above; for a target outside of the gamut: the distance to it, to within `tolerance`
-    double outside =
-        0;  ///< no stacking of these materials, blocks and thickness can be nearer; above 0: outside of the gamut
+    /// No stacking of these materials, blocks and thickness can be nearer; above 0: outside of the gamut.
+    double outside = 0;
     std::vector<ChannelMatch> channels;
     SearchCount count;
 };
