@@ -52,6 +52,7 @@ TEST_CASE("calibrate fit makes a resin set of patches that slice can use, and ca
     const Outcome check =
         run_program(fmt::format("calibrate check {} {} --json", folder / "my.json", folder / "noisy.csv"));
     REQUIRE(check.exit_code == 0);
+    CHECK_THAT(check.out + check.err, Contains("mixtures are taken as ideal"));
     CHECK_THAT(check.out, Contains("voxtone-check") && Contains("mean_de2000"));
 
     folder.write("marker.obj", marker_obj());

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <numeric>
@@ -11,17 +10,14 @@
 
 #include "voxtone/base/error.h"
 #include "voxtone/base/parallel.h"
-#include "voxtone/base/units.h"
 #include "voxtone/calibration/fit_report.h"
 #include "voxtone/calibration/fit_text.h"
-#include "voxtone/calibration/patch_file.h"
 #include "voxtone/calibration/resin_fit.h"
 #include "voxtone/cli/calibrate_commands.h"
 #include "voxtone/cli/console.h"
+#include "voxtone/cli/patch_options.h"
 #include "voxtone/io/resin_file.h"
 #include "voxtone/io/whole_file.h"
-#include "voxtone/slicer/printer.h"
-#include "voxtone/slicer/stack_volume.h"
 
 namespace voxtone::cli {
 
@@ -30,7 +26,8 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Arguments {
-    std::string patches, out, report, printer, pitch, base, under = "black", check, name;
+    std::string patches, out, report, check, name;
+    PatchOptions measured;
     calibration::FitOptions fit;
     bool sweep = false;
     double white = 1;
@@ -60,28 +57,11 @@ int run(const Arguments& arguments) {
     const ThreadLimit limit(static_cast<std::size_t>(arguments.threads));
     return run_on_console(arguments.console, [&](Progress& progress) {
         calibration::FitOptions options = arguments.fit;
-        if (!arguments.printer.empty() && !arguments.pitch.empty())
-            throw UsageError("--printer and --pitch both give the voxel's size; give one of them");
-        if (!arguments.pitch.empty()) options.model.pitch_mm = slicer::parse_pitch_mm(arguments.pitch);
-        if (!arguments.printer.empty()) {
-            const auto pitch = slicer::find_printer(arguments.printer).pitch_mm();
-            options.model.pitch_mm = {pitch.x(), pitch.y(), pitch.z()};
-        }
-        options.model.under = arguments.under == "air" ? calibration::UnderBase::air : calibration::UnderBase::black;
         options.name = arguments.name.empty() ? fs::path(arguments.out).stem().string() : arguments.name;
         validate(options);
-        calibration::PatchTable table = calibration::read_patches(arguments.patches);
-        calibration::apply_white_reference(table, arguments.white);
-        const bool mixed = std::any_of(table.patches.begin(), table.patches.end(), [](const auto& p) { return p.top.size() > 1; });
-        if (mixed && arguments.printer.empty() && arguments.pitch.empty())
-            progress.warn("mixtures are taken as ideal; those of a printed target are dithers of voxels, and extinctions come out up to a "
-                          "third wrong without them: give --printer or --pitch");
-        if (!arguments.base.empty()) {
-            const double base_mm = parse_length_mm(arguments.base, "--base");
-            for (calibration::Patch& patch : table.patches) patch.base_mm = base_mm;
-        }
+        const calibration::PatchTable table = read_patches(arguments.patches, arguments.measured, options.model, progress);
         calibration::PatchTable others;
-        if (!arguments.check.empty()) others = calibration::read_patches(arguments.check);
+        if (!arguments.check.empty()) others = read_patches(arguments.check, arguments.measured, options.model, progress);
         const calibration::ResinFit fit = calibration::fit_resins(table, options, &progress);
 
         std::string text = calibration::fit_text(fit, table), json = calibration::fit_json(fit, table);
@@ -137,32 +117,7 @@ Command add_calibrate_fit_command(CLI::App& calibrate) {
     command->add_option("--eta", arguments->fit.model.eta, "refractive index; patches cannot tell it")
         ->group("Model")
         ->capture_default_str();
-    command
-        ->add_option("--white", arguments->white,
-                     "reflectance of the white reference that the values were divided by: 0.99 for Spectralon of 99 %")
-        ->capture_default_str();
-    command
-        ->add_option(
-            "--base", arguments->base,
-            "thickness of the base under the squares, for all patches; empty: the table's base_mm, else without end")
-        ->type_name("LENGTH")
-        ->group("Model");
-    command
-        ->add_option("--under", arguments->under,
-                     "what a base of known thickness lies on: black in optical contact, or air above a sheet")
-        ->check(CLI::IsMember({"black", "air"}))
-        ->group("Model")
-        ->capture_default_str();
-    command
-        ->add_option("--printer", arguments->printer,
-                     "mixtures are dithers of this printer's voxels; empty: ideal mixtures")
-        ->type_name("ID|FILE")
-        ->group("Model");
-    command
-        ->add_option("--pitch", arguments->pitch,
-                     "the same by the voxel's size along columns, rows, layers: 42.33,84.67,27um")
-        ->type_name("X,Y,Z")
-        ->group("Model");
+    add_patch_options(*command, arguments->measured);
     command->add_option("--check", arguments->check, "other patches to predict with the result")->type_name("FILE");
     command->add_flag(
         "--g-sweep", arguments->sweep,
