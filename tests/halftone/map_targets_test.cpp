@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "tests/halftone/flat_surface.h"
 #include "voxtone/halftone/map_targets.h"
 
 using namespace voxtone;
@@ -13,19 +14,6 @@ namespace {
 constexpr int across = 120;
 constexpr double pitch = 0.1;
 
-optics::Surface plate() {
-    optics::Surface surface;
-    for (int y = 0; y < across; ++y)
-        for (int x = 0; x < across; ++x) {
-            optics::SurfaceCell cell;
-            cell.centre_mm = {static_cast<float>((x + 0.5) * pitch), static_cast<float>((y + 0.5) * pitch), 0};
-            cell.normal = {0, 0, 1};
-            cell.area_mm2 = static_cast<float>(pitch * pitch);
-            surface.cells.push_back(cell);
-        }
-    return surface;
-}
-
 /// A print that is never darker than this.
 constexpr float darkest = 0.06f;
 Eigen::Vector3f lighten(const Eigen::Vector3f& rgb) { return rgb.cwiseMax(darkest); }
@@ -33,7 +21,7 @@ Eigen::Vector3f lighten(const Eigen::Vector3f& rgb) { return rgb.cwiseMax(darkes
 }  // namespace
 
 TEST_CASE("Detail that is too dark to be printed keeps its contrast, lighter") {
-    const optics::Surface surface = plate();
+    const optics::Surface surface = test::flat_surface(across, across, pitch);
     const EyeFilter wide(surface, 2400, EyeSurround::none);
     const auto is_light = [](int x) { return x / 4 % 2 == 1; };
     // Left: dark stripes of 0.4 mm. Right: the same, light enough.

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "tests/halftone/flat_surface.h"
 #include "voxtone/base/random.h"
 #include "voxtone/halftone/mixture_descent.h"
 
@@ -13,22 +14,6 @@ namespace {
 
 constexpr int n = 40;
 constexpr float contrast_part = 0.7f;
-
-/// A flat square of cells of 0.085 mm.
-optics::Surface square() {
-    optics::Surface surface;
-    surface.cell_voxels = {2, 1, 3};
-    for (int y = 0; y < n; ++y)
-        for (int x = 0; x < n; ++x) {
-            optics::SurfaceCell cell;
-            cell.cell = {x, y, 0};
-            cell.centre_mm = {0.085f * float(x), 0.085f * float(y), 0};
-            cell.normal = {0, 0, 1};
-            cell.area_mm2 = 0.085f * 0.085f;
-            surface.cells.push_back(cell);
-        }
-    return surface;
-}
 
 std::vector<Eigen::Vector3f> colours(std::uint64_t seed) {
     std::vector<Eigen::Vector3f> rgb;
@@ -42,7 +27,7 @@ std::vector<Eigen::Vector3f> colours(std::uint64_t seed) {
 }  // namespace
 
 TEST_CASE("The misfit is 0 at the target, and its derivative is that of differences", "[loop]") {
-    const optics::Surface surface = square();
+    const optics::Surface surface = test::flat_surface(n, n, 0.085);
     const EyeFilter eye(surface, 300, EyeSurround::none), wide(surface, 300 * wider, EyeSurround::none);
     const auto target = colours(1), shown = colours(2);
     for (const bool contrast : {false, true}) {
@@ -65,7 +50,7 @@ TEST_CASE("The misfit is 0 at the target, and its derivative is that of differen
 }
 
 TEST_CASE("With the contrast intent an even offset counts little, a pattern as before", "[loop]") {
-    const optics::Surface surface = square();
+    const optics::Surface surface = test::flat_surface(n, n, 0.085);
     const EyeFilter eye(surface, 300, EyeSurround::none), wide(surface, 300 * wider, EyeSurround::none);
     const std::vector<Eigen::Vector3f> grey(n * n, Eigen::Vector3f::Constant(0.3f)), lighter(n * n, Eigen::Vector3f::Constant(0.4f));
     std::vector<Eigen::Vector3f> stripes = grey;  // of the same mean

@@ -17,6 +17,7 @@
 #include "voxtone/base/error.h"
 #include "voxtone/base/random.h"
 #include "voxtone/io/picture_writer.h"
+#include "tests/halftone/flat_surface.h"
 #include "tests/io/temporary_folder.h"
 #include "voxtone/io/whole_file.h"
 #include "voxtone/optics/colour.h"
@@ -25,19 +26,6 @@ using namespace voxtone;
 using namespace voxtone::loop_benchmark;
 
 namespace {
-
-optics::Surface plate(double width, double height, double pitch) {
-    optics::Surface surface;
-    for (int y = 0; y < static_cast<int>(height / pitch); ++y)
-        for (int x = 0; x < static_cast<int>(width / pitch); ++x) {
-            optics::SurfaceCell cell;
-            cell.centre_mm = {static_cast<float>((x + 0.5) * pitch), static_cast<float>((y + 0.5) * pitch), 0};
-            cell.normal = {0, 0, 1};
-            cell.area_mm2 = static_cast<float>(pitch * pitch);
-            surface.cells.push_back(cell);
-        }
-    return surface;
-}
 
 double gaussian(std::uint64_t i, std::uint64_t stream) {
     RandomStream random(stream, i);
@@ -48,7 +36,7 @@ double gaussian(std::uint64_t i, std::uint64_t stream) {
 
 TEST_CASE("the modulation of a known grating is found, noise and all", "[loop_benchmark]") {
     const double width = 20, height = 14;
-    const optics::Surface surface = plate(width, height, 0.085);
+    const optics::Surface surface = test::flat_surface(static_cast<int>(width / 0.085), static_cast<int>(height / 0.085), 0.085);
     const auto blocks = grating_blocks(width, height);
     const std::array<double, 3> kept{0.8, 0.5, 0.25};
     Colours target, print;
