@@ -64,11 +64,10 @@ Eigen::Vector2d middle_of_light(const MergedPicture& picture) {
     return sum / mass;
 }
 
-// Normal equations of the step towards the centre.
+// Normal equations of the step towards the centre, and the variance of their right side as pixels scatter.
 struct Step {
-    Eigen::Matrix2d A = Eigen::Matrix2d::Zero();
+    Eigen::Matrix2d A = Eigen::Matrix2d::Zero(), B = Eigen::Matrix2d::Zero();
     Eigen::Vector2d b = Eigen::Vector2d::Zero();
-    double scatter = 0, pixels = 0;
 };
 
 Step step_from(const MergedPicture& picture, const RadialPlan& plan) {
@@ -83,8 +82,7 @@ Step step_from(const MergedPicture& picture, const RadialPlan& plan) {
             const Eigen::Vector2d pull = -slope / r * p.offset_px;  // change of the profile here as the centre moves
             step.A += p.weight * pull * pull.transpose();
             step.b += p.weight * away * pull;
-            step.scatter += p.weight * away * away;
-            step.pixels += 1;
+            step.B += p.weight * away * p.weight * away * pull * pull.transpose();
         });
     }
     return step;
@@ -112,7 +110,7 @@ RadialCentre find_radial_centre(const MergedPicture& picture, double spacing_px,
         if (!move.allFinite() || centre.steps == most_steps)
             throw InputError("no centre was found about which the light falls off alike to all sides; is there one spot only?");
         if (move.norm() < arrived_px) {
-            centre.error_px = (inverse.diagonal() * (step.scatter / step.pixels)).cwiseSqrt();
+            centre.error_px = (inverse * step.B * inverse).diagonal().cwiseSqrt();
             return centre;
         }
         if (move.norm() > longest_step_px) move *= longest_step_px / move.norm();

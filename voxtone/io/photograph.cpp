@@ -130,7 +130,7 @@ std::vector<std::uint8_t> photograph_bytes(const Photograph& photograph, const s
                                  : OIIO::TypeDesc::UINT16);
     spec.attribute("oiio:ColorSpace", codes ? "sRGB" : "Linear");
     spec.attribute("compression", png ? "" : "zip");
-    if (tiff && photograph.exposure_s > 0) spec.attribute("ExposureTime", float(photograph.exposure_s));
+    if (exr && photograph.exposure_s > 0) spec.attribute("ExposureTime", float(photograph.exposure_s));
     std::vector<Eigen::Vector3f> coded;
     if (codes) {
         coded = photograph.pixels;
