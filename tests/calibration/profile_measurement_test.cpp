@@ -11,44 +11,19 @@
 #include <Eigen/Dense>
 #include <catch2/catch.hpp>
 
-#include "voxtone/base/error.h"
-#include "voxtone/calibration/profile_simulation.h"
+#include "spot_samples.h"
 
 using namespace voxtone;
 using namespace voxtone::calibration;
-using Catch::Matchers::Contains;
 
 namespace {
 
-struct Side {
-    SpotScene scene;
-    MergedPicture picture;
-    ExposureSeries series;
-};
-
 // Traced once for all tests.
-const SlabProfiles& slab(const std::string& role, double thickness_mm, const optics::HankelGrid& grid) {
+const SlabProfiles& slab(const std::string& role, double thickness_mm, const SpotCamera& camera) {
     static std::map<std::string, SlabProfiles> made;
-    const std::string key = fmt::format("{} {} {} {}", role, thickness_mm, grid.reach_mm(), grid.size());
-    if (!made.count(key)) made[key] = slab_profiles(optics::vero_opaque(), role, thickness_mm, grid, 1 << 17, 1);
-    return made[key];
-}
-
-Side photographed(const std::array<std::vector<double>, 3>& side, const SpotCamera& camera, const CameraNoise& noise = {}) {
-    Side result{SpotScene(side, camera), {}, {"reflection", {}, {}, {side[0][0], side[1][0], side[2][0]}}};
-    ExposureMerge merge(noise);
-    for (std::size_t k = 0; k < camera.seconds.size(); ++k)
-        merge.add(result.scene.photograph(k, true), result.scene.photograph(k, false));
-    result.picture = merge.merged();
-    return result;
-}
-
-ProfileMeasureOptions options_for(const SpotCamera& camera) {
-    ProfileMeasureOptions options;
-    options.mm_per_px = camera.mm_per_px;
-    options.noise.full_well = camera.full_well;
-    options.noise.read_noise = camera.read_noise;
-    return options;
+    SlabProfiles& profiles = made[fmt::format("{} {}", role, thickness_mm)];
+    if (profiles.R[0].empty()) profiles = slab_profiles(optics::vero_opaque(), role, thickness_mm, camera.grid(), 1 << 17, 1);
+    return profiles;
 }
 
 // The straight lines between even samples that are nearest to the truth over the plane, with `total` under them.
@@ -71,29 +46,57 @@ std::vector<double> straight_lines(const SpotScene& scene, std::size_t channel, 
     return {a.begin(), a.end()};
 }
 
-}  // namespace
-
-TEST_CASE("debug seeds") {
-    for (int seed = 1; seed <= 16; ++seed)
-        for (int t = 0; t < 1; ++t) {
-            SpotCamera camera;
-            camera.seed = seed;
-            const auto& s = slab("K", 0.75, camera.grid());
-            const Side side = photographed(t ? s.T : s.R, camera);
-            const MeasuredSide m = measure_merged(side.picture, side.series, options_for(camera));
-            const double h = m.spacing_mm;
-            for (std::size_t c = 0; c < 3; ++c) {
-                const auto& p = m.profile[c];
-                const auto truth = straight_lines(side.scene, c, m.spacing_mm, p.light.size(), m.total[c]);
-                double near = 0, mid = 0, far = 0, mean = 0, lag=0, last=0;
-                for (std::size_t i = 0; i < p.light.size(); ++i) {
-                    const double z = (p.light[i] - truth[i]) / p.error[i], r = static_cast<double>(i) * h;
-                    (r < 0.5 ? near : r < 2 ? mid : far) += z * z;
-                    if (r > 2) mean += z, lag += z * last;
-                    last = z;
-                }
-                const double n = static_cast<double>(p.light.size());
-                fmt::print("seed {} {} c{} near {:.2f} mid {:.2f} far {:.2f} mean far {:.2f} lag {:.2f}\n", seed, t ? "T" : "R", c, near / 12, mid / 34, far / (n - 46), mean / (n - 46), lag/(n-46));
+// Differences from the truth in stated errors.
+struct Coverage {
+    double within_1 = 0, within_2 = 0, chi2 = 0, samples = 0;
+    void add(const MeasuredSide& measured, const SpotScene& scene) {
+        for (std::size_t c = 0; c < 3; ++c) {
+            const RadialProfile& p = measured.profile[c];
+            const auto truth = straight_lines(scene, c, measured.spacing_mm, p.light.size(), measured.total[c]);
+            for (std::size_t i = 0; i < truth.size(); ++i) {
+                const double z = (p.light[i] - truth[i]) / p.error[i];
+                within_1 += std::abs(z) < 1, within_2 += std::abs(z) < 2, chi2 += z * z, samples += 1;
             }
         }
+    }
+};
+
+}  // namespace
+
+TEST_CASE("debug") {
+    Coverage all;
+    for (const auto& [role, mm] : {std::pair<std::string, double>{"W", 3.0}, {"K", 0.75}})
+        for (int t = 0; t < 2; ++t)
+        for (std::uint64_t seed = 1; seed < 6; ++seed) {
+            SpotCamera camera;
+            camera.seed = seed + (t ? 100 : 0) + (role == "W" ? 1000 : 0);
+            const auto& s = slab(role, mm, camera);
+            const auto side = photographed(t ? s.T : s.R, camera);
+            const MeasuredSide m = measure_merged(side.picture, side.series, options_for(camera));
+            Coverage one;
+            one.add(m, side.scene), all.add(m, side.scene);
+            const Eigen::Vector2d off = (m.centre.px - side.scene.centre_px()).cwiseQuotient(m.centre.error_px);
+            fmt::print("{} {} centre {:.2f} {:.2f} noise {:.3f} in1 {:.3f} in2 {:.3f} chi2 {:.3f}\n", role, t ? "T" : "R", off.x(), off.y(), m.profile[1].noise, one.within_1 / one.samples, one.within_2 / one.samples, one.chi2 / one.samples);
+        }
+    fmt::print("all in1 {:.3f} in2 {:.3f} chi2 {:.3f} n {}\n", all.within_1 / all.samples, all.within_2 / all.samples, all.chi2 / all.samples, all.samples);
+    // layer
+    for (const auto& [role, mm] : {std::pair<std::string, double>{"W", 3.0}, {"K", 0.75}}) {
+        SpotCamera camera;
+        const auto& s = slab(role, mm, camera);
+        const auto R = photographed(s.R, camera), T = photographed(s.T, camera);
+        const MeasuredSide mR = measure_merged(R.picture, R.series, options_for(camera)), mT = measure_merged(T.picture, T.series, options_for(camera));
+        const optics::HankelGrid fine = camera.grid();
+        const optics::HankelGrid grid(fine.reach_mm(), 24);
+        for (std::size_t c = 0; c < 3; ++c) {
+            optics::MeasuredSummary sum;
+            const auto layer = optics::measured_layer({mm, mT.samples(c), mR.samples(c)}, grid, sum);
+            fmt::print("{} c{} neg {:.4f} {:.4f} beyond {:.4f} {:.4f} clamped {:.4f} \n", role, c, sum.negative_T, sum.negative_R, sum.beyond_T, sum.beyond_R, sum.clamped);
+            const auto l = layer.of_thickness(mm);
+            for (std::size_t i = 0; i < 24; i += 3) {
+                const double k = grid.k()[i], z = 2 * std::numbers::pi * k * camera.spot_mm;
+                const double seen = std::exp(-2 * std::numbers::pi * std::numbers::pi * k * k * (camera.blur_mm * camera.blur_mm + camera.mm_per_px * camera.mm_per_px / 12)) * (z > 0 ? 2 * std::cyl_bessel_j(1, z) / z : 1);
+                fmt::print("  k {:.3f} R {:.5f} truth {:.5f} seen {:.5f}  T {:.6f} truth {:.6f} seen {:.6f}\n", k, l.R_top[i], s.R[c][i], s.R[c][i] * seen, l.T[i], s.T[c][i], s.T[c][i] * seen);
+            }
+        }
+    }
 }

@@ -14,7 +14,7 @@
 namespace voxtone::calibration {
 namespace {
 
-constexpr double doubtful_step = 0.03, doubtful_scale = 0.02, doubtful_noise = 2, unlike_step = 0.3;
+constexpr double doubtful_step = 0.03, doubtful_scale = 0.02, doubtful_noise = 2, doubtful_tail = 0.01, unlike_step = 0.3;
 constexpr const char* channel_names[] = {"red", "green", "blue"};
 
 void require(bool holds, const char* option, double value, const char* rule) {
@@ -44,6 +44,13 @@ void warn_of_steps(const MergedPicture& picture, const ExposureSeries& series, s
         if (std::abs(off) > doubtful_step)
             warnings.push_back(what + "; times on a dial are rounded: give measured ones (FILE@SECONDS)");
     }
+}
+
+double light_of_tail(const RadialProfile& profile, double spacing_mm) {
+    const std::size_t n = profile.light.size();
+    double sum = 0;
+    for (std::size_t i = n - n / 10; i < n; ++i) sum += static_cast<double>(i) * profile.light[i];
+    return 2 * std::numbers::pi * spacing_mm * spacing_mm * sum;
 }
 
 }  // namespace
@@ -98,6 +105,11 @@ MeasuredSide measure_merged(const MergedPicture& picture, const ExposureSeries& 
     }
     for (std::size_t c = 0; c < 3; ++c) {
         const RadialProfile& profile = side.profile[c];
+        side.tail[c] = light_of_tail(profile, options.spacing_mm) / side.total[c];
+        if (side.tail[c] > doubtful_tail)
+            side.warnings.push_back(fmt::format("{}, {}: the last tenth of the profile holds {:.1f} % of the light; what lies beyond is counted "
+                                                "within, which makes the profile too bright: photograph more of what is about the spot",
+                                                series.name, channel_names[c], 100 * side.tail[c]));
         if (profile.scale_error > doubtful_scale)
             side.warnings.push_back(fmt::format("{}, {}: the light of all rings is known to {:.1f} % only, for faint rings far out are wide; "
                                                 "give a shorter reach or expose longer",

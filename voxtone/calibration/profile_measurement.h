@@ -46,6 +46,7 @@ struct MeasuredSide {
     std::vector<std::string> warnings;
     double spacing_mm = 0;
     std::array<double, 3> total{};
+    std::array<double, 3> tail{};  ///< share of the light in the last tenth of the samples
     [[nodiscard]] optics::RadialSamples samples(std::size_t channel) const;
 };
 

@@ -36,9 +36,10 @@ std::string one_side(const io::ProfileFile& file, optics::RadialSamples optics::
     for (const auto& channel : file.by_channel) {
         const optics::RadialSamples& samples = channel.*side;
         reach = samples.spacing_mm * static_cast<double>(samples.light.size() - 1);
-        for (const double f : samples.light) {
+        for (std::size_t i = 0; i < samples.light.size(); ++i) {
+            const double f = samples.light[i], noise = samples.error.empty() ? 0 : band_errors * samples.error[i];
             highest = std::max(highest, f);
-            if (f > 0) lowest = std::min(lowest, f);
+            if (f > noise) lowest = std::min(lowest, f);
         }
     }
     if (highest <= 0) highest = lowest = 1;

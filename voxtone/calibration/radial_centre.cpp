@@ -96,6 +96,8 @@ double border_distance_px(const MergedPicture& picture, const Eigen::Vector2d& c
 
 RadialCentre find_radial_centre(const MergedPicture& picture, double spacing_px, double reach_px) {
     RadialCentre centre{middle_of_light(picture), Eigen::Vector2d::Zero(), 0};
+    Eigen::Vector2d last_move = Eigen::Vector2d::Zero();
+    double damping = 1;
     while (true) {
         const double border = border_distance_px(picture, centre.px);
         if (border < fewest_rings * spacing_px)
@@ -113,6 +115,9 @@ RadialCentre find_radial_centre(const MergedPicture& picture, double spacing_px,
             centre.error_px = (inverse * step.B * inverse).diagonal().cwiseSqrt();
             return centre;
         }
+        if (move.dot(last_move) < 0) damping /= 2;  // Gauss-Newton goes to and fro about spots that are not round
+        last_move = move;
+        move *= damping;
         if (move.norm() > longest_step_px) move *= longest_step_px / move.norm();
         centre.px += move;
         ++centre.steps;

@@ -56,6 +56,7 @@ nlohmann::ordered_json side_json(const calibration::MeasuredSide& side) {
             {"seconds", side.seconds},
             {"step", side.step},
             {"pixels_by_longest_exposure", side.pixels},
+            {"tail", side.tail},
             {"channels", channels}};
 }
 
@@ -72,23 +73,6 @@ std::string side_text(const calibration::MeasuredSide& side, const char* name) {
         text += fmt::format("  {:<5} noise {:.2f} times the camera's, not round {:.2f} %, scale to {:.2f} %\n", names[c],
                             side.profile[c].noise, 100 * side.profile[c].asymmetry, 100 * side.profile[c].scale_error);
     return text;
-}
-
-// What a user of the profile will find: lost tails, noise.
-void judge(const io::ProfileFile& file, Progress& progress) {
-    constexpr double doubtful_beyond = 0.01;
-    constexpr std::size_t coefficients = 32;
-    const auto& first = file.by_channel[0];
-    const optics::HankelGrid grid(first.R.spacing_mm * static_cast<double>(first.R.light.size() - 1), coefficients);
-    for (std::size_t c = 0; c < 3; ++c) {
-        optics::MeasuredSummary summary;
-        (void)optics::measured_layer(file.by_channel[c], grid, summary);
-        for (const auto& [name, beyond] : {std::pair{"R", summary.beyond_R}, {"T", summary.beyond_T}})
-            if (beyond > doubtful_beyond)
-                progress.warn(fmt::format("{}, channel {}: about {:.1f} % of the light lies beyond the last sample and is counted within; "
-                                          "photograph more of what is about the spot",
-                                          name, c + 1, 100 * beyond));
-    }
 }
 
 CommandResult measure(Arguments& a, Progress& progress) {
@@ -123,7 +107,6 @@ CommandResult measure(Arguments& a, Progress& progress) {
         text += side_text(T, "transmission");
         for (const std::string& warning : T.warnings) progress.warn(warning);
         for (std::size_t c = 0; c < 3; ++c) file.by_channel[c].T = T.samples(c);
-        judge(file, progress);
     }
     if (!a.spot.empty()) {
         const double k = calibration::blurred_from(parse_length_mm(a.spot, "--spot"), 0.1);

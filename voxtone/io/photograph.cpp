@@ -50,9 +50,15 @@ void ask_for_sensor_values(OIIO::ImageSpec& config) {
     config.attribute("raw:user_mul", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 4), as_counted);
 }
 
-std::vector<std::byte> decode(const std::filesystem::path& file) {
+/// Neither in the child, where no other thread exists, nor in its parent: a child waits for ever for the pool of a parent
+/// that wrote an EXR before.
+void start_no_threads() {
     OIIO::attribute("threads", 1);
     OIIO::attribute("exr_threads", -1);
+}
+
+std::vector<std::byte> decode(const std::filesystem::path& file) {
+    start_no_threads();
     OIIO::ImageSpec config;
     config.attribute("oiio:UnassociatedAlpha", 1);
     ask_for_sensor_values(config);
@@ -130,6 +136,7 @@ std::vector<std::uint8_t> photograph_bytes(const Photograph& photograph, const s
                                  : OIIO::TypeDesc::UINT16);
     spec.attribute("oiio:ColorSpace", codes ? "sRGB" : "Linear");
     spec.attribute("compression", png ? "" : "zip");
+    start_no_threads();
     if (exr && photograph.exposure_s > 0) spec.attribute("ExposureTime", float(photograph.exposure_s));
     std::vector<Eigen::Vector3f> coded;
     if (codes) {
