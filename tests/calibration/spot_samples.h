@@ -40,11 +40,10 @@ struct PhotographedSide {
     ExposureSeries series;
 };
 
-inline PhotographedSide photographed(const SideCoefficients& side, const SpotCamera& camera) {
+/// `assumed` times the camera's noise is what the merge is told.
+inline PhotographedSide photographed(const SideCoefficients& side, const SpotCamera& camera, double assumed = 1) {
     PhotographedSide result{SpotScene(side, camera), {}, {"reflection", {}, {}, {side[0][0], side[1][0], side[2][0]}}};
-    CameraNoise noise;
-    if (camera.full_well > 0) noise.full_well = camera.full_well, noise.read_noise = camera.read_noise;
-    ExposureMerge merge(noise);
+    ExposureMerge merge({camera.full_well / (assumed * assumed), camera.read_noise * assumed, CameraNoise{}.saturation});
     for (std::size_t k = 0; k < camera.seconds.size(); ++k)
         merge.add(result.scene.photograph(k, true), result.scene.photograph(k, false));
     result.picture = merge.merged();

@@ -137,6 +137,7 @@ std::vector<std::uint8_t> photograph_bytes(const Photograph& photograph, const s
     spec.attribute("oiio:ColorSpace", codes ? "sRGB" : "Linear");
     spec.attribute("compression", png ? "" : "zip");
     start_no_threads();
+    if (exr) spec.attribute("DateTime", "2000:01:01 00:00:00");  // else the time of day: no two runs would write the same bits
     if (exr && photograph.exposure_s > 0) spec.attribute("ExposureTime", float(photograph.exposure_s));
     std::vector<Eigen::Vector3f> coded;
     if (codes) {
