@@ -84,6 +84,7 @@ TEST_CASE("Merged light is that of exposures less their dark frames, weighted by
     }
     CHECK(picture.exposures[7] == 2);
     CHECK(picture.seconds == std::vector<double>{1, 4});
+    CHECK(picture.cut_at_black == 0);
     REQUIRE(picture.step.size() == 1);
     CHECK(picture.step[0] == Approx(1.1).epsilon(1e-4));
 }
@@ -102,6 +103,7 @@ TEST_CASE("Saturated samples do not count, whichever channel or frame they are o
     CHECK(picture.weight[3][1] == 0);                 // never
     CHECK(picture.weight[3][0] > 0);
     CHECK(picture.exposures[3] == 0);
+    CHECK(picture.cut_at_black == 1);
     CHECK(picture.light[5][2] == Approx(0.2));        // a hot pixel of the dark frame
 }
 

@@ -58,6 +58,26 @@ TEST_CASE("Spots that cannot be measured are refused by name") {
     CHECK_THAT(fault(camera), Contains("no light"));
 }
 
+TEST_CASE("Doubtful series are measured, and the doubt is said") {
+    const auto warnings = [](const SpotCamera& camera) {
+        const PhotographedSide side = photographed(gaussian_side(camera.grid()), camera);
+        return measure_merged(side.picture, side.series, options_for(camera)).warnings;
+    };
+    CHECK(warnings(small_camera()).empty());
+    SpotCamera camera = small_camera();
+    camera.black = 0, camera.stray = 0;
+    REQUIRE(warnings(camera).size() >= 1);
+    CHECK_THAT(warnings(camera)[0], Contains("exactly 0") && Contains("black level"));
+    camera = small_camera();
+    camera.size_px = 64, camera.offset_px = {0, 0};
+    REQUIRE(warnings(camera).size() >= 1);
+    CHECK_THAT(warnings(camera)[0], Contains("last tenth") && Contains("beyond"));
+    camera = small_camera();
+    camera.read_noise = 0.01, camera.black = 0.1;
+    REQUIRE(warnings(camera).size() >= 1);
+    CHECK_THAT(warnings(camera)[0], Contains("light of all rings") && Contains("shorter reach"));
+}
+
 TEST_CASE("A time that is wrong is told from what the other exposures say") {
     const SpotCamera camera = small_camera();
     const SpotScene scene(gaussian_side(camera.grid()), camera);

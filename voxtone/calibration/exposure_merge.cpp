@@ -30,6 +30,12 @@ Eigen::Vector3d median(const io::Photograph& photograph) {
     return result;
 }
 
+double share_of_zeros(const io::Photograph& photograph) {
+    std::size_t zeros = 0;
+    for (const Eigen::Vector3f& pixel : photograph.pixels) zeros += static_cast<std::size_t>((pixel.array() <= 0).count());
+    return static_cast<double>(zeros) / (3 * static_cast<double>(photograph.pixels.size()));
+}
+
 void check(const Exposure& lit, const Exposure& dark) {
     const io::Photograph &a = lit.photograph, &b = dark.photograph;
     if (a.width_px != b.width_px || a.height_px != b.height_px)
@@ -93,13 +99,14 @@ void ExposureMerge::add(const Exposure& lit, const Exposure& dark) {
         }
         if (all) exposures_[i] = static_cast<std::uint8_t>(std::min<std::size_t>(seconds_.size() + 1, 255));
     }
+    cut_at_black_ = std::max(cut_at_black_, share_of_zeros(dark.photograph));
     seconds_.push_back(lit.seconds);
     if (!first) step_.push_back(expected > 0 ? seen / expected : 1);
 }
 
 MergedPicture ExposureMerge::merged() const {
     VOXTONE_EXPECT(!seconds_.empty());
-    MergedPicture picture{width_px_, height_px_, weighted_, weight_, exposures_, seconds_, step_};
+    MergedPicture picture{width_px_, height_px_, weighted_, weight_, exposures_, seconds_, step_, cut_at_black_};
     for (std::size_t i = 0; i < weight_.size(); ++i) picture.light[i] = weighted_[i].cwiseQuotient(weight_[i].cwiseMax(1e-30f));
     return picture;
 }

@@ -38,6 +38,7 @@ struct MergedPicture {
     /// Of each exposure but the first: how much brighter it is than the shorter ones let expect, where both are well exposed;
     /// 1 where nothing is. Times on a camera's dial are rounded: 1/15 s is often 1/16 s, 30 s is 32 s.
     std::vector<double> step;
+    double cut_at_black = 0;  ///< largest share of samples of a dark frame that are exactly 0: noise below black was cut off
     [[nodiscard]] std::size_t index(std::uint32_t x, std::uint32_t y) const { return std::size_t{y} * width_px + x; }
 };
 
@@ -57,6 +58,7 @@ private:
     std::vector<Eigen::Vector3f> weighted_, weight_;
     std::vector<std::uint8_t> exposures_;
     std::vector<double> seconds_, step_;
+    double cut_at_black_ = 0;
 };
 
 }  // namespace voxtone::calibration

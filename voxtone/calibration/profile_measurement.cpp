@@ -14,7 +14,7 @@
 namespace voxtone::calibration {
 namespace {
 
-constexpr double doubtful_step = 0.03, doubtful_scale = 0.02, doubtful_noise = 2, doubtful_tail = 0.01, unlike_step = 0.3;
+constexpr double doubtful_step = 0.03, doubtful_scale = 0.02, doubtful_noise = 2, doubtful_tail = 0.01, doubtful_cut = 0.02, unlike_step = 0.3;
 constexpr const char* channel_names[] = {"red", "green", "blue"};
 
 void require(bool holds, const char* option, double value, const char* rule) {
@@ -79,6 +79,10 @@ MeasuredSide measure_merged(const MergedPicture& picture, const ExposureSeries& 
     side.pixels.assign(picture.seconds.size() + 1, 0);
     for (const std::uint8_t longest : picture.exposures) ++side.pixels[std::min<std::size_t>(longest, picture.seconds.size())];
     warn_of_steps(picture, series, side.warnings);
+    if (picture.cut_at_black > doubtful_cut)
+        side.warnings.push_back(fmt::format("{}: {:.0f} % of a dark frame's samples are exactly 0: noise below black was cut off, so the faint "
+                                            "end of the profile is wrong by about that noise; convert RAW files without taking the black level off",
+                                            series.name, 100 * picture.cut_at_black));
     const auto named = [&](const InputError& error) { return InputError(fmt::format("{} series: {}", series.name, error.what())); };
     try {
         const double wanted_px = options.reach_mm > 0 ? options.reach_mm / options.mm_per_px : std::numeric_limits<double>::max();

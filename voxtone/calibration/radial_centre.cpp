@@ -15,7 +15,7 @@
 namespace voxtone::calibration {
 namespace {
 
-constexpr double blur_px = 2, clear_light = 8, arrived_px = 1e-4, longest_step_px = 2;
+constexpr double blur_px = 2, clear_light = 8, arrived_px = 1e-4, arrived_share = 0.02, longest_step_px = 2;
 constexpr int most_steps = 50;
 constexpr double fewest_rings = 16;
 
@@ -96,7 +96,7 @@ double border_distance_px(const MergedPicture& picture, const Eigen::Vector2d& c
 
 RadialCentre find_radial_centre(const MergedPicture& picture, double spacing_px, double reach_px) {
     RadialCentre centre{middle_of_light(picture), Eigen::Vector2d::Zero(), 0};
-    Eigen::Vector2d last_move = Eigen::Vector2d::Zero();
+    Eigen::Vector2d last_full = Eigen::Vector2d::Zero();
     double damping = 1;
     while (true) {
         const double border = border_distance_px(picture, centre.px);
@@ -108,16 +108,15 @@ RadialCentre find_radial_centre(const MergedPicture& picture, double spacing_px,
         const RadialPlan plan{centre.px, 1, spacing_px, 1 + static_cast<std::size_t>(std::min(border, reach_px) / spacing_px)};
         const Step step = step_from(picture, plan);
         const Eigen::Matrix2d inverse = step.A.inverse();
-        Eigen::Vector2d move = inverse * step.b;
-        if (!move.allFinite() || centre.steps == most_steps)
+        const Eigen::Vector2d full = inverse * step.b;
+        if (!full.allFinite() || centre.steps == most_steps)
             throw InputError("no centre was found about which the light falls off alike to all sides; is there one spot only?");
-        if (move.norm() < arrived_px) {
-            centre.error_px = (inverse * step.B * inverse).diagonal().cwiseSqrt();
-            return centre;
-        }
-        if (move.dot(last_move) < 0) damping /= 2;  // Gauss-Newton goes to and fro about spots that are not round
-        last_move = move;
-        move *= damping;
+        // Gauss-Newton goes to and fro about spots that are faint or not round.
+        if (full.dot(last_full) < 0) damping /= 2;
+        last_full = full;
+        Eigen::Vector2d move = damping * full;
+        centre.error_px = (inverse * step.B * inverse).diagonal().cwiseSqrt();
+        if (move.norm() < std::max(arrived_px, arrived_share * centre.error_px.norm())) return centre;
         if (move.norm() > longest_step_px) move *= longest_step_px / move.norm();
         centre.px += move;
         ++centre.steps;
