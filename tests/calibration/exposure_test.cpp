@@ -71,13 +71,13 @@ TEST_CASE("An exposure's time comes from the user, else from the file, and is as
 }
 
 TEST_CASE("Merged light is that of exposures less their dark frames, weighted by their variance") {
-    CameraNoise noise{1000, 0.01, 0.9};
+    CameraNoise noise{1000, 0.001, 0.9};
     ExposureMerge merge(noise);
     merge.add(even(1, 0.15f), even(1, 0.05f));
     merge.add(even(4, 0.50f), even(4, 0.06f));
     const MergedPicture picture = merge.merged();
     // By hand. The dark frame of the second lies 0.01 above that of the first.
-    const double x1 = 0.10, x2 = 0.44 / 4, w1 = 1 / (2e-4 + 0.10 / 1000), w2 = 16 / (2e-4 + (2 * 0.01 + 4 * x1) / 1000);
+    const double x1 = 0.10, x2 = 0.44 / 4, w1 = 1 / (2e-6 + 0.10 / 1000), w2 = 16 / (2e-6 + (2 * 0.01 + 4 * x1) / 1000);
     for (int c = 0; c < 3; ++c) {
         CHECK(picture.light[7][c] == Approx((w1 * x1 + w2 * x2) / (w1 + w2)).epsilon(1e-5));
         CHECK(picture.weight[7][c] == Approx(w1 + w2).epsilon(1e-4));

@@ -73,7 +73,7 @@ TEST_CASE("Doubtful series are measured, and the doubt is said") {
     REQUIRE(warnings(camera).size() >= 1);
     CHECK_THAT(warnings(camera)[0], Contains("last tenth") && Contains("beyond"));
     camera = small_camera();
-    camera.read_noise = 0.01, camera.black = 0.1;
+    camera.peak = 0.02, camera.read_noise = 0.02, camera.black = 0.1;
     REQUIRE(warnings(camera).size() >= 1);
     CHECK_THAT(warnings(camera)[0], Contains("light of all rings") && Contains("shorter reach"));
 }

@@ -15,7 +15,8 @@ namespace {
 
 constexpr double blur_px = 3;
 constexpr double same_time = 0.01;
-constexpr double well_exposed = 0.02;  // of full scale
+constexpr double well_exposed = 0.02, well_above_noise = 100;  // parts of full scale, of the read noise
+constexpr double far_from_saturation = 0.8;  // so that noise saturates no sample that is compared
 
 Eigen::Vector3d median(const io::Photograph& photograph) {
     Eigen::Vector3d result;
@@ -80,6 +81,7 @@ void ExposureMerge::add(const Exposure& lit, const Exposure& dark) {
 
     const Eigen::Vector3d stray = (median(dark.photograph) - black_).cwiseMax(0);
     const double read2 = 2 * noise_.read_noise * noise_.read_noise;
+    const double clear = std::max(well_exposed, well_above_noise * noise_.read_noise);
     double seen = 0, expected = 0;
     for (std::size_t i = 0; i < pixels; ++i) {
         const Eigen::Vector3f light = light_of(i);
@@ -90,7 +92,7 @@ void ExposureMerge::add(const Exposure& lit, const Exposure& dark) {
                 continue;
             }
             const double signal = std::max(0.0, static_cast<double>(level[i][c])) * lit.seconds;
-            if (!first && signal > well_exposed && signal < noise_.saturation - well_exposed)
+            if (!first && signal > clear && signal + dark.photograph.pixels[i][c] < far_from_saturation * noise_.saturation)
                 seen += light[c], expected += known[i][c];
             const double variance = read2 + (2 * stray[c] + signal) / noise_.full_well;
             const float w = static_cast<float>(lit.seconds * lit.seconds / variance);
