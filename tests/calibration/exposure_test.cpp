@@ -41,8 +41,8 @@ TEST_CASE("Exposures are named with their seconds") {
     CHECK(parse_exposure("b.tif@0.5").file == "b.tif");
     CHECK(parse_exposure("b@c.tif@1/15").seconds == 1.0 / 15);
     CHECK(parse_exposure("b@c.tif@1/15").file == "b@c.tif");
-    for (const char* wrong : {"b.tif@", "b.tif@x", "b.tif@0", "b.tif@-1", "b.tif@1/0", "b.tif@1/", "b.tif@/15", "b.tif@nan", "b.tif@inf",
-                              "b.tif@1s", "@1", "b.tif@1/2/3"}) {
+    for (const char* wrong : {"b.tif@", "b.tif@x", "b.tif@0", "b.tif@-1", "b.tif@1/0", "b.tif@1/", "b.tif@/15", "b.tif@nan",
+                              "b.tif@inf", "b.tif@1s", "@1", "b.tif@1/2/3"}) {
         INFO(wrong);
         CHECK_THROWS_AS(parse_exposure(wrong), UsageError);
     }
@@ -97,14 +97,14 @@ TEST_CASE("Saturated samples do not count, whichever channel or frame they are o
     merge.add(first, even(1, 0.f));
     merge.add(second, dark);
     const MergedPicture picture = merge.merged();
-    CHECK(picture.light[0][1] == Approx(0.2));        // of the first only
+    CHECK(picture.light[0][1] == Approx(0.2));                                      // of the first only
     CHECK(picture.light[0][0] == Approx((1 * 0.2 + 4 * 0.125) / 5).epsilon(1e-3));  // of both; shot noise weighs by time
     CHECK(picture.exposures[0] == 1);
-    CHECK(picture.weight[3][1] == 0);                 // never
+    CHECK(picture.weight[3][1] == 0);  // never
     CHECK(picture.weight[3][0] > 0);
     CHECK(picture.exposures[3] == 0);
     CHECK(picture.cut_at_black == 1);
-    CHECK(picture.light[5][2] == Approx(0.2));        // a hot pixel of the dark frame
+    CHECK(picture.light[5][2] == Approx(0.2));  // a hot pixel of the dark frame
 }
 
 TEST_CASE("Exposures that do not belong together are refused") {

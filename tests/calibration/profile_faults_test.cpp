@@ -100,7 +100,8 @@ TEST_CASE("A time that is wrong is told from what the other exposures say") {
 
 TEST_CASE("Options out of range and series that are not whole are refused by name") {
     CHECK_THAT(option_fault([](ProfileMeasureOptions& o) { o.mm_per_px = 0; }), Contains("mm per pixel is 0"));
-    CHECK_THAT(option_fault([](ProfileMeasureOptions& o) { o.spacing_mm = 0.03; }), Contains("spacing is 0.03") && Contains("0.04 mm"));
+    CHECK_THAT(option_fault([](ProfileMeasureOptions& o) { o.spacing_mm = 0.03; }),
+               Contains("spacing is 0.03") && Contains("0.04 mm"));
     CHECK_THAT(option_fault([](ProfileMeasureOptions& o) { o.spacing_mm = -1; }), Contains("spacing is -1"));
     CHECK_THAT(option_fault([](ProfileMeasureOptions& o) { o.reach_mm = -1; }), Contains("reach is -1"));
     CHECK_THAT(option_fault([](ProfileMeasureOptions& o) { o.reach_mm = 5; }), Contains("5 mm does not fit"));

@@ -27,7 +27,8 @@ const SlabProfiles& slab(const std::string& role, double thickness_mm, const Spo
 }
 
 // The straight lines between even samples that are nearest to the truth over the plane, with `total` under them.
-std::vector<double> straight_lines(const SpotScene& scene, std::size_t channel, double spacing_mm, std::size_t samples, double total) {
+std::vector<double> straight_lines(const SpotScene& scene, std::size_t channel, double spacing_mm, std::size_t samples,
+                                   double total) {
     constexpr int parts = 40;  // midpoints within a spacing
     const auto n = static_cast<Eigen::Index>(samples);
     Eigen::MatrixXd N = Eigen::MatrixXd::Zero(n, n);
@@ -129,11 +130,24 @@ TEST_CASE("Errors hold for noisy cameras, spots elsewhere, stray light, coarse s
         INFO(name << ": " << coverage.text());
         CHECK(coverage.normal());
     };
-    check("noisy", [](SpotCamera& c) { c.full_well = 3000, c.read_noise = 2e-3; }, 1);
-    check("shifted", [](SpotCamera& c) { c.offset_px = {-31.37, 24.81}; }, 1);
-    check("stray light", [](SpotCamera& c) { c.stray = 1e-3, c.seconds = {0.1, 0.4, 1.6, 6.4}; }, 1);
-    check("12 bits", [](SpotCamera& c) { c.bits = 12; }, 1);
-    check("noise said to be half", [](SpotCamera&) {}, 0.5);
+    check(
+        "noisy", [](SpotCamera& c) { c.full_well = 3000, c.read_noise = 2e-3; }, 1);
+    check(
+        "shifted",
+        [](SpotCamera& c) {
+            c.offset_px = {-31.37, 24.81};
+        },
+        1);
+    check(
+        "stray light",
+        [](SpotCamera& c) {
+            c.stray = 1e-3, c.seconds = {0.1, 0.4, 1.6, 6.4};
+        },
+        1);
+    check(
+        "12 bits", [](SpotCamera& c) { c.bits = 12; }, 1);
+    check(
+        "noise said to be half", [](SpotCamera&) {}, 0.5);
 }
 
 TEST_CASE("A layer of measured profiles is the layer that was photographed, through spot, blur and pixel") {
@@ -147,7 +161,8 @@ TEST_CASE("A layer of measured profiles is the layer that was photographed, thro
         for (std::size_t c = 0; c < 3; ++c) {
             optics::MeasuredSummary summary;
             const optics::LayerProfile layer =
-                optics::measured_layer({thickness_mm, measured_T.samples(c), measured_R.samples(c)}, grid, summary).of_thickness(thickness_mm);
+                optics::measured_layer({thickness_mm, measured_T.samples(c), measured_R.samples(c)}, grid, summary)
+                    .of_thickness(thickness_mm);
             // What lies beyond the last sample is counted within: up to its share of the light.
             const auto beyond = [&](const SpotScene& scene) {
                 double within = 0;
@@ -166,7 +181,8 @@ TEST_CASE("A layer of measured profiles is the layer that was photographed, thro
                 INFO(role << " channel " << c << " k " << k);
                 CHECK(std::abs(layer.R_top[i] - seen * truth.R[c][i]) < 2 * lost_R + 1e-3 * truth.R[c][0]);
                 CHECK(std::abs(layer.T[i] - seen * std::max(0.0, truth.T[c][i])) < 2 * lost_T + 1e-3 * truth.T[c][0]);
-                CHECK(std::abs(layer.R_top[i] - truth.R[c][i]) < 0.05 * truth.R[c][0]);  // and of the layer itself, below 0.8 / mm
+                CHECK(std::abs(layer.R_top[i] - truth.R[c][i]) <
+                      0.05 * truth.R[c][0]);  // and of the layer itself, below 0.8 / mm
             }
         }
     }

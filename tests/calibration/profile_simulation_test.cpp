@@ -68,7 +68,8 @@ TEST_CASE("The camera counts light, saturates, steps and is dark without it") {
     float highest = 0;
     double light = 0;
     for (std::size_t i = 0; i < short_one.photograph.pixels.size(); ++i) {
-        const Eigen::Vector3f &a = short_one.photograph.pixels[i], &b = long_one.photograph.pixels[i], &d = dark.photograph.pixels[i];
+        const Eigen::Vector3f &a = short_one.photograph.pixels[i], &b = long_one.photograph.pixels[i],
+                              &d = dark.photograph.pixels[i];
         highest = std::max(highest, a.maxCoeff());
         for (int c = 0; c < 3; ++c) {
             const double steps = double{a[c]} * 4095;
@@ -83,7 +84,8 @@ TEST_CASE("The camera counts light, saturates, steps and is dark without it") {
     CHECK(highest == Approx(0.7 * 1.01 + 0.01).epsilon(0.02));  // peak, stray light, black; pixels are not at the peak
     CHECK(light > 0);
     // Stray light falls off across the picture.
-    CHECK(dark.photograph.pixels[dark.photograph.index(0, 60)][0] > dark.photograph.pixels[dark.photograph.index(119, 60)][0] + 0.05f);
+    CHECK(dark.photograph.pixels[dark.photograph.index(0, 60)][0] >
+          dark.photograph.pixels[dark.photograph.index(119, 60)][0] + 0.05f);
 }
 
 TEST_CASE("Noise is shot and read noise, the same for any number of threads") {
@@ -107,7 +109,8 @@ TEST_CASE("Noise is shot and read noise, the same for any number of threads") {
     const std::size_t n = a.photograph.pixels.size();
     for (std::size_t i = 0; i < n; ++i)
         for (int c = 0; c < 3; ++c) {
-            const double level = double{clean.photograph.pixels[i][c]} - 0.1, off = double{a.photograph.pixels[i][c]} - level - 0.1;
+            const double level = double{clean.photograph.pixels[i][c]} - 0.1,
+                         off = double{a.photograph.pixels[i][c]} - level - 0.1;
             chi2 += off * off / (level / 1000 + 1e-4);
         }
     const double samples = 3 * static_cast<double>(n);

@@ -31,7 +31,8 @@ MergedPicture picture_of(std::uint32_t size, const Eigen::Vector2d& centre, doub
         for (std::uint32_t x = 0; x < size; ++x) {
             RandomStream random(seed, picture.index(x, y));
             Eigen::Vector3f light;
-            for (float& value : light) value = static_cast<float>(f(x + 0.5 - centre.x(), y + 0.5 - centre.y()) + noise * normal(random));
+            for (float& value : light)
+                value = static_cast<float>(f(x + 0.5 - centre.x(), y + 0.5 - centre.y()) + noise * normal(random));
             picture.light.push_back(light);
         }
     picture.weight.assign(picture.light.size(), Eigen::Vector3f::Constant(static_cast<float>(1 / (said * said))));
@@ -41,7 +42,8 @@ MergedPicture picture_of(std::uint32_t size, const Eigen::Vector2d& centre, doub
 
 MergedPicture round_picture(std::uint32_t size, const Eigen::Vector2d& centre, double noise, std::uint64_t seed,
                             const std::function<double(double)>& f) {
-    return picture_of(size, centre, noise, noise > 0 ? noise : 1e-3, seed, [&](double x, double y) { return f(std::hypot(x, y)); });
+    return picture_of(size, centre, noise, noise > 0 ? noise : 1e-3, seed,
+                      [&](double x, double y) { return f(std::hypot(x, y)); });
 }
 
 std::string fault(const std::function<void()>& work) {
@@ -100,7 +102,8 @@ TEST_CASE("Errors are those of the noise that is there, whatever is said of it")
         CHECK(noise == Approx(true_noise / said).epsilon(0.02));
         double ratio = 0;  // of the variance seen to the one stated
         for (std::size_t i = 0; i < plan.samples; ++i)
-            ratio += (sum2[i] - sum[i] * sum[i] / pictures) / (pictures - 1) / (error2[i] / pictures) / static_cast<double>(plan.samples);
+            ratio += (sum2[i] - sum[i] * sum[i] / pictures) / (pictures - 1) / (error2[i] / pictures) /
+                     static_cast<double>(plan.samples);
         // 25 samples of 59 degrees of freedom each: standard error sqrt(2 / (25 * 59)) = 0.037, and neighbours are related.
         CHECK(std::abs(ratio - 1) < 4 * 0.037 * 1.2);
     }
@@ -112,7 +115,8 @@ TEST_CASE("The centre is found to a small part of a pixel, and its error is know
     for (int seed = 1; seed <= pictures; ++seed) {
         RandomStream random(7, static_cast<std::uint64_t>(seed));
         const Eigen::Vector2d truth(45 + 10 * random.uniform(), 45 + 10 * random.uniform());
-        const auto picture = round_picture(100, truth, 0.02, static_cast<std::uint64_t>(seed), [](double r) { return std::exp(-r * r / 72); });
+        const auto picture =
+            round_picture(100, truth, 0.02, static_cast<std::uint64_t>(seed), [](double r) { return std::exp(-r * r / 72); });
         const RadialCentre centre = find_radial_centre(picture, 2, 1e9);
         CHECK((centre.px - truth).norm() < 0.1);
         CHECK(centre.error_px.maxCoeff() < 0.03);
@@ -127,7 +131,9 @@ TEST_CASE("What has no centre is refused, and why") {
     const Eigen::Vector2d middle(50, 50);
     CHECK_THAT(fault([&] { (void)find_radial_centre(round_picture(100, middle, 0.01, 1, [](double) { return 0; }), 2, 1e9); }),
                Contains("no light") && Contains("dark"));
-    CHECK_THAT(fault([&] { (void)find_radial_centre(round_picture(100, {20, 50}, 0.01, 1, spot), 2, 1e9); }),
+    CHECK_THAT(fault([&] {
+                   (void)find_radial_centre(round_picture(100, {20, 50}, 0.01, 1, spot), 2, 1e9);
+               }),
                Contains("from the border") && Contains("20 px"));
     MergedPicture saturated = round_picture(100, middle, 0.01, 1, spot);
     for (std::size_t i = 0; i < saturated.light.size(); ++i)

@@ -16,7 +16,7 @@ namespace {
 constexpr double blur_px = 3;
 constexpr double same_time = 0.01;
 constexpr double well_exposed = 0.02, well_above_noise = 100;  // parts of full scale, of the read noise
-constexpr double far_from_saturation = 0.8;  // so that noise saturates no sample that is compared
+constexpr double far_from_saturation = 0.8;                    // so that noise saturates no sample that is compared
 
 Eigen::Vector3d median(const io::Photograph& photograph) {
     Eigen::Vector3d result;
@@ -43,9 +43,10 @@ void check(const Exposure& lit, const Exposure& dark) {
         throw InputError(fmt::format("{} is {} x {} pixels and its dark frame {} is {} x {}; both must be cut alike", a.name,
                                      a.width_px, a.height_px, b.name, b.width_px, b.height_px));
     if (std::abs(dark.seconds - lit.seconds) > same_time * lit.seconds)
-        throw InputError(fmt::format("{} was exposed for {} and its dark frame {} for {}; every exposure needs a dark frame of "
-                                     "the same time",
-                                     a.name, seconds_text(lit.seconds), b.name, seconds_text(dark.seconds)));
+        throw InputError(
+            fmt::format("{} was exposed for {} and its dark frame {} for {}; every exposure needs a dark frame of "
+                        "the same time",
+                        a.name, seconds_text(lit.seconds), b.name, seconds_text(dark.seconds)));
 }
 
 }  // namespace
@@ -70,7 +71,9 @@ void ExposureMerge::add(const Exposure& lit, const Exposure& dark) {
     }
 
     const float t = static_cast<float>(lit.seconds), limit = static_cast<float>(noise_.saturation);
-    const auto light_of = [&](std::size_t i) -> Eigen::Vector3f { return (photograph.pixels[i] - dark.photograph.pixels[i]) / t; };
+    const auto light_of = [&](std::size_t i) -> Eigen::Vector3f {
+        return (photograph.pixels[i] - dark.photograph.pixels[i]) / t;
+    };
     std::vector<Eigen::Vector3f> known(pixels);  // light per second, as far as it is known without this exposure
     for (std::size_t i = 0; i < pixels; ++i)
         known[i] = first ? light_of(i) : weighted_[i].cwiseQuotient(weight_[i].cwiseMax(1e-30f)).eval();

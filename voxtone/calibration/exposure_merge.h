@@ -31,10 +31,10 @@ struct CameraNoise {
 
 struct MergedPicture {
     std::uint32_t width_px = 0, height_px = 0;
-    std::vector<Eigen::Vector3f> light;    ///< full scale per second
-    std::vector<Eigen::Vector3f> weight;   ///< 1 / variance of it; 0 where no exposure counts
-    std::vector<std::uint8_t> exposures;   ///< the longest that counts in all channels, counted from 1; 0: none
-    std::vector<double> seconds;           ///< of each exposure
+    std::vector<Eigen::Vector3f> light;   ///< full scale per second
+    std::vector<Eigen::Vector3f> weight;  ///< 1 / variance of it; 0 where no exposure counts
+    std::vector<std::uint8_t> exposures;  ///< the longest that counts in all channels, counted from 1; 0: none
+    std::vector<double> seconds;          ///< of each exposure
     /// Of each exposure but the first: how much brighter it is than the shorter ones let expect, where both are well exposed;
     /// 1 where nothing is. Times on a camera's dial are rounded: 1/15 s is often 1/16 s, 30 s is 32 s.
     std::vector<double> step;

@@ -49,14 +49,15 @@ std::string seconds_text(double seconds) {
 Exposure read_exposure(const ExposureFile& file, const Progress* progress) {
     Exposure exposure{io::read_photograph(file.file, progress), file.seconds};
     if (exposure.photograph.coding == io::SampleCoding::srgb)
-        throw InputError(fmt::format("{}: holds sRGB codes, of which light cannot be measured over a range this wide; give the "
-                                     "camera's RAW file, or a linear 16-bit TIFF or PNG made of it",
-                                     file.file.string()));
+        throw InputError(
+            fmt::format("{}: holds sRGB codes, of which light cannot be measured over a range this wide; give the "
+                        "camera's RAW file, or a linear 16-bit TIFF or PNG made of it",
+                        file.file.string()));
     exposure.photograph.coding = io::SampleCoding::linear;
     if (exposure.seconds <= 0) exposure.seconds = exposure.photograph.exposure_s;
     if (!(exposure.seconds > 0))
-        throw InputError(fmt::format("{0}: does not say how long it was exposed; give the time in seconds: {0}@1/15",
-                                     file.file.string()));
+        throw InputError(
+            fmt::format("{0}: does not say how long it was exposed; give the time in seconds: {0}@1/15", file.file.string()));
     return exposure;
 }
 

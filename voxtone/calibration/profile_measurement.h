@@ -21,10 +21,10 @@
 namespace voxtone::calibration {
 
 struct ProfileMeasureOptions {
-    double mm_per_px = 0;          ///< on the slab
-    double spacing_mm = 0.044;     ///< of samples: that of the paper
-    double reach_mm = 0;           ///< of the last sample; 0: to the nearest border of the picture
-    double most_asymmetry = 0.1;   ///< refused from here on
+    double mm_per_px = 0;         ///< on the slab
+    double spacing_mm = 0.044;    ///< of samples: that of the paper
+    double reach_mm = 0;          ///< of the last sample; 0: to the nearest border of the picture
+    double most_asymmetry = 0.1;  ///< refused from here on
     CameraNoise noise;
 
     /// Throws InputError that names the option and the rule it breaks.
@@ -41,8 +41,8 @@ struct ExposureSeries {
 struct MeasuredSide {
     RadialCentre centre;
     std::array<RadialProfile, 3> profile;
-    std::vector<double> seconds, step;      ///< exposure_merge.h
-    std::vector<std::size_t> pixels;        ///< by the longest exposure that counts; the first: none does
+    std::vector<double> seconds, step;  ///< exposure_merge.h
+    std::vector<std::size_t> pixels;    ///< by the longest exposure that counts; the first: none does
     std::vector<std::string> warnings;
     double spacing_mm = 0;
     std::array<double, 3> total{};

@@ -75,8 +75,8 @@ optics::HankelGrid SpotCamera::grid() const {
     return {reach, static_cast<std::size_t>(std::ceil(coefficients_per_blur * reach / blur_mm))};
 }
 
-SlabProfiles slab_profiles(const optics::ResinSet& set, const std::string& role, double thickness_mm, const optics::HankelGrid& grid,
-                           std::uint32_t paths, std::uint64_t seed, const Progress* progress) {
+SlabProfiles slab_profiles(const optics::ResinSet& set, const std::string& role, double thickness_mm,
+                           const optics::HankelGrid& grid, std::uint32_t paths, std::uint64_t seed, const Progress* progress) {
     if (!set.channels.is_rgb())
         throw InputError(fmt::format("resin set {} is of wavelengths; photographs have red, green and blue", set.name));
     if (!(thickness_mm > 0 && std::isfinite(thickness_mm)))
@@ -85,7 +85,8 @@ SlabProfiles slab_profiles(const optics::ResinSet& set, const std::string& role,
     const optics::Resin resin = set.subset(roles).resins[0];
     SlabProfiles slab;
     for (std::size_t c = 0; c < 3; ++c) {
-        optics::ResinProfile profile = optics::resin_profile(resin.medium(c), set.g, thickness_mm, grid, {paths, seed + c}, progress);
+        optics::ResinProfile profile =
+            optics::resin_profile(resin.medium(c), set.g, thickness_mm, grid, {paths, seed + c}, progress);
         slab.R[c] = std::move(profile.R), slab.T[c] = std::move(profile.T);
     }
     return slab;
@@ -130,8 +131,13 @@ Exposure SpotScene::photograph(std::size_t exposure, bool lit) const {
     const double t = o.seconds[exposure], steps = (1 << o.bits) - 1;
     const double gauss = 0.5 / std::sqrt(3.0);  // two points on each axis of a pixel
     const Eigen::Vector2d centre = centre_px();
-    io::Photograph photo{fmt::format("{} exposure {}", lit ? "lit" : "dark", exposure + 1), o.size_px, o.size_px,
-                         io::SampleCoding::linear, 16, {}, t};
+    io::Photograph photo{fmt::format("{} exposure {}", lit ? "lit" : "dark", exposure + 1),
+                         o.size_px,
+                         o.size_px,
+                         io::SampleCoding::linear,
+                         16,
+                         {},
+                         t};
     photo.pixels.resize(std::size_t{o.size_px} * o.size_px);
     parallel_for(0, o.size_px, 8, [&](std::size_t y) {
         for (std::uint32_t x = 0; x < o.size_px; ++x) {

@@ -27,18 +27,18 @@ namespace voxtone::calibration {
 
 struct SpotCamera {
     std::vector<double> seconds{1.0 / 15, 1.0 / 8, 1.0 / 4, 1.0 / 2, 1, 2, 4, 8, 15, 30};  ///< rising
-    std::uint32_t size_px = 400;          ///< edge of the square picture, 64 to 4000
+    std::uint32_t size_px = 400;  ///< edge of the square picture, 64 to 4000
     double mm_per_px = 0.04;
     Eigen::Vector2d offset_px{3.3, -2.6};  ///< of the spot from the picture's middle
-    double spot_mm = 0.06;                ///< radius of the disc that is lit
-    double stretch = 1;                   ///< width of what is seen over its height: 1 for a camera straight above
-    double blur_mm = 0.05;                ///< standard deviation of the camera's blur
-    double stray = 1e-4;                  ///< stray light, part of the light in the middle of the spot
-    double peak = 0.7;                    ///< the brightest pixel at the shortest exposure, part of full scale
-    double full_well = 20000;             ///< electrons at full scale: shot noise; 0: no noise at all
-    double read_noise = 2e-4;             ///< standard deviation, part of full scale
-    double black = 0.01;                  ///< what the camera writes without light, part of full scale
-    int bits = 14;                        ///< of a sample, 8 to 16
+    double spot_mm = 0.06;                 ///< radius of the disc that is lit
+    double stretch = 1;                    ///< width of what is seen over its height: 1 for a camera straight above
+    double blur_mm = 0.05;                 ///< standard deviation of the camera's blur
+    double stray = 1e-4;                   ///< stray light, part of the light in the middle of the spot
+    double peak = 0.7;                     ///< the brightest pixel at the shortest exposure, part of full scale
+    double full_well = 20000;              ///< electrons at full scale: shot noise; 0: no noise at all
+    double read_noise = 2e-4;              ///< standard deviation, part of full scale
+    double black = 0.01;                   ///< what the camera writes without light, part of full scale
+    int bits = 14;                         ///< of a sample, 8 to 16
     std::uint64_t seed = 1;
 
     /// Throws InputError that names the option and the rule it breaks.
@@ -72,7 +72,7 @@ public:
 
 private:
     SpotCamera camera_;
-    double step_mm_;                                    ///< of the tables
+    double step_mm_;                                   ///< of the tables
     std::array<std::vector<double>, 3> sharp_, seen_;  ///< through spot and blur; through the pixel too
     std::array<double, 3> total_;
     double gain_;  ///< full scale per second of light per mm^2

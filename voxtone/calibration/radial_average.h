@@ -30,7 +30,8 @@ struct RadialProfile {
     std::vector<double> light, error;  ///< per sample, scaled to the total
     double scale = 0;                  ///< what full scale per second was multiplied by, 1 / (mm^2 full scale / s)
     double scale_error = 0;            ///< relative standard error of it; part of `error`
-    double noise = 0;     ///< how much pixels scatter within rings, as a part of what the camera's noise says (roots of mean squares)
+    double noise =
+        0;  ///< how much pixels scatter within rings, as a part of what the camera's noise says (roots of mean squares)
     double asymmetry = 0;  ///< root of mean square of eighths of rings about their ring, noise taken off, / that of the profile
     std::size_t missing = 0;
 };

@@ -6,8 +6,8 @@
 #include <numbers>
 
 #include <fmt/format.h>
-#include <opencv2/imgproc.hpp>
 #include <Eigen/LU>
+#include <opencv2/imgproc.hpp>
 
 #include "voxtone/base/error.h"
 #include "voxtone/calibration/radial_average.h"
@@ -49,8 +49,9 @@ Eigen::Vector2d middle_of_light(const MergedPicture& picture) {
     // Three channels' noise of 1 each, averaged over 4 pi blur^2 pixels.
     const double noise = std::sqrt(3 / (4 * std::numbers::pi * blur_px * blur_px));
     if (!(highest_signal > clear_light * noise))
-        throw InputError("no light stands out above the dark frames; check that the spot was on, in the picture, and that lit and "
-                         "dark exposures are not swapped");
+        throw InputError(
+            "no light stands out above the dark frames; check that the spot was on, in the picture, and that lit and "
+            "dark exposures are not swapped");
     const cv::Mat light = blurred(light_of(picture));
     double highest = 0;
     cv::minMaxLoc(light, nullptr, &highest);
@@ -101,9 +102,10 @@ RadialCentre find_radial_centre(const MergedPicture& picture, double spacing_px,
     while (true) {
         const double border = border_distance_px(picture, centre.px);
         if (border < fewest_rings * spacing_px)
-            throw InputError(fmt::format("the centre of the spot, at ({:.1f}, {:.1f}) px, lies {:.0f} px from the border; the profile "
-                                         "would end there: photograph more of what is about the spot",
-                                         centre.px.x(), centre.px.y(), std::max(0.0, border)));
+            throw InputError(
+                fmt::format("the centre of the spot, at ({:.1f}, {:.1f}) px, lies {:.0f} px from the border; the profile "
+                            "would end there: photograph more of what is about the spot",
+                            centre.px.x(), centre.px.y(), std::max(0.0, border)));
         // In pixels throughout.
         const RadialPlan plan{centre.px, 1, spacing_px, 1 + static_cast<std::size_t>(std::min(border, reach_px) / spacing_px)};
         const Step step = step_from(picture, plan);

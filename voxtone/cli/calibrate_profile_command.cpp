@@ -49,7 +49,8 @@ calibration::ExposureSeries series(const SideArguments& side, const std::string&
 nlohmann::ordered_json side_json(const calibration::MeasuredSide& side) {
     nlohmann::ordered_json channels = nlohmann::ordered_json::array();
     for (const calibration::RadialProfile& p : side.profile)
-        channels.push_back({{"noise", p.noise}, {"asymmetry", p.asymmetry}, {"scale_error", p.scale_error}, {"missing_px", p.missing}});
+        channels.push_back(
+            {{"noise", p.noise}, {"asymmetry", p.asymmetry}, {"scale_error", p.scale_error}, {"missing_px", p.missing}});
     return {{"centre_px", {side.centre.px.x(), side.centre.px.y()}},
             {"centre_error_px", {side.centre.error_px.x(), side.centre.error_px.y()}},
             {"samples", side.profile[0].light.size()},
@@ -62,12 +63,13 @@ nlohmann::ordered_json side_json(const calibration::MeasuredSide& side) {
 
 std::string side_text(const calibration::MeasuredSide& side, const char* name) {
     const std::size_t samples = side.profile[0].light.size();
-    std::string text = fmt::format("{}: centre ({:.3f}, {:.3f}) px, to {:.4f} px; {} samples to {:.2f} mm\n", name, side.centre.px.x(),
-                                   side.centre.px.y(), side.centre.error_px.maxCoeff(), samples,
+    std::string text = fmt::format("{}: centre ({:.3f}, {:.3f}) px, to {:.4f} px; {} samples to {:.2f} mm\n", name,
+                                   side.centre.px.x(), side.centre.px.y(), side.centre.error_px.maxCoeff(), samples,
                                    static_cast<double>(samples - 1) * side.spacing_mm);
     text += "  longest exposure that counts, pixels:";
     for (std::size_t k = 0; k < side.seconds.size(); ++k)
-        text += fmt::format(" {} {}{}", calibration::seconds_text(side.seconds[k]), side.pixels[k + 1], k + 1 < side.seconds.size() ? "," : "\n");
+        text += fmt::format(" {} {}{}", calibration::seconds_text(side.seconds[k]), side.pixels[k + 1],
+                            k + 1 < side.seconds.size() ? "," : "\n");
     constexpr const char* names[] = {"red", "green", "blue"};
     for (std::size_t c = 0; c < 3; ++c)
         text += fmt::format("  {:<5} noise {:.2f} times the camera's, not round {:.2f} %, scale to {:.2f} %\n", names[c],
@@ -79,7 +81,8 @@ CommandResult measure(Arguments& a, Progress& progress) {
     const bool layer = a.T.given();
     if (!a.R.given()) throw UsageError("--reflection is missing: photographs of the lit point from the side of the light");
     if (layer == a.thickness.empty())
-        throw UsageError("a layer has --transmission and --thickness, a target (what is wanted of a surface) has neither; one is given");
+        throw UsageError(
+            "a layer has --transmission and --thickness, a target (what is wanted of a surface) has neither; one is given");
     if (a.mm_per_px.empty()) throw UsageError("--mm-per-px is missing");
     a.options.spacing_mm = parse_length_mm(a.spacing, "--spacing");
     a.options.reach_mm = parse_length_mm(a.reach, "--reach");
@@ -111,7 +114,9 @@ CommandResult measure(Arguments& a, Progress& progress) {
     if (!a.spot.empty()) {
         const double k = calibration::blurred_from(parse_length_mm(a.spot, "--spot"), 0.1);
         json["blurred_from_per_mm"] = k;
-        text += fmt::format("The spot lowers coefficients above {:.2f} cycles per mm (waves shorter than {:.3f} mm) by more than 10 %\n", k, 1 / k);
+        text += fmt::format(
+            "The spot lowers coefficients above {:.2f} cycles per mm (waves shorter than {:.3f} mm) by more than 10 %\n", k,
+            1 / k);
     }
     const std::string plot = a.plot.empty() ? std::filesystem::path(a.out).replace_extension(".svg").string() : a.plot;
     io::write_whole_file(a.out, io::profile_text(file));
@@ -140,7 +145,8 @@ Command add_calibrate_profile_command(CLI::App& calibrate) {
     photographs("--reflection", a.R.lit, "photographs of a projected pixel: RAW, or linear 16-bit TIFF, PNG or EXR")->required();
     photographs("--reflection-dark", a.R.dark, "the same with the projector black")->required();
     albedo("--reflectance", a.R.total, "measured share of light that the slab reflects, above 0 to 1");
-    photographs("--transmission", a.T.lit, "photographs of the slab upon a pinhole; without: the file is a target for stacks to reach");
+    photographs("--transmission", a.T.lit,
+                "photographs of the slab upon a pinhole; without: the file is a target for stacks to reach");
     photographs("--transmission-dark", a.T.dark, "the same with the pinhole covered");
     albedo("--transmittance", a.T.total, "measured share of light that the slab transmits, above 0 to 1");
     command->add_option("--thickness", a.thickness, "of the slab: 3mm")->type_name("LENGTH");
@@ -150,13 +156,15 @@ Command add_calibrate_profile_command(CLI::App& calibrate) {
         ->expected(1, 2)
         ->required();
     command->add_option("-o,--out", a.out, "profile to write (.json)")->type_name("FILE")->required();
-    command->add_option("--plot", a.plot, "picture of the profile with its errors; empty: beside it, as NAME.svg")->type_name("FILE.svg");
+    command->add_option("--plot", a.plot, "picture of the profile with its errors; empty: beside it, as NAME.svg")
+        ->type_name("FILE.svg");
     command->add_option("--name", a.name, "name of the material; empty: that of the file");
     command->add_option("--spacing", a.spacing, "of samples")->type_name("LENGTH")->capture_default_str();
     command->add_option("--reach", a.reach, "distance of the last sample; 0: to the nearest border of the picture")
         ->type_name("LENGTH")
         ->capture_default_str();
-    command->add_option("--spot", a.spot, "radius of the projected pixel or pinhole: prints which waves it blurs")->type_name("LENGTH");
+    command->add_option("--spot", a.spot, "radius of the projected pixel or pinhole: prints which waves it blurs")
+        ->type_name("LENGTH");
     const auto number = [&](const char* name, double& value, const char* help) {
         command->add_option(name, value, help)->group("Camera")->capture_default_str();
     };

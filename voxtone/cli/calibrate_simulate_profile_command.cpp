@@ -62,15 +62,22 @@ CommandResult simulate(Arguments& a, Progress& progress) {
     write_series(T, "transmission", a, progress);
     constexpr double spacing_mm = 0.044;
     const auto samples = static_cast<std::size_t>(a.camera.size_px * a.camera.mm_per_px / 2 / spacing_mm);
-    io::ProfileFile truth{fmt::format("{} {}", set.name, a.role), "simulated: what the photographs were drawn from, seen through spot, blur and pixel", {}, {}};
+    io::ProfileFile truth{fmt::format("{} {}", set.name, a.role),
+                          "simulated: what the photographs were drawn from, seen through spot, blur and pixel",
+                          {},
+                          {}};
     for (std::size_t c = 0; c < 3; ++c)
         truth.by_channel.push_back({thickness, T.truth(c, spacing_mm, samples), R.truth(c, spacing_mm, samples)});
     const std::string truth_file = (fs::path(a.out) / "truth.json").string();
     io::write_whole_file(truth_file, io::profile_text(truth));
-    const auto totals = [](const std::array<std::vector<double>, 3>& side) { return fmt::format("{:.6g},{:.6g},{:.6g}", side[0][0], side[1][0], side[2][0]); };
+    const auto totals = [](const std::array<std::vector<double>, 3>& side) {
+        return fmt::format("{:.6g},{:.6g},{:.6g}", side[0][0], side[1][0], side[2][0]);
+    };
     const std::string next = fmt::format(
-        "voxtone calibrate profile --reflection {0}/reflection-??.exr --reflection-dark {0}/reflection-dark-??.exr --reflectance {1} "
-        "--transmission {0}/transmission-??.exr --transmission-dark {0}/transmission-dark-??.exr --transmittance {2} --thickness {3}mm "
+        "voxtone calibrate profile --reflection {0}/reflection-??.exr --reflection-dark {0}/reflection-dark-??.exr --reflectance "
+        "{1} "
+        "--transmission {0}/transmission-??.exr --transmission-dark {0}/transmission-dark-??.exr --transmittance {2} --thickness "
+        "{3}mm "
         "--mm-per-px {4} -o profile.json",
         a.out, totals(slab.R), totals(slab.T), thickness, a.camera.mm_per_px);
     const nlohmann::ordered_json json{{"format", "voxtone-calibrate-simulate-profile"},
@@ -81,8 +88,10 @@ CommandResult simulate(Arguments& a, Progress& progress) {
                                       {"reflectance", {slab.R[0][0], slab.R[1][0], slab.R[2][0]}},
                                       {"transmittance", {slab.T[0][0], slab.T[1][0], slab.T[2][0]}},
                                       {"next", next}};
-    return {json.dump(), fmt::format("{}: {} exposures of {} x {} pixels and as many dark frames of each side; the truth is in {}\nMeasure them: {}\n",
-                                     a.out, a.camera.seconds.size(), a.camera.size_px, a.camera.size_px, truth_file, next)};
+    return {json.dump(),
+            fmt::format(
+                "{}: {} exposures of {} x {} pixels and as many dark frames of each side; the truth is in {}\nMeasure them: {}\n",
+                a.out, a.camera.seconds.size(), a.camera.size_px, a.camera.size_px, truth_file, next)};
 }
 
 }  // namespace
@@ -92,7 +101,8 @@ Command add_calibrate_simulate_profile_command(CLI::App& calibrate) {
     Arguments& a = *arguments;
     calibration::SpotCamera& o = a.camera;
     CLI::App* command = calibrate.add_subcommand(
-        "simulate-profile", "Draw the photographs that `calibrate profile` measures, of a slab of a known resin: a rehearsal without a laboratory");
+        "simulate-profile",
+        "Draw the photographs that `calibrate profile` measures, of a slab of a known resin: a rehearsal without a laboratory");
     command->add_option("resins", a.resins, "resin set (`voxtone list resins`) or file, RGB")->type_name("SET|FILE")->required();
     command->add_option("role", a.role, "resin of the slab: W, K, ...")->type_name("ROLE")->required();
     command->add_option("--thickness", a.thickness, "of the slab: 3mm")->type_name("LENGTH")->required();
@@ -102,7 +112,10 @@ Command add_calibrate_simulate_profile_command(CLI::App& calibrate) {
     const auto number = [&](const char* name, auto& value, const char* help) {
         command->add_option(name, value, help)->capture_default_str();
     };
-    command->add_option("--exposures", o.seconds, "exposure times, seconds, rising")->type_name("S,S,...")->delimiter(',')->capture_default_str();
+    command->add_option("--exposures", o.seconds, "exposure times, seconds, rising")
+        ->type_name("S,S,...")
+        ->delimiter(',')
+        ->capture_default_str();
     number("--size", o.size_px, "edge of the square pictures, pixels");
     number("--mm-per-px", o.mm_per_px, "width of a pixel on the slab, mm");
     command->add_option("--offset", a.offset, "of the spot from the picture's middle, pixels right and down")
@@ -110,7 +123,9 @@ Command add_calibrate_simulate_profile_command(CLI::App& calibrate) {
         ->delimiter(',')
         ->expected(2)
         ->capture_default_str();
-    command->add_option("--spot", a.spot, "radius of the projected pixel and the pinhole")->type_name("LENGTH")->capture_default_str();
+    command->add_option("--spot", a.spot, "radius of the projected pixel and the pinhole")
+        ->type_name("LENGTH")
+        ->capture_default_str();
     command->add_option("--blur", a.blur, "standard deviation of the camera's blur")->type_name("LENGTH")->capture_default_str();
     number("--stretch", o.stretch, "width of the spot over its height; 1: a camera straight above");
     number("--stray", o.stray, "stray light, part of the light in the middle of the spot");

@@ -49,7 +49,8 @@ std::vector<optics::RadialSamples> samples_from(const JsonObject& json, std::siz
 
 ProfileFile from_json(const JsonObject& json) {
     json.allow_only({"format", "version", "name", "source", "channels", "thickness_mm", "R", "T"});
-    if (json.text("format") != "voxtone-profile") json.fail("format", "is not \"voxtone-profile\": this is no scattering profile");
+    if (json.text("format") != "voxtone-profile")
+        json.fail("format", "is not \"voxtone-profile\": this is no scattering profile");
     if (json.integer("version", 0, 1000000) != 1) json.fail("version", "is not 1, the only version this program knows");
     ProfileFile file;
     file.name = json.text("name");
@@ -97,9 +98,9 @@ ProfileFile read_profile(const std::filesystem::path& file) { return from_json(J
 
 std::string profile_text(const ProfileFile& file) {
     VOXTONE_EXPECT(file.by_channel.size() == file.channels.size());
-    std::string text = fmt::format(
-        "{{\"format\": \"voxtone-profile\", \"version\": 1, \"name\": {},\n \"source\": {},\n \"channels\": {}",
-        json_text(file.name), json_text(file.source), channels_json(file.channels));
+    std::string text =
+        fmt::format("{{\"format\": \"voxtone-profile\", \"version\": 1, \"name\": {},\n \"source\": {},\n \"channels\": {}",
+                    json_text(file.name), json_text(file.source), channels_json(file.channels));
     std::vector<optics::RadialSamples> R, T;
     for (const auto& channel : file.by_channel) R.push_back(channel.R), T.push_back(channel.T);
     if (!file.is_target()) text += fmt::format(", \"thickness_mm\": {}", file.by_channel[0].thickness_mm);
