@@ -129,3 +129,36 @@ TEST_CASE("what is no photograph is refused") {
         CHECK_THROWS_AS(read_photograph(folder.path() / "cut.png"), InputError);
     }
 }
+
+TEST_CASE("the time of exposure is read from EXIF and EXR") {
+    const TemporaryFolder folder;
+    Photograph photo = smooth(8, 6);
+    CHECK(written_and_read(photo, "silent.exr", folder).exposure_s == 0);
+    photo.exposure_s = 1.0 / 15;
+    CHECK(written_and_read(photo, "timed.exr", folder).exposure_s == Approx(1.0 / 15).epsilon(1e-6));
+    CHECK(photograph_bytes(photo, "a.exr") == photograph_bytes(photo, "a.exr"));
+
+    const std::filesystem::path file = folder.path() / "timed.tif";  // as a camera's software leaves it
+    TIFF* tiff = TIFFOpen(file.c_str(), "w");
+    REQUIRE(tiff);
+    TIFFSetField(tiff, TIFFTAG_IMAGEWIDTH, 2u);
+    TIFFSetField(tiff, TIFFTAG_IMAGELENGTH, 1u);
+    TIFFSetField(tiff, TIFFTAG_BITSPERSAMPLE, 16);
+    TIFFSetField(tiff, TIFFTAG_SAMPLESPERPIXEL, 3);
+    TIFFSetField(tiff, TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_RGB);
+    TIFFSetField(tiff, TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG);
+    TIFFSetField(tiff, TIFFTAG_ROWSPERSTRIP, 1u);
+    TIFFSetField(tiff, TIFFTAG_EXIFIFD, std::uint64_t{0});
+    std::uint16_t row[6] = {1, 2, 3, 4, 5, 6};
+    REQUIRE(TIFFWriteScanline(tiff, row, 0) == 1);
+    REQUIRE(TIFFWriteDirectory(tiff));
+    REQUIRE(TIFFCreateEXIFDirectory(tiff) == 0);
+    TIFFSetField(tiff, EXIFTAG_EXPOSURETIME, 0.4);
+    std::uint64_t at = 0;
+    REQUIRE(TIFFWriteCustomDirectory(tiff, &at));
+    REQUIRE(TIFFSetDirectory(tiff, 0));
+    TIFFSetField(tiff, TIFFTAG_EXIFIFD, at);
+    REQUIRE(TIFFRewriteDirectory(tiff));
+    TIFFClose(tiff);
+    CHECK(read_photograph(file).exposure_s == Approx(0.4).epsilon(1e-6));
+}

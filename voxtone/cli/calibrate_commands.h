@@ -12,5 +12,7 @@ Command add_calibrate_simulate_command(CLI::App& calibrate);
 Command add_calibrate_photo_command(CLI::App& calibrate);
 Command add_calibrate_fit_command(CLI::App& calibrate);
 Command add_calibrate_check_command(CLI::App& calibrate);
+Command add_calibrate_profile_command(CLI::App& calibrate);
+Command add_calibrate_simulate_profile_command(CLI::App& calibrate);
 
 }  // namespace voxtone::cli

@@ -27,6 +27,7 @@ constexpr double most_seconds = 300;
 struct Header {
     std::uint32_t width_px, height_px;
     std::int32_t coding, bits;
+    double exposure_s;
 };
 
 SampleCoding coding_of(const OIIO::ImageSpec& spec) {
@@ -49,9 +50,15 @@ void ask_for_sensor_values(OIIO::ImageSpec& config) {
     config.attribute("raw:user_mul", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 4), as_counted);
 }
 
-std::vector<std::byte> decode(const std::filesystem::path& file) {
+/// Neither in the child, where no other thread exists, nor in its parent: a child waits for ever for the pool of a parent
+/// that wrote an EXR before.
+void start_no_threads() {
     OIIO::attribute("threads", 1);
     OIIO::attribute("exr_threads", -1);
+}
+
+std::vector<std::byte> decode(const std::filesystem::path& file) {
+    start_no_threads();
     OIIO::ImageSpec config;
     config.attribute("oiio:UnassociatedAlpha", 1);
     ask_for_sensor_values(config);
@@ -72,7 +79,7 @@ std::vector<std::byte> decode(const std::filesystem::path& file) {
     const bool raw = std::strcmp(input->format_name(), raw_format) == 0;
     const Header header{std::uint32_t(spec.width), std::uint32_t(spec.height),
                         std::int32_t(raw ? SampleCoding::linear : coding_of(spec)),
-                        std::int32_t(8 * spec.format.size())};
+                        std::int32_t(8 * spec.format.size()), spec.get_float_attribute("ExposureTime", 0)};
     const std::size_t values = std::size_t(spec.width) * std::size_t(spec.height) * 3;
     std::vector<std::byte> bytes(sizeof header + values * sizeof(float));
     std::memcpy(bytes.data(), &header, sizeof header);
@@ -97,7 +104,8 @@ Photograph read_photograph(const std::filesystem::path& file, const Progress* pr
     VOXTONE_EXPECT(bytes.size() >= sizeof header);
     std::memcpy(&header, bytes.data(), sizeof header);
     Photograph photograph{file.filename().string(),    header.width_px, header.height_px,
-                          SampleCoding(header.coding), header.bits,     {}};
+                          SampleCoding(header.coding), header.bits,     {},
+                          header.exposure_s > 0 && std::isfinite(header.exposure_s) ? header.exposure_s : 0};
     photograph.pixels.resize(std::size_t{header.width_px} * header.height_px);
     VOXTONE_EXPECT(bytes.size() == sizeof header + photograph.pixels.size() * sizeof(Eigen::Vector3f));
     std::memcpy(static_cast<void*>(photograph.pixels.data()), bytes.data() + sizeof header,
@@ -128,6 +136,9 @@ std::vector<std::uint8_t> photograph_bytes(const Photograph& photograph, const s
                                  : OIIO::TypeDesc::UINT16);
     spec.attribute("oiio:ColorSpace", codes ? "sRGB" : "Linear");
     spec.attribute("compression", png ? "" : "zip");
+    start_no_threads();
+    if (exr) spec.attribute("DateTime", "2000:01:01 00:00:00");  // else the time of day: no two runs would write the same bits
+    if (exr && photograph.exposure_s > 0) spec.attribute("ExposureTime", float(photograph.exposure_s));
     std::vector<Eigen::Vector3f> coded;
     if (codes) {
         coded = photograph.pixels;

@@ -29,6 +29,7 @@ struct Photograph {
     SampleCoding coding = SampleCoding::linear;
     int bits = 16;                        ///< of a sample in the file: 8, 16, 32 (float)
     std::vector<Eigen::Vector3f> pixels;  ///< rows from the top, as stored; integers have 1 as their largest value
+    double exposure_s = 0;                ///< time of exposure, s, where the file tells it (EXIF), else 0
 
     [[nodiscard]] std::size_t index(std::uint32_t x, std::uint32_t y) const { return std::size_t{y} * width_px + x; }
 };
@@ -40,7 +41,7 @@ struct Photograph {
 void make_linear(Photograph& photograph);
 
 /// The bytes of a file of the kind that the name's extension tells: .png or .tif (16 bits, linear; a PNG says so, TIFF
-/// has no word for it), .exr (float). With `bits` 8: .png of sRGB codes. Throws UsageError for other extensions.
+/// has no word for it), .exr (float). The time of exposure is written to .exr. With `bits` 8: .png of sRGB codes. Throws UsageError for other extensions.
 [[nodiscard]] std::vector<std::uint8_t> photograph_bytes(const Photograph& photograph, const std::string& file_name);
 
 }  // namespace voxtone::io
