@@ -25,7 +25,7 @@ struct Arguments {
     optics::SlabOptions slab;
     optics::PointResponseOptions trace;
     std::string pattern, resins = "vero-opaque-clear", out;
-    std::string pitch = "0.4mm", thickness = "4mm", layer = "0.2mm", feature = "4mm";
+    std::string pitch = "0.5mm", thickness = "4mm", layer = "0.2mm", feature = "4mm";
     std::vector<std::uint32_t> points{64};
     bool matched = false;
     int threads = 0;

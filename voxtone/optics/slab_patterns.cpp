@@ -144,7 +144,7 @@ MaterialAt marble(const SlabOptions& options, Mixer& mixer) {
     constexpr int levels = 32;  // between the body and the middle of a vein
     for (int i = 0; i < levels; ++i) {
         const double vein = i / (levels - 1.0);
-        mixer.add({{"W", 0.35 * (1 - vein) + 0.12 * vein}, {"K", 0.03 * vein * vein}, {"M", 0.006 * vein}, {"Y", 0.01 * vein}});
+        mixer.add({{"W", 0.8 * (1 - vein) + 0.25 * vein}, {"K", 0.03 * vein * vein}, {"M", 0.006 * vein}, {"Y", 0.01 * vein}});
     }
     return [options](const Place& p) -> Material {
         const double f = options.feature_mm;
@@ -158,7 +158,7 @@ MaterialAt stone(const SlabOptions& options, Mixer& mixer) {
     constexpr int kinds = 48;
     for (int i = 0; i < kinds; ++i) {
         RandomStream random(options.seed, static_cast<std::uint64_t>(i), 17);
-        const double white = 0.08 * std::pow(10.0, random.uniform());  // 0.08 to 0.8: few grains are dense
+        const double white = 0.15 * std::pow(6.0, random.uniform());  // 0.15 to 0.9
         const double dark = 0.03 * std::pow(random.uniform(), 2), warm = 0.03 * random.uniform();
         mixer.add({{"W", white}, {"K", dark}, {"Y", warm}, {"M", 0.3 * warm * random.uniform()}, {"C", 0.004 * random.uniform()}});
     }

@@ -26,7 +26,7 @@ struct SlabOptions {
     SlabPattern pattern = SlabPattern::marble;
     std::uint32_t width = 64, height = 64;  ///< columns, one per point
     std::uint32_t margin = 12;              ///< more columns at every side
-    double pitch_mm = 0.4;
+    double pitch_mm = 0.5;
     double thickness_mm = 4;
     double layer_mm = 0.2;   ///< depth of a voxel; the thickness is rounded to whole ones
     double feature_mm = 4;   ///< edge of a square, distance of veins, size of grains
