@@ -13,7 +13,7 @@ namespace voxtone::cli {
 
 Command add_stack_command(CLI::App& program) {
     CLI::App* command =
-        program.add_subcommand("stack", "Layers of resin that scatter light as wanted: data sets, local profiles, stackings");
+        program.add_subcommand("stack", "Stacks of layers that show how light is wanted to spread in a surface");
     command->require_subcommand(1);
     auto steps = std::make_shared<std::vector<std::pair<CLI::App*, Command>>>();
     const auto add = [&](const char* name, Command step) { steps->emplace_back(command->get_subcommand(name), std::move(step)); };
