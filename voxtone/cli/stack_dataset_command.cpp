@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <chrono>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include <fmt/format.h>
@@ -27,6 +28,7 @@ struct Arguments {
     std::string pattern, resins = "vero-opaque-clear", out;
     std::string pitch = "0.5mm", thickness = "4mm", layer = "0.2mm", feature = "4mm";
     std::vector<std::uint32_t> points{64};
+    std::optional<std::uint64_t> path_seed;
     bool matched = false;
     int threads = 0;
     ConsoleOptions console;
@@ -44,7 +46,7 @@ CommandResult make_dataset(Arguments& a, Progress& progress) {
     slab_options.thickness_mm = parse_length_mm(a.thickness, "--thickness");
     slab_options.layer_mm = parse_length_mm(a.layer, "--layer");
     slab_options.feature_mm = parse_length_mm(a.feature, "--feature");
-    a.trace.seed = slab_options.seed;
+    a.trace.seed = a.path_seed.value_or(slab_options.seed);
     optics::ResinSet set = io::find_resin_set(a.resins);
     if (a.matched) set.eta = 1;
     const std::uint64_t bytes = io::bssrdf_bytes(set.channels.size(), a.trace.width, a.trace.height, a.trace.radius);
@@ -121,6 +123,7 @@ Command add_stack_dataset_command(CLI::App& stack) {
         ->capture_default_str();
     command->add_flag("--matched", a.matched, "no refractive surface (index-matched on both sides), as stacked profiles have it");
     command->add_option("--seed", a.slab.seed, "seed of the pattern and the paths")->type_name("N")->capture_default_str();
+    command->add_option("--path-seed", a.path_seed, "seed of the paths alone: the same slab seen once more")->type_name("N");
     command->add_option("--threads", a.threads, "threads; 0: one per core. The result does not depend on it")
         ->capture_default_str()
         ->check(CLI::Range(0, 1024));

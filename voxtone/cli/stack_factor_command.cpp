@@ -24,7 +24,7 @@ namespace {
 
 struct Arguments {
     slicer::ProfileMapOptions options;
-    std::string dataset, out, picture;
+    std::string dataset, check, out, picture;
     std::vector<std::uint32_t> point;
     double max_albedo = 0;
     int threads = 0;
@@ -52,7 +52,9 @@ CommandResult factor(Arguments& a, Progress& progress) {
                                          a.dataset, data.responses.width, data.responses.height));
         point = std::size_t{a.point[1]} * data.responses.width + a.point[0];
     }
-    const slicer::ProfileMapResult result = slicer::make_profile_map(data, a.options, progress);
+    const io::BssrdfFile check = a.check.empty() ? io::BssrdfFile() : io::read_bssrdf(a.check);
+    const slicer::ProfileMapResult result =
+        slicer::make_profile_map(data, a.options, progress, a.check.empty() ? nullptr : &check);
     io::write_profile_map(result.map, a.out);
     std::string text = fmt::format("{}: {} x {} points, factored in {:.1f} s, {} clusters in {:.1f} s ({} rounds, distance {:.4f})\n", a.out,
                                    data.responses.width, data.responses.height, result.factor_seconds, result.clusters.clusters.size(),
@@ -66,12 +68,18 @@ CommandResult factor(Arguments& a, Progress& progress) {
                                       "--tolerance",
                                       channel_name(data.channels, c), residual, steps));
         text += fmt::format("  {}: {} steps, {} iterations, residual {:.1e}; light in the wrong place {:.1f} % factored, {:.1f} % clustered "
-                            "(noise alone {:.1f} %); beyond noise {:.1f} %, {:.1f} %; light kept {:.4f}, {:.4f}; albedo +-{:.4f}, +-{:.4f}; "
+                            "(noise alone {:.1f} %); light kept {:.4f}, {:.4f}; albedo +-{:.4f}, +-{:.4f}; "
                             "{:.1f} % of the light left beyond the window\n",
                             channel_name(data.channels, c), steps, iterations, residual, 100 * outcome.factored.light_error,
-                            100 * outcome.clustered.light_error, 100 * outcome.factored.noise_error, 100 * outcome.factored.excess,
-                            100 * outcome.clustered.excess, outcome.factored.light, outcome.clustered.light, outcome.factored.albedo_error,
+                            100 * outcome.clustered.light_error, 100 * outcome.factored.noise_error, outcome.factored.light, outcome.clustered.light, outcome.factored.albedo_error,
                             outcome.clustered.albedo_error, 100 * outcome.beyond_window);
+        if (!a.check.empty())
+            text += fmt::format("    against {}: {:.1f} %, {:.1f} % in the wrong place (noise alone {:.1f} %); beyond noise {:.1f} %, {:.1f} %; "
+                                "albedo +-{:.4f}, +-{:.4f}\n",
+                                a.check, 100 * outcome.factored_checked.light_error, 100 * outcome.clustered_checked.light_error,
+                                100 * outcome.factored_checked.noise_error, 100 * outcome.factored_checked.excess,
+                                100 * outcome.clustered_checked.excess, outcome.factored_checked.albedo_error,
+                                outcome.clustered_checked.albedo_error);
         channels.push_back({{"steps", steps},
                             {"iterations", iterations},
                             {"residual", residual},
@@ -79,6 +87,10 @@ CommandResult factor(Arguments& a, Progress& progress) {
                             {"factored", error_json(outcome.factored)},
                             {"clustered", error_json(outcome.clustered)},
                             {"beyond_window", outcome.beyond_window}});
+        if (!a.check.empty()) {
+            channels.back()["factored_checked"] = error_json(outcome.factored_checked);
+            channels.back()["clustered_checked"] = error_json(outcome.clustered_checked);
+        }
     }
     for (const halftone::ProfileCluster& cluster : result.clusters.clusters)
         clusters.push_back({{"points", cluster.points},
@@ -132,6 +144,8 @@ Command add_stack_factor_command(CLI::App& stack) {
     command->add_option("--tolerance", a.options.factor.tolerance, "share of the light that may be left out of place when it stops")
         ->capture_default_str();
     command->add_option("--steps", a.options.factor.max_steps, "most steps")->capture_default_str();
+    command->add_option("--check", a.check, "other data of the same surface: says how far profiles are wrong, without the noise")
+        ->type_name("FILE");
     command->add_option("--picture", a.picture, "write data, factored and clustered surface side by side")->type_name("PNG");
     command->add_option("--point", a.point, "X,Y of the point whose response is drawn; by default one in the middle")
         ->delimiter(',')

@@ -17,7 +17,9 @@ namespace voxtone::halftone {
 struct ReconstructionError {
     double light_error = 0;  ///< sum |R - R'| / sum R: share of the light that is in the wrong place
     double noise_error = 0;  ///< about what the noise of R alone would make of it, were R' the truth
-    double excess = 0;       ///< sqrt(sum((R - R')^2 - variance of R) / sum R^2), variance by R'; 0 where noise explains all
+    /// sqrt(sum((R - R')^2 - variance of R) / sum R^2), variance by R': what noise does not explain. Unbiased for other data of the
+    /// surface than R' was found from (else too small: R' follows some of the noise). 0 where noise explains all.
+    double excess = 0;
     double light = 0;        ///< sum R' / sum R
     double albedo_error = 0, largest_albedo_error = 0;  ///< root mean square and largest, over points: light within the window
 };

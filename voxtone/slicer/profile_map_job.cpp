@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <numeric>
 
 #include <fmt/format.h>
@@ -25,6 +26,16 @@ double brightest_albedo(const ProfileMapResult& result) {
     return brightest;
 }
 
+void check_comparable(const io::BssrdfFile& data, const io::BssrdfFile& check) {
+    const auto& [width, height, radius, pitch, channels] = data.responses;
+    if (check.channels != data.channels || check.responses.width != width || check.responses.height != height ||
+        check.responses.radius != radius || std::abs(check.responses.pitch_mm - pitch) > 1e-9 * pitch)
+        throw InputError(fmt::format("The data to check with have {} x {} points at {} mm, radius {}, {} channels; those that are checked have "
+                                     "{} x {} at {} mm, radius {}, {} channels: both must be of one surface, measured alike.",
+                                     check.responses.width, check.responses.height, check.responses.pitch_mm, check.responses.radius,
+                                     check.channels.size(), width, height, pitch, radius, channels.size()));
+}
+
 }  // namespace
 
 void ProfileMapOptions::validate() const {
@@ -34,8 +45,10 @@ void ProfileMapOptions::validate() const {
         throw InputError(fmt::format("The largest albedo is to be {}, expected a number above 0, up to 1; the paper takes 0.6.", *max_albedo));
 }
 
-ProfileMapResult make_profile_map(const io::BssrdfFile& data, const ProfileMapOptions& options, Progress& progress) {
+ProfileMapResult make_profile_map(const io::BssrdfFile& data, const ProfileMapOptions& options, Progress& progress,
+                                  const io::BssrdfFile* check) {
     options.validate();
+    if (check) check_comparable(data, *check);
     const optics::PointResponses& responses = data.responses;
     ProfileMapResult result;
     double begin = now_seconds();
@@ -56,7 +69,11 @@ ProfileMapResult make_profile_map(const io::BssrdfFile& data, const ProfileMapOp
     for (std::size_t c = 0; c < responses.channels.size(); ++c) {
         result.channels.push_back({summary[c], halftone::reconstruction_error(responses, c, result.factored),
                                    halftone::reconstruction_error(responses, c, result.clustered),
-                                   optics::share_beyond_window(responses, c)});
+                                   {}, {}, optics::share_beyond_window(responses, c)});
+        if (check) {
+            result.channels.back().factored_checked = halftone::reconstruction_error(check->responses, c, result.factored);
+            result.channels.back().clustered_checked = halftone::reconstruction_error(check->responses, c, result.clustered);
+        }
         progress.advance();
     }
     progress.end_stage();
