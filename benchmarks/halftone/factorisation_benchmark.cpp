@@ -42,9 +42,9 @@ int main(int argc, char** argv) {
     for (std::size_t c = 0; c < summary.size(); ++c) {
         const ReconstructionError error = reconstruction_error(data, c, profiles);
         std::printf("  channel %zu: %d Newton steps, %d iterations, residual %.1e; light in the wrong place %.4f (noise alone: %.4f), "
-                    "beyond noise %.4f, light %.5f, albedo +-%.4f; P known to %.4f of its light\n",
-                    c, summary[c].steps, summary[c].iterations, summary[c].residual, error.light_error, error.noise_error, error.excess,
-                    error.light, error.albedo_error, testing::profile_error(truth, profiles, c));
+                    "light %.5f; P known to %.4f of its light\n",
+                    c, summary[c].steps, summary[c].iterations, summary[c].residual, error.light_error, error.noise_error,
+                    error.light, testing::profile_error(truth, profiles, c));
     }
     begin = seconds();
     const ProfileClusters clusters = cluster_profiles(profiles, {});

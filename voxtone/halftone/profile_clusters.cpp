@@ -141,6 +141,7 @@ void move_centres(const Features& features, const Assignment& assignment, Centre
 void ClusterOptions::validate() const {
     if (clusters < 1 || clusters > 65535)
         throw InputError(fmt::format("{} clusters are asked for, expected 1 to 65535.", clusters));
+    if (!(tolerance >= 0 && tolerance < 1)) throw InputError(fmt::format("The tolerance of clustering is {}, expected 0 to 1.", tolerance));
     if (max_rounds < 1) throw InputError(fmt::format("{} rounds of clustering are allowed, expected at least one.", max_rounds));
 }
 
@@ -149,14 +150,16 @@ ProfileClusters cluster_profiles(const LocalProfiles& profiles, const ClusterOpt
     const Features features = features_of(profiles);
     const std::size_t points = features.points(), knots = profiles.knots();
     Centres centres = first_centres(features, options);
-    Assignment now{std::vector<std::uint16_t>(points), std::vector<float>(points)}, before;
+    Assignment now{std::vector<std::uint16_t>(points), std::vector<float>(points)};
+    double before = 0;
     ProfileClusters result;
     while (result.rounds < options.max_rounds && !result.converged) {
         if (progress) progress->check_cancelled();
         assign(features, centres, now);
         fill_empty(now, centres.size());
-        result.converged = now.cluster == before.cluster;
-        before.cluster = now.cluster;
+        const double squares = std::accumulate(now.squares.begin(), now.squares.end(), 0.0);
+        result.converged = result.rounds > 0 && before - squares <= options.tolerance * before;
+        before = squares;
         move_centres(features, now, centres);
         ++result.rounds;
     }
@@ -170,12 +173,12 @@ ProfileClusters cluster_profiles(const LocalProfiles& profiles, const ClusterOpt
         cluster.distance += squares;
         result.distance += squares;
         for (std::size_t c = 0; c < profiles.channels.size(); ++c)
-            for (std::size_t k = 0; k < knots; ++k) cluster.P[c][k] += profiles.channels[c][k * points + i];
+            for (std::size_t k = 0; k < knots; ++k) cluster.P[c][k] += std::sqrt(profiles.channels[c][k * points + i]);
     }
     for (ProfileCluster& cluster : result.clusters) {
         cluster.distance = std::sqrt(cluster.distance / cluster.points);
         for (auto& P : cluster.P)
-            for (double& light : P) light /= cluster.points;
+            for (double& light : P) light = light / cluster.points * (light / cluster.points);
     }
     result.distance = std::sqrt(result.distance / static_cast<double>(points));
     result.cluster = std::move(now.cluster);

@@ -7,7 +7,8 @@
 //   d^2 = sum over channels and knots (sqrt(L_a) - sqrt(L_b))^2,   L = light of the rings around the knot (light_by_knot)
 // (twice the squared Hellinger distance). So light counts and not the value per mm^2, which only the entry has much of; tails that
 // light goes far in count more than their share, as the eye sees them; and the noise of counts is the same everywhere.
-// A group's profile is the mean of its members' P: light is kept.
+// A group's profile is the square of the mean of its members' roots: what pairs of points show are products of roots, so light is
+// kept where it is seen (a mean of P would be too bright, by the noise of P too).
 #pragma once
 
 #include <cstddef>
@@ -22,6 +23,7 @@ namespace voxtone::halftone {
 struct ClusterOptions {
     std::uint32_t clusters = 100;  ///< at most; [1, 65535]
     int max_rounds = 100;
+    double tolerance = 1e-4;  ///< stop when a round makes the mean square of d smaller by no more than this share; >= 0
     std::uint64_t seed = 1;
     void validate() const;  ///< throws InputError that names the value and the rule it breaks
 };
@@ -37,7 +39,7 @@ struct ProfileClusters {
     std::vector<ProfileCluster> clusters;
     double distance = 0;  ///< root mean square over all points
     int rounds = 0;
-    bool converged = false;  ///< no point would change
+    bool converged = false;  ///< the tolerance was met
 };
 
 /// As many clusters as asked for, or as there are different profiles. The same bits for any number of threads.
