@@ -67,6 +67,11 @@ CommandResult factor(Arguments& a, Progress& progress) {
             progress.warn(fmt::format("{}: the factorisation stopped at a residual of {:.1e} after {} steps; give it more --steps or a larger "
                                       "--tolerance",
                                       channel_name(data.channels, c), residual, steps));
+        if (outcome.beyond_window > 0.05)
+            progress.warn(fmt::format("{}: {:.1f} % of the light left beyond the window of {:.3g} mm, where the profiles end: they are too dark "
+                                      "by that; use data of a larger window",
+                                      channel_name(data.channels, c), 100 * outcome.beyond_window,
+                                      data.responses.radius * data.responses.pitch_mm));
         text += fmt::format("  {}: {} steps, {} iterations, residual {:.1e}; light in the wrong place {:.1f} % factored, {:.1f} % clustered "
                             "(noise alone {:.1f} %); light kept {:.4f}, {:.4f}; albedo +-{:.4f}, +-{:.4f}; "
                             "{:.1f} % of the light left beyond the window\n",
