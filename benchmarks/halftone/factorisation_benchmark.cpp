@@ -37,18 +37,20 @@ int main(int argc, char** argv) {
     std::vector<FactorSummary> summary;
     const LocalProfiles profiles = factor_responses(data, {}, summary);
     const double factored = seconds() - begin;
-    std::printf("%u x %u points, radius 10, %zu channels, %zu threads: factored in %.2f s\n", side, side, summary.size(), thread_count(),
-                factored);
+    std::printf("%u x %u points, radius 10, %zu channels, %zu threads: factored in %.2f s\n", side, side,
+                summary.size(), thread_count(), factored);
     for (std::size_t c = 0; c < summary.size(); ++c) {
         const ReconstructionError error = reconstruction_error(data, c, profiles);
-        std::printf("  channel %zu: %d Newton steps, %d iterations, residual %.1e; light in the wrong place %.4f (noise alone: %.4f), "
-                    "light %.5f; P known to %.4f of its light\n",
-                    c, summary[c].steps, summary[c].iterations, summary[c].residual, error.light_error, error.noise_error,
-                    error.light, testing::profile_error(truth, profiles, c));
+        std::printf(
+            "  channel %zu: %d Newton steps, %d iterations, residual %.1e; light in the wrong place %.4f (noise alone: "
+            "%.4f), "
+            "light %.5f; P known to %.4f of its light\n",
+            c, summary[c].steps, summary[c].iterations, summary[c].residual, error.light_error, error.noise_error,
+            error.light, testing::profile_error(truth, profiles, c));
     }
     begin = seconds();
     const ProfileClusters clusters = cluster_profiles(profiles, {});
-    std::printf("clustered in %.2f s: %zu clusters, %d rounds, distance %.4f\n", seconds() - begin, clusters.clusters.size(),
-                clusters.rounds, clusters.distance);
+    std::printf("clustered in %.2f s: %zu clusters, %d rounds, distance %.4f\n", seconds() - begin,
+                clusters.clusters.size(), clusters.rounds, clusters.distance);
     return 0;
 }

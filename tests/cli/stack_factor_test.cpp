@@ -14,14 +14,15 @@ using Catch::Matchers::Contains;
 TEST_CASE("stack dataset and stack factor make a profile map of a slab, the same for any number of threads") {
     const Folder folder("stack_factor");
     for (const char* threads : {"1", "3"}) {
-        const Outcome data = run_program(fmt::format("stack dataset chess --points 24,20 --radius 4 --paths 200 --feature 3mm --threads {} -o {}",
-                                                     threads, folder / fmt::format("{}.bssrdf", threads)));
+        const Outcome data = run_program(
+            fmt::format("stack dataset chess --points 24,20 --radius 4 --paths 200 --feature 3mm --threads {} -o {}",
+                        threads, folder / fmt::format("{}.bssrdf", threads)));
         INFO(data.err);
         REQUIRE(data.exit_code == 0);
         CHECK_THAT(data.out, Contains("24 x 20 points at 0.5 mm"));
-        const Outcome factor = run_program(fmt::format("stack factor {} --clusters 8 --picture {} --threads {} -o {} --json",
-                                                       folder / "1.bssrdf", folder / fmt::format("{}.picture.png", threads), threads,
-                                                       folder / fmt::format("{}.json", threads)));
+        const Outcome factor = run_program(fmt::format(
+            "stack factor {} --clusters 8 --picture {} --threads {} -o {} --json", folder / "1.bssrdf",
+            folder / fmt::format("{}.picture.png", threads), threads, folder / fmt::format("{}.json", threads)));
         INFO(factor.err);
         REQUIRE(factor.exit_code == 0);
     }
@@ -45,12 +46,13 @@ TEST_CASE("stack dataset and stack factor make a profile map of a slab, the same
 TEST_CASE("stack factor scales to an albedo, and checks with other data") {
     const Folder folder("stack_factor_check");
     for (const int seed : {1, 2})
-        REQUIRE(run_program(fmt::format("stack dataset stone --points 20 --radius 4 --paths 200 --path-seed {} -o {} --quiet", seed,
-                                        folder / fmt::format("{}.bssrdf", seed)))
+        REQUIRE(run_program(
+                    fmt::format("stack dataset stone --points 20 --radius 4 --paths 200 --path-seed {} -o {} --quiet",
+                                seed, folder / fmt::format("{}.bssrdf", seed)))
                     .exit_code == 0);
     const Outcome factor =
-        run_program(fmt::format("stack factor {} --check {} --clusters 5 --max-albedo 0.6 -o {} --json --quiet", folder / "1.bssrdf",
-                                folder / "2.bssrdf", folder / "map.json"));
+        run_program(fmt::format("stack factor {} --check {} --clusters 5 --max-albedo 0.6 -o {} --json --quiet",
+                                folder / "1.bssrdf", folder / "2.bssrdf", folder / "map.json"));
     INFO(factor.err);
     REQUIRE(factor.exit_code == 0);
     const std::size_t last = factor.out.rfind('\n', factor.out.size() - 2);
@@ -81,8 +83,13 @@ TEST_CASE("stack dataset and stack factor say what is wrong with their input") {
     refused(fmt::format("stack factor {} -o {}", folder / "text", folder / "x.json"), 3, "no data set of scattering");
     refused(fmt::format("stack factor {} -o {}", folder / "text", folder / "x.txt"), 2, "ends in .json");
     refused(fmt::format("stack factor {} -o {} --max-albedo 2", folder / "text", folder / "x.json"), 2, "max-albedo");
-    REQUIRE(run_program(fmt::format("stack dataset marble --points 6 --radius 2 --paths 9 -o {} --quiet", folder / "a")).exit_code == 0);
-    REQUIRE(run_program(fmt::format("stack dataset marble --points 7 --radius 2 --paths 9 -o {} --quiet", folder / "b")).exit_code == 0);
-    refused(fmt::format("stack factor {} --check {} -o {}", folder / "a", folder / "b", folder / "x.json"), 3, "must be of one surface");
-    refused(fmt::format("stack factor {} --point 6,0 --picture {} -o {}", folder / "a", folder / "p.png", folder / "x.json"), 2, "outside");
+    REQUIRE(run_program(fmt::format("stack dataset marble --points 6 --radius 2 --paths 9 -o {} --quiet", folder / "a"))
+                .exit_code == 0);
+    REQUIRE(run_program(fmt::format("stack dataset marble --points 7 --radius 2 --paths 9 -o {} --quiet", folder / "b"))
+                .exit_code == 0);
+    refused(fmt::format("stack factor {} --check {} -o {}", folder / "a", folder / "b", folder / "x.json"), 3,
+            "must be of one surface");
+    refused(fmt::format("stack factor {} --point 6,0 --picture {} -o {}", folder / "a", folder / "p.png",
+                        folder / "x.json"),
+            2, "outside");
 }

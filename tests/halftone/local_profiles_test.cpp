@@ -3,8 +3,8 @@
 
 #include <numeric>
 
-#include <catch2/catch.hpp>
 #include <Eigen/Dense>
+#include <catch2/catch.hpp>
 
 #include "response_samples.h"
 #include "voxtone/base/error.h"
@@ -37,6 +37,11 @@ TEST_CASE("Rings hold every offset of the window once, at the knots that its dis
         CHECK((ring.low_share >= 0 && ring.low_share <= 1 && ring.knot < 10));
     }
     CHECK(offsets == 317);
+    const auto of_half = rings_of_half_window(rings, 10);
+    const auto half = optics::half_window(10);
+    REQUIRE(of_half.size() == half.size());
+    for (std::size_t s = 0; s < half.size(); ++s)
+        CHECK(rings[of_half[s]].radius == Approx(std::hypot(half[s].x, half[s].y)));
     CHECK(rings[0].offsets.size() == 1);
     CHECK(rings.back().low_share == 0);
 }
@@ -62,7 +67,8 @@ TEST_CASE("Blocks of five bands are solved as Eigen solves them") {
         const Eigen::MatrixXd A = L * L.transpose();
         auto block = blocks.clear(b);
         for (int i = 0; i < n; ++i)
-            for (int j = std::max(0, i - 2); j <= i; ++j) block.add(static_cast<std::size_t>(i), static_cast<std::size_t>(j), A(i, j));
+            for (int j = std::max(0, i - 2); j <= i; ++j)
+                block.add(static_cast<std::size_t>(i), static_cast<std::size_t>(j), A(i, j));
         block.factorise();
         std::vector<double> right(3 * n), x(3 * n);
         for (double& value : right) value = random.uniform() - 0.5;
@@ -70,7 +76,8 @@ TEST_CASE("Blocks of five bands are solved as Eigen solves them") {
         Eigen::VectorXd r(n);
         for (int i = 0; i < n; ++i) r[i] = right[static_cast<std::size_t>(3 * i) + b];
         const Eigen::VectorXd truth = A.ldlt().solve(r);
-        for (int i = 0; i < n; ++i) CHECK(x[static_cast<std::size_t>(3 * i) + b] == Approx(truth[i]).epsilon(1e-9).margin(1e-12));
+        for (int i = 0; i < n; ++i)
+            CHECK(x[static_cast<std::size_t>(3 * i) + b] == Approx(truth[i]).epsilon(1e-9).margin(1e-12));
     }
 }
 
@@ -111,7 +118,9 @@ TEST_CASE("Logarithms of single counts would lose light; counts do not") {
     // What Eq. 7 in logarithms by plain least squares gives of homogeneous data of about one count a pair: the mean of the
     // logarithms of what is not 0.
     LocalProfiles truth{{30, 30}, 3, 0.5, {ProfileImages(4 * 900)}};
-    for (std::size_t k = 0; k < 4; ++k) std::fill_n(truth.channels[0].begin() + static_cast<std::ptrdiff_t>(900 * k), 900, std::exp(-0.8 * static_cast<double>(k)));
+    for (std::size_t k = 0; k < 4; ++k)
+        std::fill_n(truth.channels[0].begin() + static_cast<std::ptrdiff_t>(900 * k), 900,
+                    std::exp(-0.8 * static_cast<double>(k)));
     const auto data = separable_responses(truth, 3, 5);
     double logs = 0, n = 0;
     for (std::size_t i = 0; i < 900; ++i)
@@ -152,8 +161,10 @@ TEST_CASE("What cannot be factored is refused with the reason") {
         change(options);
         return options;
     };
-    CHECK_THROWS_WITH((void)factor_responses(data, with([](auto& o) { o.curvature = 0; }), summary), Contains("curvature"));
-    CHECK_THROWS_WITH((void)factor_responses(data, with([](auto& o) { o.tolerance = 1; }), summary), Contains("tolerance"));
+    CHECK_THROWS_WITH((void)factor_responses(data, with([](auto& o) { o.curvature = 0; }), summary),
+                      Contains("curvature"));
+    CHECK_THROWS_WITH((void)factor_responses(data, with([](auto& o) { o.tolerance = 1; }), summary),
+                      Contains("tolerance"));
     CHECK_THROWS_WITH((void)factor_responses(data, with([](auto& o) { o.max_steps = 0; }), summary), Contains("steps"));
     std::fill(data.channels[0].pairs.begin(), data.channels[0].pairs.end(), 0.0f);
     CHECK_THROWS_WITH((void)factor_responses(data, {}, summary), Contains("no light at all"));
@@ -165,7 +176,8 @@ TEST_CASE("Light by knot and radial samples hold all light of a profile") {
         std::vector<double> P;
         double light = 0;
         for (int k = 0; k <= 6; ++k) P.push_back(2 * std::exp(-k / width));
-        for (const ProfileRing& ring : rings) light += 0.25 * static_cast<double>(ring.offsets.size()) * 2 * std::exp(-ring.radius / width);
+        for (const ProfileRing& ring : rings)
+            light += 0.25 * static_cast<double>(ring.offsets.size()) * 2 * std::exp(-ring.radius / width);
         const auto by_knot = light_by_knot(P, rings, 0.5);
         CHECK(std::accumulate(by_knot.begin(), by_knot.end(), 0.0) == Approx(light));
         const auto samples = radial_samples(P, 6, 0.5);

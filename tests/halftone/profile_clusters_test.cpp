@@ -68,7 +68,8 @@ TEST_CASE("Clusters keep the light of their members") {
     for (std::size_t c = 0; c < 2; ++c) {
         const auto before = spread_of(profiles, c).albedo, after = spread_of(means, c).albedo;
         const double light = std::accumulate(before.begin(), before.end(), 0.0);
-        CHECK(std::accumulate(after.begin(), after.end(), 0.0) == Approx(light).epsilon(5e-3));  // noise between knots: variance / 16, 0.3 %
+        CHECK(std::accumulate(after.begin(), after.end(), 0.0) ==
+              Approx(light).epsilon(5e-3));  // noise between knots: variance / 16, 0.3 %
     }
     options.clusters = 40;
     CHECK(cluster_profiles(profiles, options).distance < found.distance);

@@ -20,8 +20,10 @@ inline LocalProfiles wandering_profiles(PointGrid grid, std::uint32_t radius, st
     for (std::size_t c = 0; c < channels; ++c) {
         ProfileImages P(profiles.knots() * grid.points());
         for (std::size_t i = 0; i < grid.points(); ++i) {
-            const double x = static_cast<double>(i % grid.width), y = static_cast<double>(i / grid.width), phase = static_cast<double>(c);
-            const double wave = 0.5 + 0.5 * std::sin(0.21 * x + 0.13 * y + phase), other = 0.5 + 0.5 * std::cos(0.09 * x - 0.17 * y + 2 * phase);
+            const double x = static_cast<double>(i % grid.width), y = static_cast<double>(i / grid.width),
+                         phase = static_cast<double>(c);
+            const double wave = 0.5 + 0.5 * std::sin(0.21 * x + 0.13 * y + phase),
+                         other = 0.5 + 0.5 * std::cos(0.09 * x - 0.17 * y + 2 * phase);
             const double width = 0.7 * std::pow(3.0, wave), height = std::pow(3.0, -other);
             for (std::size_t k = 0; k < profiles.knots(); ++k) {
                 const double r = static_cast<double>(k);
@@ -37,7 +39,8 @@ inline LocalProfiles wandering_profiles(PointGrid grid, std::uint32_t radius, st
 inline double poisson(RandomStream& random, double mean) {
     if (mean > 30) {
         const double u = 1 - random.uniform(), v = random.uniform();
-        return std::max(0.0, std::round(mean + std::sqrt(mean) * std::sqrt(-2 * std::log(u)) * std::cos(6.283185307179586 * v)));
+        return std::max(
+            0.0, std::round(mean + std::sqrt(mean) * std::sqrt(-2 * std::log(u)) * std::cos(6.283185307179586 * v)));
     }
     double product = random.uniform(), least = std::exp(-mean);
     int count = 0;
@@ -63,11 +66,15 @@ inline optics::PointResponses separable_responses(const LocalProfiles& profiles,
             });
             const double noise = s == 0 ? 2 * data.noise : data.noise;
             for (std::size_t i = 0; i < points; ++i) {
-                const int x = static_cast<int>(i % grid.width) + offsets[s].x, y = static_cast<int>(i / grid.width) + offsets[s].y;
+                const int x = static_cast<int>(i % grid.width) + offsets[s].x,
+                          y = static_cast<int>(i / grid.width) + offsets[s].y;
                 if (x < 0 || y < 0 || x >= static_cast<int>(grid.width) || y >= static_cast<int>(grid.height)) continue;
                 const auto o = static_cast<std::size_t>(y) * grid.width + static_cast<std::size_t>(x);
-                const auto log_at = [&](std::size_t k) { return 0.5 * std::log(P[k * points + i] * P[k * points + o]); };
-                double R = std::exp(ring->low_share * log_at(ring->knot) + (1 - ring->low_share) * log_at(ring->knot + 1));
+                const auto log_at = [&](std::size_t k) {
+                    return 0.5 * std::log(P[k * points + i] * P[k * points + o]);
+                };
+                double R =
+                    std::exp(ring->low_share * log_at(ring->knot) + (1 - ring->low_share) * log_at(ring->knot + 1));
                 if (counts > 0) {
                     RandomStream random(seed, s * points + i, static_cast<std::uint32_t>(responses.channels.size()));
                     R = noise * poisson(random, R / noise);

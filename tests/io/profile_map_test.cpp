@@ -26,12 +26,14 @@ ProfileMap sample(std::size_t clusters, std::uint32_t width = 5, std::uint32_t h
     map.height_mm = 1.2;
     map.width_px = width;
     map.height_px = height;
-    for (std::size_t i = 0; i < std::size_t{width} * height; ++i) map.cluster.push_back(static_cast<std::uint16_t>(i * 37 % clusters));
+    for (std::size_t i = 0; i < std::size_t{width} * height; ++i)
+        map.cluster.push_back(static_cast<std::uint16_t>(i * 37 % clusters));
     for (std::size_t k = 0; k < clusters; ++k) {
         auto& target = map.target.emplace_back();
         for (int c = 0; c < 2; ++c) {
             target.push_back({0.1, {}, {}});
-            for (int i = 0; i < 6; ++i) target.back().light.push_back(1.0 / (1 + i + c) + 1e-3 * static_cast<double>(k));
+            for (int i = 0; i < 6; ++i)
+                target.back().light.push_back(1.0 / (1 + i + c) + 1e-3 * static_cast<double>(k));
         }
     }
     return map;
@@ -46,7 +48,8 @@ std::string text_of(const std::filesystem::path& file) {
 void check_same(const ProfileMap& a, const ProfileMap& b) {
     CHECK(a.source == b.source);
     CHECK(a.channels == b.channels);
-    CHECK((a.width_mm == b.width_mm && a.height_mm == b.height_mm && a.width_px == b.width_px && a.height_px == b.height_px));
+    CHECK((a.width_mm == b.width_mm && a.height_mm == b.height_mm && a.width_px == b.width_px &&
+           a.height_px == b.height_px));
     CHECK(a.cluster == b.cluster);
     REQUIRE(a.target.size() == b.target.size());
     for (std::size_t k = 0; k < a.target.size(); ++k)

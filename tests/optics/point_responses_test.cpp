@@ -28,7 +28,8 @@ Slab homogeneous(const PointResponseOptions& options, double sigma_t, double alb
     slab.set.channels.wavelengths_nm = {550};
     slab.set.eta = eta;
     slab.set.resins = {{"one", "W", {sigma_t}, {albedo}}};
-    slab.volume = make_resin_volume({static_cast<int>(options.width + 2 * options.margin), static_cast<int>(options.height + 2 * options.margin), 5},
+    slab.volume = make_resin_volume({static_cast<int>(options.width + 2 * options.margin),
+                                     static_cast<int>(options.height + 2 * options.margin), 5},
                                     {0.4, 0.4, 0.2}, [](int, int, int) { return 1; });
     return slab;
 }
@@ -74,7 +75,8 @@ TEST_CASE("Responses of a homogeneous slab are the profile that its layer has") 
         for (std::size_t s = 0; s < offsets.size(); ++s) {
             double expected = 0, spread = 0;
             for (std::size_t ring = 0; ring < profile.R.light.size(); ++ring) {
-                const double r = 0.5 * (profile.edges_mm[ring] + profile.edges_mm[ring + 1]) / 0.4, chance = landing_chance(r, offsets[s]);
+                const double r = 0.5 * (profile.edges_mm[ring] + profile.edges_mm[ring + 1]) / 0.4,
+                             chance = landing_chance(r, offsets[s]);
                 expected += chance * profile.R.light[ring];
                 spread += chance * chance * profile.R.light[ring];
             }
@@ -82,8 +84,10 @@ TEST_CASE("Responses of a homogeneous slab are the profile that its layer has") 
             double sum = 0;
             for (std::size_t i = 0; i < responses.points(); ++i) sum += data.pairs[s * responses.points() + i];
             const double found = sum / pairs * responses.cell_mm2();
-            const double variance = data.noise * (s == 0 ? 2 : 1) * responses.cell_mm2() * expected / pairs + spread / (1 << 19);
-            INFO("eta " << eta << ", offset " << offsets[s].x << ", " << offsets[s].y << ": " << found << " for " << expected);
+            const double variance =
+                data.noise * (s == 0 ? 2 : 1) * responses.cell_mm2() * expected / pairs + spread / (1 << 19);
+            INFO("eta " << eta << ", offset " << offsets[s].x << ", " << offsets[s].y << ": " << found << " for "
+                        << expected);
             CHECK(std::abs(found - expected) < 4.5 * std::sqrt(variance));
             squares += (found - expected) * (found - expected) / variance;
             light += found, expected_light += expected;
@@ -102,7 +106,8 @@ TEST_CASE("The comparison of responses and layers tells a slab from one that abs
         for (const float total : responses.channels[0].total) sum += total;
         return sum / static_cast<double>(responses.points());
     };
-    const double R = trace_layers({{{Medium{0.1, 4.9}, 1.0}}, 0.4, 1, 1}, HankelGrid(8, 64), {.paths = 1 << 19}).R.total;
+    const double R =
+        trace_layers({{{Medium{0.1, 4.9}, 1.0}}, 0.4, 1, 1}, HankelGrid(8, 64), {.paths = 1 << 19}).R.total;
     CHECK(std::abs(light_of(0.98) - R) < 0.004);
     CHECK(std::abs(light_of(0.975) - R) > 0.004);
 }

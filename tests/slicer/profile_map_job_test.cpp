@@ -16,7 +16,10 @@ using Catch::Matchers::Contains;
 namespace {
 
 io::BssrdfFile sample(double counts, std::uint64_t seed) {
-    return {"a test", {}, halftone::testing::separable_responses(halftone::testing::wandering_profiles({26, 22}, 5, 3), counts, seed)};
+    return {
+        "a test",
+        {},
+        halftone::testing::separable_responses(halftone::testing::wandering_profiles({26, 22}, 5, 3), counts, seed)};
 }
 
 }  // namespace
@@ -67,7 +70,9 @@ TEST_CASE("A comparison shows data, factored and clustered surface side by side"
     const io::Picture8& picture = drawn.picture;
     // 16 x 12 points remain, 15 px each; gaps of 10 px.
     CHECK(picture.width_px == 3 * 240 + 40);
-    const auto code = [&](std::uint32_t x, std::uint32_t y) { return static_cast<int>(picture.codes[3 * (std::size_t{y} * picture.width_px + x)]); };
+    const auto code = [&](std::uint32_t x, std::uint32_t y) {
+        return static_cast<int>(picture.codes[3 * (std::size_t{y} * picture.width_px + x)]);
+    };
     CHECK(code(2, 2) == 255);
     // The albedo of three points, each in three panels.
     for (const std::uint32_t x : {20u, 120u, 230u})

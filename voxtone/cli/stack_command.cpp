@@ -16,7 +16,9 @@ Command add_stack_command(CLI::App& program) {
         program.add_subcommand("stack", "Stacks of layers that show how light is wanted to spread in a surface");
     command->require_subcommand(1);
     auto steps = std::make_shared<std::vector<std::pair<CLI::App*, Command>>>();
-    const auto add = [&](const char* name, Command step) { steps->emplace_back(command->get_subcommand(name), std::move(step)); };
+    const auto add = [&](const char* name, Command step) {
+        steps->emplace_back(command->get_subcommand(name), std::move(step));
+    };
     add("dataset", add_stack_dataset_command(*command));
     add("factor", add_stack_factor_command(*command));
     return [steps] {

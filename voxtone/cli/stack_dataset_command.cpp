@@ -51,10 +51,11 @@ CommandResult make_dataset(Arguments& a, Progress& progress) {
     if (a.matched) set.eta = 1;
     const std::uint64_t bytes = io::bssrdf_bytes(set.channels.size(), a.trace.width, a.trace.height, a.trace.radius);
     if (bytes > io::most_bssrdf_bytes)
-        throw InputError(fmt::format("{} x {} points, radius {}, {} channels make a file of {:.1f} GB, more than the {:.1f} GB that "
-                                     "one may have; take fewer --points or a smaller --radius.",
-                                     a.trace.width, a.trace.height, a.trace.radius, set.channels.size(), 1e-9 * static_cast<double>(bytes),
-                                     1e-9 * static_cast<double>(io::most_bssrdf_bytes)));
+        throw InputError(
+            fmt::format("{} x {} points, radius {}, {} channels make a file of {:.1f} GB, more than the {:.1f} GB that "
+                        "one may have; take fewer --points or a smaller --radius.",
+                        a.trace.width, a.trace.height, a.trace.radius, set.channels.size(),
+                        1e-9 * static_cast<double>(bytes), 1e-9 * static_cast<double>(io::most_bssrdf_bytes)));
     const optics::MixtureSlab slab = optics::make_slab(set, slab_options);
 
     const auto begin = std::chrono::steady_clock::now();
@@ -62,13 +63,14 @@ CommandResult make_dataset(Arguments& a, Progress& progress) {
     progress.begin_stage("trace", set.channels.size() * std::uint64_t{a.trace.width} * a.trace.height, "points");
     io::BssrdfFile data;
     data.channels = set.channels;
-    data.responses = optics::trace_point_responses({&slab.volume, &slab.mixtures, optics::Backing::black, optics::Sides::mirrored},
-                                                   a.trace, &progress);
+    data.responses = optics::trace_point_responses(
+        {&slab.volume, &slab.mixtures, optics::Backing::black, optics::Sides::mirrored}, a.trace, &progress);
     progress.end_stage();
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-    data.source = fmt::format("voxtone stack dataset {}: {}, {} mm thick on black, pattern of {} mm, seed {}, {} paths a point{}", a.pattern,
-                              set.name, slab_options.thickness_mm, slab_options.feature_mm, slab_options.seed, a.trace.paths,
-                              a.matched ? ", no refractive surface" : "");
+    data.source =
+        fmt::format("voxtone stack dataset {}: {}, {} mm thick on black, pattern of {} mm, seed {}, {} paths a point{}",
+                    a.pattern, set.name, slab_options.thickness_mm, slab_options.feature_mm, slab_options.seed,
+                    a.trace.paths, a.matched ? ", no refractive surface" : "");
     io::write_bssrdf(data, a.out);
 
     std::vector<double> albedo, beyond;
@@ -79,14 +81,22 @@ CommandResult make_dataset(Arguments& a, Progress& progress) {
         albedo.push_back(sum / static_cast<double>(total.size()));
         beyond.push_back(optics::share_beyond_window(data.responses, c));
     }
-    const nlohmann::ordered_json json{{"format", "voxtone-stack-dataset"}, {"version", 1},       {"dataset", a.out},
-                                      {"points", {a.trace.width, a.trace.height}},               {"bytes", bytes},
-                                      {"mean_albedo", albedo},             {"beyond_window", beyond}, {"seconds", seconds}};
-    return {json.dump(),
-            fmt::format("{}: {} x {} points at {} mm, {:.1f} MB; mean albedo {:.3f}; share of light beyond {:.3g} mm {:.4f} (by "
-                        "channel); {} paths a point and channel in {:.1f} s\n",
-                        a.out, a.trace.width, a.trace.height, slab_options.pitch_mm, 1e-6 * static_cast<double>(bytes),
-                        fmt::join(albedo, ", "), a.trace.radius * slab_options.pitch_mm, fmt::join(beyond, ", "), a.trace.paths, seconds)};
+    const nlohmann::ordered_json json{{"format", "voxtone-stack-dataset"},
+                                      {"version", 1},
+                                      {"dataset", a.out},
+                                      {"points", {a.trace.width, a.trace.height}},
+                                      {"bytes", bytes},
+                                      {"mean_albedo", albedo},
+                                      {"beyond_window", beyond},
+                                      {"seconds", seconds}};
+    return {
+        json.dump(),
+        fmt::format(
+            "{}: {} x {} points at {} mm, {:.1f} MB; mean albedo {:.3f}; share of light beyond {:.3g} mm {:.4f} (by "
+            "channel); {} paths a point and channel in {:.1f} s\n",
+            a.out, a.trace.width, a.trace.height, slab_options.pitch_mm, 1e-6 * static_cast<double>(bytes),
+            fmt::join(albedo, ", "), a.trace.radius * slab_options.pitch_mm, fmt::join(beyond, ", "), a.trace.paths,
+            seconds)};
 }
 
 }  // namespace
@@ -94,12 +104,17 @@ CommandResult make_dataset(Arguments& a, Progress& progress) {
 Command add_stack_dataset_command(CLI::App& stack) {
     auto arguments = std::make_shared<Arguments>();
     Arguments& a = *arguments;
-    CLI::App* command = stack.add_subcommand(
-        "dataset", "Trace how light that enters a heterogeneous slab at one point leaves it at the others: a data set for `stack factor`");
-    command->add_option("pattern", a.pattern, "marble: veins; chess: white on black and translucent squares; stone: grains")
+    CLI::App* command = stack.add_subcommand("dataset",
+                                             "Trace how light that enters a heterogeneous slab at one point leaves it "
+                                             "at the others: a data set for `stack factor`");
+    command
+        ->add_option("pattern", a.pattern,
+                     "marble: veins; chess: white on black and translucent squares; stone: grains")
         ->check(CLI::IsMember({"marble", "chess", "stone"}))
         ->required();
-    command->add_option("-o,--out", a.out, "data set to write (format: docs/heterogeneous.md)")->type_name("FILE")->required();
+    command->add_option("-o,--out", a.out, "data set to write (format: docs/heterogeneous.md)")
+        ->type_name("FILE")
+        ->required();
     command->add_option("--points", a.points, "points a side, or WIDTH,HEIGHT")
         ->delimiter(',')
         ->expected(1, 2)
@@ -115,22 +130,29 @@ Command add_stack_dataset_command(CLI::App& stack) {
     command->add_option("--radius", a.trace.radius, "of the window around a point, in points")
         ->check(CLI::Range(1, 64))
         ->capture_default_str();
-    command->add_option("--paths", a.trace.paths, "per point and channel; a value's noise falls with the root of their number")
+    command
+        ->add_option("--paths", a.trace.paths,
+                     "per point and channel; a value's noise falls with the root of their number")
         ->check(CLI::Range(1u, 1u << 24))
         ->capture_default_str();
     command->add_option("--resins", a.resins, "resin set (`voxtone list resins`) or file, with roles W, K and T")
         ->type_name("SET|FILE")
         ->capture_default_str();
-    command->add_flag("--matched", a.matched, "no refractive surface (index-matched on both sides), as stacked profiles have it");
-    command->add_option("--seed", a.slab.seed, "seed of the pattern and the paths")->type_name("N")->capture_default_str();
-    command->add_option("--path-seed", a.path_seed, "seed of the paths alone: the same slab seen once more")->type_name("N");
+    command->add_flag("--matched", a.matched,
+                      "no refractive surface (index-matched on both sides), as stacked profiles have it");
+    command->add_option("--seed", a.slab.seed, "seed of the pattern and the paths")
+        ->type_name("N")
+        ->capture_default_str();
+    command->add_option("--path-seed", a.path_seed, "seed of the paths alone: the same slab seen once more")
+        ->type_name("N");
     command->add_option("--threads", a.threads, "threads; 0: one per core. The result does not depend on it")
         ->capture_default_str()
         ->check(CLI::Range(0, 1024));
     add_console_options(*command, a.console);
     return [arguments] {
         const ThreadLimit limit(static_cast<std::size_t>(arguments->threads));
-        return run_on_console(arguments->console, [&](Progress& progress) { return make_dataset(*arguments, progress); });
+        return run_on_console(arguments->console,
+                              [&](Progress& progress) { return make_dataset(*arguments, progress); });
     };
 }
 

@@ -33,7 +33,8 @@ public:
           points_(grid_.points()),
           knots_(std::size_t{responses.radius} + 1),
           smoothness_(1 / (curvature * curvature)),
-          noise_(data.noise > 0 ? data.noise : *std::max_element(data.pairs.begin(), data.pairs.end()) / counts_without_noise),
+          noise_(data.noise > 0 ? data.noise
+                                : *std::max_element(data.pairs.begin(), data.pairs.end()) / counts_without_noise),
           blocks_(points_, knots_) {
         count(responses, data);
         root_.assign(rings_.size(), std::vector<double>(points_));
@@ -70,7 +71,8 @@ public:
             for_rows([&](std::size_t y) {
                 const auto sum = row_of(around_[r], y);
                 sum_over_ring(grid_, rings_[r], root_[r], static_cast<std::uint32_t>(y), sum);
-                for (std::size_t x = 0; x < grid_.width; ++x) row_value[y] += 0.5 * root_[r][y * grid_.width + x] * sum[x];
+                for (std::size_t x = 0; x < grid_.width; ++x)
+                    row_value[y] += 0.5 * root_[r][y * grid_.width + x] * sum[x];
             });
         }
         for_rows([&](std::size_t y) {
@@ -103,7 +105,8 @@ public:
     void multiply(const Images& x, Images& h) {
         for_rows([&](std::size_t y) {
             for (std::size_t k = 0; k < knots_; ++k) std::fill_n(h.begin() + offset(k, y), grid_.width, 0.0);
-            for (std::size_t i = y * grid_.width; i < (y + 1) * grid_.width; ++i) h[i] = own_weight * root_[0][i] * root_[0][i] * x[i];
+            for (std::size_t i = y * grid_.width; i < (y + 1) * grid_.width; ++i)
+                h[i] = own_weight * root_[0][i] * root_[0][i] * x[i];
             add_smoothness(x, h, y);
         });
         for (std::size_t r = 1; r < rings_.size(); ++r) {
@@ -145,7 +148,8 @@ public:
                 constexpr double bend[] = {1, -2, 1};
                 for (std::size_t k = 1; k + 1 < knots_; ++k)
                     for (std::size_t a = 0; a < 3; ++a)
-                        for (std::size_t b = 0; b <= a; ++b) block.add(k - 1 + a, k - 1 + b, smoothness_ * bend[a] * bend[b]);
+                        for (std::size_t b = 0; b <= a; ++b)
+                            block.add(k - 1 + a, k - 1 + b, smoothness_ * bend[a] * bend[b]);
                 // A point without neighbours or light leaves a block that cannot be inverted.
                 for (std::size_t k = 0; k < knots_; ++k) block.add(k, k, 1e-9 * smoothness_);
                 block.factorise();
@@ -177,7 +181,9 @@ private:
     [[nodiscard]] std::ptrdiff_t offset(std::size_t knot, std::size_t row) const {
         return static_cast<std::ptrdiff_t>(knot * points_ + row * grid_.width);
     }
-    [[nodiscard]] std::pair<double, double> shares(std::size_t r) const { return {rings_[r].low_share, 1 - rings_[r].low_share}; }
+    [[nodiscard]] std::pair<double, double> shares(std::size_t r) const {
+        return {rings_[r].low_share, 1 - rings_[r].low_share};
+    }
     [[nodiscard]] double at(const Images& p, std::size_t r, std::size_t i, std::size_t next = 0) const {
         return p[(rings_[r].knot + next) * points_ + i];
     }
@@ -211,13 +217,7 @@ private:
         pairs_ = counts_;
         const auto offsets = optics::half_window(responses.radius);
         const int width = static_cast<int>(grid_.width), height = static_cast<int>(grid_.height);
-        std::vector<std::size_t> ring_of;
-        for (const auto& d : offsets) {
-            const double radius = std::sqrt(static_cast<double>(d.x * d.x + d.y * d.y));
-            ring_of.push_back(static_cast<std::size_t>(
-                std::find_if(rings_.begin(), rings_.end(), [&](const ProfileRing& ring) { return ring.radius == radius; }) -
-                rings_.begin()));
-        }
+        const auto ring_of = rings_of_half_window(rings_, responses.radius);
         for_rows([&](std::size_t row) {
             const int y = static_cast<int>(row);
             for (int x = 0; x < width; ++x) {
@@ -229,7 +229,8 @@ private:
                         const int to_x = x + sign * offsets[s].x, to_y = y + sign * offsets[s].y;
                         if (to_x < 0 || to_y < 0 || to_x >= width || to_y >= height) continue;
                         const std::size_t from = sign > 0 ? i : static_cast<std::size_t>(to_y * width + to_x);
-                        spread(counts_, ring_of[s], i, 0.5 * static_cast<double>(data.pairs[s * points_ + from]) / noise_);
+                        spread(counts_, ring_of[s], i,
+                               0.5 * static_cast<double>(data.pairs[s * points_ + from]) / noise_);
                         spread(pairs_, ring_of[s], i, 0.5);
                     }
             }
@@ -275,7 +276,8 @@ int solve(Problem& problem, const Images& g, Images& x, double tolerance, int mo
 }
 
 /// Newton's steps, halved where they go too far.
-Images minimise(Problem& problem, const LocalProfileOptions& options, FactorSummary& summary, const Progress* progress) {
+Images minimise(Problem& problem, const LocalProfileOptions& options, FactorSummary& summary,
+                const Progress* progress) {
     Images p = problem.start(), g(p.size()), step(p.size()), candidate(p.size());
     double value = problem.move_to(p);
     for (;;) {
@@ -309,12 +311,15 @@ Images minimise(Problem& problem, const LocalProfileOptions& options, FactorSumm
 
 void LocalProfileOptions::validate() const {
     if (!(curvature > 0 && std::isfinite(curvature)))
-        throw InputError(fmt::format("The curvature of local profiles is {}, expected a number above 0, such as 0.5.", curvature));
+        throw InputError(
+            fmt::format("The curvature of local profiles is {}, expected a number above 0, such as 0.5.", curvature));
     if (!(tolerance > 0 && tolerance < 1))
-        throw InputError(fmt::format("The tolerance of the factorisation is {}, expected a number between 0 and 1, such as 1e-4.", tolerance));
+        throw InputError(fmt::format(
+            "The tolerance of the factorisation is {}, expected a number between 0 and 1, such as 1e-4.", tolerance));
     if (max_steps < 1 || max_iterations < 1)
-        throw InputError(fmt::format("The factorisation may take {} steps of {} iterations; it needs at least one of both.", max_steps,
-                                     max_iterations));
+        throw InputError(
+            fmt::format("The factorisation may take {} steps of {} iterations; it needs at least one of both.",
+                        max_steps, max_iterations));
 }
 
 LocalProfiles factor_responses(const optics::PointResponses& responses, const LocalProfileOptions& options,
@@ -326,7 +331,8 @@ LocalProfiles factor_responses(const optics::PointResponses& responses, const Lo
         const optics::ChannelResponses& data = responses.channels[c];
         VOXTONE_EXPECT(data.pairs.size() == responses.points() * optics::half_window(responses.radius).size());
         if (!(*std::max_element(data.pairs.begin(), data.pairs.end()) > 0))
-            throw InputError(fmt::format("Channel {} of the data set holds no light at all: there is nothing to be factored.", c));
+            throw InputError(
+                fmt::format("Channel {} of the data set holds no light at all: there is nothing to be factored.", c));
         Problem problem(responses, data, options.curvature);
         ProfileImages P = minimise(problem, options, summary[c], progress);
         parallel_for(0, P.size(), 4096, [&](std::size_t i) { P[i] = problem.noise() * std::exp(P[i]); });

@@ -40,9 +40,9 @@ struct LocalProfileOptions {
     double curvature = 0.5;
     /// Stop when the light by point and knot differs from what the minimum asks by this share of all light.
     double tolerance = 1e-4;
-    int max_steps = 40;         ///< of Newton
-    int max_iterations = 200;   ///< of conjugate gradients, in a step
-    void validate() const;      ///< throws InputError that names the value and the rule it breaks
+    int max_steps = 40;        ///< of Newton
+    int max_iterations = 200;  ///< of conjugate gradients, in a step
+    void validate() const;     ///< throws InputError that names the value and the rule it breaks
 };
 
 /// Of one channel: P [knot][point], mm^-2.
@@ -64,7 +64,8 @@ struct FactorSummary {
 };
 
 /// Throws InputError where a channel holds no light at all. `progress` advances once a channel.
-[[nodiscard]] LocalProfiles factor_responses(const optics::PointResponses& responses, const LocalProfileOptions& options,
-                                             std::vector<FactorSummary>& summary, Progress* progress = nullptr);
+[[nodiscard]] LocalProfiles factor_responses(const optics::PointResponses& responses,
+                                             const LocalProfileOptions& options, std::vector<FactorSummary>& summary,
+                                             Progress* progress = nullptr);
 
 }  // namespace voxtone::halftone

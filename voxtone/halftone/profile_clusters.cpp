@@ -36,7 +36,8 @@ Features features_of(const LocalProfiles& profiles) {
         std::vector<double> P(knots);
         for (const ProfileImages& images : profiles.channels) {
             for (std::size_t k = 0; k < knots; ++k) P[k] = images[k * points + i];
-            for (const double light : light_by_knot(P, rings, profiles.pitch_mm)) *to++ = static_cast<float>(std::sqrt(light));
+            for (const double light : light_by_knot(P, rings, profiles.pitch_mm))
+                *to++ = static_cast<float>(std::sqrt(light));
         }
     });
     return features;
@@ -141,11 +142,14 @@ void move_centres(const Features& features, const Assignment& assignment, Centre
 void ClusterOptions::validate() const {
     if (clusters < 1 || clusters > 65535)
         throw InputError(fmt::format("{} clusters are asked for, expected 1 to 65535.", clusters));
-    if (!(tolerance >= 0 && tolerance < 1)) throw InputError(fmt::format("The tolerance of clustering is {}, expected 0 to 1.", tolerance));
-    if (max_rounds < 1) throw InputError(fmt::format("{} rounds of clustering are allowed, expected at least one.", max_rounds));
+    if (!(tolerance >= 0 && tolerance < 1))
+        throw InputError(fmt::format("The tolerance of clustering is {}, expected 0 to 1.", tolerance));
+    if (max_rounds < 1)
+        throw InputError(fmt::format("{} rounds of clustering are allowed, expected at least one.", max_rounds));
 }
 
-ProfileClusters cluster_profiles(const LocalProfiles& profiles, const ClusterOptions& options, const Progress* progress) {
+ProfileClusters cluster_profiles(const LocalProfiles& profiles, const ClusterOptions& options,
+                                 const Progress* progress) {
     options.validate();
     const Features features = features_of(profiles);
     const std::size_t points = features.points(), knots = profiles.knots();
@@ -165,7 +169,8 @@ ProfileClusters cluster_profiles(const LocalProfiles& profiles, const ClusterOpt
     }
 
     result.clusters.resize(centres.size());
-    for (ProfileCluster& cluster : result.clusters) cluster.P.assign(profiles.channels.size(), std::vector<double>(knots));
+    for (ProfileCluster& cluster : result.clusters)
+        cluster.P.assign(profiles.channels.size(), std::vector<double>(knots));
     for (std::size_t i = 0; i < points; ++i) {
         ProfileCluster& cluster = result.clusters[now.cluster[i]];
         ++cluster.points;
@@ -190,7 +195,8 @@ LocalProfiles clustered(const LocalProfiles& profiles, const ProfileClusters& cl
     const std::size_t points = profiles.grid.points();
     for (std::size_t c = 0; c < profiles.channels.size(); ++c)
         for (std::size_t k = 0; k < profiles.knots(); ++k)
-            for (std::size_t i = 0; i < points; ++i) result.channels[c][k * points + i] = clusters.clusters[clusters.cluster[i]].P[c][k];
+            for (std::size_t i = 0; i < points; ++i)
+                result.channels[c][k * points + i] = clusters.clusters[clusters.cluster[i]].P[c][k];
     return result;
 }
 

@@ -76,11 +76,7 @@ ReconstructionError reconstruction_error(const optics::PointResponses& responses
     const auto offsets = optics::half_window(responses.radius);
     const std::size_t points = responses.points();
     const int width = static_cast<int>(responses.width), height = static_cast<int>(responses.height);
-    std::vector<std::size_t> ring_of;
-    for (const auto& d : offsets)
-        for (std::size_t r = 0; r < rings.size(); ++r)
-            if (std::find(rings[r].offsets.begin(), rings[r].offsets.end(), d) != rings[r].offsets.end()) ring_of.push_back(r);
-
+    const auto ring_of = rings_of_half_window(rings, responses.radius);
     std::vector<PairSums> rows(responses.height);
     parallel_for(0, responses.height, rows_per_task, [&](std::size_t row) {
         PairSums& sums = rows[row];
@@ -88,10 +84,13 @@ ReconstructionError reconstruction_error(const optics::PointResponses& responses
         for (std::size_t s = 0; s < offsets.size(); ++s) {
             if (y + offsets[s].y >= height) continue;
             const auto& root = roots[ring_of[s]];
-            const double noise = s == 0 ? 2 * data.noise : data.noise, share = s == 0 ? 1 : 2;  // a pair is light of both ends
+            const double noise = s == 0 ? 2 * data.noise : data.noise,
+                         share = s == 0 ? 1 : 2;  // a pair is light of both ends
             for (int x = std::max(0, -offsets[s].x); x < width && x + offsets[s].x < width; ++x) {
-                const auto i = static_cast<std::size_t>(y * width + x), o = static_cast<std::size_t>((y + offsets[s].y) * width + x + offsets[s].x);
-                const double R = static_cast<double>(data.pairs[s * points + i]), model = root[i] * root[o], error = R - model;
+                const auto i = static_cast<std::size_t>(y * width + x),
+                           o = static_cast<std::size_t>((y + offsets[s].y) * width + x + offsets[s].x);
+                const double R = static_cast<double>(data.pairs[s * points + i]), model = root[i] * root[o],
+                             error = R - model;
                 sums.data += share * R;
                 sums.model += share * model;
                 sums.difference += share * std::abs(error);
@@ -116,7 +115,8 @@ ReconstructionError reconstruction_error(const optics::PointResponses& responses
     error.noise_error = all.noise / all.data;
     error.excess = std::sqrt(std::max(0.0, all.unexplained) / all.squares);
     error.light = all.model / all.data;
-    const std::vector<double> of_data = spread_of(responses, channel).albedo, of_model = spread_of(profiles, channel).albedo;
+    const std::vector<double> of_data = spread_of(responses, channel).albedo,
+                              of_model = spread_of(profiles, channel).albedo;
     double squares = 0;
     for (std::size_t i = 0; i < points; ++i) {
         const double difference = std::abs(of_data[i] - of_model[i]);
@@ -189,7 +189,8 @@ SpreadImages spread_of(const optics::PointResponses& responses, std::size_t chan
         const double distance = std::hypot(offsets[s].x, offsets[s].y);
         for (int y = 0; y + offsets[s].y < height; ++y)
             for (int x = std::max(0, -offsets[s].x); x < width && x + offsets[s].x < width; ++x) {
-                const auto i = static_cast<std::size_t>(y * width + x), o = static_cast<std::size_t>((y + offsets[s].y) * width + x + offsets[s].x);
+                const auto i = static_cast<std::size_t>(y * width + x),
+                           o = static_cast<std::size_t>((y + offsets[s].y) * width + x + offsets[s].x);
                 const double R = static_cast<double>(pairs[s * responses.points() + i]);
                 moments[i].add(R, distance);
                 if (s > 0) moments[o].add(R, distance);

@@ -20,8 +20,9 @@ struct ReconstructionError {
     /// sqrt(sum((R - R')^2 - variance of R) / sum R^2), variance by R': what noise does not explain. Unbiased for other data of the
     /// surface than R' was found from (else too small: R' follows some of the noise). 0 where noise explains all.
     double excess = 0;
-    double light = 0;        ///< sum R' / sum R
-    double albedo_error = 0, largest_albedo_error = 0;  ///< root mean square and largest, over points: light within the window
+    double light = 0;  ///< sum R' / sum R
+    double albedo_error = 0,
+           largest_albedo_error = 0;  ///< root mean square and largest, over points: light within the window
 };
 
 [[nodiscard]] ReconstructionError reconstruction_error(const optics::PointResponses& responses, std::size_t channel,
@@ -30,7 +31,8 @@ struct ReconstructionError {
 /// R'(x, x + offset) of one channel for a window around a point: (2 radius + 1)^2 values, rows from the top; 0 outside of the
 /// window and the grid. And the same of the data.
 [[nodiscard]] std::vector<double> response_at(const LocalProfiles& profiles, std::size_t channel, std::size_t point);
-[[nodiscard]] std::vector<double> response_at(const optics::PointResponses& responses, std::size_t channel, std::size_t point);
+[[nodiscard]] std::vector<double> response_at(const optics::PointResponses& responses, std::size_t channel,
+                                              std::size_t point);
 
 /// Light and mean distance that it goes, by point.
 struct SpreadImages {
@@ -43,7 +45,8 @@ struct SpreadImages {
 
 /// The light of an endless surface of one profile within the window, of one unit that entered, by knot: each ring's is shared
 /// between its two knots. P: by knot.
-[[nodiscard]] std::vector<double> light_by_knot(std::span<const double> P, std::span<const ProfileRing> rings, double pitch_mm);
+[[nodiscard]] std::vector<double> light_by_knot(std::span<const double> P, std::span<const ProfileRing> rings,
+                                                double pitch_mm);
 
 /// A profile as samples at 0, pitch, 2 pitch, ... mm with the light that it has on the grid: the sample at 0, where only the
 /// light of the whole cell is known, makes up for the difference to straight lines.

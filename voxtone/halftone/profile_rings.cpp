@@ -29,6 +29,17 @@ std::vector<ProfileRing> profile_rings(std::uint32_t radius) {
     return rings;
 }
 
+std::vector<std::size_t> rings_of_half_window(std::span<const ProfileRing> rings, std::uint32_t radius) {
+    std::vector<std::size_t> of_offset;
+    for (const optics::PointOffset& offset : optics::half_window(radius)) {
+        const auto holds = [&](const ProfileRing& ring) {
+            return std::find(ring.offsets.begin(), ring.offsets.end(), offset) != ring.offsets.end();
+        };
+        of_offset.push_back(static_cast<std::size_t>(std::find_if(rings.begin(), rings.end(), holds) - rings.begin()));
+    }
+    return of_offset;
+}
+
 void sum_over_ring(const PointGrid& grid, const ProfileRing& ring, std::span<const double> image, std::uint32_t row,
                    std::span<double> sum) {
     const int width = static_cast<int>(grid.width), height = static_cast<int>(grid.height);

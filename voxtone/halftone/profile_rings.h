@@ -25,6 +25,9 @@ struct ProfileRing {
 /// By radius; the first is the point itself. radius >= 1.
 [[nodiscard]] std::vector<ProfileRing> profile_rings(std::uint32_t radius);
 
+/// By offset of the half window: which ring it lies in.
+[[nodiscard]] std::vector<std::size_t> rings_of_half_window(std::span<const ProfileRing> rings, std::uint32_t radius);
+
 /// A grid of points.
 struct PointGrid {
     std::uint32_t width = 0, height = 0;

@@ -39,9 +39,10 @@ void check_values(std::span<const float> values, double most, const char* what, 
                   const std::string& name) {
     for (std::size_t i = 0; i < values.size(); ++i)
         if (!(values[i] >= 0 && values[i] <= most))
-            throw InputError(fmt::format("{}: {} of channel {}, picture {}, point {} is {}, expected 0 to {}; the file may be damaged or "
-                                         "in other units: make it anew",
-                                         name, what, channel, i / points, i % points, values[i], most));
+            throw InputError(fmt::format(
+                "{}: {} of channel {}, picture {}, point {} is {}, expected 0 to {}; the file may be damaged or "
+                "in other units: make it anew",
+                name, what, channel, i / points, i % points, values[i], most));
 }
 
 void append(std::vector<std::uint8_t>& bytes, const void* data, std::size_t size) {
@@ -63,12 +64,14 @@ BssrdfFile read_bssrdf(const std::filesystem::path& file) {
     std::uint32_t header_size = 0;
     std::memcpy(&header_size, whole.data() + magic.size(), 4);
     if (header_size > most_header || header_size > whole.size() - header_begin)
-        throw InputError(fmt::format("{}: claims a header of {} bytes, which it does not have; it may be cut short: make it anew", name,
-                                     header_size));
+        throw InputError(
+            fmt::format("{}: claims a header of {} bytes, which it does not have; it may be cut short: make it anew",
+                        name, header_size));
     const JsonObject json =
         JsonObject::parse({reinterpret_cast<const char*>(whole.data()) + header_begin, header_size}, name);
     json.allow_only({"format", "version", "source", "channels", "points", "pitch_mm", "radius", "noise"});
-    if (json.text("format") != "voxtone-bssrdf") json.fail("format", "is not \"voxtone-bssrdf\": this is no data set of scattering");
+    if (json.text("format") != "voxtone-bssrdf")
+        json.fail("format", "is not \"voxtone-bssrdf\": this is no data set of scattering");
     if (json.integer("version", 0, 1000000) != 1) json.fail("version", "is not 1, the only version this program knows");
     BssrdfFile data;
     if (json.has("source")) data.source = json.text("source");
@@ -84,9 +87,10 @@ BssrdfFile read_bssrdf(const std::filesystem::path& file) {
     std::span<const std::uint8_t> rest = std::span(whole).subspan(header_begin + header_size);
     const std::uint64_t expected = bssrdf_bytes(data.channels.size(), points[0], points[1], responses.radius);
     if (rest.size() != expected)
-        throw InputError(fmt::format("{}: has {} bytes behind its header, {} x {} points, radius {}, {} channels make {}; it may be cut "
-                                     "short: make it anew",
-                                     name, rest.size(), points[0], points[1], responses.radius, data.channels.size(), expected));
+        throw InputError(fmt::format(
+            "{}: has {} bytes behind its header, {} x {} points, radius {}, {} channels make {}; it may be cut "
+            "short: make it anew",
+            name, rest.size(), points[0], points[1], responses.radius, data.channels.size(), expected));
     const std::size_t count = responses.points(), pairs = count * optics::half_window(responses.radius).size();
     for (std::size_t c = 0; c < data.channels.size(); ++c) {
         optics::ChannelResponses& channel = responses.channels.emplace_back();
@@ -100,15 +104,17 @@ BssrdfFile read_bssrdf(const std::filesystem::path& file) {
 void write_bssrdf(const BssrdfFile& data, const std::filesystem::path& file) {
     const optics::PointResponses& responses = data.responses;
     VOXTONE_EXPECT(responses.channels.size() == data.channels.size());
-    VOXTONE_EXPECT(responses.width >= 1 && responses.width <= most_side && responses.height >= 1 && responses.height <= most_side);
+    VOXTONE_EXPECT(responses.width >= 1 && responses.width <= most_side && responses.height >= 1 &&
+                   responses.height <= most_side);
     VOXTONE_EXPECT(responses.radius >= 1 && responses.radius <= most_radius);
     std::vector<double> noise;
     for (const auto& channel : responses.channels) noise.push_back(channel.noise);
     const std::string header = fmt::format(
-        "{{\"format\": \"voxtone-bssrdf\", \"version\": 1, \"source\": {}, \"channels\": {},\n \"points\": [{}, {}], \"pitch_mm\": {}, "
+        "{{\"format\": \"voxtone-bssrdf\", \"version\": 1, \"source\": {}, \"channels\": {},\n \"points\": [{}, {}], "
+        "\"pitch_mm\": {}, "
         "\"radius\": {}, \"noise\": [{}]}}\n",
-        json_text(data.source), channels_json(data.channels), responses.width, responses.height, responses.pitch_mm, responses.radius,
-        fmt::join(noise, ", "));
+        json_text(data.source), channels_json(data.channels), responses.width, responses.height, responses.pitch_mm,
+        responses.radius, fmt::join(noise, ", "));
     VOXTONE_EXPECT(header.size() <= most_header);
     const std::uint64_t size = bssrdf_bytes(data.channels.size(), responses.width, responses.height, responses.radius);
     VOXTONE_EXPECT(size <= most_bssrdf_bytes);

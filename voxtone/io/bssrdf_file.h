@@ -35,7 +35,8 @@ struct BssrdfFile {
 };
 
 /// Bytes behind the header.
-[[nodiscard]] std::uint64_t bssrdf_bytes(std::uint64_t channels, std::uint64_t width, std::uint64_t height, std::uint32_t radius);
+[[nodiscard]] std::uint64_t bssrdf_bytes(std::uint64_t channels, std::uint64_t width, std::uint64_t height,
+                                         std::uint32_t radius);
 
 /// Largest that is read or written.
 inline constexpr std::uint64_t most_bssrdf_bytes = std::uint64_t{1} << 32;

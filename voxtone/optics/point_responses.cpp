@@ -101,7 +101,9 @@ public:
     }
 
 private:
-    [[nodiscard]] int column(std::size_t point) const { return static_cast<int>(options_.margin + point % options_.width); }
+    [[nodiscard]] int column(std::size_t point) const {
+        return static_cast<int>(options_.margin + point % options_.width);
+    }
     [[nodiscard]] int row(std::size_t point) const {
         return static_cast<int>(options_.margin + options_.height - 1 - point / options_.width);
     }
@@ -109,7 +111,8 @@ private:
     bool draw() {
         entries_ = next_entry_ = 0;
         for (; entries_ < Entries::most && point_ < end_; ++entries_) {
-            const auto counter = path_counter({{column(point_), row(point_), 0}, static_cast<std::uint32_t>(channel_), path_});
+            const auto counter =
+                path_counter({{column(point_), row(point_), 0}, static_cast<std::uint32_t>(channel_), path_});
             for (std::size_t k = 0; k < 4; ++k) entry_.random[k][entries_] = counter[k];
             entry_point_[entries_] = point_;
             if (++path_ == options_.paths) {
@@ -140,10 +143,12 @@ ChannelResponses mean_of(const Sums& sums, double paths, double cell_mm2) {
     const double one = path_weight_unit / paths, of_pair = one / (2 * cell_mm2);
     mean.pairs.reserve(sums.pair.size());
     for (std::size_t i = 0; i < sums.pair.size(); ++i)
-        mean.pairs.push_back(static_cast<float>(static_cast<double>(sums.pair[i]) * (i < points ? 2 * of_pair : of_pair)));
+        mean.pairs.push_back(
+            static_cast<float>(static_cast<double>(sums.pair[i]) * (i < points ? 2 * of_pair : of_pair)));
     for (const Count& total : sums.total) mean.total.push_back(static_cast<float>(static_cast<double>(total) * one));
     // Where no light comes out a path that did would have counted fully.
-    const double mean_weight = sums.weight == 0 ? 1.0 : static_cast<double>(sums.square) / static_cast<double>(sums.weight);
+    const double mean_weight =
+        sums.weight == 0 ? 1.0 : static_cast<double>(sums.square) / static_cast<double>(sums.weight);
     mean.noise = mean_weight / (2 * paths * cell_mm2);
     return mean;
 }

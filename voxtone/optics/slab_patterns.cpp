@@ -116,9 +116,10 @@ private:
     [[nodiscard]] std::size_t role(const char* name) const {
         const int found = set_.find(name);
         if (found < 0)
-            throw InputError(fmt::format("The resin set \"{}\" has no resin of role {}, which the patterns are made of (W, K and T, "
-                                         "clear); use vero-opaque-clear or a set that has them.",
-                                         set_.name, name));
+            throw InputError(
+                fmt::format("The resin set \"{}\" has no resin of role {}, which the patterns are made of (W, K and T, "
+                            "clear); use vero-opaque-clear or a set that has them.",
+                            set_.name, name));
         return static_cast<std::size_t>(found);
     }
     const ResinSet& set_;
@@ -134,7 +135,8 @@ MaterialAt chess(const SlabOptions& options, Mixer& mixer) {
     mixer.add({{"W", 0.2}, {"Y", 0.02}, {"M", 0.004}});
     constexpr double white_mm = 0.6;
     return [options](const Place& p) -> Material {
-        const auto square = static_cast<std::int64_t>(std::floor(p[0] / options.feature_mm) + std::floor(p[1] / options.feature_mm));
+        const auto square =
+            static_cast<std::int64_t>(std::floor(p[0] / options.feature_mm) + std::floor(p[1] / options.feature_mm));
         if (square % 2 != 0) return 3;
         return p[2] < white_mm ? 1 : 2;
     };
@@ -144,11 +146,15 @@ MaterialAt marble(const SlabOptions& options, Mixer& mixer) {
     constexpr int levels = 32;  // between the body and the middle of a vein
     for (int i = 0; i < levels; ++i) {
         const double vein = i / (levels - 1.0);
-        mixer.add({{"W", 0.8 * (1 - vein) + 0.25 * vein}, {"K", 0.03 * vein * vein}, {"M", 0.006 * vein}, {"Y", 0.01 * vein}});
+        mixer.add({{"W", 0.8 * (1 - vein) + 0.25 * vein},
+                   {"K", 0.03 * vein * vein},
+                   {"M", 0.006 * vein},
+                   {"Y", 0.01 * vein}});
     }
     return [options](const Place& p) -> Material {
         const double f = options.feature_mm;
-        const double along = (p[0] + 0.6 * p[1] + 0.8 * p[2]) / f + 1.8 * turbulence(options.seed, {p[0] / f / 2, p[1] / f / 2, p[2] / f / 2});
+        const double along = (p[0] + 0.6 * p[1] + 0.8 * p[2]) / f +
+                             1.8 * turbulence(options.seed, {p[0] / f / 2, p[1] / f / 2, p[2] / f / 2});
         const double vein = std::pow(1 - std::abs(std::sin(3.14159265358979 * along)), 2.5);
         return static_cast<Material>(1 + std::clamp(static_cast<int>(levels * vein), 0, levels - 1));
     };
@@ -160,7 +166,11 @@ MaterialAt stone(const SlabOptions& options, Mixer& mixer) {
         RandomStream random(options.seed, static_cast<std::uint64_t>(i), 17);
         const double white = 0.15 * std::pow(6.0, random.uniform());  // 0.15 to 0.9
         const double dark = 0.03 * std::pow(random.uniform(), 2), warm = 0.03 * random.uniform();
-        mixer.add({{"W", white}, {"K", dark}, {"Y", warm}, {"M", 0.3 * warm * random.uniform()}, {"C", 0.004 * random.uniform()}});
+        mixer.add({{"W", white},
+                   {"K", dark},
+                   {"Y", warm},
+                   {"M", 0.3 * warm * random.uniform()},
+                   {"C", 0.004 * random.uniform()}});
     }
     return [options](const Place& p) -> Material {
         const double f = options.feature_mm;
@@ -192,18 +202,26 @@ MixtureSlab make_slab(const ResinSet& resins, const SlabOptions& options) {
     Mixer mixer(resins);
     MaterialAt material_at;
     switch (options.pattern) {
-        case SlabPattern::chess: material_at = chess(options, mixer); break;
-        case SlabPattern::marble: material_at = marble(options, mixer); break;
-        case SlabPattern::stone: material_at = stone(options, mixer); break;
+        case SlabPattern::chess:
+            material_at = chess(options, mixer);
+            break;
+        case SlabPattern::marble:
+            material_at = marble(options, mixer);
+            break;
+        case SlabPattern::stone:
+            material_at = stone(options, mixer);
+            break;
     }
     const int layers = static_cast<int>(std::lround(options.thickness_mm / options.layer_mm));
     const auto margin = static_cast<int>(options.margin), height = static_cast<int>(options.height);
     const std::array<int, 3> size{static_cast<int>(options.width) + 2 * margin, height + 2 * margin, layers};
     const auto middle = [&](int column) { return (column + 0.5) * options.pitch_mm; };
     MixtureSlab slab;
-    slab.volume = make_resin_volume(size, {options.pitch_mm, options.pitch_mm, options.layer_mm}, [&](int x, int y, int z) {
-        return material_at({middle(x - margin), middle(height - 1 - (y - margin)), (layers - z - 0.5) * options.layer_mm});
-    });
+    slab.volume =
+        make_resin_volume(size, {options.pitch_mm, options.pitch_mm, options.layer_mm}, [&](int x, int y, int z) {
+            return material_at(
+                {middle(x - margin), middle(height - 1 - (y - margin)), (layers - z - 0.5) * options.layer_mm});
+        });
     slab.mixtures = std::move(mixer).finish();
     return slab;
 }

@@ -28,8 +28,8 @@ struct SlabOptions {
     std::uint32_t margin = 12;              ///< more columns at every side
     double pitch_mm = 0.5;
     double thickness_mm = 4;
-    double layer_mm = 0.2;   ///< depth of a voxel; the thickness is rounded to whole ones
-    double feature_mm = 4;   ///< edge of a square, distance of veins, size of grains
+    double layer_mm = 0.2;  ///< depth of a voxel; the thickness is rounded to whole ones
+    double feature_mm = 4;  ///< edge of a square, distance of veins, size of grains
     std::uint64_t seed = 1;
     /// Throws InputError that names the value and the rule it breaks.
     void validate() const;

@@ -13,7 +13,9 @@
 namespace voxtone::slicer {
 namespace {
 
-double now_seconds() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+double now_seconds() {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
 
 double brightest_albedo(const ProfileMapResult& result) {
     const auto rings = halftone::profile_rings(result.factored.radius);
@@ -30,10 +32,11 @@ void check_comparable(const io::BssrdfFile& data, const io::BssrdfFile& check) {
     const auto& [width, height, radius, pitch, channels] = data.responses;
     if (check.channels != data.channels || check.responses.width != width || check.responses.height != height ||
         check.responses.radius != radius || std::abs(check.responses.pitch_mm - pitch) > 1e-9 * pitch)
-        throw InputError(fmt::format("The data to check with have {} x {} points at {} mm, radius {}, {} channels; those that are checked have "
-                                     "{} x {} at {} mm, radius {}, {} channels: both must be of one surface, measured alike.",
-                                     check.responses.width, check.responses.height, check.responses.pitch_mm, check.responses.radius,
-                                     check.channels.size(), width, height, pitch, radius, channels.size()));
+        throw InputError(fmt::format(
+            "The data to check with have {} x {} points at {} mm, radius {}, {} channels; those that are checked have "
+            "{} x {} at {} mm, radius {}, {} channels: both must be of one surface, measured alike.",
+            check.responses.width, check.responses.height, check.responses.pitch_mm, check.responses.radius,
+            check.channels.size(), width, height, pitch, radius, channels.size()));
 }
 
 }  // namespace
@@ -42,7 +45,8 @@ void ProfileMapOptions::validate() const {
     factor.validate();
     clusters.validate();
     if (max_albedo && !(*max_albedo > 0 && *max_albedo <= 1))
-        throw InputError(fmt::format("The largest albedo is to be {}, expected a number above 0, up to 1; the paper takes 0.6.", *max_albedo));
+        throw InputError(fmt::format(
+            "The largest albedo is to be {}, expected a number above 0, up to 1; the paper takes 0.6.", *max_albedo));
 }
 
 ProfileMapResult make_profile_map(const io::BssrdfFile& data, const ProfileMapOptions& options, Progress& progress,
@@ -67,12 +71,17 @@ ProfileMapResult make_profile_map(const io::BssrdfFile& data, const ProfileMapOp
 
     progress.begin_stage("compare", responses.channels.size(), "channels");
     for (std::size_t c = 0; c < responses.channels.size(); ++c) {
-        result.channels.push_back({summary[c], halftone::reconstruction_error(responses, c, result.factored),
+        result.channels.push_back({summary[c],
+                                   halftone::reconstruction_error(responses, c, result.factored),
                                    halftone::reconstruction_error(responses, c, result.clustered),
-                                   {}, {}, optics::share_beyond_window(responses, c)});
+                                   {},
+                                   {},
+                                   optics::share_beyond_window(responses, c)});
         if (check) {
-            result.channels.back().factored_checked = halftone::reconstruction_error(check->responses, c, result.factored);
-            result.channels.back().clustered_checked = halftone::reconstruction_error(check->responses, c, result.clustered);
+            result.channels.back().factored_checked =
+                halftone::reconstruction_error(check->responses, c, result.factored);
+            result.channels.back().clustered_checked =
+                halftone::reconstruction_error(check->responses, c, result.clustered);
         }
         progress.advance();
     }

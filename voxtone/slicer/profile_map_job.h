@@ -34,7 +34,7 @@ struct ChannelOutcome {
     halftone::ReconstructionError factored, clustered;  ///< before anything is scaled
     /// The same against data that the profiles were not found from; all 0 where there is none.
     halftone::ReconstructionError factored_checked, clustered_checked;
-    double beyond_window = 0;                           ///< share of light that the data set saw leave beyond its window
+    double beyond_window = 0;  ///< share of light that the data set saw leave beyond its window
 };
 
 struct ProfileMapResult {
@@ -49,8 +49,8 @@ struct ProfileMapResult {
 
 /// `check`: other data of the same surface, traced or measured once more; may be nullptr. InputError where its grid, window or
 /// channels differ.
-[[nodiscard]] ProfileMapResult make_profile_map(const io::BssrdfFile& data, const ProfileMapOptions& options, Progress& progress,
-                                                const io::BssrdfFile* check = nullptr);
+[[nodiscard]] ProfileMapResult make_profile_map(const io::BssrdfFile& data, const ProfileMapOptions& options,
+                                                Progress& progress, const io::BssrdfFile* check = nullptr);
 
 /// Data, factored, clustered side by side (columns) as the paper's Fig. 7. Rows: albedo in colour; mean distance that light
 /// goes; the response of one point on a logarithmic scale of five decades; both of the channel in the middle, from black over

@@ -26,7 +26,9 @@ struct Panel {
 /// Black, red, yellow, white; t in [0, 1], clamped.
 Code heat(double t) {
     const double u = 3 * std::clamp(t, 0.0, 1.0);
-    const auto part = [&](double from) { return static_cast<std::uint8_t>(std::lround(255 * std::clamp(u - from, 0.0, 1.0))); };
+    const auto part = [&](double from) {
+        return static_cast<std::uint8_t>(std::lround(255 * std::clamp(u - from, 0.0, 1.0)));
+    };
     return {part(0), part(1), part(2)};
 }
 
@@ -42,7 +44,8 @@ struct Cut {
     [[nodiscard]] Panel panel(Paint paint) const {
         Panel panel{width, height, {}};
         for (std::size_t y = margin; y < std::size_t{height} + margin; ++y)
-            for (std::size_t x = margin; x < std::size_t{width} + margin; ++x) panel.pixels.push_back(paint(y * full_width + x));
+            for (std::size_t x = margin; x < std::size_t{width} + margin; ++x)
+                panel.pixels.push_back(paint(y * full_width + x));
         return panel;
     }
 };
@@ -69,8 +72,8 @@ io::Picture8 lay_out(const std::vector<Panel>& panels) {
             for (std::uint32_t x = 0; x < panel.width * s; ++x) {
                 const Code& code = panel.pixels[std::size_t{y / s} * panel.width + x / s];
                 std::copy(code.begin(), code.end(),
-                          picture.codes.begin() +
-                              static_cast<std::ptrdiff_t>(3 * (std::size_t{top[i / 3] + y} * picture.width_px + left + x)));
+                          picture.codes.begin() + static_cast<std::ptrdiff_t>(
+                                                      3 * (std::size_t{top[i / 3] + y} * picture.width_px + left + x)));
             }
     }
     return picture;
@@ -86,11 +89,13 @@ std::vector<halftone::SpreadImages> all_spreads(const Source& source, std::size_
 
 }  // namespace
 
-ComparisonPicture draw_comparison(const io::BssrdfFile& data, const ProfileMapResult& result, std::optional<std::size_t> point) {
+ComparisonPicture draw_comparison(const io::BssrdfFile& data, const ProfileMapResult& result,
+                                  std::optional<std::size_t> point) {
     const optics::PointResponses& responses = data.responses;
     const std::size_t channels = responses.channels.size();
-    const std::array<std::vector<halftone::SpreadImages>, 3> spreads{
-        all_spreads(responses, channels), all_spreads(result.factored, channels), all_spreads(result.clustered, channels)};
+    const std::array<std::vector<halftone::SpreadImages>, 3> spreads{all_spreads(responses, channels),
+                                                                     all_spreads(result.factored, channels),
+                                                                     all_spreads(result.clustered, channels)};
     ComparisonPicture drawn;
     drawn.channel = channels / 2;
     drawn.point = point.value_or(std::size_t{responses.height / 2} * responses.width + responses.width / 2);
@@ -104,7 +109,9 @@ ComparisonPicture draw_comparison(const io::BssrdfFile& data, const ProfileMapRe
             for (std::size_t c = 0; c < channels; ++c) albedo[static_cast<Eigen::Index>(c)] = spread[c].albedo[i];
             const Eigen::Vector3d colour = to_srgb * albedo;
             Code code{};
-            for (std::size_t k = 0; k < 3; ++k) code[k] = io::linear_to_srgb8(static_cast<float>(std::clamp(colour[static_cast<Eigen::Index>(k)], 0.0, 1.0)));
+            for (std::size_t k = 0; k < 3; ++k)
+                code[k] =
+                    io::linear_to_srgb8(static_cast<float>(std::clamp(colour[static_cast<Eigen::Index>(k)], 0.0, 1.0)));
             return code;
         }));
 
@@ -116,11 +123,13 @@ ComparisonPicture draw_comparison(const io::BssrdfFile& data, const ProfileMapRe
     drawn.most_mm = widths[widths.size() - 1 - widths.size() / 100];
     const double range = std::max(1e-12, drawn.most_mm - drawn.least_mm);
     for (const auto& spread : spreads)
-        panels.push_back(cut.panel([&](std::size_t i) { return heat((spread[drawn.channel].width_mm[i] - drawn.least_mm) / range); }));
+        panels.push_back(cut.panel(
+            [&](std::size_t i) { return heat((spread[drawn.channel].width_mm[i] - drawn.least_mm) / range); }));
 
-    const std::array<std::vector<double>, 3> windows{halftone::response_at(responses, drawn.channel, drawn.point),
-                                                     halftone::response_at(result.factored, drawn.channel, drawn.point),
-                                                     halftone::response_at(result.clustered, drawn.channel, drawn.point)};
+    const std::array<std::vector<double>, 3> windows{
+        halftone::response_at(responses, drawn.channel, drawn.point),
+        halftone::response_at(result.factored, drawn.channel, drawn.point),
+        halftone::response_at(result.clustered, drawn.channel, drawn.point)};
     const std::uint32_t side = 2 * responses.radius + 1;
     drawn.most_per_mm2 = *std::max_element(windows[0].begin(), windows[0].end());
     drawn.least_per_mm2 = drawn.most_per_mm2 * std::pow(10, -decades);
