@@ -21,9 +21,10 @@
 // r, and each product with the matrix is a sum over rings. No pair is ever held as a matrix entry. Conjugate gradients with the
 // exact block of each point as preconditioner (K x K, five bands).
 //
-// Time: 256 x 256 points, radius 10: docs/heterogeneous.md. Memory: 16 bytes x points x (rings + 6 knots). The same bits for any
-// number of threads. Where a ring has few counts P is noisy, and its mean over points too bright, although R' is not: take means of
-// roots (profile_clusters.h). What it cannot see: R that depends on direction or on the way between two points (an edge that parts them).
+// Time: 256 x 256 points, radius 10: docs/heterogeneous.md. Memory: 16 bytes x points x (rings + 7 knots). The same bits for any
+// number of threads. Where a ring has few counts P is noisy, and its mean over points too bright, although R' is not: take means
+// of roots (profile_clusters.h). What it cannot see: R that depends on direction, or on the way between two points (an edge that
+// parts them).
 #pragma once
 
 #include <cstddef>

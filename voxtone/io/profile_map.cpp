@@ -105,6 +105,7 @@ void write_profile_map(const ProfileMap& map, const std::filesystem::path& file)
     }
     std::filesystem::path picture = file;
     picture.replace_extension(".png");
+    VOXTONE_EXPECT(picture != file);
     write_whole_file(picture, number_png_bytes(map.width_px, map.height_px, map.cluster));
     write_whole_file(
         file, fmt::format("{{\"format\": \"voxtone-profile-map\", \"version\": 1, \"source\": {},\n \"channels\": {}, "
