@@ -8,6 +8,12 @@
 
 namespace voxtone::io {
 
+namespace {
+
+constexpr std::size_t most_wavelengths = 256;
+
+}  // namespace
+
 optics::Channels json_channels(const JsonObject& json, std::string_view key) {
     if (json.is_text(key)) {
         if (json.text(key) != "rgb")
@@ -16,7 +22,8 @@ optics::Channels json_channels(const JsonObject& json, std::string_view key) {
     }
     optics::Channels channels{json.numbers(key, 0, 1, 1e5)};
     const std::vector<double>& nm = channels.wavelengths_nm;
-    if (nm.empty()) json.fail(key, "is empty, expected \"rgb\" or at least one wavelength in nm");
+    if (nm.empty() || nm.size() > most_wavelengths)
+        json.fail(key, fmt::format("has {} wavelengths, expected \"rgb\" or 1 to {} of them in nm", nm.size(), most_wavelengths));
     if (std::adjacent_find(nm.begin(), nm.end(), std::greater_equal<>()) != nm.end())
         json.fail(key, "holds wavelengths that do not rise");
     return channels;

@@ -11,7 +11,7 @@
 
 namespace voxtone::io {
 
-/// Throws InputError.
+/// Throws InputError; at most 256 wavelengths from 1 to 1e5 nm.
 [[nodiscard]] optics::Channels json_channels(const JsonObject& json, std::string_view key);
 [[nodiscard]] std::string channels_json(const optics::Channels& channels);
 

@@ -137,11 +137,12 @@ void check_array(const JsonObject& object, std::string_view key, const json& val
         object.fail(key, fmt::format("has {} entries, expected {}", value.size(), count));
 }
 
-std::vector<double> checked_numbers(const JsonObject& object, std::string_view key, const json& list, double least,
-                                    double most) {
+std::vector<double> checked_numbers(const JsonObject& object, std::string_view key, const json& value, std::size_t count,
+                                    double least, double most) {
+    check_array(object, key, value, count);
     std::vector<double> result;
-    result.reserve(list.size());
-    for (const json& entry : list) {
+    result.reserve(value.size());
+    for (const json& entry : value) {
         if (!entry.is_number() || !(entry.get<double>() >= least && entry.get<double>() <= most))
             object.fail(key, fmt::format("holds {}, expected numbers from {} to {}", shown(entry), least, most));
         result.push_back(entry.get<double>());
@@ -156,9 +157,7 @@ std::uint64_t JsonObject::integer(std::string_view key, std::uint64_t least, std
 }
 
 std::vector<double> JsonObject::numbers(std::string_view key, std::size_t count, double least, double most) const {
-    const json& value = node_->at(*this, key);
-    check_array(*this, key, value, count);
-    return checked_numbers(*this, key, value, least, most);
+    return checked_numbers(*this, key, node_->at(*this, key), count, least, most);
 }
 
 std::vector<std::vector<double>> JsonObject::number_lists(std::string_view key, std::size_t lists, double least,
@@ -166,10 +165,21 @@ std::vector<std::vector<double>> JsonObject::number_lists(std::string_view key, 
     const json& value = node_->at(*this, key);
     check_array(*this, key, value, lists);
     std::vector<std::vector<double>> result;
+    for (std::size_t i = 0; i < value.size(); ++i)
+        result.push_back(checked_numbers(*this, fmt::format("{}[{}]", key, i), value[i], 0, least, most));
+    return result;
+}
+
+std::vector<std::vector<std::vector<double>>> JsonObject::tables(std::string_view key, std::size_t rows, double least,
+                                                                 double most) const {
+    const json& value = node_->at(*this, key);
+    check_array(*this, key, value, 0);
+    std::vector<std::vector<std::vector<double>>> result;
     for (std::size_t i = 0; i < value.size(); ++i) {
-        const std::string name = fmt::format("{}[{}]", key, i);
-        check_array(*this, name, value[i], 0);
-        result.push_back(checked_numbers(*this, name, value[i], least, most));
+        check_array(*this, fmt::format("{}[{}]", key, i), value[i], rows);
+        auto& table = result.emplace_back();
+        for (std::size_t j = 0; j < value[i].size(); ++j)
+            table.push_back(checked_numbers(*this, fmt::format("{}[{}][{}]", key, i, j), value[i][j], 0, least, most));
     }
     return result;
 }

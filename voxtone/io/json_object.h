@@ -26,7 +26,7 @@ public:
     /// Throws InputError for the first key that is not among `known`.
     void allow_only(std::initializer_list<std::string_view> known) const;
     [[nodiscard]] bool has(std::string_view key) const;
-    /// Whether there is a text under the key: some may be a text or something else.
+    /// Whether the value is a text: for keys that may hold something else too.
     [[nodiscard]] bool is_text(std::string_view key) const;
     [[nodiscard]] std::vector<std::string> keys() const;
 
@@ -40,6 +40,9 @@ public:
     /// A list of `lists` lists (0: any number of them), each of any length.
     [[nodiscard]] std::vector<std::vector<double>> number_lists(std::string_view key, std::size_t lists, double least,
                                                                 double most) const;
+    /// Lists of `rows` lists of numbers.
+    [[nodiscard]] std::vector<std::vector<std::vector<double>>> tables(std::string_view key, std::size_t rows, double least,
+                                                                       double most) const;
     [[nodiscard]] std::vector<std::uint64_t> integers(std::string_view key, std::size_t count, std::uint64_t least,
                                                       std::uint64_t most) const;
     [[nodiscard]] std::vector<std::string> texts(std::string_view key) const;

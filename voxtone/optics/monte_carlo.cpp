@@ -54,7 +54,7 @@ public:
         start.tag = entry_share_[e];
         return true;
     }
-    void finished(std::uint32_t tag, float weight) override {
+    void finished(std::uint32_t tag, float weight, const std::array<float, 3>&) override {
         const double w = weight;
         sum_[tag] += in_units(w);
         squares_[tag] += in_units(w * w);

@@ -238,6 +238,9 @@ private:
         return lost + settle(row, ends, over, down);
     }
 
+    [[nodiscard]] std::array<float, 3> place(std::size_t lane) const {
+        return {lanes_.at[0][lane], lanes_.at[1][lane], lanes_.at[2][lane]};
+    }
     [[nodiscard]] Point place_mm(std::size_t lane) const {
         Point p{};
         for (std::size_t a = 0; a < 3; ++a)
@@ -281,7 +284,7 @@ private:
             const bool leaves =
                 static_cast<double>(u[k]) >= turn_at_boundary(normals_[lane], static_cast<double>(scene_.eta), way);
             if (leaves && (!on_sheet || scene_.backing == Backing::black)) {
-                source_.finished(lanes_.tag[lane], on_sheet ? 0.0f : lanes_.weight[lane]);
+                source_.finished(lanes_.tag[lane], on_sheet ? 0.0f : lanes_.weight[lane], place(lane));
                 lost += !refill(lane);
                 continue;
             }
@@ -291,7 +294,7 @@ private:
                 const bool stops = random.uniform() < 0.5;
                 set_random_state(lane, random.state());
                 if (stops) {
-                    source_.finished(lanes_.tag[lane], 0.0f);
+                    source_.finished(lanes_.tag[lane], 0.0f, place(lane));
                     lost += !refill(lane);
                     continue;
                 }
@@ -304,8 +307,8 @@ private:
             }
             for (std::size_t a = 0; a < 3; ++a) {  // a little inward, within the box
                 const double inward = at[a] - inside_boundary_mm * normals_[lane].geometric[a];
-                const auto place = static_cast<float>(inward / static_cast<double>(scene_.pitch_mm[a]) + scene_.offset);
-                lanes_.at[a][lane] = std::clamp(place, lanes_.low[a][lane], lanes_.high[a][lane]);
+                const auto moved = static_cast<float>(inward / static_cast<double>(scene_.pitch_mm[a]) + scene_.offset);
+                lanes_.at[a][lane] = std::clamp(moved, lanes_.low[a][lane], lanes_.high[a][lane]);
             }
         }
         return lost;
@@ -379,7 +382,7 @@ private:
                 }
                 if (scene_.backing == Backing::black) weight = 0;
             }
-            source_.finished(lanes_.tag[lane], weight);
+            source_.finished(lanes_.tag[lane], weight, place(lane));
             if (!refill(lane)) ++lost;
         }
         return lost;

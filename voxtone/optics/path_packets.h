@@ -49,7 +49,8 @@ public:
     virtual ~PathSource() = default;
     /// The next path; false where there is none any more.
     virtual bool next(PathStart& start) = 0;
-    virtual void finished(std::uint32_t tag, float weight) = 0;
+    /// `at`: where it left or ended, as in PathStart; exact at the side that it left through.
+    virtual void finished(std::uint32_t tag, float weight, const std::array<float, 3>& at) = 0;
     /// The direction of light that a white sheet sends back up through the surface; draws from `random`.
     virtual std::array<float, 3> entering_up(std::array<std::uint32_t, 4>& random) = 0;
 };
