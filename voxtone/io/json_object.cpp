@@ -90,6 +90,11 @@ void JsonObject::allow_only(std::initializer_list<std::string_view> known) const
 
 bool JsonObject::has(std::string_view key) const { return node_->value->contains(std::string(key)); }
 
+bool JsonObject::is_text(std::string_view key) const {
+    const auto found = node_->value->find(std::string(key));
+    return found != node_->value->end() && found->is_string();
+}
+
 std::vector<std::string> JsonObject::keys() const {
     std::vector<std::string> result;
     for (const auto& item : node_->value->items()) result.push_back(item.key());
@@ -132,6 +137,18 @@ void check_array(const JsonObject& object, std::string_view key, const json& val
         object.fail(key, fmt::format("has {} entries, expected {}", value.size(), count));
 }
 
+std::vector<double> checked_numbers(const JsonObject& object, std::string_view key, const json& list, double least,
+                                    double most) {
+    std::vector<double> result;
+    result.reserve(list.size());
+    for (const json& entry : list) {
+        if (!entry.is_number() || !(entry.get<double>() >= least && entry.get<double>() <= most))
+            object.fail(key, fmt::format("holds {}, expected numbers from {} to {}", shown(entry), least, most));
+        result.push_back(entry.get<double>());
+    }
+    return result;
+}
+
 }  // namespace
 
 std::uint64_t JsonObject::integer(std::string_view key, std::uint64_t least, std::uint64_t most) const {
@@ -141,11 +158,18 @@ std::uint64_t JsonObject::integer(std::string_view key, std::uint64_t least, std
 std::vector<double> JsonObject::numbers(std::string_view key, std::size_t count, double least, double most) const {
     const json& value = node_->at(*this, key);
     check_array(*this, key, value, count);
-    std::vector<double> result;
-    for (const json& entry : value) {
-        if (!entry.is_number() || !(entry.get<double>() >= least && entry.get<double>() <= most))
-            fail(key, fmt::format("holds {}, expected numbers from {} to {}", shown(entry), least, most));
-        result.push_back(entry.get<double>());
+    return checked_numbers(*this, key, value, least, most);
+}
+
+std::vector<std::vector<double>> JsonObject::number_lists(std::string_view key, std::size_t lists, double least,
+                                                          double most) const {
+    const json& value = node_->at(*this, key);
+    check_array(*this, key, value, lists);
+    std::vector<std::vector<double>> result;
+    for (std::size_t i = 0; i < value.size(); ++i) {
+        const std::string name = fmt::format("{}[{}]", key, i);
+        check_array(*this, name, value[i], 0);
+        result.push_back(checked_numbers(*this, name, value[i], least, most));
     }
     return result;
 }

@@ -5,11 +5,12 @@
 //
 //   {"format": "voxtone-profile", "version": 1, "name": "VeroWhite", "source": "...",
 //    "channels": "rgb" | [450, 550, ...] (nm),  "thickness_mm": 0.3,
-//    "R": {"spacing_mm": 0.044, "light": [[...], [...], [...]], "total": [...]},
+//    "R": {"spacing_mm": 0.044, "light": [[...], [...], [...]], "error": [[...], [...], [...]], "total": [...]},
 //    "T": {...}}
 //
 // light[channel][i]: light per mm^2 at the distance i * spacing_mm from where one unit entered; with `total` (albedos, one per
-// channel) in any unit, scaled to them when it is used (optics/measured_profile.h). A target has R only and no thickness.
+// channel) in any unit, scaled to them when it is used (optics/measured_profile.h). `error`, where known: the standard error of
+// each. A target has R only and no thickness.
 #pragma once
 
 #include <filesystem>

@@ -22,7 +22,8 @@ namespace voxtone::optics {
 struct RadialSamples {
     double spacing_mm = 0;
     std::vector<double> light;
-    std::optional<double> total;  ///< measured albedo, in [0, 1]
+    std::optional<double> total{};  ///< measured albedo, in [0, 1]
+    std::vector<double> error{};    ///< standard error of each sample, in the unit of `light`; empty: not known
 };
 
 struct MeasuredProfile {
