@@ -33,6 +33,7 @@ int run(int argc, char** argv) {
     commands.emplace_back("predict", voxtone::cli::add_predict_command(program));
     commands.emplace_back("verify", voxtone::cli::add_verify_command(program));
     commands.emplace_back("calibrate", voxtone::cli::add_calibrate_command(program));
+    commands.emplace_back("stack", voxtone::cli::add_stack_command(program));
     commands.emplace_back("list", voxtone::cli::add_list_command(program));
     try {
         program.parse(argc, argv);

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The steps of `voxtone stack`, one file each, as the verbs in commands.h.
+#pragma once
+
+#include "voxtone/cli/commands.h"
+
+namespace voxtone::cli {
+
+Command add_stack_predict_command(CLI::App& stack);
+Command add_stack_search_command(CLI::App& stack);
+
+}  // namespace voxtone::cli
