@@ -19,6 +19,8 @@ namespace {
 namespace fs = std::filesystem;
 using optics::StackLight;
 
+constexpr double blur = 0.75;  // of reach / n
+
 io::LayerSequence read_stack(const StackPredictJob& job) {
     io::LayerSequence sequence;
     if (fs::path(job.stack).extension() == ".json" && job.stack.find_first_of(" ,") == std::string::npos) {
@@ -101,14 +103,15 @@ StackLight layered(const StackPredictJob& job, const StackSetting& setting, std:
     return profiles_of(setting, layers, setting.materials(halftone::default_known_mm, tracing, progress));
 }
 
-// Fine enough that the coefficients come back to 0.3 % at the last one.
+// Half as wide a blur as pictures have: it takes the ripples of a series that ends down to 6 %, and of what coarser grids can see
+// next to nothing.
 optics::RadialSamples sampled(const optics::HankelGrid& grid, const std::vector<double>& coefficients) {
-    constexpr std::size_t per_coefficient = 16;
-    const std::size_t n = per_coefficient * grid.size();
+    const std::size_t n = 2 * grid.size();
+    const std::vector<double> soft = grid.blurred(coefficients, blur * grid.reach_mm() / static_cast<double>(grid.size()));
     optics::RadialSamples samples;
     samples.spacing_mm = grid.reach_mm() / static_cast<double>(n);
     for (std::size_t i = 0; i <= n; ++i)
-        samples.light.push_back(grid.profile(coefficients, std::min(grid.reach_mm(), static_cast<double>(i) * samples.spacing_mm)));
+        samples.light.push_back(grid.profile(soft, std::min(grid.reach_mm(), static_cast<double>(i) * samples.spacing_mm)));
     samples.total = std::clamp(coefficients[0], 0.0, 1.0);
     return samples;
 }

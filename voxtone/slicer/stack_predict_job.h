@@ -20,7 +20,7 @@ struct StackPredictJob {
     /// Empty words: what the file says; else vero-opaque, auto, black. Materials are taken from the stack.
     std::string resins, surface, backing;
     double reach_mm = 10;
-    std::uint32_t coefficients = 64;
+    std::uint32_t coefficients = 512;
     bool check = false;              ///< Monte Carlo beside it
     std::uint32_t paths = 1u << 18;  ///< per layer and channel, >= 2
     std::uint64_t seed = 1;
