@@ -16,7 +16,7 @@ namespace {
 
 struct Arguments {
     slicer::StackSearchJob job;
-    std::string thickness = "5mm", known = "0.3mm", layer = "0", reach = "10mm";
+    std::string thickness = "5mm", known = "0", layer = "0", reach = "10mm";
     int threads = 0;
     ConsoleOptions console;
 };
@@ -68,8 +68,8 @@ Command add_stack_search_command(CLI::App& stack) {
         ->capture_default_str();
     command->add_flag("--refine,!--no-refine", job.refine, "thicknesses between the steps (default), or not");
     length("--layer", arguments->layer, "of the printer: borders lie between printed layers; 0: anywhere");
-    length("--known", arguments->known, "thickness at which the profiles of resins are made");
-    command->add_option("--rounds", job.rounds, "stacks that Monte Carlo judges and corrects; 0: layer profiles alone")->type_name("N")->capture_default_str();
+    length("--known", arguments->known, "thickness at which the profiles of resins are made; 0: what fits each");
+    command->add_option("--rounds", job.rounds, "searches, each corrected by Monte Carlo; 0: layer profiles alone")->type_name("N")->capture_default_str();
     length("--reach", arguments->reach, "radius of the disc that coefficients belong to");
     command->add_option("--coefficients", job.setting.coefficients, "per channel; detail is reach / N")->type_name("N")->capture_default_str();
     command->add_option("--paths", job.paths, "per traced layer or stack, and channel")->type_name("N")->capture_default_str();

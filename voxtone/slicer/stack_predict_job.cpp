@@ -100,7 +100,9 @@ StackLight layered(const StackPredictJob& job, const StackSetting& setting, std:
     const optics::LayerPathOptions tracing{job.paths, job.seed};
     if (setting.traceable())
         return optics::layered_light(*setting.resins(), setting.resin_layers(layers), setting.ends(), setting.grid(), tracing, &progress);
-    return profiles_of(setting, layers, setting.materials(halftone::default_known_mm, tracing, progress));
+    double mm = 0;
+    for (const halftone::StackLayer& layer : layers) mm += layer.thickness_mm;
+    return profiles_of(setting, layers, setting.materials(0, mm, tracing, progress));
 }
 
 // Half as wide a blur as pictures have: it takes the ripples of a series that ends down to 6 %, and of what coarser grids can see

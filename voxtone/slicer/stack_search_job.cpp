@@ -135,7 +135,7 @@ nlohmann::ordered_json result_json(const StackSetting& setting, const Target& ta
                                 {"ms", ms}};
     if (!design.judged.empty()) {
         json["monte_carlo_distance"] = design.judged_distance;
-        json["monte_carlo_distance_by_round"] = design.judged_by_round;
+        json["monte_carlo_distances"] = design.judged_distances;
     }
     return json;
 }
@@ -196,7 +196,7 @@ StackJobResult run_stack_search(const StackSearchJob& job, Progress& progress) {
     options.rounds = std::max(1, job.rounds);
     const std::vector<Target> targets = read_targets(job, setting, progress);
     const fs::path out = output_folder(job, targets);
-    const std::vector<halftone::StackMaterial> materials = setting.materials(job.known_mm, {job.paths, job.seed}, progress);
+    const std::vector<halftone::StackMaterial> materials = setting.materials(job.known_mm, job.thickness_mm, {job.paths, job.seed}, progress);
     const halftone::StackSearch search(materials, options.search);
     const halftone::StackJudge judge = monte_carlo(job, setting, progress);
 

@@ -117,17 +117,20 @@ StackSetting::StackSetting(const StackSettingOptions& given)
     }
 }
 
-std::vector<halftone::StackMaterial> StackSetting::materials(double known_mm, const optics::LayerPathOptions& tracing,
-                                                             Progress& progress) const {
-    if (!(known_mm > 0 && known_mm <= 100))
-        throw UsageError(fmt::format("--known: {:g} mm; resins are known at a thickness above 0, 100 mm at most", known_mm));
+std::vector<halftone::StackMaterial> StackSetting::materials(double known_mm, double most_mm,
+                                                             const optics::LayerPathOptions& tracing, Progress& progress) const {
+    if (!(known_mm >= 0 && known_mm <= 100))
+        throw UsageError(fmt::format("--known: {:g} mm; resins are known at a thickness above 0, 100 mm at most (0: what fits)", known_mm));
     std::vector<halftone::StackMaterial> all;
     progress.begin_stage("Profiles", names_.size(), "materials");
     for (std::size_t m = 0; m < names_.size(); ++m) {
         if (set_) {
             optics::LayerPathOptions own = tracing;
             own.seed += 100000 * (m + 1);
-            all.push_back(halftone::resin_material(*set_, m, known_mm, grid_, own, &progress));
+            std::vector<double> known;
+            for (std::size_t c = 0; c < channels_.size(); ++c)
+                known.push_back(known_mm > 0 ? known_mm : halftone::fitting_known_mm(set_->resins[m].medium(c), set_->g, most_mm));
+            all.push_back(halftone::resin_material(*set_, m, known, grid_, own, &progress));
         } else {
             halftone::MeasuredMaterial made = halftone::measured_material(names_[m], files_[m].by_channel, grid_);
             for (std::size_t c = 0; c < made.summary.size(); ++c)

@@ -50,8 +50,8 @@ public:
     [[nodiscard]] bool traceable() const { return set_ && !measured_backing_; }
     [[nodiscard]] const optics::StackEnds& ends() const { return ends_; }
 
-    /// Profiles of all materials; resins known at this thickness. Warns of measured profiles that are noisy or cut short.
-    [[nodiscard]] std::vector<halftone::StackMaterial> materials(double known_mm, const optics::LayerPathOptions& tracing,
+    /// Profiles of all materials. Resins are known at this thickness, 0: at the one that fits stacks of `most_mm` best. Warns of measured profiles that are noisy or cut short.
+    [[nodiscard]] std::vector<halftone::StackMaterial> materials(double known_mm, double most_mm, const optics::LayerPathOptions& tracing,
                                                                  Progress& progress) const;
     /// Coefficients of a wanted reflection. Throws InputError: channels that differ, unusable profiles. Warns as above.
     [[nodiscard]] halftone::ChannelProfiles target(const io::ProfileFile& profile, const std::string& file, Progress& progress) const;
