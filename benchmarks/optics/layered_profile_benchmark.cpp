@@ -51,7 +51,8 @@ std::vector<Named> slabs() {
 
 void plane_parallel() {
     const LayeredProfileModel model;
-    std::printf("| slab, mm | backing | R exact | model | G exact | model | B exact | model |\n|---|---|---|---|---|---|---|---|\n");
+    std::printf(
+        "| slab, mm | backing | R exact | model | G exact | model | B exact | model |\n|---|---|---|---|---|---|---|---|\n");
     double worst = 0, sum = 0;
     int count = 0;
     for (const Named& slab : slabs())
@@ -86,8 +87,8 @@ void against_monte_carlo(const char* name, const ResinVolume& volume, Backing ba
         mean_model += model.value[i], mean_truth += truth.value[i];
     }
     const auto n = static_cast<double>(truth.value.size());
-    std::printf("| %s | %zu | %.4f | %.4f | %.4f | %.4f | %.4f | %.2f |\n", name, surface.cells.size(), mean_truth / n, mean_model / n,
-                std::sqrt(square / n), worst, std::sqrt(noise / n), s);
+    std::printf("| %s | %zu | %.4f | %.4f | %.4f | %.4f | %.4f | %.2f |\n", name, surface.cells.size(), mean_truth / n,
+                mean_model / n, std::sqrt(square / n), worst, std::sqrt(noise / n), s);
 }
 
 }  // namespace
@@ -95,18 +96,22 @@ void against_monte_carlo(const char* name, const ResinVolume& volume, Backing ba
 int main(int argc, char** argv) {
     const auto paths = static_cast<std::uint32_t>(argc > 1 ? std::strtoul(argv[1], nullptr, 10) : 4096);
     plane_parallel();
-    std::printf("| body | cells | mean, Monte Carlo | mean, model | root mean square of the difference | largest | noise of Monte Carlo in it "
-                "| model, s |\n|---|---|---|---|---|---|---|---|\n");
+    std::printf(
+        "| body | cells | mean, Monte Carlo | mean, model | root mean square of the difference | largest | noise of Monte Carlo "
+        "in it "
+        "| model, s |\n|---|---|---|---|---|---|---|---|\n");
     const Material C = resin("C"), M = resin("M"), Y = resin("Y"), K = resin("K"), W = resin("W");
     // 4 x 3 x 3 mm about a wall of 1 mm, white on the left, magenta on the right.
-    const ResinVolume wall = make_resin_volume({28, 36, 112}, slab_pitch_mm,
-                                               [&](int x, int, int) { return x < 2 || x >= 26 ? air : x < 14 ? W : M; });
+    const ResinVolume wall = make_resin_volume({28, 36, 112}, slab_pitch_mm, [&](int x, int, int) {
+        return x < 2 || x >= 26 ? air : x < 14 ? W : M;
+    });
     against_monte_carlo("wall, W 0.5 and M 0.5 mm, 3 x 3 mm, free", wall, Backing::none, SurfacePart::all, paths);
     // 5 x 5 x 2 mm: patches of 1 mm of colour 0.2 mm deep on white.
     const std::array<Material, 5> colours{C, M, Y, K, W};
     const ResinVolume picture = make_resin_volume({118, 59, 74}, slab_pitch_mm, [&](int x, int y, int z) {
         return z < 67 ? W : colours[static_cast<std::size_t>(x / 24 + 2 * (y / 12)) % 5];
     });
-    against_monte_carlo("picture slab, patches of 1 mm, 0.19 mm deep, on W 1.8, black", picture, Backing::black, SurfacePart::top, paths);
+    against_monte_carlo("picture slab, patches of 1 mm, 0.19 mm deep, on W 1.8, black", picture, Backing::black, SurfacePart::top,
+                        paths);
     return 0;
 }

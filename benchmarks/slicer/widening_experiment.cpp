@@ -6,13 +6,14 @@
 //   widening_experiment [FOLDER [paths, default 262144]]
 //
 // Materials: VeroWhite and VeroBlack (data/resins/vero-opaque.json, green), and a support as the paper's printer has it, clear
-// with white in it: 5 % VeroWhite in a clear resin that does nothing, an ideal mixture. 5 mm at most on black, 64 steps, 6 blocks,
-// support at least 0.2 mm below the surface, smooth surface to air, printed layers of 14 um (data/printers/stratasys-j750-hq.json).
-// The weight of the total is 10, as in the paper's Sec. 8.3: the slabs are to look alike.
+// with white in it: 5 % VeroWhite in a clear resin that does nothing, an ideal mixture. 5 mm at most on black, 64 steps, 6
+// blocks, support at least 0.2 mm below the surface, smooth surface to air, printed layers of 14 um
+// (data/printers/stratasys-j750-hq.json). The weight of the total is 10, as in the paper's Sec. 8.3: the slabs are to look alike.
 //
 // Targets: the widest is what Monte Carlo sees of 0.2 mm of white upon 4.8 mm of support; the narrowest is 5 mm of white,
-// scaled to the same total; three lie between in even shares. Every stack found is traced anew with other random numbers. Prints the
-// table as Markdown; FOLDER gets widening.svg (profiles), widening-edge.svg and widening-edge.png (lit evenly and by a sharp edge).
+// scaled to the same total; three lie between in even shares. Every stack found is traced anew with other random numbers. Prints
+// the table as Markdown; FOLDER gets widening.svg (profiles), widening-edge.svg and widening-edge.png (lit evenly and by a sharp
+// edge).
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -118,7 +119,12 @@ std::string edge_plot(const std::vector<Slab>& slabs) {
         for (int i = 0; i < edge_samples; ++i)
             if (edge_x(i) > -2) points.emplace_back(edge_x(i), slabs[t].edge[static_cast<std::size_t>(i)] / slabs[t].seen[0]);
         plot.line(points, colours[t]);
-        plot.label(3, legend, fmt::format("{}{}", t + 1, t == 0 ? " (narrowest)" : t + 1 == targets ? " (widest)" : ""), colours[t]);
+        plot.label(3, legend,
+                   fmt::format("{}{}", t + 1,
+                               t == 0             ? " (narrowest)"
+                               : t + 1 == targets ? " (widest)"
+                                                  : ""),
+                   colours[t]);
         legend /= 1.5;
     }
     std::string svg = plot.svg();
@@ -152,7 +158,7 @@ int main(int argc, char** argv) {
     options.search.clear_top_mm = {0, 0, 0.2};
     options.turned_back = optics::turned_back_share(set.eta);
     options.layer_mm = layer_mm;
-    options.rounds = 3;
+    options.rounds = 5;
     options.search.dc_weight = dc_weight;
     const halftone::StackSearch search(materials, options.search);
     const halftone::StackJudge judge = [&](std::span<const halftone::StackLayer> layers) { return traced(layers, tracing).R; };
@@ -179,21 +185,24 @@ int main(int argc, char** argv) {
     }
 
     const auto radius = [&](const std::vector<double>& R, double share) { return optics::radius_of_share(grid, R, share); };
-    std::printf("| slab | layers from the top, mm | R wanted | R | 50 %% within, wanted, mm | 50 %% within | 80 %% within, wanted | 80 %% within | "
-                "distance | uncorrected: R | 80 %% within |\n|---|---|---|---|---|---|---|---|---|---|---|\n");
+    std::printf(
+        "| slab | layers from the top, mm | R wanted | R | 50 %% within, wanted, mm | 50 %% within | 80 %% within, wanted | 80 "
+        "%% within | "
+        "distance | uncorrected: R | 80 %% within |\n|---|---|---|---|---|---|---|---|---|---|---|\n");
     for (std::size_t t = 0; t < targets; ++t) {
         const Slab& slab = slabs[t];
         const ChannelProfiles seen(1, slab.seen);
         std::printf("| %zu | %s | %.4f | %.4f ± %.4f | %.2f | %.2f | %.2f | %.2f | %.4f | %.4f | %.2f |\n", t + 1,
-                    layers_text(slab.design.layers).c_str(), slab.wanted[0][0], slab.seen[0], slab.seen_error, radius(slab.wanted[0], 0.5),
-                    radius(slab.seen, 0.5), radius(slab.wanted[0], 0.8), radius(slab.seen, 0.8),
+                    layers_text(slab.design.layers).c_str(), slab.wanted[0][0], slab.seen[0], slab.seen_error,
+                    radius(slab.wanted[0], 0.5), radius(slab.seen, 0.5), radius(slab.wanted[0], 0.8), radius(slab.seen, 0.8),
                     halftone::profile_distance(seen, slab.wanted, dc_weight), slab.plain_seen[0], radius(slab.plain_seen, 0.8));
     }
     if (argc < 2) return 0;
     const std::filesystem::path folder(argv[1]);
     std::filesystem::create_directories(folder);
     // Slabs side by side, as channels are elsewhere.
-    slicer::ProfileRow row{"", {{"wanted", "black", {}, false}, {"layers", "#2266dd", {}, true}, {"Monte Carlo", "#cc2222", {}, true}}};
+    slicer::ProfileRow row{
+        "", {{"wanted", "black", {}, false}, {"layers", "#2266dd", {}, true}, {"Monte Carlo", "#cc2222", {}, true}}};
     std::vector<std::string> titles;
     for (std::size_t t = 0; t < targets; ++t) {
         titles.push_back(fmt::format("Slab {}", t + 1));

@@ -34,7 +34,8 @@ TEST_CASE("stack predict and stack search hand profiles and stacks to each other
     CHECK(result["channels"][1]["target"]["total"].get<double>() == Approx(wanted).margin(1e-6));
     CHECK(result["monte_carlo_distance"].get<double>() < 0.03);
     CHECK(result["visited"].get<int>() > 0);
-    const Outcome again = run_program(fmt::format("stack predict {} --paths 4096 --coefficients 16 --check", folder / "out/jade.stack.json"));
+    const Outcome again =
+        run_program(fmt::format("stack predict {} --paths 4096 --coefficients 16 --check", folder / "out/jade.stack.json"));
     REQUIRE(again.exit_code == 0);
     CHECK_THAT(again.out, Contains("Monte Carlo"));
 
@@ -49,11 +50,15 @@ TEST_CASE("stack predict and stack search hand profiles and stacks to each other
 TEST_CASE("predict sees a slab by layer profiles") {
     const Folder folder("layered");
     folder.write("box.obj", ramp_box_obj(4, 3, 2));
-    REQUIRE(run_program(fmt::format("slice --quiet --no-report --iterations 0 {} -o {}", folder / "box.obj", folder / "out")).exit_code == 0);
-    REQUIRE(run_program(fmt::format("predict --quiet --model layered-profile {} -o {}", folder / "out", folder / "seen.png")).exit_code == 0);
+    REQUIRE(run_program(fmt::format("slice --quiet --no-report --iterations 0 {} -o {}", folder / "box.obj", folder / "out"))
+                .exit_code == 0);
+    REQUIRE(run_program(fmt::format("predict --quiet --model layered-profile {} -o {}", folder / "out", folder / "seen.png"))
+                .exit_code == 0);
     const Bitmap picture = read_png(folder / "seen.png");
     REQUIRE(picture.width > 10);
     CHECK(picture.at(1, picture.height / 2)[0] > picture.at(1, picture.height / 2)[1]);  // red on the left
     CHECK(picture.at(picture.width - 2, picture.height / 2)[1] > picture.at(picture.width - 2, picture.height / 2)[0]);
-    CHECK(run_program(fmt::format("slice --quiet --no-report --iterations 2 --loop-model layered-profile {} -o {}", folder / "box.obj", folder / "looped")).exit_code == 0);
+    CHECK(run_program(fmt::format("slice --quiet --no-report --iterations 2 --loop-model layered-profile {} -o {}",
+                                  folder / "box.obj", folder / "looped"))
+              .exit_code == 0);
 }

@@ -53,7 +53,7 @@ TEST_CASE("Whole layers: borders move by half a printed layer at most, and mater
     const std::vector<StackLayer> whole = whole_layers(layers, 0.027);
     REQUIRE(whole.size() == 2);  // the film vanishes, and the layers about it are one
     CHECK(whole[0].material == 0);
-    CHECK(whole[0].thickness_mm == Approx(6 * 0.027));  // 0.154 mm
+    CHECK(whole[0].thickness_mm == Approx(6 * 0.027));   // 0.154 mm
     CHECK(whole[1].thickness_mm == Approx(11 * 0.027));  // up to 0.454 mm
     const std::vector<double> clear{0, 0, 0.163};
     const std::vector<StackLayer> clear_top = whole_layers(layers, 0.027, clear);
@@ -145,8 +145,8 @@ TEST_CASE("A target brighter than any stack is answered with the nearest, and it
     const std::vector<StackMaterial> materials = random_materials(random, 1, 1, coefficients);  // one material only
     StackDesignOptions options;
     options.search = small_search();
-    const StackDesign design = design_stack(StackSearch(materials, options.search), materials,
-                                            {std::vector<double>(coefficients, 1.0)}, options);
+    const StackDesign design =
+        design_stack(StackSearch(materials, options.search), materials, {std::vector<double>(coefficients, 1.0)}, options);
     CHECK(design.outside > 0.1);
     CHECK(design.modelled_distance >= design.outside - 1e-5);
     CHECK(design.layers.size() <= 1);
@@ -166,8 +166,7 @@ TEST_CASE("Resins are known at a thickness that fits them, and their totals ther
     const StackMaterial material = resin_material(set, W, known, grid, {1 << 12, 1});
     REQUIRE(material.size() == 3);
     for (std::size_t c = 0; c < 3; ++c) {
-        const optics::DiffuseTotals totals =
-            optics::diffuse_totals({{{set.resins[W].medium(c), known[c]}}, set.g, 1, 1});
+        const optics::DiffuseTotals totals = optics::diffuse_totals({{{set.resins[W].medium(c), known[c]}}, set.g, 1, 1});
         CHECK(material[c].of_thickness(known[c]).R_top[0] == Approx(totals.R).margin(1e-9));
         CHECK(material[c].of_thickness(known[c]).T[0] == Approx(totals.T).margin(1e-9));
     }
@@ -191,7 +190,8 @@ TEST_CASE("Measured profiles of other spacings and lengths become one grid; bad 
 
     std::vector<optics::MeasuredProfile> loud = coarse;
     loud.push_back({0.5, falling(0.05, 100, 0.7), falling(0.05, 100, 0.5)});  // 1.2 of the light
-    CHECK_THROWS_WITH((void)measured_material("loud.json", loud, grid), Catch::Matchers::Contains("loud.json, channel 2") && Catch::Matchers::Contains("more than it got"));
+    CHECK_THROWS_WITH((void)measured_material("loud.json", loud, grid),
+                      Catch::Matchers::Contains("loud.json, channel 2") && Catch::Matchers::Contains("more than it got"));
     std::vector<optics::MeasuredProfile> thin = coarse;
     thin[0].thickness_mm = 0;
     CHECK_THROWS_AS((void)measured_material("thin.json", thin, grid), InputError);

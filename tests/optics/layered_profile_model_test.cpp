@@ -65,11 +65,13 @@ TEST_CASE("Homogeneous slabs and two layers appear as exact solutions say, withi
         double error;
     };
     // Errors as docs/stack-search.md has them, rounded up.
-    for (const Case& c : {Case{{{W, 74}}, 0.02}, Case{{{K, 74}}, 0.02}, Case{{{M, 12}, {W, 150}}, 0.02}, Case{{{W, 12}, {K, 60}}, 0.03}})
+    for (const Case& c :
+         {Case{{{W, 74}}, 0.02}, Case{{{K, 74}}, 0.02}, Case{{{M, 12}, {W, 150}}, 0.02}, Case{{{W, 12}, {K, 60}}, 0.03}})
         for (const Backing backing : {Backing::none, Backing::black, Backing::white}) {
             const Appearance seen = slab_appearance(model, set, c.layers, backing);
             for (std::size_t channel = 0; channel < 3; ++channel) {
-                INFO(c.layers.size() << " layers, material " << int(c.layers[0].material) << ", backing " << int(backing) << ", channel " << channel);
+                INFO(c.layers.size() << " layers, material " << int(c.layers[0].material) << ", backing " << int(backing)
+                                     << ", channel " << channel);
                 CHECK(seen.value[channel] == Approx(exact_appearance(set, c.layers, backing, channel)).margin(c.error));
             }
         }
@@ -81,7 +83,9 @@ TEST_CASE("Layer profiles see a wall from both sides, and what lies behind it") 
     const Material W = material(set, "W"), K = material(set, "K");
     // A wall 0.5 mm thick, its left half white, its right half black; and the same lying down.
     const std::array<double, 3> pitch{0.05, 0.05, 0.05};
-    const ResinVolume wall = make_resin_volume({12, 20, 20}, pitch, [&](int x, int, int) { return x == 0 || x == 11 ? air : x < 6 ? W : K; });
+    const ResinVolume wall = make_resin_volume({12, 20, 20}, pitch, [&](int x, int, int) {
+        return x == 0 || x == 11 ? air : x < 6 ? W : K;
+    });
     const ResinVolume slab = make_resin_volume({4, 4, 10}, pitch, [&](int, int, int z) { return z < 5 ? K : W; });
     const Scene scene{&wall, &set, Backing::none, Sides::open}, lying{&slab, &set, Backing::none, Sides::mirrored};
     const Surface surface = find_surface(scene, {1, 1, 1}, SurfacePart::all);
@@ -104,8 +108,8 @@ TEST_CASE("Layer profiles see a wall from both sides, and what lies behind it") 
 TEST_CASE("Layer profiles answer the same for any number of threads, and refuse materials without a resin") {
     const ResinSet set = vero_opaque();
     const LayeredProfileModel model;
-    const ResinVolume volume =
-        make_resin_volume({40, 20, 30}, slab_pitch_mm, [](int x, int y, int z) { return static_cast<Material>(1 + (x / 3 + y + z / 2) % 5); });
+    const ResinVolume volume = make_resin_volume(
+        {40, 20, 30}, slab_pitch_mm, [](int x, int y, int z) { return static_cast<Material>(1 + (x / 3 + y + z / 2) % 5); });
     const Scene scene{&volume, &set, Backing::white, Sides::open};
     const Surface surface = find_surface(scene, {2, 1, 3}, SurfacePart::all);
     std::vector<float> one;

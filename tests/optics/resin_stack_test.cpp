@@ -40,8 +40,10 @@ TEST_CASE("Index-matched stacks of resins: the layered totals are those of the l
 TEST_CASE("Both ways agree on surfaces, sheets and what one unit is") {
     const ResinSet set = vero_opaque();
     const std::vector<ResinLayer> layers{{resin(set, "W"), 0.6}, {resin(set, "Y"), 0.5}};
-    for (const StackEnds& ends : {StackEnds{1.5, 1, 0}, StackEnds{1.5, 1.5, 0}, StackEnds{1, 1.5, 0}, StackEnds{1.5, 1, 0.7}, StackEnds{1, 1, 1}}) {
-        const StackLight model = layered_light(set, layers, ends, grid(), few), traced = traced_light(set, layers, ends, grid(), few);
+    for (const StackEnds& ends :
+         {StackEnds{1.5, 1, 0}, StackEnds{1.5, 1.5, 0}, StackEnds{1, 1.5, 0}, StackEnds{1.5, 1, 0.7}, StackEnds{1, 1, 1}}) {
+        const StackLight model = layered_light(set, layers, ends, grid(), few),
+                         traced = traced_light(set, layers, ends, grid(), few);
         for (std::size_t c = 0; c < 3; ++c) {
             INFO(ends.eta_top << " " << ends.eta_bottom << " " << ends.sheet << " channel " << c);
             // The model's own error is below 0.02 of the light (docs/profiles.md), T of it below 0.03.
@@ -55,7 +57,8 @@ TEST_CASE("A sheet that sends back everything keeps nothing, and nothing is lost
     ResinSet set = vero_opaque();
     for (Resin& of : set.resins) of.albedo.assign(3, 1.0);
     const std::vector<ResinLayer> layers{{resin(set, "W"), 0.2}};
-    const StackLight model = layered_light(set, layers, {1.5, 1, 1}, grid(), few), traced = traced_light(set, layers, {1.5, 1, 1}, grid(), few);
+    const StackLight model = layered_light(set, layers, {1.5, 1, 1}, grid(), few),
+                     traced = traced_light(set, layers, {1.5, 1, 1}, grid(), few);
     CHECK(model.R[1][0] == Approx(1).margin(1e-4));
     CHECK(model.T[1][0] == Approx(0).margin(1e-12));
     CHECK(traced.R[1][0] == Approx(1).margin(1e-6));

@@ -109,7 +109,8 @@ TEST_CASE("A stack is predicted, wanted, and found again, from resins and with M
 TEST_CASE("The same bits for any number of threads, in files and figures") {
     const Bench bench;
     Progress quiet;
-    const StackSearchJob job = bench.job({bench.put("a.json", falling(0.4, 0, 0.5)), bench.put("b.json", falling(0.6, 0, 0.3))}, {"W", "K"});
+    const StackSearchJob job =
+        bench.job({bench.put("a.json", falling(0.4, 0, 0.5)), bench.put("b.json", falling(0.6, 0, 0.3))}, {"W", "K"});
     std::string one;
     {
         const ThreadLimit limit(1);
@@ -123,11 +124,13 @@ TEST_CASE("The same bits for any number of threads, in files and figures") {
 TEST_CASE("Measured materials are predicted to be what was measured, and are a target like any other") {
     const Bench bench;
     Progress quiet;
-    const std::string white = bench.put("white.json", falling(0.6, 0.3, 0.4)), black = bench.put("black.json", falling(0.05, 0.1, 0.2));
+    const std::string white = bench.put("white.json", falling(0.6, 0.3, 0.4)),
+                      black = bench.put("black.json", falling(0.05, 0.1, 0.2));
     StackPredictJob predict;
     predict.stack = white + " 0.5";
     predict.coefficients = 32;
-    CHECK_THAT(run_stack_predict(predict, quiet).text, Contains("surface matched") && Contains("R 0.6000") && Contains("T 0.3000"));
+    CHECK_THAT(run_stack_predict(predict, quiet).text,
+               Contains("surface matched") && Contains("R 0.6000") && Contains("T 0.3000"));
     predict.check = true;
     CHECK_THROWS_WITH(run_stack_predict(predict, quiet), Contains("--check"));
 
@@ -147,7 +150,8 @@ TEST_CASE("Targets that no stack reaches get the nearest one and the distance to
     const Bench bench;
     Progress quiet;
     // One material, brighter than it can be, and wider.
-    StackSearchJob job = bench.job({bench.put("bright.json", falling(1.0, 0, 0.1)), bench.put("wide.json", falling(0.9, 0, 3))}, {"K"});
+    StackSearchJob job =
+        bench.job({bench.put("bright.json", falling(1.0, 0, 0.1)), bench.put("wide.json", falling(0.9, 0, 3))}, {"K"});
     job.rounds = 0;
     const StackJobResult result = run_stack_search(job, quiet);
     CHECK(count(result.text, "outside of the gamut by at least") == 2);
@@ -158,7 +162,9 @@ TEST_CASE("Bad input to the stack search is refused in one sentence") {
     const Bench bench;
     Progress quiet;
     const std::string target = bench.put("target.json", falling(0.4, 0, 0.5));
-    const auto refused = [&](StackSearchJob job, const char* word) { CHECK_THROWS_WITH(run_stack_search(job, quiet), Contains(word)); };
+    const auto refused = [&](StackSearchJob job, const char* word) {
+        CHECK_THROWS_WITH(run_stack_search(job, quiet), Contains(word));
+    };
     StackSearchJob job = bench.job({target}, {"W", "K"});
     job.thickness_mm = 0;
     refused(job, "--thickness");
@@ -213,14 +219,16 @@ TEST_CASE("Noisy and cut tails are warned of, not hidden") {
     StackSearchJob job = bench.job({bench.put("noisy.json", noisy), bench.put("cut.json", cut)}, {"W"});
     job.rounds = 0;
     (void)run_stack_search(job, warnings);
-    CHECK_THAT(warnings.all, Contains("noisy.json, R, reflection") && Contains("below zero") && Contains("cut.json") && Contains("beyond the last sample"));
+    CHECK_THAT(warnings.all, Contains("noisy.json, R, reflection") && Contains("below zero") && Contains("cut.json") &&
+                                 Contains("beyond the last sample"));
 }
 
 TEST_CASE("Profiles are drawn where they are bright enough, one plot a channel and row") {
     const optics::HankelGrid grid(5, 32);
     std::vector<double> wide(32);
     for (std::size_t i = 0; i < 32; ++i) wide[i] = 0.5 * std::exp(-0.5 * static_cast<double>(i));
-    const std::string svg = profile_plots(grid, {"R", "G"}, {{"one", {{"wanted", "black", {wide, wide}, false}}}, {"two", {}}}, 4);
+    const std::string svg =
+        profile_plots(grid, {"R", "G"}, {{"one", {{"wanted", "black", {wide, wide}, false}}}, {"two", {}}}, 4);
     CHECK(count(svg, "<polyline") == 2);
     CHECK(count(svg, ">wanted<") == 2);
     CHECK_THAT(svg, Contains("one, R") && Contains("two, G"));

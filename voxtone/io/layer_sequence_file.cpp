@@ -48,7 +48,8 @@ std::string layer_sequence_text(const LayerSequence& sequence) {
     std::string text = fmt::format("{{\"format\": \"voxtone-stack\", \"version\": 1, \"name\": {},\n \"source\": {},\n ",
                                    json_text(sequence.name), json_text(sequence.source));
     if (!sequence.resins.empty()) text += fmt::format("\"resins\": {}, ", json_text(sequence.resins));
-    text += fmt::format("\"surface\": {}, \"backing\": {},\n \"layers\": [", json_text(sequence.surface), json_text(sequence.backing));
+    text += fmt::format("\"surface\": {}, \"backing\": {},\n \"layers\": [", json_text(sequence.surface),
+                        json_text(sequence.backing));
     for (std::size_t i = 0; i < sequence.layers.size(); ++i)
         text += fmt::format("{}\n  {{\"material\": {}, \"mm\": {}}}", i == 0 ? "" : ",", json_text(sequence.layers[i].material),
                             sequence.layers[i].mm);
@@ -63,15 +64,17 @@ std::vector<SequenceLayer> parse_layers(std::string_view text) {
         begin = end + 1;
         const std::size_t space = layer.find_first_of(" \t");
         if (space == std::string_view::npos)
-            throw UsageError(fmt::format("\"{}\": the layer \"{}\" is no material and thickness; write layers as \"W 0.3, K 100um\", "
-                                         "or name the JSON file of a stack",
-                                         text, layer));
+            throw UsageError(
+                fmt::format("\"{}\": the layer \"{}\" is no material and thickness; write layers as \"W 0.3, K 100um\", "
+                            "or name the JSON file of a stack",
+                            text, layer));
         const std::string material(layer.substr(0, space));
         const double mm = parse_length_mm(trimmed(layer.substr(space)), fmt::format("the layer of {}", material));
         if (!(mm >= thinnest_mm && mm <= thickest_mm))
-            throw UsageError(fmt::format("\"{}\": the layer of {} is {:g} mm thick; a layer has a thickness above 0: leave it out or "
-                                         "give it one",
-                                         text, material, mm));
+            throw UsageError(
+                fmt::format("\"{}\": the layer of {} is {:g} mm thick; a layer has a thickness above 0: leave it out or "
+                            "give it one",
+                            text, material, mm));
         layers.push_back({material, mm});
     }
     return layers;
@@ -79,7 +82,8 @@ std::vector<SequenceLayer> parse_layers(std::string_view text) {
 
 std::string layers_text(const std::vector<SequenceLayer>& layers) {
     std::string text;
-    for (const SequenceLayer& layer : layers) text += fmt::format("{}{} {:.4g}", text.empty() ? "" : ", ", layer.material, layer.mm);
+    for (const SequenceLayer& layer : layers)
+        text += fmt::format("{}{} {:.4g}", text.empty() ? "" : ", ", layer.material, layer.mm);
     return text;
 }
 

@@ -109,7 +109,8 @@ private:
         return place;
     }
 
-    [[nodiscard]] Material at(const std::array<double, 3>& from, const std::array<float, 3>& normal, double depth, bool& below) const {
+    [[nodiscard]] Material at(const std::array<double, 3>& from, const std::array<float, 3>& normal, double depth,
+                              bool& below) const {
         std::array<int, 3> voxel{};
         for (std::size_t a = 0; a < 3; ++a)
             voxel[a] = static_cast<int>(std::floor((from[a] - depth * normal[a]) / volume_.pitch_mm()[a]));
@@ -149,8 +150,8 @@ Totals homogeneous(const Coefficients& of, double mm) {
 
 Totals upon(const Totals& upper, const Totals& lower) {
     const double between = 1 - upper.R_bottom * lower.R_top;
-    return {upper.R_top + upper.T * upper.T * lower.R_top / between, lower.R_bottom + lower.T * lower.T * upper.R_bottom / between,
-            upper.T * lower.T / between};
+    return {upper.R_top + upper.T * upper.T * lower.R_top / between,
+            lower.R_bottom + lower.T * lower.T * upper.R_bottom / between, upper.T * lower.T / between};
 }
 
 // What an endless layer reflects.
@@ -162,7 +163,8 @@ double half_space(const Coefficients& of) {
 
 class Stacked {
 public:
-    Stacked(const std::vector<Coefficients>& coefficients, const SurfacedTable& surfaced, double surfaced_mm, std::size_t channels)
+    Stacked(const std::vector<Coefficients>& coefficients, const SurfacedTable& surfaced, double surfaced_mm,
+            std::size_t channels)
         : coefficients_(coefficients), surfaced_(surfaced), surfaced_mm_(surfaced_mm), channels_(channels) {}
 
     [[nodiscard]] double appearance(const Column& column, std::size_t channel) const {
@@ -177,7 +179,8 @@ public:
         for (const Step& step : column.steps) {
             last = mixture(column, step, channel);
             const double below = above + step.mm;
-            const double in_top = std::clamp(top_mm - above, 0.0, step.mm), in_bottom = std::clamp(below - bottom_from, 0.0, step.mm);
+            const double in_top = std::clamp(top_mm - above, 0.0, step.mm),
+                         in_bottom = std::clamp(below - bottom_from, 0.0, step.mm);
             top.add(last, in_top);
             bottom.add(last, in_bottom);
             const double rest = step.mm - in_top - in_bottom;
@@ -197,8 +200,9 @@ public:
     }
 
 private:
-    // How thick the layer next to the surface is (from behind: next to the other one), most_mm at most: up to where the mixture above
-    // and as much below it differ most, if they differ by three quarters or more; voxels of a halftone do not, taken together.
+    // How thick the layer next to the surface is (from behind: next to the other one), most_mm at most: up to where the mixture
+    // above and as much below it differ most, if they differ by three quarters or more; voxels of a halftone do not, taken
+    // together.
     [[nodiscard]] double first_layer(const Column& column, double most_mm, bool from_behind) const {
         constexpr std::size_t fewest = 2;
         constexpr float border = 0.75F;
@@ -228,7 +232,8 @@ private:
         Coefficients mixed;
         const std::size_t materials = coefficients_.size() / channels_;
         for (std::size_t m = 1; m < materials; ++m)
-            if (const float share = column.shares[step.first + m]; share > 0) mixed.add(coefficients_[m * channels_ + channel], share);
+            if (const float share = column.shares[step.first + m]; share > 0)
+                mixed.add(coefficients_[m * channels_ + channel], share);
         return mixed;
     }
 

@@ -31,7 +31,8 @@ struct LayeredProfileOptions {
 class LayeredProfileModel final : public AppearanceModel {
 public:
     explicit LayeredProfileModel(const LayeredProfileOptions& options = {});
-    [[nodiscard]] Appearance predict(const Scene& scene, const Surface& surface, const Progress* progress = nullptr) const override;
+    [[nodiscard]] Appearance predict(const Scene& scene, const Surface& surface,
+                                     const Progress* progress = nullptr) const override;
 
 private:
     LayeredProfileOptions options_;

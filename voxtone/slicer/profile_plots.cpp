@@ -32,8 +32,10 @@ void draw(io::Plot& plot, const optics::HankelGrid& grid, const ProfileCurve& cu
     };
     for (int i = 0; i <= points; ++i) {
         const double r = most_mm * i / points, light = grid.profile(soft, r);
-        if (light > faintest) part.emplace_back(r, light);
-        else finish();
+        if (light > faintest)
+            part.emplace_back(r, light);
+        else
+            finish();
     }
     finish();
 }
@@ -51,7 +53,8 @@ std::string profile_plots(const optics::HankelGrid& grid, const std::vector<std:
         for (std::size_t c = 0; c < channels.size(); ++c) {
             io::Plot plot({0, most_mm, false, marks_up_to(most_mm), "distance, mm"},
                           {faintest, brightest, true, {1e-4, 1e-3, 1e-2, 0.1, 1}, "light per mm2"},
-                          rows[row].title.empty() ? channels[c] : fmt::format("{}, {}", rows[row].title, channels[c]), width, height);
+                          rows[row].title.empty() ? channels[c] : fmt::format("{}, {}", rows[row].title, channels[c]), width,
+                          height);
             double legend = 4;
             for (const ProfileCurve& curve : rows[row].curves) {
                 draw(plot, grid, curve, c, most_mm);

@@ -63,8 +63,9 @@ std::vector<halftone::StackLayer> layers_of(const io::LayerSequence& sequence, c
 void check(const StackPredictJob& job, const StackSetting& setting) {
     if (job.paths < 2) throw UsageError(fmt::format("--paths: {}; at least 2 are needed", job.paths));
     if (job.check && !setting.traceable())
-        throw UsageError("--check: light can be traced through resins on black, white or air only; of measured profiles nothing else is "
-                         "known. Leave --check out.");
+        throw UsageError(
+            "--check: light can be traced through resins on black, white or air only; of measured profiles nothing else is "
+            "known. Leave --check out.");
     for (const std::string& file : job.files) {
         const std::string ending = fs::path(file).extension().string();
         if (ending != ".json" && ending != ".svg")
@@ -99,7 +100,8 @@ StackLight layered(const StackPredictJob& job, const StackSetting& setting, std:
                    Progress& progress) {
     const optics::LayerPathOptions tracing{job.paths, job.seed};
     if (setting.traceable())
-        return optics::layered_light(*setting.resins(), setting.resin_layers(layers), setting.ends(), setting.grid(), tracing, &progress);
+        return optics::layered_light(*setting.resins(), setting.resin_layers(layers), setting.ends(), setting.grid(), tracing,
+                                     &progress);
     double mm = 0;
     for (const halftone::StackLayer& layer : layers) mm += layer.thickness_mm;
     return profiles_of(setting, layers, setting.materials(0, mm, tracing, progress));
@@ -121,8 +123,8 @@ optics::RadialSamples sampled(const optics::HankelGrid& grid, const std::vector<
 std::string profile_json(const StackSetting& setting, const io::LayerSequence& sequence, const StackLight& light) {
     io::ProfileFile file;
     file.name = sequence.name;
-    file.source = fmt::format("voxtone stack predict, layer profiles of {} mm; surface {}, backing {}", io::layers_text(sequence.layers),
-                              setting.surface(), setting.backing());
+    file.source = fmt::format("voxtone stack predict, layer profiles of {} mm; surface {}, backing {}",
+                              io::layers_text(sequence.layers), setting.surface(), setting.backing());
     file.channels = setting.channels();
     double mm = 0;
     for (const io::SequenceLayer& layer : sequence.layers) mm += layer.mm;
@@ -186,8 +188,8 @@ StackJobResult run_stack_predict(const StackPredictJob& job, Progress& progress)
         io::write_whole_file(file, fs::path(file).extension() == ".svg" ? drawing(setting, sequence.name, prediction)
                                                                         : profile_json(setting, sequence, prediction.layers));
     nlohmann::ordered_json channels = nlohmann::json::array();
-    std::string text = fmt::format("{} mm, top first; surface {}, backing {}\n", io::layers_text(sequence.layers), setting.surface(),
-                                   setting.backing());
+    std::string text = fmt::format("{} mm, top first; surface {}, backing {}\n", io::layers_text(sequence.layers),
+                                   setting.surface(), setting.backing());
     for (std::size_t c = 0; c < setting.channels().size(); ++c) {
         channels.push_back({{"channel", setting.channel_name(c)}, {"layers", figures(setting, prediction.layers, c)}});
         text += line("layers", setting, prediction.layers, c);
@@ -195,8 +197,12 @@ StackJobResult run_stack_predict(const StackPredictJob& job, Progress& progress)
         channels.back()["monte_carlo"] = figures(setting, prediction.traced, c);
         text += line("Monte Carlo", setting, prediction.traced, c);
     }
-    nlohmann::ordered_json json{{"format", "voxtone-stack-prediction"}, {"version", 1},      {"stack", io::layers_text(sequence.layers)},
-                                {"surface", setting.surface()},         {"backing", setting.backing()}, {"channels", channels}};
+    nlohmann::ordered_json json{{"format", "voxtone-stack-prediction"},
+                                {"version", 1},
+                                {"stack", io::layers_text(sequence.layers)},
+                                {"surface", setting.surface()},
+                                {"backing", setting.backing()},
+                                {"channels", channels}};
     return {json.dump(), text};
 }
 

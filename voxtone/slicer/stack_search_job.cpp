@@ -23,6 +23,21 @@ namespace fs = std::filesystem;
 using halftone::ChannelProfiles;
 using halftone::StackDesign;
 
+class Watch {
+public:
+    [[nodiscard]] double ms() const {
+        return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start_).count();
+    }
+
+private:
+    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+/// Of one target: searching and refining, all rounds; tracing.
+struct Times {
+    double search_ms = 0, monte_carlo_ms = 0;
+};
+
 struct Target {
     std::string file, name;
     ChannelProfiles wanted;
@@ -32,7 +47,8 @@ void check(const StackSearchJob& job) {
     if (job.targets.empty()) throw UsageError("stack search: no target; name profile files (voxtone-profile) of what is wanted");
     if (job.rounds < 0 || job.rounds > 20) throw UsageError(fmt::format("--rounds: {}; it lies between 0 and 20", job.rounds));
     if (job.paths < 2) throw UsageError(fmt::format("--paths: {}; at least 2 are needed", job.paths));
-    if (!(job.layer_mm >= 0)) throw UsageError(fmt::format("--layer: {:g} mm; a printed layer is not thinner than 0", job.layer_mm));
+    if (!(job.layer_mm >= 0))
+        throw UsageError(fmt::format("--layer: {:g} mm; a printed layer is not thinner than 0", job.layer_mm));
     if (!(job.thickness_mm > 0))
         throw UsageError(fmt::format("--thickness: {:g} mm; a stack of layers needs a thickness above 0", job.thickness_mm));
 }
@@ -44,8 +60,8 @@ std::vector<double> clear_top(const StackSearchJob& job, const std::vector<std::
         const std::size_t equals = rule.find('=');
         const auto named = std::find(names.begin(), names.end(), rule.substr(0, equals));
         if (equals == std::string::npos || named == names.end())
-            throw UsageError(fmt::format("--clear-top: '{}' is no MATERIAL=LENGTH with one of the materials {}; write T=0.2mm", rule,
-                                         fmt::join(names, ", ")));
+            throw UsageError(fmt::format("--clear-top: '{}' is no MATERIAL=LENGTH with one of the materials {}; write T=0.2mm",
+                                         rule, fmt::join(names, ", ")));
         clear.resize(names.size());
         clear[static_cast<std::size_t>(named - names.begin())] = parse_length_mm(rule.substr(equals + 1), "--clear-top");
     }
@@ -58,7 +74,8 @@ std::vector<Target> read_targets(const StackSearchJob& job, const StackSetting& 
     for (const std::string& file : job.targets) {
         const std::string name = fs::path(file).stem().string();
         if (!names.insert(name).second)
-            throw UsageError(fmt::format("{}: there are two targets named {}; their results would overwrite each other: rename one", file, name));
+            throw UsageError(fmt::format(
+                "{}: there are two targets named {}; their results would overwrite each other: rename one", file, name));
         targets.push_back({file, name, setting.target(io::read_profile(file), file, progress)});
     }
     return targets;
@@ -77,7 +94,8 @@ fs::path output_folder(const StackSearchJob& job, const std::vector<Target>& tar
     return out;
 }
 
-io::LayerSequence sequence_of(const StackSearchJob& job, const StackSetting& setting, const Target& target, const StackDesign& design) {
+io::LayerSequence sequence_of(const StackSearchJob& job, const StackSetting& setting, const Target& target,
+                              const StackDesign& design) {
     io::LayerSequence sequence;
     sequence.name = target.name;
     sequence.source = "voxtone stack search " + target.file;
@@ -112,16 +130,15 @@ nlohmann::ordered_json channel_json(const StackSetting& setting, const Target& t
         return nlohmann::ordered_json{{"total", R[0]}, {"spread", spread(R)}};
     };
     const halftone::ChannelMatch& match = design.found.channels[c];
-    nlohmann::ordered_json json{{"channel", setting.channel_name(c)},
-                                {"target", figures(target.wanted[c])},
-                                {"layers", figures(design.modelled[c])}};
+    nlohmann::ordered_json json{
+        {"channel", setting.channel_name(c)}, {"target", figures(target.wanted[c])}, {"layers", figures(design.modelled[c])}};
     if (!design.judged.empty()) json["monte_carlo"] = figures(design.judged[c]);
     json["reachable_totals_within"] = {match.least_total, match.most_total};
     return json;
 }
 
 nlohmann::ordered_json result_json(const StackSetting& setting, const Target& target, const StackDesign& design,
-                                   const io::LayerSequence& sequence, double ms) {
+                                   const io::LayerSequence& sequence, const Times& times) {
     nlohmann::ordered_json layers = nlohmann::json::array(), channels = nlohmann::json::array();
     for (const io::SequenceLayer& layer : sequence.layers) layers.push_back({{"material", layer.material}, {"mm", layer.mm}});
     for (std::size_t c = 0; c < target.wanted.size(); ++c) channels.push_back(channel_json(setting, target, design, c));
@@ -132,34 +149,41 @@ nlohmann::ordered_json result_json(const StackSetting& setting, const Target& ta
                                 {"channels", channels},
                                 {"visited", design.found.count.visited},
                                 {"pruned", design.found.count.pruned},
-                                {"ms", ms}};
+                                {"ms", times.search_ms}};
     if (!design.judged.empty()) {
         json["monte_carlo_distance"] = design.judged_distance;
         json["monte_carlo_distances"] = design.judged_distances;
+        json["monte_carlo_ms"] = times.monte_carlo_ms;
     }
     return json;
 }
 
 std::string result_text(const StackSetting& setting, const Target& target, const StackDesign& design,
-                        const io::LayerSequence& sequence, double ms) {
+                        const io::LayerSequence& sequence, const Times& times) {
     double mm = 0;
     for (const io::SequenceLayer& layer : sequence.layers) mm += layer.mm;
-    std::string text = fmt::format("{}: {}\n", target.name,
-                                   sequence.layers.empty() ? std::string("no layer at all: the backing alone is nearest")
-                                                           : fmt::format("{} mm, top first ({:.4g} mm in all)", io::layers_text(sequence.layers), mm));
-    const std::string judged = design.judged.empty() ? std::string() : fmt::format(", by Monte Carlo {:.4f}", design.judged_distance);
-    const std::string gamut = design.outside > 0
-                                  ? fmt::format("outside of the gamut by at least {:.4f}", design.outside)
-                                  : std::string("not known to lie outside of the gamut");
+    std::string text = fmt::format(
+        "{}: {}\n", target.name,
+        sequence.layers.empty() ? std::string("no layer at all: the backing alone is nearest")
+                                : fmt::format("{} mm, top first ({:.4g} mm in all)", io::layers_text(sequence.layers), mm));
+    const std::string judged =
+        design.judged.empty() ? std::string() : fmt::format(", by Monte Carlo {:.4f}", design.judged_distance);
+    const std::string gamut = design.outside > 0 ? fmt::format("outside of the gamut by at least {:.4f}", design.outside)
+                                                 : std::string("not known to lie outside of the gamut");
     text += fmt::format("  distance {:.4f}{}; {}\n", design.modelled_distance, judged, gamut);
     for (std::size_t c = 0; c < target.wanted.size(); ++c) {
-        text += fmt::format("  {}: wanted {:.4f}, spread {:.4f}; layers {:.4f}, {:.4f}", setting.channel_name(c), target.wanted[c][0],
-                            spread(target.wanted[c]), design.modelled[c][0], spread(design.modelled[c]));
-        if (!design.judged.empty()) text += fmt::format("; Monte Carlo {:.4f}, {:.4f}", design.judged[c][0], spread(design.judged[c]));
+        text += fmt::format("  {}: wanted {:.4f}, spread {:.4f}; layers {:.4f}, {:.4f}", setting.channel_name(c),
+                            target.wanted[c][0], spread(target.wanted[c]), design.modelled[c][0], spread(design.modelled[c]));
+        if (!design.judged.empty())
+            text += fmt::format("; Monte Carlo {:.4f}, {:.4f}", design.judged[c][0], spread(design.judged[c]));
         text += '\n';
     }
-    return text + fmt::format("  {} nodes visited, {} pruned, {} stacks compared; {:.0f} ms\n", design.found.count.visited,
-                              design.found.count.pruned, design.found.count.judged, ms);
+    text += fmt::format("  {} nodes visited, {} pruned, {} stacks compared; {:.0f} ms", design.found.count.visited,
+                        design.found.count.pruned, design.found.count.judged, times.search_ms);
+    if (!design.judged.empty())
+        text += fmt::format(", and {:.1f} s of Monte Carlo for {} stacks", times.monte_carlo_ms / 1000,
+                            design.judged_distances.size());
+    return text + '\n';
 }
 
 halftone::StackJudge monte_carlo(const StackSearchJob& job, const StackSetting& setting, const Progress& progress) {
@@ -174,7 +198,9 @@ halftone::StackJudge monte_carlo(const StackSearchJob& job, const StackSetting& 
             return R;
         }
         optics::LayerPathOptions tracing{job.paths, job.seed + 10000000};
-        return optics::traced_light(*setting.resins(), setting.resin_layers(layers), setting.ends(), setting.grid(), tracing, &progress).R;
+        return optics::traced_light(*setting.resins(), setting.resin_layers(layers), setting.ends(), setting.grid(), tracing,
+                                    &progress)
+            .R;
     };
 }
 
@@ -196,7 +222,8 @@ StackJobResult run_stack_search(const StackSearchJob& job, Progress& progress) {
     options.rounds = std::max(1, job.rounds);
     const std::vector<Target> targets = read_targets(job, setting, progress);
     const fs::path out = output_folder(job, targets);
-    const std::vector<halftone::StackMaterial> materials = setting.materials(job.known_mm, job.thickness_mm, {job.paths, job.seed}, progress);
+    const std::vector<halftone::StackMaterial> materials =
+        setting.materials(job.known_mm, job.thickness_mm, {job.paths, job.seed}, progress);
     const halftone::StackSearch search(materials, options.search);
     const halftone::StackJudge judge = monte_carlo(job, setting, progress);
 
@@ -205,20 +232,33 @@ StackJobResult run_stack_search(const StackSearchJob& job, Progress& progress) {
     progress.begin_stage("Search", targets.size(), "targets");
     for (const Target& target : targets) {
         progress.check_cancelled();
-        const auto start = std::chrono::steady_clock::now();
-        const StackDesign design = halftone::design_stack(search, materials, target.wanted, options, judge);
-        const double ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+        const Watch watch;
+        Times times;
+        halftone::StackJudge timed;
+        if (judge)
+            timed = [&](std::span<const halftone::StackLayer> layers) {
+                const Watch tracing;
+                ChannelProfiles R = judge(layers);
+                times.monte_carlo_ms += tracing.ms();
+                return R;
+            };
+        const StackDesign design = halftone::design_stack(search, materials, target.wanted, options, timed);
+        times.search_ms = watch.ms() - times.monte_carlo_ms;
         const io::LayerSequence sequence = sequence_of(job, setting, target, design);
         io::write_whole_file(out / (target.name + ".stack.json"), io::layer_sequence_text(sequence));
         io::write_whole_file(out / (target.name + ".svg"), drawing(setting, target, design));
-        results.push_back(result_json(setting, target, design, sequence, ms));
-        text += result_text(setting, target, design, sequence, ms);
+        results.push_back(result_json(setting, target, design, sequence, times));
+        text += result_text(setting, target, design, sequence, times);
         progress.advance();
     }
     progress.end_stage();
-    const nlohmann::ordered_json json{{"format", "voxtone-stack-search"}, {"version", 1},      {"folder", job.out},
-                                      {"surface", setting.surface()},     {"backing", setting.backing()},
-                                      {"stackings", search.stackings()},  {"results", results}};
+    const nlohmann::ordered_json json{{"format", "voxtone-stack-search"},
+                                      {"version", 1},
+                                      {"folder", job.out},
+                                      {"surface", setting.surface()},
+                                      {"backing", setting.backing()},
+                                      {"stackings", search.stackings()},
+                                      {"results", results}};
     return {json.dump(), text};
 }
 

@@ -26,7 +26,7 @@ struct StackSearchJob {
     double dc_weight = 1;
     std::vector<std::string> clear_top;  ///< "T=0.2mm": the material T stays that far from the top
     bool refine = true;
-    double layer_mm = 0;  ///< of the printer; 0: any thickness
+    double layer_mm = 0;             ///< of the printer; 0: any thickness
     double known_mm = 0;             ///< thickness at which resins are known; 0: what fits (stack_materials.h)
     int rounds = 2;                  ///< searches, each corrected by Monte Carlo, [0, 20]; 0: never asked
     std::uint32_t paths = 1u << 17;  ///< per layer and channel, and per stack and channel, >= 2

@@ -26,7 +26,7 @@ struct StackSettingOptions {
     std::vector<std::string> materials;
     std::string resins = "vero-opaque";
     std::string surface = "auto", backing = "black";
-    double reach_mm = 10;           ///< of the grid, in [0.1, 1000]
+    double reach_mm = 10;             ///< of the grid, in [0.1, 1000]
     std::uint32_t coefficients = 64;  ///< in [4, 1024]
 };
 
@@ -50,11 +50,14 @@ public:
     [[nodiscard]] bool traceable() const { return set_ && !measured_backing_; }
     [[nodiscard]] const optics::StackEnds& ends() const { return ends_; }
 
-    /// Profiles of all materials. Resins are known at this thickness, 0: at the one that fits stacks of `most_mm` best. Warns of measured profiles that are noisy or cut short.
-    [[nodiscard]] std::vector<halftone::StackMaterial> materials(double known_mm, double most_mm, const optics::LayerPathOptions& tracing,
+    /// Profiles of all materials. Resins are known at this thickness, 0: at the one that fits stacks of `most_mm` best. Warns of
+    /// measured profiles that are noisy or cut short.
+    [[nodiscard]] std::vector<halftone::StackMaterial> materials(double known_mm, double most_mm,
+                                                                 const optics::LayerPathOptions& tracing,
                                                                  Progress& progress) const;
     /// Coefficients of a wanted reflection. Throws InputError: channels that differ, unusable profiles. Warns as above.
-    [[nodiscard]] halftone::ChannelProfiles target(const io::ProfileFile& profile, const std::string& file, Progress& progress) const;
+    [[nodiscard]] halftone::ChannelProfiles target(const io::ProfileFile& profile, const std::string& file,
+                                                   Progress& progress) const;
     [[nodiscard]] std::vector<optics::ResinLayer> resin_layers(std::span<const halftone::StackLayer> layers) const;
     /// "R", "G", "B" or the wavelength.
     [[nodiscard]] std::string channel_name(std::size_t channel) const;
