@@ -158,7 +158,7 @@ int main(int argc, char** argv) {
     options.search.clear_top_mm = {0, 0, 0.2};
     options.turned_back = optics::turned_back_share(set.eta);
     options.layer_mm = layer_mm;
-    options.rounds = 5;
+    options.rounds = 3;
     options.search.dc_weight = dc_weight;
     const halftone::StackSearch search(materials, options.search);
     const halftone::StackJudge judge = [&](std::span<const halftone::StackLayer> layers) { return traced(layers, tracing).R; };
