@@ -16,7 +16,8 @@
 // straight across. Neither does it see that voxels of a halftone are pure: they are mixed. For that there are the transport
 // predictor and Monte Carlo. Error on plane-parallel bodies: docs/stack-search.md.
 //
-// Time: about 1 us a cell, channel and 10 depths; memory: the answer. The same bits for any number of threads.
+// Time on one core of 2.5 GHz: 0.4 s, and 8 us a cell of RGB that is 3 mm deep; memory: the answer. The same bits for any number of
+// threads.
 #pragma once
 
 #include "voxtone/optics/appearance_model.h"
