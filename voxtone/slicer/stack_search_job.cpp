@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxtone/slicer/stack_search_job.h"
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <set>
