@@ -121,3 +121,20 @@ TEST_CASE("Profiles that cannot be are refused by name") {
     bad.R.total = 0.0;
     CHECK(measured_layer(bad, grid, summary).of_thickness(0.75).R_top[0] == 0);
 }
+
+TEST_CASE("A reflection profile by itself keeps its coefficients as they are, and is refused where it is more than all light") {
+    const HankelGrid grid(10, 32);
+    MeasuredSummary summary;
+    RadialSamples wanted = exponential(0.6, 0.3, 0.02, 6);
+    wanted.light[200] = -0.001;
+    const std::vector<double> R = measured_reflection(wanted, grid, summary);
+    for (std::size_t i = 0; i < grid.size(); ++i) CHECK(R[i] == Approx(0.6 * exponential_hat(grid.k()[i], 0.3)).margin(0.002));
+    CHECK(summary.R_total == R[0]);
+    CHECK(summary.negative_R > 0);
+    CHECK(summary.T_total == 0);
+
+    wanted.total = 0.3;
+    CHECK(measured_reflection(wanted, grid, summary)[0] == Approx(0.3).margin(1e-12));
+    CHECK_THROWS_AS((void)measured_reflection(exponential(1.1, 0.3, 0.02, 6), grid, summary), InputError);
+    CHECK_THROWS_AS((void)measured_reflection({0.02, {1, 2, 3}, {}}, grid, summary), InputError);
+}

@@ -251,3 +251,23 @@ TEST_CASE("Layers that cannot be are refused") {
     CHECK_THROWS_AS(trace_layers({{{{1, 1}, 1}}, 1.0, 1, 1}, grid), ContractViolation);
     CHECK_THROWS_AS(diffuse_totals({{{{1, 1}, 1}}, 0.4, 1.5, 1}), ContractViolation);
 }
+
+TEST_CASE("A layer under a surface: nothing is lost without absorption, and the ways in and out are reciprocal") {
+    const double s = smooth_surface(1.5, 1).R_bottom[0];
+    for (const Medium& medium : {Medium{0, 3}, Medium{0.5, 3}, Medium{4, 0.5}})
+        for (const double mm : {0.05, 0.5, 2.0}) {
+            INFO(medium.sigma_a << " " << medium.sigma_s << " " << mm);
+            const SurfacedTotals at = surfaced_totals(medium, 0.4, 1.5, mm);
+            CHECK(at.T_up == Approx((1 - s) * at.T_down).margin(2e-4));
+            const double down = at.R_top + at.T_down, up = at.R_bottom + at.T_up;
+            if (medium.sigma_a == 0) {
+                CHECK(down == Approx(1).margin(1e-5));
+                CHECK(up == Approx(1).margin(1e-5));
+            } else {
+                CHECK(down < 1);
+                CHECK(up < 1);
+            }
+            const SurfacedTotals fewer = surfaced_totals(medium, 0.4, 1.5, mm, 16);
+            CHECK(fewer.R_top == Approx(at.R_top).margin(2e-4));
+        }
+}

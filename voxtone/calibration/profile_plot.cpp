@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "voxtone/calibration/plot_svg.h"
+#include "voxtone/io/plot_svg.h"
 
 namespace voxtone::calibration {
 namespace {

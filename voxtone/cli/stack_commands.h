@@ -9,5 +9,7 @@ namespace voxtone::cli {
 
 Command add_stack_dataset_command(CLI::App& stack);
 Command add_stack_factor_command(CLI::App& stack);
+Command add_stack_predict_command(CLI::App& stack);
+Command add_stack_search_command(CLI::App& stack);
 
 }  // namespace voxtone::cli

@@ -43,4 +43,8 @@ struct MeasuredSummary {
 /// no noise).
 [[nodiscard]] HomogeneousLayer measured_layer(const MeasuredProfile& measured, const HankelGrid& grid, MeasuredSummary& summary);
 
+/// A reflection profile by itself, as a surface is wanted to show it: its coefficients, not clamped; the summary has its share of
+/// R. Throws InputError as above, also for more than 1.02 in all.
+[[nodiscard]] std::vector<double> measured_reflection(const RadialSamples& R, const HankelGrid& grid, MeasuredSummary& summary);
+
 }  // namespace voxtone::optics

@@ -13,7 +13,7 @@
 namespace voxtone::optics {
 namespace {
 
-constexpr int directions = 32, terms = 48;
+constexpr int directions = 32, terms = 48;  // of what is called exact
 
 // The exponential integral E3 (Abramowitz and Stegun 5.1.14).
 double E3(double x) {
@@ -47,32 +47,6 @@ std::vector<double> scaled(const HankelGrid& grid, const std::vector<double>& ed
     return coefficients;
 }
 
-// Totals of a layer under a refractive surface, solved in all directions: of light that the surface let in, and of diffuse
-// light from below.
-struct SurfacedTotals {
-    double R_top, T_down, R_bottom, T_up;
-};
-
-SurfacedTotals surfaced_totals(const Medium& medium, double g, double eta, double thickness_mm) {
-    const AddingDoubling solver(angular_grid(eta, directions / 2, directions / 2), g, terms);
-    const LayerResponse layer = solver.layer(medium, thickness_mm);
-    const AngularGrid& at = solver.grid();
-    const auto C = at.c.matrix().asDiagonal();
-    const Eigen::VectorXd c = at.c.matrix(), leaving = (at.c * at.t).matrix(), ones = Eigen::VectorXd::Ones(at.size());
-    // Down below the surface: what comes in, and what the surface sends back of what the layer sent up.
-    const Eigen::MatrixXd returned = at.r.matrix().asDiagonal() * (layer.R_above * C);
-    const auto inside = (Eigen::MatrixXd::Identity(at.size(), at.size()) - returned).partialPivLu();
-    const auto through = [&](const Eigen::MatrixXd& D, const Eigen::VectorXd& light) -> Eigen::VectorXd {
-        return layer.direct.matrix().cwiseProduct(light) + D * (C * light);
-    };
-    const Eigen::VectorXd down = inside.solve(at.t.matrix() / leaving.sum());
-    const Eigen::VectorXd up_from_below = through(layer.D_up, ones);
-    const Eigen::VectorXd sent_back = inside.solve((at.r * up_from_below.array()).matrix());
-    return {leaving.dot(layer.R_above * (C * down)), c.dot(through(layer.D_down, down)),
-            c.dot(layer.R_below * c) + c.dot(through(layer.D_down, sent_back)),
-            leaving.dot(up_from_below + layer.R_above * (C * sent_back))};
-}
-
 // Rings of two kinds of light.
 RingLight sum(const RingLight& a, const RingLight& b) {
     RingLight both = a;
@@ -95,6 +69,27 @@ DiffuseTotals diffuse_totals(const LayerScene& scene) {
     }
     const Eigen::VectorXd c = solver.grid().c.matrix();
     return {c.dot(all.R_above * c), c.dot(all.D_down * c) + c.dot(all.direct.matrix()), 2 * E3(tau)};
+}
+
+// Solved in all directions: of light that the surface let in, and of diffuse light from below.
+SurfacedTotals surfaced_totals(const Medium& medium, double g, double eta, double thickness_mm, int of_directions) {
+    const AddingDoubling solver(angular_grid(eta, of_directions / 2, of_directions / 2), g, terms);
+    const LayerResponse layer = solver.layer(medium, thickness_mm);
+    const AngularGrid& at = solver.grid();
+    const auto C = at.c.matrix().asDiagonal();
+    const Eigen::VectorXd c = at.c.matrix(), leaving = (at.c * at.t).matrix(), ones = Eigen::VectorXd::Ones(at.size());
+    // Down below the surface: what comes in, and what the surface sends back of what the layer sent up.
+    const Eigen::MatrixXd returned = at.r.matrix().asDiagonal() * (layer.R_above * C);
+    const auto inside = (Eigen::MatrixXd::Identity(at.size(), at.size()) - returned).partialPivLu();
+    const auto through = [&](const Eigen::MatrixXd& D, const Eigen::VectorXd& light) -> Eigen::VectorXd {
+        return layer.direct.matrix().cwiseProduct(light) + D * (C * light);
+    };
+    const Eigen::VectorXd down = inside.solve(at.t.matrix() / leaving.sum());
+    const Eigen::VectorXd up_from_below = through(layer.D_up, ones);
+    const Eigen::VectorXd sent_back = inside.solve((at.r * up_from_below.array()).matrix());
+    return {leaving.dot(layer.R_above * (C * down)), c.dot(through(layer.D_down, down)),
+            c.dot(layer.R_below * c) + c.dot(through(layer.D_down, sent_back)),
+            leaving.dot(up_from_below + layer.R_above * (C * sent_back))};
 }
 
 ResinProfile resin_profile(const Medium& medium, double g, double thickness_mm, const HankelGrid& grid,

@@ -32,6 +32,16 @@ struct DiffuseTotals {
 /// Exact to 1e-5 for |g| <= 0.5 (adding-doubling). eta_top and eta_bottom must be 1: contract.
 [[nodiscard]] DiffuseTotals diffuse_totals(const LayerScene& scene);
 
+/// Of a homogeneous layer under a smooth surface to air, index-matched below. Downwards, one unit is the light that the surface let
+/// in; upwards, diffuse light from below.
+struct SurfacedTotals {
+    double R_top = 0, T_down = 0;
+    double R_bottom = 0, T_up = 0;
+};
+
+/// By adding-doubling with that many directions, a multiple of 4. T_up = (1 - s) T_down, s as in smooth_surface (reciprocity).
+[[nodiscard]] SurfacedTotals surfaced_totals(const Medium& medium, double g, double eta, double thickness_mm, int directions = 32);
+
 struct ResinProfile {
     double thickness_mm = 0;
     std::vector<double> T, R;  ///< Hankel coefficients; the first are the exact totals

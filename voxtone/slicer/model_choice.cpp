@@ -9,13 +9,14 @@
 #include <fmt/ranges.h>
 
 #include "voxtone/base/error.h"
+#include "voxtone/optics/layered_profile_model.h"
 #include "voxtone/optics/monte_carlo.h"
 #include "voxtone/optics/transport.h"
 
 namespace voxtone::slicer {
 
 std::span<const std::string> model_names() {
-    static const std::array<std::string, 2> names{"transport", "monte-carlo"};
+    static const std::array<std::string, 3> names{"transport", "monte-carlo", "layered-profile"};
     return names;
 }
 
@@ -36,6 +37,7 @@ std::unique_ptr<const optics::AppearanceModel> make_model(const std::string& nam
         tracing.seed = options.seed;
         return std::make_unique<optics::MonteCarlo>(tracing);
     }
+    if (name == "layered-profile") return std::make_unique<optics::LayeredProfileModel>();
     throw UsageError(fmt::format("--model: '{}' is none of {}", name, fmt::join(model_names(), ", ")));
 }
 
