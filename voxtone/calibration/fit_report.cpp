@@ -9,8 +9,8 @@
 
 #include "voxtone/calibration/fit_text.h"
 #include "voxtone/calibration/patch_file.h"
-#include "voxtone/calibration/plot_svg.h"
 #include "voxtone/calibration/resin_coordinates.h"
+#include "voxtone/io/plot_svg.h"
 #include "voxtone/optics/colour.h"
 #include "voxtone/optics/layer_on_base.h"
 
@@ -18,6 +18,9 @@ namespace voxtone::calibration {
 
 namespace {
 
+using io::html_text;
+using io::Plot;
+using io::PlotAxis;
 using optics::Medium;
 
 const char* const style = R"(<style>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/plot_svg.h"
+#include "voxtone/io/plot_svg.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 
 #include "voxtone/base/printable.h"
 
-namespace voxtone::calibration {
+namespace voxtone::io {
 
 namespace {
 
@@ -113,4 +113,4 @@ std::string Plot::svg() const {
                               width_, height_);
 }
 
-}  // namespace voxtone::calibration
+}  // namespace voxtone::io

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-namespace voxtone::calibration {
+namespace voxtone::io {
 
 /// Text that may hold anything, for HTML and SVG.
 [[nodiscard]] std::string html_text(std::string_view text);
@@ -46,4 +46,4 @@ private:
     double width_, height_;
 };
 
-}  // namespace voxtone::calibration
+}  // namespace voxtone::io
