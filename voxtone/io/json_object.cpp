@@ -90,6 +90,8 @@ void JsonObject::allow_only(std::initializer_list<std::string_view> known) const
 
 bool JsonObject::has(std::string_view key) const { return node_->value->contains(std::string(key)); }
 
+bool JsonObject::is_text(std::string_view key) const { return node_->at(*this, key).is_string(); }
+
 std::vector<std::string> JsonObject::keys() const {
     std::vector<std::string> result;
     for (const auto& item : node_->value->items()) result.push_back(item.key());
@@ -132,6 +134,19 @@ void check_array(const JsonObject& object, std::string_view key, const json& val
         object.fail(key, fmt::format("has {} entries, expected {}", value.size(), count));
 }
 
+std::vector<double> checked_numbers(const JsonObject& object, std::string_view key, const json& value, std::size_t count,
+                                    double least, double most) {
+    check_array(object, key, value, count);
+    std::vector<double> result;
+    result.reserve(value.size());
+    for (const json& entry : value) {
+        if (!entry.is_number() || !(entry.get<double>() >= least && entry.get<double>() <= most))
+            object.fail(key, fmt::format("holds {}, expected numbers from {} to {}", shown(entry), least, most));
+        result.push_back(entry.get<double>());
+    }
+    return result;
+}
+
 }  // namespace
 
 std::uint64_t JsonObject::integer(std::string_view key, std::uint64_t least, std::uint64_t most) const {
@@ -139,13 +154,19 @@ std::uint64_t JsonObject::integer(std::string_view key, std::uint64_t least, std
 }
 
 std::vector<double> JsonObject::numbers(std::string_view key, std::size_t count, double least, double most) const {
+    return checked_numbers(*this, key, node_->at(*this, key), count, least, most);
+}
+
+std::vector<std::vector<std::vector<double>>> JsonObject::tables(std::string_view key, std::size_t rows, double least,
+                                                                 double most) const {
     const json& value = node_->at(*this, key);
-    check_array(*this, key, value, count);
-    std::vector<double> result;
-    for (const json& entry : value) {
-        if (!entry.is_number() || !(entry.get<double>() >= least && entry.get<double>() <= most))
-            fail(key, fmt::format("holds {}, expected numbers from {} to {}", shown(entry), least, most));
-        result.push_back(entry.get<double>());
+    check_array(*this, key, value, 0);
+    std::vector<std::vector<std::vector<double>>> result;
+    for (std::size_t i = 0; i < value.size(); ++i) {
+        check_array(*this, fmt::format("{}[{}]", key, i), value[i], rows);
+        auto& table = result.emplace_back();
+        for (std::size_t j = 0; j < value[i].size(); ++j)
+            table.push_back(checked_numbers(*this, fmt::format("{}[{}][{}]", key, i, j), value[i][j], 0, least, most));
     }
     return result;
 }

@@ -26,6 +26,8 @@ public:
     /// Throws InputError for the first key that is not among `known`.
     void allow_only(std::initializer_list<std::string_view> known) const;
     [[nodiscard]] bool has(std::string_view key) const;
+    /// Whether the value is a text: for keys that may hold something else too.
+    [[nodiscard]] bool is_text(std::string_view key) const;
     [[nodiscard]] std::vector<std::string> keys() const;
 
     // Each throws InputError where the key is missing, of another type or out of range (ends included).
@@ -35,6 +37,9 @@ public:
     [[nodiscard]] std::uint64_t integer(std::string_view key, std::uint64_t least, std::uint64_t most) const;
     /// `count` == 0: any number of them.
     [[nodiscard]] std::vector<double> numbers(std::string_view key, std::size_t count, double least, double most) const;
+    /// Lists of `rows` lists of numbers.
+    [[nodiscard]] std::vector<std::vector<std::vector<double>>> tables(std::string_view key, std::size_t rows, double least,
+                                                                       double most) const;
     [[nodiscard]] std::vector<std::uint64_t> integers(std::string_view key, std::size_t count, std::uint64_t least,
                                                       std::uint64_t most) const;
     [[nodiscard]] std::vector<std::string> texts(std::string_view key) const;

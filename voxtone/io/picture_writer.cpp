@@ -89,4 +89,27 @@ std::vector<std::uint8_t> png_bytes(const Picture8& picture, std::array<double, 
     return bytes;
 }
 
+std::vector<std::uint8_t> number_png_bytes(std::uint32_t width_px, std::uint32_t height_px,
+                                           std::span<const std::uint16_t> numbers) {
+    VOXTONE_EXPECT(width_px >= 1 && height_px >= 1 && numbers.size() == std::size_t{width_px} * height_px);
+    const bool wide = *std::max_element(numbers.begin(), numbers.end()) > 255;
+    std::vector<std::uint8_t> bytes, row;
+    const PngWriter writer;
+    VOXTONE_ENSURE(writer.png && writer.info);
+    png_set_write_fn(writer.png, &bytes, append, nullptr);
+    png_set_IHDR(writer.png, writer.info, width_px, height_px, wide ? 16 : 8, PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE,
+                 PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+    png_write_info(writer.png, writer.info);
+    for (std::uint32_t y = 0; y < height_px; ++y) {
+        row.clear();
+        for (const std::uint16_t number : numbers.subspan(std::size_t{y} * width_px, width_px)) {
+            if (wide) row.push_back(static_cast<std::uint8_t>(number >> 8));
+            row.push_back(static_cast<std::uint8_t>(number & 0xff));
+        }
+        png_write_row(writer.png, row.data());
+    }
+    png_write_end(writer.png, nullptr);
+    return bytes;
+}
+
 }  // namespace voxtone::io

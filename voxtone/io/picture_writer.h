@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Pictures out: 8-bit sRGB PNG of pictures that are computed in linear light.
+// Pictures out: 8-bit sRGB PNG of pictures that are computed in linear light, and grey PNG of numbers.
 #pragma once
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
@@ -33,5 +34,9 @@ struct Picture8 {
 /// The bytes of a PNG file with an sRGB chunk; with its pixels' density (pHYs, as PNG has it: whole pixels per metre
 /// along x and y) where px_per_mm is not 0. The same picture gives the same bytes.
 [[nodiscard]] std::vector<std::uint8_t> png_bytes(const Picture8& picture, std::array<double, 2> px_per_mm = {0, 0});
+
+/// The bytes of a grey PNG that holds these numbers, rows from the top: of 8 bits where all fit, else of 16.
+[[nodiscard]] std::vector<std::uint8_t> number_png_bytes(std::uint32_t width_px, std::uint32_t height_px,
+                                                         std::span<const std::uint16_t> numbers);
 
 }  // namespace voxtone::io

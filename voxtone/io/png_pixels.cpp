@@ -81,6 +81,12 @@ public:
         if (png_get_rowbytes(png_, info_) != row_bytes) png_error(png_, "rows of an unexpected length");
         return true;
     }
+    /// Samples as they are in the file.
+    bool start_plain_rows(std::size_t row_bytes) {
+        if (setjmp(png_jmpbuf(png_))) return false;
+        if (png_get_rowbytes(png_, info_) != row_bytes) png_error(png_, "rows of an unexpected length");
+        return true;
+    }
     bool read_row(std::uint8_t* row) {
         if (setjmp(png_jmpbuf(png_))) return false;
         png_read_row(png_, row, nullptr);
@@ -110,6 +116,18 @@ PngHeader checked_header(Decoder& decoder, Source& source, const std::string& na
     return header;
 }
 
+void check_plain(const PngHeader& header, const std::string& name) {
+    if (header.interlaced)
+        throw InputError(fmt::format("{}: is interlaced, which layers are not: save it without", name));
+}
+
+void read_to_end(Decoder& decoder, const Source& source, const std::string& name) {
+    if (!decoder.read_end()) fail(name, source);
+    if (source.at != source.file.size())
+        throw InputError(fmt::format("{}: has {} bytes behind its end; something else was appended to it", name,
+                                     source.file.size() - source.at));
+}
+
 }  // namespace
 
 std::string png_kind(const PngHeader& header) {
@@ -136,19 +154,36 @@ PngHeader read_png(std::span<const std::uint8_t> file, const std::string& source
     Source source{file};
     Decoder decoder(source);
     const PngHeader header = checked_header(decoder, source, source_name);
-    if (header.interlaced)
-        throw InputError(fmt::format("{}: is interlaced, which layers are not: save it without", source_name));
+    check_plain(header, source_name);
     std::vector<std::uint8_t> row(std::size_t{4} * header.width_px);
     if (!decoder.start_rows(row.size())) fail(source_name, source);
     for (std::uint32_t y = 0; y < header.height_px; ++y) {
         if (!decoder.read_row(row.data())) fail(source_name, source);
         on_row(y, row);
     }
-    if (!decoder.read_end()) fail(source_name, source);
-    if (source.at != file.size())
-        throw InputError(fmt::format("{}: has {} bytes behind its end; something else was appended to it", source_name,
-                                     file.size() - source.at));
+    read_to_end(decoder, source, source_name);
     return header;
+}
+
+GreyPicture read_grey_png(std::span<const std::uint8_t> file, const std::string& source_name) {
+    Source source{file};
+    Decoder decoder(source);
+    const PngHeader header = checked_header(decoder, source, source_name);
+    check_plain(header, source_name);
+    if (header.colour_type != PNG_COLOR_TYPE_GRAY || (header.bit_depth != 8 && header.bit_depth != 16))
+        throw InputError(fmt::format("{}: is {}, but a picture of numbers is 8- or 16-bit grey", source_name, png_kind(header)));
+    GreyPicture picture{header.width_px, header.height_px, {}};
+    picture.samples.reserve(std::size_t{header.width_px} * header.height_px);
+    const std::size_t bytes = static_cast<std::size_t>(header.bit_depth) / 8;
+    std::vector<std::uint8_t> row(bytes * header.width_px);
+    if (!decoder.start_plain_rows(row.size())) fail(source_name, source);
+    for (std::uint32_t y = 0; y < header.height_px; ++y) {
+        if (!decoder.read_row(row.data())) fail(source_name, source);
+        for (std::size_t i = 0; i < row.size(); i += bytes)
+            picture.samples.push_back(static_cast<std::uint16_t>(bytes == 1 ? row[i] : row[i] << 8 | row[i + 1]));
+    }
+    read_to_end(decoder, source, source_name);
+    return picture;
 }
 
 }  // namespace voxtone::io
