@@ -31,6 +31,10 @@ TEST_CASE("Height fields have each pixel's stack at its centre, upright, and lay
     CHECK(bottoms(fields, 5, 3) == std::array<float, 3>{0, 0, 0});
     CHECK(bottoms(fields, 5, 1) == std::array<float, 3>{0.2f, 0.2f, 0.6f});
     CHECK(fields.most_depth_mm() == 0.6f);
+    CHECK(fields.stack_at(1.9, 2.1) == 0);
+    CHECK(fields.stack_at(4.1, 3.9) == 2);
+    CHECK(fields.stack_at(4.1, 1.9) == 0);
+    CHECK(fields.stack_at(-3, -3) == 1);
     CHECK(fields.layer_at(1, 3, 0) == 0);
     CHECK(fields.layer_at(1, 3, 0.2f) == 2);  // the layer of thickness zero between them holds no depth
     CHECK(fields.layer_at(3, 3, 0.2f) == 1);

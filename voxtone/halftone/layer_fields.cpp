@@ -33,7 +33,7 @@ std::vector<float> gaussian(double sigma_px) {
 
 LayerFields::LayerFields(const StackMap& map, const AlignedStacks& stacks)
     : material_(stacks.material), width_(map.width_px), height_(map.height_px), per_mm_x_(map.width_px / map.width_mm),
-      per_mm_y_(map.height_px / map.height_mm), edge_(map.edge) {
+      per_mm_y_(map.height_px / map.height_mm), edge_(map.edge), stack_(map.stack.begin(), map.stack.end()) {
     VOXTONE_EXPECT(map.width_px > 0 && map.height_px > 0 && map.width_mm > 0 && map.height_mm > 0 && map.smoothing_mm >= 0);
     VOXTONE_EXPECT(map.stack.size() == std::size_t{map.width_px} * map.height_px && layers() <= max_layers);
     if (layers() == 0) return;
@@ -101,6 +101,12 @@ std::size_t LayerFields::layer_at(double x_mm, double y_mm, float depth_mm) cons
     std::size_t l = 0;
     while (l < layers() && depth_mm >= c.mix(l)) ++l;
     return l;
+}
+
+std::size_t LayerFields::stack_at(double x_mm, double y_mm) const {
+    const auto i = pixel(std::int64_t(std::floor(x_mm * per_mm_x_)), width_, edge_);
+    const auto j = pixel(std::int64_t(std::floor(double(height_) - y_mm * per_mm_y_)), height_, edge_);
+    return stack_[std::size_t(j * width_ + i)];
 }
 
 float LayerFields::depth_mm(double x_mm, double y_mm) const { return layers() == 0 ? 0 : corners(x_mm, y_mm).mix(layers() - 1); }

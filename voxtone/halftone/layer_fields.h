@@ -45,6 +45,8 @@ public:
     void bottoms(double x_mm, double y_mm, std::span<float> out) const;
     /// The layer that a depth >= 0 at a point lies in; layers() below them all. The top of a layer belongs to it.
     [[nodiscard]] std::size_t layer_at(double x_mm, double y_mm, float depth_mm) const;
+    /// The stack of the pixel that a point lies in.
+    [[nodiscard]] std::size_t stack_at(double x_mm, double y_mm) const;
     /// Of all layers together at a point, and at most anywhere.
     [[nodiscard]] float depth_mm(double x_mm, double y_mm) const;
     [[nodiscard]] float most_depth_mm() const { return most_depth_; }
@@ -65,7 +67,8 @@ private:
     std::int64_t width_, height_;
     double per_mm_x_, per_mm_y_;  ///< pixels
     MapEdge edge_;
-    std::vector<float> bottom_;  ///< pixel by pixel
+    std::vector<std::uint16_t> stack_;  ///< pixel by pixel
+    std::vector<float> bottom_;         ///< and layer by layer
     float most_depth_ = 0;
 };
 
