@@ -73,6 +73,11 @@ public:
                     direct = false;
                     continue;
                 }
+                if (down && scene_.backing > 0 && random.uniform() < scene_.backing) {
+                    d = entering_light(2, -1.0, 1.0, random);
+                    direct = false;
+                    continue;
+                }
                 return {down ? direct ? Exit::T_direct : Exit::T : Exit::R, weight, std::hypot(x, y)};
             }
             direct = false;
@@ -121,6 +126,7 @@ std::vector<double> ring_edges(const HankelGrid& grid) {
 TracedProfile trace_layers(const LayerScene& scene, const HankelGrid& grid, const LayerPathOptions& options,
                            const Progress* progress) {
     VOXTONE_EXPECT(!scene.layers.empty() && std::abs(scene.g) < 1 && scene.eta_top >= 1 && scene.eta_bottom >= 1);
+    VOXTONE_EXPECT(scene.backing == 0 || (scene.backing > 0 && scene.backing <= 1 && scene.eta_bottom == 1));
     VOXTONE_EXPECT(options.paths >= 2);
     const LayerPaths paths(scene);
     TracedProfile profile;

@@ -100,4 +100,17 @@ HomogeneousLayer measured_layer(const MeasuredProfile& measured, const HankelGri
     return layer;
 }
 
+std::vector<double> measured_reflection(const RadialSamples& R, const HankelGrid& grid, MeasuredSummary& summary) {
+    check(R, "reflection");
+    std::vector<double> f = coefficients(R, "reflection", grid);
+    if (f[0] > largest_sum)
+        throw InputError(fmt::format(
+            "The reflection profile sends back {:.4g} of the light, more than it got. Check its scale or give its total.", f[0]));
+    summary = {};
+    summary.R_total = f[0];
+    summary.negative_R = negative_share(R);
+    summary.beyond_R = share_beyond(R);
+    return f;
+}
+
 }  // namespace voxtone::optics

@@ -22,7 +22,8 @@ namespace voxtone::optics {
 struct RadialSamples {
     double spacing_mm = 0;
     std::vector<double> light;
-    std::optional<double> total;  ///< measured albedo, in [0, 1]
+    std::optional<double> total{};  ///< measured albedo, in [0, 1]
+    std::vector<double> error{};    ///< standard error of each sample, in the unit of `light`; empty: not known
 };
 
 struct MeasuredProfile {
@@ -41,5 +42,9 @@ struct MeasuredSummary {
 /// samples, all finite, light in all above 0 where it is to be scaled, totals in [0, 1], T + R at most 1.02 (beyond that it is
 /// no noise).
 [[nodiscard]] HomogeneousLayer measured_layer(const MeasuredProfile& measured, const HankelGrid& grid, MeasuredSummary& summary);
+
+/// A reflection profile by itself, as a surface is wanted to show it: its coefficients, not clamped; the summary has its share of
+/// R. Throws InputError as above, also for more than 1.02 in all.
+[[nodiscard]] std::vector<double> measured_reflection(const RadialSamples& R, const HankelGrid& grid, MeasuredSummary& summary);
 
 }  // namespace voxtone::optics

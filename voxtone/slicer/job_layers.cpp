@@ -10,8 +10,9 @@
 
 #include "voxtone/base/error.h"
 #include "voxtone/base/parallel.h"
-#include "voxtone/halftone/stack_refinement.h"
-#include "voxtone/optics/resin_profile.h"
+#include "voxtone/halftone/stack_materials.h"
+#include "voxtone/optics/resin_stack.h"
+#include "voxtone/optics/surfaced_reflection.h"
 #include "voxtone/slicer/lap.h"
 
 namespace voxtone::slicer {
@@ -36,27 +37,22 @@ void check(const SliceOptions& options, const io::ProfileMap& map, const JobBody
                                      voxels[axis], "xyz"[axis], body.is_picture ? ", --thickness" : ""));
 }
 
-/// The disc that holds the map's profiles; a finer ring than a voxel's width tells nothing.
+/// The disc that holds the map's profiles.
 optics::HankelGrid grid_for(const io::ProfileMap& map) {
     constexpr double least_reach_mm = 4;
-    constexpr std::size_t coefficients = 48;
+    constexpr std::size_t coefficients = 64;
     double reach = least_reach_mm;
     for (const auto& target : map.target)
         for (const optics::RadialSamples& channel : target) reach = std::max(reach, channel.spacing_mm * double(channel.light.size() - 1));
     return {reach, coefficients};
 }
 
-/// Traced at a thickness in the middle of those that stacks are made of.
 std::vector<halftone::StackMaterial> stack_materials(const optics::ResinSet& set, const optics::HankelGrid& grid, Progress& progress) {
-    constexpr double thickness_mm = 0.3;
-    progress.begin_stage("profiles of the resins", set.resins.size() * set.channels.size(), "profiles");
+    progress.begin_stage("profiles of the resins", set.resins.size(), "resins");
     std::vector<halftone::StackMaterial> materials;
-    for (const optics::Resin& resin : set.resins) {
-        halftone::StackMaterial& material = materials.emplace_back();
-        for (std::size_t c = 0; c < set.channels.size(); ++c) {
-            material.push_back(optics::resin_profile(resin.medium(c), set.g, thickness_mm, grid, {}, &progress).layer());
-            progress.advance();
-        }
+    for (std::size_t r = 0; r < set.resins.size(); ++r) {
+        materials.push_back(halftone::resin_material(set, r, halftone::default_known_mm, grid, {}, &progress));
+        progress.advance();
     }
     progress.end_stage();
     return materials;
@@ -80,45 +76,55 @@ halftone::StackSearchOptions search_options(const SliceOptions& options, const L
     return search;
 }
 
-std::vector<ClusterStack> search_stacks(const io::ProfileMap& map, const optics::HankelGrid& grid, std::span<const halftone::StackMaterial> materials,
-                                        const halftone::StackSearchOptions& options, Progress& progress) {
+std::vector<ClusterStack> wanted_clusters(const std::string& file, const io::ProfileMap& map, const optics::HankelGrid& grid) {
     std::vector<ClusterStack> clusters(map.target.size());
-    std::vector<halftone::ChannelProfiles> targets;
-    for (const auto& target : map.target) {
-        halftone::ChannelProfiles& profiles = targets.emplace_back();
-        for (const optics::RadialSamples& channel : target) profiles.push_back(grid.from_even(channel.light, channel.spacing_mm));
-    }
-    progress.begin_stage("search stacks", targets.size(), "clusters");
-    const halftone::StackSearch search(materials, options);
-    constexpr std::size_t batch = 16;  // between two reports of progress; the result does not depend on it
-    for (std::size_t first = 0; first < targets.size(); first += batch) {
-        const std::size_t count = std::min(batch, targets.size() - first);
-        std::vector<halftone::FoundStack> found = search.find_all(std::span(targets).subspan(first, count), &progress);
-        parallel_for(0, count, 1, [&](std::size_t i) {
-            ClusterStack& cluster = clusters[first + i];
-            cluster.found = std::move(found[i]);
-            cluster.target = std::move(targets[first + i]);
-            cluster.layers = cluster.found.layers;
-            cluster.distance = cluster.found.distance;
-            if (!cluster.layers.empty()) {
-                halftone::RefinedStack refined = halftone::refine_stack(materials, cluster.layers, cluster.target, options);
-                cluster.layers = std::move(refined.layers);
-                cluster.distance = refined.distance;
+    for (std::size_t k = 0; k < clusters.size(); ++k)
+        for (std::size_t c = 0; c < map.target[k].size(); ++c) try {
+                optics::MeasuredSummary summary;
+                clusters[k].target.push_back(optics::measured_reflection(map.target[k][c], grid, summary));
+            } catch (const InputError& error) {
+                throw InputError(fmt::format("{}, cluster {}, channel {}: {}", file, k, c, error.what()));
             }
-            cluster.reached = halftone::stack_reflection(materials, cluster.layers, options.backing);
-        });
-        progress.advance(count);
-    }
-    progress.end_stage();
     for (const std::uint16_t pixel : map.cluster) clusters[pixel].share += 1.0 / double(map.cluster.size());
     return clusters;
+}
+
+/// What a stack on the base shows, traced under a surface to air.
+halftone::StackJudge tracing_judge(const LoadedResins& resins, const optics::HankelGrid& grid, const Progress& progress) {
+    return [&resins, &grid, &progress](std::span<const halftone::StackLayer> layers) {
+        constexpr double base_mm = 10;
+        constexpr std::uint32_t paths = 1 << 16;
+        std::vector<optics::ResinLayer> traced;
+        for (const halftone::StackLayer& layer : layers) traced.push_back({layer.material, layer.thickness_mm});
+        traced.push_back({static_cast<std::size_t>(resins.core), base_mm});
+        return optics::traced_light(resins.set, traced, {.eta_top = resins.set.eta}, grid, {.paths = paths}, &progress).R;
+    };
+}
+
+void search_stacks(const SliceOptions& options, const LoadedResins& resins, const optics::HankelGrid& grid, std::vector<ClusterStack>& clusters,
+                   std::span<const halftone::StackMaterial> materials, Progress& progress) {
+    halftone::StackDesignOptions design;
+    design.search = search_options(options, resins, materials);
+    design.turned_back = optics::turned_back_share(resins.set.eta);
+    design.rounds = std::max(1, options.stack_rounds);
+    const halftone::StackJudge judge = options.stack_rounds > 0 ? tracing_judge(resins, grid, progress) : halftone::StackJudge{};
+    progress.begin_stage("search stacks", clusters.size(), "clusters");
+    const halftone::StackSearch search(materials, design.search);
+    parallel_for(0, clusters.size(), 1,
+                 [&](std::size_t k) {
+                     clusters[k].design = halftone::design_stack(search, materials, clusters[k].target, design, judge);
+                     progress.advance();
+                 },
+                 &progress);
+    progress.end_stage();
 }
 
 }  // namespace
 
 JobLayers::JobLayers(const SliceOptions& options, io::ProfileMap wanted, const JobBody& body, const LoadedResins& resins, Progress& progress)
     : map((check(options, wanted, body, resins), std::move(wanted))), grid(grid_for(map)) {
-    // Placed first: what is wrong with the mesh is said before the search.
+    // What is wrong with map and mesh is said before the search.
+    clusters = wanted_clusters(options.profiles, map, grid);
     const io::TexturedMesh& mesh = body.model.mesh;
     const Eigen::Vector3d extent = body.placement.extent_mm;
     halftone::StackMap stacks{map.width_px, map.height_px, map.width_mm, map.height_mm, map.cluster, halftone::MapEdge::repeat, options.layer_smoothing_mm};
@@ -140,11 +146,11 @@ JobLayers::JobLayers(const SliceOptions& options, io::ProfileMap wanted, const J
     Lap lap;
     const std::vector<halftone::StackMaterial> materials = stack_materials(resins.set, grid, progress);
     materials_s = lap();
-    clusters = search_stacks(map, grid, materials, search_options(options, resins, materials), progress);
+    search_stacks(options, resins, grid, clusters, materials, progress);
     search_s = lap();
 
     std::vector<std::vector<halftone::StackLayer>> layers;
-    for (const ClusterStack& cluster : clusters) layers.push_back(cluster.layers);
+    for (const ClusterStack& cluster : clusters) layers.push_back(cluster.design.layers);
     aligned = halftone::align_stacks(layers);
     fields_.emplace(stacks, aligned);
     screen_.emplace(std::array{body.grid.pitch_mm.x(), body.grid.pitch_mm.y(), body.grid.pitch_mm.z()}, &progress);

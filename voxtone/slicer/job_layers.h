@@ -4,8 +4,9 @@
 // around the body, in the place of colours, screens and the appearance loop.
 //
 // Materials are the loaded resins, known by their profiles. For each cluster of the map the best stack of blocks is searched
-// (halftone/stack_search.h) and its thicknesses refined (stack_refinement.h), over the base resin taken to be endlessly deep. The stacks
-// are aligned, interpolated to height fields over the map, and wrapped.
+// (halftone/stack_search.h) and its thicknesses refined (stack_refinement.h), under a smooth surface to air and over the base resin taken
+// to be deep; what the layered model gets wrong is corrected by tracing the stacks (stack_design.h). The stacks are aligned, interpolated
+// to height fields over the map, and wrapped.
 #pragma once
 
 #include <memory>
@@ -17,7 +18,7 @@
 #include "voxtone/halftone/aligned_stacks.h"
 #include "voxtone/halftone/blue_noise_screen.h"
 #include "voxtone/halftone/layer_fields.h"
-#include "voxtone/halftone/stack_search.h"
+#include "voxtone/halftone/stack_design.h"
 #include "voxtone/io/profile_map.h"
 #include "voxtone/optics/hankel.h"
 #include "voxtone/slicer/job_body.h"
@@ -31,18 +32,19 @@ namespace voxtone::slicer {
 
 /// What is printed where the map asks for one cluster.
 struct ClusterStack {
-    double share = 0;                   ///< of the map's pixels
-    halftone::ChannelProfiles target;   ///< Hankel coefficients, wanted
-    halftone::ChannelProfiles reached;  ///< and of the stack
-    halftone::FoundStack found;         ///< by the search
-    std::vector<halftone::StackLayer> layers;  ///< refined
-    double distance = 0;                ///< of these
+    double share = 0;                  ///< of the map's pixels
+    halftone::ChannelProfiles target;  ///< Hankel coefficients, wanted
+    halftone::StackDesign design;
+
+    /// What is expected of the stack, and how far that is from the target: as traced, or by the layered model.
+    [[nodiscard]] const halftone::ChannelProfiles& expected() const { return design.judged.empty() ? design.modelled : design.judged; }
+    [[nodiscard]] double distance() const { return design.judged.empty() ? design.modelled_distance : design.judged_distance; }
 };
 
 /// Stays where it was made.
 class JobLayers {
 public:
-    /// Throws InputError: channels that are not those of the resins, one resin only, roles that are not loaded, a mesh without
+    /// Throws InputError: profiles that send back more light than they got, channels that are not those of the resins, one resin only, roles that are not loaded, a mesh without
     /// texture coordinates where they are needed, a body thinner than two voxels.
     JobLayers(const SliceOptions& options, io::ProfileMap map, const JobBody& body, const LoadedResins& resins, Progress& progress);
     JobLayers(const JobLayers&) = delete;

@@ -31,7 +31,7 @@ std::vector<std::size_t> by_share(const JobLayers& layers) {
 
 std::string stack_text(const ClusterStack& cluster, const LoadedResins& resins) {
     std::string text;
-    for (const halftone::StackLayer& layer : cluster.layers)
+    for (const halftone::StackLayer& layer : cluster.design.layers)
         text += fmt::format("{}{} {:.3f}", text.empty() ? "" : " / ", resins.entries[layer.material].role, layer.thickness_mm);
     return text.empty() ? std::string("the base alone") : text;
 }
@@ -67,7 +67,7 @@ io::ReportDrawing profile_drawing(const JobLayers& layers, std::size_t number, c
     std::vector<std::array<io::Plot::Points, 2>> lines;
     double most = 0;
     for (const DrawnChannel& channel : channels) {
-        lines.push_back({curve(cluster.target[channel.index]), curve(cluster.reached[channel.index])});
+        lines.push_back({curve(cluster.target[channel.index]), curve(cluster.expected()[channel.index])});
         for (const io::Plot::Points& line : lines.back())
             for (const auto& point : line) most = std::max(most, point.second);
     }
@@ -81,7 +81,7 @@ io::ReportDrawing profile_drawing(const JobLayers& layers, std::size_t number, c
         plot.line(lines[c][0], channels[c].colour, 1.5, true);
         plot.line(lines[c][1], channels[c].colour);
     }
-    return {fmt::format("{}; distance {:.4f}", stack_text(cluster, resins), cluster.distance), plot.svg()};
+    return {fmt::format("{}; distance {:.4f}", stack_text(cluster, resins), cluster.distance()), plot.svg()};
 }
 
 Eigen::Vector3f total_colour(const optics::Channels& channels, const halftone::ChannelProfiles& profiles) {
@@ -105,18 +105,21 @@ ColouredSurface by_cluster(const JobLayers& layers, const JobBody& body, std::ve
 }
 
 struct Totals {
-    double distance = 0, outside_share = 0, worst = 0;
+    double distance = 0, worst = 0, modelled = 0, outside = 0;
+    bool traced = false;
     halftone::SearchCount count;
 };
 Totals totals_of(const JobLayers& layers) {
     Totals totals;
     for (const ClusterStack& cluster : layers.clusters) {
-        totals.distance += cluster.share * cluster.distance;
-        if (cluster.found.outside > 0) totals.outside_share += cluster.share;
-        if (cluster.share > 0) totals.worst = std::max(totals.worst, cluster.distance);
-        totals.count.visited += cluster.found.count.visited;
-        totals.count.pruned += cluster.found.count.pruned;
-        totals.count.judged += cluster.found.count.judged;
+        totals.distance += cluster.share * cluster.distance();
+        totals.modelled += cluster.share * cluster.design.modelled_distance;
+        totals.outside += cluster.share * cluster.design.outside;
+        totals.traced = totals.traced || !cluster.design.judged.empty();
+        if (cluster.share > 0) totals.worst = std::max(totals.worst, cluster.distance());
+        totals.count.visited += cluster.design.found.count.visited;
+        totals.count.pruned += cluster.design.found.count.pruned;
+        totals.count.judged += cluster.design.found.count.judged;
     }
     return totals;
 }
@@ -131,14 +134,19 @@ void add_layers_report(const JobLayers& layers, const LoadedResins& resins, cons
     io::ReportSection profiles;
     profiles.title = "Scattering profiles";
     profiles.paragraphs.push_back(fmt::format(
-        "The map asks for {} different profiles; for each the nearest stack of layers was searched and its thicknesses refined, over a deep base of {}. "
-        "Distances are weighted root mean squares of the difference in Hankel coefficients (which lie between 0 and 1): {:.4f} on average "
-        "over the map, {:.4f} at most.",
-        order.size(), resins.entries[static_cast<std::size_t>(resins.core)].name, totals.distance, totals.worst));
-    if (totals.outside_share > 0)
-        profiles.paragraphs.push_back(fmt::format("{:.1f} % of the map asks for what is outside of the gamut of these resins, blocks and thickness: "
-                                                  "the nearest that can be printed is printed.",
-                                                  100 * totals.outside_share));
+        "The map asks for {} different profiles; for each the nearest stack of layers was searched and its thicknesses refined, under a smooth surface to "
+        "air and over a deep base of {}. {} Distances are weighted root mean squares of the difference in Hankel coefficients (which lie between 0 "
+        "and 1): {:.4f} on average over the map, {:.4f} at most.",
+        order.size(), resins.entries[static_cast<std::size_t>(resins.core)].name,
+        totals.traced ? "What they show was traced by Monte Carlo and what the layered model gets wrong corrected; figures are those of the traced light."
+                      : "What they show is by the layered model, which is rough for thin layers (--stack-rounds 3 traces the stacks).",
+        totals.distance, totals.worst));
+    if (totals.traced)
+        profiles.paragraphs.push_back(fmt::format("The layered model by itself says {:.4f} of the same stacks.", totals.modelled));
+    if (totals.outside > 0)
+        profiles.paragraphs.push_back(fmt::format("What is wanted lies outside of the gamut of these resins, blocks and thickness: by the layered model no "
+                                                  "stack is nearer than {:.4f}, behind the surface and on average over the map (proven).",
+                                                  totals.outside));
     std::vector<std::string> drawn;
     for (const DrawnChannel& channel : drawn_channels(layers.map.channels)) drawn.push_back(channel.name);
     profiles.paragraphs.push_back(fmt::format("Light that comes out per mm2 at a distance from where one unit entered, the {} most frequent clusters: dashed as "
@@ -146,7 +154,7 @@ void add_layers_report(const JobLayers& layers, const LoadedResins& resins, cons
                                               std::min(most_drawn, order.size()), fmt::join(drawn, ", "), 1.5 * layers.grid.reach_mm() / double(layers.grid.size())));
     for (std::size_t i = 0; i < std::min(most_drawn, order.size()); ++i) profiles.drawings.push_back(profile_drawing(layers, order[i], resins));
     io::ReportTable table{order.size() > most_listed ? fmt::format("The {} most frequent of {} clusters", most_listed, order.size()) : "Clusters",
-                          {"cluster", "share", "distance", "outside of the gamut by", "total wanted", "total reached", "layers from the top, mm"},
+                          {"cluster", "share", "distance", "outside of the gamut by at least", "total wanted", "total reached", "layers from the top, mm"},
                           {}};
     const auto totals_text = [](const halftone::ChannelProfiles& of) {
         std::vector<std::string> text;
@@ -155,9 +163,9 @@ void add_layers_report(const JobLayers& layers, const LoadedResins& resins, cons
     };
     for (std::size_t i = 0; i < std::min(most_listed, order.size()); ++i) {
         const ClusterStack& cluster = layers.clusters[order[i]];
-        table.rows.push_back({fmt::format("{}", order[i]), fmt::format("{:.1f} %", 100 * cluster.share), fmt::format("{:.4f}", cluster.distance),
-                              cluster.found.outside > 0 ? fmt::format("{:.4f}", cluster.found.outside) : std::string(), totals_text(cluster.target),
-                              totals_text(cluster.reached), stack_text(cluster, resins)});
+        table.rows.push_back({fmt::format("{}", order[i]), fmt::format("{:.1f} %", 100 * cluster.share), fmt::format("{:.4f}", cluster.distance()),
+                              cluster.design.outside > 0 ? fmt::format("{:.4f}", cluster.design.outside) : std::string(), totals_text(cluster.target),
+                              totals_text(cluster.expected()), stack_text(cluster, resins)});
     }
     profiles.tables.push_back(std::move(table));
     profiles.paragraphs.push_back(fmt::format("The search opened {} partial stacks, put {} aside by their bounds and compared {} whole ones.", totals.count.visited,
@@ -190,8 +198,8 @@ void draw_layers_report(const JobLayers& layers, const JobBody& body, io::Report
     std::vector<Eigen::Vector3f> wanted, reached, distance;
     for (const ClusterStack& cluster : layers.clusters) {
         wanted.push_back(total_colour(layers.map.channels, cluster.target));
-        reached.push_back(total_colour(layers.map.channels, cluster.reached));
-        distance.push_back(difference_colour(100 * cluster.distance));
+        reached.push_back(total_colour(layers.map.channels, cluster.expected()));
+        distance.push_back(difference_colour(100 * cluster.distance()));
     }
     const std::array surfaces{by_cluster(layers, body, std::move(wanted)), by_cluster(layers, body, std::move(reached)), by_cluster(layers, body, std::move(distance))};
     static constexpr std::array captions{"target: total reflectance wanted", "total reflectance of the stacks",
@@ -220,9 +228,9 @@ void draw_layers_report(const JobLayers& layers, const JobBody& body, io::Report
 
 std::string layers_summary(const JobLayers& layers) {
     const Totals totals = totals_of(layers);
-    return fmt::format("  {} profiles by {} layers: distance {:.4f} on average, {:.4f} at most; {:.1f} % of the map outside of the gamut; "
-                       "{:.1f} % of the surface too thin for its stack\n",
-                       by_share(layers).size(), layers.aligned.layers(), totals.distance, totals.worst, 100 * totals.outside_share, 100 * layers.fit.thin_share);
+    return fmt::format("  {} profiles by {} layers: distance {:.4f} on average, {:.4f} at most; outside of the gamut by at least "
+                       "{:.4f}; {:.1f} % of the surface too thin for its stack\n",
+                       by_share(layers).size(), layers.aligned.layers(), totals.distance, totals.worst, totals.outside, 100 * layers.fit.thin_share);
 }
 
 }  // namespace voxtone::slicer

@@ -194,6 +194,9 @@ std::vector<OptionSpec> make_table() {
         length(spec("stack-thickness", Kind::length, "LENGTH", profiles, "most thickness of a stack of layers"), &O::stack_thickness_mm),
         number(spec("stack-steps", Kind::number, "N", profiles, "the search cuts that thickness into so many steps"), &O::stack_steps),
         number(spec("stack-blocks", Kind::number, "N", profiles, "and makes stacks of so many blocks, of 1, 2, 4, ... steps, at most"), &O::stack_blocks),
+        number(spec("stack-rounds", Kind::number, "N", profiles,
+                    "how often a stack is traced by Monte Carlo and searched again for what the layered model got wrong; the best is kept; 0: never; seconds for each cluster and round"),
+               &O::stack_rounds),
         number(spec("dc-weight", Kind::number, "W", profiles, "weight of the total reflectance against the profile's shape"), &O::dc_weight),
         list(spec("clear-top", Kind::list, "ROLE=LENGTH", profiles, "this resin stays that far below the surface, such as T=0.2mm; a list"), &O::clear_top),
         text(spec("base", Kind::text, "ROLE", profiles, "resin below the stacks, taken to be deep"), &O::base),
@@ -289,6 +292,7 @@ void validate(const SliceOptions& o) {
     need(o.stack_thickness_mm > 0 && o.stack_thickness_mm <= 50, "stack-thickness", fmt::format("{}mm", o.stack_thickness_mm), "must be above 0 and at most 50 mm");
     need(o.stack_steps >= 1 && o.stack_steps <= 4096, "stack-steps", fmt::format("{}", o.stack_steps), "must be 1 to 4096");
     need(o.stack_blocks >= 1 && o.stack_blocks <= 16, "stack-blocks", fmt::format("{}", o.stack_blocks), "must be 1 to 16");
+    need(o.stack_rounds >= 0 && o.stack_rounds <= 20, "stack-rounds", fmt::format("{}", o.stack_rounds), "must be 0 to 20");
     need(o.dc_weight > 0 && o.dc_weight <= 1e6, "dc-weight", fmt::format("{}", o.dc_weight), "must be above 0 and at most 1e6");
     need(o.layer_smoothing_mm >= 0 && o.layer_smoothing_mm <= 100, "layer-smoothing", fmt::format("{}mm", o.layer_smoothing_mm), "must be 0 to 100 mm");
     need(o.surface_cell_mm >= 0.01 && o.surface_cell_mm <= 5, "surface-cell", fmt::format("{}mm", o.surface_cell_mm), "must be 0.01 to 5 mm");

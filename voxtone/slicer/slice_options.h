@@ -36,6 +36,7 @@ struct SliceOptions {
     std::string profile_placement = "uv";
     double stack_thickness_mm = 5;
     std::uint32_t stack_steps = 64, stack_blocks = 6;
+    int stack_rounds = 0;
     double dc_weight = 1;
     std::vector<std::string> clear_top;  ///< "ROLE=LENGTH"
     std::string base = "K";              ///< role of the resin below the stacks

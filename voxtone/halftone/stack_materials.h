@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Materials for the stack search: layer profiles of every channel on one grid, from resins or from measured profiles.
+//
+// A material is known at one thickness and predicted at others by Kubelka and Munk's law, which holds for the model,
+// not for light (docs/profiles.md): a layer of a fifth of the known thickness reflects 11 to 20 % too little. So resins
+// are made known at a thickness amid those that are used, `known_mm`; docs/stack-search.md says how much the choice
+// matters.
+//
+// Units: mm. What it cannot see: as layer_profile.h.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "voxtone/halftone/stack_search.h"
+#include "voxtone/optics/hankel.h"
+#include "voxtone/optics/layer_paths.h"
+#include "voxtone/optics/measured_profile.h"
+
+namespace voxtone::halftone {
+
+inline constexpr double default_known_mm = 0.3;
+
+/// Contract: a resin of the set, known_mm > 0.
+[[nodiscard]] StackMaterial resin_material(const optics::ResinSet& set, std::size_t resin, double known_mm,
+                                           const optics::HankelGrid& grid, const optics::LayerPathOptions& options = {},
+                                           const Progress* progress = nullptr);
+
+struct MeasuredMaterial {
+    StackMaterial material;
+    std::vector<optics::MeasuredSummary> summary;  ///< by channel
+};
+
+/// Profiles of any spacing and length. Throws InputError that names the material, the channel and what is wrong.
+[[nodiscard]] MeasuredMaterial measured_material(const std::string& name,
+                                                 std::span<const optics::MeasuredProfile> by_channel,
+                                                 const optics::HankelGrid& grid);
+
+}  // namespace voxtone::halftone
