@@ -8,6 +8,8 @@
 
 #include "voxtone/base/error.h"
 #include "voxtone/slicer/layer_maker.h"
+#include "voxtone/slicer/layer_surfaces.h"
+#include "voxtone/slicer/mesh_repair.h"
 #include "voxtone/slicer/placement.h"
 #include "voxtone/slicer/stack_fit.h"
 #include "voxtone/slicer/upright_cut.h"
@@ -113,6 +115,25 @@ int count(const Wrapped& w, int i, int j, io::Material m) {
     return n;
 }
 
+JobBody body_of(const Wrapped& w) {
+    JobBody body;
+    body.solid_mesh = w.solid_mesh;
+    body.surface = w.surface;
+    body.grid = w.grid;
+    return body;
+}
+
+std::vector<LayerSurface> surfaces_of(const Wrapped& w, double cell_mm) {
+    Progress progress;
+    return layer_surfaces(body_of(w), *w.wrapped, cell_mm, progress);
+}
+
+MeshDiagnosis diagnosis_of(const LayerSurface& surface) {
+    std::vector<Vector3d> positions;
+    for (const Eigen::Vector3f& p : surface.positions_mm) positions.push_back(p.cast<double>());
+    return diagnose(positions, surface.triangles, false);
+}
+
 }  // namespace
 
 TEST_CASE("Columns of a flat slab have their stack's layers in order, each border within a voxel, thicknesses exact on average") {
@@ -211,14 +232,47 @@ TEST_CASE("A body whose map has no layers is of the base alone") {
     CHECK(w.volume(white) == 0);
 }
 
+TEST_CASE("Closed surfaces of the layers of a sphere have their volumes, each edge two triangles") {
+    const double R = 2.4;
+    const Wrapped w(shapes::sphere(R, 80), pitch, {{{0, 0.3}, {1, 0.5}}});
+    const std::vector<LayerSurface> surfaces = surfaces_of(w, 0.1);
+    REQUIRE(surfaces.size() == 3);
+    for (const LayerSurface& surface : surfaces) {
+        const MeshDiagnosis d = diagnosis_of(surface);
+        CHECK(d.boundary_edges == 0);
+        CHECK(d.nonmanifold_edges == 0);
+        CHECK(d.inconsistent_edges == 0);
+        CHECK(d.volume_mm3 == Approx(surface.volume_mm3).epsilon(1e-6));
+        CHECK(surface.volume_mm3 == Approx(w.volume(surface.material)).epsilon(0.02));
+    }
+    CHECK(diagnosis_of(surfaces[0]).shells == 2);  // outside and inside
+    CHECK(diagnosis_of(surfaces[2]).shells == 1);
+}
+
+TEST_CASE("Closed surfaces leave nothing where a layer has thickness zero, and are closed where layers run out") {
+    // White on the left, black on the right, the base below; the map has one pixel a millimetre, so both run out from 1 to 3 mm.
+    const Vector3d size = pitch.cwiseProduct(Vector3d(94, 36, 60));
+    const Wrapped w(shapes::box({0, 0, 0}, size), pitch, {{{0, 0.8}}, {{0, 0.8}}, {{1, 0.8}}, {{1, 0.8}}}, true);
+    const double cell = 0.08, edges = 4 * size.sum();
+    for (const LayerSurface& surface : surfaces_of(w, cell)) {
+        const MeshDiagnosis d = diagnosis_of(surface);
+        CHECK(d.open_edges == 0);
+        CHECK(std::abs(surface.volume_mm3 - w.volume(surface.material)) < edges * cell * cell);  // edges are blunted
+        float low = 9, high = -9;
+        for (const Eigen::Vector3f& p : surface.positions_mm) low = std::min(low, p.x()), high = std::max(high, p.x());
+        if (surface.material == white) CHECK(high < 2.55);
+        if (surface.material == black) CHECK(low > 1.45);
+    }
+    Progress progress;
+    const Wrapped empty(shapes::box({0, 0, 0}, {1, 1, 1}), pitch, {{}});
+    CHECK(surfaces_of(empty, 0.1).size() == 1);  // of the base
+    CHECK_THROWS_AS(surfaces_of(empty, 0.001), InputError);
+}
+
 TEST_CASE("The share of the surface without room for its stack is that of its edges, and of thin walls") {
     const auto fit_of = [](const SolidMesh& mesh, const std::vector<Stack>& stacks) {
         const Wrapped w(mesh, pitch, stacks);
-        JobBody body;
-        body.surface = w.surface;
-        body.grid = w.grid;
-        Progress progress;
-        return stack_fit(body, *w.wrapped, progress);
+        return stack_fit(body_of(w), *w.wrapped, Progress());
     };
     const std::vector<Stack> deep{{{0, 0.5}, {1, 0.5}}};
     CHECK(fit_of(shapes::sphere(3, 40), deep).thin_share == 0);

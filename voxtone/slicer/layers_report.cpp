@@ -3,14 +3,18 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <numeric>
 
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 
+#include "voxtone/base/error.h"
 #include "voxtone/io/picture_writer.h"
 #include "voxtone/io/plot_svg.h"
+#include "voxtone/io/ply_writer.h"
+#include "voxtone/io/srgb_code.h"
 #include "voxtone/io/whole_file.h"
 #include "voxtone/optics/spectral_colour.h"
 #include "voxtone/slicer/preview.h"
@@ -104,6 +108,13 @@ ColouredSurface by_cluster(const JobLayers& layers, const JobBody& body, std::ve
     return out;
 }
 
+/// Roles are free words: what is no letter or digit becomes a line.
+std::string surface_name(const io::StackResin& resin) {
+    std::string name = resin.role;
+    std::replace_if(name.begin(), name.end(), [](unsigned char c) { return !std::isalnum(c); }, '_');
+    return fmt::format("surfaces/{}.ply", name);
+}
+
 struct Totals {
     double distance = 0, worst = 0, modelled = 0, outside = 0;
     bool traced = false;
@@ -126,7 +137,28 @@ Totals totals_of(const JobLayers& layers) {
 
 }  // namespace
 
-void add_layers_report(const JobLayers& layers, const LoadedResins& resins, const std::optional<io::ReportPicture>& cut, io::Report& report) {
+std::vector<SurfaceFile> write_layer_surfaces(const std::vector<LayerSurface>& surfaces, const LoadedResins& resins, const io::StackDescription& stack,
+                                              const std::filesystem::path& folder) {
+    std::error_code error;
+    std::filesystem::create_directories(folder / "surfaces", error);
+    if (error) throw FileError(fmt::format("{}: the folder cannot be made: {}", (folder / "surfaces").string(), error.message()));
+    for (const io::StackResin& resin : resins.entries) std::filesystem::remove(folder / surface_name(resin), error);
+    const std::array<float, 256>& linear = io::srgb8_to_linear();
+    std::vector<SurfaceFile> files;
+    for (const LayerSurface& surface : surfaces) {
+        const std::size_t resin = surface.material - 1u;
+        const io::Rgb& code = resins.entries[resin].rgb;
+        io::ColouredMesh mesh{surface.positions_mm, {}, surface.triangles};
+        mesh.rgb.assign(mesh.positions_mm.size(), Eigen::Vector3f(linear[code[0]], linear[code[1]], linear[code[2]]));
+        const std::string name = surface_name(resins.entries[resin]);
+        io::write_whole_file(folder / name, io::ply_bytes(mesh));
+        files.push_back({name, resin, surface.triangles.size(), surface.volume_mm3 * 1e-3, stack.resins[resin].ml});
+    }
+    return files;
+}
+
+void add_layers_report(const JobLayers& layers, const LoadedResins& resins, const std::optional<io::ReportPicture>& cut,
+                       const std::vector<SurfaceFile>& surfaces, io::Report& report) {
     constexpr std::size_t most_drawn = 9, most_listed = 64;
     const std::vector<std::size_t> order = by_share(layers);
     const Totals totals = totals_of(layers);
@@ -186,6 +218,13 @@ void add_layers_report(const JobLayers& layers, const LoadedResins& resins, cons
                           100 * layers.fit.thin_share, 100 * layers.fit.missing_mean)
             : std::string("The body is thick enough for its stacks everywhere."));
     if (cut) body.pictures.push_back(*cut);
+    if (!surfaces.empty()) {
+        io::ReportTable files{"Closed surfaces", {"file", "resin", "triangles", "volume, ml", "its voxels, ml"}, {}};
+        for (const SurfaceFile& surface : surfaces)
+            files.rows.push_back({surface.name, resins.entries[surface.resin].name, fmt::format("{}", surface.triangles), fmt::format("{:.4f}", surface.mesh_ml),
+                                  fmt::format("{:.4f}", surface.voxels_ml)});
+        body.tables.push_back(std::move(files));
+    }
     report.sections.push_back(std::move(body));
     for (const std::string& warning : layers.warnings) report.warnings.push_back(warning);
     report.prediction_note =

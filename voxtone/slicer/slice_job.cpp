@@ -21,6 +21,8 @@
 #include "voxtone/slicer/job_loop.h"
 #include "voxtone/slicer/job_prediction.h"
 #include "voxtone/slicer/layer_maker.h"
+#include "voxtone/slicer/layer_surfaces.h"
+#include "voxtone/slicer/layers_report.h"
 #include "voxtone/slicer/model_choice.h"
 #include "voxtone/slicer/print_parts.h"
 #include "voxtone/slicer/slice_report.h"
@@ -262,6 +264,12 @@ SliceResult run_slice_job(const SliceOptions& given, Progress& progress) {
     if (cut) figures.cut = cut->picture(palette, "cut through the middle of the print along x, upright; resins as the bitmaps colour them");
     figures.finish_s = watch.lap();
     figures.total_s = watch.total();
+    std::vector<SurfaceFile> surfaces;
+    if (layers && options.surfaces) {
+        progress.end_stage();
+        surfaces = write_layer_surfaces(layer_surfaces(body, layers->wrapped(), options.surface_cell_mm, progress), resins, stack, writer.folder());
+        progress.begin_stage("report", 0);
+    }
     std::optional<JobPrediction> prediction;
     if (volume) {
         progress.end_stage();
@@ -269,7 +277,7 @@ SliceResult run_slice_job(const SliceOptions& given, Progress& progress) {
         progress.begin_stage("report", 0);
     }
     const ReportSources sources{options, printer, resins, body, colour.get(), layers.get(), parts->surface_colour(), stack,
-                                prediction ? &*prediction : nullptr, plan.why_not, loop.get(), why_no_loop, palette};
+                                prediction ? &*prediction : nullptr, plan.why_not, loop.get(), why_no_loop, palette, surfaces};
     io::Report report = make_report(sources, figures);
     if (options.report) {
         draw_report(sources, report, writer.folder(), progress);

@@ -263,7 +263,7 @@ io::Report make_report(const ReportSources& s, const JobFigures& f) {
     if (s.loop) report.loop = loop_report(*s.loop, s.body, s.prediction ? &s.prediction->volume : nullptr, s.palette);
     if (!s.why_no_loop.empty()) report.warnings.push_back(s.why_no_loop);
     if (s.colour) report.sections.push_back(colour_section(s));
-    if (s.layers) add_layers_report(*s.layers, s.resins, f.cut, report);
+    if (s.layers) add_layers_report(*s.layers, s.resins, f.cut, s.surfaces, report);
     report.sections.push_back(mesh_section(s.body.repair));
     report.sections.push_back(throughput(s, f));
     report.layers = f.layers;
@@ -339,6 +339,8 @@ std::string summary_text(const ReportSources& s, const io::Report& report, const
     const double voxels = double(report.size_px[0]) * report.size_px[1] * report.size_px[2];
     text += fmt::format("  {:.3g} voxels in {:.2f} s ({:.0f} million/s), peak memory {:.0f} MB\n", voxels, f.total_s, voxels / f.total_s * 1e-6,
                         double(report.peak_memory_bytes) * 1e-6);
+    for (const SurfaceFile& surface : s.surfaces)
+        text += fmt::format("  {}: {} triangles, {:.4f} ml\n", (folder / surface.name).string(), surface.triangles, surface.mesh_ml);
     return text;
 }
 

@@ -20,6 +20,7 @@
 #include "voxtone/slicer/job_layers.h"
 #include "voxtone/slicer/job_prediction.h"
 #include "voxtone/slicer/layer_maker.h"
+#include "voxtone/slicer/layers_report.h"
 #include "voxtone/slicer/printer.h"
 #include "voxtone/slicer/slice_options.h"
 #include "voxtone/slicer/surface_colour.h"
@@ -50,6 +51,7 @@ struct ReportSources {
     const JobLoop* loop;              ///< null: none was made
     const std::string& why_no_loop;   ///< then: a sentence, or empty
     const std::vector<io::Rgb>& palette;  ///< background and resins, as the bitmaps colour them
+    const std::vector<SurfaceFile>& surfaces;  ///< closed meshes of layers that were written
 };
 
 /// Figures, gamut and warnings; no pictures.
