@@ -23,46 +23,72 @@ ChannelProfiles corrected(ChannelProfiles wanted, const ChannelProfiles& modelle
     return wanted;
 }
 
-std::vector<StackLayer> to_print(const FoundStack& found, std::span<const StackMaterial> materials,
-                                 const ChannelProfiles& target, const StackDesignOptions& options) {
-    std::vector<StackLayer> layers = found.layers;
-    if (options.refine) layers = refine_stack(materials, layers, target, options.search).layers;
-    if (options.layer_mm > 0) layers = whole_layers(layers, options.layer_mm, options.search.clear_top_mm);
-    return layers;
-}
+class Designer {
+public:
+    Designer(std::span<const StackMaterial> materials, const ChannelProfiles& wanted, const StackDesignOptions& options,
+             const StackJudge& judge)
+        : materials_(materials), wanted_(wanted), options_(options), judge_(judge) {
+        wanted_behind_ = mapped(wanted, [&](double seen) { return optics::behind_surface(seen, options.turned_back); });
+        target_ = wanted_behind_;
+    }
+
+    [[nodiscard]] const ChannelProfiles& target() const { return target_; }
+
+    /// Refines layers for the corrected target, judges them as they are printed and corrects the target anew.
+    [[nodiscard]] std::vector<StackLayer> step(std::vector<StackLayer> layers, const FoundStack& found) {
+        if (options_.refine && !layers.empty()) layers = refine_stack(materials_, layers, target_, options_.search).layers;
+        StackDesign next;
+        next.found = found;
+        next.layers = options_.layer_mm > 0 ? settled_layers(materials_, layers, options_.layer_mm, target_, options_.search) : layers;
+        const ChannelProfiles within = stack_reflection(materials_, next.layers, options_.search.backing);
+        next.modelled = mapped(within, [&](double R) { return optics::seen_through_surface(R, options_.turned_back); });
+        next.modelled_distance = profile_distance(next.modelled, wanted_, options_.search.dc_weight);
+        if (judge_) {
+            next.judged = judge_(next.layers);
+            next.judged_distance = profile_distance(next.judged, wanted_, options_.search.dc_weight);
+            distances_.push_back(next.judged_distance);
+            target_ = corrected(
+                wanted_behind_, within,
+                mapped(next.judged, [&](double seen) { return optics::behind_surface(seen, options_.turned_back); }));
+        }
+        if (!any_ || next.judged_distance < best_.judged_distance) best_ = std::move(next);
+        any_ = true;
+        return layers;
+    }
+
+    [[nodiscard]] StackDesign best() {
+        best_.judged_distances = std::move(distances_);
+        return std::move(best_);
+    }
+
+private:
+    std::span<const StackMaterial> materials_;
+    const ChannelProfiles& wanted_;
+    const StackDesignOptions& options_;
+    const StackJudge& judge_;
+    ChannelProfiles wanted_behind_, target_;
+    StackDesign best_;
+    std::vector<double> distances_;
+    bool any_ = false;
+};
 
 }  // namespace
 
 StackDesign design_stack(const StackSearch& search, std::span<const StackMaterial> materials,
                          const ChannelProfiles& wanted, const StackDesignOptions& options, const StackJudge& judge) {
-    VOXTONE_EXPECT(options.turned_back >= 0 && options.turned_back < 1 && options.rounds >= 1);
-    const auto behind = [s = options.turned_back](double seen) { return optics::behind_surface(seen, s); };
-    const auto seen = [s = options.turned_back](double R) { return optics::seen_through_surface(R, s); };
-    const ChannelProfiles wanted_behind = mapped(wanted, behind);
-    ChannelProfiles target = wanted_behind;
-    StackDesign best;
-    std::vector<double> judged_by_round;
+    VOXTONE_EXPECT(options.turned_back >= 0 && options.turned_back < 1 && options.rounds >= 1 && options.corrections >= 0);
+    Designer designer(materials, wanted, options, judge);
     double outside = 0;
     for (int round = 0; round < (judge ? options.rounds : 1); ++round) {
-        StackDesign next;
-        next.round = round;
-        next.found = search.find(target);
-        if (round == 0) outside = next.found.outside;
-        next.layers = to_print(next.found, materials, target, options);
-        const ChannelProfiles within = stack_reflection(materials, next.layers, options.search.backing);
-        next.modelled = mapped(within, seen);
-        next.modelled_distance = profile_distance(next.modelled, wanted, options.search.dc_weight);
-        if (judge) {
-            next.judged = judge(next.layers);
-            next.judged_distance = profile_distance(next.judged, wanted, options.search.dc_weight);
-            judged_by_round.push_back(next.judged_distance);
-            target = corrected(wanted_behind, within, mapped(next.judged, behind));
-        }
-        if (round == 0 || next.judged_distance < best.judged_distance) best = std::move(next);
+        const FoundStack found = search.find(designer.target());
+        if (round == 0) outside = found.outside;
+        std::vector<StackLayer> layers = designer.step(found.layers, found);
+        for (int i = 0; judge && options.refine && i < options.corrections && !layers.empty(); ++i)
+            layers = designer.step(std::move(layers), found);
     }
-    best.outside = outside;
-    best.judged_by_round = std::move(judged_by_round);
-    return best;
+    StackDesign design = designer.best();
+    design.outside = outside;
+    return design;
 }
 
 }  // namespace voxtone::halftone

@@ -10,8 +10,10 @@
 //   target_0 = g(wanted),   target_n+1 = g(wanted) + R_model(stack_n) - g(R_judged(stack_n))
 //
 // for every coefficient: what the model must say of a stack for the judge to see what is wanted, as far as their
-// difference stays the same from one stack to the next. The judge is whatever knows more (Monte Carlo of the stack:
-// optics/resin_stack.h). The stack that the judge finds nearest is kept, so rounds never make it worse.
+// difference stays the same from one stack to the next. It does where stacks are alike; so in each round one stack is
+// searched and its thicknesses are then refined several times, each time with the difference at the stack itself. The
+// judge is whatever knows more (Monte Carlo of the stack: optics/resin_stack.h). The stack that the judge finds nearest
+// is kept, so rounds never make it worse.
 //
 // What it cannot see: stacks whose error differs a lot from that of the ones that were judged.
 #pragma once
@@ -30,7 +32,8 @@ struct StackDesignOptions {
     bool refine = true;         ///< thicknesses between the steps
     double turned_back = 0;     ///< s: share of diffuse light that the surface turns back; in [0, 1)
     double layer_mm = 0;        ///< of the printer: whole_layers.h; 0: any thickness
-    int rounds = 3;             ///< stacks that are judged, >= 1; without a judge there is one
+    int rounds = 2;             ///< searches, >= 1; without a judge there is one
+    int corrections = 3;        ///< of the thicknesses in each round, >= 0; none without a judge or without refinement
 };
 
 struct StackDesign {
@@ -41,8 +44,7 @@ struct StackDesign {
     double judged_distance = 0;
     FoundStack found;    ///< the search that it came from
     double outside = 0;  ///< of the first search: how far g(wanted) lies outside of the gamut, at least
-    int round = 0;       ///< which one was kept, from 0
-    std::vector<double> judged_by_round;
+    std::vector<double> judged_distances;  ///< of all that were judged, in order
 };
 
 /// Throws as StackSearch::find and refine_stack.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxtone/halftone/stack_materials.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "voxtone/base/contracts.h"
@@ -9,13 +11,21 @@
 
 namespace voxtone::halftone {
 
-StackMaterial resin_material(const optics::ResinSet& set, std::size_t resin, double known_mm, const optics::HankelGrid& grid,
-                             const optics::LayerPathOptions& options, const Progress* progress) {
-    VOXTONE_EXPECT(resin < set.resins.size() && known_mm > 0);
+double fitting_known_mm(const optics::Medium& medium, double g, double most_mm) {
+    VOXTONE_EXPECT(most_mm > 0);
+    constexpr double free_paths = 1.6, least_mm = 0.1;
+    const double most = 0.5 * most_mm, transport = medium.sigma_a + (1 - g) * medium.sigma_s;
+    return transport * most <= free_paths ? most : std::min(most, std::max(least_mm, free_paths / transport));
+}
+
+StackMaterial resin_material(const optics::ResinSet& set, std::size_t resin, std::span<const double> known_mm,
+                             const optics::HankelGrid& grid, const optics::LayerPathOptions& options, const Progress* progress) {
+    VOXTONE_EXPECT(resin < set.resins.size() && (known_mm.size() == 1 || known_mm.size() == set.channels.size()));
     StackMaterial material;
-    for (std::size_t c = 0; c < set.channels.size(); ++c)
-        material.push_back(
-            optics::resin_profile(set.resins[resin].medium(c), set.g, known_mm, grid, options, progress).layer());
+    for (std::size_t c = 0; c < set.channels.size(); ++c) {
+        const double mm = known_mm[known_mm.size() == 1 ? 0 : c];
+        material.push_back(optics::resin_profile(set.resins[resin].medium(c), set.g, mm, grid, options, progress).layer());
+    }
     return material;
 }
 

@@ -4,8 +4,8 @@
 //
 // A material is known at one thickness and predicted at others by Kubelka and Munk's law, which holds for the model,
 // not for light (docs/profiles.md): a layer of a fifth of the known thickness reflects 11 to 20 % too little. So resins
-// are made known at a thickness amid those that are used, `known_mm`; docs/stack-search.md says how much the choice
-// matters.
+// are made known, channel by channel, at a thickness amid those that matter: 1.6 transport mean free paths (0.3 mm of
+// VeroWhite in green), at least 0.1 mm and at most half of what a stack may have.
 //
 // Units: mm. What it cannot see: as layer_profile.h.
 #pragma once
@@ -21,10 +21,11 @@
 
 namespace voxtone::halftone {
 
-inline constexpr double default_known_mm = 0.3;
+/// 1.6 / (sigma_a + (1 - g) sigma_s), within [0.1 mm, most_mm / 2]; most_mm > 0.
+[[nodiscard]] double fitting_known_mm(const optics::Medium& medium, double g, double most_mm);
 
-/// Contract: a resin of the set, known_mm > 0.
-[[nodiscard]] StackMaterial resin_material(const optics::ResinSet& set, std::size_t resin, double known_mm,
+/// known_mm: one thickness for all channels, as many as channels otherwise, all > 0. Contract: a resin of the set.
+[[nodiscard]] StackMaterial resin_material(const optics::ResinSet& set, std::size_t resin, std::span<const double> known_mm,
                                            const optics::HankelGrid& grid, const optics::LayerPathOptions& options = {},
                                            const Progress* progress = nullptr);
 

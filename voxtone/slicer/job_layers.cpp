@@ -47,11 +47,13 @@ optics::HankelGrid grid_for(const io::ProfileMap& map) {
     return {reach, coefficients};
 }
 
-std::vector<halftone::StackMaterial> stack_materials(const optics::ResinSet& set, const optics::HankelGrid& grid, Progress& progress) {
+std::vector<halftone::StackMaterial> stack_materials(const optics::ResinSet& set, double most_mm, const optics::HankelGrid& grid, Progress& progress) {
     progress.begin_stage("profiles of the resins", set.resins.size(), "resins");
     std::vector<halftone::StackMaterial> materials;
     for (std::size_t r = 0; r < set.resins.size(); ++r) {
-        materials.push_back(halftone::resin_material(set, r, halftone::default_known_mm, grid, {}, &progress));
+        std::vector<double> known_mm;
+        for (std::size_t c = 0; c < set.channels.size(); ++c) known_mm.push_back(halftone::fitting_known_mm(set.resins[r].medium(c), set.g, most_mm));
+        materials.push_back(halftone::resin_material(set, r, known_mm, grid, {}, &progress));
         progress.advance();
     }
     progress.end_stage();
@@ -144,7 +146,7 @@ JobLayers::JobLayers(const SliceOptions& options, io::ProfileMap wanted, const J
     }
 
     Lap lap;
-    const std::vector<halftone::StackMaterial> materials = stack_materials(resins.set, grid, progress);
+    const std::vector<halftone::StackMaterial> materials = stack_materials(resins.set, options.stack_thickness_mm, grid, progress);
     materials_s = lap();
     search_stacks(options, resins, grid, clusters, materials, progress);
     search_s = lap();

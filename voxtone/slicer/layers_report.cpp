@@ -116,7 +116,7 @@ std::string surface_name(const io::StackResin& resin) {
 }
 
 struct Totals {
-    double distance = 0, worst = 0, modelled = 0, outside = 0;
+    double distance = 0, worst = 0, modelled = 0, uncorrected = 0, outside = 0;
     bool traced = false;
     halftone::SearchCount count;
 };
@@ -125,6 +125,7 @@ Totals totals_of(const JobLayers& layers) {
     for (const ClusterStack& cluster : layers.clusters) {
         totals.distance += cluster.share * cluster.distance();
         totals.modelled += cluster.share * cluster.design.modelled_distance;
+        if (!cluster.design.judged_distances.empty()) totals.uncorrected += cluster.share * cluster.design.judged_distances.front();
         totals.outside += cluster.share * cluster.design.outside;
         totals.traced = totals.traced || !cluster.design.judged.empty();
         if (cluster.share > 0) totals.worst = std::max(totals.worst, cluster.distance());
@@ -171,10 +172,11 @@ void add_layers_report(const JobLayers& layers, const LoadedResins& resins, cons
         "and 1): {:.4f} on average over the map, {:.4f} at most.",
         order.size(), resins.entries[static_cast<std::size_t>(resins.core)].name,
         totals.traced ? "What they show was traced by Monte Carlo and what the layered model gets wrong corrected; figures are those of the traced light."
-                      : "What they show is by the layered model, which is rough for thin layers (--stack-rounds 3 traces the stacks).",
+                      : "What they show is by the layered model, which is rough for thin layers (--stack-rounds 1 traces the stacks).",
         totals.distance, totals.worst));
     if (totals.traced)
-        profiles.paragraphs.push_back(fmt::format("The layered model by itself says {:.4f} of the same stacks.", totals.modelled));
+        profiles.paragraphs.push_back(fmt::format("Before it was corrected the traced distance was {:.4f}. The layered model by itself says {:.4f} of the stacks that are printed.",
+                                                  totals.uncorrected, totals.modelled));
     if (totals.outside > 0)
         profiles.paragraphs.push_back(fmt::format("What is wanted lies outside of the gamut of these resins, blocks and thickness: by the layered model no "
                                                   "stack is nearer than {:.4f}, behind the surface and on average over the map (proven).",

@@ -195,7 +195,8 @@ std::vector<OptionSpec> make_table() {
         number(spec("stack-steps", Kind::number, "N", profiles, "the search cuts that thickness into so many steps"), &O::stack_steps),
         number(spec("stack-blocks", Kind::number, "N", profiles, "and makes stacks of so many blocks, of 1, 2, 4, ... steps, at most"), &O::stack_blocks),
         number(spec("stack-rounds", Kind::number, "N", profiles,
-                    "how often a stack is traced by Monte Carlo and searched again for what the layered model got wrong; the best is kept; 0: never; seconds for each cluster and round"),
+                    "rounds in which a stack is searched, traced by Monte Carlo and corrected for what the layered model got wrong; the best is kept; 0: by "
+                    "the model alone; a round takes some ten seconds for each cluster"),
                &O::stack_rounds),
         number(spec("dc-weight", Kind::number, "W", profiles, "weight of the total reflectance against the profile's shape"), &O::dc_weight),
         list(spec("clear-top", Kind::list, "ROLE=LENGTH", profiles, "this resin stays that far below the surface, such as T=0.2mm; a list"), &O::clear_top),
