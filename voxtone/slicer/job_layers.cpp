@@ -37,14 +37,23 @@ void check(const SliceOptions& options, const io::ProfileMap& map, const JobBody
                                      voxels[axis], "xyz"[axis], body.is_picture ? ", --thickness" : ""));
 }
 
-/// The disc that holds the map's profiles.
+/// Layers that no printer makes, left over by the refinement, are dropped and alike neighbours joined.
+std::vector<halftone::StackLayer> printable(const std::vector<halftone::StackLayer>& layers) {
+    constexpr double least_mm = 1e-3;
+    std::vector<halftone::StackLayer> kept;
+    for (const halftone::StackLayer& layer : layers) {
+        if (layer.thickness_mm < least_mm) continue;
+        if (!kept.empty() && kept.back().material == layer.material) kept.back().thickness_mm += layer.thickness_mm;
+        else kept.push_back(layer);
+    }
+    return kept;
+}
+
+/// A disc that has room for the light that stacks spread beyond the map's samples: at its rim light is folded back.
 optics::HankelGrid grid_for(const io::ProfileMap& map) {
-    constexpr double least_reach_mm = 4;
+    constexpr double least_reach_mm = 10, room = 1.5;
     constexpr std::size_t coefficients = 64;
-    double reach = least_reach_mm;
-    for (const auto& target : map.target)
-        for (const optics::RadialSamples& channel : target) reach = std::max(reach, channel.spacing_mm * double(channel.light.size() - 1));
-    return {reach, coefficients};
+    return {std::max(least_reach_mm, room * profile_extent_mm(map)), coefficients};
 }
 
 std::vector<halftone::StackMaterial> stack_materials(const optics::ResinSet& set, double most_mm, const optics::HankelGrid& grid, Progress& progress) {
@@ -115,6 +124,7 @@ void search_stacks(const SliceOptions& options, const LoadedResins& resins, cons
     parallel_for(0, clusters.size(), 1,
                  [&](std::size_t k) {
                      clusters[k].design = halftone::design_stack(search, materials, clusters[k].target, design, judge);
+                     clusters[k].design.layers = printable(clusters[k].design.layers);
                      progress.advance();
                  },
                  &progress);
@@ -122,6 +132,13 @@ void search_stacks(const SliceOptions& options, const LoadedResins& resins, cons
 }
 
 }  // namespace
+
+double profile_extent_mm(const io::ProfileMap& map) {
+    double extent = 0;
+    for (const auto& target : map.target)
+        for (const optics::RadialSamples& channel : target) extent = std::max(extent, channel.spacing_mm * double(channel.light.size() - 1));
+    return extent;
+}
 
 JobLayers::JobLayers(const SliceOptions& options, io::ProfileMap wanted, const JobBody& body, const LoadedResins& resins, Progress& progress)
     : map((check(options, wanted, body, resins), std::move(wanted))), grid(grid_for(map)) {

@@ -41,6 +41,9 @@ struct ClusterStack {
     [[nodiscard]] double distance() const { return design.judged.empty() ? design.modelled_distance : design.judged_distance; }
 };
 
+/// The farthest sample of any wanted profile.
+[[nodiscard]] double profile_extent_mm(const io::ProfileMap& map);
+
 /// Stays where it was made.
 class JobLayers {
 public:

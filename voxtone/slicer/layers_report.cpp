@@ -59,13 +59,13 @@ std::vector<DrawnChannel> drawn_channels(const optics::Channels& channels) {
 io::ReportDrawing profile_drawing(const JobLayers& layers, std::size_t number, const LoadedResins& resins) {
     const ClusterStack& cluster = layers.clusters[number];
     const optics::HankelGrid& grid = layers.grid;
-    const double reach = grid.reach_mm(), blur_mm = 1.5 * reach / double(grid.size());
+    const double most_mm = profile_extent_mm(layers.map), blur_mm = 1.5 * grid.reach_mm() / double(grid.size());
     constexpr int points = 120;
     const std::vector<DrawnChannel> channels = drawn_channels(layers.map.channels);
     const auto curve = [&](const std::vector<double>& coefficients) {
         io::Plot::Points line;
         const std::vector<double> seen = grid.blurred(coefficients, blur_mm);
-        for (int i = 0; i <= points; ++i) line.emplace_back(reach * i / points, grid.profile(seen, reach * i / points));
+        for (int i = 0; i <= points; ++i) line.emplace_back(most_mm * i / points, grid.profile(seen, most_mm * i / points));
         return line;
     };
     std::vector<std::array<io::Plot::Points, 2>> lines;
@@ -77,8 +77,8 @@ io::ReportDrawing profile_drawing(const JobLayers& layers, std::size_t number, c
     }
     constexpr int decades = 5;
     const double top = std::pow(10.0, std::ceil(std::log10(std::max(most, 1e-9))));
-    io::PlotAxis x{0, reach, false, {}, "distance, mm"}, y{top * std::pow(10.0, -decades), top, true, {}, "light per mm2"};
-    for (int i = 0; i <= 4; ++i) x.marks.push_back(reach * i / 4);
+    io::PlotAxis x{0, most_mm, false, {}, "distance, mm"}, y{top * std::pow(10.0, -decades), top, true, {}, "light per mm2"};
+    for (int i = 0; i <= 4; ++i) x.marks.push_back(most_mm * i / 4);
     for (int i = 0; i <= decades; ++i) y.marks.push_back(top * std::pow(10.0, -i));
     io::Plot plot(x, y, fmt::format("Cluster {}: {:.1f} % of the map", number, 100 * cluster.share));
     for (std::size_t c = 0; c < channels.size(); ++c) {
