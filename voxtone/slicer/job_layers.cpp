@@ -10,6 +10,7 @@
 
 #include "voxtone/base/error.h"
 #include "voxtone/base/parallel.h"
+#include "voxtone/halftone/shortened_stack.h"
 #include "voxtone/halftone/stack_materials.h"
 #include "voxtone/optics/resin_stack.h"
 #include "voxtone/optics/surfaced_reflection.h"
@@ -112,6 +113,25 @@ halftone::StackJudge tracing_judge(const LoadedResins& resins, const optics::Han
     };
 }
 
+/// Leaves out what cannot be printed, and the depth that costs little to leave out.
+void finish(ClusterStack& cluster, std::span<const halftone::StackMaterial> materials, const halftone::StackDesignOptions& options) {
+    constexpr double worth = 0.01;  // share of the distance that the lowest layers must be worth
+    const auto seen = [&](std::span<const halftone::StackLayer> layers) {
+        halftone::ChannelProfiles R = halftone::stack_reflection(materials, layers, options.search.backing);
+        for (auto& channel : R)
+            for (double& value : channel) value = optics::seen_through_surface(value, options.turned_back);
+        return R;
+    };
+    const auto distance = [&](std::span<const halftone::StackLayer> layers) {
+        return halftone::profile_distance(seen(layers), cluster.target, options.search.dc_weight);
+    };
+    halftone::StackDesign& design = cluster.design;
+    design.layers = printable(design.layers);
+    design.layers = halftone::shortened_stack(design.layers, (1 + worth) * distance(design.layers), distance);
+    design.modelled = seen(design.layers);
+    design.modelled_distance = distance(design.layers);
+}
+
 void search_stacks(const SliceOptions& options, const LoadedResins& resins, const optics::HankelGrid& grid, std::vector<ClusterStack>& clusters,
                    std::span<const halftone::StackMaterial> materials, Progress& progress) {
     halftone::StackDesignOptions design;
@@ -124,7 +144,7 @@ void search_stacks(const SliceOptions& options, const LoadedResins& resins, cons
     parallel_for(0, clusters.size(), 1,
                  [&](std::size_t k) {
                      clusters[k].design = halftone::design_stack(search, materials, clusters[k].target, design, judge);
-                     clusters[k].design.layers = printable(clusters[k].design.layers);
+                     finish(clusters[k], materials, design);
                      progress.advance();
                  },
                  &progress);
