@@ -11,6 +11,12 @@ namespace voxtone::halftone {
 
 namespace {
 
+/// std::floor is a call into the library on the plainest processors.
+std::int64_t below(double x) {
+    const auto i = static_cast<std::int64_t>(x);
+    return i - (static_cast<double>(i) > x);
+}
+
 /// The pixel of the map that stands at an index beyond its edges.
 std::int64_t pixel(std::int64_t i, std::int64_t size, MapEdge edge) {
     if (i >= 0 && i < size) return i;
@@ -77,11 +83,11 @@ void LayerFields::smooth(double sigma_x_px, double sigma_y_px) {
 
 LayerFields::Corners LayerFields::corners(double x_mm, double y_mm) const {
     const double x = x_mm * per_mm_x_ - 0.5, y = double(height_) - 0.5 - y_mm * per_mm_y_;
-    const double left = std::floor(x), top = std::floor(y);
-    const float across = float(x - left), down = float(y - top);
+    const std::int64_t left = below(x), top = below(y);
+    const float across = float(x - double(left)), down = float(y - double(top));
     Corners c{};
     for (int k = 0; k < 4; ++k) {
-        const std::int64_t i = pixel(std::int64_t(left) + (k & 1), width_, edge_), j = pixel(std::int64_t(top) + (k >> 1), height_, edge_);
+        const std::int64_t i = pixel(left + (k & 1), width_, edge_), j = pixel(top + (k >> 1), height_, edge_);
         c.at[k] = bottom_.data() + std::size_t(j * width_ + i) * layers();
         c.weight[k] = (k & 1 ? across : 1 - across) * (k >> 1 ? down : 1 - down);
     }
@@ -104,8 +110,8 @@ std::size_t LayerFields::layer_at(double x_mm, double y_mm, float depth_mm) cons
 }
 
 std::size_t LayerFields::stack_at(double x_mm, double y_mm) const {
-    const auto i = pixel(std::int64_t(std::floor(x_mm * per_mm_x_)), width_, edge_);
-    const auto j = pixel(std::int64_t(std::floor(double(height_) - y_mm * per_mm_y_)), height_, edge_);
+    const auto i = pixel(below(x_mm * per_mm_x_), width_, edge_);
+    const auto j = pixel(below(double(height_) - y_mm * per_mm_y_), height_, edge_);
     return stack_[std::size_t(j * width_ + i)];
 }
 

@@ -114,7 +114,8 @@ halftone::StackJudge tracing_judge(const LoadedResins& resins, const optics::Han
 }
 
 /// Leaves out what cannot be printed, and the depth that costs little to leave out.
-void finish(ClusterStack& cluster, std::span<const halftone::StackMaterial> materials, const halftone::StackDesignOptions& options) {
+void finish(ClusterStack& cluster, std::span<const halftone::StackMaterial> materials, const halftone::StackDesignOptions& options,
+            const halftone::StackJudge& judge) {
     constexpr double worth = 0.01;  // share of the distance that the lowest layers must be worth
     const auto seen = [&](std::span<const halftone::StackLayer> layers) {
         halftone::ChannelProfiles R = halftone::stack_reflection(materials, layers, options.search.backing);
@@ -130,6 +131,9 @@ void finish(ClusterStack& cluster, std::span<const halftone::StackMaterial> mate
     design.layers = halftone::shortened_stack(design.layers, (1 + worth) * distance(design.layers), distance);
     design.modelled = seen(design.layers);
     design.modelled_distance = distance(design.layers);
+    if (!judge) return;
+    design.judged = judge(design.layers);
+    design.judged_distance = halftone::profile_distance(design.judged, cluster.target, options.search.dc_weight);
 }
 
 void search_stacks(const SliceOptions& options, const LoadedResins& resins, const optics::HankelGrid& grid, std::vector<ClusterStack>& clusters,
@@ -144,7 +148,7 @@ void search_stacks(const SliceOptions& options, const LoadedResins& resins, cons
     parallel_for(0, clusters.size(), 1,
                  [&](std::size_t k) {
                      clusters[k].design = halftone::design_stack(search, materials, clusters[k].target, design, judge);
-                     finish(clusters[k], materials, design);
+                     finish(clusters[k], materials, design, judge);
                      progress.advance();
                  },
                  &progress);
