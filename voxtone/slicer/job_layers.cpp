@@ -113,27 +113,30 @@ halftone::StackJudge tracing_judge(const LoadedResins& resins, const optics::Han
     };
 }
 
-/// Leaves out what cannot be printed, and the depth that costs little to leave out.
+/// Leaves out what cannot be printed, and the depth that changes what is seen by little. By the triangle inequality the distance
+/// grows by no more than that, also where the layered model is wrong by the same before and after.
 void finish(ClusterStack& cluster, std::span<const halftone::StackMaterial> materials, const halftone::StackDesignOptions& options,
             const halftone::StackJudge& judge) {
-    constexpr double worth = 0.01;  // share of the distance that the lowest layers must be worth
+    constexpr double unseen = 0.02;  // of the distance
     const auto seen = [&](std::span<const halftone::StackLayer> layers) {
         halftone::ChannelProfiles R = halftone::stack_reflection(materials, layers, options.search.backing);
         for (auto& channel : R)
             for (double& value : channel) value = optics::seen_through_surface(value, options.turned_back);
         return R;
     };
-    const auto distance = [&](std::span<const halftone::StackLayer> layers) {
-        return halftone::profile_distance(seen(layers), cluster.target, options.search.dc_weight);
+    const auto distance = [&](const halftone::ChannelProfiles& a, const halftone::ChannelProfiles& b) {
+        return halftone::profile_distance(a, b, options.search.dc_weight);
     };
     halftone::StackDesign& design = cluster.design;
     design.layers = printable(design.layers);
-    design.layers = halftone::shortened_stack(design.layers, (1 + worth) * distance(design.layers), distance);
+    const halftone::ChannelProfiles whole = seen(design.layers);
+    design.layers = halftone::shortened_stack(design.layers, unseen * cluster.distance(),
+                                              [&](std::span<const halftone::StackLayer> layers) { return distance(seen(layers), whole); });
     design.modelled = seen(design.layers);
-    design.modelled_distance = distance(design.layers);
+    design.modelled_distance = distance(design.modelled, cluster.target);
     if (!judge) return;
     design.judged = judge(design.layers);
-    design.judged_distance = halftone::profile_distance(design.judged, cluster.target, options.search.dc_weight);
+    design.judged_distance = distance(design.judged, cluster.target);
 }
 
 void search_stacks(const SliceOptions& options, const LoadedResins& resins, const optics::HankelGrid& grid, std::vector<ClusterStack>& clusters,

@@ -6,7 +6,7 @@
 // Materials are the loaded resins, known by their profiles. For each cluster of the map the best stack of blocks is searched
 // (halftone/stack_search.h) and its thicknesses refined (stack_refinement.h), under a smooth surface to air and over the base resin taken
 // to be deep; what the layered model gets wrong is corrected by tracing the stacks (stack_design.h). What lies so deep that it
-// is worth less than 1 % of the distance, by the model, is left out (shortened_stack.h). The stacks are aligned, interpolated to height
+// changes what is seen by less than 2 % of the distance is left out (shortened_stack.h). The stacks are aligned, interpolated to height
 // fields over the map, and wrapped.
 #pragma once
 

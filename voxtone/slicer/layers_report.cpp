@@ -179,7 +179,8 @@ void add_layers_report(const JobLayers& layers, const LoadedResins& resins, cons
                                                   totals.uncorrected, totals.modelled));
     if (totals.outside > 0)
         profiles.paragraphs.push_back(fmt::format("What is wanted lies outside of the gamut of these resins, blocks and thickness: by the layered model no "
-                                                  "stack is nearer than {:.4f}, behind the surface and on average over the map (proven).",
+                                                  "stack is nearer than {:.4f}, behind the surface and on average over the map (a proven bound; the least possible of each "
+                                                  "cluster is in the table).",
                                                   totals.outside));
     std::vector<std::string> drawn;
     for (const DrawnChannel& channel : drawn_channels(layers.map.channels)) drawn.push_back(channel.name);
@@ -188,7 +189,7 @@ void add_layers_report(const JobLayers& layers, const LoadedResins& resins, cons
                                               std::min(most_drawn, order.size()), fmt::join(drawn, ", "), 1.5 * layers.grid.reach_mm() / double(layers.grid.size())));
     for (std::size_t i = 0; i < std::min(most_drawn, order.size()); ++i) profiles.drawings.push_back(profile_drawing(layers, order[i], resins));
     io::ReportTable table{order.size() > most_listed ? fmt::format("The {} most frequent of {} clusters", most_listed, order.size()) : "Clusters",
-                          {"cluster", "share", "distance", "outside of the gamut by at least", "total wanted", "total reached", "layers from the top, mm"},
+                          {"cluster", "share", "distance", "least possible", "total wanted", "total reached", "layers from the top, mm"},
                           {}};
     const auto totals_text = [](const halftone::ChannelProfiles& of) {
         std::vector<std::string> text;
