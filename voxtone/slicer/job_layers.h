@@ -48,8 +48,8 @@ struct ClusterStack {
 /// Stays where it was made.
 class JobLayers {
 public:
-    /// Throws InputError: profiles that send back more light than they got, channels that are not those of the resins, one resin only, roles that are not loaded, a mesh without
-    /// texture coordinates where they are needed, a body thinner than two voxels.
+    /// Throws InputError: profiles that send back more light than they got, channels that are not those of the resins, one resin only,
+    /// roles that are not loaded, a mesh without texture coordinates where they are needed, a body thinner than two voxels.
     JobLayers(const SliceOptions& options, io::ProfileMap map, const JobBody& body, const LoadedResins& resins, Progress& progress);
     JobLayers(const JobLayers&) = delete;
     JobLayers& operator=(const JobLayers&) = delete;

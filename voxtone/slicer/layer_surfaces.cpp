@@ -145,7 +145,9 @@ public:
     }
 
 private:
-    [[nodiscard]] std::size_t at(int i, int j, int k) const { return (std::size_t(k) * std::size_t(grid_.size[1]) + std::size_t(j)) * std::size_t(grid_.size[0]) + std::size_t(i); }
+    [[nodiscard]] std::size_t at(int i, int j, int k) const {
+        return (std::size_t(k) * std::size_t(grid_.size[1]) + std::size_t(j)) * std::size_t(grid_.size[0]) + std::size_t(i);
+    }
     template <class Visit>
     static void for_each_cell(const SurfaceShell& shell, const SpanSlab& all, int bk, Visit&& visit) {
         for (int bj = 0; bj < shell.block_rows(); ++bj)

@@ -175,7 +175,8 @@ void add_layers_report(const JobLayers& layers, const LoadedResins& resins, cons
                       : "What they show is by the layered model, which is rough for thin layers (--stack-rounds 1 traces the stacks).",
         totals.distance, totals.worst));
     if (totals.traced)
-        profiles.paragraphs.push_back(fmt::format("Before it was corrected the traced distance was {:.4f}. The layered model by itself says {:.4f} of the stacks that are printed.",
+        profiles.paragraphs.push_back(fmt::format("Before it was corrected the traced distance was {:.4f}. The layered model by itself says {:.4f} of the stacks "
+                                                  "that are printed.",
                                                   totals.uncorrected, totals.modelled));
     if (totals.outside > 0)
         profiles.paragraphs.push_back(fmt::format("What is wanted lies outside of the gamut of these resins, blocks and thickness: by the layered model no "
@@ -243,7 +244,8 @@ void draw_layers_report(const JobLayers& layers, const JobBody& body, io::Report
         reached.push_back(total_colour(layers.map.channels, cluster.expected()));
         distance.push_back(difference_colour(100 * cluster.distance()));
     }
-    const std::array surfaces{by_cluster(layers, body, std::move(wanted)), by_cluster(layers, body, std::move(reached)), by_cluster(layers, body, std::move(distance))};
+    const std::array surfaces{by_cluster(layers, body, std::move(wanted)), by_cluster(layers, body, std::move(reached)),
+                              by_cluster(layers, body, std::move(distance))};
     static constexpr std::array captions{"target: total reflectance wanted", "total reflectance of the stacks",
                                          "distance of the profiles: white 0, yellow 0.02, orange 0.05, red 0.1, black 0.2"};
     static constexpr View top_only[] = {View::top};

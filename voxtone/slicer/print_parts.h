@@ -45,7 +45,7 @@ private:
 
     const JobBody& body_;
     const LoadedResins& resins_;
-    const JobColour* colour_ = nullptr;  ///< this
+    const JobColour* colour_ = nullptr;       ///< this
     const WrappedLayers* wrapped_ = nullptr;  ///< or that
     std::uint64_t seed_;
     Solid solid_;
