@@ -8,6 +8,8 @@
 
 #include "temporary_folder.h"
 #include "voxtone/base/error.h"
+#include "voxtone/io/picture_writer.h"
+#include "voxtone/io/png_pixels.h"
 #include "voxtone/io/whole_file.h"
 
 using namespace voxtone;
@@ -24,12 +26,14 @@ ProfileMap sample(std::size_t clusters, std::uint32_t width = 5, std::uint32_t h
     map.height_mm = 1.2;
     map.width_px = width;
     map.height_px = height;
-    for (std::size_t i = 0; i < std::size_t{width} * height; ++i) map.cluster.push_back(static_cast<std::uint16_t>(i * 37 % clusters));
+    for (std::size_t i = 0; i < std::size_t{width} * height; ++i)
+        map.cluster.push_back(static_cast<std::uint16_t>(i * 37 % clusters));
     for (std::size_t k = 0; k < clusters; ++k) {
         auto& target = map.target.emplace_back();
         for (int c = 0; c < 2; ++c) {
             target.push_back({0.1, {}, {}});
-            for (int i = 0; i < 6; ++i) target.back().light.push_back(1.0 / (1 + i + c) + 1e-3 * static_cast<double>(k));
+            for (int i = 0; i < 6; ++i)
+                target.back().light.push_back(1.0 / (1 + i + c) + 1e-3 * static_cast<double>(k));
         }
     }
     return map;
@@ -44,7 +48,8 @@ std::string text_of(const std::filesystem::path& file) {
 void check_same(const ProfileMap& a, const ProfileMap& b) {
     CHECK(a.source == b.source);
     CHECK(a.channels == b.channels);
-    CHECK((a.width_mm == b.width_mm && a.height_mm == b.height_mm && a.width_px == b.width_px && a.height_px == b.height_px));
+    CHECK((a.width_mm == b.width_mm && a.height_mm == b.height_mm && a.width_px == b.width_px &&
+           a.height_px == b.height_px));
     CHECK(a.cluster == b.cluster);
     REQUIRE(a.target.size() == b.target.size());
     for (std::size_t k = 0; k < a.target.size(); ++k)
@@ -126,7 +131,21 @@ TEST_CASE("A broken profile map is refused with what is wrong, and where") {
     check("[1, 0.5,", "[1, 1e300,", "`clusters[0][0]`");
     check("[1, 0.5,", "[0.5,", "`clusters[0][1]`: has 6 samples, clusters[0][0] has 5");
     check("[1, 0.5, 0.3333333333333333, 0.25, 0.2, 0.16666666666666666]", "[1, 0.5, 0.3]", "at least 4");
+    write_whole_file(file, text);
+    const auto picture = read_whole_file(folder.path() / "map.png", 1 << 20);
+    write_whole_file(folder.path() / "map.png", png_bytes(Picture8{5, 3, 3, std::vector<std::uint8_t>(45)}));
+    CHECK_THROWS_WITH((void)read_profile_map(file), Contains("map.png") && Contains("8-bit RGB") && Contains("grey"));
+    write_whole_file(folder.path() / "map.png", picture);
     std::string two = text.substr(0, text.rfind(",\n  [")) + "]}\n";  // without the last cluster
     write_whole_file(file, two);
     CHECK_THROWS_WITH((void)read_profile_map(file), Contains("belongs to cluster 2") && Contains("has 2 clusters"));
+}
+
+TEST_CASE("Numbers in a grey PNG are read back as they were written") {
+    for (const std::uint16_t most : {std::uint16_t{255}, std::uint16_t{256}, std::uint16_t{65535}}) {
+        const std::vector<std::uint16_t> numbers{0, most, 1, 2, 254, static_cast<std::uint16_t>(most / 2)};
+        const GreyPicture picture = read_grey_png(number_png_bytes(3, 2, numbers), "picture");
+        CHECK((picture.width_px == 3 && picture.height_px == 2));
+        CHECK(picture.samples == numbers);
+    }
 }

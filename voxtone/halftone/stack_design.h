@@ -42,8 +42,8 @@ struct StackDesign {
     double modelled_distance = 0;    ///< from what is wanted (stack_search.h); through the surface too
     ChannelProfiles judged;          ///< empty without a judge
     double judged_distance = 0;
-    FoundStack found;    ///< the search that it came from
-    double outside = 0;  ///< of the first search: how far g(wanted) lies outside of the gamut, at least
+    FoundStack found;                      ///< the search that it came from
+    double outside = 0;                    ///< of the first search: how far g(wanted) lies outside of the gamut, at least
     std::vector<double> judged_distances;  ///< of all that were judged, in order
 };
 

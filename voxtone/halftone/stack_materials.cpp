@@ -32,11 +32,13 @@ StackMaterial resin_material(const optics::ResinSet& set, std::size_t resin, std
 MeasuredMaterial measured_material(const std::string& name, std::span<const optics::MeasuredProfile> by_channel,
                                    const optics::HankelGrid& grid) {
     MeasuredMaterial made;
-    for (std::size_t c = 0; c < by_channel.size(); ++c) try {
+    for (std::size_t c = 0; c < by_channel.size(); ++c) {
+        try {
             made.material.push_back(optics::measured_layer(by_channel[c], grid, made.summary.emplace_back()));
         } catch (const InputError& error) {
             throw InputError(fmt::format("{}, channel {}: {}", name, c + 1, error.what()));
         }
+    }
     return made;
 }
 

@@ -35,8 +35,7 @@ struct MeasuredMaterial {
 };
 
 /// Profiles of any spacing and length. Throws InputError that names the material, the channel and what is wrong.
-[[nodiscard]] MeasuredMaterial measured_material(const std::string& name,
-                                                 std::span<const optics::MeasuredProfile> by_channel,
+[[nodiscard]] MeasuredMaterial measured_material(const std::string& name, std::span<const optics::MeasuredProfile> by_channel,
                                                  const optics::HankelGrid& grid);
 
 }  // namespace voxtone::halftone

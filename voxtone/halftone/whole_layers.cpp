@@ -8,8 +8,7 @@
 
 namespace voxtone::halftone {
 
-std::vector<StackLayer> whole_layers(std::span<const StackLayer> layers, double layer_mm,
-                                     std::span<const double> clear_top_mm) {
+std::vector<StackLayer> whole_layers(std::span<const StackLayer> layers, double layer_mm, std::span<const double> clear_top_mm) {
     VOXTONE_EXPECT(layer_mm > 0);
     constexpr double rounding = 1e-6;  // of a printed layer: a border that is there already stays
     std::vector<StackLayer> whole;

@@ -10,7 +10,8 @@ optics::Channels channels_of(const JsonObject& json) {
     optics::Channels channels;
     if (json.is_text("channels")) {
         if (json.text("channels") != "rgb")
-            json.fail("channels", fmt::format("is {}, expected \"rgb\" or a list of wavelengths in nm", json_text(json.text("channels"))));
+            json.fail("channels", fmt::format("is {}, expected \"rgb\" or a list of wavelengths in nm",
+                                              json_text(json.text("channels"))));
         return channels;
     }
     channels.wavelengths_nm = json.numbers("channels", 0, 1, 1e5);

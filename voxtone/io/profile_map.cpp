@@ -29,7 +29,8 @@ void check_length(const JsonObject& json, const char* key, double mm) {
 std::filesystem::path picture_beside(const JsonObject& json, const std::filesystem::path& file) {
     const std::filesystem::path name(json.text("picture"));
     if (name.empty() || name != name.filename() || name == "." || name == "..")
-        json.fail("picture", fmt::format("is {}, expected the name of a PNG file in the same folder", json_text(name.string())));
+        json.fail("picture",
+                  fmt::format("is {}, expected the name of a PNG file in the same folder", json_text(name.string())));
     return file.parent_path() / name;
 }
 
@@ -48,7 +49,8 @@ std::vector<std::vector<optics::RadialSamples>> targets_of(const JsonObject& jso
         for (std::size_t c = 0; c < channels; ++c) {
             if (tables[i][c].size() != length)
                 json.fail(fmt::format("clusters[{}][{}]", i, c),
-                          fmt::format("has {} samples, clusters[0][0] has {}; all must have as many", tables[i][c].size(), length));
+                          fmt::format("has {} samples, clusters[0][0] has {}; all must have as many",
+                                      tables[i][c].size(), length));
             target.push_back({spacing, std::move(tables[i][c]), {}});
         }
     }
@@ -60,7 +62,8 @@ std::vector<std::vector<optics::RadialSamples>> targets_of(const JsonObject& jso
 ProfileMap read_profile_map(const std::filesystem::path& file) {
     const JsonObject json = JsonObject::read(file);
     json.allow_only({"format", "version", "source", "channels", "size_mm", "picture", "spacing_mm", "clusters"});
-    if (json.text("format") != "voxtone-profile-map") json.fail("format", "is not \"voxtone-profile-map\": this is no profile map");
+    if (json.text("format") != "voxtone-profile-map")
+        json.fail("format", "is not \"voxtone-profile-map\": this is no profile map");
     if (json.integer("version", 0, 1000000) != 1) json.fail("version", "is not 1, the only version this program knows");
     ProfileMap map;
     if (json.has("source")) map.source = json.text("source");
@@ -78,9 +81,10 @@ ProfileMap read_profile_map(const std::filesystem::path& file) {
     map.cluster = std::move(picture.samples);
     for (std::size_t i = 0; i < map.cluster.size(); ++i)
         if (map.cluster[i] >= map.target.size())
-            throw InputError(fmt::format("{}: pixel ({}, {}) belongs to cluster {}, but {} has {} clusters only, counted from 0",
-                                         picture_file.string(), i % map.width_px, i / map.width_px, map.cluster[i], file.string(),
-                                         map.target.size()));
+            throw InputError(
+                fmt::format("{}: pixel ({}, {}) belongs to cluster {}, but {} has {} clusters only, counted from 0",
+                            picture_file.string(), i % map.width_px, i / map.width_px, map.cluster[i], file.string(),
+                            map.target.size()));
     return map;
 }
 
@@ -101,11 +105,13 @@ void write_profile_map(const ProfileMap& map, const std::filesystem::path& file)
     }
     std::filesystem::path picture = file;
     picture.replace_extension(".png");
+    VOXTONE_EXPECT(picture != file);
     write_whole_file(picture, number_png_bytes(map.width_px, map.height_px, map.cluster));
-    write_whole_file(file, fmt::format("{{\"format\": \"voxtone-profile-map\", \"version\": 1, \"source\": {},\n \"channels\": {}, "
-                                       "\"size_mm\": [{}, {}], \"picture\": {},\n \"spacing_mm\": {},\n \"clusters\": [{}]}}\n",
-                                       json_text(map.source), channels_json(map.channels), map.width_mm, map.height_mm,
-                                       json_text(picture.filename().string()), first.spacing_mm, clusters));
+    write_whole_file(
+        file, fmt::format("{{\"format\": \"voxtone-profile-map\", \"version\": 1, \"source\": {},\n \"channels\": {}, "
+                          "\"size_mm\": [{}, {}], \"picture\": {},\n \"spacing_mm\": {},\n \"clusters\": [{}]}}\n",
+                          json_text(map.source), channels_json(map.channels), map.width_mm, map.height_mm,
+                          json_text(picture.filename().string()), first.spacing_mm, clusters));
 }
 
 }  // namespace voxtone::io
