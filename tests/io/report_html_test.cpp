@@ -44,7 +44,7 @@ Report sample(const std::string& text) {
     report.prediction_note = text;
     report.views = {{text, {picture(text, 2), picture("predicted", 2)}}, {"front", {picture("f", 0)}}};
     report.layers = {{0, 0.0135, picture("l", 2)}, {1960, 52.9335, picture("l", 2)}};
-    report.sections = {{text, {text}, {{text, {text, "Count"}, {{text, "12"}, {"b", "3.5 %"}}}}, {picture(text, 1)}}};
+    report.sections = {{text, {text}, {{text, {text, "Count"}, {{text, "12"}, {"b", "3.5 %"}}}}, {picture(text, 1)}, {{text, "<svg id=\"curve\"></svg>"}}}};
     report.job = {{text, text}, {"printer", "stratasys-j750-hm"}};
     return report;
 }
@@ -92,6 +92,11 @@ TEST_CASE("Pictures are in the page as they are") {
         report.views = {{"v", {three}}};
         CHECK_THAT(report_html(report), Contains("base64," + text + "\""));
     }
+}
+
+TEST_CASE("Drawings are in the page as they are, their captions as text") {
+    const std::string html = report_html(sample("profile <1>"));
+    CHECK(count(html, "<svg id=\"curve\"></svg><figcaption>profile &lt;1&gt;</figcaption>") == 1);
 }
 
 TEST_CASE("A report with nothing in it is still a page") {

@@ -93,3 +93,31 @@ TEST_CASE("Rules between values name the key") {
     options.depth_mm = 0;
     CHECK_THROWS_WITH(validate(options), Catch::Matchers::Contains("--depth"));
 }
+
+TEST_CASE("On the command line --model is what is arranged, in a job file `model` is the mesh") {
+    std::set<std::string> names;
+    for (const OptionSpec& spec : slice_option_table()) {
+        INFO(spec.option);
+        CHECK(names.insert(spec.option).second);
+        if (spec.option == "model") CHECK(spec.key == "arrange");
+        if (spec.key == "model") CHECK(spec.option == "mesh");
+    }
+    SliceOptions options;
+    read_job(write_job(R"({"format": "voxtone-job", "version": 1, "model": "a.obj", "arrange": "layered-profile", "profiles": "maps/b.json"})"), options);
+    CHECK(options.layered());
+    const auto folder = std::filesystem::temp_directory_path() / "voxtone-slice-options-test";
+    CHECK(options.model == (folder / "a.obj").string());
+    CHECK(options.profiles == (folder / "maps/b.json").string());
+    read_job(write_job(job_json(SliceOptions{})), options);
+    CHECK(options.profiles.empty());
+    CHECK(failure(R"({"format": "voxtone-job", "version": 1, "arrange": "layers"})").find("none of colour, layered-profile") != std::string::npos);
+}
+
+TEST_CASE("Distances from the top are read by role") {
+    const auto clear = parse_clear_top({"T=0.2mm", "K=100um"});
+    REQUIRE(clear.size() == 2);
+    CHECK(clear[0].role == "T");
+    CHECK(clear[0].mm == Approx(0.2));
+    CHECK(clear[1].mm == Approx(0.1));
+    for (const char* bad : {"T", "=0.2mm", "T=", "T=-1mm", "T=deep"}) CHECK_THROWS_AS(parse_clear_top({bad}), UsageError);
+}

@@ -31,10 +31,10 @@ void add_options(CLI::App& command, Arguments& arguments) {
         CLI::Option* option;
         if (spec.kind == slicer::OptionSpec::Kind::flag) {
             arguments.flags[spec.key] = spec.get(defaults) == "true";
-            option = command.add_flag(fmt::format("--{0},!--no-{0}", spec.key), arguments.flags[spec.key], spec.help);
+            option = command.add_flag(fmt::format("--{0},!--no-{0}", spec.option), arguments.flags[spec.key], spec.help);
             option->default_str(spec.get(defaults));
         } else {
-            const std::string names = spec.key == "model" ? "model,--model" : spec.key == "out" ? "-o,--out" : "--" + spec.key;
+            const std::string names = spec.key == "model" ? "mesh,--mesh" : spec.key == "out" ? "-o,--out" : "--" + spec.option;
             option = command.add_option(names, arguments.values[spec.key],
                                         spec.choices.empty() ? spec.help
                                                              : fmt::format("{} [{}]", spec.help, fmt::join(spec.choices, "|")));

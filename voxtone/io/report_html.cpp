@@ -352,11 +352,19 @@ void add_table(std::string& html, const ReportTable& table) {
     html += "</tbody>\n</table></div>\n";
 }
 
+void add_drawings(std::string& html, const std::vector<ReportDrawing>& drawings) {
+    html += "<div class=\"drawings\">\n";
+    for (const ReportDrawing& drawing : drawings)
+        html += fmt::format("<figure>{}<figcaption>{}</figcaption></figure>\n", drawing.svg, escaped(drawing.caption));
+    html += "</div>\n";
+}
+
 void add_sections(std::string& html, const Report& report) {
     for (const ReportSection& section : report.sections) {
         html += fmt::format("<section>\n<h2>{}</h2>\n", escaped(section.title));
         for (const std::string& paragraph : section.paragraphs) html += fmt::format("<p>{}</p>\n", escaped(paragraph));
         if (!section.pictures.empty()) add_pictures(html, section.pictures);
+        if (!section.drawings.empty()) add_drawings(html, section.drawings);
         for (const ReportTable& table : section.tables) add_table(html, table);
         html += "</section>\n";
     }

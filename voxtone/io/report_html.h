@@ -93,11 +93,18 @@ struct ReportTable {
     std::vector<std::vector<std::string>> rows;
 };
 
+/// Lines on a white ground.
+struct ReportDrawing {
+    std::string caption;
+    std::string svg;  ///< of ours (plot_svg.h): goes into the page as it is
+};
+
 struct ReportSection {
     std::string title;
     std::vector<std::string> paragraphs;
     std::vector<ReportTable> tables;
     std::vector<ReportPicture> pictures;
+    std::vector<ReportDrawing> drawings;
 };
 
 struct Report {

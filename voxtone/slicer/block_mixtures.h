@@ -1,26 +1,21 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // The mixtures that the shell voxels of one block ask for: target colour at the nearest surface point, separated; or what
-// the appearance loop found for them.
+// the appearance loop found for them. And the screen that makes resins of them.
 #pragma once
 
 #include <array>
 #include <cstddef>
 
+#include "voxtone/halftone/blue_noise_screen.h"
 #include "voxtone/halftone/separation.h"
+#include "voxtone/slicer/block_fill.h"
 #include "voxtone/slicer/skin_source.h"
 #include "voxtone/slicer/surface_colour.h"
 #include "voxtone/slicer/surface_shell.h"
 #include "voxtone/slicer/visible_surface.h"
 
 namespace voxtone::slicer {
-
-/// Calls visit(row, lane) for the shell voxels of a block in the order in which `BlockMixtures` lists them.
-template <class Visit>
-void for_each_shell_voxel(const ShellBlock& block, Visit&& visit) {
-    for (int row = 0; row < block.size[1] * block.size[2]; ++row)
-        for (unsigned bits = block.shell[row]; bits != 0; bits &= bits - 1) visit(row, __builtin_ctz(bits));
-}
 
 class BlockMixtures {
 public:
@@ -43,6 +38,20 @@ private:
     std::size_t count_ = 0;
     std::array<float, max_voxels> red_, green_, blue_;
     std::array<halftone::CumulativeMixture, max_voxels> mixture_;
+};
+
+/// One resin for every shell voxel, by the blue-noise screen.
+class ScreenedMixtures : public BlockFill {
+public:
+    ScreenedMixtures(const VisibleSurface& surface, const SurfaceColour& colour, const halftone::Separation& separation, const SkinSource* skin,
+                     const halftone::BlueNoiseScreen& screen)
+        : mixtures_(surface, colour, separation, skin), screen_(screen), resins_(static_cast<int>(separation.resins())) {}
+    void fill(const ShellBlock& block, io::Material* out, LayerCounts& counts) override;
+
+private:
+    BlockMixtures mixtures_;
+    const halftone::BlueNoiseScreen& screen_;
+    int resins_;
 };
 
 }  // namespace voxtone::slicer

@@ -63,14 +63,14 @@ void push_row(io::LayerRuns& out, int width, std::span<const Span> spans, const 
 
 }  // namespace
 
-LayerCounts LayerMaker::make_diffused(int slab, int first, int last, const LayerSink& sink) const {
+LayerCounts LayerMaker::make_diffused(const MixtureSources& by_colour, int slab, int first, int last, const LayerSink& sink) const {
     const VoxelGrid& grid = sources_.solid.grid();
     const int width = grid.size[0], height = grid.size[1], block_depth = sources_.shell.block_size()[2];
     halftone::ErrorDiffusionOptions options;
     options.pitch_mm = {grid.pitch_mm.x(), grid.pitch_mm.y(), grid.pitch_mm.z()};
-    options.seed = sources_.seed;
-    halftone::ErrorDiffusion diffusion(width, height, static_cast<int>(sources_.separation.resins()), options);
-    const auto mixtures = std::make_unique<BlockMixtures>(sources_.surface, sources_.colour, sources_.separation, sources_.skin);
+    options.seed = by_colour.seed;
+    halftone::ErrorDiffusion diffusion(width, height, static_cast<int>(by_colour.separation.resins()), options);
+    const auto mixtures = std::make_unique<BlockMixtures>(sources_.surface, by_colour.colour, by_colour.separation, by_colour.skin);
     FullLayer full(width, height);
     io::LayerRuns runs{std::uint32_t(width), std::uint32_t(height)};
     LayerCounts counts;

@@ -36,9 +36,10 @@ LoadedResins load_resins(const SliceOptions& options, const PrinterProfile& prin
         throw InputError(fmt::format("--load {}: {} resins, but {} carries {} at once; leave some out", fmt::join(roles, ","), roles.size(),
                                      printer.id, most));
     loaded.set = all.subset(roles);
-    loaded.core = loaded.set.find(options.core);
+    const std::string& core = options.layered() ? options.base : options.core;
+    loaded.core = loaded.set.find(core);
     if (loaded.core < 0)
-        throw InputError(fmt::format("--core {}: no such resin is loaded; loaded are {}", options.core, fmt::join(roles, ", ")));
+        throw InputError(fmt::format("--{} {}: no such resin is loaded; loaded are {}", options.layered() ? "base" : "core", core, fmt::join(roles, ", ")));
     const std::vector<Rgb8> colours = printer.display_colours(roles);
     for (std::size_t r = 0; r < roles.size(); ++r) {
         io::StackResin entry;

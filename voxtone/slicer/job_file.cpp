@@ -83,8 +83,10 @@ void read_job(const std::string& path, SliceOptions& options) {
         } catch (const UsageError& error) {
             throw InputError(fmt::format("{}: {}", path, error.what()));
         }
-        if (key == "model" && std::filesystem::path(options.model).is_relative())
-            options.model = (std::filesystem::path(path).parent_path() / options.model).string();
+        // An empty path stays empty: nothing was named.
+        for (const auto& [name, named] : {std::pair{"model", &options.model}, std::pair{"profiles", &options.profiles}})
+            if (key == name && !named->empty() && std::filesystem::path(*named).is_relative())
+                *named = (std::filesystem::path(path).parent_path() / *named).string();
     }
 }
 

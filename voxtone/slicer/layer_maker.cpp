@@ -75,28 +75,14 @@ void push_row(io::LayerRuns& layer, int width, std::span<const Span> spans, cons
     layer.end_row();
 }
 
-/// One resin for every shell voxel of a block.
-void screen_block(const LayerSources& s, const ShellBlock& block, const halftone::CumulativeMixture* mixture, io::Material* out) {
-    const int resins = static_cast<int>(s.separation.resins());
-    int last_row = -1;
-    const std::uint16_t* thresholds = nullptr;
-    for_each_shell_voxel(block, [&](int row, int lane) {
-        if (row != last_row) {
-            thresholds = s.screen->row(block.origin[1] + row % block.size[1], block.origin[2] + row / block.size[1]);
-            last_row = row;
-        }
-        const std::uint16_t threshold = thresholds[(block.origin[0] + lane) & halftone::BlueNoiseScreen::mask];
-        out[row * block_width + lane] = static_cast<io::Material>(1 + halftone::select_resin(*mixture++, threshold, resins));
-    });
-}
-
 bool shows_core_only(const LayerSources& s) {
-    if (s.skin) return s.surface.triangles.empty();
-    if (!s.colour.constant() || s.surface.triangles.empty()) return s.surface.triangles.empty();
-    const Eigen::Vector3f rgb = s.colour.at(s.surface.source_triangle[0], 0, 0);
+    if (s.surface.triangles.empty()) return true;
+    const auto* by_colour = std::get_if<MixtureSources>(&s.resins);
+    if (!by_colour || by_colour->skin || !by_colour->colour.constant()) return false;
+    const Eigen::Vector3f rgb = by_colour->colour.at(s.surface.source_triangle[0], 0, 0);
     halftone::CumulativeMixture mixture;
-    s.separation.mixtures(&rgb.x(), &rgb.y(), &rgb.z(), 1, &mixture);
-    const int resins = static_cast<int>(s.separation.resins());
+    by_colour->separation.mixtures(&rgb.x(), &rgb.y(), &rgb.z(), 1, &mixture);
+    const int resins = static_cast<int>(by_colour->separation.resins());
     const int first = halftone::select_resin(mixture, 0, resins), last = halftone::select_resin(mixture, 65534, resins);
     return first == last && first + 1 == s.core;
 }
@@ -117,18 +103,31 @@ LayerCounts& LayerCounts::operator+=(const LayerCounts& other) {
 
 LayerMaker::LayerMaker(const LayerSources& sources) : sources_(sources), all_core_(shows_core_only(sources)) {
     VOXTONE_EXPECT(sources.core > 0 && sources.core < no_shell);
-    VOXTONE_EXPECT(sources.separation.resins() < no_shell);
+    if (const auto* by_colour = std::get_if<MixtureSources>(&sources.resins)) VOXTONE_EXPECT(by_colour->separation.resins() < no_shell);
+}
+
+bool LayerMaker::by_blocks() const {
+    const auto* by_colour = std::get_if<MixtureSources>(&sources_.resins);
+    return !by_colour || by_colour->screen;
+}
+
+std::unique_ptr<BlockFill> LayerMaker::block_fill() const {
+    if (const auto* wrapped = std::get_if<const WrappedLayers*>(&sources_.resins)) return (*wrapped)->block_fill();
+    const auto& s = std::get<MixtureSources>(sources_.resins);
+    if (!s.screen) return nullptr;
+    return std::make_unique<ScreenedMixtures>(sources_.surface, s.colour, s.separation, s.skin, *s.screen);
 }
 
 int LayerMaker::slab_layers() const {
-    return sources_.screen ? sources_.shell.block_size()[2] : halftone::ErrorDiffusion::slab_layers;
+    return by_blocks() ? sources_.shell.block_size()[2] : halftone::ErrorDiffusion::slab_layers;
 }
 
 LayerCounts LayerMaker::make(int slab, int k_begin, int k_end, const LayerSink& sink) const {
     const int first = std::max(k_begin, slab * slab_layers());
     const int last = std::min({k_end, (slab + 1) * slab_layers(), sources_.solid.grid().size[2]});
     if (first >= last) return {};
-    return sources_.screen || all_core_ ? make_screened(slab, first, last, sink) : make_diffused(slab, first, last, sink);
+    if (by_blocks() || all_core_) return make_screened(slab, first, last, sink);
+    return make_diffused(std::get<MixtureSources>(sources_.resins), slab, first, last, sink);
 }
 
 void LayerMaker::body(int first, int last, int counted_from, SpanSlab& out, LayerCounts& counts) const {
@@ -152,7 +151,7 @@ LayerCounts LayerMaker::make_screened(int slab, int first, int last, const Layer
     std::vector<io::LayerRuns> layers(std::size_t(last - first),
                                       io::LayerRuns(std::uint32_t(grid.size[0]), std::uint32_t(grid.size[1])));
     const int block_height = sources_.shell.block_size()[1], block_depth = sources_.shell.block_size()[2];
-    const auto mixtures = std::make_unique<BlockMixtures>(sources_.surface, sources_.colour, sources_.separation, sources_.skin);
+    const std::unique_ptr<BlockFill> fill = all_core_ ? nullptr : block_fill();
     Strip strip;
     for (int bj = sources_.shell.block_rows() - 1; bj >= 0; --bj) {
         strip.reset(block_height * block_depth);
@@ -160,10 +159,8 @@ LayerCounts LayerMaker::make_screened(int slab, int first, int last, const Layer
             sources_.shell.for_each_block(bj, slab, spans, [&](const ShellBlock& block) {
                 VOXTONE_DEBUG_EXPECT(block.size[1] == block_height && block.size[2] == block_depth);
                 counts.shell_s += lap();
-                counts.shell_voxels += mixtures->gather(block);
-                counts.colour_s += lap();
-                screen_block(sources_, block, mixtures->separate(), strip.append(block.origin[0], block.shell));
-                counts.screen_s += lap();
+                fill->fill(block, strip.append(block.origin[0], block.shell), counts);
+                lap();
             });
         counts.shell_s += lap();
         for (int k = first; k < last; ++k)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// From the body to printed layers: solid -> surface shell -> target colour -> mixture -> one resin per voxel -> runs.
+// From the body to printed layers: solid -> surface shell -> one resin per voxel -> runs. The resins of the shell are screened
+// mixtures that make a target colour, or the layers of stacks wrapped around the body.
 //
 // Work is cut into slabs of layers. A slab depends on nothing but its own index, so any number of threads and any choice
 // of layers give the same bits. With the blue-noise screen a slab is one layer of shell blocks, made row of blocks by row
@@ -11,19 +12,31 @@
 
 #include <cstdint>
 #include <functional>
-#include <optional>
+#include <memory>
+#include <variant>
 
 #include "voxtone/halftone/blue_noise_screen.h"
 #include "voxtone/halftone/separation.h"
 #include "voxtone/io/layer_runs.h"
+#include "voxtone/slicer/block_fill.h"
 #include "voxtone/slicer/skin_source.h"
 #include "voxtone/slicer/solid.h"
 #include "voxtone/slicer/surface_colour.h"
 #include "voxtone/slicer/surface_shell.h"
 #include "voxtone/slicer/thin_features.h"
 #include "voxtone/slicer/visible_surface.h"
+#include "voxtone/slicer/wrapped_layers.h"
 
 namespace voxtone::slicer {
+
+/// The shell by colour.
+struct MixtureSources {
+    const SurfaceColour& colour;
+    const halftone::Separation& separation;
+    const halftone::BlueNoiseScreen* screen;  ///< null: error diffusion
+    std::uint64_t seed;                       ///< of error diffusion
+    const SkinSource* skin = nullptr;         ///< the appearance loop's mixtures instead of the separation's
+};
 
 /// What layers are made of; everything must outlive the maker.
 struct LayerSources {
@@ -31,22 +44,8 @@ struct LayerSources {
     const ThinFeatures* thin;  ///< null: features thinner than a voxel may vanish
     const VisibleSurface& surface;
     const SurfaceShell& shell;
-    const SurfaceColour& colour;
-    const halftone::Separation& separation;
-    const halftone::BlueNoiseScreen* screen;  ///< null: error diffusion
-    std::uint64_t seed;                       ///< of error diffusion
-    io::Material core;                        ///< material of voxels below the shell
-    const SkinSource* skin = nullptr;         ///< the appearance loop's mixtures instead of the separation's
-};
-
-/// Counts of one or more slabs.
-struct LayerCounts {
-    std::uint64_t body_voxels = 0;
-    std::uint64_t shell_voxels = 0;
-    std::uint64_t thin_voxels = 0;  ///< added because the feature was thinner than a voxel
-    /// Where the time went, seconds summed over threads.
-    double solid_s = 0, shell_s = 0, colour_s = 0, screen_s = 0, runs_s = 0;
-    LayerCounts& operator+=(const LayerCounts& other);
+    io::Material core;  ///< material of voxels below the shell
+    std::variant<MixtureSources, const WrappedLayers*> resins;  ///< of the shell
 };
 
 using LayerSink = std::function<void(int k, const io::LayerRuns& layer)>;
@@ -62,7 +61,10 @@ public:
 
 private:
     LayerCounts make_screened(int slab, int first, int last, const LayerSink& sink) const;
-    LayerCounts make_diffused(int slab, int first, int last, const LayerSink& sink) const;
+    LayerCounts make_diffused(const MixtureSources& by_colour, int slab, int first, int last, const LayerSink& sink) const;
+    /// Null: by error diffusion.
+    [[nodiscard]] std::unique_ptr<BlockFill> block_fill() const;
+    [[nodiscard]] bool by_blocks() const;
     /// The voxels of [first, last); those from `counted_from` on are counted.
     void body(int first, int last, int counted_from, SpanSlab& out, LayerCounts& counts) const;
 

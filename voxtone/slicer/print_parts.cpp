@@ -10,23 +10,34 @@
 
 namespace voxtone::slicer {
 
-PrintParts::PrintParts(const SliceOptions& options, const JobBody& body, const LoadedResins& resins, const JobColour& colour, const Progress& progress)
+PrintParts::PrintParts(const SliceOptions& options, const JobBody& body, const LoadedResins& resins, double shell_mm)
     : body_(body),
       resins_(resins),
-      colour_(colour),
       seed_(options.seed),
       solid_(body.solid_mesh, body.grid),
-      shell_(body.surface, body.grid, options.depth_mm),
+      shell_(body.surface, body.grid, shell_mm),
       // Voxels are sampled at their centres: texture details finer than a voxel's footprint would alias.
       surface_colour_(body.model.mesh, std::sqrt(body.grid.pitch_mm.x() * body.grid.pitch_mm.y())) {
     if (options.keep_thin) thin_.emplace(body.solid_mesh, solid_);
+}
+
+PrintParts::PrintParts(const SliceOptions& options, const JobBody& body, const LoadedResins& resins, const JobColour& colour, const Progress& progress)
+    : PrintParts(options, body, resins, options.depth_mm) {
+    colour_ = &colour;
     if (options.screen == "blue-noise")
         screen_.emplace(std::array{body.grid.pitch_mm.x(), body.grid.pitch_mm.y(), body.grid.pitch_mm.z()}, &progress);
 }
 
+PrintParts::PrintParts(const SliceOptions& options, const JobBody& body, const LoadedResins& resins, const WrappedLayers& wrapped)
+    : PrintParts(options, body, resins, wrapped.shell_mm()) {
+    wrapped_ = &wrapped;
+}
+
 LayerSources PrintParts::sources(const SkinSource* skin) const {
-    return {.solid = solid_, .thin = thin_ ? &*thin_ : nullptr, .surface = body_.surface, .shell = shell_, .colour = surface_colour_,
-            .separation = colour_.separation, .screen = screen_ ? &*screen_ : nullptr, .seed = seed_, .core = resins_.core_material(), .skin = skin};
+    LayerSources sources{.solid = solid_, .thin = thin_ ? &*thin_ : nullptr, .surface = body_.surface, .shell = shell_, .core = resins_.core_material(), .resins = wrapped_};
+    if (colour_)
+        sources.resins.emplace<MixtureSources>(surface_colour_, colour_->separation, screen_ ? &*screen_ : nullptr, seed_, skin);
+    return sources;
 }
 
 optics::ResinVolume PrintParts::volume(const SkinSource* skin, std::uint64_t memory_bytes, const Progress& progress) const {

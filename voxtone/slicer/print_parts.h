@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// What the layers of a job are made of, made once: solid, coloured shell, target colours, screen. Layers come out of it as
+// What the layers of a job are made of, made once: solid, surface shell, target colours, screen. Layers come out of it as
 // often as they are asked for: to be written, or as the volume that a model looks at.
 #pragma once
 
@@ -19,18 +19,21 @@
 #include "voxtone/slicer/surface_colour.h"
 #include "voxtone/slicer/surface_shell.h"
 #include "voxtone/slicer/thin_features.h"
+#include "voxtone/slicer/wrapped_layers.h"
 
 namespace voxtone::slicer {
 
 class PrintParts {
 public:
-    /// Keeps references to all but the options.
+    /// The shell by colour. Keeps references to all but the options.
     PrintParts(const SliceOptions& options, const JobBody& body, const LoadedResins& resins, const JobColour& colour, const Progress& progress);
+    /// The shell by layers.
+    PrintParts(const SliceOptions& options, const JobBody& body, const LoadedResins& resins, const WrappedLayers& wrapped);
     PrintParts(const PrintParts&) = delete;
     PrintParts& operator=(const PrintParts&) = delete;
 
     [[nodiscard]] const SurfaceColour& surface_colour() const { return surface_colour_; }
-    /// `skin`: null: the separation's mixtures.
+    /// `skin`: null: the separation's mixtures. Means nothing where the shell is made of layers.
     [[nodiscard]] LayerSources sources(const SkinSource* skin) const;
     /// All layers as a volume. Throws ResourceError where it takes more than `memory_bytes`.
     [[nodiscard]] optics::ResinVolume volume(const SkinSource* skin, std::uint64_t memory_bytes, const Progress& progress) const;
@@ -38,9 +41,12 @@ public:
     void for_each_block(const optics::VoxelBox& box, const std::function<void(const ShellBlock&)>& visit, const Progress& progress) const;
 
 private:
+    PrintParts(const SliceOptions& options, const JobBody& body, const LoadedResins& resins, double shell_mm);
+
     const JobBody& body_;
     const LoadedResins& resins_;
-    const JobColour& colour_;
+    const JobColour* colour_ = nullptr;       ///< this
+    const WrappedLayers* wrapped_ = nullptr;  ///< or that
     std::uint64_t seed_;
     Solid solid_;
     SurfaceShell shell_;

@@ -13,15 +13,20 @@
 #include "voxtone/base/parallel.h"
 #include "voxtone/io/layer_stack_writer.h"
 #include "voxtone/io/layer_thumbnail.h"
+#include "voxtone/io/model_reader.h"
 #include "voxtone/io/whole_file.h"
 #include "voxtone/slicer/job_body.h"
 #include "voxtone/slicer/job_colour.h"
+#include "voxtone/slicer/job_layers.h"
 #include "voxtone/slicer/job_loop.h"
 #include "voxtone/slicer/job_prediction.h"
 #include "voxtone/slicer/layer_maker.h"
+#include "voxtone/slicer/layer_surfaces.h"
+#include "voxtone/slicer/layers_report.h"
 #include "voxtone/slicer/model_choice.h"
 #include "voxtone/slicer/print_parts.h"
 #include "voxtone/slicer/slice_report.h"
+#include "voxtone/slicer/upright_cut.h"
 
 namespace voxtone::slicer {
 
@@ -159,12 +164,35 @@ std::unique_ptr<const JobLoop> rearrange(const SliceOptions& options, const JobB
     }
 }
 
+/// A picture without a size of its own is as wide as the map.
+SliceOptions with_map_width(const SliceOptions& options, const io::ProfileMap& map) {
+    SliceOptions sized = options;
+    if (!io::is_model_name(options.model) && options.width_mm == 0) sized.width_mm = map.width_mm;
+    return sized;
+}
+
+std::unique_ptr<const JobLayers> wrap_layers(const SliceOptions& options, io::ProfileMap map, const JobBody& body, const LoadedResins& resins, Progress& progress) {
+    auto layers = std::make_unique<const JobLayers>(options, std::move(map), body, resins, progress);
+    for (const std::string& warning : layers->warnings) progress.warn(warning);
+    if (options.resume) progress.note("--resume: layered profiles have no loop to go on with; the job begins at its start");
+    return layers;
+}
+
+std::unique_ptr<const PrintParts> print_parts(const SliceOptions& options, const JobBody& body, const LoadedResins& resins, const JobColour* colour,
+                                              const JobLayers* layers, const Progress& progress) {
+    if (layers) return std::make_unique<const PrintParts>(options, body, resins, layers->wrapped());
+    return std::make_unique<const PrintParts>(options, body, resins, *colour, progress);
+}
+
 }  // namespace
 
-SliceResult run_slice_job(const SliceOptions& options, Progress& progress) {
+SliceResult run_slice_job(const SliceOptions& given, Progress& progress) {
     Stopwatch watch;
     JobFigures figures;
-    validate(options);
+    validate(given);
+    std::optional<io::ProfileMap> map;
+    if (given.layered()) map = io::read_profile_map(given.profiles);
+    const SliceOptions options = map ? with_map_width(given, *map) : given;
     const ThreadLimit threads(static_cast<std::size_t>(options.threads));
     const PrinterProfile printer = find_printer(options.printer);
     const LoadedResins resins = load_resins(options, printer);
@@ -177,25 +205,30 @@ SliceResult run_slice_job(const SliceOptions& options, Progress& progress) {
     figures.read_s = body.read_s;
     figures.repair_s = watch.lap() - body.read_s;
 
-    const auto colour = prepare_colour(options, resins, body.grid.pitch_mm, body.is_picture ? body.placement.extent_mm.z() : 0, progress);
+    const auto colour = map ? nullptr : prepare_colour(options, resins, body.grid.pitch_mm, body.is_picture ? body.placement.extent_mm.z() : 0, progress);
+    const auto layers = map ? wrap_layers(options, std::move(*map), body, resins, progress) : nullptr;
     figures.separation_s = watch.lap();
 
     io::LayerStackWriter writer(options.out, describe(printer, resins, body.grid, range), outputs_of(options, printer), options.overwrite);
     remove_old_report(options.out);
 
-    const PrintParts parts(options, body, resins, *colour, progress);
+    const auto parts = print_parts(options, body, resins, colour.get(), layers.get(), progress);
     std::string why_no_loop;
-    const auto loop = rearrange(options, body, resins, *colour, parts, writer.folder(), why_no_loop, progress);
+    const auto loop = colour ? rearrange(options, body, resins, *colour, *parts, writer.folder(), why_no_loop, progress) : nullptr;
     figures.loop_s = watch.lap();
-    const LayerMaker maker(parts.sources(loop ? loop->skin() : nullptr));
+    const LayerMaker maker(parts->sources(loop ? loop->skin() : nullptr));
     std::vector<io::Rgb> palette{printer.background_rgb};
     for (const io::StackResin& resin : resins.entries) palette.push_back(resin.rgb);
     Thumbnails thumbnails(range, body.grid, palette, options.report);
 
+    std::optional<UprightCut> cut;
+    if (layers && options.report) cut.emplace(body.grid, range.first, range.last, body.grid.size[1] / 2);
+
     // The volume and its white twin are held at once.
     std::optional<JobVolume> volume;
     const bool reusable = loop && resins.set.channels.wavelengths_nm.empty();
-    PredictionPlan plan = plan_prediction(options, body, range.first == 0 && range.last + 1 == body.grid.size[2], reusable);
+    PredictionPlan plan;
+    if (colour) plan = plan_prediction(options, body, range.first == 0 && range.last + 1 == body.grid.size[2], reusable);
     if (!plan.model.empty()) volume.emplace(body.grid, memory_budget(options.memory_gib) / 2);
 
     std::mutex figures_mutex;
@@ -211,6 +244,7 @@ SliceResult run_slice_job(const SliceOptions& options, Progress& progress) {
                          encode_s += encode.total();
                          thumbnails.offer(k, layer);
                          if (volume) volume->add(k, layer);
+                         if (cut) cut->add(k, layer);
                          progress.advance();
                      });
                      const std::scoped_lock lock(figures_mutex);
@@ -227,16 +261,23 @@ SliceResult run_slice_job(const SliceOptions& options, Progress& progress) {
     io::write_whole_file(writer.folder() / "job.json", job_json(options));
     figures.layer_bytes = writer.bytes_written();
     figures.layers = thumbnails.take();
+    if (cut) figures.cut = cut->picture(palette, "cut through the middle of the print along x, upright; resins as the bitmaps colour them");
     figures.finish_s = watch.lap();
     figures.total_s = watch.total();
+    std::vector<SurfaceFile> surfaces;
+    if (layers && options.surfaces) {
+        progress.end_stage();
+        surfaces = write_layer_surfaces(layer_surfaces(body, layers->wrapped(), options.surface_cell_mm, progress), resins, stack, writer.folder());
+        progress.begin_stage("report", 0);
+    }
     std::optional<JobPrediction> prediction;
     if (volume) {
         progress.end_stage();
         prediction = predict_or_warn(options, plan, body, resins, *volume, loop.get(), progress);
         progress.begin_stage("report", 0);
     }
-    const ReportSources sources{options, printer, resins, body, *colour, parts.surface_colour(), stack,
-                                prediction ? &*prediction : nullptr, plan.why_not, loop.get(), why_no_loop, palette};
+    const ReportSources sources{options, printer, resins, body, colour.get(), layers.get(), parts->surface_colour(), stack,
+                                prediction ? &*prediction : nullptr, plan.why_not, loop.get(), why_no_loop, palette, surfaces};
     io::Report report = make_report(sources, figures);
     if (options.report) {
         draw_report(sources, report, writer.folder(), progress);
@@ -245,7 +286,7 @@ SliceResult run_slice_job(const SliceOptions& options, Progress& progress) {
     const std::string json = io::report_json(report);
     io::write_whole_file(writer.folder() / "report.json", json);
     progress.end_stage();
-    return {json, summary_text(report, figures, writer.folder())};
+    return {json, summary_text(sources, report, figures, writer.folder())};
 }
 
 }  // namespace voxtone::slicer

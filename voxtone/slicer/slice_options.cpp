@@ -48,12 +48,19 @@ bool parse_flag(const std::string& key, const std::string& text) {
 
 OptionSpec spec(std::string key, Kind kind, std::string metavar, std::string group, std::string help,
                 std::vector<std::string> choices = {}) {
-    return {std::move(key), kind, std::move(metavar), std::move(group), std::move(help), std::move(choices), {}, {}};
+    std::string option = key;
+    return {std::move(key), std::move(option), kind, std::move(metavar), std::move(group), std::move(help), std::move(choices), {}, {}};
+}
+
+/// Called otherwise on the command line than in the job file.
+OptionSpec called(std::string option, OptionSpec s) {
+    s.option = std::move(option);
+    return s;
 }
 
 OptionSpec text(OptionSpec s, std::string SliceOptions::*member) {
     s.get = [member](const SliceOptions& o) { return o.*member; };
-    s.set = [member, key = s.key, choices = s.choices](SliceOptions& o, const std::string& value) {
+    s.set = [member, key = s.option, choices = s.choices](SliceOptions& o, const std::string& value) {
         if (!choices.empty() && std::find(choices.begin(), choices.end(), value) == choices.end())
             throw UsageError(fmt::format("--{}: '{}' is none of {}", key, value, fmt::join(choices, ", ")));
         o.*member = value;
@@ -63,7 +70,7 @@ OptionSpec text(OptionSpec s, std::string SliceOptions::*member) {
 
 OptionSpec list(OptionSpec s, std::vector<std::string> SliceOptions::*member) {
     s.get = [member](const SliceOptions& o) { return fmt::format("{}", fmt::join(o.*member, ",")); };
-    s.set = [member, key = s.key, choices = s.choices](SliceOptions& o, const std::string& value) {
+    s.set = [member, key = s.option, choices = s.choices](SliceOptions& o, const std::string& value) {
         const std::vector<std::string> parts = split(value);
         for (const std::string& part : parts)
             if (!choices.empty() && std::find(choices.begin(), choices.end(), part) == choices.end())
@@ -77,13 +84,13 @@ OptionSpec list(OptionSpec s, std::vector<std::string> SliceOptions::*member) {
 
 OptionSpec flag(OptionSpec s, bool SliceOptions::*member) {
     s.get = [member](const SliceOptions& o) { return std::string(o.*member ? "true" : "false"); };
-    s.set = [member, key = s.key](SliceOptions& o, const std::string& value) { o.*member = parse_flag(key, value); };
+    s.set = [member, key = s.option](SliceOptions& o, const std::string& value) { o.*member = parse_flag(key, value); };
     return s;
 }
 
 OptionSpec length(OptionSpec s, double SliceOptions::*member) {
     s.get = [member](const SliceOptions& o) { return fmt::format("{}mm", o.*member); };
-    s.set = [member, key = s.key](SliceOptions& o, const std::string& value) {
+    s.set = [member, key = s.option](SliceOptions& o, const std::string& value) {
         o.*member = parse_length_mm(value, "--" + key);
     };
     return s;
@@ -92,7 +99,7 @@ OptionSpec length(OptionSpec s, double SliceOptions::*member) {
 template <class Number>
 OptionSpec number(OptionSpec s, Number SliceOptions::*member) {
     s.get = [member](const SliceOptions& o) { return fmt::format("{}", o.*member); };
-    s.set = [member, key = s.key](SliceOptions& o, const std::string& value) {
+    s.set = [member, key = s.option](SliceOptions& o, const std::string& value) {
         o.*member = parse_number<Number>(key, value);
     };
     return s;
@@ -106,9 +113,9 @@ std::vector<std::string> models_or_none() {
 
 std::vector<OptionSpec> make_table() {
     using O = SliceOptions;
-    const std::string in = "Input and output", place = "Placement", colour = "Colour", body = "Body", loop = "Appearance loop", predict = "Prediction", run = "Run";
+    const std::string in = "Input and output", place = "Placement", colour = "Colour", body = "Body", loop = "Appearance loop", profiles = "Layered profiles", predict = "Prediction", run = "Run";
     return {
-        text(spec("model", Kind::text, "FILE", in, "textured mesh (OBJ, PLY, STL, glTF, GLB, 3MF) or picture"), &O::model),
+        text(called("mesh", spec("model", Kind::text, "FILE", in, "textured mesh (OBJ, PLY, STL, glTF, GLB, 3MF) or picture")), &O::model),
         text(spec("out", Kind::text, "FOLDER", in, "output folder; nothing is written outside it"), &O::out),
         list(spec("formats", Kind::list, "LIST", in,
                   "what to write: png (RGBA stack for Voxel Print), gcvf, tiff or png1 (one per resin and layer), vdb; empty: the printer's default",
@@ -173,6 +180,32 @@ std::vector<OptionSpec> make_table() {
              &O::loop_method),
         flag(spec("resume", Kind::flag, "", loop, "go on with the loop of an interrupted job in the same output folder"), &O::resume),
 
+        text(called("model", spec("arrange", Kind::text, "NAME", profiles,
+                                  "what the surface is to show: colour, or layered-profile: how light spreads, by layers of resin under each point "
+                                  "(docs/layered-prints.md); key `arrange` of a job file",
+                                  {"colour", "layered-profile"})),
+             &O::arrange),
+        text(spec("profiles", Kind::text, "MAP", profiles, "map of wanted scattering profiles (voxtone-profile-map)"), &O::profiles),
+        text(spec("profile-placement", Kind::text, "HOW", profiles,
+                  "where on a mesh the map lies: uv (texture coordinates; it repeats) or box (projected along the main axis of the normal, in mm; "
+                  "mirrored beyond its edges); on a picture's slab it lies on the picture",
+                  {"uv", "box"}),
+             &O::profile_placement),
+        length(spec("stack-thickness", Kind::length, "LENGTH", profiles, "most thickness of a stack of layers"), &O::stack_thickness_mm),
+        number(spec("stack-steps", Kind::number, "N", profiles, "the search cuts that thickness into so many steps"), &O::stack_steps),
+        number(spec("stack-blocks", Kind::number, "N", profiles, "and makes stacks of so many blocks, of 1, 2, 4, ... steps, at most"), &O::stack_blocks),
+        number(spec("stack-rounds", Kind::number, "N", profiles,
+                    "rounds in which a stack is searched, traced by Monte Carlo and corrected for what the layered model got wrong; the best is kept; 0: by "
+                    "the model alone; a round takes some ten seconds for each cluster"),
+               &O::stack_rounds),
+        number(spec("dc-weight", Kind::number, "W", profiles, "weight of the total reflectance against the profile's shape"), &O::dc_weight),
+        list(spec("clear-top", Kind::list, "ROLE=LENGTH", profiles, "this resin stays that far below the surface, such as T=0.2mm; a list"), &O::clear_top),
+        text(spec("base", Kind::text, "ROLE", profiles, "resin below the stacks, taken to be deep"), &O::base),
+        length(spec("layer-smoothing", Kind::length, "LENGTH", profiles, "blur of the layers' thicknesses along the surface, standard deviation"),
+               &O::layer_smoothing_mm),
+        flag(spec("surfaces", Kind::flag, "", profiles, "also write a closed mesh of each resin to OUT/surfaces, for printers fed with meshes"), &O::surfaces),
+        length(spec("surface-cell", Kind::length, "LENGTH", profiles, "cells that these meshes are made of; thinner layers have holes"), &O::surface_cell_mm),
+
         text(spec("repair", Kind::text, "HOW", body,
                   "broken meshes: off (refuse), auto (close holes; wrap what stays open) or wrap (always)",
                   {"off", "auto", "wrap"}),
@@ -209,6 +242,17 @@ int parse_iterations(const std::string& text) {
     return n;
 }
 
+std::vector<ClearTop> parse_clear_top(const std::vector<std::string>& entries) {
+    std::vector<ClearTop> parsed;
+    for (const std::string& entry : entries) {
+        const std::size_t equals = entry.find('=');
+        if (equals == 0 || equals == std::string::npos) throw UsageError(fmt::format("--clear-top {}: write ROLE=LENGTH, such as T=0.2mm", entry));
+        parsed.push_back({entry.substr(0, equals), parse_length_mm(entry.substr(equals + 1), "--clear-top")});
+        if (!(parsed.back().mm >= 0)) throw UsageError(fmt::format("--clear-top {}: must be 0 or more", entry));
+    }
+    return parsed;
+}
+
 LayerRange parse_layer_range(const std::string& text, int layers) {
     if (text.empty()) return {0, layers - 1};
     const std::size_t dash = text.find('-');
@@ -226,7 +270,7 @@ void validate(const SliceOptions& o) {
     const auto need = [](bool good, std::string_view key, const std::string& value, std::string_view rule) {
         if (!good) throw UsageError(fmt::format("--{} {}: {}", key, value, rule));
     };
-    need(!o.model.empty(), "model", "(none)", "name a mesh or a picture");
+    need(!o.model.empty(), "mesh", "(none)", "name a mesh or a picture");
     need(!o.out.empty(), "out", "(none)", "name the output folder: -o FOLDER");
     need(o.scale > 0, "scale", fmt::format("{}", o.scale), "must be above 0");
     need(o.size_mm >= 0, "size", fmt::format("{}mm", o.size_mm), "must be above 0");
@@ -239,6 +283,21 @@ void validate(const SliceOptions& o) {
     need(o.memory_gib >= 0, "memory", fmt::format("{}", o.memory_gib), "must be above 0 GiB, or 0 for half of the machine's");
     need(o.threads >= 0 && o.threads <= 1024, "threads", fmt::format("{}", o.threads), "must be 0 to 1024");
     if (o.unit != "auto") (void)mm_per_unit(o.unit);
+    if (!o.layered()) {
+        need(o.profiles.empty(), "profiles", o.profiles, "only goes with --model layered-profile");
+        need(!o.surfaces, "surfaces", "", "only goes with --model layered-profile");
+        return;
+    }
+    need(!o.profiles.empty(), "profiles", "(none)", "--model layered-profile needs a map of profiles (voxtone-profile-map)");
+    need(o.screen == "blue-noise", "screen", o.screen, "layers are dithered by the screen blue-noise only");
+    need(o.stack_thickness_mm > 0 && o.stack_thickness_mm <= 50, "stack-thickness", fmt::format("{}mm", o.stack_thickness_mm), "must be above 0 and at most 50 mm");
+    need(o.stack_steps >= 1 && o.stack_steps <= 4096, "stack-steps", fmt::format("{}", o.stack_steps), "must be 1 to 4096");
+    need(o.stack_blocks >= 1 && o.stack_blocks <= 16, "stack-blocks", fmt::format("{}", o.stack_blocks), "must be 1 to 16");
+    need(o.stack_rounds >= 0 && o.stack_rounds <= 20, "stack-rounds", fmt::format("{}", o.stack_rounds), "must be 0 to 20");
+    need(o.dc_weight > 0 && o.dc_weight <= 1e6, "dc-weight", fmt::format("{}", o.dc_weight), "must be above 0 and at most 1e6");
+    need(o.layer_smoothing_mm >= 0 && o.layer_smoothing_mm <= 100, "layer-smoothing", fmt::format("{}mm", o.layer_smoothing_mm), "must be 0 to 100 mm");
+    need(o.surface_cell_mm >= 0.01 && o.surface_cell_mm <= 5, "surface-cell", fmt::format("{}mm", o.surface_cell_mm), "must be 0.01 to 5 mm");
+    (void)parse_clear_top(o.clear_top);
 }
 
 }  // namespace voxtone::slicer

@@ -31,6 +31,21 @@ struct SliceOptions {
     double thickness_mm = 4;
     std::string backing = "black";
 
+    std::string arrange = "colour";  ///< what is arranged: colour, or layers of the map's profiles (see job_layers.h)
+    std::string profiles;            ///< file of the map
+    std::string profile_placement = "uv";
+    double stack_thickness_mm = 5;
+    std::uint32_t stack_steps = 64, stack_blocks = 6;
+    int stack_rounds = 0;
+    double dc_weight = 1;
+    std::vector<std::string> clear_top;  ///< "ROLE=LENGTH"
+    std::string base = "K";              ///< role of the resin below the stacks
+    double layer_smoothing_mm = 0;
+    bool surfaces = false;
+    double surface_cell_mm = 0.1;
+    /// Layers of a map of profiles instead of colours.
+    [[nodiscard]] bool layered() const { return arrange == "layered-profile"; }
+
     double depth_mm = 1;
     std::string repair = "auto";
     bool keep_thin = true;
@@ -58,7 +73,8 @@ struct SliceOptions {
 /// One entry of the table.
 struct OptionSpec {
     enum class Kind { text, list, number, length, flag };
-    std::string key;       ///< option `--key` and key of the job file
+    std::string key;       ///< key of the job file
+    std::string option;    ///< `--option` of the command line; that of the mesh may also stand alone
     Kind kind;
     std::string metavar;   ///< "MM", "ID", "a-b"
     std::string group;     ///< heading in --help
@@ -77,6 +93,14 @@ inline constexpr double auto_loop_cm2 = 30;
 /// Most iterations of the loop; -1: until it stops gaining ("auto"). Throws UsageError.
 [[nodiscard]] int parse_iterations(const std::string& text);
 
+/// How far from the top of any stacking a resin stays.
+struct ClearTop {
+    std::string role;
+    double mm = 0;
+};
+/// Of options.clear_top. Throws UsageError.
+[[nodiscard]] std::vector<ClearTop> parse_clear_top(const std::vector<std::string>& entries);
+
 /// First and last layer that are asked for, inclusive.
 struct LayerRange {
     int first = 0;
@@ -93,7 +117,7 @@ void validate(const SliceOptions& options);
 [[nodiscard]] std::string job_json(const SliceOptions& options);
 
 /// Reads a job file into `options`: only the keys that it has. Unknown keys are errors that name the nearest known key.
-/// Relative model paths are relative to the job file. Throws FileError, InputError.
+/// Relative paths of the model and of the map of profiles are relative to the job file. Throws FileError, InputError.
 void read_job(const std::string& path, SliceOptions& options);
 
 }  // namespace voxtone::slicer

@@ -16,6 +16,7 @@
 #include "voxtone/io/picture_writer.h"
 #include "voxtone/io/whole_file.h"
 #include "voxtone/optics/colour.h"
+#include "voxtone/slicer/layers_report.h"
 #include "voxtone/slicer/loop_report.h"
 #include "voxtone/slicer/prediction_files.h"
 #include "voxtone/slicer/preview.h"
@@ -49,7 +50,7 @@ ColouredSurface target_surface(const ReportSources& s) {
     return coloured(s, [](const Eigen::Vector3f& rgb) { return rgb; });
 }
 ColouredSurface predicted_surface(const ReportSources& s) {
-    const halftone::Separation& separation = s.colour.separation;
+    const halftone::Separation& separation = s.colour->separation;
     return coloured(s, [&separation](const Eigen::Vector3f& rgb) {
         return Eigen::Vector3f(separation.predicted(rgb).cast<float>().cwiseMax(0.0f).cwiseMin(1.0f));
     });
@@ -77,7 +78,7 @@ io::ReportGamut gamut_figures(const ReportSources& s) {
         const auto t = std::uint32_t(std::min<std::ptrdiff_t>(found - area_up_to.begin(), std::ptrdiff_t(area_up_to.size()) - 1));
         double u = random.uniform(), v = random.uniform();
         if (u + v > 1) u = 1 - u, v = 1 - v;
-        differences[i] = s.colour.separation.mapping_distance(target.colour(t, float(u), float(v)));
+        differences[i] = s.colour->separation.mapping_distance(target.colour(t, float(u), float(v)));
     });
     const auto mapped = std::count_if(differences.begin(), differences.end(), [](double d) { return d > visible; });
     const optics::DifferenceSummary summary = optics::summarize(differences);
@@ -241,16 +242,18 @@ io::Report make_report(const ReportSources& s, const JobFigures& f) {
     report.warnings.insert(report.warnings.end(), s.body.warnings.begin(), s.body.warnings.end());
     if (f.counts.thin_voxels > 0)
         report.warnings.push_back(fmt::format("{} voxels were added where the body is thinner than a voxel, so that nothing vanishes", f.counts.thin_voxels));
-    report.stages = {{"read model", f.read_s},   {"repair and visible surface", f.repair_s}, {"separate colours", f.separation_s},
-                     {"appearance loop", f.loop_s}, {"layers", f.layers_s}, {"finish", f.finish_s}};
+    report.stages = {{"read model", f.read_s}, {"repair and visible surface", f.repair_s}};
+    if (s.colour) report.stages.insert(report.stages.end(), {{"separate colours", f.separation_s}, {"appearance loop", f.loop_s}});
+    if (s.layers) report.stages.insert(report.stages.end(), {{"profiles of the resins", s.layers->materials_s}, {"search stacks", s.layers->search_s}});
+    report.stages.insert(report.stages.end(), {{"layers", f.layers_s}, {"finish", f.finish_s}});
     report.total_seconds = f.total_s + (s.prediction ? s.prediction->seconds : 0);
     report.peak_memory_bytes = peak_memory_bytes();
     report.output_bytes = f.layer_bytes;
-    report.gamut = gamut_figures(s);
+    if (s.colour) report.gamut = gamut_figures(s);
     if (s.prediction) {
         report.prediction = predicted_figures(*s.prediction);
         report.stages.push_back({"predict", s.prediction->seconds});
-    } else {
+    } else if (s.colour) {
         report.prediction_note =
             "Predicted with the separation's own model: every point as on a wide flat shell of its colour over deep core, relative to the core "
             "resin's white. It shows what the resins can reach. It leaves out how light spreads between neighbouring colours, at edges and in "
@@ -259,7 +262,8 @@ io::Report make_report(const ReportSources& s, const JobFigures& f) {
     }
     if (s.loop) report.loop = loop_report(*s.loop, s.body, s.prediction ? &s.prediction->volume : nullptr, s.palette);
     if (!s.why_no_loop.empty()) report.warnings.push_back(s.why_no_loop);
-    report.sections.push_back(colour_section(s));
+    if (s.colour) report.sections.push_back(colour_section(s));
+    if (s.layers) add_layers_report(*s.layers, s.resins, f.cut, s.surfaces, report);
     report.sections.push_back(mesh_section(s.body.repair));
     report.sections.push_back(throughput(s, f));
     report.layers = f.layers;
@@ -268,6 +272,7 @@ io::Report make_report(const ReportSources& s, const JobFigures& f) {
 }
 
 void draw_report(const ReportSources& s, io::Report& report, const std::filesystem::path& folder, Progress& progress) {
+    if (s.layers) return draw_layers_report(*s.layers, s.body, report, folder, progress);
     if (s.prediction && s.body.is_picture) return draw_picture_prediction(s, report, folder);
     const ColouredSurface target = target_surface(s);
     // The prediction is a mesh of its own, one vertex per cell; the map of differences too.
@@ -319,13 +324,14 @@ void draw_report(const ReportSources& s, io::Report& report, const std::filesyst
     }
 }
 
-std::string summary_text(const io::Report& report, const JobFigures& f, const std::filesystem::path& folder) {
+std::string summary_text(const ReportSources& s, const io::Report& report, const JobFigures& f, const std::filesystem::path& folder) {
     std::string text = fmt::format("{}: {:.2f} x {:.2f} x {:.2f} mm, {} x {} px, {} layers of {:g} um\n", folder.string(), report.size_mm[0],
                                    report.size_mm[1], report.size_mm[2], report.size_px[0], report.size_px[1], report.size_px[2], report.pitch_um[2]);
     for (const io::ReportResin& resin : report.resins) text += fmt::format("  {:<3} {:<16} {:9.3f} ml\n", resin.role, resin.name, resin.ml);
     if (report.gamut)
         text += fmt::format("  colours moved into the gamut: {:.1f} % of the surface; CIEDE2000 mean {:.2f}, 95 % {:.2f}, max {:.2f}\n",
                             100 * report.gamut->mapped_share, report.gamut->mean_de2000, report.gamut->p95_de2000, report.gamut->max_de2000);
+    if (s.layers) text += layers_summary(*s.layers);
     if (report.prediction)
         text += fmt::format("  predicted against asked for: CIEDE2000 mean {:.2f}, median {:.2f}, 95 % {:.2f}, max {:.2f} (cells of {:.0f} um, {:.2f} s)\n",
                             report.prediction->mean_de2000, report.prediction->median_de2000, report.prediction->p95_de2000,
@@ -333,6 +339,8 @@ std::string summary_text(const io::Report& report, const JobFigures& f, const st
     const double voxels = double(report.size_px[0]) * report.size_px[1] * report.size_px[2];
     text += fmt::format("  {:.3g} voxels in {:.2f} s ({:.0f} million/s), peak memory {:.0f} MB\n", voxels, f.total_s, voxels / f.total_s * 1e-6,
                         double(report.peak_memory_bytes) * 1e-6);
+    for (const SurfaceFile& surface : s.surfaces)
+        text += fmt::format("  {}: {} triangles, {:.4f} ml\n", (folder / surface.name).string(), surface.triangles, surface.mesh_ml);
     return text;
 }
 

@@ -9,6 +9,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <vector>
 
 #include "voxtone/base/progress.h"
@@ -16,8 +17,10 @@
 #include "voxtone/io/report_html.h"
 #include "voxtone/slicer/job_body.h"
 #include "voxtone/slicer/job_colour.h"
+#include "voxtone/slicer/job_layers.h"
 #include "voxtone/slicer/job_prediction.h"
 #include "voxtone/slicer/layer_maker.h"
+#include "voxtone/slicer/layers_report.h"
 #include "voxtone/slicer/printer.h"
 #include "voxtone/slicer/slice_options.h"
 #include "voxtone/slicer/surface_colour.h"
@@ -31,6 +34,7 @@ struct JobFigures {
     LayerCounts counts;
     std::uint64_t layer_bytes = 0;
     std::vector<io::ReportLayer> layers;  ///< the ones to look through
+    std::optional<io::ReportPicture> cut;  ///< through layered profiles
 };
 
 struct ReportSources {
@@ -38,7 +42,8 @@ struct ReportSources {
     const PrinterProfile& printer;
     const LoadedResins& resins;
     const JobBody& body;
-    const JobColour& colour;
+    const JobColour* colour;        ///< null: the surface is arranged by layers
+    const JobLayers* layers;        ///< null: by colour
     const SurfaceColour& surface_colour;
     const io::StackDescription& stack;
     const JobPrediction* prediction;  ///< null: none was made
@@ -46,6 +51,7 @@ struct ReportSources {
     const JobLoop* loop;              ///< null: none was made
     const std::string& why_no_loop;   ///< then: a sentence, or empty
     const std::vector<io::Rgb>& palette;  ///< background and resins, as the bitmaps colour them
+    const std::vector<SurfaceFile>& surfaces;  ///< closed meshes of layers that were written
 };
 
 /// Figures, gamut and warnings; no pictures.
@@ -56,6 +62,6 @@ struct ReportSources {
 void draw_report(const ReportSources& sources, io::Report& report, const std::filesystem::path& folder, Progress& progress);
 
 /// A few lines for a person.
-[[nodiscard]] std::string summary_text(const io::Report& report, const JobFigures& figures, const std::filesystem::path& folder);
+[[nodiscard]] std::string summary_text(const ReportSources& sources, const io::Report& report, const JobFigures& figures, const std::filesystem::path& folder);
 
 }  // namespace voxtone::slicer

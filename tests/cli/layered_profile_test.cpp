@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <cmath>
+#include <numbers>
+
+#include <fmt/core.h>
+#include <png.h>
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include "voxtone/io/profile_map.h"
+
+#include "run_program.h"
+
+using namespace voxtone;
+using namespace voxtone::test;
+using Catch::Matchers::Contains;
+
+namespace {
+
+/// Falls off exponentially: total / (2 pi s^2) exp(-r / s).
+optics::RadialSamples profile(double total, double s_mm) {
+    optics::RadialSamples samples;
+    samples.spacing_mm = 0.1;
+    for (int i = 0; i <= 60; ++i) samples.light.push_back(total / (2 * std::numbers::pi * s_mm * s_mm) * std::exp(-0.1 * i / s_mm));
+    return samples;
+}
+
+/// 6 x 2 mm: dark and narrow on the left, bright and wide on the right, one pixel a mm.
+io::ProfileMap two_halves() {
+    io::ProfileMap map;
+    map.source = "test";
+    map.width_mm = 6, map.height_mm = 2;
+    map.width_px = 6, map.height_px = 2;
+    for (int p = 0; p < 12; ++p) map.cluster.push_back(p % 6 >= 3);
+    map.target = {{3, profile(0.1, 0.2)}, {3, profile(0.5, 0.5)}};
+    return map;
+}
+
+std::string write_map(const Folder& folder, const io::ProfileMap& map = two_halves(), const std::string& name = "map.json") {
+    io::write_profile_map(map, folder / name);
+    return folder / name;
+}
+
+/// The slab of the map's own picture, 1 mm thick.
+std::string slab_job(const Folder& folder, const std::string& map) {
+    return fmt::format("slice --quiet --load W,K --stack-thickness 0.6mm --stack-steps 16 --thickness 1.08mm --model layered-profile --profiles {} {}", map,
+                       folder / "map.png");
+}
+
+std::string box_obj() {
+    return "v 0 0 0\nv 3 0 0\nv 0 2 0\nv 3 2 0\nv 0 0 2\nv 3 0 2\nv 0 2 2\nv 3 2 2\n"
+           "f 1 3 2\nf 2 3 4\nf 5 6 7\nf 6 8 7\nf 1 2 5\nf 2 6 5\nf 3 7 4\nf 4 7 8\nf 1 5 3\nf 3 5 7\nf 2 4 6\nf 4 8 6\n";
+}
+
+bool is_dark(const std::array<std::uint8_t, 4>& pixel) { return pixel[0] < 100; }
+
+}  // namespace
+
+TEST_CASE("slice prints layered profiles on a slab as wide as the map, with a report of its stacks") {
+    const Folder folder("layered");
+    const Outcome outcome = run_program(slab_job(folder, write_map(folder)) + " -o " + (folder / "out"));
+    INFO(outcome.err);
+    REQUIRE(outcome.exit_code == 0);
+    CHECK_THAT(outcome.out, Contains("2 profiles by"));
+    CHECK(run_program("verify --quiet " + (folder / "out")).exit_code == 0);
+
+    const auto report = nlohmann::json::parse(read_file(folder / "out/report.json"));
+    CHECK(report["size_mm"][0].get<double>() == Approx(6));
+    CHECK(report["layers"] == 40);
+    CHECK_FALSE(report.contains("gamut"));
+    CHECK(report["job"]["arrange"] == "layered-profile");
+    CHECK(report["sections"][0]["title"] == "Scattering profiles");
+    const auto& clusters = report["sections"][0]["tables"][0]["rows"];
+    REQUIRE(clusters.size() == 2);
+    for (const auto& row : clusters) CHECK(row[1] == "50.0 %");
+    CHECK(read_file(folder / "out/report.html").find("<polyline") != std::string::npos);
+    const Bitmap target = read_png(folder / "out/target.png");
+    CHECK(target.at(5, 5)[0] < target.at(target.width - 5, 5)[0]);
+
+    // Bright needs more white above the black base: at half of the stacks' depth the left is the darker one.
+    int dark_left = 0, dark_right = 0;
+    for (int layer = 18; layer < 40; ++layer) {
+        const Bitmap bitmap = read_png(folder / fmt::format("out/layers/slice_{:05}.png", layer));
+        for (int y = 0; y < bitmap.height; ++y) {
+            dark_left += is_dark(bitmap.at(bitmap.width / 4, y));
+            dark_right += is_dark(bitmap.at(3 * bitmap.width / 4, y));
+        }
+    }
+    CHECK(dark_left > dark_right);
+}
+
+TEST_CASE("Layered profiles are the same for any number of threads and from the job file that they leave") {
+    const Folder folder("layered-threads");
+    folder.write("box.obj", box_obj());
+    const std::string job = fmt::format("slice --quiet --no-report --load W,K --stack-thickness 0.6mm --stack-steps 16 --profile-placement box --surfaces "
+                                        "--model layered-profile --profiles {} {}",
+                                        write_map(folder), folder / "box.obj");
+    REQUIRE(run_program(job + " --threads 1 -o " + (folder / "one")).exit_code == 0);
+    REQUIRE(run_program(job + " --threads 4 -o " + (folder / "four")).exit_code == 0);
+    REQUIRE(run_program(fmt::format("slice --quiet --job {} -o {}", folder / "one/job.json", folder / "again")).exit_code == 0);
+    const auto of = [&](const std::string& name) {
+        auto tree = read_tree(folder.path() / name);
+        std::erase_if(tree, [](const auto& file) { return file.first == "report.json" || file.first == "job.json"; });
+        return tree;
+    };
+    CHECK(of("one").size() > 70);
+    CHECK(of("one") == of("four"));
+    CHECK(of("one") == of("again"));
+    CHECK(std::filesystem::file_size(folder.path() / "one/surfaces/W.ply") > 1000);
+}
+
+TEST_CASE("slice says what is wrong with a job of layered profiles") {
+    const Folder folder("layered-errors");
+    const std::string map = write_map(folder), out = " -o " + (folder / "out");
+    folder.write("box.obj", box_obj());
+    const auto fails = [&](const std::string& arguments, int code, const std::string& text) {
+        const Outcome outcome = run_program("slice --quiet " + arguments + out);
+        INFO(arguments);
+        CHECK(outcome.exit_code == code);
+        CHECK_THAT(outcome.err, Contains(text));
+        CHECK_FALSE(std::filesystem::exists(folder.path() / "out/manifest.json"));
+    };
+    const std::string box = folder / "box.obj", layered = box + " --model layered-profile --profiles ";
+    fails(box + " --model layered-profile", 2, "needs a map of profiles");
+    fails(box + " --model layered", 2, "--model: 'layered' is none of colour, layered-profile");
+    fails(box + " --profiles " + map, 2, "only goes with --model layered-profile");
+    fails(layered + (folder / "none.json"), 4, "none.json");
+    fails(layered + map, 3, "--profile-placement box");
+    fails(layered + map + " --profile-placement box --load K", 3, "only one resin");
+    fails(layered + map + " --profile-placement box --load W,Y", 3, "--base K");
+    fails(layered + map + " --profile-placement box --size 0.05mm", 3, "voxels thick");
+    fails(layered + map + " --stack-thickness 0mm", 2, "--stack-thickness");
+    fails(layered + map + " --profile-placement box --clear-top T=0.2mm", 3, "--clear-top T");
+    fails(layered + map + " --clear-top W", 2, "ROLE=LENGTH");
+
+    io::ProfileMap spectral = two_halves();
+    spectral.channels.wavelengths_nm = {450, 550, 650};
+    fails(layered + write_map(folder, spectral, "spectral.json") + " --profile-placement box", 3, "3 wavelengths");
+    io::ProfileMap bright = two_halves();
+    bright.target[1][2] = profile(1.5, 0.5);
+    fails(layered + write_map(folder, bright, "bright.json") + " --profile-placement box", 3, "cluster 1, channel 2");
+    io::ProfileMap none = two_halves();
+    nlohmann::json text = nlohmann::json::parse(read_file(map));
+    text["clusters"] = nlohmann::json::array();
+    folder.write("empty.json", text.dump());
+    fails(layered + (folder / "empty.json"), 3, "clusters");
+}
