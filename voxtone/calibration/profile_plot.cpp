@@ -45,13 +45,13 @@ std::string one_side(const io::ProfileFile& file, optics::RadialSamples optics::
     if (highest <= 0) highest = lowest = 1;
     const int top = static_cast<int>(std::ceil(std::log10(highest))),
               bottom = std::clamp(static_cast<int>(std::floor(std::log10(lowest))), top - most_decades, top - 1);
-    PlotAxis x{0, reach, false, even_marks(reach), "distance, mm"}, y{std::pow(10, bottom), std::pow(10, top), true, {}, ""};
+    io::PlotAxis x{0, reach, false, even_marks(reach), "distance, mm"}, y{std::pow(10, bottom), std::pow(10, top), true, {}, ""};
     y.title = file.by_channel[0].R.total || file.is_target() ? "light per mm2 of one unit" : "light per mm2";
     for (int decade = bottom; decade <= top; ++decade) y.marks.push_back(std::pow(10, decade));
-    Plot plot(x, y, fmt::format("{}: {}", file.name, name), box_width, box_height);
+    io::Plot plot(x, y, fmt::format("{}: {}", file.name, name), box_width, box_height);
     for (std::size_t c = 0; c < file.by_channel.size(); ++c) {
         const optics::RadialSamples& samples = file.by_channel[c].*side;
-        Plot::Points line, low, high;
+        io::Plot::Points line, low, high;
         for (std::size_t i = 0; i < samples.light.size(); ++i) {
             const double r = static_cast<double>(i) * samples.spacing_mm, f = samples.light[i];
             line.emplace_back(r, f);
