@@ -6,10 +6,11 @@
 //
 // Plane-parallel slabs against layered_appearance.h (exact to 2e-6); a free-standing wall and a slab with a picture of patches
 // of 1 mm, both open at their sides, against Monte Carlo. Prints Markdown tables.
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <string>
+#include <utility>
 
 #include "tests/optics/slab_scene.h"
 #include "voxtone/optics/layered_profile_model.h"
@@ -69,26 +70,36 @@ void plane_parallel() {
     std::printf("\nmean error %.4f, worst %.4f\n\n", sum / count, worst);
 }
 
-void against_monte_carlo(const char* name, const ResinVolume& volume, Backing backing, SurfacePart part, std::uint32_t paths) {
-    const Scene scene{&volume, &set(), backing, Sides::open};
+struct Difference {
+    double mean = 0, rms = 0, worst = 0;
+};
+
+Difference difference(const Appearance& model, const Appearance& truth) {
+    Difference d;
+    for (std::size_t i = 0; i < truth.value.size(); ++i) {
+        const double off = model.value[i] - truth.value[i];
+        d.mean += model.value[i];
+        d.rms += off * off;
+        d.worst = std::max(d.worst, std::abs(off));
+    }
+    const auto n = static_cast<double>(truth.value.size());
+    return {d.mean / n, std::sqrt(d.rms / n), d.worst};
+}
+
+void against_monte_carlo(const char* name, const ResinVolume& volume, Backing backing, Sides sides, SurfacePart part,
+                         std::uint32_t paths) {
+    const Scene scene{&volume, &set(), backing, sides};
     const Surface surface = find_surface(scene, {4, 2, 6}, part);
-    const auto start = std::chrono::steady_clock::now();
-    const Appearance model = LayeredProfileModel().predict(scene, surface);
-    const double s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     MonteCarloOptions options;
     options.paths = paths;
     const Appearance truth = MonteCarlo(options).predict(scene, surface);
-    double square = 0, noise = 0, mean_model = 0, mean_truth = 0, worst = 0;
-    for (std::size_t i = 0; i < truth.value.size(); ++i) {
-        const double off = model.value[i] - truth.value[i];
-        square += off * off;
-        noise += truth.standard_error[i] * truth.standard_error[i];
-        worst = std::max(worst, std::abs(off));
-        mean_model += model.value[i], mean_truth += truth.value[i];
-    }
-    const auto n = static_cast<double>(truth.value.size());
-    std::printf("| %s | %zu | %.4f | %.4f | %.4f | %.4f | %.4f | %.2f |\n", name, surface.cells.size(), mean_truth / n,
-                mean_model / n, std::sqrt(square / n), worst, std::sqrt(noise / n), s);
+    double noise = 0;
+    for (const float error : truth.standard_error) noise += error * error;
+    noise = std::sqrt(noise / static_cast<double>(truth.value.size()));
+    const Difference without = difference(LayeredProfileModel({.sideways = false}).predict(scene, surface), truth),
+                     with = difference(LayeredProfileModel().predict(scene, surface), truth);
+    std::printf("| %s | %zu | %.4f | %.4f | %.4f | %.4f | %.4f | %.4f | %.4f | %.4f |\n", name, surface.cells.size(),
+                difference(truth, truth).mean, without.mean, with.mean, without.rms, with.rms, without.worst, with.worst, noise);
 }
 
 }  // namespace
@@ -97,21 +108,30 @@ int main(int argc, char** argv) {
     const auto paths = static_cast<std::uint32_t>(argc > 1 ? std::strtoul(argv[1], nullptr, 10) : 4096);
     plane_parallel();
     std::printf(
-        "| body | cells | mean, Monte Carlo | mean, model | root mean square of the difference | largest | noise of Monte Carlo "
-        "in it "
-        "| model, s |\n|---|---|---|---|---|---|---|---|\n");
+        "| body | cells | mean, Monte Carlo | own layers alone | with sideways light | root mean square, own layers | with sideways light "
+        "| largest, own layers | with sideways light | noise of Monte Carlo |\n|---|---|---|---|---|---|---|---|---|---|\n");
     const Material C = resin("C"), M = resin("M"), Y = resin("Y"), K = resin("K"), W = resin("W");
     // 4 x 3 x 3 mm about a wall of 1 mm, white on the left, magenta on the right.
     const ResinVolume wall = make_resin_volume({28, 36, 112}, slab_pitch_mm, [&](int x, int, int) {
         return x < 2 || x >= 26 ? air : x < 14 ? W : M;
     });
-    against_monte_carlo("wall, W 0.5 and M 0.5 mm, 3 x 3 mm, free", wall, Backing::none, SurfacePart::all, paths);
-    // 5 x 5 x 2 mm: patches of 1 mm of colour 0.2 mm deep on white.
+    against_monte_carlo("wall, W 0.5 and M 0.5 mm, 3 x 3 mm, free", wall, Backing::none, Sides::open, SurfacePart::all, paths);
+    // 5 x 5 x 2 mm: patches of colour 0.2 mm deep on white.
     const std::array<Material, 5> colours{C, M, Y, K, W};
-    const ResinVolume picture = make_resin_volume({118, 59, 74}, slab_pitch_mm, [&](int x, int y, int z) {
-        return z < 67 ? W : colours[static_cast<std::size_t>(x / 24 + 2 * (y / 12)) % 5];
-    });
-    against_monte_carlo("picture slab, patches of 1 mm, 0.19 mm deep, on W 1.8, black", picture, Backing::black, SurfacePart::top,
-                        paths);
+    for (const int voxels : {6, 12, 24, 48}) {
+        const ResinVolume picture = make_resin_volume({118, 59, 74}, slab_pitch_mm, [&](int x, int y, int z) {
+            return z < 67 ? W : colours[static_cast<std::size_t>(x / voxels + 2 * (y / (voxels / 2))) % 5];
+        });
+        const std::string name = "picture slab, patches of " + std::to_string(voxels) + " voxels, 0.19 mm deep, on W 1.8, black";
+        against_monte_carlo(name.c_str(), picture, Backing::black, Sides::open, SurfacePart::top, paths);
+    }
+    // An edge across: one material all the way down on each side, 4 x 0.3 mm with mirrored sides.
+    const std::array<std::pair<const char*, std::array<Material, 2>>, 4> edges{
+        {{"edge, W and K", {W, K}}, {"edge, W and M", {W, M}}, {"edge, W and C", {W, C}}, {"edge, Y and M", {Y, M}}}};
+    for (const auto& [name, of] : edges) {
+        const ResinVolume edge = make_resin_volume({96, 4, 74}, slab_pitch_mm, [&](int x, int, int) { return of[x < 48 ? 0 : 1]; });
+        against_monte_carlo((std::string(name) + ", 2 mm deep, black").c_str(), edge, Backing::black, Sides::mirrored,
+                            SurfacePart::top, 4 * paths);
+    }
     return 0;
 }

@@ -79,7 +79,7 @@ TEST_CASE("Homogeneous slabs and two layers appear as exact solutions say, withi
 
 TEST_CASE("Layer profiles see a wall from both sides, and what lies behind it") {
     const ResinSet set = vero_opaque();
-    const LayeredProfileModel model;
+    const LayeredProfileModel model({.sideways = false});
     const Material W = material(set, "W"), K = material(set, "K");
     // A wall 0.5 mm thick, its left half white, its right half black; and the same lying down.
     const std::array<double, 3> pitch{0.05, 0.05, 0.05};

@@ -27,6 +27,7 @@ namespace voxtone::optics {
 struct LayeredProfileOptions {
     double known_mm = 0.3;     ///< thickness at which resins are known, > 0
     double surfaced_mm = 0.4;  ///< solved together with the surface; thinner where the body is; > 0
+    bool sideways = true;      ///< false: a cell sees its own layers alone
 };
 
 class LayeredProfileModel final : public AppearanceModel {
