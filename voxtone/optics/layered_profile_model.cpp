@@ -151,8 +151,7 @@ public:
         return {R, across * first.T_up / (1 - first.R_bottom * under)};
     }
 
-    // R of the same layers in waves of light, in parts of their total: two fluxes that also run sideways (header). The surface turns
-    // back its share of diffuse light.
+    // R of the same layers without the surface, in waves of light, in parts of their total.
     [[nodiscard]] Waves shape(const LayersUnder& column, std::size_t channel) const {
         constexpr float least = 1e-3F;  // deeper down is seen twice as little
         WaveTotals all;
@@ -165,8 +164,8 @@ public:
         const auto s = static_cast<float>(turned_back_);
         Waves below = Waves::Constant(column.end == LayersEnd::white_sheet ? 1.0F : s);
         if (column.end == LayersEnd::endless) below = half_space_of_waves(last);
-        const Waves R = all.R_top + all.T.square() * below / (1 - all.R_bottom * below), seen = (1 - s) * R / (1 - s * R);
-        return seen / std::max(seen[0], 1e-12F);
+        const Waves R = all.R_top + all.T.square() * below / (1 - all.R_bottom * below);
+        return R / std::max(R[0], 1e-12F);
     }
 
 private:
@@ -239,8 +238,9 @@ Appearance LayeredProfileModel::predict(const Scene& scene, const Surface& surfa
     appearance.value.resize(surface.cells.size() * appearance.channels);
     const std::vector<Coefficients> coefficients = coefficients_of(set, options_.known_mm);
     const SurfacedTable surfaced(set.g, set.eta, largest_depth(set, options_.surfaced_mm), progress);
+    const double turned_back = turned_back_share(set.eta);
     const WalkInwards walk(scene);
-    const Stacked stacked(coefficients, surfaced, options_.surfaced_mm, turned_back_share(set.eta), appearance.channels);
+    const Stacked stacked(coefficients, surfaced, options_.surfaced_mm, turned_back, appearance.channels);
     std::vector<GaussianWeights> profiles(options_.sideways ? appearance.value.size() : 0);
     parallel_ranges(
         0, surface.cells.size(), 256,
@@ -251,14 +251,15 @@ Appearance LayeredProfileModel::predict(const Scene& scene, const Surface& surfa
                 for (std::size_t c = 0; c < appearance.channels; ++c) {
                     const std::size_t at = cell * appearance.channels + c;
                     const Seen seen = stacked.seen(column, c);
-                    if (options_.sideways) profiles[at] = gaussian_weights(static_cast<float>(seen.R) * stacked.shape(column, c));
+                    if (options_.sideways)
+                        profiles[at] = gaussian_weights(static_cast<float>(behind_surface(seen.R, turned_back)) * stacked.shape(column, c));
                     appearance.value[at] = static_cast<float>(options_.sideways ? seen.across : seen.R + seen.across);
                 }
             }
         },
         progress);
     if (!options_.sideways) return appearance;
-    const std::vector<float> R = with_sideways_light(surface_points(surface), profiles, appearance.channels);
+    const std::vector<float> R = with_sideways_light(surface_points(surface), profiles, appearance.channels, turned_back);
     for (std::size_t i = 0; i < R.size(); ++i) appearance.value[i] = std::min(1.0F, appearance.value[i] + R[i]);
     return appearance;
 }
