@@ -6,13 +6,18 @@
 //
 // Plane-parallel slabs against layered_appearance.h (exact to 2e-6); a free-standing wall and a slab with a picture of patches
 // of 1 mm, both open at their sides, against Monte Carlo. Prints Markdown tables.
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <ctime>
+#include <filesystem>
 #include <string>
 #include <utility>
 
+#include "accuracy/reference_file.h"
 #include "tests/optics/slab_scene.h"
+#include "voxtone/base/random.h"
 #include "voxtone/optics/layered_profile_model.h"
 #include "voxtone/optics/monte_carlo.h"
 
@@ -102,6 +107,59 @@ void against_monte_carlo(const char* name, const ResinVolume& volume, Backing ba
                 difference(truth, truth).mean, without.mean, with.mean, without.rms, with.rms, without.worst, with.worst, noise);
 }
 
+// The suite of the transport predictor's accuracy: halftoned photographs, gratings, bodies, each with two independent halves of Monte
+// Carlo, so that the product of the differences from both has no noise in it.
+void against_suite() {
+    namespace fs = std::filesystem;
+    std::printf(
+        "\n| case of the accuracy suite | groups of cells | mean, Monte Carlo | own layers alone | with sideways light | root mean square without noise, "
+        "own layers | with sideways light |\n|---|---|---|---|---|---|---|\n");
+    std::vector<fs::path> files;
+    for (const auto& entry : fs::directory_iterator(fs::path(VOXTONE_SOURCE_DIR) / "tests/data/appearance"))
+        if (entry.path().extension() == ".ref") files.push_back(entry.path());
+    std::sort(files.begin(), files.end());
+    for (const fs::path& file : files) {
+        const voxtone::accuracy::Reference reference = voxtone::accuracy::read_reference(file);
+        const Scene scene = reference.of.scene();
+        const Surface surface = find_surface(scene, voxtone::accuracy::viewing_cell, reference.of.part);
+        const voxtone::accuracy::Groups groups = voxtone::accuracy::group_cells(reference.of, surface);
+        std::array<double, 2> mean{}, product{};
+        double truth = 0;
+        for (const bool sideways : {false, true}) {
+            const Appearance model = LayeredProfileModel({.sideways = sideways}).predict(scene, surface);
+            for (std::size_t g = 0; g < groups.first_cell.size(); ++g)
+                for (std::size_t c = 0; c < model.channels; ++c) {
+                    const double P = model.value[groups.first_cell[g] * model.channels + c], M1 = reference.half[0][g * model.channels + c],
+                                 M2 = reference.half[1][g * model.channels + c];
+                    mean[sideways] += P;
+                    product[sideways] += (P - M1) * (P - M2);
+                    if (sideways) truth += 0.5 * (M1 + M2);
+                }
+        }
+        const auto n = static_cast<double>(reference.half[0].size());
+        std::printf("| %s | %zu | %.4f | %.4f | %.4f | %.4f | %.4f |\n", reference.of.name.c_str(), groups.first_cell.size(), truth / n, mean[0] / n,
+                    mean[1] / n, std::sqrt(std::max(0.0, product[0] / n)), std::sqrt(std::max(0.0, product[1] / n)));
+        std::fflush(stdout);
+    }
+}
+
+// A picture of 250,000 cells, 3 mm deep.
+void seconds_of_many_cells() {
+    const std::array<Material, 5> colours{resin("C"), resin("M"), resin("Y"), resin("K"), resin("W")};
+    const ResinVolume picture = make_resin_volume({2000, 1000, 111}, slab_pitch_mm, [&](int x, int y, int z) {
+        return z < 104 ? colours[4] : colours[static_cast<std::size_t>(x / 24 + 2 * (y / 12)) % 5];
+    });
+    const Scene scene{&picture, &set(), Backing::black, Sides::open};
+    const Surface surface = find_surface(scene, {4, 2, 6}, SurfacePart::top);
+    for (const bool sideways : {false, true}) {
+        const std::clock_t start = std::clock();
+        (void)LayeredProfileModel({.sideways = sideways}).predict(scene, surface);
+        const double s = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
+        std::printf("%s%zu cells, %s: %.2f core seconds\n", sideways ? "" : "\n", surface.cells.size(),
+                    sideways ? "with sideways light" : "own layers alone", s);
+    }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -116,15 +174,28 @@ int main(int argc, char** argv) {
         return x < 2 || x >= 26 ? air : x < 14 ? W : M;
     });
     against_monte_carlo("wall, W 0.5 and M 0.5 mm, 3 x 3 mm, free", wall, Backing::none, Sides::open, SurfacePart::all, paths);
-    // 5 x 5 x 2 mm: patches of colour 0.2 mm deep on white.
+    // 5 x 5 x 2 mm: patches of colour 0.19 mm deep on white.
     const std::array<Material, 5> colours{C, M, Y, K, W};
-    for (const int voxels : {6, 12, 24, 48}) {
-        const ResinVolume picture = make_resin_volume({118, 59, 74}, slab_pitch_mm, [&](int x, int y, int z) {
-            return z < 67 ? W : colours[static_cast<std::size_t>(x / voxels + 2 * (y / (voxels / 2))) % 5];
+    const auto picture = [&](int x_voxels) {
+        return make_resin_volume({120, 60, 74}, slab_pitch_mm, [&, x_voxels](int x, int y, int z) {
+            return z < 67 ? W : colours[static_cast<std::size_t>(x / x_voxels + 2 * (y / (x_voxels / 2))) % 5];
         });
-        const std::string name = "picture slab, patches of " + std::to_string(voxels) + " voxels, 0.19 mm deep, on W 1.8, black";
-        against_monte_carlo(name.c_str(), picture, Backing::black, Sides::open, SurfacePart::top, paths);
+    };
+    for (const auto& [name, x_voxels] : {std::pair{"0.25", 6}, {"0.5", 12}, {"1", 24}, {"2", 48}}) {
+        const std::string patches = std::string("patches of ") + name + " mm on white, black below, ";
+        against_monte_carlo((patches + "mirrored sides").c_str(), picture(x_voxels), Backing::black, Sides::mirrored, SurfacePart::top, paths);
+        if (x_voxels >= 24)
+            against_monte_carlo((patches + "open sides").c_str(), picture(x_voxels), Backing::black, Sides::open, SurfacePart::top, paths);
     }
+    // A picture of fine and coarse detail: rings that get finer outwards, each voxel of the upper 0.19 mm C, M, Y, K or W by chance.
+    const ResinVolume rings = make_resin_volume({160, 80, 74}, slab_pitch_mm, [&](int x, int y, int z) {
+        if (z < 67) return W;
+        const double at_x = x * slab_pitch_mm[0], at_y = y * slab_pitch_mm[1], r2 = at_x * at_x + at_y * at_y;
+        voxtone::RandomStream random(1, static_cast<std::uint64_t>((z * 80 + y) * 160 + x));
+        if (random.uniform() > 0.5 + 0.5 * std::cos(0.45 * r2)) return W;
+        return colours[static_cast<std::size_t>(std::atan2(at_y, at_x) / 1.5708 * 3.999)];
+    });
+    against_monte_carlo("halftoned rings, ever finer outwards, mirrored sides", rings, Backing::black, Sides::mirrored, SurfacePart::top, paths);
     // An edge across: one material all the way down on each side, 4 x 0.3 mm with mirrored sides.
     const std::array<std::pair<const char*, std::array<Material, 2>>, 4> edges{
         {{"edge, W and K", {W, K}}, {"edge, W and M", {W, M}}, {"edge, W and C", {W, C}}, {"edge, Y and M", {Y, M}}}};
@@ -133,5 +204,7 @@ int main(int argc, char** argv) {
         against_monte_carlo((std::string(name) + ", 2 mm deep, black").c_str(), edge, Backing::black, Sides::mirrored,
                             SurfacePart::top, 4 * paths);
     }
+    against_suite();
+    seconds_of_many_cells();
     return 0;
 }

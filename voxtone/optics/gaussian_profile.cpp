@@ -11,7 +11,7 @@ namespace {
 constexpr int n = profile_gaussians;
 constexpr double narrowest_mm = 0.05, widest_mm = 5;
 constexpr double longest_wave = 0.25, shortest_wave = 40;  // rad/mm
-constexpr double smoothness = 3e-3;
+constexpr double smoothness = 5e-4;
 constexpr int sweeps = 24;
 
 using Weights = Eigen::Matrix<float, n, 1>;

@@ -110,8 +110,11 @@ std::vector<float> with_sideways_light(std::span<const SurfacePoint> points, std
     for (std::size_t c = 0; c < channels;) {
         const std::size_t together = channels - c >= 3 ? 3 : 1;  // what a smoothing takes
         const Exchange exchange(smoothings, weights, channels, c, together);
-        std::vector<float> up;
-        exchange.apply(light_down(exchange, s), up);
+        std::vector<float> up = light_down(exchange, s);
+        if (s == 0)
+            exchange.apply(std::vector<float>(up.size(), 1), up);
+        else
+            for (float& value : up) value = (value - 1) / s;
         parallel_for(0, points.size(), 4096, [&](std::size_t i) {
             for (std::size_t k = 0; k < together; ++k)
                 seen[i * channels + c + k] = std::clamp((1 - s) * up[i * together + k], 0.0F, 1.0F);
