@@ -37,9 +37,11 @@ TEST_CASE("Profiles of diffusing light are sums of a few Gaussians that hold all
     for (const float w : gaussian_weights(Waves::Zero())) CHECK(w == 0);
 }
 
-TEST_CASE("Of two profiles that differ in brightness the weights differ in that alone, and wider ones have wider Gaussians") {
+TEST_CASE(
+    "Of two profiles that differ in brightness the weights differ in that alone, and wider ones have wider Gaussians") {
     const auto profile = [](float mu) -> Waves { return (1 + (wave_numbers() / mu).square()).pow(-1.5F); };
-    const GaussianWeights bright = gaussian_weights(profile(2)), dark = gaussian_weights(0.1F * profile(2)), wide = gaussian_weights(profile(1));
+    const GaussianWeights bright = gaussian_weights(profile(2)), dark = gaussian_weights(0.1F * profile(2)),
+                          wide = gaussian_weights(profile(1));
     double mean_bright = 0, mean_wide = 0;
     for (std::size_t j = 0; j < bright.size(); ++j) {
         CHECK(dark[j] == Approx(0.1F * bright[j]).margin(1e-6));

@@ -124,3 +124,18 @@ TEST_CASE("Layer profiles answer the same for any number of threads, and refuse 
     const Scene unknown{&strange, &set, Backing::none, Sides::open};
     CHECK_THROWS_AS((void)model.predict(unknown, find_surface(unknown, {2, 1, 3}, SurfacePart::all)), voxtone::InputError);
 }
+
+TEST_CASE("A slab that is the same everywhere shows by layer profiles what its layers alone show, whatever goes sideways") {
+    const ResinSet set = vero_opaque();
+    const Material W = material(set, "W"), M = material(set, "M");
+    for (const Backing backing : {Backing::none, Backing::black, Backing::white}) {
+        const std::vector<SlabLayer> layers{{M, 6}, {W, 40}};
+        const ResinVolume volume = slab_volume(layers, 80, 40);
+        const Scene scene{&volume, &set, backing, Sides::mirrored};
+        const Surface surface = find_surface(scene, {4, 2, 6}, SurfacePart::top);
+        const std::vector<float> own = LayeredProfileModel({.sideways = false}).predict(scene, surface).value,
+                                 with = LayeredProfileModel().predict(scene, surface).value;
+        REQUIRE(own.size() == 3 * 400);
+        for (std::size_t i = 0; i < own.size(); ++i) CHECK(with[i] == Approx(own[i]).epsilon(2e-5));
+    }
+}

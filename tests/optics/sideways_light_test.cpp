@@ -19,7 +19,9 @@ std::vector<SurfacePoint> plate() {
     std::vector<SurfacePoint> points;
     for (int y = 0; y < ny; ++y)
         for (int x = 0; x < nx; ++x)
-            points.push_back({{(static_cast<float>(x) + 0.5F) * edge, (static_cast<float>(y) + 0.5F) * edge, 0}, {0, 0, 1}, edge * edge});
+            points.push_back({{(static_cast<float>(x) + 0.5F) * edge, (static_cast<float>(y) + 0.5F) * edge, 0},
+                              {0, 0, 1},
+                              edge * edge});
     return points;
 }
 
@@ -36,7 +38,8 @@ double beyond(double x, double u) { return 0.5 * std::erfc(x / u); }
 
 TEST_CASE("A surface that is the same everywhere shows its total, through the surface") {
     const std::vector<SurfacePoint> points = plate();
-    const GaussianWeights white{0.02F, 0.05F, 0.1F, 0.2F, 0.25F, 0.2F, 0.1F, 0.05F}, dark{0, 0.01F, 0, 0, 0, 0, 0, 0}, none{}, all{0.5F, 0, 0, 0, 0, 0, 0, 0.5F};
+    const GaussianWeights white{0.02F, 0.05F, 0.1F, 0.2F, 0.25F, 0.2F, 0.1F, 0.05F}, dark{0, 0.01F, 0, 0, 0, 0, 0, 0},
+        none{}, all{0.5F, 0, 0, 0, 0, 0, 0, 0.5F};
     for (const double s : {0.0, 0.596}) {
         std::vector<GaussianWeights> weights;
         for (std::size_t i = 0; i < points.size(); ++i) weights.insert(weights.end(), {white, dark, none, all});
@@ -61,12 +64,14 @@ TEST_CASE("An edge is blurred as the exact sum of responses says, where filters 
         const std::vector<float> seen = with_sideways_light(points, weights, 1, 0);
         double square = 0;
         for (std::size_t i = 0; i < points.size(); ++i) {
-            const double x = static_cast<double>(points[i].at[0]) - 6, other = std::sqrt(0.09), mine = x < 0 ? 0.9 : 0.1;
+            const double x = static_cast<double>(points[i].at[0]) - 6, other = std::sqrt(0.09),
+                         mine = x < 0 ? 0.9 : 0.1;
             if (std::abs(x) > 3) continue;
             // Cells are means: of both ends of every response. What crosses from or to anywhere in them.
             double crossing = 0;
             constexpr int parts = 10;
-            for (int k = 0; k < parts; ++k) crossing += beyond(std::abs(x) + static_cast<double>(edge) * ((k + 0.5) / parts - 0.5), u) / parts;
+            for (int k = 0; k < parts; ++k)
+                crossing += beyond(std::abs(x) + static_cast<double>(edge) * ((k + 0.5) / parts - 0.5), u) / parts;
             const double exact = mine + (other - mine) * crossing;
             INFO("width " << u << ", " << x << " mm from the edge");
             CHECK(seen[i] == Approx(exact).margin(0.02));

@@ -37,7 +37,8 @@ TEST_CASE("Points of a surface are its cells, and their edge is that of most of 
     CHECK(typical_edge_mm(surface_points(surface)) == Approx(0.2));
 }
 
-TEST_CASE("Smoothing a surface keeps constants and damps waves as a Gaussian does, narrow or wide, in one step or two") {
+TEST_CASE(
+    "Smoothing a surface keeps constants and damps waves as a Gaussian does, narrow or wide, in one step or two") {
     const Surface surface = plate(120, 60, 0.1F);
     const std::vector<SurfacePoint> points = surface_points(surface);
     constexpr double spread = 0.5;

@@ -26,7 +26,8 @@ const Fit& fit() {
         Eigen::Matrix<double, profile_waves, n> transform;
         for (int i = 0; i < profile_waves; ++i)
             for (int j = 0; j < n; ++j) {
-                const double phase = 0.5 * static_cast<double>(wave_numbers()[i]) * gaussian_widths_mm()[static_cast<std::size_t>(j)];
+                const double phase =
+                    0.5 * static_cast<double>(wave_numbers()[i]) * gaussian_widths_mm()[static_cast<std::size_t>(j)];
                 transform(i, j) = std::exp(-phase * phase);
             }
         // Third differences; nothing lies beyond the ends.
@@ -56,7 +57,8 @@ const Waves& wave_numbers() {
         Waves kappa;
         kappa[0] = 0;
         for (int i = 1; i < profile_waves; ++i)
-            kappa[i] = static_cast<float>(longest_wave * std::pow(shortest_wave / longest_wave, (i - 1.0) / (profile_waves - 2.0)));
+            kappa[i] = static_cast<float>(longest_wave *
+                                          std::pow(shortest_wave / longest_wave, (i - 1.0) / (profile_waves - 2.0)));
         return kappa;
     }();
     return waves;

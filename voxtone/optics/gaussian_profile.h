@@ -4,11 +4,11 @@
 //
 //   P(r) = sum_j w_j exp(-r^2 / u_j^2) / (pi u_j^2),   P^(kappa) = sum_j w_j exp(-(kappa u_j / 2)^2),   w_j >= 0
 //
-// Light that diffuses is such a sum: of Gaussians that widen with the time it took, u^2 = 4 D t, weighted by the light that comes
-// out at that time; w_j is a coarse histogram of it. It is found from P^ at a few waves by least squares with w_j >= 0 and a
-// penalty on its third differences in ln u, which chooses the smoothest of the many histograms that differ below 1e-3 in P^
-// (weights of two profiles are comparable then: products of their roots need that). At last all are scaled so that they add up
-// to P^(0) exactly.
+// Light that diffuses is such a sum: of Gaussians that widen with the time it took, u^2 = 4 D t, weighted by the light
+// that comes out at that time; w_j is a coarse histogram of it. It is found from P^ at a few waves by least squares
+// with w_j >= 0 and a penalty on its third differences in ln u, which chooses the smoothest of the many histograms that
+// differ below 1e-3 in P^ (weights of two profiles are comparable then: products of their roots need that). At last all
+// are scaled so that they add up to P^(0) exactly.
 //
 // Range: 0.05 to 5 mm; what is narrower or wider goes to the end.
 #pragma once

@@ -13,7 +13,8 @@ constexpr std::size_t most_walks = 16;
 
 }  // namespace
 
-WalkInwards::WalkInwards(const Scene& scene) : scene_(scene), volume_(*scene.volume), materials_(scene.resins->resins.size() + 1) {
+WalkInwards::WalkInwards(const Scene& scene)
+    : scene_(scene), volume_(*scene.volume), materials_(scene.resins->resins.size() + 1) {
     step_mm_ = *std::min_element(volume_.pitch_mm().begin(), volume_.pitch_mm().end());
 }
 
@@ -23,7 +24,8 @@ void WalkInwards::under(const Surface& surface, const SurfaceCell& cell, LayersU
     layers.mm = 0;
     const std::size_t walks = std::min<std::size_t>(cell.faces, most_walks);
     std::vector<std::array<double, 3>> from;
-    for (std::size_t w = 0; w < walks; ++w) from.push_back(centre(surface.faces[cell.first_face + w * cell.faces / walks]));
+    for (std::size_t w = 0; w < walks; ++w)
+        from.push_back(centre(surface.faces[cell.first_face + w * cell.faces / walks]));
     std::vector<char> inside(walks, 1);
     std::size_t left = walks, on_sheet = 0;
     layers.end = LayersEnd::endless;
@@ -62,7 +64,7 @@ std::array<double, 3> WalkInwards::centre(const SurfaceFace& face) const {
 }
 
 Material WalkInwards::at(const std::array<double, 3>& from, const std::array<float, 3>& normal, double depth,
-                          bool& below) const {
+                         bool& below) const {
     std::array<int, 3> voxel{};
     for (std::size_t a = 0; a < 3; ++a)
         voxel[a] = static_cast<int>(std::floor((from[a] - depth * normal[a]) / volume_.pitch_mm()[a]));

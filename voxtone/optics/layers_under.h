@@ -2,9 +2,9 @@
 //
 // What lies under a cell of a surface, depth by depth: shares of materials in steps from the surface inwards.
 //
-// From every face of the cell (16 of them at most) a walk goes inwards against the cell's normal; each step holds what the walks
-// meet in its middle. A step is one voxel long, deeper down a sixteenth of the depth. It ends where half of the walks have left
-// the body, or after 15 mm: the rest is taken as endless.
+// From every face of the cell (16 of them at most) a walk goes inwards against the cell's normal; each step holds what
+// the walks meet in its middle. A step is one voxel long, deeper down a sixteenth of the depth. It ends where half of
+// the walks have left the body, or after 15 mm: the rest is taken as endless.
 #pragma once
 
 #include <array>
@@ -37,7 +37,8 @@ public:
 
 private:
     [[nodiscard]] std::array<double, 3> centre(const SurfaceFace& face) const;
-    [[nodiscard]] Material at(const std::array<double, 3>& from, const std::array<float, 3>& normal, double depth, bool& below) const;
+    [[nodiscard]] Material at(const std::array<double, 3>& from, const std::array<float, 3>& normal, double depth,
+                              bool& below) const;
     [[nodiscard]] LayersEnd end(bool on_plane) const;
 
     const Scene& scene_;

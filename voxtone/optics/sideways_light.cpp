@@ -28,7 +28,8 @@ Smoothings smoothings_of(std::span<const SurfacePoint> points) {
     const double edge_mm = typical_edge_mm(points);
     Smoothings all;
     parallel_for(0, all.size(), 1, [&](std::size_t j) {
-        all[j] = std::make_unique<SurfaceSmoothing>(points, spread_between_cells(gaussian_widths_mm()[j], edge_mm), 0, edge_mm);
+        all[j] = std::make_unique<SurfaceSmoothing>(points, spread_between_cells(gaussian_widths_mm()[j], edge_mm), 0,
+                                                    edge_mm);
     });
     return all;
 }
@@ -36,8 +37,8 @@ Smoothings smoothings_of(std::span<const SurfacePoint> points) {
 // R of a few channels, interleaved.
 class Exchange {
 public:
-    Exchange(const Smoothings& smoothings, std::span<const GaussianWeights> weights, std::size_t channels, std::size_t first,
-             std::size_t count)
+    Exchange(const Smoothings& smoothings, std::span<const GaussianWeights> weights, std::size_t channels,
+             std::size_t first, std::size_t count)
         : smoothings_(smoothings), count_(count), total_(weights.size() / channels * count) {
         for (std::vector<float>& root : root_) root.resize(total_.size());
         parallel_for(0, weights.size() / channels, 4096, [&](std::size_t i) {
@@ -68,8 +69,8 @@ private:
     std::array<std::vector<float>, profile_gaussians> root_;
 };
 
-// d = 1 + s R d. The values of 1 - s R lie between 1 - s and 1 (Y. Saad, Iterative Methods for Sparse Linear Systems, 2nd ed.,
-// Alg. 12.1).
+// d = 1 + s R d. The values of 1 - s R lie between 1 - s and 1 (Y. Saad, Iterative Methods for Sparse Linear Systems,
+// 2nd ed., Alg. 12.1).
 std::vector<float> light_down(const Exchange& exchange, float s) {
     constexpr int steps = 4;
     const std::vector<float>& total = exchange.total();
