@@ -3,6 +3,7 @@
 
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <cmath>
 
 #include "tests/optics/slab_scene.h"
@@ -138,4 +139,15 @@ TEST_CASE("A slab that is the same everywhere shows by layer profiles what its l
         REQUIRE(own.size() == 3 * 400);
         for (std::size_t i = 0; i < own.size(); ++i) CHECK(with[i] == Approx(own[i]).epsilon(2e-5));
     }
+}
+
+TEST_CASE("Where bodies meet that absorb nothing layer profiles miss light, as docs/stack-search.md says, and never add any") {
+    const ResinSet set = furnace();
+    const Material W = material(set, "W"), M = material(set, "M");
+    const ResinVolume volume = make_resin_volume({96, 4, 74}, slab_pitch_mm, [&](int x, int, int) { return x < 48 ? W : M; });
+    const Scene scene{&volume, &set, Backing::white, Sides::mirrored};
+    const std::vector<float> seen = LayeredProfileModel().predict(scene, find_surface(scene, {4, 2, 6}, SurfacePart::top)).value;
+    const auto [least, most] = std::minmax_element(seen.begin(), seen.end());
+    CHECK(*least == Approx(0.86).margin(0.005));
+    CHECK(*most <= 1);
 }
