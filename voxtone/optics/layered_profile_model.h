@@ -22,8 +22,9 @@
 //
 // What it cannot see: what lies on the way of light between two cells, but where it meets the surface (patches of half a millimetre
 // on white come out too bright, by a quarter); light that enters at the side of a box and leaves at its top, or is lost there; light
-// that crosses a wall goes straight across. Neither does it see that voxels of a halftone are pure: they are mixed. For that there
-// are the transport predictor and Monte Carlo. Cells that are not in the surface that it is asked about give no light.
+// that crosses a wall goes straight across. Edges of bodies that absorb nothing come out too dark, by 14 % at most seen. Neither
+// does it see that voxels of a halftone are pure: they are mixed. For that there are the transport predictor and Monte Carlo.
+// Cells that are not in the surface that it is asked about give no light.
 //
 // Time on one core of 2.5 GHz, RGB cells of a picture 3 mm deep: 0.4 s, 14 us a cell, and 21 us a cell for light that goes sideways.
 // Memory: 0.1 kB per cell and channel, 0.3 kB per cell. The same bits for any number of threads.
