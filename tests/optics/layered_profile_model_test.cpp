@@ -3,6 +3,7 @@
 
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <cmath>
 
 #include "tests/optics/slab_scene.h"
@@ -79,7 +80,7 @@ TEST_CASE("Homogeneous slabs and two layers appear as exact solutions say, withi
 
 TEST_CASE("Layer profiles see a wall from both sides, and what lies behind it") {
     const ResinSet set = vero_opaque();
-    const LayeredProfileModel model;
+    const LayeredProfileModel model({.sideways = false});
     const Material W = material(set, "W"), K = material(set, "K");
     // A wall 0.5 mm thick, its left half white, its right half black; and the same lying down.
     const std::array<double, 3> pitch{0.05, 0.05, 0.05};
@@ -123,4 +124,30 @@ TEST_CASE("Layer profiles answer the same for any number of threads, and refuse 
     const ResinVolume strange = make_resin_volume({4, 4, 4}, slab_pitch_mm, [](int, int, int) { return Material{9}; });
     const Scene unknown{&strange, &set, Backing::none, Sides::open};
     CHECK_THROWS_AS((void)model.predict(unknown, find_surface(unknown, {2, 1, 3}, SurfacePart::all)), voxtone::InputError);
+}
+
+TEST_CASE("A slab that is the same everywhere shows by layer profiles what its layers alone show, whatever goes sideways") {
+    const ResinSet set = vero_opaque();
+    const Material W = material(set, "W"), M = material(set, "M");
+    for (const Backing backing : {Backing::none, Backing::black, Backing::white}) {
+        const std::vector<SlabLayer> layers{{M, 6}, {W, 40}};
+        const ResinVolume volume = slab_volume(layers, 80, 40);
+        const Scene scene{&volume, &set, backing, Sides::mirrored};
+        const Surface surface = find_surface(scene, {4, 2, 6}, SurfacePart::top);
+        const std::vector<float> own = LayeredProfileModel({.sideways = false}).predict(scene, surface).value,
+                                 with = LayeredProfileModel().predict(scene, surface).value;
+        REQUIRE(own.size() == 3 * 400);
+        for (std::size_t i = 0; i < own.size(); ++i) CHECK(with[i] == Approx(own[i]).epsilon(2e-5));
+    }
+}
+
+TEST_CASE("Where bodies meet that absorb nothing layer profiles miss light, as docs/stack-search.md says, and never add any") {
+    const ResinSet set = furnace();
+    const Material W = material(set, "W"), M = material(set, "M");
+    const ResinVolume volume = make_resin_volume({96, 4, 74}, slab_pitch_mm, [&](int x, int, int) { return x < 48 ? W : M; });
+    const Scene scene{&volume, &set, Backing::white, Sides::mirrored};
+    const std::vector<float> seen = LayeredProfileModel().predict(scene, find_surface(scene, {4, 2, 6}, SurfacePart::top)).value;
+    const auto [least, most] = std::minmax_element(seen.begin(), seen.end());
+    CHECK(*least == Approx(0.86).margin(0.005));
+    CHECK(*most <= 1);
 }

@@ -11,8 +11,8 @@
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/error.h"
 #include "voxtone/base/parallel.h"
-#include "voxtone/halftone/surface_smoothing.h"
 #include "voxtone/optics/colour.h"
+#include "voxtone/optics/surface_smoothing.h"
 
 namespace voxtone::halftone {
 namespace {
@@ -38,33 +38,14 @@ struct Wide {
     std::size_t channel;
     float weight;
     double spread_mm;
-    std::unique_ptr<SurfaceSmoothing> smoothing{};
+    std::unique_ptr<optics::SurfaceSmoothing> smoothing{};
 };
-
-std::vector<SurfacePoint> points_of(const optics::Surface& surface) {
-    std::vector<SurfacePoint> points(surface.cells.size());
-    parallel_for(0, points.size(), 4096, [&](std::size_t i) {
-        const optics::SurfaceCell& cell = surface.cells[i];
-        points[i] = {cell.centre_mm, cell.normal, std::max(cell.area_mm2, 1e-9F)};
-    });
-    return points;
-}
-
-/// Edge of a square that is as large as cells are where most of the surface is.
-double typical_edge_mm(const std::vector<SurfacePoint>& points) {
-    double area = 0, squares = 0;
-    for (const SurfacePoint& p : points) {
-        area += p.area;
-        squares += static_cast<double>(p.area) * p.area;
-    }
-    return std::sqrt(squares / area);
-}
 
 }  // namespace
 
 struct EyeFilter::Data {
-    std::vector<SurfacePoint> points;
-    std::unique_ptr<SurfaceSmoothing> narrow;
+    std::vector<optics::SurfacePoint> points;
+    std::unique_ptr<optics::SurfaceSmoothing> narrow;
     std::array<float, 3> narrow_weight{};  ///< of what the first smoothing gives, per channel
     std::vector<Wide> wide;
     Eigen::Matrix3f to_opponent, from_opponent;
@@ -95,8 +76,8 @@ EyeFilter::EyeFilter(const optics::Surface& surface, double viewing_distance_mm,
     d.to_opponent = to_opponent.cast<float>();
     d.from_opponent = to_opponent.inverse().cast<float>();
     if (surface.cells.empty()) return;
-    d.points = points_of(surface);
-    const double point_mm = typical_edge_mm(d.points);
+    d.points = optics::surface_points(surface);
+    const double point_mm = optics::typical_edge_mm(d.points);
     const double mm_per_degree = viewing_distance_mm * std::numbers::pi / 180;  // along the arc
     const double first = gaussians(0, surround).front().spread_degrees * mm_per_degree;
     for (std::size_t c = 0; c < 3; ++c)
@@ -109,10 +90,10 @@ EyeFilter::EyeFilter(const optics::Surface& surface, double viewing_distance_mm,
         }
     parallel_for(0, d.wide.size() + 1, 1, [&](std::size_t k) {
         if (k == 0)
-            d.narrow = std::make_unique<SurfaceSmoothing>(d.points, first, 0.0, point_mm);
+            d.narrow = std::make_unique<optics::SurfaceSmoothing>(d.points, first, 0.0, point_mm);
         else
             d.wide[k - 1].smoothing =
-                std::make_unique<SurfaceSmoothing>(d.points, d.wide[k - 1].spread_mm, first, point_mm);
+                std::make_unique<optics::SurfaceSmoothing>(d.points, d.wide[k - 1].spread_mm, first, point_mm);
     });
 }
 

@@ -7,14 +7,13 @@
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/parallel.h"
 #include "voxtone/optics/layer_profile.h"
+#include "voxtone/optics/layers_under.h"
+#include "voxtone/optics/sideways_light.h"
+#include "voxtone/optics/surfaced_reflection.h"
 #include "voxtone/optics/surfaced_table.h"
 
 namespace voxtone::optics {
 namespace {
-
-constexpr double deepest_mm = 15;
-constexpr double depth_steps = 16;  // a step of the walk is one voxel, deeper down a sixteenth of the depth
-constexpr std::size_t most_walks = 16;
 
 // Absorption and scattering of one resin in one channel, as the two models see it; mm^-1.
 struct Coefficients {
@@ -43,97 +42,6 @@ std::vector<Coefficients> coefficients_of(const ResinSet& set, double known_mm) 
     return all;
 }
 
-struct Step {
-    double mm = 0;
-    std::size_t first = 0;  // of its shares of materials
-};
-
-enum class End { endless, open, black_sheet, white_sheet };
-
-// What lies under a cell: steps from the surface inwards, each with shares of materials.
-struct Column {
-    std::vector<Step> steps;
-    std::vector<float> shares;
-    End end = End::endless;
-    double mm = 0;
-};
-
-class Walk {
-public:
-    explicit Walk(const Scene& scene) : scene_(scene), volume_(*scene.volume), materials_(scene.resins->resins.size() + 1) {
-        step_mm_ = *std::min_element(volume_.pitch_mm().begin(), volume_.pitch_mm().end());
-    }
-
-    void under(const Surface& surface, const SurfaceCell& cell, Column& column) const {
-        column.steps.clear();
-        column.shares.clear();
-        column.mm = 0;
-        const std::size_t walks = std::min<std::size_t>(cell.faces, most_walks);
-        std::vector<std::array<double, 3>> from;
-        for (std::size_t w = 0; w < walks; ++w) from.push_back(centre(surface.faces[cell.first_face + w * cell.faces / walks]));
-        std::vector<char> inside(walks, 1);
-        std::size_t left = walks, on_sheet = 0;
-        column.end = End::endless;
-        while (column.mm < deepest_mm) {
-            const double mm = std::max(step_mm_, column.mm / depth_steps), depth = column.mm + 0.5 * mm;
-            std::vector<float> shares(materials_);
-            for (std::size_t w = 0; w < walks; ++w) {
-                if (!inside[w]) continue;
-                bool below = false;
-                const Material material = at(from[w], cell.normal, depth, below);
-                if (material != air) {
-                    shares[material] += 1;
-                    continue;
-                }
-                inside[w] = 0;
-                --left;
-                on_sheet += below ? 1 : 0;
-            }
-            if (2 * left < walks || left == 0) {
-                column.end = end(2 * on_sheet > walks);
-                return;
-            }
-            for (float& share : shares) share /= static_cast<float>(left);
-            column.steps.push_back({mm, column.shares.size()});
-            column.shares.insert(column.shares.end(), shares.begin(), shares.end());
-            column.mm += mm;
-        }
-    }
-
-private:
-    [[nodiscard]] std::array<double, 3> centre(const SurfaceFace& face) const {
-        std::array<double, 3> place{};
-        for (std::size_t a = 0; a < 3; ++a) place[a] = (face.voxel[a] + 0.5) * volume_.pitch_mm()[a];
-        const auto axis = static_cast<std::size_t>(face.facing) / 2;
-        place[axis] += (static_cast<int>(face.facing) % 2 == 1 ? 0.5 : -0.5) * volume_.pitch_mm()[axis];
-        return place;
-    }
-
-    [[nodiscard]] Material at(const std::array<double, 3>& from, const std::array<float, 3>& normal, double depth,
-                              bool& below) const {
-        std::array<int, 3> voxel{};
-        for (std::size_t a = 0; a < 3; ++a)
-            voxel[a] = static_cast<int>(std::floor((from[a] - depth * normal[a]) / volume_.pitch_mm()[a]));
-        below = voxel[2] < 0;
-        if (scene_.sides == Sides::mirrored)
-            for (std::size_t a = 0; a < 2; ++a) {
-                const int n = volume_.size()[a];
-                while (voxel[a] < 0 || voxel[a] >= n) voxel[a] = voxel[a] < 0 ? -1 - voxel[a] : 2 * n - 1 - voxel[a];
-            }
-        return volume_.at(voxel[0], voxel[1], voxel[2]);
-    }
-
-    [[nodiscard]] End end(bool on_plane) const {
-        if (!on_plane || scene_.backing == Backing::none) return End::open;
-        return scene_.backing == Backing::white ? End::white_sheet : End::black_sheet;
-    }
-
-    const Scene& scene_;
-    const ResinVolume& volume_;
-    std::size_t materials_;
-    double step_mm_ = 0;
-};
-
 struct Totals {
     double R_top = 0, R_bottom = 0, T = 1;
 };
@@ -154,6 +62,44 @@ Totals upon(const Totals& upper, const Totals& lower) {
             lower.R_bottom + lower.T * lower.T * upper.R_bottom / between, upper.T * lower.T / between};
 }
 
+// The same for waves. To a wave, light that runs sideways is lost as if absorbed: of light that flies freely with a mean
+// free path of 1 / sigma a wave leaves so much as if sigma were kappa / atan(kappa / sigma), for which stands
+// (sigma + 2 sqrt(sigma^2 + kappa^2)) / 3 here: exact for long waves (diffusion), 5 % more for short ones.
+struct WaveTotals {
+    Waves R_top = Waves::Zero(), R_bottom = Waves::Zero(), T = Waves::Ones();
+};
+
+struct WaveRates {
+    Waves A, B, gamma;  // K + 2 S, K, root of their product
+    explicit WaveRates(const Coefficients& of) {
+        // Two fluxes diffuse as light of this transport extinction does.
+        const float sigma = std::max(static_cast<float>((of.K + 2 * of.S) / 1.5), 1e-3F);
+        B = static_cast<float>(of.K) + 4.0F / 3 * ((sigma * sigma + wave_numbers().square()).sqrt() - sigma);
+        A = B + 2 * static_cast<float>(of.S);
+        gamma = (A * B).sqrt();
+    }
+};
+
+WaveTotals waves_of(const Coefficients& of, double mm) {
+    const WaveRates rates(of);
+    const auto h = static_cast<float>(mm);
+    const Waves t = (0.5F * h * rates.gamma).tanh(), t_over_gamma = (rates.gamma > 1e-4F).select(t / rates.gamma, 0.5F * h);
+    const Waves x = rates.B * t_over_gamma, y = rates.A * t_over_gamma, below = (1 + x) * (1 + y);
+    const Waves R = (y - x) / below;
+    return {R, R, (1 - x * y) / below};
+}
+
+WaveTotals upon(const WaveTotals& upper, const WaveTotals& lower) {
+    const Waves between = 1 / (1 - upper.R_bottom * lower.R_top);
+    return {upper.R_top + upper.T.square() * lower.R_top * between, lower.R_bottom + lower.T.square() * upper.R_bottom * between,
+            upper.T * lower.T * between};
+}
+
+Waves half_space_of_waves(const Coefficients& of) {
+    const WaveRates rates(of);
+    return (rates.A - rates.gamma) / (rates.A + rates.gamma);
+}
+
 // What an endless layer reflects.
 double half_space(const Coefficients& of) {
     if (of.S == 0) return 0;
@@ -161,22 +107,27 @@ double half_space(const Coefficients& of) {
     return 1 + a - std::sqrt(a * (a + 2));
 }
 
+// Light that left on the side where it entered, and that came from the other side.
+struct Seen {
+    double R = 0, across = 0;
+};
+
 class Stacked {
 public:
     Stacked(const std::vector<Coefficients>& coefficients, const SurfacedTable& surfaced, double surfaced_mm,
-            std::size_t channels)
-        : coefficients_(coefficients), surfaced_(surfaced), surfaced_mm_(surfaced_mm), channels_(channels) {}
+            double turned_back, std::size_t channels)
+        : coefficients_(coefficients), surfaced_(surfaced), surfaced_mm_(surfaced_mm), turned_back_(turned_back), channels_(channels) {}
 
-    [[nodiscard]] double appearance(const Column& column, std::size_t channel) const {
-        if (column.steps.empty()) return 0;
-        const bool ends = column.end != End::endless;
+    [[nodiscard]] Seen seen(const LayersUnder& column, std::size_t channel) const {
+        if (column.steps.empty()) return {};
+        const bool ends = column.end != LayersEnd::endless;
         const double most_mm = std::min(surfaced_mm_, ends ? 0.5 * column.mm : column.mm);
         const double top_mm = first_layer(column, most_mm, false);
         const double bottom_from = column.mm - (ends ? first_layer(column, most_mm, true) : 0);
         Coefficients top, bottom, last;
         Totals middle;
         double above = 0;
-        for (const Step& step : column.steps) {
+        for (const LayersUnder::Step& step : column.steps) {
             last = mixture(column, step, channel);
             const double below = above + step.mm;
             const double in_top = std::clamp(top_mm - above, 0.0, step.mm),
@@ -188,26 +139,45 @@ public:
             above = below;
         }
         const SurfacedTotals first = surfaced_.at(top.sigma_a, top.sigma_s);
-        if (!ends) return seen(first, upon(middle, {half_space(last), 0, 0}).R_top);
+        if (!ends) return {through(first, upon(middle, {half_space(last), 0, 0}).R_top), 0};
         const SurfacedTotals other = surfaced_.at(bottom.sigma_a, bottom.sigma_s);
         double R_other = other.R_bottom;
-        if (column.end == End::white_sheet) R_other += other.T_up * other.T_down / (1 - other.R_top);
-        const double under = upon(middle, {R_other, 0, 0}).R_top, R = seen(first, under);
-        if (column.end != End::open) return R;
+        if (column.end == LayersEnd::white_sheet) R_other += other.T_up * other.T_down / (1 - other.R_top);
+        const double under = upon(middle, {R_other, 0, 0}).R_top, R = through(first, under);
+        if (column.end != LayersEnd::open) return {R, 0};
         // As much light enters on the other side; so much of it comes up to the first layer.
         const double across = other.T_down * middle.T / (1 - middle.R_bottom * R_other);
-        return R + across * first.T_up / (1 - first.R_bottom * under);
+        return {R, across * first.T_up / (1 - first.R_bottom * under)};
+    }
+
+    // R of the same layers without the surface, in waves of light, in parts of their total.
+    [[nodiscard]] Waves shape(const LayersUnder& column, std::size_t channel) const {
+        constexpr float least = 1e-3F;  // deeper down is seen twice as little
+        WaveTotals all;
+        Coefficients last;
+        for (std::size_t i = 0; i < column.steps.size() && all.T[0] >= least;) {
+            const std::size_t first = i;
+            double mm = 0;
+            for (; i < column.steps.size() && alike(column, first, i); ++i) mm += column.steps[i].mm;
+            last = mixture(column, column.steps[first], channel);
+            all = upon(all, waves_of(last, mm));
+        }
+        const auto s = static_cast<float>(turned_back_);
+        Waves below = Waves::Constant(column.end == LayersEnd::white_sheet ? 1.0F : s);
+        if (column.end == LayersEnd::endless) below = half_space_of_waves(last);
+        const Waves R = all.R_top + all.T.square() * below / (1 - all.R_bottom * below);
+        return R / std::max(R[0], 1e-12F);
     }
 
 private:
     // How thick the layer next to the surface is (from behind: next to the other one), most_mm at most: up to where the mixture
     // above and as much below it differ most, if they differ by three quarters or more; voxels of a halftone do not, taken
     // together.
-    [[nodiscard]] double first_layer(const Column& column, double most_mm, bool from_behind) const {
+    [[nodiscard]] double first_layer(const LayersUnder& column, double most_mm, bool from_behind) const {
         constexpr std::size_t fewest = 2;
         constexpr float border = 0.75F;
         const std::size_t n = column.steps.size(), materials = coefficients_.size() / channels_;
-        const auto step = [&](std::size_t i) -> const Step& { return column.steps[from_behind ? n - 1 - i : i]; };
+        const auto step = [&](std::size_t i) -> const LayersUnder::Step& { return column.steps[from_behind ? n - 1 - i : i]; };
         double mm = 0, best_mm = most_mm;
         float most = border;
         for (std::size_t count = 1; 2 * count <= n; ++count) {
@@ -228,7 +198,13 @@ private:
         return best_mm;
     }
 
-    [[nodiscard]] Coefficients mixture(const Column& column, const Step& step, std::size_t channel) const {
+    [[nodiscard]] bool alike(const LayersUnder& column, std::size_t a, std::size_t b) const {
+        const auto materials = static_cast<std::ptrdiff_t>(coefficients_.size() / channels_);
+        const auto of = column.shares.begin() + static_cast<std::ptrdiff_t>(column.steps[a].first);
+        return a == b || std::equal(of, of + materials, column.shares.begin() + static_cast<std::ptrdiff_t>(column.steps[b].first));
+    }
+
+    [[nodiscard]] Coefficients mixture(const LayersUnder& column, const LayersUnder::Step& step, std::size_t channel) const {
         Coefficients mixed;
         const std::size_t materials = coefficients_.size() / channels_;
         for (std::size_t m = 1; m < materials; ++m)
@@ -238,13 +214,13 @@ private:
     }
 
     // Through the surface layer, of what reflects R below it.
-    static double seen(const SurfacedTotals& first, double R) {
+    static double through(const SurfacedTotals& first, double R) {
         return first.R_top + first.T_down * R * first.T_up / (1 - first.R_bottom * R);
     }
 
     const std::vector<Coefficients>& coefficients_;
     const SurfacedTable& surfaced_;
-    double surfaced_mm_;
+    double surfaced_mm_, turned_back_;
     std::size_t channels_;
 };
 
@@ -269,19 +245,29 @@ Appearance LayeredProfileModel::predict(const Scene& scene, const Surface& surfa
     appearance.value.resize(surface.cells.size() * appearance.channels);
     const std::vector<Coefficients> coefficients = coefficients_of(set, options_.known_mm);
     const SurfacedTable surfaced(set.g, set.eta, largest_depth(set, options_.surfaced_mm), progress);
-    const Walk walk(scene);
-    const Stacked stacked(coefficients, surfaced, options_.surfaced_mm, appearance.channels);
+    const double turned_back = turned_back_share(set.eta);
+    const WalkInwards walk(scene);
+    const Stacked stacked(coefficients, surfaced, options_.surfaced_mm, turned_back, appearance.channels);
+    std::vector<GaussianWeights> profiles(options_.sideways ? appearance.value.size() : 0);
     parallel_ranges(
         0, surface.cells.size(), 256,
         [&](std::size_t first, std::size_t last) {
-            Column column;
+            LayersUnder column;
             for (std::size_t cell = first; cell < last; ++cell) {
                 walk.under(surface, surface.cells[cell], column);
-                for (std::size_t c = 0; c < appearance.channels; ++c)
-                    appearance.value[cell * appearance.channels + c] = static_cast<float>(stacked.appearance(column, c));
+                for (std::size_t c = 0; c < appearance.channels; ++c) {
+                    const std::size_t at = cell * appearance.channels + c;
+                    const Seen seen = stacked.seen(column, c);
+                    if (options_.sideways)
+                        profiles[at] = gaussian_weights(static_cast<float>(behind_surface(seen.R, turned_back)) * stacked.shape(column, c));
+                    appearance.value[at] = static_cast<float>(options_.sideways ? seen.across : seen.R + seen.across);
+                }
             }
         },
         progress);
+    if (!options_.sideways) return appearance;
+    const std::vector<float> R = with_sideways_light(surface_points(surface), profiles, appearance.channels, turned_back);
+    for (std::size_t i = 0; i < R.size(); ++i) appearance.value[i] = std::min(1.0F, appearance.value[i] + R[i]);
     return appearance;
 }
 

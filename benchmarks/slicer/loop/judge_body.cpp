@@ -12,8 +12,8 @@
 #include "voxtone/base/parallel.h"
 #include "voxtone/base/progress.h"
 #include "voxtone/base/random.h"
-#include "voxtone/halftone/surface_smoothing.h"
 #include "voxtone/optics/spectral_colour.h"
+#include "voxtone/optics/surface_smoothing.h"
 #include "voxtone/slicer/job_body.h"
 #include "voxtone/slicer/mesh_boundary.h"
 #include "voxtone/slicer/stack_volume.h"
@@ -84,11 +84,11 @@ optics::Surface take_windows(const optics::Surface& whole, const std::vector<cha
 }
 
 void smooth_white(const optics::Surface& surface, std::vector<float>& white, double cell_mm) {
-    std::vector<halftone::SurfacePoint> points;
+    std::vector<optics::SurfacePoint> points;
     for (const optics::SurfaceCell& c : surface.cells)
         points.push_back({c.centre_mm, c.normal, std::max(c.area_mm2, 1e-9F)});
     std::vector<float> smooth(white.size());
-    halftone::SurfaceSmoothing(points, white_spread_mm, 0, cell_mm).apply(white, smooth, 3);
+    optics::SurfaceSmoothing(points, white_spread_mm, 0, cell_mm).apply(white, smooth, 3);
     white = std::move(smooth);
 }
 

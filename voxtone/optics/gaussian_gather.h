@@ -20,7 +20,7 @@
 #include <utility>
 #include <vector>
 
-namespace voxtone::halftone {
+namespace voxtone::optics {
 
 struct SurfacePoint {
     std::array<float, 3> at{};      ///< mm
@@ -50,4 +50,4 @@ private:
     std::vector<std::pair<std::uint32_t, std::uint32_t>> ranges_;  ///< in from_order_: who may be near
 };
 
-}  // namespace voxtone::halftone
+}  // namespace voxtone::optics

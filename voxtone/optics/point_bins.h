@@ -12,7 +12,7 @@
 
 #include "voxtone/base/parallel.h"
 
-namespace voxtone::halftone {
+namespace voxtone::optics {
 
 /// A box, as one number that rises with z, then y, then x, then what else tells the points of a box apart (`kind`, 0 to
 /// 7): 20 bits for each place; boxes further out than 2^19 from the origin count as the outermost.
@@ -62,4 +62,4 @@ BinnedPoints sort_into_bins(std::size_t count, BinOf&& bin_of_point) {
     return s;
 }
 
-}  // namespace voxtone::halftone
+}  // namespace voxtone::optics

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/halftone/surface_smoothing.h"
+#include "voxtone/optics/surface_smoothing.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,9 +7,27 @@
 
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/parallel.h"
-#include "voxtone/halftone/point_bins.h"
+#include "voxtone/optics/point_bins.h"
 
-namespace voxtone::halftone {
+namespace voxtone::optics {
+
+std::vector<SurfacePoint> surface_points(const Surface& surface) {
+    std::vector<SurfacePoint> points(surface.cells.size());
+    parallel_for(0, points.size(), 4096, [&](std::size_t i) {
+        const SurfaceCell& cell = surface.cells[i];
+        points[i] = {cell.centre_mm, cell.normal, std::max(cell.area_mm2, 1e-9F)};
+    });
+    return points;
+}
+
+double typical_edge_mm(std::span<const SurfacePoint> points) {
+    double area = 0, squares = 0;
+    for (const SurfacePoint& p : points) {
+        area += p.area;
+        squares += static_cast<double>(p.area) * p.area;
+    }
+    return std::sqrt(squares / area);
+}
 
 SurfaceSmoothing::SurfaceSmoothing(std::span<const SurfacePoint> points, double spread_mm, double done_mm,
                                    double point_mm)
@@ -95,4 +113,4 @@ void SurfaceSmoothing::apply(std::span<const float> in, std::span<float> out, st
     back_->apply(between_ ? smooth : mean, out, channels);
 }
 
-}  // namespace voxtone::halftone
+}  // namespace voxtone::optics

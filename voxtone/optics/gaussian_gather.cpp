@@ -2,19 +2,19 @@
 //
 // Points are taken in groups of one box; who may be near is gathered from memory once for the group, and sixteen points
 // at a time look at all of them: each lane adds up its own point, so no sum depends on the vectors' width.
-#include "voxtone/halftone/gaussian_gather.h"
+#include "voxtone/optics/gaussian_gather.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/parallel.h"
-#include "voxtone/halftone/point_bins.h"
+#include "voxtone/optics/point_bins.h"
 
 // This file is compiled once per target; what the targets share is seen only once.
 #ifndef VOXTONE_GAUSSIAN_GATHER_SHARED
 #define VOXTONE_GAUSSIAN_GATHER_SHARED
-namespace voxtone::halftone {
+namespace voxtone::optics {
 namespace {
 
 constexpr float reach_spreads = 2.8F;   // exp(-7.84) = 4e-4
@@ -37,11 +37,11 @@ struct Lanes {
 };
 
 }  // namespace
-}  // namespace voxtone::halftone
+}  // namespace voxtone::optics
 #endif
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "voxtone/halftone/gaussian_gather.cpp"
+#define HWY_TARGET_INCLUDE "voxtone/optics/gaussian_gather.cpp"
 // The order of these two matters.
 // clang-format off
 #include "hwy/foreach_target.h"
@@ -49,7 +49,7 @@ struct Lanes {
 // clang-format on
 
 HWY_BEFORE_NAMESPACE();
-namespace voxtone::halftone::HWY_NAMESPACE {
+namespace voxtone::optics::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 using Tag = hn::CappedTag<float, lanes>;
@@ -110,11 +110,11 @@ void accumulate(const Kernel& kernel, const std::vector<Candidate>& near, std::s
         accumulate_channels<3>(kernel, near, q);
 }
 
-}  // namespace voxtone::halftone::HWY_NAMESPACE
+}  // namespace voxtone::optics::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace voxtone::halftone {
+namespace voxtone::optics {
 HWY_EXPORT(accumulate);
 
 GaussianGather::GaussianGather(std::span<const SurfacePoint> from, std::span<const SurfacePoint> to,
@@ -203,5 +203,5 @@ void GaussianGather::apply_channels(const float* in, float* out) const {
     parallel_ranges(0, group_begin_.size() - 1, 64, work);
 }
 
-}  // namespace voxtone::halftone
+}  // namespace voxtone::optics
 #endif

@@ -18,9 +18,15 @@
 #include <span>
 #include <vector>
 
-#include "voxtone/halftone/gaussian_gather.h"
+#include "voxtone/optics/appearance_model.h"
+#include "voxtone/optics/gaussian_gather.h"
 
-namespace voxtone::halftone {
+namespace voxtone::optics {
+
+/// One per cell.
+[[nodiscard]] std::vector<SurfacePoint> surface_points(const Surface& surface);
+/// Edge of a square that is as large as points' areas are where most of the surface is, mm.
+[[nodiscard]] double typical_edge_mm(std::span<const SurfacePoint> points);
 
 class SurfaceSmoothing {
 public:
@@ -37,4 +43,4 @@ private:
     std::unique_ptr<GaussianGather> between_, back_;
 };
 
-}  // namespace voxtone::halftone
+}  // namespace voxtone::optics
