@@ -26,7 +26,10 @@ halftone::LoopState some_state(std::size_t cells) {
     state.best_mixtures.all()[7] = 0.75f;
     state.descent = halftone::begin_descent(state.best_mixtures, {});
     state.descent.momentum[3] = 0.125f;
-    state.descent.misfit = 2.5;
+    state.descent.shared.assign(state.descent.momentum.size(), 0.25f);
+    state.descent.divisor.assign(cells, 2.5f);
+    state.descent.fall.assign(cells, Eigen::Vector3f(1, 2, 0));
+    state.descent.rate[1] = Eigen::Vector2f(0.125f, 0.5f);
     return state;
 }
 
@@ -50,7 +53,10 @@ TEST_CASE("A loop's state comes back as it was", "[loop]") {
     CHECK(std::ranges::equal(back->best_mixtures.all(), state.best_mixtures.all()));
     CHECK(std::ranges::equal(back->descent.mixtures.all(), state.descent.mixtures.all()));
     CHECK(back->descent.momentum == state.descent.momentum);
-    CHECK(back->descent.misfit == 2.5);
+    CHECK(back->descent.shared == state.descent.shared);
+    CHECK(back->descent.divisor == state.descent.divisor);
+    CHECK(back->descent.fall == state.descent.fall);
+    CHECK(back->descent.rate == state.descent.rate);
     CHECK_FALSE(std::filesystem::exists(folder.path() / ".loop.checkpoint.part"));
     checkpoint.remove();
     CHECK_FALSE(checkpoint.read(quiet));

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <utility>
 
 #include <fmt/core.h>
 
@@ -11,9 +12,11 @@
 #include "voxtone/base/parallel.h"
 #include "voxtone/halftone/eye_filter.h"
 #include "voxtone/halftone/map_targets.h"
+#include "voxtone/halftone/misfit.h"
 #include "voxtone/halftone/residual_feedback.h"
 #include "voxtone/optics/area_summary.h"
 #include "voxtone/optics/spectral_colour.h"
+#include "voxtone/optics/surface_smoothing.h"
 
 namespace voxtone::halftone {
 
@@ -62,6 +65,28 @@ public:
 private:
     std::size_t channels_;
     Eigen::Matrix3Xf weights_;
+};
+
+/// What light below the surface spreads over, about: a Gaussian, made when it is first asked for.
+class Neighbourhood {
+public:
+    explicit Neighbourhood(const optics::Surface& surface) : surface_(surface) {}
+    void smooth(Colours& values) {
+        if (values.empty()) return;
+        if (!smoothing_) {
+            points_ = optics::surface_points(surface_);
+            smoothing_.emplace(points_, spread_mm, 0.0, optics::typical_edge_mm(points_));
+        }
+        Colours out(values.size());
+        smoothing_->apply({values.front().data(), 3 * values.size()}, {out.front().data(), 3 * out.size()}, 3);
+        values = std::move(out);
+    }
+
+private:
+    static constexpr double spread_mm = 1.2;
+    const optics::Surface& surface_;
+    std::vector<optics::SurfacePoint> points_;
+    std::optional<optics::SurfaceSmoothing> smoothing_;
 };
 
 /// Errors against the target as it was asked for, over the cells in the gamut.
@@ -206,14 +231,15 @@ LoopResult run_appearance_loop(const LoopTask& task, const LoopOptions& options,
     constexpr float contrast_part = 0.7f;
     const MisfitFunction misfit(*task.surface, judge.eye(), target, options.intent == Intent::contrast ? &wide_filter() : nullptr, contrast_part);
     if (options.intent != Intent::contrast) wide.reset();
+    Neighbourhood around(*task.surface);
     /// False where the model has no gradient.
     const auto turn_downhill = [&] {
         const Misfit now_is = misfit(rgb);
         const std::vector<float> by_value = viewer.by_value(now_is.by_colour);
-        const std::vector<float> by_mixtures =
+        std::vector<float> by_mixtures =
             task.by_mixtures([&](const LoopTask::GradientVisitor& visit) { return sequence->gradient(by_value, visit, &progress); });
         if (by_mixtures.empty()) return false;
-        descend(by_mixtures, now_is.value, {}, state.descent);
+        descend(std::move(by_mixtures), {}, [&](Colours& values) { around.smooth(values); }, state.descent);
         return true;
     };
 

@@ -2,144 +2,198 @@
 #include "voxtone/halftone/mixture_descent.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <utility>
 
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/parallel.h"
-#include "voxtone/optics/colour.h"
 
 namespace voxtone::halftone {
 
 namespace {
 
-constexpr double least_light = 1e-4;  // keeps the slope of Oklab finite
-constexpr float beta = 0.1f;
+constexpr std::size_t grain = 512;  // cells
 
-Eigen::Vector3f oklab(const Eigen::Vector3f& rgb) { return optics::oklab_from_linear_srgb(rgb.cast<double>().cwiseMax(least_light)).cast<float>(); }
-
-/// d (W^2 r . oklab(p)) / d p, and |W r|^2.
-Eigen::Vector3f half_slope(const Eigen::Vector3f& p, const Eigen::Vector3f& residual) {
-    const Eigen::Vector3d weighed = Eigen::Vector3d(1, 4, 4).cwiseProduct(residual.cast<double>());
-    return (optics::oklab_derivative(p.cast<double>().cwiseMax(least_light)).transpose() * weighed).cast<float>();
-}
-double square(const Eigen::Vector3f& residual) { return Eigen::Vector3d(1, 4, 4).dot(residual.cast<double>().cwiseAbs2()); }
-
-}  // namespace
-
-MisfitFunction::MisfitFunction(const optics::Surface& surface, const EyeFilter& eye, std::span<const Eigen::Vector3f> target, const EyeFilter* wide,
-                               float contrast_part)
-    : eye_(eye), wide_(wide), contrast_part_(contrast_part), target_(target), seen_target_(eye.smoothed(target)) {
-    double mean = 0;
-    for (const optics::SurfaceCell& cell : surface.cells) mean += cell.area_mm2;
-    mean /= static_cast<double>(std::max<std::size_t>(1, surface.cells.size()));
-    for (const optics::SurfaceCell& cell : surface.cells) area_.push_back(static_cast<float>(cell.area_mm2 / mean));
-}
-
-Misfit MisfitFunction::operator()(std::span<const Eigen::Vector3f> predicted) const {
-    VOXTONE_EXPECT(predicted.size() == target_.size());
-    const std::size_t n = predicted.size();
-    const std::vector<Eigen::Vector3f> seen = eye_.smoothed(predicted);
-    std::vector<Eigen::Vector3f> far(n), slope(n);
-    parallel_for(0, n, 1024, [&](std::size_t i) { far[i] = oklab(seen[i]) - oklab(seen_target_[i]); });
-    // d - k S d; in the derivative it stands once more: smoothing averages by area over neighbours, S_ij = w_ij a_j / sum_j w_ij a_j
-    // with symmetric w, so where the sums are alike its transpose, with areas on either side, is S again.
-    const auto sharpened = [&](std::vector<Eigen::Vector3f>& d) {
-        if (!wide_) return;
-        const std::vector<Eigen::Vector3f> spread = wide_->smoothed(d);
-        for (std::size_t i = 0; i < n; ++i) d[i] -= contrast_part_ * spread[i];
-    };
-    sharpened(far);
-    std::vector<double> part(n);
-    std::vector<Eigen::Vector3f> near(n);
-    parallel_for(0, n, 1024, [&](std::size_t i) {
-        near[i] = oklab(predicted[i]) - oklab(target_[i]);
-        part[i] = static_cast<double>(area_[i]) * (square(far[i]) + static_cast<double>(beta) * square(near[i]));
-    });
-    Misfit misfit;
-    for (const double p : part) misfit.value += p;
-    sharpened(far);
-    parallel_for(0, n, 1024, [&](std::size_t i) { slope[i] = half_slope(seen[i], far[i]); });
-    misfit.by_colour = eye_.smoothed(slope);
-    parallel_for(0, n, 1024, [&](std::size_t i) {
-        misfit.by_colour[i] = 2 * area_[i] * (misfit.by_colour[i] + beta * half_slope(predicted[i], near[i]));
-    });
-    return misfit;
-}
-
-DescentState begin_descent(SkinMixtures mixtures, const DescentOptions& options) {
-    DescentState state;
-    state.mixtures = std::move(mixtures);
-    state.rate = options.rate;
-    state.most_rate = options.most_rate;
-    state.momentum.assign(state.mixtures.all().size(), 0.0f);
-    state.scale.assign(state.mixtures.cells(), 0.0f);
-    const std::size_t resins = state.mixtures.resins();
-    parallel_for(0, state.mixtures.cells() * state.mixtures.layers(), 4096, [&](std::size_t i) {
-        float* const f = state.mixtures.all().data() + i * resins;
-        float sum = 0;
-        for (std::size_t r = 0; r < resins; ++r) sum += f[r] = std::max(f[r], least_fraction);
-        for (std::size_t r = 0; r < resins; ++r) f[r] /= sum;
-    });
-    return state;
-}
-
-void descend(std::span<const float> gradient, double misfit, const DescentOptions& options, DescentState& state) {
-    const std::size_t resins = state.mixtures.resins(), layers = state.mixtures.layers(), cells = state.mixtures.cells();
-    VOXTONE_EXPECT(gradient.size() == state.mixtures.all().size());
-    // Colours that all cells share, as when light spreads for millimetres, overshoot first: F rises, and the step was too long.
-    if (state.misfit > 0 && misfit > state.misfit) {
-        state.most_rate = std::min(state.most_rate, options.ceiling * state.rate);
-        state.rate *= options.slower;
-        for (float& m : state.momentum) m *= options.forget;
-    } else if (state.misfit > 0) {
-        state.rate = std::min(state.rate * options.faster, state.most_rate);
+/// Numbers per cell, layer and resin.
+struct Table {
+    std::size_t cells, resins, length;  ///< length = layers * resins
+    explicit Table(const SkinMixtures& mixtures)
+        : cells(mixtures.cells()), resins(mixtures.resins()), length(mixtures.layers() * mixtures.resins()) {}
+    template <class Number>
+    [[nodiscard]] std::span<Number> cell(std::vector<Number>& all, std::size_t c) const {
+        return {all.data() + c * length, length};
     }
-    state.misfit = misfit;
-    const auto mean_of = [&](std::size_t c, std::size_t l) {
-        const float* const f = state.mixtures.cell(c).data() + l * resins;
-        const float* const g = gradient.data() + (c * layers + l) * resins;
-        float mean = 0;
-        for (std::size_t r = 0; r < resins; ++r) mean += f[r] * g[r];
-        return mean;
-    };
-    parallel_for(0, cells, 512, [&](std::size_t c) {
+    void normalise(std::span<float> f) const {
+        for (std::size_t first = 0; first < length; first += resins) {
+            float sum = 0;
+            for (std::size_t k = first; k < first + resins; ++k) sum += f[k];
+            for (std::size_t k = first; k < first + resins; ++k) f[k] /= sum;
+        }
+    }
+    /// The largest share of a layer takes what the others leave: scaling all of them would change the amounts of the small ones.
+    void fill_up(std::span<float> f) const {
+        for (std::size_t first = 0; first < length; first += resins) {
+            const std::span<float> layer = f.subspan(first, resins);
+            const auto most = std::max_element(layer.begin(), layer.end());
+            float others = 0;
+            for (auto share = layer.begin(); share != layer.end(); ++share)
+                if (share != most) others += *share;
+            *most = std::max(1 - others, least_fraction);
+        }
+        normalise(f);
+    }
+    /// g - <g>_f.
+    void take_means(std::span<const float> f, std::span<float> g) const {
+        for (std::size_t first = 0; first < length; first += resins) {
+            float mean = 0;
+            for (std::size_t k = first; k < first + resins; ++k) mean += f[k] * g[k];
+            for (std::size_t k = first; k < first + resins; ++k) g[k] -= mean;
+        }
+    }
+    /// Three numbers of each cell after the other: visit(first, count).
+    template <class Visit>
+    void in_threes(Visit&& visit) const {
+        for (std::size_t first = 0; first < length; first += 3) visit(first, std::min<std::size_t>(3, length - first));
+    }
+};
+
+Eigen::Vector3f three_of(const float* from, std::size_t count) {
+    Eigen::Vector3f v = Eigen::Vector3f::Zero();
+    for (std::size_t k = 0; k < count; ++k) v[static_cast<Eigen::Index>(k)] = from[k];
+    return v;
+}
+
+/// How F falls along the shared and along the own part of the last step, per unit of each.
+std::vector<Eigen::Vector3f> falls_along(const Table& table, std::vector<float>& gradient, const CellSmoothing& smooth, DescentState& state) {
+    std::vector<Eigen::Vector3f> falls(table.cells);
+    parallel_for(0, table.cells, grain, [&](std::size_t c) {
+        const auto f = state.mixtures.cell(c);
+        const auto g = table.cell(gradient, c), m = table.cell(state.momentum, c), e = table.cell(state.shared, c);
+        float shared = 0, all = 0;
+        for (std::size_t k = 0; k < table.length; ++k) {
+            shared -= f[k] * g[k] * e[k];
+            all += f[k] * g[k] * m[k];
+        }
+        falls[c] = {shared, all / state.divisor[c] - shared, 0};
+    });
+    smooth(falls);
+    return falls;
+}
+
+float secant(float p0, float p1, float beyond, const DescentOptions& options) {
+    if (!(p0 > 0)) return 1;  // momentum went uphill here: that says nothing of the rate
+    if (p1 >= p0) return options.faster;
+    return std::clamp(beyond * p0 / (p0 - p1), options.slower, options.faster);
+}
+
+void adapt_rates(std::span<const Eigen::Vector3f> now, const DescentOptions& options, DescentState& state) {
+    parallel_for(0, now.size(), grain, [&](std::size_t c) {
+        const Eigen::Vector3f& was = state.fall[c];
+        Eigen::Vector2f& rate = state.rate[c];
+        rate[0] = std::clamp(rate[0] * secant(was[0], now[c][0], 1, options), options.least_rate, options.most_shared_rate);
+        rate[1] = std::clamp(rate[1] * secant(was[1], now[c][1], options.beyond, options), options.least_rate, options.most_own_rate);
+    });
+}
+
+/// Momentum and s.
+void turn(const Table& table, std::vector<float>& gradient, const DescentOptions& options, DescentState& state) {
+    parallel_for(0, table.cells, grain, [&](std::size_t c) {
+        const auto f = state.mixtures.cell(c);
+        const auto g = table.cell(gradient, c), m = table.cell(state.momentum, c);
         float largest = 0;
-        for (std::size_t l = 0; l < layers; ++l) {
-            const float mean = mean_of(c, l);
-            for (std::size_t r = 0; r < resins; ++r) {
-                const std::size_t at = l * resins + r;
-                largest = std::max(largest, std::abs(gradient[c * layers * resins + at] - mean) * std::sqrt(state.mixtures.cell(c)[at]));
-            }
+        for (std::size_t k = 0; k < table.length; ++k) {
+            largest = std::max(largest, std::abs(g[k]) * std::sqrt(f[k]));
+            m[k] = options.momentum * m[k] + (1 - options.momentum) * g[k];
         }
         state.scale[c] = std::max(0.9f * state.scale[c], largest);
     });
     double sum = 0;
-    for (const float s : state.scale) sum += s;
-    const float shared = options.shared * static_cast<float>(sum / static_cast<double>(std::max<std::size_t>(1, cells)));
-    parallel_for(0, cells, 512, [&](std::size_t c) {
-        const float s = state.scale[c] + shared;
-        if (!(s > 0)) return;
-        for (std::size_t l = 0; l < layers; ++l) {
-            const float mean = mean_of(c, l);
-            float* const f = state.mixtures.cell(c).data() + l * resins;
-            float total = 0;
-            for (std::size_t r = 0; r < resins; ++r) {
-                const std::size_t at = (c * layers + l) * resins + r;
-                float& m = state.momentum[at];
-                m = options.momentum * m + (1 - options.momentum) * (gradient[at] - mean);
-                f[r] = std::clamp(f[r] * std::exp(std::clamp(-state.rate * m / s, -1.0f, 1.0f)), least_fraction, 1.0f);
-                total += f[r];
-            }
-            for (std::size_t r = 0; r < resins; ++r) f[r] /= total;
-        }
+    for (const float s : state.scale) sum += static_cast<double>(s);
+    const float mean = options.mean_scale * static_cast<float>(sum / static_cast<double>(std::max<std::size_t>(1, table.cells)));
+    for (std::size_t c = 0; c < table.cells; ++c) state.divisor[c] = state.scale[c] + mean > 0 ? state.scale[c] + mean : 1;
+}
+
+/// e = S d.
+void find_shared(const Table& table, const CellSmoothing& smooth, DescentState& state) {
+    std::vector<Eigen::Vector3f> three(table.cells);
+    table.in_threes([&](std::size_t first, std::size_t count) {
+        parallel_for(0, table.cells, grain,
+                     [&](std::size_t c) { three[c] = three_of(table.cell(state.momentum, c).data() + first, count) / -state.divisor[c]; });
+        smooth(three);
+        parallel_for(0, table.cells, grain,
+                     [&](std::size_t c) { std::copy_n(three[c].data(), count, table.cell(state.shared, c).data() + first); });
     });
+}
+
+/// Both parts; into `alone` what the shared one makes by itself.
+void move(const Table& table, DescentState& state, std::vector<float>& alone) {
+    const auto moved = [](float f, float exponent) { return std::clamp(f * std::exp(std::clamp(exponent, -1.0f, 1.0f)), least_fraction, 1.0f); };
+    parallel_for(0, table.cells, grain, [&](std::size_t c) {
+        const std::span<float> f = state.mixtures.cell(c), a = table.cell(alone, c);
+        const auto m = table.cell(state.momentum, c), e = table.cell(state.shared, c);
+        const Eigen::Vector2f rate = state.rate[c];
+        for (std::size_t k = 0; k < table.length; ++k) {
+            a[k] = moved(f[k], rate[0] * e[k]);
+            f[k] = moved(f[k], rate[0] * e[k] - rate[1] * (m[k] / state.divisor[c] + e[k]));
+        }
+        table.normalise(a);
+        table.normalise(f);
+    });
+}
+
+/// Smoothed amounts of resin become those of `wanted`.
+void keep_amounts(const Table& table, std::vector<float>& wanted, const CellSmoothing& smooth, SkinMixtures& mixtures) {
+    std::vector<Eigen::Vector3f> is(table.cells), should(table.cells);
+    table.in_threes([&](std::size_t first, std::size_t count) {
+        parallel_for(0, table.cells, grain, [&](std::size_t c) {
+            is[c] = three_of(mixtures.cell(c).data() + first, count);
+            should[c] = three_of(table.cell(wanted, c).data() + first, count);
+        });
+        smooth(is);
+        smooth(should);
+        parallel_for(0, table.cells, grain, [&](std::size_t c) {
+            for (std::size_t k = 0; k < count; ++k) {
+                const auto i = static_cast<Eigen::Index>(k);
+                if (is[c][i] > 0) mixtures.cell(c)[first + k] *= should[c][i] / is[c][i];
+            }
+        });
+    });
+    parallel_for(0, table.cells, grain, [&](std::size_t c) { table.fill_up(mixtures.cell(c)); });
+}
+
+}  // namespace
+
+DescentState begin_descent(SkinMixtures mixtures, const DescentOptions& options) {
+    DescentState state;
+    state.mixtures = std::move(mixtures);
+    const Table table(state.mixtures);
+    state.rate.assign(table.cells, {options.shared_rate, options.own_rate});
+    state.momentum.assign(table.cells * table.length, 0.0f);
+    state.scale.assign(table.cells, 0.0f);
+    parallel_for(0, table.cells, grain, [&](std::size_t c) {
+        for (float& f : state.mixtures.cell(c)) f = std::max(f, least_fraction);
+        table.normalise(state.mixtures.cell(c));
+    });
+    return state;
+}
+
+void descend(std::vector<float> gradient, const DescentOptions& options, const CellSmoothing& smooth, DescentState& state) {
+    const Table table(state.mixtures);
+    VOXTONE_EXPECT(gradient.size() == table.cells * table.length);
+    parallel_for(0, table.cells, grain, [&](std::size_t c) { table.take_means(state.mixtures.cell(c), table.cell(gradient, c)); });
+    if (!state.shared.empty()) adapt_rates(falls_along(table, gradient, smooth, state), options, state);
+    state.shared.resize(gradient.size());
+    state.divisor.resize(table.cells);
+    turn(table, gradient, options, state);
+    find_shared(table, smooth, state);
+    state.fall = falls_along(table, gradient, smooth, state);
+    move(table, state, gradient);
+    keep_amounts(table, gradient, smooth, state.mixtures);
 }
 
 SkinMixtures printed(const SkinMixtures& mixtures) {
     SkinMixtures out = mixtures;
-    for (float& f : out.all())
-        if (f < 3 * least_fraction) f = 0;
+    for (float& f : out.all()) f = std::max(f - least_fraction, 0.0f);
     return out;
 }
 

@@ -1,24 +1,26 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // One step of the appearance loop along the adjoint gradient: mixtures of every cell and layer of the skin move so that the whole
-// print, not each cell for itself, comes nearer to its target.
-//
-//   F = sum over cells i of  a_i ( | W (oklab(E p)_i - oklab(E t)_i) |^2 + beta | W (oklab(p_i) - oklab(t_i)) |^2 ),
-//
-// p what is predicted, t the target, a_i the cell's area / mean area, W = diag(1, 2, 2), E the narrowest Gaussian of the eye
-// filter. For contrast's sake the first difference d may be replaced by d - k S d, S a Gaussian eight times as wide: what is off over
-// more than a millimetre counts less then, what is off from its surroundings in full. With k = 0 black text on white comes out
-// pale: a little more light on the wide paper outweighs the few dark strokes. Feedback (residual_feedback.h) treats a cell as if only its own resins decided what it shows; the gradient knows
-// that black beside white takes white's light, that deep ink blurs, and that a little less of it may be better for both.
+// print, not each cell for itself, comes nearer to its target (misfit.h). Feedback (residual_feedback.h) treats a cell as if only its
+// own resins decided what it shows; the gradient knows that black beside white takes white's light, that deep ink blurs, and that a
+// little less of it may be better for both.
 //
 // Fractions f move by exponentiated gradients (J. Kivinen, M. K. Warmuth, Information and Computation 132, 1997), which keep them
 // positive and their sum 1:
 //
-//   f_r  <-  f_r exp(-rate m_r / s) / sum,     m  <-  mu m + (1 - mu) (g - <g>_f),
+//   f_r  <-  f_r exp(x_r) / sum,   x_r = rate_s e_r + rate_o (d_r - e_r),   d_r = -m_r / s,   e = S d,
+//   m  <-  mu m + (1 - mu) (g - <g>_f),   g = d F / d f
+//
+// Light spreads for millimetres: a thousand cells that all become a little darker darken each other, and a step that suits each of
+// them overshoots. So a step has two parts with rates of their own: what neighbours do alike, e, smoothed by a Gaussian S over the surface, and
+// what each does for itself, d - e. Each rate follows the secant rule by itself and place by place: where F falls by p0 per unit of
+// a part at its beginning and by p1 at its end (both smoothed by S), its least lies at p0 / (p0 - p1) of it. The exponential lets scattered steps
+// of both signs add ink (their mean is above 1), so the amounts of resin in a layer, smoothed by S, are brought back after the step to what the
+// shared part alone makes of them: cells only pass resin on to their neighbours.
 //
 // s of a cell is the largest |g_r - <g>| sqrt(f_r) of all its layers, kept from falling faster than 10 % a step, plus a part of
-// its mean over the cells: cells that are far off move at full rate, others settle. Fractions stay above `least`, so that a
-// resin can come back; the screen leaves out what is below three times that.
+// its mean over the cells: cells that are far off move at full rate, others settle. Fractions stay above `least_fraction`, so that a
+// resin can come back; as much is taken off what is printed, so that it comes and goes without a jump.
 #pragma once
 
 #include <functional>
@@ -27,64 +29,43 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/halftone/eye_filter.h"
 #include "voxtone/halftone/skin.h"
-#include "voxtone/optics/appearance_model.h"
 
 namespace voxtone::halftone {
 
-/// F, and d F / d p.
-struct Misfit {
-    double value = 0;
-    std::vector<Eigen::Vector3f> by_colour;
-};
-
-class MisfitFunction {
-public:
-    /// Keeps references. `wide`: S, null where contrast has no privilege; `contrast_part`: k, in [0, 1].
-    MisfitFunction(const optics::Surface& surface, const EyeFilter& eye, std::span<const Eigen::Vector3f> target, const EyeFilter* wide = nullptr,
-                   float contrast_part = 0);
-    [[nodiscard]] Misfit operator()(std::span<const Eigen::Vector3f> predicted) const;
-
-private:
-    const EyeFilter& eye_;
-    const EyeFilter* wide_;
-    float contrast_part_;
-    std::span<const Eigen::Vector3f> target_;
-    std::vector<Eigen::Vector3f> seen_target_;
-    std::vector<float> area_;
-};
-
 struct DescentOptions {
-    float rate = 0.3f;      ///< of the first step, in (0, 2]
-    float most_rate = 0.42f;
-    float momentum = 0.4f;  ///< mu, in [0, 1); more makes bodies swing, whose cells share light over millimetres
-    float shared = 0.5f;    ///< part of the cells' mean in s
-    float slower = 0.6f, forget = 0.3f;  ///< factors of rate and momentum where F rose
-    float faster = 1.3f;                 ///< of the rate where it fell
-    float ceiling = 0.75f;               ///< the rate stays below this part of each rate with which F rose
+    float own_rate = 0.36f, most_own_rate = 0.42f;       ///< of the first step; later: in [least_rate, 2]
+    float shared_rate = 0.15f, most_shared_rate = 0.3f;
+    float least_rate = 0.01f;
+    float slower = 0.4f, faster = 1.4f;  ///< most that a rate changes in a step
+    float beyond = 1.6f;     ///< of an own step / the secant's: cells hinder each other less than they did along it
+    float momentum = 0.4f;   ///< mu, in [0, 1); more makes bodies swing, whose cells share light over millimetres
+    float mean_scale = 0.5f; ///< part of the cells' mean in s
 };
 
 /// What a descent carries from step to step.
 struct DescentState {
     SkinMixtures mixtures;
     std::vector<float> momentum;  ///< as mixtures
-    std::vector<float> scale;     ///< s, per cell
-    float rate = 0;
-    float most_rate = 0;          ///< that it may rise to
-    double misfit = 0;            ///< F at the last step
+    std::vector<float> shared;    ///< e of the last step, as mixtures; empty before the first
+    std::vector<float> scale;     ///< per cell
+    std::vector<float> divisor;   ///< s of the last step, per cell
+    std::vector<Eigen::Vector3f> fall;       ///< p0 of the last step: shared, own, 0
+    std::vector<Eigen::Vector2f> rate;       ///< shared, own; per cell
 };
 
-inline constexpr double wider = 8;             ///< the spread of S / that of E
 inline constexpr float least_fraction = 1e-3f;
+
+/// S, in place.
+using CellSmoothing = std::function<void(std::vector<Eigen::Vector3f>&)>;
 
 /// Fractions kept above `least_fraction`; no momentum.
 [[nodiscard]] DescentState begin_descent(SkinMixtures mixtures, const DescentOptions& options);
 
-/// `gradient`: d F / d fraction of every cell, layer and resin. Slower where F rose.
-void descend(std::span<const float> gradient, double misfit, const DescentOptions& options, DescentState& state);
+/// `gradient`: d F / d fraction of every cell, layer and resin; its contents are used up.
+void descend(std::vector<float> gradient, const DescentOptions& options, const CellSmoothing& smooth, DescentState& state);
 
-/// As they are printed: fractions that are below three times `least_fraction` are left out.
+/// As they are printed: each fraction less `least_fraction`.
 [[nodiscard]] SkinMixtures printed(const SkinMixtures& mixtures);
 
 }  // namespace voxtone::halftone

@@ -19,7 +19,7 @@ namespace voxtone::slicer {
 namespace {
 
 // The file: magic, digest of the job, state, digest of all before. Native byte order: it is read where it was written.
-constexpr std::string_view magic = "voxtone-loop 2\n";
+constexpr std::string_view magic = "voxtone-loop 3\n";
 constexpr std::size_t digest_size = 64;
 constexpr std::array<std::string_view, 9> free_options{"out", "overwrite", "report", "predict", "threads", "resume", "iterations", "formats", "layers"};
 
@@ -108,9 +108,10 @@ void state_in(File& file, State& state) {
     mixtures_in(file, state.descent.mixtures);
     file.list(state.descent.momentum);
     file.list(state.descent.scale);
-    file.raw(&state.descent.rate, sizeof state.descent.rate);
-    file.raw(&state.descent.most_rate, sizeof state.descent.most_rate);
-    file.raw(&state.descent.misfit, sizeof state.descent.misfit);
+    file.list(state.descent.shared);
+    file.list(state.descent.divisor);
+    file.list(state.descent.fall);
+    file.list(state.descent.rate);
     file.list(state.open);
     file.list(state.shown);
 }
@@ -168,7 +169,8 @@ std::optional<halftone::LoopState> LoopCheckpoint::read(Progress& progress) cons
     state_in(file, state);
     const auto fits = [&](const auto& list, bool may_lack) { return list.size() == cells_ || (may_lack && list.empty()); };
     if (!file.good || !file.bytes.empty() || state.steps.empty() || state.best >= state.steps.size() || !fits(state.drive, false) ||
-        !fits(state.start_drive, true) || !fits(state.descent.scale, true) || state.descent.momentum.size() != state.descent.mixtures.all().size() ||
+        !fits(state.start_drive, true) || !fits(state.descent.scale, true) || !fits(state.descent.rate, true) ||
+        !fits(state.descent.divisor, true) || !fits(state.descent.fall, true) || state.descent.shared.size() % std::max<std::size_t>(1, state.descent.momentum.size()) != 0 || state.descent.momentum.size() != state.descent.mixtures.all().size() ||
         (state.descent.mixtures.cells() != 0 && state.descent.mixtures.cells() != cells_) ||
         (state.best > 0 && state.best_mixtures.cells() != cells_) || !fits(state.open, false) || !fits(state.shown, false))
         throw broken();

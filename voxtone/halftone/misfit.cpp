@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/halftone/misfit.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "voxtone/base/contracts.h"
+#include "voxtone/base/parallel.h"
+#include "voxtone/optics/colour.h"
+
+namespace voxtone::halftone {
+
+namespace {
+
+constexpr double least_light = 1e-4;  // keeps the slope of Oklab finite
+constexpr float beta = 0.1f;
+constexpr double soft = 0.08;  // s
+
+Eigen::Vector3d lit(const Eigen::Vector3f& rgb) { return rgb.cast<double>().cwiseMax(least_light); }
+Eigen::Vector3f oklab(const Eigen::Vector3f& rgb) { return optics::oklab_from_linear_srgb(lit(rgb)).cast<float>(); }
+
+/// rho(|W r|), and its derivative by r.
+struct Part {
+    double value = 0;
+    Eigen::Vector3f by_residual;
+};
+Part part_of(const Eigen::Vector3f& residual) {
+    const Eigen::Vector3d r = residual.cast<double>(), weighed = Eigen::Vector3d(1, 4, 4).cwiseProduct(r);
+    const double length = std::sqrt(weighed.dot(r) + soft * soft);
+    return {length - soft, (weighed / length).cast<float>()};
+}
+
+/// d (by_oklab . oklab(p)) / d p.
+Eigen::Vector3f by_light(const Eigen::Vector3f& p, const Eigen::Vector3f& by_oklab) {
+    return (optics::oklab_derivative(lit(p)).transpose() * by_oklab.cast<double>()).cast<float>();
+}
+
+}  // namespace
+
+MisfitFunction::MisfitFunction(const optics::Surface& surface, const EyeFilter& eye, std::span<const Eigen::Vector3f> target, const EyeFilter* wide,
+                               float contrast_part)
+    : eye_(eye), wide_(wide), contrast_part_(contrast_part), target_(target), seen_target_(eye.smoothed(target)) {
+    double mean = 0;
+    for (const optics::SurfaceCell& cell : surface.cells) mean += cell.area_mm2;
+    mean /= static_cast<double>(std::max<std::size_t>(1, surface.cells.size()));
+    for (const optics::SurfaceCell& cell : surface.cells) area_.push_back(static_cast<float>(cell.area_mm2 / mean));
+}
+
+Misfit MisfitFunction::operator()(std::span<const Eigen::Vector3f> predicted) const {
+    VOXTONE_EXPECT(predicted.size() == target_.size());
+    const std::size_t n = predicted.size();
+    const std::vector<Eigen::Vector3f> seen = eye_.smoothed(predicted);
+    std::vector<Eigen::Vector3f> far(n), near(n), slope(n);
+    parallel_for(0, n, 1024, [&](std::size_t i) { far[i] = oklab(seen[i]) - oklab(seen_target_[i]); });
+    // d - k S d; in the derivative it stands once more: smoothing averages by area over neighbours, S_ij = w_ij a_j / sum_j w_ij a_j
+    // with symmetric w, so where the sums are alike its transpose, with areas on either side, is S again.
+    const auto sharpened = [&](std::vector<Eigen::Vector3f>& d) {
+        if (!wide_) return;
+        const std::vector<Eigen::Vector3f> spread = wide_->smoothed(d);
+        for (std::size_t i = 0; i < n; ++i) d[i] -= contrast_part_ * spread[i];
+    };
+    sharpened(far);
+    std::vector<double> value(n);
+    parallel_for(0, n, 1024, [&](std::size_t i) {
+        const Part as_seen = part_of(far[i]), as_is = part_of(oklab(predicted[i]) - oklab(target_[i]));
+        value[i] = static_cast<double>(area_[i]) * (as_seen.value + static_cast<double>(beta) * as_is.value);
+        far[i] = as_seen.by_residual;
+        near[i] = by_light(predicted[i], as_is.by_residual);
+    });
+    Misfit misfit;
+    for (const double v : value) misfit.value += v;
+    sharpened(far);
+    parallel_for(0, n, 1024, [&](std::size_t i) { slope[i] = by_light(seen[i], far[i]); });
+    misfit.by_colour = eye_.smoothed(slope);
+    parallel_for(0, n, 1024, [&](std::size_t i) { misfit.by_colour[i] = area_[i] * (misfit.by_colour[i] + beta * near[i]); });
+    return misfit;
+}
+
+}  // namespace voxtone::halftone

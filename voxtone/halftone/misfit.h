@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// How far a print is from its target, as one number that has a derivative: what the appearance loop goes downhill on.
+//
+//   F = sum over cells i of  a_i ( rho(| W (oklab(E p)_i - oklab(E t)_i) |) + beta rho(| W (oklab(p_i) - oklab(t_i)) |) ),
+//
+// p what is predicted, t the target, a_i the cell's area / mean area, W = diag(1, 2, 2), E the narrowest Gaussian of the eye
+// filter. rho(x) = sqrt(x^2 + s^2) - s counts small differences by their square and large ones (above s = 0.08, some 8 CIEDE2000) by
+// themselves: dark detail beside white, which nothing can make darker, does not outweigh what can be mended.
+//
+// For contrast's sake the first difference d may be replaced by d - k S d, S a Gaussian eight times as wide: what is off over
+// more than a millimetre counts less then, what is off from its surroundings in full. With k = 0 black text on white comes out
+// pale: a little more light on the wide paper outweighs the few dark strokes.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "voxtone/halftone/eye_filter.h"
+#include "voxtone/optics/appearance_model.h"
+
+namespace voxtone::halftone {
+
+/// F, and d F / d p.
+struct Misfit {
+    double value = 0;
+    std::vector<Eigen::Vector3f> by_colour;
+};
+
+inline constexpr double wider = 8;  ///< the spread of S / that of E
+
+class MisfitFunction {
+public:
+    /// Keeps references. `wide`: S, null where contrast has no privilege; `contrast_part`: k, in [0, 1].
+    MisfitFunction(const optics::Surface& surface, const EyeFilter& eye, std::span<const Eigen::Vector3f> target, const EyeFilter* wide = nullptr,
+                   float contrast_part = 0);
+    [[nodiscard]] Misfit operator()(std::span<const Eigen::Vector3f> predicted) const;
+
+private:
+    const EyeFilter& eye_;
+    const EyeFilter* wide_;
+    float contrast_part_;
+    std::span<const Eigen::Vector3f> target_;
+    std::vector<Eigen::Vector3f> seen_target_;
+    std::vector<float> area_;
+};
+
+}  // namespace voxtone::halftone
