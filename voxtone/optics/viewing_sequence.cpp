@@ -211,7 +211,7 @@ ViewingTransport::Media ViewingSequence::media(std::size_t channel) const {
 }
 
 template <class Done>
-void ViewingSequence::solve(Fields Tile::*fields, GhostLight& ghosts, bool hear, int sweeps, std::span<const float> by_value,
+void ViewingSequence::solve(Fields Tile::*fields, GhostLight& ghosts, bool hear, Effort effort, std::span<const float> by_value,
                             const Progress* progress, Done&& done) {
     std::vector<float> around, light;
     for (std::size_t c = 0; c < channels(); ++c) {
@@ -220,7 +220,7 @@ void ViewingSequence::solve(Fields Tile::*fields, GhostLight& ghosts, bool hear,
         around.clear();
         if (hear)
             for (const std::uint32_t place : live().hears) around.push_back(ghosts[c][place]);
-        transport_->solve(in, (tiles_[live_].*fields)[c], sweeps, summary_, progress, light, around);
+        transport_->solve(in, (tiles_[live_].*fields)[c], effort.sweeps, summary_, progress, light, around, effort.enough);
         for (const auto& [block, place] : live().tells) ghosts[c][place] = transport_->mean_phi(live().grid->grid.blocks[block]);
         done(c);
     }
@@ -233,7 +233,7 @@ void ViewingSequence::begin(Fields Tile::*fields, GhostLight& ghosts, std::span<
         for (std::size_t t = 0; t < tiles_.size(); ++t) {
             look_at(t);
             (tiles_[t].*fields).assign(channels(), {});
-            solve(fields, ghosts, round > 0, 0, by_value, progress, [](std::size_t) {});
+            solve(fields, ghosts, round > 0, {0, 0}, by_value, progress, [](std::size_t) {});
         }
 }
 
@@ -254,7 +254,7 @@ Appearance ViewingSequence::next(const ResinVolume& volume, const Progress* prog
     summary_.last_change.assign(channels(), 0.0);
     for (std::size_t t = 0; t < tiles_.size(); ++t) {
         look_at(t);
-        solve(&Tile::light, ghost_light_, true, first ? options_.sweeps : options_.next_sweeps, {}, progress, [&](std::size_t c) {
+        solve(&Tile::light, ghost_light_, true, first ? Effort{options_.sweeps, 0} : Effort{options_.next_sweeps, options_.next_change}, {}, progress, [&](std::size_t c) {
             summary_.last_change[c] = std::max(summary_.last_change[c], transport_->last_change());
             read_appearance(c, appearance);
         });
@@ -322,7 +322,7 @@ bool ViewingSequence::gradient(std::span<const float> by_value, const GradientVi
         ViewingGradient gradient(*live().grid, seen, channels());
         std::vector<float> by_sigma_t(live().grid->cells()), by_sigma_s(live().grid->cells());
         const bool anew = first || tile.adjoint[0].cells.empty();
-        solve(&Tile::adjoint, ghost_adjoint_, true, anew ? options_.sweeps : options_.next_sweeps, by_value, progress, [&](std::size_t c) {
+        solve(&Tile::adjoint, ghost_adjoint_, true, anew ? Effort{options_.sweeps, 0} : Effort{options_.next_sweeps, 10 * options_.next_change}, by_value, progress, [&](std::size_t c) {
             transport_->derivatives(tile.light[c], by_sigma_t, by_sigma_s);
             gradient.add(c, *media_of, seen, by_sigma_t, by_sigma_s);
         });

@@ -3,13 +3,15 @@
 // Predictions on cells of the eye, one after the other: shape, laws and the light of the last one are kept.
 //
 // The first prediction is a diffusion solve and `sweeps` rounds of sweep and correction (transport.h); each later one starts
-// from the light of the one before and takes `next_sweeps`. What changes in between enters with the first sweep, through
-// sources and extinctions. A block that gets colour deeper than `colour_mm` makes a new grid; the light is carried over.
+// from the light of the one before and takes one, or up to `next_sweeps` where that changed much (`next_change`). What changes
+// in between enters with the first sweep, through sources and extinctions. A block that gets colour deeper than `colour_mm`
+// makes a new grid; the light is carried over.
 //
 // Large bodies are predicted tile by tile (viewing_tiles.h), in a fixed order: equations are made for one tile at a time, its
-// light is kept in 16-bit steps; its grid too where memory allows, which saves time and changes no bit. What shines across a cut is the light that the neighbour had when it was last looked at, so
-// that light travels from tile to tile as the predictions go on (Schwarz's alternating method). The first prediction goes over
-// the tiles `first_rounds` times with diffusion alone before it sweeps.
+// light is kept in 16-bit steps; its grid too where memory allows, which saves time and changes no bit. What shines across a cut
+// is the light that the neighbour had when it was last looked at, so that light travels from tile to tile as the predictions go
+// on (Schwarz's alternating method). The first prediction goes over the tiles `first_rounds` times with diffusion alone before
+// it sweeps.
 //
 // Media are those of the halftone (halftone_medium.h) of each cell's voxels, seen from above where the surface looks up and
 // from all sides else; where in a cell a resin lies is seen too (seen_medium.h).
@@ -74,10 +76,15 @@ private:
     void make_room(std::size_t bytes);
     void carry_over(const ViewingGrid& from, Fields& fields) const;
     [[nodiscard]] ViewingTransport::Media media(std::size_t channel) const;
+    /// Most sweeps, and the change that is small enough to stop.
+    struct Effort {
+        int sweeps = 0;
+        double enough = 0;
+    };
     /// Solves all channels of the live tile, with the light of its neighbours where it is to `hear` it, and tells them its own;
     /// `done` is called after each channel.
     template <class Done>
-    void solve(Fields Tile::*fields, GhostLight& ghosts, bool hear, int sweeps, std::span<const float> by_value, const Progress* progress,
+    void solve(Fields Tile::*fields, GhostLight& ghosts, bool hear, Effort effort, std::span<const float> by_value, const Progress* progress,
                Done&& done);
     /// For the first time: diffusion alone, until light has come around.
     void begin(Fields Tile::*fields, GhostLight& ghosts, std::span<const float> by_value, const Progress* progress);
