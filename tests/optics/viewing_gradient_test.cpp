@@ -19,6 +19,7 @@ TransportOptions on_viewing_cells(int sweeps) {
     TransportOptions options;
     options.viewing_cells = true;
     options.sweeps = options.next_sweeps = sweeps;
+    options.next_change = 0;
     return options;
 }
 

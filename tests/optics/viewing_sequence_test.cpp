@@ -85,6 +85,27 @@ TEST_CASE("A sequence arrives where fresh predictions of many sweeps do") {
     CHECK(between(seen.value, exact.value).rms < 2e-4);  // the steps of the codes are 3e-5
 }
 
+TEST_CASE("A sequence sweeps once where little has changed, and more where much has") {
+    const ResinSet set = vero_opaque();
+    const ResinVolume first = halftoned_sphere(1.5, 0.5), other = halftoned_sphere(1.5, 0.8);
+    const Scene scene{&first, &set, Backing::none, Sides::open};
+    const Surface surface = find_surface(scene, viewing_cell, SurfacePart::all);
+    TransportOptions options;
+    options.viewing_cells = true;
+    const auto steps = [&](double next_change, const ResinVolume& next) {  // one a sweep and channel
+        options.next_change = next_change;
+        ViewingSequence sequence(scene, surface, options);
+        (void)sequence.next(first);
+        (void)sequence.next(first);
+        const int before = sequence.summary().diffusion_steps;
+        (void)sequence.next(next);
+        return sequence.summary().diffusion_steps - before;
+    };
+    CHECK(steps(0.01, first) == 3);
+    CHECK(steps(0.01, other) == 6);
+    CHECK(steps(0, first) == 6);
+}
+
 TEST_CASE("Colour that gets deeper than expected makes a new grid and keeps the light") {
     const ResinSet set = vero_opaque();
     const ResinVolume first = halftoned_sphere(2.0, 0.5), deep = halftoned_sphere(2.0, 0.5, 1.8);

@@ -140,3 +140,31 @@ TEST_CASE("The gradient comes tile by tile, and is that of the whole body") {
     CHECK(ab / aa == Approx(1).epsilon(0.02));
     CHECK(ask(4000, 1, several) == parts);
 }
+
+TEST_CASE("Grids of tiles that are kept change no bit, and memory decides how many there are") {
+    const Ball ball;
+    const auto look = [&](std::size_t memory_bytes, TransportSummary& summary) {
+        TransportOptions options = Ball::options(4000);
+        options.memory_bytes = memory_bytes;
+        ViewingSequence sequence(ball.scene, ball.surface, options);
+        std::vector<float> out;
+        for (const ResinVolume* const volume : {&ball.volume, &ball.other}) {
+            Appearance seen = sequence.next(*volume);
+            out.insert(out.end(), seen.value.begin(), seen.value.end());
+            for (float& v : seen.value) v -= 0.5f;
+            REQUIRE(sequence.gradient(seen.value, [&](const ResinGradient& gradient, const VoxelBox& box) {
+                for (int z = box.begin[2]; z < box.end[2]; z += 3) out.push_back(gradient.at({ball.size[0] / 2, ball.size[1] / 2, z}, 3));
+            }));
+        }
+        summary = sequence.summary();
+        return out;
+    };
+    TransportSummary all, some;
+    const std::vector<float> kept = look(0, all);
+    REQUIRE(all.pieces > 2);
+    // Fields and the equations of one tile are needed in any case.
+    const std::vector<float> anew = look(all.memory_bytes * 8 / 10, some);
+    CHECK(kept == anew);
+    CAPTURE(all.memory_bytes, some.memory_bytes);
+    CHECK(some.memory_bytes < all.memory_bytes);
+}

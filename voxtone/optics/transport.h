@@ -45,6 +45,8 @@ struct TransportOptions {
     bool viewing_cells = false;               ///< the whole prediction on viewing cells (viewing_sequence.h), ten times as fast
     double colour_mm = 0.8;                     ///< with them: how deep below the surface colour is expected to come and go
     int next_sweeps = 2;                      ///< with them: of the later predictions of a sequence, >= 1
+    double next_change = 0.01;                ///< with them: a later prediction sweeps no more where the last sweep changed less of what is
+                                              ///< seen in a channel; of its adjoint ten times as much. 0: always `next_sweeps`
     std::size_t tile_cells = 250'000;         ///< with them: most surface cells that are predicted at once (viewing_tiles.h), >= 1
     int tile_halo = 3;                        ///< with them: blocks around a tile that it transports light in, >= 1
     double finest_mm = 0.0425;                ///< skin voxels are cut along axes where they are longer; 0: never

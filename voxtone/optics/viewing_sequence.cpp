@@ -66,25 +66,17 @@ void ViewingSequence::list_ghosts() {
     ghost_places_.shrink_to_fit();
 }
 
-void ViewingSequence::make_live(std::size_t index) {
-    const double begin = now();
-    live_.reset();
-    Tile& tile = tiles_[index];
-    auto live = std::make_unique<Live>();
-    live->tile = index;
-    live->grid = std::make_unique<ViewingGrid>(scene_, view_voxels_, options_.colour_mm, tile.also, tile.window);
-    ViewingGrid& grid = *live->grid;
+std::size_t ViewingSequence::Shape::memory_bytes() const {
+    const auto of = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
+    return grid->memory_bytes() + of(seen.first) + of(seen.face) + of(seen.share) + of(seen.cell) + of(hears) + of(tells);
+}
+
+std::unique_ptr<ViewingSequence::Shape> ViewingSequence::shape_of(const Tile& tile) const {
+    auto shape = std::make_unique<Shape>();
+    shape->grid = std::make_unique<ViewingGrid>(scene_, view_voxels_, options_.colour_mm, tile.also, tile.window);
+    ViewingGrid& grid = *shape->grid;
     grid.shrink();
-    live->seen = grid.see(tiles_.size() == 1 ? surface_ : part_of(surface_, tile.near));
-    tile.bytes = grid.memory_bytes() + ViewingTransport::bytes_for(grid, 0);
-    tile.cells_of_grid = grid.cells();
-    tile.open_faces = grid.open_faces.size();
-    const std::size_t own = tile.light[0].cells.empty() ? channels() * (grid.cells() * sizeof(ViewingField::Code) + 64 * grid.open_faces.size()) : 0,
-                      needed = tile.bytes + own + field_bytes();
-    if (options_.memory_bytes > 0 && needed > options_.memory_bytes)
-        throw ResourceError("a sequence of predictions of " + std::to_string(grid.cells()) + " viewing cells at once needs " +
-                            std::to_string((needed >> 20) + 1) + " MiB of memory and " + std::to_string(options_.memory_bytes >> 20) +
-                            " are allowed: allow more, expect colour less deep, or take larger cells");
+    shape->seen = grid.see(tiles_.size() == 1 ? surface_ : part_of(surface_, tile.near));
     const auto place_of = [&](std::uint32_t block) {
         std::array<int, 3> at = grid.grid.blocks[block].at;
         for (std::size_t a = 0; a < 3; ++a) at[a] += tile.window.begin[a];
@@ -97,43 +89,89 @@ void ViewingSequence::make_live(std::size_t index) {
     for (std::uint32_t b = 0; b < grid.grid.blocks.size(); ++b) {
         const std::array<int, 3> at = place_of(b);
         if (!VoxelBox{tile.begin, tile.end}.holds(at)) continue;
-        if (const std::uint32_t ghost = ghost_at(at); ghost != nowhere) live->tells.emplace_back(b, ghost);
+        if (const std::uint32_t ghost = ghost_at(at); ghost != nowhere) shape->tells.emplace_back(b, ghost);
     }
-    for (const std::uint32_t ghost : grid.ghosts) live->hears.push_back(ghost_at(place_of(grid.core_block[ghost])));
-    live->transport = std::make_unique<ViewingTransport>(grid, options_);
-    live_ = std::move(live);
-    summary_.skin_cells = summary_.nodes = 0;
-    for (const Tile& t : tiles_) summary_.skin_cells += t.cells_of_grid;
-    summary_.nodes = summary_.skin_cells + grid.core_block.size();
+    for (const std::uint32_t ghost : grid.ghosts) shape->hears.push_back(ghost_at(place_of(grid.core_block[ghost])));
+    return shape;
+}
+
+void ViewingSequence::make_live(std::size_t index) {
+    const double begin = now();
+    transport_.reset();
+    live_ = index;
+    Tile& tile = tiles_[index];
+    if (!tile.shape) {
+        make_room(tile.bytes + field_bytes());
+        tile.shape = shape_of(tile);
+        const ViewingGrid& grid = *tile.shape->grid;
+        tile.bytes = tile.shape->memory_bytes() + ViewingTransport::bytes_for(grid, 0);
+        tile.cells_of_grid = grid.cells();
+        tile.core_nodes = grid.core_block.size();
+        tile.open_faces = grid.open_faces.size();
+        summary_.skin_cells = summary_.nodes = 0;
+        for (const Tile& t : tiles_) {
+            summary_.skin_cells += t.cells_of_grid;
+            summary_.nodes += t.cells_of_grid + t.core_nodes;
+        }
+    }
+    const ViewingGrid& grid = *tile.shape->grid;
+    const std::size_t own = tile.light[0].cells.empty() ? channels() * (grid.cells() * sizeof(ViewingField::Code) + 64 * grid.open_faces.size()) : 0,
+                      needed = tile.bytes + own + field_bytes();
+    if (options_.memory_bytes > 0 && needed > options_.memory_bytes)
+        throw ResourceError("a sequence of predictions of " + std::to_string(grid.cells()) + " viewing cells at once needs " +
+                            std::to_string((needed >> 20) + 1) + " MiB of memory and " + std::to_string(options_.memory_bytes >> 20) +
+                            " are allowed: allow more, expect colour less deep, or take larger cells");
+    make_room(needed);
+    transport_ = std::make_unique<ViewingTransport>(grid, options_);
     summary_.grid_s += now() - begin;
 }
 
+std::size_t ViewingSequence::shape_bytes() const {
+    std::size_t sum = 0;
+    for (const Tile& tile : tiles_) sum += tile.shape ? tile.shape->memory_bytes() : 0;
+    return sum;
+}
+
+void ViewingSequence::make_room(std::size_t bytes) {
+    if (options_.memory_bytes == 0) return;
+    std::size_t others = 0;
+    for (std::size_t t = 0; t < tiles_.size(); ++t) {
+        if (t == live_ || !tiles_[t].shape) continue;
+        others += tiles_[t].shape->memory_bytes();
+        // The next ones are dropped too: they would not fit either, and the first ones come first again.
+        if (bytes + others > options_.memory_bytes) tiles_[t].shape.reset();
+    }
+}
+
 void ViewingSequence::look_at(std::size_t index) {
-    if (live_->tile != index) make_live(index);
-    if (live_->filled == volume_) return;
+    Tile& tile = tiles_[index];
+    if (live_ != index || !transport_) make_live(index);
+    if (tile.shape->filled == volume_) return;
+    const double begin = now();
     std::vector<std::uint8_t> wanted;
-    if (!live_->grid->fill(*volume_, wanted)) {
-        Tile& tile = tiles_[index];
+    if (!tile.shape->grid->fill(*volume_, wanted)) {
         tile.also.resize(wanted.size(), 0);
         for (std::size_t i = 0; i < wanted.size(); ++i) tile.also[i] |= wanted[i];
-        const std::unique_ptr<ViewingGrid> was = std::move(live_->grid);
+        transport_.reset();
+        const std::unique_ptr<Shape> was = std::move(tile.shape);
         make_live(index);
-        carry_over(*was, tile.light);
+        carry_over(*was->grid, tile.light);
         tile.adjoint.assign(channels(), {});
-        const bool filled = live_->grid->fill(*volume_, wanted);
+        const bool filled = tile.shape->grid->fill(*volume_, wanted);
         VOXTONE_ENSURE(filled);
     }
-    live_->filled = volume_;
+    tile.shape->filled = volume_;
+    summary_.grid_s += now() - begin;
 }
 
 /// Light of the cells that both grids have; where the new one has cells in what was core, the core's.
 void ViewingSequence::carry_over(const ViewingGrid& from, Fields& fields) const {
-    const OpticalGrid &was = from.grid, &is = live_->grid->grid;
+    const OpticalGrid &was = from.grid, &is = live().grid->grid;
     for (ViewingField& field : fields) {
         if (field.cells.empty()) continue;
         ViewingField next;
-        next.cells.resize(live_->grid->cells());
-        next.core.resize(live_->grid->core_block.size());
+        next.cells.resize(live().grid->cells());
+        next.core.resize(live().grid->core_block.size());
         for (std::size_t place = 0; place < is.block_at.size(); ++place) {
             if (is.block_at[place] < 0) continue;
             const GridBlock &to = is.blocks[static_cast<std::size_t>(is.block_at[place])],
@@ -153,14 +191,14 @@ void ViewingSequence::carry_over(const ViewingGrid& from, Fields& fields) const 
             }
         }
         // Blocks with open faces are the same in both, and so is their order.
-        VOXTONE_ENSURE(from.open_faces.size() == live_->grid->open_faces.size());
+        VOXTONE_ENSURE(from.open_faces.size() == live().grid->open_faces.size());
         next.out = std::move(field.out);
         field = std::move(next);
     }
 }
 
 ViewingTransport::Media ViewingSequence::media(std::size_t channel) const {
-    const OpticalGrid& grid = live_->grid->grid;
+    const OpticalGrid& grid = live().grid->grid;
     const ResinSet& resins = *scene_.resins;
     const auto media_of = shared_media(grid.directions, grid.edge_mm(BlockKind::skin), viewing_theta);
     const SeenMedium seen{halftone_, resins, grid.pitch_mm};
@@ -168,12 +206,12 @@ ViewingTransport::Media ViewingSequence::media(std::size_t channel) const {
     media.cells.resize(grid.palette.size());
     media.core.resize(resins.resins.size() + 1);
     for (std::size_t m = 1; m < media.core.size(); ++m) media.core[m] = similar_medium(grid.directions, resins.resins[m - 1].medium(channel));
-    parallel_for(1, grid.palette.size(), 1 << 8, [&](std::size_t m) { media.cells[m] = (*media_of)(seen(live_->grid->mixtures[m], channel)); });
+    parallel_for(1, grid.palette.size(), 1 << 8, [&](std::size_t m) { media.cells[m] = (*media_of)(seen(live().grid->mixtures[m], channel)); });
     return media;
 }
 
 template <class Done>
-void ViewingSequence::solve(Fields Tile::*fields, GhostLight& ghosts, bool hear, int sweeps, std::span<const float> by_value,
+void ViewingSequence::solve(Fields Tile::*fields, GhostLight& ghosts, bool hear, Effort effort, std::span<const float> by_value,
                             const Progress* progress, Done&& done) {
     std::vector<float> around, light;
     for (std::size_t c = 0; c < channels(); ++c) {
@@ -181,9 +219,9 @@ void ViewingSequence::solve(Fields Tile::*fields, GhostLight& ghosts, bool hear,
         if (!by_value.empty()) light = light_of(by_value, c);
         around.clear();
         if (hear)
-            for (const std::uint32_t place : live_->hears) around.push_back(ghosts[c][place]);
-        live_->transport->solve(in, (tiles_[live_->tile].*fields)[c], sweeps, summary_, progress, light, around);
-        for (const auto& [block, place] : live_->tells) ghosts[c][place] = live_->transport->mean_phi(live_->grid->grid.blocks[block]);
+            for (const std::uint32_t place : live().hears) around.push_back(ghosts[c][place]);
+        transport_->solve(in, (tiles_[live_].*fields)[c], effort.sweeps, summary_, progress, light, around, effort.enough);
+        for (const auto& [block, place] : live().tells) ghosts[c][place] = transport_->mean_phi(live().grid->grid.blocks[block]);
         done(c);
     }
 }
@@ -195,7 +233,7 @@ void ViewingSequence::begin(Fields Tile::*fields, GhostLight& ghosts, std::span<
         for (std::size_t t = 0; t < tiles_.size(); ++t) {
             look_at(t);
             (tiles_[t].*fields).assign(channels(), {});
-            solve(fields, ghosts, round > 0, 0, by_value, progress, [](std::size_t) {});
+            solve(fields, ghosts, round > 0, {0, 0}, by_value, progress, [](std::size_t) {});
         }
 }
 
@@ -206,7 +244,8 @@ Appearance ViewingSequence::next(const ResinVolume& volume, const Progress* prog
     scene.volume = &volume;
     expect_resins_for(scene);
     volume_ = &volume;
-    live_->filled = nullptr;
+    for (Tile& tile : tiles_)
+        if (tile.shape) tile.shape->filled = nullptr;
     const bool first = ghost_light_.empty();
     if (first) begin(&Tile::light, ghost_light_, {}, progress);
     Appearance appearance;
@@ -215,8 +254,8 @@ Appearance ViewingSequence::next(const ResinVolume& volume, const Progress* prog
     summary_.last_change.assign(channels(), 0.0);
     for (std::size_t t = 0; t < tiles_.size(); ++t) {
         look_at(t);
-        solve(&Tile::light, ghost_light_, true, first ? options_.sweeps : options_.next_sweeps, {}, progress, [&](std::size_t c) {
-            summary_.last_change[c] = std::max(summary_.last_change[c], live_->transport->last_change());
+        solve(&Tile::light, ghost_light_, true, first ? Effort{options_.sweeps, 0} : Effort{options_.next_sweeps, options_.next_change}, {}, progress, [&](std::size_t c) {
+            summary_.last_change[c] = std::max(summary_.last_change[c], transport_->last_change());
             read_appearance(c, appearance);
         });
     }
@@ -226,9 +265,9 @@ Appearance ViewingSequence::next(const ResinVolume& volume, const Progress* prog
 }
 
 void ViewingSequence::read_appearance(std::size_t channel, Appearance& to) const {
-    const ViewingTransport& transport = *live_->transport;
-    const ViewingGrid::Seen& seen = live_->seen;
-    const Tile& tile = tiles_[live_->tile];
+    const ViewingTransport& transport = *transport_;
+    const ViewingGrid::Seen& seen = live().seen;
+    const Tile& tile = tiles_[live_];
     const auto flux = transport.flux();
     std::size_t own = 0;
     for (std::size_t k = 0; k < tile.near.size() && own < tile.cells.size(); ++k) {
@@ -246,12 +285,12 @@ void ViewingSequence::read_appearance(std::size_t channel, Appearance& to) const
 }
 
 std::vector<float> ViewingSequence::light_of(std::span<const float> by_value, std::size_t channel) const {
-    const ViewingGrid::Seen& seen = live_->seen;
-    const Tile& tile = tiles_[live_->tile];
-    std::vector<float> light(live_->grid->grid.faces.size(), 0.0f);
+    const ViewingGrid::Seen& seen = live().seen;
+    const Tile& tile = tiles_[live_];
+    std::vector<float> light(live().grid->grid.faces.size(), 0.0f);
     for (std::size_t k = 0; k < tile.near.size(); ++k) {
         float furnace = 0;
-        for (std::uint32_t e = seen.first[k]; e < seen.first[k + 1]; ++e) furnace += seen.share[e] * live_->transport->furnace_flux(seen.face[e]);
+        for (std::uint32_t e = seen.first[k]; e < seen.first[k + 1]; ++e) furnace += seen.share[e] * transport_->furnace_flux(seen.face[e]);
         for (std::uint32_t e = seen.first[k]; furnace > 0 && e < seen.first[k + 1]; ++e)
             light[seen.face[e]] += by_value[tile.near[k] * channels() + channel] * seen.share[e] / furnace;
     }
@@ -268,21 +307,23 @@ bool ViewingSequence::gradient(std::span<const float> by_value, const GradientVi
         fields += tile.cells_of_grid * sizeof(ViewingField::Code) + 64 * tile.open_faces;
         most = std::max(most, tile.bytes + tile.cells_of_grid * (4 * channels() + 8) + tile.open_faces * 8 * sizeof(Octet));
     }
-    if (options_.memory_bytes > 0 && most + 2 * channels() * fields > options_.memory_bytes) return false;
+    const std::size_t needed = most + 2 * channels() * fields;
+    if (options_.memory_bytes > 0 && needed > options_.memory_bytes) return false;
     const bool first = ghost_adjoint_.empty();
     if (first) begin(&Tile::adjoint, ghost_adjoint_, by_value, progress);
     // Backwards: the tile that was looked at last is still at hand.
     for (std::size_t t = tiles_.size(); t-- > 0;) {
         look_at(t);
+        make_room(needed);
         Tile& tile = tiles_[t];
-        const OpticalGrid& grid = live_->grid->grid;
+        const OpticalGrid& grid = live().grid->grid;
         const auto media_of = shared_media(grid.directions, grid.edge_mm(BlockKind::skin), viewing_theta);
         const SeenMedium seen{halftone_, *scene_.resins, grid.pitch_mm};
-        ViewingGradient gradient(*live_->grid, seen, channels());
-        std::vector<float> by_sigma_t(live_->grid->cells()), by_sigma_s(live_->grid->cells());
+        ViewingGradient gradient(*live().grid, seen, channels());
+        std::vector<float> by_sigma_t(live().grid->cells()), by_sigma_s(live().grid->cells());
         const bool anew = first || tile.adjoint[0].cells.empty();
-        solve(&Tile::adjoint, ghost_adjoint_, true, anew ? options_.sweeps : options_.next_sweeps, by_value, progress, [&](std::size_t c) {
-            live_->transport->derivatives(tile.light[c], by_sigma_t, by_sigma_s);
+        solve(&Tile::adjoint, ghost_adjoint_, true, anew ? Effort{options_.sweeps, 0} : Effort{options_.next_sweeps, 10 * options_.next_change}, by_value, progress, [&](std::size_t c) {
+            transport_->derivatives(tile.light[c], by_sigma_t, by_sigma_s);
             gradient.add(c, *media_of, seen, by_sigma_t, by_sigma_s);
         });
         visit(gradient, tile.voxels);
@@ -301,7 +342,7 @@ std::size_t ViewingSequence::field_bytes() const {
 }
 
 void ViewingSequence::count_memory(std::size_t besides) {
-    summary_.memory_bytes = std::max(summary_.memory_bytes, live_->grid->memory_bytes() + live_->transport->memory_bytes() + field_bytes() + besides);
+    summary_.memory_bytes = std::max(summary_.memory_bytes, shape_bytes() + transport_->memory_bytes() + field_bytes() + besides);
 }
 
 }  // namespace voxtone::optics

@@ -489,7 +489,7 @@ void ViewingTransport::hold_ghosts() {
 }
 
 void ViewingTransport::solve(const Media& media, ViewingField& field, int sweeps, TransportSummary& summary, const Progress* progress,
-                             std::span<const float> light, std::span<const float> ghost_phi) {
+                             std::span<const float> light, std::span<const float> ghost_phi, double enough) {
     VOXTONE_EXPECT(media.cells.size() == grid_.palette.size());
     media_ = &media;
     take_light(light, ghost_phi);
@@ -512,8 +512,10 @@ void ViewingTransport::solve(const Media& media, ViewingField& field, int sweeps
         lap(summary.sweep_s);
         correct();
         enter(false);
-        if (k + 1 < sweeps) reflect();
+        const bool more = k + 1 < sweeps && !(enough > 0 && relative_change() < enough);
+        if (more) reflect();
         lap(summary.diffusion_s);
+        if (!more) break;
     }
     summary.diffusion_steps += steps_;
     steps_ = 0;
@@ -522,6 +524,16 @@ void ViewingTransport::solve(const Media& media, ViewingField& field, int sweeps
     for (const std::uint32_t f : viewing_.open_faces)
         if (grid_.faces[f].kind == FaceKind::light)
             last_change_ = std::max(last_change_, static_cast<double>(std::abs(flux_change_[f]) / furnace_flux(f)));
+}
+
+double ViewingTransport::relative_change() const {
+    double change = 0, all = 0;
+    for (const std::uint32_t f : viewing_.open_faces)
+        if (grid_.faces[f].kind == FaceKind::light) {
+            change += static_cast<double>(std::abs(flux_change_[f]));
+            all += static_cast<double>(std::abs(flux_[f]));
+        }
+    return all > 0 ? change / all : 0;
 }
 
 void ViewingTransport::take_light(std::span<const float> light, std::span<const float> ghost_phi) {

@@ -54,12 +54,12 @@ public:
     /// Media of the grid's palette and of core blocks, by material; index 0 is air. Starts from `field`, or with a diffusion
     /// solve where it is empty; leaves the new field there. `light`: radiance that comes in through each outer face to the
     /// light, of any sign and size; nothing given: 1. `ghost_phi`: phi of the grid's ghosts; nothing given: they take that of
-    /// their neighbours, as if the cut were a mirror.
+    /// their neighbours, as if the cut were a mirror. No more sweeps are made after one that changed less than `enough` of what leaves.
     struct Media {
         std::vector<TransportMedium> cells, core;
     };
     void solve(const Media& media, ViewingField& field, int sweeps, TransportSummary& summary, const Progress* progress,
-               std::span<const float> light = {}, std::span<const float> ghost_phi = {});
+               std::span<const float> light = {}, std::span<const float> ghost_phi = {}, double enough = 0);
     /// After `solve` with a function's d F / d flux as light: d F / d sigma_t and d F / d sigma_s of each cell's TransportMedium,
     /// from `forward`, the field of light 1 in the same media (viewing_gradient.h). Holds that light afterwards.
     void derivatives(const ViewingField& forward, std::span<float> by_sigma_t, std::span<float> by_sigma_s);
@@ -94,6 +94,8 @@ private:
     void prepare();
     void take_light(std::span<const float> light, std::span<const float> ghost_phi);
     void hold_ghosts();
+    /// Sum of what the last sweep and correction changed in the flux through each face to the light / of the fluxes.
+    [[nodiscard]] double relative_change() const;
     void start();
     void load(const ViewingField& field);
     void store(ViewingField& field) const;
