@@ -65,9 +65,13 @@ StackJobResult run_stack_targets(const StackTargetsJob& job, Progress& progress)
         throw InputError(fmt::format("{} and {}: one is under a surface to air and one is not; say which with --surface", job.narrow, job.wide));
     const fs::path out = output_folder(job);
     progress.begin_stage("trace", 0);
-    const std::vector<ChannelProfiles> targets =
-        halftone::widening_targets(reflection(narrow, job, progress), reflection(wide, job, progress), job.count);
+    const ChannelProfiles from = reflection(narrow, job, progress), to = reflection(wide, job, progress);
     progress.end_stage();
+    for (std::size_t c = 0; c < from.size(); ++c)
+        if (const double near = optics::radius_of_share(setting.grid(), from[c], 0.8), far = optics::radius_of_share(setting.grid(), to[c], 0.8); far < near)
+            progress.warn(fmt::format("channel {}: light spreads less in {} (80 % within {:.2f} mm) than in {} ({:.2f} mm): the targets get narrower there",
+                                      setting.channel_name(c), job.wide, far, job.narrow, near));
+    const std::vector<ChannelProfiles> targets = halftone::widening_targets(from, to, job.count);
 
     nlohmann::ordered_json files = nlohmann::json::array();
     std::string text;
