@@ -12,8 +12,8 @@
 //
 // Targets: the widest is what Monte Carlo sees of 0.2 mm of white upon 4.8 mm of support; the narrowest is 5 mm of white,
 // scaled to the same total; three lie between in even shares. Every stack found is traced anew with other random numbers. Prints
-// the tables as Markdown, the second with the support as a halftone of voxels; FOLDER gets widening.svg (profiles), widening-edge.svg and widening-edge.png (lit evenly and by a sharp
-// edge).
+// the tables as Markdown, the second with every voxel of the printed slabs traced, support as a halftone; FOLDER gets
+// widening.svg (profiles), widening-edge.svg and widening-edge.png (lit evenly and by a sharp edge).
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -23,15 +23,17 @@
 
 #include <fmt/format.h>
 
-#include "voxtone/base/random.h"
 #include "voxtone/halftone/stack_design.h"
 #include "voxtone/halftone/stack_materials.h"
+#include "voxtone/halftone/widening_targets.h"
 #include "voxtone/io/picture_writer.h"
 #include "voxtone/io/plot_svg.h"
 #include "voxtone/io/whole_file.h"
-#include "voxtone/optics/monte_carlo.h"
+#include "voxtone/optics/point_spread.h"
+#include "voxtone/optics/resin_volume.h"
 #include "voxtone/optics/resin_stack.h"
 #include "voxtone/optics/surfaced_reflection.h"
+#include "voxtone/slicer/print_boxes.h"
 #include "voxtone/slicer/profile_plots.h"
 
 using namespace voxtone;
@@ -67,6 +69,7 @@ struct Slab {
     halftone::StackDesign plain, design;  // without and with correction by Monte Carlo
     std::vector<double> plain_seen, seen;
     double seen_error = 0;
+    optics::RingLight rings;  // the same, by distance
     std::vector<double> edge;  // light at `edge_x`
 };
 
@@ -86,34 +89,58 @@ double beside_edge(const optics::TracedProfile& profile, double x) {
     return light;
 }
 
-// The slab in voxels of the printer (42.3 x 84.7 x 14 um), 2 x 2 mm with mirrors at its sides, on a sheet of black paper: a voxel of
-// support is white with the probability of its share, else clear. And the same as layers of ideal mixtures.
+// The slab as it is printed, voxel by voxel (slicer/print_boxes.h): 24 x 24 mm with mirrors at its sides, light enters evenly over the 4 x 4 mm in
+// the middle, 10 mm from the sides. In contact with black (an ideal ink of 0.056 mm below) or laid on black paper, with a
+// film of air between.
 struct InVoxels {
-    double voxels, voxels_error, layers, layers_error;
+    optics::RingLight on_black, on_paper;
 };
-InVoxels total_in_voxels(const optics::ResinSet& set, const optics::HankelGrid& grid, const std::vector<halftone::StackLayer>& layers,
-                         std::uint32_t paths) {
-    optics::ResinSet pure = set;
+InVoxels seen_in_voxels(const optics::ResinSet& set, const optics::HankelGrid& grid, const std::vector<halftone::StackLayer>& layers,
+                        std::uint32_t paths) {
+    constexpr double side_mm = 24, entry_mm = 4;
+    constexpr int ink_layers = 4;
+    optics::ResinSet pure = set;  // W, K, clear, ink
     pure.resins[support] = {"clear", "T", {0}, {1}};
-    std::vector<std::size_t> column;  // from the top
-    for (const auto& [material, mm] : layers) column.insert(column.end(), static_cast<std::size_t>(std::lround(mm / layer_mm)), material);
-    const int height = static_cast<int>(column.size()), width = 48, depth = 24;
-    const optics::ResinVolume volume =
-        optics::make_resin_volume({width, depth, height}, {25.4 / 600, 25.4 / 300, layer_mm}, [&](int x, int y, int z) {
-            const std::size_t material = column[static_cast<std::size_t>(height - 1 - z)];
-            const auto place = static_cast<std::uint64_t>((z * depth + y) * width + x);
-            const bool white = material == support && RandomStream(8, place).uniform() < white_in_support;
-            return 1 + (white ? W : material);
-        });
-    const optics::Scene scene{&volume, &pure, optics::Backing::black, optics::Sides::mirrored};
-    optics::MonteCarloOptions options;
-    options.paths = paths;
-    const optics::Appearance seen =
-        optics::MonteCarlo(options).predict(scene, optics::find_surface(scene, {width, depth, 1}, optics::SurfacePart::top));
-    std::vector<optics::ResinLayer> of_resin;
-    for (const auto& [material, mm] : layers) of_resin.push_back({material, mm});
-    const optics::StackLight light = optics::traced_light(set, of_resin, {set.eta, set.eta, 0}, grid, {paths, 55});
-    return {seen.value[0], seen.standard_error[0], light.R[0][0], light.R_error[0]};
+    pure.resins.push_back({"ideal black", "B", {1000}, {0}});
+    const slicer::PrinterProfile printer = slicer::find_printer("stratasys-j750-hq");
+    InVoxels seen;
+    for (const bool contact : {true, false}) {
+        std::vector<slicer::PrintBox> boxes;
+        double top = contact ? ink_layers * layer_mm : 0;
+        if (contact) boxes.push_back({{0, 0, 0}, {side_mm, side_mm, top}, {0, 0, 0, 1}});
+        for (auto layer = layers.rbegin(); layer != layers.rend(); ++layer) {
+            std::vector<double> shares(4, 0.0);
+            shares[layer->material] = 1;
+            if (layer->material == support) shares = {white_in_support, 0, 1 - white_in_support, 0};
+            boxes.push_back({{0, 0, top}, {side_mm, side_mm, top + layer->thickness_mm}, shares});
+            top += layer->thickness_mm;
+        }
+        const slicer::BoxLayers print(boxes, {side_mm, side_mm, top}, printer.pitch_um, 8);
+        const auto [width, depth, height] = print.size();
+        optics::ResinVolumeBuilder builder({int(width), int(depth), int(height)}, {printer.pitch_mm().x(), printer.pitch_mm().y(), printer.pitch_mm().z()});
+        std::vector<optics::Material> voxels(std::size_t{width} * depth);
+        for (std::uint32_t k = 0; k < height; ++k) {
+            const io::LayerRuns runs = print.layer(k);
+            for (std::uint32_t row = 0; row < depth; ++row) {
+                auto voxel = voxels.begin() + std::ptrdiff_t(depth - 1 - row) * std::ptrdiff_t(width);
+                for (const io::Run& run : runs.row(row)) voxel = std::fill_n(voxel, run.length, static_cast<optics::Material>(run.material));
+            }
+            builder.add_layer(voxels);
+        }
+        const optics::ResinVolume volume = builder.finish();
+        const optics::Scene scene{&volume, &pure, optics::Backing::black, optics::Sides::mirrored};
+        optics::PointSpreadOptions options;
+        options.edges_mm = optics::ring_edges(grid);
+        options.paths = paths;
+        options.seed = 5;
+        for (std::size_t a = 0; a < 2; ++a) {
+            const double pitch = volume.pitch_mm()[a];
+            options.first[a] = static_cast<int>((side_mm - entry_mm) / 2 / pitch);
+            options.end[a] = static_cast<int>((side_mm + entry_mm) / 2 / pitch);
+        }
+        (contact ? seen.on_black : seen.on_paper) = optics::trace_point_spread(scene, options)[0];
+    }
+    return seen;
 }
 
 constexpr double edge_mm = 5;
@@ -195,13 +222,11 @@ int main(int argc, char** argv) {
     const halftone::StackSearch search(materials, options.search);
     const halftone::StackJudge judge = [&](std::span<const halftone::StackLayer> layers) { return traced(layers, tracing).R; };
 
+    const std::vector<ChannelProfiles> wanted = halftone::widening_targets({narrow}, {wide}, targets);
     std::vector<Slab> slabs(targets);
     for (std::size_t t = 0; t < targets; ++t) {
         Slab& slab = slabs[t];
-        const double share = static_cast<double>(t) / (targets - 1);
-        slab.wanted.assign(1, wide);
-        for (std::size_t i = 0; i < grid.size(); ++i)
-            slab.wanted[0][i] = share * wide[i] + (1 - share) * narrow[i] * wide[0] / narrow[0];
+        slab.wanted = wanted[t];
         slab.plain = design_stack(search, materials, slab.wanted, options);
         slab.design = design_stack(search, materials, slab.wanted, options, judge);
         slab.plain_seen = traced(slab.plain.layers, checking).R[0];
@@ -211,6 +236,7 @@ int main(int argc, char** argv) {
         optics::LayerScene scene{{}, set.g, ends.eta_top, 1};
         for (const auto& [material, mm] : slab.design.layers) scene.layers.push_back({set.resins[material].medium(0), mm});
         const optics::TracedProfile profile = optics::trace_layers(scene, grid, checking);
+        slab.rings = profile.R;
         for (int i = 0; i < edge_samples; ++i) slab.edge.push_back(beside_edge(profile, edge_x(i)));
     }
 
@@ -227,10 +253,17 @@ int main(int argc, char** argv) {
                     radius(slab.wanted[0], 0.5), radius(slab.seen, 0.5), radius(slab.wanted[0], 0.8), radius(slab.seen, 0.8),
                     halftone::profile_distance(seen, slab.wanted, dc_weight), slab.plain_seen[0], radius(slab.plain_seen, 0.8));
     }
-    std::printf("\n| slab, on black paper | R in voxels | R in layers of ideal mixtures |\n|---|---|---|\n");
+    std::printf(
+        "\n| slab | R in layers | R in voxels | 50 %% within, layers | voxels | 80 %% within, wanted | layers | voxels | on black paper, voxels: R | 50 "
+        "%% within | 80 %% within |\n|---|---|---|---|---|---|---|---|---|---|---|\n");
+    const std::vector<double> edges = optics::ring_edges(grid);
     for (std::size_t t = 0; t < targets; ++t) {
-        const InVoxels R = total_in_voxels(set, grid, slabs[t].design.layers, paths);
-        std::printf("| %zu | %.4f ± %.4f | %.4f ± %.4f |\n", t + 1, R.voxels, R.voxels_error, R.layers, R.layers_error);
+        const Slab& slab = slabs[t];
+        const InVoxels voxels = seen_in_voxels(set, grid, slab.design.layers, paths);
+        const auto within = [&](const optics::RingLight& light, double share) { return optics::radius_of_share(light, edges, share); };
+        std::printf("| %zu | %.4f ± %.4f | %.4f ± %.4f | %.2f | %.2f | %.2f | %.2f | %.2f | %.4f | %.2f | %.2f |\n", t + 1, slab.seen[0], slab.seen_error,
+                    voxels.on_black.total, voxels.on_black.standard_error, within(slab.rings, 0.5), within(voxels.on_black, 0.5), radius(slab.wanted[0], 0.8),
+                    within(slab.rings, 0.8), within(voxels.on_black, 0.8), voxels.on_paper.total, within(voxels.on_paper, 0.5), within(voxels.on_paper, 0.8));
         std::fflush(stdout);
     }
     if (argc < 2) return 0;

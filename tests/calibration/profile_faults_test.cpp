@@ -122,3 +122,8 @@ TEST_CASE("A disc lowers coefficients from where its factor says") {
     CHECK(z == Approx(0.908).epsilon(0.005));
     CHECK(blurred_from(0.2, 0.1) == Approx(k / 2));
 }
+
+TEST_CASE("Albedos that make light are refused with channel and figures") {
+    CHECK_NOTHROW(expect_no_light_made({0.9, 0.9, 0.9}, {0.1, 0.12, 0}));
+    CHECK_THROWS_WITH(expect_no_light_made({0.9, 0.7, 0.5}, {0.1, 0.5, 0.5}), Contains("green") && Contains("0.7") && Contains("1.2 in all"));
+}

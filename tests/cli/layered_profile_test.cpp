@@ -7,6 +7,7 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "voxtone/io/profile_file.h"
 #include "voxtone/io/profile_map.h"
 
 #include "run_program.h"
@@ -107,6 +108,41 @@ TEST_CASE("Layered profiles are the same for any number of threads and from the 
     CHECK(of("one") == of("four"));
     CHECK(of("one") == of("again"));
     CHECK(std::filesystem::file_size(folder.path() / "one/surfaces/W.ply") > 1000);
+}
+
+TEST_CASE("slice arranges resins that are known by measured profiles") {
+    const Folder folder("layered-measured");
+    const std::string map = write_map(folder);
+    for (const auto& [role, R, T] : {std::tuple{"white", 0.6, 0.3}, {"black", 0.02, 0.05}}) {
+        io::ProfileFile file{role, "test", {}, {3, {0.3, profile(T, 0.5), profile(R, 0.3)}}};
+        folder.write(fmt::format("{}.json", role), io::profile_text(file));
+    }
+    const std::string job = slab_job(folder, map) + fmt::format(" --stack-materials W={},K={} -o {}", folder / "white.json", folder / "black.json", folder / "out");
+    const Outcome done = run_program(job);
+    INFO(done.err);
+    REQUIRE(done.exit_code == 0);
+    CHECK_THAT(read_file(folder / "out/report.html"), Contains("from measured layers") && Contains("nothing else is known"));
+    const auto fails = [&](const std::string& more, int exit_code, const std::string& words) {
+        const Outcome failed = run_program(slab_job(folder, map) + " --overwrite " + more + " -o " + (folder / "out"));
+        INFO(more << ": " << failed.err);
+        CHECK(failed.exit_code == exit_code);
+        CHECK_THAT(failed.err, Contains(words));
+    };
+    const std::string white = folder / "white.json";
+    fails("--stack-materials W=" + white, 3, "the loaded resin K has no profile");
+    fails("--stack-materials W=" + white + ",C=" + white, 3, "no resin of this role");
+    fails("--stack-materials W=" + white + ",K=none.json", 4, "none.json");
+    fails("--stack-materials W=" + white + ",W=" + white, 2, "twice");
+    fails("--stack-materials W", 2, "ROLE=FILE");
+    fails("--stack-rounds 2 --stack-materials W=" + white, 2, "--stack-rounds");
+    fails("--stack-rounds 21", 2, "0 to 20");
+    fails("--stack-rounds some", 2, "--stack-rounds");
+    io::ProfileFile one{"one", "test", {{550}}, {{0.3, profile(0.1, 0.5), profile(0.5, 0.3)}}};
+    folder.write("one.json", io::profile_text(one));
+    fails("--stack-materials W=" + white + ",K=" + (folder / "one.json"), 3, "one.json");
+    one.name = "two";
+    folder.write("two.json", io::profile_text(one));
+    fails("--stack-materials W=" + (folder / "two.json") + ",K=" + (folder / "one.json"), 3, "channel by channel");
 }
 
 TEST_CASE("slice says what is wrong with a job of layered profiles") {

@@ -47,6 +47,24 @@ TEST_CASE("stack predict and stack search hand profiles and stacks to each other
     CHECK_THAT(twice.err, Contains("--overwrite"));
 }
 
+TEST_CASE("stack targets and stack print begin and end the road to printed slabs") {
+    const Folder folder("stack-print");
+    const Outcome targets = run_program(fmt::format(
+        "stack targets \"W 1\" \"W 0.2, T 0.5, W 0.3\" --resins vero-opaque-clear --count 2 --paths 4096 --coefficients 32 --json -o {}", folder / "targets"));
+    REQUIRE(targets.exit_code == 0);
+    const auto made = result_of(targets.out)["targets"];
+    REQUIRE(made.size() == 2);
+    CHECK(made[0]["channels"][1]["80_percent_within_mm"].get<double>() < made[1]["channels"][1]["80_percent_within_mm"].get<double>());
+    const Outcome printed = run_program(fmt::format("stack print \"W 0.3, K 0.6\" \"W 0.9\" --width 2mm --depth 2mm --json -o {}", folder / "print"));
+    REQUIRE(printed.exit_code == 0);
+    CHECK(result_of(printed.out)["slabs"].size() == 2);
+    CHECK(run_program("verify " + (folder / "print")).exit_code == 0);
+    CHECK(run_program("stack print -o " + (folder / "none")).exit_code == 2);
+    CHECK(run_program("stack print \"W 0\" -o " + (folder / "none")).exit_code == 2);
+    CHECK(run_program("stack print \"Q 1\" -o " + (folder / "none")).exit_code == 3);
+    CHECK(run_program("stack targets \"W 1\" no.json -o " + (folder / "none")).exit_code == 4);
+}
+
 TEST_CASE("predict sees a slab by layer profiles") {
     const Folder folder("layered");
     folder.write("box.obj", ramp_box_obj(4, 3, 2));

@@ -121,3 +121,16 @@ TEST_CASE("Distances from the top are read by role") {
     CHECK(clear[1].mm == Approx(0.1));
     for (const char* bad : {"T", "=0.2mm", "T=", "T=-1mm", "T=deep"}) CHECK_THROWS_AS(parse_clear_top({bad}), UsageError);
 }
+
+TEST_CASE("Rounds of stacks and measured materials are read, and told apart from what is wrong") {
+    CHECK(parse_stack_rounds("auto") == -1);
+    CHECK(parse_stack_rounds("0") == 0);
+    CHECK(parse_stack_rounds("20") == 20);
+    for (const char* wrong : {"21", "-1", "", "1.5", "some"}) CHECK_THROWS_AS(parse_stack_rounds(wrong), UsageError);
+    const auto files = parse_stack_materials({"W=a/white=1.json", "K=black.json"});
+    REQUIRE(files.size() == 2);
+    CHECK(files[0].role == "W");
+    CHECK(files[0].file == "a/white=1.json");
+    for (const char* wrong : {"W", "=a.json", "W="}) CHECK_THROWS_AS(parse_stack_materials({wrong}), UsageError);
+    CHECK_THROWS_AS(parse_stack_materials({"W=a.json", "W=b.json"}), UsageError);
+}

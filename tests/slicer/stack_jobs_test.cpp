@@ -4,13 +4,18 @@
 #include <cmath>
 #include <filesystem>
 
+#include <fmt/format.h>
+
 #include "tests/io/temporary_folder.h"
 #include "voxtone/base/parallel.h"
 #include "voxtone/io/layer_sequence_file.h"
 #include "voxtone/io/whole_file.h"
 #include "voxtone/slicer/profile_plots.h"
 #include "voxtone/slicer/stack_predict_job.h"
+#include "voxtone/slicer/stack_print_job.h"
 #include "voxtone/slicer/stack_search_job.h"
+#include "voxtone/slicer/stack_targets_job.h"
+#include "voxtone/slicer/stack_volume.h"
 
 using namespace voxtone;
 using namespace voxtone::slicer;
@@ -195,6 +200,9 @@ TEST_CASE("Bad input to the stack search is refused in one sentence") {
         for (double& light : channel.R.light) light *= 50;
     }
     refused(bench.job({bench.put("loud.json", loud)}, {"W"}), "more than it got");
+    for (auto& channel : loud.by_channel)
+        for (double& light : channel.R.light) light *= -0.01;
+    refused(bench.job({bench.put("under.json", loud)}, {"W"}), "less than nothing");
 
     job = bench.job({target}, {"W"});
     job.rounds = 0;
@@ -208,6 +216,101 @@ TEST_CASE("Bad input to the stack search is refused in one sentence") {
     predict.stack = "W 0.1";
     predict.files = {"x.png"};
     CHECK_THROWS_WITH(run_stack_predict(predict, quiet), Contains("x.png"));
+}
+
+TEST_CASE("Targets between two stacks have one albedo and rising width, and are found again") {
+    const Bench bench;
+    Warnings warnings;
+    StackTargetsJob job;
+    job.narrow = "W 1";
+    job.wide = "W 0.2, T 0.5, W 0.3";
+    job.stack.resins = "vero-opaque-clear";
+    job.stack.coefficients = 32;
+    job.stack.reach_mm = 8;
+    job.count = 3;
+    job.paths = 1 << 12;
+    job.out = (bench.folder.path() / "targets").string();
+    (void)run_stack_targets(job, warnings);
+    CHECK(warnings.all.empty());
+    std::vector<std::vector<double>> totals, widths;
+    const optics::HankelGrid grid(8, 32);
+    for (int t = 1; t <= 3; ++t) {
+        const io::ProfileFile file = io::read_profile(bench.folder.path() / fmt::format("targets/target-{}.json", t));
+        CHECK(file.is_target());
+        totals.emplace_back(), widths.emplace_back();
+        for (const auto& channel : file.by_channel) {
+            optics::MeasuredSummary ignored;
+            const std::vector<double> R = optics::measured_reflection(channel.R, grid, ignored);
+            totals.back().push_back(R[0]);
+            widths.back().push_back(optics::radius_of_share(grid, R, 0.8));
+        }
+    }
+    for (std::size_t c = 0; c < 3; ++c) {
+        CHECK(totals[1][c] == Approx(totals[0][c]).epsilon(1e-3));
+        CHECK(totals[2][c] == Approx(totals[0][c]).epsilon(1e-3));
+        CHECK(widths[1][c] > 1.02 * widths[0][c]);
+        CHECK(widths[2][c] > 1.02 * widths[1][c]);
+    }
+    CHECK(count(text_of(bench.folder.path() / "targets/targets.svg"), "<polyline") >= 9);
+    CHECK_THROWS_WITH(run_stack_targets(job, warnings), Contains("target-1.json") && Contains("--overwrite"));
+    job.overwrite = true;
+    std::swap(job.narrow, job.wide);
+    (void)run_stack_targets(job, warnings);
+    CHECK_THAT(warnings.all, Contains("spreads less in W 1 "));
+    job.wide = "W 0.1, Q 0.1";
+    CHECK_THROWS_WITH(run_stack_targets(job, warnings), Contains("Q"));
+    job.wide = "W 0.1";
+    job.count = 0;
+    CHECK_THROWS_WITH(run_stack_targets(job, warnings), Contains("--count"));
+}
+
+TEST_CASE("Stacks are printed side by side, layer by layer, on their base") {
+    const Bench bench;
+    Warnings warnings;
+    StackPrintJob job;
+    job.stacks = {"W 0.1, K 0.05", "W 0.3, K 0.004"};
+    job.base = "K=0.6mm";
+    job.width_mm = 1.016;  // 24 voxels
+    job.depth_mm = 0.847;  // 10
+    job.gap_mm = 0.5;
+    job.out = (bench.folder.path() / "print").string();
+    const StackJobResult result = run_stack_print(job, warnings);
+    CHECK_THAT(result.text, Contains("W 0.108, K 0.054, K 0.594 mm") && Contains("W 0.297, K 0.594 mm"));
+    CHECK_THAT(warnings.all, Contains("1 of its 2 layers are thinner than half a printed layer"));
+    StackVolumeOptions options;
+    options.stack = job.out;
+    Progress quiet;
+    const StackVolume print = read_stack_volume(options, quiet);
+    CHECK(print.volume.size() == std::array<int, 3>{60, 10, 33});
+    const auto role = [&](int x, int z) {
+        const optics::Material material = print.volume.at(x, 5, z);
+        return material == optics::air ? std::string("air") : print.resins.resins[material - 1u].role;
+    };
+    for (const auto& [x, white_from, top] : {std::array{5, 24, 28}, std::array{50, 22, 33}})
+        for (int z = 0; z < 33; ++z) CHECK(role(x, z) == (z >= top ? "air" : z >= white_from ? "W" : "K"));
+    CHECK(role(30, 3) == "air");
+
+    const auto refused = [&](const StackPrintJob& wrong, const char* word) { CHECK_THROWS_WITH(run_stack_print(wrong, quiet), Contains(word)); };
+    job.overwrite = true;
+    job.stacks = {bench.put("white.json", falling(0.6, 0.3, 0.4)) + " 0.5"};
+    refused(job, "white.json");
+    job.stacks = {"W 0.3, Q 1"};
+    refused(job, "role Q");
+    job.stacks = {"W 0.005"};
+    refused(job, "thinner than one printed layer");
+    job.stacks = {"W 0.3"};
+    job.base = "K";
+    refused(job, "--base K");
+    job.base = "K=0mm";
+    refused(job, "thicker than 0");
+    job.base.clear();
+    job.width_mm = 0;
+    refused(job, "--width");
+    job.width_mm = 1;
+    job.gap_mm = -1;
+    refused(job, "--gap");
+    job.stacks.clear();
+    refused(job, "no stack");
 }
 
 TEST_CASE("Noisy and cut tails are warned of, not hidden") {

@@ -63,7 +63,7 @@ void ProfileMeasureOptions::validate() const {
     require(spacing_mm > 0 && std::isfinite(spacing_mm), "the spacing", spacing_mm,
             "give the distance between samples in mm, above 0");
     require(spacing_mm >= mm_per_px, "the spacing", spacing_mm,
-            fmt::format("it must not be below the width of a pixel, {} mm: rings between pixels hold none", mm_per_px).c_str());
+            fmt::format("it must not be below the width of a pixel, {} mm, or rings between pixels hold none: give --spacing {}mm or more", mm_per_px, mm_per_px).c_str());
     require(reach_mm >= 0 && std::isfinite(reach_mm), "the reach", reach_mm, "it must be 0 (to the border) or above, in mm");
     require(most_asymmetry > 0, "the largest asymmetry", most_asymmetry, "it must be above 0");
     require(noise.full_well > 0, "the full well", noise.full_well, "it must be above 0 electrons");
@@ -149,6 +149,15 @@ MeasuredSide measure_side(const ExposureSeries& series, const ProfileMeasureOpti
         merge.add(read_exposure(series.lit[k], progress), read_exposure(series.dark[k], progress));
     }
     return measure_merged(merge.merged(), series, options);
+}
+
+void expect_no_light_made(const Eigen::Vector3d& reflectance, const Eigen::Vector3d& transmittance) {
+    constexpr double most = 1.02;  // what reading the file again allows (measured_profile.h)
+    for (int c = 0; c < 3; ++c)
+        if (const double sum = reflectance[c] + transmittance[c]; sum > most)
+            throw InputError(fmt::format("the slab reflects {} and transmits {} of the {} light, {:.4g} in all: more than it got; measure both albedos again, against "
+                                         "the same white",
+                                         reflectance[c], transmittance[c], channel_names[c], sum));
 }
 
 double blurred_from(double radius_mm, double share) {

@@ -58,6 +58,9 @@ struct MeasuredSide {
 [[nodiscard]] MeasuredSide measure_merged(const MergedPicture& picture, const ExposureSeries& series,
                                           const ProfileMeasureOptions& options);
 
+/// Throws InputError where a slab would reflect and transmit more than 1.02 of the light of a channel.
+void expect_no_light_made(const Eigen::Vector3d& reflectance, const Eigen::Vector3d& transmittance);
+
 /// k, cycles per mm, from where on a disc of this radius lowers coefficients by more than `share` (at most 0.5).
 [[nodiscard]] double blurred_from(double radius_mm, double share);
 

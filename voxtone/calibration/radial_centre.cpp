@@ -50,7 +50,7 @@ Eigen::Vector2d middle_of_light(const MergedPicture& picture) {
     const double noise = std::sqrt(3 / (4 * std::numbers::pi * blur_px * blur_px));
     if (!(highest_signal > clear_light * noise))
         throw InputError(
-            "no light stands out above the dark frames; check that the spot was on, in the picture, and that lit and "
+            "no light stands out above the dark frames; check that the spot was on, in the picture and not saturated in every exposure, and that lit and "
             "dark exposures are not swapped");
     const cv::Mat light = blurred(light_of(picture));
     double highest = 0;

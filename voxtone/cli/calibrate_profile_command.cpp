@@ -93,9 +93,13 @@ CommandResult measure(Arguments& a, Progress& progress) {
     const double thickness = layer ? parse_length_mm(a.thickness, "--thickness") : 0;
     if (layer && !(thickness > 0)) throw UsageError(fmt::format("--thickness is {} mm; it must be above 0", thickness));
 
+    const calibration::ExposureSeries R_series = series(a.R, "reflection", "--reflectance");
+    const calibration::ExposureSeries T_series = layer ? series(a.T, "transmission", "--transmittance") : calibration::ExposureSeries{};
+    if (layer) calibration::expect_no_light_made(R_series.total, T_series.total);
+
     nlohmann::ordered_json json{{"format", "voxtone-calibrate-profile"}, {"version", 1}, {"profile", a.out}};
     progress.begin_stage("reflection", 0);
-    const calibration::MeasuredSide R = measure_side(series(a.R, "reflection", "--reflectance"), a.options, &progress);
+    const calibration::MeasuredSide R = measure_side(R_series, a.options, &progress);
     progress.end_stage();
     json["R"] = side_json(R);
     std::string text = side_text(R, "reflection");
@@ -104,7 +108,7 @@ CommandResult measure(Arguments& a, Progress& progress) {
     if (layer) {
         a.options.mm_per_px = a.mm_per_px.back();
         progress.begin_stage("transmission", 0);
-        const calibration::MeasuredSide T = measure_side(series(a.T, "transmission", "--transmittance"), a.options, &progress);
+        const calibration::MeasuredSide T = measure_side(T_series, a.options, &progress);
         progress.end_stage();
         json["T"] = side_json(T);
         text += side_text(T, "transmission");

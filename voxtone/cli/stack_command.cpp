@@ -19,7 +19,9 @@ Command add_stack_command(CLI::App& program) {
     add("dataset", add_stack_dataset_command(*command));
     add("factor", add_stack_factor_command(*command));
     add("predict", add_stack_predict_command(*command));
+    add("print", add_stack_print_command(*command));
     add("search", add_stack_search_command(*command));
+    add("targets", add_stack_targets_command(*command));
     return [steps] {
         for (const auto& [step, run] : *steps)
             if (step->parsed()) return run();

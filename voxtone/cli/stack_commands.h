@@ -10,6 +10,8 @@ namespace voxtone::cli {
 Command add_stack_dataset_command(CLI::App& stack);
 Command add_stack_factor_command(CLI::App& stack);
 Command add_stack_predict_command(CLI::App& stack);
+Command add_stack_print_command(CLI::App& stack);
 Command add_stack_search_command(CLI::App& stack);
+Command add_stack_targets_command(CLI::App& stack);
 
 }  // namespace voxtone::cli

@@ -73,6 +73,14 @@ std::vector<double> coefficients(const RadialSamples& samples, const char* name,
     return f;
 }
 
+// As far below zero as noise may take what is black.
+void expect_light(double total, const char* what) {
+    if (total < 1 - largest_sum)
+        throw InputError(fmt::format("The {} profile holds {:.4g} of the light, less than nothing. Were dark frames of another exposure subtracted? Measure "
+                                     "again, or give its total.",
+                                     what, total));
+}
+
 }  // namespace
 
 HomogeneousLayer measured_layer(const MeasuredProfile& measured, const HankelGrid& grid, MeasuredSummary& summary) {
@@ -84,6 +92,8 @@ HomogeneousLayer measured_layer(const MeasuredProfile& measured, const HankelGri
     check(measured.R, "reflection");
     const std::vector<double> T = coefficients(measured.T, "transmission", grid),
                               R = coefficients(measured.R, "reflection", grid);
+    expect_light(T[0], "transmission");
+    expect_light(R[0], "reflection");
     if (T[0] + R[0] > largest_sum)
         throw InputError(
             fmt::format("The layer transmits {:.4g} and reflects {:.4g} of the light: {:.4g} in all, more than it got. Check the "
@@ -103,6 +113,7 @@ HomogeneousLayer measured_layer(const MeasuredProfile& measured, const HankelGri
 std::vector<double> measured_reflection(const RadialSamples& R, const HankelGrid& grid, MeasuredSummary& summary) {
     check(R, "reflection");
     std::vector<double> f = coefficients(R, "reflection", grid);
+    expect_light(f[0], "reflection");
     if (f[0] > largest_sum)
         throw InputError(fmt::format(
             "The reflection profile sends back {:.4g} of the light, more than it got. Check its scale or give its total.", f[0]));

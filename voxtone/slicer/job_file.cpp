@@ -87,6 +87,10 @@ void read_job(const std::string& path, SliceOptions& options) {
         for (const auto& [name, named] : {std::pair{"model", &options.model}, std::pair{"profiles", &options.profiles}})
             if (key == name && !named->empty() && std::filesystem::path(*named).is_relative())
                 *named = (std::filesystem::path(path).parent_path() / *named).string();
+        if (key == "stack-materials")
+            for (std::string& entry : options.stack_materials)
+                if (const std::size_t at = entry.find('=') + 1; at > 0 && at < entry.size() && std::filesystem::path(entry.substr(at)).is_relative())
+                    entry = entry.substr(0, at) + (std::filesystem::path(path).parent_path() / entry.substr(at)).string();
     }
 }
 

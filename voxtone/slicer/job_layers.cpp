@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <limits>
 
 #include <fmt/core.h>
@@ -15,6 +16,7 @@
 #include "voxtone/optics/resin_stack.h"
 #include "voxtone/optics/surfaced_reflection.h"
 #include "voxtone/slicer/lap.h"
+#include "voxtone/slicer/stack_setting.h"
 
 namespace voxtone::slicer {
 
@@ -26,7 +28,7 @@ std::string channels_text(const optics::Channels& channels) {
 
 void check(const SliceOptions& options, const io::ProfileMap& map, const JobBody& body, const LoadedResins& resins) {
     if (map.target.empty()) throw InputError(fmt::format("{}: has no clusters, so there is nothing to arrange; give a map with at least one", options.profiles));
-    if (map.channels != resins.set.channels)
+    if (options.stack_materials.empty() && map.channels != resins.set.channels)
         throw InputError(fmt::format("{}: its profiles are for {}, those of the resins {} for {}; the search compares channel by channel: make the map "
                                      "with the channels of the resins, or choose another --resins",
                                      options.profiles, channels_text(map.channels), resins.set.name, channels_text(resins.set.channels)));
@@ -57,17 +59,51 @@ optics::HankelGrid grid_for(const io::ProfileMap& map) {
     return {std::max(least_reach_mm, room * profile_extent_mm(map)), coefficients};
 }
 
-std::vector<halftone::StackMaterial> stack_materials(const optics::ResinSet& set, double most_mm, const optics::HankelGrid& grid, Progress& progress) {
+/// What stacks are made of, and what is above them.
+struct Materials {
+    std::vector<halftone::StackMaterial> materials;  ///< by resin
+    double turned_back = 0;                          ///< by the surface
+    bool traceable = true;
+};
+
+Materials computed_materials(const optics::ResinSet& set, double most_mm, const optics::HankelGrid& grid, Progress& progress) {
     progress.begin_stage("profiles of the resins", set.resins.size(), "resins");
-    std::vector<halftone::StackMaterial> materials;
+    Materials made{{}, optics::turned_back_share(set.eta), true};
     for (std::size_t r = 0; r < set.resins.size(); ++r) {
         std::vector<double> known_mm;
         for (std::size_t c = 0; c < set.channels.size(); ++c) known_mm.push_back(halftone::fitting_known_mm(set.resins[r].medium(c), set.g, most_mm));
-        materials.push_back(halftone::resin_material(set, r, known_mm, grid, {}, &progress));
+        made.materials.push_back(halftone::resin_material(set, r, known_mm, grid, {}, &progress));
         progress.advance();
     }
     progress.end_stage();
-    return materials;
+    return made;
+}
+
+/// Measured with whatever surface they had: none is added.
+Materials measured_materials(const SliceOptions& options, const io::ProfileMap& map, const LoadedResins& resins, const optics::HankelGrid& grid,
+                             Progress& progress) {
+    const std::vector<StackMaterialFile> named = parse_stack_materials(options.stack_materials);
+    for (const auto& [role, file] : named)
+        if (resins.set.find(role) < 0)
+            throw InputError(fmt::format("--stack-materials {}={}: no resin of this role is loaded; leave it out or load it (--load)", role, file));
+    StackSettingOptions setting;
+    for (const optics::Resin& resin : resins.set.resins) {
+        const auto found = std::find_if(named.begin(), named.end(), [&](const StackMaterialFile& entry) { return entry.role == resin.role; });
+        if (found == named.end())
+            throw InputError(fmt::format("--stack-materials: the loaded resin {} has no profile; a stack is made of one kind, measured or computed: give it one, or "
+                                         "do not load it (--load)",
+                                         resin.role));
+        if (std::filesystem::path(found->file).extension() != ".json")
+            throw InputError(fmt::format("--stack-materials {}={}: is no profile file (.json)", found->role, found->file));
+        setting.materials.push_back(found->file);
+    }
+    setting.reach_mm = grid.reach_mm();
+    setting.coefficients = static_cast<std::uint32_t>(grid.size());
+    const StackSetting stacks(setting);
+    if (stacks.channels() != map.channels)
+        throw InputError(fmt::format("{}: its profiles are for {}, those of the materials ({}, ...) for {}; the search compares channel by channel", options.profiles,
+                                     channels_text(map.channels), setting.materials[0], channels_text(stacks.channels())));
+    return {stacks.materials(0, options.stack_thickness_mm, {}, progress), stacks.turned_back(), false};
 }
 
 halftone::StackSearchOptions search_options(const SliceOptions& options, const LoadedResins& resins, std::span<const halftone::StackMaterial> materials) {
@@ -139,13 +175,22 @@ void finish(ClusterStack& cluster, std::span<const halftone::StackMaterial> mate
     design.judged_distance = distance(design.judged, cluster.target);
 }
 
+/// Tracing is worth its ten seconds for each cluster: it takes a third off the distance that is really there (docs/layered-prints.md).
+int rounds_of(const SliceOptions& options, std::size_t clusters, const Materials& made) {
+    constexpr std::size_t most_clusters = 16;
+    const int rounds = parse_stack_rounds(options.stack_rounds);
+    return !made.traceable ? 0 : rounds >= 0 ? rounds : clusters <= most_clusters ? 1 : 0;
+}
+
 void search_stacks(const SliceOptions& options, const LoadedResins& resins, const optics::HankelGrid& grid, std::vector<ClusterStack>& clusters,
-                   std::span<const halftone::StackMaterial> materials, Progress& progress) {
+                   const Materials& made, Progress& progress) {
+    const std::span<const halftone::StackMaterial> materials = made.materials;
+    const int rounds = rounds_of(options, clusters.size(), made);
     halftone::StackDesignOptions design;
     design.search = search_options(options, resins, materials);
-    design.turned_back = optics::turned_back_share(resins.set.eta);
-    design.rounds = std::max(1, options.stack_rounds);
-    const halftone::StackJudge judge = options.stack_rounds > 0 ? tracing_judge(resins, grid, progress) : halftone::StackJudge{};
+    design.turned_back = made.turned_back;
+    design.rounds = std::max(1, rounds);
+    const halftone::StackJudge judge = rounds > 0 ? tracing_judge(resins, grid, progress) : halftone::StackJudge{};
     progress.begin_stage("search stacks", clusters.size(), "clusters");
     const halftone::StackSearch search(materials, design.search);
     parallel_for(0, clusters.size(), 1,
@@ -190,7 +235,9 @@ JobLayers::JobLayers(const SliceOptions& options, io::ProfileMap wanted, const J
     }
 
     Lap lap;
-    const std::vector<halftone::StackMaterial> materials = stack_materials(resins.set, options.stack_thickness_mm, grid, progress);
+    const Materials materials = options.stack_materials.empty() ? computed_materials(resins.set, options.stack_thickness_mm, grid, progress)
+                                                                : measured_materials(options, map, resins, grid, progress);
+    measured = !materials.traceable;
     materials_s = lap();
     search_stacks(options, resins, grid, clusters, materials, progress);
     search_s = lap();

@@ -5,7 +5,8 @@
 //
 // Materials are the loaded resins, known by their profiles. For each cluster of the map the best stack of blocks is searched
 // (halftone/stack_search.h) and its thicknesses refined (stack_refinement.h), under a smooth surface to air and over the base resin taken
-// to be deep; what the layered model gets wrong is corrected by tracing the stacks (stack_design.h). What lies so deep that it
+// to be deep; what the layered model gets wrong is corrected by tracing the stacks (stack_design.h): by default in one round, where there
+// are 16 clusters at most. Or materials are measured profiles (stack_setting.h), with the surface that they had, and nothing is traced. What lies so deep that it
 // changes what is seen by less than 2 % of the distance is left out (shortened_stack.h). The stacks are aligned, interpolated to height
 // fields over the map, and wrapped.
 #pragma once
@@ -62,6 +63,7 @@ public:
     halftone::AlignedStacks aligned;
     StackFit fit;
     std::vector<std::string> warnings;
+    bool measured = false;  ///< materials are from profile files
     double materials_s = 0, search_s = 0;
 
 private:

@@ -167,11 +167,13 @@ void add_layers_report(const JobLayers& layers, const LoadedResins& resins, cons
     io::ReportSection profiles;
     profiles.title = "Scattering profiles";
     profiles.paragraphs.push_back(fmt::format(
-        "The map asks for {} different profiles; for each the nearest stack of layers was searched and its thicknesses refined, under a smooth surface to "
-        "air and over a deep base of {}. {} Distances are weighted root mean squares of the difference in Hankel coefficients (which lie between 0 "
+        "The map asks for {} different profiles; for each the nearest stack of layers was searched and its thicknesses refined, {} "
+        "and over a deep base of {}. {} Distances are weighted root mean squares of the difference in Hankel coefficients (which lie between 0 "
         "and 1): {:.4f} on average over the map, {:.4f} at most.",
-        order.size(), resins.entries[static_cast<std::size_t>(resins.core)].name,
+        order.size(), layers.measured ? "from measured layers, with the surface that they had when they were measured," : "under a smooth surface to air",
+        resins.entries[static_cast<std::size_t>(resins.core)].name,
         totals.traced ? "What they show was traced by Monte Carlo and what the layered model gets wrong corrected; figures are those of the traced light."
+        : layers.measured ? "What they show is by the layered model: of measured materials nothing else is known."
                       : "What they show is by the layered model, which is rough for thin layers (--stack-rounds 1 traces the stacks).",
         totals.distance, totals.worst));
     if (totals.traced)

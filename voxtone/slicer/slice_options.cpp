@@ -194,10 +194,13 @@ std::vector<OptionSpec> make_table() {
         length(spec("stack-thickness", Kind::length, "LENGTH", profiles, "most thickness of a stack of layers"), &O::stack_thickness_mm),
         number(spec("stack-steps", Kind::number, "N", profiles, "the search cuts that thickness into so many steps"), &O::stack_steps),
         number(spec("stack-blocks", Kind::number, "N", profiles, "and makes stacks of so many blocks, of 1, 2, 4, ... steps, at most"), &O::stack_blocks),
-        number(spec("stack-rounds", Kind::number, "N", profiles,
-                    "rounds in which a stack is searched, traced by Monte Carlo and corrected for what the layered model got wrong; the best is kept; 0: by "
-                    "the model alone; a round takes some ten seconds for each cluster"),
-               &O::stack_rounds),
+        text(spec("stack-rounds", Kind::text, "N", profiles,
+                  "rounds in which a stack is searched, traced by Monte Carlo and corrected for what the layered model got wrong; the best is kept; 0: by "
+                  "the model alone; a round takes some ten seconds of one core for each cluster; auto: 1 for up to 16 clusters of resins, else 0"),
+             &O::stack_rounds),
+        list(spec("stack-materials", Kind::list, "ROLE=FILE", profiles,
+                  "measured profiles (voxtone-profile) of the loaded resins in the place of computed ones: W=white.json,K=black.json; all or none"),
+             &O::stack_materials),
         number(spec("dc-weight", Kind::number, "W", profiles, "weight of the total reflectance against the profile's shape"), &O::dc_weight),
         list(spec("clear-top", Kind::list, "ROLE=LENGTH", profiles, "this resin stays that far below the surface, such as T=0.2mm; a list"), &O::clear_top),
         text(spec("base", Kind::text, "ROLE", profiles, "resin below the stacks, taken to be deep"), &O::base),
@@ -240,6 +243,26 @@ int parse_iterations(const std::string& text) {
     const int n = parse_number<int>("iterations", text);
     if (n < 0 || n > 1000) throw UsageError(fmt::format("--iterations {}: must be 0 to 1000, or auto", text));
     return n;
+}
+
+int parse_stack_rounds(const std::string& text) {
+    if (text == "auto") return -1;
+    const int n = parse_number<int>("stack-rounds", text);
+    if (n < 0 || n > 20) throw UsageError(fmt::format("--stack-rounds {}: must be 0 to 20, or auto", text));
+    return n;
+}
+
+std::vector<StackMaterialFile> parse_stack_materials(const std::vector<std::string>& entries) {
+    std::vector<StackMaterialFile> parsed;
+    for (const std::string& entry : entries) {
+        const std::size_t equals = entry.find('=');
+        if (equals == 0 || equals == std::string::npos || equals + 1 == entry.size())
+            throw UsageError(fmt::format("--stack-materials {}: write ROLE=FILE, such as W=white.json", entry));
+        parsed.push_back({entry.substr(0, equals), entry.substr(equals + 1)});
+        for (std::size_t i = 0; i + 1 < parsed.size(); ++i)
+            if (parsed[i].role == parsed.back().role) throw UsageError(fmt::format("--stack-materials {}: {} is named twice", entry, parsed.back().role));
+    }
+    return parsed;
 }
 
 std::vector<ClearTop> parse_clear_top(const std::vector<std::string>& entries) {
@@ -285,6 +308,7 @@ void validate(const SliceOptions& o) {
     if (o.unit != "auto") (void)mm_per_unit(o.unit);
     if (!o.layered()) {
         need(o.profiles.empty(), "profiles", o.profiles, "only goes with --model layered-profile");
+        need(o.stack_materials.empty(), "stack-materials", fmt::format("{}", fmt::join(o.stack_materials, ",")), "only goes with --model layered-profile");
         need(!o.surfaces, "surfaces", "", "only goes with --model layered-profile");
         return;
     }
@@ -293,7 +317,9 @@ void validate(const SliceOptions& o) {
     need(o.stack_thickness_mm > 0 && o.stack_thickness_mm <= 50, "stack-thickness", fmt::format("{}mm", o.stack_thickness_mm), "must be above 0 and at most 50 mm");
     need(o.stack_steps >= 1 && o.stack_steps <= 4096, "stack-steps", fmt::format("{}", o.stack_steps), "must be 1 to 4096");
     need(o.stack_blocks >= 1 && o.stack_blocks <= 16, "stack-blocks", fmt::format("{}", o.stack_blocks), "must be 1 to 16");
-    need(o.stack_rounds >= 0 && o.stack_rounds <= 20, "stack-rounds", fmt::format("{}", o.stack_rounds), "must be 0 to 20");
+    const int rounds = parse_stack_rounds(o.stack_rounds);
+    need(rounds <= 0 || o.stack_materials.empty(), "stack-rounds", o.stack_rounds, "measured materials have no medium that light could be traced through: 0 or auto");
+    (void)parse_stack_materials(o.stack_materials);
     need(o.dc_weight > 0 && o.dc_weight <= 1e6, "dc-weight", fmt::format("{}", o.dc_weight), "must be above 0 and at most 1e6");
     need(o.layer_smoothing_mm >= 0 && o.layer_smoothing_mm <= 100, "layer-smoothing", fmt::format("{}mm", o.layer_smoothing_mm), "must be 0 to 100 mm");
     need(o.surface_cell_mm >= 0.01 && o.surface_cell_mm <= 5, "surface-cell", fmt::format("{}mm", o.surface_cell_mm), "must be 0.01 to 5 mm");

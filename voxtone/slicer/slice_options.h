@@ -36,7 +36,8 @@ struct SliceOptions {
     std::string profile_placement = "uv";
     double stack_thickness_mm = 5;
     std::uint32_t stack_steps = 64, stack_blocks = 6;
-    int stack_rounds = 0;
+    std::string stack_rounds = "auto";         ///< a number, 0 for none; auto: see job_layers.h
+    std::vector<std::string> stack_materials;  ///< "ROLE=FILE"; empty: resins are computed
     double dc_weight = 1;
     std::vector<std::string> clear_top;  ///< "ROLE=LENGTH"
     std::string base = "K";              ///< role of the resin below the stacks
@@ -90,6 +91,13 @@ struct OptionSpec {
 /// Coloured surface whose resins `slice` rearranges without being asked.
 inline constexpr double auto_loop_cm2 = 30;
 
+/// Rounds of corrected searches; -1: "auto". Throws UsageError.
+[[nodiscard]] int parse_stack_rounds(const std::string& text);
+/// One entry of `stack_materials`. Throws UsageError.
+struct StackMaterialFile {
+    std::string role, file;
+};
+[[nodiscard]] std::vector<StackMaterialFile> parse_stack_materials(const std::vector<std::string>& entries);
 /// Most iterations of the loop; -1: until it stops gaining ("auto"). Throws UsageError.
 [[nodiscard]] int parse_iterations(const std::string& text);
 
@@ -117,7 +125,7 @@ void validate(const SliceOptions& options);
 [[nodiscard]] std::string job_json(const SliceOptions& options);
 
 /// Reads a job file into `options`: only the keys that it has. Unknown keys are errors that name the nearest known key.
-/// Relative paths of the model and of the map of profiles are relative to the job file. Throws FileError, InputError.
+/// Relative paths of the model, of the map of profiles and of measured materials are relative to the job file. Throws FileError, InputError.
 void read_job(const std::string& path, SliceOptions& options);
 
 }  // namespace voxtone::slicer

@@ -7,10 +7,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "voxtone/io/layer_sequence_file.h"
 #include "voxtone/io/profile_file.h"
 #include "voxtone/io/whole_file.h"
-#include "voxtone/optics/resin_profile.h"
+#include "voxtone/slicer/named_stack.h"
 #include "voxtone/slicer/profile_plots.h"
 
 namespace voxtone::slicer {
@@ -18,47 +17,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using optics::StackLight;
-
-constexpr double blur = 0.75;  // of reach / n
-
-io::LayerSequence read_stack(const StackPredictJob& job) {
-    io::LayerSequence sequence;
-    if (fs::path(job.stack).extension() == ".json" && job.stack.find_first_of(" ,") == std::string::npos) {
-        sequence = io::read_layer_sequence(job.stack);
-    } else {
-        sequence.name = job.stack;
-        sequence.layers = io::parse_layers(job.stack);
-        sequence.resins = "vero-opaque";
-        sequence.surface = "auto";
-    }
-    if (!job.resins.empty()) sequence.resins = job.resins;
-    if (!job.surface.empty()) sequence.surface = job.surface;
-    if (!job.backing.empty()) sequence.backing = job.backing;
-    if (sequence.layers.empty()) throw InputError(fmt::format("{}: has no layer; there is nothing to predict", job.stack));
-    return sequence;
-}
-
-StackSetting setting_of(const StackPredictJob& job, const io::LayerSequence& sequence) {
-    StackSettingOptions options;
-    for (const io::SequenceLayer& layer : sequence.layers)
-        if (std::find(options.materials.begin(), options.materials.end(), layer.material) == options.materials.end())
-            options.materials.push_back(layer.material);
-    options.resins = sequence.resins;
-    options.surface = sequence.surface;
-    options.backing = sequence.backing;
-    options.reach_mm = job.reach_mm;
-    options.coefficients = job.coefficients;
-    return StackSetting(options);
-}
-
-std::vector<halftone::StackLayer> layers_of(const io::LayerSequence& sequence, const StackSetting& setting) {
-    std::vector<halftone::StackLayer> layers;
-    for (const io::SequenceLayer& layer : sequence.layers) {
-        const auto material = std::find(setting.names().begin(), setting.names().end(), layer.material);
-        layers.push_back({static_cast<std::size_t>(material - setting.names().begin()), layer.mm});
-    }
-    return layers;
-}
 
 void check(const StackPredictJob& job, const StackSetting& setting) {
     if (job.paths < 2) throw UsageError(fmt::format("--paths: {}; at least 2 are needed", job.paths));
@@ -73,53 +31,6 @@ void check(const StackPredictJob& job, const StackSetting& setting) {
     }
 }
 
-// Of measured profiles, or on a measured backing: the surface is a layer of its own.
-StackLight profiles_of(const StackSetting& setting, std::span<const halftone::StackLayer> layers,
-                       const std::vector<halftone::StackMaterial>& materials) {
-    StackLight light;
-    const std::size_t n = setting.grid().size();
-    for (std::size_t c = 0; c < setting.channels().size(); ++c) {
-        optics::LayerProfile all = optics::smooth_surface(setting.ends().eta_top, n);
-        for (const halftone::StackLayer& layer : layers)
-            all = optics::stack(all, materials[layer.material][c].of_thickness(layer.thickness_mm));
-        if (setting.ends().eta_bottom > 1) {
-            all = optics::stack(all, optics::turned_over(optics::smooth_surface(setting.ends().eta_bottom, n)));
-        } else if (!setting.backing_reflection().empty()) {
-            const std::vector<double>& R = setting.backing_reflection()[c];
-            all = optics::stack(all, {std::vector<double>(n, 1.0), R, R});
-        }
-        light.R.push_back(all.R_top);
-        light.T.push_back(all.T);
-    }
-    light.R_error.assign(light.R.size(), 0.0);
-    light.T_error = light.R_error;
-    return light;
-}
-
-StackLight layered(const StackPredictJob& job, const StackSetting& setting, std::span<const halftone::StackLayer> layers,
-                   Progress& progress) {
-    const optics::LayerPathOptions tracing{job.paths, job.seed};
-    if (setting.traceable())
-        return optics::layered_light(*setting.resins(), setting.resin_layers(layers), setting.ends(), setting.grid(), tracing,
-                                     &progress);
-    double mm = 0;
-    for (const halftone::StackLayer& layer : layers) mm += layer.thickness_mm;
-    return profiles_of(setting, layers, setting.materials(0, mm, tracing, progress));
-}
-
-// Half as wide a blur as pictures have: it takes the ripples of a series that ends down to 6 %, and of what coarser grids can see
-// next to nothing.
-optics::RadialSamples sampled(const optics::HankelGrid& grid, const std::vector<double>& coefficients) {
-    const std::size_t n = 2 * grid.size();
-    const std::vector<double> soft = grid.blurred(coefficients, blur * grid.reach_mm() / static_cast<double>(grid.size()));
-    optics::RadialSamples samples;
-    samples.spacing_mm = grid.reach_mm() / static_cast<double>(n);
-    for (std::size_t i = 0; i <= n; ++i)
-        samples.light.push_back(grid.profile(soft, std::min(grid.reach_mm(), static_cast<double>(i) * samples.spacing_mm)));
-    samples.total = std::clamp(coefficients[0], 0.0, 1.0);
-    return samples;
-}
-
 std::string profile_json(const StackSetting& setting, const io::LayerSequence& sequence, const StackLight& light) {
     io::ProfileFile file;
     file.name = sequence.name;
@@ -129,7 +40,7 @@ std::string profile_json(const StackSetting& setting, const io::LayerSequence& s
     double mm = 0;
     for (const io::SequenceLayer& layer : sequence.layers) mm += layer.mm;
     for (std::size_t c = 0; c < light.R.size(); ++c)
-        file.by_channel.push_back({mm, sampled(setting.grid(), light.T[c]), sampled(setting.grid(), light.R[c])});
+        file.by_channel.push_back({mm, profile_samples(setting.grid(), light.T[c]), profile_samples(setting.grid(), light.R[c])});
     return io::profile_text(file);
 }
 
@@ -175,15 +86,12 @@ std::string line(const char* name, const StackSetting& setting, const StackLight
 }  // namespace
 
 StackJobResult run_stack_predict(const StackPredictJob& job, Progress& progress) {
-    const io::LayerSequence sequence = read_stack(job);
-    const StackSetting setting = setting_of(job, sequence);
+    const NamedStack stack = read_named_stack(job.stack, {job.resins, job.surface, job.backing, job.reach_mm, job.coefficients});
+    const auto& [sequence, setting, layers] = stack;
     check(job, setting);
-    const std::vector<halftone::StackLayer> layers = layers_of(sequence, setting);
     Prediction prediction;
-    prediction.layers = layered(job, setting, layers, progress);
-    if (job.check)
-        prediction.traced = optics::traced_light(*setting.resins(), setting.resin_layers(layers), setting.ends(), setting.grid(),
-                                                 {job.paths, job.seed + 10000000}, &progress);
+    prediction.layers = layered_light(stack, {job.paths, job.seed}, progress);
+    if (job.check) prediction.traced = traced_light(stack, {job.paths, job.seed + 10000000}, progress);
     for (const std::string& file : job.files)
         io::write_whole_file(file, fs::path(file).extension() == ".svg" ? drawing(setting, sequence.name, prediction)
                                                                         : profile_json(setting, sequence, prediction.layers));

@@ -169,7 +169,8 @@ std::string result_text(const StackSetting& setting, const Target& target, const
                                 : fmt::format("{} mm, top first ({:.4g} mm in all)", io::layers_text(sequence.layers), mm));
     const std::string judged =
         design.judged.empty() ? std::string() : fmt::format(", by Monte Carlo {:.4f}", design.judged_distance);
-    const std::string gamut = design.outside > 0 ? fmt::format("outside of the gamut by at least {:.4f}", design.outside)
+    const std::string gamut = design.outside > 0 ? fmt::format("outside of the gamut by at least {:.4f}{}", design.outside,
+                                                               setting.turned_back() > 0 ? " behind the surface" : "")
                                                  : std::string("not known to lie outside of the gamut");
     text += fmt::format("  distance {:.4f}{}; {}\n", design.modelled_distance, judged, gamut);
     for (std::size_t c = 0; c < target.wanted.size(); ++c) {
