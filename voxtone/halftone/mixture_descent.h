@@ -35,9 +35,9 @@ namespace voxtone::halftone {
 
 struct DescentOptions {
     float own_rate = 0.36f, most_own_rate = 0.42f;       ///< of the first step; later: in [least_rate, 2]
-    float shared_rate = 0.15f, most_shared_rate = 0.3f;
+    float shared_rate = 0.06f, most_shared_rate = 0.3f;
     float least_rate = 0.01f;
-    float slower = 0.4f, faster = 1.4f;  ///< most that a rate changes in a step
+    float slower = 0.4f, faster = 2;  ///< most that a rate changes in a step
     float beyond = 1.6f;     ///< of an own step / the secant's: cells hinder each other less than they did along it
     float momentum = 0.4f;   ///< mu, in [0, 1); more makes bodies swing, whose cells share light over millimetres
     float mean_scale = 0.5f; ///< part of the cells' mean in s

@@ -97,7 +97,7 @@ JobLoop::JobLoop(const SliceOptions& options, const LoopPlan& plan, const JobBod
     loop.iterations = plan.iterations;
     loop.viewing_distance_mm = options.viewing_distance_mm;
     loop.intent = parse_intent(options.intent);
-    loop.descent = options.loop_method != "feedback";
+    loop.descent = options.loop_method == "descent" || (options.loop_method == "auto" && coloured_area_mm2(body.surface) <= 100 * descent_cm2);
     const LoopCheckpoint checkpoint(folder, options, target);
     const std::optional<halftone::LoopState> before = options.resume ? checkpoint.read(progress) : std::nullopt;
     result = halftone::run_appearance_loop(task, loop, progress, [&](const halftone::LoopState& state) { checkpoint.write(state); },

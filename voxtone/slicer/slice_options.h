@@ -59,7 +59,7 @@ struct SliceOptions {
     std::string intent = "relative";
     double viewing_distance_mm = 300;
     std::string loop_model = "transport";
-    std::string loop_method = "descent";
+    std::string loop_method = "auto";
     bool resume = false;
 
     std::vector<std::string> formats;  ///< empty: the printer's default
@@ -98,6 +98,10 @@ struct StackMaterialFile {
     std::string role, file;
 };
 [[nodiscard]] std::vector<StackMaterialFile> parse_stack_materials(const std::vector<std::string>& entries);
+/// Coloured surface up to which `--loop-method auto` goes on downhill after feedback: beyond it the same few iterations gain as much by
+/// feedback alone, in half the time and three quarters of the memory (docs/benchmarks.md, "Bodies").
+inline constexpr double descent_cm2 = 30;
+
 /// Most iterations of the loop; -1: until it stops gaining ("auto"). Throws UsageError.
 [[nodiscard]] int parse_iterations(const std::string& text);
 
