@@ -87,7 +87,7 @@ TEST_CASE("Profiles that are faulty name file, key and rule") {
     CHECK_THAT(bad("\"version\": 1", "\"version\": 2"), Contains("version"));
     CHECK_THAT(bad("\"name\"", "\"nam\""), Contains("nam") && Contains("'name'"));
     CHECK_THAT(bad("\"rgb\"", "\"cmyk\""), Contains("`channels`") && Contains("cmyk") && Contains("wavelengths"));
-    CHECK_THAT(bad("\"rgb\"", "[]"), Contains("`channels`") && Contains("empty"));
+    CHECK_THAT(bad("\"rgb\"", "[]"), Contains("`channels`") && Contains("has 0 wavelengths"));
     CHECK_THAT(bad("\"rgb\"", "[450, 550, 550]"), Contains("`channels`") && Contains("rise"));
     CHECK_THAT(bad("\"rgb\"", "[450, 550]"), Contains("`R.light`") && Contains("3 entries, expected 2"));
     CHECK_THAT(bad("\"channels\": \"rgb\", ", ""), Contains("`channels`") && Contains("missing"));
