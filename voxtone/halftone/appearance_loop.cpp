@@ -83,7 +83,7 @@ public:
     }
 
 private:
-    static constexpr double spread_mm = 1.2;
+    static constexpr double spread_mm = 1.2;  // exp(-(r / spread)^2); that of the wide Gaussian at 300 mm, not varied
     const optics::Surface& surface_;
     std::vector<optics::SurfacePoint> points_;
     std::optional<optics::SurfaceSmoothing> smoothing_;

@@ -33,11 +33,13 @@
 
 namespace voxtone::halftone {
 
+/// Rates are without unit: exponents per unit of d. The figures were chosen on img_kodim23 (20 mm) and spot (30 mm); docs/benchmarks.md,
+/// "Steps in two parts".
 struct DescentOptions {
-    float own_rate = 0.36f, most_own_rate = 0.42f;       ///< of the first step; later: in [least_rate, 2]
-    float shared_rate = 0.06f, most_shared_rate = 0.3f;
-    float least_rate = 0.01f;
-    float slower = 0.4f, faster = 2;  ///< most that a rate changes in a step
+    float own_rate = 0.36f, most_own_rate = 0.42f;       ///< rate_o: of the first step, and the most it may become
+    float shared_rate = 0.06f, most_shared_rate = 0.3f;  ///< rate_s, likewise
+    float least_rate = 0.01f;            ///< of both
+    float slower = 0.4f, faster = 2;     ///< most that a rate changes in a step, as factors
     float beyond = 1.6f;     ///< of an own step / the secant's: cells hinder each other less than they did along it
     float momentum = 0.4f;   ///< mu, in [0, 1); more makes bodies swing, whose cells share light over millimetres
     float mean_scale = 0.5f; ///< part of the cells' mean in s

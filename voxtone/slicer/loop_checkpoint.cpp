@@ -168,9 +168,13 @@ std::optional<halftone::LoopState> LoopCheckpoint::read(Progress& progress) cons
     Reader file{body.subspan(head)};
     state_in(file, state);
     const auto fits = [&](const auto& list, bool may_lack) { return list.size() == cells_ || (may_lack && list.empty()); };
+    const auto descent_fits = [](const halftone::DescentState& d) {
+        const std::size_t cells = d.mixtures.cells(), stepped = d.shared.empty() ? 0 : cells;
+        return d.momentum.size() == d.mixtures.all().size() && (d.shared.empty() || d.shared.size() == d.momentum.size()) &&
+               d.scale.size() == cells && d.rate.size() == cells && d.divisor.size() == stepped && d.fall.size() == stepped;
+    };
     if (!file.good || !file.bytes.empty() || state.steps.empty() || state.best >= state.steps.size() || !fits(state.drive, false) ||
-        !fits(state.start_drive, true) || !fits(state.descent.scale, true) || !fits(state.descent.rate, true) ||
-        !fits(state.descent.divisor, true) || !fits(state.descent.fall, true) || state.descent.shared.size() % std::max<std::size_t>(1, state.descent.momentum.size()) != 0 || state.descent.momentum.size() != state.descent.mixtures.all().size() ||
+        !fits(state.start_drive, true) || !descent_fits(state.descent) ||
         (state.descent.mixtures.cells() != 0 && state.descent.mixtures.cells() != cells_) ||
         (state.best > 0 && state.best_mixtures.cells() != cells_) || !fits(state.open, false) || !fits(state.shown, false))
         throw broken();
