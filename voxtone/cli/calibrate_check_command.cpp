@@ -44,10 +44,7 @@ Command add_calibrate_check_command(CLI::App& calibrate) {
         ->type_name("SET|FILE");
     command->add_option("patches", arguments->patches, "CSV of measured patches")->required()->type_name("FILE");
     add_patch_options(*command, arguments->measured);
-    command->add_option("--threads", arguments->threads, "threads; 0: one per core")
-        ->group("Run")
-        ->capture_default_str()
-        ->check(CLI::Range(0, 1024));
+    add_threads_option(*command, arguments->threads);
     add_console_options(*command, arguments->console);
     return [arguments] { return run(*arguments); };
 }

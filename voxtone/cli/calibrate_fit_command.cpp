@@ -122,10 +122,7 @@ Command add_calibrate_fit_command(CLI::App& calibrate) {
     command->add_flag(
         "--g-sweep", arguments->sweep,
         "also fit for g from -0.9 to 0.9 and print how well each explains the patches (of --check, if given)");
-    command->add_option("--threads", arguments->threads, "threads; 0: one per core. The result does not depend on it")
-        ->group("Run")
-        ->capture_default_str()
-        ->check(CLI::Range(0, 1024));
+    add_threads_option(*command, arguments->threads);
     add_console_options(*command, arguments->console);
     return [arguments] { return run(*arguments); };
 }

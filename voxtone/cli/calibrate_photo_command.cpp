@@ -148,9 +148,7 @@ Command add_calibrate_photo_command(CLI::App& calibrate) {
         ->capture_default_str();
     command->add_option("--overlay", a.overlay, "picture of what was sampled; empty: beside the table")
         ->type_name("FILE");
-    command->add_option("--threads", a.threads, "threads; 0: one per core. The result does not depend on it")
-        ->capture_default_str()
-        ->check(CLI::Range(0, 1024));
+    add_threads_option(*command, a.threads);
     add_console_options(*command, a.console);
     return [arguments] {
         const ThreadLimit limit(static_cast<std::size_t>(arguments->threads));

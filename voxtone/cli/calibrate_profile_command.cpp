@@ -176,10 +176,7 @@ Command add_calibrate_profile_command(CLI::App& calibrate) {
     number("--read-noise", o.noise.read_noise, "standard deviation, part of full scale; for the weights of exposures");
     number("--saturation", o.noise.saturation, "samples from here on are left out, part of full scale");
     number("--most-asymmetry", o.most_asymmetry, "how far a spot may be from round, part of its light");
-    command->add_option("--threads", a.threads, "threads; 0: one per core. The result does not depend on it")
-        ->group("Run")
-        ->capture_default_str()
-        ->check(CLI::Range(0, 1024));
+    add_threads_option(*command, a.threads);
     add_console_options(*command, a.console);
     return [arguments] {
         const ThreadLimit limit(static_cast<std::size_t>(arguments->threads));

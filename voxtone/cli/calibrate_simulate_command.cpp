@@ -124,9 +124,7 @@ Command add_calibrate_simulate_command(CLI::App& calibrate) {
     number("--checker-turns", o.checker_turns, "quarter turns of the chart");
     number("--checker-error", o.checker_error, "relative deviation of the chart's patches from what is known of them");
     number("--seed", o.seed, "seed of noise and dirt");
-    command->add_option("--threads", a.threads, "threads; 0: one per core. The result does not depend on it")
-        ->capture_default_str()
-        ->check(CLI::Range(0, 1024));
+    add_threads_option(*command, a.threads);
     add_console_options(*command, a.console);
     return [arguments] {
         const ThreadLimit limit(static_cast<std::size_t>(arguments->threads));

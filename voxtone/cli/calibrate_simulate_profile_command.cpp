@@ -136,9 +136,7 @@ Command add_calibrate_simulate_profile_command(CLI::App& calibrate) {
     number("--bits", o.bits, "of a sample");
     number("--paths", a.paths, "traced per channel");
     number("--seed", o.seed, "seed of paths and noise");
-    command->add_option("--threads", a.threads, "threads; 0: one per core. The result does not depend on it")
-        ->capture_default_str()
-        ->check(CLI::Range(0, 1024));
+    add_threads_option(*command, a.threads);
     add_console_options(*command, a.console);
     return [arguments] {
         const ThreadLimit limit(static_cast<std::size_t>(arguments->threads));

@@ -165,9 +165,7 @@ Command add_calibrate_target_command(CLI::App& calibrate) {
     command->add_option("--seed", a.seed, "seed of the dither")->type_name("N")->capture_default_str();
     command->add_flag("--gcvf", a.gcvf, "write a GCVF container too");
     command->add_flag("--overwrite", a.overwrite, "write into a folder that holds other things");
-    command->add_option("--threads", a.threads, "threads; 0: one per core. The result does not depend on it")
-        ->capture_default_str()
-        ->check(CLI::Range(0, 1024));
+    add_threads_option(*command, a.threads);
     add_console_options(*command, a.console);
     return [arguments] {
         const ThreadLimit limit(static_cast<std::size_t>(arguments->threads));

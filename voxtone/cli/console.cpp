@@ -43,6 +43,13 @@ void add_console_options(CLI::App& command, ConsoleOptions& options) {
     command.add_flag("--quiet", options.quiet, "no progress, warnings only")->group("Run");
 }
 
+void add_threads_option(CLI::App& command, int& threads) {
+    command.add_option("--threads", threads, "threads; 0: one per core. The result does not depend on it")
+        ->group("Run")
+        ->capture_default_str()
+        ->check(CLI::Range(0, 1024));
+}
+
 int run_on_console(const ConsoleOptions& options, const std::function<CommandResult(Progress&)>& work) {
     const CommandResult result = options.json ? run_with_events(work) : run_with_text(options.quiet, work);
     return static_cast<int>(result.exit_code);

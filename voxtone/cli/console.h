@@ -21,6 +21,8 @@ struct ConsoleOptions {
 };
 
 void add_console_options(CLI::App& command, ConsoleOptions& options);
+/// `--threads`, [0, 1024].
+void add_threads_option(CLI::App& command, int& threads);
 
 /// What a verb has to say at its end.
 struct CommandResult {

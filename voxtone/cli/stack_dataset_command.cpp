@@ -145,9 +145,7 @@ Command add_stack_dataset_command(CLI::App& stack) {
         ->capture_default_str();
     command->add_option("--path-seed", a.path_seed, "seed of the paths alone: the same slab seen once more")
         ->type_name("N");
-    command->add_option("--threads", a.threads, "threads; 0: one per core. The result does not depend on it")
-        ->capture_default_str()
-        ->check(CLI::Range(0, 1024));
+    add_threads_option(*command, a.threads);
     add_console_options(*command, a.console);
     return [arguments] {
         const ThreadLimit limit(static_cast<std::size_t>(arguments->threads));

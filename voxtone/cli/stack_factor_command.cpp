@@ -189,9 +189,7 @@ Command add_stack_factor_command(CLI::App& stack) {
     command->add_option("--seed", a.options.clusters.seed, "seed of the clusters")
         ->type_name("N")
         ->capture_default_str();
-    command->add_option("--threads", a.threads, "threads; 0: one per core. The result does not depend on it")
-        ->capture_default_str()
-        ->check(CLI::Range(0, 1024));
+    add_threads_option(*command, a.threads);
     add_console_options(*command, a.console);
     return [arguments] {
         const ThreadLimit limit(static_cast<std::size_t>(arguments->threads));

@@ -60,9 +60,7 @@ Command add_stack_predict_command(CLI::App& stack) {
         ->capture_default_str();
     command->add_option("--paths", job.paths, "per traced layer or stack, and channel")->type_name("N")->capture_default_str();
     command->add_option("--seed", job.seed, "seed of traced light")->type_name("N")->capture_default_str();
-    command->add_option("--threads", arguments->threads, "threads; 0: one per core. The result does not depend on it")
-        ->capture_default_str()
-        ->check(CLI::Range(0, 1024));
+    add_threads_option(*command, arguments->threads);
     add_console_options(*command, arguments->console);
     return [arguments] { return run(*arguments); };
 }

@@ -56,9 +56,7 @@ Command add_stack_print_command(CLI::App& stack) {
     command->add_option("--base", job.base, "a layer below each slab, such as K=1mm: stacks searched on black lie on black then; empty: none")
         ->type_name("ROLE=LENGTH");
     command->add_flag("--gcvf", job.outputs.gcvf, "write a GCVF container too");
-    command->add_option("--threads", arguments->threads, "threads; 0: one per core. The result does not depend on it")
-        ->capture_default_str()
-        ->check(CLI::Range(0, 1024));
+    add_threads_option(*command, arguments->threads);
     add_console_options(*command, arguments->console);
     return [arguments] { return run(*arguments); };
 }
