@@ -5,12 +5,14 @@
 
 #include <catch2/catch.hpp>
 
+#include "tests/io/temporary_folder.h"
+
 namespace fs = std::filesystem;
 using voxtone::io::SideFiles;
 
 TEST_CASE("files named by a model are looked up beside it and nowhere else") {
-    const fs::path root = fs::temp_directory_path() / "voxtone-side-files-test";
-    fs::remove_all(root);
+    const voxtone::io::TemporaryFolder folder;
+    const fs::path root = folder.path();
     fs::create_directories(root / "model" / "Textures");
     for (const char* name : {"outside.png", "model/skin.png", "model/Textures/Wood Plank.JPG", "model/ü.png"})
         std::ofstream(root / name) << "x";
@@ -48,5 +50,4 @@ TEST_CASE("files named by a model are looked up beside it and nowhere else") {
         CHECK_FALSE(files.find(std::string_view("skin.png\0.jpg", 13)));
     }
     CHECK(voxtone::io::decode_uri("Wood%20Plank.JPG%2") == "Wood Plank.JPG%2");
-    fs::remove_all(root);
 }

@@ -11,6 +11,7 @@
 
 #include "benchmarks/optics/accuracy/compare.h"
 #include "benchmarks/optics/accuracy/homogeneous.h"
+#include "tests/io/temporary_folder.h"
 #include "voxtone/base/random.h"
 
 using namespace voxtone;
@@ -62,10 +63,10 @@ TEST_CASE("What is reported without noise does not change with the noise of the 
 
 TEST_CASE("A reference comes back from its file as it was written, within its codes") {
     const Reference r = made_up(0, 0.05);
-    const fs::path file = fs::temp_directory_path() / "voxtone-reference-test.ref";
+    const io::TemporaryFolder folder;
+    const fs::path file = folder.path() / "voxtone-reference-test.ref";
     write_reference(file, r);
     const Reference back = read_reference(file);
-    fs::remove(file);
     REQUIRE(back.half[1].size() == r.half[1].size());
     for (std::size_t i = 0; i < r.half[1].size(); ++i)
         REQUIRE(std::abs(back.half[1][i] - std::max(0.0f, r.half[1][i])) < 4.4e-5f);  // reference_file.h

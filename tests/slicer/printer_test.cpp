@@ -3,12 +3,12 @@
 
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
 #include <fstream>
 #include <set>
 
 #include <catch2/catch.hpp>
 
+#include "tests/io/temporary_folder.h"
 #include "voxtone/base/error.h"
 
 using namespace voxtone;
@@ -81,7 +81,8 @@ TEST_CASE("Roles without a colour get a free one") {
 }
 
 TEST_CASE("A profile of one's own is read from its path") {
-    const std::string path = (std::filesystem::temp_directory_path() / "voxtone_printer_test_mine.json").string();
+    const io::TemporaryFolder folder;
+    const std::string path = (folder.path() / "voxtone_printer_test_mine.json").string();
     std::ofstream(path) << profile_with(R"("flip_y": true, "material_names": {"W": "White 1"})");
     const PrinterProfile printer = find_printer(path);
     std::remove(path.c_str());

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxtone/slicer/slice_options.h"
 
-#include <filesystem>
 #include <fstream>
 #include <set>
 
 #include <catch2/catch.hpp>
 
+#include "tests/io/temporary_folder.h"
 #include "voxtone/base/error.h"
 
 using namespace voxtone;
@@ -14,18 +14,19 @@ using namespace voxtone::slicer;
 
 namespace {
 
-std::string write_job(const std::string& text) {
-    const auto folder = std::filesystem::temp_directory_path() / "voxtone-slice-options-test";
-    std::filesystem::create_directories(folder);
-    const std::string path = (folder / "job.json").string();
-    std::ofstream(path) << text;
-    return path;
-}
+/// A job file of its own, as test cases may run beside each other.
+struct JobFile {
+    explicit JobFile(const std::string& text) { std::ofstream(path()) << text; }
+    [[nodiscard]] std::string path() const { return (folder.path() / "job.json").string(); }
 
-std::string failure(const std::string& job) {
+    io::TemporaryFolder folder;
+};
+
+std::string failure(const std::string& text) {
     SliceOptions options;
+    const JobFile job(text);
     try {
-        read_job(write_job(job), options);
+        read_job(job.path(), options);
     } catch (const InputError& error) {
         return error.what();
     }
@@ -57,7 +58,7 @@ TEST_CASE("A dumped job read back is the same job") {
     options.formats = {"png", "gcvf"};
     options.seed = 123456789012345;
     SliceOptions back;
-    read_job(write_job(job_json(options)), back);
+    read_job(JobFile(job_json(options)).path(), back);
     CHECK(job_json(back) == job_json(options));
 }
 
@@ -103,12 +104,12 @@ TEST_CASE("On the command line --model is what is arranged, in a job file `model
         if (spec.key == "model") CHECK(spec.option == "mesh");
     }
     SliceOptions options;
-    read_job(write_job(R"({"format": "voxtone-job", "version": 1, "model": "a.obj", "arrange": "layered-profile", "profiles": "maps/b.json"})"), options);
+    const JobFile job(R"({"format": "voxtone-job", "version": 1, "model": "a.obj", "arrange": "layered-profile", "profiles": "maps/b.json"})");
+    read_job(job.path(), options);
     CHECK(options.layered());
-    const auto folder = std::filesystem::temp_directory_path() / "voxtone-slice-options-test";
-    CHECK(options.model == (folder / "a.obj").string());
-    CHECK(options.profiles == (folder / "maps/b.json").string());
-    read_job(write_job(job_json(SliceOptions{})), options);
+    CHECK(options.model == (job.folder.path() / "a.obj").string());
+    CHECK(options.profiles == (job.folder.path() / "maps/b.json").string());
+    read_job(JobFile(job_json(SliceOptions{})).path(), options);
     CHECK(options.profiles.empty());
     CHECK(failure(R"({"format": "voxtone-job", "version": 1, "arrange": "layers"})").find("none of colour, layered-profile") != std::string::npos);
 }
