@@ -26,14 +26,14 @@ TEST_CASE("Descent moves shares towards what lowers the misfit and keeps their s
     SkinMixtures start(2, 1, 3);
     for (std::size_t c = 0; c < 2; ++c) start.cell(c)[2] = 1;
     DescentState state = begin_descent(start, {});
-    for (const float f : state.mixtures.all()) CHECK(f >= 0.9f * least_fraction);
+    for (const float f : state.mixtures.all()) CHECK(f >= 0.99f * least_fraction);
     // Resin 0 helps in the first cell, hurts in the second.
     const std::vector<float> gradient{-1, 0, 0, 1, 0, 0};
     for (int i = 0; i < 60; ++i) descend(gradient, {}, apart, state);
     CHECK(state.mixtures.cell(0)[0] > 0.5f);
-    CHECK(state.mixtures.cell(1)[0] < 2 * least_fraction);
+    CHECK(state.mixtures.cell(1)[0] < 1.1f * least_fraction);
     for (std::size_t c = 0; c < 2; ++c) CHECK(state.mixtures.cell(c)[0] + state.mixtures.cell(c)[1] + state.mixtures.cell(c)[2] == Approx(1));
-    CHECK(printed(state.mixtures).cell(1)[0] < least_fraction);
+    CHECK(printed(state.mixtures).cell(1)[0] < 0.003f);
     // No gradient at all: nothing moves.
     DescentState still = begin_descent(start, {});
     const SkinMixtures before = still.mixtures;
@@ -48,16 +48,17 @@ TEST_CASE("What cells do each for itself only passes resin on", "[loop]") {
         start.cell(c)[0] = 0.1f;
         start.cell(c)[1] = 0.9f;
     }
-    DescentState state = begin_descent(start, {.own_rate = 1});
+    DescentState state = begin_descent(start, {.own_rate = 0.5f});
     // Half of the cells want more of resin 0, half of them less; all together they want nothing.
     std::vector<float> gradient(2 * cells, 0.0f);
     for (std::size_t c = 0; c < cells; ++c) gradient[2 * c] = c % 2 ? 1 : -1;
-    descend(gradient, {.own_rate = 1}, together, state);
+    descend(gradient, {.own_rate = 0.5f}, together, state);
     double amount = 0;
-    for (std::size_t c = 0; c < cells; ++c) amount += double(state.mixtures.cell(c)[0]) / cells;
-    CHECK(state.mixtures.cell(0)[0] > 0.13f);
-    CHECK(state.mixtures.cell(1)[0] < 0.07f);
-    // The exponential by itself would have made it 0.1 cosh(0.4).
+    const SkinMixtures print = printed(state.mixtures);
+    for (std::size_t c = 0; c < cells; ++c) amount += double(print.cell(c)[0]) / cells;
+    CHECK(print.cell(0)[0] > 0.13f);
+    CHECK(print.cell(1)[0] < 0.07f);
+    // The exponential by itself would have made it 0.128.
     CHECK(amount == Approx(0.1).epsilon(1e-4));
 }
 

@@ -23,9 +23,12 @@ halftone::LoopState some_state(std::size_t cells) {
     for (auto* list : {&state.drive, &state.open, &state.shown, &state.start_drive})
         for (std::size_t i = 0; i < cells; ++i) list->push_back(Eigen::Vector3f(float(i), 0.5f, -1));
     state.best_mixtures = halftone::SkinMixtures(cells, 4, 5);
-    state.best_mixtures.all()[7] = 0.75f;
+    for (std::size_t at = 0; at < state.best_mixtures.all().size(); at += 5) state.best_mixtures.all()[at] = 0.25f;
+    for (std::size_t at = 2; at < state.best_mixtures.all().size(); at += 5) state.best_mixtures.all()[at] = 0.75f;
     state.descent = halftone::begin_descent(state.best_mixtures, {});
     state.descent.momentum[3] = 0.125f;
+    state.recent = state.best_mixtures;
+    state.recent.all()[2] = 0.375f;
     state.descent.shared.assign(state.descent.momentum.size(), 0.25f);
     state.descent.divisor.assign(cells, 2.5f);
     state.descent.fall.assign(cells, Eigen::Vector3f(1, 2, 0));
@@ -52,6 +55,7 @@ TEST_CASE("A loop's state comes back as it was", "[loop]") {
     CHECK(back->start_drive == state.start_drive);
     CHECK(std::ranges::equal(back->best_mixtures.all(), state.best_mixtures.all()));
     CHECK(std::ranges::equal(back->descent.mixtures.all(), state.descent.mixtures.all()));
+    CHECK(std::ranges::equal(back->recent.all(), state.recent.all()));
     CHECK(back->descent.momentum == state.descent.momentum);
     CHECK(back->descent.shared == state.descent.shared);
     CHECK(back->descent.divisor == state.descent.divisor);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include <fmt/core.h>
@@ -23,6 +24,9 @@ namespace voxtone::halftone {
 namespace {
 
 using Colours = std::vector<Eigen::Vector3f>;
+
+/// In the misfit of a cell whose target lies out of the gamut: its error remains whatever is done.
+constexpr float out_of_gamut_weight = 0.25f;
 
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
@@ -132,10 +136,21 @@ void expect_finite(std::span<const Eigen::Vector3f> target) {
     for (const Eigen::Vector3f& rgb : target) VOXTONE_EXPECT(rgb.allFinite());
 }
 
-double least_mean(const std::vector<LoopStep>& steps) {
-    double mean = steps.front().seen.mean;
-    for (const LoopStep& step : steps) mean = std::min(mean, step.seen.mean);
+/// Of the steps by `method`; 0: of all. Infinite where there is none.
+double least_mean(const std::vector<LoopStep>& steps, char method = 0) {
+    double mean = std::numeric_limits<double>::infinity();
+    for (const LoopStep& step : steps)
+        if (method == 0 || step.method == method) mean = std::min(mean, step.seen.mean);
     return mean;
+}
+
+/// recent <- (recent + now) / 2.
+void follow(SkinMixtures& recent, const SkinMixtures& now) {
+    if (recent.cells() == 0) {
+        recent = now;
+        return;
+    }
+    for (std::size_t i = 0; i < now.all().size(); ++i) recent.all()[i] = 0.5f * (recent.all()[i] + now.all()[i]);
 }
 
 /// Corrections become smaller where they overshot: on large bodies light spreads farther than a step can know.
@@ -229,7 +244,10 @@ LoopResult run_appearance_loop(const LoopTask& task, const LoopOptions& options,
         stuck_share = rgb.empty() ? 0 : double(stuck) / double(rgb.size());
     };
     constexpr float contrast_part = 0.7f;
-    const MisfitFunction misfit(*task.surface, judge.eye(), target, options.intent == Intent::contrast ? &wide_filter() : nullptr, contrast_part);
+    std::vector<float> weight(target.size(), 1.0f);
+    for (std::size_t i = 0; i < target.size(); ++i)
+        if (!result.in_gamut[i]) weight[i] = out_of_gamut_weight;
+    const MisfitFunction misfit(*task.surface, judge.eye(), target, weight, options.intent == Intent::contrast ? &wide_filter() : nullptr, contrast_part);
     if (options.intent != Intent::contrast) wide.reset();
     Neighbourhood around(*task.surface);
     /// False where the model has no gradient.
@@ -257,17 +275,28 @@ LoopResult run_appearance_loop(const LoopTask& task, const LoopOptions& options,
         bool downhill = options.descent && task.by_mixtures;
         while (static_cast<int>(state.steps.size()) <= most) {
             const bool feedback = state.descent.mixtures.cells() == 0;
-            const SkinMixtures mixtures = feedback ? mixtures_of(recipes, state.drive) : printed(state.descent.mixtures);
+            SkinMixtures mixtures = feedback ? mixtures_of(recipes, state.drive) : printed(state.descent.mixtures);
+            if (!feedback) {
+                follow(state.recent, mixtures);
+                if (static_cast<int>(state.steps.size()) == most) mixtures = state.recent;
+            }
             const std::vector<LoopStep> before = state.steps;
             predict(task.realise(mixtures), feedback ? 'f' : 'd');
             keep_if_best(mixtures);
             if (feedback) {
                 // Worth another step while the mean falls by 3 %.
-                const double mean = state.steps.back().seen.mean, least = least_mean(before);
-                const bool gained = mean < 0.97 * least, last = static_cast<int>(state.steps.size()) > feedback_iterations;
+                const double mean = state.steps.back().seen.mean, least = least_mean(before, 'f');
+                const bool gained = mean < 0.97 * least_mean(before), last = static_cast<int>(state.steps.size()) > feedback_iterations;
+                const bool no_good = state.steps[1].seen.mean >= 0.97 * state.steps[0].seen.mean;
                 if (mean < least) state.start_drive = state.drive;
                 const bool more = static_cast<int>(state.steps.size()) <= most;
-                if (downhill && more && (!gained || last)) {
+                if (downhill && more && no_good && state.steps.size() == 2) {
+                    // Pages of type are better off without feedback, dark pictures are not: look at both.
+                    state.drive = target;
+                    if (listener) listener(state);
+                    continue;
+                }
+                if (downhill && more && (!gained || last || no_good)) {
                     // From the best by feedback; the gradient is at hand if that was the last one.
                     state.descent = begin_descent(mixtures_of(recipes, state.start_drive), {});
                     if (mean < least) downhill = turn_downhill();

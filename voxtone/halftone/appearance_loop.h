@@ -8,7 +8,7 @@
 // The unknowns are mixtures by surface cell and depth (skin.h). The first steps make them surface first (surface_first.h) from one
 // colour per cell, its drive, by residual_feedback.h: most of the way for the price of a prediction each, while they gain.
 // Where the model has a gradient, mixture_descent.h goes on from the best of these, for the price of a little more than two:
-// it weighs what cells do to each other.
+// it weighs what cells do to each other. Its steps swing a little about where they lead to, so the last of all iterations is their running mean.
 // docs/benchmarks.md compares the two. What is predicted are the voxels themselves, as the screen laid them: its error is fed
 // back like any other. Any AppearanceModel serves.
 //
@@ -91,6 +91,7 @@ struct LoopState {
     std::vector<Eigen::Vector3f> drive;         ///< of the next iterate, per cell, while there is feedback
     std::vector<Eigen::Vector3f> start_drive;   ///< of the best iterate by feedback: where descent starts
     DescentState descent;                       ///< without cells until it begins
+    SkinMixtures recent;                        ///< running mean of what it printed, the last step for a half; without cells before
     SkinMixtures best_mixtures;                 ///< without cells: the open loop
     std::vector<Eigen::Vector3f> open, shown;   ///< predicted colours of the open loop and of the best iterate
 };

@@ -102,6 +102,15 @@ EyeFilter::EyeFilter(EyeFilter&&) noexcept = default;
 EyeFilter& EyeFilter::operator=(EyeFilter&&) noexcept = default;
 
 std::vector<Eigen::Vector3f> EyeFilter::filter(std::span<const Eigen::Vector3f> rgb) const {
+    return through(data_->to_opponent, data_->from_opponent, rgb);
+}
+
+std::vector<Eigen::Vector3f> EyeFilter::transposed(std::span<const Eigen::Vector3f> by_seen) const {
+    return through(data_->from_opponent.transpose(), data_->to_opponent.transpose(), by_seen);
+}
+
+std::vector<Eigen::Vector3f> EyeFilter::through(const Eigen::Matrix3f& from, const Eigen::Matrix3f& into,
+                                                std::span<const Eigen::Vector3f> rgb) const {
     const Data& d = *data_;
     const std::size_t count = d.points.size();
     VOXTONE_EXPECT(rgb.size() == count);
@@ -112,7 +121,7 @@ std::vector<Eigen::Vector3f> EyeFilter::filter(std::span<const Eigen::Vector3f> 
         sum[c].resize(count);
     }
     parallel_for(0, count, 4096, [&](std::size_t i) {
-        const Eigen::Vector3f o = d.to_opponent * first[i];
+        const Eigen::Vector3f o = from * first[i];
         for (std::size_t c = 0; c < 3; ++c) {
             opponent[c][i] = o[static_cast<Eigen::Index>(c)];
             sum[c][i] = d.narrow_weight[c] * opponent[c][i];
@@ -125,7 +134,7 @@ std::vector<Eigen::Vector3f> EyeFilter::filter(std::span<const Eigen::Vector3f> 
     }
     std::vector<Eigen::Vector3f> out(count);
     parallel_for(0, count, 4096,
-                 [&](std::size_t i) { out[i] = d.from_opponent * Eigen::Vector3f(sum[0][i], sum[1][i], sum[2][i]); });
+                 [&](std::size_t i) { out[i] = into * Eigen::Vector3f(sum[0][i], sum[1][i], sum[2][i]); });
     return out;
 }
 

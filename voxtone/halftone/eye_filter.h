@@ -66,11 +66,18 @@ public:
         return filter(rgb);
     }
 
+    /// What `filter` is to a derivative: d F / d rgb from d F / d seen, each divided by its cell's area. Its transpose where the Gaussians' sums of
+    /// areas are alike, so not within a spread of a border.
+    [[nodiscard]] std::vector<Eigen::Vector3f> transposed(std::span<const Eigen::Vector3f> by_seen) const;
+
     /// Only the narrowest Gaussian of luminance, on all channels alike: a cheap low-pass for feedback in a loop. It
     /// removes what cannot be seen and leaves what can nearly as it is.
     [[nodiscard]] std::vector<Eigen::Vector3f> smoothed(std::span<const Eigen::Vector3f> rgb) const;
 
 private:
+    /// into * (Gaussians of each opponent channel of (from * rgb)).
+    [[nodiscard]] std::vector<Eigen::Vector3f> through(const Eigen::Matrix3f& from, const Eigen::Matrix3f& into,
+                                                       std::span<const Eigen::Vector3f> rgb) const;
     struct Data;
     std::unique_ptr<Data> data_;
 };

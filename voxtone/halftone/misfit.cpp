@@ -13,7 +13,7 @@ namespace voxtone::halftone {
 namespace {
 
 constexpr double least_light = 1e-4;  // keeps the slope of Oklab finite
-constexpr float beta = 0.1f;
+constexpr float beta = 0.03f;
 constexpr double soft = 0.08;  // s
 
 Eigen::Vector3d lit(const Eigen::Vector3f& rgb) { return rgb.cast<double>().cwiseMax(least_light); }
@@ -37,19 +37,22 @@ Eigen::Vector3f by_light(const Eigen::Vector3f& p, const Eigen::Vector3f& by_okl
 
 }  // namespace
 
-MisfitFunction::MisfitFunction(const optics::Surface& surface, const EyeFilter& eye, std::span<const Eigen::Vector3f> target, const EyeFilter* wide,
-                               float contrast_part)
-    : eye_(eye), wide_(wide), contrast_part_(contrast_part), target_(target), seen_target_(eye.smoothed(target)) {
+MisfitFunction::MisfitFunction(const optics::Surface& surface, const EyeFilter& eye, std::span<const Eigen::Vector3f> target,
+                               std::span<const float> weight, const EyeFilter* wide, float contrast_part)
+    : eye_(eye), wide_(wide), contrast_part_(contrast_part), target_(target), seen_target_(eye.filter(target)) {
+    VOXTONE_EXPECT(weight.empty() || weight.size() == target.size());
     double mean = 0;
     for (const optics::SurfaceCell& cell : surface.cells) mean += cell.area_mm2;
     mean /= static_cast<double>(std::max<std::size_t>(1, surface.cells.size()));
     for (const optics::SurfaceCell& cell : surface.cells) area_.push_back(static_cast<float>(cell.area_mm2 / mean));
+    weight_.assign(weight.begin(), weight.end());
+    weight_.resize(area_.size(), 1);
 }
 
 Misfit MisfitFunction::operator()(std::span<const Eigen::Vector3f> predicted) const {
     VOXTONE_EXPECT(predicted.size() == target_.size());
     const std::size_t n = predicted.size();
-    const std::vector<Eigen::Vector3f> seen = eye_.smoothed(predicted);
+    const std::vector<Eigen::Vector3f> seen = eye_.filter(predicted);
     std::vector<Eigen::Vector3f> far(n), near(n), slope(n);
     parallel_for(0, n, 1024, [&](std::size_t i) { far[i] = oklab(seen[i]) - oklab(seen_target_[i]); });
     // d - k S d; in the derivative it stands once more: smoothing averages by area over neighbours, S_ij = w_ij a_j / sum_j w_ij a_j
@@ -63,15 +66,15 @@ Misfit MisfitFunction::operator()(std::span<const Eigen::Vector3f> predicted) co
     std::vector<double> value(n);
     parallel_for(0, n, 1024, [&](std::size_t i) {
         const Part as_seen = part_of(far[i]), as_is = part_of(oklab(predicted[i]) - oklab(target_[i]));
-        value[i] = static_cast<double>(area_[i]) * (as_seen.value + static_cast<double>(beta) * as_is.value);
-        far[i] = as_seen.by_residual;
-        near[i] = by_light(predicted[i], as_is.by_residual);
+        value[i] = static_cast<double>(area_[i] * weight_[i]) * (as_seen.value + static_cast<double>(beta) * as_is.value);
+        far[i] = weight_[i] * as_seen.by_residual;
+        near[i] = weight_[i] * by_light(predicted[i], as_is.by_residual);
     });
     Misfit misfit;
     for (const double v : value) misfit.value += v;
     sharpened(far);
     parallel_for(0, n, 1024, [&](std::size_t i) { slope[i] = by_light(seen[i], far[i]); });
-    misfit.by_colour = eye_.smoothed(slope);
+    misfit.by_colour = eye_.transposed(slope);
     parallel_for(0, n, 1024, [&](std::size_t i) { misfit.by_colour[i] = area_[i] * (misfit.by_colour[i] + beta * near[i]); });
     return misfit;
 }

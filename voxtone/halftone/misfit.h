@@ -4,8 +4,8 @@
 //
 //   F = sum over cells i of  a_i ( rho(| W (oklab(E p)_i - oklab(E t)_i) |) + beta rho(| W (oklab(p_i) - oklab(t_i)) |) ),
 //
-// p what is predicted, t the target, a_i the cell's area / mean area, W = diag(1, 2, 2), E the narrowest Gaussian of the eye
-// filter. rho(x) = sqrt(x^2 + s^2) - s counts small differences by their square and large ones (above s = 0.08, some 8 CIEDE2000) by
+// p what is predicted, t the target, a_i the cell's area / mean area times its weight, W = diag(1, 2, 2), E the eye filter, which averages
+// colour farther than light: a loop that mends colour cell by cell spends itself on what nobody sees. beta = 0.03. rho(x) = sqrt(x^2 + s^2) - s counts small differences by their square and large ones (above s = 0.08, some 8 CIEDE2000) by
 // themselves: dark detail beside white, which nothing can make darker, does not outweigh what can be mended.
 //
 // For contrast's sake the first difference d may be replaced by d - k S d, S a Gaussian eight times as wide: what is off over
@@ -33,9 +33,9 @@ inline constexpr double wider = 8;  ///< the spread of S / that of E
 
 class MisfitFunction {
 public:
-    /// Keeps references. `wide`: S, null where contrast has no privilege; `contrast_part`: k, in [0, 1].
-    MisfitFunction(const optics::Surface& surface, const EyeFilter& eye, std::span<const Eigen::Vector3f> target, const EyeFilter* wide = nullptr,
-                   float contrast_part = 0);
+    /// Keeps references. `weight`: per cell, empty: 1. `wide`: S, null where contrast has no privilege; `contrast_part`: k, in [0, 1].
+    MisfitFunction(const optics::Surface& surface, const EyeFilter& eye, std::span<const Eigen::Vector3f> target, std::span<const float> weight = {},
+                   const EyeFilter* wide = nullptr, float contrast_part = 0);
     [[nodiscard]] Misfit operator()(std::span<const Eigen::Vector3f> predicted) const;
 
 private:
@@ -44,7 +44,7 @@ private:
     float contrast_part_;
     std::span<const Eigen::Vector3f> target_;
     std::vector<Eigen::Vector3f> seen_target_;
-    std::vector<float> area_;
+    std::vector<float> area_, weight_;
 };
 
 }  // namespace voxtone::halftone

@@ -19,6 +19,8 @@ struct Table {
     std::size_t cells, resins, length;  ///< length = layers * resins
     explicit Table(const SkinMixtures& mixtures)
         : cells(mixtures.cells()), resins(mixtures.resins()), length(mixtures.layers() * mixtures.resins()) {}
+    /// 1 - R h.
+    [[nodiscard]] float rest() const { return 1 - static_cast<float>(resins) * least_fraction; }
     template <class Number>
     [[nodiscard]] std::span<Number> cell(std::vector<Number>& all, std::size_t c) const {
         return {all.data() + c * length, length};
@@ -80,18 +82,21 @@ std::vector<Eigen::Vector3f> falls_along(const Table& table, std::vector<float>&
     return falls;
 }
 
-float secant(float p0, float p1, float beyond, const DescentOptions& options) {
+/// The factor of a rate.
+float secant(float p0, float p1, float beyond, float slower, float faster) {
     if (!(p0 > 0)) return 1;  // momentum went uphill here: that says nothing of the rate
-    if (p1 >= p0) return options.faster;
-    return std::clamp(beyond * p0 / (p0 - p1), options.slower, options.faster);
+    if (p1 >= p0) return faster;
+    return std::clamp(beyond * p0 / (p0 - p1), slower, faster);
 }
 
 void adapt_rates(std::span<const Eigen::Vector3f> now, const DescentOptions& options, DescentState& state) {
     parallel_for(0, now.size(), grain, [&](std::size_t c) {
         const Eigen::Vector3f& was = state.fall[c];
         Eigen::Vector2f& rate = state.rate[c];
-        rate[0] = std::clamp(rate[0] * secant(was[0], now[c][0], 1, options), options.least_rate, options.most_shared_rate);
-        rate[1] = std::clamp(rate[1] * secant(was[1], now[c][1], options.beyond, options), options.least_rate, options.most_own_rate);
+        const float shared = secant(was[0], now[c][0], options.shared_beyond, options.slower, options.shared_faster);
+        const float own = secant(was[1], now[c][1], options.own_beyond, options.slower, options.own_faster);
+        rate[0] = std::clamp(rate[0] * shared, options.least_rate, options.most_shared_rate);
+        rate[1] = std::clamp(rate[1] * own, options.least_rate, options.most_own_rate);
     });
 }
 
@@ -171,8 +176,8 @@ DescentState begin_descent(SkinMixtures mixtures, const DescentOptions& options)
     state.momentum.assign(table.cells * table.length, 0.0f);
     state.scale.assign(table.cells, 0.0f);
     parallel_for(0, table.cells, grain, [&](std::size_t c) {
-        for (float& f : state.mixtures.cell(c)) f = std::max(f, least_fraction);
         table.normalise(state.mixtures.cell(c));
+        for (float& f : state.mixtures.cell(c)) f = least_fraction + table.rest() * f;
     });
     return state;
 }
@@ -193,7 +198,8 @@ void descend(std::vector<float> gradient, const DescentOptions& options, const C
 
 SkinMixtures printed(const SkinMixtures& mixtures) {
     SkinMixtures out = mixtures;
-    for (float& f : out.all()) f = std::max(f - least_fraction, 0.0f);
+    const float rest = Table(mixtures).rest();
+    for (float& f : out.all()) f = std::max(f - least_fraction, 0.0f) / rest;
     return out;
 }
 

@@ -19,7 +19,7 @@ namespace voxtone::slicer {
 namespace {
 
 // The file: magic, digest of the job, state, digest of all before. Native byte order: it is read where it was written.
-constexpr std::string_view magic = "voxtone-loop 3\n";
+constexpr std::string_view magic = "voxtone-loop 4\n";
 constexpr std::size_t digest_size = 64;
 constexpr std::array<std::string_view, 9> free_options{"out", "overwrite", "report", "predict", "threads", "resume", "iterations", "formats", "layers"};
 
@@ -112,6 +112,7 @@ void state_in(File& file, State& state) {
     file.list(state.descent.divisor);
     file.list(state.descent.fall);
     file.list(state.descent.rate);
+    mixtures_in(file, state.recent);
     file.list(state.open);
     file.list(state.shown);
 }
@@ -176,7 +177,7 @@ std::optional<halftone::LoopState> LoopCheckpoint::read(Progress& progress) cons
     if (!file.good || !file.bytes.empty() || state.steps.empty() || state.best >= state.steps.size() || !fits(state.drive, false) ||
         !fits(state.start_drive, true) || !descent_fits(state.descent) ||
         (state.descent.mixtures.cells() != 0 && state.descent.mixtures.cells() != cells_) ||
-        (state.best > 0 && state.best_mixtures.cells() != cells_) || !fits(state.open, false) || !fits(state.shown, false))
+        (state.recent.cells() != 0 && state.recent.cells() != cells_) || (state.best > 0 && state.best_mixtures.cells() != cells_) || !fits(state.open, false) || !fits(state.shown, false))
         throw broken();
     progress.note(fmt::format("--resume: going on after iteration {}", state.steps.back().iteration));
     return state;

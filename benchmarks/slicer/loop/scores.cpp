@@ -50,7 +50,10 @@ Scores score(const Judgement& j, const Eye& eye) {
     s.cells_all = compare(j.target, j.half, {});
     s.eye_in_gamut = through(eye.published, j.in_gamut);
     s.eye_all = through(eye.published, {});
-    s.eye_mapped = compare(eye.published(j.mapped), {eye.published(j.half[0]), eye.published(j.half[1])}, {});
+    const Colours reachable = eye.published(j.mapped);
+    const std::array<Colours, 2> seen{eye.published(j.half[0]), eye.published(j.half[1])};
+    s.eye_reachable = compare(reachable, seen, j.in_gamut);
+    s.eye_mapped = compare(reachable, seen, {});
     s.low_pass_in_gamut = through(eye.low_pass, j.in_gamut);
     return s;
 }

@@ -25,6 +25,7 @@ struct Figures {
 struct Scores {
     Figures cells_in_gamut, cells_all;  ///< cell by cell
     Figures eye_in_gamut, eye_all;      ///< print and target both seen through the eye filter
+    Figures eye_reachable;              ///< cells in the gamut, what surrounds them mapped into it: the filter mixes them
     Figures eye_mapped;                 ///< all cells, the target mapped into the gamut
     Figures low_pass_in_gamut;          ///< the same without the filter's negative surround
 };

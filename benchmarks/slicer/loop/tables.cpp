@@ -36,7 +36,9 @@ std::string error_table(const std::vector<SlabRow>& rows, const std::vector<std:
 std::string slab_tables(const std::vector<SlabRow>& rows, const std::vector<std::string>& names) {
     std::string text =
         error_table(rows, names, "After the eye filter at 300 mm, in-gamut pixels", &Scores::eye_in_gamut) +
-        error_table(rows, names, "The same without the filter's negative surround", &Scores::low_pass_in_gamut) +
+        error_table(rows, names, "After the eye filter, in-gamut pixels, what surrounds them mapped into the gamut",
+                    &Scores::eye_reachable) +
+        error_table(rows, names, "After the eye filter without its negative surround, in-gamut pixels", &Scores::low_pass_in_gamut) +
         error_table(rows, names, "Cells of 0.085 mm, in-gamut pixels", &Scores::cells_in_gamut) +
         error_table(rows, names, "After the eye filter, all pixels, target mapped into the gamut",
                     &Scores::eye_mapped) +
