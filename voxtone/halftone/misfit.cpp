@@ -13,7 +13,7 @@ namespace voxtone::halftone {
 namespace {
 
 constexpr double least_light = 1e-4;  // keeps the slope of Oklab finite
-constexpr float beta = 0.03f;
+constexpr float gamma = 0.5f, beta = 0.03f;
 constexpr double soft = 0.08;  // s
 
 Eigen::Vector3d lit(const Eigen::Vector3f& rgb) { return rgb.cast<double>().cwiseMax(least_light); }
@@ -39,7 +39,7 @@ Eigen::Vector3f by_light(const Eigen::Vector3f& p, const Eigen::Vector3f& by_okl
 
 MisfitFunction::MisfitFunction(const optics::Surface& surface, const EyeFilter& eye, std::span<const Eigen::Vector3f> target,
                                std::span<const float> weight, const EyeFilter* wide, float contrast_part)
-    : eye_(eye), wide_(wide), contrast_part_(contrast_part), target_(target), seen_target_(eye.filter(target)) {
+    : eye_(eye), wide_(wide), contrast_part_(contrast_part), target_(target), seen_target_(eye.filter(target)), near_target_(eye.smoothed(target)) {
     VOXTONE_EXPECT(weight.empty() || weight.size() == target.size());
     double mean = 0;
     for (const optics::SurfaceCell& cell : surface.cells) mean += cell.area_mm2;
@@ -53,7 +53,8 @@ Misfit MisfitFunction::operator()(std::span<const Eigen::Vector3f> predicted) co
     VOXTONE_EXPECT(predicted.size() == target_.size());
     const std::size_t n = predicted.size();
     const std::vector<Eigen::Vector3f> seen = eye_.filter(predicted);
-    std::vector<Eigen::Vector3f> far(n), near(n), slope(n);
+    const std::vector<Eigen::Vector3f> nearer = eye_.smoothed(predicted);
+    std::vector<Eigen::Vector3f> far(n), near(n), slope(n), near_slope(n);
     parallel_for(0, n, 1024, [&](std::size_t i) { far[i] = oklab(seen[i]) - oklab(seen_target_[i]); });
     // d - k S d; in the derivative it stands once more: smoothing averages by area over neighbours, S_ij = w_ij a_j / sum_j w_ij a_j
     // with symmetric w, so where the sums are alike its transpose, with areas on either side, is S again.
@@ -65,8 +66,11 @@ Misfit MisfitFunction::operator()(std::span<const Eigen::Vector3f> predicted) co
     sharpened(far);
     std::vector<double> value(n);
     parallel_for(0, n, 1024, [&](std::size_t i) {
-        const Part as_seen = part_of(far[i]), as_is = part_of(oklab(predicted[i]) - oklab(target_[i]));
-        value[i] = static_cast<double>(area_[i] * weight_[i]) * (as_seen.value + static_cast<double>(beta) * as_is.value);
+        const Part as_seen = part_of(far[i]), as_is = part_of(oklab(predicted[i]) - oklab(target_[i])),
+                   from_near = part_of(oklab(nearer[i]) - oklab(near_target_[i]));
+        value[i] = static_cast<double>(area_[i] * weight_[i]) *
+                   (as_seen.value + static_cast<double>(gamma) * from_near.value + static_cast<double>(beta) * as_is.value);
+        near_slope[i] = weight_[i] * by_light(nearer[i], from_near.by_residual);
         far[i] = weight_[i] * as_seen.by_residual;
         near[i] = weight_[i] * by_light(predicted[i], as_is.by_residual);
     });
@@ -75,7 +79,8 @@ Misfit MisfitFunction::operator()(std::span<const Eigen::Vector3f> predicted) co
     sharpened(far);
     parallel_for(0, n, 1024, [&](std::size_t i) { slope[i] = by_light(seen[i], far[i]); });
     misfit.by_colour = eye_.transposed(slope);
-    parallel_for(0, n, 1024, [&](std::size_t i) { misfit.by_colour[i] = area_[i] * (misfit.by_colour[i] + beta * near[i]); });
+    near_slope = eye_.smoothed(near_slope);
+    parallel_for(0, n, 1024, [&](std::size_t i) { misfit.by_colour[i] = area_[i] * (misfit.by_colour[i] + gamma * near_slope[i] + beta * near[i]); });
     return misfit;
 }
 
