@@ -54,8 +54,11 @@ Misfit MisfitFunction::operator()(std::span<const Eigen::Vector3f> predicted) co
     const std::size_t n = predicted.size();
     const std::vector<Eigen::Vector3f> seen = eye_.filter(predicted);
     const std::vector<Eigen::Vector3f> nearer = eye_.smoothed(predicted);
-    std::vector<Eigen::Vector3f> far(n), near(n), slope(n), near_slope(n);
-    parallel_for(0, n, 1024, [&](std::size_t i) { far[i] = oklab(seen[i]) - oklab(seen_target_[i]); });
+    std::vector<Eigen::Vector3f> far(n), near(n), as_is(n);
+    parallel_for(0, n, 1024, [&](std::size_t i) {
+        far[i] = oklab(seen[i]) - oklab(seen_target_[i]);
+        near[i] = oklab(nearer[i]) - oklab(near_target_[i]);
+    });
     // d - k S d; in the derivative it stands once more: smoothing averages by area over neighbours, S_ij = w_ij a_j / sum_j w_ij a_j
     // with symmetric w, so where the sums are alike its transpose, with areas on either side, is S again.
     const auto sharpened = [&](std::vector<Eigen::Vector3f>& d) {
@@ -64,23 +67,27 @@ Misfit MisfitFunction::operator()(std::span<const Eigen::Vector3f> predicted) co
         for (std::size_t i = 0; i < n; ++i) d[i] -= contrast_part_ * spread[i];
     };
     sharpened(far);
+    sharpened(near);
     std::vector<double> value(n);
     parallel_for(0, n, 1024, [&](std::size_t i) {
-        const Part as_seen = part_of(far[i]), as_is = part_of(oklab(predicted[i]) - oklab(target_[i])),
-                   from_near = part_of(oklab(nearer[i]) - oklab(near_target_[i]));
+        const Part from_far = part_of(far[i]), from_near = part_of(near[i]), by_itself = part_of(oklab(predicted[i]) - oklab(target_[i]));
         value[i] = static_cast<double>(area_[i] * weight_[i]) *
-                   (as_seen.value + static_cast<double>(gamma) * from_near.value + static_cast<double>(beta) * as_is.value);
-        near_slope[i] = weight_[i] * by_light(nearer[i], from_near.by_residual);
-        far[i] = weight_[i] * as_seen.by_residual;
-        near[i] = weight_[i] * by_light(predicted[i], as_is.by_residual);
+                   (from_far.value + static_cast<double>(gamma) * from_near.value + static_cast<double>(beta) * by_itself.value);
+        far[i] = weight_[i] * from_far.by_residual;
+        near[i] = weight_[i] * gamma * from_near.by_residual;
+        as_is[i] = weight_[i] * beta * by_light(predicted[i], by_itself.by_residual);
     });
     Misfit misfit;
     for (const double v : value) misfit.value += v;
     sharpened(far);
-    parallel_for(0, n, 1024, [&](std::size_t i) { slope[i] = by_light(seen[i], far[i]); });
-    misfit.by_colour = eye_.transposed(slope);
-    near_slope = eye_.smoothed(near_slope);
-    parallel_for(0, n, 1024, [&](std::size_t i) { misfit.by_colour[i] = area_[i] * (misfit.by_colour[i] + gamma * near_slope[i] + beta * near[i]); });
+    sharpened(near);
+    parallel_for(0, n, 1024, [&](std::size_t i) {
+        far[i] = by_light(seen[i], far[i]);
+        near[i] = by_light(nearer[i], near[i]);
+    });
+    misfit.by_colour = eye_.transposed(far);
+    near = eye_.smoothed(near);
+    parallel_for(0, n, 1024, [&](std::size_t i) { misfit.by_colour[i] = area_[i] * (misfit.by_colour[i] + near[i] + as_is[i]); });
     return misfit;
 }
 
