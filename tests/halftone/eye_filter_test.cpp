@@ -149,6 +149,28 @@ TEST_CASE("without the surround the luminance channel is a low-pass that darkens
     CHECK(least(EyeSurround::published) < -0.04);
 }
 
+TEST_CASE("what is transposed is the filter's transpose, far from borders", "[eye_filter]") {
+    const optics::Surface surface = plate(14, 14, 0.1);
+    const EyeFilter eye(surface, distance_mm, EyeSurround::none);
+    // Red in the middle, looked at as green, so that the filter itself would not do.
+    std::vector<Eigen::Vector3f> red(surface.cells.size(), Eigen::Vector3f::Zero()), green = red;
+    for (std::size_t i = 0; i < surface.cells.size(); ++i) {
+        const auto& at = surface.cells[i].centre_mm;
+        if (std::abs(at[0] - 7) > 1 || std::abs(at[1] - 7) > 1) continue;
+        RandomStream random(3, i);
+        red[i][0] = static_cast<float>(random.uniform());
+        green[i][1] = static_cast<float>(random.uniform());
+    }
+    const auto product = [](const auto& a, const auto& b) {
+        double sum = 0;
+        for (std::size_t i = 0; i < a.size(); ++i) sum += static_cast<double>(a[i].dot(b[i]));
+        return sum;
+    };
+    const double forth = product(eye.filter(red), green), back = product(red, eye.transposed(green));
+    CHECK(back == Approx(forth).epsilon(0.01));
+    CHECK(std::abs(product(red, eye.filter(green)) - forth) > 0.1 * std::abs(forth));
+}
+
 TEST_CASE("a small spot looks the same on a large sphere as on a plate", "[eye_filter]") {
     const double radius = 12, pitch = 0.1;
     const optics::Surface flat = plate(12, 12, pitch);

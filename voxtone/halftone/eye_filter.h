@@ -66,8 +66,8 @@ public:
         return filter(rgb);
     }
 
-    /// What `filter` is to a derivative: d F / d rgb from d F / d seen, each divided by its cell's area. Its transpose where the Gaussians' sums of
-    /// areas are alike, so not within a spread of a border.
+    /// d F / d rgb from d F / d seen, each divided by its cell's area: the transpose of `filter` where the Gaussians' sums
+    /// of areas are alike, so not within a spread of a border.
     [[nodiscard]] std::vector<Eigen::Vector3f> transposed(std::span<const Eigen::Vector3f> by_seen) const;
 
     /// Only the narrowest Gaussian of luminance, on all channels alike: a cheap low-pass for feedback in a loop. It

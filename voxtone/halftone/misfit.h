@@ -4,10 +4,12 @@
 //
 //   F = sum over cells i of  a_i ( r_i(E) + gamma r_i(N) + beta r_i(1) ),   r_i(A) = rho(| W (oklab(A p)_i - oklab(A t)_i) |),
 //
-// p what is predicted, t the target, a_i the cell's area / mean area times its weight, W = diag(1, 2, 2). E is the eye filter, which averages
-// colour farther than light: a loop that mends colour cell by cell spends itself on what nobody sees. N is its narrowest Gaussian alone, for light
-// and colour alike, gamma = 0.5: E by itself puts up with tinted blacks and halos a millimetre wide, which are seen from nearer. beta = 0.03. rho(x) = sqrt(x^2 + s^2) - s counts small differences by their square and large ones (above s = 0.08, some 8 CIEDE2000) by
-// themselves: dark detail beside white, which nothing can make darker, does not outweigh what can be mended.
+// p what is predicted, t the target, a_i the cell's area / mean area times its weight, W = diag(1, 2, 2). E is the eye filter,
+// which averages colour farther than light: a loop that mends colour cell by cell spends itself on what nobody sees. N is its
+// narrowest Gaussian alone, for light and colour alike, gamma = 0.5: E by itself puts up with tinted blacks and halos a millimetre
+// wide, which are seen from nearer. beta = 0.03. rho(x) = sqrt(x^2 + s^2) - s counts small differences by their square and large
+// ones (above s = 0.08, some 8 CIEDE2000) by themselves: dark detail beside white, which nothing can make darker, does not
+// outweigh what can be mended.
 //
 // For contrast's sake the first two differences d may be replaced by d - k S d, S a Gaussian eight times as wide: what is off over
 // more than a millimetre counts less then, what is off from its surroundings in full. With k = 0 black text on white comes out

@@ -8,8 +8,10 @@
 // Fractions f move by exponentiated gradients (J. Kivinen, M. K. Warmuth, Information and Computation 132, 1997), which keep them
 // positive and their sum 1:
 //
-//   f_r  <-  f_r exp(x_r) / sum,   f_r = h + (1 - R h) printed fraction,   x_r = rate_s e_r + rate_o (d_r - e_r),   d_r = -m_r / s,   e = S d,
-//   m  <-  mu m + (1 - mu) (g - <g>_f),   g = d F / d f
+//   f_r  <-  f_r exp(x_r) / sum,   x_r = rate_s e_r + rate_o (d_r - e_r),   d_r = -m_r / s,   e = S d,
+//   m  <-  mu m + (1 - mu) (g - <g>_f),   g = d F / d f,   f = h + (1 - R h) p,
+//
+// p the fractions that are printed, R the number of resins.
 //
 // Light spreads for millimetres: a thousand cells that all become a little darker darken each other, and a step that suits each of
 // them overshoots. So a step has two parts with rates of their own: what neighbours do alike, e, smoothed by a Gaussian S over the surface, and
