@@ -64,7 +64,7 @@ Misfit MisfitFunction::operator()(std::span<const Eigen::Vector3f> predicted) co
     const auto sharpened = [&](std::vector<Eigen::Vector3f>& d) {
         if (!wide_) return;
         const std::vector<Eigen::Vector3f> spread = wide_->smoothed(d);
-        for (std::size_t i = 0; i < n; ++i) d[i] -= contrast_part_ * spread[i];
+        for (std::size_t i = 0; i < n; ++i) d[i][0] -= contrast_part_ * spread[i][0];
     };
     sharpened(far);
     sharpened(near);

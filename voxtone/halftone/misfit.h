@@ -11,7 +11,7 @@
 // ones (above s = 0.08, some 8 CIEDE2000) by themselves: dark detail beside white, which nothing can make darker, does not
 // outweigh what can be mended.
 //
-// For contrast's sake the first two differences d may be replaced by d - k S d, S a Gaussian eight times as wide: what is off over
+// For contrast's sake the lightness d of the first two differences may be replaced by d - k S d, S a Gaussian eight times as wide: what is off over
 // more than a millimetre counts less then, what is off from its surroundings in full. With k = 0 black text on white comes out
 // pale: a little more light on the wide paper outweighs the few dark strokes.
 #pragma once
