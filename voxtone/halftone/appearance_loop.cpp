@@ -25,7 +25,8 @@ namespace {
 
 using Colours = std::vector<Eigen::Vector3f>;
 
-/// In the misfit of a cell whose target lies out of the gamut: its error remains whatever is done.
+/// In the misfit of a cell whose target lies out of the gamut: its error remains whatever is done. 1 and 0.25 were tried
+/// (img_marble, img_hubble: a quarter is better in both).
 constexpr float out_of_gamut_weight = 0.25f;
 
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }

@@ -36,8 +36,8 @@
 
 namespace voxtone::halftone {
 
-/// Rates are without unit: exponents per unit of d. The figures were chosen on img_kodim23 (20 mm) and spot (30 mm); docs/benchmarks.md,
-/// "Steps in two parts".
+/// Rates are without unit: exponents per unit of d. The figures were chosen on the middle 10 mm of img_kodim23, img_astronaut,
+/// img_marble and img_hubble, 20 mm wide (12 iterations; as docs/benchmarks.md, "What the descent looks at").
 struct DescentOptions {
     float own_rate = 0.36f, most_own_rate = 0.5f;         ///< rate_o: of the first step, and the most it may become
     float shared_rate = 0.08f, most_shared_rate = 0.25f;  ///< rate_s, likewise
