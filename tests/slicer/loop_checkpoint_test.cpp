@@ -31,8 +31,8 @@ halftone::LoopState some_state(std::size_t cells) {
     state.recent.all()[2] = 0.375f;
     state.descent.shared.assign(state.descent.momentum.size(), 0.25f);
     state.descent.divisor.assign(cells, 2.5f);
-    state.descent.fall.assign(cells, Eigen::Vector3f(1, 2, 0));
-    state.descent.rate[1] = Eigen::Vector2f(0.125f, 0.5f);
+    state.descent.fall.assign(6 * cells, 1.5f);  // five resins and the own part
+    state.descent.rate[1] = 0.125f;
     return state;
 }
 

@@ -21,7 +21,7 @@ struct Gaussian {
     double weight, spread_degrees;
 };
 
-/// Zhang and Wandell 1997; scaled to the sum 1.
+/// Scaled to the sum 1.
 std::vector<Gaussian> gaussians(std::size_t channel, EyeSurround surround) {
     static const std::array<std::vector<Gaussian>, 3> table{{{{0.921, 0.0283}, {0.105, 0.133}, {-0.108, 4.336}},
                                                              {{0.531, 0.0392}, {0.330, 0.494}},
@@ -51,10 +51,12 @@ struct EyeFilter::Data {
     Eigen::Matrix3f to_opponent, from_opponent;
 };
 
-const Eigen::Matrix3d& opponent_from_xyz_matrix() {
-    static const Eigen::Matrix3d matrix =
+const Eigen::Matrix3d& opponent_from_xyz_matrix(OpponentSpace space) {
+    static const Eigen::Matrix3d neutral =
+        (Eigen::Matrix3d() << 0.0556, 0.9981, -0.0254, 0.9510, -0.9038, 0, 0.0386, 1.0822, -1.0276).finished();
+    static const Eigen::Matrix3d published =
         (Eigen::Matrix3d() << 0.279, 0.72, -0.107, -0.449, 0.29, -0.077, 0.086, -0.59, 0.501).finished();
-    return matrix;
+    return space == OpponentSpace::neutral ? neutral : published;
 }
 
 double eye_transfer(std::size_t opponent_channel, double cycles_per_degree, EyeSurround surround) {
@@ -67,12 +69,12 @@ double eye_transfer(std::size_t opponent_channel, double cycles_per_degree, EyeS
     return sum;
 }
 
-EyeFilter::EyeFilter(const optics::Surface& surface, double viewing_distance_mm, EyeSurround surround)
+EyeFilter::EyeFilter(const optics::Surface& surface, double viewing_distance_mm, EyeSurround surround, OpponentSpace space)
     : data_(std::make_unique<Data>()) {
     if (!(viewing_distance_mm > 0) || !std::isfinite(viewing_distance_mm))
         throw InputError(fmt::format("the viewing distance is {} mm; it must be above 0", viewing_distance_mm));
     Data& d = *data_;
-    const Eigen::Matrix3d to_opponent = opponent_from_xyz_matrix() * optics::xyz_from_linear_srgb_matrix();
+    const Eigen::Matrix3d to_opponent = opponent_from_xyz_matrix(space) * optics::xyz_from_linear_srgb_matrix();
     d.to_opponent = to_opponent.cast<float>();
     d.from_opponent = to_opponent.inverse().cast<float>();
     if (surface.cells.empty()) return;

@@ -13,8 +13,8 @@ namespace voxtone::halftone {
 namespace {
 
 constexpr double least_light = 1e-4;  // keeps the slope of Oklab finite
-constexpr float gamma = 0.5f, beta = 0.03f;
-constexpr double soft = 0.08;  // s
+constexpr float gamma = 1, beta = 0.03f;
+constexpr double soft = 0.04;  // s
 
 Eigen::Vector3d lit(const Eigen::Vector3f& rgb) { return rgb.cast<double>().cwiseMax(least_light); }
 Eigen::Vector3f oklab(const Eigen::Vector3f& rgb) { return optics::oklab_from_linear_srgb(lit(rgb)).cast<float>(); }

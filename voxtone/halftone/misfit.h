@@ -6,9 +6,9 @@
 //
 // p what is predicted, t the target, a_i the cell's area / mean area times its weight, W = diag(1, 2, 2). E is the eye filter,
 // which averages colour farther than light: a loop that mends colour cell by cell spends itself on what nobody sees. N is its
-// narrowest Gaussian alone, for light and colour alike, gamma = 0.5: E by itself puts up with tinted blacks and halos a millimetre
-// wide, which are seen from nearer. beta = 0.03. rho(x) = sqrt(x^2 + s^2) - s counts small differences by their square and large
-// ones (above s = 0.08, some 8 CIEDE2000) by themselves: dark detail beside white, which nothing can make darker, does not
+// narrowest Gaussian alone, for light and colour alike, gamma = 1: E by itself puts up with grain and halos of colour a millimetre
+// wide, which are seen from nearer; gamma from 0 to 2 changes what is seen from 300 mm by some 2 %. beta = 0.03. rho(x) = sqrt(x^2 + s^2) - s counts small differences by their square and large
+// ones (above s = 0.04, some 4 CIEDE2000) by themselves: dark detail beside white, which nothing can make darker, does not
 // outweigh what can be mended.
 //
 // For contrast's sake the lightness d of the first two differences may be replaced by d - k S d, S a Gaussian eight times as wide: what is off over

@@ -52,11 +52,6 @@ struct Table {
             for (std::size_t k = first; k < first + resins; ++k) g[k] -= mean;
         }
     }
-    /// Three numbers of each cell after the other: visit(first, count).
-    template <class Visit>
-    void in_threes(Visit&& visit) const {
-        for (std::size_t first = 0; first < length; first += 3) visit(first, std::min<std::size_t>(3, length - first));
-    }
 };
 
 Eigen::Vector3f three_of(const float* from, std::size_t count) {
@@ -65,20 +60,35 @@ Eigen::Vector3f three_of(const float* from, std::size_t count) {
     return v;
 }
 
-/// How F falls along the shared and along the own part of the last step, per unit of each.
-std::vector<Eigen::Vector3f> falls_along(const Table& table, std::vector<float>& gradient, const CellSmoothing& smooth, DescentState& state) {
-    std::vector<Eigen::Vector3f> falls(table.cells);
+/// S of each of `length` numbers per cell, in place.
+void smooth_all(std::vector<float>& numbers, std::size_t length, const CellSmoothing& smooth) {
+    std::vector<Eigen::Vector3f> three(numbers.size() / length);
+    for (std::size_t first = 0; first < length; first += 3) {
+        const std::size_t count = std::min<std::size_t>(3, length - first);
+        parallel_for(0, three.size(), grain, [&](std::size_t c) { three[c] = three_of(numbers.data() + c * length + first, count); });
+        smooth(three);
+        parallel_for(0, three.size(), grain, [&](std::size_t c) { std::copy_n(three[c].data(), count, numbers.data() + c * length + first); });
+    }
+}
+
+/// How F falls along the shared part of the last step, resin by resin, and along the own part; per unit of each.
+std::vector<float> falls_along(const Table& table, std::vector<float>& gradient, const CellSmoothing& smooth, DescentState& state) {
+    const std::size_t parts = table.resins + 1;
+    std::vector<float> falls(table.cells * parts);
     parallel_for(0, table.cells, grain, [&](std::size_t c) {
         const auto f = state.mixtures.cell(c);
         const auto g = table.cell(gradient, c), m = table.cell(state.momentum, c), e = table.cell(state.shared, c);
+        float* const fall = falls.data() + c * parts;
         float shared = 0, all = 0;
         for (std::size_t k = 0; k < table.length; ++k) {
-            shared -= f[k] * g[k] * e[k];
+            const float along = -f[k] * g[k] * e[k];
+            fall[k % table.resins] += along;
+            shared += along;
             all += f[k] * g[k] * m[k];
         }
-        falls[c] = {shared, all / state.divisor[c] - shared, 0};
+        fall[table.resins] = all / state.divisor[c] - shared;
     });
-    smooth(falls);
+    smooth_all(falls, parts, smooth);
     return falls;
 }
 
@@ -89,14 +99,13 @@ float secant(float p0, float p1, float beyond, float slower, float faster) {
     return std::clamp(beyond * p0 / (p0 - p1), slower, faster);
 }
 
-void adapt_rates(std::span<const Eigen::Vector3f> now, const DescentOptions& options, DescentState& state) {
-    parallel_for(0, now.size(), grain, [&](std::size_t c) {
-        const Eigen::Vector3f& was = state.fall[c];
-        Eigen::Vector2f& rate = state.rate[c];
-        const float shared = secant(was[0], now[c][0], options.shared_beyond, options.slower, options.shared_faster);
-        const float own = secant(was[1], now[c][1], options.own_beyond, options.slower, options.own_faster);
-        rate[0] = std::clamp(rate[0] * shared, options.least_rate, options.most_shared_rate);
-        rate[1] = std::clamp(rate[1] * own, options.least_rate, options.most_own_rate);
+void adapt_rates(const Table& table, std::span<const float> now, const DescentOptions& options, DescentState& state) {
+    const std::size_t parts = table.resins + 1;
+    parallel_for(0, now.size(), grain, [&](std::size_t i) {
+        const bool own = i % parts == table.resins;
+        const float factor = secant(state.fall[i], now[i], own ? options.own_beyond : options.shared_beyond, options.slower,
+                                    own ? options.own_faster : options.shared_faster);
+        state.rate[i] = std::clamp(state.rate[i] * factor, options.least_rate, own ? options.most_own_rate : options.most_shared_rate);
     });
 }
 
@@ -120,14 +129,11 @@ void turn(const Table& table, std::vector<float>& gradient, const DescentOptions
 
 /// e = S d.
 void find_shared(const Table& table, const CellSmoothing& smooth, DescentState& state) {
-    std::vector<Eigen::Vector3f> three(table.cells);
-    table.in_threes([&](std::size_t first, std::size_t count) {
-        parallel_for(0, table.cells, grain,
-                     [&](std::size_t c) { three[c] = three_of(table.cell(state.momentum, c).data() + first, count) / -state.divisor[c]; });
-        smooth(three);
-        parallel_for(0, table.cells, grain,
-                     [&](std::size_t c) { std::copy_n(three[c].data(), count, table.cell(state.shared, c).data() + first); });
+    parallel_for(0, table.cells, grain, [&](std::size_t c) {
+        const auto m = table.cell(state.momentum, c), e = table.cell(state.shared, c);
+        for (std::size_t k = 0; k < table.length; ++k) e[k] = m[k] / -state.divisor[c];
     });
+    smooth_all(state.shared, table.length, smooth);
 }
 
 /// Both parts; into `alone` what the shared one makes by itself.
@@ -136,20 +142,22 @@ void move(const Table& table, DescentState& state, std::vector<float>& alone) {
     parallel_for(0, table.cells, grain, [&](std::size_t c) {
         const std::span<float> f = state.mixtures.cell(c), a = table.cell(alone, c);
         const auto m = table.cell(state.momentum, c), e = table.cell(state.shared, c);
-        const Eigen::Vector2f rate = state.rate[c];
+        const float* const rate = state.rate.data() + c * (table.resins + 1);
         for (std::size_t k = 0; k < table.length; ++k) {
-            a[k] = moved(f[k], rate[0] * e[k]);
-            f[k] = moved(f[k], rate[0] * e[k] - rate[1] * (m[k] / state.divisor[c] + e[k]));
+            const float shared = rate[k % table.resins] * e[k];
+            a[k] = moved(f[k], shared);
+            f[k] = moved(f[k], shared - rate[table.resins] * (m[k] / state.divisor[c] + e[k]));
         }
         table.normalise(a);
         table.normalise(f);
     });
 }
 
-/// Smoothed amounts of resin become those of `wanted`.
+/// Smoothed amounts of resin become those of `wanted`; three numbers of a cell at a time, which saves two more tables.
 void keep_amounts(const Table& table, std::vector<float>& wanted, const CellSmoothing& smooth, SkinMixtures& mixtures) {
     std::vector<Eigen::Vector3f> is(table.cells), should(table.cells);
-    table.in_threes([&](std::size_t first, std::size_t count) {
+    for (std::size_t first = 0; first < table.length; first += 3) {
+        const std::size_t count = std::min<std::size_t>(3, table.length - first);
         parallel_for(0, table.cells, grain, [&](std::size_t c) {
             is[c] = three_of(mixtures.cell(c).data() + first, count);
             should[c] = three_of(table.cell(wanted, c).data() + first, count);
@@ -162,7 +170,7 @@ void keep_amounts(const Table& table, std::vector<float>& wanted, const CellSmoo
                 if (is[c][i] > 0) mixtures.cell(c)[first + k] *= should[c][i] / is[c][i];
             }
         });
-    });
+    }
     parallel_for(0, table.cells, grain, [&](std::size_t c) { table.fill_up(mixtures.cell(c)); });
 }
 
@@ -172,7 +180,8 @@ DescentState begin_descent(SkinMixtures mixtures, const DescentOptions& options)
     DescentState state;
     state.mixtures = std::move(mixtures);
     const Table table(state.mixtures);
-    state.rate.assign(table.cells, {options.shared_rate, options.own_rate});
+    state.rate.assign(table.cells * (table.resins + 1), options.shared_rate);
+    for (std::size_t i = table.resins; i < state.rate.size(); i += table.resins + 1) state.rate[i] = options.own_rate;
     state.momentum.assign(table.cells * table.length, 0.0f);
     state.scale.assign(table.cells, 0.0f);
     parallel_for(0, table.cells, grain, [&](std::size_t c) {
@@ -186,7 +195,7 @@ void descend(std::vector<float> gradient, const DescentOptions& options, const C
     const Table table(state.mixtures);
     VOXTONE_EXPECT(gradient.size() == table.cells * table.length);
     parallel_for(0, table.cells, grain, [&](std::size_t c) { table.take_means(state.mixtures.cell(c), table.cell(gradient, c)); });
-    if (!state.shared.empty()) adapt_rates(falls_along(table, gradient, smooth, state), options, state);
+    if (!state.shared.empty()) adapt_rates(table, falls_along(table, gradient, smooth, state), options, state);
     state.shared.resize(gradient.size());
     state.divisor.resize(table.cells);
     turn(table, gradient, options, state);

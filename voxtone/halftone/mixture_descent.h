@@ -15,9 +15,10 @@
 //
 // Light spreads for millimetres: a thousand cells that all become a little darker darken each other, and a step that suits each of
 // them overshoots. So a step has two parts with rates of their own: what neighbours do alike, e, smoothed by a Gaussian S over the surface, and
-// what each does for itself, d - e. Each rate follows the secant rule by itself and place by place: where F falls by p0 per unit of
-// a part at its beginning and by p1 at its end (both smoothed by S), its least lies at p0 / (p0 - p1) of it. The shared part goes
-// less than so far: what the own parts do disturbs it. The exponential lets scattered steps
+// what each does for itself, d - e. The shared part has a rate for every resin: a little yellow more over some millimetres, where the eye averages
+// colour, answers more stiffly than as much black. Each rate follows the secant rule by itself and place by place: where F falls by p0 per unit of
+// a part at its beginning and by p1 at its end (both smoothed by S), its least lies at p0 / (p0 - p1) of it. The shared parts go
+// less than so far: the others disturb them. The exponential lets scattered steps
 // of both signs add ink (their mean is above 1), so the amounts of resin in a layer, smoothed by S, are brought back after the step to what the
 // shared part alone makes of them: cells only pass resin on to their neighbours.
 //
@@ -37,13 +38,13 @@
 namespace voxtone::halftone {
 
 /// Rates are without unit: exponents per unit of d. The figures were chosen on the middle 10 mm of img_kodim23, img_astronaut,
-/// img_marble and img_hubble, 20 mm wide (12 iterations; as docs/benchmarks.md, "What the descent looks at").
+/// img_marble, img_hubble, a page of type and a Siemens star, 20 mm wide (12 iterations; docs/benchmarks.md, "What the descent looks at").
 struct DescentOptions {
     float own_rate = 0.36f, most_own_rate = 0.5f;         ///< rate_o: of the first step, and the most it may become
-    float shared_rate = 0.08f, most_shared_rate = 0.25f;  ///< rate_s, likewise
-    float least_rate = 0.01f;            ///< of both
-    float slower = 0.4f;                 ///< least factor by which a rate changes in a step
-    float own_faster = 2, shared_faster = 1.5f;  ///< most
+    float shared_rate = 0.15f, most_shared_rate = 0.7f;   ///< rate_s, likewise
+    float least_rate = 0.01f;            ///< of all
+    float slower = 0.6f;                 ///< least factor by which a rate changes in a step
+    float own_faster = 2, shared_faster = 3;  ///< most
     float own_beyond = 1.3f;     ///< of an own step / the secant's: cells hinder each other less than they did along it
     float shared_beyond = 0.5f;  ///< likewise
     float momentum = 0.4f;   ///< mu, in [0, 1); more makes bodies swing, whose cells share light over millimetres
@@ -57,8 +58,8 @@ struct DescentState {
     std::vector<float> shared;    ///< e of the last step, as mixtures; empty before the first
     std::vector<float> scale;     ///< per cell
     std::vector<float> divisor;   ///< s of the last step, per cell
-    std::vector<Eigen::Vector3f> fall;       ///< p0 of the last step: shared, own, 0
-    std::vector<Eigen::Vector2f> rate;       ///< shared, own; per cell
+    std::vector<float> fall;      ///< p0 of the last step: of each resin's shared part, then of the own part; per cell
+    std::vector<float> rate;      ///< likewise
 };
 
 inline constexpr float least_fraction = 0.03f;  ///< h

@@ -19,7 +19,7 @@ namespace voxtone::slicer {
 namespace {
 
 // The file: magic, digest of the job, state, digest of all before. Native byte order: it is read where it was written.
-constexpr std::string_view magic = "voxtone-loop 4\n";
+constexpr std::string_view magic = "voxtone-loop 5\n";
 constexpr std::size_t digest_size = 64;
 constexpr std::array<std::string_view, 9> free_options{"out", "overwrite", "report", "predict", "threads", "resume", "iterations", "formats", "layers"};
 
@@ -170,9 +170,9 @@ std::optional<halftone::LoopState> LoopCheckpoint::read(Progress& progress) cons
     state_in(file, state);
     const auto fits = [&](const auto& list, bool may_lack) { return list.size() == cells_ || (may_lack && list.empty()); };
     const auto descent_fits = [](const halftone::DescentState& d) {
-        const std::size_t cells = d.mixtures.cells(), stepped = d.shared.empty() ? 0 : cells;
+        const std::size_t cells = d.mixtures.cells(), stepped = d.shared.empty() ? 0 : cells, parts = cells == 0 ? 0 : d.mixtures.resins() + 1;
         return d.momentum.size() == d.mixtures.all().size() && (d.shared.empty() || d.shared.size() == d.momentum.size()) &&
-               d.scale.size() == cells && d.rate.size() == cells && d.divisor.size() == stepped && d.fall.size() == stepped;
+               d.scale.size() == cells && d.rate.size() == cells * parts && d.divisor.size() == stepped && d.fall.size() == stepped * parts;
     };
     if (!file.good || !file.bytes.empty() || state.steps.empty() || state.best >= state.steps.size() || !fits(state.drive, false) ||
         !fits(state.start_drive, true) || !descent_fits(state.descent) ||
