@@ -73,7 +73,7 @@ std::size_t ViewingSequence::Shape::memory_bytes() const {
 
 std::unique_ptr<ViewingSequence::Shape> ViewingSequence::shape_of(const Tile& tile) const {
     auto shape = std::make_unique<Shape>();
-    shape->grid = std::make_unique<ViewingGrid>(scene_, view_voxels_, options_.colour_mm, tile.also, tile.window);
+    shape->grid = std::make_unique<ViewingGrid>(scene_, view_voxels_, options_.colour_mm, tile.also, tile.window, &surface_);
     ViewingGrid& grid = *shape->grid;
     grid.shrink();
     shape->seen = grid.see(tiles_.size() == 1 ? surface_ : part_of(surface_, tile.near));
