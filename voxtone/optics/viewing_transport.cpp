@@ -47,8 +47,8 @@ ViewingTransport::ViewingTransport(const ViewingGrid& viewing, const TransportOp
     source_.resize(cells);
     sum_.resize(cells);
     other_.resize(cells);
-    static_assert(sizeof(CellStencil) == sizeof(Moments));
-    stencil_ = {reinterpret_cast<CellStencil*>(sum_.data()), cells};
+    static_assert(sizeof(BlockStencil<4>) == 64 * sizeof(Moments));
+    stencil_ = {reinterpret_cast<BlockStencil<4>*>(sum_.data()), cells / 64};
     x_ = {reinterpret_cast<float*>(other_.data()), cells};
     right_ = {reinterpret_cast<float*>(other_.data()) + cells, cells};
     p_ = {reinterpret_cast<float*>(other_.data()) + 2 * cells, cells};
