@@ -433,6 +433,46 @@ void ViewingDiffusion::apply(Vector x, Vector out) const {
     for_core_flows(fine, x.cells, x.core, [&](std::uint32_t core, float flow) { out.core[core] += flow; });
 }
 
+ViewingDiffusion::Flows ViewingDiffusion::flows(std::size_t t, std::span<const float> D_of_medium, std::span<const float> D_of_core, Vector x) const {
+    constexpr int m = 6;
+    const OpticalGrid& grid = grid_.grid;
+    Patch<4> D, value;
+    gather<4>(D, t, neighbour_[t], side_of_[t], sides_, [&](std::size_t cell) { return D_of_medium[grid.medium[cell]]; }, [](std::uint32_t) { return 0.0f; });
+    gather<4>(value, t, neighbour_[t], side_of_[t], sides_, At{x.cells.data()}, At{x.core.data()});
+    Flows sum{};
+    for (int k = 0; k < 4; ++k)
+        for (int j = 0; j < 4; ++j) {
+            const float *const d = row_of(D, j, k), *const v = row_of(value, j, k);
+            const int row = (k * 4 + j) * 4;
+            // From the neighbours below to this row and, at the end of the block, from this row on.
+            const auto cross = [&](std::size_t axis, int step, bool first, bool last, float* here, float* before) {
+                float flow[4];
+                for (int i = 0; i < 4; ++i) flow[i] = cell_contact(axis, d[i - step], d[i]) * (v[i - step] - v[i]);
+                for (int i = 0; i < 4; ++i) here[i] += flow[i];
+                if (!first)
+                    for (int i = 0; i < 4; ++i) before[i] += flow[i];
+                if (last)
+                    for (int i = 0; i < 4; ++i) here[i] += cell_contact(axis, d[i], d[i + step]) * (v[i] - v[i + step]);
+            };
+            cross(1, m, j == 0, j == 3, &sum[1][static_cast<std::size_t>(row)], sum[1].data() + row - 4 * (j > 0));
+            cross(2, m * m, k == 0, k == 3, &sum[2][static_cast<std::size_t>(row)], sum[2].data() + row - 16 * (k > 0));
+            float along[5];
+            for (int i = 0; i < 5; ++i) along[i] = cell_contact(0, d[i - 1], d[i]) * (v[i - 1] - v[i]);
+            for (int i = 0; i < 4; ++i) sum[0][static_cast<std::size_t>(row + i)] = along[i] + along[i + 1];
+        }
+    for (std::size_t f = 0; f < 6; ++f) {
+        if (side_of_[t][f] < 0) continue;
+        const std::uint32_t core = sides_[static_cast<std::size_t>(side_of_[t][f])].core;
+        const float beyond = D_of_core[grid.blocks[grid_.core_block[core]].medium], sign = f % 2 ? 1.0f : -1.0f;
+        for (int j = 0; j < 4; ++j)
+            for (int i = 0; i < 4; ++i) {
+                const auto place = static_cast<std::size_t>(on_side<4>(f, i, j)), cell = 64 * t + place;
+                sum[f / 2][place] += sign * (side_contact(f / 2, D_of_medium[grid.medium[cell]], beyond) * (x.cells[cell] - x.core[core]));
+            }
+    }
+    return sum;
+}
+
 namespace {
 
 /// Sums of fixed ranges, then the ranges in order: the same bits for any number of threads.

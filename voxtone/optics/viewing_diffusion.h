@@ -42,6 +42,10 @@ public:
     int solve(Vector x, Vector residual, Vector p, Vector z, double tolerance, int most_steps);
     /// out = A x.
     void apply(Vector x, Vector out) const;
+    /// What flows along +x, +y and +z through the two faces of each cell of transport block t that lie across, in sum, for these
+    /// diffusion constants; faces to the air let nothing through.
+    using Flows = std::array<std::array<float, 64>, 3>;
+    [[nodiscard]] Flows flows(std::size_t t, std::span<const float> D_of_medium, std::span<const float> D_of_core, Vector x) const;
     [[nodiscard]] std::size_t memory_bytes() const;
 
     /// Where a transport block borders on a core block.
@@ -59,7 +63,10 @@ public:
     [[nodiscard]] std::span<const CoreContact> core_contacts() const { return contacts_; }
     /// Conductance from a cell to a core node across a face of this axis, and between core nodes: factors of D1 D2 / (D1 + D2)
     /// for equal halves; see the source for unequal ones.
-    [[nodiscard]] float cell_contact(std::size_t axis, float D1, float D2) const { return D1 > 0 && D2 > 0 ? k_[axis] * D1 * D2 / (D1 + D2) : 0; }
+    [[nodiscard]] float cell_contact(std::size_t axis, float D1, float D2) const {
+        const float sum = D1 + D2;  // no branch: rows of contacts are vectors; 0 where either is
+        return k_[axis] * D1 * D2 / (sum > 0 ? sum : 1.0f);
+    }
     [[nodiscard]] float side_contact(std::size_t axis, float D, float D_core) const {
         return D > 0 ? k_[axis] * D * D_core / (4 * D + D_core) : 0;
     }
