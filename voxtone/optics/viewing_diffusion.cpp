@@ -2,6 +2,7 @@
 #include "voxtone/optics/viewing_diffusion.h"
 
 #include <algorithm>
+#include <cstring>
 
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/parallel.h"
@@ -70,31 +71,51 @@ struct At {
     float operator()(std::size_t i) const { return values[i]; }
 };
 
+// Rows are vector types of the compiler: left to itself it takes their floats one by one.
+template <int n>
+using Floats __attribute__((vector_size(4 * n))) = float;
+using Places4 __attribute__((vector_size(16))) = std::int32_t;
+
+template <int n>
+Floats<n> load(const float* from) {
+    Floats<n> v;
+    std::memcpy(&v, from, sizeof v);
+    return v;
+}
+template <class V>
+void store(float* to, const V& v) {
+    std::memcpy(to, &v, sizeof v);
+}
+/// 1 where it is not above 0.
+template <class V>
+V safe(const V& v) {
+    return v > 0 ? v : V{} + 1.0f;
+}
+
 /// A row of n cells of a block along x, and what it borders on.
 template <int n>
 struct Row {
     static constexpr int m = n + 2;
-    int at;                                     ///< its first cell
-    const float *x, *y, *z, *low_y, *low_z, *inverse;
-    float low_x[n];
+    using V = Floats<n>;
+    int at;  ///< its first cell
+    V x, y, z, low_x, low_y, low_z, inverse;
     /// The row (j, k).
     template <class Low>
     Row(const BlockStencil<n>& s, const Low& low, int j, int k)
-        : at((k * n + j) * n), x(s.x + at), y(s.y + at), z(s.z + at), low_y(j > 0 ? y - n : low.y + k * n), low_z(k > 0 ? z - n * n : low.z + j * n),
-          inverse(s.inverse + at) {
-        low_x[0] = low.x[k * n + j];
-        for (int i = 1; i < n; ++i) low_x[i] = x[i - 1];
+        : at((k * n + j) * n), x(load<n>(s.x + at)), y(load<n>(s.y + at)), z(load<n>(s.z + at)), low_x(V{} + low.x[k * n + j]),
+          low_y(load<n>(j > 0 ? s.y + at - n : low.y + k * n)), low_z(load<n>(k > 0 ? s.z + at - n * n : low.z + j * n)), inverse(load<n>(s.inverse + at)) {
+        if constexpr (n == 4) low_x = __builtin_shuffle(low_x, x, Places4{0, 4, 5, 6});
+        else low_x[1] = x[0];
     }
     /// What flows in from the neighbours along y and z; `here`: the row's values in a patch.
-    [[nodiscard]] float across(const float* here, int i) const {
-        return low_y[i] * here[i - m] + y[i] * here[i + m] + low_z[i] * here[i - m * m] + z[i] * here[i + m * m];
+    [[nodiscard]] V across(const float* here) const {
+        return low_y * load<n>(here - m) + y * load<n>(here + m) + low_z * load<n>(here - m * m) + z * load<n>(here + m * m);
     }
-    [[nodiscard]] float along(const float* here, int i) const { return low_x[i] * here[i - 1] + x[i] * here[i + 1]; }
+    [[nodiscard]] V along(const float* here) const { return low_x * load<n>(here - 1) + x * load<n>(here + 1); }
     /// A x, where there is an equation.
-    [[nodiscard]] float apply(const float* here, int i) const {
-        const bool solid = inverse[i] > 0;
-        const float value = here[i] / (solid ? inverse[i] : 1.0f) - (across(here, i) + along(here, i));
-        return solid ? value : 0;
+    [[nodiscard]] V apply(const float* here) const {
+        const V value = load<n>(here) / safe(inverse) - (across(here) + along(here));
+        return inverse > 0 ? value : V{};
     }
 };
 
@@ -104,15 +125,19 @@ float* row_of(Patch<n>& patch, int j, int k) {
     return patch.x + ((k + 1) * m + j + 1) * m + 1;
 }
 
+/// cell_contact of four cells and those a step further.
+Floats<4> contacts(float k, const float* D, int step) {
+    const Floats<4> D1 = load<4>(D), D2 = load<4>(D + step);
+    return k * D1 * D2 / safe(D1 + D2);
+}
+
 template <int n, class Low>
 void find_diagonal(BlockStencil<n>& block, const Low& low, const float* loss) {
     for (int k = 0; k < n; ++k)
         for (int j = 0; j < n; ++j) {
             const Row<n> row(block, low, j, k);
-            for (int i = 0; i < n; ++i) {
-                const float sum = loss[row.at + i] + row.low_x[i] + row.x[i] + row.low_y[i] + row.y[i] + row.low_z[i] + row.z[i];
-                block.inverse[row.at + i] = sum > 0 ? 1 / sum : 0;
-            }
+            const Floats<n> sum = load<n>(loss + row.at) + row.low_x + row.x + row.low_y + row.y + row.low_z + row.z;
+            store(block.inverse + row.at, sum > 0 ? 1.0f / safe(sum) : Floats<n>{});
         }
 }
 
@@ -199,14 +224,12 @@ void ViewingDiffusion::prepare(std::span<const float> D_of_medium, std::span<con
             for (int j = 0; j < 4; ++j) {
                 const float* const here = row_of(D, j, k);
                 const int row = (k * 4 + j) * 4;
-                for (int i = 0; i < 4; ++i) block.x[row + i] = cell_contact(0, here[i], here[i + 1]);
-                for (int i = 0; i < 4; ++i) block.y[row + i] = cell_contact(1, here[i], here[i + m]);
-                for (int i = 0; i < 4; ++i) block.z[row + i] = cell_contact(2, here[i], here[i + m * m]);
+                store(block.x + row, contacts(k_[0], here, 1));
+                store(block.y + row, contacts(k_[1], here, m));
+                store(block.z + row, contacts(k_[2], here, m * m));
                 low.x[k * 4 + j] = cell_contact(0, here[-1], here[0]);
-                if (j == 0)
-                    for (int i = 0; i < 4; ++i) low.y[k * 4 + i] = cell_contact(1, here[i - m], here[i]);
-                if (k == 0)
-                    for (int i = 0; i < 4; ++i) low.z[j * 4 + i] = cell_contact(2, here[i - m * m], here[i]);
+                if (j == 0) store(low.y + k * 4, contacts(k_[1], here - m, m));
+                if (k == 0) store(low.z + j * 4, contacts(k_[2], here - m * m, m * m));
             }
         for (std::size_t f = 0; f < 6; ++f) {
             const std::int32_t s = side_of_[t][f];
@@ -318,16 +341,15 @@ void ViewingDiffusion::relax(const Level<n>& level, std::span<const float> b, st
                 const OneRow row(level.block[t], level.low[t], j, k);
                 float* const here = row_of(patch, j, k);
                 // The way along the row, where each cell waits for the one before, is one multiplication and one addition long.
-                float known[n], pass[n];
-                if (back) {
-                    for (int i = 0; i < n; ++i) known[i] = (right[row.at + i] + row.across(here, i) + row.low_x[i] * here[i - 1]) * row.inverse[i];
-                    for (int i = 0; i < n; ++i) pass[i] = row.x[i] * row.inverse[i];
-                    for (int i = n; i-- > 0;) here[i] = known[i] + pass[i] * here[i + 1];
-                } else {
-                    for (int i = 0; i < n; ++i) known[i] = (right[row.at + i] + row.across(here, i) + row.x[i] * here[i + 1]) * row.inverse[i];
-                    for (int i = 0; i < n; ++i) pass[i] = row.low_x[i] * row.inverse[i];
-                    for (int i = 0; i < n; ++i) here[i] = known[i] + pass[i] * here[i - 1];
-                }
+                const Floats<n> known = (load<n>(right + row.at) + row.across(here) + (back ? row.low_x * load<n>(here - 1) : row.x * load<n>(here + 1))) * row.inverse;
+                const Floats<n> pass = (back ? row.x : row.low_x) * row.inverse;
+                Floats<n> now;
+                float last = back ? here[n] : here[-1];
+                if (back)
+                    for (int i = n; i-- > 0;) now[i] = last = known[i] + pass[i] * last;
+                else
+                    for (int i = 0; i < n; ++i) now[i] = last = known[i] + pass[i] * last;
+                store(here, now);
             };
             if (back) {
                 for (int k = n; k-- > 0;)
@@ -380,8 +402,7 @@ void ViewingDiffusion::restrict_to(const Level<n>& level, std::span<const float>
             for (int j = 0; j < n; ++j) {
                 const Row<n> row(level.block[t], level.low[t], j, k);
                 const float* const here = row_of(patch, j, k);
-                float r[n];
-                for (int i = 0; i < n; ++i) r[i] = (row.inverse[i] > 0 ? right[row.at + i] : 0) - row.apply(here, i);
+                const Floats<n> r = (row.inverse > 0 ? load<n>(right + row.at) : Floats<n>{}) - row.apply(here);
                 for (int i = 0; i < n; ++i) sum[((k / 2) * half + j / 2) * half + i / 2] += r[i];
             }
         for (int i = 0; i < half * half * half; ++i) coarse_b[t * half * half * half + static_cast<std::size_t>(i)] = sum[i];
@@ -426,7 +447,7 @@ void ViewingDiffusion::apply(Vector x, Vector out) const {
             for (int j = 0; j < n; ++j) {
                 const Row<n> row(fine.block[t], fine.low[t], j, k);
                 const float* const here = row_of(patch, j, k);
-                for (int i = 0; i < n; ++i) to[row.at + i] = row.apply(here, i);
+                store(to + row.at, row.apply(here));
             }
     });
     for (std::size_t i = 0; i < x.core.size(); ++i) out.core[i] = core_loss_[i] * x.core[i];
@@ -439,26 +460,17 @@ ViewingDiffusion::Flows ViewingDiffusion::flows(std::size_t t, std::span<const f
     Patch<4> D, value;
     gather<4>(D, t, neighbour_[t], side_of_[t], sides_, [&](std::size_t cell) { return D_of_medium[grid.medium[cell]]; }, [](std::uint32_t) { return 0.0f; });
     gather<4>(value, t, neighbour_[t], side_of_[t], sides_, At{x.cells.data()}, At{x.core.data()});
-    Flows sum{};
+    Flows sum;
     for (int k = 0; k < 4; ++k)
         for (int j = 0; j < 4; ++j) {
             const float *const d = row_of(D, j, k), *const v = row_of(value, j, k);
             const int row = (k * 4 + j) * 4;
-            // From the neighbours below to this row and, at the end of the block, from this row on.
-            const auto cross = [&](std::size_t axis, int step, bool first, bool last, float* here, float* before) {
-                float flow[4];
-                for (int i = 0; i < 4; ++i) flow[i] = cell_contact(axis, d[i - step], d[i]) * (v[i - step] - v[i]);
-                for (int i = 0; i < 4; ++i) here[i] += flow[i];
-                if (!first)
-                    for (int i = 0; i < 4; ++i) before[i] += flow[i];
-                if (last)
-                    for (int i = 0; i < 4; ++i) here[i] += cell_contact(axis, d[i], d[i + step]) * (v[i] - v[i + step]);
+            const auto flow = [&](std::size_t axis, int step, int from) {
+                return contacts(k_[axis], d + from, step) * (load<4>(v + from) - load<4>(v + from + step));
             };
-            cross(1, m, j == 0, j == 3, &sum[1][static_cast<std::size_t>(row)], sum[1].data() + row - 4 * (j > 0));
-            cross(2, m * m, k == 0, k == 3, &sum[2][static_cast<std::size_t>(row)], sum[2].data() + row - 16 * (k > 0));
-            float along[5];
-            for (int i = 0; i < 5; ++i) along[i] = cell_contact(0, d[i - 1], d[i]) * (v[i - 1] - v[i]);
-            for (int i = 0; i < 4; ++i) sum[0][static_cast<std::size_t>(row + i)] = along[i] + along[i + 1];
+            store(sum[0].data() + row, flow(0, 1, -1) + flow(0, 1, 0));
+            store(sum[1].data() + row, flow(1, m, -m) + flow(1, m, 0));
+            store(sum[2].data() + row, flow(2, m * m, -m * m) + flow(2, m * m, 0));
         }
     for (std::size_t f = 0; f < 6; ++f) {
         if (side_of_[t][f] < 0) continue;
