@@ -41,6 +41,24 @@ struct Patch {
     float x[m * m * m];
 };
 
+/// The ring of values beyond side f.
+template <int n, std::size_t f, class CellValue, class CoreValue>
+void gather_side(Patch<n>& patch, std::int32_t neighbour, std::int32_t side_of, std::span<const ViewingDiffusion::CoreSide> sides,
+                 const CellValue& of_cell, const CoreValue& of_core) {
+    constexpr int m = n + 2, all = n * n * n;
+    constexpr int u = f / 2 == 0 ? m : 1, v = f / 2 == 2 ? m : m * m, out = f / 2 == 0 ? 1 : f / 2 == 1 ? m : m * m;  // steps in the patch
+    float* const to = patch.x + 1 + m + m * m + (f % 2 ? n * out : -out);
+    if (neighbour >= 0) {
+        const std::size_t first = static_cast<std::size_t>(neighbour) * all;
+        for (int j = 0; j < n; ++j)
+            for (int i = 0; i < n; ++i) to[j * v + i * u] = of_cell(first + static_cast<std::size_t>(on_side<n>(f ^ 1, i, j)));
+    } else {
+        const float value = side_of >= 0 ? of_core(sides[static_cast<std::size_t>(side_of)].core) : 0;
+        for (int j = 0; j < n; ++j)
+            for (int i = 0; i < n; ++i) to[j * v + i * u] = value;
+    }
+}
+
 /// Values of block t's cells in the middle of (n + 2)^3, those of its neighbours' cells around: what the block borders on,
 /// 0 where there is nothing. Edges and corners are left as they are.
 template <int n, class CellValue, class CoreValue>
@@ -50,20 +68,12 @@ void gather(Patch<n>& patch, std::size_t t, const std::array<std::int32_t, 6>& n
     for (int k = 0; k < n; ++k)
         for (int j = 0; j < n; ++j)
             for (int i = 0; i < n; ++i) patch.x[((k + 1) * m + j + 1) * m + i + 1] = of_cell(t * all + static_cast<std::size_t>((k * n + j) * n + i));
-    constexpr std::array<std::array<int, 3>, 3> steps{{{m, m * m, 1}, {1, m * m, m}, {1, m, m * m}}};  // along a side's two axes, and out of it
-    for (std::size_t f = 0; f < 6; ++f) {
-        const int u = steps[f / 2][0], v = steps[f / 2][1], out = steps[f / 2][2];
-        float* const to = patch.x + 1 + m + m * m + (f % 2 ? n * out : -out);
-        if (neighbour[f] >= 0) {
-            const std::size_t first = static_cast<std::size_t>(neighbour[f]) * all;
-            for (int j = 0; j < n; ++j)
-                for (int i = 0; i < n; ++i) to[j * v + i * u] = of_cell(first + static_cast<std::size_t>(on_side<n>(f ^ 1, i, j)));
-        } else {
-            const float value = side_of[f] >= 0 ? of_core(sides[static_cast<std::size_t>(side_of[f])].core) : 0;
-            for (int j = 0; j < n; ++j)
-                for (int i = 0; i < n; ++i) to[j * v + i * u] = value;
-        }
-    }
+    gather_side<n, 0>(patch, neighbour[0], side_of[0], sides, of_cell, of_core);
+    gather_side<n, 1>(patch, neighbour[1], side_of[1], sides, of_cell, of_core);
+    gather_side<n, 2>(patch, neighbour[2], side_of[2], sides, of_cell, of_core);
+    gather_side<n, 3>(patch, neighbour[3], side_of[3], sides, of_cell, of_core);
+    gather_side<n, 4>(patch, neighbour[4], side_of[4], sides, of_cell, of_core);
+    gather_side<n, 5>(patch, neighbour[5], side_of[5], sides, of_cell, of_core);
 }
 
 struct At {

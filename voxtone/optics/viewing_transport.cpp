@@ -311,6 +311,7 @@ void ViewingTransport::reflect() {
 void ViewingTransport::pool(const GridBlock& block, Pool& pool) const {
     if (block.first_region < 0) return;
     std::array<float, 512> leaves{}, room{};
+    unsigned regions = 0;  // that have faces
     pool.fill(0);
     for (std::size_t f = block.first_face; f < block.first_face + block.faces; ++f) {
         const FaceLaw& law = grid_.law_of(f);
@@ -318,6 +319,7 @@ void ViewingTransport::pool(const GridBlock& block, Pool& pool) const {
         const OuterFace& face = grid_.faces[f];
         const Octet& w = flux_weight_[static_cast<std::size_t>(face.facing) / 2];
         const std::size_t region = std::size_t{face.region_in_block} * 64;
+        regions |= 1u << face.region_in_block;
         for (std::size_t slot = 0; slot < 4; ++slot) {
             const std::size_t out = region + static_cast<std::size_t>(leaving_octant(face.facing, static_cast<int>(slot))) * 8,
                               in = region + static_cast<std::size_t>(entering_octant(face.facing, static_cast<int>(slot))) * 8;
@@ -331,6 +333,7 @@ void ViewingTransport::pool(const GridBlock& block, Pool& pool) const {
     }
     // From fluxes to radiances for the room that there is: of the same direction first, the surplus everywhere.
     for (std::size_t region = 0; region < 512; region += 64) {
+        if (!(regions >> region / 64 & 1)) continue;
         float surplus = 0, lack = 0;
         for (std::size_t k = region; k < region + 64; ++k) {
             if (leaves[k] > room[k]) surplus += (1 - room[k] / leaves[k]) * pool[k];
