@@ -4,7 +4,7 @@
 //
 // The unknowns are the 64 cells of each transport block and one node for each core block. Multigrid: cells, 8 a block, then
 // blocks by the sparse rows of diffusion.h. Cells relax by Gauss-Seidel block by block, blocks of even parity first, so
-// that threads do not matter; core nodes only on the level of blocks. Work per cycle: about 8 ns of one core a cell.
+// that threads do not matter; core nodes only on the level of blocks. Work per cycle: about 20 ns of one core a cell.
 // Memory: 24 bytes a cell, lent by the caller, and 9 a cell of its own.
 #pragma once
 
@@ -54,7 +54,6 @@ public:
         std::uint32_t core = 0;   ///< node
         std::uint8_t facing = 0;
     };
-    [[nodiscard]] std::span<const CoreSide> core_sides() const { return sides_; }
     /// Contacts of core nodes: pairs, with the axis across.
     struct CoreContact {
         std::uint32_t a = 0, b = 0;
@@ -71,11 +70,6 @@ public:
         return D > 0 ? k_[axis] * D * D_core / (4 * D + D_core) : 0;
     }
     [[nodiscard]] float core_contact(std::size_t axis, float D1, float D2) const { return 4 * k_[axis] * D1 * D2 / (D1 + D2); }
-
-    /// Place among the transport blocks of each neighbour, -1: none or core.
-    [[nodiscard]] std::span<const std::array<std::int32_t, 6>> neighbours() const { return neighbour_; }
-    /// Index of the side of a transport block towards the core, -1: none.
-    [[nodiscard]] std::span<const std::array<std::int32_t, 6>> sides_of() const { return side_of_; }
 
 private:
     /// Conductances of a block's faces towards -x, -y and -z.

@@ -77,7 +77,7 @@ ViewingTransport::ViewingTransport(const ViewingGrid& viewing, const TransportOp
 
 std::size_t ViewingTransport::bytes_for(const ViewingGrid& grid, std::size_t channels) {
     return grid.cells() * (3 * sizeof(Moments) + channels * sizeof(ViewingField::Code) + 8) + grid.open_faces.size() * (8 * sizeof(Octet) + 64 * channels + 8) +
-           grid.core_faces.size() * 32 + (grid.cells() / 64 + grid.core_block.size()) * 200;
+           grid.core_faces.size() * 32 + grid.cells() / 64 * 440 + grid.core_block.size() * 200;
 }
 
 float ViewingTransport::furnace_flux(std::size_t face) const { return sums_[grid_.law[face]].through * grid_.faces[face].area_mm2; }
