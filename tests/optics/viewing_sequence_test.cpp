@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <string>
 
 #include "voxtone/base/error.h"
@@ -122,6 +123,60 @@ TEST_CASE("Colour that gets deeper than expected makes a new grid and keeps the 
     options.sweeps = 16;
     const Appearance exact = TransportPredictor(options).predict(deep_scene, surface);
     CHECK(between(seen.value, exact.value).rms < 0.001);  // margins differ a little
+}
+
+TEST_CASE("Where colour came no more the cells go, once, and what is seen stays right") {
+    const ResinSet set = vero_opaque();
+    const ResinVolume shape = halftoned_sphere(2.2, 0), deep = halftoned_sphere(2.2, 0.5, 1.8), shallow = halftoned_sphere(2.2, 0.5);
+    const Scene scene{&shape, &set, Backing::none, Sides::open};
+    const Surface surface = find_surface(scene, viewing_cell, SurfacePart::all);
+    TransportOptions options = on_viewing_cells();
+    options.colour_mm = 0.4;
+    ViewingSequence sequence(scene, surface, options);
+    const std::size_t at_first = sequence.summary().skin_cells;
+    (void)sequence.next(deep);
+    CHECK(sequence.summary().skin_cells > at_first);
+    (void)sequence.next(shallow);
+    CHECK(sequence.summary().skin_cells == at_first);
+    const Appearance seen = sequence.next(shallow);
+    const Appearance exact = TransportPredictor(on_viewing_cells(16)).predict({&shallow, &set, Backing::none, Sides::open}, surface);
+    const Distance error = between(seen.value, exact.value);
+    INFO("rms " << error.rms << ", largest " << error.largest);
+    CHECK(error.rms < 0.003);
+    (void)sequence.next(deep);
+    (void)sequence.next(shallow);
+    CHECK(sequence.summary().skin_cells > at_first);
+}
+
+TEST_CASE("A slab that is asked for from above has cells below its top, and looks as it does with cells all around") {
+    const ResinSet set = vero_opaque();
+    const std::array<int, 3> n{142, 71, 130};  // 6 x 6 x 3.5 mm
+    const ResinVolume slab = make_resin_volume(n, j750, [&](int x, int y, int z) -> int {
+        if (z < n[2] - 20) return 5;
+        RandomStream random(2, static_cast<std::uint64_t>((z * n[1] + y) * n[0] + x));
+        return random.uniform() < 0.4 ? 1 + static_cast<int>(random.bits() % 4) : 5;
+    });
+    const Scene scene{&slab, &set, Backing::black, Sides::open};
+    const Surface all = find_surface(scene, viewing_cell, SurfacePart::all), top = find_surface(scene, viewing_cell, SurfacePart::top);
+    ViewingSequence around(scene, all, on_viewing_cells()), above(scene, top, on_viewing_cells());
+    CHECK(10 * above.summary().skin_cells < 9 * around.summary().skin_cells);
+    const Appearance from_all = around.next(slab), from_above = above.next(slab);
+    std::map<std::array<std::int32_t, 3>, std::size_t> place;
+    for (std::size_t i = 0; i < all.cells.size(); ++i)
+        if (all.cells[i].normal[2] > 0.99f) place[all.cells[i].cell] = i;
+    std::vector<float> a, b;
+    for (std::size_t i = 0; i < top.cells.size(); ++i) {
+        const auto found = place.find(top.cells[i].cell);
+        if (found == place.end()) continue;  // at the edges normals differ
+        for (std::size_t c = 0; c < from_all.channels; ++c) {
+            a.push_back(from_above.value[i * from_all.channels + c]);
+            b.push_back(from_all.value[found->second * from_all.channels + c]);
+        }
+    }
+    REQUIRE(2 * a.size() > top.cells.size() * from_all.channels);
+    const Distance error = between(a, b);
+    INFO("rms " << error.rms << ", largest " << error.largest);
+    CHECK(error.rms < 0.0015);  // the sides' white is diffusion's at 0.7 mm for 1 mm
 }
 
 TEST_CASE("A sequence gives the same bits for any number of threads") {

@@ -2,6 +2,7 @@
 #include "voxtone/optics/viewing_diffusion.h"
 
 #include <algorithm>
+#include <cstring>
 
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/parallel.h"
@@ -26,75 +27,131 @@ constexpr int on_side(std::size_t f, int i, int j) {
 
 template <int n>
 struct ViewingDiffusion::Level {
-    static constexpr int cells = n * n * n;
-    std::span<const CellStencil> stencil;
+    std::span<const BlockStencil<n>> block;
+    std::span<const LowSides<n>> low;
     std::span<const float> side;  ///< n * n conductances a side towards the core
 };
 
 namespace {
 
-/// A block with the values and conductances of its neighbours' cells.
+/// A block's values with those around it.
 template <int n>
 struct Patch {
     static constexpr int m = n + 2;
     float x[m * m * m];
-    float cx[n * n * (n + 1)], cy[n * n * (n + 1)], cz[n * n * (n + 1)];
 };
 
-}  // namespace
-
-/// Gathers values around block t and the conductances of its faces.
-template <int n, class Stencils, class Sides>
-static void gather(Patch<n>& patch, std::size_t t, Stencils stencil, Sides side, std::span<const float> x,
-                   std::span<const float> core_x, const std::array<std::int32_t, 6>& neighbour,
-                   const std::array<std::int32_t, 6>& side_of, std::span<const ViewingDiffusion::CoreSide> sides) {
+/// The ring of values beyond side f.
+template <int n, std::size_t f, class CellValue, class CoreValue>
+void gather_side(Patch<n>& patch, std::int32_t neighbour, std::int32_t side_of, std::span<const ViewingDiffusion::CoreSide> sides,
+                 const CellValue& of_cell, const CoreValue& of_core) {
     constexpr int m = n + 2, all = n * n * n;
-    const float* const own = x.data() + t * all;
-    const CellStencil* const s = stencil.data() + t * all;
-    for (int k = 0; k < n; ++k)
+    constexpr int u = f / 2 == 0 ? m : 1, v = f / 2 == 2 ? m : m * m, out = f / 2 == 0 ? 1 : f / 2 == 1 ? m : m * m;  // steps in the patch
+    float* const to = patch.x + 1 + m + m * m + (f % 2 ? n * out : -out);
+    if (neighbour >= 0) {
+        const std::size_t first = static_cast<std::size_t>(neighbour) * all;
         for (int j = 0; j < n; ++j)
-            for (int i = 0; i < n; ++i) {
-                const int from = (k * n + j) * n + i;
-                patch.x[((k + 1) * m + j + 1) * m + i + 1] = own[from];
-                patch.cx[(k * n + j) * (n + 1) + i + 1] = s[from].x;
-                patch.cy[(k * (n + 1) + j + 1) * n + i] = s[from].y;
-                patch.cz[((k + 1) * n + j) * n + i] = s[from].z;
-            }
-    for (std::size_t f = 0; f < 6; ++f) {
-        const int end = f % 2 ? n + 1 : 0;
-        const float* values = nullptr;
-        const CellStencil* stencils = nullptr;
-        const float* conductance = nullptr;
-        float core = 0;
-        if (neighbour[f] >= 0) {
-            values = x.data() + static_cast<std::size_t>(neighbour[f]) * all;
-            stencils = stencil.data() + static_cast<std::size_t>(neighbour[f]) * all;
-        } else if (side_of[f] >= 0) {
-            const auto at = static_cast<std::size_t>(side_of[f]);
-            conductance = side.data() + at * n * n;
-            core = core_x[sides[at].core];
-        }
+            for (int i = 0; i < n; ++i) to[j * v + i * u] = of_cell(first + static_cast<std::size_t>(on_side<n>(f ^ 1, i, j)));
+    } else {
+        const float value = side_of >= 0 ? of_core(sides[static_cast<std::size_t>(side_of)].core) : 0;
         for (int j = 0; j < n; ++j)
-            for (int i = 0; i < n; ++i) {
-                const int beyond = on_side<n>(f ^ 1, i, j);
-                const float value = values ? values[beyond] : core;
-                switch (f / 2) {
-                    case 0:
-                        patch.x[((j + 1) * m + i + 1) * m + end] = value;
-                        if (f == 0) patch.cx[(j * n + i) * (n + 1)] = stencils ? stencils[beyond].x : conductance ? conductance[j * n + i] : 0;
-                        break;
-                    case 1:
-                        patch.x[((j + 1) * m + end) * m + i + 1] = value;
-                        if (f == 2) patch.cy[j * (n + 1) * n + i] = stencils ? stencils[beyond].y : conductance ? conductance[j * n + i] : 0;
-                        break;
-                    default:
-                        patch.x[(end * m + j + 1) * m + i + 1] = value;
-                        if (f == 4) patch.cz[j * n + i] = stencils ? stencils[beyond].z : conductance ? conductance[j * n + i] : 0;
-                        break;
-                }
-            }
+            for (int i = 0; i < n; ++i) to[j * v + i * u] = value;
     }
 }
+
+/// Values of block t's cells in the middle of (n + 2)^3, those of its neighbours' cells around: what the block borders on,
+/// 0 where there is nothing. Edges and corners are left as they are.
+template <int n, class CellValue, class CoreValue>
+void gather(Patch<n>& patch, std::size_t t, const std::array<std::int32_t, 6>& neighbour, const std::array<std::int32_t, 6>& side_of,
+            std::span<const ViewingDiffusion::CoreSide> sides, const CellValue& of_cell, const CoreValue& of_core) {
+    constexpr int m = n + 2, all = n * n * n;
+    for (int k = 0; k < n; ++k)
+        for (int j = 0; j < n; ++j)
+            for (int i = 0; i < n; ++i) patch.x[((k + 1) * m + j + 1) * m + i + 1] = of_cell(t * all + static_cast<std::size_t>((k * n + j) * n + i));
+    gather_side<n, 0>(patch, neighbour[0], side_of[0], sides, of_cell, of_core);
+    gather_side<n, 1>(patch, neighbour[1], side_of[1], sides, of_cell, of_core);
+    gather_side<n, 2>(patch, neighbour[2], side_of[2], sides, of_cell, of_core);
+    gather_side<n, 3>(patch, neighbour[3], side_of[3], sides, of_cell, of_core);
+    gather_side<n, 4>(patch, neighbour[4], side_of[4], sides, of_cell, of_core);
+    gather_side<n, 5>(patch, neighbour[5], side_of[5], sides, of_cell, of_core);
+}
+
+struct At {
+    const float* values;
+    float operator()(std::size_t i) const { return values[i]; }
+};
+
+// Rows are vector types of the compiler: left to itself it takes their floats one by one.
+template <int n>
+using Floats __attribute__((vector_size(4 * n))) = float;
+using Places4 __attribute__((vector_size(16))) = std::int32_t;
+
+template <int n>
+Floats<n> load(const float* from) {
+    Floats<n> v;
+    std::memcpy(&v, from, sizeof v);
+    return v;
+}
+template <class V>
+void store(float* to, const V& v) {
+    std::memcpy(to, &v, sizeof v);
+}
+/// 1 where it is not above 0.
+template <class V>
+V safe(const V& v) {
+    return v > 0 ? v : V{} + 1.0f;
+}
+
+/// A row of n cells of a block along x, and what it borders on.
+template <int n>
+struct Row {
+    static constexpr int m = n + 2;
+    using V = Floats<n>;
+    int at;  ///< its first cell
+    V x, y, z, low_x, low_y, low_z, inverse;
+    /// The row (j, k).
+    template <class Low>
+    Row(const BlockStencil<n>& s, const Low& low, int j, int k)
+        : at((k * n + j) * n), x(load<n>(s.x + at)), y(load<n>(s.y + at)), z(load<n>(s.z + at)), low_x(V{} + low.x[k * n + j]),
+          low_y(load<n>(j > 0 ? s.y + at - n : low.y + k * n)), low_z(load<n>(k > 0 ? s.z + at - n * n : low.z + j * n)), inverse(load<n>(s.inverse + at)) {
+        if constexpr (n == 4) low_x = __builtin_shuffle(low_x, x, Places4{0, 4, 5, 6});
+        else low_x[1] = x[0];
+    }
+    /// What flows in from the neighbours along y and z; `here`: the row's values in a patch.
+    [[nodiscard]] V across(const float* here) const {
+        return low_y * load<n>(here - m) + y * load<n>(here + m) + low_z * load<n>(here - m * m) + z * load<n>(here + m * m);
+    }
+    [[nodiscard]] V along(const float* here) const { return low_x * load<n>(here - 1) + x * load<n>(here + 1); }
+    /// A x, where there is an equation.
+    [[nodiscard]] V apply(const float* here) const {
+        const V value = load<n>(here) / safe(inverse) - (across(here) + along(here));
+        return inverse > 0 ? value : V{};
+    }
+};
+
+template <int n>
+float* row_of(Patch<n>& patch, int j, int k) {
+    constexpr int m = n + 2;
+    return patch.x + ((k + 1) * m + j + 1) * m + 1;
+}
+
+/// cell_contact of four cells and those a step further.
+Floats<4> contacts(float k, const float* D, int step) {
+    const Floats<4> D1 = load<4>(D), D2 = load<4>(D + step);
+    return k * D1 * D2 / safe(D1 + D2);
+}
+
+template <int n, class Low>
+void find_diagonal(BlockStencil<n>& block, const Low& low, const float* loss) {
+    for (int k = 0; k < n; ++k)
+        for (int j = 0; j < n; ++j) {
+            const Row<n> row(block, low, j, k);
+            const Floats<n> sum = load<n>(loss + row.at) + row.low_x + row.x + row.low_y + row.y + row.low_z + row.z;
+            store(block.inverse + row.at, sum > 0 ? 1.0f / safe(sum) : Floats<n>{});
+        }
+}
+
+}  // namespace
 
 ViewingDiffusion::ViewingDiffusion(const ViewingGrid& viewing) : grid_(viewing) {
     const OpticalGrid& grid = viewing.grid;
@@ -144,11 +201,14 @@ ViewingDiffusion::ViewingDiffusion(const ViewingGrid& viewing) : grid_(viewing) 
     for (const std::uint32_t b : grid.transport_blocks) centre.push_back(middle(b));
     for (const std::uint32_t b : viewing.core_block) centre.push_back(middle(b));
     plan_ = std::make_unique<DiffusionPlan>(std::move(centre), pairs);
-    middle_.resize(8 * n);
+    middle_.resize(n);
+    fine_low_.resize(n);
+    middle_low_.resize(n);
     x1_.resize(8 * n);
     b1_.resize(8 * n);
     fine_side_.resize(16 * sides_.size());
     middle_side_.resize(4 * sides_.size());
+    middle_loss_.resize(8 * n);
     const std::size_t cores = viewing.core_block.size();
     core_conductance_.resize(contacts_.size());
     core_x1_.resize(cores);
@@ -158,78 +218,70 @@ ViewingDiffusion::ViewingDiffusion(const ViewingGrid& viewing) : grid_(viewing) 
 }
 
 void ViewingDiffusion::prepare(std::span<const float> D_of_medium, std::span<const float> D_of_core, std::span<const float> cell_loss,
-                               std::span<const float> core_loss, std::span<CellStencil> cells) {
+                               std::span<const float> core_loss, std::span<BlockStencil<4>> blocks) {
     const OpticalGrid& grid = grid_.grid;
     const std::size_t n = grid.transport_blocks.size();
-    VOXTONE_EXPECT(cells.size() == 64 * n);
+    VOXTONE_EXPECT(blocks.size() == n);
     const auto D_at = [&](std::size_t cell) { return D_of_medium[grid.medium[cell]]; };
     const auto core_D = [&](std::uint32_t core) { return D_of_core[grid.blocks[grid_.core_block[core]].medium]; };
-    parallel_for(0, sides_.size(), 256, [&](std::size_t s) {
-        const CoreSide& side = sides_[s];
-        for (int j = 0; j < 4; ++j)
-            for (int i = 0; i < 4; ++i)
-                fine_side_[16 * s + static_cast<std::size_t>(4 * j + i)] =
-                    side_contact(side.facing / 2u, D_at(64 * std::size_t{side.block} + static_cast<std::size_t>(on_side<4>(side.facing, i, j))), core_D(side.core));
-    });
-    const auto contact = [&](std::size_t t, std::size_t axis, int place, int step, bool last) -> float {
-        const std::size_t cell = 64 * t + static_cast<std::size_t>(place);
-        const float D = D_at(cell);
-        if (!(D > 0)) return 0;
-        if (!last) return cell_contact(axis, D, D_at(cell + static_cast<std::size_t>(step)));
-        if (const std::int32_t other = neighbour_[t][2 * axis + 1]; other >= 0)
-            return cell_contact(axis, D, D_at(64 * static_cast<std::size_t>(other) + static_cast<std::size_t>(place - 3 * step)));
-        if (const std::int32_t side = side_of_[t][2 * axis + 1]; side >= 0)
-            return side_contact(axis, D, core_D(sides_[static_cast<std::size_t>(side)].core));
-        return 0;
-    };
     parallel_for(0, n, grain, [&](std::size_t t) {
-        CellStencil* const block = cells.data() + 64 * t;
-        for (int place = 0; place < 64; ++place) {
-            block[place].x = contact(t, 0, place, 1, place % 4 == 3);
-            block[place].y = contact(t, 1, place, 4, place / 4 % 4 == 3);
-            block[place].z = contact(t, 2, place, 16, place / 16 == 3);
+        constexpr int m = 6;
+        Patch<4> D;
+        gather<4>(D, t, neighbour_[t], side_of_[t], sides_, D_at, [](std::uint32_t) { return 0.0f; });
+        BlockStencil<4>& block = blocks[t];
+        LowSides<4>& low = fine_low_[t];
+        for (int k = 0; k < 4; ++k)
+            for (int j = 0; j < 4; ++j) {
+                const float* const here = row_of(D, j, k);
+                const int row = (k * 4 + j) * 4;
+                store(block.x + row, contacts(k_[0], here, 1));
+                store(block.y + row, contacts(k_[1], here, m));
+                store(block.z + row, contacts(k_[2], here, m * m));
+                low.x[k * 4 + j] = cell_contact(0, here[-1], here[0]);
+                if (j == 0) store(low.y + k * 4, contacts(k_[1], here - m, m));
+                if (k == 0) store(low.z + j * 4, contacts(k_[2], here - m * m, m * m));
+            }
+        for (std::size_t f = 0; f < 6; ++f) {
+            const std::int32_t s = side_of_[t][f];
+            if (s < 0) continue;
+            float* const side = fine_side_.data() + 16 * static_cast<std::size_t>(s);
+            const float beyond = core_D(sides_[static_cast<std::size_t>(s)].core);
+            float* const own[3] = {block.x, block.y, block.z};
+            float* const lower[3] = {low.x, low.y, low.z};
+            for (int j = 0; j < 4; ++j)
+                for (int i = 0; i < 4; ++i) {
+                    const int place = on_side<4>(f, i, j);
+                    side[4 * j + i] = side_contact(f / 2, D_at(64 * t + static_cast<std::size_t>(place)), beyond);
+                    if (f % 2) own[f / 2][place] = side[4 * j + i];
+                    else lower[f / 2][4 * j + i] = side[4 * j + i];
+                }
         }
+        find_diagonal<4>(block, low, cell_loss.data() + 64 * t);
     });
-    // 1 / diagonal needs the conductances of the neighbours' faces.
-    middle_loss_.assign(8 * n, 0.0f);
-    const auto diagonals = [&]<int m>(std::span<CellStencil> stencil, std::span<const float> side, std::span<const float> loss, std::integral_constant<int, m>) {
-        constexpr int all = m * m * m;
-        parallel_for(0, n, grain, [&](std::size_t t) {
-            Patch<m> patch;
-            gather<m>(patch, t, std::span<const CellStencil>(stencil), side, loss, core_loss, neighbour_[t], side_of_[t], sides_);
-            for (int k = 0; k < m; ++k)
-                for (int j = 0; j < m; ++j)
-                    for (int i = 0; i < m; ++i) {
-                        const auto at = static_cast<std::size_t>((k * m + j) * m + i);
-                        const float sum = loss[t * all + at] + patch.cx[(k * m + j) * (m + 1) + i] + patch.cx[(k * m + j) * (m + 1) + i + 1] +
-                                          patch.cy[(k * (m + 1) + j) * m + i] + patch.cy[(k * (m + 1) + j + 1) * m + i] +
-                                          patch.cz[(k * m + j) * m + i] + patch.cz[((k + 1) * m + j) * m + i];
-                        stencil[t * all + at].inverse = sum > 0 ? 1 / sum : 0;
-                    }
-        });
-    };
-    diagonals(cells, fine_side_, cell_loss, std::integral_constant<int, 4>{});
-    fine_ = cells;
+    fine_ = blocks;
     // Eight a block: sums of conductances times the ratio of the distances.
     parallel_for(0, n, grain, [&](std::size_t t) {
+        const BlockStencil<4>& cells = blocks[t];
+        BlockStencil<2>& to = middle_[t];
         for (int k = 0; k < 2; ++k)
             for (int j = 0; j < 2; ++j)
                 for (int i = 0; i < 2; ++i) {
-                    CellStencil sum;
-                    float loss = 0;
+                    float x = 0, y = 0, z = 0, loss = 0;
                     for (int c = 0; c < 2; ++c)
                         for (int b = 0; b < 2; ++b)
                             for (int a = 0; a < 2; ++a) {
-                                const auto at = 64 * t + static_cast<std::size_t>(((2 * k + c) * 4 + 2 * j + b) * 4 + 2 * i + a);
-                                loss += cell_loss[at];
-                                if (a == 1) sum.x += cells[at].x;
-                                if (b == 1) sum.y += cells[at].y;
-                                if (c == 1) sum.z += cells[at].z;
+                                const int at = ((2 * k + c) * 4 + 2 * j + b) * 4 + 2 * i + a;
+                                loss += cell_loss[64 * t + static_cast<std::size_t>(at)];
+                                if (a == 1) x += cells.x[at];
+                                if (b == 1) y += cells.y[at];
+                                if (c == 1) z += cells.z[at];
                             }
                     const auto ratio = [&](std::size_t axis, bool last) { return last && side_of_[t][2 * axis + 1] >= 0 ? 2.5f / 3 : 0.5f; };
-                    const auto to = 8 * t + static_cast<std::size_t>((k * 2 + j) * 2 + i);
-                    middle_[to] = {sum.x * ratio(0, i == 1), sum.y * ratio(1, j == 1), sum.z * ratio(2, k == 1), 0};
-                    middle_loss_[to] = loss;
+                    const int at = (k * 2 + j) * 2 + i;
+                    to.x[at] = x * ratio(0, i == 1);
+                    to.y[at] = y * ratio(1, j == 1);
+                    to.z[at] = z * ratio(2, k == 1);
+                    middle_loss_[8 * t + static_cast<std::size_t>(at)] = loss;
                 }
     });
     for (std::size_t s = 0; s < sides_.size(); ++s)
@@ -240,7 +292,20 @@ void ViewingDiffusion::prepare(std::span<const float> D_of_medium, std::span<con
                     for (int a = 0; a < 2; ++a) sum += fine_side_[16 * s + static_cast<std::size_t>(4 * (2 * j + b) + 2 * i + a)];
                 middle_side_[4 * s + static_cast<std::size_t>(2 * j + i)] = sum * (2.5f / 3);
             }
-    diagonals(middle_, middle_side_, middle_loss_, std::integral_constant<int, 2>{});
+    parallel_for(0, n, grain, [&](std::size_t t) {
+        LowSides<2>& low = middle_low_[t];
+        const auto take = [&](std::size_t f, float* to, auto of_block) {
+            for (int j = 0; j < 2; ++j)
+                for (int i = 0; i < 2; ++i)
+                    to[2 * j + i] = neighbour_[t][f] >= 0 ? of_block(middle_[static_cast<std::size_t>(neighbour_[t][f])])[on_side<2>(f ^ 1, i, j)]
+                                    : side_of_[t][f] >= 0 ? middle_side_[4 * static_cast<std::size_t>(side_of_[t][f]) + static_cast<std::size_t>(2 * j + i)]
+                                                          : 0;
+        };
+        take(0, low.x, [](const BlockStencil<2>& b) { return b.x; });
+        take(2, low.y, [](const BlockStencil<2>& b) { return b.y; });
+        take(4, low.z, [](const BlockStencil<2>& b) { return b.z; });
+        find_diagonal<2>(middle_[t], low, middle_loss_.data() + 8 * t);
+    });
     // Blocks.
     std::vector<float> conductance, loss(n + core_loss.size());
     for (std::size_t t = 0; t < n; ++t) {
@@ -250,8 +315,8 @@ void ViewingDiffusion::prepare(std::span<const float> D_of_medium, std::span<con
             float sum = 0;
             for (int j = 0; j < 2; ++j)
                 for (int i = 0; i < 2; ++i) {
-                    const CellStencil& s = middle_[8 * t + static_cast<std::size_t>(on_side<2>(f, i, j))];
-                    sum += f == 1 ? s.x : f == 3 ? s.y : s.z;
+                    const int at = on_side<2>(f, i, j);
+                    sum += f == 1 ? middle_[t].x[at] : f == 3 ? middle_[t].y[at] : middle_[t].z[at];
                 }
             conductance.push_back(0.5f * sum);
         }
@@ -272,36 +337,41 @@ void ViewingDiffusion::prepare(std::span<const float> D_of_medium, std::span<con
 
 template <int n>
 void ViewingDiffusion::relax(const Level<n>& level, std::span<const float> b, std::span<float> x, std::span<const float> core_x, bool back) const {
-    constexpr int m = n + 2, all = n * n * n;
+    constexpr int all = n * n * n;
+    using OneRow = Row<n>;
+    const At values{x.data()}, core_values{core_x.data()};
     for (const std::size_t turn : {std::size_t{0}, std::size_t{1}}) {
         const auto& list = parity_[back ? 1 - turn : turn];
         parallel_for(0, list.size(), grain, [&](std::size_t i_list) {
             const std::size_t t = list[i_list];
             Patch<n> patch;
-            gather<n>(patch, t, level.stencil, level.side, x, core_x, neighbour_[t], side_of_[t], sides_);
-            const CellStencil* const s = level.stencil.data() + t * all;
+            gather<n>(patch, t, neighbour_[t], side_of_[t], sides_, values, core_values);
             const float* const right = b.data() + t * all;
-            const auto one = [&](int i, int j, int k) {
-                const int at = (k * n + j) * n + i;
-                float* const here = patch.x + ((k + 1) * m + j + 1) * m + i + 1;
-                const float across = right[at] + patch.cy[(k * (n + 1) + j) * n + i] * here[-m] + patch.cy[(k * (n + 1) + j + 1) * n + i] * here[m] +
-                                     patch.cz[at] * here[-m * m] + patch.cz[at + n * n] * here[m * m];
-                const float* const cx = patch.cx + (k * n + j) * (n + 1) + i;
-                *here = (across + cx[0] * here[-1] + cx[1] * here[1]) * s[at].inverse;
+            const auto one = [&](int j, int k) {
+                const OneRow row(level.block[t], level.low[t], j, k);
+                float* const here = row_of(patch, j, k);
+                // The way along the row, where each cell waits for the one before, is one multiplication and one addition long.
+                const Floats<n> known = (load<n>(right + row.at) + row.across(here) + (back ? row.low_x * load<n>(here - 1) : row.x * load<n>(here + 1))) * row.inverse;
+                const Floats<n> pass = (back ? row.x : row.low_x) * row.inverse;
+                Floats<n> now;
+                float last = back ? here[n] : here[-1];
+                if (back)
+                    for (int i = n; i-- > 0;) now[i] = last = known[i] + pass[i] * last;
+                else
+                    for (int i = 0; i < n; ++i) now[i] = last = known[i] + pass[i] * last;
+                store(here, now);
             };
             if (back) {
                 for (int k = n; k-- > 0;)
-                    for (int j = n; j-- > 0;)
-                        for (int i = n; i-- > 0;) one(i, j, k);
+                    for (int j = n; j-- > 0;) one(j, k);
             } else {
                 for (int k = 0; k < n; ++k)
-                    for (int j = 0; j < n; ++j)
-                        for (int i = 0; i < n; ++i) one(i, j, k);
+                    for (int j = 0; j < n; ++j) one(j, k);
             }
             float* const out = x.data() + t * all;
             for (int k = 0; k < n; ++k)
                 for (int j = 0; j < n; ++j)
-                    for (int i = 0; i < n; ++i) out[(k * n + j) * n + i] = patch.x[((k + 1) * m + j + 1) * m + i + 1];
+                    for (int i = 0; i < n; ++i) out[(k * n + j) * n + i] = row_of(patch, j, k)[i];
         });
     }
 }
@@ -331,24 +401,20 @@ void ViewingDiffusion::for_core_flows(const Level<n>& level, std::span<const flo
 template <int n>
 void ViewingDiffusion::restrict_to(const Level<n>& level, std::span<const float> b, std::span<const float> x, std::span<const float> core_x,
                                    std::span<const float> core_b, std::span<float> coarse_b, std::span<float> coarse_core_b) const {
-    constexpr int m = n + 2, all = n * n * n, half = n / 2;
+    constexpr int all = n * n * n, half = n / 2;
+    const At values{x.data()}, core_values{core_x.data()};
     parallel_for(0, neighbour_.size(), grain, [&](std::size_t t) {
         Patch<n> patch;
-        gather<n>(patch, t, level.stencil, level.side, x, core_x, neighbour_[t], side_of_[t], sides_);
-        const CellStencil* const s = level.stencil.data() + t * all;
+        gather<n>(patch, t, neighbour_[t], side_of_[t], sides_, values, core_values);
+        const float* const right = b.data() + t * all;
         float sum[half * half * half] = {};
         for (int k = 0; k < n; ++k)
-            for (int j = 0; j < n; ++j)
-                for (int i = 0; i < n; ++i) {
-                    const int at = (k * n + j) * n + i;
-                    if (!(s[at].inverse > 0)) continue;
-                    const float* const here = patch.x + ((k + 1) * m + j + 1) * m + i + 1;
-                    const float* const cx = patch.cx + (k * n + j) * (n + 1) + i;
-                    const float r = b[t * all + static_cast<std::size_t>(at)] + patch.cy[(k * (n + 1) + j) * n + i] * here[-m] +
-                                    patch.cy[(k * (n + 1) + j + 1) * n + i] * here[m] + patch.cz[at] * here[-m * m] +
-                                    patch.cz[at + n * n] * here[m * m] + cx[0] * here[-1] + cx[1] * here[1] - *here / s[at].inverse;
-                    sum[((k / 2) * half + j / 2) * half + i / 2] += r;
-                }
+            for (int j = 0; j < n; ++j) {
+                const Row<n> row(level.block[t], level.low[t], j, k);
+                const float* const here = row_of(patch, j, k);
+                const Floats<n> r = (row.inverse > 0 ? load<n>(right + row.at) : Floats<n>{}) - row.apply(here);
+                for (int i = 0; i < n; ++i) sum[((k / 2) * half + j / 2) * half + i / 2] += r[i];
+            }
         for (int i = 0; i < half * half * half; ++i) coarse_b[t * half * half * half + static_cast<std::size_t>(i)] = sum[i];
     });
     for (std::size_t i = 0; i < core_b.size(); ++i) coarse_core_b[i] = core_b[i] - core_loss_[i] * core_x[i];
@@ -356,8 +422,8 @@ void ViewingDiffusion::restrict_to(const Level<n>& level, std::span<const float>
 }
 
 void ViewingDiffusion::cycle(Vector b, Vector x) {
-    const Level<4> fine{fine_, fine_side_};
-    const Level<2> middle{middle_, middle_side_};
+    const Level<4> fine{fine_, fine_low_, fine_side_};
+    const Level<2> middle{middle_, middle_low_, middle_side_};
     const std::size_t n = neighbour_.size(), cores = b.core.size();
     std::fill(x.cells.begin(), x.cells.end(), 0.0f);
     std::fill(x.core.begin(), x.core.end(), 0.0f);
@@ -370,40 +436,63 @@ void ViewingDiffusion::cycle(Vector b, Vector x) {
     blocks_->precondition(b2_, x2_);
     for (std::size_t i = 0; i < cores; ++i) core_x1_[i] = x2_[n + i];
     for (std::size_t i = 0; i < 8 * n; ++i)
-        if (middle_[i].inverse > 0) x1_[i] += x2_[i / 8];
+        if (middle_[i / 8].inverse[i % 8] > 0) x1_[i] += x2_[i / 8];
     relax(middle, std::span<const float>(b1_), x1_, core_x1_, true);
     std::copy(core_x1_.begin(), core_x1_.end(), x.core.begin());
     parallel_for(0, n, grain, [&](std::size_t t) {
-        for (std::size_t place = 0; place < 64; ++place) {
-            const std::size_t at = 64 * t + place;
-            if (fine_[at].inverse > 0) x.cells[at] += x1_[8 * t + (place / 32 * 2 + place / 8 % 2) * 2 + place / 2 % 2];
-        }
+        for (std::size_t place = 0; place < 64; ++place)
+            x.cells[64 * t + place] += fine_[t].inverse[place] > 0 ? x1_[8 * t + (place / 32 * 2 + place / 8 % 2) * 2 + place / 2 % 2] : 0;
     });
     relax(fine, b.cells, x.cells, x.core, true);
 }
 
 void ViewingDiffusion::apply(Vector x, Vector out) const {
-    constexpr int n = 4, m = n + 2, all = n * n * n;
-    const Level<4> fine{fine_, fine_side_};
+    constexpr int n = 4, all = n * n * n;
+    const Level<4> fine{fine_, fine_low_, fine_side_};
     parallel_for(0, neighbour_.size(), grain, [&](std::size_t t) {
         Patch<n> patch;
-        gather<n>(patch, t, fine.stencil, fine.side, x.cells, x.core, neighbour_[t], side_of_[t], sides_);
-        const CellStencil* const s = fine.stencil.data() + t * all;
+        gather<n>(patch, t, neighbour_[t], side_of_[t], sides_, At{x.cells.data()}, At{x.core.data()});
         float* const to = out.cells.data() + t * all;
         for (int k = 0; k < n; ++k)
-            for (int j = 0; j < n; ++j)
-                for (int i = 0; i < n; ++i) {
-                    const int at = (k * n + j) * n + i;
-                    const float* const here = patch.x + ((k + 1) * m + j + 1) * m + i + 1;
-                    const float* const cx = patch.cx + (k * n + j) * (n + 1) + i;
-                    const float inverse = s[at].inverse;
-                    to[at] = !(inverse > 0) ? 0.0f
-                                            : *here / inverse - (patch.cy[(k * (n + 1) + j) * n + i] * here[-m] + patch.cy[(k * (n + 1) + j + 1) * n + i] * here[m] +
-                                                                 patch.cz[at] * here[-m * m] + patch.cz[at + n * n] * here[m * m] + cx[0] * here[-1] + cx[1] * here[1]);
-                }
+            for (int j = 0; j < n; ++j) {
+                const Row<n> row(fine.block[t], fine.low[t], j, k);
+                const float* const here = row_of(patch, j, k);
+                store(to + row.at, row.apply(here));
+            }
     });
     for (std::size_t i = 0; i < x.core.size(); ++i) out.core[i] = core_loss_[i] * x.core[i];
     for_core_flows(fine, x.cells, x.core, [&](std::uint32_t core, float flow) { out.core[core] += flow; });
+}
+
+ViewingDiffusion::Flows ViewingDiffusion::flows(std::size_t t, std::span<const float> D_of_medium, std::span<const float> D_of_core, Vector x) const {
+    constexpr int m = 6;
+    const OpticalGrid& grid = grid_.grid;
+    Patch<4> D, value;
+    gather<4>(D, t, neighbour_[t], side_of_[t], sides_, [&](std::size_t cell) { return D_of_medium[grid.medium[cell]]; }, [](std::uint32_t) { return 0.0f; });
+    gather<4>(value, t, neighbour_[t], side_of_[t], sides_, At{x.cells.data()}, At{x.core.data()});
+    Flows sum;
+    for (int k = 0; k < 4; ++k)
+        for (int j = 0; j < 4; ++j) {
+            const float *const d = row_of(D, j, k), *const v = row_of(value, j, k);
+            const int row = (k * 4 + j) * 4;
+            const auto flow = [&](std::size_t axis, int step, int from) {
+                return contacts(k_[axis], d + from, step) * (load<4>(v + from) - load<4>(v + from + step));
+            };
+            store(sum[0].data() + row, flow(0, 1, -1) + flow(0, 1, 0));
+            store(sum[1].data() + row, flow(1, m, -m) + flow(1, m, 0));
+            store(sum[2].data() + row, flow(2, m * m, -m * m) + flow(2, m * m, 0));
+        }
+    for (std::size_t f = 0; f < 6; ++f) {
+        if (side_of_[t][f] < 0) continue;
+        const std::uint32_t core = sides_[static_cast<std::size_t>(side_of_[t][f])].core;
+        const float beyond = D_of_core[grid.blocks[grid_.core_block[core]].medium], sign = f % 2 ? 1.0f : -1.0f;
+        for (int j = 0; j < 4; ++j)
+            for (int i = 0; i < 4; ++i) {
+                const auto place = static_cast<std::size_t>(on_side<4>(f, i, j)), cell = 64 * t + place;
+                sum[f / 2][place] += sign * (side_contact(f / 2, D_of_medium[grid.medium[cell]], beyond) * (x.cells[cell] - x.core[core]));
+            }
+    }
+    return sum;
 }
 
 namespace {
@@ -435,6 +524,14 @@ void combine(const ViewingDiffusion::Vector& to, float a, float b, const Viewing
 }  // namespace
 
 int ViewingDiffusion::solve(Vector x, Vector residual, Vector p, Vector z, double tolerance, int most_steps) {
+    if (most_steps == 1) {  // the same with less copying: the direction is z
+        cycle(residual, z);
+        const double rho = dot(residual, z);
+        if (!(rho > 0)) return 0;
+        apply(z, p);
+        combine(x, 1, static_cast<float>(rho / dot(z, p)), z);
+        return 1;
+    }
     double start = 0, rho = 0;
     int step = 0;
     for (; step < most_steps; ++step) {
@@ -460,7 +557,7 @@ int ViewingDiffusion::solve(Vector x, Vector residual, Vector p, Vector z, doubl
 
 std::size_t ViewingDiffusion::memory_bytes() const {
     const auto of = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
-    return of(neighbour_) + of(side_of_) + of(parity_[0]) + of(parity_[1]) + of(sides_) + of(contacts_) + of(middle_) + of(fine_side_) +
+    return of(neighbour_) + of(side_of_) + of(parity_[0]) + of(parity_[1]) + of(sides_) + of(contacts_) + of(middle_) + of(fine_low_) + of(middle_low_) + of(fine_side_) +
            of(middle_side_) + of(core_conductance_) + of(core_loss_) + of(middle_loss_) + of(x1_) + of(b1_) + of(core_x1_) + of(core_b1_) +
            of(x2_) + of(b2_) + plan_->memory_bytes() + (blocks_ ? blocks_->memory_bytes() : 0);
 }

@@ -28,6 +28,7 @@ struct ViewingGrid::Builder {
     enum : std::uint8_t { empty, full, part };
     std::vector<std::uint8_t> state{};         // of each place
     std::vector<std::int16_t> material{};      // of each place: the only one besides air, -1: several
+    std::vector<std::uint8_t> closed{};        // of each place: full, but for what sticks out of the volume into a sheet
     std::vector<std::uint32_t> fill_of{};      // of each place that is `part`: first of its 64 in `fills`
     std::vector<std::uint8_t> fills{};
 
@@ -51,6 +52,7 @@ struct ViewingGrid::Builder {
         const std::size_t n = product(grid.lattice);
         state.assign(n, empty);
         material.assign(n, 0);
+        closed.assign(n, 0);
         fill_of.assign(n, 0);
         const auto places = static_cast<std::size_t>(grid.lattice[0]);
         const std::size_t rows = n / places;
@@ -74,24 +76,26 @@ struct ViewingGrid::Builder {
         const int only = scene.volume->uniform_material(corner, block_voxels);
         if (only >= 0) {
             state[here] = only == air ? empty : full;
+            closed[here] = only != air;
             material[here] = static_cast<std::int16_t>(only);
             return;
         }
         read_box(*scene.volume, self.mirrored_, corner, block_voxels, box);
         std::array<std::uint8_t, 64> fill{};
         std::int16_t found = 0;
-        bool any_air = false;
+        bool any_air = false, open = false;
         for_each({4, 4, 4}, [&](const Place& at) {
             std::uint8_t& sum = fill[place_in_block(at[0], at[1], at[2])];
             for (std::size_t a = 0; a < 2; ++a)  // beyond a mirror there is nothing
                 if (mirrored(a) && corner[a] + at[a] * view[a] >= scene.volume->size()[a]) {
-                    any_air = true;
+                    any_air = open = true;
                     return;
                 }
             for_each(view, [&](const Place& in) {
                 const Material m = box[at3({at[0] * view[0] + in[0], at[1] * view[1] + in[1], at[2] * view[2] + in[2]}, block_voxels)];
                 if (m == air) {
                     any_air = true;
+                    open |= scene.backing == Backing::none || corner[2] + at[2] * view[2] + in[2] >= 0;
                     return;
                 }
                 ++sum;
@@ -101,6 +105,7 @@ struct ViewingGrid::Builder {
         if (found == 0) return;
         state[here] = any_air ? part : full;
         material[here] = found;
+        closed[here] = !open;
         if (!any_air) return;
         fill_of[here] = static_cast<std::uint32_t>(to.size());
         to.insert(to.end(), fill.begin(), fill.end());
@@ -166,8 +171,32 @@ struct ViewingGrid::Builder {
         return std::clamp(static_cast<int>(std::ceil(2.3 / (std::max(least, 1e-3) * edge) - 0.1)) - 1, 1, 12);
     }
 
-    void find_blocks(double colour_mm, std::span<const std::uint8_t> also) {
+    /// Blocks with a face of the surface, and those beside them.
+    [[nodiscard]] std::vector<std::uint8_t> blocks_at(const Surface& surface) const {
+        std::vector<std::uint8_t> at_surface(product(grid.lattice), 0);
+        const auto mark = [&](const Place& at) {
+            for (std::size_t a = 0; a < 3; ++a)
+                if (at[a] < 0 || at[a] >= grid.lattice[a]) return;
+            at_surface[at3(at, grid.lattice)] = 1;
+        };
+        for (const SurfaceFace& face : surface.faces) {
+            Place at{};
+            bool inside = true;
+            for (std::size_t a = 0; a < 3; ++a) {
+                const int v = face.voxel[a] + grid.shift_voxels[a];
+                at[a] = v / block_voxels[a];
+                inside &= v >= 0 && at[a] < grid.lattice[a];
+            }
+            if (!inside) continue;
+            mark(at);
+            for (const Place& step : step_of) mark({at[0] + step[0], at[1] + step[1], at[2] + step[2]});
+        }
+        return at_surface;
+    }
+
+    void find_blocks(double colour_mm, std::span<const std::uint8_t> also, const Surface* asked) {
         const std::size_t n = product(grid.lattice);
+        const std::vector<std::uint8_t> at_surface = asked ? blocks_at(*asked) : std::vector<std::uint8_t>(n, 1);
         std::vector<std::uint8_t> wanted(n, 0), seed(n, 0);
         std::vector<Place> surface;
         std::size_t i = 0;
@@ -178,12 +207,12 @@ struct ViewingGrid::Builder {
                 seed[here] = material[here] < 0;
                 return;
             }
-            bool lit = state[here] == part, sheet = false;
+            bool lit = !closed[here], sheet = false;
             for (std::size_t f = 0; f < 6 && !lit; ++f) {
                 const Place next = beside(at, f);
                 bool inside = true;
                 for (std::size_t a = 0; a < 3; ++a) inside &= next[a] >= 0 && next[a] < grid.lattice[a];
-                if (inside && state[at3(next, grid.lattice)] == full) continue;
+                if (inside && closed[at3(next, grid.lattice)]) continue;
                 Place cell{4 * at[0], 4 * at[1], 4 * at[2]};
                 if (f % 2 == 1) cell[f / 2] += 3;
                 const FaceKind kind = inside ? FaceKind::light : kind_of(beside(cell, f), f);
@@ -191,7 +220,7 @@ struct ViewingGrid::Builder {
                 sheet |= kind == FaceKind::black_sheet || kind == FaceKind::white_sheet;
             }
             sheet |= scene.backing != Backing::none && corner_of(at)[2] <= 0;
-            if (lit) surface.push_back(at);
+            if (lit && at_surface[here]) surface.push_back(at);
             if (lit || sheet || (!also.empty() && also[here])) wanted[here] = 1;
             seed[here] = lit || material[here] < 0;
         });
@@ -492,7 +521,7 @@ ViewingGrid::ViewingGrid(const Scene& scene, const std::array<int, 3>& view_voxe
     : ViewingGrid(scene, view_voxels, colour_mm, also, {{}, BlockLattice(scene.volume->size(), view_voxels).blocks, {}}) {}
 
 ViewingGrid::ViewingGrid(const Scene& scene, const std::array<int, 3>& view_voxels, double colour_mm, std::span<const std::uint8_t> also,
-                         const ViewingWindow& part)
+                         const ViewingWindow& part, const Surface* asked)
     : window(part), mirrored_(scene.sides == Sides::mirrored), size_(scene.volume->size()) {
     expect_resins_for(scene);
     grid.options.view_voxels = grid.options.skin_voxels = view_voxels;
@@ -500,7 +529,7 @@ ViewingGrid::ViewingGrid(const Scene& scene, const std::array<int, 3>& view_voxe
     grid.pitch_mm = scene.volume->pitch_mm();
     Builder builder{*this, grid, scene};
     builder.look();
-    builder.find_blocks(colour_mm, also);
+    builder.find_blocks(colour_mm, also, asked);
     builder.list_faces();
     builder.find_laws();
     builder.find_regions();

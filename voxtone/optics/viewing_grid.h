@@ -10,8 +10,9 @@
 // transport_directions.h keep the flux per true area. A face of a voxel is seen through the nearest face of the staircase
 // that looks the same way.
 //
-// Transport blocks (4 x 4 x 4 cells, all of them stored): those within `colour_mm` of the surface, those of several materials,
-// those on a sheet, and a margin. Deeper, each block is one node of diffusion. Cells and nodes of diffusion are the same.
+// Transport blocks (4 x 4 x 4 cells, all of them stored): those within `colour_mm` of the surface that is asked for, those at the
+// surface elsewhere, those of several materials, a margin of them, and those on a sheet. Deeper, each block is one node of
+// diffusion. Cells and nodes of diffusion are the same.
 #pragma once
 
 #include <array>
@@ -44,12 +45,12 @@ struct ViewingWindow {
 
 class ViewingGrid {
 public:
-    /// `also`: blocks of the window that get transport cells besides, empty or one byte per place. Throws InputError for a
-    /// material without a resin.
+    /// `also`: blocks of the window that get transport cells besides, empty or one byte per place. `asked`: the surface below which
+    /// colour is expected to come and go, null: all of it. Throws InputError for a material without a resin.
     ViewingGrid(const Scene& scene, const std::array<int, 3>& view_voxels, double colour_mm,
                 std::span<const std::uint8_t> also = {});
     ViewingGrid(const Scene& scene, const std::array<int, 3>& view_voxels, double colour_mm, std::span<const std::uint8_t> also,
-                const ViewingWindow& window);
+                const ViewingWindow& window, const Surface* asked = nullptr);
 
     /// Takes the resins of a volume of the same shape. False, and nothing done, where a block without transport cells has
     /// got other materials; those are marked in `wanted`, one byte per place of the lattice.

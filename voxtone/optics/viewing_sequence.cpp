@@ -73,7 +73,7 @@ std::size_t ViewingSequence::Shape::memory_bytes() const {
 
 std::unique_ptr<ViewingSequence::Shape> ViewingSequence::shape_of(const Tile& tile) const {
     auto shape = std::make_unique<Shape>();
-    shape->grid = std::make_unique<ViewingGrid>(scene_, view_voxels_, options_.colour_mm, tile.also, tile.window);
+    shape->grid = std::make_unique<ViewingGrid>(scene_, view_voxels_, options_.colour_mm, tile.also, tile.window, &surface_);
     ViewingGrid& grid = *shape->grid;
     grid.shrink();
     shape->seen = grid.see(tiles_.size() == 1 ? surface_ : part_of(surface_, tile.near));
@@ -152,16 +152,49 @@ void ViewingSequence::look_at(std::size_t index) {
     if (!tile.shape->grid->fill(*volume_, wanted)) {
         tile.also.resize(wanted.size(), 0);
         for (std::size_t i = 0; i < wanted.size(); ++i) tile.also[i] |= wanted[i];
-        transport_.reset();
-        const std::unique_ptr<Shape> was = std::move(tile.shape);
-        make_live(index);
-        carry_over(*was->grid, tile.light);
-        tile.adjoint.assign(channels(), {});
-        const bool filled = tile.shape->grid->fill(*volume_, wanted);
-        VOXTONE_ENSURE(filled);
+        make_anew(index);
+    } else if (!tile.trimmed && !tile.also.empty()) {
+        if (std::vector<std::uint8_t> still = still_coloured(tile); !still.empty()) {
+            tile.trimmed = true;
+            tile.also = std::move(still);
+            make_anew(index);
+        }
     }
     tile.shape->filled = volume_;
     summary_.grid_s += now() - begin;
+}
+
+void ViewingSequence::make_anew(std::size_t index) {
+    Tile& tile = tiles_[index];
+    transport_.reset();
+    const std::unique_ptr<Shape> was = std::move(tile.shape);
+    make_live(index);
+    carry_over(*was->grid, tile.light);
+    tile.adjoint.assign(channels(), {});
+    std::vector<std::uint8_t> wanted;
+    const bool filled = tile.shape->grid->fill(*volume_, wanted);
+    VOXTONE_ENSURE(filled);
+}
+
+std::vector<std::uint8_t> ViewingSequence::still_coloured(const Tile& tile) const {
+    std::vector<std::uint8_t> still = tile.also;
+    std::size_t all = 0, left = 0;
+    std::size_t place = 0;
+    for (int z = tile.window.begin[2]; z < tile.window.end[2]; ++z)
+        for (int y = tile.window.begin[1]; y < tile.window.end[1]; ++y)
+            for (int x = tile.window.begin[0]; x < tile.window.end[0]; ++x, ++place) {
+                if (!still[place]) continue;
+                const std::array<int, 3> at{x, y, z};
+                std::array<int, 3> corner{};
+                for (std::size_t a = 0; a < 3; ++a) corner[a] = at[a] * lattice_.block_voxels[a] - lattice_.shift_voxels[a];
+                still[place] = volume_->uniform_material(corner, lattice_.block_voxels) < 0;
+                ++all;
+                left += still[place];
+            }
+    // A new grid costs about as much as half of its cells cost in a prediction.
+    constexpr std::size_t worth = 16;
+    if (worth * (all - left) < live().grid->grid.transport_blocks.size()) still.clear();
+    return still;
 }
 
 /// Light of the cells that both grids have; where the new one has cells in what was core, the core's.

@@ -5,7 +5,7 @@
 // The first prediction is a diffusion solve and `sweeps` rounds of sweep and correction (transport.h); each later one starts
 // from the light of the one before and takes one, or up to `next_sweeps` where that changed much (`next_change`). What changes
 // in between enters with the first sweep, through sources and extinctions. A block that gets colour deeper than `colour_mm`
-// makes a new grid; the light is carried over.
+// makes a new grid; the light is carried over. So does, once, a print that leaves many of those blocks without colour again.
 //
 // Large bodies are predicted tile by tile (viewing_tiles.h), in a fixed order: equations are made for one tile at a time, its
 // light is kept in 16-bit steps; its grid too where memory allows, which saves time and changes no bit. What shines across a cut
@@ -58,6 +58,7 @@ private:
     };
     struct Tile : ViewingTile {
         std::vector<std::uint8_t> also;  ///< blocks of the window that have had colour deep down
+        bool trimmed = false;            ///< of those where it came no more, once
         Fields light, adjoint;
         std::size_t bytes = 0, cells_of_grid = 0, core_nodes = 0, open_faces = 0;  ///< of its grid and equations
         std::unique_ptr<Shape> shape;    ///< none where it has to be made anew
@@ -69,6 +70,10 @@ private:
     /// Makes it live, with the resins of the last volume.
     void look_at(std::size_t tile);
     void make_live(std::size_t tile);
+    /// The live tile has other blocks with cells now: its grid is made anew, with the resins of the last volume.
+    void make_anew(std::size_t tile);
+    /// Blocks of `also` that have colour in the last volume; empty where most of them have.
+    [[nodiscard]] std::vector<std::uint8_t> still_coloured(const Tile& tile) const;
     [[nodiscard]] std::unique_ptr<Shape> shape_of(const Tile& tile) const;
     [[nodiscard]] const Shape& live() const { return *tiles_[live_].shape; }
     [[nodiscard]] std::size_t shape_bytes() const;

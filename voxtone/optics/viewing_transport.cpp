@@ -47,8 +47,8 @@ ViewingTransport::ViewingTransport(const ViewingGrid& viewing, const TransportOp
     source_.resize(cells);
     sum_.resize(cells);
     other_.resize(cells);
-    static_assert(sizeof(CellStencil) == sizeof(Moments));
-    stencil_ = {reinterpret_cast<CellStencil*>(sum_.data()), cells};
+    static_assert(sizeof(BlockStencil<4>) == 64 * sizeof(Moments));
+    stencil_ = {reinterpret_cast<BlockStencil<4>*>(sum_.data()), cells / 64};
     x_ = {reinterpret_cast<float*>(other_.data()), cells};
     right_ = {reinterpret_cast<float*>(other_.data()) + cells, cells};
     p_ = {reinterpret_cast<float*>(other_.data()) + 2 * cells, cells};
@@ -77,7 +77,7 @@ ViewingTransport::ViewingTransport(const ViewingGrid& viewing, const TransportOp
 
 std::size_t ViewingTransport::bytes_for(const ViewingGrid& grid, std::size_t channels) {
     return grid.cells() * (3 * sizeof(Moments) + channels * sizeof(ViewingField::Code) + 8) + grid.open_faces.size() * (8 * sizeof(Octet) + 64 * channels + 8) +
-           grid.core_faces.size() * 32 + (grid.cells() / 64 + grid.core_block.size()) * 200;
+           grid.core_faces.size() * 32 + grid.cells() / 64 * 440 + grid.core_block.size() * 200;
 }
 
 float ViewingTransport::furnace_flux(std::size_t face) const { return sums_[grid_.law[face]].through * grid_.faces[face].area_mm2; }
@@ -208,7 +208,8 @@ void ViewingTransport::load(const ViewingField& field) {
 
 void ViewingTransport::store(ViewingField& field) const {
     const auto linear = 3 * static_cast<float>(grid_.directions.linear);
-    const auto code = scale_ > 0 ? signed_code : phi_code;
+    const bool both_signs = scale_ > 0;
+    const auto code = [both_signs](float phi) { return both_signs ? signed_code(phi) : phi_code(phi); };
     field.scale = scale_;
     field.cells.resize(source_.size());
     parallel_ranges(0, source_.size(), 1 << 14, [&](std::size_t begin, std::size_t end) {
@@ -236,67 +237,30 @@ void ViewingTransport::store(ViewingField& field) const {
 void ViewingTransport::enter(bool start) {
     const auto& set = grid_.directions;
     const auto g_linear = static_cast<float>(set.linear);
-    const auto neighbours = diffusion_.neighbours();
-    const auto sides_of = diffusion_.sides_of();
-    const auto sides = diffusion_.core_sides();
     std::array<float, 3> area{};
     for (std::size_t a = 0; a < 3; ++a) area[a] = volume_ / edge_[a];
     parallel_for(0, grid_.transport_blocks.size(), grain, [&](std::size_t t) {
         const GridBlock& block = grid_.blocks[grid_.transport_blocks[t]];
-        const std::array<int, 3> step{1, 4, 16};
-        std::array<std::array<float, 3>, 64> J{};
+        ViewingDiffusion::Flows J = diffusion_.flows(t, D_, core_D_, {x_, core_x_});
         const std::size_t first = 64 * t;
-        const auto media = [&](std::size_t cell) { return grid_.medium[cell]; };
-        for (int place = 0; place < 64; ++place) {
-            const std::size_t cell = first + static_cast<std::size_t>(place);
-            const float D = D_[media(cell)];
-            if (!(D > 0)) continue;
-            for (std::size_t a = 0; a < 3; ++a) {
-                const int at = place / step[a] % 4;
-                // Towards plus, to both cells; towards minus only where the block begins.
-                float flow = 0;
-                if (at < 3) {
-                    const std::size_t next = cell + static_cast<std::size_t>(step[a]);
-                    flow = diffusion_.cell_contact(a, D, D_[media(next)]) * (x_[cell] - x_[next]);
-                    J[static_cast<std::size_t>(place + step[a])][a] += flow;
-                } else if (neighbours[t][2 * a + 1] >= 0) {
-                    const std::size_t next = 64 * static_cast<std::size_t>(neighbours[t][2 * a + 1]) + static_cast<std::size_t>(place - 3 * step[a]);
-                    flow = diffusion_.cell_contact(a, D, D_[media(next)]) * (x_[cell] - x_[next]);
-                } else if (sides_of[t][2 * a + 1] >= 0) {
-                    const std::uint32_t core = sides[static_cast<std::size_t>(sides_of[t][2 * a + 1])].core;
-                    flow = diffusion_.side_contact(a, D, core_D_[grid_.blocks[viewing_.core_block[core]].medium]) * (x_[cell] - core_x_[core]);
-                }
-                J[static_cast<std::size_t>(place)][a] += flow;
-                if (at > 0) continue;
-                flow = 0;
-                if (neighbours[t][2 * a] >= 0) {
-                    const std::size_t next = 64 * static_cast<std::size_t>(neighbours[t][2 * a]) + static_cast<std::size_t>(place + 3 * step[a]);
-                    flow = diffusion_.cell_contact(a, D, D_[media(next)]) * (x_[next] - x_[cell]);
-                } else if (sides_of[t][2 * a] >= 0) {
-                    const std::uint32_t core = sides[static_cast<std::size_t>(sides_of[t][2 * a])].core;
-                    flow = diffusion_.side_contact(a, D, core_D_[grid_.blocks[viewing_.core_block[core]].medium]) * (core_x_[core] - x_[cell]);
-                }
-                J[static_cast<std::size_t>(place)][a] += flow;
-            }
-        }
         for (std::size_t f = block.first_face; f < block.first_face + block.faces; ++f) {
             const OuterFace& face = grid_.faces[f];
             if (face.kind == FaceKind::core) continue;
             const std::size_t a = static_cast<std::size_t>(face.facing) / 2;
             const Exchange at = exchange(f);
             const float flow = at.loss * x_[face.cell] - (start && face.kind == FaceKind::light ? at.gain * sums_[grid_.law[f]].through * light(f) : 0);
-            J[face.cell - first][a] += static_cast<int>(face.facing) % 2 ? flow : -flow;
+            J[a][face.cell - first] += static_cast<int>(face.facing) % 2 ? flow : -flow;
         }
         for (std::size_t place = 0; place < 64; ++place) {
             const std::size_t cell = first + place;
             if (grid_.medium[cell] == 0) continue;
-            for (std::size_t a = 0; a < 3; ++a) J[place][a] *= 0.5f / area[a];
+            for (std::size_t a = 0; a < 3; ++a) J[a][place] *= 0.5f / area[a];
             const float sigma_s = media_->cells[grid_.medium[cell]].sigma_s, linear = 3 * g_linear * sigma_s;
             Moments& s = source_[cell];
             s.phi += sigma_s * x_[cell];
-            s.x += linear * J[place][0];
-            s.y += linear * J[place][1];
-            s.z += linear * J[place][2];
+            s.x += linear * J[0][place];
+            s.y += linear * J[1][place];
+            s.z += linear * J[2][place];
         }
         for (std::size_t f = block.first_face; f < block.first_face + block.faces; ++f) {
             const OuterFace& face = grid_.faces[f];
@@ -306,7 +270,8 @@ void ViewingTransport::enter(bool start) {
             const std::size_t tangent[2] = {axis == 0 ? 1u : 0u, axis == 2 ? 1u : 2u};
             const FaceLaw& law = grid_.law_of(f);
             const Octet& w = flux_weight_[axis];
-            const std::array<float, 3>& j = J[face.cell - first];
+            const std::size_t at = face.cell - first;
+            const std::array<float, 3> j{J[0][at], J[1][at], J[2][at]};
             const float phi = x_[face.cell] - (plus ? 0.5f : -0.5f) * edge_[axis] * j[axis] / D_[grid_.medium[face.cell]];
             const float Jn = 3 * (plus ? j[axis] : -j[axis]), Ju = 3 * j[tangent[0]], Jv = 3 * j[tangent[1]];
             float leaving = 0, before = 0;
@@ -346,6 +311,7 @@ void ViewingTransport::reflect() {
 void ViewingTransport::pool(const GridBlock& block, Pool& pool) const {
     if (block.first_region < 0) return;
     std::array<float, 512> leaves{}, room{};
+    unsigned regions = 0;  // that have faces
     pool.fill(0);
     for (std::size_t f = block.first_face; f < block.first_face + block.faces; ++f) {
         const FaceLaw& law = grid_.law_of(f);
@@ -353,6 +319,7 @@ void ViewingTransport::pool(const GridBlock& block, Pool& pool) const {
         const OuterFace& face = grid_.faces[f];
         const Octet& w = flux_weight_[static_cast<std::size_t>(face.facing) / 2];
         const std::size_t region = std::size_t{face.region_in_block} * 64;
+        regions |= 1u << face.region_in_block;
         for (std::size_t slot = 0; slot < 4; ++slot) {
             const std::size_t out = region + static_cast<std::size_t>(leaving_octant(face.facing, static_cast<int>(slot))) * 8,
                               in = region + static_cast<std::size_t>(entering_octant(face.facing, static_cast<int>(slot))) * 8;
@@ -366,6 +333,7 @@ void ViewingTransport::pool(const GridBlock& block, Pool& pool) const {
     }
     // From fluxes to radiances for the room that there is: of the same direction first, the surplus everywhere.
     for (std::size_t region = 0; region < 512; region += 64) {
+        if (!(regions >> region / 64 & 1)) continue;
         float surplus = 0, lack = 0;
         for (std::size_t k = region; k < region + 64; ++k) {
             if (leaves[k] > room[k]) surplus += (1 - room[k] / leaves[k]) * pool[k];

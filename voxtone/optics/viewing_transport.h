@@ -121,7 +121,7 @@ private:
     std::vector<float> D_, core_D_, eased_, core_eased_;  ///< per medium
     std::vector<Moments> source_;             ///< per cell: sigma_s phi and 3 g' sigma_s J
     std::vector<Moments> sum_, other_;        ///< per cell: phi and J of light that runs up, and down; also what follows
-    std::span<CellStencil> stencil_;          ///< in sum_
+    std::span<BlockStencil<4>> stencil_;      ///< in sum_
     std::span<float> x_, right_, p_, z_;      ///< in other_
     std::vector<float> core_phi_, core_x_, core_right_, core_p_, core_z_;
     int steps_ = 0;                           ///< of the diffusion solves
