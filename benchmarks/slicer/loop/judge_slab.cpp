@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "judge_slab.h"
 
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 
 #include "flat_white.h"
 #include "traced.h"
@@ -37,6 +39,25 @@ void map_target(const slicer::SliceOptions& options, double picture_thickness_mm
     });
 }
 
+namespace {
+
+std::vector<float> white_shares(const slicer::StackVolume& stack, const Judgement& j, const std::array<int, 3>& cell) {
+    const auto& size = stack.volume.size();
+    const int layers = std::min(size[2], static_cast<int>(std::lround(white_depth_mm / stack.volume.pitch_mm()[2])));
+    std::vector<float> share(j.surface.cells.size());
+    parallel_for(0, share.size(), 256, [&](std::size_t i) {
+        const int x0 = static_cast<int>(i % j.columns) * cell[0], y0 = static_cast<int>(i / j.columns) * cell[1];
+        int white = 0, all = 0;
+        for (int z = size[2] - layers; z < size[2]; ++z)
+            for (int y = y0; y < std::min(size[1], y0 + cell[1]); ++y)
+                for (int x = x0; x < std::min(size[0], x0 + cell[0]); ++x, ++all) white += stack.volume.at(x, y, z) == stack.white + 1;
+        share[i] = static_cast<float>(white) / static_cast<float>(std::max(1, all));
+    });
+    return share;
+}
+
+}  // namespace
+
 Judgement judge_slab(const slicer::SliceOptions& options, const Effort& effort) {
     Progress progress;
     const slicer::StackVolume stack = slicer::read_stack_volume({.stack = options.out}, progress);
@@ -52,6 +73,7 @@ Judgement judge_slab(const slicer::SliceOptions& options, const Effort& effort) 
     j.columns = static_cast<std::size_t>((size[0] + cell[0] - 1) / cell[0]);
     j.rows = static_cast<std::size_t>((size[1] + cell[1] - 1) / cell[1]);
     VOXTONE_EXPECT(j.surface.cells.size() == j.columns * j.rows);  // a box, in order of y, x
+    j.white_share = white_shares(stack, j, cell);
 
     const slicer::JobBody body = slicer::prepare_body(options, slicer::find_printer(options.printer), progress);
     j.target = slicer::target_of_cells(j.surface, stack.volume.pitch_mm(), body.grid.origin_mm, body.surface,

@@ -41,6 +41,24 @@ Figures compare(const Colours& target, const std::array<Colours, 2>& half, std::
             m.count};
 }
 
+namespace {
+
+double share_at_limit(const Judgement& j, const halftone::EyeFilter& eye) {
+    constexpr float nearly = 0.02F;
+    const Colours target = eye(j.target), seen = eye(j.print());
+    const std::vector<double> difference = differences(target, seen);
+    double all = 0, at_limit = 0;
+    for (std::size_t i = 0; i < difference.size(); ++i) {
+        if (!j.in_gamut[i]) continue;
+        all += difference[i];
+        const bool too_dark = lab(seen[i])[0] < lab(target[i])[0];
+        if (too_dark ? j.white_share[i] > 1 - nearly : j.white_share[i] < nearly) at_limit += difference[i];
+    }
+    return all > 0 ? at_limit / all : 0;
+}
+
+}  // namespace
+
 Scores score(const Judgement& j, const Eye& eye) {
     const auto through = [&](const halftone::EyeFilter& filter, std::span<const char> mask) {
         return compare(filter(j.target), {filter(j.half[0]), filter(j.half[1])}, mask);
@@ -55,6 +73,8 @@ Scores score(const Judgement& j, const Eye& eye) {
     s.eye_reachable = compare(reachable, seen, j.in_gamut);
     s.eye_mapped = compare(reachable, seen, {});
     s.low_pass_in_gamut = through(eye.low_pass, j.in_gamut);
+    s.s_cielab_in_gamut = through(eye.s_cielab, j.in_gamut);
+    s.at_limit = share_at_limit(j, eye.published);
     return s;
 }
 
