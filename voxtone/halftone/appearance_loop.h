@@ -46,7 +46,7 @@ namespace voxtone::halftone {
 enum class Intent {
     relative,  ///< white of the target is the white resin at that place
     absolute,  ///< white of the target is a body that absorbs nothing
-    contrast,  ///< as relative, but where a limit is met the neighbourhood gives way too, and local contrast is kept
+    contrast,  ///< as relative, but where a limit is met the neighbourhood gives way more, and local contrast is kept
 };
 
 struct LoopOptions {

@@ -13,8 +13,8 @@ namespace voxtone::halftone {
 namespace {
 
 constexpr double least_light = 1e-4;  // keeps the slope of Oklab finite
-constexpr float gamma = 1, beta = 0.03f;
-constexpr double soft = 0.04;  // s
+constexpr float gamma = 2, beta = 0.03f;
+constexpr double soft = 0.08;  // s
 
 Eigen::Vector3d lit(const Eigen::Vector3f& rgb) { return rgb.cast<double>().cwiseMax(least_light); }
 Eigen::Vector3f oklab(const Eigen::Vector3f& rgb) { return optics::oklab_from_linear_srgb(lit(rgb)).cast<float>(); }
@@ -61,13 +61,17 @@ Misfit MisfitFunction::operator()(std::span<const Eigen::Vector3f> predicted) co
     });
     // d - k S d; in the derivative it stands once more: smoothing averages by area over neighbours, S_ij = w_ij a_j / sum_j w_ij a_j
     // with symmetric w, so where the sums are alike its transpose, with areas on either side, is S again.
-    const auto sharpened = [&](std::vector<Eigen::Vector3f>& d) {
+    const auto sharpen = [&] {
         if (!wide_) return;
-        const std::vector<Eigen::Vector3f> spread = wide_->smoothed(d);
-        for (std::size_t i = 0; i < n; ++i) d[i][0] -= contrast_part_ * spread[i][0];
+        std::vector<Eigen::Vector3f> lightness(n);
+        parallel_for(0, n, 1024, [&](std::size_t i) { lightness[i] = {far[i][0], near[i][0], 0}; });
+        lightness = wide_->smoothed(lightness);
+        parallel_for(0, n, 1024, [&](std::size_t i) {
+            far[i][0] -= contrast_part_ * lightness[i][0];
+            near[i][0] -= contrast_part_ * lightness[i][1];
+        });
     };
-    sharpened(far);
-    sharpened(near);
+    sharpen();
     std::vector<double> value(n);
     parallel_for(0, n, 1024, [&](std::size_t i) {
         const Part from_far = part_of(far[i]), from_near = part_of(near[i]), by_itself = part_of(oklab(predicted[i]) - oklab(target_[i]));
@@ -79,8 +83,7 @@ Misfit MisfitFunction::operator()(std::span<const Eigen::Vector3f> predicted) co
     });
     Misfit misfit;
     for (const double v : value) misfit.value += v;
-    sharpened(far);
-    sharpened(near);
+    sharpen();
     parallel_for(0, n, 1024, [&](std::size_t i) {
         far[i] = by_light(seen[i], far[i]);
         near[i] = by_light(nearer[i], near[i]);

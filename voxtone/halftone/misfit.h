@@ -6,14 +6,14 @@
 //
 // p what is predicted, t the target, a_i the cell's area / mean area times its weight, W = diag(1, 2, 2). E is the eye filter,
 // which averages colour farther than light: a loop that mends colour cell by cell spends itself on what nobody sees. N is its
-// narrowest Gaussian alone, for light and colour alike, gamma = 1: E by itself puts up with grain and halos of colour a millimetre
+// narrowest Gaussian alone, for light and colour alike, gamma = 2: E by itself puts up with grain and halos of colour a millimetre
 // wide, which are seen from nearer; gamma from 0 to 2 changes what is seen from 300 mm by some 2 %. beta = 0.03. rho(x) = sqrt(x^2 + s^2) - s counts small differences by their square and large
-// ones (above s = 0.04, some 4 CIEDE2000) by themselves: dark detail beside white, which nothing can make darker, does not
+// ones (above s = 0.08, some 8 CIEDE2000) by themselves: dark detail beside white, which nothing can make darker, does not
 // outweigh what can be mended.
 //
-// For contrast's sake the lightness d of the first two differences may be replaced by d - k S d, S a Gaussian eight times as wide: what is off over
-// more than a millimetre counts less then, what is off from its surroundings in full. With k = 0 black text on white comes out
-// pale: a little more light on the wide paper outweighs the few dark strokes.
+// For contrast's sake the lightness d of the first two differences is replaced by d - k S d, S a Gaussian eight times as wide: what is off over
+// more than a millimetre counts less then, what is off from its surroundings in full. With k = 0 black text on white all but
+// vanishes: light that leaks through white makes strokes pale whatever is done, and a little more of it on the wide paper outweighs the few dark strokes.
 #pragma once
 
 #include <span>
@@ -36,7 +36,7 @@ inline constexpr double wider = 8;  ///< the spread of S / that of E
 
 class MisfitFunction {
 public:
-    /// Keeps references. `weight`: per cell, empty: 1. `wide`: S, null where contrast has no privilege; `contrast_part`: k, in [0, 1].
+    /// Keeps references. `weight`: per cell, empty: 1. `wide`: S, null for k = 0; `contrast_part`: k, in [0, 1].
     MisfitFunction(const optics::Surface& surface, const EyeFilter& eye, std::span<const Eigen::Vector3f> target, std::span<const float> weight = {},
                    const EyeFilter* wide = nullptr, float contrast_part = 0);
     [[nodiscard]] Misfit operator()(std::span<const Eigen::Vector3f> predicted) const;
