@@ -23,7 +23,7 @@
 // luminance: every edge between black and white gets coloured fringes 2.6 mm wide, black beside white counts as green, and
 // a loop that follows it makes such blacks purple. `neutral` is Y'C1C2 (E. Reinhard, E. A. Khan, A. O. Akyuz, G. M. Johnson,
 // "Color Imaging", A K Peters 2008; J. Preiss, F. Fernandes, P. Urban, IEEE Trans. Image Processing 23, 1366 (2014) filter
-// in it): white is neutral to 1e-4, edges without colour stay so. The authors' own program states half
+// in it): white is neutral to 3e-4, edges without colour stay so. The authors' own program states half
 // widths at half height of the same Gaussians (0.05, 0.225, 7.0; 0.0685, 0.826; 0.092, 0.6451 as full widths), 6 %
 // wider at most: that pins the meaning of "spread".
 //

@@ -40,10 +40,10 @@ namespace voxtone::halftone {
 /// Rates are without unit: exponents per unit of d. The figures were chosen on the middle 10 mm of img_kodim23, img_astronaut,
 /// img_marble, img_hubble, a page of type and a Siemens star, 20 mm wide (12 iterations; docs/benchmarks.md, "What the descent looks at").
 struct DescentOptions {
-    float own_rate = 0.36f, most_own_rate = 0.5f;         ///< rate_o: of the first step, and the most it may become
-    float shared_rate = 0.15f, most_shared_rate = 0.7f;   ///< rate_s, likewise
+    float own_rate = 0.36f, most_own_rate = 0.5f;         ///< rate_o: of the first step far from the target, and the most it may become
+    float shared_rate = 0.1f, most_shared_rate = 0.7f;    ///< rate_s, likewise
     float least_rate = 0.01f;            ///< of all
-    float slower = 0.6f;                 ///< least factor by which a rate changes in a step
+    float slower = 0.4f;                 ///< least factor by which a rate changes in a step
     float own_faster = 2, shared_faster = 3;  ///< most
     float own_beyond = 1.3f;     ///< of an own step / the secant's: cells hinder each other less than they did along it
     float shared_beyond = 0.5f;  ///< likewise

@@ -110,7 +110,7 @@ io::ReportLoop loop_report(const JobLoop& loop, const JobBody& body, const optic
     report.note = fmt::format(
         "The resins were rearranged {} times and the print predicted after each by the model {} in cells of {:.1f} x {:.1f} x {:.1f} um; {}. "
         "Errors are CIEDE2000 relative to white resin over the {:.1f} % of the cells whose target the resins can show on a thick body; as seen: after the eye "
-        "filter (S-CIELAB without its negative surround). At limits: cells that their neighbours, or what lies behind them, keep from their "
+        "filter (Gaussians of S-CIELAB without their negative surround). At limits: cells that their neighbours, or what lies behind them, keep from their "
         "target; they are asked for the nearest colour that is left.",
         state.steps.size() - 1, loop.model, loop.cell_um[0], loop.cell_um[1], loop.cell_um[2], loop.result.why_stopped,
         100.0 * double(in) / double(std::max<std::size_t>(1, loop.result.in_gamut.size())));

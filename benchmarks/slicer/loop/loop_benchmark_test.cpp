@@ -90,6 +90,28 @@ TEST_CASE("noise of the tracer is taken out of an error that is there, and flatt
     CHECK(compare(target, with_noise(off), half_of_them).cells == target.size() / 2);
 }
 
+TEST_CASE("cells that are too dark and all white have nothing more to give, nor those that are too light and all ink", "[loop_benchmark]") {
+    constexpr int n = 30;
+    Judgement j;
+    j.surface = test::flat_surface(n, n, 0.085);
+    const std::size_t cells = j.surface.cells.size();
+    j.target.assign(cells, Eigen::Vector3f::Constant(0.5F));
+    j.mapped = j.target;
+    j.in_gamut.assign(cells, 1);
+    const Eye eye(j.surface, 300);
+    const auto at_limit = [&](float shown, float white) {
+        j.half[0].assign(cells, Eigen::Vector3f::Constant(shown));
+        j.half[1] = j.half[0];
+        j.white_share.assign(cells, 0.5F);
+        std::fill_n(j.white_share.begin(), cells / 2, white);
+        return score(j, eye).at_limit;
+    };
+    CHECK(at_limit(0.4F, 1.0F) == Approx(0.5).margin(0.01));
+    CHECK(at_limit(0.4F, 0.0F) == 0);
+    CHECK(at_limit(0.6F, 0.0F) == Approx(0.5).margin(0.01));
+    CHECK(at_limit(0.6F, 1.0F) == 0);
+}
+
 TEST_CASE("smoothing the white keeps planes and symmetric falls, and takes noise away", "[loop_benchmark]") {
     const std::size_t columns = 60, rows = 40;
     const auto fall = [&](std::size_t x, std::size_t y) {
