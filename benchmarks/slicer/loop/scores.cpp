@@ -21,6 +21,20 @@ optics::DifferenceSummary summary(const Colours& a, const Colours& b, std::span<
     return optics::summarize(counted);
 }
 
+double share_at_limit(const Judgement& j, const halftone::EyeFilter& eye) {
+    constexpr float nearly = 0.02F;
+    const Colours target = eye(j.target), seen = eye(j.print());
+    const std::vector<double> difference = differences(target, seen);
+    double all = 0, at_limit = 0;
+    for (std::size_t i = 0; i < difference.size(); ++i) {
+        if (!j.in_gamut[i]) continue;
+        all += difference[i];
+        const bool too_dark = lab(seen[i])[0] < lab(target[i])[0];
+        if (too_dark ? j.white_share[i] > 1 - nearly : j.white_share[i] < nearly) at_limit += difference[i];
+    }
+    return all > 0 ? at_limit / all : 0;
+}
+
 }  // namespace
 
 std::vector<double> differences(const Colours& a, const Colours& b) {
@@ -40,24 +54,6 @@ Figures compare(const Colours& target, const std::array<Colours, 2>& half, std::
             without_noise(&optics::DifferenceSummary::percentile_95), summary(half[0], half[1], mask).mean / 2,
             m.count};
 }
-
-namespace {
-
-double share_at_limit(const Judgement& j, const halftone::EyeFilter& eye) {
-    constexpr float nearly = 0.02F;
-    const Colours target = eye(j.target), seen = eye(j.print());
-    const std::vector<double> difference = differences(target, seen);
-    double all = 0, at_limit = 0;
-    for (std::size_t i = 0; i < difference.size(); ++i) {
-        if (!j.in_gamut[i]) continue;
-        all += difference[i];
-        const bool too_dark = lab(seen[i])[0] < lab(target[i])[0];
-        if (too_dark ? j.white_share[i] > 1 - nearly : j.white_share[i] < nearly) at_limit += difference[i];
-    }
-    return all > 0 ? at_limit / all : 0;
-}
-
-}  // namespace
 
 Scores score(const Judgement& j, const Eye& eye) {
     const auto through = [&](const halftone::EyeFilter& filter, std::span<const char> mask) {
