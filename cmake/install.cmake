@@ -1,6 +1,6 @@
 get_property(libraries GLOBAL PROPERTY VOXTONE_LIBRARIES)
 install(TARGETS ${libraries} EXPORT voxtone-targets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
-install(DIRECTORY voxtone/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/voxtone FILES_MATCHING PATTERN "*.h")
+install(DIRECTORY base optics io calibration halftone slicer DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/voxtone FILES_MATCHING PATTERN "*.h")
 install(DIRECTORY data/ DESTINATION ${CMAKE_INSTALL_DATADIR}/voxtone)
 install(EXPORT voxtone-targets NAMESPACE voxtone:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/voxtone)
 

@@ -1,7 +1,15 @@
-# One library per floor, one test program per floor (more where a dependency is slow to load).
+# One library per floor, rooms as its folders; one test program per floor (more where a dependency is slow to load).
+
+# What the compiler sees as <voxtone/floor/room/file.h>: links to the floors, the same names that an installed tree has.
+set(VOXTONE_FLOORS base optics io calibration halftone slicer cli)
+foreach(floor IN LISTS VOXTONE_FLOORS)
+  file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/include/voxtone)
+  file(CREATE_LINK ${PROJECT_SOURCE_DIR}/${floor} ${PROJECT_BINARY_DIR}/include/voxtone/${floor} SYMBOLIC)
+endforeach()
 
 add_library(voxtone_flags INTERFACE)
 # -ffp-contract=off: the same bits with and without fused multiply-add, so that a result does not depend on the machine.
+target_include_directories(voxtone_flags INTERFACE ${PROJECT_BINARY_DIR}/include)
 target_compile_options(voxtone_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow -ffp-contract=off)
 # Libraries that a program does not use are not loaded: OpenImageIO's 262 alone cost 0.14 s at every start.
 target_link_options(voxtone_flags INTERFACE -Wl,--as-needed)
@@ -17,12 +25,18 @@ endif()
 function(voxtone_add_library floor)
   add_library(voxtone_${floor} STATIC ${ARGN})
   add_library(voxtone::${floor} ALIAS voxtone_${floor})
-  target_include_directories(voxtone_${floor} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
+  target_include_directories(voxtone_${floor} PUBLIC $<BUILD_INTERFACE:${PROJECT_BINARY_DIR}/include>
                                                      $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
   target_compile_features(voxtone_${floor} PUBLIC cxx_std_20)
   target_link_libraries(voxtone_${floor} PRIVATE $<BUILD_INTERFACE:voxtone_flags>)
   set_target_properties(voxtone_${floor} PROPERTIES EXPORT_NAME ${floor} POSITION_INDEPENDENT_CODE ON)
   set_property(GLOBAL APPEND PROPERTY VOXTONE_LIBRARIES voxtone_${floor})
+endfunction()
+
+# voxtone_add_room(<floor> <room> <name>...): <room>/<name>.cpp of the caller's folder go into the floor's library.
+function(voxtone_add_room floor room)
+  list(TRANSFORM ARGN REPLACE "(.+)" "${room}/\\1.cpp")
+  target_sources(voxtone_${floor} PRIVATE ${ARGN})
 endfunction()
 
 # voxtone_add_test(<name> LABELS <label>... LIBRARIES <target>... SOURCES <file>...)

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "voxtone/base/parallel.h"
-#include "voxtone/halftone/built_in_screens.h"
-#include "voxtone/halftone/void_and_cluster.h"
+#include "voxtone/halftone/screens/built_in_screens.h"
+#include "voxtone/halftone/screens/void_and_cluster.h"
 
 int main(int argc, char** argv) try {
     if (argc != 2) {

@@ -3,9 +3,9 @@
 // Which resins make a colour? Uses the installed library: the forward model of a coloured shell over white, inverted.
 #include <cstdio>
 
-#include <voxtone/halftone/separation.h>
-#include <voxtone/optics/resins.h>
-#include <voxtone/optics/shell_appearance.h>
+#include <voxtone/halftone/separation/separation.h>
+#include <voxtone/optics/media/resins.h>
+#include <voxtone/optics/layered/shell_appearance.h>
 
 int main() {
     using namespace voxtone;

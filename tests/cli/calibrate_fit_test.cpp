@@ -3,10 +3,10 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-#include "../calibration/target_samples.h"
+#include "tests/calibration/patches/target_samples.h"
 #include "run_program.h"
-#include "voxtone/calibration/patch_file.h"
-#include "voxtone/io/resin_file.h"
+#include "voxtone/calibration/patches/patch_file.h"
+#include "voxtone/io/profiles/resin_file.h"
 
 using namespace voxtone;
 using namespace voxtone::test;

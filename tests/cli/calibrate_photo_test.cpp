@@ -9,10 +9,10 @@
 #include <nlohmann/json.hpp>
 
 #include "run_program.h"
-#include "voxtone/calibration/patch_file.h"
-#include "voxtone/calibration/target_file.h"
-#include "voxtone/io/resin_file.h"
-#include "voxtone/io/stack_reader.h"
+#include "voxtone/calibration/patches/patch_file.h"
+#include "voxtone/calibration/target/target_file.h"
+#include "voxtone/io/profiles/resin_file.h"
+#include "voxtone/io/layers/stack_reader.h"
 
 using namespace voxtone;
 using namespace voxtone::test;

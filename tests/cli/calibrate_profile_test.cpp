@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "run_program.h"
-#include "voxtone/io/profile_file.h"
+#include "voxtone/io/profiles/profile_file.h"
 
 using namespace voxtone;
 using namespace voxtone::test;

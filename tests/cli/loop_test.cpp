@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "run_program.h"
-#include "voxtone/slicer/slice_job.h"
+#include "voxtone/slicer/job/slice_job.h"
 
 using namespace voxtone;
 using namespace voxtone::test;

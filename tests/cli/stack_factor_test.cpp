@@ -4,8 +4,8 @@
 #include <nlohmann/json.hpp>
 
 #include "run_program.h"
-#include "voxtone/io/bssrdf_file.h"
-#include "voxtone/io/profile_map.h"
+#include "voxtone/io/profiles/bssrdf_file.h"
+#include "voxtone/io/profiles/profile_map.h"
 
 using namespace voxtone;
 using namespace voxtone::test;

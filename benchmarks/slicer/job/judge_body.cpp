@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "judge_body.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "traced.h"
+#include "voxtone/base/contracts.h"
+#include "voxtone/base/parallel.h"
+#include "voxtone/base/progress.h"
+#include "voxtone/base/random.h"
+#include "voxtone/optics/colour/spectral_colour.h"
+#include "voxtone/optics/scene/surface_smoothing.h"
+#include "voxtone/slicer/job/job_body.h"
+#include "voxtone/slicer/mesh/mesh_boundary.h"
+#include "voxtone/slicer/predict/stack_volume.h"
+#include "voxtone/slicer/surface/target_cells.h"
+
+namespace voxtone::loop_benchmark {
+namespace {
+
+constexpr double thin_mm = 2, least_thin_mm2 = 5, white_spread_mm = 0.3;
+
+Eigen::Vector3f vector_of(const std::array<float, 3>& a) { return {a[0], a[1], a[2]}; }
+
+/// Less than thin_mm from the cell through the body, against the normal, to the air behind.
+bool is_thin(const optics::ResinVolume& volume, const optics::SurfaceCell& cell) {
+    const auto& pitch = volume.pitch_mm();
+    for (double depth = 0.1; depth < thin_mm; depth += 0.02) {
+        std::array<int, 3> voxel{};
+        for (std::size_t a = 0; a < 3; ++a)
+            voxel[a] = static_cast<int>(std::floor(
+                (static_cast<double>(cell.centre_mm[a]) - depth * static_cast<double>(cell.normal[a])) / pitch[a]));
+        if (volume.at(voxel[0], voxel[1], voxel[2]) == optics::air) return true;
+    }
+    return false;
+}
+
+/// Cells drawn by area: every second one of the thin parts, the others of the rest; all of one where there is no other.
+std::vector<std::size_t> draw_centres(const optics::Surface& surface, const std::vector<char>& thin,
+                                      const WindowChoice& choice) {
+    std::array<std::vector<double>, 2> area;
+    std::array<std::vector<std::size_t>, 2> cell;
+    std::array<double, 2> sum{};
+    for (std::size_t i = 0; i < surface.cells.size(); ++i) {
+        const std::size_t part = thin[i] ? 1 : 0;
+        area[part].push_back(sum[part] += static_cast<double>(surface.cells[i].area_mm2));
+        cell[part].push_back(i);
+    }
+    std::vector<std::size_t> centres;
+    for (std::size_t w = 0; w < choice.windows; ++w) {
+        RandomStream random(choice.seed, w);
+        const std::size_t part = sum[1] < least_thin_mm2 ? 0 : sum[0] < least_thin_mm2 ? 1 : w % 2;
+        const auto at = std::upper_bound(area[part].begin(), area[part].end(), random.uniform() * sum[part]);
+        centres.push_back(
+            cell[part][std::min(cell[part].size() - 1, static_cast<std::size_t>(at - area[part].begin()))]);
+    }
+    return centres;
+}
+
+/// The part of the surface that the windows see, with cells and faces of its own.
+optics::Surface take_windows(const optics::Surface& whole, const std::vector<char>& thin, const WindowChoice& choice,
+                             BodyJudgement& j) {
+    std::vector<std::uint32_t> chosen;
+    const std::vector<std::size_t> centres = draw_centres(whole, thin, choice);
+    j.windows = centres.size();
+    for (std::size_t w = 0; w < centres.size(); ++w) {
+        const Eigen::Vector3f centre = vector_of(whole.cells[centres[w]].centre_mm),
+                              normal = vector_of(whole.cells[centres[w]].normal);
+        for (std::size_t i = 0; i < whole.cells.size(); ++i) {
+            const optics::SurfaceCell& cell = whole.cells[i];
+            const auto away = static_cast<double>((vector_of(cell.centre_mm) - centre).norm());
+            if (away > choice.radius_mm || vector_of(cell.normal).dot(normal) < 0.342F) continue;
+            chosen.push_back(static_cast<std::uint32_t>(i));
+            j.window.push_back(static_cast<std::uint32_t>(w));
+            j.thin.push_back(thin[i]);
+            j.inner.push_back(away <= choice.radius_mm / 2);
+        }
+    }
+    return optics::part_of(whole, chosen);
+}
+
+void smooth_white(const optics::Surface& surface, std::vector<float>& white, double cell_mm) {
+    std::vector<optics::SurfacePoint> points;
+    for (const optics::SurfaceCell& c : surface.cells)
+        points.push_back({c.centre_mm, c.normal, std::max(c.area_mm2, 1e-9F)});
+    std::vector<float> smooth(white.size());
+    optics::SurfaceSmoothing(points, white_spread_mm, 0, cell_mm).apply(white, smooth, 3);
+    white = std::move(smooth);
+}
+
+}  // namespace
+
+BodyJudgement judge_body(const slicer::SliceOptions& options, const Effort& effort, const WindowChoice& choice) {
+    Progress progress;
+    const slicer::StackVolume stack = slicer::read_stack_volume({.stack = options.out}, progress);
+    VOXTONE_EXPECT(!stack.of_picture && stack.white >= 0 && stack.resins.channels.is_rgb());
+    const slicer::JobBody body = slicer::prepare_body(options, slicer::find_printer(options.printer), progress);
+    const optics::Scene scene{.volume = &stack.volume, .resins = &stack.resins};
+    const optics::Surface whole = optics::find_surface(
+        scene, optics::cell_voxels(stack.volume.pitch_mm(), effort.cell_mm), optics::SurfacePart::all);
+    BodyJudgement result;
+    result.surface_cells = static_cast<double>(whole.cells.size());
+    Judgement& j = result.cells;
+    std::vector<char> thin(whole.cells.size());
+    parallel_for(0, thin.size(), 1024, [&](std::size_t i) { thin[i] = is_thin(stack.volume, whole.cells[i]); });
+    double thin_area = 0, area = 0;
+    for (std::size_t i = 0; i < thin.size(); ++i) {
+        area += static_cast<double>(whole.cells[i].area_mm2);
+        if (thin[i]) thin_area += static_cast<double>(whole.cells[i].area_mm2);
+    }
+    result.thin_share = thin_area / area;
+    j.surface = take_windows(whole, thin, choice, result);
+    j.target = slicer::target_of_cells(j.surface, stack.volume.pitch_mm(), body.grid.origin_mm, body.surface,
+                                       body.model.mesh, nullptr);
+    map_target(options, 0, j);
+
+    const auto start = std::chrono::steady_clock::now();
+    const slicer::MeshBoundary boundary(body.surface.positions_mm, body.surface.triangles, body.grid.origin_mm);
+    const std::string digest = volume_digest(stack.volume);
+    // The boundary is a function of the model and of how it was placed.
+    const std::string boundary_name =
+        fmt::format("{} {} {} triangles", options.model, options.size_mm, body.surface.triangles.size());
+    std::array<std::vector<float>, 2> value;
+    for (std::size_t h = 0; h < 2; ++h)
+        value[h] = traced(scene, digest, j.surface, {effort.paths, h + 1, &boundary, boundary_name}, effort.cache);
+    const optics::ResinVolume twin = optics::all_of(stack.volume, static_cast<optics::Material>(stack.white + 1));
+    optics::Scene white_scene = scene;
+    white_scene.volume = &twin;
+    std::vector<float> white = traced(white_scene, volume_digest(twin), j.surface,
+                                      {effort.white_paths, 3, &boundary, boundary_name}, effort.cache);
+    smooth_white(j.surface, white, effort.cell_mm);
+    j.trace_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    const Eigen::Matrix3f weights = optics::linear_srgb_weights({}).cast<float>();
+    for (std::size_t h = 0; h < 2; ++h)
+        for (std::size_t i = 0; i < j.surface.cells.size(); ++i) {
+            Eigen::Vector3f relative;
+            for (std::size_t c = 0; c < 3; ++c)
+                relative[static_cast<Eigen::Index>(c)] = value[h][3 * i + c] / std::max(white[3 * i + c], 1e-6F);
+            j.half[h].push_back(weights * relative);
+        }
+    return result;
+}
+
+}  // namespace voxtone::loop_benchmark

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scores.h"
+
+#include <algorithm>
+
+#include "voxtone/base/parallel.h"
+#include "voxtone/optics/colour/colour.h"
+
+namespace voxtone::loop_benchmark {
+namespace {
+
+Eigen::Vector3d lab(const Eigen::Vector3f& rgb) {
+    return optics::lab_from_linear_srgb(rgb.cwiseMax(0.0F).cast<double>());
+}
+
+optics::DifferenceSummary summary(const Colours& a, const Colours& b, std::span<const char> mask) {
+    const std::vector<double> all = differences(a, b);
+    std::vector<double> counted;
+    for (std::size_t i = 0; i < all.size(); ++i)
+        if (mask.empty() || mask[i]) counted.push_back(all[i]);
+    return optics::summarize(counted);
+}
+
+double share_at_limit(const Judgement& j, const halftone::EyeFilter& eye) {
+    constexpr float nearly = 0.02F;
+    const Colours target = eye(j.target), seen = eye(j.print());
+    const std::vector<double> difference = differences(target, seen);
+    double all = 0, at_limit = 0;
+    for (std::size_t i = 0; i < difference.size(); ++i) {
+        if (!j.in_gamut[i]) continue;
+        all += difference[i];
+        const bool too_dark = lab(seen[i])[0] < lab(target[i])[0];
+        if (too_dark ? j.white_share[i] > 1 - nearly : j.white_share[i] < nearly) at_limit += difference[i];
+    }
+    return all > 0 ? at_limit / all : 0;
+}
+
+}  // namespace
+
+std::vector<double> differences(const Colours& a, const Colours& b) {
+    std::vector<double> d(a.size());
+    parallel_for(0, a.size(), 1024, [&](std::size_t i) { d[i] = optics::ciede2000(lab(a[i]), lab(b[i])); });
+    return d;
+}
+
+Figures compare(const Colours& target, const std::array<Colours, 2>& half, std::span<const char> mask) {
+    Colours mean(target.size());
+    for (std::size_t i = 0; i < mean.size(); ++i) mean[i] = 0.5F * (half[0][i] + half[1][i]);
+    const auto m = summary(target, mean, mask), a = summary(target, half[0], mask), b = summary(target, half[1], mask);
+    const auto without_noise = [&](double optics::DifferenceSummary::*f) {
+        return std::max(0.0, 2 * m.*f - (a.*f + b.*f) / 2);
+    };
+    return {without_noise(&optics::DifferenceSummary::mean), without_noise(&optics::DifferenceSummary::median),
+            without_noise(&optics::DifferenceSummary::percentile_95), summary(half[0], half[1], mask).mean / 2,
+            m.count};
+}
+
+Scores score(const Judgement& j, const Eye& eye) {
+    const auto through = [&](const halftone::EyeFilter& filter, std::span<const char> mask) {
+        return compare(filter(j.target), {filter(j.half[0]), filter(j.half[1])}, mask);
+    };
+    Scores s;
+    s.cells_in_gamut = compare(j.target, j.half, j.in_gamut);
+    s.cells_all = compare(j.target, j.half, {});
+    s.eye_in_gamut = through(eye.published, j.in_gamut);
+    s.eye_all = through(eye.published, {});
+    const Colours reachable = eye.published(j.mapped);
+    const std::array<Colours, 2> seen{eye.published(j.half[0]), eye.published(j.half[1])};
+    s.eye_reachable = compare(reachable, seen, j.in_gamut);
+    s.eye_mapped = compare(reachable, seen, {});
+    s.low_pass_in_gamut = through(eye.low_pass, j.in_gamut);
+    s.s_cielab_in_gamut = through(eye.s_cielab, j.in_gamut);
+    s.at_limit = share_at_limit(j, eye.published);
+    return s;
+}
+
+}  // namespace voxtone::loop_benchmark

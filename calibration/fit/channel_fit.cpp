@@ -1,0 +1,318 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/calibration/fit/channel_fit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include <ceres/ceres.h>
+#include <Eigen/Eigenvalues>
+
+namespace voxtone::calibration {
+
+using optics::Medium;
+
+namespace {
+
+// No measurement is better than the model's own error.
+constexpr double model_error = 2e-6;
+
+Medium medium(const TargetRoles& roles, std::size_t role, const ResinPoint& point, double g) {
+    return roles.is_clear(role) ? Medium{} : medium_of(point, g);
+}
+
+}  // namespace
+
+// Residuals / noise of a part of the target as a function of some resins' coordinates.
+class ChannelFitter::Residuals : public ceres::CostFunction {
+public:
+    Residuals(const ChannelFitter& fitter, const Part& part, std::size_t channel, std::vector<std::size_t> free,
+              bool bases_move, const std::vector<ResinPoint>& resins, int& evaluations)
+        : fitter_(fitter),
+          part_(part),
+          free_(std::move(free)),
+          evaluations_(evaluations),
+          bases_move_(bases_move),
+          points_(resins),
+          rho_(part.patches.size()) {
+        for (const std::size_t p : part.patches) {
+            const Patch& patch = fitter.table_->patches[p];
+            measured_.push_back(patch.rho[channel]);
+            weight_.push_back(1 / std::max(patch.error.empty() ? fitter.noise_ : patch.error[channel], model_error));
+        }
+        media_.resize(points_.size());
+        refresh();
+        if (!bases_move_) bases_ = part_.model->bases(media_, false);
+        set_num_residuals(static_cast<int>(rho_.size()));
+        mutable_parameter_block_sizes()->assign(2 * free_.size(), 1);
+    }
+
+    // One block per coordinate, v and ln sigma_t of each resin in turn.
+    bool Evaluate(const double* const* parameters, double* residuals, double** jacobians) const override {
+        for (std::size_t k = 0; k < free_.size(); ++k) points_[free_[k]] = {*parameters[2 * k], *parameters[2 * k + 1]};
+        refresh();
+        if (bases_move_) bases_ = part_.model->bases(media_, jacobians != nullptr);
+        if (jacobians)
+            part_.model->evaluate(media_, bases_, rho_, by_resin_);
+        else
+            part_.model->evaluate(media_, bases_, rho_);
+        ++evaluations_;
+        for (std::size_t p = 0; p < rho_.size(); ++p) residuals[p] = weight_[p] * (rho_[p] - measured_[p]);
+        if (!jacobians) return true;
+        const double g = fitter_.options_.g;
+        for (std::size_t p = 0; p < rho_.size(); ++p)
+            for (std::size_t k = 0; k < free_.size(); ++k) {
+                const std::size_t r = free_[k];
+                const double by_absorption = by_resin_(static_cast<Eigen::Index>(p), static_cast<Eigen::Index>(2 * r));
+                const double by_scattering =
+                    by_resin_(static_cast<Eigen::Index>(p), static_cast<Eigen::Index>(2 * r + 1));
+                const Medium& m = media_[r];
+                if (jacobians[2 * k])
+                    jacobians[2 * k][p] =
+                        weight_[p] * (by_scattering - by_absorption) * m.sigma_t() * albedo_by_v(points_[r].v, g);
+                if (jacobians[2 * k + 1])
+                    jacobians[2 * k + 1][p] = weight_[p] * (by_absorption * m.sigma_a + by_scattering * m.sigma_s);
+            }
+        return true;
+    }
+
+    [[nodiscard]] const std::vector<double>& rho() const { return rho_; }
+
+private:
+    void refresh() const {
+        for (std::size_t r = 0; r < points_.size(); ++r)
+            media_[r] = medium(fitter_.roles_, r, points_[r], fitter_.options_.g);
+    }
+    const ChannelFitter& fitter_;
+    const Part& part_;
+    std::vector<std::size_t> free_;
+    int& evaluations_;
+    bool bases_move_;
+    std::vector<double> measured_, weight_;
+    mutable std::vector<ResinPoint> points_;
+    mutable std::vector<double> rho_;
+    mutable std::vector<Medium> media_;
+    mutable PatchModel::Bases bases_;
+    mutable Eigen::MatrixXd by_resin_;
+};
+
+ChannelFitter::Part ChannelFitter::part(std::vector<std::size_t> patches) const {
+    Part result{std::move(patches), nullptr};
+    std::vector<Patch> chosen;
+    for (const std::size_t p : result.patches) chosen.push_back(table_->patches[p]);
+    result.model = std::make_unique<PatchModel>(chosen, roles_.roles, options_, plan_);
+    return result;
+}
+
+ChannelFitter::ChannelFitter(const PatchTable& table, const TargetRoles& roles, const PatchModelOptions& options,
+                             double noise)
+    : table_(&table),
+      roles_(roles),
+      options_(options),
+      noise_(noise),
+      plan_(patch_plan(options)),
+      bounds_(resin_bounds(options.g)),
+      principles_(table, roles_, options, noise) {
+    std::vector<std::size_t> all(table.patches.size());
+    std::iota(all.begin(), all.end(), std::size_t{0});
+    whole_ = part(all);
+    for (std::size_t r = 0; r < roles_.roles.size(); ++r) {
+        std::vector<std::size_t> of;
+        if (!roles_.is_base(r) && !roles_.is_clear(r))
+            for (const std::size_t p : all)
+                if (std::ranges::any_of(table.patches[p].top,
+                                        [&](const ResinShare& s) { return s.role == roles_.roles[r]; }))
+                    of.push_back(p);
+        of_resin_.push_back(part(std::move(of)));
+    }
+}
+
+// A coordinate that has run into its bound is held there, and let go when the residuals pull it back: within bounds
+// alone Ceres creeps along them.
+double ChannelFitter::solve(const Part& of, std::size_t channel, const std::vector<std::size_t>& free, bool bases_move,
+                            std::vector<ResinPoint>& resins, int& evaluations,
+                            const std::vector<std::size_t>& held_resins) const {
+    Residuals residuals(*this, of, channel, free, bases_move, resins, evaluations);
+    const std::size_t count = 2 * free.size();
+    std::vector<double> x, low, high;
+    for (const std::size_t r : free) {
+        const ResinPoint p = clamped(resins[r], bounds_);
+        x.insert(x.end(), {p.v, p.ln_sigma_t});
+        low.insert(low.end(), {bounds_.least_v, std::log(bounds_.least_sigma_t)});
+        high.insert(high.end(), {bounds_.most_v, std::log(bounds_.most_sigma_t)});
+    }
+    ceres::Problem::Options own;
+    own.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+    ceres::Problem problem(own);
+    std::vector<double*> blocks;
+    for (double& value : x) blocks.push_back(&value);
+    problem.AddResidualBlock(&residuals, nullptr, blocks);
+    for (std::size_t k = 0; k < count; ++k) {
+        problem.SetParameterLowerBound(blocks[k], 0, low[k]);
+        problem.SetParameterUpperBound(blocks[k], 0, high[k]);
+    }
+    ceres::Solver::Options options;
+    options.linear_solver_type = ceres::DENSE_QR;
+    options.max_num_iterations = 12;
+    options.function_tolerance = 1e-7;
+    options.parameter_tolerance = 1e-7;
+    options.gradient_tolerance = 1e-9;
+    options.logging_type = ceres::SILENT;
+    options.num_threads = 1;
+    double chi2 = 0;
+    std::vector<bool> fixed(count, false), held(count, false);
+    for (std::size_t k = 0; k < free.size(); ++k)
+        if (std::ranges::find(held_resins, free[k]) != held_resins.end()) {
+            fixed[2 * k + 1] = held[2 * k + 1] = true;
+            problem.SetParameterBlockConstant(blocks[2 * k + 1]);
+        }
+    std::vector<double> gradient, residual(of.patches.size());
+    for (int round = 0; round < 8; ++round) {
+        ceres::Solver::Summary summary;
+        ceres::Solve(options, &problem, &summary);
+        chi2 = 2 * summary.final_cost;
+        // The gradient by all coordinates, the held ones too.
+        for (std::size_t k = 0; k < count; ++k)
+            if (held[k]) problem.SetParameterBlockVariable(blocks[k]);
+        problem.Evaluate({}, nullptr, nullptr, &gradient, nullptr);
+        bool changed = false;
+        for (std::size_t k = 0; k < count; ++k) {
+            const double reach = 1e-7 * (high[k] - low[k]);
+            const bool out =
+                fixed[k] || (x[k] <= low[k] + reach && gradient[k] > 0) || (x[k] >= high[k] - reach && gradient[k] < 0);
+            changed = changed || out != held[k];
+            held[k] = out;
+            if (out) problem.SetParameterBlockConstant(blocks[k]);
+        }
+        if (!changed && summary.termination_type == ceres::CONVERGENCE) break;
+        if (std::ranges::all_of(held, [](bool h) { return h; })) break;
+        options.max_num_iterations = 30;
+    }
+    for (std::size_t k = 0; k < free.size(); ++k) resins[free[k]] = {x[2 * k], x[2 * k + 1]};
+    return chi2;
+}
+
+// Every resin by itself from each minimum of Eq. 6, the bases held.
+void ChannelFitter::choose_minima(std::size_t channel, const ChannelStart& start, ChannelFit& fit) const {
+    for (std::size_t r = 0; r < roles_.roles.size(); ++r) {
+        if (of_resin_[r].patches.empty() || start.alternatives[r].empty()) continue;
+        std::vector<ResinPoint> from{start.resins[r]};
+        from.insert(from.end(), start.alternatives[r].begin(), start.alternatives[r].end());
+        double least = std::numeric_limits<double>::infinity();
+        ResinPoint best = start.resins[r];
+        std::vector<std::pair<double, ResinPoint>> ends;
+        for (const ResinPoint& point : from) {
+            std::vector<ResinPoint> resins = fit.resins;
+            resins[r] = point;
+            int evaluations = 0;
+            const double chi2 = solve(of_resin_[r], channel, {r}, false, resins, evaluations);
+            ends.emplace_back(chi2, resins[r]);
+            if (chi2 < least) least = chi2, best = resins[r];
+        }
+        fit.resins[r] = best;
+        for (const auto& [chi2, end] : ends)
+            if (chi2 < least + 2 && std::hypot((end.v - best.v) / 0.05, (end.ln_sigma_t - best.ln_sigma_t) / 0.2) > 1)
+                fit.second[r] = true;
+    }
+}
+
+void ChannelFitter::limit_opaque(std::size_t channel, const std::vector<std::size_t>& free, ChannelFit& fit) const {
+    const double high = std::log(bounds_.most_sigma_t);
+    std::vector<ResinPoint> limited = fit.resins;
+    for (const std::size_t r : free) {
+        const double at = fit.resins[r].ln_sigma_t;
+        if (fit.errors[r].ln_sigma_t < 0.5 && at < high - 1e-6) continue;
+        // A colour's own patches decide with the bases held; a base's are all.
+        const bool base = of_resin_[r].patches.empty();
+        const Part& of = base ? whole_ : of_resin_[r];
+        const std::vector<std::size_t> moving = base ? free : std::vector<std::size_t>{r};
+        std::vector<ResinPoint> resins;
+        const auto chi2 = [&](double ln_sigma_t) {
+            resins = fit.resins;
+            resins[r].ln_sigma_t = ln_sigma_t;
+            return solve(of, channel, moving, base, resins, fit.evaluations, {r});
+        };
+        const double least = chi2(at);
+        if (chi2(high) > least + 1) continue;
+        double below = std::log(bounds_.least_sigma_t), above = at;
+        limited[r] = fit.resins[r];
+        for (int step = 0; step < 9 && above - below > 0.03; ++step) {
+            const double middle = std::max(0.5 * (below + above), above - 1);
+            const bool allowed = chi2(middle) <= least + 1;
+            (allowed ? above : below) = middle;
+            if (allowed) limited[r] = resins[r];
+        }
+        fit.opaque[r] = true;
+    }
+    if (std::ranges::find(fit.opaque, true) == fit.opaque.end()) return;
+    // The others stay at the least squares: a limit must not lean on them.
+    fit.resins = std::move(limited);
+    errors(channel, free, fit);
+}
+
+void ChannelFitter::errors(std::size_t channel, const std::vector<std::size_t>& free, ChannelFit& fit) const {
+    int evaluations = 0;
+    const Residuals residuals(*this, whole_, channel, free, true, fit.resins, evaluations);
+    const auto rows = static_cast<Eigen::Index>(whole_.patches.size()),
+               columns = static_cast<Eigen::Index>(2 * free.size());
+    Eigen::MatrixXd J(rows, columns);
+    Eigen::VectorXd r(rows), x(columns);
+    std::vector<const double*> at;
+    std::vector<double*> into;
+    for (Eigen::Index i = 0; i < columns; ++i) {
+        const ResinPoint& point = fit.resins[free[static_cast<std::size_t>(i / 2)]];
+        x[i] = i % 2 == 0 ? point.v : point.ln_sigma_t;
+        at.push_back(&x[i]);
+        into.push_back(J.col(i).data());
+    }
+    (void)residuals.Evaluate(at.data(), r.data(), into.data());
+    fit.predicted = residuals.rho();
+    fit.chi2 = r.squaredNorm();
+    // What no patch tells has an eigenvalue of nothing: its error is without bound.
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(J.transpose() * J);
+    const Eigen::VectorXd values = eigen.eigenvalues().cwiseMax(1e-12);
+    const Eigen::MatrixXd covariance =
+        eigen.eigenvectors() * values.cwiseInverse().asDiagonal() * eigen.eigenvectors().transpose();
+    const Eigen::VectorXd step = -covariance * (J.transpose() * r);
+    fit.beyond = fit.resins;
+    for (std::size_t k = 0; k < free.size(); ++k) {
+        const auto i = static_cast<Eigen::Index>(2 * k);
+        fit.beyond[free[k]].v += step[i];
+        const double v = std::sqrt(covariance(i, i)), s = std::sqrt(covariance(i + 1, i + 1));
+        fit.errors[free[k]] = {v, s};
+        for (std::size_t other = 0; other < free.size(); ++other)
+            fit.covariance.block<2, 2>(static_cast<Eigen::Index>(2 * free[k]),
+                                       static_cast<Eigen::Index>(2 * free[other])) =
+                covariance.block<2, 2>(i, static_cast<Eigen::Index>(2 * other));
+    }
+}
+
+ChannelFit ChannelFitter::fit(std::size_t channel) const {
+    const std::size_t count = roles_.roles.size();
+    const ChannelStart start = principles_.start(channel);
+    ChannelFit fit;
+    fit.resins = start.resins;
+    fit.errors.assign(count, {0, 0});
+    fit.covariance.setZero(static_cast<Eigen::Index>(2 * count), static_cast<Eigen::Index>(2 * count));
+    fit.second.assign(count, false);
+    fit.opaque.assign(count, false);
+    choose_minima(channel, start, fit);
+    std::vector<std::size_t> free;
+    for (std::size_t r = 0; r < count; ++r)
+        if (!roles_.is_clear(r)) free.push_back(r);
+    solve(whole_, channel, free, true, fit.resins, fit.evaluations);
+    errors(channel, free, fit);
+    limit_opaque(channel, free, fit);
+    fit.freedom = static_cast<int>(whole_.patches.size()) - static_cast<int>(2 * free.size());
+    for (std::size_t r = 0; r < count; ++r) {
+        const ResinPoint& p = fit.resins[r];
+        fit.v_low.push_back(p.v <= bounds_.least_v + 1e-6);
+        fit.v_high.push_back(p.v >= bounds_.most_v - 1e-6);
+        fit.sigma_low.push_back(p.ln_sigma_t <= std::log(bounds_.least_sigma_t) + 1e-6);
+        fit.sigma_high.push_back(p.ln_sigma_t >= std::log(bounds_.most_sigma_t) - 1e-6);
+    }
+    return fit;
+}
+
+}  // namespace voxtone::calibration

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// One channel of a target: all resins at once by least squares.
+//
+//   minimise sum_p ((rho_p(v, ln sigma_t) - rho_p*) / e_p)^2    over v and ln sigma_t (resin_coordinates.h) of all
+//
+// by Levenberg-Marquardt within bounds (Ceres), with the model's exact derivatives, from the start of the Principles.
+// Where Eq. 6 has other local minima, each resin is first fitted by itself from each of them and the deepest is taken.
+// The covariance is the inverse of J^T J, taken with bounds open: a value that lies on a bound keeps the error that it
+// would have beside it.
+//
+// A resin so opaque that its patches would look the same at the largest extinction (chi2 within 1 of the least) has no
+// least squares worth the name: its extinction is then the lower limit, where chi2 is 1 above the least.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "voxtone/calibration/fit/principles.h"
+
+namespace voxtone::calibration {
+
+struct ChannelFit {
+    std::vector<ResinPoint> resins;  ///< one per role; clear ones mean nothing
+    std::vector<ResinPoint> errors;  ///< standard errors of both coordinates; huge where nothing tells
+    std::vector<ResinPoint> beyond;  ///< where the least squares would lie without bounds, to first order
+    Eigen::MatrixXd covariance;      ///< of v and ln sigma_t of each role in turn; 0 for clear resin
+    std::vector<double> predicted;   ///< rho of each patch
+    double chi2 = 0;                 ///< sum of squared residuals / noise^2
+    int freedom = 0;                 ///< patches - fitted values
+    std::vector<bool> v_low, v_high, sigma_low, sigma_high;  ///< on a bound
+    std::vector<bool> opaque;                                ///< ln sigma_t is a lower limit
+    std::vector<bool> second;  ///< another set of values of this resin explains its patches nearly as well
+    int evaluations = 0;       ///< of the whole target
+};
+
+class ChannelFitter {
+public:
+    ChannelFitter(const PatchTable& table, const TargetRoles& roles, const PatchModelOptions& options, double noise);
+    [[nodiscard]] ChannelFit fit(std::size_t channel) const;
+
+private:
+    struct Part {
+        std::vector<std::size_t> patches;
+        std::unique_ptr<PatchModel> model;
+    };
+    class Residuals;
+    [[nodiscard]] Part part(std::vector<std::size_t> patches) const;
+    /// Moves the resins `free` to the least squares of a part, the extinctions of `held` staying; returns chi2.
+    double solve(const Part& part, std::size_t channel, const std::vector<std::size_t>& free, bool bases_move,
+                 std::vector<ResinPoint>& resins, int& evaluations, const std::vector<std::size_t>& held = {}) const;
+    void limit_opaque(std::size_t channel, const std::vector<std::size_t>& free, ChannelFit& fit) const;
+    void choose_minima(std::size_t channel, const ChannelStart& start, ChannelFit& fit) const;
+    void errors(std::size_t channel, const std::vector<std::size_t>& free, ChannelFit& fit) const;
+
+    const PatchTable* table_;
+    TargetRoles roles_;
+    PatchModelOptions options_;
+    double noise_;
+    std::shared_ptr<const optics::OrdinatePlan> plan_;
+    ResinBounds bounds_;
+    Principles principles_;
+    Part whole_;
+    std::vector<Part> of_resin_;  ///< patches whose square holds the resin; empty for bases and clear resin
+};
+
+}  // namespace voxtone::calibration

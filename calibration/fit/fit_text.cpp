@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/calibration/fit/fit_text.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include "voxtone/calibration/patches/patch_file.h"
+
+namespace voxtone::calibration {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string dump(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
+
+// A value to the digits that its error leaves: 0.99910(4), 6.02(8).
+std::string with_error(double value, double error) {
+    if (!(error > 0)) return fmt::format("{:g}", value);
+    const int digits = std::clamp(static_cast<int>(std::ceil(-std::log10(error))) + 1, 0, 8);
+    return fmt::format("{:.{}f} +- {:.{}f}", value, digits, error, digits);
+}
+
+// A lower limit has no error of its own.
+std::string extinction_text(const FittedValue& of, const FittedValue& shown) {
+    const bool limit = std::ranges::find(of.doubts, Doubt::opaque) != of.doubts.end();
+    return limit ? fmt::format("> {:.2g}", shown.value) : with_error(shown.value, shown.standard_error);
+}
+
+std::string doubts_of(const FittedValue& albedo, const FittedValue& sigma_t) {
+    std::string text;
+    const auto add = [&](const char* of, const FittedValue& value) {
+        for (const Doubt d : value.doubts) text += fmt::format("{}{} {}", text.empty() ? "" : ", ", of, doubt_name(d));
+    };
+    add("albedo", albedo);
+    add("extinction", sigma_t);
+    return text;
+}
+
+std::string differences_text(const optics::DifferenceSummary& d) {
+    return fmt::format("CIEDE2000 of {} patches: mean {:.2f}, median {:.2f}, 95 % {:.2f}, largest {:.2f}", d.count,
+                       d.mean, d.median, d.percentile_95, d.max);
+}
+
+std::string worst_patches(const PatchCheck& check, const PatchTable& table) {
+    std::vector<std::size_t> order(check.patches.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::ranges::stable_sort(
+        order, [&](std::size_t a, std::size_t b) { return check.patches[a].difference > check.patches[b].difference; });
+    std::string text;
+    for (std::size_t k = 0; k < order.size() && k < 5; ++k) {
+        const CheckedPatch& patch = check.patches[order[k]];
+        text += fmt::format("  {:<16} CIEDE2000 {:.2f}, largest error of a reflectance {:.4f}\n",
+                            patch_name(table.patches[order[k]]), patch.difference, patch.worst);
+    }
+    return text;
+}
+
+Json value_json(const FittedValue& value) {
+    Json json{
+        {"value", value.value}, {"standard_error", value.standard_error}, {"low", value.low}, {"high", value.high}};
+    json["doubts"] = Json::array();
+    for (const Doubt d : value.doubts) json["doubts"].push_back(std::string(doubt_name(d)));
+    return json;
+}
+
+Json differences_json(const optics::DifferenceSummary& d) {
+    return {
+        {"mean_de2000", d.mean}, {"median_de2000", d.median}, {"p95_de2000", d.percentile_95}, {"max_de2000", d.max}};
+}
+
+Json patches_json(const PatchCheck& check, const PatchTable& table) {
+    Json json = differences_json(check.differences);
+    json["rms"] = check.rms;
+    json["list"] = Json::array();
+    for (std::size_t p = 0; p < check.patches.size(); ++p)
+        json["list"].push_back({{"patch", patch_name(table.patches[p])},
+                                {"thickness_mm", table.patches[p].thickness_mm},
+                                {"de2000", check.patches[p].difference},
+                                {"measured", table.patches[p].rho},
+                                {"predicted", check.patches[p].predicted}});
+    return json;
+}
+
+}  // namespace
+
+std::string fit_text(const ResinFit& fit, const PatchTable& table) {
+    std::string text =
+        fmt::format("{} resins from {} patches, {} channels, g {}, eta {}, {:.2f} s\n\n", fit.resins.size(),
+                    table.patches.size(), table.channels.size(), fit.set.g, fit.set.eta, fit.seconds);
+    text += fmt::format("{:<8} {:<8} {:<28} {:<24} {:<24} {}\n", "resin", "channel", "albedo", "extinction /mm",
+                        "reduced extinction /mm", "doubts");
+    std::map<Doubt, int> doubts;
+    for (const FittedResin& resin : fit.resins)
+        for (std::size_t c = 0; c < table.channels.size(); ++c) {
+            const FittedValue &a = resin.albedo[c], &s = resin.sigma_t[c], &r = resin.reduced[c];
+            text += fmt::format("{:<8} {:<8} {:<28} {:<24} {:<24} {}\n", c == 0 ? resin.role : "",
+                                channel_name(table.channels, c), with_error(a.value, a.standard_error),
+                                extinction_text(s, s), extinction_text(s, r), doubts_of(a, s));
+            for (const Doubt d : a.doubts) ++doubts[d];
+            for (const Doubt d : s.doubts) ++doubts[d];
+        }
+    text += fmt::format("\n{}\n{}", differences_text(fit.patches.differences), worst_patches(fit.patches, table));
+    for (const auto& [d, count] : doubts)
+        text += fmt::format("{} values \"{}\": {}\n", count, doubt_name(d), doubt_meaning(d));
+    if (!fit.misfit.empty()) {
+        std::vector<std::string> names;
+        for (const std::size_t c : fit.misfit)
+            names.push_back(
+                fmt::format("{} (chi2 {:.0f} of {})", channel_name(table.channels, c), fit.chi2[c], fit.freedom));
+        text += fmt::format(
+            "The residuals are larger than the noise explains in {}: look at the patches above, at --g, at the "
+            "thickness of squares and base, "
+            "and at --pitch for dithered mixtures; errors were scaled up.\n",
+            fmt::join(names, ", "));
+    }
+    if (fit.freedom <= 0)
+        text += fmt::format(
+            "There are no more patches than values to find ({} less): residuals say nothing of how good the fit is.\n",
+            -fit.freedom);
+    return text;
+}
+
+std::string fit_json(const ResinFit& fit, const PatchTable& table) {
+    Json json{{"format", "voxtone-fit"}, {"version", 1},           {"g", fit.set.g},
+              {"eta", fit.set.eta},      {"seconds", fit.seconds}, {"freedom", fit.freedom}};
+    json["channels"] = Json::array();
+    for (std::size_t c = 0; c < table.channels.size(); ++c) json["channels"].push_back(channel_name(table.channels, c));
+    json["chi2"] = fit.chi2;
+    json["misfit"] = Json::array();
+    for (const std::size_t c : fit.misfit) json["misfit"].push_back(channel_name(table.channels, c));
+    json["resins"] = Json::array();
+    for (const FittedResin& resin : fit.resins) {
+        Json entry{{"role", resin.role}};
+        entry["channels"] = Json::array();
+        for (std::size_t c = 0; c < table.channels.size(); ++c)
+            entry["channels"].push_back({{"channel", channel_name(table.channels, c)},
+                                         {"albedo", value_json(resin.albedo[c])},
+                                         {"sigma_t_per_mm", value_json(resin.sigma_t[c])},
+                                         {"reduced_per_mm", value_json(resin.reduced[c])}});
+        json["resins"].push_back(entry);
+    }
+    json["patches"] = patches_json(fit.patches, table);
+    return dump(json);
+}
+
+std::string check_text(const PatchCheck& check, const PatchTable& table) {
+    return fmt::format("{}\nrms error of a reflectance {:.4f}\n{}", differences_text(check.differences), check.rms,
+                       worst_patches(check, table));
+}
+
+std::string check_json(const PatchCheck& check, const PatchTable& table) {
+    return dump({{"format", "voxtone-check"}, {"version", 1}, {"patches", patches_json(check, table)}});
+}
+
+std::string sweep_text(const std::vector<SweepLine>& lines) {
+    std::string text = fmt::format("\n{:>6} {:>18} {:>8} {:>8} {:>8} {:>8}\n", "g", "chi2 per freedom", "mean",
+                                   "median", "95 %", "largest CIEDE2000");
+    for (const SweepLine& line : lines)
+        text += fmt::format("{:>6.2f} {:>18.3f} {:>8.3f} {:>8.3f} {:>8.3f} {:>8.3f}\n", line.g, line.chi2,
+                            line.differences.mean, line.differences.median, line.differences.percentile_95,
+                            line.differences.max);
+    return text;
+}
+
+std::string sweep_json(const std::vector<SweepLine>& lines) {
+    Json json = Json::array();
+    for (const SweepLine& line : lines) {
+        Json entry{{"g", line.g}, {"chi2_per_freedom", line.chi2}};
+        entry.update(differences_json(line.differences));
+        json.push_back(entry);
+    }
+    return dump(json);
+}
+
+}  // namespace voxtone::calibration

@@ -1,0 +1,328 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/calibration/photo/photo_simulation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include <fmt/format.h>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+
+#include "voxtone/base/error.h"
+#include "voxtone/base/parallel.h"
+#include "voxtone/base/random.h"
+
+namespace voxtone::calibration {
+
+namespace {
+
+constexpr double pi = std::numbers::pi;
+constexpr double gap_mm = 8, chart_rim_mm = 4, margin = 0.06;
+constexpr double sheet = 0.03, chart_black = 0.04, patch_share = 0.84;
+constexpr double white_level = 0.8;
+enum Stream : std::uint32_t { dust_stream = 1, scratch_stream = 2, noise_stream = 3, chart_stream = 4 };
+
+double normal(RandomStream& random) {
+    const double u = 1 - random.uniform(), v = random.uniform();
+    return std::sqrt(-2 * std::log(u)) * std::cos(2 * pi * v);
+}
+
+double radians(double degrees) { return degrees * pi / 180; }
+
+/// A speck or a line on the target that covers what is under it.
+struct Dirt {
+    Eigen::Vector2d from, to;  ///< the same for a speck
+    double radius_mm;
+    double cover;  ///< share of what is seen there
+    Eigen::Vector3d colour;
+    [[nodiscard]] bool hits(const Eigen::Vector2d& p) const {
+        const Eigen::Vector2d along = to - from;
+        const double length2 = along.squaredNorm();
+        const double t = length2 > 0 ? std::clamp((p - from).dot(along) / length2, 0.0, 1.0) : 0.0;
+        return (p - from - t * along).squaredNorm() < radius_mm * radius_mm;
+    }
+};
+
+/// Everything that lies on the table, in the target's coordinates.
+class Table {
+public:
+    Table(const Target& target, const TargetColours& colours, const CheckerChart& chart, const PhotoOptions& o)
+        : target_(target), scene_(target, colours), chart_(chart), options_(o) {
+        const bool turned = o.checker_turns % 2 != 0;
+        const Eigen::Vector2d chart_size = o.checker_cell_mm * Eigen::Vector2d(turned ? chart.rows : chart.columns,
+                                                                               turned ? chart.columns : chart.rows);
+        const Eigen::Vector2d middle(target.size_mm.x() + gap_mm + chart_rim_mm + chart_size.x() / 2,
+                                     target.size_mm.y() / 2);
+        chart_area_ = {middle - chart_size / 2, middle + chart_size / 2};
+        chart_middle_ = middle;
+        for (std::size_t p = 0; p < chart.linear_srgb.size(); ++p) {
+            RandomStream random(o.seed, p, chart_stream);
+            chart_colours_.push_back(chart.linear_srgb[p]);
+            for (double& value : chart_colours_.back()) value *= 1 + o.checker_error * normal(random);
+        }
+        all_.max_mm = target.size_mm;
+        if (o.checker) {
+            const Area rim = chart_area_.shrunk(-chart_rim_mm);
+            all_.min_mm = all_.min_mm.cwiseMin(rim.min_mm);
+            all_.max_mm = all_.max_mm.cwiseMax(rim.max_mm);
+        }
+        spread_dirt();
+    }
+
+    [[nodiscard]] const Area& all() const { return all_; }
+
+    /// A corner of the chart: columns and rows of cells from its own upper left.
+    [[nodiscard]] Eigen::Vector2d chart_point(double column, double row) const {
+        const Eigen::Vector2d own(column - chart_.columns / 2.0, chart_.rows / 2.0 - row);
+        return chart_middle_ + options_.checker_cell_mm * (Eigen::Rotation2Dd(-pi / 2 * options_.checker_turns) * own);
+    }
+
+    [[nodiscard]] Eigen::Vector3d at(const Eigen::Vector2d& p) const {
+        if (p.x() >= 0 && p.y() >= 0 && p.x() <= target_.size_mm.x() && p.y() <= target_.size_mm.y())
+            return dirty(p, scene_.at(p));
+        if (options_.checker && chart_area_.shrunk(-chart_rim_mm).contains(p)) return chart_colour(p);
+        return Eigen::Vector3d::Constant(sheet);
+    }
+
+private:
+    static constexpr double bucket_mm = 2;
+
+    [[nodiscard]] Eigen::Vector3d chart_colour(const Eigen::Vector2d& p) const {
+        const Eigen::Vector2d own =
+            Eigen::Rotation2Dd(pi / 2 * options_.checker_turns) * ((p - chart_middle_) / options_.checker_cell_mm);
+        const double column = own.x() + chart_.columns / 2.0, row = chart_.rows / 2.0 - own.y();
+        if (column < 0 || row < 0 || column >= chart_.columns || row >= chart_.rows)
+            return Eigen::Vector3d::Constant(chart_black);
+        const double edge =
+            std::max(std::abs(column - std::floor(column) - 0.5), std::abs(row - std::floor(row) - 0.5));
+        if (edge > patch_share / 2) return Eigen::Vector3d::Constant(chart_black);
+        return chart_colours_[std::size_t(int(row) * chart_.columns + int(column))];
+    }
+
+    [[nodiscard]] static std::pair<int, int> bucket(const Eigen::Vector2d& p) {
+        return {int(std::floor(p.x() / bucket_mm)), int(std::floor(p.y() / bucket_mm))};
+    }
+
+    void add(const Dirt& dirt) {
+        dirt_.push_back(dirt);
+        const Eigen::Vector2d rim = Eigen::Vector2d::Constant(dirt.radius_mm);
+        const auto low = bucket(dirt.from.cwiseMin(dirt.to) - rim), high = bucket(dirt.from.cwiseMax(dirt.to) + rim);
+        for (int x = low.first; x <= high.first; ++x)
+            for (int y = low.second; y <= high.second; ++y) buckets_[{x, y}].push_back(dirt_.size() - 1);
+    }
+
+    void spread_dirt() {
+        const auto somewhere = [&](RandomStream& random) {
+            const double x = random.uniform(), y = random.uniform();
+            return Eigen::Vector2d(x * target_.size_mm.x(), y * target_.size_mm.y());
+        };
+        for (int i = 0; i < options_.dust; ++i) {
+            RandomStream random(options_.seed, std::uint64_t(i), dust_stream);
+            const Eigen::Vector2d p = somewhere(random);
+            const double radius = 0.05 + 0.35 * random.uniform() * random.uniform(),
+                         grey = random.uniform() < 0.7 ? 0.05 + 0.1 * random.uniform() : 0.8;
+            add({p, p, radius, 0.9, Eigen::Vector3d::Constant(grey)});
+        }
+        for (int i = 0; i < options_.scratches; ++i) {
+            RandomStream random(options_.seed, std::uint64_t(i), scratch_stream);
+            const Eigen::Vector2d p = somewhere(random);
+            const double length = 5 + 35 * random.uniform(), angle = pi * random.uniform(),
+                         radius = 0.03 + 0.05 * random.uniform();
+            add({p, p + length * Eigen::Vector2d(std::cos(angle), std::sin(angle)), radius, 0.4,
+                 Eigen::Vector3d::Constant(0.9)});
+        }
+    }
+
+    [[nodiscard]] Eigen::Vector3d dirty(const Eigen::Vector2d& p, Eigen::Vector3d colour) const {
+        const auto here = buckets_.find(bucket(p));
+        if (here == buckets_.end()) return colour;
+        for (const std::size_t d : here->second)
+            if (dirt_[d].hits(p)) colour += dirt_[d].cover * (dirt_[d].colour - colour);
+        return colour;
+    }
+
+    const Target& target_;
+    const TargetScene scene_;
+    const CheckerChart& chart_;
+    const PhotoOptions& options_;
+    Area chart_area_, all_;
+    Eigen::Vector2d chart_middle_ = Eigen::Vector2d::Zero();
+    std::vector<Eigen::Vector3d> chart_colours_;
+    std::vector<Dirt> dirt_;
+    std::map<std::pair<int, int>, std::vector<std::size_t>> buckets_;
+};
+
+/// Points of the table, mm -> points of the picture, px (the middle of the first pixel is at (0.5, 0.5)).
+Eigen::Matrix3d camera(const Area& all, const PhotoOptions& o) {
+    const double width = all.size().maxCoeff();
+    Eigen::Matrix3d to_middle = Eigen::Matrix3d::Identity();
+    to_middle.topRightCorner<2, 1>() = -all.center();
+    const Eigen::Matrix3d turned = (Eigen::AngleAxisd(radians(o.tilt_x_deg), Eigen::Vector3d::UnitX()) *
+                                    Eigen::AngleAxisd(radians(o.tilt_y_deg), Eigen::Vector3d::UnitY()) *
+                                    Eigen::AngleAxisd(radians(o.turn_deg), Eigen::Vector3d::UnitZ()))
+                                       .toRotationMatrix();
+    Eigen::Matrix3d project;  // the table's plane, turned, in front of a pinhole; the picture's y runs down
+    project.row(0) = Eigen::RowVector3d(turned(0, 0), turned(0, 1), 0) * (o.mirrored ? -1 : 1);
+    project.row(1) = Eigen::RowVector3d(-turned(1, 0), -turned(1, 1), 0);
+    project.row(2) = Eigen::RowVector3d(-turned(2, 0), -turned(2, 1), o.distance * width);
+    const Eigen::Matrix3d view = project * to_middle;
+    Eigen::Vector2d low = Eigen::Vector2d::Constant(1e30), high = -low;
+    for (const double x : {all.min_mm.x(), all.max_mm.x()})
+        for (const double y : {all.min_mm.y(), all.max_mm.y()}) {
+            const Eigen::Vector2d p = (view * Eigen::Vector3d(x, y, 1)).hnormalized();
+            low = low.cwiseMin(p);
+            high = high.cwiseMax(p);
+        }
+    const Eigen::Vector2d room = Eigen::Vector2d(o.width_px, o.height_px) * (1 - 2 * margin);
+    const double scale = std::min(room.x() / (high - low).x(), room.y() / (high - low).y());
+    const Eigen::Vector2d shift = Eigen::Vector2d(o.width_px, o.height_px) / 2 - scale * (low + high) / 2;
+    Eigen::Matrix3d fit = Eigen::Matrix3d::Identity();
+    fit(0, 0) = fit(1, 1) = scale;
+    fit.topRightCorner<2, 1>() = shift;
+    return fit * view;
+}
+
+/// Light that falls upon a point, 1 in the middle of the scene.
+class Lamp {
+public:
+    Lamp(const Area& all, const PhotoOptions& o) : distance_(o.lamp_mm) {
+        const Eigen::Vector2d side =
+            std::sqrt(0.5) * o.lamp_mm *
+            Eigen::Vector2d(std::cos(radians(o.lamp_azimuth_deg)), std::sin(radians(o.lamp_azimuth_deg)));
+        place_ = {all.center().x() + side.x(), all.center().y() + side.y(), std::sqrt(0.5) * o.lamp_mm};
+    }
+    [[nodiscard]] double at(const Eigen::Vector2d& p) const {
+        if (distance_ <= 0) return 1;
+        return std::pow(distance_ / (place_ - Eigen::Vector3d(p.x(), p.y(), 0)).norm(),
+                        3);  // 1/r^2, and the cosine has another 1/r
+    }
+
+private:
+    double distance_;
+    Eigen::Vector3d place_;
+};
+
+void blur(std::vector<Eigen::Vector3f>& pixels, std::uint32_t width, std::uint32_t height, double sigma) {
+    if (sigma <= 0) return;
+    const int reach = int(std::ceil(4 * sigma));
+    std::vector<float> kernel;
+    float sum = 0;
+    for (int i = -reach; i <= reach; ++i) {
+        kernel.push_back(float(std::exp(-0.5 * i * i / (sigma * sigma))));
+        sum += kernel.back();
+    }
+    std::vector<Eigen::Vector3f> other(pixels.size());
+    const auto pass = [&](const std::vector<Eigen::Vector3f>& in, std::vector<Eigen::Vector3f>& out, bool along_x) {
+        parallel_for(0, height, 8, [&](std::size_t y) {
+            for (std::uint32_t x = 0; x < width; ++x) {
+                Eigen::Vector3f value = Eigen::Vector3f::Zero();
+                for (int i = -reach; i <= reach; ++i) {
+                    const int u = along_x ? std::clamp(int(x) + i, 0, int(width) - 1) : int(x),
+                              v = along_x ? int(y) : std::clamp(int(y) + i, 0, int(height) - 1);
+                    value += kernel[std::size_t(i + reach)] * in[std::size_t(v) * width + std::size_t(u)];
+                }
+                out[y * width + x] = value / sum;
+            }
+        });
+    };
+    pass(pixels, other, true);
+    pass(other, pixels, false);
+}
+
+Eigen::Matrix3d camera_colours(const PhotoOptions& o) {
+    Eigen::Matrix3d mixing;
+    mixing << 0.71, 0.25, 0.04, 0.16, 0.74, 0.10, 0.03, 0.21, 0.76;  // rows sum to 1; of the size of a camera's
+    const Eigen::Matrix3d balanced = o.white_balance.asDiagonal() *
+                                     (Eigen::Matrix3d::Identity() + o.matrix * (mixing - Eigen::Matrix3d::Identity()));
+    return balanced * (o.exposure * white_level / o.white_balance.maxCoeff());
+}
+
+}  // namespace
+
+void PhotoOptions::validate() const {
+    const auto range = [](const char* name, double value, double least, double most) {
+        if (!(value >= least && value <= most))
+            throw InputError(
+                fmt::format("simulated photograph: {} is {}; it must be from {} to {}", name, value, least, most));
+    };
+    range("width", width_px, 64, 20000);
+    range("height", height_px, 64, 20000);
+    range("tilt x", tilt_x_deg, -50, 50);
+    range("tilt y", tilt_y_deg, -50, 50);
+    range("turn", turn_deg, -360, 360);
+    range("distance", distance, 1, 1e6);
+    if (lamp_mm != 0) range("lamp distance", lamp_mm, 300, 1e9);
+    range("lamp azimuth", lamp_azimuth_deg, -360, 360);
+    range("blur", blur_px, 0, 100);
+    range("vignetting", vignetting, 0, 0.9);
+    range("exposure", exposure, 1e-3, 100);
+    for (const double gain : white_balance) range("white balance", gain, 0.05, 20);
+    range("matrix", matrix, 0, 1.2);
+    range("electrons", electrons, 0, 1e9);
+    range("read noise", read_noise, 0, 1);
+    range("dust", dust, 0, 10000);
+    range("scratches", scratches, 0, 1000);
+    range("checker turns", checker_turns, 0, 3);
+    range("checker error", checker_error, 0, 0.5);
+    range("checker cell", checker_cell_mm, 1, 100);
+}
+
+SimulatedPhoto simulate_photo(const Target& target, const TargetColours& colours, const CheckerChart& chart,
+                              const PhotoOptions& o) {
+    o.validate();
+    const Table table(target, colours, chart, o);
+    const Eigen::Matrix3d H = camera(table.all(), o), back = H.inverse();
+    const Lamp lamp(table.all(), o);
+    const Eigen::Matrix3d seen = camera_colours(o);
+
+    SimulatedPhoto result;
+    io::Photograph& photo = result.photograph;
+    photo.name = "simulated";
+    photo.width_px = o.width_px;
+    photo.height_px = o.height_px;
+    photo.pixels.resize(std::size_t{o.width_px} * o.height_px);
+    constexpr int samples = 3;  // along each side of a pixel
+    parallel_for(0, o.height_px, 4, [&](std::size_t y) {
+        for (std::uint32_t x = 0; x < o.width_px; ++x) {
+            Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+            for (int s = 0; s < samples * samples; ++s) {
+                const Eigen::Vector3d at(x + (s % samples + 0.5) / samples, double(y) + (s / samples + 0.5) / samples,
+                                         1);
+                const Eigen::Vector2d p = (back * at).hnormalized();
+                sum += lamp.at(p) * table.at(p);
+            }
+            photo.pixels[photo.index(x, std::uint32_t(y))] = (sum / (samples * samples)).cast<float>();
+        }
+    });
+    blur(photo.pixels, o.width_px, o.height_px, o.blur_px);
+
+    const Eigen::Vector2d middle = Eigen::Vector2d(o.width_px, o.height_px) / 2;
+    const double fall = 1 / std::sqrt(1 - o.vignetting) - 1;  // 1 / (1 + fall r^2)^2: cos^4 of the angle to the axis
+    parallel_for(0, o.height_px, 16, [&](std::size_t y) {
+        for (std::uint32_t x = 0; x < o.width_px; ++x) {
+            const std::size_t i = photo.index(x, std::uint32_t(y));
+            const double r2 = (Eigen::Vector2d(x + 0.5, double(y) + 0.5) - middle).squaredNorm() / middle.squaredNorm();
+            Eigen::Vector3d signal = seen * photo.pixels[i].cast<double>() / std::pow(1 + fall * r2, 2);
+            RandomStream random(o.seed, i, noise_stream);
+            if (o.electrons > 0)
+                for (double& value : signal)
+                    value +=
+                        normal(random) * std::sqrt(std::max(value, 0.0) / o.electrons + o.read_noise * o.read_noise);
+            photo.pixels[i] = signal.cwiseMax(0).cwiseMin(1).cast<float>();
+        }
+    });
+    const auto pixel = [&](const Eigen::Vector2d& p) -> Eigen::Vector2d { return (H * p.homogeneous()).hnormalized(); };
+    const Eigen::Vector2d& size = target.size_mm;
+    for (const Eigen::Vector2d& p :
+         {Eigen::Vector2d(0, size.y()), Eigen::Vector2d(size), Eigen::Vector2d(size.x(), 0), Eigen::Vector2d(0, 0)})
+        result.target_corners_px.push_back(pixel(p));
+    if (o.checker)
+        for (const auto& [column, row] : {std::pair{0, 0}, std::pair{chart.columns, 0},
+                                          std::pair{chart.columns, chart.rows}, std::pair{0, chart.rows}})
+            result.checker_corners_px.push_back(pixel(table.chart_point(column, row)));
+    return result;
+}
+
+}  // namespace voxtone::calibration

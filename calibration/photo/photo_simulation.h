@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// A photograph of a target that was never printed: to rehearse the road from photographs to resins, and to test it
+// against a truth that is known.
+//
+// The target lies on a dark sheet beside a colour chart. Light: one lamp at 45 degrees, at a finite distance or far
+// away. Camera: a pinhole that may be tilted, a Gaussian blur, cos^4-like vignetting, a linear colour matrix with white
+// balance, shot and read noise, clipping at 1. Dirt: dust (dark and light specks) and scratches (light lines) on the
+// target.
+//
+// Simpler than the world: squares have the reflectance of patches without end (no light crosses an edge), mixtures are
+// smooth, the lens neither distorts nor flares, and camera and chart see colours that a matrix can relate exactly.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "voxtone/calibration/photo/checker_chart.h"
+#include "voxtone/calibration/target/target_scene.h"
+#include "voxtone/io/pictures/photograph.h"
+
+namespace voxtone::calibration {
+
+struct PhotoOptions {
+    std::uint32_t width_px = 2400, height_px = 1600;  ///< 64 to 20000 each
+    double tilt_x_deg = 0, tilt_y_deg = 0;            ///< of the camera about the picture's axes, +-50
+    double turn_deg = 0;                              ///< of the picture
+    double distance = 3;                              ///< of the camera, in widths of the scene, >= 1
+    double lamp_mm = 1000;                            ///< distance of the lamp, 0: far away; >= 100
+    double lamp_azimuth_deg = 120;
+    double blur_px = 0.8;                            ///< standard deviation
+    double vignetting = 0.1;                         ///< light lost in the corners of the picture, [0, 0.9]
+    double exposure = 1;                             ///< 1: a perfect white is at 0.8 in the brightest channel
+    Eigen::Vector3d white_balance{0.62, 1.0, 0.75};  ///< of the camera's channels
+    double matrix = 1;             ///< how much the camera mixes colours: 0 not at all, 1 as cameras do
+    double electrons = 20000;      ///< counted at 1: shot noise; 0: no noise
+    double read_noise = 2e-4;      ///< standard deviation at 0
+    int dust = 60, scratches = 6;  ///< how many
+    bool mirrored = false;         ///< as a print is on a printer that mirrors
+    bool checker = true;           ///< the chart lies beside the target
+    int checker_turns = 1;         ///< quarter turns of the chart
+    double checker_cell_mm = 12;   ///< edge of a cell
+    double checker_error = 0;      ///< relative standard deviation of its patches from what is known of them
+    std::uint64_t seed = 1;
+
+    /// Throws InputError that names the option and the rule it breaks.
+    void validate() const;
+};
+
+struct SimulatedPhoto {
+    io::Photograph photograph;
+    std::vector<Eigen::Vector2d> target_corners_px;  ///< upper left, upper right, lower right, lower left of the target
+    std::vector<Eigen::Vector2d> checker_corners_px;  ///< of the chart's cells, in the chart's own order
+};
+
+/// `colours` are those of the target (target_scene.h). The same bits for any number of threads.
+[[nodiscard]] SimulatedPhoto simulate_photo(const Target& target, const TargetColours& colours,
+                                            const CheckerChart& chart, const PhotoOptions& options);
+
+}  // namespace voxtone::calibration

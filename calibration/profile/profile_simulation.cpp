@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/calibration/profile/profile_simulation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "voxtone/base/contracts.h"
+#include "voxtone/base/error.h"
+#include "voxtone/base/parallel.h"
+#include "voxtone/base/random.h"
+#include "voxtone/optics/profiles/resin_profile.h"
+
+namespace voxtone::calibration {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+constexpr double reach_beyond_corner = 1.3, coefficients_per_blur = 2, table_per_blur = 8;
+
+double normal(RandomStream& random) {
+    const double u = 1 - random.uniform(), v = random.uniform();
+    return std::sqrt(-2 * std::log(u)) * std::cos(2 * pi * v);
+}
+
+void require(bool holds, const char* option, double value, const char* rule) {
+    if (!holds) throw InputError(fmt::format("{} is {}; it must be {}", option, value, rule));
+}
+
+// Seen through an even disc.
+std::vector<double> through_disc(std::vector<double> coefficients, const optics::HankelGrid& grid, double radius_mm) {
+    for (std::size_t i = 1; i < coefficients.size(); ++i) {
+        const double z = 2 * pi * grid.k()[i] * radius_mm;
+        if (z > 0) coefficients[i] *= 2 * std::cyl_bessel_j(1, z) / z;
+    }
+    return coefficients;
+}
+
+// Cubic through a table of an even function.
+double between(const std::vector<double>& table, double at) {
+    const auto last = static_cast<std::ptrdiff_t>(table.size()) - 1;
+    const auto i = std::min(static_cast<std::ptrdiff_t>(at), last - 1);
+    const double t = at - static_cast<double>(i);
+    const auto value = [&](std::ptrdiff_t j) { return table[static_cast<std::size_t>(std::min(std::abs(j), last))]; };
+    const double a = value(i - 1), b = value(i), c = value(i + 1), d = value(i + 2);
+    return b + 0.5 * t * (c - a + t * (2 * a - 5 * b + 4 * c - d + t * (3 * (b - c) + d - a)));
+}
+
+}  // namespace
+
+void SpotCamera::validate() const {
+    if (seconds.empty()) throw InputError("there are no exposure times");
+    for (std::size_t k = 0; k < seconds.size(); ++k)
+        require(seconds[k] > (k > 0 ? seconds[k - 1] : 0.0) && std::isfinite(seconds[k]), "an exposure time", seconds[k],
+                "above the one before it");
+    require(size_px >= 64 && size_px <= 4000, "the size of the picture", size_px, "64 to 4000 pixels");
+    require(mm_per_px > 0 && std::isfinite(mm_per_px), "mm per pixel", mm_per_px, "above 0");
+    require(offset_px.allFinite() && offset_px.cwiseAbs().maxCoeff() < size_px / 2.0, "the offset of the spot",
+            offset_px.cwiseAbs().maxCoeff(), "less than half of the picture");
+    require(spot_mm >= 0 && std::isfinite(spot_mm), "the radius of the spot", spot_mm, "0 or above");
+    require(stretch >= 0.5 && stretch <= 2, "the stretch", stretch, "0.5 to 2");
+    require(blur_mm >= mm_per_px / 10 && std::isfinite(blur_mm), "the blur", blur_mm, "at least a tenth of a pixel");
+    require(stray >= 0 && stray <= 1, "stray light", stray, "0 to 1");
+    require(peak > 0 && std::isfinite(peak), "the peak", peak, "above 0");
+    require(full_well >= 0 && std::isfinite(full_well), "the full well", full_well, "0 or above");
+    require(read_noise >= 0 && read_noise < 1, "the read noise", read_noise, "0 to 1");
+    require(black >= 0 && black < 1, "the black level", black, "0 to 1");
+    require(bits >= 8 && bits <= 16, "the bits of a sample", bits, "8 to 16");
+}
+
+optics::HankelGrid SpotCamera::grid() const {
+    const double farthest = (Eigen::Vector2d::Constant(size_px / 2.0) + offset_px.cwiseAbs()).norm() * mm_per_px;
+    const double reach = reach_beyond_corner * farthest * std::max(stretch, 1 / stretch);
+    return {reach, static_cast<std::size_t>(std::ceil(coefficients_per_blur * reach / blur_mm))};
+}
+
+SlabProfiles slab_profiles(const optics::ResinSet& set, const std::string& role, double thickness_mm,
+                           const optics::HankelGrid& grid, std::uint32_t paths, std::uint64_t seed, const Progress* progress) {
+    if (!set.channels.is_rgb())
+        throw InputError(fmt::format("resin set {} is of wavelengths; photographs have red, green and blue", set.name));
+    if (!(thickness_mm > 0 && std::isfinite(thickness_mm)))
+        throw InputError(fmt::format("the slab is {} mm thick; it must be above 0", thickness_mm));
+    const std::vector<std::string> roles{role};
+    const optics::Resin resin = set.subset(roles).resins[0];
+    SlabProfiles slab;
+    for (std::size_t c = 0; c < 3; ++c) {
+        optics::ResinProfile profile =
+            optics::resin_profile(resin.medium(c), set.g, thickness_mm, grid, {paths, seed + c}, progress);
+        slab.R[c] = std::move(profile.R), slab.T[c] = std::move(profile.T);
+    }
+    return slab;
+}
+
+SpotScene::SpotScene(const std::array<std::vector<double>, 3>& side, const SpotCamera& camera)
+    : camera_(camera), step_mm_(camera.blur_mm / table_per_blur) {
+    camera.validate();
+    const optics::HankelGrid grid = camera.grid();
+    const double with_pixel = std::hypot(camera.blur_mm, camera.mm_per_px / std::sqrt(12.0));
+    const auto entries = static_cast<std::size_t>(grid.reach_mm() / step_mm_);
+    double brightest = 0;
+    for (std::size_t c = 0; c < 3; ++c) {
+        VOXTONE_EXPECT(side[c].size() == grid.size());
+        const std::vector<double> lit = through_disc(side[c], grid, camera.spot_mm), sharp = grid.blurred(lit, camera.blur_mm),
+                                  seen = grid.blurred(lit, with_pixel);
+        total_[c] = side[c][0];
+        sharp_[c].resize(entries), seen_[c].resize(entries);
+        parallel_for(0, entries, 64, [&](std::size_t i) {
+            const double r = static_cast<double>(i) * step_mm_;
+            sharp_[c][i] = grid.profile(sharp, r), seen_[c][i] = grid.profile(seen, r);
+        });
+        brightest = std::max(brightest, sharp_[c][0]);
+    }
+    if (!(brightest > 0)) throw InputError("no light comes out of the slab on this side; make it thinner");
+    gain_ = camera.peak / (brightest * camera.seconds[0]);
+}
+
+double SpotScene::light(std::size_t channel, double r_mm) const { return between(seen_[channel], r_mm / step_mm_); }
+
+optics::RadialSamples SpotScene::truth(std::size_t channel, double spacing_mm, std::size_t samples) const {
+    optics::RadialSamples result{spacing_mm, {}, total_[channel], {}};
+    for (std::size_t i = 0; i < samples; ++i) result.light.push_back(light(channel, static_cast<double>(i) * spacing_mm));
+    return result;
+}
+
+Eigen::Vector2d SpotScene::centre_px() const { return Eigen::Vector2d::Constant(camera_.size_px / 2.0) + camera_.offset_px; }
+
+Exposure SpotScene::photograph(std::size_t exposure, bool lit) const {
+    VOXTONE_EXPECT(exposure < camera_.seconds.size());
+    const SpotCamera& o = camera_;
+    const double t = o.seconds[exposure], steps = (1 << o.bits) - 1;
+    const double gauss = 0.5 / std::sqrt(3.0);  // two points on each axis of a pixel
+    const Eigen::Vector2d centre = centre_px();
+    io::Photograph photo{fmt::format("{} exposure {}", lit ? "lit" : "dark", exposure + 1),
+                         o.size_px,
+                         o.size_px,
+                         io::SampleCoding::linear,
+                         16,
+                         {},
+                         t};
+    photo.pixels.resize(std::size_t{o.size_px} * o.size_px);
+    parallel_for(0, o.size_px, 8, [&](std::size_t y) {
+        for (std::uint32_t x = 0; x < o.size_px; ++x) {
+            const Eigen::Vector2d middle(x + 0.5, static_cast<double>(y) + 0.5);
+            const std::size_t i = photo.index(x, static_cast<std::uint32_t>(y));
+            RandomStream random(o.seed, i, static_cast<std::uint32_t>(2 * exposure + (lit ? 1 : 0)));
+            const double stray = o.stray * (1.5 - middle.x() / o.size_px);
+            for (std::size_t c = 0; c < 3; ++c) {
+                double light = stray * sharp_[c][0];
+                if (lit)
+                    for (const double dx : {-gauss, gauss})
+                        for (const double dy : {-gauss, gauss}) {
+                            const Eigen::Vector2d at = (middle + Eigen::Vector2d(dx, dy) - centre) * o.mm_per_px;
+                            light += between(sharp_[c], std::hypot(at.x() / o.stretch, at.y() * o.stretch) / step_mm_) / 4;
+                        }
+                double value = std::max(0.0, light) * gain_ * t;
+                if (o.full_well > 0) value += std::sqrt(value / o.full_well + o.read_noise * o.read_noise) * normal(random);
+                value = std::clamp(o.black + value, 0.0, 1.0);
+                photo.pixels[i][static_cast<Eigen::Index>(c)] = static_cast<float>(std::round(value * steps) / steps);
+            }
+        }
+    });
+    return {std::move(photo), t};
+}
+
+}  // namespace voxtone::calibration

@@ -1,0 +1,263 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/calibration/target/target_layout.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "voxtone/base/contracts.h"
+#include "voxtone/base/error.h"
+#include "voxtone/base/random.h"
+#include "voxtone/calibration/target/marker_pattern.h"
+#include "voxtone/calibration/patches/patch_file.h"
+
+namespace voxtone::calibration {
+
+namespace {
+
+void demand(bool holds, const std::string& message) {
+    if (!holds) throw InputError(message);
+}
+
+void check_range(const char* name, double value, double least, double most) {
+    demand(std::isfinite(value) && value >= least && value <= most,
+           fmt::format("target: {} is {} mm; it must be from {} to {} mm", name, value, least, most));
+}
+
+void check(const TargetOptions& o) {
+    const std::set<std::string> roles(o.roles.begin(), o.roles.end());
+    demand(o.roles.size() >= 2, "target: at least two resins are needed, a light and a dark one: --resins W,K");
+    demand(roles.size() == o.roles.size(),
+           fmt::format("target: a resin is named twice in --resins {}", fmt::join(o.roles, ",")));
+    for (const std::string& role : o.roles)
+        demand(
+            !role.empty() && role.find_first_of(":+,\" \t\r\n#") == std::string::npos,
+            fmt::format("target: \"{}\" cannot be the role of a resin in a patch table; use letters and digits", role));
+    for (const auto& [option, role] : {std::pair{"--light", o.light}, std::pair{"--dark", o.dark}})
+        demand(
+            roles.contains(role),
+            fmt::format("target: {} {}: this resin is not among --resins {}; the base of the target is half of a light "
+                        "and half of a dark resin, name those that you have",
+                        option, role, fmt::join(o.roles, ",")));
+    demand(o.light != o.dark, "target: the light and the dark resin must be different");
+    for (const double pitch : o.pitch_um) demand(pitch > 0 && pitch < 1e4, "target: the printer's pitch is not known");
+    check_range("square", o.square_mm, 1, 100);
+    check_range("top", o.top_mm, 1e-3, 10);
+    check_range("base", o.base_mm, 1e-3, 100);
+    check_range("gap", o.gap_mm, 0, 50);
+    check_range("marker", o.marker_mm, 2, 50);
+    check_range("quiet", o.quiet_mm, o.marker_mm / marker_cells, 50);
+}
+
+/// A share of the first resin in the second, in percent.
+PatchMixture in_light(const std::string& role, int percent, const std::string& light) {
+    PatchMixture mixture{{role, percent / 100.0}, {light, (100 - percent) / 100.0}};
+    if (light < role) std::swap(mixture[0], mixture[1]);  // as patch tables order them
+    return mixture;
+}
+
+std::vector<PatchMixture> mixtures(const TargetOptions& o) {
+    std::vector<PatchMixture> all;
+    for (const std::string& role : o.roles) all.push_back({{role, 1.0}});
+    if (o.layout == TargetLayout::a) return all;
+    const std::vector<int> shares =
+        o.layout == TargetLayout::b ? std::vector<int>{10} : std::vector<int>{5, 10, 25, 50};
+    for (const int percent : shares) all.push_back(in_light(o.dark, percent, o.light));
+    all.push_back(in_light(o.dark, 90, o.light));
+    for (const std::string& role : o.roles)
+        if (role != o.light && role != o.dark)
+            for (const int percent : shares) all.push_back(in_light(role, percent, o.light));
+    return all;
+}
+
+/// Columns of each half, so that the whole is nearest to 3 x 2, as pictures are.
+int columns_of_half(int squares, double pitch_mm, double frame_mm) {
+    int best = 1;
+    double best_ratio = 1e9;
+    for (int columns = 1; columns <= squares; ++columns) {
+        const int rows = (squares + columns - 1) / columns;
+        const double width = 2 * columns * pitch_mm + frame_mm, height = rows * pitch_mm + frame_mm;
+        const double ratio = std::abs(std::log(width / height / 1.5));
+        if (ratio < best_ratio) {
+            best_ratio = ratio;
+            best = columns;
+        }
+    }
+    return best;
+}
+
+/// Numbers of the four markers, a fingerprint of what the target holds (FNV-1a, mixed): 250 for each, so that two
+/// targets share a number now and then but hardly ever three.
+std::array<int, 4> marker_numbers(const Target& target) {
+    std::uint64_t hash = 0xcbf29ce484222325u;
+    const auto add = [&](const std::string& text) {
+        for (const unsigned char c : text) hash = (hash ^ c) * 0x100000001b3u;
+    };
+    for (const TargetSquare& square : target.squares)
+        add(fmt::format("{} on {} at {:.2f},{:.2f};", mixture_text(square.top), square.backing, square.area.min_mm.x(),
+                        square.area.min_mm.y()));
+    add(fmt::format("{:.4f} {:.4f}", target.top_mm, target.base_mm));
+    const std::array<std::uint32_t, 4> mixed =
+        philox4x32({static_cast<std::uint32_t>(hash), static_cast<std::uint32_t>(hash >> 32), 0, 0}, {0, 0});
+    constexpr int each = marker_count / 4;
+    std::array<int, 4> numbers{};
+    for (int m = 0; m < 4; ++m) numbers[std::size_t(m)] = each * m + static_cast<int>(mixed[std::size_t(m)] % each);
+    return numbers;
+}
+
+bool overlap(const Area& a, const Area& b) {
+    constexpr double touch_mm = 1e-9;
+    return (a.min_mm.array() < b.max_mm.array() - touch_mm).all() &&
+           (b.min_mm.array() < a.max_mm.array() - touch_mm).all();
+}
+
+/// The square is as near as can be to what was asked for, the base at least that.
+double nearest_layers(double mm, double pitch_um) {
+    return std::max(1.0, std::round(mm * 1000 / pitch_um)) * pitch_um / 1000;
+}
+double enough_layers(double mm, double pitch_um) { return std::ceil(mm * 1000 / pitch_um - 1e-6) * pitch_um / 1000; }
+
+}  // namespace
+
+Target lay_out_target(const TargetOptions& o) {
+    check(o);
+    Target target;
+    target.printer = o.printer;
+    target.pitch_um = o.pitch_um;
+    target.layout.assign(1, static_cast<char>('A' + static_cast<int>(o.layout)));
+    target.roles = o.roles;
+    target.light = o.light;
+    target.dark = o.dark;
+    target.top_mm = nearest_layers(o.top_mm, o.pitch_um[2]);
+    target.base_mm = enough_layers(o.base_mm, o.pitch_um[2]);
+
+    const std::vector<PatchMixture> tops = mixtures(o);
+    const double pitch = o.square_mm + o.gap_mm, frame = o.marker_mm + 2 * o.quiet_mm;
+    const int columns = columns_of_half(static_cast<int>(tops.size()), pitch, 2 * frame + 2 * o.gap_mm);
+    const int rows = (static_cast<int>(tops.size()) + columns - 1) / columns;
+    const Eigen::Vector2d half(columns * pitch + o.gap_mm, rows * pitch + o.gap_mm);
+    target.size_mm = {2 * half.x() + 2 * frame, half.y() + 2 * frame};
+    const Eigen::Vector2d light_corner(frame, frame), dark_corner(frame + half.x(), frame);
+    target.dark_half = {dark_corner, dark_corner + half};
+
+    for (const bool on_light : {true, false})
+        for (std::size_t s = 0; s < tops.size(); ++s) {
+            const int column = static_cast<int>(s) % columns, row = static_cast<int>(s) / columns;
+            const Eigen::Vector2d corner =
+                (on_light ? light_corner : dark_corner) +
+                Eigen::Vector2d(o.gap_mm + column * pitch, o.gap_mm + (rows - 1 - row) * pitch);
+            target.squares.push_back(
+                {tops[s], on_light ? o.light : o.dark, {corner, corner + Eigen::Vector2d::Constant(o.square_mm)}});
+        }
+    const std::array<int, 4> numbers = marker_numbers(target);
+    const Eigen::Vector2d near = Eigen::Vector2d::Constant(o.quiet_mm),
+                          far = target.size_mm - Eigen::Vector2d::Constant(o.quiet_mm + o.marker_mm);
+    const Eigen::Vector2d corners[] = {{near.x(), far.y()}, far, {far.x(), near.y()}, near};
+    for (int m = 0; m < 4; ++m)
+        target.markers.push_back(
+            {numbers[std::size_t(m)], {corners[m], corners[m] + Eigen::Vector2d::Constant(o.marker_mm)}});
+    target.validate("target");
+    return target;
+}
+
+void Target::validate(const std::string& where) const {
+    const auto rule = [&](bool holds, const std::string& what) { demand(holds, fmt::format("{}: {}", where, what)); };
+    const auto known = [&](const std::string& role) {
+        return std::find(roles.begin(), roles.end(), role) != roles.end();
+    };
+    rule(roles.size() >= 2 && std::set(roles.begin(), roles.end()).size() == roles.size(),
+         "\"roles\" must be two or more different ones");
+    rule(known(light) && known(dark) && light != dark,
+         "\"light\" and \"dark\" must be two different ones of \"roles\"");
+    rule(layout == "A" || layout == "B" || layout == "C", "\"layout\" must be A, B or C");
+    rule(top_mm > 0 && base_mm > 0, "\"top_mm\" and \"base_mm\" must be positive");
+    const Area slab{Eigen::Vector2d::Zero(), size_mm};
+    rule((size_mm.array() > 0).all() && size_mm.allFinite(), "\"size_mm\" must be positive");
+    const auto inside = [&](const Area& a) {
+        return (a.size().array() > 0).all() && slab.contains(a.min_mm) && slab.contains(a.max_mm);
+    };
+    rule(inside(dark_half), "\"dark_half_mm\" must lie on the target");
+    rule(!squares.empty(), "there is no square");
+    for (std::size_t s = 0; s < squares.size(); ++s) {
+        const TargetSquare& square = squares[s];
+        const std::string name = fmt::format("square {}", s + 1);
+        rule(inside(square.area), name + " lies outside of the target or has no area");
+        rule(square.backing == light || square.backing == dark,
+             name + ": the backing must be the light or the dark resin");
+        const bool on_dark = dark_half.contains(square.area.min_mm) && dark_half.contains(square.area.max_mm);
+        rule(on_dark == (square.backing == dark) && (on_dark || !overlap(square.area, dark_half)),
+             name + " lies on the half of the other backing");
+        double sum = 0;
+        std::set<std::string> parts;
+        for (const ResinShare& share : square.top) {
+            rule(known(share.role), fmt::format("{}: \"{}\" is none of the target's resins ({})", name, share.role,
+                                                fmt::join(roles, ", ")));
+            rule(share.fraction > 0 && share.fraction <= 1, name + ": every share must be in (0, 100] %");
+            rule(parts.insert(share.role).second, name + ": a resin is named twice");
+            sum += share.fraction;
+        }
+        rule(std::abs(sum - 1) < 1e-6, name + ": the shares do not sum to 100 %");
+        for (std::size_t t = 0; t < s; ++t)
+            rule(!overlap(square.area, squares[t].area), fmt::format("squares {} and {} overlap", t + 1, s + 1));
+    }
+    rule(markers.size() == 4, "there must be four markers");
+    for (std::size_t m = 0; m < markers.size(); ++m) {
+        const Area& area = markers[m].area;
+        const std::string name = fmt::format("marker {}", m + 1);
+        rule(markers[m].id >= 0 && markers[m].id < marker_count,
+             fmt::format("{}: its number must be from 0 to {}", name, marker_count - 1));
+        rule(inside(area) && std::abs(area.size().x() - area.size().y()) < 1e-6,
+             name + " must be a square on the target");
+        rule(!overlap(area, dark_half), name + " lies on the dark half");
+        for (const TargetSquare& square : squares) rule(!overlap(area, square.area), name + " lies on a square");
+        for (std::size_t n = 0; n < m; ++n)
+            rule(markers[n].id != markers[m].id && !overlap(markers[n].area, area),
+                 fmt::format("markers {} and {} are the same or overlap", n + 1, m + 1));
+    }
+    const auto middle = [&](int m) { return markers[std::size_t(m)].area.center(); };
+    rule(middle(0).x() < middle(1).x() && middle(3).x() < middle(2).x() && middle(3).y() < middle(0).y() &&
+             middle(2).y() < middle(1).y(),
+         "the markers must be upper left, upper right, lower right, lower left");
+}
+
+std::vector<TargetBox> target_boxes(const Target& target) {
+    const auto shares = [&](const PatchMixture& mixture) {
+        std::vector<double> fractions(target.roles.size(), 0.0);
+        for (const ResinShare& share : mixture)
+            fractions[std::size_t(std::find(target.roles.begin(), target.roles.end(), share.role) -
+                                  target.roles.begin())] = share.fraction;
+        return fractions;
+    };
+    const std::vector<double> light = shares({{target.light, 1.0}}), dark = shares({{target.dark, 1.0}});
+    const double top = target.base_mm + target.top_mm;
+    const auto box = [](const Area& area, double z0, double z1, std::vector<double> fractions) {
+        return TargetBox{
+            {area.min_mm.x(), area.min_mm.y(), z0}, {area.max_mm.x(), area.max_mm.y(), z1}, std::move(fractions)};
+    };
+    std::vector<TargetBox> boxes;
+    boxes.push_back(box({Eigen::Vector2d::Zero(), target.size_mm}, 0, top, light));
+    boxes.push_back(box(target.dark_half, 0, top, dark));
+    for (const TargetSquare& square : target.squares)
+        boxes.push_back(box(square.area, target.base_mm, top, shares(square.top)));
+    for (const TargetMarker& marker : target.markers) {
+        const std::vector<bool> cells = marker_pattern(marker.id);
+        const double cell = marker.area.size().x() / marker_cells;
+        for (int row = 0; row < marker_cells; ++row)
+            for (int column = 0; column < marker_cells; ++column) {
+                if (!cells[std::size_t(row * marker_cells + column)]) continue;
+                const Eigen::Vector2d corner(marker.area.min_mm.x() + column * cell,
+                                             marker.area.max_mm.y() - (row + 1) * cell);
+                boxes.push_back(box({corner, corner + Eigen::Vector2d::Constant(cell)}, target.base_mm, top, dark));
+            }
+    }
+    return boxes;
+}
+
+std::string square_name(const Target& target, std::size_t square) {
+    const TargetSquare& s = target.squares.at(square);
+    return fmt::format("square {} ({} on {})", square + 1, mixture_text(s.top), s.backing);
+}
+
+}  // namespace voxtone::calibration

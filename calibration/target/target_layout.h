@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What lies where on a calibration target: a slab, half of a light resin and half of a dark one, thin squares of every
+// resin and of mixtures upon both halves, and a light frame around all with four markers. Iser, Rittig, Wilkie 2025,
+// Sec. 3.5.
+//
+//   layout A  every resin by itself
+//   layout B  A, the dark and the light resin 10:90 and 90:10, every other resin with the light one 10:90
+//   layout C  B, and the shares 5, 25 and 50 % as well
+//
+// Every square lies once upon each half; the number of squares grows linearly with that of resins. Squares are let into
+// the slab, so that its top is flat: between them is the resin of the half. The frame is of the light resin from top to
+// bottom and wide enough that its middle sees little of what is around it: photographs measure the light there.
+//
+// Coordinates: mm, x to the right, y up, seen from above; (0, 0) is the lower left corner. z: 0 is the lower side.
+// The numbers of the four markers are a fingerprint of what the target holds, so that a photograph of another target is
+// recognised; no marker looks like another one turned or mirrored, so that a turned or mirrored one is recognised too.
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "voxtone/calibration/patches/patch_table.h"
+
+namespace voxtone::calibration {
+
+enum class TargetLayout { a, b, c };
+
+struct TargetOptions {
+    TargetLayout layout = TargetLayout::b;
+    std::vector<std::string> roles;  ///< of the resins, two or more, all different
+    std::string light = "W";         ///< role of the light half and of the frame; one of `roles`
+    std::string dark = "K";          ///< role of the dark half and of the markers; one of `roles`, not the light one
+    std::string printer;             ///< id of its profile
+    std::array<double, 3>
+        pitch_um{};  ///< of its voxels; squares get the nearest whole number of layers, the base at least its thickness
+    double square_mm = 10;  ///< edge of a square, [1, 100]
+    double top_mm = 0.675;  ///< thickness of the squares, (0, 10]
+    double base_mm = 5;     ///< thickness of what is under them, (0, 100]
+    double gap_mm = 2;      ///< between squares, and from squares to the edge of their half, [0, 50]
+    double marker_mm = 9;   ///< edge of a marker, [2, 50]
+    double quiet_mm = 1.5;  ///< light around a marker; at least one of its cells (a seventh of its edge), at most 50
+};
+
+/// An axis-parallel rectangle, mm.
+struct Area {
+    Eigen::Vector2d min_mm = Eigen::Vector2d::Zero(), max_mm = Eigen::Vector2d::Zero();
+    [[nodiscard]] Eigen::Vector2d size() const { return max_mm - min_mm; }
+    [[nodiscard]] Eigen::Vector2d center() const { return 0.5 * (min_mm + max_mm); }
+    /// Closed.
+    [[nodiscard]] bool contains(const Eigen::Vector2d& p) const {
+        return (p.array() >= min_mm.array()).all() && (p.array() <= max_mm.array()).all();
+    }
+    /// `by_mm` less on every side; more where it is negative.
+    [[nodiscard]] Area shrunk(double by_mm) const {
+        return {min_mm + Eigen::Vector2d::Constant(by_mm), max_mm - Eigen::Vector2d::Constant(by_mm)};
+    }
+};
+
+struct TargetSquare {
+    PatchMixture top;
+    std::string backing;  ///< role
+    Area area;
+};
+
+struct TargetMarker {
+    int id = 0;
+    Area area;
+};
+
+/// A target as it is printed.
+struct Target {
+    std::string printer;
+    std::array<double, 3> pitch_um{};
+    std::string layout;  ///< "A", "B", "C"
+    std::vector<std::string> roles;
+    std::string light, dark;
+    double top_mm = 0, base_mm = 0;
+    Eigen::Vector2d size_mm = Eigen::Vector2d::Zero();
+    Area dark_half;  ///< what is around it is light
+    std::vector<TargetSquare> squares;
+    std::vector<TargetMarker> markers;  ///< upper left, upper right, lower right, lower left
+
+    /// Throws InputError naming the part and the rule it breaks: outside, overlapping, unknown roles, fractions, ...
+    void validate(const std::string& where) const;
+};
+
+/// Throws InputError that names the option and the rule it breaks.
+[[nodiscard]] Target lay_out_target(const TargetOptions& options);
+
+/// A share of each resin of `roles` within a box; later boxes of a list replace what earlier ones hold there.
+struct TargetBox {
+    Eigen::Vector3d min_mm, max_mm;
+    std::vector<double> fractions;
+};
+
+/// The whole target, markers included, as boxes.
+[[nodiscard]] std::vector<TargetBox> target_boxes(const Target& target);
+
+/// "Square 7 (C:10+W:90 on K)": how messages and overlays name a square.
+[[nodiscard]] std::string square_name(const Target& target, std::size_t square);
+
+}  // namespace voxtone::calibration

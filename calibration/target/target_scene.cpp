@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/calibration/target/target_scene.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "voxtone/base/contracts.h"
+#include "voxtone/base/error.h"
+#include "voxtone/calibration/target/ideal_patch.h"
+#include "voxtone/calibration/target/marker_pattern.h"
+#include "voxtone/calibration/patches/patch_model.h"
+
+namespace voxtone::calibration {
+
+namespace {
+
+/// Of all squares, by channel.
+std::vector<std::vector<double>> dithered_squares(const Target& target, const optics::ResinSet& set) {
+    std::vector<Patch> patches;
+    for (const TargetSquare& square : target.squares)
+        patches.push_back({square.top, square.backing, target.top_mm, target.base_mm, {}, {}, {}});
+    PatchModelOptions options;
+    options.g = set.g;
+    options.eta = set.eta;
+    for (std::size_t axis = 0; axis < 3; ++axis) options.pitch_mm[axis] = target.pitch_um[axis] / 1000;
+    const PatchModel model(patches, target.roles, options);
+    std::vector<std::vector<double>> rho(patches.size());
+    for (std::size_t channel = 0; channel < set.channels.size(); ++channel) {
+        std::vector<optics::Medium> media;
+        for (const std::string& role : target.roles)
+            media.push_back(set.resins[std::size_t(set.find(role))].medium(channel));
+        const std::vector<double> values = model.rho(media);
+        for (std::size_t s = 0; s < values.size(); ++s) rho[s].push_back(values[s]);
+    }
+    return rho;
+}
+
+}  // namespace
+
+TargetColours reflected_colours(const Target& target, const optics::ResinSet& all, MixtureKind mixtures) {
+    if (!all.channels.is_rgb())
+        throw InputError(fmt::format(
+            "the resin set {} is spectral; a photograph has red, green and blue: give an RGB set", all.name));
+    const optics::ResinSet set = all.subset(target.roles);
+    const IdealPatches patches(set);
+    const auto colour = [](const std::vector<double>& rho) { return Eigen::Vector3d(rho[0], rho[1], rho[2]); };
+    TargetColours colours;
+    colours.light = colour(patches.reflectance({{target.light, 1.0}}, target.top_mm, target.light, target.base_mm));
+    colours.dark = colour(patches.reflectance({{target.dark, 1.0}}, target.top_mm, target.dark, target.base_mm));
+    const bool ideal = mixtures == MixtureKind::ideal;
+    for (const std::vector<double>& rho : ideal ? patches.squares(target) : dithered_squares(target, set))
+        colours.squares.push_back(colour(rho));
+    return colours;
+}
+
+TargetColours drawn_colours(const Target& target, const std::vector<Eigen::Vector3d>& of_roles) {
+    VOXTONE_EXPECT(of_roles.size() == target.roles.size());
+    const auto mix = [&](const PatchMixture& mixture) {
+        Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+        for (const ResinShare& share : mixture)
+            sum +=
+                share.fraction * of_roles[std::size_t(std::find(target.roles.begin(), target.roles.end(), share.role) -
+                                                      target.roles.begin())];
+        return sum;
+    };
+    TargetColours colours{mix({{target.light, 1.0}}), mix({{target.dark, 1.0}}), {}};
+    for (const TargetSquare& square : target.squares) colours.squares.push_back(mix(square.top));
+    return colours;
+}
+
+TargetScene::TargetScene(const Target& target, TargetColours colours) : target_(target), colours_(std::move(colours)) {
+    VOXTONE_EXPECT(colours_.squares.size() == target.squares.size());
+    for (const TargetMarker& marker : target.markers) patterns_.push_back(marker_pattern(marker.id));
+}
+
+const Eigen::Vector3d& TargetScene::at(const Eigen::Vector2d& p) const {
+    for (std::size_t s = 0; s < target_.squares.size(); ++s)
+        if (target_.squares[s].area.contains(p)) return colours_.squares[s];
+    for (std::size_t m = 0; m < target_.markers.size(); ++m) {
+        const Area& area = target_.markers[m].area;
+        if (!area.contains(p)) continue;
+        const double cell = area.size().x() / marker_cells;
+        const int column = std::min(marker_cells - 1, int((p.x() - area.min_mm.x()) / cell)),
+                  row = std::min(marker_cells - 1, int((area.max_mm.y() - p.y()) / cell));
+        return patterns_[m][std::size_t(row * marker_cells + column)] ? colours_.dark : colours_.light;
+    }
+    return target_.dark_half.contains(p) ? colours_.dark : colours_.light;
+}
+
+io::LinearPicture target_preview(const Target& target, const TargetColours& colours, double px_per_mm) {
+    const TargetScene scene(target, colours);
+    io::LinearPicture picture;
+    picture.width_px = static_cast<std::uint32_t>(std::lround(target.size_mm.x() * px_per_mm));
+    picture.height_px = static_cast<std::uint32_t>(std::lround(target.size_mm.y() * px_per_mm));
+    for (std::uint32_t y = 0; y < picture.height_px; ++y)
+        for (std::uint32_t x = 0; x < picture.width_px; ++x) {
+            const Eigen::Vector3f rgb =
+                scene.at({(x + 0.5) / px_per_mm, target.size_mm.y() - (y + 0.5) / px_per_mm}).cast<float>();
+            picture.pixels.emplace_back(rgb.x(), rgb.y(), rgb.z(), 1.0f);
+        }
+    return picture;
+}
+
+}  // namespace voxtone::calibration

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// A target seen from above: the colour of every point. For previews and for simulated photographs.
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "voxtone/calibration/target/target_layout.h"
+#include "voxtone/io/pictures/picture_writer.h"
+
+namespace voxtone::calibration {
+
+/// Linear RGB of the parts.
+struct TargetColours {
+    Eigen::Vector3d light = Eigen::Vector3d::Ones(), dark = Eigen::Vector3d::Zero();
+    std::vector<Eigen::Vector3d> squares;
+};
+
+/// What mixtures are: smooth (ideal_patch.h), or random dithers of the voxels that the target is printed of, as the fit
+/// has them (patch_model.h).
+enum class MixtureKind { ideal, dithered };
+
+/// rho(45 -> 0) of an RGB resin set as colours. Throws InputError where the set is not RGB or lacks a
+/// resin.
+[[nodiscard]] TargetColours reflected_colours(const Target& target, const optics::ResinSet& set,
+                                              MixtureKind mixtures = MixtureKind::ideal);
+/// The resins' colours averaged by their shares: a drawing, no prediction. One colour for each of the target's roles.
+[[nodiscard]] TargetColours drawn_colours(const Target& target, const std::vector<Eigen::Vector3d>& of_roles);
+
+class TargetScene {
+public:
+    TargetScene(const Target& target, TargetColours colours);
+    /// The colour at a point of the target, mm. Points beyond the edge see the frame.
+    [[nodiscard]] const Eigen::Vector3d& at(const Eigen::Vector2d& p) const;
+
+private:
+    const Target& target_;
+    TargetColours colours_;
+    std::vector<std::vector<bool>> patterns_;
+};
+
+/// Rows from the top, `px_per_mm` on a side.
+[[nodiscard]] io::LinearPicture target_preview(const Target& target, const TargetColours& colours, double px_per_mm);
+
+}  // namespace voxtone::calibration

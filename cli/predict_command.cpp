@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <memory>
+#include <string>
+
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+#include <CLI/CLI.hpp>
+
+#include "voxtone/base/units.h"
+#include "voxtone/cli/commands.h"
+#include "voxtone/cli/console.h"
+#include "voxtone/slicer/predict/predict_job.h"
+
+namespace voxtone::cli {
+
+namespace {
+
+struct Arguments {
+    slicer::PredictOptions options;
+    std::string cell = "0.085mm";
+    ConsoleOptions console;
+};
+
+int run(Arguments& arguments) {
+    arguments.options.cell_mm = parse_length_mm(arguments.cell, "--cell");
+    return run_on_console(arguments.console, [&](Progress& progress) {
+        slicer::PredictResult result = slicer::run_predict_job(arguments.options, progress);
+        return CommandResult{std::move(result.json), std::move(result.text)};
+    });
+}
+
+}  // namespace
+
+Command add_predict_command(CLI::App& program) {
+    auto arguments = std::make_shared<Arguments>();
+    slicer::PredictOptions& o = arguments->options;
+    CLI::App* command =
+        program.add_subcommand("predict", "Predict what the print of a layer stack, ours or anyone's, will look like");
+    const auto group = [&](const char* name, std::initializer_list<CLI::Option*> options) {
+        for (CLI::Option* option : options) option->group(name);
+    };
+    group("Input and output",
+          {command->add_option("stack", o.stack, "output folder, folder of PNG layers, or .gcvf file")
+               ->required()
+               ->type_name("FOLDER|FILE"),
+           command
+               ->add_option("-o,--out", o.files,
+                            "file to write, several by repeating: of a slab from above .png (for the eye) or .exr "
+                            "(numbers); of a body .glb or .ply "
+                            "(vertex colours), .png (views)")
+               ->required()
+               ->type_name("FILE")
+               ->allow_extra_args(false),
+           command
+               ->add_option("--view", o.view,
+                            "top: a picture from above; body: the whole surface; auto: top for pictures and flat boxes "
+                            "[auto|top|body]")
+               ->capture_default_str(),
+           command->add_flag("--absolute", o.absolute,
+                             "light that leaves / light that entered, instead of relative to the same body all of "
+                             "white resin (role W)")});
+    group(
+        "Model",
+        {command->add_option("--model", o.model, fmt::format("[{}]", fmt::join(slicer::model_names(), "|")))
+             ->capture_default_str(),
+         command
+             ->add_option("--cell", arguments->cell, "what is seen as one: edge of the cells, rounded to whole voxels")
+             ->type_name("LENGTH")
+             ->capture_default_str(),
+         command
+             ->add_option("--sweeps", o.quality.sweeps,
+                          "transport: sweeps of discrete ordinates; more are nearer and slower")
+             ->type_name("N")
+             ->capture_default_str(),
+         command
+             ->add_option("--spp", o.quality.paths, "monte-carlo: paths per cell and channel (with --error: the least)")
+             ->type_name("N")
+             ->capture_default_str(),
+         command
+             ->add_option("--error", o.quality.error,
+                          "monte-carlo: wanted standard error of every value; 0: --spp decides")
+             ->type_name("E")
+             ->capture_default_str(),
+         command
+             ->add_option("--backing", o.backing,
+                          "what lies under the print [auto|black|white|none]; auto: what the job said, else black "
+                          "under a slab, none under a body")
+             ->capture_default_str()});
+    group("Resins and foreign stacks",
+          {command
+               ->add_option("--resins", o.resins,
+                            "resin set (`voxtone list resins`) or file; empty: that of the job, else vero-opaque")
+               ->type_name("SET|FILE"),
+           command
+               ->add_option("--assign", o.assign,
+                            "foreign stacks: which colour is which resin: \"#00aeef=C,#ec008c=M\"; none: no material")
+               ->type_name("LIST")
+               ->delimiter(',')
+               ->allow_extra_args(false),
+           command
+               ->add_option("--printer", o.printer,
+                            "foreign stacks: voxel size of this printer (`voxtone list printers`)")
+               ->type_name("ID|FILE"),
+           command
+               ->add_option("--pitch", o.pitch,
+                            "foreign stacks: voxel size along columns, rows, layers: 42.33,84.67,27um")
+               ->type_name("X,Y,Z")});
+    group("Run",
+          {command
+               ->add_option("--memory", o.memory_gib,
+                            "most memory for volume and prediction, GiB; 0: half of the machine's")
+               ->type_name("GIB")
+               ->capture_default_str(),
+           command->add_option("--threads", o.threads, "threads; 0: one per core. The result does not depend on it")
+               ->capture_default_str(),
+           command->add_option("--seed", o.quality.seed, "seed of what is random (monte-carlo)")
+               ->type_name("N")
+               ->capture_default_str()});
+    add_console_options(*command, arguments->console);
+    return [arguments] { return run(*arguments); };
+}
+
+}  // namespace voxtone::cli

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <map>
+#include <memory>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+
+#include "voxtone/cli/commands.h"
+#include "voxtone/cli/console.h"
+#include "voxtone/slicer/job/slice_job.h"
+#include "voxtone/slicer/options/slice_options.h"
+
+namespace voxtone::cli {
+
+namespace {
+
+struct Arguments {
+    std::map<std::string, std::string> values;  ///< what the command line said, by key
+    std::map<std::string, bool> flags;
+    std::map<std::string, CLI::Option*> options;
+    std::string job;
+    bool dump_default = false;
+    ConsoleOptions console;
+};
+
+void add_options(CLI::App& command, Arguments& arguments) {
+    const slicer::SliceOptions defaults;
+    for (const slicer::OptionSpec& spec : slicer::slice_option_table()) {
+        CLI::Option* option;
+        if (spec.kind == slicer::OptionSpec::Kind::flag) {
+            arguments.flags[spec.key] = spec.get(defaults) == "true";
+            option = command.add_flag(fmt::format("--{0},!--no-{0}", spec.option), arguments.flags[spec.key], spec.help);
+            option->default_str(spec.get(defaults));
+        } else {
+            const std::string names = spec.key == "model" ? "mesh,--mesh" : spec.key == "out" ? "-o,--out" : "--" + spec.option;
+            option = command.add_option(names, arguments.values[spec.key],
+                                        spec.choices.empty() ? spec.help
+                                                             : fmt::format("{} [{}]", spec.help, fmt::join(spec.choices, "|")));
+            option->type_name(spec.metavar);
+            if (const std::string text = spec.get(defaults); !text.empty()) option->default_str(text);
+        }
+        option->group(spec.group);
+        arguments.options[spec.key] = option;
+    }
+    command.add_option("--job", arguments.job, "read options from this job file; the command line wins")->type_name("FILE")->group("Run");
+    command.add_flag("--dump-default", arguments.dump_default, "print a complete job file with every default and stop")->group("Run");
+    add_console_options(command, arguments.console);
+}
+
+slicer::SliceOptions resolve(const Arguments& arguments) {
+    slicer::SliceOptions options;
+    if (!arguments.job.empty()) slicer::read_job(arguments.job, options);
+    for (const slicer::OptionSpec& spec : slicer::slice_option_table()) {
+        if (arguments.options.at(spec.key)->count() == 0) continue;
+        spec.set(options, spec.kind == slicer::OptionSpec::Kind::flag ? (arguments.flags.at(spec.key) ? "true" : "false")
+                                                                      : arguments.values.at(spec.key));
+    }
+    return options;
+}
+
+int run(const Arguments& arguments) {
+    if (arguments.dump_default) {
+        fmt::print("{}", slicer::job_json(slicer::SliceOptions{}));
+        return 0;
+    }
+    const slicer::SliceOptions options = resolve(arguments);
+    return run_on_console(arguments.console, [&](Progress& progress) {
+        slicer::SliceResult result = slicer::run_slice_job(options, progress);
+        return CommandResult{std::move(result.json), std::move(result.summary)};
+    });
+}
+
+}  // namespace
+
+Command add_slice_command(CLI::App& program) {
+    auto arguments = std::make_shared<Arguments>();
+    CLI::App* command = program.add_subcommand("slice", "Slice a textured mesh or a picture into a printable layer stack");
+    add_options(*command, *arguments);
+    return [arguments] { return run(*arguments); };
+}
+
+}  // namespace voxtone::cli

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "voxtone/base/parallel.h"
+#include "voxtone/cli/commands.h"
+#include "voxtone/cli/console.h"
+#include "voxtone/io/layers/manifest.h"
+#include "voxtone/io/layers/verify.h"
+#include "voxtone/slicer/printer/printer.h"
+
+namespace voxtone::cli {
+
+namespace {
+
+struct Arguments {
+    std::string stack, printer;
+    int threads = 0;
+    ConsoleOptions console;
+};
+
+std::string report_json(const io::StackReport& report) {
+    nlohmann::ordered_json json{{"format", "voxtone-verify"}, {"version", 1}, {"passed", report.passed()},
+                                {"layers", report.layers}, {"size_px", report.size_px}, {"empty_layers", report.empty_layers},
+                                {"content_sha256", report.content_sha256}, {"fault_count", report.fault_count}, {"notes", report.notes}};
+    json["faults"] = nlohmann::ordered_json::array();
+    for (const io::StackFault& fault : report.faults)
+        json["faults"].push_back({{"rule", fault.rule}, {"where", fault.where}, {"what", fault.what}, {"remedy", fault.remedy}});
+    return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+/// What the printer accepts: that of --printer, else that of the manifest, else what all printers of the family accept.
+io::VerifyRules rules_for(const Arguments& arguments) {
+    io::VerifyRules rules;
+    std::string id = arguments.printer;
+    const auto manifest = std::filesystem::path(arguments.stack) / "manifest.json";
+    if (id.empty() && std::filesystem::exists(manifest)) {
+        // A broken manifest or a user's own profile: `verify_stack` says so, or the common rules hold.
+        try {
+            id = io::read_manifest(manifest).printer;
+            (void)slicer::find_printer(id);
+        } catch (const Error&) {
+            return rules;
+        }
+    }
+    if (id.empty()) return rules;
+    const slicer::PrinterProfile printer = slicer::find_printer(id);
+    rules.most_colours = static_cast<std::uint32_t>(printer.max_colours);
+    rules.least_layers = static_cast<std::uint32_t>(printer.min_layers);
+    if (!arguments.printer.empty()) rules.pitch_um = {printer.pitch_um.x(), printer.pitch_um.y()};
+    return rules;
+}
+
+int run(const Arguments& arguments) {
+    const ThreadLimit limit(static_cast<std::size_t>(arguments.threads));
+    return run_on_console(arguments.console, [&](Progress& progress) {
+        const io::StackReport report = io::verify_stack(arguments.stack, rules_for(arguments), &progress);
+        return CommandResult{report_json(report), io::report_text(report), report.passed() ? ExitCode::done : ExitCode::check_failed};
+    });
+}
+
+}  // namespace
+
+Command add_verify_command(CLI::App& program) {
+    auto arguments = std::make_shared<Arguments>();
+    CLI::App* command = program.add_subcommand(
+        "verify", "Check a layer stack, ours or anyone's, as the printer's software would; exit code 6 with every fault named");
+    command->add_option("stack", arguments->stack, "output folder, folder of PNG layers, or .gcvf file")->required()->type_name("FOLDER|FILE");
+    command->add_option("--printer", arguments->printer, "check against this printer; empty: the one that the manifest names")->type_name("ID|FILE");
+    command->add_option("--threads", arguments->threads, "threads; 0: one per core")->capture_default_str()->check(CLI::Range(0, 1024));
+    add_console_options(*command, arguments->console);
+    return [arguments] { return run(*arguments); };
+}
+
+}  // namespace voxtone::cli

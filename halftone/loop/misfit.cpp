@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/halftone/loop/misfit.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "voxtone/base/contracts.h"
+#include "voxtone/base/parallel.h"
+#include "voxtone/optics/colour/colour.h"
+
+namespace voxtone::halftone {
+
+namespace {
+
+constexpr double least_light = 1e-4;  // keeps the slope of Oklab finite
+constexpr float gamma = 2, beta = 0.03f;
+constexpr double soft = 0.08;  // s
+
+Eigen::Vector3d lit(const Eigen::Vector3f& rgb) { return rgb.cast<double>().cwiseMax(least_light); }
+Eigen::Vector3f oklab(const Eigen::Vector3f& rgb) { return optics::oklab_from_linear_srgb(lit(rgb)).cast<float>(); }
+
+/// rho(|W r|), and its derivative by r.
+struct Part {
+    double value = 0;
+    Eigen::Vector3f by_residual;
+};
+Part part_of(const Eigen::Vector3f& residual) {
+    const Eigen::Vector3d r = residual.cast<double>(), weighed = Eigen::Vector3d(1, 4, 4).cwiseProduct(r);
+    const double length = std::sqrt(weighed.dot(r) + soft * soft);
+    return {length - soft, (weighed / length).cast<float>()};
+}
+
+/// d (by_oklab . oklab(p)) / d p.
+Eigen::Vector3f by_light(const Eigen::Vector3f& p, const Eigen::Vector3f& by_oklab) {
+    return (optics::oklab_derivative(lit(p)).transpose() * by_oklab.cast<double>()).cast<float>();
+}
+
+}  // namespace
+
+MisfitFunction::MisfitFunction(const optics::Surface& surface, const EyeFilter& eye, std::span<const Eigen::Vector3f> target,
+                               std::span<const float> weight, const EyeFilter* wide, float contrast_part)
+    : eye_(eye), wide_(wide), contrast_part_(contrast_part), target_(target), seen_target_(eye.filter(target)), near_target_(eye.smoothed(target)) {
+    VOXTONE_EXPECT(weight.empty() || weight.size() == target.size());
+    double mean = 0;
+    for (const optics::SurfaceCell& cell : surface.cells) mean += cell.area_mm2;
+    mean /= static_cast<double>(std::max<std::size_t>(1, surface.cells.size()));
+    for (const optics::SurfaceCell& cell : surface.cells) area_.push_back(static_cast<float>(cell.area_mm2 / mean));
+    weight_.assign(weight.begin(), weight.end());
+    weight_.resize(area_.size(), 1);
+}
+
+Misfit MisfitFunction::operator()(std::span<const Eigen::Vector3f> predicted) const {
+    VOXTONE_EXPECT(predicted.size() == target_.size());
+    const std::size_t n = predicted.size();
+    const std::vector<Eigen::Vector3f> seen = eye_.filter(predicted);
+    const std::vector<Eigen::Vector3f> nearer = eye_.smoothed(predicted);
+    std::vector<Eigen::Vector3f> far(n), near(n), as_is(n);
+    parallel_for(0, n, 1024, [&](std::size_t i) {
+        far[i] = oklab(seen[i]) - oklab(seen_target_[i]);
+        near[i] = oklab(nearer[i]) - oklab(near_target_[i]);
+    });
+    // d - k S d; in the derivative it stands once more: smoothing averages by area over neighbours, S_ij = w_ij a_j / sum_j w_ij a_j
+    // with symmetric w, so where the sums are alike its transpose, with areas on either side, is S again.
+    const auto sharpen = [&] {
+        if (!wide_) return;
+        std::vector<Eigen::Vector3f> lightness(n);
+        parallel_for(0, n, 1024, [&](std::size_t i) { lightness[i] = {far[i][0], near[i][0], 0}; });
+        lightness = wide_->smoothed(lightness);
+        parallel_for(0, n, 1024, [&](std::size_t i) {
+            far[i][0] -= contrast_part_ * lightness[i][0];
+            near[i][0] -= contrast_part_ * lightness[i][1];
+        });
+    };
+    sharpen();
+    std::vector<double> value(n);
+    parallel_for(0, n, 1024, [&](std::size_t i) {
+        const Part from_far = part_of(far[i]), from_near = part_of(near[i]), by_itself = part_of(oklab(predicted[i]) - oklab(target_[i]));
+        value[i] = static_cast<double>(area_[i] * weight_[i]) *
+                   (from_far.value + static_cast<double>(gamma) * from_near.value + static_cast<double>(beta) * by_itself.value);
+        far[i] = weight_[i] * from_far.by_residual;
+        near[i] = weight_[i] * gamma * from_near.by_residual;
+        as_is[i] = weight_[i] * beta * by_light(predicted[i], by_itself.by_residual);
+    });
+    Misfit misfit;
+    for (const double v : value) misfit.value += v;
+    sharpen();
+    parallel_for(0, n, 1024, [&](std::size_t i) {
+        far[i] = by_light(seen[i], far[i]);
+        near[i] = by_light(nearer[i], near[i]);
+    });
+    misfit.by_colour = eye_.transposed(far);
+    near = eye_.smoothed(near);
+    parallel_for(0, n, 1024, [&](std::size_t i) { misfit.by_colour[i] = area_[i] * (misfit.by_colour[i] + near[i] + as_is[i]); });
+    return misfit;
+}
+
+}  // namespace voxtone::halftone

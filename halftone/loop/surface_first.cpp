@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/halftone/loop/surface_first.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "voxtone/base/contracts.h"
+#include "voxtone/base/parallel.h"
+#include "voxtone/halftone/separation/lattice_lookup.h"
+
+namespace voxtone::halftone {
+
+namespace {
+
+constexpr std::size_t nodes = 33;
+
+float share_within(double excess, double tolerance) {
+    return static_cast<float>(std::clamp((3 * tolerance - excess) / (2 * tolerance), 0.0, 1.0));
+}
+
+}  // namespace
+
+SurfaceFirst::SurfaceFirst(const optics::ResinSet& resins, const optics::ShellGeometry& geometry, const SkinLayers& layers,
+                           const SeparationOptions& options, const Progress* progress, double tolerance)
+    : layers_(layers), resins_(resins.resins.size()), core_(static_cast<std::size_t>(geometry.core_resin)) {
+    VOXTONE_EXPECT(layers.size() >= 2 && tolerance > 0);
+    for (std::size_t l = 1; l < layers.size(); ++l) {
+        optics::ShellGeometry skin = geometry;
+        skin.shell_mm = layers.bottom_mm[l];
+        skin.core_mm = geometry.core_mm + layers.depth_mm() - skin.shell_mm;
+        skins_.push_back(std::make_unique<const Skin>(resins, skin, options, progress));
+    }
+    weight_.resize(nodes * nodes * nodes * skins_.size());
+    parallel_for(0, nodes * nodes, 8, [&](std::size_t row) {
+        const auto coordinate = [](std::size_t i) {
+            const float t = static_cast<float>(i) / static_cast<float>(nodes - 1);
+            return t * t * t;
+        };
+        for (std::size_t red = 0; red < nodes; ++red) {
+            const Eigen::Vector3f rgb(coordinate(red), coordinate(row % nodes), coordinate(row / nodes));
+            const double least = deepest().mapping_distance(rgb);
+            float left = 1, * const weight = weight_.data() + (row * nodes + red) * skins_.size();
+            for (std::size_t s = 0; s + 1 < skins_.size(); ++s) {
+                weight[s] = left * share_within(skins_[s]->separation.mapping_distance(rgb) - least, tolerance);
+                left -= weight[s];
+            }
+            weight[skins_.size() - 1] = left;
+        }
+    }, progress);
+}
+
+const float* SurfaceFirst::weights(const Eigen::Vector3f& rgb) const {
+    std::size_t at = 0;
+    for (int c = 2; c >= 0; --c)
+        at = at * nodes + static_cast<std::size_t>(std::lround(std::cbrt(std::clamp(rgb[c], 0.0f, 1.0f)) * static_cast<float>(nodes - 1)));
+    return weight_.data() + at * skins_.size();
+}
+
+void SurfaceFirst::recipe(const Eigen::Vector3f& rgb, std::span<float> fractions) const {
+    VOXTONE_EXPECT(fractions.size() == layers_.size() * resins_);
+    std::fill(fractions.begin(), fractions.end(), 0.0f);
+    const float* const weight = weights(rgb);
+    for (std::size_t s = 0; s < skins_.size(); ++s) {
+        if (weight[s] <= 0) continue;
+        std::array<float, max_resins> share;
+        skins_[s]->separation.shares(rgb, share.data());
+        float sum = 0;
+        for (std::size_t r = 0; r < resins_; ++r) sum += share[r];
+        for (std::size_t r = 0; r < resins_; ++r) share[r] /= sum;
+        for (std::size_t l = 0; l < layers_.size(); ++l) {
+            float* const layer = fractions.data() + l * resins_;
+            if (l > s + 1) {  // skin s reaches down to layer s + 1
+                layer[core_] += weight[s];
+                continue;
+            }
+            for (std::size_t r = 0; r < resins_; ++r) layer[r] += weight[s] * share[r];
+        }
+    }
+}
+
+Eigen::Vector3f SurfaceFirst::into_gamut(const Eigen::Vector3f& rgb) const {
+    const double distance = deepest().mapping_distance(rgb);
+    const auto moved = static_cast<float>(std::clamp(distance - 1, 0.0, 1.0));
+    if (moved <= 0) return rgb;
+    return rgb + moved * (deepest().predicted(rgb).cast<float>() - rgb);
+}
+
+}  // namespace voxtone::halftone

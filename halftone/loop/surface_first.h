@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Surface first: the same colours in as thin and concentrated a skin as can show them, over the core.
+//
+// Light that passes coloured voxels sideways takes their colour along: the thinner the skin, the sharper the print. A
+// thin skin has a smaller gamut, though, so several separations are made, for skins of rising depth (one each for the
+// second and every deeper layer of `SkinLayers`), and a colour takes the thinnest that shows it: with D the CIEDE2000
+// between the colour and what a skin makes of it, and D_min that of the deepest skin, a skin is good where D - D_min is
+// below `tolerance`, bad where it is above 3 tolerance, and in between it is mixed with the next deeper one, so that no
+// border is seen where the depth changes.
+//
+// What it cannot see: neighbours. The loop mends that.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "voxtone/base/progress.h"
+#include "voxtone/halftone/separation/separation.h"
+#include "voxtone/halftone/loop/skin.h"
+#include "voxtone/optics/layered/shell_appearance.h"
+
+namespace voxtone::halftone {
+
+class SurfaceFirst {
+public:
+    /// `geometry`: of a skin as deep as all layers; its shell_mm is not read. `core_mm` is the thickness below the deepest
+    /// skin where it is finite. Throws as ShellAppearance and Separation do.
+    SurfaceFirst(const optics::ResinSet& resins, const optics::ShellGeometry& geometry, const SkinLayers& layers,
+                 const SeparationOptions& options, const Progress* progress = nullptr, double tolerance = 1);
+
+    [[nodiscard]] const SkinLayers& layers() const { return layers_; }
+    [[nodiscard]] std::size_t resins() const { return resins_; }
+    /// The mixture of each layer that shows `rgb` (linear sRGB, media-relative, clamped to [0, 1]): layers x resins.
+    void recipe(const Eigen::Vector3f& rgb, std::span<float> fractions) const;
+    /// The separation for the deepest skin: its gamut is that of all.
+    [[nodiscard]] const Separation& deepest() const { return skins_.back()->separation; }
+    /// A colour that can be shown stays; others go to the one that the deepest skin shows for them.
+    [[nodiscard]] Eigen::Vector3f into_gamut(const Eigen::Vector3f& rgb) const;
+
+private:
+    struct Skin {
+        Skin(const optics::ResinSet& resins, const optics::ShellGeometry& geometry, const SeparationOptions& options, const Progress* progress)
+            : appearance(resins, geometry), separation(appearance, options, progress) {}
+        optics::ShellAppearance appearance;
+        Separation separation;
+    };
+    /// Share of each skin, at the nodes of a lattice even in the cube root of each channel, red fastest.
+    [[nodiscard]] const float* weights(const Eigen::Vector3f& rgb) const;
+
+    SkinLayers layers_;
+    std::size_t resins_, core_;
+    std::vector<std::unique_ptr<const Skin>> skins_;
+    std::vector<float> weight_;  ///< [node * skins + skin]
+};
+
+}  // namespace voxtone::halftone

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The hot loop of the separation: tetrahedral interpolation in a lattice of mixtures, for many colours. Vector code
+// with run-time dispatch, without fused operations, so that every target gives the same bits.
+#pragma once
+
+#include <cstddef>
+
+#include "voxtone/halftone/separation/mixture.h"
+
+namespace voxtone::halftone {
+
+/// Nodes are even in the cube root of each channel, red fastest.
+struct LatticeView {
+    const float* root;  ///< nodes^3 times max_resins square roots of shares
+    int nodes;          ///< along each axis, in [2, 65]
+    int resins;
+};
+
+/// Shares of one colour, max_resins of them; their sum is near 1. Channels outside [0, 1] are clamped, NaN is 0.
+void lattice_shares(const LatticeView& lattice, float red, float green, float blue, float* shares);
+
+/// Mixtures of n colours.
+void lattice_mixtures(const LatticeView& lattice, const float* red, const float* green, const float* blue,
+                      std::size_t n, CumulativeMixture* out);
+
+}  // namespace voxtone::halftone

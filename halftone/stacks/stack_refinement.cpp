@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/halftone/stacks/stack_refinement.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <Eigen/Dense>
+
+#include "voxtone/base/error.h"
+
+namespace voxtone::halftone {
+namespace {
+
+constexpr int most_iterations = 1000;
+constexpr double least_gain = 1e-10;  ///< five steps in a row that gain less are the end
+constexpr double slack_mm = 1e-9;
+
+/// slope * h >= least.
+struct Limits {
+    Eigen::MatrixXd slope;
+    Eigen::VectorXd least;
+};
+
+Limits make_limits(std::span<const StackLayer> layers, const StackSearchOptions& o) {
+    const auto n = static_cast<Eigen::Index>(layers.size());
+    std::vector<Eigen::VectorXd> rows;
+    std::vector<double> least;
+    for (Eigen::Index j = 0; j < n; ++j) {
+        rows.emplace_back(Eigen::VectorXd::Unit(n, j));
+        least.push_back(0);
+    }
+    rows.emplace_back(Eigen::VectorXd::Constant(n, -1));
+    least.push_back(-o.thickness_mm);
+    std::vector<char> met(o.clear_top_mm.size(), 0);
+    for (Eigen::Index j = 0; j < n; ++j) {
+        const std::size_t m = layers[static_cast<std::size_t>(j)].material;
+        if (m >= met.size() || met[m] || o.clear_top_mm[m] == 0) continue;
+        met[m] = 1;  // the uppermost layer of a material stands for those below
+        Eigen::VectorXd above = Eigen::VectorXd::Zero(n);
+        above.head(j).setOnes();
+        rows.push_back(above);
+        least.push_back(o.clear_top_mm[m]);
+    }
+    Limits limits{Eigen::MatrixXd(static_cast<Eigen::Index>(rows.size()), n),
+                  Eigen::VectorXd(static_cast<Eigen::Index>(rows.size()))};
+    for (std::size_t r = 0; r < rows.size(); ++r) {
+        limits.slope.row(static_cast<Eigen::Index>(r)) = rows[r].transpose();
+        limits.least[static_cast<Eigen::Index>(r)] = least[r];
+    }
+    return limits;
+}
+
+class Refinement {
+public:
+    Refinement(std::span<const StackMaterial> materials, std::span<const StackLayer> layers,
+               const ChannelProfiles& target, const StackSearchOptions& options)
+        : materials_(materials), layers_(layers.begin(), layers.end()), target_(target), options_(options) {}
+
+    /// The root of the weight, over the root of their sum, times the residuals; and their derivatives by thickness.
+    void linearise(const Eigen::VectorXd& h, Eigen::VectorXd& residual, Eigen::MatrixXd& slope) const {
+        const std::size_t layers = layers_.size(), channels = target_.size(), length = target_[0].size();
+        const double weights = static_cast<double>(channels) * (options_.dc_weight + static_cast<double>(length) - 1);
+        residual.resize(static_cast<Eigen::Index>(channels * length));
+        slope.resize(residual.size(), h.size());
+        for (std::size_t c = 0; c < channels; ++c) {
+            std::vector<optics::LayerProfile> own(layers), above(layers);
+            std::vector<std::vector<double>> below(layers + 1);  // what is under layer j at [j + 1]
+            for (std::size_t j = 0; j < layers; ++j) {
+                own[j] = materials_[layers_[j].material][c].of_thickness(h[static_cast<Eigen::Index>(j)]);
+                above[j] = j == 0 ? own[j] : optics::stack(above[j - 1], own[j]);
+            }
+            optics::LayerProfile under = optics::no_layer(length);
+            under.T.assign(length, 0.0);
+            if (!options_.backing.empty()) under.R_top = options_.backing[c];
+            below[layers] = under.R_top;
+            for (std::size_t j = layers; j-- > 0;) {
+                under = optics::stack(own[j], under);
+                below[j] = under.R_top;
+            }
+            for (std::size_t i = 0; i < length; ++i) {
+                const auto at = static_cast<Eigen::Index>(c * length + i);
+                const double root_weight = std::sqrt((i == 0 ? options_.dc_weight : 1.0) / weights);
+                residual[at] = root_weight * (below[0][i] - target_[c][i]);
+                for (std::size_t j = 0; j < layers; ++j) {
+                    const optics::HomogeneousLayer& material = materials_[layers_[j].material][c];
+                    const double R = below[j + 1][i],
+                                 growth = material.S()[i] * (1 - R) * (1 - R) - 2 * material.K()[i] * R;
+                    const double seen = above[j].T[i] / std::max(1 - above[j].R_bottom[i] * R, 1e-300);
+                    slope(at, static_cast<Eigen::Index>(j)) = root_weight * growth * seen * seen;
+                }
+            }
+        }
+    }
+
+    double distance(const Eigen::VectorXd& h) const {
+        return profile_distance(stack_reflection(materials_, stacked(h), options_.backing), target_,
+                                options_.dc_weight);
+    }
+
+    std::vector<StackLayer> stacked(const Eigen::VectorXd& h) const {
+        std::vector<StackLayer> out;
+        for (std::size_t j = 0; j < layers_.size(); ++j) {
+            const double mm = h[static_cast<Eigen::Index>(j)];
+            if (mm <= 0) continue;
+            if (!out.empty() && out.back().material == layers_[j].material)
+                out.back().thickness_mm += mm;
+            else
+                out.push_back({layers_[j].material, mm});
+        }
+        return out;
+    }
+
+private:
+    std::span<const StackMaterial> materials_;
+    std::vector<StackLayer> layers_;
+    const ChannelProfiles& target_;
+    const StackSearchOptions& options_;
+};
+
+/// The step p that minimises p A p / 2 + g p where slope p >= room; cut short where rounding would leave the limits.
+Eigen::VectorXd limited_step(const Eigen::MatrixXd& A, const Eigen::VectorXd& g, const Eigen::MatrixXd& slope,
+                             const Eigen::VectorXd& room) {
+    const Eigen::LDLT<Eigen::MatrixXd> solver(A);
+    const Eigen::MatrixXd to_step = solver.solve(slope.transpose());
+    const Eigen::MatrixXd G = slope * to_step;
+    Eigen::VectorXd p = -solver.solve(g), force = Eigen::VectorXd::Zero(room.size());
+    for (int sweep = 0; sweep < 500; ++sweep) {
+        double change = 0;
+        for (Eigen::Index r = 0; r < room.size(); ++r) {
+            if (!(G(r, r) > 0)) continue;
+            const double wanted = std::max(0.0, force[r] - (slope.row(r).dot(p) - room[r]) / G(r, r)),
+                         add = wanted - force[r];
+            if (add == 0) continue;
+            force[r] = wanted;
+            p += add * to_step.col(r);
+            change = std::max(change, add * add * G(r, r));
+        }
+        if (change == 0) break;
+    }
+    double share = 1;
+    for (Eigen::Index r = 0; r < room.size(); ++r) {
+        const double moved = slope.row(r).dot(p);
+        if (moved < room[r] - slack_mm) share = std::min(share, std::max(0.0, (slack_mm - room[r]) / -moved));
+    }
+    return share * p;
+}
+
+void check(std::span<const StackMaterial> materials, std::span<const StackLayer> layers, const ChannelProfiles& target,
+           const StackSearchOptions& o) {
+    if (materials.empty() || materials[0].empty()) throw InputError("stack refinement: no material; give at least one");
+    const std::size_t length = materials[0][0].K().size();
+    const auto fits = [&](const ChannelProfiles& profiles) {
+        return profiles.size() == materials[0].size() &&
+               std::all_of(profiles.begin(), profiles.end(), [&](const std::vector<double>& channel) {
+                   return channel.size() == length &&
+                          std::all_of(channel.begin(), channel.end(), [](double x) { return std::isfinite(x); });
+               });
+    };
+    for (const StackMaterial& material : materials)
+        if (material.size() != materials[0].size() ||
+            std::any_of(material.begin(), material.end(),
+                        [&](const optics::HomogeneousLayer& layer) { return layer.K().size() != length; }))
+            throw InputError(
+                "stack refinement: materials differ in channels or coefficients; bring all to one spacing and length");
+    if (length == 0 || !fits(target) || !(o.backing.empty() || fits(o.backing)))
+        throw InputError(
+            "stack refinement: the target or the backing differs from the materials in channels or coefficients, or "
+            "has values "
+            "that are not finite");
+    if (!(o.dc_weight > 0) || !std::isfinite(o.dc_weight))
+        throw InputError(
+            fmt::format("stack refinement: a weight of {} on the first coefficient; it must be above 0", o.dc_weight));
+    if (!o.clear_top_mm.empty() && o.clear_top_mm.size() != materials.size())
+        throw InputError(fmt::format("stack refinement: distances from the top for {} materials, but there are {}",
+                                     o.clear_top_mm.size(), materials.size()));
+    for (std::size_t j = 0; j < layers.size(); ++j) {
+        if (layers[j].material >= materials.size())
+            throw InputError(fmt::format("stack refinement: layer {} is of material {}, but there are {}", j + 1,
+                                         layers[j].material + 1, materials.size()));
+        if (!(layers[j].thickness_mm >= 0) || !std::isfinite(layers[j].thickness_mm))
+            throw InputError(fmt::format("stack refinement: layer {} is {} mm thick; it must be 0 or above", j + 1,
+                                         layers[j].thickness_mm));
+    }
+}
+
+}  // namespace
+
+RefinedStack refine_stack(std::span<const StackMaterial> materials, std::span<const StackLayer> layers,
+                          const ChannelProfiles& target, const StackSearchOptions& options) {
+    check(materials, layers, target, options);
+    std::vector<StackLayer> present;  // a layer of thickness 0 is none
+    std::copy_if(layers.begin(), layers.end(), std::back_inserter(present),
+                 [](const StackLayer& layer) { return layer.thickness_mm > 0; });
+    const Refinement refinement(materials, present, target, options);
+    Eigen::VectorXd h(static_cast<Eigen::Index>(present.size()));
+    for (std::size_t j = 0; j < present.size(); ++j) h[static_cast<Eigen::Index>(j)] = present[j].thickness_mm;
+    RefinedStack refined{present, refinement.distance(h), 0, 0, true};
+    refined.distance_before = refined.distance;
+    if (present.empty()) return refined;
+
+    Limits limits = make_limits(present, options);
+    const Eigen::VectorXd start = limits.slope * h;
+    if (((start - limits.least).array() < -1e-6).any())
+        throw InputError(fmt::format(
+            "stack refinement: the layers break the limits already: {} mm thick (at most {}), or a material nearer to "
+            "the top than allowed",
+            h.sum(), options.thickness_mm));
+    limits.least = limits.least.cwiseMin(start);
+
+    Eigen::VectorXd residual;
+    Eigen::MatrixXd slope;
+    double damping = 1e-3;
+    double raise = 2;  // Nielsen's rule: damping follows how well the model foresees the gain
+    int small_gains = 0;
+    refined.converged = false;
+    refinement.linearise(h, residual, slope);
+    for (int iteration = 0; iteration < most_iterations; ++iteration) {
+        const Eigen::MatrixXd normal = slope.transpose() * slope;
+        Eigen::MatrixXd A = normal;
+        // The floor keeps layers that are hardly seen from running far ahead of what the model knows of them.
+        A.diagonal() += damping * normal.diagonal().cwiseMax(1e-2 * normal.diagonal().maxCoeff()) +
+                        Eigen::VectorXd::Constant(h.size(), 1e-12 * (normal.trace() + 1e-30));
+        const Eigen::VectorXd g = slope.transpose() * residual;
+        const Eigen::VectorXd p = limited_step(A, g, limits.slope, limits.least - limits.slope * h);
+        const double foreseen = std::max(-2 * g.dot(p) - p.dot(normal * p), 1e-300);
+        const Eigen::VectorXd next = (h + p).cwiseMax(0.0);
+        const double distance = refinement.distance(next);
+        if (!(distance < refined.distance)) {
+            damping *= raise;
+            raise *= 2;
+            if (damping > 1e12 || (next - h).cwiseAbs().maxCoeff() < 1e-12) {
+                refined.converged = true;
+                break;
+            }
+            continue;
+        }
+        const double before = refined.distance, gained = before - distance;
+        h = next;
+        refined.distance = distance;
+        ++refined.steps;
+        const double trust = 2 * (before * before - distance * distance) / foreseen - 1;
+        damping = std::max(damping * std::clamp(1 - trust * trust * trust, 1.0 / 3, 2.0), 1e-12);
+        raise = 2;
+        refinement.linearise(h, residual, slope);
+        small_gains = gained < least_gain ? small_gains + 1 : 0;
+        if (small_gains == 5) {
+            refined.converged = true;
+            break;
+        }
+    }
+    refined.layers = refinement.stacked(h);
+    return refined;
+}
+
+}  // namespace voxtone::halftone

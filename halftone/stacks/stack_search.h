@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The stacking of layers whose reflection profile is nearest to a wanted one.
+// Based on: M. Hasan, M. Fuchs, W. Matusik, H. Pfister, S. Rusinkiewicz, "Physical reproduction of materials with
+// specified subsurface scattering", SIGGRAPH 2010, Sec. 6.
+//
+// What is searched: sequences of blocks, a block being one material of 1, 2, 4, ... steps of thickness_mm / steps, at
+// most `max_blocks` of them and `steps` steps in all, the first block on top. A layer of one material is a run of
+// blocks of falling thickness, so each stacking is met once. Below the stacking, wherever it ends, comes the backing:
+// black, or what is given.
+//
+// What is minimised: the weighted root mean square of the residual of the reflection's Hankel coefficients over all
+// channels, sqrt(sum w (R - R_target)^2 / sum w), w = dc_weight at the first coefficient of each channel and 1
+// elsewhere: the paper's L2 norm on a scale that does not grow with the number of coefficients.
+//
+// How: iterative deepening over the number of blocks d; for each d depth-first from the top, promising blocks first,
+// branch and bound. The last blocks are not searched one by one: all sub-stacks of up to `table_blocks()` blocks lie in
+// trees of boxes in the space of coefficients, made once for all targets. Bounds, all of them per coefficient and
+// provable:
+// - Reflection from above only grows with reflection from below (Eq. 6 has no negative term). The paper puts 0 (too
+//   bright) and 1 (too dark) below a partial stacking. Here the least and the most go there that exactly the blocks
+//   left, within the thickness left, starting with the block in question, can reflect at each coefficient by themselves
+//   (dynamic programming, stack_bounds.h). Coefficients that are too bright and such that are too dark add up; the
+//   paper takes the larger of both sums.
+// - A tree node stands for many sub-stacks; the box of their coefficients bounds them all in the same way.
+// - Sums of squares stop at the bound, less what the coefficients to come add at least, whatever lies below; those that
+//   differ most between materials come first.
+//
+// The trees and bounds are single precision; a residual is wrong there by at most 4e-6. What passes is judged in double
+// precision. Nothing is cut that could be better than the result by more than `tolerance` (0: by anything): the margin
+// of rounding is allowed for. Below a tolerance of about 5e-6 all stackings that tie within rounding are judged one by
+// one: where light does not reach the lower layers there are thousands, and the search is slow. The result, its counts
+// included, has the same bits for any number of threads and any company of targets.
+//
+// What it cannot see: blocks of other sizes (stack_refinement.h), and everything that profiles cannot
+// (layer_profile.h).
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "voxtone/base/progress.h"
+#include "voxtone/optics/profiles/layer_profile.h"
+
+namespace voxtone::halftone {
+
+/// One material, by channel; every channel has as many coefficients.
+using StackMaterial = std::vector<optics::HomogeneousLayer>;
+/// Reflection profile to be shown, or of a backing: Hankel coefficients by channel.
+using ChannelProfiles = std::vector<std::vector<double>>;
+
+struct StackSearchOptions {
+    double thickness_mm = 5;       ///< most thickness of a stacking, above 0
+    std::uint32_t steps = 64;      ///< of thickness, [1, 4096]
+    std::uint32_t max_blocks = 6;  ///< [1, 16]
+    double dc_weight = 1;          ///< above 0
+    /// By material: it stays that far from the top (rounded up to steps); empty: no limits.
+    std::vector<double> clear_top_mm;
+    ChannelProfiles backing;  ///< empty: black
+    double tolerance = 1e-5;  ///< how much nearer than the result another stacking may be, at most; >= 0
+    /// Most sub-stacks in a table. More cost more to prepare and less for each target; the result stays within
+    /// `tolerance`.
+    std::uint32_t table_stacks = 12000;
+};
+
+struct StackLayer {
+    std::size_t material;
+    double thickness_mm;
+};
+
+struct SearchCount {
+    std::uint64_t visited = 0;  ///< partial stackings and groups of sub-stacks that were opened
+    std::uint64_t pruned = 0;   ///< of these, and of whole stackings, those that a bound put aside unopened
+    std::uint64_t judged = 0;   ///< whole stackings that were compared in double precision
+};
+
+/// Of one channel.
+struct ChannelMatch {
+    double target_total, found_total;  ///< DC coefficients
+    double least_total, most_total;    ///< of any stacking that is searched
+    /// Mean of all coefficients over the DC one: smaller where light spreads wider.
+    double target_spread, found_spread;
+};
+
+struct FoundStack {
+    std::vector<StackLayer> layers;  ///< from the top; neighbours differ in material; empty: the backing alone is best
+    double distance = 0;  ///< see above; for a target outside of the gamut: the distance to it, to within `tolerance`
+    /// No stacking of these materials, blocks and thickness can be nearer; above 0: outside of the gamut.
+    double outside = 0;
+    std::vector<ChannelMatch> channels;
+    SearchCount count;
+};
+
+class StackSearch {
+public:
+    /// Prepares tables. InputError for no material, channels or lengths that differ, options out of range.
+    StackSearch(std::span<const StackMaterial> materials, const StackSearchOptions& options);
+    ~StackSearch();
+    StackSearch(StackSearch&&) noexcept;
+    StackSearch& operator=(StackSearch&&) noexcept;
+
+    /// InputError for a target of other length or with values that are not finite.
+    [[nodiscard]] FoundStack find(const ChannelProfiles& target) const;
+    /// Several at once, in parallel.
+    [[nodiscard]] std::vector<FoundStack> find_all(std::span<const ChannelProfiles> targets,
+                                                   const Progress* progress = nullptr) const;
+
+    /// How many stackings there are to choose from, the empty one included.
+    [[nodiscard]] double stackings() const;
+    /// Blocks of the longest sub-stacks in tables.
+    [[nodiscard]] std::uint32_t table_blocks() const;
+
+private:
+    struct Tables;
+    std::unique_ptr<const Tables> tables_;
+};
+
+/// What a stack of layers over a backing reflects (empty backing: black), and how far that is from a target, by the
+/// measure above.
+[[nodiscard]] ChannelProfiles stack_reflection(std::span<const StackMaterial> materials,
+                                               std::span<const StackLayer> layers, const ChannelProfiles& backing);
+[[nodiscard]] double profile_distance(const ChannelProfiles& reflection, const ChannelProfiles& target,
+                                      double dc_weight);
+
+}  // namespace voxtone::halftone

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// A stacking as a printer makes it: every border on a whole number of printed layers from the top.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "voxtone/halftone/stacks/stack_search.h"
+
+namespace voxtone::halftone {
+
+/// Borders go to the nearest multiple of layer_mm > 0, so no border is off by more than half a printed layer; below
+/// that only where a material would come nearer to the top than clear_top_mm allows (by material; empty: no limits).
+/// What becomes 0 thick is left out, and like neighbours are joined.
+[[nodiscard]] std::vector<StackLayer> whole_layers(std::span<const StackLayer> layers, double layer_mm,
+                                                   std::span<const double> clear_top_mm = {});
+
+/// The same, then single printed layers given to a layer, taken from it, or handed to another, whatever brings the
+/// reflection nearest to the target, until nothing does: never further away than whole_layers. Keeps thickness_mm,
+/// clear_top_mm; dc_weight and backing count (stack_search.h). Layers that are there stay, none is added.
+[[nodiscard]] std::vector<StackLayer> settled_layers(std::span<const StackMaterial> materials, std::span<const StackLayer> layers,
+                                                     double layer_mm, const ChannelProfiles& target,
+                                                     const StackSearchOptions& options);
+
+}  // namespace voxtone::halftone

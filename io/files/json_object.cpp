@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/io/files/json_object.h"
+
+#include <algorithm>
+#include <fstream>
+
+#include <fmt/core.h>
+#include <nlohmann/json.hpp>
+
+#include "voxtone/base/error.h"
+#include "voxtone/io/files/json_keys.h"
+
+namespace voxtone::io {
+
+using nlohmann::json;
+
+namespace {
+
+std::string shown(const json& value) {
+    if (value.is_structured()) return value.is_array() ? "a list" : "an object";  // may be nested without end
+    std::string text = value.dump(-1, ' ', false, json::error_handler_t::replace);
+    if (text.size() > 60) text = text.substr(0, 57) + "...";
+    return text;
+}
+
+}  // namespace
+
+struct JsonObject::Node {
+    std::shared_ptr<const json> document;  // keeps `value` alive
+    const json* value;
+    std::string source, path;
+
+    [[nodiscard]] std::string name(std::string_view key) const {
+        return path.empty() ? std::string(key) : fmt::format("{}.{}", path, key);
+    }
+    const json& at(const JsonObject& object, std::string_view key) const {
+        const auto found = value->find(std::string(key));
+        if (found == value->end()) object.fail(key, "is missing");
+        return *found;
+    }
+};
+
+JsonObject::JsonObject(std::shared_ptr<const Node> node) : node_(std::move(node)) {}
+
+JsonObject JsonObject::parse(std::string_view text, std::string source) {
+    auto document = std::make_shared<json>();
+    try {
+        *document = json::parse(text);
+    } catch (const json::parse_error& error) {
+        const std::size_t end = std::min(error.byte, text.size());
+        const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(end), '\n');
+        throw InputError(fmt::format("{}: line {}: this is no valid JSON ({} bytes in); the file may be cut short or "
+                                     "edited by hand: mend it or make it anew",
+                                     source, line, end));
+    } catch (const json::out_of_range&) {
+        throw InputError(fmt::format("{}: holds a number that is too large for any computer", source));
+    }
+    if (!document->is_object())
+        throw InputError(fmt::format("{}: expected a JSON object, {{...}}, found {}", source, document->type_name()));
+    const json* value = document.get();
+    return JsonObject(std::make_shared<const Node>(Node{std::move(document), value, std::move(source), {}}));
+}
+
+JsonObject JsonObject::read(const std::filesystem::path& file) {
+    std::ifstream stream(file, std::ios::binary);
+    if (!stream) throw FileError(fmt::format("{}: cannot be opened for reading", file.string()));
+    constexpr std::size_t most = std::size_t{64} << 20;
+    std::string text, piece(std::size_t{1} << 16, '\0');
+    while (stream.read(piece.data(), static_cast<std::streamsize>(piece.size())), stream.gcount() > 0) {
+        text.append(piece, 0, static_cast<std::size_t>(stream.gcount()));
+        if (text.size() > most)
+            throw InputError(fmt::format("{}: larger than 64 MiB, which no file of this kind is", file.string()));
+    }
+    if (stream.bad()) throw FileError(fmt::format("{}: reading failed", file.string()));
+    return parse(text, file.string());
+}
+
+void JsonObject::fail(std::string_view key, std::string_view rule) const {
+    throw InputError(fmt::format("{}: key `{}`: {}", node_->source, node_->name(key), rule));
+}
+
+void JsonObject::allow_only(std::initializer_list<std::string_view> known) const {
+    for (const auto& item : node_->value->items())
+        if (std::find(known.begin(), known.end(), item.key()) == known.end()) {
+            const std::vector<std::string> names(known.begin(), known.end());
+            throw InputError(fmt::format("{}: {}{}", node_->source, node_->path.empty() ? "" : node_->path + ": ",
+                                         unknown_key_message(item.key(), names)));
+        }
+}
+
+bool JsonObject::has(std::string_view key) const { return node_->value->contains(std::string(key)); }
+
+bool JsonObject::is_text(std::string_view key) const {
+    const auto found = node_->value->find(std::string(key));
+    return found != node_->value->end() && found->is_string();
+}
+
+std::vector<std::string> JsonObject::keys() const {
+    std::vector<std::string> result;
+    for (const auto& item : node_->value->items()) result.push_back(item.key());
+    return result;
+}
+
+std::string JsonObject::text(std::string_view key) const {
+    const json& value = node_->at(*this, key);
+    if (!value.is_string()) fail(key, fmt::format("is {}, expected a text in quotes", shown(value)));
+    return value.get<std::string>();
+}
+
+bool JsonObject::boolean(std::string_view key) const {
+    const json& value = node_->at(*this, key);
+    if (!value.is_boolean()) fail(key, fmt::format("is {}, expected true or false", shown(value)));
+    return value.get<bool>();
+}
+
+double JsonObject::number(std::string_view key, double least, double most) const {
+    const json& value = node_->at(*this, key);
+    if (!value.is_number()) fail(key, fmt::format("is {}, expected a number", shown(value)));
+    const double number = value.get<double>();
+    if (!(number >= least && number <= most))
+        fail(key, fmt::format("is {}, expected a number from {} to {}", shown(value), least, most));
+    return number;
+}
+
+namespace {
+
+std::uint64_t checked_integer(const JsonObject& object, std::string_view key, const json& value, std::uint64_t least,
+                              std::uint64_t most) {
+    if (!value.is_number_unsigned() || value.get<std::uint64_t>() < least || value.get<std::uint64_t>() > most)
+        object.fail(key, fmt::format("holds {}, expected a whole number from {} to {}", shown(value), least, most));
+    return value.get<std::uint64_t>();
+}
+
+void check_array(const JsonObject& object, std::string_view key, const json& value, std::size_t count) {
+    if (!value.is_array()) object.fail(key, fmt::format("is {}, expected a list, [...]", shown(value)));
+    if (count > 0 && value.size() != count)
+        object.fail(key, fmt::format("has {} entries, expected {}", value.size(), count));
+}
+
+std::vector<double> checked_numbers(const JsonObject& object, std::string_view key, const json& value, std::size_t count,
+                                    double least, double most) {
+    check_array(object, key, value, count);
+    std::vector<double> result;
+    result.reserve(value.size());
+    for (const json& entry : value) {
+        if (!entry.is_number() || !(entry.get<double>() >= least && entry.get<double>() <= most))
+            object.fail(key, fmt::format("holds {}, expected numbers from {} to {}", shown(entry), least, most));
+        result.push_back(entry.get<double>());
+    }
+    return result;
+}
+
+}  // namespace
+
+std::uint64_t JsonObject::integer(std::string_view key, std::uint64_t least, std::uint64_t most) const {
+    return checked_integer(*this, key, node_->at(*this, key), least, most);
+}
+
+std::vector<double> JsonObject::numbers(std::string_view key, std::size_t count, double least, double most) const {
+    return checked_numbers(*this, key, node_->at(*this, key), count, least, most);
+}
+
+std::vector<std::vector<double>> JsonObject::number_lists(std::string_view key, std::size_t lists, double least,
+                                                          double most) const {
+    const json& value = node_->at(*this, key);
+    check_array(*this, key, value, lists);
+    std::vector<std::vector<double>> result;
+    for (std::size_t i = 0; i < value.size(); ++i)
+        result.push_back(checked_numbers(*this, fmt::format("{}[{}]", key, i), value[i], 0, least, most));
+    return result;
+}
+
+std::vector<std::vector<std::vector<double>>> JsonObject::tables(std::string_view key, std::size_t rows, double least,
+                                                                 double most) const {
+    const json& value = node_->at(*this, key);
+    check_array(*this, key, value, 0);
+    std::vector<std::vector<std::vector<double>>> result;
+    for (std::size_t i = 0; i < value.size(); ++i) {
+        check_array(*this, fmt::format("{}[{}]", key, i), value[i], rows);
+        auto& table = result.emplace_back();
+        for (std::size_t j = 0; j < value[i].size(); ++j)
+            table.push_back(checked_numbers(*this, fmt::format("{}[{}][{}]", key, i, j), value[i][j], 0, least, most));
+    }
+    return result;
+}
+
+std::vector<std::uint64_t> JsonObject::integers(std::string_view key, std::size_t count, std::uint64_t least,
+                                                std::uint64_t most) const {
+    const json& value = node_->at(*this, key);
+    check_array(*this, key, value, count);
+    std::vector<std::uint64_t> result;
+    for (const json& entry : value) result.push_back(checked_integer(*this, key, entry, least, most));
+    return result;
+}
+
+std::vector<std::string> JsonObject::texts(std::string_view key) const {
+    const json& value = node_->at(*this, key);
+    check_array(*this, key, value, 0);
+    std::vector<std::string> result;
+    for (const json& entry : value) {
+        if (!entry.is_string()) fail(key, fmt::format("holds {}, expected texts in quotes", shown(entry)));
+        result.push_back(entry.get<std::string>());
+    }
+    return result;
+}
+
+JsonObject JsonObject::object(std::string_view key) const {
+    const json& value = node_->at(*this, key);
+    if (!value.is_object()) fail(key, fmt::format("is {}, expected an object, {{...}}", shown(value)));
+    return JsonObject(std::make_shared<const Node>(Node{node_->document, &value, node_->source, node_->name(key)}));
+}
+
+std::vector<JsonObject> JsonObject::objects(std::string_view key) const {
+    const json& value = node_->at(*this, key);
+    check_array(*this, key, value, 0);
+    std::vector<JsonObject> result;
+    for (std::size_t i = 0; i < value.size(); ++i) {
+        if (!value[i].is_object()) fail(key, fmt::format("holds {}, expected objects, {{...}}", shown(value[i])));
+        result.push_back(JsonObject(std::make_shared<const Node>(
+            Node{node_->document, &value[i], node_->source, fmt::format("{}[{}]", node_->name(key), i)})));
+    }
+    return result;
+}
+
+std::string json_text(std::string_view text) { return json(text).dump(-1, ' ', false, json::error_handler_t::replace); }
+
+}  // namespace voxtone::io

@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/io/files/xml_reader.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cstdint>
+
+#include <fmt/format.h>
+
+#include "voxtone/base/error.h"
+
+namespace voxtone::io {
+
+namespace {
+
+constexpr std::size_t deepest = 256;
+
+bool blank(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
+bool ends_name(char c) { return blank(c) || c == '/' || c == '>' || c == '=' || c == '<' || c == '"' || c == '\''; }
+
+void append_utf8(std::string& out, std::uint32_t c) {
+    if (c < 0x80) {
+        out += static_cast<char>(c);
+    } else if (c < 0x800) {
+        out += static_cast<char>(0xc0 | (c >> 6));
+        out += static_cast<char>(0x80 | (c & 0x3f));
+    } else if (c < 0x10000) {
+        out += static_cast<char>(0xe0 | (c >> 12));
+        out += static_cast<char>(0x80 | ((c >> 6) & 0x3f));
+        out += static_cast<char>(0x80 | (c & 0x3f));
+    } else if (c < 0x110000) {
+        out += static_cast<char>(0xf0 | (c >> 18));
+        out += static_cast<char>(0x80 | ((c >> 12) & 0x3f));
+        out += static_cast<char>(0x80 | ((c >> 6) & 0x3f));
+        out += static_cast<char>(0x80 | (c & 0x3f));
+    }
+}
+
+}  // namespace
+
+XmlReader::XmlReader(std::string_view text, std::string what) : text_(text), what_(std::move(what)) {
+    if (text_.starts_with("\xef\xbb\xbf")) at_ = 3;
+    if (text_.starts_with("\xff\xfe") || text_.starts_with("\xfe\xff")) fail("it is in UTF-16, only UTF-8 can be read");
+}
+
+void XmlReader::fail(const std::string& what) const {
+    const auto line =
+        1 + std::count(text_.begin(), text_.begin() + static_cast<std::ptrdiff_t>(std::min(at_, text_.size())), '\n');
+    throw InputError(fmt::format("{}, line {}: {}; the file is damaged, export it again", what_, line, what));
+}
+
+void XmlReader::skip_past(std::string_view mark) {
+    const std::size_t found = text_.find(mark, at_);
+    if (found == std::string_view::npos) fail("it is cut short");
+    at_ = found + mark.size();
+}
+
+void XmlReader::skip_blanks() {
+    while (at_ < text_.size() && blank(text_[at_])) ++at_;
+}
+
+std::string_view XmlReader::read_name() {
+    const std::size_t first = at_;
+    while (at_ < text_.size() && !ends_name(text_[at_])) ++at_;
+    if (at_ == first) fail("a name is missing");
+    return text_.substr(first, at_ - first);
+}
+
+XmlReader::Event XmlReader::next() {
+    if (ended_) {
+        open_.pop_back();
+        ended_ = false;
+    }
+    if (closes_) {
+        closes_ = false;
+        ended_ = true;
+        return Event::end;
+    }
+    for (;;) {
+        at_ = std::min(text_.find('<', at_), text_.size());
+        depth_ = open_.size();
+        if (at_ == text_.size()) {
+            if (!open_.empty()) fail(fmt::format("it is cut short inside <{}>", open_.back()));
+            return Event::finished;
+        }
+        const std::string_view rest = text_.substr(at_);
+        if (rest.starts_with("<!--")) {
+            skip_past("-->");
+        } else if (rest.starts_with("<![CDATA[")) {
+            skip_past("]]>");
+        } else if (rest.starts_with("<?")) {
+            skip_past("?>");
+        } else if (rest.starts_with("<!")) {
+            fail("it has a document type declaration, which is not allowed here");
+        } else if (rest.starts_with("</")) {
+            at_ += 2;
+            name_ = read_name();
+            skip_past(">");
+            if (open_.empty() || open_.back() != name_) fail(fmt::format("</{}> closes nothing", name_));
+            ended_ = true;
+            return Event::end;
+        } else {
+            read_start();
+            return Event::start;
+        }
+    }
+}
+
+void XmlReader::read_start() {
+    ++at_;
+    name_ = read_name();
+    attributes_.clear();
+    for (;;) {
+        skip_blanks();
+        if (at_ >= text_.size()) fail("it is cut short");
+        if (text_[at_] == '>') {
+            ++at_;
+            break;
+        }
+        if (text_[at_] == '/') {
+            if (at_ + 1 >= text_.size() || text_[at_ + 1] != '>') fail("a '/' stands alone");
+            at_ += 2;
+            closes_ = true;
+            break;
+        }
+        const std::string_view key = read_name();
+        skip_blanks();
+        if (at_ >= text_.size() || text_[at_] != '=') fail(fmt::format("the attribute {} has no value", key));
+        ++at_;
+        skip_blanks();
+        if (at_ >= text_.size() || (text_[at_] != '"' && text_[at_] != '\''))
+            fail(fmt::format("the value of {} has no quotes", key));
+        const char quote = text_[at_++];
+        const std::size_t end = text_.find(quote, at_);
+        if (end == std::string_view::npos) fail("it is cut short");
+        attributes_.emplace_back(key, text_.substr(at_, end - at_));
+        at_ = end + 1;
+    }
+    open_.push_back(name_);
+    depth_ = open_.size();
+    if (depth_ > deepest) fail("its elements are nested too deep");
+}
+
+std::string_view XmlReader::attribute(std::string_view local_name) const {
+    for (const auto& [key, value] : attributes_)
+        if (local(key) == local_name) return value.empty() ? std::string_view("") : value;
+    return {};
+}
+
+std::string XmlReader::decode(std::string_view value) {
+    std::string out;
+    for (std::size_t i = 0; i < value.size(); ++i) {
+        const std::size_t end = value[i] == '&' ? value.find(';', i) : std::string_view::npos;
+        if (end == std::string_view::npos) {
+            out += value[i];
+            continue;
+        }
+        const std::string_view entity = value.substr(i + 1, end - i - 1);
+        std::uint32_t code = 0;
+        if (entity == "amp") code = '&';
+        if (entity == "lt") code = '<';
+        if (entity == "gt") code = '>';
+        if (entity == "quot") code = '"';
+        if (entity == "apos") code = '\'';
+        if (entity.starts_with("#x"))
+            std::from_chars(entity.data() + 2, entity.data() + entity.size(), code, 16);
+        else if (entity.starts_with("#"))
+            std::from_chars(entity.data() + 1, entity.data() + entity.size(), code);
+        if (code) append_utf8(out, code);
+        i = end;
+    }
+    return out;
+}
+
+}  // namespace voxtone::io

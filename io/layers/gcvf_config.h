@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// ConfigFile.xml of a GCVF container: what the layers are and which colour stands for which resin. There is no public
+// specification; the fields are those that public readers and writers agree on.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "voxtone/io/layers/manifest.h"
+
+namespace voxtone::io {
+
+struct GcvfMaterial {
+    std::string name;
+    std::array<std::uint8_t, 4> rgba{};
+    std::uint64_t voxels = 0;
+    friend bool operator==(const GcvfMaterial&, const GcvfMaterial&) = default;
+};
+
+struct GcvfConfig {
+    double x_dpi = 0, y_dpi = 0;
+    std::uint64_t slice_thickness_nm = 0;
+    std::uint32_t width_px = 0, height_px = 0;
+    std::uint32_t start_index = 0, slices = 0;
+    std::string prefix = "layer_";
+    std::array<std::uint8_t, 4> background{0, 0, 0, 255};
+    std::vector<GcvfMaterial> materials;
+    friend bool operator==(const GcvfConfig&, const GcvfConfig&) = default;
+};
+
+[[nodiscard]] GcvfConfig gcvf_config(const StackDescription& stack);
+[[nodiscard]] std::string gcvf_config_text(const GcvfConfig& config);
+/// Throws InputError, beginning with `source`, that names the element and the rule.
+[[nodiscard]] GcvfConfig parse_gcvf_config(std::string_view xml, const std::string& source);
+
+/// The maker's spelling in a GCVF ("VeroCY-V") of a resin's role where one is known, else the resin's own name.
+[[nodiscard]] std::string gcvf_material_name(const StackResin& resin);
+
+}  // namespace voxtone::io

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// A GCVF container from the layers of a finished folder: a ZIP with ConfigFile.xml, layer_0.png ..., Mesh.stl (a preview in
+// mm, y negative because image rows run downward) and MeshBbx.ktn (six little-endian float32: least and greatest x, y, z in
+// pixels and slices, y downward). There is no public specification: the form is what public readers and writers agree on.
+// The same stack gives the same bytes. PNG entries are stored, since they are compressed already.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <vector>
+
+#include "voxtone/base/progress.h"
+#include "voxtone/io/layers/manifest.h"
+
+namespace voxtone::io {
+
+/// The hull that a GCVF shows as a preview, in the model's frame (mm). Empty: the box of the bitmaps is shown.
+struct PreviewMesh {
+    std::span<const std::array<float, 3>> vertices_mm;
+    std::span<const std::array<std::uint32_t, 3>> triangles;
+};
+
+/// The bytes of Mesh.stl and of MeshBbx.ktn.
+struct GcvfPreview {
+    std::vector<std::uint8_t> stl, box;
+};
+[[nodiscard]] GcvfPreview gcvf_preview(const StackDescription& stack, const PreviewMesh& mesh);
+
+/// Writes `file` from the layers under `folder`. Throws FileError, Cancelled.
+void write_gcvf(const std::filesystem::path& file, const StackDescription& stack, const std::filesystem::path& folder,
+                const PreviewMesh& mesh = {}, const Progress* progress = nullptr);
+
+}  // namespace voxtone::io

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// manifest.json: the one description of a layer stack (data/schema/manifest.schema.json is its schema).
+//
+// Sizes, pitches and colours are those of the bitmaps as they lie in the folder: columns first, then rows, then layers.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "voxtone/io/layers/layer_runs.h"
+#include "voxtone/io/layers/png_layer_encoder.h"
+
+namespace voxtone::io {
+
+/// What was done to the bitmaps after slicing, in this order: rows and columns swapped, then columns mirrored (flip_x), then
+/// rows mirrored (flip_y). Some printer set-ups print mirrored and want this.
+struct Orientation {
+    bool flip_x = false, flip_y = false, swap_xy = false;
+    friend bool operator==(const Orientation&, const Orientation&) = default;
+};
+
+struct StackResin {
+    std::string name;  ///< the maker's name, "VeroWhite"
+    std::string role;  ///< unique in the stack: "W"
+    Rgb rgb{};         ///< unique in the stack and not the background
+    std::uint64_t voxels = 0;
+    double ml = 0;
+    friend bool operator==(const StackResin&, const StackResin&) = default;
+};
+
+struct StackDescription {
+    std::string printer;                          ///< id of the profile
+    std::array<double, 3> pitch_um{};             ///< of columns, rows, layers
+    std::array<std::uint32_t, 2> size_px{};       ///< columns, rows; 1..65535
+    std::uint32_t layers = 0;                     ///< in this folder, >= 1
+    std::uint32_t first_layer = 0;                ///< number of the first one: a part of a stack starts later
+    std::array<double, 3> size_mm{};              ///< of the whole bitmap stack
+    std::array<double, 3> origin_mm{};            ///< corner of the grid in the model's frame, before `orientation`
+    std::string pattern = "layers/slice_%05d.png";
+    Rgb background_rgb{};
+    std::vector<StackResin> resins;               ///< material m of a layer is resins[m - 1]
+    Orientation orientation;
+    std::string content_sha256;                   ///< see sha256.h; 64 hexadecimal digits
+
+    friend bool operator==(const StackDescription&, const StackDescription&) = default;
+    /// Colours of materials 0, 1, ...: the background, then the resins.
+    [[nodiscard]] std::vector<Rgb> palette() const;
+    /// Path of layer `index` (0-based in this folder) under the folder.
+    [[nodiscard]] std::string layer_path(std::uint32_t index) const;
+    /// Throws InputError, beginning with `source`, that names the key, its value and the rule it breaks.
+    void validate(std::string_view source) const;
+};
+
+/// Size along each axis: pixels or layers times pitch.
+[[nodiscard]] std::array<double, 3> stack_size_mm(const StackDescription& stack);
+
+/// Millilitres in so many voxels of this pitch.
+[[nodiscard]] double millilitres(std::uint64_t voxels, const std::array<double, 3>& pitch_um);
+
+[[nodiscard]] std::string manifest_text(const StackDescription& stack);
+/// Throws InputError naming key and rule.
+[[nodiscard]] StackDescription parse_manifest(std::string_view text, std::string source);
+/// Throws FileError, InputError.
+[[nodiscard]] StackDescription read_manifest(const std::filesystem::path& file);
+
+}  // namespace voxtone::io

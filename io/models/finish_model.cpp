@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// From the plain parts of a parsed file to a checked mesh with textures that can be sampled.
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <tuple>
+
+#include <fmt/format.h>
+
+#include "voxtone/base/error.h"
+#include "voxtone/io/models/read_parts.h"
+#include "voxtone/io/models/texel_coverage.h"
+#include "voxtone/io/models/weld.h"
+
+namespace voxtone::io {
+
+namespace {
+
+void check(ModelParts& parts, const std::string& name) {
+    if (parts.triangles.empty())
+        throw InputError(
+            fmt::format("{} holds no faces, so there is nothing to print; check that it was exported as a mesh", name));
+    std::size_t bad = 0;
+    for (const Eigen::Vector3d& p : parts.positions) bad += !p.allFinite();
+    if (bad)
+        throw InputError(fmt::format(
+            "{} of the {} vertices of {} are infinite or not numbers, so that its shape is unknown; export it "
+            "again or repair it in a mesh editor",
+            bad, parts.positions.size(), name));
+    for (const auto& triangle : parts.triangles)
+        for (const std::uint32_t corner : triangle)
+            if (corner >= parts.positions.size())
+                throw InputError(fmt::format("a face of {} uses vertex {}, but there are only {}; the file is damaged",
+                                             name, corner, parts.positions.size()));
+    if (parts.materials.empty()) parts.materials.emplace_back();
+    for (const std::uint32_t material : parts.material_of_triangle)
+        if (material >= parts.materials.size())
+            throw InputError(fmt::format("a face of {} uses material {}, but there are only {}; the file is damaged",
+                                         name, material, parts.materials.size()));
+    // Attributes may have been set for the first triangles only.
+    if (!parts.corner_uv.empty()) {
+        parts.corner_uv.resize(parts.triangles.size(),
+                               {Eigen::Vector2f::Zero(), Eigen::Vector2f::Zero(), Eigen::Vector2f::Zero()});
+        std::size_t not_finite = 0;
+        for (auto& corners : parts.corner_uv)
+            for (Eigen::Vector2f& uv : corners)
+                if (!uv.allFinite()) {
+                    uv.setZero();
+                    ++not_finite;
+                }
+        if (not_finite)
+            parts.warnings.push_back(fmt::format(
+                "{} texture coordinates of {} are infinite or not numbers; they were taken as 0.", not_finite, name));
+    }
+    if (!parts.corner_rgba.empty())
+        parts.corner_rgba.resize(parts.triangles.size(),
+                                 {Eigen::Vector4f::Ones(), Eigen::Vector4f::Ones(), Eigen::Vector4f::Ones()});
+}
+
+/// What tells one prepared picture from another.
+struct Variant {
+    std::int32_t image;
+    bool transparent;
+    std::array<float, 4> tint;  // baked in where the picture is transparent: the product is composed as a whole
+    std::array<float, 3> under;
+    auto operator<=>(const Variant&) const = default;
+};
+
+class Finisher {
+public:
+    Finisher(ModelParts parts, const std::string& name, const ReadOptions& options)
+        : parts_(std::move(parts)), name_(name), options_(options) {}
+
+    ModelFile finish() {
+        check(parts_, name_);
+        weld_positions(parts_.positions, parts_.triangles);
+        drop_unusable_images();
+        cover();
+        make_materials();
+        compose_corners();
+        report_transparency();
+        ModelFile file;
+        file.format = parts_.format;
+        file.mm_per_file_unit = parts_.mm_per_file_unit;
+        file.has_colour = parts_.has_colour;
+        file.warnings = std::move(parts_.warnings);
+        file.mesh = std::move(mesh_);
+        file.mesh.positions = std::move(parts_.positions);
+        file.mesh.triangles = std::move(parts_.triangles);
+        file.mesh.material_of_triangle = std::move(parts_.material_of_triangle);
+        const bool textured = std::any_of(file.mesh.materials.begin(), file.mesh.materials.end(),
+                                          [](const auto& m) { return bool(m.texture); });
+        if (textured) file.mesh.corner_uv = std::move(parts_.corner_uv);
+        return file;
+    }
+
+private:
+    /// A texture without coordinates cannot be laid down.
+    void drop_unusable_images() {
+        for (PartMaterial& material : parts_.materials) {
+            if (material.image >= static_cast<std::int32_t>(parts_.images.size())) material.image = -1;
+            if (material.image < 0 || !parts_.corner_uv.empty()) continue;
+            parts_.warnings.push_back(fmt::format(
+                "{} has the texture {} but no texture coordinates, so that it cannot be laid on the surface: "
+                "its colours are LOST.",
+                name_, parts_.image_names[static_cast<std::size_t>(material.image)]));
+            material.image = -1;
+        }
+    }
+
+    /// Texels that the mesh uses, per picture over all materials.
+    void cover() {
+        for (const DecodedImage& image : parts_.images)
+            coverage_.emplace_back(image.texels.width_px, image.texels.height_px);
+        used_material_.resize(parts_.materials.size());
+        for (std::size_t t = 0; t < parts_.triangles.size(); ++t) {
+            const std::uint32_t m = parts_.material_of_triangle[t];
+            used_material_[m] = true;
+            const PartMaterial& material = parts_.materials[m];
+            if (material.image >= 0)
+                coverage_[static_cast<std::size_t>(material.image)].add(parts_.corner_uv[t], material.wrap_u,
+                                                                        material.wrap_v);
+        }
+    }
+
+    /// Pixels in use that are not opaque.
+    std::size_t transparent_pixels(std::size_t image) const {
+        const TexelImage& texels = parts_.images[image].texels;
+        std::size_t count = 0;
+        if (parts_.images[image].has_alpha)
+            for (std::size_t i = 0; i < texels.pixels(); ++i) count += coverage_[image].used(i) && texels.alpha(i) < 1;
+        return count;
+    }
+
+    void make_materials() {
+        std::map<Variant, std::shared_ptr<const MipPyramid>> pyramids;
+        std::vector<Variant> variants;
+        for (const PartMaterial& m : parts_.materials) {
+            const bool transparent =
+                m.image >= 0 && !m.opaque && (m.alpha < 1 || transparent_pixels(static_cast<std::size_t>(m.image)) > 0);
+            variants.push_back(
+                {m.image, transparent,
+                 transparent ? std::array{m.rgb.x(), m.rgb.y(), m.rgb.z(), m.alpha} : std::array{1.f, 1.f, 1.f, 1.f},
+                 transparent ? std::array{m.under.x(), m.under.y(), m.under.z()} : std::array{1.f, 1.f, 1.f}});
+        }
+        for (std::size_t i = 0; i < variants.size(); ++i) {
+            const PartMaterial& part = parts_.materials[i];
+            const Variant& variant = variants[i];
+            SurfaceMaterial material{part.name, part.rgb, nullptr};
+            if (variant.transparent) {
+                material.rgb.setOnes();
+                transparent_materials_ +=
+                    part.under == Eigen::Vector3f::Ones();  // else the file itself says what shows through
+            } else if (!part.opaque && part.alpha < 1) {
+                material.rgb = part.rgb * part.alpha + Eigen::Vector3f::Constant(1 - part.alpha);
+                transparent_materials_ += used_material_[i];
+            }
+            if (part.image >= 0 && used_material_[i]) {
+                auto& pyramid = pyramids[variant];
+                if (!pyramid) pyramid = prepare(variant);
+                material.texture = std::make_shared<const Texture>(pyramid, part.wrap_u, part.wrap_v, part.nearest);
+            }
+            mesh_.materials.push_back(std::move(material));
+        }
+    }
+
+    std::shared_ptr<const MipPyramid> prepare(const Variant& variant) {
+        const auto index = static_cast<std::size_t>(variant.image);
+        TexelImage texels = parts_.images[index].texels;
+        if (options_.fill_gutters) fill_gutters(texels, coverage_[index]);
+        if (variant.transparent)
+            compose_over(texels, {variant.under[0], variant.under[1], variant.under[2]},
+                         {variant.tint[0], variant.tint[1], variant.tint[2]}, variant.tint[3]);
+        return std::make_shared<const MipPyramid>(std::move(texels));
+    }
+
+    void compose_corners() {
+        if (parts_.corner_rgba.empty()) return;
+        mesh_.corner_rgb.resize(parts_.corner_rgba.size());
+        std::size_t clamped = 0;
+        for (std::size_t t = 0; t < parts_.corner_rgba.size(); ++t) {
+            const bool opaque = parts_.materials[parts_.material_of_triangle[t]].opaque;
+            for (int c = 0; c < 3; ++c) {
+                const Eigen::Vector4f& rgba = parts_.corner_rgba[t][c];
+                Eigen::Vector3f rgb = rgba.head<3>();
+                for (float& x : rgb) {
+                    clamped += !(x >= 0 && x <= 1);
+                    x = x > 0 ? std::min(x, 1.0f) : 0.0f;
+                }
+                const float alpha = opaque || !(rgba.w() < 1) ? 1.0f : std::max(rgba.w(), 0.0f);
+                transparent_corners_ += alpha < 1;
+                mesh_.corner_rgb[t][c] = rgb * alpha + Eigen::Vector3f::Constant(1 - alpha);
+            }
+        }
+        if (clamped)
+            parts_.warnings.push_back(fmt::format(
+                "{} values of vertex colours in {} lie outside 0 to 1; they were clamped.", clamped, name_));
+    }
+
+    void report_transparency() {
+        if (transparent_materials_ == 0 && transparent_corners_ == 0) return;
+        parts_.warnings.push_back(
+            fmt::format("{} has transparent colours ({} materials, {} vertex colours); a print is opaque, so they were "
+                        "laid over white.",
+                        name_, transparent_materials_, transparent_corners_));
+    }
+
+    ModelParts parts_;
+    const std::string& name_;
+    const ReadOptions& options_;
+    TexturedMesh mesh_;
+    std::vector<TexelCoverage> coverage_;
+    std::vector<bool> used_material_;
+    std::size_t transparent_materials_ = 0, transparent_corners_ = 0;
+};
+
+}  // namespace
+
+ModelFile finish_model(ModelParts parts, const std::string& name, const ReadOptions& options) {
+    return Finisher(std::move(parts), name, options).finish();
+}
+
+}  // namespace voxtone::io

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// A triangle mesh with its colour, as every reader delivers it.
+//
+// Colour of a surface point = material.rgb * corner colour (interpolated) * texture(uv)      (linear sRGB, per channel)
+// where a factor that is absent counts as 1. Alpha is composed over white by the reader, which says so.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace voxtone::io {
+
+class Texture;  // io/pictures/texture.h: decoded, gutters filled, filtered
+
+struct SurfaceMaterial {
+    std::string name;
+    Eigen::Vector3f rgb = Eigen::Vector3f::Ones();  ///< linear sRGB
+    std::shared_ptr<const Texture> texture;         ///< null: none
+};
+
+struct TexturedMesh {
+    std::vector<Eigen::Vector3d> positions;  ///< in units of the file; all finite; welded where equal to the bit
+    std::vector<std::array<std::uint32_t, 3>> triangles;
+    std::vector<std::uint32_t> material_of_triangle;            ///< one per triangle, an index into `materials`
+    std::vector<std::array<Eigen::Vector2f, 3>> corner_uv;      ///< one per triangle, or empty; (0,0) is the texture's bottom left
+    std::vector<std::array<Eigen::Vector3f, 3>> corner_rgb;     ///< one per triangle, linear sRGB factors, or empty
+    std::vector<SurfaceMaterial> materials;                     ///< at least one
+};
+
+/// What a reader has to say beside the mesh.
+struct ModelFile {
+    TexturedMesh mesh;
+    std::string format;                 ///< "OBJ", "3MF", ...
+    double mm_per_file_unit = 0;        ///< from the file; 0 where the format has no unit
+    bool has_colour = false;            ///< any texture, vertex or material colour in the file
+    std::vector<std::string> warnings;  ///< what was in the file and cannot be carried, in whole sentences
+};
+
+}  // namespace voxtone::io

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Models from files: OBJ + MTL, PLY, STL, glTF 2.0 / GLB and 3MF.
+//
+// Colour, as io/models/mesh.h combines it (linear sRGB):
+// - OBJ: `map_Kd` with -o, -s and -clamp; Kd, taken as sRGB, where there is no map. Kd does NOT multiply the map,
+// although
+//   the MTL note says so: exporters leave grey defaults there (0.64, 0.8) beside finished photographs, and people
+//   expect the colours of the picture. A Kd that is no grey and was not applied is reported. Vertex colours (v x y z r
+//   g b) are sRGB.
+// - PLY: vertex colours of integers are sRGB codes, of floats linear; `comment TextureFile`. Face colours are reported.
+// - STL: none. Attribute words that look like the colours of VisCAM or Magics are reported.
+// - glTF: baseColorFactor (linear) * COLOR_0 (linear) * baseColorTexture (sRGB) with KHR_texture_transform; nothing
+// else of
+//   the material is colour. Alpha counts only where alphaMode is MASK or BLEND. Node transforms are applied; skins stay
+//   as stored (their bind pose), animations are left aside. The axes are turned from y up to z up: (x, y, z) -> (x, -z,
+//   y).
+// - 3MF: see io/read_3mf.h.
+// In all but glTF the axes stay as they are. Alpha is composed over white, with a warning where it is used. Where no
+// triangle of the model uses a texture's texel, the nearest used one is put (io/models/texel_coverage.h).
+//
+// Points and lines are left aside with a warning; polygons are triangulated; degenerate faces are kept. Equal positions
+// are one vertex.
+//
+// A file is taken for hostile: it is parsed, and its pictures decoded, in a child process with a budget of memory and
+// time (io/files/isolate.h); names in it are followed only inside its folder (io/models/side_files.h); declared sizes are checked
+// first. Errors: FileError (cannot be read), InputError (what is wrong with it, and what to try).
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+
+#include "voxtone/base/progress.h"
+#include "voxtone/io/models/mesh.h"
+
+namespace voxtone::io {
+
+struct ReadOptions {
+    bool isolate = true;  ///< parse in a child process; false: in this one, where a hostile file can end the program
+    std::uint64_t memory_bytes = std::uint64_t{4} << 30;  ///< what parsing may take; 0: no limit (sanitizers need that)
+    double timeout_s = 120;                               ///< > 0
+    std::uint64_t max_file_bytes = std::uint64_t{2} << 30;
+    std::uint64_t max_pixels = std::uint64_t{1} << 28;          ///< of one picture
+    std::uint64_t max_unpacked_bytes = std::uint64_t{2} << 30;  ///< of all of a 3MF's parts
+    bool fill_gutters = true;
+    const Progress* progress = nullptr;  ///< asked for cancellation
+};
+
+/// Throws UsageError naming the option that is out of range.
+void validate(const ReadOptions& options);
+
+[[nodiscard]] ModelFile read_model(const std::filesystem::path& path, const ReadOptions& options = {});
+
+/// Whether the name ends as that of a model (.obj .ply .stl .gltf .glb .3mf, any case).
+[[nodiscard]] bool is_model_name(const std::filesystem::path& path);
+
+}  // namespace voxtone::io

@@ -1,0 +1,353 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// 3MF packages: build items, components and transforms laid out; properties of triangles resolved to colours and
+// textures.
+#include <cmath>
+#include <map>
+#include <set>
+#include <string_view>
+#include <tuple>
+
+#include <fmt/format.h>
+
+#include "voxtone/base/error.h"
+#include "voxtone/io/models/read_parts.h"
+#include "voxtone/io/models/threemf_part.h"
+#include "voxtone/io/files/zip_archive.h"
+
+namespace voxtone::io {
+
+namespace {
+
+constexpr int deepest_component = 64;
+constexpr std::size_t most_instances = 1'000'000, most_triangles = std::size_t{1} << 28;
+
+std::string_view text_of(const std::vector<std::byte>& bytes) {
+    return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+Eigen::Vector4f to_linear(const Eigen::Vector4f& code) {
+    const Eigen::Vector3f rgb = srgb_to_linear(Eigen::Vector3f(code.head<3>()));
+    return {rgb.x(), rgb.y(), rgb.z(), code.w()};
+}
+
+/// What a property means at one corner.
+struct Corner {
+    Eigen::Vector4f rgba = Eigen::Vector4f::Ones();  // linear; what lies under the texture, if there is one
+    Eigen::Vector2f uv = Eigen::Vector2f::Zero();
+    std::uint32_t texture = no_property;  // texture2d on top of the colour
+};
+
+/// A layer over what lies below: "mix" by its alpha, or "multiply".
+Eigen::Vector4f lay_over(const Eigen::Vector4f& below, const Eigen::Vector4f& layer, bool multiply) {
+    if (multiply) return below.cwiseProduct(layer);
+    const float alpha = layer.w() + below.w() * (1 - layer.w());
+    if (alpha <= 0) return Eigen::Vector4f::Zero();
+    const Eigen::Vector3f rgb = (layer.head<3>() * layer.w() + below.head<3>() * below.w() * (1 - layer.w())) / alpha;
+    return {rgb.x(), rgb.y(), rgb.z(), alpha};
+}
+
+class ThreemfParser {
+public:
+    explicit ThreemfParser(ParseContext& context)
+        : context_(context), archive_(context.bytes(), context.name(), context.options().max_unpacked_bytes) {}
+
+    ModelParts parse() {
+        parts_.format = "3MF";
+        parts_.materials.emplace_back().name = "(colours)";
+        std::string root = "/3D/3dmodel.model";
+        if (const auto relationships = archive_.read("_rels/.rels"))
+            root = threemf_root_part(text_of(*relationships), context_.name() + ":_rels/.rels");
+        const ThreemfPart& part = load(root);
+        parts_.mm_per_file_unit = part.mm_per_unit;
+        if (part.items.empty()) {
+            warn(fmt::format(
+                "{} has no build items, so that nothing in it is meant to be printed; all its objects were taken.",
+                context_.name()));
+            std::set<std::uint32_t> used;
+            for (const auto& [id, object] : part.objects)
+                for (const ThreemfReference& component : object.components) used.insert(component.object);
+            for (const auto& [id, object] : part.objects)
+                if (!used.contains(id))
+                    add_object(root, {id, {}, Eigen::Affine3d::Identity()}, Eigen::Affine3d::Identity(), 0);
+        }
+        for (const ThreemfReference& item : part.items) add_object(root, item, Eigen::Affine3d::Identity(), 0);
+        report();
+        return std::move(parts_);
+    }
+
+private:
+    void warn(std::string warning) { parts_.warnings.push_back(std::move(warning)); }
+    /// A kind of loss, said once however often it occurs.
+    void lose(const std::string& warning) { ++losses_[warning]; }
+
+    [[noreturn]] void fail(const std::string& what) const {
+        throw InputError(fmt::format("{} is no valid 3MF file: {}; export it again", context_.name(), what));
+    }
+
+    const ThreemfPart& load(const std::string& path) {
+        if (const auto known = model_parts_.find(path); known != model_parts_.end()) return known->second;
+        const auto bytes = archive_.read(path);
+        if (!bytes) fail(fmt::format("it has no part '{}'", path));
+        const ThreemfPart& part = model_parts_[path] =
+            parse_threemf_part(text_of(*bytes), context_.name() + ":" + path);
+        for (const std::string& extension : part.required_extensions) {
+            if (extension.find("/material/") != std::string::npos ||
+                extension.find("/production/") != std::string::npos)
+                continue;
+            if (extension.find("/securecontent/") != std::string::npos)
+                throw InputError(fmt::format("{} is encrypted; export it without protection", context_.name()));
+            lose(fmt::format("{} requires the extension {}, which cannot be read: what it adds is LOST",
+                             context_.name(), extension));
+        }
+        if (part.has_beams)
+            lose(fmt::format("{} has a beam lattice, which cannot be read: its beams are LOST. Export it as a mesh",
+                             context_.name()));
+        if (part.has_painting)
+            lose(
+                fmt::format("{} has colours painted in a slicer, in a form of that program's own: they are LOST. "
+                            "Export the model with colour groups "
+                            "or as OBJ or GLB",
+                            context_.name()));
+        return part;
+    }
+
+    void add_object(const std::string& part_path, const ThreemfReference& reference, const Eigen::Affine3d& parent,
+                    int depth) {
+        if (depth > deepest_component) fail("its components are nested too deep, or hold themselves");
+        if (++instances_ > most_instances) fail(fmt::format("it has more than {} components", most_instances));
+        const std::string& path = reference.path.empty() ? part_path : reference.path;
+        const ThreemfPart& part = load(path);
+        const auto found = part.objects.find(reference.object);
+        if (found == part.objects.end())
+            fail(fmt::format("object {} is used, but does not exist in {}", reference.object, path));
+        const ThreemfObject& object = found->second;
+        const Eigen::Affine3d transform = parent * reference.transform;
+        if (object.type == "support" || object.type == "solidsupport" || object.type == "other") {
+            lose(fmt::format("{} has objects of the type '{}', which are no part of the model; they are left aside",
+                             context_.name(), object.type));
+            return;
+        }
+        for (const ThreemfReference& component : object.components) add_object(path, component, transform, depth + 1);
+        if (!object.triangles.empty()) add_mesh(path, part, object, transform);
+    }
+
+    void add_mesh(const std::string& path, const ThreemfPart& part, const ThreemfObject& object,
+                  const Eigen::Affine3d& transform) {
+        if (parts_.triangles.size() + object.triangles.size() > most_triangles ||
+            parts_.positions.size() + object.vertices.size() > std::size_t{no_property})
+            fail(fmt::format("its components add up to more than {} triangles", most_triangles));
+        const auto first = static_cast<std::uint32_t>(parts_.positions.size());
+        for (const Eigen::Vector3d& vertex : object.vertices) parts_.positions.push_back(transform * vertex);
+        const bool mirrored = transform.linear().determinant() < 0;
+        for (const ThreemfTriangle& triangle : object.triangles) {
+            std::array<std::uint32_t, 3> corners = triangle.corners;
+            for (const std::uint32_t corner : corners)
+                if (corner >= object.vertices.size())
+                    fail(fmt::format("a triangle uses vertex {}, but its object has {}", corner,
+                                     object.vertices.size()));
+            std::array<std::uint32_t, 3> p{triangle.p[0], triangle.p[1] == no_property ? triangle.p[0] : triangle.p[1],
+                                           triangle.p[2] == no_property ? triangle.p[0] : triangle.p[2]};
+            std::uint32_t pid = triangle.pid;
+            if (pid == no_property) pid = object.pid;
+            if (p[0] == no_property) {
+                pid = object.pid;
+                p = {object.pindex, object.pindex, object.pindex};
+            }
+            if (mirrored) {
+                std::swap(corners[1], corners[2]);
+                std::swap(p[1], p[2]);
+            }
+            const std::size_t t = parts_.add_triangle({first + corners[0], first + corners[1], first + corners[2]}, 0);
+            if (pid != no_property && p[0] != no_property) colour_triangle(path, part, t, pid, p);
+        }
+    }
+
+    void colour_triangle(const std::string& path, const ThreemfPart& part, std::size_t t, std::uint32_t pid,
+                         std::array<std::uint32_t, 3> p) {
+        const auto group = part.groups.find(pid);
+        if (group == part.groups.end())
+            return lose(
+                fmt::format("{}: triangles use the property group {}, which does not exist: their colours are LOST",
+                            context_.name(), pid));
+        // Base materials and their composites have no gradients: the first corner's holds for all.
+        using Kind = ThreemfGroup::Kind;
+        if (group->second.kind == Kind::base_materials || group->second.kind == Kind::composites) p[1] = p[2] = p[0];
+        std::array<Corner, 3> corner;
+        for (int c = 0; c < 3; ++c) corner[c] = resolve(part, group->second, p[c], 0);
+        if (group->second.kind == Kind::unknown) return;
+        parts_.has_colour = true;
+        if (corner[0].texture != no_property) return lay_texture(path, part, t, corner);
+        if (corner[0].rgba != Eigen::Vector4f::Ones() || corner[1].rgba != Eigen::Vector4f::Ones() ||
+            corner[2].rgba != Eigen::Vector4f::Ones())
+            parts_.set_rgba(t, {corner[0].rgba, corner[1].rgba, corner[2].rgba});
+    }
+
+    void lay_texture(const std::string& path, const ThreemfPart& part, std::size_t t,
+                     const std::array<Corner, 3>& corner) {
+        // A transparent texture shows what lies under it. That colour is laid under the picture as a whole, so it has
+        // to be the same at all three corners.
+        const Eigen::Vector4f &a = corner[0].rgba, &b = corner[1].rgba, &c = corner[2].rgba;
+        Eigen::Vector4f under = a;
+        if (a != b || a != c) {
+            under = (a + b + c) / 3;
+            lose(fmt::format("{}: a texture lies over a colour gradient; its mean is taken under each triangle",
+                             context_.name()));
+        }
+        const std::uint32_t material = texture_material(path, part, corner[0].texture, under);
+        parts_.material_of_triangle[t] = material;
+        if (parts_.materials[material].image >= 0)
+            parts_.set_uv(t, {corner[0].uv, corner[1].uv, corner[2].uv});
+        else if (under != Eigen::Vector4f::Ones())
+            parts_.set_rgba(t, {under, under, under});
+    }
+
+    std::uint32_t texture_material(const std::string& path, const ThreemfPart& part, std::uint32_t id,
+                                   const Eigen::Vector4f& under) {
+        const auto key = std::make_tuple(path, id, std::array{under.x(), under.y(), under.z(), under.w()});
+        if (const auto known = materials_.find(key); known != materials_.end()) return known->second;
+        const auto index = static_cast<std::uint32_t>(parts_.materials.size());
+        PartMaterial material;
+        if (const auto found = part.textures.find(id); found == part.textures.end()) {
+            lose(
+                fmt::format("{} uses the texture {}, which does not exist: its colours are LOST", context_.name(), id));
+        } else {
+            const ThreemfTexture& texture = found->second;
+            material.name = texture.path;
+            material.wrap_u = texture.wrap_u;
+            material.wrap_v = texture.wrap_v;
+            material.nearest = texture.nearest;
+            material.under = under.head<3>() * under.w() + Eigen::Vector3f::Constant(1 - under.w());
+            if (const auto picture = picture_of(texture.path))
+                material.image = context_.add_image_bytes(parts_, texture.path, *picture, context_.decode_options());
+            else
+                lose(fmt::format("The texture '{}' that {} names is not in it: its colours are LOST", texture.path,
+                                 context_.name()));
+        }
+        parts_.materials.push_back(material);
+        return materials_[key] = index;
+    }
+
+    std::optional<std::vector<std::byte>> picture_of(const std::string& path) const {
+        try {
+            return archive_.read(path);
+        } catch (const InputError&) {  // a damaged part: said as missing
+            return std::nullopt;
+        }
+    }
+
+    /// What index `p` of a group means at a corner. `level` guards multiproperties of multiproperties.
+    Corner resolve(const ThreemfPart& part, const ThreemfGroup& group, std::uint32_t p, int level) {
+        using Kind = ThreemfGroup::Kind;
+        Corner corner;
+        const auto check = [&](std::size_t size) {
+            if (p >= size) fail(fmt::format("a triangle uses item {} of a {}, which has {}", p, group.element, size));
+        };
+        switch (group.kind) {
+            case Kind::base_materials:
+            case Kind::colours:
+                check(group.rgba.size());
+                corner.rgba = to_linear(group.rgba[p]);
+                break;
+            case Kind::texture:
+                check(group.uv.size());
+                corner.uv = group.uv[p];
+                corner.texture = group.refers_to;
+                break;
+            case Kind::composites:
+                check(group.values.size());
+                corner.rgba = mix(part, group, group.values[p]);
+                break;
+            case Kind::multi:
+                check(group.values.size());
+                corner = stack(part, group, group.values[p], level);
+                break;
+            case Kind::unknown:
+                lose(fmt::format("{} has properties of the kind '{}', which cannot be read: they are LOST",
+                                 context_.name(), group.element));
+                break;
+        }
+        return corner;
+    }
+
+    /// The display colours of a composite, mixed by their shares in linear light.
+    Eigen::Vector4f mix(const ThreemfPart& part, const ThreemfGroup& group, const std::vector<double>& shares) {
+        lose(fmt::format(
+            "{} has composite materials; what they are mixed from is LOST, only their display colours are mixed",
+            context_.name()));
+        const auto base = part.groups.find(group.refers_to);
+        if (base == part.groups.end() || base->second.kind != ThreemfGroup::Kind::base_materials)
+            fail("a composite has no base materials");
+        Eigen::Vector4f sum = Eigen::Vector4f::Zero();
+        double total = 0;
+        for (std::size_t i = 0; i < shares.size() && i < group.members.size(); ++i) {
+            if (group.members[i] >= base->second.rgba.size())
+                fail("a composite uses a base material that does not exist");
+            if (!(shares[i] > 0) || !std::isfinite(shares[i])) continue;
+            sum += static_cast<float>(shares[i]) * to_linear(base->second.rgba[group.members[i]]);
+            total += shares[i];
+        }
+        return total > 0 ? Eigen::Vector4f(sum / static_cast<float>(total)) : Eigen::Vector4f(Eigen::Vector4f::Ones());
+    }
+
+    /// Layers of a multiproperty from the bottom up: colours as the specification says; of textures the topmost is
+    /// kept.
+    Corner stack(const ThreemfPart& part, const ThreemfGroup& group, const std::vector<double>& indices, int level) {
+        if (level > 0) fail("a multiproperty refers to another one");
+        Corner corner;
+        int textures = 0;
+        bool colour_over_texture = false;
+        for (std::size_t i = 0; i < group.members.size(); ++i) {
+            const auto member = part.groups.find(group.members[i]);
+            if (member == part.groups.end())
+                fail(fmt::format("a multiproperty uses the group {}, which does not exist", group.members[i]));
+            const double index = i < indices.size() ? indices[i] : 0;
+            if (!(index >= 0 && index < 4e9)) fail("a multiproperty has an index that is no index");
+            const Corner layer = resolve(part, member->second, static_cast<std::uint32_t>(index), level + 1);
+            const bool multiply = i > 0 && i - 1 < group.multiply.size() && group.multiply[i - 1];
+            if (layer.texture != no_property) {
+                ++textures;
+                corner.texture = layer.texture;
+                corner.uv = layer.uv;
+                if (multiply)
+                    lose(fmt::format(
+                        "{}: a texture multiplies what lies under it (multiproperties); it is laid over it instead",
+                        context_.name()));
+            } else {
+                colour_over_texture |= textures > 0;
+                corner.rgba = i == 0 ? layer.rgba : lay_over(corner.rgba, layer.rgba, multiply);
+            }
+        }
+        if (textures > 1)
+            lose(
+                fmt::format("{} lays several textures over each other (multiproperties); only the topmost is kept, the "
+                            "colours of the others are "
+                            "LOST. Bake them into one texture",
+                            context_.name()));
+        if (colour_over_texture)
+            lose(
+                fmt::format("{} lays a colour over a texture (multiproperties); it is taken under it instead. Bake "
+                            "them into one texture",
+                            context_.name()));
+        return corner;
+    }
+
+    void report() {
+        for (const auto& [what, times] : losses_)
+            warn(times > 1 ? fmt::format("{} ({} times).", what, times) : what + ".");
+    }
+
+    ParseContext& context_;
+    ZipArchive archive_;
+    ModelParts parts_;
+    std::map<std::string, ThreemfPart> model_parts_;
+    std::map<std::tuple<std::string, std::uint32_t, std::array<float, 4>>, std::uint32_t> materials_;
+    std::map<std::string, std::size_t> losses_;
+    std::size_t instances_ = 0;
+};
+
+}  // namespace
+
+ModelParts parse_3mf(ParseContext& context) { return ThreemfParser(context).parse(); }
+
+}  // namespace voxtone::io

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+
+#include <fmt/format.h>
+
+#include "voxtone/base/error.h"
+#include "voxtone/io/models/read_parts.h"
+
+namespace voxtone::io {
+
+std::vector<std::byte> read_bytes(const std::filesystem::path& path, std::uint64_t max_bytes) {
+    std::error_code error;
+    if (!std::filesystem::exists(path, error))
+        throw FileError(fmt::format("{} does not exist; check the path", path.string()));
+    if (!std::filesystem::is_regular_file(path, error)) throw FileError(fmt::format("{} is not a file", path.string()));
+    std::ifstream file(path, std::ios::binary);
+    if (!file) throw FileError(fmt::format("{} cannot be opened ({})", path.string(), std::strerror(errno)));
+    const std::uintmax_t size = std::filesystem::file_size(path, error);
+    if (error) throw FileError(fmt::format("{} cannot be read ({})", path.string(), error.message()));
+    if (size > max_bytes)
+        throw InputError(fmt::format("{} has {} bytes, more than the {} allowed", path.string(), size, max_bytes));
+    std::vector<std::byte> bytes(size);
+    file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size));
+    if (static_cast<std::uintmax_t>(file.gcount()) != size)
+        throw FileError(fmt::format("{} cannot be read to its end", path.string()));
+    return bytes;
+}
+
+ParseContext::ParseContext(const std::filesystem::path& path, const ReadOptions& options)
+    : name_(path.filename().string()),
+      options_(options),
+      files_(path),
+      bytes_(read_bytes(path, options.max_file_bytes)) {
+    if (bytes_.empty()) throw InputError(fmt::format("{} is empty", name_));
+}
+
+std::int32_t ParseContext::add(ModelParts& parts, const std::string& key, DecodedImage image) {
+    for (std::string& warning : image.warnings) parts.warnings.push_back(std::move(warning));
+    image.warnings.clear();
+    const auto index = static_cast<std::int32_t>(parts.images.size());
+    parts.images.push_back(std::move(image));
+    parts.image_names.push_back(key);
+    return images_[key] = index;
+}
+
+std::int32_t ParseContext::add_image_file(ModelParts& parts, const std::string& file, const DecodeOptions& decode) {
+    if (const auto known = images_.find(file); known != images_.end()) return known->second;
+    const auto path = files_.find(file);
+    if (!path) {
+        parts.warnings.push_back(
+            fmt::format("The texture '{}' that {} names was not found beside the model: its colours are LOST and "
+                        "the material's own colour is used. Put the file into the model's folder.",
+                        file, name_));
+        return images_[file] = -1;
+    }
+    std::vector<std::byte> bytes;
+    try {
+        bytes = read_bytes(*path, options_.max_file_bytes);
+    } catch (const Error& error) {
+        parts.warnings.push_back(
+            fmt::format("The texture '{}' could not be read ({}): its colours are LOST and the material's own "
+                        "colour is used.",
+                        file, error.what()));
+        return images_[file] = -1;
+    }
+    return add_image_bytes(parts, file, bytes, decode);
+}
+
+std::int32_t ParseContext::add_image_bytes(ModelParts& parts, const std::string& key, std::span<const std::byte> bytes,
+                                           const DecodeOptions& decode) {
+    if (const auto known = images_.find(key); known != images_.end()) return known->second;
+    try {
+        return add(parts, key, decode_image(bytes, "'" + key + "'", decode));
+    } catch (const InputError& error) {
+        parts.warnings.push_back(
+            fmt::format("A texture could not be used: {}. Its colours are LOST and the material's own colour is used.",
+                        error.what()));
+        return images_[key] = -1;
+    }
+}
+
+}  // namespace voxtone::io

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The parsers behind `read_model`, one per format. They run inside the child process; all throw InputError.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <map>
+#include <span>
+#include <string>
+
+#include "voxtone/io/models/model_parts.h"
+#include "voxtone/io/models/model_reader.h"
+#include "voxtone/io/models/side_files.h"
+
+namespace voxtone::io {
+
+/// What the parsers share: the model's bytes, the files beside it, the pictures read so far.
+class ParseContext {
+public:
+    ParseContext(const std::filesystem::path& path, const ReadOptions& options);
+
+    [[nodiscard]] const std::string& name() const { return name_; }  ///< the file's name, for messages
+    [[nodiscard]] std::span<const std::byte> bytes() const { return bytes_; }
+    [[nodiscard]] const ReadOptions& options() const { return options_; }
+    [[nodiscard]] SideFiles& files() { return files_; }
+
+    /// Decodes a picture into parts.images; -1, with a warning that names it, when it is missing or damaged. `key`
+    /// tells pictures apart: each is decoded once.
+    std::int32_t add_image_file(ModelParts& parts, const std::string& file, const DecodeOptions& decode);
+    std::int32_t add_image_bytes(ModelParts& parts, const std::string& key, std::span<const std::byte> bytes,
+                                 const DecodeOptions& decode);
+
+    [[nodiscard]] DecodeOptions decode_options() const { return {.max_pixels = options_.max_pixels}; }
+
+private:
+    std::int32_t add(ModelParts& parts, const std::string& key, DecodedImage image);
+
+    std::string name_;
+    const ReadOptions& options_;
+    SideFiles files_;
+    std::vector<std::byte> bytes_;
+    std::map<std::string, std::int32_t> images_;
+};
+
+/// The whole file; throws FileError, and InputError when it is larger than `max_bytes`.
+[[nodiscard]] std::vector<std::byte> read_bytes(const std::filesystem::path& path, std::uint64_t max_bytes);
+
+/// OBJ, PLY and STL through assimp. `extension`: "obj", "ply" or "stl".
+[[nodiscard]] ModelParts parse_with_assimp(ParseContext& context, const std::string& extension);
+[[nodiscard]] ModelParts parse_gltf(ParseContext& context);
+[[nodiscard]] ModelParts parse_3mf(ParseContext& context);
+
+/// Checks indices and values, welds positions, prepares textures.
+[[nodiscard]] ModelFile finish_model(ModelParts parts, const std::string& name, const ReadOptions& options);
+
+}  // namespace voxtone::io

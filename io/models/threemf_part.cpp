@@ -1,0 +1,254 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/io/models/threemf_part.h"
+
+#include <charconv>
+#include <cmath>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "voxtone/io/files/xml_reader.h"
+
+namespace voxtone::io {
+
+namespace {
+
+std::string_view trim(std::string_view text) {
+    const std::size_t first = text.find_first_not_of(" \t\r\n");
+    if (first == std::string_view::npos) return {};
+    return text.substr(first, text.find_last_not_of(" \t\r\n") - first + 1);
+}
+
+std::vector<std::string_view> words(std::string_view text) {
+    std::vector<std::string_view> list;
+    for (text = trim(text); !text.empty();) {
+        const std::size_t end = std::min(text.find_first_of(" \t\r\n"), text.size());
+        list.push_back(text.substr(0, end));
+        text = trim(text.substr(end));
+    }
+    return list;
+}
+
+class PartParser {
+public:
+    PartParser(std::string_view xml, const std::string& what) : xml_(xml, what) {}
+
+    ThreemfPart parse() {
+        bool any = false;
+        for (XmlReader::Event event; (event = xml_.next()) != XmlReader::Event::finished;) {
+            if (event == XmlReader::Event::end) {
+                leave();
+                continue;
+            }
+            if (xml_.depth() == 1 && xml_.name() != "model")
+                xml_.fail(fmt::format("it begins with <{}> and not with <model>", xml_.full_name()));
+            any = true;
+            enter();
+        }
+        if (!any) xml_.fail("it holds no <model>");
+        return std::move(part_);
+    }
+
+private:
+    [[nodiscard]] double number(std::string_view text, std::string_view key) const {
+        std::string_view digits = trim(text);
+        if (digits.starts_with('+')) digits.remove_prefix(1);
+        double value = 0;
+        const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+        if (digits.empty() || end != digits.data() + digits.size() ||
+            (error != std::errc() && error != std::errc::result_out_of_range))
+            xml_.fail(fmt::format("'{}' is no number for {}", text, key));
+        return value;
+    }
+    [[nodiscard]] std::uint32_t index(std::string_view text, std::string_view key) const {
+        const std::string_view digits = trim(text);
+        std::uint32_t value = 0;
+        const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+        if (digits.empty() || end != digits.data() + digits.size() || error != std::errc() || value == no_property)
+            xml_.fail(fmt::format("'{}' is no index for {}", text, key));
+        return value;
+    }
+    [[nodiscard]] std::uint32_t required_index(std::string_view key) const {
+        const std::string_view value = xml_.attribute(key);
+        if (!value.data()) xml_.fail(fmt::format("<{}> has no {}", xml_.full_name(), key));
+        return index(value, key);
+    }
+    [[nodiscard]] std::uint32_t optional_index(std::string_view key) const {
+        const std::string_view value = xml_.attribute(key);
+        return value.data() ? index(value, key) : no_property;
+    }
+    [[nodiscard]] double required_number(std::string_view key) const {
+        const std::string_view value = xml_.attribute(key);
+        if (!value.data()) xml_.fail(fmt::format("<{}> has no {}", xml_.full_name(), key));
+        return number(value, key);
+    }
+
+    /// #RRGGBB or #RRGGBBAA
+    [[nodiscard]] Eigen::Vector4f colour(std::string_view key) const {
+        const std::string_view text = trim(xml_.attribute(key));
+        std::uint32_t bits = 0;
+        const bool known_length = text.size() == 7 || text.size() == 9;
+        if (!known_length || text[0] != '#' ||
+            std::from_chars(text.data() + 1, text.data() + text.size(), bits, 16).ptr != text.data() + text.size())
+            xml_.fail(fmt::format("'{}' is no colour", text));
+        if (text.size() == 7) bits = (bits << 8) | 0xff;
+        return Eigen::Vector4f(float(bits >> 24), float((bits >> 16) & 0xff), float((bits >> 8) & 0xff),
+                               float(bits & 0xff)) /
+               255.0f;
+    }
+
+    /// Twelve numbers, row by row, of a 4 x 3 matrix that row vectors are multiplied with from the left.
+    [[nodiscard]] Eigen::Affine3d transform() const {
+        Eigen::Affine3d result = Eigen::Affine3d::Identity();
+        const std::string_view text = xml_.attribute("transform");
+        if (!text.data()) return result;
+        const auto list = words(text);
+        if (list.size() != 12) xml_.fail(fmt::format("a transform has {} numbers and not 12", list.size()));
+        for (int row = 0; row < 4; ++row)
+            for (int column = 0; column < 3; ++column)
+                result.matrix()(column, row) = number(list[std::size_t(3 * row + column)], "transform");
+        if (!result.matrix().allFinite()) xml_.fail("a transform is infinite");
+        return result;
+    }
+
+    [[nodiscard]] ThreemfReference reference() const {
+        return {required_index("objectid"), XmlReader::decode(xml_.attribute("path")), transform()};
+    }
+
+    [[nodiscard]] Wrap tile_style(std::string_view key) const {
+        const std::string_view style = xml_.attribute(key);
+        return style == "mirror"  ? Wrap::mirror
+               : style == "clamp" ? Wrap::clamp
+               : style == "none"  ? Wrap::decal
+                                  : Wrap::repeat;
+    }
+
+    ThreemfGroup& start_group(ThreemfGroup::Kind kind) {
+        ThreemfGroup& group = part_.groups[required_index("id")];
+        group = {};
+        group.kind = kind;
+        group.element = xml_.name();
+        return *(group_ = &group);
+    }
+
+    void enter() {
+        const std::string_view name = xml_.name();
+        using Kind = ThreemfGroup::Kind;
+        if (xml_.depth() == 1) return read_model();
+        if (xml_.depth() == 3) {  // children of <resources> and <build>
+            group_ = nullptr;
+            object_ = nullptr;
+            if (name == "item") {
+                part_.items.push_back(reference());
+            } else if (name == "object") {
+                object_ = &part_.objects[required_index("id")];
+                *object_ = {};
+                if (const auto type = xml_.attribute("type"); type.data()) object_->type = type;
+                object_->name = XmlReader::decode(xml_.attribute("name"));
+                object_->pid = optional_index("pid");
+                object_->pindex = optional_index("pindex");
+            } else if (name == "texture2d") {
+                part_.textures[required_index("id")] = {XmlReader::decode(xml_.attribute("path")),
+                                                        tile_style("tilestyleu"), tile_style("tilestylev"),
+                                                        xml_.attribute("filter") == "nearest"};
+            } else if (name == "basematerials") {
+                start_group(Kind::base_materials);
+            } else if (name == "colorgroup") {
+                start_group(Kind::colours);
+            } else if (name == "texture2dgroup") {
+                start_group(Kind::texture).refers_to = required_index("texid");
+            } else if (name == "compositematerials") {
+                ThreemfGroup& group = start_group(Kind::composites);
+                group.refers_to = required_index("matid");
+                for (const auto word : words(xml_.attribute("matindices")))
+                    group.members.push_back(index(word, "matindices"));
+            } else if (name == "multiproperties") {
+                ThreemfGroup& group = start_group(Kind::multi);
+                for (const auto word : words(xml_.attribute("pids"))) group.members.push_back(index(word, "pids"));
+                for (const auto word : words(xml_.attribute("blendmethods")))
+                    group.multiply.push_back(word == "multiply");
+            } else if (xml_.attribute("id").data()) {
+                start_group(Kind::unknown);
+            }
+            return;
+        }
+        if (object_) return enter_in_object(name);
+        if (!group_) return;
+        if (name == "base" && group_->kind == Kind::base_materials) group_->rgba.push_back(colour("displaycolor"));
+        if (name == "color" && group_->kind == Kind::colours) group_->rgba.push_back(colour("color"));
+        if (name == "tex2coord" && group_->kind == Kind::texture)
+            group_->uv.push_back(Eigen::Vector2d(required_number("u"), required_number("v")).cast<float>());
+        if (name == "composite" && group_->kind == Kind::composites) add_values("values");
+        if (name == "multi" && group_->kind == Kind::multi) add_values("pindices");
+    }
+
+    void add_values(std::string_view key) {
+        std::vector<double>& values = group_->values.emplace_back();
+        for (const auto word : words(xml_.attribute(key))) values.push_back(number(word, key));
+    }
+
+    void enter_in_object(std::string_view name) {
+        if (name == "vertex") {
+            object_->vertices.emplace_back(required_number("x"), required_number("y"), required_number("z"));
+        } else if (name == "triangle") {
+            ThreemfTriangle triangle{{required_index("v1"), required_index("v2"), required_index("v3")}};
+            for (const auto& [key, value] : xml_.attributes()) {
+                if (key == "pid") triangle.pid = index(value, key);
+                if (key == "p1") triangle.p[0] = index(value, key);
+                if (key == "p2") triangle.p[1] = index(value, key);
+                if (key == "p3") triangle.p[2] = index(value, key);
+                // PrusaSlicer and its kin, Bambu Studio and its kin
+                if (key.ends_with("mmu_segmentation") || key == "paint_color") part_.has_painting = true;
+            }
+            object_->triangles.push_back(triangle);
+        } else if (name == "component") {
+            object_->components.push_back(reference());
+        } else if (name == "beam") {
+            part_.has_beams = true;
+        }
+    }
+
+    void leave() {
+        if (xml_.depth() != 3) return;
+        group_ = nullptr;
+        object_ = nullptr;
+    }
+
+    void read_model() {
+        const std::string_view unit = xml_.attribute("unit");
+        const std::pair<std::string_view, double> units[] = {{"micron", 0.001}, {"millimeter", 1}, {"centimeter", 10},
+                                                             {"inch", 25.4},    {"foot", 304.8},   {"meter", 1000}};
+        bool known = unit.empty();
+        for (const auto& [name, mm] : units)
+            if (unit == name) {
+                part_.mm_per_unit = mm;
+                known = true;
+            }
+        if (!known)
+            xml_.fail(
+                fmt::format("the unit '{}' is unknown (micron, millimeter, centimeter, inch, foot, meter)", unit));
+        for (const auto prefix : words(xml_.attribute("requiredextensions")))
+            for (const auto& [key, value] : xml_.attributes())
+                if (key == fmt::format("xmlns:{}", prefix)) part_.required_extensions.emplace_back(value);
+    }
+
+    XmlReader xml_;
+    ThreemfPart part_;
+    ThreemfGroup* group_ = nullptr;  // being read
+    ThreemfObject* object_ = nullptr;
+};
+
+}  // namespace
+
+ThreemfPart parse_threemf_part(std::string_view xml, const std::string& what) { return PartParser(xml, what).parse(); }
+
+std::string threemf_root_part(std::string_view relationships_xml, const std::string& what) {
+    XmlReader xml(relationships_xml, what);
+    for (XmlReader::Event event; (event = xml.next()) != XmlReader::Event::finished;)
+        if (event == XmlReader::Event::start && xml.name() == "Relationship" &&
+            xml.attribute("Type").ends_with("/3dmodel"))
+            return XmlReader::decode(xml.attribute("Target"));
+    return "/3D/3dmodel.model";
+}
+
+}  // namespace voxtone::io

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/io/pictures/icc_to_srgb.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+#include <memory>
+
+#include <lcms2.h>
+
+#include "voxtone/base/parallel.h"
+
+namespace voxtone::io {
+
+namespace {
+
+struct CloseProfile {
+    void operator()(void* profile) const { cmsCloseProfile(profile); }
+};
+struct DeleteTransform {
+    void operator()(void* transform) const { cmsDeleteTransform(transform); }
+};
+using Profile = std::unique_ptr<void, CloseProfile>;
+using Transform = std::unique_ptr<void, DeleteTransform>;
+
+/// Largest difference of any channel over a grid of 9^3 colours, in codes of 255.
+int distance_from_identity(cmsHTRANSFORM transform) {
+    int worst = 0;
+    for (int i = 0; i < 729; ++i) {
+        const std::array<std::uint8_t, 4> in{static_cast<std::uint8_t>(i % 9 * 255 / 8),
+                                             static_cast<std::uint8_t>(i / 9 % 9 * 255 / 8),
+                                             static_cast<std::uint8_t>(i / 81 * 255 / 8), 255};
+        std::array<std::uint8_t, 4> out{};
+        cmsDoTransform(transform, in.data(), out.data(), 1);
+        for (int c = 0; c < 3; ++c) worst = std::max(worst, std::abs(in[c] - out[c]));
+    }
+    return worst;
+}
+
+template <class Value>
+std::string convert(std::span<const std::uint8_t> bytes, std::span<Value> rgba, cmsUInt32Number type) {
+    const Profile profile(cmsOpenProfileFromMem(bytes.data(), static_cast<cmsUInt32Number>(bytes.size())));
+    if (!profile) return "its ICC profile is broken; its colours were taken as sRGB";
+    if (cmsGetColorSpace(profile.get()) != cmsSigRgbData)
+        return "its ICC profile is not for RGB; its colours were taken as sRGB";
+    const Profile srgb(cmsCreate_sRGBProfile());
+    constexpr cmsUInt32Number flags = cmsFLAGS_COPY_ALPHA | cmsFLAGS_NOCACHE;
+    const auto make = [&](cmsUInt32Number t) {
+        return Transform(cmsCreateTransform(profile.get(), t, srgb.get(), t, INTENT_RELATIVE_COLORIMETRIC, flags));
+    };
+    const Transform probe = make(TYPE_RGBA_8);
+    if (!probe) return "its ICC profile cannot be converted; its colours were taken as sRGB";
+    if (distance_from_identity(probe.get()) <= 2) return {};
+    const Transform transform = make(type);
+    if (!transform) return "its ICC profile cannot be converted; its colours were taken as sRGB";
+    constexpr std::size_t chunk = 1 << 16;
+    parallel_for(0, (rgba.size() / 4 + chunk - 1) / chunk, 1, [&](std::size_t i) {
+        const std::size_t first = i * chunk, count = std::min(chunk, rgba.size() / 4 - first);
+        cmsDoTransform(transform.get(), rgba.data() + 4 * first, rgba.data() + 4 * first,
+                       static_cast<cmsUInt32Number>(count));
+    });
+    return {};
+}
+
+}  // namespace
+
+std::string convert_icc_to_srgb(std::span<const std::uint8_t> profile, std::span<std::uint8_t> rgba) {
+    return convert(profile, rgba, TYPE_RGBA_8);
+}
+
+std::string convert_icc_to_srgb(std::span<const std::uint8_t> profile, std::span<std::uint16_t> rgba) {
+    return convert(profile, rgba, TYPE_RGBA_16);
+}
+
+}  // namespace voxtone::io

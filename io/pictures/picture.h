@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// A picture as the input of a job: upright (EXIF orientation applied), in linear sRGB, alpha composed over white.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "voxtone/io/models/model_reader.h"
+#include "voxtone/io/pictures/texture.h"
+
+namespace voxtone::io {
+
+struct Picture {
+    std::shared_ptr<const Texture> texture;  ///< not repeated at its borders
+    std::uint32_t width_px = 0, height_px = 0;
+    double dpi_x = 0, dpi_y = 0;  ///< 0 where the file has none
+    std::vector<std::string> warnings;
+};
+
+/// Under the same walls as `read_model`. Throws FileError, InputError.
+[[nodiscard]] Picture read_picture(const std::filesystem::path& path, const ReadOptions& options = {});
+
+}  // namespace voxtone::io

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/io/profiles/resin_file.h"
+
+#include <span>
+
+#include <fmt/core.h>
+
+#include "voxtone/base/embedded_file.h"
+#include "voxtone/base/error.h"
+#include "voxtone/io/files/json_keys.h"
+#include "voxtone/io/files/json_object.h"
+
+namespace voxtone::embedded {
+std::span<const EmbeddedFile> resins();
+}
+
+namespace voxtone::io {
+namespace {
+
+optics::ResinSet from_json(const JsonObject& json, const std::string& source) {
+    json.allow_only({"format", "version", "name", "source", "note", "channels", "g", "eta", "resins"});
+    if (json.text("format") != "voxtone-resins") json.fail("format", "is not \"voxtone-resins\": this is no resin set");
+    if (json.integer("version", 0, 1000000) != 1) json.fail("version", "is not 1, the only version this program knows");
+    optics::ResinSet set;
+    set.name = json.text("name");
+    if (json.has("source")) set.source = json.text("source");
+    const auto channels = json.object("channels");
+    const auto kind = channels.text("kind");
+    if (kind == "rgb") {
+        channels.allow_only({"kind"});
+    } else if (kind == "wavelength") {
+        channels.allow_only({"kind", "nm"});
+        set.channels.wavelengths_nm = channels.numbers("nm", 0, 1, 1e5);
+        if (set.channels.wavelengths_nm.empty()) channels.fail("nm", "is empty, expected at least one wavelength");
+    } else {
+        channels.fail("kind", fmt::format("is {}, expected \"rgb\" or \"wavelength\"", json_text(kind)));
+    }
+    set.g = json.number("g", -1, 1);
+    set.eta = json.number("eta", 1, 10);
+    for (const auto& entry : json.objects("resins")) {
+        entry.allow_only({"name", "role", "sigma_t_per_mm", "albedo"});
+        set.resins.push_back({entry.text("name"), entry.text("role"),
+                              entry.numbers("sigma_t_per_mm", set.channels.size(), 0, 1e9),
+                              entry.numbers("albedo", set.channels.size(), 0, 1)});
+    }
+    try {
+        set.validate();
+    } catch (const InputError& error) {
+        throw InputError(fmt::format("{}: {}", source, error.what()));
+    }
+    return set;
+}
+
+std::string list(std::span<const double> numbers) {
+    std::string text;
+    for (const double number : numbers) text += fmt::format("{}{}", text.empty() ? "[" : ", ", number);
+    return text.empty() ? "[]" : text + "]";
+}
+
+}  // namespace
+
+optics::ResinSet parse_resin_set(std::string_view text, std::string source) {
+    return from_json(JsonObject::parse(text, source), source);
+}
+
+optics::ResinSet read_resin_set(const std::filesystem::path& file) { return from_json(JsonObject::read(file), file.string()); }
+
+std::string resin_set_text(const optics::ResinSet& set) {
+    set.validate();
+    std::string resins;
+    for (const auto& resin : set.resins)
+        resins += fmt::format("{}\n  {{\"name\": {}, \"role\": {}, \"sigma_t_per_mm\": {}, \"albedo\": {}}}",
+                              resins.empty() ? "" : ",", json_text(resin.name), json_text(resin.role),
+                              list(resin.sigma_t_per_mm), list(resin.albedo));
+    const std::string channels = set.channels.is_rgb()
+                                     ? std::string("{\"kind\": \"rgb\"}")
+                                     : fmt::format("{{\"kind\": \"wavelength\", \"nm\": {}}}", list(set.channels.wavelengths_nm));
+    return fmt::format(
+        "{{\"format\": \"voxtone-resins\", \"version\": 1, \"name\": {},\n \"source\": {},\n \"channels\": {}, \"g\": {}, "
+        "\"eta\": {},\n \"resins\": [{}]}}\n",
+        json_text(set.name), json_text(set.source), channels, set.g, set.eta, resins);
+}
+
+std::vector<std::string> known_resin_sets() {
+    std::vector<std::string> names;
+    for (const auto& file : embedded::resins()) names.emplace_back(file.name);
+    return names;
+}
+
+optics::ResinSet find_resin_set(const std::string& name_or_file) {
+    for (const auto& file : embedded::resins())
+        if (file.name == name_or_file) return parse_resin_set(file.text, fmt::format("resin set {}", file.name));
+    if (std::filesystem::exists(name_or_file)) return read_resin_set(name_or_file);
+    std::string names;
+    for (const auto& name : known_resin_sets()) names += (names.empty() ? "" : ", ") + name;
+    const std::string nearest = nearest_name(name_or_file, known_resin_sets());
+    throw InputError(fmt::format("There is no resin set \"{}\" and no file of that name{}; sets that come with the program: {}",
+                                 name_or_file, nearest.empty() ? "" : fmt::format("; did you mean \"{}\"?", nearest), names));
+}
+
+}  // namespace voxtone::io

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Resin sets as JSON files (format "voxtone-resins", data/resins/, data/schema/resins.schema.json).
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "voxtone/optics/media/resins.h"
+
+namespace voxtone::io {
+
+/// Throws InputError that names file, key and rule.
+[[nodiscard]] optics::ResinSet parse_resin_set(std::string_view text, std::string source);
+/// Throws FileError, InputError.
+[[nodiscard]] optics::ResinSet read_resin_set(const std::filesystem::path& file);
+/// Every number as short as it can be and still read back as the same.
+[[nodiscard]] std::string resin_set_text(const optics::ResinSet& set);
+
+/// Names of the sets that come with the program.
+[[nodiscard]] std::vector<std::string> known_resin_sets();
+/// A set that comes with the program by its name, or one from a file. Throws InputError naming the sets there are.
+[[nodiscard]] optics::ResinSet find_resin_set(const std::string& name_or_file);
+
+}  // namespace voxtone::io

@@ -1,0 +1,417 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/io/report/report_html.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <span>
+#include <string_view>
+
+#include <fmt/core.h>
+
+#include "voxtone/base/contracts.h"
+#include "voxtone/base/embedded_file.h"
+#include "voxtone/base/printable.h"
+#include "voxtone/base/progress_bar.h"
+
+namespace voxtone::embedded {
+std::span<const EmbeddedFile> report_assets();
+}
+
+namespace voxtone::io {
+
+namespace {
+
+std::string_view asset(std::string_view name) {
+    for (const EmbeddedFile& file : embedded::report_assets())
+        if (file.name == name) return file.text;
+    VOXTONE_EXPECT(!"an asset of the report");
+    return {};
+}
+
+/// Text for element content and quoted attributes.
+std::string escaped(std::string_view text) {
+    std::string result;
+    for (const char c : printable(text)) {
+        switch (c) {
+            case '&':
+                result += "&amp;";
+                break;
+            case '<':
+                result += "&lt;";
+                break;
+            case '>':
+                result += "&gt;";
+                break;
+            case '"':
+                result += "&quot;";
+                break;
+            case '\'':
+                result += "&#39;";
+                break;
+            default:
+                result += c;
+        }
+    }
+    return result;
+}
+
+/// JSON inside a script element: no '<' may remain that could end it.
+std::string script_json(std::string_view text) {
+    std::string result;
+    for (const char c : json_quoted(text)) {
+        if (c == '<')
+            result += "\\u003c";
+        else
+            result += c;
+    }
+    return result;
+}
+
+/// RFC 4648, section 4.
+std::string base64(const std::vector<std::uint8_t>& bytes) {
+    static constexpr std::string_view digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    std::string text;
+    text.reserve((bytes.size() + 2) / 3 * 4);
+    for (std::size_t i = 0; i < bytes.size(); i += 3) {
+        const auto at = [&](std::size_t k) { return i + k < bytes.size() ? std::uint32_t{bytes[i + k]} : 0u; };
+        const std::uint32_t group = at(0) << 16 | at(1) << 8 | at(2);
+        for (std::size_t k = 0; k < 4; ++k) text += i + k > bytes.size() ? '=' : digits[group >> (18 - 6 * k) & 63];
+    }
+    return text;
+}
+
+/// 1 234 567 with narrow no-break spaces.
+std::string grouped(std::uint64_t number) {
+    const std::string digits = std::to_string(number);
+    std::string result;
+    for (std::size_t i = 0; i < digits.size(); ++i) {
+        if (i > 0 && (digits.size() - i) % 3 == 0) result += "\u202f";
+        result += digits[i];
+    }
+    return result;
+}
+
+std::string byte_text(std::uint64_t bytes) {
+    const auto value = static_cast<double>(bytes);
+    if (value >= 1e9) return fmt::format("{:.2f} GB", value * 1e-9);
+    if (value >= 1e6) return fmt::format("{:.0f} MB", value * 1e-6);
+    return fmt::format("{:.0f} kB", std::ceil(value * 1e-3));
+}
+
+/// Three digits that count: 123 ml, 12.3 ml, 0.0123 ml.
+std::string volume_text(double ml) {
+    if (ml == 0) return "0 ml";
+    return ml >= 100 ? fmt::format("{:.0f} ml", ml) : fmt::format("{:#.3g} ml", ml);
+}
+
+std::string rgb_text(const Rgb& rgb) { return fmt::format("{}, {}, {}", rgb[0], rgb[1], rgb[2]); }
+
+void add_card(std::string& html, std::string_view what, std::string_view value, std::string_view more) {
+    html += fmt::format("<div><dt>{}</dt><dd>{}<small>{}</small></dd></div>\n", what, value, more);
+}
+
+/// The longest of 1, 2, 5, 10, ... mm that is at most a third of the picture.
+double scale_bar_mm(double width_mm) {
+    const double power = std::pow(10.0, std::floor(std::log10(width_mm / 3)));
+    const double most = width_mm / 3 / power;
+    return power * (most >= 5 ? 5 : most >= 2 ? 2 : 1);
+}
+
+/// A picture on its stage, with a scale bar below where it is to scale. `id`: of the image, may be empty.
+std::string stage(const ReportPicture& picture, std::string_view id = "") {
+    VOXTONE_EXPECT(picture.width_px > 0 && picture.height_px > 0);
+    std::string html = fmt::format(
+        "<div class=\"stage\"><div class=\"scaled\" style=\"--aspect:{:.5f}\"><img{} alt=\"{}\" width=\"{}\" "
+        "height=\"{}\" "
+        "src=\"data:image/png;base64,{}\">",
+        static_cast<double>(picture.width_px) / picture.height_px, id.empty() ? "" : fmt::format(" id=\"{}\"", id),
+        escaped(picture.caption), picture.width_px, picture.height_px, base64(picture.png));
+    if (picture.px_per_mm > 0) {
+        const double width_mm = picture.width_px / picture.px_per_mm, bar_mm = scale_bar_mm(width_mm);
+        html += fmt::format("<div class=\"scale\" style=\"width:{:.3f}%\"></div><span>{:g} mm</span>",
+                            100 * bar_mm / width_mm, bar_mm);
+    }
+    return html + "</div></div>";
+}
+
+void add_pictures(std::string& html, const std::vector<ReportPicture>& pictures) {
+    html += "<div class=\"pictures\">\n";
+    for (const ReportPicture& picture : pictures)
+        html +=
+            fmt::format("<figure>{}<figcaption>{}</figcaption></figure>\n", stage(picture), escaped(picture.caption));
+    html += "</div>\n";
+}
+
+void add_head(std::string& html, const Report& report) {
+    html += fmt::format(
+        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+        "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; img-src data:; style-src "
+        "'unsafe-inline'; "
+        "script-src 'unsafe-inline'\">\n<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
+        "<title>{} - voxtone</title>\n<style>\n{}</style>\n</head>\n<body>\n<header>\n<h1>{}</h1>\n"
+        "<div class=\"soft\">for {} ({})</div>\n</header>\n<main>\n",
+        escaped(report.title), asset("style"), escaped(report.title), escaped(report.printer_name),
+        escaped(report.printer_id));
+}
+
+void add_summary(std::string& html, const Report& report) {
+    double ml = 0;
+    for (const ReportResin& resin : report.resins) ml += resin.ml;
+    html += "<dl class=\"cards\">\n";
+    add_card(html, "Size, x × y × z",
+             fmt::format("{:.2f} × {:.2f} × {:.2f} mm", report.size_mm[0], report.size_mm[1], report.size_mm[2]), "");
+    add_card(html, "Layers", grouped(report.size_px[2]), fmt::format("of {:g} µm", report.pitch_um[2]));
+    add_card(html, "Bitmaps", fmt::format("{} × {} px", report.size_px[0], report.size_px[1]),
+             fmt::format("a pixel is {:.2f} × {:.2f} µm", report.pitch_um[0], report.pitch_um[1]));
+    add_card(html, "Resin", volume_text(ml), grouped(report.body_voxels) + " voxels, without support");
+    add_card(html, "Time", duration_text(report.total_seconds),
+             report.peak_memory_bytes ? "peak memory " + byte_text(report.peak_memory_bytes) : "");
+    if (report.output_bytes) add_card(html, "Written", byte_text(report.output_bytes), "");
+    html += "</dl>\n";
+}
+
+void add_warnings(std::string& html, const Report& report) {
+    if (report.warnings.empty()) return;
+    html += fmt::format("<section class=\"warnings\">\n<h2>{}</h2>\n<ul>\n",
+                        report.warnings.size() == 1 ? "1 warning" : fmt::format("{} warnings", report.warnings.size()));
+    for (const std::string& warning : report.warnings) html += fmt::format("<li>{}</li>\n", escaped(warning));
+    html += "</ul>\n</section>\n";
+}
+
+void add_views(std::string& html, const Report& report) {
+    if (report.views.empty()) return;
+    html += "<section class=\"views\">\n<h2>What to expect</h2>\n<div class=\"tabs\"></div>\n";
+    for (const ReportView& view : report.views) {
+        html += fmt::format("<div class=\"view\" data-name=\"{0}\"><h3>{0}</h3>\n", escaped(view.name));
+        add_pictures(html, view.pictures);
+        html += "</div>\n";
+    }
+    if (!report.prediction_note.empty())
+        html += fmt::format("<p class=\"soft\">{}</p>\n", escaped(report.prediction_note));
+    html += "</section>\n";
+}
+
+void add_prediction(std::string& html, const Report& report) {
+    if (!report.prediction) return;
+    const ReportPrediction& p = *report.prediction;
+    html += "<section>\n<h2>Predicted against asked for</h2>\n<dl class=\"cards\">\n";
+    add_card(html, "Mean difference", fmt::format("{:.2f}", p.mean_de2000), "CIEDE2000");
+    add_card(html, "Median", fmt::format("{:.2f}", p.median_de2000), "CIEDE2000");
+    add_card(html, "95th percentile", fmt::format("{:.2f}", p.p95_de2000), "CIEDE2000");
+    add_card(html, "Largest", fmt::format("{:.2f}", p.max_de2000), "CIEDE2000");
+    html += "</dl>\n<div class=\"table\"><table>\n<thead><tr><th>Difference</th><th class=\"n\">Share of the surface</th>"
+            "<th></th></tr></thead>\n<tbody>\n";
+    double most = 0;
+    for (const auto& [edge, share] : p.histogram) most = std::max(most, share);
+    for (std::size_t i = 0; i < p.histogram.size(); ++i) {
+        const auto& [edge, share] = p.histogram[i];
+        const std::string range = i + 1 < p.histogram.size() ? fmt::format("{:g} – {:g}", edge, p.histogram[i + 1].first)
+                                                             : fmt::format("{:g} and more", edge);
+        html += fmt::format("<tr><td>{}</td><td class=\"n\">{:.1f} %</td><td class=\"meter\"><i style=\"--share:{:.2f}%\"></i></td></tr>\n",
+                            range, 100 * share, most > 0 ? 100 * share / most : 0);
+    }
+    html += fmt::format("</tbody>\n</table></div>\n<p class=\"soft\">{}</p>\n</section>\n", escaped(p.note));
+}
+
+void add_loop(std::string& html, const Report& report) {
+    if (!report.loop) return;
+    const ReportLoop& loop = *report.loop;
+    html += "<section>\n<h2>The appearance loop</h2>\n";
+    html += fmt::format("<p class=\"soft\">{}</p>\n", escaped(loop.note));
+    html += "<div class=\"table\"><table>\n<thead><tr><th>Iteration</th><th class=\"n\">Mean as seen</th><th></th><th class=\"n\">Median</th>"
+            "<th class=\"n\">95th percentile</th><th class=\"n wide-only\">Mean of cells</th><th class=\"n wide-only\">At limits</th>"
+            "<th class=\"n wide-only\">Time</th></tr></thead>\n<tbody>\n";
+    double most = 0;
+    for (const ReportIteration& i : loop.iterations) most = std::max(most, i.mean);
+    for (const ReportIteration& i : loop.iterations) {
+        const std::string name = fmt::format("{}{}{}", i.number, i.number == 0 ? ", open loop" : "", i.number == loop.best ? ", printed" : "");
+        html += fmt::format(
+            "<tr><td>{}</td><td class=\"n\">{:.2f}</td><td class=\"meter\"><i style=\"--share:{:.2f}%\"></i></td><td class=\"n\">{:.2f}</td>"
+            "<td class=\"n\">{:.2f}</td><td class=\"n wide-only\">{:.2f}</td><td class=\"n wide-only\">{:.1f} %</td>"
+            "<td class=\"n wide-only\">{}</td></tr>\n",
+            name, i.mean, most > 0 ? 100 * i.mean / most : 0, i.median, i.p95, i.cells_mean, 100 * i.stuck_share, duration_text(i.seconds));
+    }
+    html += "</tbody>\n</table></div>\n";
+    if (!loop.crops.empty()) {
+        html += "<h3>Magnified, where the loop changed most</h3>\n";
+        add_pictures(html, loop.crops);
+    }
+    if (!loop.sections.empty()) {
+        html += "<h3>A cut through the resins</h3>\n";
+        add_pictures(html, loop.sections);
+        html += fmt::format("<p class=\"soft\">{}</p>\n", escaped(loop.sections_note));
+    }
+    html += "</section>\n";
+}
+
+void add_gamut(std::string& html, const Report& report) {
+    if (!report.gamut) return;
+    const ReportGamut& gamut = *report.gamut;
+    html += "<section>\n<h2>Colours that the resins cannot reach</h2>\n<dl class=\"cards\">\n";
+    add_card(html, "Surface that was mapped", fmt::format("{:.1f} %", 100 * gamut.mapped_share),
+             "of the coloured surface");
+    add_card(html, "Mean difference", fmt::format("{:.2f}", gamut.mean_de2000), "CIEDE2000");
+    add_card(html, "95th percentile", fmt::format("{:.2f}", gamut.p95_de2000), "CIEDE2000");
+    add_card(html, "Largest", fmt::format("{:.2f}", gamut.max_de2000), "CIEDE2000");
+    html +=
+        "</dl>\n<p class=\"soft\">Colours outside the reach of the loaded resins are mapped into it, keeping their "
+        "hue. The "
+        "differences are between what was asked for and what it was mapped to, over the whole coloured "
+        "surface.</p>\n</section>\n";
+}
+
+void add_resins(std::string& html, const Report& report) {
+    if (report.resins.empty()) return;
+    html +=
+        "<section>\n<h2>Resin assignment</h2>\n<p class=\"soft\">In the printer's software, assign each bitmap colour "
+        "the resin "
+        "beside it.</p>\n<div class=\"table\"><table>\n<thead><tr><th class=\"code\">Bitmap colour (R, G, "
+        "B)</th><th>Resin</th>"
+        "<th>Role</th><th class=\"n wide-only\">Voxels</th><th class=\"n\">Volume</th><th "
+        "class=\"wide-only\">Share</th></tr></thead>\n<tbody>\n";
+    double total_ml = 0;
+    std::uint64_t total_voxels = 0;
+    for (const ReportResin& resin : report.resins) {
+        total_ml += resin.ml;
+        total_voxels += resin.voxels;
+    }
+    for (const ReportResin& resin : report.resins) {
+        const std::string material = resin.material_name.empty() || resin.material_name == resin.name
+                                         ? std::string()
+                                         : fmt::format(" <span class=\"soft\">{}</span>", escaped(resin.material_name));
+        const double share =
+            total_voxels ? 100.0 * static_cast<double>(resin.voxels) / static_cast<double>(total_voxels) : 0;
+        html += fmt::format(
+            "<tr><td class=\"code\"><span class=\"swatch\" "
+            "style=\"background:rgb({0})\"></span>{0}</td><td class=\"material\">{1}{2}</td><td>{3}</td>"
+            "<td class=\"n wide-only\">{4}</td><td class=\"n\">{5}</td><td class=\"meter wide-only\" title=\"{6:.1f} "
+            "%\"><i "
+            "style=\"--share:{6:.2f}%\"></i></td></tr>\n",
+            rgb_text(resin.rgb), escaped(resin.name), material, escaped(resin.role), grouped(resin.voxels),
+            volume_text(resin.ml), share);
+    }
+    html += fmt::format(
+        "</tbody>\n<tfoot><tr><td>Total</td><td></td><td></td><td class=\"n wide-only\">{}</td><td class=\"n\">{}</td>"
+        "<td class=\"wide-only\"></td></tr></tfoot>\n</table></div>\n</section>\n",
+        grouped(total_voxels), volume_text(total_ml));
+}
+
+std::string layer_label(const ReportLayer& layer) {
+    return fmt::format("layer {}, {:.3f} mm", layer.number, layer.height_mm);
+}
+
+void add_layers(std::string& html, const Report& report) {
+    if (report.layers.empty()) return;
+    const std::size_t shown = report.layers.size() / 2;
+    html += fmt::format(
+        "<section class=\"layers\">\n<h2>Layers</h2>\n<figure>{}</figure>\n"
+        "<div class=\"scrub\" hidden><button type=\"button\" id=\"layer-play\">Play</button>"
+        "<input type=\"range\" id=\"layer-slider\" min=\"0\" max=\"{}\" value=\"{}\" aria-label=\"Layer\">"
+        "<output id=\"layer-label\">{}</output></div>\n",
+        stage(report.layers[shown].picture, "layer-picture"), report.layers.size() - 1, shown,
+        layer_label(report.layers[shown]));
+    html += fmt::format(
+        "<p class=\"soft\">{} of {} layers, seen from above, in the bitmap colours of the resins; each pixel is the "
+        "mean of "
+        "the printer's pixels under it. <span class=\"keys\">The arrow keys step through them.</span></p>\n"
+        "<script type=\"application/json\" id=\"layer-data\">[",
+        report.layers.size(), grouped(report.size_px[2]));
+    for (std::size_t i = 0; i < report.layers.size(); ++i)
+        html += fmt::format("{}{{\"label\":{},\"src\":\"data:image/png;base64,{}\"}}", i ? ",\n" : "",
+                            script_json(layer_label(report.layers[i])), base64(report.layers[i].picture.png));
+    html += "]</script>\n</section>\n";
+}
+
+bool is_number(std::string_view cell) {
+    return !cell.empty() && cell.find_first_of("0123456789") != cell.npos &&
+           cell.find_first_not_of("0123456789.,+-eE% ") == cell.npos;
+}
+
+void add_table(std::string& html, const ReportTable& table) {
+    const auto numeric = [&](std::size_t column) {
+        return std::all_of(table.rows.begin(), table.rows.end(), [&](const auto& row) {
+            return column >= row.size() || row[column].empty() || is_number(row[column]);
+        });
+    };
+    if (!table.title.empty()) html += fmt::format("<h3>{}</h3>\n", escaped(table.title));
+    html += "<div class=\"table\"><table>\n";
+    if (!table.header.empty()) {
+        html += "<thead><tr>";
+        for (std::size_t c = 0; c < table.header.size(); ++c)
+            html += fmt::format("<th{}>{}</th>", numeric(c) ? " class=\"n\"" : "", escaped(table.header[c]));
+        html += "</tr></thead>\n";
+    }
+    html += "<tbody>\n";
+    for (const auto& row : table.rows) {
+        html += "<tr>";
+        for (std::size_t c = 0; c < row.size(); ++c)
+            html += fmt::format("<td{}>{}</td>", numeric(c) ? " class=\"n\"" : "", escaped(row[c]));
+        html += "</tr>\n";
+    }
+    html += "</tbody>\n</table></div>\n";
+}
+
+void add_drawings(std::string& html, const std::vector<ReportDrawing>& drawings) {
+    html += "<div class=\"drawings\">\n";
+    for (const ReportDrawing& drawing : drawings)
+        html += fmt::format("<figure>{}<figcaption>{}</figcaption></figure>\n", drawing.svg, escaped(drawing.caption));
+    html += "</div>\n";
+}
+
+void add_sections(std::string& html, const Report& report) {
+    for (const ReportSection& section : report.sections) {
+        html += fmt::format("<section>\n<h2>{}</h2>\n", escaped(section.title));
+        for (const std::string& paragraph : section.paragraphs) html += fmt::format("<p>{}</p>\n", escaped(paragraph));
+        if (!section.pictures.empty()) add_pictures(html, section.pictures);
+        if (!section.drawings.empty()) add_drawings(html, section.drawings);
+        for (const ReportTable& table : section.tables) add_table(html, table);
+        html += "</section>\n";
+    }
+}
+
+void add_time(std::string& html, const Report& report) {
+    if (report.stages.empty()) return;
+    double longest = 0;
+    for (const ReportStage& stage : report.stages) longest = std::max(longest, stage.seconds);
+    html += "<section>\n<h2>Where the time went</h2>\n<div class=\"table\"><table>\n<tbody>\n";
+    for (const ReportStage& stage : report.stages)
+        html += fmt::format(
+            "<tr><td>{}</td><td class=\"n\">{}</td><td class=\"meter\"><i style=\"--share:{:.2f}%\"></i></td></tr>\n",
+            escaped(stage.name), duration_text(stage.seconds), longest > 0 ? 100 * stage.seconds / longest : 0);
+    html += "</tbody>\n</table></div>\n</section>\n";
+}
+
+void add_job(std::string& html, const Report& report) {
+    if (report.job.empty()) return;
+    html += "<section>\n<details><summary>The job as it was run</summary>\n<div class=\"table\"><table>\n<tbody>\n";
+    for (const auto& [key, value] : report.job)
+        html += fmt::format("<tr><td class=\"key\">{}</td><td class=\"value\">{}</td></tr>\n", escaped(key),
+                            escaped(value));
+    html += "</tbody>\n</table></div>\n</details>\n</section>\n";
+}
+
+}  // namespace
+
+std::string report_html(const Report& report) {
+    std::string html;
+    add_head(html, report);
+    add_summary(html, report);
+    add_warnings(html, report);
+    add_views(html, report);
+    add_prediction(html, report);
+    add_loop(html, report);
+    add_resins(html, report);
+    add_layers(html, report);
+    add_gamut(html, report);
+    add_sections(html, report);
+    add_time(html, report);
+    add_job(html, report);
+    html += fmt::format(
+        "</main>\n<footer>Made by voxtone {}. Figures for programs: "
+        "report.json.</footer>\n<script>\n{}</script>\n</body>\n</html>\n",
+        escaped(report.program_version), asset("script"));
+    return html;
+}
+
+}  // namespace voxtone::io

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/optics/layered/adding_doubling.h"
+
+#include <cmath>
+
+#include <Eigen/LU>
+
+#include "voxtone/base/contracts.h"
+
+namespace voxtone::optics {
+
+namespace {
+
+using Eigen::ArrayXd;
+using Eigen::MatrixXd;
+
+constexpr double first_depth = 1e-8;
+// A conservative half-space differs from a slab of depth tau by 1/tau: 2^80 * 1e-8 = 1e16 is enough.
+constexpr int most_doublings = 80;
+
+// What reaches the interface between an upper layer and what is below it, for light from above: scattered light down
+// and up.
+struct Interface {
+    MatrixXd down, up;
+};
+
+Interface between(const LayerResponse& upper, const MatrixXd& R_lower, const ArrayXd& c) {
+    const auto C = c.matrix().asDiagonal();
+    const auto e = upper.direct.matrix().asDiagonal();
+    const Eigen::Index n = c.size();
+    // Light that goes back and forth: S = Q + Q C Q + ... with Q = R*_upper C R_lower.
+    const MatrixXd Q = upper.R_below * (C * R_lower);
+    const MatrixXd S = (MatrixXd::Identity(n, n) - Q * C).partialPivLu().solve(Q);
+    Interface light;
+    light.down = upper.D_down + S * e + S * (C * upper.D_down);
+    light.up = R_lower * e + R_lower * (C * light.down);
+    return light;
+}
+
+}  // namespace
+
+struct AddingDoubling::Symmetric {
+    MatrixXd R, D;
+    double depth;
+    ArrayXd direct;
+};
+
+AddingDoubling::AddingDoubling(const AngularGrid& grid, double g, int terms)
+    : grid_(grid), phase_(conserving_henyey_greenstein(grid, g, terms)) {}
+
+// Light that is scattered exactly once:
+//   R = a/4 h_opposite (1 - exp(-d (1/nu_i + 1/nu_j))) / (nu_i + nu_j)
+//   D = a/4 h_same exp(-d/nu_i) d/(nu_i nu_j) (1 - exp(-x))/x,   x = d (1/nu_j - 1/nu_i)
+// and twice, to leading order: with A, B = a/4 h/(nu_i nu_j), R += d^2/2 (A C B + B C A), D += d^2/2 (A C A + B C B).
+// Without the second term a layer would lose energy of order d at every scattering, with it of order d^2.
+AddingDoubling::Symmetric AddingDoubling::thin(double albedo, double depth) const {
+    const Eigen::Index n = grid_.size();
+    Symmetric layer{MatrixXd(n, n), MatrixXd(n, n), depth, (-depth / grid_.nu).exp()};
+    for (Eigen::Index j = 0; j < n; ++j) {
+        for (Eigen::Index i = 0; i < n; ++i) {
+            const double nu_i = grid_.nu[i], nu_j = grid_.nu[j];
+            const double x = depth * (1 / nu_j - 1 / nu_i);
+            const double mean_path = x == 0 ? 1 : -std::expm1(-x) / x;
+            layer.R(i, j) =
+                0.25 * albedo * phase_.opposite(i, j) * -std::expm1(-depth * (1 / nu_i + 1 / nu_j)) / (nu_i + nu_j);
+            layer.D(i, j) = 0.25 * albedo * phase_.same(i, j) * layer.direct[i] * depth / (nu_i * nu_j) * mean_path;
+        }
+    }
+    const Eigen::VectorXd reciprocal = (1 / grid_.nu).matrix();
+    const auto inverse_nu = reciprocal.asDiagonal();
+    const auto C = grid_.c.matrix().asDiagonal();
+    const MatrixXd A = 0.25 * albedo * (inverse_nu * phase_.same * inverse_nu);
+    const MatrixXd B = 0.25 * albedo * (inverse_nu * phase_.opposite * inverse_nu);
+    const MatrixXd CA = C * A, CB = C * B;
+    layer.R += 0.5 * depth * depth * (A * CB + B * CA);
+    layer.D += 0.5 * depth * depth * (A * CA + B * CB);
+    return layer;
+}
+
+AddingDoubling::Symmetric AddingDoubling::doubled(const Symmetric& half) const {
+    const auto C = grid_.c.matrix().asDiagonal();
+    const auto e = half.direct.matrix().asDiagonal();
+    const Interface light = between({half.R, half.R, half.D, half.D, half.direct}, half.R, grid_.c);
+    Symmetric whole;
+    whole.depth = 2 * half.depth;
+    whole.R = half.R + e * light.up + half.D * (C * light.up);
+    whole.D = e * light.down + half.D * e + half.D * (C * light.down);
+    whole.direct = (-whole.depth / grid_.nu).exp();
+    return whole;
+}
+
+LayerResponse AddingDoubling::layer(const Medium& medium, double thickness_mm) const {
+    VOXTONE_EXPECT(thickness_mm >= 0);
+    const Medium scaled = phase_.scaled(medium);
+    const double depth = scaled.sigma_t() * thickness_mm;
+    const int doublings = depth > first_depth ? static_cast<int>(std::ceil(std::log2(depth / first_depth))) : 0;
+    Symmetric slab = thin(scaled.albedo(), std::ldexp(depth, -doublings));
+    for (int k = 0; k < doublings; ++k) slab = doubled(slab);
+    return {slab.R, slab.R, slab.D, slab.D, slab.direct};
+}
+
+MatrixXd AddingDoubling::half_space(const Medium& medium) const {
+    VOXTONE_EXPECT(medium.sigma_t() > 0);
+    Symmetric slab = thin(phase_.scaled(medium).albedo(), first_depth);
+    for (int k = 0; k < most_doublings; ++k) {
+        const MatrixXd before = slab.R;
+        slab = doubled(slab);
+        // Early on a layer is thin and R grows by halves; only past a depth of 1 does a small change mean convergence.
+        if (slab.depth > 1 && (slab.R - before).cwiseAbs().maxCoeff() < 1e-13) break;
+    }
+    return slab.R;
+}
+
+LayerResponse AddingDoubling::add(const LayerResponse& upper, const LayerResponse& lower) const {
+    const auto C = grid_.c.matrix().asDiagonal();
+    const auto e_upper = upper.direct.matrix().asDiagonal();
+    const auto e_lower = lower.direct.matrix().asDiagonal();
+    const Interface from_above = between(upper, lower.R_above, grid_.c);
+    // Lit from below: the same with the layers turned over.
+    const LayerResponse turned{lower.R_below, lower.R_above, lower.D_up, lower.D_down, lower.direct};
+    const Interface from_below = between(turned, upper.R_below, grid_.c);
+    LayerResponse both;
+    both.R_above = upper.R_above + e_upper * from_above.up + upper.D_up * (C * from_above.up);
+    both.D_down = e_lower * from_above.down + lower.D_down * e_upper + lower.D_down * (C * from_above.down);
+    both.R_below = lower.R_below + e_lower * from_below.up + lower.D_down * (C * from_below.up);
+    both.D_up = e_upper * from_below.down + upper.D_up * e_lower + upper.D_up * (C * from_below.down);
+    both.direct = upper.direct * lower.direct;
+    return both;
+}
+
+MatrixXd AddingDoubling::over(const LayerResponse& upper, const MatrixXd& R_below) const {
+    const Interface light = between(upper, R_below, grid_.c);
+    return upper.R_above + upper.direct.matrix().asDiagonal() * light.up +
+           upper.D_up * (grid_.c.matrix().asDiagonal() * light.up);
+}
+
+}  // namespace voxtone::optics

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/optics/media/halftone_medium.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "voxtone/base/contracts.h"
+
+namespace voxtone::optics {
+
+namespace {
+
+// w^q with q = 7/4, and its derivative by w.
+double power(double w) { return w * std::sqrt(w) * std::sqrt(std::sqrt(w)); }
+constexpr double q = 1.75;
+
+}  // namespace
+
+HalftoneMedium::HalftoneMedium(const ResinSet& resins, const std::array<double, 3>& pitch_mm, SeenFrom seen,
+                               const HalftoneConstants& constants)
+    : resins_(resins.resins.size()), k_0_(constants.k_0), k_1_(constants.k_1) {
+    const auto [least, most] = std::minmax_element(pitch_mm.begin(), pitch_mm.end());
+    VOXTONE_EXPECT(*least > 0 || (*least == 0 && *most == 0));
+    ideal_ = *least == 0;
+    double chord = 0, absorbing = 0, b = 0;
+    if (!ideal_) {
+        chord = 2 / (1 / pitch_mm[0] + 1 / pitch_mm[1] + 1 / pitch_mm[2]);
+        const std::size_t first = seen == SeenFrom::above ? 2 : 0;
+        const double share = 1.0 / static_cast<double>(3 - first);
+        for (std::size_t up = first; up < 3; ++up) {
+            const double along = pitch_mm[up], across = std::sqrt(pitch_mm[(up + 1) % 3] * pitch_mm[(up + 2) % 3]);
+            const double h = along / (across + 0.5 * along);
+            absorbing += share * chord * (1 + constants.a * (h - 0.4));
+            b += share * constants.b_1 * std::max(h - constants.h_0, 0.0);
+        }
+    }
+    for (std::size_t c = 0; c < resins.channels.size(); ++c)
+        for (const Resin& resin : resins.resins) {
+            const Medium m = resin.medium(c);
+            const double t = absorbing * m.sigma_a, u = chord * (1 - resins.g) * m.sigma_s;
+            constants_.push_back({m.sigma_a, m.sigma_s, t, u, 1 / (1 + b * u)});
+        }
+}
+
+Medium HalftoneMedium::operator()(std::span<const double> f, std::size_t channel) const { return at(f, channel).medium; }
+
+HalftoneMedium::Point HalftoneMedium::at(std::span<const double> f, std::size_t channel) const {
+    VOXTONE_EXPECT(f.size() == resins_);
+    const std::span<const Constants> of = constants(channel);
+    Point p;
+    if (ideal()) {
+        for (std::size_t r = 0; r < f.size(); ++r) {
+            p.medium.sigma_a += f[r] * of[r].sigma_a;
+            p.medium.sigma_s += f[r] * of[r].sigma_s;
+        }
+        return p;
+    }
+    double U = 0;
+    for (std::size_t r = 0; r < f.size(); ++r) {
+        p.V += f[r] * of[r].v;
+        U += f[r] * of[r].v * of[r].u;
+    }
+    p.u = U / p.V;
+    p.k = k_0_ + k_1_ * p.u;
+    double A = 0, S = 0;
+    for (std::size_t r = 0; r < f.size(); ++r) {
+        const double w = 1 / (1 + p.k * of[r].t);
+        const double fw = f[r] * w, fa = fw * of[r].sigma_a, fs = f[r] * power(w) * of[r].v * of[r].sigma_s;
+        const double slope = -of[r].t * w;  // d ln w / d k
+        p.W += fw, A += fa, S += fs;
+        p.W_k += fw * slope, p.A_k += fa * slope, p.S_k += q * fs * slope;
+    }
+    p.scattering_norm = power(p.W) * p.V;
+    p.medium = {A / p.W, S / p.scattering_norm};
+    return p;
+}
+
+void HalftoneMedium::gradient(const Point& p, std::size_t channel, double by_absorption, double by_scattering,
+                              std::span<double> out) const {
+    VOXTONE_EXPECT(out.size() == resins_);
+    const std::span<const Constants> of = constants(channel);
+    if (ideal()) {
+        for (std::size_t r = 0; r < resins_; ++r)
+            out[r] = by_absorption * of[r].sigma_a + by_scattering * of[r].sigma_s;
+        return;
+    }
+    for (std::size_t r = 0; r < resins_; ++r) {
+        const double w = 1 / (1 + p.k * of[r].t), v = of[r].v;
+        const double dk = k_1_ * (of[r].u - p.u) * v / p.V;
+        const double dW = w + p.W_k * dk;
+        const double d_sigma_a = (w * of[r].sigma_a + p.A_k * dk - p.medium.sigma_a * dW) / p.W;
+        const double d_sigma_s = (power(w) * v * of[r].sigma_s + p.S_k * dk) / p.scattering_norm -
+                                 p.medium.sigma_s * (q * dW / p.W + v / p.V);
+        out[r] = by_absorption * d_sigma_a + by_scattering * d_sigma_s;
+    }
+}
+
+Medium HalftoneMedium::bound(std::size_t channel) const {
+    Medium most;
+    double t = 0, u = 0;
+    for (const Constants& resin : constants(channel)) {
+        most.sigma_a = std::max(most.sigma_a, resin.sigma_a);
+        most.sigma_s = std::max(most.sigma_s, resin.sigma_s);
+        t = std::max(t, resin.t);
+        u = std::max(u, resin.u);
+    }
+    // f phi <= 1 and phi <= 1 / w; v / V <= 1 / min v is met where f v / V <= 1.
+    if (!ideal()) most.sigma_s *= std::pow(1 + (k_0_ + k_1_ * u) * t, q - 1);
+    return most;
+}
+
+}  // namespace voxtone::optics

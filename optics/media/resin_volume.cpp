@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/optics/media/resin_volume.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "voxtone/base/contracts.h"
+
+namespace voxtone::optics {
+namespace {
+
+constexpr int edge = ResinVolume::block_edge;
+constexpr std::size_t block_voxels = std::size_t{edge} * edge * edge;
+
+}  // namespace
+
+std::size_t ResinVolume::block_index(int bx, int by, int bz) const {
+    return (static_cast<std::size_t>(bz) * static_cast<std::size_t>(blocks_[1]) + static_cast<std::size_t>(by)) *
+               static_cast<std::size_t>(blocks_[0]) +
+           static_cast<std::size_t>(bx);
+}
+
+Material ResinVolume::at(int x, int y, int z) const {
+    if (x < 0 || y < 0 || z < 0 || x >= size_[0] || y >= size_[1] || z >= size_[2]) return air;
+    const std::int32_t block = block_[block_index(x / edge, y / edge, z / edge)];
+    if (block < 0) return static_cast<Material>(-1 - block);
+    return voxels_[static_cast<std::size_t>(block) * block_voxels +
+                   static_cast<std::size_t>(((z % edge) * edge + y % edge) * edge + x % edge)];
+}
+
+void ResinVolume::copy_box(const std::array<int, 3>& corner, const std::array<int, 3>& extent,
+                           std::span<Material> out) const {
+    const auto row = static_cast<std::size_t>(extent[0]);
+    VOXTONE_EXPECT(out.size() == row * static_cast<std::size_t>(extent[1]) * static_cast<std::size_t>(extent[2]));
+    std::fill(out.begin(), out.end(), air);
+    const int x0 = std::max(corner[0], 0), x1 = std::min(corner[0] + extent[0], size_[0]);
+    for (int z = std::max(corner[2], 0); z < std::min(corner[2] + extent[2], size_[2]); ++z)
+        for (int y = std::max(corner[1], 0); y < std::min(corner[1] + extent[1], size_[1]); ++y) {
+            Material* const line =
+                out.data() + (static_cast<std::size_t>(z - corner[2]) * static_cast<std::size_t>(extent[1]) +
+                              static_cast<std::size_t>(y - corner[1])) *
+                                 row;
+            for (int x = x0; x < x1;) {
+                const int end = std::min(x1, (x / edge + 1) * edge);
+                const std::int32_t block = block_[block_index(x / edge, y / edge, z / edge)];
+                Material* const to = line + (x - corner[0]);
+                if (block < 0) {
+                    std::fill(to, to + (end - x), static_cast<Material>(-1 - block));
+                } else {
+                    const Material* const from =
+                        voxels_.data() + static_cast<std::size_t>(block) * block_voxels +
+                        static_cast<std::size_t>(((z % edge) * edge + y % edge) * edge + x % edge);
+                    std::copy(from, from + (end - x), to);
+                }
+                x = end;
+            }
+        }
+}
+
+int ResinVolume::uniform_material(const std::array<int, 3>& corner, const std::array<int, 3>& extent) const {
+    const Material first = at(corner[0], corner[1], corner[2]);
+    for (int axis = 0; axis < 3; ++axis) {
+        const auto a = static_cast<std::size_t>(axis);
+        if (first != air && (corner[a] < 0 || corner[a] + extent[a] > size_[a])) return -1;
+    }
+    std::array<int, 3> low{}, high{};
+    for (std::size_t a = 0; a < 3; ++a) {
+        low[a] = std::max(corner[a], 0);
+        high[a] = std::min(corner[a] + extent[a], size_[a]);
+        if (low[a] >= high[a]) return air;
+    }
+    for (int bz = low[2] / edge; bz <= (high[2] - 1) / edge; ++bz)
+        for (int by = low[1] / edge; by <= (high[1] - 1) / edge; ++by)
+            for (int bx = low[0] / edge; bx <= (high[0] - 1) / edge; ++bx) {
+                const std::int32_t block = block_[block_index(bx, by, bz)];
+                if (block < 0) {
+                    if (-1 - block != first) return -1;
+                    continue;
+                }
+                for (int z = std::max(low[2], bz * edge); z < std::min(high[2], (bz + 1) * edge); ++z)
+                    for (int y = std::max(low[1], by * edge); y < std::min(high[1], (by + 1) * edge); ++y)
+                        for (int x = std::max(low[0], bx * edge); x < std::min(high[0], (bx + 1) * edge); ++x)
+                            if (at(x, y, z) != first) return -1;
+            }
+    return first;
+}
+
+std::array<std::uint64_t, 256> ResinVolume::count() const {
+    std::array<std::uint64_t, 256> counts{};
+    for (int bz = 0; bz < blocks_[2]; ++bz)
+        for (int by = 0; by < blocks_[1]; ++by)
+            for (int bx = 0; bx < blocks_[0]; ++bx) {
+                const std::int32_t block = block_[block_index(bx, by, bz)];
+                const int nx = std::min(edge, size_[0] - bx * edge), ny = std::min(edge, size_[1] - by * edge),
+                          nz = std::min(edge, size_[2] - bz * edge);
+                if (block < 0) {
+                    counts[static_cast<std::size_t>(-1 - block)] += static_cast<std::uint64_t>(nx) *
+                                                                    static_cast<std::uint64_t>(ny) *
+                                                                    static_cast<std::uint64_t>(nz);
+                    continue;
+                }
+                const Material* const voxels = voxels_.data() + static_cast<std::size_t>(block) * block_voxels;
+                for (int z = 0; z < nz; ++z)
+                    for (int y = 0; y < ny; ++y)
+                        for (int x = 0; x < nx; ++x) ++counts[voxels[(z * edge + y) * edge + x]];
+            }
+    return counts;
+}
+
+std::size_t ResinVolume::memory_bytes() const { return block_.size() * sizeof(block_[0]) + voxels_.size(); }
+
+ResinVolumeBuilder::ResinVolumeBuilder(const std::array<int, 3>& size, const std::array<double, 3>& pitch_mm) {
+    for (std::size_t a = 0; a < 3; ++a) {
+        VOXTONE_EXPECT(size[a] >= 1 && pitch_mm[a] > 0);
+        volume_.blocks_[a] = (size[a] + edge - 1) / edge;
+    }
+    volume_.size_ = size;
+    volume_.pitch_mm_ = pitch_mm;
+}
+
+void ResinVolumeBuilder::add_layer(std::span<const Material> layer) {
+    const auto& size = volume_.size_;
+    const auto row = static_cast<std::size_t>(size[0]), plane = row * static_cast<std::size_t>(size[1]);
+    VOXTONE_EXPECT(layer.size() == plane && layers_ < size[2]);
+    slab_.resize(plane * edge);
+    std::copy(layer.begin(), layer.end(), slab_.begin() + static_cast<std::ptrdiff_t>(plane) * (layers_ % edge));
+    ++layers_;
+    if (layers_ % edge != 0 && layers_ != size[2]) return;
+    for (int by = 0; by < volume_.blocks_[1]; ++by)
+        append_blocks(slab_.data() + static_cast<std::size_t>(by * edge) * row, row, plane,
+                      std::min(edge, size[1] - by * edge), (layers_ - 1) % edge + 1);
+}
+
+void ResinVolumeBuilder::add_block_row(std::span<const Material> voxels) {
+    const auto& size = volume_.size_;
+    const int by = block_rows_ % volume_.blocks_[1], bz = block_rows_ / volume_.blocks_[1];
+    VOXTONE_EXPECT(slab_.empty() && bz < volume_.blocks_[2]);
+    const int rows = std::min(edge, size[1] - by * edge), layers = std::min(edge, size[2] - bz * edge);
+    const auto row = static_cast<std::size_t>(size[0]), plane = row * static_cast<std::size_t>(rows);
+    VOXTONE_EXPECT(voxels.size() == plane * static_cast<std::size_t>(layers));
+    append_blocks(voxels.data(), row, plane, rows, layers);
+    if (++block_rows_ % volume_.blocks_[1] == 0) layers_ += layers;
+}
+
+void ResinVolumeBuilder::append_blocks(const Material* first, std::size_t row_stride, std::size_t plane_stride,
+                                       int rows, int layers) {
+    std::array<Material, block_voxels> block;
+    for (int bx = 0; bx < volume_.blocks_[0]; ++bx) {
+        const Material* const corner = first + static_cast<std::size_t>(bx * edge);
+        const int nx = std::min(edge, volume_.size_[0] - bx * edge);
+        block.fill(air);
+        bool uniform = true;
+        for (int z = 0; z < layers; ++z)
+            for (int y = 0; y < rows; ++y) {
+                const Material* const from =
+                    corner + static_cast<std::size_t>(z) * plane_stride + static_cast<std::size_t>(y) * row_stride;
+                Material* const to = block.data() + (z * edge + y) * edge;
+                for (int x = 0; x < nx; ++x) {
+                    to[x] = from[x];
+                    uniform &= from[x] == *corner;
+                }
+            }
+        if (uniform) {
+            volume_.block_.push_back(-1 - *corner);
+            continue;
+        }
+        volume_.block_.push_back(static_cast<std::int32_t>(volume_.voxels_.size() / block_voxels));
+        volume_.voxels_.insert(volume_.voxels_.end(), block.begin(), block.end());
+    }
+}
+
+ResinVolume ResinVolumeBuilder::finish() {
+    VOXTONE_EXPECT(layers_ == volume_.size_[2]);
+    return std::move(volume_);
+}
+
+ResinVolume stacked(std::vector<ResinVolume> parts) {
+    VOXTONE_EXPECT(!parts.empty());
+    ResinVolume whole;
+    whole.size_ = parts.front().size_;
+    whole.blocks_ = parts.front().blocks_;
+    whole.pitch_mm_ = parts.front().pitch_mm_;
+    whole.size_[2] = whole.blocks_[2] = 0;
+    std::size_t blocks = 0, voxels = 0;
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+        const ResinVolume& part = parts[i];
+        VOXTONE_EXPECT(part.size_[0] == whole.size_[0] && part.size_[1] == whole.size_[1] &&
+                       part.pitch_mm_ == whole.pitch_mm_ && (i + 1 == parts.size() || part.size_[2] % edge == 0));
+        whole.size_[2] += part.size_[2];
+        whole.blocks_[2] += part.blocks_[2];
+        blocks += part.block_.size();
+        voxels += part.voxels_.size();
+    }
+    // Room for all at once: memory that is only reserved costs nothing until it is written, part by part.
+    whole.block_.reserve(blocks);
+    whole.voxels_.reserve(voxels);
+    for (ResinVolume& part : parts) {
+        const auto offset = static_cast<std::int32_t>(whole.voxels_.size() / block_voxels);
+        for (const std::int32_t block : part.block_) whole.block_.push_back(block < 0 ? block : block + offset);
+        whole.voxels_.insert(whole.voxels_.end(), part.voxels_.begin(), part.voxels_.end());
+        part = ResinVolume();
+    }
+    return whole;
+}
+
+ResinVolume all_of(const ResinVolume& volume, Material material) {
+    ResinVolume twin;
+    twin.size_ = volume.size_;
+    twin.blocks_ = volume.blocks_;
+    twin.pitch_mm_ = volume.pitch_mm_;
+    twin.block_.reserve(volume.block_.size());
+    std::array<Material, block_voxels> voxels;
+    std::size_t i = 0;
+    for (int bz = 0; bz < volume.blocks_[2]; ++bz)
+        for (int by = 0; by < volume.blocks_[1]; ++by)
+            for (int bx = 0; bx < volume.blocks_[0]; ++bx, ++i) {
+                const std::int32_t block = volume.block_[i];
+                if (block < 0) {
+                    twin.block_.push_back(block == -1 - air ? block : -1 - material);
+                    continue;
+                }
+                const Material* const from = volume.voxels_.data() + static_cast<std::size_t>(block) * block_voxels;
+                std::size_t solid = 0;
+                for (std::size_t v = 0; v < block_voxels; ++v) {
+                    voxels[v] = from[v] == air ? air : material;
+                    solid += from[v] != air;
+                }
+                // What sticks out of the volume is air in a block and no part of it.
+                std::size_t inside = 1;
+                for (const auto& [first, size] :
+                     {std::pair{bx * edge, volume.size_[0]}, std::pair{by * edge, volume.size_[1]},
+                      std::pair{bz * edge, volume.size_[2]}})
+                    inside *= static_cast<std::size_t>(std::min(edge, size - first));
+                if (solid == inside) {
+                    twin.block_.push_back(-1 - material);
+                } else {
+                    twin.block_.push_back(static_cast<std::int32_t>(twin.voxels_.size() / block_voxels));
+                    twin.voxels_.insert(twin.voxels_.end(), voxels.begin(), voxels.end());
+                }
+            }
+    twin.voxels_.shrink_to_fit();
+    return twin;
+}
+
+}  // namespace voxtone::optics

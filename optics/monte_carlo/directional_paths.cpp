@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/optics/monte_carlo/directional_paths.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "voxtone/optics/scene/fresnel.h"
+#include "voxtone/optics/numerics/quadrature.h"
+
+namespace voxtone::optics {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+// The transmittance of the way to the light is exact up to this optical depth and by chance beyond: who asks from the
+// depth seldom has to go all the way.
+constexpr double exact_depth = 1;
+
+double henyey_greenstein(double cosine, double g) {
+    const double q = 1 + g * g - 2 * g * cosine;
+    return (1 - g * g) / (4 * pi * q * std::sqrt(q));
+}
+
+/// Share of diffuse light that the surface lets in.
+double mean_transmittance(double eta) {
+    const AngularGrid grid = angular_grid(eta, 2, 32);
+    return eta * eta * (grid.c * grid.t).sum();  // c is a share of all directions in the resin
+}
+
+}  // namespace
+
+DirectionalPaths::DirectionalPaths(const Scene& scene, double roulette_weight)
+    : walk_(scene),
+      backing_(scene.backing),
+      roulette_weight_(roulette_weight),
+      nu_(cosine_in_resin(std::numbers::sqrt2 / 2, scene.resins->eta)),
+      sine_(std::sqrt(1 - nu_ * nu_)),
+      R_45_(fresnel_reflectance(std::numbers::sqrt2 / 2, scene.resins->eta)),
+      T_0_(1 - fresnel_reflectance(1, scene.resins->eta)),
+      mean_T_(mean_transmittance(scene.resins->eta)) {}
+
+/// B where the ray is, for light that comes along -ray.d.
+double DirectionalPaths::beam(Ray ray, const VoxelWalk::Optics& optics, PathRandom& random) const {
+    double sum = 0, transmittance = 1;
+    std::uint32_t meetings = 0;
+    bool certain = ray.d[2] < 0;  // who asks downward asks for the reflection
+    if (certain) transmittance = R_45_;
+    for (;;) {
+        const double most = exact_depth - std::log1p(-random.uniform());
+        double depth = most;
+        if (!walk_.advance(ray, optics, depth, meetings).at_surface) return sum;
+        transmittance *= std::exp(-std::min(exact_depth, most - depth));
+        if (ray.d[2] > 0) sum += transmittance * (1 - R_45_);
+        if (!certain && random.uniform() >= R_45_) return sum;
+        certain = false;
+        ray.d[2] = -ray.d[2];
+    }
+}
+
+double DirectionalPaths::estimate(const Surface& surface, const PathStarts& starts, std::size_t cell,
+                                  std::size_t channel, PathRandom& random) const {
+    const VoxelWalk::Optics& optics = walk_.optics(channel);
+    const SurfaceFace& face = surface.faces[starts.face_at(surface.cells[cell], random.uniform())];
+    const double u = random.uniform(), v = random.uniform();
+    Ray ray = walk_.at_face(face, u, v);
+    ray.d = {0, 0, -1};
+
+    const auto ask = [&](double z) {
+        Ray to_light = ray;
+        const double phi = 2 * pi * random.uniform();
+        to_light.d = {sine_ * std::cos(phi), sine_ * std::sin(phi), z};
+        return to_light;
+    };
+    double sum = 0, weight = 1;
+    Patience patience;
+    for (;;) {
+        double depth = -std::log1p(-random.uniform());
+        for (;;) {
+            const Stop stop = walk_.advance(ray, optics, depth, patience.meetings);
+            if (!patience.survives(weight, random)) return sum;
+            if (!stop.at_surface) break;
+            if (random.uniform() < internal_reflectance(std::abs(ray.d[stop.axis]), walk_.eta())) {
+                ray.d[stop.axis] = -ray.d[stop.axis];
+                continue;
+            }
+            if (!stop.on_sheet || backing_ != Backing::white) return sum;
+            sum += T_0_ * weight * (1 - R_45_) * beam(ask(nu_), optics, random) / mean_T_;
+            ray.d = entering_light(2, 1.0, walk_.eta(), random);
+        }
+        weight *= optics.albedo[ray.material];
+        if (!survives_faintness(weight, roulette_weight_, random)) return sum;
+        // Downward, as rarely as it is faint, for the light that the lower surface reflected.
+        const bool down = random.uniform() < R_45_;
+        const Ray to_light = ask(down ? -nu_ : nu_);
+        const double cosine = ray.d[0] * to_light.d[0] + ray.d[1] * to_light.d[1] + ray.d[2] * to_light.d[2];
+        const double B = beam(to_light, optics, random);
+        sum += pi * T_0_ / (walk_.eta() * walk_.eta() * nu_) * weight * henyey_greenstein(cosine, walk_.g()) * B /
+               (down ? R_45_ : 1 - R_45_);
+        walk_.scatter(ray.d, random);
+    }
+}
+
+}  // namespace voxtone::optics

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Many light paths at once through the voxels of a volume: the vector twin of plain_paths.h, the same physics with free
+// paths drawn as path_volume.h says, in single precision.
+//
+// Every lane of a packet carries its own path and does one event at a time: it meets a particle, or the side of its
+// box. A path that ends makes room for the next. What a path does is a function of its start alone, never of the lane,
+// of the paths beside it or of the machine: no operation depends on the vector's length, none is fused. Run-time
+// dispatch.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "voxtone/optics/monte_carlo/path_random.h"
+#include "voxtone/optics/monte_carlo/path_volume.h"
+
+namespace voxtone::optics {
+
+/// Paths about to enter: their addresses in, what chance decides at their start out. A place on a face is (u, v) along
+/// the axes that follow the normal's, the direction likewise.
+struct Entries {
+    static constexpr std::size_t most = 64;
+    template <class T>
+    using Row = std::array<T, most>;
+    alignas(64) std::array<Row<std::uint32_t>, 4> random{};  ///< in: path, channel, cell; out: the generators' states
+    alignas(64) Row<float> face{};                           ///< which of the cell's faces, in [0, 1)
+    alignas(64) Row<float> u{}, v{};                         ///< in [0, 1)
+    alignas(64) Row<float> inward{}, along_u{}, along_v{};   ///< of diffuse light that the surface let in
+    alignas(64) Row<float> depth{};                          ///< of the first free path
+};
+
+/// Fills all of `entries`.
+void draw_entries(std::uint64_t seed, double eta, Entries& entries);
+
+/// A path just inside the surface.
+struct PathStart {
+    std::array<float, 3> at{};         ///< in voxels from the path volume's corner; at the face exactly
+    std::array<float, 3> direction{};  ///< in mm, unit length
+    std::array<std::int32_t, 3> voxel{};
+    std::array<std::uint32_t, 4> random{};  ///< state of its generator (path_random.h)
+    float depth = 0;                        ///< optical depth of the first free path
+    std::uint32_t tag = 0;                  ///< given back with the weight
+};
+
+/// Where packets take paths from and what they do with them.
+class PathSource {
+public:
+    virtual ~PathSource() = default;
+    /// The next path; false where there is none any more.
+    virtual bool next(PathStart& start) = 0;
+    /// `at`: where it left or ended, as in PathStart; exact at the side that it left through.
+    virtual void finished(std::uint32_t tag, float weight, const std::array<float, 3>& at) = 0;
+    /// The direction of light that a white sheet sends back up through the surface; draws from `random`.
+    virtual std::array<float, 3> entering_up(std::array<std::uint32_t, 4>& random) = 0;
+};
+
+/// What stays the same for all paths of one channel.
+struct PacketScene {
+    const std::uint16_t* voxels = nullptr;
+    const std::uint32_t* base = nullptr;
+    const float* majorant = nullptr;
+    std::array<int, 3> blocks{}, size{};
+    std::array<float, 3> pitch_mm{};
+    const BodyBoundary* boundary = nullptr;  ///< nullptr: the faces of the voxels
+    float offset = 0;                        ///< voxels between the corner of path coordinates and the scene's volume
+    std::size_t materials = 0;
+    std::array<float, 256> sigma_t{}, albedo{};  ///< per material
+    float g = 0, eta = 1, roulette_weight = 0.1f;
+    Backing backing = Backing::none;
+    Sides sides = Sides::open;
+};
+
+[[nodiscard]] PacketScene packet_scene(const Scene& scene, const PathVolume& volume, std::size_t channel,
+                                       double roulette_weight);
+
+/// Traces all paths of the source.
+void trace_packets(const PacketScene& scene, PathSource& source);
+
+}  // namespace voxtone::optics

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/optics/profiles/surfaced_table.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "voxtone/base/contracts.h"
+#include "voxtone/base/parallel.h"
+#include "voxtone/optics/profiles/surfaced_reflection.h"
+
+namespace voxtone::optics {
+namespace {
+
+constexpr int samples = 33, directions = 16;
+
+}  // namespace
+
+SurfacedTable::SurfacedTable(double g, double eta, double most_tau, const Progress* progress)
+    : turned_back_(turned_back_share(eta)) {
+    VOXTONE_EXPECT(most_tau > 0 && std::isfinite(most_tau));
+    Eigen::MatrixXd R_top(samples, samples), lost_down(samples, samples), R_bottom(samples, samples);
+    const double most_x = std::sqrt(most_tau);
+    parallel_for(
+        0, samples * samples, 1,
+        [&](std::size_t sample) {
+            const auto i = static_cast<Eigen::Index>(sample) / samples, j = static_cast<Eigen::Index>(sample) % samples;
+            const double x = most_x * static_cast<double>(i) / (samples - 1), y = static_cast<double>(j) / (samples - 1);
+            const double tau = x * x;
+            SurfacedTotals at{0, 1, turned_back_, 1 - turned_back_};  // no layer
+            if (tau > 0) at = surfaced_totals({tau * y * y, tau * (1 - y * y)}, g, eta, 1.0, directions);
+            R_top(i, j) = at.R_top;
+            R_bottom(i, j) = at.R_bottom;
+            lost_down(i, j) = y > 0 ? 1 - at.T_down / (1 - at.R_top) : 0;
+        },
+        progress);
+    R_top_ = BicubicTable(R_top, most_x, 1);
+    lost_down_ = BicubicTable(lost_down, most_x, 1);
+    R_bottom_ = BicubicTable(R_bottom, most_x, 1);
+}
+
+SurfacedTotals SurfacedTable::at(double absorption, double scattering) const {
+    const double tau = absorption + scattering;
+    const double x = std::sqrt(tau), y = tau > 0 ? std::sqrt(std::clamp(absorption / tau, 0.0, 1.0)) : 0;
+    SurfacedTotals at;
+    at.R_top = std::clamp(R_top_(x, y), 0.0, 1.0);
+    at.T_down = (1 - at.R_top) * (1 - std::clamp(lost_down_(x, y), 0.0, 1.0));
+    at.T_up = (1 - turned_back_) * at.T_down;
+    at.R_bottom = std::clamp(R_bottom_(x, y), 0.0, 1 - at.T_up);
+    if (absorption == 0) at.R_bottom = 1 - at.T_up;
+    return at;
+}
+
+}  // namespace voxtone::optics

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/optics/scene/appearance_model.h"
+
+namespace voxtone::optics {
+namespace {
+
+class AnewEachTime final : public AppearanceSequence {
+public:
+    AnewEachTime(const AppearanceModel& model, const Scene& scene, const Surface& surface)
+        : model_(model), scene_(scene), surface_(surface) {}
+    [[nodiscard]] Appearance next(const ResinVolume& volume, const Progress* progress) override {
+        Scene scene = scene_;
+        scene.volume = &volume;
+        return model_.predict(scene, surface_, progress);
+    }
+
+private:
+    const AppearanceModel& model_;
+    Scene scene_;
+    const Surface& surface_;
+};
+
+}  // namespace
+
+bool AppearanceSequence::gradient(std::span<const float> /*by_value*/, const GradientVisitor& /*visit*/, const Progress* /*progress*/) {
+    return false;
+}
+
+std::unique_ptr<AppearanceSequence> AppearanceModel::sequence(const Scene& scene, const Surface& surface) const {
+    return std::make_unique<AnewEachTime>(*this, scene, surface);
+}
+
+}  // namespace voxtone::optics

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/optics/scene/boundary.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "voxtone/optics/scene/fresnel.h"
+
+namespace voxtone::optics {
+namespace {
+
+double dot(const Point& a, const Point& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+Point reflected(const Point& d, const Point& n) {
+    const double twice = 2 * dot(d, n);
+    return {d[0] - twice * n[0], d[1] - twice * n[1], d[2] - twice * n[2]};
+}
+
+}  // namespace
+
+double turn_at_boundary(const BoundaryNormals& normals, double eta, Point& direction) {
+    double cosine = dot(direction, normals.shading);
+    Point back = reflected(direction, normals.shading);
+    if (cosine <= 0 || dot(back, normals.geometric) >= 0) {
+        cosine = std::max(0.0, dot(direction, normals.geometric));
+        back = reflected(direction, normals.geometric);
+    }
+    direction = back;
+    const double mu2 = 1 - eta * eta * (1 - cosine * cosine);
+    return mu2 <= 0 ? 1.0 : fresnel_reflectance(std::min(1.0, std::sqrt(mu2)), eta);
+}
+
+Point entering_direction(const BoundaryNormals& normals, const Point& inward_u_v) {
+    const auto about = [&](const Point& n) {
+        // Two directions across n (Duff et al. 2017, "Building an orthonormal basis, revisited").
+        const double s = std::copysign(1.0, n[2]), k = -1 / (s + n[2]), m = n[0] * n[1] * k;
+        const Point e{1 + s * n[0] * n[0] * k, s * m, -s * n[0]}, f{m, s + n[1] * n[1] * k, -n[1]};
+        Point d{};
+        for (std::size_t a = 0; a < 3; ++a) d[a] = -inward_u_v[0] * n[a] + inward_u_v[1] * e[a] + inward_u_v[2] * f[a];
+        return d;
+    };
+    const Point d = about(normals.shading);
+    return dot(d, normals.geometric) < 0 ? d : about(normals.geometric);
+}
+
+float safe_component(double x) { return static_cast<float>(std::abs(x) < 1e-18 ? std::copysign(1e-18, x) : x); }
+
+double FlatSides::height(const Point& p, const Plane*& highest) const {
+    double most = -1e300;
+    for (const Plane& plane : planes_) {
+        const double h = dot(plane.normal, p) - plane.offset;
+        if (h > most) {
+            most = h;
+            highest = &plane;
+        }
+    }
+    return most;
+}
+
+bool FlatSides::leaves(const Point& from, const Point& direction, double reach, double& distance,
+                       BoundaryNormals& normals) const {
+    double first = reach;
+    const Plane* left = nullptr;
+    for (const Plane& plane : planes_) {
+        const double speed = dot(plane.normal, direction);
+        if (speed <= 0) continue;
+        const double t = std::max(0.0, (plane.offset - dot(plane.normal, from)) / speed);
+        if (t <= first) {
+            first = t;
+            left = &plane;
+        }
+    }
+    if (!left) return false;
+    distance = first;
+    normals = {left->normal, left->normal};
+    return true;
+}
+
+Point FlatSides::nearest(const Point& p, BoundaryNormals& normals) const {
+    const Plane* plane = nullptr;
+    const double h = height(p, plane);
+    normals = {plane->normal, plane->normal};
+    Point on = p;
+    for (std::size_t a = 0; a < 3; ++a) on[a] -= h * plane->normal[a];
+    return on;
+}
+
+bool FlatSides::comes_within(const Point& p, double radius_mm) const {
+    const Plane* plane = nullptr;
+    return std::abs(height(p, plane)) <= radius_mm;
+}
+
+bool Sphere::leaves(const Point& from, const Point& direction, double reach, double& distance,
+                    BoundaryNormals& normals) const {
+    Point r{};
+    for (std::size_t a = 0; a < 3; ++a) r[a] = from[a] - centre_[a];
+    const double along = dot(r, direction), outside = dot(r, r) - radius_ * radius_;
+    const double root = std::sqrt(std::max(0.0, along * along - outside));
+    const double t = std::max(0.0, root - along);
+    if (t > reach) return false;
+    distance = t;
+    for (std::size_t a = 0; a < 3; ++a) r[a] += t * direction[a];
+    const double length = std::sqrt(dot(r, r));
+    for (double& x : r) x /= length;
+    normals = {r, r};
+    return true;
+}
+
+Point Sphere::nearest(const Point& p, BoundaryNormals& normals) const {
+    Point r{};
+    for (std::size_t a = 0; a < 3; ++a) r[a] = p[a] - centre_[a];
+    const double length = std::sqrt(dot(r, r));
+    Point on = centre_;
+    for (std::size_t a = 0; a < 3; ++a) {
+        r[a] /= length;
+        on[a] += radius_ * r[a];
+    }
+    normals = {r, r};
+    return on;
+}
+
+bool Sphere::comes_within(const Point& p, double radius_mm) const {
+    Point r{};
+    for (std::size_t a = 0; a < 3; ++a) r[a] = p[a] - centre_[a];
+    return std::abs(std::sqrt(dot(r, r)) - radius_) <= radius_mm;
+}
+
+}  // namespace voxtone::optics

@@ -1,0 +1,381 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/optics/transport/coarse/viewing_sequence.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <string>
+
+#include "voxtone/base/contracts.h"
+#include "voxtone/base/error.h"
+#include "voxtone/base/parallel.h"
+#include "voxtone/optics/transport/coarse/seen_medium.h"
+#include "voxtone/optics/transport/coarse/viewing_gradient.h"
+
+namespace voxtone::optics {
+namespace {
+
+constexpr int first_rounds = 2;
+constexpr std::uint32_t nowhere = 0xffffffffu;
+
+double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+
+bool looks_up(const Surface& surface) {
+    double up = 0, all = 0;
+    for (const SurfaceCell& cell : surface.cells) {
+        up += static_cast<double>(cell.area_mm2 * std::abs(cell.normal[2]));
+        all += static_cast<double>(cell.area_mm2);
+    }
+    return up > 0.9 * all;
+}
+
+}  // namespace
+
+ViewingSequence::ViewingSequence(const Scene& scene, const Surface& surface, const TransportOptions& options)
+    : scene_(scene), surface_(surface), options_(options), view_voxels_(cell_voxels(scene.volume->pitch_mm(), options.cell_mm)),
+      lattice_(scene.volume->size(), view_voxels_),
+      halftone_(*scene.resins, scene.volume->pitch_mm(), looks_up(surface) ? SeenFrom::above : SeenFrom::all_sides) {
+    for (ViewingTile& tile :
+         viewing_tiles(surface, scene.volume->size(), scene.volume->pitch_mm(), view_voxels_, options.tile_cells, options.tile_halo)) {
+        tiles_.emplace_back();
+        static_cast<ViewingTile&>(tiles_.back()) = std::move(tile);
+        tiles_.back().light.resize(channels());
+        tiles_.back().adjoint.resize(channels());
+    }
+    summary_.pieces = tiles_.size();
+    list_ghosts();
+    make_live(0);
+}
+
+/// All places on the rims of windows, whether the body is there or not.
+void ViewingSequence::list_ghosts() {
+    for (const Tile& tile : tiles_) {
+        const auto &low = tile.window.begin, &high = tile.window.end;
+        for (std::size_t f = 0; f < 6; ++f) {
+            if (!tile.window.cut[f]) continue;
+            std::array<int, 3> first = low, last = high;
+            first[f / 2] = f % 2 ? high[f / 2] - 1 : low[f / 2];
+            last[f / 2] = first[f / 2] + 1;
+            for (int z = first[2]; z < last[2]; ++z)
+                for (int y = first[1]; y < last[1]; ++y)
+                    for (int x = first[0]; x < last[0]; ++x) ghost_places_.push_back(lattice_.index({x, y, z}));
+        }
+    }
+    std::sort(ghost_places_.begin(), ghost_places_.end());
+    ghost_places_.erase(std::unique(ghost_places_.begin(), ghost_places_.end()), ghost_places_.end());
+    ghost_places_.shrink_to_fit();
+}
+
+std::size_t ViewingSequence::Shape::memory_bytes() const {
+    const auto of = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
+    return grid->memory_bytes() + of(seen.first) + of(seen.face) + of(seen.share) + of(seen.cell) + of(hears) + of(tells);
+}
+
+std::unique_ptr<ViewingSequence::Shape> ViewingSequence::shape_of(const Tile& tile) const {
+    auto shape = std::make_unique<Shape>();
+    shape->grid = std::make_unique<ViewingGrid>(scene_, view_voxels_, options_.colour_mm, tile.also, tile.window, &surface_);
+    ViewingGrid& grid = *shape->grid;
+    grid.shrink();
+    shape->seen = grid.see(tiles_.size() == 1 ? surface_ : part_of(surface_, tile.near));
+    const auto place_of = [&](std::uint32_t block) {
+        std::array<int, 3> at = grid.grid.blocks[block].at;
+        for (std::size_t a = 0; a < 3; ++a) at[a] += tile.window.begin[a];
+        return at;
+    };
+    const auto ghost_at = [&](const std::array<int, 3>& at) {
+        const auto found = std::lower_bound(ghost_places_.begin(), ghost_places_.end(), lattice_.index(at));
+        return found != ghost_places_.end() && *found == lattice_.index(at) ? static_cast<std::uint32_t>(found - ghost_places_.begin()) : nowhere;
+    };
+    for (std::uint32_t b = 0; b < grid.grid.blocks.size(); ++b) {
+        const std::array<int, 3> at = place_of(b);
+        if (!VoxelBox{tile.begin, tile.end}.holds(at)) continue;
+        if (const std::uint32_t ghost = ghost_at(at); ghost != nowhere) shape->tells.emplace_back(b, ghost);
+    }
+    for (const std::uint32_t ghost : grid.ghosts) shape->hears.push_back(ghost_at(place_of(grid.core_block[ghost])));
+    return shape;
+}
+
+void ViewingSequence::make_live(std::size_t index) {
+    const double begin = now();
+    transport_.reset();
+    live_ = index;
+    Tile& tile = tiles_[index];
+    if (!tile.shape) {
+        make_room(tile.bytes + field_bytes());
+        tile.shape = shape_of(tile);
+        const ViewingGrid& grid = *tile.shape->grid;
+        tile.bytes = tile.shape->memory_bytes() + ViewingTransport::bytes_for(grid, 0);
+        tile.cells_of_grid = grid.cells();
+        tile.core_nodes = grid.core_block.size();
+        tile.open_faces = grid.open_faces.size();
+        summary_.skin_cells = summary_.nodes = 0;
+        for (const Tile& t : tiles_) {
+            summary_.skin_cells += t.cells_of_grid;
+            summary_.nodes += t.cells_of_grid + t.core_nodes;
+        }
+    }
+    const ViewingGrid& grid = *tile.shape->grid;
+    const std::size_t own = tile.light[0].cells.empty() ? channels() * (grid.cells() * sizeof(ViewingField::Code) + 64 * grid.open_faces.size()) : 0,
+                      needed = tile.bytes + own + field_bytes();
+    if (options_.memory_bytes > 0 && needed > options_.memory_bytes)
+        throw ResourceError("a sequence of predictions of " + std::to_string(grid.cells()) + " viewing cells at once needs " +
+                            std::to_string((needed >> 20) + 1) + " MiB of memory and " + std::to_string(options_.memory_bytes >> 20) +
+                            " are allowed: allow more, expect colour less deep, or take larger cells");
+    make_room(needed);
+    transport_ = std::make_unique<ViewingTransport>(grid, options_);
+    summary_.grid_s += now() - begin;
+}
+
+std::size_t ViewingSequence::shape_bytes() const {
+    std::size_t sum = 0;
+    for (const Tile& tile : tiles_) sum += tile.shape ? tile.shape->memory_bytes() : 0;
+    return sum;
+}
+
+void ViewingSequence::make_room(std::size_t bytes) {
+    if (options_.memory_bytes == 0) return;
+    std::size_t others = 0;
+    for (std::size_t t = 0; t < tiles_.size(); ++t) {
+        if (t == live_ || !tiles_[t].shape) continue;
+        others += tiles_[t].shape->memory_bytes();
+        // The next ones are dropped too: they would not fit either, and the first ones come first again.
+        if (bytes + others > options_.memory_bytes) tiles_[t].shape.reset();
+    }
+}
+
+void ViewingSequence::look_at(std::size_t index) {
+    Tile& tile = tiles_[index];
+    if (live_ != index || !transport_) make_live(index);
+    if (tile.shape->filled == volume_) return;
+    const double begin = now();
+    std::vector<std::uint8_t> wanted;
+    if (!tile.shape->grid->fill(*volume_, wanted)) {
+        tile.also.resize(wanted.size(), 0);
+        for (std::size_t i = 0; i < wanted.size(); ++i) tile.also[i] |= wanted[i];
+        make_anew(index);
+    } else if (!tile.trimmed && !tile.also.empty()) {
+        if (std::vector<std::uint8_t> still = still_coloured(tile); !still.empty()) {
+            tile.trimmed = true;
+            tile.also = std::move(still);
+            make_anew(index);
+        }
+    }
+    tile.shape->filled = volume_;
+    summary_.grid_s += now() - begin;
+}
+
+void ViewingSequence::make_anew(std::size_t index) {
+    Tile& tile = tiles_[index];
+    transport_.reset();
+    const std::unique_ptr<Shape> was = std::move(tile.shape);
+    make_live(index);
+    carry_over(*was->grid, tile.light);
+    tile.adjoint.assign(channels(), {});
+    std::vector<std::uint8_t> wanted;
+    const bool filled = tile.shape->grid->fill(*volume_, wanted);
+    VOXTONE_ENSURE(filled);
+}
+
+std::vector<std::uint8_t> ViewingSequence::still_coloured(const Tile& tile) const {
+    std::vector<std::uint8_t> still = tile.also;
+    std::size_t all = 0, left = 0;
+    std::size_t place = 0;
+    for (int z = tile.window.begin[2]; z < tile.window.end[2]; ++z)
+        for (int y = tile.window.begin[1]; y < tile.window.end[1]; ++y)
+            for (int x = tile.window.begin[0]; x < tile.window.end[0]; ++x, ++place) {
+                if (!still[place]) continue;
+                const std::array<int, 3> at{x, y, z};
+                std::array<int, 3> corner{};
+                for (std::size_t a = 0; a < 3; ++a) corner[a] = at[a] * lattice_.block_voxels[a] - lattice_.shift_voxels[a];
+                still[place] = volume_->uniform_material(corner, lattice_.block_voxels) < 0;
+                ++all;
+                left += still[place];
+            }
+    // A new grid costs about as much as half of its cells cost in a prediction.
+    constexpr std::size_t worth = 16;
+    if (worth * (all - left) < live().grid->grid.transport_blocks.size()) still.clear();
+    return still;
+}
+
+/// Light of the cells that both grids have; where the new one has cells in what was core, the core's.
+void ViewingSequence::carry_over(const ViewingGrid& from, Fields& fields) const {
+    const OpticalGrid &was = from.grid, &is = live().grid->grid;
+    for (ViewingField& field : fields) {
+        if (field.cells.empty()) continue;
+        ViewingField next;
+        next.cells.resize(live().grid->cells());
+        next.core.resize(live().grid->core_block.size());
+        for (std::size_t place = 0; place < is.block_at.size(); ++place) {
+            if (is.block_at[place] < 0) continue;
+            const GridBlock &to = is.blocks[static_cast<std::size_t>(is.block_at[place])],
+                            &of = was.blocks[static_cast<std::size_t>(was.block_at[place])];
+            if (of.kind != BlockKind::core && to.kind != BlockKind::core) {
+                std::copy_n(field.cells.begin() + of.first_cell, 64, next.cells.begin() + to.first_cell);
+            } else if (of.kind == BlockKind::core && to.kind == BlockKind::core) {
+                next.core[to.first_node] = field.core[of.first_node];
+            } else if (to.kind != BlockKind::core) {
+                ViewingField::Code code;
+                code.phi = phi_code(field.core[of.first_node]);
+                std::fill_n(next.cells.begin() + to.first_cell, 64, code);
+            } else {
+                double sum = 0;
+                for (std::size_t k = 0; k < 64; ++k) sum += phi_of(field.cells[of.first_cell + k]);
+                next.core[to.first_node] = static_cast<float>(sum / 64);
+            }
+        }
+        // Blocks with open faces are the same in both, and so is their order.
+        VOXTONE_ENSURE(from.open_faces.size() == live().grid->open_faces.size());
+        next.out = std::move(field.out);
+        field = std::move(next);
+    }
+}
+
+ViewingTransport::Media ViewingSequence::media(std::size_t channel) const {
+    const OpticalGrid& grid = live().grid->grid;
+    const ResinSet& resins = *scene_.resins;
+    const auto media_of = shared_media(grid.directions, grid.edge_mm(BlockKind::skin), viewing_theta);
+    const SeenMedium seen{halftone_, resins, grid.pitch_mm};
+    ViewingTransport::Media media;
+    media.cells.resize(grid.palette.size());
+    media.core.resize(resins.resins.size() + 1);
+    for (std::size_t m = 1; m < media.core.size(); ++m) media.core[m] = similar_medium(grid.directions, resins.resins[m - 1].medium(channel));
+    parallel_for(1, grid.palette.size(), 1 << 8, [&](std::size_t m) { media.cells[m] = (*media_of)(seen(live().grid->mixtures[m], channel)); });
+    return media;
+}
+
+template <class Done>
+void ViewingSequence::solve(Fields Tile::*fields, GhostLight& ghosts, bool hear, Effort effort, std::span<const float> by_value,
+                            const Progress* progress, Done&& done) {
+    std::vector<float> around, light;
+    for (std::size_t c = 0; c < channels(); ++c) {
+        const ViewingTransport::Media in = media(c);
+        if (!by_value.empty()) light = light_of(by_value, c);
+        around.clear();
+        if (hear)
+            for (const std::uint32_t place : live().hears) around.push_back(ghosts[c][place]);
+        transport_->solve(in, (tiles_[live_].*fields)[c], effort.sweeps, summary_, progress, light, around, effort.enough);
+        for (const auto& [block, place] : live().tells) ghosts[c][place] = transport_->mean_phi(live().grid->grid.blocks[block]);
+        done(c);
+    }
+}
+
+void ViewingSequence::begin(Fields Tile::*fields, GhostLight& ghosts, std::span<const float> by_value, const Progress* progress) {
+    ghosts.assign(channels(), std::vector<float>(ghost_places_.size()));
+    if (tiles_.size() == 1) return;
+    for (int round = 0; round < first_rounds; ++round)
+        for (std::size_t t = 0; t < tiles_.size(); ++t) {
+            look_at(t);
+            (tiles_[t].*fields).assign(channels(), {});
+            solve(fields, ghosts, round > 0, {0, 0}, by_value, progress, [](std::size_t) {});
+        }
+}
+
+Appearance ViewingSequence::next(const ResinVolume& volume, const Progress* progress) {
+    const double start = now();
+    VOXTONE_EXPECT(volume.size() == scene_.volume->size());
+    Scene scene = scene_;
+    scene.volume = &volume;
+    expect_resins_for(scene);
+    volume_ = &volume;
+    for (Tile& tile : tiles_)
+        if (tile.shape) tile.shape->filled = nullptr;
+    const bool first = ghost_light_.empty();
+    if (first) begin(&Tile::light, ghost_light_, {}, progress);
+    Appearance appearance;
+    appearance.channels = channels();
+    appearance.value.assign(surface_.cells.size() * channels(), 0.0f);
+    summary_.last_change.assign(channels(), 0.0);
+    for (std::size_t t = 0; t < tiles_.size(); ++t) {
+        look_at(t);
+        solve(&Tile::light, ghost_light_, true, first ? Effort{options_.sweeps, 0} : Effort{options_.next_sweeps, options_.next_change}, {}, progress, [&](std::size_t c) {
+            summary_.last_change[c] = std::max(summary_.last_change[c], transport_->last_change());
+            read_appearance(c, appearance);
+        });
+    }
+    count_memory(0);
+    summary_.total_s += now() - start;
+    return appearance;
+}
+
+void ViewingSequence::read_appearance(std::size_t channel, Appearance& to) const {
+    const ViewingTransport& transport = *transport_;
+    const ViewingGrid::Seen& seen = live().seen;
+    const Tile& tile = tiles_[live_];
+    const auto flux = transport.flux();
+    std::size_t own = 0;
+    for (std::size_t k = 0; k < tile.near.size() && own < tile.cells.size(); ++k) {
+        if (tile.near[k] != tile.cells[own]) continue;
+        ++own;
+        float leaving = 0, furnace = 0;
+        for (std::uint32_t e = seen.first[k]; e < seen.first[k + 1]; ++e) {
+            leaving += seen.share[e] * flux[seen.face[e]];
+            furnace += seen.share[e] * transport.furnace_flux(seen.face[e]);
+        }
+        // Inside a bubble smaller than a cell the light is that of the cell.
+        to.value[tile.near[k] * channels() + channel] = furnace > 0 ? leaving / furnace : seen.cell[k] != nowhere ? transport.phi(seen.cell[k]) : 0;
+    }
+    VOXTONE_ENSURE(own == tile.cells.size());
+}
+
+std::vector<float> ViewingSequence::light_of(std::span<const float> by_value, std::size_t channel) const {
+    const ViewingGrid::Seen& seen = live().seen;
+    const Tile& tile = tiles_[live_];
+    std::vector<float> light(live().grid->grid.faces.size(), 0.0f);
+    for (std::size_t k = 0; k < tile.near.size(); ++k) {
+        float furnace = 0;
+        for (std::uint32_t e = seen.first[k]; e < seen.first[k + 1]; ++e) furnace += seen.share[e] * transport_->furnace_flux(seen.face[e]);
+        for (std::uint32_t e = seen.first[k]; furnace > 0 && e < seen.first[k + 1]; ++e)
+            light[seen.face[e]] += by_value[tile.near[k] * channels() + channel] * seen.share[e] / furnace;
+    }
+    return light;
+}
+
+bool ViewingSequence::gradient(std::span<const float> by_value, const GradientVisitor& visit, const Progress* progress) {
+    const double start = now();
+    VOXTONE_EXPECT(by_value.size() == surface_.cells.size() * channels());
+    VOXTONE_EXPECT(volume_ != nullptr);
+    // Fields of both lights, the derivatives, and copies of the light on the faces.
+    std::size_t fields = 0, most = 0;
+    for (const Tile& tile : tiles_) {
+        fields += tile.cells_of_grid * sizeof(ViewingField::Code) + 64 * tile.open_faces;
+        most = std::max(most, tile.bytes + tile.cells_of_grid * (4 * channels() + 8) + tile.open_faces * 8 * sizeof(Octet));
+    }
+    const std::size_t needed = most + 2 * channels() * fields;
+    if (options_.memory_bytes > 0 && needed > options_.memory_bytes) return false;
+    const bool first = ghost_adjoint_.empty();
+    if (first) begin(&Tile::adjoint, ghost_adjoint_, by_value, progress);
+    // Backwards: the tile that was looked at last is still at hand.
+    for (std::size_t t = tiles_.size(); t-- > 0;) {
+        look_at(t);
+        make_room(needed);
+        Tile& tile = tiles_[t];
+        const OpticalGrid& grid = live().grid->grid;
+        const auto media_of = shared_media(grid.directions, grid.edge_mm(BlockKind::skin), viewing_theta);
+        const SeenMedium seen{halftone_, *scene_.resins, grid.pitch_mm};
+        ViewingGradient gradient(*live().grid, seen, channels());
+        std::vector<float> by_sigma_t(live().grid->cells()), by_sigma_s(live().grid->cells());
+        const bool anew = first || tile.adjoint[0].cells.empty();
+        solve(&Tile::adjoint, ghost_adjoint_, true, anew ? Effort{options_.sweeps, 0} : Effort{options_.next_sweeps, 10 * options_.next_change}, by_value, progress, [&](std::size_t c) {
+            transport_->derivatives(tile.light[c], by_sigma_t, by_sigma_s);
+            gradient.add(c, *media_of, seen, by_sigma_t, by_sigma_s);
+        });
+        visit(gradient, tile.voxels);
+        count_memory(gradient.memory_bytes() + 4 * (grid.faces.size() + by_sigma_t.size() + by_sigma_s.size()));
+    }
+    summary_.total_s += now() - start;
+    return true;
+}
+
+std::size_t ViewingSequence::field_bytes() const {
+    std::size_t sum = 0;
+    for (const Tile& tile : tiles_)
+        for (const Fields* const fields : {&tile.light, &tile.adjoint})
+            for (const ViewingField& field : *fields) sum += field.memory_bytes();
+    return sum;
+}
+
+void ViewingSequence::count_memory(std::size_t besides) {
+    summary_.memory_bytes = std::max(summary_.memory_bytes, shape_bytes() + transport_->memory_bytes() + field_bytes() + besides);
+}
+
+}  // namespace voxtone::optics

@@ -1,0 +1,262 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/optics/transport/diffusion.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "voxtone/base/contracts.h"
+
+namespace voxtone::optics {
+namespace {
+
+using Index = std::uint32_t;
+using Place = std::array<std::int32_t, 3>;  // of a node: block, or group of blocks
+
+using Pair = DiffusionPlan::Contact;
+
+/// Rows from an unordered list of contacts; `entry_ab[i]`, `entry_ba[i]`: where contact i went.
+void make_rows(std::size_t nodes, std::span<const Pair> contacts, DiffusionPlan::Level& level, std::vector<Index>& entry_ab,
+               std::vector<Index>& entry_ba) {
+    level.row.assign(nodes + 1, 0);
+    for (const Pair& c : contacts) {
+        ++level.row[c.a + 1];
+        ++level.row[c.b + 1];
+    }
+    for (std::size_t i = 0; i < nodes; ++i) level.row[i + 1] += level.row[i];
+    level.column.resize(2 * contacts.size());
+    entry_ab.resize(contacts.size());
+    entry_ba.resize(contacts.size());
+    std::vector<Index> next(level.row.begin(), level.row.end() - 1);
+    for (std::size_t i = 0; i < contacts.size(); ++i) {
+        entry_ab[i] = next[contacts[i].a]++;
+        entry_ba[i] = next[contacts[i].b]++;
+        level.column[entry_ab[i]] = contacts[i].b;
+        level.column[entry_ba[i]] = contacts[i].a;
+    }
+}
+
+}  // namespace
+
+DiffusionPlan::DiffusionPlan(const OpticalGrid& grid) {
+    std::vector<Pair> contacts(grid.contacts.size());
+    for (std::size_t i = 0; i < contacts.size(); ++i) contacts[i] = {grid.contacts[i].a, grid.contacts[i].b};
+    levels.emplace_back();
+    make_rows(grid.nodes.size(), contacts, levels[0], entry_ab, entry_ba);
+
+    std::vector<std::array<float, 3>> centre(grid.nodes.size());
+    for (std::size_t i = 0; i < centre.size(); ++i) centre[i] = grid.nodes[i].centre;
+    gather_levels(std::move(centre));
+}
+
+DiffusionPlan::DiffusionPlan(std::vector<std::array<float, 3>> centre, std::span<const Contact> contacts) {
+    levels.emplace_back();
+    make_rows(centre.size(), contacts, levels[0], entry_ab, entry_ba);
+    gather_levels(std::move(centre));
+}
+
+void DiffusionPlan::gather_levels(std::vector<std::array<float, 3>> centre) {
+    // Groups: edge of the group in viewing cells doubles from level to level, 2, 4 (a block), 8, ...
+    int group = 2;
+    while (levels.back().nodes() > 32 && group < 4096) {
+        Level& fine = levels.back();
+        const std::size_t n = fine.nodes();
+        // Parents are numbered in the order in which their first child comes.
+        struct Key {
+            Place at;
+            Index node;
+        };
+        std::vector<Key> keys(n);
+        for (std::size_t i = 0; i < n; ++i) {
+            for (std::size_t a = 0; a < 3; ++a)
+                keys[i].at[a] = static_cast<std::int32_t>(centre[i][a]) / group;
+            keys[i].node = static_cast<Index>(i);
+        }
+        std::stable_sort(keys.begin(), keys.end(), [](const Key& p, const Key& q) {
+            return std::array{p.at[2], p.at[1], p.at[0]} < std::array{q.at[2], q.at[1], q.at[0]};
+        });
+        fine.parent.resize(n);
+        std::vector<std::array<float, 3>> coarse_centre;
+        std::vector<float> children;
+        for (std::size_t i = 0; i < n; ++i) {
+            if (i == 0 || keys[i].at != keys[i - 1].at) {
+                coarse_centre.push_back({});
+                children.push_back(0);
+            }
+            fine.parent[keys[i].node] = static_cast<Index>(coarse_centre.size() - 1);
+            for (std::size_t a = 0; a < 3; ++a) coarse_centre.back()[a] += centre[keys[i].node][a];
+            ++children.back();
+        }
+        for (std::size_t i = 0; i < coarse_centre.size(); ++i)
+            for (float& v : coarse_centre[i]) v /= children[i];
+        group *= 2;
+        if (coarse_centre.size() == n && group <= 8) {  // nothing to gather yet
+            fine.parent.clear();
+            continue;
+        }
+        // Contacts between parents, each once; every contact of the finer level knows where it is gathered.
+        std::vector<std::pair<Pair, Index>> links;
+        for (Index i = 0; i < n; ++i)
+            for (Index e = fine.row[i]; e < fine.row[i + 1]; ++e) {
+                const Index j = fine.column[e];
+                const Index p = fine.parent[i], q = fine.parent[j];
+                if (p < q) links.push_back({{p, q}, e});
+            }
+        std::sort(links.begin(), links.end());
+        std::vector<Pair> coarse;
+        for (const auto& [pair, entry] : links)
+            if (coarse.empty() || coarse.back() != pair) coarse.push_back(pair);
+        Level next;
+        std::vector<Index> ab, ba;
+        make_rows(coarse_centre.size(), coarse, next, ab, ba);
+        next.gathered.assign(fine.column.size(), none);
+        next.ratio.assign(fine.column.size(), 0);
+        std::size_t at = 0;
+        for (const auto& [pair, entry] : links) {
+            while (coarse[at] != pair) ++at;
+            next.gathered[entry] = static_cast<Index>(at);
+            // entry belongs to node i with parent p; the distance ratio is taken along the line of centres
+            const Index j = fine.column[entry];
+            const Index i = static_cast<Index>(std::upper_bound(fine.row.begin(), fine.row.end(), entry) - fine.row.begin() - 1);
+            double fine_distance = 0, coarse_distance = 0;
+            for (std::size_t a = 0; a < 3; ++a) {
+                fine_distance += std::pow(centre[i][a] - centre[j][a], 2);
+                coarse_distance += std::pow(coarse_centre[pair.a][a] - coarse_centre[pair.b][a], 2);
+            }
+            next.ratio[entry] = static_cast<float>(std::min(1.0, std::sqrt(fine_distance / coarse_distance)));
+        }
+        // Entries of both directions of a coarse contact.
+        for (Index& g : next.gathered)
+            if (g != none) g = ab[g];
+        std::vector<Index> twin(next.column.size());
+        for (std::size_t i = 0; i < coarse.size(); ++i) {
+            twin[ab[i]] = ba[i];
+            twin[ba[i]] = ab[i];
+        }
+        next.parent.clear();
+        twins.push_back(std::move(twin));
+        levels.push_back(std::move(next));
+        centre = std::move(coarse_centre);
+    }
+}
+
+std::size_t DiffusionPlan::memory_bytes() const {
+    std::size_t bytes = 8 * entry_ab.size();
+    for (const Level& level : levels)
+        bytes += 4 * (level.row.size() + level.column.size() + level.parent.size() + level.gathered.size() + level.ratio.size());
+    return bytes;
+}
+
+Diffusion::Diffusion(const DiffusionPlan& plan, std::span<const float> conductance, std::span<const float> loss)
+    : plan_(plan), values_(plan.levels.size()), b_(plan.levels.size()), x_(plan.levels.size()) {
+    VOXTONE_EXPECT(conductance.size() == plan.entry_ab.size() && loss.size() == plan.levels[0].nodes());
+    values_[0].c.resize(plan.levels[0].column.size());
+    values_[0].loss.assign(loss.begin(), loss.end());
+    for (std::size_t i = 0; i < conductance.size(); ++i)
+        values_[0].c[plan.entry_ab[i]] = values_[0].c[plan.entry_ba[i]] = conductance[i];
+    for (std::size_t l = 0; l < plan.levels.size(); ++l) {
+        const auto& level = plan.levels[l];
+        Values& here = values_[l];
+        here.inverse.resize(level.nodes());
+        for (std::size_t i = 0; i < level.nodes(); ++i) {
+            float diagonal = here.loss[i];
+            for (Index e = level.row[i]; e < level.row[i + 1]; ++e) diagonal += here.c[e];
+            here.inverse[i] = diagonal > 0 ? 1 / diagonal : 0;
+        }
+        if (l + 1 == plan.levels.size()) break;
+        const auto& coarse = plan.levels[l + 1];
+        Values& next = values_[l + 1];
+        next.c.assign(coarse.column.size(), 0);
+        next.loss.assign(coarse.nodes(), 0);
+        for (std::size_t i = 0; i < level.nodes(); ++i) next.loss[level.parent[i]] += here.loss[i];
+        for (std::size_t e = 0; e < coarse.gathered.size(); ++e)
+            if (coarse.gathered[e] != DiffusionPlan::none) next.c[coarse.gathered[e]] += here.c[e] * coarse.ratio[e];
+        for (std::size_t e = 0; e < next.c.size(); ++e) {
+            const Index twin = plan.twins[l][e];
+            if (next.c[e] == 0) next.c[e] = next.c[twin];
+        }
+        b_[l + 1].resize(coarse.nodes());
+        x_[l + 1].resize(coarse.nodes());
+    }
+}
+
+std::size_t Diffusion::memory_bytes() const {
+    std::size_t bytes = 0;
+    for (const Values& v : values_) bytes += 4 * (v.c.size() + v.inverse.size() + v.loss.size());
+    for (std::size_t l = 1; l < b_.size(); ++l) bytes += 4 * (b_[l].size() + x_[l].size());
+    return bytes;
+}
+
+void Diffusion::apply(std::span<const float> x, std::span<float> out) const {
+    const auto& level = plan_.levels[0];
+    const Values& v = values_[0];
+    for (std::size_t i = 0; i < level.nodes(); ++i) {
+        float sum = v.loss[i] * x[i];
+        for (Index e = level.row[i]; e < level.row[i + 1]; ++e) sum += v.c[e] * (x[i] - x[level.column[e]]);
+        out[i] = sum;
+    }
+}
+
+// x = approximate solution of A x = b, from zero: forward Gauss-Seidel, coarse correction, backward Gauss-Seidel.
+void Diffusion::cycle(std::size_t l, std::span<const float> b, std::span<float> x) const {
+    const auto& level = plan_.levels[l];
+    const Values& v = values_[l];
+    const std::size_t n = level.nodes();
+    const auto relax = [&](std::size_t i) {
+        float sum = b[i];
+        for (Index e = level.row[i]; e < level.row[i + 1]; ++e) sum += v.c[e] * x[level.column[e]];
+        x[i] = sum * v.inverse[i];
+    };
+    std::fill(x.begin(), x.end(), 0.0f);
+    if (l + 1 == plan_.levels.size()) {
+        for (int sweep = 0; sweep < 8; ++sweep) {
+            for (std::size_t i = 0; i < n; ++i) relax(i);
+            for (std::size_t i = n; i-- > 0;) relax(i);
+        }
+        return;
+    }
+    for (std::size_t i = 0; i < n; ++i) relax(i);
+    auto& coarse_b = b_[l + 1];
+    auto& coarse_x = x_[l + 1];
+    std::fill(coarse_b.begin(), coarse_b.end(), 0.0f);
+    for (std::size_t i = 0; i < n; ++i) {
+        float r = b[i] - v.loss[i] * x[i];
+        for (Index e = level.row[i]; e < level.row[i + 1]; ++e) r -= v.c[e] * (x[i] - x[level.column[e]]);
+        coarse_b[level.parent[i]] += r;
+    }
+    cycle(l + 1, coarse_b, coarse_x);
+    for (std::size_t i = 0; i < n; ++i) x[i] += coarse_x[level.parent[i]];
+    for (std::size_t i = n; i-- > 0;) relax(i);
+}
+
+int Diffusion::solve(std::span<const float> right_side, std::span<float> x, double tolerance, int most_steps) const {
+    const std::size_t n = x.size();
+    std::vector<float> r(n), z(n), p(n), q(n);
+    const auto dot = [](std::span<const float> a, std::span<const float> b) {
+        double sum = 0;
+        for (std::size_t i = 0; i < a.size(); ++i) sum += static_cast<double>(a[i]) * static_cast<double>(b[i]);
+        return sum;
+    };
+    apply(x, q);
+    for (std::size_t i = 0; i < n; ++i) r[i] = right_side[i] - q[i];
+    double start = 0;
+    double rho = 0;
+    int step = 0;
+    for (; step < most_steps; ++step) {
+        cycle(0, r, z);
+        const double rho_new = dot(r, z);
+        if (step == 0) start = rho_new;
+        if (!(rho_new > tolerance * tolerance * start)) break;
+        const auto beta = static_cast<float>(step == 0 ? 0.0 : rho_new / rho);
+        rho = rho_new;
+        for (std::size_t i = 0; i < n; ++i) p[i] = z[i] + beta * p[i];
+        apply(p, q);
+        const auto alpha = static_cast<float>(rho / dot(p, q));
+        for (std::size_t i = 0; i < n; ++i) {
+            x[i] += alpha * p[i];
+            r[i] -= alpha * q[i];
+        }
+    }
+    return step;
+}
+
+}  // namespace voxtone::optics

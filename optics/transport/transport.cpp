@@ -1,0 +1,434 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/optics/transport/transport.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "voxtone/base/contracts.h"
+#include "voxtone/base/error.h"
+#include "voxtone/optics/transport/diffusion.h"
+#include "voxtone/optics/transport/transport_channel.h"
+#include "voxtone/optics/transport/coarse/viewing_sequence.h"
+
+namespace voxtone::optics {
+namespace {
+
+double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+
+Medium mixed(const ResinSet& resins, const PaletteEntry& entry, std::size_t channel) {
+    Medium sum;
+    for (const auto& [material, share] : entry.shares) {
+        const Medium m = resins.resins[material - 1u].medium(channel);
+        sum.sigma_a += static_cast<double>(share) * m.sigma_a;
+        sum.sigma_s += static_cast<double>(share) * m.sigma_s;
+    }
+    return sum;
+}
+
+}  // namespace
+
+TransportPredictor::TransportPredictor(const TransportOptions& options) : options_(options) {
+    if (options.sweeps < 1) throw UsageError("the predictor needs at least 1 sweep, not " + std::to_string(options.sweeps));
+    if (!(options.cell_mm > 0)) throw UsageError("the predictor's cells must be larger than 0 mm");
+    if (options.margin_blocks < 0 || options.margin_blocks > 64)
+        throw UsageError("the predictor's margin must be 0 to 64 blocks");
+    VOXTONE_EXPECT(options.tile_cells >= 1 && options.tile_halo >= 1);
+}
+
+Appearance TransportPredictor::predict(const Scene& scene, const Surface& surface, const Progress* progress) const {
+    TransportSummary summary;
+    return predict(scene, surface, summary, progress);
+}
+
+/// A box of voxels whose surface is predicted, and the one in which light is transported for it.
+struct TransportPredictor::Window {
+    std::array<int, 3> begin{}, end{}, halo_begin{}, halo_end{};
+    [[nodiscard]] bool whole() const { return end[0] == 0; }
+    [[nodiscard]] bool holds(const std::array<std::int32_t, 3>& voxel) const {
+        for (std::size_t a = 0; a < 3; ++a)
+            if (voxel[a] < begin[a] || voxel[a] >= end[a]) return false;
+        return true;
+    }
+};
+
+namespace {
+
+GridOptions grid_options(const TransportOptions& options, const Scene& scene) {
+    GridOptions grid;
+    grid.view_voxels = cell_voxels(scene.volume->pitch_mm(), options.cell_mm);
+    grid.skin_voxels = options.voxel_skin ? std::array<int, 3>{1, 1, 1} : grid.view_voxels;
+    grid.margin_blocks = options.margin_blocks;
+    return grid;
+}
+
+/// The cells of a surface that lie in a window, with their faces; `from`: their places in the whole.
+Surface part_of(const Surface& whole, const std::function<bool(const std::array<std::int32_t, 3>&)>& inside,
+                std::vector<std::size_t>& from) {
+    Surface part;
+    part.cell_voxels = whole.cell_voxels;
+    from.clear();
+    for (std::size_t i = 0; i < whole.cells.size(); ++i) {
+        SurfaceCell cell = whole.cells[i];
+        if (!inside(whole.faces[cell.first_face].voxel)) continue;
+        const auto first = static_cast<std::ptrdiff_t>(cell.first_face), last = first + cell.faces;
+        cell.first_face = static_cast<std::uint32_t>(part.faces.size());
+        part.faces.insert(part.faces.end(), whole.faces.begin() + first, whole.faces.begin() + last);
+        part.face_normal.insert(part.face_normal.end(), whole.face_normal.begin() + first, whole.face_normal.begin() + last);
+        part.cells.push_back(cell);
+        from.push_back(i);
+    }
+    return part;
+}
+
+std::string mebibytes(std::size_t bytes) { return std::to_string((bytes >> 20) + 1) + " MiB"; }
+
+}  // namespace
+
+/// Boxes of equal size, as large as memory allows; one that holds everything where it does.
+std::vector<TransportPredictor::Window> TransportPredictor::pieces(const Scene& scene) const {
+    if (options_.memory_bytes == 0 && options_.piece_mm == 0) return {Window{}};
+    const GridOptions grid = grid_options(options_, scene);
+    const GridCensus census(scene, grid);
+    if (options_.piece_mm == 0 && census.bytes({}, census.lattice) <= options_.memory_bytes) return {Window{}};
+    const auto& pitch = scene.volume->pitch_mm();
+    std::array<int, 3> halo{};
+    double block_mm = 0;
+    for (std::size_t a = 0; a < 3; ++a) {
+        const double edge = census.block_voxels[a] * pitch[a];
+        halo[a] = static_cast<int>(std::ceil(options_.halo_mm / edge));
+        block_mm = std::max(block_mm, edge);
+    }
+    // From large to small: the first size whose largest piece fits.
+    std::size_t least = std::numeric_limits<std::size_t>::max();
+    for (int blocks = options_.piece_mm > 0 ? std::max(1, static_cast<int>(std::lround(options_.piece_mm / block_mm))) : 256;;
+         blocks = blocks * 3 / 4) {
+        std::vector<Window> windows;
+        std::size_t most = 0;
+        std::array<int, 3> at{};
+        for (at[2] = 0; at[2] < census.lattice[2]; at[2] += blocks)
+            for (at[1] = 0; at[1] < census.lattice[1]; at[1] += blocks)
+                for (at[0] = 0; at[0] < census.lattice[0]; at[0] += blocks) {
+                    std::array<int, 3> low{}, high{};
+                    Window window;
+                    for (std::size_t a = 0; a < 3; ++a) {
+                        const int end = std::min(at[a] + blocks, census.lattice[a]);
+                        low[a] = std::max(at[a] - halo[a], 0);
+                        high[a] = std::min(end + halo[a], census.lattice[a]);
+                        const auto voxel = [&](int block) { return block * census.block_voxels[a] - census.shift_voxels[a]; };
+                        window.begin[a] = voxel(at[a]);
+                        window.end[a] = voxel(end);
+                        window.halo_begin[a] = voxel(low[a]);
+                        window.halo_end[a] = voxel(high[a]);
+                    }
+                    most = std::max(most, census.bytes(low, high));
+                    windows.push_back(window);
+                }
+        least = std::min(least, most);
+        if (options_.memory_bytes == 0 || most <= options_.memory_bytes) return windows;
+        if (blocks <= 8 || options_.piece_mm > 0)
+            throw ResourceError("the prediction needs " + mebibytes(least) + " of memory even in small pieces and " +
+                                mebibytes(options_.memory_bytes) +
+                                " are allowed: allow more, predict a smaller body, or take larger cells");
+    }
+}
+
+namespace {
+
+/// The same body and surface with every voxel cut into equal pieces: cells that are no thicker than light can be followed in.
+struct CutScene {
+    std::array<int, 3> split{1, 1, 1};
+    ResinVolume volume;
+    Scene scene;
+    Surface surface;
+    const Surface* seen = nullptr;
+
+    CutScene(const Scene& whole, const Surface& whole_surface, const TransportOptions& options)
+        : scene(whole), seen(&whole_surface) {
+        const auto& pitch = whole.volume->pitch_mm();
+        for (std::size_t a = 0; options.finest_mm > 0 && options.voxel_skin && a < 3; ++a)
+            split[a] = std::clamp(static_cast<int>(std::ceil(pitch[a] / options.finest_mm - 0.1)), 1, 4);
+        if (split == std::array{1, 1, 1}) return;
+        cut_volume(*whole.volume);
+        cut_surface(whole_surface);
+        scene.volume = &volume;
+        seen = &surface;
+    }
+    CutScene(const CutScene&) = delete;
+    CutScene& operator=(const CutScene&) = delete;
+
+private:
+    void cut_volume(const ResinVolume& from) {
+        const auto& n = from.size();
+        std::array<int, 3> size{};
+        std::array<double, 3> pitch{};
+        for (std::size_t a = 0; a < 3; ++a) {
+            size[a] = n[a] * split[a];
+            pitch[a] = from.pitch_mm()[a] / split[a];
+        }
+        ResinVolumeBuilder builder(size, pitch);
+        std::vector<Material> coarse(static_cast<std::size_t>(n[0]) * static_cast<std::size_t>(n[1])),
+            fine(static_cast<std::size_t>(size[0]) * static_cast<std::size_t>(size[1]));
+        for (int z = 0; z < n[2]; ++z) {
+            from.copy_box({0, 0, z}, {n[0], n[1], 1}, coarse);
+            std::size_t i = 0;
+            for (int y = 0; y < size[1]; ++y) {
+                const Material* const row = coarse.data() + static_cast<std::ptrdiff_t>(y / split[1]) * n[0];
+                for (int x = 0; x < n[0]; ++x)
+                    for (int k = 0; k < split[0]; ++k) fine[i++] = row[x];
+            }
+            for (int k = 0; k < split[2]; ++k) builder.add_layer(fine);
+        }
+        volume = builder.finish();
+    }
+
+    void cut_surface(const Surface& from) {
+        surface.cells = from.cells;
+        for (std::size_t a = 0; a < 3; ++a) surface.cell_voxels[a] = from.cell_voxels[a] * split[a];
+        for (SurfaceCell& cell : surface.cells) {
+            const std::size_t first = cell.first_face, last = first + cell.faces;
+            cell.first_face = static_cast<std::uint32_t>(surface.faces.size());
+            for (std::size_t f = first; f < last; ++f) {
+                const SurfaceFace& face = from.faces[f];
+                const auto axis = static_cast<std::size_t>(face.facing) / 2;
+                const bool plus = static_cast<int>(face.facing) % 2 == 1;
+                std::array<int, 3> begin{}, end = split;
+                if (plus) begin[axis] = split[axis] - 1;
+                else end[axis] = 1;
+                for (int z = begin[2]; z < end[2]; ++z)
+                    for (int y = begin[1]; y < end[1]; ++y)
+                        for (int x = begin[0]; x < end[0]; ++x) {
+                            surface.faces.push_back({{face.voxel[0] * split[0] + x, face.voxel[1] * split[1] + y,
+                                                      face.voxel[2] * split[2] + z},
+                                                     face.facing});
+                            surface.face_normal.push_back(from.face_normal[f]);
+                        }
+            }
+            cell.faces = static_cast<std::uint32_t>(surface.faces.size()) - cell.first_face;
+        }
+    }
+};
+
+}  // namespace
+
+namespace {
+
+/// None where viewing cells are not asked for, or a body takes more memory with them than is allowed: then it is predicted
+/// in pieces, on voxels.
+std::unique_ptr<ViewingSequence> viewing_sequence(const Scene& scene, const Surface& surface, const TransportOptions& options) {
+    if (!options.viewing_cells) return nullptr;
+    try {
+        return std::make_unique<ViewingSequence>(scene, surface, options);
+    } catch (const ResourceError&) {
+        return nullptr;
+    }
+}
+
+}  // namespace
+
+Appearance TransportPredictor::predict(const Scene& given, const Surface& given_surface, TransportSummary& summary,
+                                       const Progress* progress) const {
+    VOXTONE_EXPECT(given.volume && given.resins);
+    if (const auto sequence = viewing_sequence(given, given_surface, options_)) {
+        Appearance seen = sequence->next(*given.volume, progress);
+        summary = sequence->summary();
+        return seen;
+    }
+    const CutScene cut(given, given_surface, options_);
+    const Scene& scene = cut.scene;
+    const Surface& surface = *cut.seen;
+    const std::vector<Window> windows = pieces(scene);
+    summary.pieces = windows.size();
+    if (windows.size() == 1) return solve(scene, surface, windows[0], nullptr, nullptr, summary, progress);
+    Appearance all;
+    all.channels = scene.resins->channels.size();
+    all.value.assign(surface.cells.size() * all.channels, 0.0f);
+    std::vector<std::size_t> from;
+    for (const Window& window : windows) {
+        const Surface part = part_of(surface, [&](const auto& voxel) { return window.holds(voxel); }, from);
+        if (part.cells.empty()) continue;
+        const Appearance seen = solve(scene, part, window, nullptr, nullptr, summary, progress);
+        for (std::size_t i = 0; i < from.size(); ++i)
+            for (std::size_t c = 0; c < all.channels; ++c)
+                all.value[from[i] * all.channels + c] = seen.value[i * all.channels + c];
+    }
+    return all;
+}
+
+std::unique_ptr<AppearanceSequence> TransportPredictor::sequence(const Scene& scene, const Surface& surface) const {
+    if (auto sequence = viewing_sequence(scene, surface, options_)) return sequence;
+    return AppearanceModel::sequence(scene, surface);
+}
+
+Appearance TransportPredictor::predict(const Scene& scene, const Surface& surface, const Derivative& derivative,
+                                       TransportGradient& gradient, TransportSummary& summary,
+                                       const Progress* progress) const {
+    if (options_.viewing_cells) throw UsageError("derivatives are of cells of one voxel: ask a predictor without viewing cells");
+    const CutScene cut(scene, surface, options_);
+    gradient.split = cut.split;
+    summary.pieces = 1;
+    return solve(cut.scene, *cut.seen, Window{}, &derivative, &gradient, summary, progress);
+}
+
+float TransportGradient::at(const std::array<int, 3>& voxel, std::size_t resin) const {
+    float sum = 0;
+    for (int z = 0; z < split[2]; ++z)
+        for (int y = 0; y < split[1]; ++y)
+            for (int x = 0; x < split[0]; ++x) {
+                const std::int64_t cell = grid->cell_at({voxel[0] * split[0] + x, voxel[1] * split[1] + y, voxel[2] * split[2] + z});
+                if (cell >= 0) sum += by_fraction[static_cast<std::size_t>(cell) * resins + resin];
+            }
+    return sum;
+}
+
+namespace {
+
+/// Which outer faces make up each surface cell.
+struct SeenFaces {
+    const Surface& surface;
+    std::vector<std::int64_t> face;
+
+    SeenFaces(const OpticalGrid& grid, const Surface& seen) : surface(seen), face(seen.faces.size()) {
+        for (std::size_t i = 0; i < face.size(); ++i) face[i] = grid.face_at(seen.faces[i]);
+    }
+    /// What a furnace sends out of a cell.
+    [[nodiscard]] double furnace(const TransportChannel& channel, const SurfaceCell& cell) const {
+        double sum = 0;
+        for (std::size_t f = cell.first_face; f < cell.first_face + cell.faces; ++f)
+            if (face[f] >= 0) sum += channel.furnace_flux(static_cast<std::size_t>(face[f]));
+        return sum;
+    }
+    void appearance(const TransportChannel& channel, std::size_t c, Appearance& out) const {
+        for (std::size_t i = 0; i < surface.cells.size(); ++i) {
+            const SurfaceCell& cell = surface.cells[i];
+            double leaving = 0;
+            for (std::size_t f = cell.first_face; f < cell.first_face + cell.faces; ++f)
+                if (face[f] >= 0) leaving += channel.flux()[static_cast<std::size_t>(face[f])];
+            const double entering = furnace(channel, cell);
+            out.value[i * out.channels + c] = static_cast<float>(entering > 0 ? leaving / entering : 0);
+        }
+    }
+    /// d F / d flux of every face from d F / d value.
+    [[nodiscard]] std::vector<float> light(const TransportChannel& channel, std::size_t faces, std::size_t c,
+                                           std::size_t channels, std::span<const float> by_value) const {
+        std::vector<float> light(faces, 0.0f);
+        for (std::size_t i = 0; i < surface.cells.size(); ++i) {
+            const SurfaceCell& cell = surface.cells[i];
+            const double entering = furnace(channel, cell);
+            if (!(entering > 0)) continue;
+            // A face of coarse cells holds several faces of voxels and counts once for each.
+            for (std::size_t f = cell.first_face; f < cell.first_face + cell.faces; ++f)
+                if (face[f] >= 0) light[static_cast<std::size_t>(face[f])] += static_cast<float>(by_value[i * channels + c] / entering);
+        }
+        return light;
+    }
+};
+
+/// d (sigma_t, sigma_s of the transport medium) / d fraction of each resin, by central differences of a smooth function.
+std::vector<std::array<double, 2>> medium_derivatives(const TransportMedia& media_of, const ResinSet& resins,
+                                                      const std::vector<PaletteEntry>& palette, std::size_t channel) {
+    std::vector<std::array<double, 2>> out(palette.size() * resins.resins.size());
+    for (std::size_t m = 1; m < palette.size(); ++m) {
+        const Medium middle = mixed(resins, palette[m], channel);
+        for (std::size_t r = 0; r < resins.resins.size(); ++r) {
+            const Medium along = resins.resins[r].medium(channel);
+            const double step = 1e-3 * std::max(middle.sigma_t(), 1e-3) / std::max(along.sigma_t(), 1e-9);
+            const auto moved = [&](double s) {
+                return media_of.exact({std::max(0.0, middle.sigma_a + s * along.sigma_a), std::max(0.0, middle.sigma_s + s * along.sigma_s)});
+            };
+            const auto ahead = moved(step), behind = moved(middle.sigma_t() > 0 ? -step : 0);
+            const double width = middle.sigma_t() > 0 ? 2 * step : step;
+            out[m * resins.resins.size() + r] = {(ahead[0] - behind[0]) / width, (ahead[1] - behind[1]) / width};
+        }
+    }
+    return out;
+}
+
+}  // namespace
+
+Appearance TransportPredictor::solve(const Scene& scene, const Surface& surface, const Window& window,
+                                     const Derivative* derivative, TransportGradient* gradient, TransportSummary& summary,
+                                     const Progress* progress) const {
+    VOXTONE_EXPECT(scene.volume && scene.resins);
+    const double begin = now();
+    GridOptions chosen = grid_options(options_, scene);
+    if (!window.whole()) {
+        chosen.window_begin = window.halo_begin;
+        chosen.window_end = window.halo_end;
+    }
+    const auto held = std::make_shared<const OpticalGrid>(scene, chosen);
+    const OpticalGrid& grid = *held;
+    const DiffusionPlan plan(grid);
+    for (const std::uint32_t b : grid.transport_blocks) {
+        const auto n = grid.cells_in(grid.blocks[b].kind);
+        (grid.blocks[b].kind == BlockKind::skin ? summary.skin_cells : summary.margin_cells) +=
+            static_cast<std::size_t>(n[0] * n[1] * n[2]);
+    }
+    summary.nodes += grid.nodes.size();
+    const SeenFaces seen(grid, surface);
+    summary.grid_s += now() - begin;
+
+    const std::array media_of{shared_media(grid.directions, grid.edge_mm(BlockKind::skin)),
+                              shared_media(grid.directions, grid.edge_mm(BlockKind::margin))};
+    const std::size_t channels = scene.resins->channels.size();
+    const auto channel_of = [&](std::size_t c) {
+        TransportChannel::MediaByKind media;
+        for (auto& kind : media) kind.resize(grid.palette.size());
+        for (std::size_t i = 1; i < grid.palette.size(); ++i) {
+            const Medium medium = mixed(*scene.resins, grid.palette[i], c);
+            media[0][i] = (*media_of[0])(medium);
+            media[1][i] = (*media_of[1])(medium);
+            media[2][i] = similar_medium(grid.directions, medium);
+        }
+        return TransportChannel(grid, plan, std::move(media), options_);
+    };
+    Appearance appearance;
+    appearance.channels = channels;
+    appearance.value.assign(surface.cells.size() * channels, 0.0f);
+    std::vector<TransportChannel::Field> fields(channels);
+    for (std::size_t c = 0; c < channels; ++c) {
+        TransportChannel channel = channel_of(c);
+        channel.solve({}, summary, progress);
+        seen.appearance(channel, c, appearance);
+        summary.last_change.resize(channels);
+        summary.last_change[c] = std::max(summary.last_change[c], channel.last_change());
+        summary.memory_bytes = std::max(summary.memory_bytes, grid.memory_bytes() + plan.memory_bytes() + channel.memory_bytes());
+        if (derivative) fields[c] = channel.take_field();
+    }
+    if (derivative) {
+        std::vector<float> by_value(appearance.value.size(), 0.0f), by_sigma_t, by_sigma_s;
+        (*derivative)(appearance, by_value);
+        const std::size_t resins = scene.resins->resins.size();
+        gradient->grid = held;
+        gradient->resins = resins;
+        gradient->by_fraction.assign(grid.medium.size() * resins, 0.0f);
+        for (std::size_t c = 0; c < channels; ++c) {
+            TransportChannel channel = channel_of(c);
+            channel.solve(seen.light(channel, grid.faces.size(), c, channels, by_value), summary, progress);
+            channel.derivatives(fields[c], channel.take_field(), by_sigma_t, by_sigma_s);
+            fields[c] = {};
+            const std::array by_fraction{medium_derivatives(*media_of[0], *scene.resins, grid.palette, c),
+                                         medium_derivatives(*media_of[1], *scene.resins, grid.palette, c)};
+            for (const std::uint32_t b : grid.transport_blocks) {
+                const GridBlock& block = grid.blocks[b];
+                const auto& by = by_fraction[static_cast<std::size_t>(block.kind)];
+                const auto cells = grid.cells_in(block.kind);
+                const std::size_t end = block.first_cell + static_cast<std::size_t>(cells[0] * cells[1] * cells[2]);
+                for (std::size_t cell = block.first_cell; cell < end; ++cell) {
+                    const std::size_t m = grid.medium[cell];
+                    if (m == 0) continue;
+                    for (std::size_t r = 0; r < resins; ++r)
+                        gradient->by_fraction[cell * resins + r] +=
+                            static_cast<float>(static_cast<double>(by_sigma_t[cell]) * by[m * resins + r][0] +
+                                               static_cast<double>(by_sigma_s[cell]) * by[m * resins + r][1]);
+                }
+            }
+        }
+    }
+    summary.total_s += now() - begin;
+    return appearance;
+}
+
+}  // namespace voxtone::optics

@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/optics/transport/transport_medium.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <mutex>
+
+#include <Eigen/Dense>
+
+#include "voxtone/base/contracts.h"
+#include "voxtone/base/parallel.h"
+#include "voxtone/optics/layered/layered_appearance.h"
+
+namespace voxtone::optics {
+namespace {
+
+constexpr int n = 8;  // directions of one hemisphere in one quadrant of azimuths: the others are alike
+using Matrix = Eigen::Matrix<double, n, n>;
+using Pair = Eigen::Matrix<double, 2 * n, 2 * n>;
+
+// Nodes of the table, even in u = ln(1 + (1 - alpha) / u_0): dense near albedo 1, where appearance runs steeply.
+constexpr std::size_t albedos = 33;
+constexpr double u_0 = 1e-4;
+double u_of(double loss) { return std::log1p(loss / u_0); }
+const double u_step = u_of(1) / (albedos - 1);
+double loss_at(std::size_t i) { return u_0 * std::expm1(u_step * static_cast<double>(i)); }
+
+// Extinctions, mm^-1. The departure from thin cells grows as their square at first.
+constexpr std::array<double, 7> extinctions{1e-3, 5, 10, 20, 35, 60, 100};
+
+struct CellResponse {
+    Matrix R, T;
+};
+
+CellResponse doubled(const CellResponse& layer) {
+    const Eigen::PartialPivLU<Matrix> between(Matrix::Identity() - layer.R * layer.R);
+    return {layer.R + layer.T * between.solve(layer.R * layer.T), layer.T * between.solve(layer.T)};
+}
+
+}  // namespace
+
+double cell_fit(double sigma_a, double way, double theta) {
+    const double tau = sigma_a * way;
+    if (theta != 1) return tau < 1e-6 ? 1 : -(1 + theta) * std::expm1(-tau) / ((theta + std::exp(-tau)) * tau);
+    return tau < 0.02 ? 1 - tau * tau / 12 : 2 * std::tanh(tau / 2) / tau;
+}
+
+// One layer of cells between two planes, the same all over: what comes in sideways goes out sideways.
+double TransportMedia::discrete_half_space(double albedo, double sigma_t) const {
+    VOXTONE_EXPECT(sigma_t > 0);
+    if (albedo >= 1) return 1;
+    const double scatter = albedo * sigma_t * (1 - set_.forward_peak), extinction = sigma_t * (1 - albedo * set_.forward_peak);
+    std::array<double, n> nu{}, weight{}, fit{}, t{};
+    for (std::size_t d = 0; d < n; ++d) {
+        nu[d] = set_.nu[d / 2];
+        weight[d] = set_.nu_weight[d / 2] / 2;
+        t[d] = set_.nu_transmittance[d / 2];
+        double per_way = 0;
+        for (std::size_t a = 0; a < 3; ++a) per_way += static_cast<double>(set_.cosine[a].v[d]) / edge_mm_[a];
+        fit[d] = cell_fit((1 - albedo) * sigma_t, 1 / per_way, theta_);
+    }
+    // psi of the cell's centre from what comes in, x: stream (c - in) + fit extinction c = fit q, q = S m, and the mean
+    // of the cell m = fit c + (1 - fit) q / extinction. So m = (1 - (1 - fit) S / extinction)^-1 fit c.
+    Pair S, mean = Pair::Identity(), system = Pair::Zero(), inflow = Pair::Zero();
+    for (int i = 0; i < 2 * n; ++i)
+        for (int j = 0; j < 2 * n; ++j) {
+            const auto ki = static_cast<std::size_t>(i % n), kj = static_cast<std::size_t>(j % n);
+            const double nu_i = i < n ? nu[ki] : -nu[ki], nu_j = j < n ? nu[kj] : -nu[kj];
+            S(i, j) = scatter * 0.5 * weight[kj] * (1 + 3 * set_.linear * nu_i * nu_j);
+        }
+    Eigen::Matrix<double, 2 * n, 1> fits, streams;
+    for (int i = 0; i < 2 * n; ++i) {
+        const auto k = static_cast<std::size_t>(i % n);
+        fits[i] = fit[k];
+        streams[i] = (1 + theta_) * nu[k] / edge_mm_[2];
+    }
+    mean -= ((1 - fits.array()) / extinction).matrix().asDiagonal() * S;
+    const Pair centre_to_mean = mean.partialPivLu().solve(Pair(fits.asDiagonal()));
+    system = -Pair(fits.asDiagonal() * (S * centre_to_mean));
+    for (int i = 0; i < 2 * n; ++i) {
+        system(i, i) += fits[i] * extinction + streams[i];
+        inflow(i, i) = streams[i];
+    }
+    const Pair out = (1 + theta_) * system.partialPivLu().solve(inflow) - theta_ * Pair::Identity();
+    CellResponse layer{out.block<n, n>(n, 0), out.block<n, n>(0, 0)};
+    for (int k = 0; k < 60; ++k) {
+        const CellResponse next = doubled(layer);
+        const double change = (next.R - layer.R).cwiseAbs().maxCoeff();
+        layer = next;
+        if (change < 1e-9) break;
+    }
+    // Under the surface: down = t + (1 - t) up, up = R down.
+    Eigen::Matrix<double, n, 1> t_, flux;
+    for (int d = 0; d < n; ++d) {
+        const auto i = static_cast<std::size_t>(d);
+        t_[d] = t[i];
+        flux[d] = nu[i] * weight[i] * t[i];
+    }
+    const Matrix surface = Matrix::Identity() - layer.R * (1 - t_.array()).matrix().asDiagonal();
+    return flux.dot(surface.partialPivLu().solve(layer.R * t_)) / flux.sum();
+}
+
+TransportMedia::TransportMedia(const DirectionSet& set, const std::array<double, 3>& edge_mm, double theta)
+    : set_(set), edge_mm_(edge_mm), theta_(theta), ratio_(extinctions.size() * albedos, 1.0) {
+    const OrdinatePlan plan = appearance_plan(set.g, set.eta);
+    parallel_for(1, albedos, 1, [&](std::size_t i) {
+        const double loss = loss_at(i), wanted = appearance(plan, half_space(plan, {loss, 1 - loss}));
+        for (std::size_t k = 0; k < extinctions.size(); ++k) {
+            // Secant steps in the logarithm of the ratio: the function is smooth and nearly straight there.
+            const auto miss = [&](double log_ratio) {
+                return discrete_half_space(1 - std::min(1.0, loss * std::exp(log_ratio)), extinctions[k]) - wanted;
+            };
+            double a = k > 0 ? std::log(ratio_[(k - 1) * albedos + i]) : 0, b = a - 0.01, fa = miss(a), fb = miss(b);
+            for (int step = 0; step < 12 && std::abs(fb) > 2e-6 && fa != fb; ++step) {
+                const double c = std::clamp(b - fb * (b - a) / (fb - fa), -1.0, 1.0);
+                a = b;
+                fa = fb;
+                b = c;
+                fb = miss(b);
+            }
+            ratio_[k * albedos + i] = std::exp(b);
+        }
+    });
+    for (std::size_t k = 0; k < extinctions.size(); ++k) ratio_[k * albedos] = ratio_[k * albedos + 1];
+}
+
+double TransportMedia::loss(double albedo, double sigma_t) const {
+    const double loss = 1 - albedo, u = u_of(loss) / u_step;
+    const auto i = std::min(static_cast<std::size_t>(u), albedos - 2);
+    const double a = u - static_cast<double>(i);
+    std::size_t k = 0;
+    while (k + 2 < extinctions.size() && extinctions[k + 1] < sigma_t) ++k;
+    const double b = std::clamp((sigma_t * sigma_t - extinctions[k] * extinctions[k]) /
+                                    (extinctions[k + 1] * extinctions[k + 1] - extinctions[k] * extinctions[k]),
+                                0.0, 1.0);
+    const auto at = [&](std::size_t row) { return (1 - a) * ratio_[row * albedos + i] + a * ratio_[row * albedos + i + 1]; };
+    return std::min(1.0, ((1 - b) * at(k) + b * at(k + 1)) * loss);
+}
+
+std::shared_ptr<const TransportMedia> shared_media(const DirectionSet& set, const std::array<double, 3>& edge_mm, double theta) {
+    // A prediction is asked for again and again with the same cells; the tables take a tenth of a second.
+    static std::mutex guard;
+    static std::map<std::array<double, 6>, std::shared_ptr<const TransportMedia>> known;
+    const std::array<double, 6> key{set.g, set.eta, edge_mm[0], edge_mm[1], edge_mm[2], theta};
+    {
+        const std::lock_guard lock(guard);
+        if (const auto found = known.find(key); found != known.end()) return found->second;
+    }
+    auto made = std::make_shared<const TransportMedia>(set, edge_mm, theta);  // outside the lock: it runs parallel loops
+    const std::lock_guard lock(guard);
+    if (known.size() > 64) known.clear();
+    return known.try_emplace(key, std::move(made)).first->second;
+}
+
+TransportMedium similar_medium(const DirectionSet& set, const Medium& medium) {
+    return {static_cast<float>(medium.sigma_t() - set.forward_peak * medium.sigma_s),
+            static_cast<float>(medium.sigma_s * (1 - set.forward_peak))};
+}
+
+std::array<double, 2> TransportMedia::exact(const Medium& medium) const {
+    constexpr double least = 1e-6;  // mm^-1: nothing is seen of it, and fields can be divided by it
+    const double sigma_t = std::max(medium.sigma_t(), least);
+    const double sigma_s = std::max(sigma_t * (1 - loss(medium.albedo(), sigma_t)), least);
+    return {sigma_t - set_.forward_peak * sigma_s, sigma_s * (1 - set_.forward_peak)};
+}
+
+TransportMedium TransportMedia::operator()(const Medium& medium) const {
+    const auto [sigma_t, sigma_s] = exact(medium);
+    return {static_cast<float>(sigma_t), static_cast<float>(sigma_s)};
+}
+
+}  // namespace voxtone::optics

@@ -1,0 +1,398 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/optics/transport/transport_sweep.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <vector>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "voxtone/optics/transport/transport_sweep.cpp"
+// The order of these two matters.
+// clang-format off
+#include "hwy/foreach_target.h"
+#include <hwy/highway.h>
+// clang-format on
+
+HWY_BEFORE_NAMESPACE();
+namespace voxtone::optics::HWY_NAMESPACE {
+
+// Highway picks the instruction set; the arithmetic is plain vector types of the compiler.
+using V8 = float __attribute__((vector_size(32), may_alias));
+using V4 = float __attribute__((vector_size(16)));
+using I8 = std::int32_t __attribute__((vector_size(32)));
+
+struct Ways {
+    int nx, ny, nz;                ///< cells of a block
+    V8 ax, ay, az, a;              ///< (1 + theta) |Omega| / h, and their sum
+};
+
+struct Octant {
+    Ways ways[2];                  ///< skin, margin
+    V8 sx, sy, sz;                 ///< Omega
+    V8 weights[4];                 ///< {w, w Omega} / 2 of directions 2 k and 2 k + 1
+    V8 half_weight;                ///< w / 2
+    V8 theta, twice;               ///< theta, 2 / (1 + theta)
+    V8 along[3], flux[3];          ///< |Omega|, w |Omega|
+    bool back[3];
+    unsigned in_bit[3], out_bit[3];
+    int signs[3];
+};
+
+HWY_INLINE void load(V8& v, const void* from) { std::memcpy(&v, from, sizeof v); }
+HWY_INLINE void store(const V8& v, void* to) { std::memcpy(to, &v, sizeof v); }
+HWY_INLINE void add_to(Moments& sum, const V4& v) {
+    V4 all;
+    std::memcpy(&all, &sum, sizeof all);
+    all += v;
+    std::memcpy(static_cast<void*>(&sum), &all, sizeof all);
+}
+
+Octant make_octant(const OpticalGrid& grid, int octant, float theta) {
+    Octant o{};
+    o.theta += theta;
+    o.twice += 2 / (1 + theta);
+    const DirectionSet& set = grid.directions;
+    V8 cosine[3];
+    V8 w;
+    load(w, set.weight.v.data());
+    for (std::size_t a = 0; a < 3; ++a) {
+        load(cosine[a], set.cosine[a].v.data());
+        o.back[a] = octant >> a & 1;
+        o.in_bit[a] = static_cast<unsigned>(2 * a + (o.back[a] ? 1 : 0));
+        o.out_bit[a] = static_cast<unsigned>(2 * a + (o.back[a] ? 0 : 1));
+        o.signs[a] = tangential_signs(octant, static_cast<int>(a));
+    }
+    for (int kind = 0; kind < 2; ++kind) {
+        const auto n = grid.cells_in(static_cast<BlockKind>(kind));
+        const auto h = grid.edge_mm(static_cast<BlockKind>(kind));
+        Ways& ways = o.ways[kind];
+        ways.nx = n[0];
+        ways.ny = n[1];
+        ways.nz = n[2];
+        ways.ax = cosine[0] * static_cast<float>((1 + static_cast<double>(theta)) / h[0]);
+        ways.ay = cosine[1] * static_cast<float>((1 + static_cast<double>(theta)) / h[1]);
+        ways.az = cosine[2] * static_cast<float>((1 + static_cast<double>(theta)) / h[2]);
+        ways.a = ways.ax + ways.ay + ways.az;
+    }
+    for (int a = 0; a < 3; ++a) {
+        o.along[a] = cosine[a];
+        o.flux[a] = w * cosine[a];
+    }
+    for (std::size_t a = 0; a < 3; ++a)
+        if (o.back[a]) cosine[a] = -cosine[a];
+    o.sx = cosine[0];
+    o.sy = cosine[1];
+    o.sz = cosine[2];
+    w *= 0.5f;  // the moments are taken of 2 psi
+    o.half_weight = w;
+    for (int d = 0; d < 8; ++d) {
+        V8& pair = o.weights[d / 2];
+        const int at = 4 * (d % 2);
+        pair[at] = w[d];
+        pair[at + 1] = w[d] * cosine[0][d];
+        pair[at + 2] = w[d] * cosine[1][d];
+        pair[at + 3] = w[d] * cosine[2][d];
+    }
+    return o;
+}
+
+/// Faces between blocks of different kinds: n1 x n2 skin cells, r1 x r2 of them to a margin cell.
+void to_margin(V8* face, int n1, int n2, int r1, int r2) {
+    const float share = 1.0f / static_cast<float>(r1 * r2);
+    for (int j = 0; j < n2 / r2; ++j)
+        for (int i = 0; i < n1 / r1; ++i) {
+            V8 sum{};
+            for (int b = 0; b < r2; ++b)
+                for (int a = 0; a < r1; ++a) sum += face[(j * r2 + b) * n1 + i * r1 + a];
+            face[j * (n1 / r1) + i] = sum * share;
+        }
+}
+void to_skin(V8* face, int n1, int n2, int r1, int r2) {
+    for (int j = n2; j-- > 0;)
+        for (int i = n1; i-- > 0;) face[j * n1 + i] = face[(j / r2) * (n1 / r1) + i / r1];
+}
+
+HWY_INLINE V8* as_vectors(Octet* octets) { return reinterpret_cast<V8*>(octets); }
+HWY_INLINE const V8& as_vector(const Octet& octet) { return reinterpret_cast<const V8&>(octet); }
+
+struct BlockFaces {
+    V8 *x, *y, *z;
+};
+
+/// What a medium does, the same for all octants: with d = 1 + theta: gain = d / (sigma + sum d |Omega| / h),
+/// pass = gain d |Omega_x| / h_x - theta, sigma = fit sigma_t; twice psi averaged over the cell is fit (2 psi) + rest q fit.
+struct MediumWays {
+    Octet gain, pass, fit, rest;
+    Octet own_q, slope, sigma;  ///< of the derivatives: (1 - fit) / sigma_t^2, d fit / d sigma_a, sigma_t
+};
+using MediaWays = std::array<std::vector<MediumWays>, 2>;  // for both kinds of cells
+
+enum class Purpose { moments, record, multiply };
+
+/// Where the results of a block go, by the sweep's purpose.
+struct Places {
+    Moments* sum;
+    Octet* record;
+    float* product;
+};
+
+/// Exponential fitting (transport_sweep.h).
+void fit_medium(const Ways& ways, const TransportMedium& medium, double theta, MediumWays& out) {
+    const double sigma = std::max(static_cast<double>(medium.sigma_t), 1e-6);
+    const double sigma_a = std::max(0.0, static_cast<double>(medium.sigma_t) - static_cast<double>(medium.sigma_s));
+    for (int d = 0; d < 8; ++d) {
+        const auto i = static_cast<std::size_t>(d);
+        const double way = (1 + theta) / static_cast<double>(ways.a[d]), tau = sigma_a * way, half = std::tanh(tau / 2);
+        const bool thin = tau < 0.02;  // there 1 - fit cancels; the series has two terms
+        const double fit = cell_fit(sigma_a, way, theta), lack = theta == 1 && thin ? tau * tau / 12 : 1 - fit;
+        const double slope = thin ? -tau * way / 6 : (1 - half * half - fit) / sigma_a;  // d fit / d sigma_a
+        const double gain = (1 + theta) / (static_cast<double>(ways.a[d]) + fit * sigma);
+        out.gain.v[i] = static_cast<float>(gain);
+        out.pass.v[i] = static_cast<float>(gain * static_cast<double>(ways.ax[d]) - theta);
+        out.fit.v[i] = static_cast<float>(fit);
+        out.rest.v[i] = static_cast<float>(2 * lack / (sigma * fit));
+        out.own_q.v[i] = static_cast<float>(lack / (sigma * sigma));
+        out.slope.v[i] = static_cast<float>(slope);
+        out.sigma.v[i] = static_cast<float>(sigma);
+    }
+}
+
+/// psi of a cell; px, py, pz come in and go out. Written so that the way along x, where each cell waits for the one before,
+/// is one multiplication and one addition long: px_out = gain (fit q + ay py + az pz) + pass px = (1 + theta) psi - theta px.
+template <Purpose purpose>
+HWY_INLINE void cross_cell(const Octant& o, const Ways& ways, const MediumWays& medium, const Moments& source, const Places& to,
+                           int cell, V8& px, V8& py, V8& pz) {
+    const V8 q = (source.phi + source.x * o.sx) + (source.y * o.sy + source.z * o.sz);
+    const V8 fitted = as_vector(medium.fit) * q;
+    const V8 out = as_vector(medium.gain) * (fitted + (ways.ay * py + ways.az * pz)) + as_vector(medium.pass) * px;
+    const V8 both = out + o.theta * px;
+    px = out;
+    py = both - o.theta * py;
+    pz = both - o.theta * pz;
+    const V8 centre = both * o.twice;
+    if constexpr (purpose == Purpose::record) {
+        store(centre * 0.5f, &to.record[2 * cell]);
+        store(q, &to.record[2 * cell + 1]);
+        return;
+    }
+    if constexpr (purpose == Purpose::multiply) {
+        const V8 psi = centre * 0.5f;
+        const V8 &other_psi = as_vector(to.record[2 * cell]), &other_q = as_vector(to.record[2 * cell + 1]);
+        const V8 w = 2.0f * o.half_weight, sigma = as_vector(medium.sigma);
+        const V8 squares = psi * other_psi, sources = q * other_q;
+        const V8 by_sigma_t = w * (as_vector(medium.fit) * squares + as_vector(medium.own_q) * sources);
+        const V8 by_fit = w * as_vector(medium.slope) * (sigma * squares - (psi * other_q + q * other_psi) + sources / sigma);
+        float sum = 0, fit_sum = 0;
+        for (int d = 0; d < 8; ++d) {
+            sum += by_sigma_t[d];
+            fit_sum += by_fit[d];
+        }
+        to.product[2 * cell] += sum;
+        to.product[2 * cell + 1] += fit_sum;
+        return;
+    }
+    const V8 twice = as_vector(medium.fit) * centre + as_vector(medium.rest) * fitted;
+    V8 moment = __builtin_shuffle(twice, I8{0, 0, 0, 0, 1, 1, 1, 1}) * o.weights[0];
+    V8 other = __builtin_shuffle(twice, I8{2, 2, 2, 2, 3, 3, 3, 3}) * o.weights[1];
+    moment += __builtin_shuffle(twice, I8{4, 4, 4, 4, 5, 5, 5, 5}) * o.weights[2];
+    other += __builtin_shuffle(twice, I8{6, 6, 6, 6, 7, 7, 7, 7}) * o.weights[3];
+    moment += other;
+    V4 low, high;
+    std::memcpy(&low, &moment, sizeof low);
+    std::memcpy(&high, reinterpret_cast<const char*>(&moment) + sizeof low, sizeof high);
+    add_to(to.sum[cell], low + high);
+}
+
+/// A row of cells none of which has an outer face.
+template <Purpose purpose, int step>
+HWY_INLINE void inner_row(const Octant& o, const Ways& ways, const MediumWays* media, const std::uint16_t* medium,
+                          const Moments* source, const Places& to, int row, V8* row_y, V8* row_z, V8& px_in_out) {
+    V8 px = px_in_out;
+    int x = step > 0 ? 0 : ways.nx - 1;
+    for (int k = 0; k < ways.nx; ++k, x += step) {
+        V8 py = row_y[x], pz = row_z[x];
+        cross_cell<purpose>(o, ways, media[medium[row + x]], source[row + x], to, row + x, px, py, pz);
+        row_y[x] = py;
+        row_z[x] = pz;
+    }
+    px_in_out = px;
+}
+
+template <Purpose purpose>
+void sweep_block(const SweepJob& job, const Octant& o, const MediaWays& media_ways, const GridBlock& block,
+                 const BlockFaces& faces) {
+    const OpticalGrid& grid = *job.grid;
+    const Ways ways = o.ways[static_cast<int>(block.kind)];
+    const MediumWays* const media = media_ways[static_cast<std::size_t>(block.kind)].data();
+    const std::uint16_t* const medium = grid.medium.data() + block.first_cell;
+    const std::uint8_t* const outer = grid.outer.data() + block.first_cell;
+    const Moments* const source = job.source.data() + block.first_cell;
+    const Places to{job.sum.empty() ? nullptr : job.sum.data() + block.first_cell,
+                    job.record.empty() ? nullptr : job.record.data() + 2 * std::size_t{block.first_cell},
+                    job.product.empty() ? nullptr : job.product.data() + 2 * std::size_t{block.first_cell}};
+    const std::int32_t* const links = block.first_link < 0 ? nullptr : grid.face_of_cell.data() + block.first_link;
+    for (int kz = 0; kz < ways.nz; ++kz) {
+        const int z = o.back[2] ? ways.nz - 1 - kz : kz;
+        for (int ky = 0; ky < ways.ny; ++ky) {
+            const int y = o.back[1] ? ways.ny - 1 - ky : ky;
+            const int row = (z * ways.ny + y) * ways.nx;
+            V8 px = faces.x[z * ways.ny + y];
+            V8* const row_y = faces.y + z * ways.nx;
+            V8* const row_z = faces.z + y * ways.nx;
+            unsigned any = 0;
+            if (links)
+                for (int x = 0; x < ways.nx; ++x) any |= outer[row + x];
+            if (any == 0) {
+                if (o.back[0]) inner_row<purpose, -1>(o, ways, media, medium, source, to, row, row_y, row_z, px);
+                else inner_row<purpose, 1>(o, ways, media, medium, source, to, row, row_y, row_z, px);
+                faces.x[z * ways.ny + y] = px;
+                continue;
+            }
+            const int step = o.back[0] ? -1 : 1;
+            for (int kx = 0, x = o.back[0] ? ways.nx - 1 : 0; kx < ways.nx; ++kx, x += step) {
+                const int cell = row + x;
+                const unsigned bits = outer[cell];
+                if (bits & 64u) continue;
+                const auto first_face = static_cast<std::size_t>(links[cell]);
+                const auto face_of = [&](unsigned bit) {
+                    return first_face + static_cast<unsigned>(__builtin_popcount(bits & ((1u << bit) - 1)));
+                };
+                const auto take = [&](int axis, unsigned bit, V8& p) {
+                    std::size_t at = face_of(bit);
+                    if (!job.place.empty()) {
+                        at = job.place[at];
+                        if (at & into_core) {
+                            const auto& [phi, J] = job.core_in[at & ~std::size_t{into_core}];
+                            p = phi - (3 * J) * o.along[axis];
+                            return;
+                        }
+                    }
+                    load(p, &job.in[4 * at + static_cast<unsigned>(o.signs[axis])]);
+                };
+                const auto give = [&](int axis, unsigned bit, const V8& p) {
+                    std::size_t at = face_of(bit);
+                    if (!job.place.empty()) {
+                        at = job.place[at];
+                        if (at & into_core) {
+                            const V8 flux = o.flux[axis] * p;
+                            float sum = 0;
+                            for (int d = 0; d < 8; ++d) sum += flux[d];
+                            job.core_out[4 * (at & ~std::size_t{into_core}) + static_cast<unsigned>(o.signs[axis])] = sum;
+                            return;
+                        }
+                    }
+                    store(p, &job.out[4 * at + static_cast<unsigned>(o.signs[axis])]);
+                };
+                V8 py = row_y[x], pz = row_z[x];
+                if (bits >> o.in_bit[0] & 1) take(0, o.in_bit[0], px);
+                if (bits >> o.in_bit[1] & 1) take(1, o.in_bit[1], py);
+                if (bits >> o.in_bit[2] & 1) take(2, o.in_bit[2], pz);
+                cross_cell<purpose>(o, ways, media[medium[cell]], source[cell], to, cell, px, py, pz);
+                row_y[x] = py;
+                row_z[x] = pz;
+                if (purpose == Purpose::moments && bits >> o.out_bit[0] & 1) give(0, o.out_bit[0], px);
+                if (purpose == Purpose::moments && bits >> o.out_bit[1] & 1) give(1, o.out_bit[1], py);
+                if (purpose == Purpose::moments && bits >> o.out_bit[2] & 1) give(2, o.out_bit[2], pz);
+            }
+            faces.x[z * ways.ny + y] = px;
+        }
+    }
+}
+
+/// The radiance on the faces between blocks along one octant's way.
+struct Front {
+    std::vector<Octet> x, y, z;  // not V8: containers forget its alignment
+    BlockKind x_kind = BlockKind::skin;
+    std::vector<BlockKind> y_kind, z_kind;
+};
+
+template <Purpose purpose>
+void sweep_octants(const SweepJob& job, int half, unsigned chosen) {
+    const OpticalGrid& grid = *job.grid;
+    const auto skin = grid.cells_in(BlockKind::skin), margin = grid.cells_in(BlockKind::margin);
+    const std::array<int, 3> most{std::max(skin[0], margin[0]), std::max(skin[1], margin[1]), std::max(skin[2], margin[2])};
+    const std::array<int, 3> ratio{skin[0] / margin[0], skin[1] / margin[1], skin[2] / margin[2]};
+    const auto per_x = static_cast<std::size_t>(most[1] * most[2]), per_y = static_cast<std::size_t>(most[0] * most[2]),
+               per_z = static_cast<std::size_t>(most[0] * most[1]);
+    const auto across = static_cast<std::size_t>(grid.lattice[0]), deep = static_cast<std::size_t>(grid.lattice[1]);
+    std::array<Octant, 4> octants;
+    std::array<Front, 4> fronts;
+    for (int k = 0; k < 4; ++k) {
+        const auto i = static_cast<std::size_t>(k);
+        octants[i] = make_octant(grid, k + 4 * half, job.theta);
+        Front& front = fronts[i];
+        front.x.resize(per_x);
+        front.y.resize(per_y * across);
+        front.z.resize(per_z * across * deep);
+        front.y_kind.assign(across, BlockKind::skin);
+        front.z_kind.assign(across * deep, BlockKind::skin);
+    }
+    MediaWays media;
+    for (std::size_t kind = 0; kind < 2; ++kind) {
+        const Ways& ways = octants[0].ways[kind];
+        media[kind].resize(job.media[kind].size());
+        for (std::size_t m = 0; m < media[kind].size(); ++m) fit_medium(ways, job.media[kind][m], static_cast<double>(job.theta), media[kind][m]);
+    }
+    const auto fit = [&](V8* face, BlockKind& kind, BlockKind wanted, std::size_t a, std::size_t b) {
+        if (kind == wanted) return;
+        if (wanted == BlockKind::margin) to_margin(face, skin[a], skin[b], ratio[a], ratio[b]);
+        else to_skin(face, skin[a], skin[b], ratio[a], ratio[b]);
+        kind = wanted;
+    };
+    const auto cross_row = [&](std::size_t row, std::size_t k) {
+        const Octant& o = octants[k];
+        Front& front = fronts[k];
+        const std::size_t begin = grid.transport_rows[row], end = grid.transport_rows[row + 1];
+        for (std::size_t i = begin; i < end; ++i) {
+            const GridBlock& block = grid.blocks[grid.transport_blocks[o.back[0] ? end - 1 - (i - begin) : i]];
+            const auto bx = static_cast<std::size_t>(block.at[0]);
+            const std::size_t bz = static_cast<std::size_t>(block.at[1]) * across + bx;
+            const BlockFaces faces{as_vectors(front.x.data()), as_vectors(front.y.data() + per_y * bx),
+                                   as_vectors(front.z.data() + per_z * bz)};
+            fit(faces.x, front.x_kind, block.kind, 1, 2);
+            fit(faces.y, front.y_kind[bx], block.kind, 0, 2);
+            fit(faces.z, front.z_kind[bz], block.kind, 0, 1);
+            sweep_block<purpose>(job, o, media, block, faces);
+        }
+    };
+    // Rows of blocks along x lie one after the other in y, then z. All four octants of one way along z cross a plane of
+    // blocks before the next one, and both ways along x a row, while its cells are in the cache.
+    const std::size_t rows = grid.transport_rows.size() - 1;
+    const auto plane_of = [&](std::size_t row) { return grid.blocks[grid.transport_blocks[grid.transport_rows[row]]].at[2]; };
+    for (std::size_t p = 0; p < rows;) {
+        const std::size_t at = half ? rows - 1 - p : p;
+        std::size_t count = 1;
+        while (p + count < rows && plane_of(half ? at - count : at + count) == plane_of(at)) ++count;
+        const std::size_t first = half ? at + 1 - count : at;
+        for (std::size_t back = 0; back < 2; ++back)
+            for (std::size_t k = 0; k < count; ++k) {
+                const std::size_t row = back ? first + count - 1 - k : first + k;
+                if (chosen >> (2 * back) & 1) cross_row(row, 2 * back);
+                if (chosen >> (2 * back + 1) & 1) cross_row(row, 2 * back + 1);
+            }
+        p += count;
+    }
+}
+
+void sweep(const SweepJob& job, int half) { sweep_octants<Purpose::moments>(job, half, 15); }
+void record(const SweepJob& job, int octant) { sweep_octants<Purpose::record>(job, octant / 4, 1u << octant % 4); }
+void multiply(const SweepJob& job, int octant) { sweep_octants<Purpose::multiply>(job, octant / 4, 1u << octant % 4); }
+
+}  // namespace voxtone::optics::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace voxtone::optics {
+
+HWY_EXPORT(sweep);
+HWY_EXPORT(record);
+HWY_EXPORT(multiply);
+
+void record_octant(const SweepJob& job, int octant) { HWY_DYNAMIC_DISPATCH(record)(job, octant); }
+void multiply_octant(const SweepJob& job, int octant) { HWY_DYNAMIC_DISPATCH(multiply)(job, octant); }
+void sweep_half(const SweepJob& job, bool down) { HWY_DYNAMIC_DISPATCH(sweep)(job, down ? 1 : 0); }
+
+}  // namespace voxtone::optics
+#endif

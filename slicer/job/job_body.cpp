@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/slicer/job/job_body.h"
+
+#include <chrono>
+#include <filesystem>
+#include <limits>
+
+#include <fmt/core.h>
+
+#include "voxtone/base/error.h"
+#include "voxtone/io/models/model_reader.h"
+#include "voxtone/slicer/printer/picture_slab.h"
+
+namespace voxtone::slicer {
+
+namespace {
+
+void append(std::vector<std::string>& to, const std::vector<std::string>& from) { to.insert(to.end(), from.begin(), from.end()); }
+
+io::ModelFile read_input(const SliceOptions& options, const Progress& progress, bool& is_picture) {
+    io::ReadOptions reading;
+    reading.progress = &progress;
+    if (std::error_code none; std::filesystem::is_directory(options.model, none))
+        throw InputError(fmt::format("{}: a folder, not a model; name the file itself", options.model));
+    is_picture = !io::is_model_name(options.model);
+    if (!is_picture) return io::read_model(options.model, reading);
+    if (options.size_mm > 0) throw UsageError("--size does not go with a picture; give --width and --thickness");
+    return make_picture_slab(io::read_picture(options.model, reading), options.width_mm, options.thickness_mm).model;
+}
+
+/// Only the top of a picture's slab carries colour: its depth is measured from there, up to the very edge.
+VisibleSurface picture_surface(const io::TexturedMesh& mesh) {
+    VisibleSurface surface;
+    surface.positions_mm = mesh.positions;
+    const Eigen::Vector2f zero(0, 0), one_u(1, 0), one_v(0, 1);
+    for (std::uint32_t t = 0; t < PictureSlab::top_triangles; ++t) {
+        surface.triangles.push_back(mesh.triangles[t]);
+        surface.source_triangle.push_back(t);
+        surface.source_uv.push_back({zero, one_u, one_v});
+    }
+    return surface;
+}
+
+}  // namespace
+
+JobBody prepare_body(const SliceOptions& options, const PrinterProfile& printer, Progress& progress) {
+    JobBody body;
+    const auto start = std::chrono::steady_clock::now();
+    progress.begin_stage("read model", 0);
+    body.model = read_input(options, progress, body.is_picture);
+    append(body.warnings, body.model.warnings);
+    body.placement = place(body.model, options);
+    if (!body.model.has_colour)
+        body.warnings.push_back("the model has no colour: it is printed white");
+    constexpr double smallest_plausible_mm = 2;
+    if (!body.is_picture && body.placement.extent_mm.maxCoeff() < smallest_plausible_mm)
+        body.warnings.push_back(fmt::format("the print is only {:.3g} mm large; if that is not meant, give --unit or --size",
+                                            body.placement.extent_mm.maxCoeff()));
+    body.read_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    progress.end_stage();
+
+    progress.begin_stage("repair mesh", 0);
+    RepairOptions repairing;
+    repairing.mode = parse_repair_mode(options.repair);
+    repairing.pitch_mm = printer.pitch_mm().minCoeff();
+    RepairedMesh repaired = repair_mesh(body.model.mesh, repairing, &progress);
+    append(body.warnings, repaired.report.messages);
+    progress.end_stage();
+
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    Eigen::Vector3d low = Eigen::Vector3d::Constant(infinity), high = -low;
+    for (const auto& triangle : repaired.solid.triangles)
+        for (const std::uint32_t corner : triangle) {
+            low = low.cwiseMin(repaired.solid.positions_mm[corner]);
+            high = high.cwiseMax(repaired.solid.positions_mm[corner]);
+        }
+    body.grid = grid_around(low, high, printer.pitch_mm());
+    check_tray(body.grid, printer.tray_mm, body.placement);
+
+    progress.begin_stage("find the visible surface", 0);
+    body.surface = body.is_picture ? picture_surface(body.model.mesh) : find_visible_surface(body.model.mesh.positions, body.model.mesh.triangles, repaired);
+    progress.end_stage();
+    body.repair = std::move(repaired.report);
+    body.solid_mesh = std::move(repaired.solid);
+    return body;
+}
+
+}  // namespace voxtone::slicer

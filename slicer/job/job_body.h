@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// First half of a job: from the file to a body on the voxel grid with its coloured surface.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "voxtone/base/progress.h"
+#include "voxtone/io/models/mesh.h"
+#include "voxtone/slicer/mesh/mesh_repair.h"
+#include "voxtone/slicer/printer/placement.h"
+#include "voxtone/slicer/printer/printer.h"
+#include "voxtone/slicer/options/slice_options.h"
+#include "voxtone/slicer/mesh/solid_mesh.h"
+#include "voxtone/slicer/surface/visible_surface.h"
+#include "voxtone/slicer/printer/voxel_grid.h"
+
+namespace voxtone::slicer {
+
+struct JobBody {
+    io::ModelFile model;  ///< positions in mm on the tray
+    bool is_picture = false;
+    Placement placement;
+    SolidMesh solid_mesh;
+    RepairReport repair;
+    VisibleSurface surface;
+    VoxelGrid grid;
+    std::vector<std::string> warnings;  ///< of reader, placement and repair
+    double read_s = 0;
+};
+
+/// Throws FileError, InputError, UsageError.
+[[nodiscard]] JobBody prepare_body(const SliceOptions& options, const PrinterProfile& printer, Progress& progress);
+
+}  // namespace voxtone::slicer

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/slicer/job/job_colour.h"
+
+#include <algorithm>
+
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+
+#include "voxtone/base/error.h"
+#include "voxtone/io/profiles/resin_file.h"
+
+namespace voxtone::slicer {
+
+namespace {
+
+std::vector<std::string> roles_to_load(const SliceOptions& options, const PrinterProfile& printer, const optics::ResinSet& set) {
+    if (!options.load.empty()) return options.load;
+    std::vector<std::string> roles;
+    for (const std::string& role : printer.default_roles)
+        if (set.find(role) >= 0) roles.push_back(role);
+    // A set with roles of its own: take what it has, as far as the printer carries it.
+    if (roles.empty())
+        for (const optics::Resin& resin : set.resins)
+            if (static_cast<int>(roles.size()) < printer.max_resins) roles.push_back(resin.role);
+    return roles;
+}
+
+}  // namespace
+
+LoadedResins load_resins(const SliceOptions& options, const PrinterProfile& printer) {
+    LoadedResins loaded;
+    const optics::ResinSet all = io::find_resin_set(options.resins);
+    const std::vector<std::string> roles = roles_to_load(options, printer, all);
+    const int most = std::min(printer.max_resins, halftone::max_resins);
+    if (static_cast<int>(roles.size()) > most)
+        throw InputError(fmt::format("--load {}: {} resins, but {} carries {} at once; leave some out", fmt::join(roles, ","), roles.size(),
+                                     printer.id, most));
+    loaded.set = all.subset(roles);
+    const std::string& core = options.layered() ? options.base : options.core;
+    loaded.core = loaded.set.find(core);
+    if (loaded.core < 0)
+        throw InputError(fmt::format("--{} {}: no such resin is loaded; loaded are {}", options.layered() ? "base" : "core", core, fmt::join(roles, ", ")));
+    const std::vector<Rgb8> colours = printer.display_colours(roles);
+    for (std::size_t r = 0; r < roles.size(); ++r) {
+        io::StackResin entry;
+        const auto known = printer.material_names.find(roles[r]);
+        entry.name = known != printer.material_names.end() ? known->second : loaded.set.resins[r].name;
+        entry.role = roles[r];
+        entry.rgb = colours[r];
+        loaded.entries.push_back(std::move(entry));
+    }
+    return loaded;
+}
+
+std::unique_ptr<const JobColour> prepare_colour(const SliceOptions& options, const LoadedResins& resins, const Eigen::Vector3d& pitch_mm,
+                                                double picture_thickness_mm, Progress& progress) {
+    progress.begin_stage("separate colours", 0);
+    optics::ShellGeometry geometry;
+    geometry.shell_mm = options.depth_mm;
+    if (options.mixing == "voxels") geometry.pitch_mm = {pitch_mm.x(), pitch_mm.y(), pitch_mm.z()};
+    geometry.core_resin = resins.core;
+    geometry.white_resin = resins.set.find("W");  // -1, the core, where no white is loaded
+    geometry.seen = optics::SeenFrom::all_sides;
+    if (picture_thickness_mm > 0) {
+        geometry.seen = optics::SeenFrom::above;
+        geometry.shell_mm = std::min(options.depth_mm, picture_thickness_mm);
+        // A slab that is colour all through has no core; the model wants one: a nanometre of it is nothing to light.
+        constexpr double no_core_mm = 1e-6;
+        geometry.core_mm = std::max(picture_thickness_mm - geometry.shell_mm, no_core_mm);
+        geometry.backing = options.backing == "white"   ? optics::Backing::white
+                           : options.backing == "black" ? optics::Backing::black
+                                                        : optics::Backing::none;
+    }
+    auto colour = std::make_unique<const JobColour>(resins.set, geometry, &progress);
+    progress.end_stage();
+    return colour;
+}
+
+}  // namespace voxtone::slicer

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The colour half of a job: which resins are loaded, what a mixture of them looks like on this body, and which mixture
+// makes a colour.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "voxtone/base/progress.h"
+#include "voxtone/halftone/separation/separation.h"
+#include "voxtone/io/layers/layer_runs.h"
+#include "voxtone/io/layers/manifest.h"
+#include "voxtone/optics/media/resins.h"
+#include "voxtone/optics/layered/shell_appearance.h"
+#include "voxtone/slicer/printer/printer.h"
+#include "voxtone/slicer/options/slice_options.h"
+
+namespace voxtone::slicer {
+
+struct LoadedResins {
+    optics::ResinSet set;                  ///< only what is loaded; resin r is material r + 1
+    std::vector<io::StackResin> entries;   ///< names and colours for the manifest, same order
+    int core = 0;                          ///< index of the core resin, or of the base below stacks of layers
+    [[nodiscard]] io::Material core_material() const { return static_cast<io::Material>(core + 1); }
+};
+
+/// The resins of `options.resins` that `options.load` names (or the printer's default, of those the set has).
+/// Throws InputError: unknown set or role, more than the printer carries, the core resin not loaded.
+[[nodiscard]] LoadedResins load_resins(const SliceOptions& options, const PrinterProfile& printer);
+
+/// Stays where it was made: the separation refers to the appearance.
+struct JobColour {
+    JobColour(const optics::ResinSet& resins, const optics::ShellGeometry& geometry, const Progress* progress)
+        : appearance(resins, geometry), separation(appearance, separation_options(resins), progress) {}
+    JobColour(const JobColour&) = delete;
+    JobColour& operator=(const JobColour&) = delete;
+
+    const optics::ShellAppearance appearance;
+    const halftone::Separation separation;
+
+private:
+    static halftone::SeparationOptions separation_options(const optics::ResinSet& resins) {
+        halftone::SeparationOptions options;
+        options.wavelengths_nm = resins.channels.wavelengths_nm;
+        return options;
+    }
+};
+
+/// `picture_thickness_mm` > 0: a slab of that thickness over `options.backing`; else a body taken to be thick.
+/// `pitch_mm`: of the print's voxels.
+[[nodiscard]] std::unique_ptr<const JobColour> prepare_colour(const SliceOptions& options, const LoadedResins& resins,
+                                                              const Eigen::Vector3d& pitch_mm,
+                                                              double picture_thickness_mm, Progress& progress);
+
+}  // namespace voxtone::slicer

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The last part of a job: what a person will see of the layers just made, beside what was asked for.
+//
+// The volume is filled from the layers while they are written. A body that needs more memory than allowed is printed
+// all the same: the prediction is left out, and the job says so.
+#pragma once
+
+#include <atomic>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "voxtone/base/progress.h"
+#include "voxtone/io/layers/layer_runs.h"
+#include "voxtone/optics/colour/colour.h"
+#include "voxtone/slicer/job/job_body.h"
+#include "voxtone/slicer/job/job_colour.h"
+#include "voxtone/slicer/job/job_loop.h"
+#include "voxtone/slicer/layers/layer_volume.h"
+#include "voxtone/slicer/options/slice_options.h"
+#include "voxtone/slicer/look/surface_prediction.h"
+
+namespace voxtone::slicer {
+
+/// What a job predicts, known before its layers are made.
+struct PredictionPlan {
+    std::string model;    ///< empty: none
+    std::string why_not;  ///< where none: a sentence for the report; may be empty
+};
+
+/// Name of the prediction that comes out of the appearance loop at no further cost.
+inline constexpr const char* loop_prediction = "appearance loop";
+
+/// By `options.predict`: a model's name; none; auto: the default model up to auto_prediction_cm2 of coloured surface, above
+/// that what the appearance loop predicted, if there was one (`looped`). A part of the layers is never predicted, nor is a job
+/// without a report.
+[[nodiscard]] PredictionPlan plan_prediction(const SliceOptions& options, const JobBody& body, bool all_layers, bool looped);
+
+/// The volume of a job, filled layer by layer from any thread.
+class JobVolume {
+public:
+    JobVolume(const VoxelGrid& grid, std::uint64_t memory_bytes);
+    void add(int k, const io::LayerRuns& layer);
+    /// Nothing where it took too much memory; `why_not` says so.
+    [[nodiscard]] std::optional<optics::ResinVolume> finish();
+    [[nodiscard]] const std::string& why_not() const { return why_not_; }
+
+private:
+    std::mutex mutex_;
+    std::optional<LayerVolume> volume_;
+    std::atomic<bool> given_up_{false};
+    std::string why_not_;
+};
+
+struct JobPrediction {
+    std::string model;
+    optics::ResinVolume volume;
+    SurfacePrediction predicted;
+    std::vector<Eigen::Vector3f> target;  ///< per cell, linear sRGB
+    std::vector<double> difference;       ///< per cell, CIEDE2000
+    optics::DifferenceSummary summary;    ///< by area
+    std::array<double, 3> cell_um{};
+    double seconds = 0;
+    std::vector<Eigen::Vector3f> open_loop;  ///< per cell, what the open loop would have shown; empty without an appearance loop
+};
+
+/// What the appearance loop itself predicted of the print that it chose; the volume is that print. RGB resins only.
+[[nodiscard]] JobPrediction prediction_of_loop(const JobLoop& loop, optics::ResinVolume volume);
+
+/// Throws what the model throws.
+[[nodiscard]] JobPrediction predict_job(const SliceOptions& options, const std::string& model, const JobBody& body,
+                                        const LoadedResins& resins, optics::ResinVolume volume, Progress& progress);
+
+}  // namespace voxtone::slicer

@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/slicer/job/loop_checkpoint.h"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <fstream>
+#include <type_traits>
+#include <vector>
+
+#include <fmt/core.h>
+
+#include "voxtone/base/error.h"
+#include "voxtone/io/files/sha256.h"
+#include "voxtone/io/files/whole_file.h"
+
+namespace voxtone::slicer {
+
+namespace {
+
+// The file: magic, digest of the job, state, digest of all before. Native byte order: it is read where it was written.
+constexpr std::string_view magic = "voxtone-loop 5\n";
+constexpr std::size_t digest_size = 64;
+constexpr std::array<std::string_view, 9> free_options{"out", "overwrite", "report", "predict", "threads", "resume", "iterations", "formats", "layers"};
+
+/// Writes and digests as it goes: a state of a large body is not held twice.
+class Writer {
+public:
+    explicit Writer(const std::filesystem::path& file) : out_(file, std::ios::binary) {}
+    void raw(const void* data, std::size_t size) {
+        sum_.update({static_cast<const std::uint8_t*>(data), size});
+        out_.write(static_cast<const char*>(data), static_cast<std::streamsize>(size));
+    }
+    template <class T>
+    void list(std::span<const T> values) {
+        const std::uint64_t count = values.size();
+        raw(&count, sizeof count);
+        raw(values.data(), values.size_bytes());
+    }
+    template <class T>
+    void list(const std::vector<T>& values) {
+        list(std::span<const T>(values));
+    }
+    /// False where something could not be written.
+    [[nodiscard]] bool finish() {
+        const std::string digest = sum_.finish();
+        out_.write(digest.data(), static_cast<std::streamsize>(digest.size()));
+        out_.close();
+        return !out_.fail();
+    }
+
+private:
+    std::ofstream out_;
+    io::Sha256 sum_;
+};
+
+struct Reader {
+    std::span<const std::uint8_t> bytes;
+    bool good = true;
+    void raw(void* to, std::size_t size) {
+        if (size > bytes.size()) {
+            good = false;
+            return;
+        }
+        std::memcpy(to, bytes.data(), size);
+        bytes = bytes.subspan(size);
+    }
+    template <class T>
+    void list(std::vector<T>& values) {
+        std::uint64_t count = 0;
+        raw(&count, sizeof count);
+        if (!good || count > bytes.size() / sizeof(T)) {
+            good = false;
+            return;
+        }
+        values.resize(count);
+        raw(values.data(), count * sizeof(T));
+    }
+};
+
+void mixtures_in(Writer& file, const halftone::SkinMixtures& mixtures) {
+    const std::array<std::uint64_t, 2> shape{mixtures.layers(), mixtures.resins()};
+    file.raw(shape.data(), sizeof shape);
+    file.list(mixtures.all());
+}
+
+void mixtures_in(Reader& file, halftone::SkinMixtures& mixtures) {
+    std::array<std::uint64_t, 2> shape{};
+    std::vector<float> fractions;
+    file.raw(shape.data(), sizeof shape);
+    file.list(fractions);
+    if (!file.good || fractions.empty()) return;
+    file.good = shape[0] >= 1 && shape[0] <= 64 && shape[1] >= 1 && shape[1] <= halftone::max_resins && fractions.size() % (shape[0] * shape[1]) == 0;
+    if (file.good) mixtures = halftone::SkinMixtures(shape[0], shape[1], std::move(fractions));
+}
+
+/// Every part of a state, in the file's order, for reading and writing alike.
+template <class File, class State>
+void state_in(File& file, State& state) {
+    static_assert(std::is_trivially_copyable_v<halftone::LoopStep>);
+    auto best = static_cast<std::uint64_t>(state.best);
+    file.raw(&best, sizeof best);
+    if constexpr (!std::is_const_v<State>) state.best = static_cast<std::size_t>(best);
+    file.list(state.steps);
+    file.list(state.drive);
+    file.list(state.start_drive);
+    mixtures_in(file, state.best_mixtures);
+    mixtures_in(file, state.descent.mixtures);
+    file.list(state.descent.momentum);
+    file.list(state.descent.scale);
+    file.list(state.descent.shared);
+    file.list(state.descent.divisor);
+    file.list(state.descent.fall);
+    file.list(state.descent.rate);
+    mixtures_in(file, state.recent);
+    file.list(state.open);
+    file.list(state.shown);
+}
+
+template <class T>
+std::span<const std::uint8_t> bytes_of(std::span<const T> values) {
+    return {reinterpret_cast<const std::uint8_t*>(values.data()), values.size_bytes()};
+}
+
+}  // namespace
+
+LoopCheckpoint::LoopCheckpoint(const std::filesystem::path& folder, const SliceOptions& options, std::span<const Eigen::Vector3f> target)
+    : file_(folder / "loop.checkpoint"), cells_(target.size()) {
+    io::Sha256 job;
+    for (const OptionSpec& spec : slice_option_table()) {
+        if (std::find(free_options.begin(), free_options.end(), spec.key) != free_options.end()) continue;
+        const std::string text = spec.key + "=" + spec.get(options) + "\n";
+        job.update(bytes_of(std::span<const char>(text)));
+    }
+    job.update(bytes_of(target));
+    digest_ = job.finish();
+}
+
+void LoopCheckpoint::write(const halftone::LoopState& state) const {
+    Writer file(io::part_path(file_));
+    file.raw(magic.data(), magic.size());
+    file.raw(digest_.data(), digest_.size());
+    state_in(file, state);
+    if (!file.finish())
+        throw FileError(fmt::format("{}: cannot be written; is the disk full? Free some space, or write to another folder", file_.string()));
+    io::finish_part(file_);
+}
+
+std::optional<halftone::LoopState> LoopCheckpoint::read(Progress& progress) const {
+    if (!std::filesystem::exists(file_)) {
+        progress.note("--resume: there is no loop.checkpoint in the output folder; the loop begins at its start");
+        return std::nullopt;
+    }
+    constexpr std::uint64_t most = std::uint64_t{1} << 34;
+    const std::vector<std::uint8_t> bytes = io::read_whole_file(file_, most);
+    const std::span<const std::uint8_t> all(bytes);
+    const std::size_t head = magic.size() + digest_size;
+    const auto broken = [&] {
+        return FileError(fmt::format("{}: is not whole, or no checkpoint of this program; remove it and start without --resume", file_.string()));
+    };
+    if (all.size() < head + digest_size || std::memcmp(all.data(), magic.data(), magic.size()) != 0) throw broken();
+    const auto body = all.first(all.size() - digest_size);
+    if (io::sha256(body) != std::string(all.end() - digest_size, all.end())) throw broken();
+    if (std::string(all.begin() + static_cast<std::ptrdiff_t>(magic.size()), all.begin() + static_cast<std::ptrdiff_t>(head)) != digest_)
+        throw InputError(fmt::format("{}: belongs to a job with another model or other options; --resume goes on with the same job only: give the "
+                                     "same options, or remove the file and start anew",
+                                     file_.string()));
+    halftone::LoopState state;
+    Reader file{body.subspan(head)};
+    state_in(file, state);
+    const auto fits = [&](const auto& list, bool may_lack) { return list.size() == cells_ || (may_lack && list.empty()); };
+    const auto descent_fits = [](const halftone::DescentState& d) {
+        const std::size_t cells = d.mixtures.cells(), stepped = d.shared.empty() ? 0 : cells, parts = cells == 0 ? 0 : d.mixtures.resins() + 1;
+        return d.momentum.size() == d.mixtures.all().size() && (d.shared.empty() || d.shared.size() == d.momentum.size()) &&
+               d.scale.size() == cells && d.rate.size() == cells * parts && d.divisor.size() == stepped && d.fall.size() == stepped * parts;
+    };
+    if (!file.good || !file.bytes.empty() || state.steps.empty() || state.best >= state.steps.size() || !fits(state.drive, false) ||
+        !fits(state.start_drive, true) || !descent_fits(state.descent) ||
+        (state.descent.mixtures.cells() != 0 && state.descent.mixtures.cells() != cells_) ||
+        (state.recent.cells() != 0 && state.recent.cells() != cells_) || (state.best > 0 && state.best_mixtures.cells() != cells_) || !fits(state.open, false) || !fits(state.shown, false))
+        throw broken();
+    progress.note(fmt::format("--resume: going on after iteration {}", state.steps.back().iteration));
+    return state;
+}
+
+void LoopCheckpoint::remove() const {
+    std::error_code not_there;
+    std::filesystem::remove(file_, not_there);
+}
+
+}  // namespace voxtone::slicer

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// One job from a model or a picture to a finished, printable stack in its output folder.
+#pragma once
+
+#include <string>
+
+#include "voxtone/base/progress.h"
+#include "voxtone/slicer/options/slice_options.h"
+
+namespace voxtone::slicer {
+
+struct SliceResult {
+    std::string json;     ///< report.json: one JSON object
+    std::string summary;  ///< a few lines for a person
+};
+
+/// Runs the job. Throws Error (with its exit code): nothing that looks whole is left in the output folder then.
+SliceResult run_slice_job(const SliceOptions& options, Progress& progress);
+
+}  // namespace voxtone::slicer

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Whether a body is thick enough for the stacks that are wrapped around it.
+//
+// From 20,000 points spread evenly over the surface one goes inwards along the normal, as deep as the stack there reaches. The depth
+// that is there ends where another part of the surface comes nearer (by more than a voxel): behind thin walls and beside
+// sharp edges, where the layers of both sides meet.
+#pragma once
+
+#include "voxtone/base/progress.h"
+#include "voxtone/slicer/job/job_body.h"
+#include "voxtone/slicer/layers/wrapped_layers.h"
+
+namespace voxtone::slicer {
+
+struct StackFit {
+    double thin_share = 0;    ///< of the surface whose stack does not fit, in [0, 1]
+    double missing_mean = 0;  ///< there: mean share of the stack's depth that is not there
+};
+
+[[nodiscard]] StackFit stack_fit(const JobBody& body, const WrappedLayers& wrapped, const Progress& progress);
+
+}  // namespace voxtone::slicer

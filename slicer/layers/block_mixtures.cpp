@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/slicer/layers/block_mixtures.h"
+
+#include "voxtone/slicer/layers/lap.h"
+
+namespace voxtone::slicer {
+
+std::size_t BlockMixtures::gather(const ShellBlock& block) {
+    count_ = 0;
+    for_each_shell_voxel(block, [&](int row, int lane) {
+        const int at = row * ShellBlock::width + lane;
+        if (skin_) {
+            mixture_[count_++] = skin_->mixture(block.triangle[at], block.u[at], block.v[at], block.distance_mm[at]);
+            return;
+        }
+        const Eigen::Vector3f rgb = colour_.at(surface_.source_triangle[block.triangle[at]], block.u[at], block.v[at]);
+        red_[count_] = rgb.x();
+        green_[count_] = rgb.y();
+        blue_[count_] = rgb.z();
+        ++count_;
+    });
+    return count_;
+}
+
+const halftone::CumulativeMixture* BlockMixtures::separate() {
+    if (!skin_) separation_.mixtures(red_.data(), green_.data(), blue_.data(), count_, mixture_.data());
+    return mixture_.data();
+}
+
+void ScreenedMixtures::fill(const ShellBlock& block, io::Material* out, LayerCounts& counts) {
+    Lap lap;
+    counts.shell_voxels += mixtures_.gather(block);
+    counts.colour_s += lap();
+    const halftone::CumulativeMixture* mixture = mixtures_.separate();
+    int last_row = -1;
+    const std::uint16_t* thresholds = nullptr;
+    for_each_shell_voxel(block, [&](int row, int lane) {
+        if (row != last_row) {
+            thresholds = screen_.row(block.origin[1] + row % block.size[1], block.origin[2] + row / block.size[1]);
+            last_row = row;
+        }
+        const std::uint16_t threshold = thresholds[(block.origin[0] + lane) & halftone::BlueNoiseScreen::mask];
+        out[row * ShellBlock::width + lane] = static_cast<io::Material>(1 + halftone::select_resin(*mixture++, threshold, resins_));
+    });
+    counts.screen_s += lap();
+}
+
+}  // namespace voxtone::slicer

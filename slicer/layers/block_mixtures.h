@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The mixtures that the shell voxels of one block ask for: target colour at the nearest surface point, separated; or what
+// the appearance loop found for them. And the screen that makes resins of them.
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+#include "voxtone/halftone/screens/blue_noise_screen.h"
+#include "voxtone/halftone/separation/separation.h"
+#include "voxtone/slicer/layers/block_fill.h"
+#include "voxtone/slicer/layers/skin_source.h"
+#include "voxtone/slicer/surface/surface_colour.h"
+#include "voxtone/slicer/surface/surface_shell.h"
+#include "voxtone/slicer/surface/visible_surface.h"
+
+namespace voxtone::slicer {
+
+class BlockMixtures {
+public:
+    /// `skin`: null: separate the target colours.
+    BlockMixtures(const VisibleSurface& surface, const SurfaceColour& colour, const halftone::Separation& separation,
+                  const SkinSource* skin)
+        : surface_(surface), colour_(colour), separation_(separation), skin_(skin) {}
+
+    /// Looks up what the voxels of the block ask for; returns how many there are.
+    std::size_t gather(const ShellBlock& block);
+    /// Separates them; valid until the next call of `gather`.
+    const halftone::CumulativeMixture* separate();
+
+private:
+    static constexpr std::size_t max_voxels = std::size_t(ShellBlock::max_rows) * ShellBlock::width;
+    const VisibleSurface& surface_;
+    const SurfaceColour& colour_;
+    const halftone::Separation& separation_;
+    const SkinSource* skin_;
+    std::size_t count_ = 0;
+    std::array<float, max_voxels> red_, green_, blue_;
+    std::array<halftone::CumulativeMixture, max_voxels> mixture_;
+};
+
+/// One resin for every shell voxel, by the blue-noise screen.
+class ScreenedMixtures : public BlockFill {
+public:
+    ScreenedMixtures(const VisibleSurface& surface, const SurfaceColour& colour, const halftone::Separation& separation, const SkinSource* skin,
+                     const halftone::BlueNoiseScreen& screen)
+        : mixtures_(surface, colour, separation, skin), screen_(screen), resins_(static_cast<int>(separation.resins())) {}
+    void fill(const ShellBlock& block, io::Material* out, LayerCounts& counts) override;
+
+private:
+    BlockMixtures mixtures_;
+    const halftone::BlueNoiseScreen& screen_;
+    int resins_;
+};
+
+}  // namespace voxtone::slicer

@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/slicer/layers/layer_maker.h"
+
+#include <algorithm>
+#include <memory>
+#include <vector>
+
+#include "voxtone/base/contracts.h"
+#include "voxtone/halftone/screens/error_diffusion.h"
+#include "voxtone/slicer/layers/block_mixtures.h"
+#include "voxtone/slicer/layers/lap.h"
+
+namespace voxtone::slicer {
+
+namespace {
+
+constexpr int block_width = ShellBlock::width;
+constexpr io::Material no_shell = 0xff;
+
+/// The near blocks of one row of blocks: which columns they stand in, and for each of their voxels the material, or
+/// `no_shell` where the voxel is core or air.
+class Strip {
+public:
+    void reset(int rows) {
+        rows_ = rows;
+        columns_.clear();
+        materials_.clear();
+        shell_.clear();
+    }
+    /// Appends a block that begins at column `i` and returns its materials, row-major, eight to a row.
+    io::Material* append(int i, const std::uint8_t* shell) {
+        columns_.push_back(i);
+        shell_.insert(shell_.end(), shell, shell + rows_);
+        materials_.resize(materials_.size() + std::size_t(rows_) * block_width, no_shell);
+        return materials_.data() + (columns_.size() - 1) * std::size_t(rows_) * block_width;
+    }
+    [[nodiscard]] std::size_t blocks() const { return columns_.size(); }
+    [[nodiscard]] int column(std::size_t block) const { return columns_[block]; }
+    [[nodiscard]] std::uint8_t shell(std::size_t block, int row) const { return shell_[block * std::size_t(rows_) + std::size_t(row)]; }
+    [[nodiscard]] const io::Material* materials(std::size_t block, int row) const {
+        return materials_.data() + (block * std::size_t(rows_) + std::size_t(row)) * block_width;
+    }
+
+private:
+    int rows_ = 0;
+    std::vector<int> columns_;
+    std::vector<std::uint8_t> shell_;
+    std::vector<io::Material> materials_;
+};
+
+/// One row of voxels as runs: air outside the spans, in them core except where a near block says otherwise.
+void push_row(io::LayerRuns& layer, int width, std::span<const Span> spans, const Strip& strip, int strip_row, io::Material core) {
+    int i = 0;
+    std::size_t block = 0;
+    for (const Span& span : spans) {
+        layer.push(std::uint32_t(span.begin - i), io::background);
+        i = span.begin;
+        while (block < strip.blocks() && strip.column(block) + block_width <= i) ++block;
+        // A block may reach into the next span too, so it is not passed over before its end.
+        for (std::size_t b = block; i < span.end && b < strip.blocks() && strip.column(b) < span.end; ++b) {
+            if (strip.shell(b, strip_row) == 0) continue;
+            const int begin = strip.column(b);
+            if (begin > i) layer.push(std::uint32_t(begin - i), core), i = begin;
+            const int end = std::min(begin + block_width, span.end);
+            const io::Material* materials = strip.materials(b, strip_row);
+            for (; i < end; ++i) {
+                const io::Material material = materials[i - begin];
+                layer.push(1, material == no_shell ? core : material);
+            }
+        }
+        layer.push(std::uint32_t(span.end - i), core);
+        i = span.end;
+    }
+    layer.push(std::uint32_t(width - i), io::background);
+    layer.end_row();
+}
+
+bool shows_core_only(const LayerSources& s) {
+    if (s.surface.triangles.empty()) return true;
+    const auto* by_colour = std::get_if<MixtureSources>(&s.resins);
+    if (!by_colour || by_colour->skin || !by_colour->colour.constant()) return false;
+    const Eigen::Vector3f rgb = by_colour->colour.at(s.surface.source_triangle[0], 0, 0);
+    halftone::CumulativeMixture mixture;
+    by_colour->separation.mixtures(&rgb.x(), &rgb.y(), &rgb.z(), 1, &mixture);
+    const int resins = static_cast<int>(by_colour->separation.resins());
+    const int first = halftone::select_resin(mixture, 0, resins), last = halftone::select_resin(mixture, 65534, resins);
+    return first == last && first + 1 == s.core;
+}
+
+}  // namespace
+
+LayerCounts& LayerCounts::operator+=(const LayerCounts& other) {
+    body_voxels += other.body_voxels;
+    shell_voxels += other.shell_voxels;
+    thin_voxels += other.thin_voxels;
+    solid_s += other.solid_s;
+    shell_s += other.shell_s;
+    colour_s += other.colour_s;
+    screen_s += other.screen_s;
+    runs_s += other.runs_s;
+    return *this;
+}
+
+LayerMaker::LayerMaker(const LayerSources& sources) : sources_(sources), all_core_(shows_core_only(sources)) {
+    VOXTONE_EXPECT(sources.core > 0 && sources.core < no_shell);
+    if (const auto* by_colour = std::get_if<MixtureSources>(&sources.resins)) VOXTONE_EXPECT(by_colour->separation.resins() < no_shell);
+}
+
+bool LayerMaker::by_blocks() const {
+    const auto* by_colour = std::get_if<MixtureSources>(&sources_.resins);
+    return !by_colour || by_colour->screen;
+}
+
+std::unique_ptr<BlockFill> LayerMaker::block_fill() const {
+    if (const auto* wrapped = std::get_if<const WrappedLayers*>(&sources_.resins)) return (*wrapped)->block_fill();
+    const auto& s = std::get<MixtureSources>(sources_.resins);
+    if (!s.screen) return nullptr;
+    return std::make_unique<ScreenedMixtures>(sources_.surface, s.colour, s.separation, s.skin, *s.screen);
+}
+
+int LayerMaker::slab_layers() const {
+    return by_blocks() ? sources_.shell.block_size()[2] : halftone::ErrorDiffusion::slab_layers;
+}
+
+LayerCounts LayerMaker::make(int slab, int k_begin, int k_end, const LayerSink& sink) const {
+    const int first = std::max(k_begin, slab * slab_layers());
+    const int last = std::min({k_end, (slab + 1) * slab_layers(), sources_.solid.grid().size[2]});
+    if (first >= last) return {};
+    if (by_blocks() || all_core_) return make_screened(slab, first, last, sink);
+    return make_diffused(std::get<MixtureSources>(sources_.resins), slab, first, last, sink);
+}
+
+void LayerMaker::body(int first, int last, int counted_from, SpanSlab& out, LayerCounts& counts) const {
+    if (sources_.thin) {
+        const std::uint64_t added = sources_.thin->slab(first, last, out);
+        if (last > counted_from) counts.thin_voxels += added;
+    } else {
+        sources_.solid.slab(first, last, out);
+    }
+    for (int k = std::max(first, counted_from); k < last; ++k) counts.body_voxels += out.voxels_of_layer(k);
+}
+
+LayerCounts LayerMaker::make_screened(int slab, int first, int last, const LayerSink& sink) const {
+    const VoxelGrid& grid = sources_.solid.grid();
+    LayerCounts counts;
+    Lap lap;
+    SpanSlab spans;
+    body(first, last, first, spans, counts);
+    counts.solid_s += lap();
+
+    std::vector<io::LayerRuns> layers(std::size_t(last - first),
+                                      io::LayerRuns(std::uint32_t(grid.size[0]), std::uint32_t(grid.size[1])));
+    const int block_height = sources_.shell.block_size()[1], block_depth = sources_.shell.block_size()[2];
+    const std::unique_ptr<BlockFill> fill = all_core_ ? nullptr : block_fill();
+    Strip strip;
+    for (int bj = sources_.shell.block_rows() - 1; bj >= 0; --bj) {
+        strip.reset(block_height * block_depth);
+        if (!all_core_)
+            sources_.shell.for_each_block(bj, slab, spans, [&](const ShellBlock& block) {
+                VOXTONE_DEBUG_EXPECT(block.size[1] == block_height && block.size[2] == block_depth);
+                counts.shell_s += lap();
+                fill->fill(block, strip.append(block.origin[0], block.shell), counts);
+                lap();
+            });
+        counts.shell_s += lap();
+        for (int k = first; k < last; ++k)
+            for (int j = std::min((bj + 1) * block_height, grid.size[1]) - 1; j >= bj * block_height; --j)
+                push_row(layers[std::size_t(k - first)], grid.size[0], spans.row(j, k), strip,
+                         all_core_ ? 0 : (k - slab * block_depth) * block_height + (j - bj * block_height), sources_.core);
+        counts.runs_s += lap();
+    }
+    for (int k = first; k < last; ++k) sink(k, layers[std::size_t(k - first)]);
+    return counts;
+}
+
+}  // namespace voxtone::slicer

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The mixtures of the appearance loop as the layers are made of them: for a shell voxel, that of the surface cell nearest
+// to it and of the layer that its depth falls in; core below the skin.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "voxtone/halftone/separation/mixture.h"
+#include "voxtone/halftone/loop/skin.h"
+#include "voxtone/slicer/layers/cell_index.h"
+#include "voxtone/slicer/surface/visible_surface.h"
+
+namespace voxtone::slicer {
+
+/// Where a point of a visible triangle lies, from its place (u, v) in the source triangle; mm from the volume's corner.
+class SurfacePlaces {
+public:
+    SurfacePlaces(const VisibleSurface& surface, const Eigen::Vector3d& corner_mm);
+    [[nodiscard]] Eigen::Vector3f at(std::uint32_t triangle, float u, float v) const {
+        const auto& [origin, along_u, along_v] = frame_[triangle];
+        return origin + u * along_u + v * along_v;
+    }
+
+private:
+    std::vector<std::array<Eigen::Vector3f, 3>> frame_;
+};
+
+/// Which unknown of the loop a shell voxel belongs to. Keeps references.
+struct SkinMap {
+    const SurfacePlaces& places;
+    const CellIndex& cells;
+    const halftone::SkinLayers& layers;
+    static constexpr std::size_t core = ~std::size_t{0};
+    /// cell * layers + layer; `core` below the skin.
+    [[nodiscard]] std::size_t at(std::uint32_t triangle, float u, float v, float distance_mm) const {
+        const std::size_t layer = layers.layer_of(distance_mm);
+        return layer == layers.size() ? core : std::size_t{cells.at(places.at(triangle, u, v))} * layers.size() + layer;
+    }
+};
+
+class SkinSource {
+public:
+    /// `core`: index of the core resin.
+    SkinSource(const SkinMap& map, const halftone::SkinMixtures& mixtures, int core);
+    [[nodiscard]] const halftone::CumulativeMixture& mixture(std::uint32_t triangle, float u, float v, float distance_mm) const {
+        const std::size_t at = map_.at(triangle, u, v, distance_mm);
+        return at == SkinMap::core ? core_ : mixture_[at];
+    }
+
+private:
+    SkinMap map_;
+    std::vector<halftone::CumulativeMixture> mixture_;
+    halftone::CumulativeMixture core_;
+};
+
+}  // namespace voxtone::slicer

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/slicer/look/surface_prediction.h"
+
+#include <cmath>
+
+#include "voxtone/base/contracts.h"
+#include "voxtone/optics/colour/spectral_colour.h"
+
+namespace voxtone::slicer {
+
+namespace {
+
+/// Divides by the white of the same place. A place without any light (nothing white can do about it) is 0.
+void make_relative(SurfacePrediction& prediction, const optics::Appearance& white) {
+    VOXTONE_ENSURE(white.value.size() == prediction.value.size());
+    for (std::size_t i = 0; i < white.value.size(); ++i) {
+        const float w = white.value[i];
+        const float relative = w > 0 ? prediction.value[i] / w : 0;
+        if (!prediction.standard_error.empty())
+            prediction.standard_error[i] =
+                w > 0 ? std::hypot(prediction.standard_error[i], relative * white.standard_error[i]) / w : 0;
+        prediction.value[i] = relative;
+    }
+}
+
+}  // namespace
+
+SurfacePrediction predict_surface(const optics::Scene& scene, optics::Surface surface, const ModelMaker& make_model,
+                                  int white_resin, Progress& progress) {
+    SurfacePrediction prediction;
+    prediction.surface = std::move(surface);
+    {
+        optics::Appearance appearance = make_model(false)->predict(scene, prediction.surface, &progress);
+        prediction.channels = appearance.channels;
+        prediction.value = std::move(appearance.value);
+        prediction.standard_error = std::move(appearance.standard_error);
+    }
+    VOXTONE_ENSURE(prediction.value.size() == prediction.surface.cells.size() * prediction.channels);
+    if (white_resin >= 0) {
+        const optics::ResinVolume twin = optics::all_of(*scene.volume, static_cast<optics::Material>(white_resin + 1));
+        optics::Scene white = scene;
+        white.volume = &twin;
+        make_relative(prediction, make_model(true)->predict(white, prediction.surface, &progress));
+    }
+    const Eigen::Matrix3Xf weights = optics::linear_srgb_weights(scene.resins->channels.wavelengths_nm).cast<float>();
+    VOXTONE_ENSURE(static_cast<std::size_t>(weights.cols()) == prediction.channels);
+    prediction.rgb.resize(prediction.surface.cells.size());
+    for (std::size_t i = 0; i < prediction.rgb.size(); ++i)
+        prediction.rgb[i] = weights * Eigen::Map<const Eigen::VectorXf>(
+                                          prediction.value.data() + i * prediction.channels, weights.cols());
+    return prediction;
+}
+
+}  // namespace voxtone::slicer

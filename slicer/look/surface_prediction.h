@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What a model says of a body's surface, in the form that people want: relative to the white of the same body, with its
+// standard error, and as a colour.
+//
+//   media-relative value = appearance / appearance of the same cell, the whole body being of white resin
+//
+// Where the model draws random numbers the two appearances are drawn apart and their errors add as for independent
+// values: the error of a / w is sqrt(error_a^2 + (a / w)^2 error_w^2) / w.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "voxtone/base/progress.h"
+#include "voxtone/optics/scene/appearance_model.h"
+
+namespace voxtone::slicer {
+
+struct SurfacePrediction {
+    optics::Surface surface;
+    std::size_t channels = 0;
+    std::vector<float> value;           ///< value[cell * channels + channel]: absolute or media-relative
+    std::vector<float> standard_error;  ///< same shape; empty where the model draws no random numbers
+    std::vector<Eigen::Vector3f> rgb;   ///< per cell, linear sRGB, not clamped
+};
+
+/// A model for the body (`white` false) or for its white twin: where random numbers are drawn, others for each.
+using ModelMaker = std::function<std::unique_ptr<const optics::AppearanceModel>(bool white)>;
+
+/// `white_resin`: index of the white resin for media-relative values; -1: absolute values.
+[[nodiscard]] SurfacePrediction predict_surface(const optics::Scene& scene, optics::Surface surface,
+                                                const ModelMaker& make_model, int white_resin, Progress& progress);
+
+}  // namespace voxtone::slicer

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/slicer/mesh/alpha_wrap.h"
+
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Surface_mesh.h>
+#include <CGAL/alpha_wrap_3.h>
+
+#include "voxtone/base/contracts.h"
+
+namespace voxtone::slicer {
+
+namespace {
+
+struct TooManyPoints {};
+
+// Watches the shrinking: counts its points and lets the user stop it.
+struct Watch : CGAL::Alpha_wraps_3::internal::Wrapping_default_visitor {
+    std::size_t points_left = 0;
+    const Progress* progress = nullptr;
+
+    template <class Wrapper, class Vertex>
+    void after_Steiner_point_insertion(const Wrapper&, Vertex) {
+        if (points_left-- == 0) throw TooManyPoints{};
+        if (progress) progress->check_cancelled();
+    }
+};
+
+}  // namespace
+
+std::optional<Wrap> alpha_wrap(std::span<const Eigen::Vector3d> positions, std::span<const Triangle> triangles, double alpha, double offset,
+                               std::size_t max_points, const Progress* progress) {
+    VOXTONE_EXPECT(alpha > 0 && offset > 0 && !triangles.empty());
+    using Point = CGAL::Exact_predicates_inexact_constructions_kernel::Point_3;
+    std::vector<Point> points;
+    points.reserve(positions.size());
+    for (const Eigen::Vector3d& p : positions) points.emplace_back(p[0], p[1], p[2]);
+    std::vector<std::array<std::size_t, 3>> faces;
+    faces.reserve(triangles.size());
+    for (const Triangle& t : triangles) faces.push_back({t[0], t[1], t[2]});
+
+    CGAL::Surface_mesh<Point> mesh;
+    Watch watch;
+    watch.points_left = max_points;
+    watch.progress = progress;
+    try {
+        CGAL::alpha_wrap_3(points, faces, alpha, offset, mesh, CGAL::parameters::default_values(), CGAL::parameters::visitor(std::ref(watch)));
+    } catch (const TooManyPoints&) {
+        return std::nullopt;
+    }
+
+    Wrap wrap;
+    wrap.positions.reserve(mesh.number_of_vertices());
+    for (const auto v : mesh.vertices()) {
+        VOXTONE_ENSURE(std::size_t(v) == wrap.positions.size());  // a fresh mesh has no gaps in its numbering
+        wrap.positions.emplace_back(mesh.point(v).x(), mesh.point(v).y(), mesh.point(v).z());
+    }
+    wrap.triangles.reserve(mesh.number_of_faces());
+    for (const auto f : mesh.faces()) {
+        Triangle t{};
+        int corner = 0;
+        for (const auto v : mesh.vertices_around_face(mesh.halfedge(f))) t[corner++] = static_cast<std::uint32_t>(std::size_t(v));
+        wrap.triangles.push_back(t);
+    }
+    return wrap;
+}
+
+}  // namespace voxtone::slicer

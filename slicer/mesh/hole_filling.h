@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Triangles that close an open mesh, on the vertices that are there. The edges that do not cancel form closed loops,
+// whatever the mesh; each loop is filled, so that the result is a closed chain always.
+//
+// Loops of up to 200 vertices get the triangulation of least area (G. Barequet, M. Sharir, "Filling gaps in the boundary
+// of a polyhedron", 1995; cubic time), longer ones are closed ear by ear, the ear with the shortest new edge first.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "voxtone/slicer/mesh/mesh_chain.h"
+
+namespace voxtone::slicer {
+
+/// One filled loop.
+struct HoleFill {
+    std::vector<std::uint32_t> loop;  ///< vertices, in the direction of the fill
+    std::vector<Triangle> triangles;
+};
+
+[[nodiscard]] std::vector<HoleFill> fill_holes(std::span<const Eigen::Vector3d> positions, std::span<const Triangle> triangles);
+
+}  // namespace voxtone::slicer

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+
+#include <Eigen/Geometry>
+
+#include "voxtone/slicer/mesh/mesh_chain.h"
+#include "voxtone/slicer/mesh/mesh_crossings.h"
+#include "voxtone/slicer/mesh/mesh_repair.h"
+
+namespace voxtone::slicer {
+
+MeshDiagnosis diagnose(const std::vector<Eigen::Vector3d>& positions, const std::vector<std::array<std::uint32_t, 3>>& triangles,
+                       bool count_them) {
+    MeshDiagnosis d;
+    d.triangles = triangles.size();
+    for_each_edge(edge_uses(triangles), [&](std::span<const EdgeUse> uses) {
+        d.boundary_edges += uses.size() == 1;
+        d.nonmanifold_edges += uses.size() > 2;
+        d.inconsistent_edges += uses.size() == 2 && uses[0].sign == uses[1].sign;
+        d.open_edges += edge_sum(uses) != 0;
+    });
+    std::vector<Triangle> proper = triangles;
+    std::erase_if(proper, collapsed);
+    d.shells = find_shells(proper).count;
+    std::vector<Triangle> sorted = std::move(proper);
+    for (Triangle& t : sorted) std::sort(t.begin(), t.end());
+    std::sort(sorted.begin(), sorted.end());
+    for (std::size_t t = 1; t < sorted.size(); ++t) d.duplicate_faces += sorted[t] == sorted[t - 1];
+    for (const Triangle& t : triangles) {
+        const double a = area(positions, t);
+        d.degenerate_faces += a == 0;
+        d.area_mm2 += a;
+        d.volume_mm3 += signed_volume(positions, t);
+    }
+    if (count_them) d.crossing_pairs = static_cast<long long>(count_crossings(positions, triangles));
+    return d;
+}
+
+}  // namespace voxtone::slicer

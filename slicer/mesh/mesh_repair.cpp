@@ -1,0 +1,278 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/slicer/mesh/mesh_repair.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <unordered_map>
+
+#include <fmt/format.h>
+
+#include "voxtone/base/contracts.h"
+#include "voxtone/base/error.h"
+#include "voxtone/slicer/mesh/alpha_wrap.h"
+#include "voxtone/slicer/mesh/hole_filling.h"
+#include "voxtone/slicer/mesh/mesh_chain.h"
+#include "voxtone/slicer/mesh/mesh_orientation.h"
+
+namespace voxtone::slicer {
+
+using Eigen::Vector3d;
+
+namespace {
+
+struct Box {
+    Vector3d low = Vector3d::Constant(INFINITY), high = Vector3d::Constant(-INFINITY);
+    [[nodiscard]] double diagonal() const { return (high - low).norm(); }
+};
+
+Box box_of(const SolidMesh& mesh) {
+    Box box;
+    for (const auto& t : mesh.triangles)
+        for (const std::uint32_t v : t) {
+            box.low = box.low.cwiseMin(mesh.positions_mm[v]);
+            box.high = box.high.cwiseMax(mesh.positions_mm[v]);
+        }
+    return box;
+}
+
+// Joins vertices nearer than `tolerance` to one that came before. Returns how many went.
+std::size_t weld(SolidMesh& mesh, double tolerance) {
+    const Box box = box_of(mesh);
+    struct Cell {
+        std::int64_t x, y, z;
+        bool operator==(const Cell&) const = default;
+    };
+    struct Hash {
+        std::size_t operator()(const Cell& c) const {
+            return std::size_t((std::uint64_t(c.x) * 0x9E3779B97F4A7C15u ^ std::uint64_t(c.y)) * 0xC2B2AE3D27D4EB4Fu ^ std::uint64_t(c.z));
+        }
+    };
+    const auto cell = [&](const Vector3d& p) {
+        const Vector3d q = ((p - box.low) / tolerance).array().floor();
+        return Cell{std::int64_t(q[0]), std::int64_t(q[1]), std::int64_t(q[2])};
+    };
+    std::unordered_map<Cell, std::vector<std::uint32_t>, Hash> cells;
+    std::vector<std::uint32_t> to(mesh.positions_mm.size());
+    std::vector<bool> used(to.size(), false);
+    for (const auto& t : mesh.triangles)
+        for (const std::uint32_t v : t) used[v] = true;
+    std::size_t gone = 0;
+    for (std::uint32_t v = 0; v < to.size(); ++v) {
+        to[v] = v;
+        if (!used[v]) continue;
+        const Vector3d& p = mesh.positions_mm[v];
+        const Cell home = cell(p);
+        for (int n = 0; n < 27 && to[v] == v; ++n) {
+            const auto near = cells.find({home.x + n % 3 - 1, home.y + n / 3 % 3 - 1, home.z + n / 9 - 1});
+            if (near == cells.end()) continue;
+            for (const std::uint32_t other : near->second)
+                if (to[v] == v && (mesh.positions_mm[other] - p).norm() <= tolerance) to[v] = other;
+        }
+        if (to[v] == v)
+            cells[home].push_back(v);
+        else
+            ++gone;
+    }
+    for (auto& t : mesh.triangles)
+        for (std::uint32_t& v : t) v = to[v];
+    return gone;
+}
+
+void keep_faces(SolidMesh& mesh, const std::vector<bool>& keep) {
+    std::size_t kept = 0;
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+        if (!keep[t]) continue;
+        mesh.triangles[kept] = mesh.triangles[t];
+        mesh.source_triangle[kept++] = mesh.source_triangle[t];
+    }
+    mesh.triangles.resize(kept);
+    mesh.source_triangle.resize(kept);
+}
+
+// Faces with a corner twice: they add nothing to the chain.
+std::size_t drop_collapsed(SolidMesh& mesh) {
+    std::vector<bool> keep(mesh.triangles.size());
+    for (std::size_t t = 0; t < keep.size(); ++t) keep[t] = !collapsed(mesh.triangles[t]);
+    const std::size_t before = mesh.triangles.size();
+    keep_faces(mesh, keep);
+    return before - mesh.triangles.size();
+}
+
+// All but one of the faces on the same three corners.
+std::size_t drop_duplicates(SolidMesh& mesh) {
+    std::map<Triangle, std::size_t> first;
+    std::vector<bool> keep(mesh.triangles.size());
+    for (std::size_t t = 0; t < keep.size(); ++t) {
+        Triangle corners = mesh.triangles[t];
+        std::sort(corners.begin(), corners.end());
+        keep[t] = first.emplace(corners, t).second;
+    }
+    const std::size_t before = mesh.triangles.size();
+    keep_faces(mesh, keep);
+    return before - mesh.triangles.size();
+}
+
+// Faces that filling holes would close upon themselves: pieces (joined through edges) whose fill is about as large as they are.
+std::vector<bool> loose_faces(const SolidMesh& mesh, const std::vector<HoleFill>& fills) {
+    std::vector<Triangle> all = mesh.triangles;
+    for (const HoleFill& f : fills) all.insert(all.end(), f.triangles.begin(), f.triangles.end());
+    const Shells shells = find_shells(all);
+    struct Piece {
+        double own = 0, fill = 0;
+    };
+    std::vector<Piece> pieces(shells.count);
+    double total = 0;
+    for (std::size_t t = 0; t < all.size(); ++t) {
+        const double a = area(mesh.positions_mm, all[t]);
+        (t < mesh.triangles.size() ? pieces[shells.of_triangle[t]].own : pieces[shells.of_triangle[t]].fill) += a;
+        total += t < mesh.triangles.size() ? a : 0;
+    }
+    const auto is_loose = [](const Piece& p) { return p.fill > 0.7 * p.own; };
+    double loose_area = 0;
+    std::size_t loose_pieces = 0;
+    for (const Piece& p : pieces)
+        if (is_loose(p)) loose_area += p.own, ++loose_pieces;
+    std::vector<bool> loose(mesh.triangles.size(), false);
+    // A few sheets are sheets; many that make up much of the surface are a body in shreds.
+    if (loose_pieces < 12 || loose_area < 0.2 * total) return loose;
+    for (std::size_t t = 0; t < loose.size(); ++t) loose[t] = is_loose(pieces[shells.of_triangle[t]]);
+    return loose;
+}
+
+// Replaces the faces marked by a wrap around them.
+void wrap_faces(RepairedMesh& result, const std::vector<bool>& marked, const RepairOptions& options, const Progress* progress) {
+    SolidMesh& mesh = result.solid;
+    RepairReport& report = result.report;
+    std::vector<Triangle> faces;
+    std::vector<bool> keep(mesh.triangles.size());
+    SolidMesh marked_mesh;
+    for (std::size_t t = 0; t < keep.size(); ++t) {
+        keep[t] = !marked[t];
+        if (keep[t]) continue;
+        faces.push_back(mesh.triangles[t]);
+        result.wrapped_triangles.push_back(static_cast<std::uint32_t>(mesh.source_triangle[t]));
+    }
+    marked_mesh.positions_mm = mesh.positions_mm;
+    marked_mesh.triangles = faces;
+    const double diagonal = box_of(marked_mesh).diagonal();
+    double faces_area = 0;
+    for (const Triangle& t : faces) faces_area += area(mesh.positions_mm, t);
+    // The finer the wrap, the closer; but once it slips through the cracks it lines the surface from inside as well and its
+    // area doubles. So: finer until that happens or time runs out (a point takes about a quarter of a millisecond).
+    // What is lined on both sides from the start consists of sheets, and is wrapped finely.
+    constexpr std::size_t max_points = 20'000;
+    const double offset = std::max(options.pitch_mm, diagonal / 2000);
+    const double coarsest = diagonal / 25, finest = std::max(2 * offset, diagonal / 150);
+    std::optional<Wrap> wrap;
+    bool sheets = false;
+    for (double alpha = coarsest;; alpha = std::max(alpha / 2, finest)) {
+        if (progress) progress->check_cancelled();
+        std::optional<Wrap> finer = alpha_wrap(mesh.positions_mm, faces, alpha, offset, wrap ? max_points : 10 * max_points, progress);
+        if (!finer) break;
+        double wrap_area = 0;
+        for (const Triangle& t : finer->triangles) wrap_area += area(finer->positions, t);
+        const bool two_sided = wrap_area > 1.6 * faces_area;
+        if (!wrap) sheets = two_sided;
+        if (wrap && two_sided && !sheets) break;
+        wrap = std::move(finer);
+        report.wrap_alpha_mm = alpha;
+        report.wrap_offset_mm = offset;
+        if (alpha <= finest) break;
+    }
+    if (!wrap) throw ResourceError("the model's surface is too large and too torn to be wrapped; repair it in a mesh editor first");
+    keep_faces(mesh, keep);
+    const auto first = static_cast<std::uint32_t>(mesh.positions_mm.size());
+    mesh.positions_mm.insert(mesh.positions_mm.end(), wrap->positions.begin(), wrap->positions.end());
+    for (const Triangle& t : wrap->triangles) {
+        mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+        mesh.source_triangle.push_back(-1);
+    }
+    report.wrapped_faces = faces.size();
+    report.messages.push_back(fmt::format(
+        "{} faces were replaced by a surface wrapped around them: gaps below {:.3g} mm are bridged and the body grows by about {:.3g} mm there.",
+        faces.size(), report.wrap_alpha_mm, report.wrap_offset_mm));
+}
+
+void fill(SolidMesh& mesh, const std::vector<HoleFill>& fills, RepairReport& report) {
+    for (const HoleFill& f : fills)
+        for (const Triangle& t : f.triangles) {
+            mesh.triangles.push_back(t);
+            mesh.source_triangle.push_back(-1);
+            report.filled_area_mm2 += area(mesh.positions_mm, t);
+        }
+    report.filled_holes = fills.size();
+    if (fills.empty()) return;
+    report.messages.push_back(fmt::format("{} hole{} closed with {:.3g} mm^2 of new surface.", fills.size(), fills.size() == 1 ? " was" : "s were",
+                                          report.filled_area_mm2));
+}
+
+}  // namespace
+
+RepairMode parse_repair_mode(std::string_view text) {
+    if (text == "off") return RepairMode::off;
+    if (text == "auto") return RepairMode::automatic;
+    if (text == "wrap") return RepairMode::wrap;
+    throw UsageError(fmt::format("repair \"{}\" is not known; it is off, auto or wrap", text));
+}
+
+RepairedMesh repair_mesh(const io::TexturedMesh& textured, const RepairOptions& options, const Progress* progress) {
+    VOXTONE_EXPECT(options.pitch_mm > 0);
+    RepairedMesh result;
+    SolidMesh& mesh = result.solid;
+    RepairReport& report = result.report;
+    mesh.positions_mm = textured.positions;
+    mesh.triangles = textured.triangles;
+    mesh.source_triangle.resize(mesh.triangles.size());
+    std::iota(mesh.source_triangle.begin(), mesh.source_triangle.end(), 0);
+
+    const auto diagnosis = [&] {
+        return diagnose(mesh.positions_mm, mesh.triangles, mesh.triangles.size() <= options.count_crossings_up_to);
+    };
+    report.before = diagnosis();
+    if (!(report.before.area_mm2 > 0)) throw InputError("the model has no surface: all its faces are without area, so there is nothing to print");
+
+    const bool closed = report.before.open_edges == 0;
+    if (!closed && options.mode == RepairMode::off)
+        throw InputError(
+            fmt::format("the model is open at {} edges ({} boundary edges, {} edges whose faces disagree), so it encloses no body; use "
+                        "--repair auto to close it",
+                        report.before.open_edges, report.before.boundary_edges, report.before.inconsistent_edges));
+
+    drop_collapsed(mesh);
+    if (options.mode == RepairMode::wrap) {
+        wrap_faces(result, std::vector<bool>(mesh.triangles.size(), true), options, progress);
+    } else if (!closed) {
+        report.welded_vertices = weld(mesh, std::min(0.1 * options.pitch_mm, 1e-5 * box_of(mesh).diagonal()));
+        drop_collapsed(mesh);
+        if (open_edges(mesh.triangles) != 0) drop_duplicates(mesh);
+        report.dropped_faces = report.before.triangles - mesh.triangles.size();
+        report.turned_faces = orient_consistently(mesh.triangles);
+        if (report.welded_vertices + report.dropped_faces + report.turned_faces > 0)
+            report.messages.push_back(fmt::format("The mesh was open at {} edges; {} corners were welded, {} faces dropped, {} faces turned.",
+                                                  report.before.open_edges, report.welded_vertices, report.dropped_faces, report.turned_faces));
+        std::vector<HoleFill> fills = fill_holes(mesh.positions_mm, mesh.triangles);
+        const std::vector<bool> loose = loose_faces(mesh, fills);
+        if (std::find(loose.begin(), loose.end(), true) != loose.end()) {
+            wrap_faces(result, loose, options, progress);
+            fills = fill_holes(mesh.positions_mm, mesh.triangles);
+        }
+        fill(mesh, fills, report);
+    }
+    VOXTONE_ENSURE(open_edges(mesh.triangles) == 0);
+
+    if (options.mode != RepairMode::off) {
+        const Shells shells = find_shells(mesh.triangles);
+        const ShellTurns turns = orient_outward(mesh.positions_mm, mesh.triangles, shells);
+        report.turned_shells = turns.turned;
+        report.cavities = turns.cavities;
+        if (turns.turned)
+            report.messages.push_back(fmt::format("{} of {} shells faced inward and {} turned outward.", turns.turned, shells.count,
+                                                  turns.turned == 1 ? "was" : "were"));
+    }
+    report.after = mesh.triangles == textured.triangles ? report.before : diagnosis();
+    return result;
+}
+
+}  // namespace voxtone::slicer

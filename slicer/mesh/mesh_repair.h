@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// From any mesh to a surface that encloses a body (solid_mesh.h), with a diagnosis in numbers.
+//
+// For winding numbers it is enough that the oriented faces form a closed chain, so a mesh that does is left exactly as it
+// is, crossings and non-manifold edges included; only shells that face inward are turned. Anything else is, with `automatic`,
+//   welded (corners nearer than a tenth of a voxel or 1e-5 of the size), freed of faces without area and doubled faces, oriented
+//   alike, and its holes are filled on the vertices that are there, which always gives a closed chain.
+// Where a large part of the surface consists of loose pieces that such filling would only close upon themselves (a soup),
+// these pieces are wrapped instead: a surface is shrunk onto them from outside (alpha_wrap.h). `wrap` does so with everything.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "voxtone/base/progress.h"
+#include "voxtone/io/models/mesh.h"
+#include "voxtone/slicer/mesh/solid_mesh.h"
+
+namespace voxtone::slicer {
+
+enum class RepairMode {
+    off,        ///< open meshes are refused
+    automatic,  ///< as above
+    wrap,       ///< everything is wrapped
+};
+
+/// "off", "auto", "wrap". Throws UsageError.
+[[nodiscard]] RepairMode parse_repair_mode(std::string_view text);
+
+/// A mesh in numbers. Edges are undirected; a shell is what is joined through edges.
+struct MeshDiagnosis {
+    std::size_t triangles = 0;
+    std::size_t boundary_edges = 0;      ///< with one face
+    std::size_t nonmanifold_edges = 0;   ///< with more than two
+    std::size_t inconsistent_edges = 0;  ///< with two faces that run them the same way
+    std::size_t open_edges = 0;          ///< whose faces do not cancel: where the surface does not enclose
+    std::size_t degenerate_faces = 0;    ///< without area
+    std::size_t duplicate_faces = 0;     ///< with the same corners as an earlier one
+    std::size_t shells = 0;
+    long long crossing_pairs = -1;  ///< of triangles without a common corner; -1: not counted
+    double area_mm2 = 0;
+    double volume_mm3 = 0;  ///< signed; of closed meshes only a volume
+
+    friend bool operator==(const MeshDiagnosis&, const MeshDiagnosis&) = default;
+};
+
+[[nodiscard]] MeshDiagnosis diagnose(const std::vector<Eigen::Vector3d>& positions, const std::vector<std::array<std::uint32_t, 3>>& triangles,
+                                     bool count_crossings);
+
+struct RepairOptions {
+    RepairMode mode = RepairMode::automatic;
+    double pitch_mm = 0.027;  ///< the smallest of the voxel grid: what is far below it need not be told apart
+    /// Crossing pairs are counted for meshes up to so many triangles; they are reported and change nothing.
+    std::size_t count_crossings_up_to = 200'000;
+};
+
+struct RepairReport {
+    MeshDiagnosis before, after;
+    std::size_t welded_vertices = 0;
+    std::size_t dropped_faces = 0;  ///< degenerate and duplicate
+    std::size_t turned_faces = 0;   ///< to agree with their neighbours
+    std::size_t turned_shells = 0;  ///< that faced inward
+    std::size_t cavities = 0;       ///< shells that face inward inside others, kept
+    std::size_t filled_holes = 0;
+    double filled_area_mm2 = 0;
+    std::size_t wrapped_faces = 0;  ///< of the input, replaced by a wrap
+    double wrap_alpha_mm = 0, wrap_offset_mm = 0;
+    /// Whole sentences for the user; empty when the mesh was fine as it was.
+    std::vector<std::string> messages;
+};
+
+struct RepairedMesh {
+    SolidMesh solid;
+    /// Triangles of the textured mesh that a wrap stands for in `solid`; their colour counts where they are near it.
+    std::vector<std::uint32_t> wrapped_triangles;
+    RepairReport report;
+};
+
+/// Positions of `mesh` in mm. Throws InputError: nothing there, or open and not to be repaired.
+[[nodiscard]] RepairedMesh repair_mesh(const io::TexturedMesh& mesh, const RepairOptions& options, const Progress* progress = nullptr);
+
+}  // namespace voxtone::slicer

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Appearance models by their names at the command line. Whoever adds a model adds it here and nowhere else.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "voxtone/optics/scene/appearance_model.h"
+#include "voxtone/optics/transport/transport.h"
+
+namespace voxtone::slicer {
+
+struct ModelOptions {
+    double cell_mm = 0.085;  ///< of the viewing grid
+    bool viewing_cells = false;  ///< transport: on viewing cells throughout, ten times as fast
+    double colour_mm = 1;        ///< transport on viewing cells: how deep colour may lie
+    int sweeps =
+        optics::TransportOptions{}.sweeps;  ///< transport: of discrete ordinates, >= 1; more are nearer and slower
+    std::uint64_t memory_bytes = 0;         ///< transport: most to use; 0: no limit
+    std::uint32_t paths = 64;               ///< Monte Carlo: per cell and channel, >= 2
+    double error = 0;                       ///< Monte Carlo: wanted standard error of every value; 0: `paths` decides
+    std::uint64_t seed = 1;
+};
+
+/// Coloured surface of a print that `slice` predicts without being asked: half a minute on two idle cores of
+/// 2.5 GHz, and 2.5 GB.
+inline constexpr double auto_prediction_cm2 = 10;
+
+/// The default first.
+[[nodiscard]] std::span<const std::string> model_names();
+
+/// Throws UsageError that lists the names.
+[[nodiscard]] std::unique_ptr<const optics::AppearanceModel> make_model(const std::string& name,
+                                                                        const ModelOptions& options);
+
+/// Bytes of `gib` GiB; 0: half of the machine's memory.
+[[nodiscard]] std::uint64_t memory_budget(double gib);
+
+}  // namespace voxtone::slicer

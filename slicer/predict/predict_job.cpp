@@ -1,0 +1,304 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/slicer/predict/predict_job.h"
+
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <numeric>
+#include <system_error>
+
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include "voxtone/base/error.h"
+#include "voxtone/base/parallel.h"
+#include "voxtone/io/models/glb_writer.h"
+#include "voxtone/io/models/ply_writer.h"
+#include "voxtone/io/files/whole_file.h"
+#include "voxtone/slicer/look/prediction_files.h"
+#include "voxtone/slicer/look/preview.h"
+#include "voxtone/slicer/predict/stack_volume.h"
+#include "voxtone/slicer/look/surface_prediction.h"
+
+namespace voxtone::slicer {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string extension(const std::string& file) {
+    std::string ending = fs::path(file).extension().string();
+    for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    return ending;
+}
+
+std::uint64_t peak_memory_bytes() {
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    return std::uint64_t(usage.ru_maxrss) * 1024;
+}
+
+/// Hours of work must not end with a folder that is not there.
+void expect_writable(const std::vector<std::string>& files) {
+    for (const std::string& file : files) {
+        fs::path folder = fs::path(file).parent_path();
+        if (folder.empty()) folder = ".";
+        std::error_code ignored;
+        if (!fs::is_directory(folder, ignored))
+            throw FileError(fmt::format("{}: the folder {} is not there; make it first", file, folder.string()));
+        if (fs::is_directory(file, ignored)) throw FileError(fmt::format("{}: is a folder; name a file with -o", file));
+    }
+}
+
+/// A box that is not higher than it is wide is looked at from above.
+bool is_flat_box(const optics::ResinVolume& volume) {
+    const auto& size = volume.size();
+    const auto& pitch = volume.pitch_mm();
+    return volume.count()[optics::air] == 0 && size[2] * pitch[2] <= std::min(size[0] * pitch[0], size[1] * pitch[1]);
+}
+
+const char* backing_name(optics::Backing backing) {
+    return backing == optics::Backing::black ? "black" : backing == optics::Backing::white ? "white" : "none";
+}
+
+class Laps {
+public:
+    double lap() {
+        const auto now = std::chrono::steady_clock::now();
+        return std::chrono::duration<double>(now - std::exchange(last_, now)).count();
+    }
+
+private:
+    std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+std::uint64_t surface_bytes(const optics::Surface& surface) {
+    return surface.cells.size() * sizeof(optics::SurfaceCell) +
+           surface.faces.size() * (sizeof(optics::SurfaceFace) + sizeof(float) * 3);
+}
+
+void expect_files_fit(const PredictOptions& options, bool from_above) {
+    for (const std::string& file : options.files) {
+        const std::string ending = extension(file);
+        if (from_above && (ending == ".glb" || ending == ".ply"))
+            throw UsageError(
+                fmt::format("{}: the stack is seen from above as a picture (.png, .exr); for a mesh of its whole "
+                            "surface give --view body",
+                            file));
+        if (!from_above && ending == ".exr")
+            throw UsageError(fmt::format(
+                "{}: the stack is seen as a body (.glb, .ply, .png); for a picture from above give --view top", file));
+    }
+}
+
+void write_from_above(const PredictOptions& options, const StackVolume& stack, const SurfacePrediction& prediction) {
+    const auto px_per_mm = picture_px_per_mm(stack.volume, prediction.surface.cell_voxels);
+    for (const std::string& file : options.files) {
+        if (extension(file) == ".exr")
+            io::write_whole_file(
+                file, io::exr_bytes(top_numbers(stack.volume, stack.resins.channels, prediction), px_per_mm));
+        else
+            io::write_whole_file(
+                file, io::png_bytes(io::encode_transparent(top_picture(stack.volume, prediction)), px_per_mm));
+    }
+}
+
+void write_body(const PredictOptions& options, const StackVolume& stack, const SurfacePrediction& prediction,
+                const Progress& progress) {
+    const io::ColouredMesh mesh = body_mesh(stack.volume, stack.corner_mm, prediction);
+    if (mesh.triangles.empty())
+        throw InputError(fmt::format(
+            "{}: the body is not larger than a cell of {:g} mm: it has no surface to show; give a smaller --cell",
+            options.stack, options.cell_mm));
+    std::vector<Eigen::Vector3d> positions;
+    for (const std::string& file : options.files) {
+        const std::string ending = extension(file);
+        if (ending == ".glb") {
+            io::write_whole_file(file, io::glb_bytes(mesh, "predicted"));
+        } else if (ending == ".ply") {
+            io::write_whole_file(file, io::ply_bytes(mesh, body_numbers(stack.resins.channels, prediction)));
+        } else {
+            const ColouredSurface surface = mesh_surface(mesh, positions);
+            PreviewOptions drawing;
+            drawing.samples = 3;
+            drawing.px_per_mm = std::min(fitting_scale(surface, all_views(), 640, drawing), 2 / options.cell_mm);
+            const std::vector<Preview> views = render_views(surface, all_views(), drawing, &progress);
+            io::write_whole_file(file, io::png_bytes(io::encode_transparent(side_by_side(views)),
+                                                     {drawing.px_per_mm, drawing.px_per_mm}));
+        }
+    }
+}
+
+struct Figures {
+    optics::Backing backing{};
+    bool from_above = false;
+    std::array<double, 3> cell_um{};
+    std::array<double, 3> mean{};
+    double mean_error = 0, largest_error = 0;
+    double read_s = 0, surface_s = 0, predict_s = 0, write_s = 0;
+};
+
+std::array<double, 3> mean_colour(const SurfacePrediction& prediction) {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    double area = 0;
+    for (std::size_t i = 0; i < prediction.rgb.size(); ++i) {
+        sum += prediction.surface.cells[i].area_mm2 * prediction.rgb[i].cast<double>();
+        area += prediction.surface.cells[i].area_mm2;
+    }
+    sum /= area;
+    return {sum.x(), sum.y(), sum.z()};
+}
+
+PredictResult describe(const PredictOptions& options, const StackVolume& stack, const SurfacePrediction& prediction,
+                       const Figures& f) {
+    const bool errors = !prediction.standard_error.empty();
+    const double seconds = f.read_s + f.surface_s + f.predict_s + f.write_s;
+    nlohmann::ordered_json json{{"format", "voxtone-prediction"},
+                                {"version", 1},
+                                {"stack", options.stack},
+                                {"files", options.files},
+                                {"model", options.model},
+                                {"view", f.from_above ? "top" : "body"},
+                                {"backing", backing_name(f.backing)},
+                                {"relative_to", options.absolute ? "entered light" : "white resin"},
+                                {"resins", stack.resins.name},
+                                {"channels", prediction.channels},
+                                {"voxels", stack.volume.size()},
+                                {"volume_bytes", stack.volume.memory_bytes()},
+                                {"cell_um", f.cell_um},
+                                {"cells", prediction.surface.cells.size()},
+                                {"mean_rgb", f.mean}};
+    if (f.from_above) json["size_px"] = picture_cells(stack.volume, prediction.surface.cell_voxels);
+    if (errors) json["standard_error"] = {{"mean", f.mean_error}, {"max", f.largest_error}};
+    json["seconds"] = {{"read", f.read_s}, {"surface", f.surface_s}, {"predict", f.predict_s}, {"write", f.write_s}};
+    json["peak_memory_bytes"] = peak_memory_bytes();
+
+    std::string text = fmt::format(
+        "{}: {} cells of {:.1f} x {:.1f} x {:.1f} um, {}, {} values, {} under it\n", fmt::join(options.files, ", "),
+        prediction.surface.cells.size(), f.cell_um[0], f.cell_um[1], f.cell_um[2],
+        f.from_above ? "seen from above" : "the whole surface", options.absolute ? "absolute" : "media-relative",
+        f.backing == optics::Backing::none ? "nothing" : fmt::format("a {} sheet", backing_name(f.backing)));
+    text += fmt::format("  mean colour (linear sRGB): {:.4f} {:.4f} {:.4f}\n", f.mean[0], f.mean[1], f.mean[2]);
+    if (errors)
+        text +=
+            fmt::format("  standard error of a value: mean {:.4f}, largest {:.4f}\n", f.mean_error, f.largest_error);
+    text += fmt::format("  {} in {:.2f} s ({:.2f} s of them in the model), peak memory {:.0f} MB\n", options.model,
+                        seconds, f.predict_s, double(peak_memory_bytes()) * 1e-6);
+    return {json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace), text};
+}
+
+}  // namespace
+
+void validate(const PredictOptions& o) {
+    const auto need = [](bool good, std::string_view key, const std::string& value, std::string_view rule) {
+        if (!good) throw UsageError(fmt::format("--{} {}: {}", key, value, rule));
+    };
+    const auto one_of = [&](std::string_view key, const std::string& value,
+                            std::initializer_list<std::string_view> choices) {
+        if (std::find(choices.begin(), choices.end(), value) == choices.end())
+            throw UsageError(fmt::format("--{}: '{}' is none of {}", key, value, fmt::join(choices, ", ")));
+    };
+    need(!o.files.empty(), "out", "(none)", "name a file: -o FILE.png");
+    for (const std::string& file : o.files) {
+        const std::string ending = extension(file);
+        need(ending == ".png" || ending == ".exr" || ending == ".glb" || ending == ".ply", "out", file,
+             "the name says the kind of file: .png or .exr (slab), .glb, .ply or .png (body)");
+    }
+    need(o.cell_mm >= 0.01 && o.cell_mm <= 5, "cell", fmt::format("{}mm", o.cell_mm), "must be 0.01 to 5 mm");
+    need(o.quality.paths >= 2 && o.quality.paths <= 1u << 20, "spp", fmt::format("{}", o.quality.paths),
+         "must be 2 to 1048576");
+    need(o.quality.error >= 0 && o.quality.error < 1, "error", fmt::format("{}", o.quality.error),
+         "must be 0 (none wanted) or below 1");
+    need(o.quality.sweeps >= 1 && o.quality.sweeps <= 100, "sweeps", fmt::format("{}", o.quality.sweeps),
+         "must be 1 to 100");
+    need(o.memory_gib >= 0, "memory", fmt::format("{}", o.memory_gib),
+         "must be above 0 GiB, or 0 for half of the machine's");
+    need(o.threads >= 0 && o.threads <= 1024, "threads", fmt::format("{}", o.threads), "must be 0 to 1024");
+    one_of("view", o.view, {"auto", "top", "body"});
+    one_of("backing", o.backing, {"auto", "black", "white", "none"});
+    if (!o.pitch.empty()) (void)parse_pitch_mm(o.pitch);
+    for (const std::string& text : o.assign) (void)parse_assignment(text);
+    (void)make_model(o.model, o.quality);
+}
+
+PredictResult run_predict_job(const PredictOptions& options, Progress& progress) {
+    validate(options);
+    expect_writable(options.files);
+    const ThreadLimit threads(static_cast<std::size_t>(options.threads));
+    const std::uint64_t budget = memory_budget(options.memory_gib);
+    Figures figures;
+    Laps laps;
+    // The volume and, for relative values, its white twin are held at once.
+    const StackVolume stack = read_stack_volume({.stack = options.stack,
+                                                 .resins = options.resins,
+                                                 .printer = options.printer,
+                                                 .pitch = options.pitch,
+                                                 .assign = options.assign,
+                                                 .memory_bytes = budget / (options.absolute ? 1 : 2)},
+                                                progress);
+    if (!options.absolute && stack.white < 0)
+        throw InputError(
+            fmt::format("the resin set '{}' has no white (role W) for media-relative values to refer to; name another "
+                        "set with --resins, "
+                        "or give --absolute",
+                        stack.resins.name));
+    figures.read_s = laps.lap();
+
+    figures.from_above =
+        options.view == "top" || (options.view == "auto" && (stack.of_picture || is_flat_box(stack.volume)));
+    expect_files_fit(options, figures.from_above);
+    figures.backing = options.backing != "auto"
+                          ? parse_backing(options.backing)
+                          : stack.backing.value_or(figures.from_above ? optics::Backing::black : optics::Backing::none);
+    const optics::Scene scene{.volume = &stack.volume, .resins = &stack.resins, .backing = figures.backing};
+    const auto cell = optics::cell_voxels(stack.volume.pitch_mm(), options.cell_mm);
+    for (std::size_t a = 0; a < 3; ++a) figures.cell_um[a] = cell[a] * stack.volume.pitch_mm()[a] * 1e3;
+    progress.begin_stage("find the surface", 0);
+    optics::Surface surface =
+        optics::find_surface(scene, cell, figures.from_above ? optics::SurfacePart::top : optics::SurfacePart::all);
+    progress.end_stage();
+    figures.surface_s = laps.lap();
+    const std::uint64_t held = stack.volume.memory_bytes() * (options.absolute ? 1 : 2) + surface_bytes(surface);
+    const auto& size = stack.volume.size();
+    progress.note(
+        fmt::format("{} x {} x {} voxels and {} surface cells of {:.1f} x {:.1f} x {:.1f} um take {:.0f} MB of the "
+                    "{:.0f} MB allowed (--memory)",
+                    size[0], size[1], size[2], surface.cells.size(), figures.cell_um[0], figures.cell_um[1],
+                    figures.cell_um[2], double(held) * 1e-6, double(budget) * 1e-6));
+    if (held > budget)
+        throw ResourceError(
+            fmt::format("the volume and its surface need {:.2f} GiB, more than the {:.2f} GiB allowed; allow more "
+                        "(--memory), choose larger "
+                        "cells (--cell) or a smaller print",
+                        double(held) / (1 << 30), double(budget) / (1 << 30)));
+
+    progress.begin_stage("predict", 0);
+    const ModelMaker maker = [&](bool white) {
+        ModelOptions quality = options.quality;
+        quality.cell_mm = options.cell_mm;
+        quality.memory_bytes = budget - held;
+        if (white) quality.seed = ~quality.seed;
+        return make_model(options.model, quality);
+    };
+    const SurfacePrediction prediction =
+        predict_surface(scene, std::move(surface), maker, options.absolute ? -1 : stack.white, progress);
+    progress.end_stage();
+    figures.predict_s = laps.lap();
+
+    progress.begin_stage("write", 0);
+    figures.from_above ? write_from_above(options, stack, prediction)
+                       : write_body(options, stack, prediction, progress);
+    progress.end_stage();
+    figures.write_s = laps.lap();
+    figures.mean = mean_colour(prediction);
+    if (const auto& errors = prediction.standard_error; !errors.empty()) {
+        figures.mean_error = std::accumulate(errors.begin(), errors.end(), 0.0) / double(errors.size());
+        figures.largest_error = *std::max_element(errors.begin(), errors.end());
+    }
+    return describe(options, stack, prediction, figures);
+}
+
+}  // namespace voxtone::slicer

@@ -1,0 +1,398 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/slicer/predict/stack_volume.h"
+
+#include <algorithm>
+#include <charconv>
+#include <filesystem>
+#include <limits>
+#include <mutex>
+
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+
+#include "voxtone/base/error.h"
+#include "voxtone/base/parallel.h"
+#include "voxtone/base/units.h"
+#include "voxtone/io/models/model_reader.h"
+#include "voxtone/io/layers/orient.h"
+#include "voxtone/io/profiles/resin_file.h"
+#include "voxtone/io/layers/stack_reader.h"
+#include "voxtone/slicer/layers/layer_volume.h"
+#include "voxtone/slicer/printer/printer.h"
+#include "voxtone/slicer/options/slice_options.h"
+
+namespace voxtone::slicer {
+
+namespace {
+
+constexpr const char* no_material = "none";
+using Materials = std::array<optics::Material, io::max_materials>;
+
+std::string hex(const io::Rgb& c) { return fmt::format("#{:02x}{:02x}{:02x}", c[0], c[1], c[2]); }
+
+/// A colour of the bitmaps and what it stands for.
+struct NamedColour {
+    io::Rgb rgb{};
+    std::string name;  ///< role or name of a resin; `no_material`
+    std::string told;  ///< for messages: how the stack calls it
+};
+
+/// What is printed: the resins of the volume and the material of each colour of the palette.
+struct Assignment {
+    std::vector<io::Rgb> palette;
+    Materials material_of{};
+    optics::ResinSet resins;
+    int white = -1;
+};
+
+/// By role first, then by name, in any case of letters.
+int find_resin(const optics::ResinSet& set, const std::string& name) {
+    if (const int found = set.find(name); found >= 0) return found;
+    const auto lower = [](std::string text) {
+        for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+        return text;
+    };
+    for (std::size_t r = 0; r < set.resins.size(); ++r)
+        if (lower(set.resins[r].name) == lower(name) || lower(set.resins[r].role) == lower(name))
+            return static_cast<int>(r);
+    return -1;
+}
+
+std::string roles_of(const optics::ResinSet& set) {
+    std::vector<std::string> roles;
+    for (const optics::Resin& resin : set.resins) roles.push_back(resin.role);
+    return fmt::format("{}", fmt::join(roles, ", "));
+}
+
+Assignment assign(const std::vector<NamedColour>& colours, const optics::ResinSet& set, const std::string& stack) {
+    if (colours.size() > std::size_t{io::max_materials})
+        throw InputError(
+            fmt::format("{}: {} colours, but a stack has at most {} with its background; leave out those that do not "
+                        "occur",
+                        stack, colours.size(), io::max_materials));
+    Assignment result;
+    std::vector<std::string> roles;
+    const auto material = [&](const std::string& role) {
+        const auto found = std::find(roles.begin(), roles.end(), role);
+        const auto index = static_cast<optics::Material>(found - roles.begin() + 1);
+        if (found == roles.end()) roles.push_back(role);
+        return index;
+    };
+    for (const NamedColour& colour : colours) {
+        if (std::find(result.palette.begin(), result.palette.end(), colour.rgb) != result.palette.end())
+            throw InputError(
+                fmt::format("{}: the colour {} stands for two things, the second is {}; give each colour one resin",
+                            stack, hex(colour.rgb), colour.told));
+        result.palette.push_back(colour.rgb);
+        if (colour.name == no_material) continue;
+        const int resin = find_resin(set, colour.name);
+        if (resin < 0)
+            throw InputError(
+                fmt::format("{}: {} has no optical data in the resin set '{}', which has {}: without its absorption "
+                            "and scattering nothing can be "
+                            "predicted; name a set that has it with --resins",
+                            stack, colour.told, set.name, roles_of(set)));
+        result.material_of[result.palette.size() - 1] = material(set.resins[static_cast<std::size_t>(resin)].role);
+    }
+    if (set.find("W") >= 0) result.white = material("W") - 1;
+    result.resins = set.subset(roles);
+    return result;
+}
+
+optics::ResinSet resin_set(const StackVolumeOptions& options, const std::string& of_job) {
+    if (!options.resins.empty()) return io::find_resin_set(options.resins);
+    if (of_job.empty()) return optics::vero_opaque();
+    try {
+        return io::find_resin_set(of_job);
+    } catch (const Error& error) {
+        throw InputError(
+            fmt::format("{}: the resin set that the job was made with cannot be used ({}); name one with --resins",
+                        options.stack, error.what()));
+    }
+}
+
+void expect_all_layers(const io::StackReader& stack, const std::string& name) {
+    if (stack.missing_count() > 0)
+        throw InputError(fmt::format(
+            "{}: {} layers are missing, the first is {}: a body with gaps would be predicted; `voxtone verify` "
+            "lists them",
+            name, stack.missing_count(), stack.missing().front()));
+}
+
+[[noreturn]] void refuse_size(const std::string& layer, std::uint32_t width, std::uint32_t height,
+                              const std::array<int, 2>& size) {
+    throw InputError(fmt::format("{}: {} x {} px, but the stack has {} x {}; `voxtone verify` lists every such layer",
+                                 layer, width, height, size[0], size[1]));
+}
+
+/// What the job that made a stack said, as far as it can be read.
+std::optional<SliceOptions> job_of(const std::filesystem::path& stack) {
+    const auto folder = stack.filename() == "manifest.json" ? stack.parent_path() : stack;
+    SliceOptions options;
+    try {
+        read_job((folder / "job.json").string(), options);
+    } catch (const Error&) {
+        return std::nullopt;
+    }
+    return options;
+}
+
+StackVolume read_own(const io::StackReader& stack, const StackVolumeOptions& options, Progress& progress) {
+    if (!options.assign.empty() || !options.pitch.empty() || !options.printer.empty())
+        throw UsageError(fmt::format(
+            "{}: has a manifest that says what its colours and sizes are; leave --assign, --pitch and --printer out",
+            options.stack));
+    const io::StackDescription& description = *stack.description();
+    expect_all_layers(stack, options.stack);
+    StackVolume result;
+    std::string set_of_job;
+    if (const auto job = job_of(options.stack)) {
+        set_of_job = job->resins;
+        result.of_picture = !job->model.empty() && !io::is_model_name(job->model);
+        if (result.of_picture) result.backing = parse_backing(job->backing);
+    }
+    std::vector<NamedColour> colours{{description.background_rgb, no_material, "the background"}};
+    for (const io::StackResin& resin : description.resins)
+        // A resin that is loaded and not used needs no data.
+        colours.push_back({resin.rgb, resin.voxels > 0 ? resin.role : no_material,
+                           fmt::format("resin {} (role {})", resin.name, resin.role)});
+    Assignment assignment = assign(colours, resin_set(options, set_of_job), options.stack);
+
+    std::array<int, 2> size{static_cast<int>(description.size_px[0]), static_cast<int>(description.size_px[1])};
+    const std::array<int, 2> size_px = size;
+    std::array<double, 3> pitch_mm{};
+    for (std::size_t a = 0; a < 3; ++a) pitch_mm[a] = description.pitch_um[a] * 1e-3;
+    if (description.orientation.swap_xy) {
+        std::swap(size[0], size[1]);
+        std::swap(pitch_mm[0], pitch_mm[1]);
+    }
+    LayerVolume volume({{}, {size[0], size[1], static_cast<int>(description.layers)}}, pitch_mm, assignment.material_of,
+                       options.memory_bytes);
+    progress.begin_stage("read layers", description.layers, "layers");
+    parallel_for(
+        0, description.layers, 1,
+        [&](std::size_t k) {
+            const auto index = static_cast<std::uint32_t>(k);
+            io::LayerRuns layer = stack.read(index, assignment.palette);
+            if (static_cast<int>(layer.width_px()) != size_px[0] || static_cast<int>(layer.height_px()) != size_px[1])
+                refuse_size(stack.layer_name(index), layer.width_px(), layer.height_px(), size_px);
+            volume.add(static_cast<int>(k), io::as_sliced(std::move(layer), description.orientation));
+            progress.advance();
+        },
+        &progress);
+    progress.end_stage();
+    result.volume = volume.finish();
+    result.resins = std::move(assignment.resins);
+    result.white = assignment.white;
+    result.corner_mm = description.origin_mm;
+    result.corner_mm[2] += description.first_layer * pitch_mm[2];
+    return result;
+}
+
+/// The usual names of a container's materials, or that of a resin in the set.
+std::string role_of_gcvf_material(const std::string& name, const optics::ResinSet& set) {
+    for (const char* role : {"C", "M", "Y", "K", "W", "T"})
+        if (io::gcvf_material_name({.name = {}, .role = role}) == name) return role;
+    if (name == "VUltraWhite") return "W";
+    return find_resin(set, name) >= 0 ? name : "";
+}
+
+std::vector<NamedColour> foreign_colours(const io::StackReader& stack, const StackVolumeOptions& options,
+                                         const optics::ResinSet& set) {
+    std::vector<NamedColour> colours;
+    for (const std::string& text : options.assign) {
+        const ColourAssignment told = parse_assignment(text);
+        colours.push_back({told.rgb, told.role, fmt::format("the resin '{}' of --assign", told.role)});
+    }
+    const auto add = [&](const io::Rgb& rgb, const std::string& name, const std::string& told) {
+        if (std::none_of(colours.begin(), colours.end(), [&](const NamedColour& c) { return c.rgb == rgb; }))
+            colours.push_back({rgb, name, told});
+    };
+    io::Rgb background{};
+    if (stack.gcvf())
+        background = {stack.gcvf()->background[0], stack.gcvf()->background[1], stack.gcvf()->background[2]};
+    add(background, no_material, "the background");
+    if (stack.gcvf()) {
+        for (const io::GcvfMaterial& material : stack.gcvf()->materials) {
+            const std::string role = role_of_gcvf_material(material.name, set);
+            const io::Rgb rgb{material.rgba[0], material.rgba[1], material.rgba[2]};
+            if (!role.empty()) {
+                add(rgb, role, fmt::format("material {}", material.name));
+            } else if (material.voxels > 0 && std::none_of(colours.begin(), colours.end(),
+                                                           [&](const NamedColour& c) { return c.rgb == rgb; })) {
+                throw InputError(fmt::format(
+                    "{}: nothing is known of its material '{}'; say which resin of the set '{}' it is ({}): --assign "
+                    "\"{}=W\"",
+                    options.stack, material.name, set.name, roles_of(set), hex(rgb)));
+            }
+        }
+    } else if (options.assign.empty()) {
+        std::vector<std::string> found;
+        for (const io::Rgb& rgb : stack.palette())
+            if (rgb != background) found.push_back(hex(rgb) + "=?");
+        throw InputError(fmt::format(
+            "{}: nothing says which resin its colours are; say it, with roles of the set '{}' ({}): --assign \"{}\"",
+            options.stack, set.name, roles_of(set), fmt::join(found, ",")));
+    }
+    return colours;
+}
+
+std::array<double, 3> foreign_pitch_mm(const io::StackReader& stack, const StackVolumeOptions& options) {
+    if (!options.pitch.empty()) return parse_pitch_mm(options.pitch);
+    if (!options.printer.empty()) {
+        const Eigen::Vector3d pitch = find_printer(options.printer).pitch_mm();
+        return {pitch.x(), pitch.y(), pitch.z()};
+    }
+    if (stack.gcvf()) {
+        const io::GcvfConfig& config = *stack.gcvf();
+        if (config.x_dpi > 0 && config.y_dpi > 0 && config.slice_thickness_nm > 0)
+            return {mm_per_inch / config.x_dpi, mm_per_inch / config.y_dpi, double(config.slice_thickness_nm) * 1e-6};
+    }
+    throw InputError(fmt::format(
+        "{}: nothing says how large its voxels are, and light spreads in millimetres; give --printer (`voxtone list "
+        "printers`) or --pitch \"42.33,84.67,27um\" (columns, rows, layers)",
+        options.stack));
+}
+
+/// The smallest window that holds every voxel with a resin; also checks every layer's size and colours.
+LayerWindow find_body(const io::StackReader& stack, const Assignment& assignment, const std::string& name,
+                      Progress& progress) {
+    constexpr int big = std::numeric_limits<int>::max();
+    std::array<int, 3> low{big, big, big}, high{-1, -1, -1};
+    std::array<int, 2> size{};
+    std::mutex mutex;
+    progress.begin_stage("find the body", stack.layers(), "layers");
+    parallel_for(
+        0, stack.layers(), 1,
+        [&](std::size_t k) {
+            const auto index = static_cast<std::uint32_t>(k);
+            const io::LayerScan scan = io::scan_layer(stack.bytes(index), stack.layer_name(index), assignment.palette);
+            if (!scan.runs) {
+                for (const io::ColourCount& colour : scan.colours)
+                    if (const io::Rgb rgb{colour.rgba[0], colour.rgba[1], colour.rgba[2]};
+                        colour.rgba[3] != 255 || std::find(assignment.palette.begin(), assignment.palette.end(), rgb) ==
+                                                     assignment.palette.end())
+                        throw InputError(
+                            fmt::format("{}: {} has {} pixels of {} (alpha {}), the first in column {}, row {}, which "
+                                        "stands for no "
+                                        "resin; say what it is: --assign \"{}=W\" (or =none)",
+                                        name, stack.layer_name(index), colour.pixels, hex(rgb), colour.rgba[3],
+                                        colour.first_x, colour.first_y, hex(rgb)));
+                throw InputError(fmt::format("{}: {} has more than {} colours; a layer has one per resin", name,
+                                             stack.layer_name(index), io::LayerScan::most_colours));
+            }
+            const io::LayerRuns& layer = *scan.runs;
+            const int width = static_cast<int>(layer.width_px()), height = static_cast<int>(layer.height_px());
+            std::array<int, 2> lowest{big, big}, highest{-1, -1};
+            for (int row = 0; row < height; ++row) {
+                int x = 0;
+                for (const io::Run run : layer.row(static_cast<std::uint32_t>(row))) {
+                    if (assignment.material_of[run.material] != optics::air) {
+                        const int y = height - 1 - row;
+                        lowest = {std::min(lowest[0], x), std::min(lowest[1], y)};
+                        highest = {std::max(highest[0], x + run.length), std::max(highest[1], y + 1)};
+                    }
+                    x += run.length;
+                }
+            }
+            const std::scoped_lock lock(mutex);
+            if (size[0] == 0) size = {width, height};
+            if (size[0] != width || size[1] != height)
+                refuse_size(name + ": " + stack.layer_name(index), layer.width_px(), layer.height_px(), size);
+            progress.advance();
+            if (highest[0] < 0) return;
+            for (std::size_t a = 0; a < 2; ++a) {
+                low[a] = std::min(low[a], lowest[a]);
+                high[a] = std::max(high[a], highest[a]);
+            }
+            low[2] = std::min(low[2], static_cast<int>(k));
+            high[2] = std::max(high[2], static_cast<int>(k) + 1);
+        },
+        &progress);
+    progress.end_stage();
+    if (high[0] < 0)
+        throw InputError(
+            fmt::format("{}: no layer has a voxel of any resin: there is nothing to predict; check --assign", name));
+    return {low, {high[0] - low[0], high[1] - low[1], high[2] - low[2]}};
+}
+
+StackVolume read_foreign(const io::StackReader& stack, const StackVolumeOptions& options, Progress& progress) {
+    expect_all_layers(stack, options.stack);
+    const std::array<double, 3> pitch_mm = foreign_pitch_mm(stack, options);
+    const optics::ResinSet set = resin_set(options, "");
+    Assignment assignment = assign(foreign_colours(stack, options, set), set, options.stack);
+    const LayerWindow window = find_body(stack, assignment, options.stack, progress);
+    LayerVolume volume(window, pitch_mm, assignment.material_of, options.memory_bytes);
+    progress.begin_stage("read layers", static_cast<std::uint64_t>(window.size[2]), "layers");
+    parallel_for(
+        static_cast<std::size_t>(window.corner[2]), static_cast<std::size_t>(window.corner[2] + window.size[2]), 1,
+        [&](std::size_t k) {
+            volume.add(static_cast<int>(k), stack.read(static_cast<std::uint32_t>(k), assignment.palette));
+            progress.advance();
+        },
+        &progress);
+    progress.end_stage();
+    StackVolume result;
+    result.volume = volume.finish();
+    result.resins = std::move(assignment.resins);
+    result.white = assignment.white;
+    for (std::size_t a = 0; a < 3; ++a) result.corner_mm[a] = window.corner[a] * pitch_mm[a];
+    return result;
+}
+
+}  // namespace
+
+optics::Backing parse_backing(const std::string& name) {
+    if (name == "black") return optics::Backing::black;
+    if (name == "white") return optics::Backing::white;
+    if (name == "none") return optics::Backing::none;
+    throw UsageError(fmt::format("--backing: '{}' is none of black, white, none", name));
+}
+
+std::array<double, 3> parse_pitch_mm(const std::string& text) {
+    std::vector<std::string> parts;
+    for (std::size_t begin = 0; begin <= text.size();) {
+        const std::size_t end = std::min(text.find(',', begin), text.size());
+        parts.push_back(text.substr(begin, end - begin));
+        begin = end + 1;
+    }
+    if (parts.size() != 3)
+        throw UsageError(
+            fmt::format("--pitch: '{}' is not three lengths (columns, rows, layers) such as 42.33,84.67,27um", text));
+    const auto unit_at = [](const std::string& part) {
+        return std::min(part.find_last_of("0123456789.") + 1, part.size());
+    };
+    const std::string unit = parts[2].substr(unit_at(parts[2]));
+    std::array<double, 3> pitch{};
+    for (std::size_t a = 0; a < 3; ++a) {
+        if (unit_at(parts[a]) == parts[a].size()) parts[a] += unit;
+        pitch[a] = parse_length_mm(parts[a], "--pitch");
+        if (!(pitch[a] >= 1e-3 && pitch[a] <= 1))
+            throw UsageError(fmt::format("--pitch: '{}' is {:g} mm; a voxel is 0.001 to 1 mm wide", text, pitch[a]));
+    }
+    return pitch;
+}
+
+ColourAssignment parse_assignment(const std::string& text) {
+    const std::size_t equals = text.find('=');
+    const std::string colour = text.substr(0, std::min(equals, text.size()));
+    std::uint32_t code = 0;
+    const bool is_colour = colour.size() == 7 && colour[0] == '#';
+    const auto [rest, status] =
+        std::from_chars(colour.data() + (is_colour ? 1 : 0), colour.data() + colour.size(), code, 16);
+    if (!is_colour || status != std::errc{} || rest != colour.data() + colour.size() || equals == std::string::npos ||
+        equals + 1 == text.size())
+        throw UsageError(
+            fmt::format("--assign: '{}' is not of the form #rrggbb=ROLE, such as #00aeef=C (or =none)", text));
+    return {
+        {static_cast<std::uint8_t>(code >> 16), static_cast<std::uint8_t>(code >> 8), static_cast<std::uint8_t>(code)},
+        text.substr(equals + 1)};
+}
+
+StackVolume read_stack_volume(const StackVolumeOptions& options, Progress& progress) {
+    const io::StackReader stack(options.stack);
+    return stack.kind() == io::StackReader::Kind::voxtone ? read_own(stack, options, progress)
+                                                          : read_foreign(stack, options, progress);
+}
+
+}  // namespace voxtone::slicer

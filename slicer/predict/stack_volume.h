@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Any layer stack -> the volume of resins that the appearance models look at.
+//
+// A stack of ours says everything itself: pitch, resins by role, how its bitmaps were mirrored (undone here), and in
+// job.json the resin set and what lay under a picture. Of a foreign stack (a folder of PNG files, a GCVF) one has to
+// say which colour is which resin, and of a folder how large a voxel is; it is cropped to the body's box.
+//
+// The volume is in the model's frame: columns run along +x, rows along -y, layer 0 is the bottom.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "voxtone/base/progress.h"
+#include "voxtone/optics/scene/backing.h"
+#include "voxtone/optics/media/resin_volume.h"
+#include "voxtone/optics/media/resins.h"
+
+namespace voxtone::slicer {
+
+struct StackVolumeOptions {
+    std::string stack{};                ///< output folder, folder of PNG layers, GCVF file
+    std::string resins{};               ///< set or file; empty: that of the job that made the stack, else vero-opaque
+    std::string printer{};              ///< foreign stacks: the pitch of this profile
+    std::string pitch{};                ///< foreign stacks: of columns, rows, layers: "42.33,84.67,27um"
+    std::vector<std::string> assign{};  ///< foreign stacks: "#rrggbb=ROLE"; ROLE none: no material
+    std::uint64_t memory_bytes = ~std::uint64_t{0};  ///< the volume may take so much
+};
+
+struct StackVolume {
+    optics::ResinVolume volume;
+    optics::ResinSet resins;  ///< material m is resins[m - 1]; the white resin is among them where the set has one
+    int white = -1;           ///< index of the resin with the role W, or -1
+    std::array<double, 3>
+        corner_mm{};          ///< of the volume: in the model's frame (own) or from the bitmaps' lower left (foreign)
+    bool of_picture = false;  ///< made by `slice` from a picture
+    std::optional<optics::Backing> backing;  ///< what the job said of what lies under a picture
+};
+
+/// Throws FileError, InputError (a resin without optical data, a colour without a resin, layers of other sizes or
+/// missing, a pitch that nobody told), ResourceError (more memory than allowed), Cancelled.
+[[nodiscard]] StackVolume read_stack_volume(const StackVolumeOptions& options, Progress& progress);
+
+/// "black", "white" or "none".
+[[nodiscard]] optics::Backing parse_backing(const std::string& name);
+
+/// Three lengths in mm from "42.33,84.67,27um"; a number without a unit has that of the last one, mm if that has none.
+/// Throws UsageError.
+[[nodiscard]] std::array<double, 3> parse_pitch_mm(const std::string& text);
+
+/// One entry of `assign`. Throws UsageError.
+struct ColourAssignment {
+    std::array<std::uint8_t, 3> rgb{};
+    std::string role;
+};
+[[nodiscard]] ColourAssignment parse_assignment(const std::string& text);
+
+}  // namespace voxtone::slicer

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/slicer/printer/picture_slab.h"
+
+#include "voxtone/base/contracts.h"
+#include "voxtone/base/error.h"
+#include "voxtone/base/units.h"
+
+namespace voxtone::slicer {
+
+PictureSlab make_picture_slab(const io::Picture& picture, double width_mm, double thickness_mm) {
+    VOXTONE_EXPECT(picture.width_px > 0 && picture.height_px > 0 && thickness_mm > 0);
+    if (width_mm <= 0) {
+        if (!(picture.dpi_x > 0))
+            throw UsageError("the picture says nothing about its size; give --width, such as --width 40mm");
+        width_mm = picture.width_px / picture.dpi_x * mm_per_inch;
+    }
+    const double pixel_aspect = picture.dpi_x > 0 && picture.dpi_y > 0 ? picture.dpi_x / picture.dpi_y : 1.0;
+    const double height_mm = width_mm * picture.height_px / picture.width_px * pixel_aspect;
+
+    PictureSlab slab;
+    slab.model.format = "picture";
+    slab.model.mm_per_file_unit = 1;
+    slab.model.has_colour = true;
+    slab.model.warnings = picture.warnings;
+    io::TexturedMesh& mesh = slab.model.mesh;
+    for (const double z : {0.0, thickness_mm})
+        for (const double y : {0.0, height_mm})
+            for (const double x : {0.0, width_mm}) mesh.positions.emplace_back(x, y, z);
+    mesh.triangles = {{4, 5, 7}, {4, 7, 6},                          // top
+                      {0, 3, 1}, {0, 2, 3}, {0, 1, 5}, {0, 5, 4},    // bottom, front
+                      {1, 3, 7}, {1, 7, 5}, {3, 2, 6}, {3, 6, 7},    // right, back
+                      {2, 0, 4}, {2, 4, 6}};                         // left
+    mesh.materials.resize(2);
+    mesh.materials[0] = {"picture", Eigen::Vector3f::Ones(), picture.texture};
+    mesh.materials[1].name = "sides";
+    mesh.material_of_triangle.assign(mesh.triangles.size(), 1);
+    mesh.corner_uv.assign(mesh.triangles.size(), {Eigen::Vector2f::Zero(), Eigen::Vector2f::Zero(), Eigen::Vector2f::Zero()});
+    const Eigen::Vector2f a(0, 0), b(1, 0), c(1, 1), d(0, 1);
+    mesh.corner_uv[0] = {a, b, c};
+    mesh.corner_uv[1] = {a, c, d};
+    for (std::size_t t = 0; t < PictureSlab::top_triangles; ++t) mesh.material_of_triangle[t] = 0;
+    return slab;
+}
+
+}  // namespace voxtone::slicer

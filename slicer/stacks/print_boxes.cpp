@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/slicer/stacks/print_boxes.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "voxtone/base/parallel.h"
+#include "voxtone/base/random.h"
+
+namespace voxtone::slicer {
+
+namespace {
+
+constexpr double rounding = 1e-6;  // of a voxel: sizes that are whole voxels stay so
+
+/// The first voxel whose centre is at or beyond this plane, within [0, size].
+std::uint32_t first_voxel(double mm, double pitch_um, std::uint32_t size) {
+    const double voxel = std::ceil(mm * 1000 / pitch_um - 0.5 - rounding);
+    return static_cast<std::uint32_t>(std::clamp(voxel, 0.0, double(size)));
+}
+
+io::StackDescription describe(const BoxPrint& print, const PrinterProfile& printer,
+                              const std::array<std::uint32_t, 3>& size) {
+    io::StackDescription stack;
+    stack.printer = printer.id;
+    stack.pitch_um = {printer.pitch_um.x(), printer.pitch_um.y(), printer.pitch_um.z()};
+    stack.size_px = {size[0], size[1]};
+    stack.layers = size[2];
+    stack.background_rgb = printer.background_rgb;
+    stack.orientation = {printer.flip_x, printer.flip_y, printer.swap_xy};
+    const std::vector<Rgb8> colours = printer.display_colours(print.roles);
+    for (std::size_t r = 0; r < print.roles.size(); ++r) {
+        const auto known = printer.material_names.find(print.roles[r]);
+        stack.resins.push_back(
+            {known != printer.material_names.end() ? known->second : print.roles[r], print.roles[r], colours[r], 0, 0});
+    }
+    return stack;
+}
+
+void check(const BoxPrint& print, const PrinterProfile& printer, const std::array<std::uint32_t, 3>& size) {
+    if (static_cast<int>(print.roles.size()) > printer.max_resins)
+        throw InputError(
+            fmt::format("{} resins ({}), but {} carries {} at once; leave some out and print a second target for them",
+                        print.roles.size(), fmt::join(print.roles, ", "), printer.id, printer.max_resins));
+    for (int axis = 0; axis < 3; ++axis)
+        if (print.size_mm[axis] > printer.tray_mm[axis])
+            throw InputError(
+                fmt::format("the print is {:.1f} x {:.1f} x {:.1f} mm, larger than the tray of {} ({:.0f} x {:.0f} x "
+                            "{:.0f} mm); make it smaller",
+                            print.size_mm.x(), print.size_mm.y(), print.size_mm.z(), printer.id, printer.tray_mm.x(),
+                            printer.tray_mm.y(), printer.tray_mm.z()));
+    if (static_cast<int>(size[2]) < printer.min_layers)
+        throw InputError(fmt::format("the print has {} layers, but {} takes no fewer than {}; make it thicker", size[2],
+                                     printer.id, printer.min_layers));
+}
+
+}  // namespace
+
+BoxLayers::BoxLayers(std::vector<PrintBox> boxes, const Eigen::Vector3d& size_mm, const Eigen::Vector3d& pitch_um,
+                     std::uint64_t seed)
+    : seed_(seed) {
+    for (int axis = 0; axis < 3; ++axis) {
+        const double voxels = std::round(size_mm[axis] * 1000 / pitch_um[axis]);
+        if (!(voxels >= 1 && voxels <= 65535))
+            throw InputError(
+                fmt::format("a print of {:.3g} mm along {} has {:.0f} voxels; from 1 to 65535 are possible",
+                            size_mm[axis], "xyz"[axis], voxels));
+        size_[std::size_t(axis)] = static_cast<std::uint32_t>(voxels);
+    }
+    for (const PrintBox& box : boxes) {
+        double sum = 0;
+        Span span;
+        for (std::size_t m = 0; m < box.fractions.size(); ++m) {
+            if (!(box.fractions[m] >= 0)) throw InputError("a box has a negative share of a resin");
+            sum += box.fractions[m];
+            span.sums.push_back(sum);
+            if (box.fractions[m] >= 1) span.only = static_cast<io::Material>(m + 1);
+        }
+        if (!(std::abs(sum - 1) < 1e-9) || box.fractions.size() >= io::max_materials)
+            throw InputError(fmt::format("the shares of a box sum to {}, not to 1", sum));
+        if (!((box.max_mm.array() > box.min_mm.array()).all())) throw InputError("a box has no volume");
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            span.first[axis] = first_voxel(box.min_mm[Eigen::Index(axis)], pitch_um[Eigen::Index(axis)], size_[axis]);
+            span.last[axis] = first_voxel(box.max_mm[Eigen::Index(axis)], pitch_um[Eigen::Index(axis)], size_[axis]);
+        }
+        boxes_.push_back(std::move(span));
+    }
+}
+
+io::Material BoxLayers::draw(const Span& box, std::uint32_t i, std::uint32_t j, std::uint32_t k) const {
+    const double random =
+        RandomStream(seed_, std::uint64_t{i} | std::uint64_t{j} << 16 | std::uint64_t{k} << 32).uniform();
+    std::size_t m = 0;
+    while (m + 1 < box.sums.size() && random >= box.sums[m]) ++m;
+    return static_cast<io::Material>(m + 1);
+}
+
+io::LayerRuns BoxLayers::layer(std::uint32_t k) const {
+    io::LayerRuns runs(size_[0], size_[1]);
+    std::vector<const Span*> here;
+    for (const Span& box : boxes_)
+        if (k >= box.first[2] && k < box.last[2]) here.push_back(&box);
+    std::vector<const Span*> owner(size_[0]);
+    for (std::uint32_t row = 0; row < size_[1]; ++row) {
+        const std::uint32_t j = size_[1] - 1 - row;
+        std::fill(owner.begin(), owner.end(), nullptr);
+        for (const Span* box : here)
+            if (j >= box->first[1] && j < box->last[1])
+                std::fill(owner.begin() + box->first[0], owner.begin() + std::max(box->first[0], box->last[0]), box);
+        for (std::uint32_t i = 0; i < size_[0]; ++i) {
+            const Span* box = owner[i];
+            runs.push(1, !box ? io::background : box->only != io::background ? box->only : draw(*box, i, j, k));
+        }
+        runs.end_row();
+    }
+    return runs;
+}
+
+io::StackDescription print_boxes(const BoxPrint& print, const PrinterProfile& printer, const std::filesystem::path& out,
+                                 const io::StackOutputs& outputs, bool overwrite, Progress& progress) {
+    const BoxLayers layers(print.boxes, print.size_mm, printer.pitch_um, print.seed);
+    check(print, printer, layers.size());
+    io::LayerStackWriter writer(out, describe(print, printer, layers.size()), outputs, overwrite);
+    progress.begin_stage("layers", layers.size()[2], "layers");
+    parallel_for(
+        0, layers.size()[2], 1,
+        [&](std::size_t k) {
+            progress.check_cancelled();
+            writer.write(static_cast<std::uint32_t>(k), layers.layer(static_cast<std::uint32_t>(k)));
+            progress.advance();
+        },
+        &progress);
+    progress.end_stage();
+    progress.begin_stage("finish", 0);
+    io::StackDescription stack = writer.finish({}, &progress);
+    progress.end_stage();
+    return stack;
+}
+
+}  // namespace voxtone::slicer

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// A stack from boxes of resin mixtures: for test pieces that are known to the voxel, without a mesh.
+//
+// A voxel belongs to the last box that holds its centre (lower faces included, upper ones not); in none of them it is
+// empty. Where a box mixes resins, every voxel draws its resin by itself with the fractions as probabilities, from a
+// random number that is addressed by the voxel's place: the same bits for any number of threads and any part of the
+// stack.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "voxtone/base/progress.h"
+#include "voxtone/io/layers/layer_stack_writer.h"
+#include "voxtone/slicer/printer/printer.h"
+
+namespace voxtone::slicer {
+
+struct PrintBox {
+    Eigen::Vector3d min_mm = Eigen::Vector3d::Zero(), max_mm = Eigen::Vector3d::Zero();
+    std::vector<double> fractions;  ///< of each resin (material m is fractions[m - 1]); they sum to 1
+};
+
+/// Makes layers of boxes. Memory: one row of box numbers beside the layer's runs.
+class BoxLayers {
+public:
+    /// The grid begins at (0, 0, 0) and covers `size_mm`, rounded to whole voxels. Throws InputError where a box has
+    /// no volume, its fractions do not sum to 1, or the grid is larger than a bitmap may be.
+    BoxLayers(std::vector<PrintBox> boxes, const Eigen::Vector3d& size_mm, const Eigen::Vector3d& pitch_um,
+              std::uint64_t seed);
+
+    /// Columns, rows, layers.
+    [[nodiscard]] const std::array<std::uint32_t, 3>& size() const { return size_; }
+    [[nodiscard]] io::LayerRuns layer(std::uint32_t k) const;
+
+private:
+    struct Span {  // voxels [first, last) of each axis
+        std::array<std::uint32_t, 3> first{}, last{};
+        std::vector<double> sums;            // of the fractions up to each resin
+        io::Material only = io::background;  // where there is one resin
+    };
+    [[nodiscard]] io::Material draw(const Span& box, std::uint32_t i, std::uint32_t j, std::uint32_t k) const;
+
+    std::vector<Span> boxes_;
+    std::array<std::uint32_t, 3> size_{};
+    std::uint64_t seed_;
+};
+
+struct BoxPrint {
+    std::vector<PrintBox> boxes;
+    Eigen::Vector3d size_mm = Eigen::Vector3d::Zero();
+    std::vector<std::string> roles;  ///< of the resins
+    std::uint64_t seed = 1;
+};
+
+/// Writes the boxes as a stack for this printer into `out`. Throws InputError (more resins than the printer carries,
+/// larger than its tray, fewer layers than it takes), FileError, Cancelled.
+io::StackDescription print_boxes(const BoxPrint& print, const PrinterProfile& printer, const std::filesystem::path& out,
+                                 const io::StackOutputs& outputs, bool overwrite, Progress& progress);
+
+}  // namespace voxtone::slicer

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/slicer/stacks/profile_map_job.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <numeric>
+
+#include <fmt/format.h>
+
+#include "voxtone/base/error.h"
+
+namespace voxtone::slicer {
+namespace {
+
+double now_seconds() {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+double brightest_albedo(const ProfileMapResult& result) {
+    const auto rings = halftone::profile_rings(result.factored.radius);
+    double brightest = 0;
+    for (const halftone::ProfileCluster& cluster : result.clusters.clusters)
+        for (const auto& P : cluster.P) {
+            const auto light = halftone::light_by_knot(P, rings, result.factored.pitch_mm);
+            brightest = std::max(brightest, std::accumulate(light.begin(), light.end(), 0.0));
+        }
+    return brightest;
+}
+
+void check_comparable(const io::BssrdfFile& data, const io::BssrdfFile& check) {
+    const auto& [width, height, radius, pitch, channels] = data.responses;
+    if (check.channels != data.channels || check.responses.width != width || check.responses.height != height ||
+        check.responses.radius != radius || std::abs(check.responses.pitch_mm - pitch) > 1e-9 * pitch)
+        throw InputError(fmt::format(
+            "The data to check with have {} x {} points at {} mm, radius {}, {} channels; those that are checked have "
+            "{} x {} at {} mm, radius {}, {} channels: both must be of one surface, measured alike.",
+            check.responses.width, check.responses.height, check.responses.pitch_mm, check.responses.radius,
+            check.channels.size(), width, height, pitch, radius, channels.size()));
+}
+
+}  // namespace
+
+void ProfileMapOptions::validate() const {
+    factor.validate();
+    clusters.validate();
+    if (max_albedo && !(*max_albedo > 0 && *max_albedo <= 1))
+        throw InputError(fmt::format(
+            "The largest albedo is to be {}, expected a number above 0, up to 1; the paper takes 0.6.", *max_albedo));
+}
+
+ProfileMapResult make_profile_map(const io::BssrdfFile& data, const ProfileMapOptions& options, Progress& progress,
+                                  const io::BssrdfFile* check) {
+    options.validate();
+    if (check) check_comparable(data, *check);
+    const optics::PointResponses& responses = data.responses;
+    ProfileMapResult result;
+    double begin = now_seconds();
+    std::vector<halftone::FactorSummary> summary;
+    progress.begin_stage("factor", responses.channels.size(), "channels");
+    result.factored = halftone::factor_responses(responses, options.factor, summary, &progress);
+    progress.end_stage();
+    result.factor_seconds = now_seconds() - begin;
+
+    begin = now_seconds();
+    progress.begin_stage("cluster", 0);
+    result.clusters = halftone::cluster_profiles(result.factored, options.clusters, &progress);
+    progress.end_stage();
+    result.clustered = halftone::clustered(result.factored, result.clusters);
+    result.cluster_seconds = now_seconds() - begin;
+
+    progress.begin_stage("compare", responses.channels.size(), "channels");
+    for (std::size_t c = 0; c < responses.channels.size(); ++c) {
+        result.channels.push_back({summary[c],
+                                   halftone::reconstruction_error(responses, c, result.factored),
+                                   halftone::reconstruction_error(responses, c, result.clustered),
+                                   {},
+                                   {},
+                                   optics::share_beyond_window(responses, c)});
+        if (check) {
+            result.channels.back().factored_checked =
+                halftone::reconstruction_error(check->responses, c, result.factored);
+            result.channels.back().clustered_checked =
+                halftone::reconstruction_error(check->responses, c, result.clustered);
+        }
+        progress.advance();
+    }
+    progress.end_stage();
+
+    result.brightest = brightest_albedo(result);
+    if (options.max_albedo) result.scale = *options.max_albedo / result.brightest;
+    io::ProfileMap& map = result.map;
+    map.source = data.source;
+    map.channels = data.channels;
+    map.width_px = responses.width;
+    map.height_px = responses.height;
+    map.width_mm = responses.width * responses.pitch_mm;
+    map.height_mm = responses.height * responses.pitch_mm;
+    map.cluster = result.clusters.cluster;
+    for (const halftone::ProfileCluster& cluster : result.clusters.clusters) {
+        auto& target = map.target.emplace_back();
+        for (const auto& P : cluster.P) {
+            target.push_back(halftone::radial_samples(P, responses.radius, responses.pitch_mm));
+            for (double& light : target.back().light) light *= result.scale;
+        }
+    }
+    return result;
+}
+
+}  // namespace voxtone::slicer

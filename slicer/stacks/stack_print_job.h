@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// `voxtone stack print`: slabs of layers of resin as a printable stack, side by side along x, each as thick as its layers; what `stack search`
+// found, without a model (slicer/stacks/print_boxes.h).
+//
+// Borders between layers are rounded to whole printed layers (halftone/stacks/whole_layers.h), from the top.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "voxtone/io/layers/layer_stack_writer.h"
+#include "voxtone/slicer/stacks/stack_search_job.h"
+
+namespace voxtone::slicer {
+
+struct StackPrintJob {
+    std::vector<std::string> stacks;  ///< stack files, or layers as "W 0.3, K 0.1"
+    std::string resins;               ///< empty: what the files say, else vero-opaque
+    std::string printer = "stratasys-j750-hm";
+    double width_mm = 20, depth_mm = 20, gap_mm = 5;  ///< of a slab along x and y, between slabs
+    std::string base;                                 ///< "K=1mm": a layer below each slab; empty: none
+    io::StackOutputs outputs;
+    std::string out;
+    bool overwrite = false;
+};
+
+/// Throws Error (with its exit code): also for materials that are no resins.
+[[nodiscard]] StackJobResult run_stack_print(const StackPrintJob& job, Progress& progress);
+
+}  // namespace voxtone::slicer

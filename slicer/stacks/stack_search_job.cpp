@@ -1,0 +1,267 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/slicer/stacks/stack_search_job.h"
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <set>
+#include <system_error>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include "voxtone/base/units.h"
+#include "voxtone/halftone/stacks/stack_design.h"
+#include "voxtone/io/profiles/layer_sequence_file.h"
+#include "voxtone/io/files/whole_file.h"
+#include "voxtone/slicer/stacks/profile_plots.h"
+
+namespace voxtone::slicer {
+namespace {
+
+namespace fs = std::filesystem;
+using halftone::ChannelProfiles;
+using halftone::StackDesign;
+
+class Watch {
+public:
+    [[nodiscard]] double ms() const {
+        return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start_).count();
+    }
+
+private:
+    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+/// Of one target: searching and refining, all rounds; tracing.
+struct Times {
+    double search_ms = 0, monte_carlo_ms = 0;
+};
+
+struct Target {
+    std::string file, name;
+    ChannelProfiles wanted;
+};
+
+void check(const StackSearchJob& job) {
+    if (job.targets.empty()) throw UsageError("stack search: no target; name profile files (voxtone-profile) of what is wanted");
+    if (job.rounds < 0 || job.rounds > 20) throw UsageError(fmt::format("--rounds: {}; it lies between 0 and 20", job.rounds));
+    if (job.paths < 2) throw UsageError(fmt::format("--paths: {}; at least 2 are needed", job.paths));
+    if (!(job.layer_mm >= 0))
+        throw UsageError(fmt::format("--layer: {:g} mm; a printed layer is not thinner than 0", job.layer_mm));
+    if (!(job.thickness_mm > 0))
+        throw UsageError(fmt::format("--thickness: {:g} mm; a stack of layers needs a thickness above 0", job.thickness_mm));
+}
+
+// "T=0.2mm" for each material that is named.
+std::vector<double> clear_top(const StackSearchJob& job, const std::vector<std::string>& names) {
+    std::vector<double> clear;
+    for (const std::string& rule : job.clear_top) {
+        const std::size_t equals = rule.find('=');
+        const auto named = std::find(names.begin(), names.end(), rule.substr(0, equals));
+        if (equals == std::string::npos || named == names.end())
+            throw UsageError(fmt::format("--clear-top: '{}' is no MATERIAL=LENGTH with one of the materials {}; write T=0.2mm",
+                                         rule, fmt::join(names, ", ")));
+        clear.resize(names.size());
+        clear[static_cast<std::size_t>(named - names.begin())] = parse_length_mm(rule.substr(equals + 1), "--clear-top");
+    }
+    return clear;
+}
+
+std::vector<Target> read_targets(const StackSearchJob& job, const StackSetting& setting, Progress& progress) {
+    std::vector<Target> targets;
+    std::set<std::string> names;
+    for (const std::string& file : job.targets) {
+        const std::string name = fs::path(file).stem().string();
+        if (!names.insert(name).second)
+            throw UsageError(fmt::format(
+                "{}: there are two targets named {}; their results would overwrite each other: rename one", file, name));
+        targets.push_back({file, name, setting.target(io::read_profile(file), file, progress)});
+    }
+    return targets;
+}
+
+fs::path output_folder(const StackSearchJob& job, const std::vector<Target>& targets) {
+    const fs::path out(job.out);
+    std::error_code error;
+    fs::create_directories(out, error);
+    if (error) throw FileError(fmt::format("{}: the folder cannot be made: {}", job.out, error.message()));
+    for (const Target& target : targets)
+        for (const char* ending : {".stack.json", ".svg"})
+            if (!job.overwrite && fs::exists(out / (target.name + ending)))
+                throw InputError(fmt::format("{}: is there already; give another folder, or --overwrite",
+                                             (out / (target.name + ending)).string()));
+    return out;
+}
+
+io::LayerSequence sequence_of(const StackSearchJob& job, const StackSetting& setting, const Target& target,
+                              const StackDesign& design) {
+    io::LayerSequence sequence;
+    sequence.name = target.name;
+    sequence.source = "voxtone stack search " + target.file;
+    if (setting.resins()) sequence.resins = job.setting.resins;
+    sequence.surface = setting.surface();
+    sequence.backing = setting.backing();
+    for (const auto& [material, mm] : design.layers) sequence.layers.push_back({setting.names()[material], mm});
+    return sequence;
+}
+
+std::vector<std::string> channel_names(const StackSetting& setting) {
+    std::vector<std::string> names;
+    for (std::size_t c = 0; c < setting.channels().size(); ++c) names.push_back(setting.channel_name(c));
+    return names;
+}
+
+std::string drawing(const StackSetting& setting, const Target& target, const StackDesign& design) {
+    std::vector<ProfileCurve> curves{{"wanted", "black", target.wanted, false}, {"layers", "#2266dd", design.modelled, true}};
+    if (!design.judged.empty()) curves.push_back({"Monte Carlo", "#cc2222", design.judged, true});
+    return profile_plots(setting.grid(), channel_names(setting), {{target.name, std::move(curves)}}, 6);
+}
+
+// Mean of all coefficients over the first: smaller where light spreads wider.
+double spread(const std::vector<double>& coefficients) {
+    double sum = 0;
+    for (const double value : coefficients) sum += value;
+    return coefficients[0] != 0 ? sum / (static_cast<double>(coefficients.size()) * coefficients[0]) : 0;
+}
+
+nlohmann::ordered_json channel_json(const StackSetting& setting, const Target& target, const StackDesign& design, std::size_t c) {
+    const auto figures = [&](const std::vector<double>& R) {
+        return nlohmann::ordered_json{{"total", R[0]}, {"spread", spread(R)}};
+    };
+    const halftone::ChannelMatch& match = design.found.channels[c];
+    nlohmann::ordered_json json{
+        {"channel", setting.channel_name(c)}, {"target", figures(target.wanted[c])}, {"layers", figures(design.modelled[c])}};
+    if (!design.judged.empty()) json["monte_carlo"] = figures(design.judged[c]);
+    json["reachable_totals_within"] = {match.least_total, match.most_total};
+    return json;
+}
+
+nlohmann::ordered_json result_json(const StackSetting& setting, const Target& target, const StackDesign& design,
+                                   const io::LayerSequence& sequence, const Times& times) {
+    nlohmann::ordered_json layers = nlohmann::json::array(), channels = nlohmann::json::array();
+    for (const io::SequenceLayer& layer : sequence.layers) layers.push_back({{"material", layer.material}, {"mm", layer.mm}});
+    for (std::size_t c = 0; c < target.wanted.size(); ++c) channels.push_back(channel_json(setting, target, design, c));
+    nlohmann::ordered_json json{{"target", target.file},
+                                {"layers", layers},
+                                {"distance", design.modelled_distance},
+                                {"outside_of_gamut", design.outside},
+                                {"channels", channels},
+                                {"visited", design.found.count.visited},
+                                {"pruned", design.found.count.pruned},
+                                {"ms", times.search_ms}};
+    if (!design.judged.empty()) {
+        json["monte_carlo_distance"] = design.judged_distance;
+        json["monte_carlo_distances"] = design.judged_distances;
+        json["monte_carlo_ms"] = times.monte_carlo_ms;
+    }
+    return json;
+}
+
+std::string result_text(const StackSetting& setting, const Target& target, const StackDesign& design,
+                        const io::LayerSequence& sequence, const Times& times) {
+    double mm = 0;
+    for (const io::SequenceLayer& layer : sequence.layers) mm += layer.mm;
+    std::string text = fmt::format(
+        "{}: {}\n", target.name,
+        sequence.layers.empty() ? std::string("no layer at all: the backing alone is nearest")
+                                : fmt::format("{} mm, top first ({:.4g} mm in all)", io::layers_text(sequence.layers), mm));
+    const std::string judged =
+        design.judged.empty() ? std::string() : fmt::format(", by Monte Carlo {:.4f}", design.judged_distance);
+    const std::string gamut = design.outside > 0 ? fmt::format("outside of the gamut by at least {:.4f}{}", design.outside,
+                                                               setting.turned_back() > 0 ? " behind the surface" : "")
+                                                 : std::string("not known to lie outside of the gamut");
+    text += fmt::format("  distance {:.4f}{}; {}\n", design.modelled_distance, judged, gamut);
+    for (std::size_t c = 0; c < target.wanted.size(); ++c) {
+        text += fmt::format("  {}: wanted {:.4f}, spread {:.4f}; layers {:.4f}, {:.4f}", setting.channel_name(c),
+                            target.wanted[c][0], spread(target.wanted[c]), design.modelled[c][0], spread(design.modelled[c]));
+        if (!design.judged.empty())
+            text += fmt::format("; Monte Carlo {:.4f}, {:.4f}", design.judged[c][0], spread(design.judged[c]));
+        text += '\n';
+    }
+    text += fmt::format("  {} nodes visited, {} pruned, {} stacks compared; {:.0f} ms", design.found.count.visited,
+                        design.found.count.pruned, design.found.count.judged, times.search_ms);
+    if (!design.judged.empty())
+        text += fmt::format(", and {:.1f} s of Monte Carlo for {} stacks", times.monte_carlo_ms / 1000,
+                            design.judged_distances.size());
+    return text + '\n';
+}
+
+halftone::StackJudge monte_carlo(const StackSearchJob& job, const StackSetting& setting, const Progress& progress) {
+    if (!setting.traceable() || job.rounds == 0) return {};
+    return [&job, &setting, &progress](std::span<const halftone::StackLayer> layers) -> ChannelProfiles {
+        if (layers.empty()) {  // the backing, seen through the surface
+            ChannelProfiles R = setting.backing_reflection();
+            if (R.empty()) R.assign(setting.channels().size(), std::vector<double>(setting.grid().size(), 0.0));
+            const double s = setting.turned_back();
+            for (auto& channel : R)
+                for (double& value : channel) value = (1 - s) * value / (1 - s * value);
+            return R;
+        }
+        optics::LayerPathOptions tracing{job.paths, job.seed + 10000000};
+        return optics::traced_light(*setting.resins(), setting.resin_layers(layers), setting.ends(), setting.grid(), tracing,
+                                    &progress)
+            .R;
+    };
+}
+
+}  // namespace
+
+StackJobResult run_stack_search(const StackSearchJob& job, Progress& progress) {
+    check(job);
+    const StackSetting setting(job.setting);
+    halftone::StackDesignOptions options;
+    options.search.thickness_mm = job.thickness_mm;
+    options.search.steps = job.steps;
+    options.search.max_blocks = job.max_blocks;
+    options.search.dc_weight = job.dc_weight;
+    options.search.clear_top_mm = clear_top(job, setting.names());
+    options.search.backing = setting.backing_reflection();
+    options.refine = job.refine;
+    options.turned_back = setting.turned_back();
+    options.layer_mm = job.layer_mm;
+    options.rounds = std::max(1, job.rounds);
+    const std::vector<Target> targets = read_targets(job, setting, progress);
+    const fs::path out = output_folder(job, targets);
+    const std::vector<halftone::StackMaterial> materials =
+        setting.materials(job.known_mm, job.thickness_mm, {job.paths, job.seed}, progress);
+    const halftone::StackSearch search(materials, options.search);
+    const halftone::StackJudge judge = monte_carlo(job, setting, progress);
+
+    nlohmann::ordered_json results = nlohmann::json::array();
+    std::string text;
+    progress.begin_stage("Search", targets.size(), "targets");
+    for (const Target& target : targets) {
+        progress.check_cancelled();
+        const Watch watch;
+        Times times;
+        halftone::StackJudge timed;
+        if (judge)
+            timed = [&](std::span<const halftone::StackLayer> layers) {
+                const Watch tracing;
+                ChannelProfiles R = judge(layers);
+                times.monte_carlo_ms += tracing.ms();
+                return R;
+            };
+        const StackDesign design = halftone::design_stack(search, materials, target.wanted, options, timed);
+        times.search_ms = watch.ms() - times.monte_carlo_ms;
+        const io::LayerSequence sequence = sequence_of(job, setting, target, design);
+        io::write_whole_file(out / (target.name + ".stack.json"), io::layer_sequence_text(sequence));
+        io::write_whole_file(out / (target.name + ".svg"), drawing(setting, target, design));
+        results.push_back(result_json(setting, target, design, sequence, times));
+        text += result_text(setting, target, design, sequence, times);
+        progress.advance();
+    }
+    progress.end_stage();
+    const nlohmann::ordered_json json{{"format", "voxtone-stack-search"},
+                                      {"version", 1},
+                                      {"folder", job.out},
+                                      {"surface", setting.surface()},
+                                      {"backing", setting.backing()},
+                                      {"stackings", search.stackings()},
+                                      {"results", results}};
+    return {json.dump(), text};
+}
+
+}  // namespace voxtone::slicer

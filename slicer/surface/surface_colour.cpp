@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/slicer/surface/surface_colour.h"
+
+#include <algorithm>
+
+#include "voxtone/base/parallel.h"
+#include "voxtone/io/pictures/texture.h"
+
+namespace voxtone::slicer {
+
+namespace {
+
+bool has_texture(const io::TexturedMesh& mesh) {
+    return !mesh.corner_uv.empty() && std::any_of(mesh.materials.begin(), mesh.materials.end(), [](const auto& m) { return bool(m.texture); });
+}
+
+bool one_colour(const io::TexturedMesh& mesh) {
+    if (has_texture(mesh)) return false;
+    const auto corner_colour = [&](std::size_t triangle, std::size_t corner) -> Eigen::Vector3f {
+        const Eigen::Vector3f rgb = mesh.materials[mesh.material_of_triangle[triangle]].rgb;
+        return mesh.corner_rgb.empty() ? rgb : Eigen::Vector3f(rgb.cwiseProduct(mesh.corner_rgb[triangle][corner]));
+    };
+    const Eigen::Vector3f first = corner_colour(0, 0);
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+        for (std::size_t c = 0; c < 3; ++c)
+            if (corner_colour(t, c) != first) return false;
+    return true;
+}
+
+}  // namespace
+
+SurfaceColour::SurfaceColour(const io::TexturedMesh& mesh, double sample_spacing_mm) : mesh_(mesh), constant_(one_colour(mesh)) {
+    if (!has_texture(mesh)) return;
+    lod_.resize(mesh.triangles.size());
+    parallel_for(0, mesh.triangles.size(), 4096, [&](std::size_t t) {
+        const io::Texture* texture = mesh.materials[mesh.material_of_triangle[t]].texture.get();
+        if (!texture) return;
+        const auto& corners = mesh.triangles[t];
+        lod_[t] = texture->lod(mesh.corner_uv[t], {mesh.positions[corners[0]], mesh.positions[corners[1]], mesh.positions[corners[2]]},
+                               sample_spacing_mm);
+    });
+}
+
+Eigen::Vector3f SurfaceColour::at(std::uint32_t triangle, float u, float v) const {
+    const io::SurfaceMaterial& material = mesh_.materials[mesh_.material_of_triangle[triangle]];
+    Eigen::Vector3f rgb = material.rgb;
+    const float w = 1 - u - v;
+    if (!mesh_.corner_rgb.empty()) {
+        const auto& corner = mesh_.corner_rgb[triangle];
+        rgb = rgb.cwiseProduct(w * corner[0] + u * corner[1] + v * corner[2]);
+    }
+    if (material.texture && !mesh_.corner_uv.empty()) {
+        const auto& corner = mesh_.corner_uv[triangle];
+        const Eigen::Vector2f uv = w * corner[0] + u * corner[1] + v * corner[2];
+        rgb = rgb.cwiseProduct(material.texture->sample(uv.x(), uv.y(), lod_[triangle]));
+    }
+    return rgb.cwiseMax(0.0f).cwiseMin(1.0f);
+}
+
+}  // namespace voxtone::slicer

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The colour that was asked for at a point of the surface: material * corner colour * texture, in linear sRGB (io/models/mesh.h).
+// Textures are filtered at the level whose texels are as wide as `sample_spacing_mm` on this triangle.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "voxtone/io/models/mesh.h"
+
+namespace voxtone::slicer {
+
+class SurfaceColour {
+public:
+    /// Keeps a reference to the mesh, whose positions are in mm.
+    SurfaceColour(const io::TexturedMesh& mesh, double sample_spacing_mm);
+
+    /// Point corner0 + u (corner1 - corner0) + v (corner2 - corner0) of a triangle of the mesh; linear sRGB in [0, 1].
+    [[nodiscard]] Eigen::Vector3f at(std::uint32_t triangle, float u, float v) const;
+
+    /// True when every point has the same colour (a model without texture and with one material).
+    [[nodiscard]] bool constant() const { return constant_; }
+
+private:
+    const io::TexturedMesh& mesh_;
+    std::vector<float> lod_;  ///< per triangle; empty without textures
+    bool constant_ = false;
+};
+
+}  // namespace voxtone::slicer

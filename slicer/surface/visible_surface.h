@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The coloured surface: triangles from which colour is taken and depth is measured. Each knows which triangle of the
+// textured mesh it lies on, and where.
+//
+// Where shells overlap or nest, what lies inside the body is hidden: it neither colours nor counts for depth. A point of the
+// surface is hidden when the winding number is not zero on either side of it. Triangles are taken as a whole as far as they
+// do not cross others; crossed ones are halved down to pieces of `piece_mm`, so the edge of what is visible is that rough.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "voxtone/slicer/mesh/mesh_repair.h"
+
+namespace voxtone::slicer {
+
+struct VisibleSurface {
+    std::vector<Eigen::Vector3d> positions_mm;
+    std::vector<std::array<std::uint32_t, 3>> triangles;
+    /// Per triangle its triangle of the textured mesh.
+    std::vector<std::uint32_t> source_triangle;
+    /// Per triangle and corner the place in the source triangle: weights (u, v) of the source's corners 1 and 2; corner 0
+    /// has the rest, 1 - u - v.
+    std::vector<std::array<Eigen::Vector2f, 3>> source_uv;
+};
+
+[[nodiscard]] double coloured_area_mm2(const VisibleSurface& surface);
+
+struct VisibleSurfaceReport {
+    std::size_t hidden = 0;   ///< triangles of the solid that are hidden as a whole
+    std::size_t cut = 0;      ///< triangles of which a part is hidden
+    std::size_t patches = 0;  ///< triangles made by the repair: each third has the colour of its corner
+};
+
+/// `positions_mm` and `triangles` are those of the textured mesh that was repaired.
+/// Patches that fill holes take their colours from the corners; wraps leave colour and depth to the faces they stand for, where
+/// these are within a few offsets of the wrap.
+[[nodiscard]] VisibleSurface find_visible_surface(const std::vector<Eigen::Vector3d>& positions_mm,
+                                                  const std::vector<std::array<std::uint32_t, 3>>& triangles, const RepairedMesh& repaired,
+                                                  double piece_mm = 0.1, VisibleSurfaceReport* report = nullptr);
+
+}  // namespace voxtone::slicer

@@ -1,0 +1,236 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <catch2/catch.hpp>
+
+#include <cmath>
+#include <limits>
+
+#include "blurring_model.h"
+#include "voxtone/base/parallel.h"
+#include "voxtone/halftone/loop/residual_feedback.h"
+
+using namespace voxtone;
+using namespace voxtone::halftone;
+using namespace voxtone::test;
+
+namespace {
+
+using Roles = std::vector<std::string>;
+constexpr int n = 24;
+
+optics::ResinSet black_and_white() { return optics::vero_opaque().subset(Roles{"K", "W"}); }
+
+/// Grey stripes of 4 cells.
+std::vector<Eigen::Vector3f> stripes(float dark, float light) {
+    std::vector<Eigen::Vector3f> target;
+    for (int y = 0; y < n; ++y)
+        for (int x = 0; x < n; ++x) target.push_back(Eigen::Vector3f::Constant(x / 4 % 2 ? dark : light));
+    return target;
+}
+
+/// Ends the work after some predictions.
+class Impatient final : public Progress {
+public:
+    explicit Impatient(int after) : after_(after) {}
+
+private:
+    void on_advance(std::uint64_t done) override {
+        if (static_cast<int>(done) >= after_) cancel();
+    }
+    int after_;
+};
+
+LoopResult run(SmallSlab& slab, const BlurringModel& model, std::span<const Eigen::Vector3f> target, const LoopOptions& options,
+               Progress& progress, const LoopListener& listener = {}, const LoopState* resume = nullptr) {
+    const optics::ResinVolume open = slab.print(mixtures_of(*slab.recipes, target));
+    return run_appearance_loop(slab.task(model, open, target), options, progress, listener, resume);
+}
+
+}  // namespace
+
+TEST_CASE("Surface first: a colour takes the thinnest skin that shows it, pure resins all the way down", "[loop]") {
+    const SmallSlab slab(2, optics::vero_opaque().subset(Roles{"C", "M", "Y", "K", "W"}));
+    const std::size_t resins = 5, white = 4, black = 3;
+    std::vector<float> f(slab.skin.size() * resins);
+    const auto layer = [&](std::size_t l, std::size_t r) { return f[l * resins + r]; };
+
+    slab.recipes->recipe({0.8f, 0.8f, 0.8f}, f);
+    CHECK(layer(0, white) < 0.999f);
+    CHECK(layer(2, white) == Approx(1).margin(1e-3));
+    CHECK(layer(3, white) == Approx(1).margin(1e-3));
+    slab.recipes->recipe({0, 0, 0}, f);
+    CHECK(layer(3, black) + layer(3, 0) + layer(3, 1) + layer(3, 2) > 0.9f);
+    slab.recipes->recipe({1, 1, 1}, f);
+    for (std::size_t l = 0; l < slab.skin.size(); ++l) CHECK(layer(l, white) == 1);
+    for (const Eigen::Vector3f& rgb : {Eigen::Vector3f(0.3f, 0.05f, 0.02f), Eigen::Vector3f(0.2f, 0.5f, 0.7f)}) {
+        slab.recipes->recipe(rgb, f);
+        for (std::size_t l = 0; l < slab.skin.size(); ++l) {
+            float sum = 0;
+            for (std::size_t r = 0; r < resins; ++r) {
+                CHECK(layer(l, r) >= 0);
+                sum += layer(l, r);
+            }
+            CHECK(sum == Approx(1).margin(1e-5));
+        }
+    }
+}
+
+TEST_CASE("Skin mixtures become bounds that select each resin by its fraction", "[loop]") {
+    SkinMixtures skin(1, 2, 3);
+    const std::vector<float> fractions{0.25f, 0, 0.75f, 0, 0, 0};
+    std::copy(fractions.begin(), fractions.end(), skin.cell(0).begin());
+    const auto mixture = cumulative_mixtures(skin);
+    REQUIRE(mixture.size() == 2);
+    CHECK(mixture[0].bound[0] == 16384);
+    CHECK(mixture[0].bound[1] == 16384);
+    CHECK(select_resin(mixture[0], 0, 3) == 0);
+    CHECK(select_resin(mixture[0], 16384, 3) == 2);
+    // Nothing at all: the bounds stay valid.
+    CHECK(select_resin(mixture[1], 5, 3) == 0);
+    // A negative fraction counts as none.
+    skin.cell(0)[1] = -1;
+    CHECK(cumulative_mixtures(skin)[0].bound[1] == 16384);
+}
+
+TEST_CASE("Feedback moves a drive by the residual, and eases what cannot follow", "[loop]") {
+    const auto whole_cube = [](const Eigen::Vector3f& rgb) { return rgb; };
+    const std::vector<Eigen::Vector3f> target{{0.5f, 0.5f, 0.5f}, {0.9f, 0.9f, 0.9f}};
+    const std::vector<Eigen::Vector3f> predicted{{0.4f, 0.5f, 0.6f}, {0.5f, 0.7f, 0.8f}};
+    std::vector<Eigen::Vector3f> drive{{0.5f, 0.5f, 0.5f}, {1, 0.9f, 0.9f}}, eased(2);
+    const std::size_t stuck = feed_back(target, predicted, whole_cube, {}, drive, eased);
+    CHECK(stuck == 1);
+    const float root = std::cbrt(0.5f);
+    CHECK(std::cbrt(drive[0].x()) == Approx(2 * root - std::cbrt(0.4f)).epsilon(1e-5));
+    CHECK(drive[0].y() == Approx(0.5f));
+    CHECK(drive[0].z() < 0.5f);
+    CHECK(eased[0] == target[0]);
+    // Red cannot get lighter than it is: the colour that is asked for is less light and less blue than the target.
+    CHECK(drive[1].x() == Approx(1));
+    CHECK(eased[1].x() == Approx(0.5f));
+    CHECK(eased[1].y() < 0.9f);
+    CHECK(eased[1].z() < eased[1].y() + 0.1f);
+}
+
+TEST_CASE("The nearest colour keeps the channels that are stuck and is a minimum in the others", "[loop]") {
+    const Eigen::Vector3f target(0.9f, 0.85f, 0.8f), from(0.5f, 0.1f, 0.1f);
+    const Eigen::Vector3f v = nearest_colour(target, from, {true, false, false});
+    CHECK(v.x() == 0.5f);
+    const auto cost = [&](const Eigen::Vector3f& rgb) {
+        const Eigen::Vector3d d = optics::oklab_from_linear_srgb(rgb.cast<double>()) - optics::oklab_from_linear_srgb(target.cast<double>());
+        return std::hypot(d.x(), 2 * d.y(), 2 * d.z());
+    };
+    for (int c = 1; c < 3; ++c)
+        for (const float step : {-0.02f, 0.02f}) {
+            Eigen::Vector3f other = v;
+            other[c] += step;
+            CHECK(cost(other) > cost(v));
+        }
+    CHECK((nearest_colour(target, from, {false, false, false}) - target).norm() < 1e-3f);
+}
+
+TEST_CASE("The loop undoes a blur, keeps its best iterate and is never worse than the open loop", "[loop]") {
+    SmallSlab slab(n, black_and_white());
+    const BlurringModel model(n, static_cast<int>(slab.white) + 1, 0.5f);
+    Progress quiet;
+    LoopOptions options;
+    options.iterations = 6;
+    const auto target = stripes(0.2f, 0.6f);
+    const LoopResult result = run(slab, model, target, options, quiet);
+    const LoopState& state = result.state;
+    REQUIRE(state.steps.size() == 7);
+    CHECK(state.steps[state.best].seen.mean < 0.6 * state.steps[0].seen.mean);
+    for (const LoopStep& step : state.steps) CHECK(state.steps[state.best].seen.mean <= step.seen.mean);
+    REQUIRE(result.best);
+    // What is called the best print is what the model says of it.
+    const optics::ResinVolume best = slab.print(*result.best);
+    optics::Scene scene = slab.scene;
+    scene.volume = &best;
+    const optics::Appearance seen = model.predict(scene, slab.surface, nullptr);
+    for (std::size_t i = 0; i < target.size(); ++i) CHECK(state.shown[i].x() == Approx(seen.value[3 * i] / result.white[3 * i]).margin(1e-6));
+}
+
+TEST_CASE("A loop that cannot gain ends with the open loop, and stops by itself", "[loop]") {
+    SmallSlab slab(n, black_and_white());
+    // Everything is seen as one grey: nothing helps.
+    class Blind final : public optics::AppearanceModel {
+    public:
+        optics::Appearance predict(const optics::Scene&, const optics::Surface& surface, const Progress*) const override {
+            return {3, std::vector<float>(3 * surface.cells.size(), 0.3f), {}};
+        }
+    };
+    const Blind model;
+    Progress quiet;
+    const auto target = stripes(0.2f, 0.6f);
+    const optics::ResinVolume open = slab.print(mixtures_of(*slab.recipes, target));
+    const LoopResult result = run_appearance_loop(slab.task(model, open, target), {}, quiet);
+    CHECK(result.state.best == 0);
+    CHECK_FALSE(result.best);
+    CHECK(result.state.steps.size() < most_iterations);
+    CHECK(result.why_stopped == "it stopped gaining");
+}
+
+TEST_CASE("No iterations leave the open loop", "[loop]") {
+    SmallSlab slab(n, black_and_white());
+    const BlurringModel model(n, static_cast<int>(slab.white) + 1, 0.5f);
+    Progress quiet;
+    LoopOptions options;
+    options.iterations = 0;
+    const LoopResult result = run(slab, model, stripes(0.2f, 0.6f), options, quiet);
+    CHECK(result.state.steps.size() == 1);
+    CHECK_FALSE(result.best);
+}
+
+TEST_CASE("A cancelled loop gives the best so far", "[loop]") {
+    SmallSlab slab(n, black_and_white());
+    const BlurringModel model(n, static_cast<int>(slab.white) + 1, 0.5f);
+    Impatient impatient(3);
+    const LoopResult result = run(slab, model, stripes(0.2f, 0.6f), {}, impatient);
+    CHECK(result.cancelled);
+    CHECK(result.state.steps.size() == 3);
+    CHECK(result.state.best > 0);
+}
+
+TEST_CASE("A resumed loop goes on to the same bits", "[loop]") {
+    SmallSlab slab(n, black_and_white());
+    const BlurringModel model(n, static_cast<int>(slab.white) + 1, 0.5f);
+    Progress quiet;
+    LoopOptions options;
+    options.iterations = 5;
+    const auto target = stripes(0.2f, 0.6f);
+    std::vector<LoopState> states;
+    const LoopResult whole = run(slab, model, target, options, quiet, [&](const LoopState& state) { states.push_back(state); });
+    REQUIRE(states.size() >= 3);
+    const LoopResult resumed = run(slab, model, target, options, quiet, {}, &states[2]);
+    REQUIRE(resumed.state.steps.size() == whole.state.steps.size());
+    CHECK(resumed.state.drive == whole.state.drive);
+    CHECK(std::ranges::equal(resumed.state.best_mixtures.all(), whole.state.best_mixtures.all()));
+    CHECK(resumed.state.best == whole.state.best);
+}
+
+TEST_CASE("The same bits for one thread and five", "[loop]") {
+    SmallSlab slab(n, black_and_white());
+    const BlurringModel model(n, static_cast<int>(slab.white) + 1, 0.5f);
+    Progress quiet;
+    LoopOptions options;
+    options.iterations = 3;
+    const auto target = stripes(0.2f, 0.6f);
+    std::vector<std::vector<Eigen::Vector3f>> drives;
+    for (const std::size_t threads : {1u, 5u}) {
+        const ThreadLimit limit(threads);
+        drives.push_back(run(slab, model, target, options, quiet).state.drive);
+    }
+    CHECK(drives[0] == drives[1]);
+}
+
+TEST_CASE("Targets without any colour in the gamut, and of one colour", "[loop]") {
+    SmallSlab slab(n, black_and_white());
+    const BlurringModel model(n, static_cast<int>(slab.white) + 1, 0.3f);
+    Progress quiet;
+    LoopOptions options;
+    options.iterations = 3;
+    const std::vector<Eigen::Vector3f> red(n * n, Eigen::Vector3f(0.8f, 0.05f, 0.05f)), grey(n * n, Eigen::Vector3f::Constant(0.4f));
+    const LoopResult all_out = run(slab, model, red, options, quiet);
+    CHECK(std::count(all_out.in_gamut.begin(), all_out.in_gamut.end(), 1) == n * n);
+    for (const LoopStep& step : all_out.state.steps) CHECK(std::isfinite(step.seen.mean));
+    const LoopResult flat = run(slab, model, grey, options, quiet);
+    CHECK(flat.state.steps[flat.state.best].seen.mean < 0.7 * flat.state.steps[0].seen.mean);
+}

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+#include "flat_surface.h"
+#include "voxtone/base/random.h"
+#include "voxtone/halftone/loop/misfit.h"
+
+using namespace voxtone;
+using namespace voxtone::halftone;
+
+namespace {
+
+constexpr int n = 120;
+constexpr float contrast_part = 0.7f;
+
+std::vector<Eigen::Vector3f> colours(std::uint64_t seed) {
+    std::vector<Eigen::Vector3f> rgb;
+    for (std::uint64_t i = 0; i < n * n; ++i) {
+        RandomStream random(seed, i);
+        rgb.emplace_back(0.1 + 0.8 * random.uniform(), 0.1 + 0.8 * random.uniform(), 0.1 + 0.8 * random.uniform());
+    }
+    return rgb;
+}
+
+}  // namespace
+
+TEST_CASE("The misfit is 0 at the target, and its derivative is that of differences", "[loop]") {
+    const optics::Surface surface = test::flat_surface(n, n, 0.085);
+    const EyeFilter eye(surface, 300, EyeSurround::none), wide(surface, 300 * wider, EyeSurround::none);
+    const auto target = colours(1), shown = colours(2);
+    std::vector<float> weight(n * n, 1.0f);
+    for (std::size_t i = 0; i < weight.size(); i += 3) weight[i] = 0.25f;
+    for (const bool contrast : {false, true}) {
+        const MisfitFunction misfit(surface, eye, target, weight, contrast ? &wide : nullptr, contrast_part);
+        CHECK(misfit(target).value == Approx(0).margin(1e-9));
+        const Misfit here = misfit(shown);
+        CHECK(here.value > 0);
+        float largest = 0;
+        for (const Eigen::Vector3f& by : here.by_colour) largest = std::max(largest, by.cwiseAbs().maxCoeff());
+        // Away from the border, where the filter's sums are alike.
+        // For the wide filter the border is everywhere on so small a surface.
+        for (const int cell : {n * 60 + 57, n * 55 + 62}) {
+            for (Eigen::Index c = 0; c < 3; ++c) {
+                constexpr float step = 0.004f;
+                auto up = shown, down = shown;
+                up[std::size_t(cell)][c] += step;
+                down[std::size_t(cell)][c] -= step;
+                const double difference = (misfit(up).value - misfit(down).value) / double(2 * step);
+                CHECK(double(here.by_colour[std::size_t(cell)][c]) == Approx(difference).epsilon(0.05).margin((contrast ? 0.02 : 0.002) * double(largest)));
+            }
+        }
+    }
+}
+
+TEST_CASE("With the contrast intent an even offset counts little, a pattern as before", "[loop]") {
+    const optics::Surface surface = test::flat_surface(n, n, 0.085);
+    const EyeFilter eye(surface, 300, EyeSurround::none), wide(surface, 300 * wider, EyeSurround::none);
+    const std::vector<Eigen::Vector3f> grey(n * n, Eigen::Vector3f::Constant(0.3f)), lighter(n * n, Eigen::Vector3f::Constant(0.4f));
+    std::vector<Eigen::Vector3f> stripes = grey;  // of the same mean
+    for (std::size_t i = 0; i < stripes.size(); ++i)
+        stripes[i].setConstant(i % n / 4 % 2 ? 0.35f : 0.25f);
+    const MisfitFunction plain(surface, eye, grey), contrast(surface, eye, grey, {}, &wide, contrast_part);
+    const double keeps = (1 - double(contrast_part)) * (1 - double(contrast_part));
+    // The small part that is taken cell by cell has no privilege.
+    CHECK(contrast(lighter).value < (keeps + 0.12) * plain(lighter).value);
+    CHECK(contrast(stripes).value > 0.5 * plain(stripes).value);
+}

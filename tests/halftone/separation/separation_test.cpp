@@ -1,0 +1,302 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "voxtone/base/error.h"
+#include "voxtone/base/parallel.h"
+#include "voxtone/base/random.h"
+#include "voxtone/halftone/separation/separation.h"
+#include "voxtone/optics/colour/colour.h"
+
+using namespace voxtone;
+using namespace voxtone::halftone;
+
+namespace {
+
+using Roles = std::vector<std::string>;
+
+/// The Vero Opaque resins of these roles, and a clear one (T).
+optics::ResinSet resin_set(const Roles& roles) {
+    optics::ResinSet set = optics::vero_opaque();
+    const optics::Resin clear{"Clear", "T", {0, 0, 0}, {1, 1, 1}};
+    set.resins.push_back(clear);
+    return set.subset(roles);
+}
+
+optics::ShellAppearance appearance_of(const optics::ResinSet& set) {
+    optics::ShellGeometry geometry;
+    geometry.core_resin = set.find("W");
+    return optics::ShellAppearance(set, geometry);
+}
+
+/// Fractions of a random mixture; every other one mostly white.
+std::vector<double> random_mixture(RandomStream& random, std::size_t resins, std::size_t core, bool pale) {
+    std::vector<double> f(resins);
+    const double power = 1 + 3 * random.uniform();
+    double sum = 0;
+    for (double& x : f) sum += x = std::pow(-std::log(1 - random.uniform()), power);
+    const double white = pale ? 1 - std::pow(random.uniform(), 3) : 0;
+    for (double& x : f) x *= (1 - white) / sum;
+    f[core] += white;
+    return f;
+}
+
+/// CIEDE2000 from the colour of a random mixture through the lattice and back, by `colour_of(appearance, fractions)`.
+template <class ColourOf>
+optics::DifferenceSummary round_trip(const Roles& roles, const SeparationOptions& options, int colours,
+                                     ColourOf colour_of) {
+    const optics::ResinSet set = resin_set(roles);
+    const optics::ShellAppearance appearance = appearance_of(set);
+    const Separation separation(appearance, options);
+    const auto core = static_cast<std::size_t>(set.find("W"));
+    std::vector<double> differences(static_cast<std::size_t>(colours));
+    parallel_for(0, differences.size(), 4, [&](std::size_t n) {
+        RandomStream random(1, n);
+        const Eigen::Vector3d target =
+            colour_of(appearance, random_mixture(random, set.resins.size(), core, n % 2 == 1));
+        const Eigen::Vector3d printed = colour_of(appearance, separation.fractions(target.cast<float>()));
+        differences[n] = optics::ciede2000(optics::lab_from_linear_srgb(target), optics::lab_from_linear_srgb(printed));
+    });
+    return optics::summarize(differences);
+}
+
+/// Layered transport without tables: milliseconds a colour.
+Eigen::Vector3d exact_colour(const optics::ShellAppearance& appearance, const std::vector<double>& fractions) {
+    const std::vector<double> seen = appearance.exact(fractions);
+    Eigen::Vector3d colour;
+    for (std::size_t c = 0; c < 3; ++c)
+        colour[static_cast<Eigen::Index>(c)] = seen[c] / appearance.white_appearance()[c];
+    return colour;
+}
+
+Eigen::Vector3d table_colour(const optics::ShellAppearance& appearance, const std::vector<double>& fractions) {
+    return AppearanceColour(appearance, {}).rgb(fractions);
+}
+
+Eigen::Vector3f from_srgb(double r, double g, double b) {
+    return Eigen::Vector3d(optics::srgb_decode(r), optics::srgb_decode(g), optics::srgb_decode(b)).cast<float>();
+}
+
+}  // namespace
+
+TEST_CASE("Colours of mixtures are met within 0.5 mean and 1.5 max CIEDE2000") {
+    for (const Roles& roles :
+         {Roles{"C", "M", "Y", "K", "W"}, Roles{"C", "M", "Y", "W"}, Roles{"C", "M", "W"}, Roles{"K", "W"}}) {
+        const auto summary = round_trip(roles, {}, 2000, table_colour);
+        INFO(roles.size() << " resins: mean " << summary.mean << ", max " << summary.max);
+        CHECK(summary.mean < 0.5);
+        CHECK(summary.max < 1.5);
+    }
+    SeparationOptions coarse;
+    coarse.nodes = 7;
+    CHECK(round_trip({"C", "M", "Y", "K", "W"}, coarse, 500, table_colour).max > 1.5);
+}
+
+TEST_CASE("Colours of mixtures are met when seen by layered transport without tables") {
+    const auto summary = round_trip({"C", "M", "Y", "K", "W"}, {}, 100, exact_colour);
+    INFO("mean " << summary.mean << ", max " << summary.max);
+    CHECK(summary.mean < 0.5);
+    CHECK(summary.max < 1.5);
+}
+
+TEST_CASE("Sets whose gamut the lattice cuts badly are met within 0.5 mean and 3 max CIEDE2000") {
+    // Without red and yellow, or with clear as a second way to dilute, many colours lie on the edge of the gamut
+    // itself.
+    for (const Roles& roles : {Roles{"K", "W", "C"}, Roles{"C", "M", "Y", "K", "W", "T"}}) {
+        const auto summary = round_trip(roles, {}, 2000, table_colour);
+        INFO(roles.size() << " resins: mean " << summary.mean << ", max " << summary.max);
+        CHECK(summary.mean < 0.5);
+        CHECK(summary.max < 3);
+    }
+}
+
+TEST_CASE("White is white resin exactly, for every set") {
+    for (const Roles& roles : {Roles{"C", "M", "Y", "K", "W"}, Roles{"C", "M", "W"}, Roles{"K", "W", "C"}, Roles{"W"},
+                               Roles{"C", "M", "Y", "K", "W", "T"}}) {
+        const optics::ResinSet set = resin_set(roles);
+        const optics::ShellAppearance appearance = appearance_of(set);
+        const Separation separation(appearance);
+        const auto core = static_cast<std::size_t>(set.find("W"));
+        CHECK(separation.fractions({1, 1, 1})[core] == 1.0);
+        CHECK(separation.mapping_distance({1, 1, 1}) < 0.01);  // the error of the appearance's table
+        const float one = 1;
+        CumulativeMixture mixture;
+        separation.mixtures(&one, &one, &one, 1, &mixture);
+        for (int t : {0, 1, 30000, 65534})
+            REQUIRE(select_resin(mixture, static_cast<std::uint16_t>(t), static_cast<int>(set.resins.size())) ==
+                    set.find("W"));
+    }
+}
+
+TEST_CASE("A set of one resin gives that resin") {
+    const optics::ResinSet set = resin_set({"W"});
+    const optics::ShellAppearance appearance = appearance_of(set);
+    const Separation separation(appearance);
+    CHECK(separation.fractions({0.2f, 0.9f, 0.0f}) == std::vector<double>{1.0});
+    CHECK(separation.mapping_distance({0, 0, 0}) > 50);
+}
+
+TEST_CASE("Clear resin stays out of white and grey") {
+    const optics::ResinSet set = resin_set({"C", "M", "Y", "K", "W", "T"});
+    const optics::ShellAppearance appearance = appearance_of(set);
+    const Separation separation(appearance);
+    for (double v : {0.25, 0.4, 0.6, 0.8, 0.95, 1.0}) CHECK(separation.fractions(from_srgb(v, v, v))[5] < 0.01);
+}
+
+TEST_CASE("Colours out of gamut keep their hue") {
+    const optics::ResinSet set = resin_set({"C", "M", "Y", "K", "W"});
+    const optics::ShellAppearance appearance = appearance_of(set);
+    const Separation separation(appearance);
+    double worst = 0, farthest = 0;
+    int looked_at = 0;
+    for (int hue = 0; hue < 360; hue += 3)
+        for (double value : {0.4, 0.7, 1.0})
+            for (double saturation : {0.8, 1.0}) {
+                // The saturated colours of HSV.
+                const auto channel = [&](double n) {
+                    const double k = std::fmod(n + hue / 60.0, 6.0);
+                    return value - value * saturation * std::max(0.0, std::min({k, 4 - k, 1.0}));
+                };
+                const Eigen::Vector3f target = from_srgb(channel(5), channel(3), channel(1));
+                const double distance = separation.mapping_distance(target);
+                farthest = std::max(farthest, distance);
+                if (distance < 3) continue;
+                const Eigen::Vector3d asked = optics::oklab_from_linear_srgb(target.cast<double>());
+                const Eigen::Vector3d got = optics::oklab_from_linear_srgb(separation.predicted(target));
+                if (std::hypot(got.y(), got.z()) < 0.04) continue;
+                const double turn = std::remainder(std::atan2(got.z(), got.y()) - std::atan2(asked.z(), asked.y()),
+                                                   2 * std::numbers::pi);
+                worst = std::max(worst, std::abs(turn) * 180 / std::numbers::pi);
+                ++looked_at;
+            }
+    INFO("worst turn of hue " << worst << " degrees of " << looked_at << " colours; farthest mapped by " << farthest);
+    REQUIRE(looked_at > 100);
+    CHECK(worst < 8);
+    // Clipping each channel to what the primaries reach turns saturated green much further than that.
+    CHECK(farthest > 5);
+}
+
+TEST_CASE("The grey ramp is monotone and neutral") {
+    const optics::ResinSet set = resin_set({"C", "M", "Y", "K", "W"});
+    const optics::ShellAppearance appearance = appearance_of(set);
+    const Separation separation(appearance);
+    double last_lightness = -1, last_white = -1;
+    for (int step = 0; step <= 512; ++step) {
+        const double v = step / 512.0;
+        const Eigen::Vector3d lab = optics::lab_from_linear_srgb(separation.predicted(from_srgb(v, v, v)));
+        const double white = separation.fractions(from_srgb(v, v, v))[4];
+        REQUIRE(lab.x() >= last_lightness - 1e-3);
+        REQUIRE(white >= last_white - 1e-3);
+        if (v > 0.2) REQUIRE(std::hypot(lab.y(), lab.z()) < 1.0);
+        last_lightness = lab.x();
+        last_white = white;
+    }
+}
+
+TEST_CASE("Mixtures change smoothly along ramps of colour") {
+    const optics::ResinSet set = resin_set({"C", "M", "Y", "K", "W"});
+    const optics::ShellAppearance appearance = appearance_of(set);
+    const Separation separation(appearance);
+    double worst = 0;
+    for (int ramp = 0; ramp < 200; ++ramp) {
+        RandomStream random(9, static_cast<std::uint64_t>(ramp));
+        const auto draw = [&] { return Eigen::Vector3d(random.uniform(), random.uniform(), random.uniform()); };
+        const Eigen::Vector3d from = draw(), to = draw();
+        // Steps of one unit of 8-bit sRGB.
+        const int steps = static_cast<int>(std::ceil(255 * (to - from).cwiseAbs().maxCoeff()));
+        std::vector<double> last;
+        for (int n = 0; n <= steps; ++n) {
+            const Eigen::Vector3d coded = from + (to - from) * n / steps;
+            const std::vector<double> f = separation.fractions(from_srgb(coded[0], coded[1], coded[2]));
+            for (std::size_t r = 0; r < last.size(); ++r) worst = std::max(worst, std::abs(f[r] - last[r]));
+            last = f;
+        }
+    }
+    INFO("largest change of a fraction for one 8-bit step " << worst);
+    CHECK(worst < 0.08);
+}
+
+TEST_CASE("Batches of any length give what single colours give, and bounds are in order") {
+    const optics::ResinSet set = resin_set({"C", "M", "Y", "K", "W"});
+    const optics::ShellAppearance appearance = appearance_of(set);
+    const Separation separation(appearance);
+    RandomStream random(4, 0);
+    for (std::size_t n : {1u, 7u, 16u, 17u, 100u}) {
+        std::vector<float> r(n), g(n), b(n);
+        for (std::size_t i = 0; i < n; ++i) {
+            r[i] = static_cast<float>(1.2 * random.uniform() - 0.1);  // some outside [0, 1]
+            g[i] = static_cast<float>(random.uniform());
+            b[i] = i % 5 == 0 ? g[i] : static_cast<float>(random.uniform());
+        }
+        if (n > 10) r[3] = std::numeric_limits<float>::quiet_NaN();
+        std::vector<CumulativeMixture> mixtures(n);
+        separation.mixtures(r.data(), g.data(), b.data(), n, mixtures.data());
+        for (std::size_t i = 0; i < n; ++i) {
+            const std::vector<double> f = separation.fractions({r[i], g[i], b[i]});
+            double sum = 0;
+            for (std::size_t k = 0; k < 4; ++k) {
+                sum += f[k];
+                REQUIRE(std::abs(mixtures[i].bound[k] - 65536 * sum) < 1.1);
+                REQUIRE((k == 0 || mixtures[i].bound[k] >= mixtures[i].bound[k - 1]));
+            }
+            for (std::size_t k = 4; k < max_resins; ++k) REQUIRE(mixtures[i].bound[k] == 65535);
+        }
+    }
+}
+
+TEST_CASE("A spectral set is separated by the colour of its spectrum under D65") {
+    // Five wavelengths with the resins' blue, green and red values: not a real set, but white, cyan, magenta, yellow,
+    // black.
+    optics::ResinSet set = optics::vero_opaque();
+    set.channels.wavelengths_nm = {430, 480, 540, 600, 650};
+    for (optics::Resin& resin : set.resins) {
+        const auto spread = [](const std::vector<double>& rgb) {
+            return std::vector<double>{rgb[2], rgb[2], rgb[1], rgb[0], rgb[0]};
+        };
+        resin.sigma_t_per_mm = spread(resin.sigma_t_per_mm);
+        resin.albedo = spread(resin.albedo);
+    }
+    const optics::ShellAppearance appearance = appearance_of(set);
+    REQUIRE_THROWS_AS(Separation(appearance), InputError);
+    SeparationOptions options;
+    options.wavelengths_nm = set.channels.wavelengths_nm;
+    const Separation separation(appearance, options);
+    CHECK(separation.fractions({1, 1, 1})[4] == 1.0);
+    CHECK((separation.predicted({1, 1, 1}) - Eigen::Vector3d::Ones()).norm() < 1e-4);
+    const AppearanceColour colour(appearance, options.wavelengths_nm);
+    std::vector<double> differences;
+    for (int n = 0; n < 1000; ++n) {
+        RandomStream random(2, static_cast<std::uint64_t>(n));
+        const Eigen::Vector3d target = colour.rgb(random_mixture(random, 5, 4, n % 2 == 1));
+        // sRGB does not hold all colours of spectra.
+        if (target.minCoeff() < 0 || target.maxCoeff() > 1) continue;
+        differences.push_back(separation.mapping_distance(target.cast<float>()));
+    }
+    REQUIRE(differences.size() > 300);
+    const auto summary = optics::summarize(differences);
+    INFO("mean " << summary.mean << ", max " << summary.max);
+    CHECK(summary.mean < 0.5);
+    CHECK(summary.max < 3);  // at the edge of the gamut
+}
+
+TEST_CASE("The separation has the same bits for one thread and for several") {
+    const optics::ResinSet set = resin_set({"C", "M", "Y", "K", "W"});
+    const optics::ShellAppearance appearance = appearance_of(set);
+    SeparationOptions options;
+    options.nodes = 9;
+    const Separation several(appearance, options);
+    const ThreadLimit one_thread(1);
+    const Separation one(appearance, options);
+    for (int n = 0; n < 2000; ++n) {
+        RandomStream random(8, static_cast<std::uint64_t>(n));
+        const Eigen::Vector3f rgb(static_cast<float>(random.uniform()), static_cast<float>(random.uniform()),
+                                  static_cast<float>(random.uniform()));
+        REQUIRE(one.fractions(rgb) == several.fractions(rgb));
+    }
+}

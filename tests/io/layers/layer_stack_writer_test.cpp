@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/io/layers/layer_stack_writer.h"
+
+#include <catch2/catch.hpp>
+#include <fstream>
+#include <map>
+
+#include "layer_samples.h"
+#include "tests/io/files/temporary_folder.h"
+#include "voxtone/base/contracts.h"
+#include "voxtone/base/error.h"
+#include "voxtone/base/parallel.h"
+#include "voxtone/io/layers/orient.h"
+#include "voxtone/io/files/sha256.h"
+#include "voxtone/io/files/whole_file.h"
+
+using namespace voxtone;
+using namespace voxtone::io;
+using Catch::Contains;
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::array<double, 6> weights = {3, 1, 1, 1, 1, 5};
+
+StackDescription description(std::uint32_t layers) {
+    StackDescription stack;
+    stack.printer = "stratasys-j750-hm";
+    stack.pitch_um = {42.333333, 84.666667, 27};
+    stack.size_px = {70, 40};
+    stack.layers = layers;
+    stack.resins = {{"VeroCyan", "C", {0, 174, 239}}, {"VeroMagenta", "M", {236, 0, 140}}, {"VeroYellow", "Y", {255, 242, 0}},
+                    {"VeroBlack", "K", {40, 40, 40}}, {"VeroWhite", "W", {220, 222, 216}}};
+    return stack;
+}
+
+LayerRuns layer_of(std::uint32_t index) {
+    RandomStream random(11, index);
+    return random_layer(random, 70, 40, weights, 0.05, 0.3);
+}
+
+std::map<std::string, std::string> contents(const fs::path& folder) {
+    std::map<std::string, std::string> result;
+    for (const auto& entry : fs::recursive_directory_iterator(folder))
+        if (entry.is_regular_file()) {
+            std::ifstream in(entry.path(), std::ios::binary);
+            result[fs::relative(entry.path(), folder).string()] = {std::istreambuf_iterator<char>(in), {}};
+        }
+    return result;
+}
+
+/// The pixels of a layer, row by row.
+std::vector<Material> pixels(const LayerRuns& layer) {
+    std::vector<Material> result;
+    for (std::uint32_t y = 0; y < layer.rows(); ++y)
+        for (const Run run : layer.row(y)) result.insert(result.end(), run.length, static_cast<Material>(run.material));
+    return result;
+}
+
+}  // namespace
+
+TEST_CASE("a stack has its files, counts and digest", "[stack]") {
+    TemporaryFolder folder;
+    const auto out = folder.path() / "new" / "stack";
+    LayerStackWriter writer(out, description(31));
+    CHECK_FALSE(fs::exists(out / "manifest.json"));
+    std::array<std::uint64_t, 6> voxels{};
+    std::vector<std::uint64_t> digests;
+    for (std::uint32_t k = 0; k < 31; ++k) {
+        const auto layer = layer_of(k);
+        for (const auto m : pixels(layer)) ++voxels[m];
+        digests.push_back(layer_digest(layer));
+        writer.write(k, layer);
+    }
+    CHECK_FALSE(fs::exists(out / "manifest.json"));
+    const auto& stack = writer.finish();
+    CHECK(read_manifest(out / "manifest.json") == stack);
+    for (std::size_t r = 0; r < 5; ++r) {
+        CHECK(stack.resins[r].voxels == voxels[r + 1]);
+        CHECK(stack.resins[r].ml == Approx(static_cast<double>(voxels[r + 1]) * 0.042333333 * 0.084666667 * 0.027 * 1e-3));
+    }
+    CHECK(stack.content_sha256 == content_sha256(70, 40, digests));
+    const auto files = contents(out);
+    CHECK(files.size() == 31 + 3);
+    CHECK(files.count("layers/slice_00000.png") == 1);
+    CHECK(files.count("layers/slice_00030.png") == 1);
+    CHECK_THAT(files.at("resin-assignment.txt"), Contains("VeroYellow") && Contains("255 242 0"));
+    CHECK_THAT(files.at("resin-assignment.html"), Contains("#fff200"));
+}
+
+TEST_CASE("the same bytes in any order and for any number of threads", "[stack]") {
+    TemporaryFolder folder;
+    auto run = [&](const std::string& name, std::size_t threads, bool backwards) {
+        const ThreadLimit limit(threads);
+        LayerStackWriter writer(folder.path() / name, description(40));
+        parallel_for(0, 40, 1, [&](std::size_t i) {
+            const auto k = static_cast<std::uint32_t>(backwards ? 39 - i : i);
+            writer.write(k, layer_of(k));
+        });
+        (void)writer.finish();
+        return contents(folder.path() / name);
+    };
+    const auto one = run("one", 1, false);
+    CHECK(run("two", 2, false) == one);
+    CHECK(run("back", 2, true) == one);
+}
+
+TEST_CASE("parts of a stack lie together like the whole", "[stack]") {
+    TemporaryFolder folder;
+    auto whole = description(40);
+    LayerStackWriter all(folder.path() / "all", whole);
+    for (std::uint32_t k = 0; k < 40; ++k) all.write(k, layer_of(k));
+    (void)all.finish();
+    auto part = description(15);
+    part.first_layer = 25;
+    LayerStackWriter some(folder.path() / "some", part);
+    for (std::uint32_t k = 0; k < 15; ++k) some.write(k, layer_of(25 + k));
+    (void)some.finish();
+    const auto files = contents(folder.path() / "all"), part_files = contents(folder.path() / "some");
+    for (std::uint32_t k = 25; k < 40; ++k) {
+        const auto name = whole.layer_path(k);
+        CHECK(part_files.at(name) == files.at(name));
+    }
+}
+
+TEST_CASE("a folder with other things in it is left alone", "[stack]") {
+    TemporaryFolder folder;
+    const auto out = folder.path() / "photos";
+    fs::create_directory(out);
+    write_whole_file(out / "holiday.png", std::string_view("precious"));
+    CHECK_THROWS_AS(LayerStackWriter(out, description(1)), InputError);
+    CHECK(contents(out).size() == 1);
+    // A manifest.json of somebody else does not make it ours.
+    write_whole_file(out / "manifest.json", std::string_view("{\"name\": \"a web app\"}"));
+    CHECK_THROWS_AS(LayerStackWriter(out, description(1)), InputError);
+    CHECK(contents(out).at("manifest.json") == "{\"name\": \"a web app\"}");
+    {
+        LayerStackWriter writer(out, description(1), {}, true);
+        writer.write(0, layer_of(0));
+        (void)writer.finish();
+    }
+    CHECK(contents(out).at("holiday.png") == "precious");
+    CHECK_THROWS_AS(LayerStackWriter(out / "holiday.png", description(1)), InputError);
+}
+
+TEST_CASE("an old stack makes room for the new one, whole or not", "[stack]") {
+    TemporaryFolder folder;
+    const auto out = folder.path() / "stack";
+    {
+        LayerStackWriter writer(out, description(50));
+        for (std::uint32_t k = 0; k < 50; ++k) writer.write(k, layer_of(k));
+        (void)writer.finish();
+    }
+    write_whole_file(out / "notes.txt", std::string_view("mine"));
+    {
+        LayerStackWriter writer(out, description(31));
+        CHECK_FALSE(fs::exists(out / "manifest.json"));  // from the first moment it does not look whole
+        for (std::uint32_t k = 0; k < 20; ++k) writer.write(k, layer_of(k));
+    }
+    CHECK_FALSE(fs::exists(out / "manifest.json"));
+    LayerStackWriter writer(out, description(31));
+    for (std::uint32_t k = 0; k < 31; ++k) writer.write(k, layer_of(k));
+    (void)writer.finish();
+    const auto files = contents(out);
+    CHECK(files.size() == 31 + 3 + 1);
+    CHECK(files.at("notes.txt") == "mine");
+}
+
+TEST_CASE("nothing is written through a link that leads outside", "[stack]") {
+    TemporaryFolder folder;
+    const auto out = folder.path() / "stack";
+    fs::create_directory(folder.path() / "elsewhere");
+    {
+        LayerStackWriter writer(out, description(1));
+        writer.write(0, layer_of(0));
+        (void)writer.finish();
+    }
+    fs::remove_all(out / "layers");
+    fs::create_directory_symlink(folder.path() / "elsewhere", out / "layers");
+    CHECK_THROWS_AS(LayerStackWriter(out, description(1)), FileError);
+    CHECK(contents(folder.path() / "elsewhere").empty());
+}
+
+TEST_CASE("a stack that lacks a layer is not finished", "[stack]") {
+    TemporaryFolder folder;
+    LayerStackWriter writer(folder.path() / "stack", description(3));
+    writer.write(0, layer_of(0));
+    writer.write(2, layer_of(2));
+    CHECK_THROWS_AS((void)writer.finish(), ContractViolation);
+    CHECK_THROWS_AS(writer.write(2, layer_of(2)), ContractViolation);
+    CHECK_FALSE(fs::exists(folder.path() / "stack" / "manifest.json"));
+}
+
+TEST_CASE("mirrors and the swap, pixel by pixel", "[orient]") {
+    for (std::uint64_t i = 0; i < 40; ++i) {
+        RandomStream random(12, i);
+        const std::uint32_t w = 1 + draw(random, 200), h = 1 + draw(random, 90);
+        const auto layer = random_layer(random, w, h, weights, 0.05, 0.3);
+        const auto plain = pixels(layer);
+        for (int bits = 0; bits < 8; ++bits) {
+            const Orientation o{(bits & 1) != 0, (bits & 2) != 0, (bits & 4) != 0};
+            const auto turned = oriented(layer, o);
+            const std::uint32_t w2 = o.swap_xy ? h : w, h2 = o.swap_xy ? w : h;
+            REQUIRE(turned.width_px() == w2);
+            REQUIRE(turned.height_px() == h2);
+            const auto result = pixels(turned);
+            for (std::uint32_t y = 0; y < h2; ++y)
+                for (std::uint32_t x = 0; x < w2; ++x) {
+                    const std::uint32_t u = o.flip_x ? w2 - 1 - x : x, v = o.flip_y ? h2 - 1 - y : y;
+                    if (result[y * w2 + x] != plain[o.swap_xy ? u * w + v : v * w + u]) FAIL("layer " << i << " bits " << bits);
+                }
+        }
+    }
+}
+
+TEST_CASE("a swapped stack says its size and pitch as they lie", "[orient]") {
+    TemporaryFolder folder;
+    auto sliced = description(1);
+    sliced.orientation.swap_xy = true;
+    LayerStackWriter writer(folder.path() / "stack", sliced);
+    writer.write(0, layer_of(0));
+    const auto& stack = writer.finish();
+    CHECK(stack.size_px == std::array<std::uint32_t, 2>{40, 70});
+    CHECK(stack.pitch_um[0] == 84.666667);
+    CHECK(stack.size_mm[0] == Approx(40 * 0.084666667));
+}

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/io/layers/manifest.h"
+
+#include <catch2/catch.hpp>
+#include <string>
+
+#include "voxtone/base/error.h"
+#include "voxtone/io/files/sha256.h"
+
+using namespace voxtone;
+using namespace voxtone::io;
+using Catch::Contains;
+
+namespace {
+
+StackDescription sample() {
+    StackDescription stack;
+    stack.printer = "stratasys-j750-hm";
+    stack.pitch_um = {42.333333, 84.666667, 27.0};
+    stack.size_px = {1418, 388};
+    stack.layers = 3920;
+    stack.size_mm = stack_size_mm(stack);
+    stack.origin_mm = {-1.5, 0.25, 0};
+    stack.resins = {{"VeroWhite", "W", {220, 222, 216}, 123, 0.1}, {"Vero\"Cyan\"\n", "C", {0, 174, 239}, 5, 1e-9}};
+    stack.orientation.flip_y = true;
+    stack.content_sha256 = sha256({});
+    return stack;
+}
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+    const auto at = text.find(from);
+    REQUIRE(at != std::string::npos);
+    return text.replace(at, from.size(), to);
+}
+
+}  // namespace
+
+TEST_CASE("a manifest survives writing and reading", "[manifest]") {
+    const auto stack = sample();
+    CHECK(parse_manifest(manifest_text(stack), "m") == stack);
+    CHECK(stack.layer_path(7) == "layers/slice_00007.png");
+    CHECK(stack_size_mm(stack)[0] == Approx(60.03).margin(0.005));
+    CHECK(stack_size_mm(stack)[2] == Approx(105.84));
+}
+
+TEST_CASE("a cube of 10 mm is a millilitre", "[manifest]") {
+    CHECK(millilitres(1000, {1000, 1000, 1000}) == Approx(1.0));
+    CHECK(millilitres(std::uint64_t{236} * 118 * 370, {42.333333, 84.666667, 27}) == Approx(0.997).margin(0.001));
+}
+
+TEST_CASE("a fault in a manifest is told by key and rule", "[manifest]") {
+    const auto good = manifest_text(sample());
+    auto fault = [&](const std::string& from, const std::string& to) {
+        try {
+            (void)parse_manifest(replaced(good, from, to), "FILE");
+        } catch (const InputError& error) {
+            return std::string(error.what());
+        }
+        return std::string();
+    };
+    CHECK_THAT(fault("\"pitch_um\"", "\"pich_um\""), Contains("pich_um") && Contains("'pitch_um'"));
+    CHECK_THAT(fault("\"voxels\"", "\"voxel\""), Contains("resins[0]") && Contains("'voxels'"));
+    CHECK_THAT(fault("voxtone-layers", "voxtone-resins"), Contains("format"));
+    CHECK_THAT(fault("\"version\": 1", "\"version\": 2"), Contains("version"));
+    CHECK_THAT(fault("1418", "0"), Contains("size_px") && Contains("1 to 65535"));
+    CHECK_THAT(fault("1418", "1400"), Contains("size_mm"));
+    CHECK_THAT(fault("1418", "-3"), Contains("size_px"));
+    CHECK_THAT(fault("1418", "1418.5"), Contains("size_px"));
+    CHECK_THAT(fault("3920", "\"many\""), Contains("layers"));
+    CHECK_THAT(fault("27", "-27"), Contains("pitch_um"));
+    CHECK_THAT(fault("[220, 222, 216]", "[0, 0, 0]"), Contains("resins[0].rgb") && Contains("background"));
+    CHECK_THAT(fault("[220, 222, 216]", "[0, 174, 239]"), Contains("one colour means one resin"));
+    CHECK_THAT(fault("[220, 222, 216]", "[220, 222, 256]"), Contains("rgb"));
+    CHECK_THAT(fault("\"role\": \"W\"", "\"role\": \"C\""), Contains("roles are unique"));
+    CHECK_THAT(fault("%05d", "%03d"), Contains("pattern") && Contains("too few"));
+    CHECK_THAT(fault("\"content_sha256\": \"", "\"content_sha256\": \"x"), Contains("hexadecimal"));
+    for (const auto* pattern : {"../slice_%05d.png", "/tmp/slice_%05d.png", "layers/slice_%05d%s.png", "slice_%n.png", "a/b/c_%05d.png", "slice.png"})
+        CHECK_THAT(fault("layers/slice_%05d.png", pattern), Contains("pattern"));
+}
+
+TEST_CASE("a manifest cut anywhere is an error, never a crash", "[manifest][fuzz]") {
+    const auto good = manifest_text(sample());
+    for (std::size_t n = 0; n + 2 < good.size(); ++n) CHECK_THROWS_AS(parse_manifest(good.substr(0, n), "m"), InputError);
+    // Any one byte changed: an error or a manifest, nothing else.
+    for (std::size_t i = 0; i < good.size(); ++i)
+        for (const char c : {'\0', '"', '9', '{', '\xff'}) {
+            auto text = good;
+            text[i] = c;
+            try {
+                (void)parse_manifest(text, "m");
+            } catch (const InputError&) {
+            }
+        }
+    CHECK_THROWS_AS(parse_manifest(std::string(1000000, '['), "m"), InputError);
+    CHECK_THROWS_AS(parse_manifest("{\"format\":" + std::string(100000, '[') + std::string(100000, ']') + "}", "m"), InputError);
+}
+
+TEST_CASE("digests are those of the standards", "[digest]") {
+    auto bytes = [](const std::string& text) { return std::vector<std::uint8_t>(text.begin(), text.end()); };
+    // FIPS 180-4 examples (NIST cryptographic toolkit).
+    CHECK(sha256(bytes("")) == "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
+    CHECK(sha256(bytes("abc")) == "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+    CHECK(sha256(bytes("abcdbcdecdefdefgefghfghighijhijkijkljklmklmnlmnomnopnopq")) ==
+          "248d6a61d20638b8e5c026930c3e6039a33ce45964ff2167f6ecedd419db06c1");
+    CHECK(sha256(std::vector<std::uint8_t>(1000000, 'a')) == "cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0");
+    // In pieces of any size it is the same.
+    const auto text = bytes(std::string(300, 'x') + "end");
+    for (std::size_t piece = 1; piece < 130; ++piece) {
+        Sha256 digest;
+        for (std::size_t at = 0; at < text.size(); at += piece)
+            digest.update(std::span(text).subspan(at, std::min(piece, text.size() - at)));
+        REQUIRE(digest.finish() == sha256(text));
+    }
+    // Published with the algorithm: the empty input and "abc", seed 0.
+    CHECK(xxh64(bytes("")) == 0xEF46DB3751D8E999u);
+    CHECK(xxh64(bytes("abc")) == 0x44BC2CF5AD770999u);
+}
+
+TEST_CASE("a layer's digest is that of its runs", "[digest]") {
+    for (std::uint32_t runs = 1; runs < 40; ++runs) {
+        LayerRuns layer(3 * runs, 1);
+        std::vector<std::uint8_t> bytes;
+        for (std::uint32_t i = 0; i < runs; ++i) {
+            layer.push(3, static_cast<Material>(i % 5));
+            for (const std::uint8_t b : {3u, 0u, i % 5, 0u}) bytes.push_back(b);
+        }
+        layer.end_row();
+        REQUIRE(layer_digest(layer) == xxh64(bytes));
+    }
+}

@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/io/layers/verify.h"
+
+#include <png.h>
+#include <zip.h>
+
+#include <catch2/catch.hpp>
+#include <fstream>
+#include <functional>
+
+#include "stack_samples.h"
+#include "tests/io/files/temporary_folder.h"
+#include "voxtone/base/error.h"
+#include "voxtone/base/parallel.h"
+#include "voxtone/io/files/whole_file.h"
+
+using namespace voxtone;
+using namespace voxtone::io;
+using Catch::Contains;
+namespace fs = std::filesystem;
+
+namespace {
+
+bool has(const StackReport& report, const std::string& rule, const std::string& words = "") {
+    for (const auto& fault : report.faults)
+        if (fault.rule == rule && (fault.where + fault.what + fault.remedy).find(words) != std::string::npos) return true;
+    return false;
+}
+
+std::string bytes_of(const fs::path& file) {
+    std::ifstream in(file, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+}
+
+void write_png_with_libpng(const fs::path& file, std::uint32_t w, std::uint32_t h, int format, const std::vector<std::uint8_t>& pixels) {
+    png_image image{};
+    image.version = PNG_IMAGE_VERSION;
+    image.width = w;
+    image.height = h;
+    image.format = static_cast<png_uint_32>(format);
+    REQUIRE(png_image_write_to_file(&image, file.c_str(), 0, pixels.data(), 0, nullptr));
+}
+
+fs::path slice(const fs::path& out, int k) { return out / sample_description(40).layer_path(static_cast<std::uint32_t>(k)); }
+
+}  // namespace
+
+TEST_CASE("a stack of ours passes, and reads back as it was written", "[verify]") {
+    TemporaryFolder folder;
+    const auto out = folder.path() / "stack";
+    const auto stack = write_sample_stack(out, 40, {ResinBitmaps::png1, true, false});
+    const auto report = verify_stack(out);
+    INFO(report_text(report));
+    CHECK(report.passed());
+    CHECK(report.kind == StackReader::Kind::voxtone);
+    CHECK(report.layers == 40);
+    CHECK(report.size_px == std::array<std::uint32_t, 2>{70, 40});
+    CHECK(report.content_sha256 == stack.content_sha256);
+    const StackReader reader(out);
+    for (std::uint32_t k = 0; k < 40; ++k) REQUIRE(layer_pixels(reader.read(k, stack.palette())) == layer_pixels(sample_layer(k)));
+    // The container tells the same layers.
+    const auto gcvf = verify_stack(out / "stack.gcvf");
+    INFO(report_text(gcvf));
+    CHECK(gcvf.passed());
+    CHECK(gcvf.kind == StackReader::Kind::gcvf);
+    CHECK(gcvf.content_sha256 == stack.content_sha256);
+    // And so does the bare folder, whose palette is found.
+    const auto bare = verify_stack(out / "layers");
+    INFO(report_text(bare));
+    CHECK(bare.passed());
+    CHECK(bare.kind == StackReader::Kind::folder);
+    CHECK(StackReader(out / "layers").palette().size() == 6);
+}
+
+TEST_CASE("the report is the same for any number of threads", "[verify]") {
+    TemporaryFolder folder;
+    const auto out = folder.path() / "stack";
+    (void)write_sample_stack(out, 40);
+    for (int k = 3; k < 30; k += 2) write_whole_file(slice(out, k), std::string_view("no picture"));
+    std::string text;
+    for (const std::size_t threads : {1u, 2u, 4u}) {
+        const ThreadLimit limit(threads);
+        const auto now = report_text(verify_stack(out));
+        if (text.empty()) text = now;
+        CHECK(now == text);
+    }
+    CHECK_THAT(text, Contains("and 9 more"));
+}
+
+TEST_CASE("every fault is named", "[verify]") {
+    TemporaryFolder folder;
+    const auto out = folder.path() / "stack";
+    (void)write_sample_stack(out, 40);
+    const auto spoil = [&](const std::function<void()>& how) {
+        const auto spoilt_report = [&] {
+            how();
+            return verify_stack(out);
+        }();
+        (void)write_sample_stack(out, 40);
+        CHECK_FALSE(spoilt_report.passed());
+        return spoilt_report;
+    };
+    std::vector<std::uint8_t> rgba(70 * 40 * 4, 0);
+    for (std::size_t i = 3; i < rgba.size(); i += 4) rgba[i] = 255;
+
+    CHECK(has(spoil([&] { fs::remove(slice(out, 7)); }), "missing-layer", "slice_00007"));
+    CHECK(has(spoil([&] { fs::copy(slice(out, 7), out / "layers" / "slice_00040.png"); }), "stranger", "slice_00040"));
+    CHECK(has(spoil([&] { write_whole_file(out / "layers" / "Thumbs.db", std::string_view("x")); fs::copy(slice(out, 1), out / "layers" / "x.png"); }), "stranger", "Thumbs.db"));
+    fs::remove(out / "layers" / "Thumbs.db"), fs::remove(out / "layers" / "x.png");
+    CHECK(has(spoil([&] { std::vector<std::uint8_t> rgb(70 * 40 * 3, 0); write_png_with_libpng(slice(out, 3), 70, 40, PNG_FORMAT_RGB, rgb); }), "colour-type", "8-bit RGB"));
+    CHECK(has(spoil([&] { rgba[40] = 1; write_png_with_libpng(slice(out, 3), 70, 40, PNG_FORMAT_RGBA, rgba); rgba[40] = 0; }), "stray-colour", "(10, 0)"));
+    CHECK(has(spoil([&] { rgba[43] = 254; write_png_with_libpng(slice(out, 3), 70, 40, PNG_FORMAT_RGBA, rgba); rgba[43] = 255; }), "alpha", "254"));
+    CHECK(has(spoil([&] { write_png_with_libpng(slice(out, 3), 70, 40, PNG_FORMAT_RGBA, rgba); }), "resolution", "does not say"));
+    CHECK(has(spoil([&] { write_png_with_libpng(slice(out, 3), 35, 80, PNG_FORMAT_RGBA, rgba); }), "size", "35 x 80"));
+    CHECK(has(spoil([&] { write_png_with_libpng(slice(out, 3), 70, 40, PNG_FORMAT_RGBA, rgba); }), "count", "announced"));
+    CHECK(has(spoil([&] { fs::rename(slice(out, 3), out / "t"); fs::rename(slice(out, 4), slice(out, 3)); fs::rename(out / "t", slice(out, 4)); }), "digest"));
+    // One byte of a compressed layer: a checksum notices.
+    CHECK(has(spoil([&] { auto b = bytes_of(slice(out, 5)); b[b.size() / 2] ^= 1; write_whole_file(slice(out, 5), b); }), "unreadable", "slice_00005"));
+    CHECK(has(spoil([&] { write_whole_file(slice(out, 5), bytes_of(slice(out, 5)) + "tail"); }), "unreadable", "behind its end"));
+    CHECK(verify_stack(out).passed());
+
+    VerifyRules high_speed;
+    high_speed.most_colours = 3;
+    CHECK(has(verify_stack(out, high_speed), "colours", "5 colours"));
+    VerifyRules other;
+    other.pitch_um = {{84.667, 84.667}};
+    CHECK(has(verify_stack(out, other), "resolution"));
+    other.pitch_um = {{25400.0 / 300, 25400.0 / 600}};
+    CHECK(has(verify_stack(out, other), "resolution", "swapped"));
+    (void)write_sample_stack(out, 29);
+    CHECK(has(verify_stack(out), "few-layers", "29"));
+}
+
+TEST_CASE("a foreign folder is judged by itself", "[verify]") {
+    TemporaryFolder folder;
+    const auto out = folder.path();
+    const PngLayerEncoder encoder(sample_description(1).palette(), {42.333, 84.667});
+    auto name = [](int k, int digits) { return "part" + std::string(static_cast<std::size_t>(digits) - std::to_string(k).size(), '0') + std::to_string(k) + ".png"; };
+    for (int k = 0; k < 35; ++k) write_whole_file(out / name(k, 3), encoder.encode(sample_layer(static_cast<std::uint32_t>(k))));
+    CHECK(verify_stack(out).passed());
+    fs::rename(out / name(4, 3), out / "part4.png");
+    CHECK(has(verify_stack(out), "numbering", "digits"));
+    fs::remove(out / "part4.png");
+    CHECK(has(verify_stack(out), "numbering", "1 numbers are missing"));
+    write_whole_file(out / name(4, 3), encoder.encode(sample_layer(4)));
+    fs::copy(out / name(4, 3), out / "Other000.png");
+    CHECK(has(verify_stack(out), "stranger", "Other000"));
+    fs::remove(out / "Other000.png");
+    // Twelve greys of antialiasing.
+    std::vector<Rgb> greys = {{0, 0, 0}};
+    for (int i = 1; i < 12; ++i) greys.push_back({static_cast<std::uint8_t>(20 * i), 0, 0});
+    RandomStream random(1, 1);
+    const std::vector<double> weights(12, 1.0);
+    write_whole_file(out / name(4, 3), PngLayerEncoder(greys, {42.333, 84.667}).encode(random_layer(random, 70, 40, weights)));
+    CHECK(has(verify_stack(out), "colours", "16 colours"));
+    // Nothing printed at all.
+    LayerRuns air(70, 40);
+    for (int y = 0; y < 40; ++y) air.push(70, 0), air.end_row();
+    for (int k = 0; k < 35; ++k) write_whole_file(out / name(k, 3), encoder.encode(air));
+    CHECK(has(verify_stack(out), "empty"));
+    write_whole_file(out / name(4, 3), encoder.encode(sample_layer(4)));
+    const auto report = verify_stack(out);
+    CHECK(report.passed());
+    CHECK(report.empty_layers == 34);
+}
+
+TEST_CASE("what is no stack is an error that says so", "[verify]") {
+    TemporaryFolder folder;
+    CHECK_THROWS_AS(verify_stack(folder.path() / "nowhere"), FileError);
+    CHECK_THROWS_AS(verify_stack(folder.path()), InputError);
+    write_whole_file(folder.path() / "x.gcvf", std::string_view("PK no zip"));
+    CHECK_THROWS_AS(verify_stack(folder.path() / "x.gcvf"), InputError);
+    const auto out = folder.path() / "half";
+    {
+        LayerStackWriter writer(out, sample_description(3));
+        writer.write(0, sample_layer(0));
+    }
+    CHECK_THROWS_WITH(verify_stack(out), Contains("stopped"));
+}

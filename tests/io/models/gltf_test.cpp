@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+#include <Eigen/Geometry>
+#include <catch2/catch.hpp>
+
+#include "model_samples.h"
+#include "voxtone/base/error.h"
+#include "voxtone/io/models/model_reader.h"
+#include "voxtone/io/pictures/texture.h"
+#include "voxtone/optics/colour/colour.h"
+
+using namespace voxtone;
+using namespace voxtone::io;
+using namespace voxtone::test;
+using Catch::Contains;
+using Eigen::Vector2f;
+using Eigen::Vector3d;
+using Eigen::Vector3f;
+
+namespace {
+
+/// A glTF file put together: accessors and views are made as data is added.
+struct Builder {
+    std::string binary, views, accessors;
+    int count = 0;
+
+    int add(const std::string& bytes, int component_type, std::size_t n, const std::string& type,
+            const std::string& more = "") {
+        while (binary.size() % 4) binary += '\0';
+        const std::string comma = count ? "," : "";
+        views += fmt::format(R"({}{{"buffer":0,"byteOffset":{},"byteLength":{}}})", comma, binary.size(), bytes.size());
+        accessors += fmt::format(R"({}{{"bufferView":{},"componentType":{},"count":{},"type":"{}"{}}})", comma, count,
+                                 component_type, n, type, more);
+        binary += bytes;
+        return count++;
+    }
+    int floats(const std::vector<float>& values, const std::string& type) {
+        return add(raw(values), 5126, values.size() / (type == "VEC2" ? 2 : type == "VEC3" ? 3 : 4), type);
+    }
+    std::string file(const std::string& rest) const {
+        return glb(
+            fmt::format(
+                R"({{"asset":{{"version":"2.0"}},"buffers":[{{"byteLength":{}}}],"bufferViews":[{}],"accessors":[{}],{}}})",
+                binary.size(), views, accessors, rest),
+            binary);
+    }
+};
+
+const std::vector<float> triangle{0, 0, 0, 1, 0, 0, 0, 1, 0};
+
+ModelFile read(const std::string& bytes, const Files& others = {}) {
+    const Folder folder;
+    Files files{{"a.glb", bytes}};
+    files.insert(files.end(), others.begin(), others.end());
+    ReadOptions options;
+    options.isolate = false;
+    return read_model(folder.write(files), options);
+}
+
+std::string warnings(const ModelFile& file) {
+    std::string all;
+    for (const std::string& warning : file.warnings) all += warning + "\n";
+    return all;
+}
+
+bool near(const Vector3f& a, const Vector3f& b, float margin = 2e-3f) { return (a - b).cwiseAbs().maxCoeff() < margin; }
+
+std::string error_of(const std::string& bytes) {
+    try {
+        (void)read(bytes);
+    } catch (const InputError& e) {
+        return e.what();
+    }
+    return "no error";
+}
+
+}  // namespace
+
+TEST_CASE("glTF models") {
+    SECTION("nodes: tree, matrix and TRS, y up to z up, a mirror turns the triangles") {
+        Builder b;
+        const int p = b.floats(triangle, "VEC3");
+        const ModelFile file = read(b.file(fmt::format(
+            R"("scene":0,"scenes":[{{"nodes":[0,2]}}],"nodes":[{{"children":[1],"translation":[0,10,0]}},)"
+            R"({{"mesh":0,"rotation":[0,0,0.70710678,0.70710678],"scale":[2,1,1]}},{{"mesh":0,"matrix":[-1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,7,1]}}],)"
+            R"("meshes":[{{"primitives":[{{"attributes":{{"POSITION":{}}}}}]}}])",
+            p)));
+        CHECK(file.format == "glTF");
+        CHECK(file.mm_per_file_unit == 1000);
+        CHECK_FALSE(file.has_colour);
+        REQUIRE(file.mesh.triangles.size() == 2);
+        const auto at = [&](std::size_t t, std::size_t c) { return file.mesh.positions[file.mesh.triangles[t][c]]; };
+        // (1, 0, 0): scaled to (2, 0, 0), turned about z to (0, 2, 0), moved to (0, 12, 0), then z up: (0, 0, 12)
+        CHECK((at(0, 1) - Vector3d(0, 0, 12)).norm() < 1e-6);
+        CHECK((at(0, 2) - Vector3d(-1, 0, 10)).norm() < 1e-6);
+        // mirrored: corners 1 and 2 change places; z = 7 becomes y = -7
+        CHECK((at(1, 1) - Vector3d(0, -7, 1)).norm() < 1e-6);
+        CHECK((at(1, 2) - Vector3d(-1, -7, 0)).norm() < 1e-6);
+    }
+    SECTION("strips, fans, points, interleaved and sparse data") {
+        Builder b;
+        const int p = b.floats({0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0}, "VEC3");
+        const auto primitive = [&](int mode, int position) {
+            return fmt::format(R"({{"attributes":{{"POSITION":{}}},"mode":{}}})", position, mode);
+        };
+        const std::string nodes = R"("nodes":[{"mesh":0}],"meshes":[{"primitives":[)";
+        const ModelFile strip = read(b.file(nodes + primitive(5, p) + "," + primitive(0, p) + "]}]"));
+        REQUIRE(strip.mesh.triangles.size() == 2);
+        for (std::size_t t = 0; t < 2; ++t) {
+            const auto& c = strip.mesh.triangles[t];
+            const Vector3d &x = strip.mesh.positions[c[0]], &y = strip.mesh.positions[c[1]],
+                           &z = strip.mesh.positions[c[2]];
+            CHECK((y - x).cross(z - x).y() < 0);  // both face the same way: +z in the file, -y here
+        }
+        CHECK_THAT(warnings(strip), Contains("points"));
+        CHECK(read(b.file(nodes + primitive(6, p) + "]}]")).mesh.triangles.size() == 2);
+        CHECK_THAT(error_of(b.file(nodes + primitive(1, p) + "]}]")), Contains("no faces"));
+
+        Builder s;
+        const int zeros_and =
+            s.add(raw(triangle), 5126, 3, "VEC3",
+                  R"(,"sparse":{"count":1,"indices":{"bufferView":1,"componentType":5121},"values":{"bufferView":2}})");
+        s.add(std::string("\2", 1), 5121, 1, "SCALAR");
+        s.floats({5, 6, 7}, "VEC3");
+        const ModelFile sparse = read(s.file(nodes + primitive(4, zeros_and) + "]}]"));
+        CHECK((sparse.mesh.positions[2] - Vector3d(5, -7, 6)).norm() < 1e-6);
+    }
+    SECTION("colour = factor * vertex colour * texture; v runs down in the file") {
+        Builder b;
+        const int p = b.floats(triangle, "VEC3"), uv = b.floats({0.25f, 0.25f, 0.75f, 0.25f, 0.25f, 0.75f}, "VEC2");
+        const int rgb =
+            b.add(raw(std::vector<std::uint16_t>{65535, 65535, 65535, 32768, 0, 65535, 0, 65535, 65535, 0, 0, 0}), 5123,
+                  3, "VEC4", R"(,"normalized":true)");
+        const ModelFile file = read(
+            b.file(fmt::format(
+                R"("nodes":[{{"mesh":0}}],"meshes":[{{"primitives":[{{"attributes":{{"POSITION":{},"TEXCOORD_1":{},"COLOR_0":{}}},"material":0}}]}}],)"
+                R"("materials":[{{"pbrMetallicRoughness":{{"baseColorFactor":[0.5,0.5,1,0.1],"baseColorTexture":{{"index":0,"texCoord":1}}}}}}],)"
+                R"("textures":[{{"source":0,"sampler":0}}],"samplers":[{{"wrapS":33071,"wrapT":33648,"magFilter":9728}}],"images":[{{"uri":"t%20.png"}}])",
+                p, uv, rgb)),
+            {{"t .png", four_colours()}});
+        CHECK(file.has_colour);
+        CHECK(file.warnings.empty());  // OPAQUE: alpha is not looked at
+        const SurfaceMaterial& material = file.mesh.materials[file.mesh.material_of_triangle[0]];
+        CHECK(near(material.rgb, {0.5f, 0.5f, 1}));
+        REQUIRE(material.texture);
+        CHECK(material.texture->wrap_u() == Wrap::clamp);
+        CHECK(material.texture->wrap_v() == Wrap::mirror);
+        const auto texel = [&](std::size_t c) {
+            return material.texture->sample(file.mesh.corner_uv[0][c].x(), file.mesh.corner_uv[0][c].y());
+        };
+        CHECK(near(texel(0), {1, 0, 0}));
+        CHECK(near(texel(1), {0, 1, 0}));
+        CHECK(near(texel(2), {0, 0, 1}));
+        CHECK(near(file.mesh.corner_rgb[0][1], {0, 1, 0}, 1e-6f));
+        CHECK(near(file.mesh.corner_rgb[0][0], {1, 1, 1}, 1e-6f));
+    }
+    SECTION("texture transform: scale, then counter-clockwise rotation, then offset") {
+        Builder b;
+        const int p = b.floats(triangle, "VEC3"), uv = b.floats({0, 0, 0.5f, 0, 0, 0.25f}, "VEC2");
+        const ModelFile file = read(
+            b.file(fmt::format(
+                R"("nodes":[{{"mesh":0}}],"meshes":[{{"primitives":[{{"attributes":{{"POSITION":{},"TEXCOORD_0":{}}},"material":0}}]}}],)"
+                R"("materials":[{{"pbrMetallicRoughness":{{"baseColorTexture":{{"index":0,"extensions":{{"KHR_texture_transform":)"
+                R"({{"offset":[0.1,0.9],"rotation":1.57079633,"scale":[1,2]}}}}}}}}}}],"textures":[{{"source":0}}],"images":[{{"uri":"t.png"}}])",
+                p, uv)),
+            {{"t.png", four_colours()}});
+        // In the file's axes, v down: (0.5, 0) turns counter-clockwise on the picture, that is up: (0, -0.5).
+        const auto uv_of = [&](std::size_t c) {
+            return Vector2f(file.mesh.corner_uv[0][c].x(), 1 - file.mesh.corner_uv[0][c].y());
+        };
+        CHECK((uv_of(0) - Vector2f(0.1f, 0.9f)).norm() < 1e-5f);
+        CHECK((uv_of(1) - Vector2f(0.1f, 0.4f)).norm() < 1e-5f);
+        CHECK((uv_of(2) - Vector2f(0.6f, 0.9f)).norm() < 1e-5f);
+    }
+    SECTION("alpha counts where the material says so") {
+        Builder b;
+        const int p = b.floats(triangle, "VEC3");
+        const auto with = [&](const std::string& mode) {
+            return read(b.file(fmt::format(
+                R"("nodes":[{{"mesh":0}}],"meshes":[{{"primitives":[{{"attributes":{{"POSITION":{}}},"material":0}}]}}],)"
+                R"("materials":[{{{}"pbrMetallicRoughness":{{"baseColorFactor":[1,0,0,0.25]}}}}])",
+                p, mode)));
+        };
+        CHECK(near(with("").mesh.materials[0].rgb, {1, 0, 0}));
+        const ModelFile blend = with(R"("alphaMode":"BLEND",)");
+        CHECK(near(blend.mesh.materials[0].rgb, {1, 0.75f, 0.75f}));
+        CHECK_THAT(warnings(blend), Contains("over white"));
+    }
+    SECTION("what cannot be gives a clear error") {
+        Builder b;
+        const int p = b.floats(triangle, "VEC3"),
+                  far = b.add(raw(std::vector<std::uint16_t>{0, 1, 3}), 5123, 3, "SCALAR");
+        const int bomb = b.add(std::string(12, '\0'), 5126, 2000000000, "VEC3");
+        const int nan = b.floats({0, 0, 0, NAN, 0, 0, 0, INFINITY, 0}, "VEC3");
+        const auto mesh = [&](const std::string& primitive) {
+            return b.file(R"("nodes":[{"mesh":0}],"meshes":[{"primitives":[)" + primitive + "]}]");
+        };
+        const auto position = [](int accessor) {
+            return fmt::format(R"({{"attributes":{{"POSITION":{}}}}})", accessor);
+        };
+        CHECK_THAT(error_of(mesh(fmt::format(R"({{"attributes":{{"POSITION":{}}},"indices":{}}})", p, far))),
+                   Contains("vertex 3"));
+        CHECK_THAT(error_of(mesh(position(bomb))), Contains("2000000000"));
+        CHECK_THAT(error_of(mesh(position(nan))), Contains("infinite or not numbers"));
+        CHECK_THAT(error_of(mesh(position(99))), Contains("accessor 99"));
+        CHECK_THAT(error_of(mesh(R"({"attributes":{"POSITION":-2}})")), Contains("accessor -2"));
+        CHECK_THAT(error_of(mesh(R"({"attributes":{"POSITION":"0"}})")), Contains("accessor"));
+        CHECK_THAT(error_of(b.file(R"("nodes":[{"children":[1]},{"children":[0]}],"scenes":[{"nodes":[0]}])")),
+                   Contains("two parents"));
+        CHECK_THAT(error_of(b.file(R"("extensionsRequired":["KHR_draco_mesh_compression"])")),
+                   Contains("KHR_draco_mesh_compression"));
+        CHECK_THAT(error_of(glb(R"({"asset":{"version":"1.0"}})", "")), Contains("version"));
+        CHECK_THAT(error_of(glb(R"({"asset":)", "")), Contains("JSON"));
+        CHECK_THAT(error_of(glb(R"([1])", "")), Contains("version"));
+        CHECK_THAT(error_of(glb(R"({"asset":{"version":"2.0"},"buffers":[{"byteLength":5,"uri":"../x.bin"}]})", "")),
+                   Contains("../x.bin"));
+        CHECK_THAT(error_of(glb(R"({"asset":{"version":"2.0"},"buffers":[{"byteLength":99}]})", "1234")),
+                   Contains("cut short"));
+        CHECK_THAT(error_of(glb(std::string(100000, '['), "")), Contains("JSON"));
+    }
+}

@@ -1,0 +1,387 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/io/models/model_reader.h"
+
+#include <fmt/format.h>
+#include <Eigen/Geometry>
+#include <catch2/catch.hpp>
+
+#include "model_samples.h"
+#include "voxtone/base/error.h"
+#include "voxtone/io/models/mtl_library.h"
+#include "voxtone/io/pictures/texture.h"
+#include "voxtone/optics/colour/colour.h"
+
+using namespace voxtone;
+using namespace voxtone::io;
+using namespace voxtone::test;
+using Catch::Contains;
+using Eigen::Vector2f;
+using Eigen::Vector3d;
+using Eigen::Vector3f;
+
+namespace {
+
+float linear(double code) { return static_cast<float>(optics::srgb_decode(code)); }
+
+/// Colour of a triangle's corner as io/models/mesh.h defines it.
+Vector3f corner_colour(const TexturedMesh& mesh, std::size_t t, std::size_t c) {
+    const SurfaceMaterial& material = mesh.materials[mesh.material_of_triangle[t]];
+    Vector3f rgb = material.rgb;
+    if (!mesh.corner_rgb.empty()) rgb = rgb.cwiseProduct(mesh.corner_rgb[t][c]);
+    if (material.texture)
+        rgb = rgb.cwiseProduct(material.texture->sample(mesh.corner_uv[t][c].x(), mesh.corner_uv[t][c].y()));
+    return rgb;
+}
+
+bool near(const Vector3f& a, const Vector3f& b, float margin = 2e-3f) { return (a - b).cwiseAbs().maxCoeff() < margin; }
+
+double volume(const TexturedMesh& mesh) {
+    double sum = 0;
+    for (const auto& t : mesh.triangles)
+        sum += mesh.positions[t[0]].dot(mesh.positions[t[1]].cross(mesh.positions[t[2]])) / 6;
+    return sum;
+}
+
+/// In this process: what is being tested here is the reading, not the wall around it.
+ModelFile read(const Folder& folder, const Files& files) {
+    ReadOptions options;
+    options.isolate = false;
+    return read_model(folder.write(files), options);
+}
+
+std::string warnings(const ModelFile& file) {
+    std::string all;
+    for (const std::string& warning : file.warnings) all += warning + "\n";
+    return all;
+}
+
+const std::string square =
+    "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0.25 0.25\nvt 0.75 0.25\nvt 0.75 0.75\nvt 0.25 0.75\n";
+
+}  // namespace
+
+TEST_CASE("OBJ models") {
+    const Folder folder;
+    SECTION("texture, Kd that does not multiply it, polygons, welded positions") {
+        const ModelFile file = read(folder, {{"a.obj", "mtllib a.mtl\n" + square + "usemtl m\nf 1/1 2/2 3/3 4/4\n"},
+                                             {"a.mtl", "newmtl m\nKd 0.5 0.5 0.5\nmap_Kd t.png\n"},
+                                             {"t.png", four_colours()}});
+        CHECK(file.format == "OBJ");
+        CHECK(file.mm_per_file_unit == 0);
+        CHECK(file.has_colour);
+        CHECK(file.warnings.empty());
+        CHECK(file.mesh.triangles.size() == 2);
+        CHECK(file.mesh.positions.size() == 4);
+        for (std::size_t t = 0; t < 2; ++t)
+            for (std::size_t c = 0; c < 3; ++c) {
+                const Vector3d& p = file.mesh.positions[file.mesh.triangles[t][c]];
+                const Vector3f want = p.y() > 0.5 ? (p.x() > 0.5 ? Vector3f(0, 1, 0) : Vector3f(1, 0, 0))
+                                                  : (p.x() > 0.5 ? Vector3f(1, 1, 1) : Vector3f(0, 0, 1));
+                CHECK(near(corner_colour(file.mesh, t, c), want));
+            }
+    }
+    SECTION("Windows paths, other case, a coloured Kd beside the texture") {
+        const ModelFile file = read(folder, {{"a.obj", "mtllib A.MTL\r\n" + square + "usemtl m\r\nf 1/1 2/2 3/3\r\n"},
+                                             {"a.mtl", "newmtl m\r\nKd 1 0.5 0\r\nmap_Kd .\\tex\\T.PNG\r\n"},
+                                             {"tex/t.png", four_colours()}});
+        CHECK(near(corner_colour(file.mesh, 0, 0), {0, 0, 1}));
+        CHECK_THAT(warnings(file), Contains("tex/t.png") && Contains("coloured Kd") && Contains("a.mtl"));
+    }
+    SECTION("a material's colour is sRGB; vertex colours too") {
+        const ModelFile file = read(folder, {{"a.obj", "mtllib a.mtl\n" + square + "usemtl m\nf 1 2 3\n"},
+                                             {"a.mtl", "newmtl m\nKd 0.5 0.25 1\n"}});
+        CHECK(near(corner_colour(file.mesh, 0, 1), {linear(0.5), linear(0.25), 1}));
+        CHECK(file.has_colour);
+        const ModelFile painted = read(folder, {{"b.obj", "v 0 0 0 1 0 0\nv 1 0 0 0 0.5 0\nv 0 1 0 0 0 1\nf 1 2 3\n"}});
+        CHECK(painted.has_colour);
+        CHECK(near(corner_colour(painted.mesh, 0, 1), {0, linear(0.5), 0}));
+    }
+    SECTION("a missing texture or library is said loudly, with its name") {
+        const ModelFile file = read(folder, {{"a.obj", "mtllib a.mtl\n" + square + "usemtl m\nf 1/1 2/2 3/3\n"},
+                                             {"a.mtl", "newmtl m\nKd 0 1 0\nmap_Kd gone.png\n"}});
+        CHECK(near(corner_colour(file.mesh, 0, 0), {0, 1, 0}));
+        CHECK(file.has_colour);
+        CHECK_THAT(warnings(file), Contains("gone.png") && Contains("LOST"));
+        CHECK_THAT(warnings(read(folder, {{"b.obj", "mtllib gone.mtl\n" + square + "usemtl m\nf 1 2 3\n"}})),
+                   Contains("gone.mtl") && Contains("LOST"));
+        const ModelFile broken = read(folder, {{"a.obj", "mtllib a.mtl\n" + square + "usemtl m\nf 1/1 2/2 3/3\n"},
+                                               {"a.mtl", "newmtl m\nmap_Kd t.png\n"},
+                                               {"t.png", four_colours().substr(0, 60)}});
+        CHECK_THAT(warnings(broken), Contains("t.png") && Contains("LOST"));
+        CHECK_THAT(warnings(read(folder, {{"a.obj", "mtllib a.mtl\n" + square + "usemtl m\nf 1 2 3\n"},
+                                          {"t.png", four_colours()}})),
+                   Contains("no texture coordinates"));
+    }
+    SECTION("textures outside the folder are not read") {
+        Folder inner;
+        const std::filesystem::path outside = folder.write({{"secret.png", four_colours()}});
+        const ModelFile file =
+            read(inner, {{"a.obj", "mtllib a.mtl\n" + square + "usemtl m\nf 1/1 2/2 3/3\n"},
+                         {"a.mtl", fmt::format("newmtl m\nmap_Kd {}\nnewmtl n\nmap_Kd ../{}/secret.png\n",
+                                               outside.string(), folder.path().filename().string())}});
+        for (const SurfaceMaterial& material : file.mesh.materials) CHECK_FALSE(material.texture);
+        CHECK_THAT(warnings(file), Contains("secret.png") && Contains("not found"));
+    }
+    SECTION("map options: offset, scale, clamp, blanks in names") {
+        const auto materials = parse_mtl(
+            "newmtl a b\nmap_Kd -clamp on -s 2 3 1 -o 0.5 -bm 1 my file.png\nd 0.5\nnewmtl c\nTr 0.25\nKd x 1 "
+            "1\nmap_Kd -x.png\n");
+        REQUIRE(materials.size() == 2);
+        CHECK(materials[0].name == "a b");
+        CHECK(materials[0].map_kd == "my file.png");
+        CHECK(materials[0].map_clamp);
+        CHECK(materials[0].map_scale == Vector2f(2, 3));
+        CHECK(materials[0].map_offset == Vector2f(0.5f, 0));
+        CHECK(materials[0].opacity == 0.5f);
+        CHECK(materials[1].opacity == 0.75f);
+        CHECK_FALSE(materials[1].kd);
+        CHECK(materials[1].map_kd == "-x.png");
+        const ModelFile file = read(folder, {{"a.obj", "mtllib a.mtl\n" + square + "usemtl m\nf 1/1 2/2 3/3\n"},
+                                             {"a.mtl", "newmtl m\nmap_Kd -o 0.5 0 t.png\n"},
+                                             {"t.png", four_colours()}});
+        CHECK(near(corner_colour(file.mesh, 0, 0), {1, 1, 1}));  // was blue, half a picture further right is white
+    }
+    SECTION("transparency is laid over white and said") {
+        const ModelFile file =
+            read(folder, {{"a.obj", "mtllib a.mtl\n" + square + "usemtl m\nf 1/1 2/2 3/3\n"},
+                          {"a.mtl", "newmtl m\nmap_Kd t.png\n"},
+                          {"t.png", png(2, 2, {255, 0, 0, 255, 0, 255, 0, 255, 0, 0, 255, 51, 255, 255, 255, 0})}});
+        CHECK(near(corner_colour(file.mesh, 0, 0), {0.8f, 0.8f, 1}, 5e-3f));
+        CHECK_THAT(warnings(file), Contains("over white"));
+    }
+    SECTION("what is no model gives a clear error") {
+        const auto error = [&](const std::string& text) {
+            try {
+                (void)read(folder, {{"bad.obj", text}});
+            } catch (const InputError& e) {
+                return std::string(e.what());
+            }
+            return std::string("no error");
+        };
+        CHECK_THAT(error(""), Contains("empty"));
+        CHECK_THAT(error("v 0 0 0\nv 1 0 0\nv 0 1 0\n"), Contains("bad.obj"));
+        CHECK_THAT(error(square + "l 1 2\np 1\n"), Contains("no faces"));
+        CHECK_THAT(error(square + "f 1 2 9\n"), Contains("bad.obj"));
+        CHECK_THAT(error(square + "f 1 2 -9\n"), Contains("bad.obj"));
+        CHECK_THAT(error("v 0 0 0\nv nan 0 0\nv 0 1 0\nf 1 2 3\n"), Contains("infinite or not numbers"));
+        CHECK_THAT(error("v 0 0 0\nv 1 0 0\nv 0 inf 0\nf 1 2 3\n"), Contains("infinite or not numbers"));
+        CHECK_THROWS_AS(read_model(folder.path() / "nothing.obj"), FileError);
+        CHECK_THROWS_WITH(read_model(folder.path()), Contains("no model"));
+        CHECK_THROWS_WITH(read_model(folder.write({{"a.wrl", "#VRML"}})), Contains("OBJ, PLY, STL"));
+        ReadOptions options;
+        options.timeout_s = 0;
+        CHECK_THROWS_AS(read_model("x.obj", options), UsageError);
+    }
+    SECTION("points and lines beside faces are left aside") {
+        const ModelFile file = read(folder, {{"a.obj", square + "f 1 2 3\nl 1 2 3\n"}});
+        CHECK(file.mesh.triangles.size() == 1);
+        CHECK_THAT(warnings(file), Contains("lines"));
+    }
+}
+
+TEST_CASE("PLY and STL models") {
+    const Folder folder;
+    const auto ply = [](const std::string& type, const std::string& colour, const std::string& comment = "") {
+        return "ply\nformat ascii 1.0\n" + comment +
+               "element vertex 3\nproperty float x\nproperty float y\nproperty float z\nproperty " + type +
+               " red\nproperty " + type + " green\nproperty " + type +
+               " blue\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0 " + colour +
+               "\n1 0 0 " + colour + "\n0 1 0 " + colour + "\n3 0 1 2\n";
+    };
+    SECTION("bytes are sRGB, floats are linear") {
+        const ModelFile bytes = read(folder, {{"a.ply", ply("uchar", "128 0 255")}});
+        CHECK(bytes.has_colour);
+        CHECK(near(corner_colour(bytes.mesh, 0, 0), {linear(128 / 255.0), 0, 1}, 1e-5f));
+        CHECK(near(corner_colour(read(folder, {{"a.ply", ply("float", "0.5 0 1")}}).mesh, 0, 2), {0.5f, 0, 1}, 1e-5f));
+    }
+    SECTION("sizes that the file cannot hold are refused before they are believed") {
+        std::string text = ply("uchar", "1 2 3");
+        text.replace(text.find("vertex 3"), 8, "vertex 3000000000");
+        CHECK_THROWS_WITH(read(folder, {{"a.ply", text}}), Contains("3000000000"));
+        CHECK_THROWS_WITH(read(folder, {{"a.ply", "ply\nformat ascii 1.0\n"}}), Contains("header"));
+    }
+    SECTION("indices out of range, numbers that are none") {
+        std::string text = ply("uchar", "1 2 3");
+        text.replace(text.find("3 0 1 2"), 7, "3 0 1 7");
+        CHECK_THROWS_AS(read(folder, {{"a.ply", text}}), InputError);
+    }
+    SECTION("STL: text and binary; attribute words are no colour") {
+        for (const Files& sample : every_sample()) {
+            if (!sample[0].first.ends_with(".stl")) continue;
+            const ModelFile file = read(folder, sample);
+            CHECK(file.format == "STL");
+            CHECK_FALSE(file.has_colour);
+            CHECK(file.warnings.empty());
+            CHECK(file.mesh.corner_rgb.empty());
+            CHECK(file.mesh.triangles.size() == (sample[0].first == "a.stl" ? 1 : 2));
+            CHECK(file.mesh.positions.size() == (sample[0].first == "a.stl" ? 3 : 4));
+        }
+        const auto stl = [](const std::string& header, std::vector<std::uint16_t> words, std::uint32_t declared) {
+            std::string text =
+                header + std::string(80 - header.size(), ' ') + raw(std::vector<std::uint32_t>{declared});
+            for (const std::uint16_t word : words)
+                text +=
+                    raw(std::vector<float>{0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0}) + raw(std::vector<std::uint16_t>{word});
+            return text;
+        };
+        CHECK_THAT(warnings(read(folder, {{"c.stl", stl("", {0x8fff, 0x801f}, 2)}})),
+                   Contains("VisCAM") && Contains("LOST"));
+        CHECK_THAT(warnings(read(folder, {{"c.stl", stl("COLOR=\1\2\3\4", {0, 0}, 2)}})), Contains("Magics"));
+        CHECK(read(folder, {{"c.stl", stl("", {0x2020, 0x2020}, 2)}}).warnings.empty());
+        CHECK_THROWS_WITH(read(folder, {{"c.stl", stl("", {0, 0}, 0x10000000)}}), Contains("cut short"));
+    }
+}
+
+TEST_CASE("3MF models") {
+    const Folder folder;
+    const std::string colours =
+        R"(<q:colorgroup id="1"><q:color color="#FF0000"/><q:color color="#00FF00FF"/><q:color color="#808080"/></q:colorgroup>)";
+    const auto object = [](const std::string& attributes, double size, const std::vector<std::string>& triangles = {}) {
+        return fmt::format("<object {}>{}</object>", attributes, threemf_tetrahedron(size, triangles));
+    };
+    const auto read3 = [&](const std::string& resources, const std::string& build, const Files& others = {},
+                           const std::string& unit = "millimeter", const std::string& attributes = "") {
+        return read(folder, {{"a.3mf", threemf(resources, build, others, unit, attributes)}});
+    };
+    SECTION("units") {
+        for (const auto& [unit, mm] : {std::pair{"micron", 0.001},
+                                       {"millimeter", 1.0},
+                                       {"centimeter", 10.0},
+                                       {"inch", 25.4},
+                                       {"foot", 304.8},
+                                       {"meter", 1000.0}})
+            CHECK(read3(object(R"(id="2")", 1), R"(<item objectid="2"/>)", {}, unit).mm_per_file_unit == mm);
+        CHECK_THROWS_WITH(read3(object(R"(id="2")", 1), R"(<item objectid="2"/>)", {}, "parsec"), Contains("parsec"));
+    }
+    SECTION("colours: per corner, per triangle, per object") {
+        const ModelFile file =
+            read3(colours + object(R"(id="2" pid="1" pindex="2")", 1,
+                                   {R"(pid="1" p1="0" p2="1" p3="2")", R"(pid="1" p1="1")", R"(p1="0")"}),
+                  R"(<item objectid="2"/>)");
+        CHECK(file.has_colour);
+        CHECK(file.warnings.empty());
+        const float grey = linear(128 / 255.0);
+        CHECK(near(corner_colour(file.mesh, 0, 0), {1, 0, 0}));
+        CHECK(near(corner_colour(file.mesh, 0, 1), {0, 1, 0}));
+        CHECK(near(corner_colour(file.mesh, 0, 2), {grey, grey, grey}));
+        for (std::size_t c = 0; c < 3; ++c) {
+            CHECK(near(corner_colour(file.mesh, 1, c), {0, 1, 0}));
+            CHECK(near(corner_colour(file.mesh, 2, c), {1, 0, 0}));
+            CHECK(near(corner_colour(file.mesh, 3, c), {grey, grey, grey}));
+        }
+    }
+    SECTION("base materials have no gradients; composites are mixed and reported") {
+        const ModelFile file = read3(
+            R"(<basematerials id="1"><base name="a" displaycolor="#FF0000"/><base name="b" displaycolor="#0000FF"/></basematerials>)"
+            R"(<q:compositematerials id="3" matid="1" matindices="0 1"><q:composite values="1 3"/></q:compositematerials>)" +
+                object(R"(id="2")", 1, {R"(pid="1" p1="1" p2="0" p3="0")", R"(pid="3" p1="0")"}),
+            R"(<item objectid="2"/>)");
+        for (std::size_t c = 0; c < 3; ++c) {
+            CHECK(near(corner_colour(file.mesh, 0, c), {0, 0, 1}));
+            CHECK(near(corner_colour(file.mesh, 1, c), {0.25f, 0, 0.75f}));
+            CHECK(near(corner_colour(file.mesh, 2, c), {1, 1, 1}));
+        }
+        CHECK_THAT(warnings(file), Contains("composite") && Contains("LOST"));
+    }
+    SECTION("build items, nested components, transforms; a mirror keeps the outside out") {
+        const ModelFile file = read3(
+            object(R"(id="2")", 1) +
+                R"(<object id="3"><components><component objectid="2" transform="2 0 0 0 3 0 0 0 -1 10 0 0"/></components></object>)",
+            R"(<item objectid="2"/><item objectid="3" transform="0 1 0 -1 0 0 0 0 1 0 0 100"/>)");
+        REQUIRE(file.mesh.triangles.size() == 8);
+        CHECK(volume(file.mesh) == Approx(1 / 6.0 + 1));
+        // (1, 0, 0) of the component goes to (12, 0, 0), then by the item (x, y, z) -> (-y, x, z + 100) to (0, 12,
+        // 100).
+        bool found = false;
+        for (const Vector3d& p : file.mesh.positions) found |= (p - Vector3d(0, 12, 100)).norm() < 1e-12;
+        CHECK(found);
+    }
+    SECTION("textures with tile styles") {
+        const auto textured = [&](const std::string& style, const std::string& u) {
+            return read3(R"(<q:texture2d id="1" path="/3D/T.png" contenttype="image/png" )" + style +
+                             R"(/><q:texture2dgroup id="3" texid="1">)"
+                             R"(<q:tex2coord u="0.25" v="0.25"/><q:tex2coord u=")" +
+                             u + R"(" v="0.75"/></q:texture2dgroup>)" +
+                             object(R"(id="2")", 1, {R"(pid="3" p1="0" p2="1" p3="0")"}),
+                         R"(<item objectid="2"/>)", {{"3D/t.png", four_colours()}});
+        };
+        CHECK(near(corner_colour(textured("", "0.75").mesh, 0, 0), {0, 0, 1}));
+        CHECK(near(corner_colour(textured("", "1.25").mesh, 0, 1), {1, 0, 0}));
+        CHECK(near(corner_colour(textured(R"(tilestyleu="mirror")", "1.25").mesh, 0, 1), {0, 1, 0}));
+        CHECK(near(corner_colour(textured(R"(tilestyleu="clamp")", "7").mesh, 0, 1), {0, 1, 0}));
+        CHECK(near(corner_colour(textured(R"(tilestyleu="none")", "7").mesh, 0, 1), {1, 1, 1}));
+        CHECK(near(corner_colour(textured("", "0.75").mesh, 1, 1), {1, 1, 1}));  // the other triangles have no colour
+    }
+    SECTION("a transparent texture over a colour; several textures are reported") {
+        const std::string resources =
+            R"(<q:colorgroup id="1"><q:color color="#FF0000"/></q:colorgroup><q:texture2d id="3" path="/3D/t.png" contenttype="image/png"/>)"
+            R"(<q:texture2dgroup id="4" texid="3"><q:tex2coord u="0.25" v="0.25"/></q:texture2dgroup>)"
+            R"(<q:texture2dgroup id="6" texid="3"><q:tex2coord u="0.25" v="0.75"/></q:texture2dgroup>)";
+        const Files picture{{"3D/t.png", png(2, 2, {0, 0, 0, 255, 0, 0, 0, 255, 0, 0, 255, 51, 0, 0, 0, 255})}};
+        const ModelFile file =
+            read3(resources + R"(<q:multiproperties id="5" pids="1 4"><q:multi pindices="0 0"/></q:multiproperties>)" +
+                      object(R"(id="2" pid="5" pindex="0")", 1),
+                  R"(<item objectid="2"/>)", picture);
+        CHECK(near(corner_colour(file.mesh, 0, 0), {0.8f, 0, 0.2f}, 5e-3f));
+        const ModelFile two = read3(
+            resources + R"(<q:multiproperties id="5" pids="1 4 6"><q:multi pindices="0 0 0"/></q:multiproperties>)" +
+                object(R"(id="2" pid="5" pindex="0")", 1),
+            R"(<item objectid="2"/>)", picture);
+        CHECK_THAT(warnings(two), Contains("multiproperties") && Contains("LOST"));
+    }
+    SECTION("parts in other files, supports, slicer paint, a missing texture") {
+        const std::string other =
+            R"(<model unit="millimeter"><resources>)" + object(R"(id="9")", 2) + "</resources><build/></model>";
+        const ModelFile file =
+            read3(R"(<object id="3"><components><component objectid="9" p:path="/3D/o.model"/></components></object>)" +
+                      object(R"(id="4" type="support")", 1),
+                  R"(<item objectid="3"/><item objectid="4"/>)", {{"3D/o.model", other}});
+        CHECK(volume(file.mesh) == Approx(8 / 6.0));
+        CHECK_THAT(warnings(file), Contains("support"));
+        CHECK_THAT(
+            warnings(read3(object(R"(id="2")", 1, {R"(slic3rpe:mmu_segmentation="4")"}), R"(<item objectid="2"/>)")),
+            Contains("painted") && Contains("LOST"));
+        CHECK_THAT(
+            warnings(read3(
+                R"(<q:texture2d id="1" path="/gone.png" contenttype="image/png"/><q:texture2dgroup id="3" texid="1">)"
+                R"(<q:tex2coord u="0" v="0"/></q:texture2dgroup>)" +
+                    object(R"(id="2" pid="3" pindex="0")", 1),
+                R"(<item objectid="2"/>)")),
+            Contains("gone.png") && Contains("LOST"));
+    }
+    SECTION("what cannot be gives a clear error") {
+        const auto error = [&](const std::string& resources, const std::string& build = R"(<item objectid="2"/>)") {
+            try {
+                (void)read3(resources, build);
+            } catch (const InputError& e) {
+                return std::string(e.what());
+            }
+            return std::string("no error");
+        };
+        CHECK_THAT(error(""), Contains("object 2"));
+        CHECK_THAT(error(R"(<object id="2"><mesh><vertices/><triangles/></mesh></object>)"), Contains("no faces"));
+        CHECK_THAT(
+            error(
+                R"(<object id="2"><mesh><vertices><vertex x="0" y="0" z="0"/></vertices><triangles><triangle v1="0" v2="0" v3="1"/></triangles></mesh></object>)"),
+            Contains("vertex 1"));
+        CHECK_THAT(error(R"(<object id="2"><mesh><vertices><vertex x="0" y="" z="0"/></vertices></mesh></object>)"),
+                   Contains("no number"));
+        CHECK_THAT(error(colours + object(R"(id="2" pid="1" pindex="3")", 1)), Contains("item 3"));
+        CHECK_THAT(error(R"(<object id="2"><components><component objectid="2"/></components></object>)"),
+                   Contains("hold themselves"));
+        std::string tower = object(R"(id="1")", 1);  // 2^40 copies
+        for (int i = 2; i <= 41; ++i)
+            tower += fmt::format(
+                R"(<object id="{0}"><components><component objectid="{1}"/><component objectid="{1}"/></components></object>)",
+                i, i - 1);
+        CHECK_THAT(error(tower, R"(<item objectid="41"/>)"), Contains("components"));
+        CHECK_THAT(error("<a><b></a></b>"), Contains("closes nothing"));
+        CHECK_THROWS_WITH(read(folder, {{"a.3mf", "PK no archive"}}), Contains("archive"));
+        CHECK_THROWS_WITH(read(folder, {{"a.3mf", zip({{"x", "y"}})}}), Contains("3dmodel.model"));
+        CHECK_THROWS_WITH(
+            read(folder, {{"a.3mf", zip({{"3D/3dmodel.model", "<!DOCTYPE x [<!ENTITY a 'b'>]><model/>"}})}}),
+            Contains("document type"));
+        CHECK_THROWS_WITH(read(folder, {{"a.3mf", zip({{"3D/3dmodel.model", std::string(70 << 20, ' ')}})}}),
+                          Contains("fill the memory"));
+    }
+}

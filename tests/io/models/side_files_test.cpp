@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/io/models/side_files.h"
+
+#include <fstream>
+
+#include <catch2/catch.hpp>
+
+#include "tests/io/files/temporary_folder.h"
+
+namespace fs = std::filesystem;
+using voxtone::io::SideFiles;
+
+TEST_CASE("files named by a model are looked up beside it and nowhere else") {
+    const voxtone::io::TemporaryFolder folder;
+    const fs::path root = folder.path();
+    fs::create_directories(root / "model" / "Textures");
+    for (const char* name : {"outside.png", "model/skin.png", "model/Textures/Wood Plank.JPG", "model/ü.png"})
+        std::ofstream(root / name) << "x";
+    SideFiles files(root / "model" / "thing.obj");
+
+    SECTION("plain, Windows and nested names") {
+        CHECK(files.find("skin.png") == root / "model/skin.png");
+        CHECK(files.find(".\\skin.png") == root / "model/skin.png");
+        CHECK(files.find("Textures\\Wood Plank.JPG") == root / "model/Textures/Wood Plank.JPG");
+        CHECK(files.find("ü.png"));
+        CHECK(files.warnings().empty());
+    }
+    SECTION("other upper and lower case is taken with one warning") {
+        CHECK(files.find("textures/wood plank.jpg") == root / "model/Textures/Wood Plank.JPG");
+        CHECK(files.find("textures/wood plank.jpg"));
+        REQUIRE(files.warnings().size() == 1);
+        CHECK(files.warnings()[0].find("Wood Plank.JPG") != std::string::npos);
+    }
+    SECTION("names that leave the folder are not followed") {
+        CHECK_FALSE(files.find("../outside.png"));
+        CHECK_FALSE(files.find("Textures/../../outside.png"));
+        CHECK_FALSE(files.find((root / "outside.png").string()));
+        CHECK_FALSE(files.find("/etc/passwd"));
+        CHECK_FALSE(files.find("file:///etc/passwd"));
+        CHECK(files.warnings().empty());
+        CHECK(files.find("C:\\Users\\me\\skin.png") == root / "model/skin.png");
+        CHECK(files.find("../model/skin.png") == root / "model/skin.png");
+        CHECK(files.warnings().size() == 2);
+    }
+    SECTION("nothing is no file") {
+        CHECK_FALSE(files.find(""));
+        CHECK_FALSE(files.find("."));
+        CHECK_FALSE(files.find(".."));
+        CHECK_FALSE(files.find("Textures"));
+        CHECK_FALSE(files.find(std::string_view("skin.png\0.jpg", 13)));
+    }
+    CHECK(voxtone::io::decode_uri("Wood%20Plank.JPG%2") == "Wood Plank.JPG%2");
+}

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/io/report/report_html.h"
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <string>
+
+#include <catch2/catch.hpp>
+
+#include "voxtone/io/pictures/picture_writer.h"
+
+using namespace voxtone;
+using namespace voxtone::io;
+using Catch::Contains;
+
+namespace {
+
+const std::string evil =
+    "</title></script><script>alert('x')</script><img src=http://a.b/c onerror=\"e()\">&\x1b[2J\xFF";
+
+ReportPicture picture(const std::string& caption, double px_per_mm) {
+    Picture8 pixels{40, 20, 4, std::vector<std::uint8_t>(40 * 20 * 4, 200)};
+    return {caption, png_bytes(pixels), 40, 20, px_per_mm};
+}
+
+Report sample(const std::string& text) {
+    Report report;
+    report.title = text;
+    report.program_version = "1.2.3";
+    report.printer_id = text;
+    report.printer_name = text;
+    report.pitch_um = {25400.0 / 600, 25400.0 / 300, 27};
+    report.size_mm = {60.03, 32.85, 105.84};
+    report.size_px = {1418, 388, 3920};
+    report.body_voxels = 1234567;
+    report.resins = {{text, text, text, {220, 222, 216}, 1200000, 0.116},
+                     {"VeroCyan", "C", "", {0, 150, 200}, 34567, 3.4}};
+    report.warnings = {text, "second"};
+    report.stages = {{text, 12.5}, {"Layers", 37.5}};
+    report.total_seconds = 51.2;
+    report.peak_memory_bytes = 412'000'000;
+    report.gamut = ReportGamut{0.125, 0.84, 3.21, 9.87};
+    report.prediction_note = text;
+    report.views = {{text, {picture(text, 2), picture("predicted", 2)}}, {"front", {picture("f", 0)}}};
+    report.layers = {{0, 0.0135, picture("l", 2)}, {1960, 52.9335, picture("l", 2)}};
+    report.sections = {{text, {text}, {{text, {text, "Count"}, {{text, "12"}, {"b", "3.5 %"}}}}, {picture(text, 1)}, {{text, "<svg id=\"curve\"></svg>"}}}};
+    report.job = {{text, text}, {"printer", "stratasys-j750-hm"}};
+    return report;
+}
+
+std::size_t count(const std::string& text, const std::string& what) {
+    std::size_t n = 0;
+    for (std::size_t at = text.find(what); at != text.npos; at = text.find(what, at + what.size())) ++n;
+    return n;
+}
+
+}  // namespace
+
+TEST_CASE("The page tells the figures with their units") {
+    const std::string html = report_html(sample("spot.obj"));
+    CHECK_THAT(html,
+               Contains("60.03 × 32.85 × 105.84 mm") && Contains("1418 × 388 px") && Contains("42.33 × 84.67 µm"));
+    CHECK_THAT(html, Contains("3\u202f920") && Contains("of 27 µm") && Contains("1\u202f234\u202f567 voxels") &&
+                         Contains("3.52 ml") && Contains("3.40 ml") && Contains("0.116 ml"));
+    CHECK_THAT(html, Contains("51 s") && Contains("412 MB") && Contains("12.5 %") && Contains("9.87"));
+    CHECK_THAT(html, Contains("0, 150, 200") && Contains("layer 1960, 52.934 mm"));
+    // 40 px at 2 px/mm are 20 mm: a bar of 5 mm is a quarter of that.
+    CHECK_THAT(html, Contains("width:25.000%") && Contains(">5 mm<"));
+    CHECK_THAT(html, Contains("<th class=\"n\">Count</th>") && Contains("<td class=\"n\">3.5 %</td>"));
+}
+
+TEST_CASE("No text can become markup, and nothing comes from outside") {
+    const std::string calm = report_html(sample("calm")), html = report_html(sample(evil));
+    for (const char* mark : {"<script", "</script", "<img", "onerror=\"", "<title", "\x1b"})
+        CHECK(count(html, mark) == count(calm, mark));
+    CHECK(count(html, "<") == count(calm, "<"));
+    CHECK(count(calm, "http") == 1);  // http-equiv
+    CHECK_THAT(calm, Contains("default-src 'none'"));
+    CHECK(count(html, "\xFF") == 0);
+}
+
+TEST_CASE("Pictures are in the page as they are") {
+    Report report;
+    report.title = "t";
+    ReportPicture three = picture("p", 0);
+    for (const auto& [bytes, text] : {std::pair<std::vector<std::uint8_t>, std::string>{{'M', 'a', 'n'}, "TWFu"},
+                                      {{'M', 'a'}, "TWE="},
+                                      {{'M'}, "TQ=="},
+                                      {{0xFB, 0xFF, 0xFE, 0x00}, "+//+AA=="}}) {
+        three.png = bytes;
+        report.views = {{"v", {three}}};
+        CHECK_THAT(report_html(report), Contains("base64," + text + "\""));
+    }
+}
+
+TEST_CASE("Drawings are in the page as they are, their captions as text") {
+    const std::string html = report_html(sample("profile <1>"));
+    CHECK(count(html, "<svg id=\"curve\"></svg><figcaption>profile &lt;1&gt;</figcaption>") == 1);
+}
+
+TEST_CASE("A report with nothing in it is still a page") {
+    const std::string html = report_html({});
+    CHECK_THAT(html, Contains("<h1></h1>") && Contains("</html>"));
+    CHECK(count(html, "<section") == 0);
+}
+
+TEST_CASE("report.json has the same figures") {
+    const auto json = nlohmann::json::parse(report_json(sample(evil)));
+    CHECK(json["format"] == "voxtone-report");
+    CHECK(json["size_mm"] == nlohmann::json({60.03, 32.85, 105.84}));
+    CHECK(json["size_px"] == nlohmann::json({1418, 388}));
+    CHECK(json["layers"] == 3920);
+    CHECK(json["resins"][1]["rgb"] == nlohmann::json({0, 150, 200}));
+    CHECK(json["resin_ml"].get<double>() == Approx(3.516));
+    CHECK(json["seconds"] == 51.2);
+    CHECK(json["gamut"]["de2000"]["p95"] == 3.21);
+    CHECK(json["warnings"][1] == "second");
+    CHECK(json["sections"][0]["tables"][0]["rows"][1][1] == "3.5 %");
+    CHECK(json["job"]["printer"] == "stratasys-j750-hm");
+    CHECK(json["title"].get<std::string>().substr(0, 8) == "</title>");
+    CHECK_FALSE(nlohmann::json::parse(report_json({})).contains("gamut"));
+}

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The fast predictor against the stored Monte Carlo references of the accuracy suite (tests/data/appearance). What is
+// compared and how noise is taken out: benchmarks/optics/transport/compare.h; the whole table: `predictor_accuracy compare`.
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <vector>
+
+#include "benchmarks/optics/transport/compare.h"
+#include "benchmarks/optics/transport/homogeneous.h"
+#include "tests/io/files/temporary_folder.h"
+#include "voxtone/base/random.h"
+
+using namespace voxtone;
+using namespace voxtone::accuracy;
+namespace fs = std::filesystem;
+
+namespace {
+
+std::vector<fs::path> references() {
+    std::vector<fs::path> files;
+    for (const auto& entry : fs::directory_iterator(fs::path(VOXTONE_TEST_DATA) / "appearance"))
+        if (entry.path().extension() == ".ref") files.push_back(entry.path());
+    std::sort(files.begin(), files.end());
+    return files;
+}
+
+/// A small scene, and a "reference" that is the predictor's own appearance, shifted and with noise.
+Reference made_up(double shift, double noise) {
+    Reference r;
+    SuiteCase& c = r.of;
+    c.name = "made up";
+    c.resins = suite_resins();
+    c.volume = optics::make_resin_volume({40, 20, 60}, j750_mm, [](int x, int, int z) {
+        return z < 58 ? resin::W : x < 20 ? resin::C : resin::Y;
+    });
+    const optics::Surface surface = optics::find_surface(c.scene(), viewing_cell, c.part);
+    const optics::Appearance seen = optics::TransportPredictor().predict(c.scene(), surface);
+    RandomStream random(3, 5);
+    for (auto& half : r.half)
+        for (const float v : seen.value)
+            half.push_back(v + static_cast<float>(shift + noise * std::sqrt(3.0) * (2 * random.uniform() - 1)));
+    r.core_seconds = 1;
+    return r;
+}
+
+}  // namespace
+
+TEST_CASE("What is reported without noise does not change with the noise of the reference") {
+    const Comparison same = compare(made_up(0, 0.005), {}), shifted = compare(made_up(0.02, 0), {}),
+                     both = compare(made_up(0.02, 0.005), {});
+    CHECK(same.noise > 0.25);
+    // 800 products of two differences of this size leave about a third of the noise over the fourth root of 800.
+    CHECK(same.rms < 0.3 * same.noise);
+    CHECK(shifted.noise == Approx(0).margin(1e-9));
+    CHECK(shifted.rms > 0.5);
+    CHECK(both.mean > 1.02 * shifted.mean);
+    CHECK(both.rms == Approx(shifted.rms).epsilon(0.1));
+}
+
+TEST_CASE("A reference comes back from its file as it was written, within its codes") {
+    const Reference r = made_up(0, 0.05);
+    const io::TemporaryFolder folder;
+    const fs::path file = folder.path() / "voxtone-reference-test.ref";
+    write_reference(file, r);
+    const Reference back = read_reference(file);
+    REQUIRE(back.half[1].size() == r.half[1].size());
+    for (std::size_t i = 0; i < r.half[1].size(); ++i)
+        REQUIRE(std::abs(back.half[1][i] - std::max(0.0f, r.half[1][i])) < 4.4e-5f);  // reference_file.h
+    REQUIRE(back.of.volume.size() == r.of.volume.size());
+    for (int x = 0; x < 40; ++x) REQUIRE(back.of.volume.at(x, 7, 55) == r.of.volume.at(x, 7, 55));
+    CHECK(back.of.resins.resins[2].sigma_t_per_mm == r.of.resins.resins[2].sigma_t_per_mm);
+    CHECK_THROWS(read_reference(fs::path(VOXTONE_TEST_DATA) / "reference/srgb.json"));
+}
+
+TEST_CASE("Percentiles by weight") {
+    const std::vector<double> values{3, 1, 2}, weights{1, 8, 1};
+    CHECK(weighted_percentile(values, weights, 0.5) == 1);
+    CHECK(weighted_percentile(values, weights, 0.85) == 2);
+    CHECK(weighted_percentile(values, weights, 0.95) == 3);
+}
+
+// Wanted: mean over the suite 0.7, no case above 1.2, also for resins and pictures that were not used while tuning. The set
+// `random-1` has g = 0.65; delta-Eddington scattering is too bright there (docs/benchmarks.md).
+TEST_CASE("The predictor agrees with Monte Carlo on every flat case of the suite") {
+    double sum = 0, n = 0;
+    for (const fs::path& file : references()) {
+        const Reference reference = read_reference(file);
+        if (reference.of.sides != optics::Sides::mirrored) continue;
+        const Comparison c = compare(reference, {});
+        INFO(reference.of.name << ": mean " << c.mean_without_noise << " without noise, 95 % " << c.percentile_95 << " with noise "
+                               << c.noise << ", bias of L* " << c.bias);
+        CHECK(c.mean_without_noise < (reference.of.name == "random-1" ? 1.4 : 1.2));
+        CHECK(c.percentile_95 < 2.5);
+        sum += c.mean_without_noise;
+        ++n;
+    }
+    REQUIRE(n >= 25);
+    CHECK(sum / n < 0.6);
+}
+
+// Wanted: 1.2. Reached: 1.5 (docs/benchmarks.md).
+TEST_CASE("A textured sphere looks as it does to light paths that see the sphere itself") {
+    const Comparison c = compare(read_reference(fs::path(VOXTONE_TEST_DATA) / "appearance/sphere.ref"), {});
+    CHECK(c.mean_without_noise < 1.6);
+    CHECK(std::abs(c.bias) < 0.5);
+}
+
+TEST_CASE("The suite sees that averaging resins over a viewing cell is wrong") {
+    optics::TransportOptions options;
+    options.voxel_skin = false;
+    const Reference reference = read_reference(fs::path(VOXTONE_TEST_DATA) / "appearance/hues.ref");
+    CHECK(compare(reference, options).mean_without_noise > 1.3);
+}
+
+TEST_CASE("Homogeneous slabs of a coarse lattice of mixtures agree with adding-doubling") {
+    const HomogeneousErrors e = compare_mixtures({}, 3);
+    INFO(e.worst);
+    CHECK(e.mixtures == 35);
+    CHECK(e.max < 0.2);
+}

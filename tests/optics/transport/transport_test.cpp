@@ -1,0 +1,263 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <catch2/catch.hpp>
+
+#include <cmath>
+#include <string>
+
+#include "voxtone/base/parallel.h"
+#include "voxtone/base/random.h"
+#include "voxtone/optics/transport/influence.h"
+#include "voxtone/optics/layered/layered_appearance.h"
+#include "voxtone/optics/layered/shell_appearance.h"
+#include "voxtone/optics/transport/transport.h"
+#include "voxtone/optics/transport/transport_directions.h"
+#include "voxtone/optics/transport/transport_medium.h"
+
+using namespace voxtone::optics;
+
+namespace {
+
+constexpr std::array<double, 3> j750{0.0423333, 0.0846667, 0.027};
+
+/// The set with one more resin, a mixture.
+ResinSet with_mixture(ResinSet set, const std::vector<double>& fractions) {
+    Resin mixture;
+    mixture.name = mixture.role = "mixture" + std::to_string(set.resins.size());
+    for (std::size_t c = 0; c < 3; ++c) {
+        const Medium m = set.mix(fractions, c);
+        mixture.sigma_t_per_mm.push_back(m.sigma_t());
+        mixture.albedo.push_back(m.albedo());
+    }
+    set.resins.push_back(mixture);
+    return set;
+}
+
+}  // namespace
+
+TEST_CASE("The directions integrate what diffusion needs, and the surface lets diffuse light through exactly") {
+    const DirectionSet set = make_directions(0.4, 1.5);
+    std::array<double, 3> flux{}, square{};
+    double weight = 0;
+    for (std::size_t d = 0; d < 8; ++d) {
+        weight += set.weight.v[d];
+        for (std::size_t a = 0; a < 3; ++a) {
+            flux[a] += set.weight.v[d] * set.cosine[a].v[d];
+            square[a] += set.weight.v[d] * set.cosine[a].v[d] * set.cosine[a].v[d];
+        }
+    }
+    CHECK(8 * weight == Approx(1).epsilon(1e-6));
+    CHECK(4 * flux[2] == Approx(0.25).epsilon(1e-6));
+    CHECK(4 * flux[0] == Approx(0.25).epsilon(0.03));  // 2.6 % are what two azimuths per quadrant cost
+    for (std::size_t a = 0; a < 3; ++a) CHECK(8 * square[a] == Approx(1.0 / 3).epsilon(1e-5));
+    // 1 - R of diffuse light inside, eta = 1.5: Duntley 1942's 0.5963 is R.
+    CHECK(set.diffuse_transmittance == Approx(1 - 0.5963).epsilon(1e-3));
+    // Through the three kinds of steps of a staircase leaves what leaves through the surface that it stands for.
+    for (const std::array<float, 3>& n :
+         {std::array<float, 3>{0.0f, 0.0f, 1.0f}, {0.6f, 0.0f, 0.8f}, {0.5f, 0.5f, 0.7071068f}, {0.1f, -0.2f, 0.9746794f}}) {
+        double through = 0;
+        for (int axis = 0; axis < 3; ++axis) {
+            const auto a = static_cast<std::size_t>(axis);
+            if (n[a] == 0) continue;
+            const FaceLaw law = face_law(set, axis, n);
+            for (std::size_t signs = 0; signs < 4; ++signs)
+                for (std::size_t d = 0; d < 8; ++d) {
+                    const float t = law.through[signs].v[d];
+                    through += std::abs(n[a]) * set.weight.v[d] * set.cosine[a].v[d] * t;
+                    CHECK(t >= 0);
+                    CHECK(t + law.mirror[signs].v[d] <= 1.000001f);
+                }
+        }
+        INFO(n[0] << ' ' << n[1] << ' ' << n[2]);
+        CHECK(through == Approx(0.25 * set.diffuse_transmittance).epsilon(0.02));
+    }
+}
+
+TEST_CASE("Media carry the albedo that makes a half-space exact") {
+    const TransportMedia media(make_directions(0.4, 1.5), {0.0423, 0.0423, 0.027});
+    const OrdinatePlan plan = appearance_plan(0.4, 1.5);
+    double worst = 0, without = 0;
+    for (const double sigma_t : {0.5, 3.0, 8.0, 15.0, 24.0, 40.0})
+        for (const double albedo : {0.03, 0.15, 0.35, 0.62, 0.8, 0.93, 0.985, 0.9965, 0.9993, 0.99985}) {
+            const double exact = appearance(plan, half_space(plan, {1 - albedo, albedo}));
+            worst = std::max(worst, std::abs(media.discrete_half_space(1 - media.loss(albedo, sigma_t), sigma_t) - exact));
+            without = std::max(without, std::abs(media.discrete_half_space(albedo, sigma_t) - exact));
+        }
+    CHECK(worst < 3e-4);
+    CHECK(without > 1.5e-3);  // it is needed
+}
+
+TEST_CASE("A body that absorbs nothing is exactly white, whatever its shape and its clear parts") {
+    ResinSet set = vero_opaque();
+    for (Resin& resin : set.resins) resin.albedo.assign(3, 1.0);
+    const ResinVolume volume = make_resin_volume({40, 24, 50}, j750, [](int x, int y, int z) {
+        const double r = std::hypot((x - 20) * j750[0], (y - 12) * j750[1], (z - 25) * j750[2]);
+        return r < 0.6 ? 1 + (x * 5 + y * 3 + z * 7) % 5 : 0;
+    });
+    const Scene scene{&volume, &set, Backing::none, Sides::open};
+    const Surface surface = find_surface(scene, {2, 1, 3}, SurfacePart::all);
+    const Appearance seen = TransportPredictor().predict(scene, surface);
+    float worst = 0;
+    for (const float v : seen.value) {
+        REQUIRE(std::isfinite(v));
+        worst = std::max(worst, std::abs(v - 1));
+    }
+    CHECK(worst < 1e-3);
+}
+
+TEST_CASE("Homogeneous slabs agree with adding-doubling") {
+    const auto backing = GENERATE(Backing::black, Backing::none);
+    const auto fractions = GENERATE(std::vector<double>{1, 0, 0, 0, 0}, std::vector<double>{0, 1, 0, 0, 0},
+                                    std::vector<double>{0, 0, 1, 0, 0}, std::vector<double>{0, 0, 0, 1, 0},
+                                    std::vector<double>{0, 0, 0, 0, 1}, std::vector<double>{0.2, 0.1, 0.3, 0.1, 0.3});
+    const ResinSet set = with_mixture(vero_opaque(), fractions);
+    const int layers = 60;
+    const ResinVolume volume = make_resin_volume({8, 4, layers}, j750, [](int, int, int) { return 6; });
+    const Scene scene{&volume, &set, backing, Sides::mirrored};
+    const Surface surface = find_surface(scene, {2, 1, 3}, SurfacePart::top);
+    TransportOptions options;
+    options.sweeps = 12;  // mirrors a third of a millimetre apart pass on one image a sweep
+    const Appearance seen = TransportPredictor(options).predict(scene, surface);
+    std::vector<double> pure(6, 0.0);
+    pure[5] = 1;
+    const std::vector<double> exact = ShellAppearance(set, {layers * j750[2] - 0.1, 5, 0.1, backing}).exact(pure);
+    for (std::size_t c = 0; c < 3; ++c) {
+        double mean = 0;
+        for (std::size_t i = 0; i < surface.cells.size(); ++i)
+            mean += static_cast<double>(seen.value[3 * i + c]) / static_cast<double>(surface.cells.size());
+        INFO("channel " << c);
+        CHECK(std::abs(mean - exact[c]) < 0.0025);
+    }
+}
+
+TEST_CASE("Any number of threads predicts the same bits") {
+    const ResinSet set = vero_opaque();
+    const ResinVolume volume = make_resin_volume({50, 20, 70}, j750, [](int x, int y, int z) {
+        return voxtone::RandomStream(1, static_cast<std::uint64_t>((z * 20 + y) * 50 + x)).bits() % 5 + 1;
+    });
+    const Scene scene{&volume, &set, Backing::black, Sides::open};
+    const Surface surface = find_surface(scene, {2, 1, 3}, SurfacePart::all);
+    std::vector<float> one, many;
+    {
+        const voxtone::ThreadLimit limit(1);
+        one = TransportPredictor().predict(scene, surface).value;
+    }
+    {
+        const voxtone::ThreadLimit limit(5);
+        many = TransportPredictor().predict(scene, surface).value;
+    }
+    CHECK(one == many);
+}
+
+TEST_CASE("The gradient agrees with finite differences") {
+    // One voxel of a halftoned slab gets a mixture of its own; F weighs appearances near it in one channel.
+    const ResinSet base = vero_opaque();
+    TransportOptions options;
+    options.sweeps = 20;
+    options.start_tolerance = 1e-5;
+    options.correction_tolerance = 1e-2;
+    const TransportPredictor model(options);
+    const std::array<int, 3> size{24, 12, 36};
+    double worst = 0;
+    voxtone::RandomStream draw(7, 0);
+    for (int trial = 0; trial < 6; ++trial) {
+        const std::array<int, 3> voxel{8 + static_cast<int>(draw.bits() % 8), 4 + static_cast<int>(draw.bits() % 4),
+                                       size[2] - 1 - static_cast<int>(draw.bits() % 6)};
+        const std::size_t channel = draw.bits() % 3, resin = draw.bits() % 5;
+        std::vector<double> mixture(5);
+        double sum = 0;
+        for (double& f : mixture) sum += f = 0.1 + draw.uniform();
+        for (double& f : mixture) f /= sum;
+        const auto run = [&](double change, TransportGradient* gradient) {
+            std::vector<double> fractions = mixture;
+            fractions[resin] += change;
+            ResinSet set = with_mixture(base, fractions);
+            const ResinVolume volume = make_resin_volume(size, j750, [&](int x, int y, int z) -> int {
+                if (std::array{x, y, z} == voxel) return 6;
+                const auto address = static_cast<std::uint64_t>((z * size[1] + y) * size[0] + x);
+                return z < size[2] - 9 ? 5 : static_cast<int>(voxtone::RandomStream(3, address).bits() % 5) + 1;
+            });
+            const Scene scene{&volume, &set, Backing::black, Sides::mirrored};
+            const Surface surface = find_surface(scene, {2, 1, 3}, SurfacePart::top);
+            std::vector<float> weight(surface.cells.size() * 3, 0.0f);
+            for (std::size_t i = 0; i < surface.cells.size(); ++i)
+                if (std::abs(surface.cells[i].cell[0] - voxel[0] / 2) < 3 && std::abs(surface.cells[i].cell[1] - voxel[1]) < 3)
+                    weight[3 * i + channel] = 1 + 0.1f * static_cast<float>(i % 7);
+            TransportSummary summary;
+            TransportGradient unused;
+            const Appearance seen = model.predict(
+                scene, surface, [&](const Appearance&, std::span<float> out) { std::copy(weight.begin(), weight.end(), out.begin()); },
+                gradient ? *gradient : unused, summary);
+            double value = 0;
+            for (std::size_t i = 0; i < weight.size(); ++i) value += static_cast<double>(weight[i]) * static_cast<double>(seen.value[i]);
+            return value;
+        };
+        TransportGradient gradient;
+        (void)run(0, &gradient);
+        const double step = 0.02, difference = (run(step, nullptr) - run(-step, nullptr)) / (2 * step);
+        const double adjoint = static_cast<double>(gradient.at(voxel, resin));
+        INFO("trial " << trial << " channel " << channel << " resin " << resin << ": difference " << difference << " adjoint " << adjoint);
+        CHECK(std::abs(adjoint / difference - 1) < 0.01);
+        worst = std::max(worst, std::abs(adjoint / difference - 1));
+    }
+    INFO("worst " << worst);
+    CHECK(worst > 0);
+}
+
+TEST_CASE("A body predicted in pieces looks like the whole, seams included") {
+    // Ink-rich and white halves under a pattern: light of the one is seen in the other far across the borders of pieces.
+    const ResinSet set = vero_opaque();
+    const std::array<int, 3> size{560, 8, 60};
+    const ResinVolume volume = make_resin_volume(size, j750, [&](int x, int y, int z) -> int {
+        if (z < size[2] - 18) return 5;
+        const auto address = static_cast<std::uint64_t>((z * size[1] + y) * size[0] + x);
+        const double ink = x / 100 % 2 == 0 ? 0.5 : 0.1;
+        const double u = voxtone::RandomStream(3, address).uniform();
+        return u < ink ? 1 + (x / 16 + y / 8) % 4 : 5;
+    });
+    const Scene scene{&volume, &set, Backing::black, Sides::mirrored};
+    const Surface surface = find_surface(scene, {2, 1, 3}, SurfacePart::top);
+    TransportOptions options;
+    options.sweeps = 5;
+    options.start_tolerance = 1e-3;
+    options.correction_tolerance = 0.03;
+    const Appearance whole = TransportPredictor(options).predict(scene, surface);
+    options.piece_mm = 8;
+    TransportSummary summary;
+    const Appearance pieces = TransportPredictor(options).predict(scene, surface, summary);
+    REQUIRE(summary.pieces == 3);
+    double worst = 0;
+    for (std::size_t i = 0; i < whole.value.size(); ++i)
+        worst = std::max(worst, static_cast<double>(std::abs(whole.value[i] - pieces.value[i])));
+    CHECK(worst < 1e-3);
+    options.halo_mm = 0.3;  // too little: the test sees what a halo is for
+    const Appearance bare = TransportPredictor(options).predict(scene, surface);
+    double bare_worst = 0;
+    for (std::size_t i = 0; i < whole.value.size(); ++i)
+        bare_worst = std::max(bare_worst, static_cast<double>(std::abs(whole.value[i] - bare.value[i])));
+    CHECK(bare_worst > 3e-3);
+}
+
+TEST_CASE("A prediction too large for the memory allowed says what it would need") {
+    const ResinSet set = vero_opaque();
+    const ResinVolume volume = make_resin_volume({100, 60, 60}, j750, [](int, int, int) { return 5; });
+    const Scene scene{&volume, &set, Backing::none, Sides::open};
+    const Surface surface = find_surface(scene, {2, 1, 3}, SurfacePart::top);
+    TransportOptions options;
+    options.memory_bytes = 1 << 20;
+    CHECK_THROWS_WITH(TransportPredictor(options).predict(scene, surface), Catch::Contains("MiB") && Catch::Contains("allow more"));
+    options.memory_bytes = std::size_t{400} << 20;
+    TransportSummary summary;
+    (void)TransportPredictor(options).predict(scene, surface, summary);
+    CHECK(summary.pieces == 1);
+    CHECK(summary.memory_bytes < options.memory_bytes);
+}
+
+TEST_CASE("A change is felt the farther the smaller the tolerance, and farther in white than in black") {
+    const ResinSet set = vero_opaque();
+    const auto white = static_cast<std::size_t>(set.find("W")), black = static_cast<std::size_t>(set.find("K"));
+    const double coarse = influence_radius(set, j750, white, black, 1e-2), fine = influence_radius(set, j750, white, black, 1e-4);
+    CHECK(coarse > 0.1);
+    CHECK(fine > 1.5 * coarse);
+    CHECK(fine < 20);
+    CHECK(influence_radius(set, j750, black, white, 1e-2) < coarse);
+}

@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/slicer/mesh/mesh_repair.h"
+
+#include <algorithm>
+
+#include <catch2/catch.hpp>
+
+#include "voxtone/base/error.h"
+#include "voxtone/base/random.h"
+#include "voxtone/slicer/mesh/hole_filling.h"
+#include "voxtone/slicer/mesh/mesh_chain.h"
+#include "shapes.h"
+
+using namespace voxtone;
+using namespace voxtone::slicer;
+using Eigen::Vector3d;
+
+namespace {
+
+io::TexturedMesh textured(const SolidMesh& m) {
+    io::TexturedMesh t;
+    t.positions = m.positions_mm;
+    t.triangles = m.triangles;
+    t.material_of_triangle.assign(m.triangles.size(), 0);
+    t.materials.resize(1);
+    return t;
+}
+
+// Every triangle with corners of its own.
+io::TexturedMesh soup(const SolidMesh& m, double shake) {
+    RandomStream random(3, 3);
+    io::TexturedMesh t = textured(m);
+    t.positions.clear();
+    for (auto& f : t.triangles)
+        for (auto& v : f) {
+            t.positions.push_back(m.positions_mm[v] + shake * Vector3d(random.uniform() - 0.5, random.uniform() - 0.5, random.uniform() - 0.5));
+            v = std::uint32_t(t.positions.size() - 1);
+        }
+    return t;
+}
+
+RepairedMesh repair(const io::TexturedMesh& m, RepairMode mode = RepairMode::automatic, double pitch_mm = 0.027) {
+    RepairOptions options;
+    options.mode = mode;
+    options.pitch_mm = pitch_mm;
+    return repair_mesh(m, options);
+}
+
+double volume(const RepairedMesh& r) { return shapes::volume(r.solid); }
+
+const SolidMesh cube = shapes::box({0, 0, 0}, {2, 2, 2});
+
+}  // namespace
+
+TEST_CASE("Closed meshes stay as they are, crossings and cavities included") {
+    const SolidMesh cavity = shapes::joined(cube, shapes::flipped(shapes::box({0.5, 0.5, 0.5}, {1, 1, 1})));
+    const SolidMesh overlap = shapes::joined(cube, shapes::moved(cube, Vector3d(1, 0.5, 0.25)));
+    // Two boxes that share an edge: four faces meet there.
+    SolidMesh sharing = shapes::joined(cube, shapes::box({2, 2, 0}, {3, 3, 2}));
+    for (auto& t : sharing.triangles)
+        for (auto& v : t)
+            if (v == 8 || v == 12) v = v == 8 ? 3 : 7;
+    for (const SolidMesh& m : {cube, cavity, overlap, sharing}) {
+        for (RepairMode mode : {RepairMode::off, RepairMode::automatic}) {
+            const RepairedMesh r = repair(textured(m), mode);
+            CHECK(r.solid.triangles == m.triangles);
+            CHECK(r.solid.source_triangle == m.source_triangle);
+            CHECK(r.report.messages.empty());
+            CHECK(r.report.before == r.report.after);
+        }
+    }
+    CHECK(repair(textured(cavity)).report.cavities == 1);
+    CHECK(repair(textured(overlap)).report.before.crossing_pairs > 0);
+    CHECK(repair(textured(cube)).report.before.crossing_pairs == 0);
+    CHECK(repair(textured(sharing)).report.before.nonmanifold_edges == 1);
+    CHECK(repair(textured(sharing)).report.before.shells == 2);
+}
+
+TEST_CASE("Shells that face inward are turned, with what is inside them") {
+    CHECK(volume(repair(textured(shapes::flipped(cube)))) == Approx(8));
+    CHECK(repair(textured(shapes::flipped(cube))).report.turned_shells == 1);
+    // One of two.
+    const SolidMesh two = shapes::joined(shapes::flipped(cube), shapes::moved(cube, Vector3d(5, 0, 0)));
+    CHECK(volume(repair(textured(two))) == Approx(16));
+    CHECK(repair(textured(two)).report.turned_shells == 1);
+    // Inside out as a whole, with a cavity that must stay one.
+    const SolidMesh inner = shapes::box({0.5, 0.5, 0.5}, {1, 1, 1});
+    const RepairedMesh r = repair(textured(shapes::joined(shapes::flipped(cube), inner)));
+    CHECK(volume(r) == Approx(8 - 0.125));
+    CHECK(r.report.cavities == 1);
+    // An inverted part that stands half in another is no cavity.
+    const SolidMesh half_in = shapes::joined(cube, shapes::flipped(shapes::box({1.5, 0.5, 0.5}, {3.5, 1, 1})));
+    CHECK(repair(textured(half_in)).report.turned_shells == 1);
+}
+
+TEST_CASE("Faces that disagree, doubled faces and faces without area are mended") {
+    const SolidMesh sphere = shapes::sphere(1, 10);
+    io::TexturedMesh m = textured(sphere);
+    for (std::size_t t = 0; t < m.triangles.size(); t += 3) std::swap(m.triangles[t][0], m.triangles[t][1]);
+    RepairedMesh r = repair(m);
+    CHECK(r.report.before.inconsistent_edges > 100);
+    CHECK(r.report.after.open_edges == 0);
+    CHECK(r.report.turned_faces == (m.triangles.size() + 2) / 3);
+    CHECK(volume(r) == Approx(shapes::volume(sphere)));
+    CHECK(r.report.filled_holes == 0);
+
+    m = textured(sphere);
+    m.triangles.push_back(m.triangles[5]);
+    m.triangles.push_back({m.triangles[7][1], m.triangles[7][0], m.triangles[7][2]});
+    m.triangles.push_back({4, 4, 9});
+    r = repair(m);
+    CHECK(r.report.before.duplicate_faces == 2);
+    CHECK(r.report.before.degenerate_faces == 1);
+    CHECK(r.report.dropped_faces == 3);
+    CHECK(volume(r) == Approx(shapes::volume(sphere)));
+}
+
+TEST_CASE("Holes are filled on the vertices that are there, and fills have no source") {
+    // Box without its top: 20 mm^3 with the hole filled flat.
+    SolidMesh open = shapes::box({0, 0, 0}, {2, 2, 5});
+    open.triangles.erase(open.triangles.begin() + 2, open.triangles.begin() + 4);
+    const RepairedMesh r = repair(textured(open));
+    CHECK(r.report.before.boundary_edges == 4);
+    CHECK(r.report.filled_holes == 1);
+    CHECK(r.report.filled_area_mm2 == Approx(4));
+    CHECK(volume(r) == Approx(20));
+    CHECK(std::count(r.solid.source_triangle.begin(), r.solid.source_triangle.end(), -1) == 2);
+    CHECK(r.solid.positions_mm.size() == open.positions_mm.size());
+    CHECK(r.report.after.open_edges == 0);
+    CHECK_THROWS_AS(repair(textured(open), RepairMode::off), InputError);
+    CHECK_THROWS_WITH(repair(textured(open), RepairMode::off), Catch::Contains("4 boundary edges"));
+
+    // A long boundary goes ear by ear: a tube of 600 sides, open at both ends.
+    SolidMesh tube;
+    const std::uint32_t n = 600;
+    for (std::uint32_t s = 0; s < 2 * n; ++s) {
+        const double a = 2 * std::numbers::pi * (s % n) / n;
+        tube.positions_mm.emplace_back(std::cos(a), std::sin(a), s < n ? 0 : 4);
+    }
+    for (std::uint32_t s = 0; s < n; ++s) {
+        const std::uint32_t q = (s + 1) % n;
+        tube.triangles.push_back({s, q, q + n});
+        tube.triangles.push_back({s, q + n, s + n});
+    }
+    const RepairedMesh filled = repair(textured(tube));
+    CHECK(filled.report.filled_holes == 2);
+    CHECK(volume(filled) == Approx(4 * 0.5 * n * std::sin(2 * std::numbers::pi / n)).epsilon(1e-9));
+}
+
+TEST_CASE("Cracks between faces are welded") {
+    const SolidMesh sphere = shapes::sphere(10, 12);
+    const RepairedMesh r = repair(soup(sphere, 1e-4));
+    CHECK(r.report.before.boundary_edges == 3 * sphere.triangles.size());
+    CHECK(r.report.after.open_edges == 0);
+    CHECK(r.report.filled_holes == 0);
+    CHECK(r.report.wrapped_faces == 0);
+    CHECK(volume(r) == Approx(shapes::volume(sphere)).epsilon(1e-4));
+}
+
+TEST_CASE("Any set of faces becomes a closed chain") {
+    for (std::uint64_t round = 0; round < 50; ++round) {
+        RandomStream random(11, round);
+        io::TexturedMesh m;
+        const std::uint32_t vertices = 6 + random.bits() % 10;
+        for (std::uint32_t v = 0; v < vertices; ++v) m.positions.emplace_back(random.uniform() * 9, random.uniform() * 9, random.uniform() * 9);
+        for (int t = 0; t < 11; ++t) m.triangles.push_back({random.bits() % vertices, random.bits() % vertices, random.bits() % vertices});
+        const auto fills = fill_holes(m.positions, m.triangles);
+        std::vector<Triangle> all = m.triangles;
+        for (const HoleFill& f : fills) all.insert(all.end(), f.triangles.begin(), f.triangles.end());
+        CHECK(open_edges(all) == 0);
+        CHECK(open_edges(repair(m).solid.triangles) == 0);
+    }
+}
+
+TEST_CASE("A body in shreds is wrapped", "[wrap]") {
+    const SolidMesh sphere = shapes::sphere(3, 8);
+    const RepairedMesh r = repair(soup(sphere, 0.2), RepairMode::automatic, 0.1);
+    CHECK(r.report.wrapped_faces == sphere.triangles.size());
+    CHECK(r.wrapped_triangles.size() == sphere.triangles.size());
+    CHECK(r.report.after.open_edges == 0);
+    CHECK(r.report.messages.size() >= 1);
+    // As large as the sphere, give or take the shaking and the offset.
+    CHECK(volume(r) > 0.9 * shapes::volume(sphere));
+    CHECK(volume(r) < 1.25 * shapes::volume(sphere));
+    CHECK(repair(textured(cube), RepairMode::wrap, 0.1).report.wrapped_faces == 12);
+}
+
+TEST_CASE("Nothing to print is said") {
+    io::TexturedMesh m;
+    CHECK_THROWS_AS(repair(m), InputError);
+    m.positions = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}};
+    m.triangles = {{0, 1, 2}};
+    CHECK_THROWS_AS(repair(m), InputError);
+    CHECK(parse_repair_mode("auto") == RepairMode::automatic);
+    CHECK_THROWS_AS(parse_repair_mode("on"), UsageError);
+}

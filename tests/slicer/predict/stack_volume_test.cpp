@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <catch2/catch.hpp>
+
+#include <filesystem>
+#include <string>
+
+#include "tests/io/layers/stack_samples.h"
+#include "tests/io/files/temporary_folder.h"
+#include "voxtone/base/error.h"
+#include "voxtone/io/layers/stack_folder.h"
+#include "voxtone/io/files/whole_file.h"
+#include "voxtone/slicer/predict/stack_volume.h"
+
+using namespace voxtone;
+using namespace voxtone::slicer;
+using Catch::Matchers::Contains;
+
+namespace {
+
+// A body without any symmetry: 37 x 21 x 35 voxels of materials 1 to 5, a tower on its corner of small x and small y.
+constexpr int nx = 37, ny = 21, nz = 35;
+int marker(int x, int y, int z) {
+    if (x < 0 || y < 0 || z < 0 || x >= nx || y >= ny || z >= nz) return 0;
+    if (z >= 20 && (x >= 9 || y >= 5)) return 0;
+    return 1 + (x / 5 + 2 * (y / 4) + 3 * (z / 6)) % 5;
+}
+
+/// Layer z of the marker in a bitmap with empty margins: `left` columns, `below` rows at small y, `around` on the other
+/// sides.
+io::LayerRuns marker_layer(int z, int left = 0, int below = 0, int around = 0) {
+    const int width = nx + left + around, height = ny + below + around;
+    std::vector<io::Material> pixels;
+    for (int row = 0; row < height; ++row)
+        for (int x = 0; x < width; ++x)
+            pixels.push_back(static_cast<io::Material>(marker(x - left, height - 1 - row - below, z)));
+    return io::layer_from_pixels(pixels, static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height));
+}
+
+void write_marker(const std::filesystem::path& out, const io::Orientation& orientation, bool gcvf = false) {
+    io::StackDescription stack = io::sample_description(nz, nx, ny);
+    stack.orientation = orientation;
+    stack.origin_mm = {1, 2, 3};
+    io::StackOutputs outputs;
+    outputs.gcvf = gcvf;
+    io::LayerStackWriter writer(out, stack, outputs);
+    for (int z = 0; z < nz; ++z) writer.write(static_cast<std::uint32_t>(z), marker_layer(z));
+    (void)writer.finish();
+}
+
+std::size_t wrong_voxels(const StackVolume& stack) {
+    // Resins of the sample in their order C, M, Y, K, W; the set of the volume may have another.
+    const char* const role[] = {"", "C", "M", "Y", "K", "W"};
+    std::size_t wrong = 0;
+    for (int z = 0; z < nz; ++z)
+        for (int y = 0; y < ny; ++y)
+            for (int x = 0; x < nx; ++x) {
+                const int material = stack.volume.at(x, y, z), expected = marker(x, y, z);
+                wrong += expected == 0
+                             ? material != 0
+                             : material == 0 ||
+                                   stack.resins.resins[static_cast<std::size_t>(material - 1)].role != role[expected];
+            }
+    return wrong;
+}
+
+std::string message(const StackVolumeOptions& options, ExitCode code) {
+    Progress progress;
+    try {
+        (void)read_stack_volume(options, progress);
+    } catch (const Error& error) {
+        CHECK(error.exit_code() == code);
+        return error.what();
+    }
+    FAIL("no error");
+    return {};
+}
+
+const std::vector<std::string> sample_colours{"#00aeef=C", "#ec008c=m", "#fff200=VeroYellow", "#282828=K", "#dcded8=W"};
+
+}  // namespace
+
+TEST_CASE("An own stack comes back in the model's frame, however its bitmaps were mirrored") {
+    const io::TemporaryFolder folder;
+    int count = 0;
+    for (const io::Orientation o :
+         {io::Orientation{}, io::Orientation{true, false, false}, io::Orientation{false, true, false},
+          io::Orientation{false, false, true}, io::Orientation{true, false, true}, io::Orientation{true, true, true}}) {
+        const auto out = folder.path() / std::to_string(count++);
+        write_marker(out, o);
+        Progress progress;
+        const StackVolume stack = read_stack_volume({.stack = out.string()}, progress);
+        REQUIRE(stack.volume.size() == std::array<int, 3>{nx, ny, nz});
+        CHECK(stack.volume.pitch_mm()[0] == Approx(25.4 / 600));
+        CHECK(stack.volume.pitch_mm()[1] == Approx(25.4 / 300));
+        CHECK(stack.corner_mm == std::array<double, 3>{1, 2, 3});
+        CHECK(wrong_voxels(stack) == 0);
+        CHECK(stack.resins.resins[static_cast<std::size_t>(stack.white)].role == "W");
+    }
+}
+
+TEST_CASE("A foreign folder is cropped to its body and has the assigned resins") {
+    const io::TemporaryFolder folder;
+    const io::PngLayerEncoder encoder(io::sample_description(nz).palette(), {42, 85});
+    // Two empty layers below; 5 empty columns left, 3 empty rows at small y, 4 on the other sides.
+    for (int z = -2; z < nz; ++z)
+        io::write_whole_file(folder.path() / ("layer_" + std::to_string(z + 102) + ".png"),
+                             encoder.encode(marker_layer(z, 5, 3, 4)));
+    Progress progress;
+    const StackVolume stack = read_stack_volume(
+        {.stack = folder.path().string(), .pitch = "0.05,0.08,0.03mm", .assign = sample_colours}, progress);
+    REQUIRE(stack.volume.size() == std::array<int, 3>{nx, ny, nz});
+    CHECK(wrong_voxels(stack) == 0);
+    CHECK(stack.volume.pitch_mm() == std::array<double, 3>{0.05, 0.08, 0.03});
+    CHECK(stack.corner_mm[0] == Approx(5 * 0.05));
+    CHECK(stack.corner_mm[1] == Approx(3 * 0.08));
+    CHECK(stack.corner_mm[2] == Approx(2 * 0.03));
+    // The printer's profile gives the pitch too.
+    const StackVolume of_printer = read_stack_volume(
+        {.stack = folder.path().string(), .printer = "stratasys-j750-hq", .assign = sample_colours}, progress);
+    CHECK(of_printer.volume.pitch_mm()[2] == Approx(0.014));
+    // A colour that is no material leaves holes.
+    auto without_cyan = sample_colours;
+    without_cyan[0] = "#00aeef=none";
+    const StackVolume holes = read_stack_volume(
+        {.stack = folder.path().string(), .printer = "stratasys-j750-hq", .assign = without_cyan}, progress);
+    CHECK(wrong_voxels(holes) > 1000);
+}
+
+TEST_CASE("A GCVF says by its materials' names which resins it has") {
+    const io::TemporaryFolder folder;
+    write_marker(folder.path() / "out", {}, true);
+    const auto file = folder.path() / "out" / io::gcvf_name;
+    Progress progress;
+    const StackVolume stack = read_stack_volume({.stack = file.string()}, progress);
+    REQUIRE(stack.volume.size() == std::array<int, 3>{nx, ny, nz});
+    CHECK(wrong_voxels(stack) == 0);
+    CHECK(stack.volume.pitch_mm()[0] == Approx(25.4 / 600).epsilon(1e-6));
+    CHECK(stack.volume.pitch_mm()[2] == Approx(0.027));
+}
+
+TEST_CASE("What a stack lacks is said with what to do") {
+    const io::TemporaryFolder folder;
+    write_marker(folder.path() / "own", {});
+    const std::string own = (folder.path() / "own").string(), layers = own + "/layers";
+    // A set without yellow.
+    io::write_whole_file(
+        folder.path() / "few.json",
+        std::string_view(
+            R"({"format": "voxtone-resins", "version": 1, "name": "few", "source": "test", "channels": {"kind": "rgb"},
+        "g": 0.4, "eta": 1.5, "resins": [{"name": "White", "role": "W", "sigma_t_per_mm": [6, 9, 24], "albedo": [0.999, 0.999, 0.999]}]})"));
+    CHECK_THAT(message({.stack = own, .resins = (folder.path() / "few.json").string()}, ExitCode::invalid_input),
+               Contains("VeroCyan") && Contains("no optical data") && Contains("few") && Contains("--resins"));
+    CHECK_THAT(message({.stack = own, .pitch = "1,1,1mm"}, ExitCode::usage), Contains("manifest"));
+    CHECK_THAT(message({.stack = layers}, ExitCode::invalid_input), Contains("--pitch") && Contains("--printer"));
+    CHECK_THAT(message({.stack = layers, .printer = "stratasys-j750-hm"}, ExitCode::invalid_input),
+               Contains("--assign") && Contains("#00aeef=?") && Contains("C, M, Y, K, W"));
+    auto some = sample_colours;
+    some.pop_back();
+    CHECK_THAT(message({.stack = layers, .printer = "stratasys-j750-hm", .assign = some}, ExitCode::invalid_input),
+               Contains("#dcded8") && Contains("stands for no resin") && Contains("slice_000"));
+    some.push_back("#dcded8=X");
+    CHECK_THAT(message({.stack = layers, .printer = "stratasys-j750-hm", .assign = some}, ExitCode::invalid_input),
+               Contains("'X'") && Contains("--resins"));
+    some.back() = "dcded8=W";
+    CHECK_THAT(message({.stack = layers, .printer = "stratasys-j750-hm", .assign = some}, ExitCode::usage),
+               Contains("#rrggbb=ROLE"));
+    CHECK_THAT(message({.stack = own, .memory_bytes = 1000}, ExitCode::unfinished),
+               Contains("GiB") && Contains("--memory"));
+    std::filesystem::remove(layers + "/slice_00007.png");
+    CHECK_THAT(message({.stack = own}, ExitCode::invalid_input), Contains("missing") && Contains("slice_00007"));
+}
+
+TEST_CASE("A pitch is three lengths") {
+    CHECK(parse_pitch_mm("42.5,84.5,27um")[1] == Approx(0.0845));
+    CHECK(parse_pitch_mm("0.04,80um,0.03")[1] == Approx(0.08));
+    CHECK_THROWS_AS(parse_pitch_mm("42,84"), UsageError);
+    CHECK_THROWS_AS(parse_pitch_mm("42,84,27"), UsageError);  // 42 mm
+    CHECK_THROWS_AS(parse_pitch_mm("a,b,c"), UsageError);
+}

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/slicer/printer/placement.h"
+
+#include <functional>
+
+#include <Eigen/Geometry>
+#include <catch2/catch.hpp>
+
+#include "voxtone/base/error.h"
+
+using namespace voxtone;
+using namespace voxtone::slicer;
+
+namespace {
+
+/// A corner with legs 1, 2, 3 along x, y, z: asymmetric, so that every mirror and exchange shows.
+io::ModelFile marker() {
+    io::ModelFile model;
+    model.mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 2, 0}, {0, 0, 3}};
+    model.mesh.triangles = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
+    model.mesh.material_of_triangle.assign(4, 0);
+    model.mesh.materials.emplace_back();
+    return model;
+}
+
+double signed_volume(const io::TexturedMesh& mesh) {
+    double six_volumes = 0;
+    for (const auto& t : mesh.triangles)
+        six_volumes += mesh.positions[t[0]].dot(mesh.positions[t[1]].cross(mesh.positions[t[2]]));
+    return six_volumes / 6;
+}
+
+Placement placed(io::ModelFile& model, const std::function<void(SliceOptions&)>& change = [](SliceOptions&) {}) {
+    SliceOptions options;
+    change(options);
+    return place(model, options);
+}
+
+}  // namespace
+
+TEST_CASE("Units: the user's, the file's, else millimetres said to be assumed") {
+    io::ModelFile unknown = marker();
+    const Placement assumed = placed(unknown);
+    CHECK(assumed.unit_assumed);
+    CHECK(assumed.extent_mm == Eigen::Vector3d(1, 2, 3));
+
+    io::ModelFile metres = marker();
+    metres.mm_per_file_unit = 1000;
+    CHECK(placed(metres).extent_mm == Eigen::Vector3d(1000, 2000, 3000));
+
+    io::ModelFile overruled = marker();
+    overruled.mm_per_file_unit = 1000;
+    const Placement inches = placed(overruled, [](SliceOptions& o) { o.unit = "in", o.scale = 2; });
+    CHECK_FALSE(inches.unit_assumed);
+    CHECK(inches.extent_mm.isApprox(Eigen::Vector3d(50.8, 101.6, 152.4)));
+}
+
+TEST_CASE("A size makes the largest extent so long and moves the model to the origin") {
+    io::ModelFile model = marker();
+    for (auto& p : model.mesh.positions) p += Eigen::Vector3d(10, -20, 30);
+    CHECK(placed(model, [](SliceOptions& o) { o.size_mm = 60; }).extent_mm.isApprox(Eigen::Vector3d(20, 40, 60)));
+    CHECK(model.mesh.positions[0].norm() < 1e-12);
+    CHECK(model.mesh.positions[3].isApprox(Eigen::Vector3d(0, 0, 60)));
+}
+
+TEST_CASE("Rotations are right-handed, in the order written, and exact at right angles") {
+    CHECK(parse_rotation("z90") * Eigen::Vector3d::UnitX() == Eigen::Vector3d::UnitY());
+    CHECK(parse_rotation("x90") * Eigen::Vector3d::UnitY() == Eigen::Vector3d::UnitZ());
+    CHECK(parse_rotation("y90") * Eigen::Vector3d::UnitZ() == Eigen::Vector3d::UnitX());
+    CHECK(parse_rotation("z90,x90") * Eigen::Vector3d::UnitX() == Eigen::Vector3d::UnitZ());
+    CHECK(parse_rotation("z30").isApprox(Eigen::AngleAxisd(3.14159265358979323846 / 6, Eigen::Vector3d::UnitZ()).toRotationMatrix()));
+    for (const char* bad : {"w90", "z", "z9x", "90", "zinf"}) CHECK_THROWS_AS(parse_rotation(bad), UsageError);
+}
+
+TEST_CASE("Mirrors move the marker's legs and keep the body right side out") {
+    const auto corner_of_right_angle = [](const std::function<void(SliceOptions&)>& change) {
+        io::ModelFile model = marker();
+        placed(model, change);
+        CHECK(signed_volume(model.mesh) == Approx(1));
+        return model.mesh.positions[0];
+    };
+    CHECK(corner_of_right_angle([](SliceOptions&) {}) == Eigen::Vector3d(0, 0, 0));
+    CHECK(corner_of_right_angle([](SliceOptions& o) { o.flip_x = true; }) == Eigen::Vector3d(1, 0, 0));
+    CHECK(corner_of_right_angle([](SliceOptions& o) { o.flip_y = true; }) == Eigen::Vector3d(0, 2, 0));
+    CHECK(corner_of_right_angle([](SliceOptions& o) { o.flip_x = o.flip_y = true; }) == Eigen::Vector3d(1, 2, 0));
+    io::ModelFile swapped = marker();
+    CHECK(placed(swapped, [](SliceOptions& o) { o.swap_xy = true; }).extent_mm == Eigen::Vector3d(2, 1, 3));
+    CHECK(signed_volume(swapped.mesh) == Approx(1));
+}
+
+TEST_CASE("A grid holds its box, centred, with no voxel to spare") {
+    const Eigen::Vector3d pitch(25.4 / 600, 25.4 / 300, 0.027);
+    const VoxelGrid grid = grid_around({0, 0, 0}, {25.4, 25.4, 0.027 * 100}, pitch);
+    CHECK(grid.size == std::array<int, 3>{600, 300, 100});
+    CHECK(grid.origin_mm.norm() < 1e-9);
+    const VoxelGrid flat = grid_around({1, 1, 1}, {1, 2, 2}, pitch);
+    CHECK(flat.size[0] == 1);
+    CHECK(flat.centre(0, 0, 0).x() == Approx(1));
+    CHECK(flat.origin_mm.y() + flat.size[1] * pitch.y() >= 2);
+}
+
+TEST_CASE("A model too large for the tray is refused with what to try") {
+    const VoxelGrid grid = grid_around({0, 0, 0}, {600, 10, 10}, {0.1, 0.1, 0.1});
+    CHECK_NOTHROW(check_tray(grid, {600.0001, 390, 200}, {}));
+    try {
+        check_tray(grid, {490, 390, 200}, {});
+        FAIL("accepted");
+    } catch (const InputError& error) {
+        CHECK_THAT(error.what(), Catch::Matchers::Contains("--size"));
+    }
+    CHECK_THROWS_AS(grid_around({0, 0, 0}, {1e12, 1, 1}, {0.1, 0.1, 0.1}), InputError);
+}

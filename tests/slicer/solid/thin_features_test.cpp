@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/slicer/solid/thin_features.h"
+
+#include <algorithm>
+#include <set>
+
+#include <catch2/catch.hpp>
+
+#include "voxtone/base/random.h"
+#include "tests/slicer/mesh/shapes.h"
+
+using namespace voxtone;
+using namespace voxtone::slicer;
+using Eigen::Vector3d;
+
+namespace {
+
+using Voxels = std::set<std::array<int, 3>>;
+
+Voxels voxels_of(const SpanSlab& slab) {
+    Voxels voxels;
+    for (int k = slab.k_begin(); k < slab.k_end(); ++k)
+        for (int j = 0; j < slab.rows(); ++j)
+            for (const Span& s : slab.row(j, k))
+                for (int i = s.begin; i < s.end; ++i) voxels.insert({i, j, k});
+    return voxels;
+}
+
+// Parts joined through faces, edges or corners of voxels.
+int parts(Voxels left) {
+    int count = 0;
+    while (!left.empty()) {
+        ++count;
+        std::vector<std::array<int, 3>> queue{*left.begin()};
+        left.erase(left.begin());
+        while (!queue.empty()) {
+            const auto v = queue.back();
+            queue.pop_back();
+            for (int n = 0; n < 27; ++n) {
+                const auto it = left.find({v[0] + n % 3 - 1, v[1] + n / 3 % 3 - 1, v[2] + n / 9 - 1});
+                if (it == left.end()) continue;
+                queue.push_back(*it);
+                left.erase(it);
+            }
+        }
+    }
+    return count;
+}
+
+struct Thin {
+    VoxelGrid grid;
+    SpanSlab base, kept;
+    std::uint64_t added = 0;
+
+    explicit Thin(const SolidMesh& mesh, const Vector3d& pitch = Vector3d::Ones()) {
+        Vector3d low = mesh.positions_mm[0], high = low;
+        for (const Vector3d& p : mesh.positions_mm) low = low.cwiseMin(p), high = high.cwiseMax(p);
+        grid.pitch_mm = pitch;
+        grid.origin_mm = low;
+        for (int a = 0; a < 3; ++a) grid.size[a] = std::max(1, int(std::ceil((high[a] - low[a]) / pitch[a])));
+        const Solid solid(mesh, grid);
+        const ThinFeatures thin(mesh, solid);
+        base = solid.slab(0, grid.size[2]);
+        added = thin.slab(0, grid.size[2], kept);
+        // Any split gives the same.
+        std::uint64_t added_in_parts = 0;
+        for (int step : {1, 7})
+            for (int k = 0; k < grid.size[2]; k += step) {
+                SpanSlab part;
+                const std::uint64_t n = thin.slab(k, std::min(k + step, grid.size[2]), part);
+                if (step == 1) added_in_parts += n;
+                for (int l = part.k_begin(); l < part.k_end(); ++l)
+                    for (int j = 0; j < grid.size[1]; ++j) {
+                        const auto a = part.row(j, l), b = kept.row(j, l);
+                        REQUIRE(std::equal(a.begin(), a.end(), b.begin(), b.end()));
+                    }
+            }
+        CHECK(added_in_parts == added);
+        CHECK(voxels_of(kept).size() == voxels_of(base).size() + added);
+    }
+    [[nodiscard]] bool reaches(const Vector3d& p) const {
+        const Vector3d at = (p - grid.origin_mm).cwiseQuotient(grid.pitch_mm);
+        for (int n = 0; n < 27; ++n) {
+            const int i = int(std::floor(at[0])) + n % 3 - 1, j = int(std::floor(at[1])) + n / 3 % 3 - 1, k = int(std::floor(at[2])) + n / 9 - 1;
+            if (j >= 0 && j < grid.size[1] && k >= 0 && k < grid.size[2] && kept.contains(i, j, k)) return true;
+        }
+        return false;
+    }
+};
+
+Eigen::Affine3d turn(RandomStream& random) {
+    const Vector3d axis(random.uniform() - 0.5, random.uniform() - 0.5, random.uniform() - 0.5);
+    return Eigen::Affine3d(Eigen::AngleAxisd(6.28 * random.uniform(), axis.normalized()));
+}
+
+const Vector3d j750(0.0423333, 0.0846667, 0.027);
+
+}  // namespace
+
+TEST_CASE("Plates thinner than a voxel stay whole at any angle") {
+    RandomStream random(21, 0);
+    int pieces_without = 0;
+    for (int n = 0; n < 30; ++n) {
+        const double thickness = n % 3 == 0 ? 0.05 : n % 3 == 1 ? 0.3 : 0.8;
+        const SolidMesh plate = shapes::box({0, 0, 0}, {17, 13, thickness});
+        const Thin thin(n < 3 ? shapes::moved(plate, Vector3d(0.1, 0.1, 0.55)) : shapes::moved(plate, turn(random)));
+        CAPTURE(n);
+        CHECK(parts(voxels_of(thin.kept)) == 1);
+        pieces_without += parts(voxels_of(thin.base)) != 1;
+        // No thicker than it must be: a 26-connected plane has at most as many voxels as the lines of three axes that meet it.
+        CHECK(double(voxels_of(thin.kept).size()) < 17 * 13 * (1.75 + thickness * 1.75) + 4 * 30);
+    }
+    CHECK(pieces_without > 15);
+    // On a real printer's voxels.
+    for (int n = 0; n < 10; ++n) {
+        const Thin thin(shapes::moved(shapes::box({0, 0, 0}, {0.9, 0.7, 0.012}), turn(random)), j750);
+        CHECK(parts(voxels_of(thin.kept)) == 1);
+    }
+}
+
+TEST_CASE("Wires thinner than a voxel stay whole at any angle") {
+    RandomStream random(22, 0);
+    int pieces_without = 0;
+    for (int n = 0; n < 40; ++n) {
+        const double a = n % 2 ? 0.1 : 0.6, b = n % 3 ? 0.2 : 0.7;
+        const Eigen::Affine3d by = n == 0 ? Eigen::Affine3d::Identity() : turn(random);
+        const bool printer = n % 4 == 3;
+        const Vector3d pitch = printer ? j750 : Vector3d(Vector3d::Ones());
+        const double scale = printer ? 0.03 : 1;
+        const Thin thin(shapes::moved(shapes::box({0, 0, 0}, scale * Vector3d(a, b, 25)), by), pitch);
+        CAPTURE(n);
+        CHECK(parts(voxels_of(thin.kept)) == 1);
+        CHECK(thin.reaches(by * (scale * Vector3d(a / 2, b / 2, 0.5))));
+        CHECK(thin.reaches(by * (scale * Vector3d(a / 2, b / 2, 24.5))));
+        pieces_without += parts(voxels_of(thin.base)) != 1;
+    }
+    CHECK(pieces_without > 30);
+
+    // A ring of fine wire, of many small faces.
+    for (int n = 0; n < 6; ++n) {
+        const Eigen::Affine3d by = turn(random);
+        const Thin ring(shapes::moved(shapes::torus(9, 0.1 + 0.06 * n, 60, 6), by));
+        CAPTURE(n);
+        CHECK(parts(voxels_of(ring.kept)) == 1);
+        CHECK(ring.added > 10);
+        for (int s = 0; s < 60; ++s) {
+            const double a = 2 * std::numbers::pi * s / 60;
+            CHECK(ring.reaches(by * Vector3d(9 * std::cos(a), 9 * std::sin(a), 0)));
+        }
+    }
+}
+
+TEST_CASE("A speck smaller than a voxel becomes a voxel") {
+    VoxelGrid grid;
+    grid.size = {5, 5, 5};
+    for (const Vector3d& at : {Vector3d(2.2, 2.2, 2.2), Vector3d(2.0, 2.0, 2.0), Vector3d(1.9, 3.1, 2.4)}) {
+        const SolidMesh speck = shapes::moved(shapes::sphere(0.15, 4), at);
+        const Solid solid(speck, grid);
+        SpanSlab kept;
+        const std::uint64_t added = ThinFeatures(speck, solid).slab(0, 5, kept);
+        CHECK(voxels_of(solid.slab(0, 5)).empty());
+        CHECK(added >= 1);
+        CHECK(parts(voxels_of(kept)) == 1);
+    }
+}
+
+TEST_CASE("Thick bodies do not grow, and gaps between bodies stay open") {
+    CHECK(Thin(shapes::sphere(9, 30)).added == 0);
+    CHECK(Thin(shapes::moved(shapes::torus(9, 3, 40, 20), shapes::tilt())).added == 0);
+    CHECK(Thin(shapes::box({0, 0, 0}, {9, 8, 7})).added == 0);
+    CHECK(Thin(shapes::box({0.2, 0.3, 0.7}, {9.1, 8.6, 7.9})).added == 0);
+    RandomStream random(23, 0);
+    for (int n = 0; n < 10; ++n) CHECK(Thin(shapes::moved(shapes::box({0, 0, 0}, {11, 12, 13}), turn(random))).added <= 8);  // corners
+    // 0.7 voxel apart, with one row of centres or none between.
+    for (double shift : {0.0, 0.3, 0.6}) {
+        SolidMesh pair = shapes::joined(shapes::box({0, 0, 0}, {5 + shift, 9, 9}), shapes::box({5.7 + shift, 0, 0}, {11, 9, 9}));
+        CHECK(Thin(pair).added == 0);
+    }
+}
