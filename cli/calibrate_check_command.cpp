@@ -16,14 +16,14 @@ namespace voxtone::cli {
 
 namespace {
 
-struct Arguments {
+struct CalibrateCheckArguments {
     std::string resins, patches;
     PatchOptions measured;
     int threads = 0;
     ConsoleOptions console;
 };
 
-int run(const Arguments& arguments) {
+int run(const CalibrateCheckArguments& arguments) {
     const ThreadLimit limit(static_cast<std::size_t>(arguments.threads));
     return run_on_console(arguments.console, [&](Progress& progress) {
         calibration::PatchModelOptions options;
@@ -36,7 +36,7 @@ int run(const Arguments& arguments) {
 }  // namespace
 
 Command add_calibrate_check_command(CLI::App& calibrate) {
-    auto arguments = std::make_shared<Arguments>();
+    auto arguments = std::make_shared<CalibrateCheckArguments>();
     CLI::App* command =
         calibrate.add_subcommand("check", "How well a resin set predicts measured patches, as CIEDE2000");
     command->add_option("resins", arguments->resins, "resin set (`voxtone list resins`) or file")

@@ -25,7 +25,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Arguments {
+struct CalibrateFitArguments {
     std::string patches, out, report, check, name;
     PatchOptions measured;
     calibration::FitOptions fit;
@@ -53,7 +53,7 @@ std::vector<calibration::SweepLine> sweep(const calibration::PatchTable& table, 
     return lines;
 }
 
-int run(const Arguments& arguments) {
+int run(const CalibrateFitArguments& arguments) {
     const ThreadLimit limit(static_cast<std::size_t>(arguments.threads));
     return run_on_console(arguments.console, [&](Progress& progress) {
         calibration::FitOptions options = arguments.fit;
@@ -88,7 +88,7 @@ int run(const Arguments& arguments) {
 }  // namespace
 
 Command add_calibrate_fit_command(CLI::App& calibrate) {
-    auto arguments = std::make_shared<Arguments>();
+    auto arguments = std::make_shared<CalibrateFitArguments>();
     CLI::App* command = calibrate.add_subcommand(
         "fit", "Albedo and extinction of every resin, with their errors, from measured patches");
     command

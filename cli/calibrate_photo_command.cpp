@@ -21,7 +21,7 @@ namespace voxtone::cli {
 
 namespace {
 
-struct Arguments {
+struct CalibratePhotoArguments {
     std::vector<std::string> photos;
     std::string target, checker = "colorchecker24", out, overlay, coding = "auto";
     std::vector<double> corners, checker_corners;
@@ -37,7 +37,7 @@ std::optional<std::array<Eigen::Vector2d, 4>> four_points(const std::vector<doub
     return points;
 }
 
-std::string overlay_name(const Arguments& a, std::size_t photo) {
+std::string overlay_name(const CalibratePhotoArguments& a, std::size_t photo) {
     const std::filesystem::path base = a.overlay.empty()
                                            ? std::filesystem::path(a.out).replace_extension().concat("-overlay.png")
                                            : std::filesystem::path(a.overlay);
@@ -45,7 +45,7 @@ std::string overlay_name(const Arguments& a, std::size_t photo) {
     return std::filesystem::path(base).replace_extension().concat(fmt::format("-{}.png", photo + 1)).string();
 }
 
-CommandResult measure(const Arguments& a, Progress& progress) {
+CommandResult measure(const CalibratePhotoArguments& a, Progress& progress) {
     const calibration::Target target = calibration::read_target(a.target);
     const calibration::CheckerChart chart = calibration::find_checker(a.checker);
     if (a.photos.size() > 1 && !(a.corners.empty() && a.checker_corners.empty()))
@@ -114,8 +114,8 @@ CommandResult measure(const Arguments& a, Progress& progress) {
 }  // namespace
 
 Command add_calibrate_photo_command(CLI::App& calibrate) {
-    auto arguments = std::make_shared<Arguments>();
-    Arguments& a = *arguments;
+    auto arguments = std::make_shared<CalibratePhotoArguments>();
+    CalibratePhotoArguments& a = *arguments;
     CLI::App* command = calibrate.add_subcommand(
         "photo", "Measure the squares of a printed target in photographs of it beside a colour checker");
     command->add_option("photos", a.photos, "photographs: 16-bit TIFF or PNG, EXR, or RAW; several are averaged")

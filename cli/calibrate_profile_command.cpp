@@ -27,7 +27,7 @@ struct SideArguments {
     [[nodiscard]] bool given() const { return !lit.empty() || !dark.empty() || !total.empty(); }
 };
 
-struct Arguments {
+struct CalibrateProfileArguments {
     SideArguments R, T;
     calibration::ProfileMeasureOptions options;
     std::vector<double> mm_per_px;
@@ -77,7 +77,7 @@ std::string side_text(const calibration::MeasuredSide& side, const char* name) {
     return text;
 }
 
-CommandResult measure(Arguments& a, Progress& progress) {
+CommandResult measure(CalibrateProfileArguments& a, Progress& progress) {
     const bool layer = a.T.given();
     if (!a.R.given()) throw UsageError("--reflection is missing: photographs of the lit point from the side of the light");
     if (layer == a.thickness.empty())
@@ -132,8 +132,8 @@ CommandResult measure(Arguments& a, Progress& progress) {
 }  // namespace
 
 Command add_calibrate_profile_command(CLI::App& calibrate) {
-    auto arguments = std::make_shared<Arguments>();
-    Arguments& a = *arguments;
+    auto arguments = std::make_shared<CalibrateProfileArguments>();
+    CalibrateProfileArguments& a = *arguments;
     calibration::ProfileMeasureOptions& o = a.options;
     CLI::App* command = calibrate.add_subcommand(
         "profile",

@@ -20,7 +20,7 @@ namespace voxtone::cli {
 
 namespace {
 
-struct Arguments {
+struct CalibrateSimulateArguments {
     calibration::PhotoOptions options;
     std::string target, resins = "vero-opaque", out, truth, checker = "colorchecker24";
     std::vector<double> white_balance{0.62, 1.0, 0.75};
@@ -29,7 +29,7 @@ struct Arguments {
     ConsoleOptions console;
 };
 
-CommandResult simulate(Arguments& a, Progress& progress) {
+CommandResult simulate(CalibrateSimulateArguments& a, Progress& progress) {
     const calibration::Target target = calibration::read_target(a.target);
     const optics::ResinSet set = io::find_resin_set(a.resins);
     a.options.checker = !a.no_checker;
@@ -73,8 +73,8 @@ CommandResult simulate(Arguments& a, Progress& progress) {
 }  // namespace
 
 Command add_calibrate_simulate_command(CLI::App& calibrate) {
-    auto arguments = std::make_shared<Arguments>();
-    Arguments& a = *arguments;
+    auto arguments = std::make_shared<CalibrateSimulateArguments>();
+    CalibrateSimulateArguments& a = *arguments;
     calibration::PhotoOptions& o = a.options;
     CLI::App* command = calibrate.add_subcommand(
         "simulate",

@@ -22,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Arguments {
+struct CalibrateSimulateProfileArguments {
     calibration::SpotCamera camera;
     std::string resins, role, thickness, out, spot = "0.06mm", blur = "0.05mm";
     std::vector<double> offset{3.3, -2.6};
@@ -31,7 +31,7 @@ struct Arguments {
     ConsoleOptions console;
 };
 
-void write_series(const calibration::SpotScene& scene, const std::string& name, const Arguments& a, Progress& progress) {
+void write_series(const calibration::SpotScene& scene, const std::string& name, const CalibrateSimulateProfileArguments& a, Progress& progress) {
     progress.begin_stage(name, a.camera.seconds.size(), "exposures");
     for (std::size_t k = 0; k < a.camera.seconds.size(); ++k) {
         progress.check_cancelled();
@@ -44,7 +44,7 @@ void write_series(const calibration::SpotScene& scene, const std::string& name, 
     progress.end_stage();
 }
 
-CommandResult simulate(Arguments& a, Progress& progress) {
+CommandResult simulate(CalibrateSimulateProfileArguments& a, Progress& progress) {
     const optics::ResinSet set = io::find_resin_set(a.resins);
     const double thickness = parse_length_mm(a.thickness, "--thickness");
     a.camera.spot_mm = parse_length_mm(a.spot, "--spot");
@@ -97,8 +97,8 @@ CommandResult simulate(Arguments& a, Progress& progress) {
 }  // namespace
 
 Command add_calibrate_simulate_profile_command(CLI::App& calibrate) {
-    auto arguments = std::make_shared<Arguments>();
-    Arguments& a = *arguments;
+    auto arguments = std::make_shared<CalibrateSimulateProfileArguments>();
+    CalibrateSimulateProfileArguments& a = *arguments;
     calibration::SpotCamera& o = a.camera;
     CLI::App* command = calibrate.add_subcommand(
         "simulate-profile",

@@ -25,7 +25,7 @@ namespace voxtone::cli {
 
 namespace {
 
-struct Arguments {
+struct CalibrateTargetArguments {
     calibration::TargetOptions options;
     std::string printer = "stratasys-j750-hm", out, resin_set, layout = "B";
     std::string square = "10mm", top = "0.675mm", base = "5mm", gap = "2mm", marker = "9mm", quiet = "1.5mm";
@@ -35,7 +35,7 @@ struct Arguments {
     ConsoleOptions console;
 };
 
-calibration::Target lay_out(Arguments& a, const slicer::PrinterProfile& printer) {
+calibration::Target lay_out(CalibrateTargetArguments& a, const slicer::PrinterProfile& printer) {
     calibration::TargetOptions& o = a.options;
     o.layout = static_cast<calibration::TargetLayout>(a.layout[0] - 'A');
     o.printer = printer.id;
@@ -82,7 +82,7 @@ calibration::TargetColours preview_colours(const calibration::Target& target, co
     return calibration::drawn_colours(target, colours);
 }
 
-CommandResult make_target(Arguments& a, Progress& progress) {
+CommandResult make_target(CalibrateTargetArguments& a, Progress& progress) {
     const slicer::PrinterProfile printer = slicer::find_printer(a.printer);
     for (const std::string& warning : printer.warnings()) progress.warn(warning);
     const calibration::Target target = lay_out(a, printer);
@@ -126,8 +126,8 @@ CommandResult make_target(Arguments& a, Progress& progress) {
 }  // namespace
 
 Command add_calibrate_target_command(CLI::App& calibrate) {
-    auto arguments = std::make_shared<Arguments>();
-    Arguments& a = *arguments;
+    auto arguments = std::make_shared<CalibrateTargetArguments>();
+    CalibrateTargetArguments& a = *arguments;
     CLI::App* command = calibrate.add_subcommand(
         "target", "Make the printable target: a stack, its description (target.json) and a picture of it");
     const auto length = [&](const char* name, std::string& value, const char* help) {

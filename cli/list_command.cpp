@@ -15,7 +15,7 @@ namespace voxtone::cli {
 
 namespace {
 
-struct Arguments {
+struct ListArguments {
     std::string what;
     bool json = false;
 };
@@ -62,7 +62,7 @@ void list_resins(bool json) {
 }  // namespace
 
 Command add_list_command(CLI::App& program) {
-    auto arguments = std::make_shared<Arguments>();
+    auto arguments = std::make_shared<ListArguments>();
     CLI::App* command = program.add_subcommand("list", "List the printers or the resin sets that the program knows");
     command->add_option("what", arguments->what, "printers or resins")->required()->check(CLI::IsMember({"printers", "resins"}));
     command->add_flag("--json", arguments->json, "one JSON array instead of text");

@@ -15,13 +15,13 @@ namespace voxtone::cli {
 
 namespace {
 
-struct Arguments {
+struct PredictArguments {
     slicer::PredictOptions options;
     std::string cell = "0.085mm";
     ConsoleOptions console;
 };
 
-int run(Arguments& arguments) {
+int run(PredictArguments& arguments) {
     arguments.options.cell_mm = parse_length_mm(arguments.cell, "--cell");
     return run_on_console(arguments.console, [&](Progress& progress) {
         slicer::PredictResult result = slicer::run_predict_job(arguments.options, progress);
@@ -32,7 +32,7 @@ int run(Arguments& arguments) {
 }  // namespace
 
 Command add_predict_command(CLI::App& program) {
-    auto arguments = std::make_shared<Arguments>();
+    auto arguments = std::make_shared<PredictArguments>();
     slicer::PredictOptions& o = arguments->options;
     CLI::App* command =
         program.add_subcommand("predict", "Predict what the print of a layer stack, ours or anyone's, will look like");

@@ -16,7 +16,7 @@ namespace voxtone::cli {
 
 namespace {
 
-struct Arguments {
+struct SliceArguments {
     std::map<std::string, std::string> values;  ///< what the command line said, by key
     std::map<std::string, bool> flags;
     std::map<std::string, CLI::Option*> options;
@@ -25,7 +25,7 @@ struct Arguments {
     ConsoleOptions console;
 };
 
-void add_options(CLI::App& command, Arguments& arguments) {
+void add_options(CLI::App& command, SliceArguments& arguments) {
     const slicer::SliceOptions defaults;
     for (const slicer::OptionSpec& spec : slicer::slice_option_table()) {
         CLI::Option* option;
@@ -49,7 +49,7 @@ void add_options(CLI::App& command, Arguments& arguments) {
     add_console_options(command, arguments.console);
 }
 
-slicer::SliceOptions resolve(const Arguments& arguments) {
+slicer::SliceOptions resolve(const SliceArguments& arguments) {
     slicer::SliceOptions options;
     if (!arguments.job.empty()) slicer::read_job(arguments.job, options);
     for (const slicer::OptionSpec& spec : slicer::slice_option_table()) {
@@ -60,7 +60,7 @@ slicer::SliceOptions resolve(const Arguments& arguments) {
     return options;
 }
 
-int run(const Arguments& arguments) {
+int run(const SliceArguments& arguments) {
     if (arguments.dump_default) {
         fmt::print("{}", slicer::job_json(slicer::SliceOptions{}));
         return 0;
@@ -75,7 +75,7 @@ int run(const Arguments& arguments) {
 }  // namespace
 
 Command add_slice_command(CLI::App& program) {
-    auto arguments = std::make_shared<Arguments>();
+    auto arguments = std::make_shared<SliceArguments>();
     CLI::App* command = program.add_subcommand("slice", "Slice a textured mesh or a picture into a printable layer stack");
     add_options(*command, *arguments);
     return [arguments] { return run(*arguments); };

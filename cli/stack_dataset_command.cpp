@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
-#include <chrono>
 #include <memory>
 #include <optional>
 #include <string>
@@ -11,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "voxtone/base/parallel.h"
+#include "voxtone/base/stopwatch.h"
 #include "voxtone/base/units.h"
 #include "voxtone/cli/console.h"
 #include "voxtone/cli/stack_commands.h"
@@ -22,7 +22,7 @@ namespace voxtone::cli {
 
 namespace {
 
-struct Arguments {
+struct StackDatasetArguments {
     optics::SlabOptions slab;
     optics::PointResponseOptions trace;
     std::string pattern, resins = "vero-opaque-clear", out;
@@ -34,7 +34,7 @@ struct Arguments {
     ConsoleOptions console;
 };
 
-CommandResult make_dataset(Arguments& a, Progress& progress) {
+CommandResult make_dataset(StackDatasetArguments& a, Progress& progress) {
     optics::SlabOptions& slab_options = a.slab;
     slab_options.pattern = a.pattern == "chess"    ? optics::SlabPattern::chess
                            : a.pattern == "marble" ? optics::SlabPattern::marble
@@ -58,7 +58,7 @@ CommandResult make_dataset(Arguments& a, Progress& progress) {
                         1e-9 * static_cast<double>(bytes), 1e-9 * static_cast<double>(io::most_bssrdf_bytes)));
     const optics::MixtureSlab slab = optics::make_slab(set, slab_options);
 
-    const auto begin = std::chrono::steady_clock::now();
+    const Stopwatch watch;
     progress.note(fmt::format("the data set will take {:.1f} MB", 1e-6 * static_cast<double>(bytes)));
     progress.begin_stage("trace", set.channels.size() * std::uint64_t{a.trace.width} * a.trace.height, "points");
     io::BssrdfFile data;
@@ -66,7 +66,7 @@ CommandResult make_dataset(Arguments& a, Progress& progress) {
     data.responses = optics::trace_point_responses(
         {&slab.volume, &slab.mixtures, optics::Backing::black, optics::Sides::mirrored}, a.trace, &progress);
     progress.end_stage();
-    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    const double seconds = watch.total();
     data.source =
         fmt::format("voxtone stack dataset {}: {}, {} mm thick on black, pattern of {} mm, seed {}, {} paths a point{}",
                     a.pattern, set.name, slab_options.thickness_mm, slab_options.feature_mm, slab_options.seed,
@@ -102,8 +102,8 @@ CommandResult make_dataset(Arguments& a, Progress& progress) {
 }  // namespace
 
 Command add_stack_dataset_command(CLI::App& stack) {
-    auto arguments = std::make_shared<Arguments>();
-    Arguments& a = *arguments;
+    auto arguments = std::make_shared<StackDatasetArguments>();
+    StackDatasetArguments& a = *arguments;
     CLI::App* command = stack.add_subcommand("dataset",
                                              "Trace how light that enters a heterogeneous slab at one point leaves it "
                                              "at the others: a data set for `stack factor`");

@@ -22,7 +22,7 @@ namespace voxtone::cli {
 
 namespace {
 
-struct Arguments {
+struct StackFactorArguments {
     slicer::ProfileMapOptions options;
     std::string dataset, check, out, picture;
     std::vector<std::uint32_t> point;
@@ -45,7 +45,7 @@ nlohmann::ordered_json error_json(const halftone::ReconstructionError& error) {
             {"largest_albedo_error", error.largest_albedo_error}};
 }
 
-CommandResult factor(Arguments& a, Progress& progress) {
+CommandResult factor(StackFactorArguments& a, Progress& progress) {
     if (a.max_albedo != 0) a.options.max_albedo = a.max_albedo;
     a.options.validate();
     const io::BssrdfFile data = io::read_bssrdf(a.dataset);
@@ -146,8 +146,8 @@ CommandResult factor(Arguments& a, Progress& progress) {
 }  // namespace
 
 Command add_stack_factor_command(CLI::App& stack) {
-    auto arguments = std::make_shared<Arguments>();
-    Arguments& a = *arguments;
+    auto arguments = std::make_shared<StackFactorArguments>();
+    StackFactorArguments& a = *arguments;
     CLI::App* command = stack.add_subcommand("factor",
                                              "Find the scattering profile of each point of a heterogeneous surface, "
                                              "and the few that stand for all: a profile map");

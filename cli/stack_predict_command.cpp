@@ -14,14 +14,14 @@ namespace voxtone::cli {
 
 namespace {
 
-struct Arguments {
+struct StackPredictArguments {
     slicer::StackPredictJob job;
     std::string reach = "10mm";
     int threads = 0;
     ConsoleOptions console;
 };
 
-int run(Arguments& a) {
+int run(StackPredictArguments& a) {
     a.job.reach_mm = parse_length_mm(a.reach, "--reach");
     const ThreadLimit limit(static_cast<std::size_t>(a.threads));
     return run_on_console(a.console, [&](Progress& progress) {
@@ -33,7 +33,7 @@ int run(Arguments& a) {
 }  // namespace
 
 Command add_stack_predict_command(CLI::App& stack) {
-    auto arguments = std::make_shared<Arguments>();
+    auto arguments = std::make_shared<StackPredictArguments>();
     slicer::StackPredictJob& job = arguments->job;
     CLI::App* command =
         stack.add_subcommand("predict", "Predict what a stack of layers reflects and transmits, and how far light spreads");

@@ -14,14 +14,14 @@ namespace voxtone::cli {
 
 namespace {
 
-struct Arguments {
+struct StackPrintArguments {
     slicer::StackPrintJob job;
     std::string width = "20mm", depth = "20mm", gap = "5mm";
     int threads = 0;
     ConsoleOptions console;
 };
 
-int run(Arguments& a) {
+int run(StackPrintArguments& a) {
     a.job.width_mm = parse_length_mm(a.width, "--width");
     a.job.depth_mm = parse_length_mm(a.depth, "--depth");
     a.job.gap_mm = parse_length_mm(a.gap, "--gap");
@@ -35,7 +35,7 @@ int run(Arguments& a) {
 }  // namespace
 
 Command add_stack_print_command(CLI::App& stack) {
-    auto arguments = std::make_shared<Arguments>();
+    auto arguments = std::make_shared<StackPrintArguments>();
     slicer::StackPrintJob& job = arguments->job;
     CLI::App* command = stack.add_subcommand("print", "Make printable slabs of stacks of layers, side by side");
     command->add_option("stacks", job.stacks, "stack files (voxtone-stack), or layers: \"W 0.3, K 0.1\" (mm, top first)")

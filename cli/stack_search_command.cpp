@@ -14,14 +14,14 @@ namespace voxtone::cli {
 
 namespace {
 
-struct Arguments {
+struct StackSearchArguments {
     slicer::StackSearchJob job;
     std::string thickness = "5mm", known = "0", layer = "0", reach = "10mm";
     int threads = 0;
     ConsoleOptions console;
 };
 
-int run(Arguments& a) {
+int run(StackSearchArguments& a) {
     a.job.thickness_mm = parse_length_mm(a.thickness, "--thickness");
     a.job.known_mm = parse_length_mm(a.known, "--known");
     a.job.layer_mm = parse_length_mm(a.layer, "--layer");
@@ -36,7 +36,7 @@ int run(Arguments& a) {
 }  // namespace
 
 Command add_stack_search_command(CLI::App& stack) {
-    auto arguments = std::make_shared<Arguments>();
+    auto arguments = std::make_shared<StackSearchArguments>();
     slicer::StackSearchJob& job = arguments->job;
     CLI::App* command = stack.add_subcommand("search", "Find the layers whose reflection spreads light as wanted");
     const auto length = [&](const char* name, std::string& value, const char* help) {

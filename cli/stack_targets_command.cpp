@@ -14,14 +14,14 @@ namespace voxtone::cli {
 
 namespace {
 
-struct Arguments {
+struct StackTargetsArguments {
     slicer::StackTargetsJob job;
     std::string reach = "10mm";
     int threads = 0;
     ConsoleOptions console;
 };
 
-int run(Arguments& a) {
+int run(StackTargetsArguments& a) {
     a.job.stack.reach_mm = parse_length_mm(a.reach, "--reach");
     const ThreadLimit limit(static_cast<std::size_t>(a.threads));
     return run_on_console(a.console, [&](Progress& progress) {
@@ -33,7 +33,7 @@ int run(Arguments& a) {
 }  // namespace
 
 Command add_stack_targets_command(CLI::App& stack) {
-    auto arguments = std::make_shared<Arguments>();
+    auto arguments = std::make_shared<StackTargetsArguments>();
     slicer::StackTargetsJob& job = arguments->job;
     CLI::App* command = stack.add_subcommand("targets", "Make targets of one albedo and rising width, between two stacks");
     command->add_option("narrow", job.narrow, "where light spreads least: a stack file, or layers: \"W 5\" (mm, top first)")

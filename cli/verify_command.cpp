@@ -17,7 +17,7 @@ namespace voxtone::cli {
 
 namespace {
 
-struct Arguments {
+struct VerifyArguments {
     std::string stack, printer;
     int threads = 0;
     ConsoleOptions console;
@@ -34,7 +34,7 @@ std::string report_json(const io::StackReport& report) {
 }
 
 /// What the printer accepts: that of --printer, else that of the manifest, else what all printers of the family accept.
-io::VerifyRules rules_for(const Arguments& arguments) {
+io::VerifyRules rules_for(const VerifyArguments& arguments) {
     io::VerifyRules rules;
     std::string id = arguments.printer;
     const auto manifest = std::filesystem::path(arguments.stack) / "manifest.json";
@@ -55,7 +55,7 @@ io::VerifyRules rules_for(const Arguments& arguments) {
     return rules;
 }
 
-int run(const Arguments& arguments) {
+int run(const VerifyArguments& arguments) {
     const ThreadLimit limit(static_cast<std::size_t>(arguments.threads));
     return run_on_console(arguments.console, [&](Progress& progress) {
         const io::StackReport report = io::verify_stack(arguments.stack, rules_for(arguments), &progress);
@@ -66,7 +66,7 @@ int run(const Arguments& arguments) {
 }  // namespace
 
 Command add_verify_command(CLI::App& program) {
-    auto arguments = std::make_shared<Arguments>();
+    auto arguments = std::make_shared<VerifyArguments>();
     CLI::App* command = program.add_subcommand(
         "verify", "Check a layer stack, ours or anyone's, as the printer's software would; exit code 6 with every fault named");
     command->add_option("stack", arguments->stack, "output folder, folder of PNG layers, or .gcvf file")->required()->type_name("FOLDER|FILE");

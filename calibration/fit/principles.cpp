@@ -20,7 +20,7 @@ using optics::Medium;
 namespace {
 
 const char* const clear_role = "T";
-constexpr double model_error = 1e-4;  // of a reflectance by the ten directions used here
+constexpr double principle_error = 1e-4;  // of a reflectance by the ten directions used here
 
 bool is_pure(const Patch& patch, const std::string& role) {
     return patch.top.size() == 1 && patch.top.front().role == role;
@@ -122,7 +122,7 @@ public:
         : roles_(*all.roles_), group_(group), resins_(resins), g_(all.options_.g), rho_(group.patches.size()) {
         for (const Patch& patch : group.patches) {
             measured_.push_back(patch.rho[channel]);
-            weight_.push_back(1 / std::max(patch.error.empty() ? all.noise_ : patch.error[channel], model_error));
+            weight_.push_back(1 / std::max(patch.error.empty() ? all.noise_ : patch.error[channel], principle_error));
         }
         media_.resize(resins.size());
     }

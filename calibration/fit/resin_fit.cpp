@@ -2,7 +2,6 @@
 #include "voxtone/calibration/fit/resin_fit.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <utility>
 
@@ -10,6 +9,7 @@
 
 #include "voxtone/base/error.h"
 #include "voxtone/base/parallel.h"
+#include "voxtone/base/stopwatch.h"
 #include "voxtone/calibration/fit/bounded_interval.h"
 #include "voxtone/calibration/fit/channel_fit.h"
 #include "voxtone/calibration/patches/patch_file.h"
@@ -172,7 +172,7 @@ void validate(const FitOptions& options) {
 
 ResinFit fit_resins(const PatchTable& table, const FitOptions& options, const Progress* progress) {
     validate(options);
-    const auto began = std::chrono::steady_clock::now();
+    const Stopwatch watch;
     const TargetRoles roles = find_target_roles(table, options.expected, options.noise);
     const ChannelFitter fitter(table, roles, options.model, options.noise);
     const std::size_t channels = table.channels.size();
@@ -216,7 +216,7 @@ ResinFit fit_resins(const PatchTable& table, const FitOptions& options, const Pr
     for (std::size_t c = 0; c < channels; ++c)
         for (std::size_t p = 0; p < predicted.size(); ++p) predicted[p][c] = fits[c].predicted[p];
     result.patches = compare_patches(table, predicted);
-    result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+    result.seconds = watch.total();
     return result;
 }
 

@@ -26,7 +26,7 @@ constexpr std::size_t enough = 3;
 constexpr double good_agreement = 0.7;  // of the markers' cells with the picture, 1 at most
 constexpr double finder_px[] = {
     2400, 1400, 800};  // longest sides of the pictures in which markers are looked for: less of them, less blur
-constexpr double worst_residual = 0.15;  // mm: beyond this the markers do not lie as described
+constexpr double worst_residual_mm = 0.15;  // mm: beyond this the markers do not lie as described
 
 Corners corners_of(const Area& area) {
     return {Vector2d(area.min_mm.x(), area.max_mm.y()), area.max_mm, Vector2d(area.max_mm.x(), area.min_mm.y()),
@@ -337,7 +337,7 @@ TargetView find_target(const io::Photograph& photograph, const Target& target, c
     view.blur_mm = measure_blur(photograph, target, view.place);
     const double cell_mm = target.markers[0].area.size().x() / marker_cells;
     constexpr double blurred_cells = 0.3;  // beyond this the edges of neighbouring cells reach each other
-    const bool misplaced = !(view.residual_px <= std::max(0.7, worst_residual * view.px_per_mm));
+    const bool misplaced = !(view.residual_px <= std::max(0.7, worst_residual_mm * view.px_per_mm));
     if (misplaced && view.blur_mm > blurred_cells * cell_mm)
         throw InputError(
             fmt::format("{}: the photograph is too blurred for the markers to be located: edges spread over {:.2f} mm "

@@ -13,7 +13,7 @@
 namespace voxtone::calibration {
 namespace {
 
-constexpr double blur_px = 3;
+constexpr double merge_blur_px = 3;
 constexpr double same_time = 0.01;
 constexpr double well_exposed = 0.02, well_above_noise = 100;  // parts of full scale, of the read noise
 constexpr double far_from_saturation = 0.8;                    // so that noise saturates no sample that is compared
@@ -80,7 +80,7 @@ void ExposureMerge::add(const Exposure& lit, const Exposure& dark) {
     std::vector<Eigen::Vector3f> level(pixels);
     cv::Mat in(static_cast<int>(height_px_), static_cast<int>(width_px_), CV_32FC3, known.data()),
         out(static_cast<int>(height_px_), static_cast<int>(width_px_), CV_32FC3, level.data());
-    cv::GaussianBlur(in, out, cv::Size(), blur_px, blur_px, cv::BORDER_REPLICATE);
+    cv::GaussianBlur(in, out, cv::Size(), merge_blur_px, merge_blur_px, cv::BORDER_REPLICATE);
 
     const Eigen::Vector3d stray = (median(dark.photograph) - black_).cwiseMax(0);
     const double read2 = 2 * noise_.read_noise * noise_.read_noise;

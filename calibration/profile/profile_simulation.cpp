@@ -16,7 +16,7 @@
 namespace voxtone::calibration {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 constexpr double reach_beyond_corner = 1.3, coefficients_per_blur = 2, table_per_blur = 8;
 
 double normal(RandomStream& random) {
@@ -24,7 +24,7 @@ double normal(RandomStream& random) {
     return std::sqrt(-2 * std::log(u)) * std::cos(2 * pi * v);
 }
 
-void require(bool holds, const char* option, double value, const char* rule) {
+void require_that(bool holds, const char* option, double value, const char* rule) {
     if (!holds) throw InputError(fmt::format("{} is {}; it must be {}", option, value, rule));
 }
 
@@ -52,21 +52,21 @@ double between(const std::vector<double>& table, double at) {
 void SpotCamera::validate() const {
     if (seconds.empty()) throw InputError("there are no exposure times");
     for (std::size_t k = 0; k < seconds.size(); ++k)
-        require(seconds[k] > (k > 0 ? seconds[k - 1] : 0.0) && std::isfinite(seconds[k]), "an exposure time", seconds[k],
+        require_that(seconds[k] > (k > 0 ? seconds[k - 1] : 0.0) && std::isfinite(seconds[k]), "an exposure time", seconds[k],
                 "above the one before it");
-    require(size_px >= 64 && size_px <= 4000, "the size of the picture", size_px, "64 to 4000 pixels");
-    require(mm_per_px > 0 && std::isfinite(mm_per_px), "mm per pixel", mm_per_px, "above 0");
-    require(offset_px.allFinite() && offset_px.cwiseAbs().maxCoeff() < size_px / 2.0, "the offset of the spot",
+    require_that(size_px >= 64 && size_px <= 4000, "the size of the picture", size_px, "64 to 4000 pixels");
+    require_that(mm_per_px > 0 && std::isfinite(mm_per_px), "mm per pixel", mm_per_px, "above 0");
+    require_that(offset_px.allFinite() && offset_px.cwiseAbs().maxCoeff() < size_px / 2.0, "the offset of the spot",
             offset_px.cwiseAbs().maxCoeff(), "less than half of the picture");
-    require(spot_mm >= 0 && std::isfinite(spot_mm), "the radius of the spot", spot_mm, "0 or above");
-    require(stretch >= 0.5 && stretch <= 2, "the stretch", stretch, "0.5 to 2");
-    require(blur_mm >= mm_per_px / 10 && std::isfinite(blur_mm), "the blur", blur_mm, "at least a tenth of a pixel");
-    require(stray >= 0 && stray <= 1, "stray light", stray, "0 to 1");
-    require(peak > 0 && std::isfinite(peak), "the peak", peak, "above 0");
-    require(full_well >= 0 && std::isfinite(full_well), "the full well", full_well, "0 or above");
-    require(read_noise >= 0 && read_noise < 1, "the read noise", read_noise, "0 to 1");
-    require(black >= 0 && black < 1, "the black level", black, "0 to 1");
-    require(bits >= 8 && bits <= 16, "the bits of a sample", bits, "8 to 16");
+    require_that(spot_mm >= 0 && std::isfinite(spot_mm), "the radius of the spot", spot_mm, "0 or above");
+    require_that(stretch >= 0.5 && stretch <= 2, "the stretch", stretch, "0.5 to 2");
+    require_that(blur_mm >= mm_per_px / 10 && std::isfinite(blur_mm), "the blur", blur_mm, "at least a tenth of a pixel");
+    require_that(stray >= 0 && stray <= 1, "stray light", stray, "0 to 1");
+    require_that(peak > 0 && std::isfinite(peak), "the peak", peak, "above 0");
+    require_that(full_well >= 0 && std::isfinite(full_well), "the full well", full_well, "0 or above");
+    require_that(read_noise >= 0 && read_noise < 1, "the read noise", read_noise, "0 to 1");
+    require_that(black >= 0 && black < 1, "the black level", black, "0 to 1");
+    require_that(bits >= 8 && bits <= 16, "the bits of a sample", bits, "8 to 16");
 }
 
 optics::HankelGrid SpotCamera::grid() const {

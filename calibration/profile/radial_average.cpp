@@ -15,7 +15,7 @@
 namespace voxtone::calibration {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 constexpr int sectors = 8;
 
 // A symmetric matrix with one diagonal beside the main one.

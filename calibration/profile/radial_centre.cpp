@@ -15,7 +15,7 @@
 namespace voxtone::calibration {
 namespace {
 
-constexpr double blur_px = 2, clear_light = 8, arrived_px = 1e-4, arrived_share = 0.02, longest_step_px = 2;
+constexpr double centre_blur_px = 2, clear_light = 8, arrived_px = 1e-4, arrived_share = 0.02, longest_step_px = 2;
 constexpr int most_steps = 50;
 constexpr double fewest_rings = 16;
 
@@ -39,7 +39,7 @@ cv::Mat light_of(const MergedPicture& picture) {
 
 cv::Mat blurred(const cv::Mat& in) {
     cv::Mat out;
-    cv::GaussianBlur(in, out, cv::Size(), blur_px, blur_px, cv::BORDER_REPLICATE);
+    cv::GaussianBlur(in, out, cv::Size(), centre_blur_px, centre_blur_px, cv::BORDER_REPLICATE);
     return out;
 }
 
@@ -47,7 +47,7 @@ Eigen::Vector2d middle_of_light(const MergedPicture& picture) {
     double highest_signal = 0;
     cv::minMaxLoc(blurred(signal_of(picture)), nullptr, &highest_signal);
     // Three channels' noise of 1 each, averaged over 4 pi blur^2 pixels.
-    const double noise = std::sqrt(3 / (4 * std::numbers::pi * blur_px * blur_px));
+    const double noise = std::sqrt(3 / (4 * std::numbers::pi * centre_blur_px * centre_blur_px));
     if (!(highest_signal > clear_light * noise))
         throw InputError(
             "no light stands out above the dark frames; check that the spot was on, in the picture and not saturated in every exposure, and that lit and "

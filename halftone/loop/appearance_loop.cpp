@@ -2,7 +2,6 @@
 #include "voxtone/halftone/loop/appearance_loop.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -11,6 +10,7 @@
 
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/parallel.h"
+#include "voxtone/base/stopwatch.h"
 #include "voxtone/halftone/loop/eye_filter.h"
 #include "voxtone/halftone/loop/map_targets.h"
 #include "voxtone/halftone/loop/misfit.h"
@@ -47,7 +47,6 @@ DescentOptions first_rates(double mean) {
     return options;
 }
 
-double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 /// A model's answers as colours.
 class Viewer {
@@ -234,7 +233,8 @@ LoopResult run_appearance_loop(const LoopTask& task, const LoopOptions& options,
 
     LoopState& state = result.state;
     progress.begin_stage("appearance loop", static_cast<std::uint64_t>(most) + 1, "predictions");
-    double start = now(), stuck_share = 0;
+    Stopwatch watch;
+    double stuck_share = 0;
     Colours rgb;
     optics::ResinVolume print;  // the sequence looks at it again for the gradient
     const auto predict = [&](optics::ResinVolume volume, char method) {
@@ -245,8 +245,7 @@ LoopResult run_appearance_loop(const LoopTask& task, const LoopOptions& options,
         step.method = method;
         judge(rgb, step);
         step.stuck_share = stuck_share;
-        step.seconds = now() - start;
-        start = now();
+        step.seconds = watch.lap();
         state.steps.push_back(step);
         progress.note(report_line(state, most));
         progress.advance();

@@ -17,7 +17,7 @@ constexpr float gamma = 2, beta = 0.03f;
 constexpr double soft = 0.08;  // s
 
 Eigen::Vector3d lit(const Eigen::Vector3f& rgb) { return rgb.cast<double>().cwiseMax(least_light); }
-Eigen::Vector3f oklab(const Eigen::Vector3f& rgb) { return optics::oklab_from_linear_srgb(lit(rgb)).cast<float>(); }
+Eigen::Vector3f oklab_of(const Eigen::Vector3f& rgb) { return optics::oklab_from_linear_srgb(lit(rgb)).cast<float>(); }
 
 /// rho(|W r|), and its derivative by r.
 struct Part {
@@ -30,7 +30,7 @@ Part part_of(const Eigen::Vector3f& residual) {
     return {length - soft, (weighed / length).cast<float>()};
 }
 
-/// d (by_oklab . oklab(p)) / d p.
+/// d (by_oklab . oklab_of(p)) / d p.
 Eigen::Vector3f by_light(const Eigen::Vector3f& p, const Eigen::Vector3f& by_oklab) {
     return (optics::oklab_derivative(lit(p)).transpose() * by_oklab.cast<double>()).cast<float>();
 }
@@ -56,8 +56,8 @@ Misfit MisfitFunction::operator()(std::span<const Eigen::Vector3f> predicted) co
     const std::vector<Eigen::Vector3f> nearer = eye_.smoothed(predicted);
     std::vector<Eigen::Vector3f> far(n), near(n), as_is(n);
     parallel_for(0, n, 1024, [&](std::size_t i) {
-        far[i] = oklab(seen[i]) - oklab(seen_target_[i]);
-        near[i] = oklab(nearer[i]) - oklab(near_target_[i]);
+        far[i] = oklab_of(seen[i]) - oklab_of(seen_target_[i]);
+        near[i] = oklab_of(nearer[i]) - oklab_of(near_target_[i]);
     });
     // d - k S d; in the derivative it stands once more: smoothing averages by area over neighbours, S_ij = w_ij a_j / sum_j w_ij a_j
     // with symmetric w, so where the sums are alike its transpose, with areas on either side, is S again.
@@ -74,7 +74,7 @@ Misfit MisfitFunction::operator()(std::span<const Eigen::Vector3f> predicted) co
     sharpen();
     std::vector<double> value(n);
     parallel_for(0, n, 1024, [&](std::size_t i) {
-        const Part from_far = part_of(far[i]), from_near = part_of(near[i]), by_itself = part_of(oklab(predicted[i]) - oklab(target_[i]));
+        const Part from_far = part_of(far[i]), from_near = part_of(near[i]), by_itself = part_of(oklab_of(predicted[i]) - oklab_of(target_[i]));
         value[i] = static_cast<double>(area_[i] * weight_[i]) *
                    (from_far.value + static_cast<double>(gamma) * from_near.value + static_cast<double>(beta) * by_itself.value);
         far[i] = weight_[i] * from_far.by_residual;

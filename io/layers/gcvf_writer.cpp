@@ -21,10 +21,10 @@ namespace {
 
 using Point = std::array<float, 3>;
 
-void put_u32(std::vector<std::uint8_t>& out, std::uint32_t value) {
+void put_little_endian(std::vector<std::uint8_t>& out, std::uint32_t value) {
     for (int shift = 0; shift < 32; shift += 8) out.push_back(static_cast<std::uint8_t>(value >> shift));
 }
-void put_float(std::vector<std::uint8_t>& out, float value) { put_u32(out, std::bit_cast<std::uint32_t>(value)); }
+void put_float(std::vector<std::uint8_t>& out, float value) { put_little_endian(out, std::bit_cast<std::uint32_t>(value)); }
 
 /// From the model's frame into that of the bitmaps: x along columns, y negative along rows, z along layers; all mm.
 Point to_bitmap(const StackDescription& stack, const Point& p) {
@@ -67,7 +67,7 @@ GcvfPreview gcvf_preview(const StackDescription& stack, const PreviewMesh& mesh)
     constexpr std::string_view title = "voxtone preview, mm, y negative";
     preview.stl.assign(80, 0);
     std::copy(title.begin(), title.end(), preview.stl.begin());
-    put_u32(preview.stl, static_cast<std::uint32_t>(triangles.size()));
+    put_little_endian(preview.stl, static_cast<std::uint32_t>(triangles.size()));
     std::array<float, 3> least{}, greatest{};
     bool first = true;
     for (auto triangle : triangles) {

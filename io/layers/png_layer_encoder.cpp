@@ -124,13 +124,13 @@ private:
     std::array<std::array<CodeWord, 4>, max_materials> pixels_{};
 };
 
-void put_u32(std::vector<std::uint8_t>& out, std::uint32_t value) {
+void put_big_endian(std::vector<std::uint8_t>& out, std::uint32_t value) {
     for (int shift = 24; shift >= 0; shift -= 8) out.push_back(static_cast<std::uint8_t>(value >> shift));
 }
 
 /// Starts a chunk; its length is written by `end_chunk`.
 std::size_t begin_chunk(std::vector<std::uint8_t>& out, std::string_view type) {
-    put_u32(out, 0);
+    put_big_endian(out, 0);
     const std::size_t start = out.size();
     out.insert(out.end(), type.begin(), type.end());
     return start;
@@ -140,7 +140,7 @@ void end_chunk(std::vector<std::uint8_t>& out, std::size_t start) {
     const std::size_t length = out.size() - start - 4;
     VOXTONE_ENSURE(length <= 0x7fffffff);
     for (std::size_t i = 0; i < 4; ++i) out[start - 4 + i] = static_cast<std::uint8_t>(length >> (24 - 8 * i));
-    put_u32(out, static_cast<std::uint32_t>(crc32_z(0, out.data() + start, out.size() - start)));
+    put_big_endian(out, static_cast<std::uint32_t>(crc32_z(0, out.data() + start, out.size() - start)));
 }
 
 }  // namespace
@@ -193,13 +193,13 @@ std::vector<std::uint8_t> PngLayerEncoder::encode(const LayerRuns& layer) const 
     out.reserve(block.room() + 128);
     for (const int byte : {0x89, 0x50, 0x4e, 0x47, 0x0d, 0x0a, 0x1a, 0x0a}) out.push_back(static_cast<std::uint8_t>(byte));
     std::size_t chunk = begin_chunk(out, "IHDR");
-    put_u32(out, layer.width_px());
-    put_u32(out, layer.height_px());
+    put_big_endian(out, layer.width_px());
+    put_big_endian(out, layer.height_px());
     for (const int byte : {8, 6, 0, 0, 0}) out.push_back(static_cast<std::uint8_t>(byte));
     end_chunk(out, chunk);
     chunk = begin_chunk(out, "pHYs");
-    put_u32(out, pixels_per_metre_[0]);
-    put_u32(out, pixels_per_metre_[1]);
+    put_big_endian(out, pixels_per_metre_[0]);
+    put_big_endian(out, pixels_per_metre_[1]);
     out.push_back(1);
     end_chunk(out, chunk);
 
@@ -211,7 +211,7 @@ std::vector<std::uint8_t> PngLayerEncoder::encode(const LayerRuns& layer) const 
     const std::size_t written = block.write(out.data() + start);
     VOXTONE_ENSURE(written + 8 <= block.room());
     out.resize(start + written);
-    put_u32(out, adler32_of_layer(layer, palette_));
+    put_big_endian(out, adler32_of_layer(layer, palette_));
     end_chunk(out, chunk);
     chunk = begin_chunk(out, "IEND");
     end_chunk(out, chunk);

@@ -8,7 +8,7 @@
 namespace voxtone::io {
 namespace {
 
-std::string escaped(std::string_view text) {
+std::string html_escaped(std::string_view text) {
     std::string result;
     for (const char c : text) switch (c) {
             case '&': result += "&amp;"; break;
@@ -48,7 +48,7 @@ std::string resin_sheet_html(const StackDescription& stack) {
         rows += fmt::format(
             "<tr><td style=\"background:#{0:02x}{1:02x}{2:02x}\"></td><td>{3}</td><td>{4}</td><td>{0}, {1}, {2}</td>"
             "<td>#{0:02x}{1:02x}{2:02x}</td><td class=\"number\">{5:.3f}</td></tr>\n",
-            resin.rgb[0], resin.rgb[1], resin.rgb[2], escaped(resin.name), escaped(resin.role), resin.ml);
+            resin.rgb[0], resin.rgb[1], resin.rgb[2], html_escaped(resin.name), html_escaped(resin.role), resin.ml);
     return fmt::format(
         "<!doctype html>\n<html lang=\"en\"><meta charset=\"utf-8\"><title>Resin assignment</title>\n"
         "<style>body{{font:16px sans-serif;margin:2em}}table{{border-collapse:collapse}}td,th{{border:1px solid #888;"
@@ -57,7 +57,7 @@ std::string resin_sheet_html(const StackDescription& stack) {
         "<h1>Resin assignment for {}</h1>\n<p>{}</p>\n"
         "<table>\n<tr><th>colour</th><th>resin</th><th>role</th><th>R, G, B</th><th>hex</th><th>ml</th></tr>\n{}</table>\n"
         "<p>Background {}, {}, {}: no material. Support is added by the printer's software and not counted here.</p>\n</html>\n",
-        escaped(stack.printer), escaped(size_line(stack)), rows, stack.background_rgb[0], stack.background_rgb[1],
+        html_escaped(stack.printer), html_escaped(size_line(stack)), rows, stack.background_rgb[0], stack.background_rgb[1],
         stack.background_rgb[2]);
 }
 

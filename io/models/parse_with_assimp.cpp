@@ -104,7 +104,7 @@ private:
 float spread(const Eigen::Vector3f& rgb) { return rgb.maxCoeff() - rgb.minCoeff(); }
 
 /// How the texture coordinates of a material are moved: uv * scale + offset.
-struct UvTransform {
+struct AssimpUv {
     Eigen::Vector2f scale = Eigen::Vector2f::Ones(), offset = Eigen::Vector2f::Zero();
 };
 
@@ -211,8 +211,8 @@ private:
         const auto first = static_cast<std::uint32_t>(parts_.positions.size());
         for (unsigned v = 0; v < mesh.mNumVertices; ++v)
             parts_.positions.emplace_back(mesh.mVertices[v].x, mesh.mVertices[v].y, mesh.mVertices[v].z);
-        const UvTransform transform =
-            mesh.mMaterialIndex < transforms_.size() ? transforms_[mesh.mMaterialIndex] : UvTransform{};
+        const AssimpUv transform =
+            mesh.mMaterialIndex < transforms_.size() ? transforms_[mesh.mMaterialIndex] : AssimpUv{};
         const bool decode_colours = !ply_ || ply_->integer_colours;
         for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
             const aiFace& face = mesh.mFaces[f];
@@ -246,7 +246,7 @@ private:
     std::string extension_;
     ModelParts parts_;
     std::optional<PlyHeader> ply_;
-    std::vector<UvTransform> transforms_;
+    std::vector<AssimpUv> transforms_;
     std::size_t points_and_lines_ = 0;
 };
 

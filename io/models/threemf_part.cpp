@@ -13,7 +13,7 @@ namespace voxtone::io {
 
 namespace {
 
-std::string_view trim(std::string_view text) {
+std::string_view trimmed_token(std::string_view text) {
     const std::size_t first = text.find_first_not_of(" \t\r\n");
     if (first == std::string_view::npos) return {};
     return text.substr(first, text.find_last_not_of(" \t\r\n") - first + 1);
@@ -21,10 +21,10 @@ std::string_view trim(std::string_view text) {
 
 std::vector<std::string_view> words(std::string_view text) {
     std::vector<std::string_view> list;
-    for (text = trim(text); !text.empty();) {
+    for (text = trimmed_token(text); !text.empty();) {
         const std::size_t end = std::min(text.find_first_of(" \t\r\n"), text.size());
         list.push_back(text.substr(0, end));
-        text = trim(text.substr(end));
+        text = trimmed_token(text.substr(end));
     }
     return list;
 }
@@ -51,7 +51,7 @@ public:
 
 private:
     [[nodiscard]] double number(std::string_view text, std::string_view key) const {
-        std::string_view digits = trim(text);
+        std::string_view digits = trimmed_token(text);
         if (digits.starts_with('+')) digits.remove_prefix(1);
         double value = 0;
         const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
@@ -61,7 +61,7 @@ private:
         return value;
     }
     [[nodiscard]] std::uint32_t index(std::string_view text, std::string_view key) const {
-        const std::string_view digits = trim(text);
+        const std::string_view digits = trimmed_token(text);
         std::uint32_t value = 0;
         const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
         if (digits.empty() || end != digits.data() + digits.size() || error != std::errc() || value == no_property)
@@ -85,7 +85,7 @@ private:
 
     /// #RRGGBB or #RRGGBBAA
     [[nodiscard]] Eigen::Vector4f colour(std::string_view key) const {
-        const std::string_view text = trim(xml_.attribute(key));
+        const std::string_view text = trimmed_token(xml_.attribute(key));
         std::uint32_t bits = 0;
         const bool known_length = text.size() == 7 || text.size() == 9;
         if (!known_length || text[0] != '#' ||

@@ -114,9 +114,9 @@ const std::vector<std::uint16_t>& srgb16_to_linear16() {
     return table;
 }
 
-class Decoder {
+class ImageDecoder {
 public:
-    Decoder(OIIO::ImageInput& input, const std::string& name, const DecodeOptions& options)
+    ImageDecoder(OIIO::ImageInput& input, const std::string& name, const DecodeOptions& options)
         : input_(input), spec_(input.spec()), name_(name), options_(options) {}
 
     DecodedImage decode() {
@@ -336,7 +336,7 @@ DecodedImage decode_image(std::span<const std::byte> bytes, const std::string& n
         if (!opened)
             throw InputError(
                 fmt::format("the picture {} cannot be read ({}); it is damaged or cut short", name, input->geterror()));
-        DecodedImage image = Decoder(*input, name, options).decode();
+        DecodedImage image = ImageDecoder(*input, name, options).decode();
         input->close();
         return image;
     } catch (const Error&) {

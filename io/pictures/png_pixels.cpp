@@ -37,14 +37,14 @@ void on_read(png_structp png, png_bytep out, png_size_t count) {
 
 /// Owns libpng's structures. libpng reports faults by longjmp, so the functions that call it hold nothing that would have to be
 /// destroyed: they give false, and `source.fault` says why.
-class Decoder {
+class PngDecoder {
 public:
-    explicit Decoder(Source& source) : png_(png_create_read_struct(PNG_LIBPNG_VER_STRING, &source, on_error, on_warning)) {
+    explicit PngDecoder(Source& source) : png_(png_create_read_struct(PNG_LIBPNG_VER_STRING, &source, on_error, on_warning)) {
         if (png_) info_ = png_create_info_struct(png_);
     }
-    Decoder(const Decoder&) = delete;
-    Decoder& operator=(const Decoder&) = delete;
-    ~Decoder() { png_destroy_read_struct(&png_, &info_, nullptr); }
+    PngDecoder(const PngDecoder&) = delete;
+    PngDecoder& operator=(const PngDecoder&) = delete;
+    ~PngDecoder() { png_destroy_read_struct(&png_, &info_, nullptr); }
 
     bool read_header(Source& source, PngHeader& header) {
         if (!png_ || !info_ || setjmp(png_jmpbuf(png_))) return false;
@@ -108,7 +108,7 @@ private:
                                  source.fault[0] ? source.fault : "out of memory"));
 }
 
-PngHeader checked_header(Decoder& decoder, Source& source, const std::string& name) {
+PngHeader checked_header(PngDecoder& decoder, Source& source, const std::string& name) {
     PngHeader header;
     if (!decoder.read_header(source, header)) fail(name, source);
     if (std::uint64_t{header.width_px} * header.height_px > most_png_pixels)
@@ -121,7 +121,7 @@ void check_plain(const PngHeader& header, const std::string& name) {
         throw InputError(fmt::format("{}: is interlaced, which layers are not: save it without", name));
 }
 
-void read_to_end(Decoder& decoder, const Source& source, const std::string& name) {
+void read_to_end(PngDecoder& decoder, const Source& source, const std::string& name) {
     if (!decoder.read_end()) fail(name, source);
     if (source.at != source.file.size())
         throw InputError(fmt::format("{}: has {} bytes behind its end; something else was appended to it", name,
@@ -145,14 +145,14 @@ std::string png_kind(const PngHeader& header) {
 
 PngHeader read_png_header(std::span<const std::uint8_t> file, const std::string& source_name) {
     Source source{file};
-    Decoder decoder(source);
+    PngDecoder decoder(source);
     return checked_header(decoder, source, source_name);
 }
 
 PngHeader read_png(std::span<const std::uint8_t> file, const std::string& source_name,
                    const std::function<void(std::uint32_t, std::span<const std::uint8_t>)>& on_row) {
     Source source{file};
-    Decoder decoder(source);
+    PngDecoder decoder(source);
     const PngHeader header = checked_header(decoder, source, source_name);
     check_plain(header, source_name);
     std::vector<std::uint8_t> row(std::size_t{4} * header.width_px);
@@ -167,7 +167,7 @@ PngHeader read_png(std::span<const std::uint8_t> file, const std::string& source
 
 GreyPicture read_grey_png(std::span<const std::uint8_t> file, const std::string& source_name) {
     Source source{file};
-    Decoder decoder(source);
+    PngDecoder decoder(source);
     const PngHeader header = checked_header(decoder, source, source_name);
     check_plain(header, source_name);
     if (header.colour_type != PNG_COLOR_TYPE_GRAY || (header.bit_depth != 8 && header.bit_depth != 16))

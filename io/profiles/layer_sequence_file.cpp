@@ -12,7 +12,7 @@ namespace {
 
 constexpr double thinnest_mm = 1e-6, thickest_mm = 1e4;
 
-LayerSequence from_json(const JsonObject& json) {
+LayerSequence sequence_from_json(const JsonObject& json) {
     json.allow_only({"format", "version", "name", "source", "resins", "surface", "backing", "layers"});
     if (json.text("format") != "voxtone-stack") json.fail("format", "is not \"voxtone-stack\": this is no stack of layers");
     if (json.integer("version", 0, 1000000) != 1) json.fail("version", "is not 1, the only version this program knows");
@@ -39,10 +39,10 @@ std::string_view trimmed(std::string_view text) {
 }  // namespace
 
 LayerSequence parse_layer_sequence(std::string_view text, std::string source) {
-    return from_json(JsonObject::parse(text, std::move(source)));
+    return sequence_from_json(JsonObject::parse(text, std::move(source)));
 }
 
-LayerSequence read_layer_sequence(const std::filesystem::path& file) { return from_json(JsonObject::read(file)); }
+LayerSequence read_layer_sequence(const std::filesystem::path& file) { return sequence_from_json(JsonObject::read(file)); }
 
 std::string layer_sequence_text(const LayerSequence& sequence) {
     std::string text = fmt::format("{{\"format\": \"voxtone-stack\", \"version\": 1, \"name\": {},\n \"source\": {},\n ",

@@ -47,7 +47,7 @@ std::vector<optics::RadialSamples> samples_from(const JsonObject& json, std::siz
     return samples;
 }
 
-ProfileFile from_json(const JsonObject& json) {
+ProfileFile profile_from_json(const JsonObject& json) {
     json.allow_only({"format", "version", "name", "source", "channels", "thickness_mm", "R", "T"});
     if (json.text("format") != "voxtone-profile")
         json.fail("format", "is not \"voxtone-profile\": this is no scattering profile");
@@ -91,10 +91,10 @@ std::string samples_text(const std::vector<optics::RadialSamples>& channels) {
 }  // namespace
 
 ProfileFile parse_profile(std::string_view text, std::string source) {
-    return from_json(JsonObject::parse(text, std::move(source)));
+    return profile_from_json(JsonObject::parse(text, std::move(source)));
 }
 
-ProfileFile read_profile(const std::filesystem::path& file) { return from_json(JsonObject::read(file)); }
+ProfileFile read_profile(const std::filesystem::path& file) { return profile_from_json(JsonObject::read(file)); }
 
 std::string profile_text(const ProfileFile& file) {
     VOXTONE_EXPECT(file.by_channel.size() == file.channels.size());

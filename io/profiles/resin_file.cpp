@@ -17,7 +17,7 @@ std::span<const EmbeddedFile> resins();
 namespace voxtone::io {
 namespace {
 
-optics::ResinSet from_json(const JsonObject& json, const std::string& source) {
+optics::ResinSet resins_from_json(const JsonObject& json, const std::string& source) {
     json.allow_only({"format", "version", "name", "source", "note", "channels", "g", "eta", "resins"});
     if (json.text("format") != "voxtone-resins") json.fail("format", "is not \"voxtone-resins\": this is no resin set");
     if (json.integer("version", 0, 1000000) != 1) json.fail("version", "is not 1, the only version this program knows");
@@ -60,10 +60,10 @@ std::string list(std::span<const double> numbers) {
 }  // namespace
 
 optics::ResinSet parse_resin_set(std::string_view text, std::string source) {
-    return from_json(JsonObject::parse(text, source), source);
+    return resins_from_json(JsonObject::parse(text, source), source);
 }
 
-optics::ResinSet read_resin_set(const std::filesystem::path& file) { return from_json(JsonObject::read(file), file.string()); }
+optics::ResinSet read_resin_set(const std::filesystem::path& file) { return resins_from_json(JsonObject::read(file), file.string()); }
 
 std::string resin_set_text(const optics::ResinSet& set) {
     set.validate();

@@ -15,7 +15,7 @@ namespace voxtone::optics {
 namespace {
 
 constexpr std::size_t rings_per_coefficient = 16;
-constexpr std::uint32_t paths_per_task = 4096;
+constexpr std::uint32_t layer_paths_per_task = 4096;
 
 enum class Exit { none, R, T, T_direct };
 
@@ -139,12 +139,12 @@ TracedProfile trace_layers(const LayerScene& scene, const HankelGrid& grid, cons
         return std::min(rings - 1, even + static_cast<std::size_t>(std::clamp(beyond, 0.0, 1e6)));
     };
     Counter R(rings), T(rings), T_direct(rings);
-    const std::size_t tasks = (options.paths + paths_per_task - 1) / paths_per_task;
+    const std::size_t tasks = (options.paths + layer_paths_per_task - 1) / layer_paths_per_task;
     parallel_for(
         0, tasks, 1,
         [&](std::size_t task) {
-            const auto first = static_cast<std::uint32_t>(task) * paths_per_task;
-            const std::uint32_t end = first + std::min(paths_per_task, options.paths - first);
+            const auto first = static_cast<std::uint32_t>(task) * layer_paths_per_task;
+            const std::uint32_t end = first + std::min(layer_paths_per_task, options.paths - first);
             for (std::uint32_t path = first; path < end; ++path) {
                 PathRandom random(options.seed, {{0, 0, 0}, 0, path});
                 const Landing landing = paths.trace(random);

@@ -14,7 +14,7 @@
 namespace voxtone::optics {
 namespace {
 
-constexpr std::uint32_t paths_per_task = 1u << 12;
+constexpr std::uint32_t spread_paths_per_task = 1u << 12;
 
 /// In units of path weight: sums do not depend on the order in which paths end.
 struct RingSums {
@@ -117,7 +117,7 @@ std::vector<RingLight> trace_point_spread(const Scene& scene, const PointSpreadO
     for (const Material material : top) VOXTONE_EXPECT(material != air);
 
     const PathVolume volume(scene);
-    const std::size_t tasks = (options.paths + paths_per_task - 1) / paths_per_task;
+    const std::size_t tasks = (options.paths + spread_paths_per_task - 1) / spread_paths_per_task;
     std::vector<RingLight> channels;
     for (std::size_t c = 0; c < scene.resins->channels.size(); ++c) {
         const PacketScene packet = packet_scene(scene, volume, c, default_roulette_weight);
@@ -125,8 +125,8 @@ std::vector<RingLight> trace_point_spread(const Scene& scene, const PointSpreadO
         parallel_for(
             0, tasks, 1,
             [&](std::size_t task) {
-                const auto first = static_cast<std::uint32_t>(task) * paths_per_task;
-                SpreadPaths paths(scene, options, c, first, std::min(options.paths, first + paths_per_task));
+                const auto first = static_cast<std::uint32_t>(task) * spread_paths_per_task;
+                SpreadPaths paths(scene, options, c, first, std::min(options.paths, first + spread_paths_per_task));
                 trace_packets(packet, paths);
                 parts[task] = std::move(paths.sums);
             },

@@ -11,7 +11,7 @@
 namespace voxtone::optics {
 namespace {
 
-constexpr int samples = 33, directions = 16;
+constexpr int samples = 33, table_directions = 16;
 
 }  // namespace
 
@@ -27,7 +27,7 @@ SurfacedTable::SurfacedTable(double g, double eta, double most_tau, const Progre
             const double x = most_x * static_cast<double>(i) / (samples - 1), y = static_cast<double>(j) / (samples - 1);
             const double tau = x * x;
             SurfacedTotals at{0, 1, turned_back_, 1 - turned_back_};  // no layer
-            if (tau > 0) at = surfaced_totals({tau * y * y, tau * (1 - y * y)}, g, eta, 1.0, directions);
+            if (tau > 0) at = surfaced_totals({tau * y * y, tau * (1 - y * y)}, g, eta, 1.0, table_directions);
             R_top(i, j) = at.R_top;
             R_bottom(i, j) = at.R_bottom;
             lost_down(i, j) = y > 0 ? 1 - at.T_down / (1 - at.R_top) : 0;

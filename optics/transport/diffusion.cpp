@@ -12,13 +12,13 @@ namespace {
 using Index = std::uint32_t;
 using Place = std::array<std::int32_t, 3>;  // of a node: block, or group of blocks
 
-using Pair = DiffusionPlan::Contact;
+using Contact = DiffusionPlan::Contact;
 
 /// Rows from an unordered list of contacts; `entry_ab[i]`, `entry_ba[i]`: where contact i went.
-void make_rows(std::size_t nodes, std::span<const Pair> contacts, DiffusionPlan::Level& level, std::vector<Index>& entry_ab,
+void make_rows(std::size_t nodes, std::span<const Contact> contacts, DiffusionPlan::Level& level, std::vector<Index>& entry_ab,
                std::vector<Index>& entry_ba) {
     level.row.assign(nodes + 1, 0);
-    for (const Pair& c : contacts) {
+    for (const Contact& c : contacts) {
         ++level.row[c.a + 1];
         ++level.row[c.b + 1];
     }
@@ -38,7 +38,7 @@ void make_rows(std::size_t nodes, std::span<const Pair> contacts, DiffusionPlan:
 }  // namespace
 
 DiffusionPlan::DiffusionPlan(const OpticalGrid& grid) {
-    std::vector<Pair> contacts(grid.contacts.size());
+    std::vector<Contact> contacts(grid.contacts.size());
     for (std::size_t i = 0; i < contacts.size(); ++i) contacts[i] = {grid.contacts[i].a, grid.contacts[i].b};
     levels.emplace_back();
     make_rows(grid.nodes.size(), contacts, levels[0], entry_ab, entry_ba);
@@ -94,7 +94,7 @@ void DiffusionPlan::gather_levels(std::vector<std::array<float, 3>> centre) {
             continue;
         }
         // Contacts between parents, each once; every contact of the finer level knows where it is gathered.
-        std::vector<std::pair<Pair, Index>> links;
+        std::vector<std::pair<Contact, Index>> links;
         for (Index i = 0; i < n; ++i)
             for (Index e = fine.row[i]; e < fine.row[i + 1]; ++e) {
                 const Index j = fine.column[e];
@@ -102,7 +102,7 @@ void DiffusionPlan::gather_levels(std::vector<std::array<float, 3>> centre) {
                 if (p < q) links.push_back({{p, q}, e});
             }
         std::sort(links.begin(), links.end());
-        std::vector<Pair> coarse;
+        std::vector<Contact> coarse;
         for (const auto& [pair, entry] : links)
             if (coarse.empty() || coarse.back() != pair) coarse.push_back(pair);
         Level next;

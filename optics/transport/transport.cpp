@@ -2,13 +2,13 @@
 #include "voxtone/optics/transport/transport.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 #include <string>
 
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/error.h"
+#include "voxtone/base/stopwatch.h"
 #include "voxtone/optics/transport/diffusion.h"
 #include "voxtone/optics/transport/transport_channel.h"
 #include "voxtone/optics/transport/coarse/viewing_sequence.h"
@@ -16,7 +16,6 @@
 namespace voxtone::optics {
 namespace {
 
-double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 Medium mixed(const ResinSet& resins, const PaletteEntry& entry, std::size_t channel) {
     Medium sum;
@@ -352,7 +351,7 @@ Appearance TransportPredictor::solve(const Scene& scene, const Surface& surface,
                                      const Derivative* derivative, TransportGradient* gradient, TransportSummary& summary,
                                      const Progress* progress) const {
     VOXTONE_EXPECT(scene.volume && scene.resins);
-    const double begin = now();
+    const Stopwatch watch;
     GridOptions chosen = grid_options(options_, scene);
     if (!window.whole()) {
         chosen.window_begin = window.halo_begin;
@@ -368,7 +367,7 @@ Appearance TransportPredictor::solve(const Scene& scene, const Surface& surface,
     }
     summary.nodes += grid.nodes.size();
     const SeenFaces seen(grid, surface);
-    summary.grid_s += now() - begin;
+    summary.grid_s += watch.total();
 
     const std::array media_of{shared_media(grid.directions, grid.edge_mm(BlockKind::skin)),
                               shared_media(grid.directions, grid.edge_mm(BlockKind::margin))};
@@ -427,7 +426,7 @@ Appearance TransportPredictor::solve(const Scene& scene, const Surface& surface,
             }
         }
     }
-    summary.total_s += now() - begin;
+    summary.total_s += watch.total();
     return appearance;
 }
 

@@ -3,16 +3,15 @@
 
 #include <algorithm>
 #include <bit>
-#include <chrono>
 #include <cmath>
 
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/parallel.h"
+#include "voxtone/base/stopwatch.h"
 
 namespace voxtone::optics {
 namespace {
 
-double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 constexpr double least_transport_sigma = 0.2;  // mm^-1; keeps diffusion finite in clear resin, where it is only a guess
 
@@ -459,22 +458,17 @@ void TransportChannel::solve(std::span<const float> light, TransportSummary& sum
         if (grid_.faces[f].kind == FaceKind::light) light_[f] = light.empty() ? 1.0f : light[f];
     flux_.assign(grid_.faces.size(), 0.0f);
     flux_change_.assign(grid_.faces.size(), 0.0f);
-    double clock = now();
-    const auto lap = [&](double& to) {
-        const double t = now();
-        to += t - clock;
-        clock = t;
-    };
+    Stopwatch watch;
     start();
     enter();
-    lap(summary.diffusion_s);
+    summary.diffusion_s += watch.lap();
     for (int k = 0; k < options_.sweeps; ++k) {
         check();
         sweep();
-        lap(summary.sweep_s);
+        summary.sweep_s += watch.lap();
         correct();
         enter();
-        lap(summary.diffusion_s);
+        summary.diffusion_s += watch.lap();
     }
     summary.diffusion_steps += steps_;
     last_change_ = 0;

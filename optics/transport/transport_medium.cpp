@@ -18,7 +18,7 @@ namespace {
 
 constexpr int n = 8;  // directions of one hemisphere in one quadrant of azimuths: the others are alike
 using Matrix = Eigen::Matrix<double, n, n>;
-using Pair = Eigen::Matrix<double, 2 * n, 2 * n>;
+using PairMatrix = Eigen::Matrix<double, 2 * n, 2 * n>;
 
 // Nodes of the table, even in u = ln(1 + (1 - alpha) / u_0): dense near albedo 1, where appearance runs steeply.
 constexpr std::size_t albedos = 33;
@@ -63,7 +63,7 @@ double TransportMedia::discrete_half_space(double albedo, double sigma_t) const 
     }
     // psi of the cell's centre from what comes in, x: stream (c - in) + fit extinction c = fit q, q = S m, and the mean
     // of the cell m = fit c + (1 - fit) q / extinction. So m = (1 - (1 - fit) S / extinction)^-1 fit c.
-    Pair S, mean = Pair::Identity(), system = Pair::Zero(), inflow = Pair::Zero();
+    PairMatrix S, mean = PairMatrix::Identity(), system = PairMatrix::Zero(), inflow = PairMatrix::Zero();
     for (int i = 0; i < 2 * n; ++i)
         for (int j = 0; j < 2 * n; ++j) {
             const auto ki = static_cast<std::size_t>(i % n), kj = static_cast<std::size_t>(j % n);
@@ -77,13 +77,13 @@ double TransportMedia::discrete_half_space(double albedo, double sigma_t) const 
         streams[i] = (1 + theta_) * nu[k] / edge_mm_[2];
     }
     mean -= ((1 - fits.array()) / extinction).matrix().asDiagonal() * S;
-    const Pair centre_to_mean = mean.partialPivLu().solve(Pair(fits.asDiagonal()));
-    system = -Pair(fits.asDiagonal() * (S * centre_to_mean));
+    const PairMatrix centre_to_mean = mean.partialPivLu().solve(PairMatrix(fits.asDiagonal()));
+    system = -PairMatrix(fits.asDiagonal() * (S * centre_to_mean));
     for (int i = 0; i < 2 * n; ++i) {
         system(i, i) += fits[i] * extinction + streams[i];
         inflow(i, i) = streams[i];
     }
-    const Pair out = (1 + theta_) * system.partialPivLu().solve(inflow) - theta_ * Pair::Identity();
+    const PairMatrix out = (1 + theta_) * system.partialPivLu().solve(inflow) - theta_ * PairMatrix::Identity();
     CellResponse layer{out.block<n, n>(n, 0), out.block<n, n>(0, 0)};
     for (int k = 0; k < 60; ++k) {
         const CellResponse next = doubled(layer);

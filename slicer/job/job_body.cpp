@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxtone/slicer/job/job_body.h"
 
-#include <chrono>
 #include <filesystem>
 #include <limits>
 
 #include <fmt/core.h>
 
 #include "voxtone/base/error.h"
+#include "voxtone/base/stopwatch.h"
 #include "voxtone/io/models/model_reader.h"
 #include "voxtone/slicer/printer/picture_slab.h"
 
@@ -45,7 +45,7 @@ VisibleSurface picture_surface(const io::TexturedMesh& mesh) {
 
 JobBody prepare_body(const SliceOptions& options, const PrinterProfile& printer, Progress& progress) {
     JobBody body;
-    const auto start = std::chrono::steady_clock::now();
+    const Stopwatch watch;
     progress.begin_stage("read model", 0);
     body.model = read_input(options, progress, body.is_picture);
     append(body.warnings, body.model.warnings);
@@ -56,7 +56,7 @@ JobBody prepare_body(const SliceOptions& options, const PrinterProfile& printer,
     if (!body.is_picture && body.placement.extent_mm.maxCoeff() < smallest_plausible_mm)
         body.warnings.push_back(fmt::format("the print is only {:.3g} mm large; if that is not meant, give --unit or --size",
                                             body.placement.extent_mm.maxCoeff()));
-    body.read_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    body.read_s = watch.total();
     progress.end_stage();
 
     progress.begin_stage("repair mesh", 0);

@@ -11,11 +11,11 @@
 
 #include "voxtone/base/error.h"
 #include "voxtone/base/parallel.h"
+#include "voxtone/base/stopwatch.h"
 #include "voxtone/halftone/stacks/shortened_stack.h"
 #include "voxtone/halftone/stacks/stack_materials.h"
 #include "voxtone/optics/profiles/resin_stack.h"
 #include "voxtone/optics/profiles/surfaced_reflection.h"
-#include "voxtone/slicer/layers/lap.h"
 #include "voxtone/slicer/stacks/stack_setting.h"
 
 namespace voxtone::slicer {
@@ -234,13 +234,13 @@ JobLayers::JobLayers(const SliceOptions& options, io::ProfileMap wanted, const J
         placement_ = MapPlacement::by_box(mesh);
     }
 
-    Lap lap;
+    Stopwatch watch;
     const Materials materials = options.stack_materials.empty() ? computed_materials(resins.set, options.stack_thickness_mm, grid, progress)
                                                                 : measured_materials(options, map, resins, grid, progress);
     measured = !materials.traceable;
-    materials_s = lap();
+    materials_s = watch.lap();
     search_stacks(options, resins, grid, clusters, materials, progress);
-    search_s = lap();
+    search_s = watch.lap();
 
     std::vector<std::vector<halftone::StackLayer>> layers;
     for (const ClusterStack& cluster : clusters) layers.push_back(cluster.design.layers);

@@ -2,12 +2,12 @@
 #include "voxtone/slicer/job/job_loop.h"
 
 #include <algorithm>
-#include <chrono>
 #include <utility>
 
 #include <fmt/core.h>
 
 #include "voxtone/base/error.h"
+#include "voxtone/base/stopwatch.h"
 #include "voxtone/slicer/job/loop_checkpoint.h"
 #include "voxtone/slicer/options/model_choice.h"
 #include "voxtone/slicer/job/skin_gradient.h"
@@ -52,7 +52,7 @@ LoopPlan plan_loop(const SliceOptions& options, const JobBody& body, const Loade
 JobLoop::JobLoop(const SliceOptions& options, const LoopPlan& plan, const JobBody& body, const LoadedResins& resins, const JobColour& colour,
                  const PrintParts& parts, const std::filesystem::path& folder, Progress& progress)
     : model(options.loop_model), places_(body.surface, body.grid.origin_mm) {
-    const auto start = std::chrono::steady_clock::now();
+    const Stopwatch watch;
     progress.begin_stage("prepare the loop", 0);
     const std::uint64_t memory = memory_budget(options.memory_gib);
     const int white = resins.set.find("W");
@@ -111,7 +111,7 @@ JobLoop::JobLoop(const SliceOptions& options, const LoopPlan& plan, const JobBod
         checkpoint.remove();
     }
     if (result.best) skin_.emplace(map, *result.best, resins.core);
-    seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    seconds = watch.total();
 }
 
 }  // namespace voxtone::slicer

@@ -2,12 +2,12 @@
 #include "voxtone/slicer/job/job_prediction.h"
 
 #include <algorithm>
-#include <chrono>
 #include <utility>
 
 #include <fmt/core.h>
 
 #include "voxtone/base/error.h"
+#include "voxtone/base/stopwatch.h"
 #include "voxtone/slicer/options/model_choice.h"
 #include "voxtone/slicer/predict/stack_volume.h"
 #include "voxtone/slicer/surface/target_cells.h"
@@ -67,7 +67,7 @@ JobPrediction prediction_of_loop(const JobLoop& loop, optics::ResinVolume volume
 
 JobPrediction predict_job(const SliceOptions& options, const std::string& model, const JobBody& body,
                           const LoadedResins& resins, optics::ResinVolume volume, Progress& progress) {
-    const auto start = std::chrono::steady_clock::now();
+    const Stopwatch watch;
     JobPrediction job;
     job.model = model;
     job.volume = std::move(volume);
@@ -94,7 +94,7 @@ JobPrediction predict_job(const SliceOptions& options, const std::string& model,
     job.difference = colour_differences(job.target, job.predicted.rgb);
     job.summary = summarize_by_area(job.predicted.surface, job.difference);
     progress.end_stage();
-    job.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    job.seconds = watch.total();
     return job;
 }
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxtone/slicer/job/slice_job.h"
 
-#include <chrono>
 #include <filesystem>
 #include <map>
 #include <mutex>
@@ -11,6 +10,7 @@
 #include <fmt/core.h>
 
 #include "voxtone/base/parallel.h"
+#include "voxtone/base/stopwatch.h"
 #include "voxtone/io/layers/layer_stack_writer.h"
 #include "voxtone/io/layers/layer_thumbnail.h"
 #include "voxtone/io/models/model_reader.h"
@@ -31,22 +31,6 @@
 namespace voxtone::slicer {
 
 namespace {
-
-class Stopwatch {
-public:
-    /// Seconds since it was made.
-    [[nodiscard]] double total() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
-    /// Seconds since the last lap.
-    double lap() {
-        const double now = total(), seconds = now - last_;
-        last_ = now;
-        return seconds;
-    }
-
-private:
-    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-    double last_ = 0;
-};
 
 io::StackDescription describe(const PrinterProfile& printer, const LoadedResins& resins, const VoxelGrid& grid, const LayerRange& range) {
     io::StackDescription stack;

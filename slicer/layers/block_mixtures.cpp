@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxtone/slicer/layers/block_mixtures.h"
 
-#include "voxtone/slicer/layers/lap.h"
+#include "voxtone/base/stopwatch.h"
+
 
 namespace voxtone::slicer {
 
@@ -28,9 +29,9 @@ const halftone::CumulativeMixture* BlockMixtures::separate() {
 }
 
 void ScreenedMixtures::fill(const ShellBlock& block, io::Material* out, LayerCounts& counts) {
-    Lap lap;
+    Stopwatch watch;
     counts.shell_voxels += mixtures_.gather(block);
-    counts.colour_s += lap();
+    counts.colour_s += watch.lap();
     const halftone::CumulativeMixture* mixture = mixtures_.separate();
     int last_row = -1;
     const std::uint16_t* thresholds = nullptr;
@@ -42,7 +43,7 @@ void ScreenedMixtures::fill(const ShellBlock& block, io::Material* out, LayerCou
         const std::uint16_t threshold = thresholds[(block.origin[0] + lane) & halftone::BlueNoiseScreen::mask];
         out[row * ShellBlock::width + lane] = static_cast<io::Material>(1 + halftone::select_resin(*mixture++, threshold, resins_));
     });
-    counts.screen_s += lap();
+    counts.screen_s += watch.lap();
 }
 
 }  // namespace voxtone::slicer

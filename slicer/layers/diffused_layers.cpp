@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "voxtone/halftone/screens/error_diffusion.h"
+#include "voxtone/base/stopwatch.h"
 #include "voxtone/slicer/layers/block_mixtures.h"
-#include "voxtone/slicer/layers/lap.h"
 #include "voxtone/slicer/layers/layer_maker.h"
 
 namespace voxtone::slicer {
@@ -75,7 +75,7 @@ LayerCounts LayerMaker::make_diffused(const MixtureSources& by_colour, int slab,
     io::LayerRuns runs{std::uint32_t(width), std::uint32_t(height)};
     LayerCounts counts;
     std::vector<KeptBlock> blocks;
-    Lap lap;
+    Stopwatch watch;
     // The errors of a layer come from the layers below it in the slab, wanted or not.
     const int slab_first = slab * halftone::ErrorDiffusion::slab_layers;
     for (int begin = slab_first; begin < last;) {
@@ -83,32 +83,32 @@ LayerCounts LayerMaker::make_diffused(const MixtureSources& by_colour, int slab,
         SpanSlab spans;
         LayerCounts of_part;
         body(begin, end, first, spans, of_part);
-        of_part.solid_s += lap();
+        of_part.solid_s += watch.lap();
         blocks.clear();
         for (int bj = 0; bj < sources_.shell.block_rows(); ++bj)
             sources_.shell.for_each_block(bj, bk, spans, [&](const ShellBlock& block) {
-                of_part.shell_s += lap();
+                of_part.shell_s += watch.lap();
                 const std::size_t count = mixtures->gather(block);
-                of_part.colour_s += lap();
+                of_part.colour_s += watch.lap();
                 const halftone::CumulativeMixture* separated = mixtures->separate();
                 blocks.push_back({block.origin, block.size, {block.shell, block.shell + block.size[1] * block.size[2]}, {separated, separated + count}});
                 of_part.shell_voxels += count;
-                of_part.screen_s += lap();
+                of_part.screen_s += watch.lap();
             });
-        of_part.shell_s += lap();
+        of_part.shell_s += watch.lap();
         for (int k = begin; k < end; ++k) {
             lay_out(blocks, k, width, full);
             diffusion.layer(k, full.mixtures, full.shell, full.resin);
-            of_part.screen_s += lap();
+            of_part.screen_s += watch.lap();
             if (k < first) continue;
             runs.clear();
             for (int j = height - 1; j >= 0; --j) {
                 const std::size_t row = std::size_t(j) * std::size_t(width);
                 push_row(runs, width, spans.row(j, k), full.shell.data() + row, full.resin.data() + row, sources_.core);
             }
-            of_part.runs_s += lap();
+            of_part.runs_s += watch.lap();
             sink(k, runs);
-            lap();
+            watch.lap();
         }
         counts += of_part;
         begin = end;

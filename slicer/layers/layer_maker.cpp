@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "voxtone/base/contracts.h"
+#include "voxtone/base/stopwatch.h"
 #include "voxtone/halftone/screens/error_diffusion.h"
 #include "voxtone/slicer/layers/block_mixtures.h"
-#include "voxtone/slicer/layers/lap.h"
 
 namespace voxtone::slicer {
 
@@ -143,10 +143,10 @@ void LayerMaker::body(int first, int last, int counted_from, SpanSlab& out, Laye
 LayerCounts LayerMaker::make_screened(int slab, int first, int last, const LayerSink& sink) const {
     const VoxelGrid& grid = sources_.solid.grid();
     LayerCounts counts;
-    Lap lap;
+    Stopwatch watch;
     SpanSlab spans;
     body(first, last, first, spans, counts);
-    counts.solid_s += lap();
+    counts.solid_s += watch.lap();
 
     std::vector<io::LayerRuns> layers(std::size_t(last - first),
                                       io::LayerRuns(std::uint32_t(grid.size[0]), std::uint32_t(grid.size[1])));
@@ -158,16 +158,16 @@ LayerCounts LayerMaker::make_screened(int slab, int first, int last, const Layer
         if (!all_core_)
             sources_.shell.for_each_block(bj, slab, spans, [&](const ShellBlock& block) {
                 VOXTONE_DEBUG_EXPECT(block.size[1] == block_height && block.size[2] == block_depth);
-                counts.shell_s += lap();
+                counts.shell_s += watch.lap();
                 fill->fill(block, strip.append(block.origin[0], block.shell), counts);
-                lap();
+                watch.lap();
             });
-        counts.shell_s += lap();
+        counts.shell_s += watch.lap();
         for (int k = first; k < last; ++k)
             for (int j = std::min((bj + 1) * block_height, grid.size[1]) - 1; j >= bj * block_height; --j)
                 push_row(layers[std::size_t(k - first)], grid.size[0], spans.row(j, k), strip,
                          all_core_ ? 0 : (k - slab * block_depth) * block_height + (j - bj * block_height), sources_.core);
-        counts.runs_s += lap();
+        counts.runs_s += watch.lap();
     }
     for (int k = first; k < last; ++k) sink(k, layers[std::size_t(k - first)]);
     return counts;

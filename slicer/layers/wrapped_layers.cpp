@@ -6,7 +6,7 @@
 #include <Eigen/Geometry>
 
 #include "voxtone/base/contracts.h"
-#include "voxtone/slicer/layers/lap.h"
+#include "voxtone/base/stopwatch.h"
 
 namespace voxtone::slicer {
 
@@ -14,7 +14,7 @@ class WrappedLayers::Fill : public BlockFill {
 public:
     explicit Fill(const WrappedLayers& wrapped) : wrapped_(wrapped) {}
     void fill(const ShellBlock& block, io::Material* out, LayerCounts& counts) override {
-        Lap lap;
+        Stopwatch watch;
         for_each_shell_voxel(block, [&](int row, int lane) {
             const int at = row * ShellBlock::width + lane;
             const std::uint32_t triangle = block.triangle[at];
@@ -25,7 +25,7 @@ public:
             out[at] = wrapped_.material(wrapped_.fields_.layer_at(place.x(), place.y(), depth));
             ++counts.shell_voxels;
         });
-        counts.screen_s += lap();
+        counts.screen_s += watch.lap();
     }
 
 private:

@@ -12,7 +12,7 @@ namespace {
 constexpr std::int32_t empty = -1, inner = -2;  // of cells that are not of the surface
 
 /// The cells round a corner of the grid: bit a of the index says on which side of it along axis a.
-using Corner = std::array<std::int32_t, 8>;
+using CellCorner = std::array<std::int32_t, 8>;
 
 /// A face between a solid and an empty cell at a corner: from one of the six edges that meet there to another,
 /// counter-clockwise seen from outside.
@@ -21,7 +21,7 @@ struct Arc {
     bool taken = false;
 };
 
-int arcs_of(const Corner& cells, std::array<Arc, 12>& arcs) {
+int arcs_of(const CellCorner& cells, std::array<Arc, 12>& arcs) {
     int count = 0;
     for (int a = 0; a < 3; ++a) {
         const int b = (a + 1) % 3, c = (a + 2) % 3;
@@ -96,7 +96,7 @@ private:
         int& done = done_[std::size_t(y) * std::size_t(cells_[0] + 1) + std::size_t(x)];
         if (done == z) return;
         done = z;
-        Corner corner;
+        CellCorner corner;
         for (int i = 0; i < 8; ++i) corner[std::size_t(i)] = cell(x - 1 + (i & 1), y - 1 + (i >> 1 & 1), z, i >> 2);
         std::array<Arc, 12> arcs;
         const int count = arcs_of(corner, arcs);

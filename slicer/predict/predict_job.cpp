@@ -4,7 +4,6 @@
 #include <sys/resource.h>
 
 #include <algorithm>
-#include <chrono>
 #include <filesystem>
 #include <numeric>
 #include <system_error>
@@ -15,6 +14,7 @@
 
 #include "voxtone/base/error.h"
 #include "voxtone/base/parallel.h"
+#include "voxtone/base/stopwatch.h"
 #include "voxtone/io/models/glb_writer.h"
 #include "voxtone/io/models/ply_writer.h"
 #include "voxtone/io/files/whole_file.h"
@@ -63,17 +63,6 @@ bool is_flat_box(const optics::ResinVolume& volume) {
 const char* backing_name(optics::Backing backing) {
     return backing == optics::Backing::black ? "black" : backing == optics::Backing::white ? "white" : "none";
 }
-
-class Laps {
-public:
-    double lap() {
-        const auto now = std::chrono::steady_clock::now();
-        return std::chrono::duration<double>(now - std::exchange(last_, now)).count();
-    }
-
-private:
-    std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
-};
 
 std::uint64_t surface_bytes(const optics::Surface& surface) {
     return surface.cells.size() * sizeof(optics::SurfaceCell) +
@@ -230,7 +219,7 @@ PredictResult run_predict_job(const PredictOptions& options, Progress& progress)
     const ThreadLimit threads(static_cast<std::size_t>(options.threads));
     const std::uint64_t budget = memory_budget(options.memory_gib);
     Figures figures;
-    Laps laps;
+    Stopwatch watch;
     // The volume and, for relative values, its white twin are held at once.
     const StackVolume stack = read_stack_volume({.stack = options.stack,
                                                  .resins = options.resins,
@@ -245,7 +234,7 @@ PredictResult run_predict_job(const PredictOptions& options, Progress& progress)
                         "set with --resins, "
                         "or give --absolute",
                         stack.resins.name));
-    figures.read_s = laps.lap();
+    figures.read_s = watch.lap();
 
     figures.from_above =
         options.view == "top" || (options.view == "auto" && (stack.of_picture || is_flat_box(stack.volume)));
@@ -260,7 +249,7 @@ PredictResult run_predict_job(const PredictOptions& options, Progress& progress)
     optics::Surface surface =
         optics::find_surface(scene, cell, figures.from_above ? optics::SurfacePart::top : optics::SurfacePart::all);
     progress.end_stage();
-    figures.surface_s = laps.lap();
+    figures.surface_s = watch.lap();
     const std::uint64_t held = stack.volume.memory_bytes() * (options.absolute ? 1 : 2) + surface_bytes(surface);
     const auto& size = stack.volume.size();
     progress.note(
@@ -286,13 +275,13 @@ PredictResult run_predict_job(const PredictOptions& options, Progress& progress)
     const SurfacePrediction prediction =
         predict_surface(scene, std::move(surface), maker, options.absolute ? -1 : stack.white, progress);
     progress.end_stage();
-    figures.predict_s = laps.lap();
+    figures.predict_s = watch.lap();
 
     progress.begin_stage("write", 0);
     figures.from_above ? write_from_above(options, stack, prediction)
                        : write_body(options, stack, prediction, progress);
     progress.end_stage();
-    figures.write_s = laps.lap();
+    figures.write_s = watch.lap();
     figures.mean = mean_colour(prediction);
     if (const auto& errors = prediction.standard_error; !errors.empty()) {
         figures.mean_error = std::accumulate(errors.begin(), errors.end(), 0.0) / double(errors.size());

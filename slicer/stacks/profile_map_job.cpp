@@ -2,20 +2,16 @@
 #include "voxtone/slicer/stacks/profile_map_job.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <numeric>
 
 #include <fmt/format.h>
 
 #include "voxtone/base/error.h"
+#include "voxtone/base/stopwatch.h"
 
 namespace voxtone::slicer {
 namespace {
-
-double now_seconds() {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 double brightest_albedo(const ProfileMapResult& result) {
     const auto rings = halftone::profile_rings(result.factored.radius);
@@ -55,19 +51,19 @@ ProfileMapResult make_profile_map(const io::BssrdfFile& data, const ProfileMapOp
     if (check) check_comparable(data, *check);
     const optics::PointResponses& responses = data.responses;
     ProfileMapResult result;
-    double begin = now_seconds();
+    Stopwatch watch;
     std::vector<halftone::FactorSummary> summary;
     progress.begin_stage("factor", responses.channels.size(), "channels");
     result.factored = halftone::factor_responses(responses, options.factor, summary, &progress);
     progress.end_stage();
-    result.factor_seconds = now_seconds() - begin;
+    result.factor_seconds = watch.lap();
 
-    begin = now_seconds();
+    watch.lap();
     progress.begin_stage("cluster", 0);
     result.clusters = halftone::cluster_profiles(result.factored, options.clusters, &progress);
     progress.end_stage();
     result.clustered = halftone::clustered(result.factored, result.clusters);
-    result.cluster_seconds = now_seconds() - begin;
+    result.cluster_seconds = watch.lap();
 
     progress.begin_stage("compare", responses.channels.size(), "channels");
     for (std::size_t c = 0; c < responses.channels.size(); ++c) {

@@ -2,7 +2,6 @@
 #include "voxtone/slicer/stacks/stack_search_job.h"
 
 #include <algorithm>
-#include <chrono>
 #include <filesystem>
 #include <set>
 #include <system_error>
@@ -11,6 +10,7 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
+#include "voxtone/base/stopwatch.h"
 #include "voxtone/base/units.h"
 #include "voxtone/halftone/stacks/stack_design.h"
 #include "voxtone/io/profiles/layer_sequence_file.h"
@@ -23,16 +23,6 @@ namespace {
 namespace fs = std::filesystem;
 using halftone::ChannelProfiles;
 using halftone::StackDesign;
-
-class Watch {
-public:
-    [[nodiscard]] double ms() const {
-        return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start_).count();
-    }
-
-private:
-    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
 
 /// Of one target: searching and refining, all rounds; tracing.
 struct Times {
@@ -234,18 +224,18 @@ StackJobResult run_stack_search(const StackSearchJob& job, Progress& progress) {
     progress.begin_stage("Search", targets.size(), "targets");
     for (const Target& target : targets) {
         progress.check_cancelled();
-        const Watch watch;
+        const Stopwatch watch;
         Times times;
         halftone::StackJudge timed;
         if (judge)
             timed = [&](std::span<const halftone::StackLayer> layers) {
-                const Watch tracing;
+                const Stopwatch tracing;
                 ChannelProfiles R = judge(layers);
-                times.monte_carlo_ms += tracing.ms();
+                times.monte_carlo_ms += 1000 * tracing.total();
                 return R;
             };
         const StackDesign design = halftone::design_stack(search, materials, target.wanted, options, timed);
-        times.search_ms = watch.ms() - times.monte_carlo_ms;
+        times.search_ms = 1000 * watch.total() - times.monte_carlo_ms;
         const io::LayerSequence sequence = sequence_of(job, setting, target, design);
         io::write_whole_file(out / (target.name + ".stack.json"), io::layer_sequence_text(sequence));
         io::write_whole_file(out / (target.name + ".svg"), drawing(setting, target, design));

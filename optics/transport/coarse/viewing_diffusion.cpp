@@ -10,7 +10,7 @@
 namespace voxtone::optics {
 namespace {
 
-constexpr std::size_t grain = 64;  // blocks
+constexpr std::size_t stencils_per_task = 64;
 
 /// Place in a block of n^3 of the (i, j)-th cell along side f; i runs along the first of the two other axes.
 template <int n>
@@ -224,7 +224,7 @@ void ViewingDiffusion::prepare(std::span<const float> D_of_medium, std::span<con
     VOXTONE_EXPECT(blocks.size() == n);
     const auto D_at = [&](std::size_t cell) { return D_of_medium[grid.medium[cell]]; };
     const auto core_D = [&](std::uint32_t core) { return D_of_core[grid.blocks[grid_.core_block[core]].medium]; };
-    parallel_for(0, n, grain, [&](std::size_t t) {
+    parallel_for(0, n, stencils_per_task, [&](std::size_t t) {
         constexpr int m = 6;
         Patch<4> D;
         gather<4>(D, t, neighbour_[t], side_of_[t], sides_, D_at, [](std::uint32_t) { return 0.0f; });
@@ -260,7 +260,7 @@ void ViewingDiffusion::prepare(std::span<const float> D_of_medium, std::span<con
     });
     fine_ = blocks;
     // Eight a block: sums of conductances times the ratio of the distances.
-    parallel_for(0, n, grain, [&](std::size_t t) {
+    parallel_for(0, n, stencils_per_task, [&](std::size_t t) {
         const BlockStencil<4>& cells = blocks[t];
         BlockStencil<2>& to = middle_[t];
         for (int k = 0; k < 2; ++k)
@@ -292,7 +292,7 @@ void ViewingDiffusion::prepare(std::span<const float> D_of_medium, std::span<con
                     for (int a = 0; a < 2; ++a) sum += fine_side_[16 * s + static_cast<std::size_t>(4 * (2 * j + b) + 2 * i + a)];
                 middle_side_[4 * s + static_cast<std::size_t>(2 * j + i)] = sum * (2.5f / 3);
             }
-    parallel_for(0, n, grain, [&](std::size_t t) {
+    parallel_for(0, n, stencils_per_task, [&](std::size_t t) {
         LowSides<2>& low = middle_low_[t];
         const auto take = [&](std::size_t f, float* to, auto of_block) {
             for (int j = 0; j < 2; ++j)
@@ -342,7 +342,7 @@ void ViewingDiffusion::relax(const Level<n>& level, std::span<const float> b, st
     const At values{x.data()}, core_values{core_x.data()};
     for (const std::size_t turn : {std::size_t{0}, std::size_t{1}}) {
         const auto& list = parity_[back ? 1 - turn : turn];
-        parallel_for(0, list.size(), grain, [&](std::size_t i_list) {
+        parallel_for(0, list.size(), stencils_per_task, [&](std::size_t i_list) {
             const std::size_t t = list[i_list];
             Patch<n> patch;
             gather<n>(patch, t, neighbour_[t], side_of_[t], sides_, values, core_values);
@@ -403,7 +403,7 @@ void ViewingDiffusion::restrict_to(const Level<n>& level, std::span<const float>
                                    std::span<const float> core_b, std::span<float> coarse_b, std::span<float> coarse_core_b) const {
     constexpr int all = n * n * n, half = n / 2;
     const At values{x.data()}, core_values{core_x.data()};
-    parallel_for(0, neighbour_.size(), grain, [&](std::size_t t) {
+    parallel_for(0, neighbour_.size(), stencils_per_task, [&](std::size_t t) {
         Patch<n> patch;
         gather<n>(patch, t, neighbour_[t], side_of_[t], sides_, values, core_values);
         const float* const right = b.data() + t * all;
@@ -439,7 +439,7 @@ void ViewingDiffusion::cycle(Vector b, Vector x) {
         if (middle_[i / 8].inverse[i % 8] > 0) x1_[i] += x2_[i / 8];
     relax(middle, std::span<const float>(b1_), x1_, core_x1_, true);
     std::copy(core_x1_.begin(), core_x1_.end(), x.core.begin());
-    parallel_for(0, n, grain, [&](std::size_t t) {
+    parallel_for(0, n, stencils_per_task, [&](std::size_t t) {
         for (std::size_t place = 0; place < 64; ++place)
             x.cells[64 * t + place] += fine_[t].inverse[place] > 0 ? x1_[8 * t + (place / 32 * 2 + place / 8 % 2) * 2 + place / 2 % 2] : 0;
     });
@@ -449,7 +449,7 @@ void ViewingDiffusion::cycle(Vector b, Vector x) {
 void ViewingDiffusion::apply(Vector x, Vector out) const {
     constexpr int n = 4, all = n * n * n;
     const Level<4> fine{fine_, fine_low_, fine_side_};
-    parallel_for(0, neighbour_.size(), grain, [&](std::size_t t) {
+    parallel_for(0, neighbour_.size(), stencils_per_task, [&](std::size_t t) {
         Patch<n> patch;
         gather<n>(patch, t, neighbour_[t], side_of_[t], sides_, At{x.cells.data()}, At{x.core.data()});
         float* const to = out.cells.data() + t * all;

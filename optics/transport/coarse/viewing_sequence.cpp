@@ -2,13 +2,13 @@
 #include "voxtone/optics/transport/coarse/viewing_sequence.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <string>
 
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/error.h"
 #include "voxtone/base/parallel.h"
+#include "voxtone/base/stopwatch.h"
 #include "voxtone/optics/transport/coarse/seen_medium.h"
 #include "voxtone/optics/transport/coarse/viewing_gradient.h"
 
@@ -18,7 +18,6 @@ namespace {
 constexpr int first_rounds = 2;
 constexpr std::uint32_t nowhere = 0xffffffffu;
 
-double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 bool looks_up(const Surface& surface) {
     double up = 0, all = 0;
@@ -96,7 +95,7 @@ std::unique_ptr<ViewingSequence::Shape> ViewingSequence::shape_of(const Tile& ti
 }
 
 void ViewingSequence::make_live(std::size_t index) {
-    const double begin = now();
+    const Stopwatch watch;
     transport_.reset();
     live_ = index;
     Tile& tile = tiles_[index];
@@ -123,7 +122,7 @@ void ViewingSequence::make_live(std::size_t index) {
                             " are allowed: allow more, expect colour less deep, or take larger cells");
     make_room(needed);
     transport_ = std::make_unique<ViewingTransport>(grid, options_);
-    summary_.grid_s += now() - begin;
+    summary_.grid_s += watch.total();
 }
 
 std::size_t ViewingSequence::shape_bytes() const {
@@ -147,7 +146,7 @@ void ViewingSequence::look_at(std::size_t index) {
     Tile& tile = tiles_[index];
     if (live_ != index || !transport_) make_live(index);
     if (tile.shape->filled == volume_) return;
-    const double begin = now();
+    const Stopwatch watch;
     std::vector<std::uint8_t> wanted;
     if (!tile.shape->grid->fill(*volume_, wanted)) {
         tile.also.resize(wanted.size(), 0);
@@ -161,7 +160,7 @@ void ViewingSequence::look_at(std::size_t index) {
         }
     }
     tile.shape->filled = volume_;
-    summary_.grid_s += now() - begin;
+    summary_.grid_s += watch.total();
 }
 
 void ViewingSequence::make_anew(std::size_t index) {
@@ -271,7 +270,7 @@ void ViewingSequence::begin(Fields Tile::*fields, GhostLight& ghosts, std::span<
 }
 
 Appearance ViewingSequence::next(const ResinVolume& volume, const Progress* progress) {
-    const double start = now();
+    const Stopwatch watch;
     VOXTONE_EXPECT(volume.size() == scene_.volume->size());
     Scene scene = scene_;
     scene.volume = &volume;
@@ -293,7 +292,7 @@ Appearance ViewingSequence::next(const ResinVolume& volume, const Progress* prog
         });
     }
     count_memory(0);
-    summary_.total_s += now() - start;
+    summary_.total_s += watch.total();
     return appearance;
 }
 
@@ -331,7 +330,7 @@ std::vector<float> ViewingSequence::light_of(std::span<const float> by_value, st
 }
 
 bool ViewingSequence::gradient(std::span<const float> by_value, const GradientVisitor& visit, const Progress* progress) {
-    const double start = now();
+    const Stopwatch watch;
     VOXTONE_EXPECT(by_value.size() == surface_.cells.size() * channels());
     VOXTONE_EXPECT(volume_ != nullptr);
     // Fields of both lights, the derivatives, and copies of the light on the faces.
@@ -362,7 +361,7 @@ bool ViewingSequence::gradient(std::span<const float> by_value, const GradientVi
         visit(gradient, tile.voxels);
         count_memory(gradient.memory_bytes() + 4 * (grid.faces.size() + by_sigma_t.size() + by_sigma_s.size()));
     }
-    summary_.total_s += now() - start;
+    summary_.total_s += watch.total();
     return true;
 }
 

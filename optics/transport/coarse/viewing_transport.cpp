@@ -2,19 +2,18 @@
 #include "voxtone/optics/transport/coarse/viewing_transport.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/parallel.h"
+#include "voxtone/base/stopwatch.h"
 
 namespace voxtone::optics {
 namespace {
 
-double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 constexpr float least_transport_sigma = 0.2f;  // mm^-1; keeps diffusion finite in clear resin, where it is only a guess
-constexpr std::size_t grain = 32;              // blocks
+constexpr std::size_t blocks_per_task = 32;
 constexpr float phi_step = 2.0f / 65535, J_step = 1.0f / 32767;
 constexpr float signed_step = 2 * phi_step, signed_zero = 32768;  // of phi of an adjoint
 
@@ -125,7 +124,7 @@ ViewingTransport::Exchange ViewingTransport::exchange(std::size_t f) const {
 
 /// The equations for these diffusion constants; what is lost: absorbed, and out through the surface. Leaves x_ at 0.
 void ViewingTransport::make_equations(const std::vector<float>& D, const std::vector<float>& core_D) {
-    parallel_for(0, grid_.transport_blocks.size(), grain, [&](std::size_t t) {
+    parallel_for(0, grid_.transport_blocks.size(), blocks_per_task, [&](std::size_t t) {
         for (std::size_t cell = 64 * t; cell < 64 * t + 64; ++cell) {
             const TransportMedium& m = media_->cells[grid_.medium[cell]];
             x_[cell] = volume_ * (m.sigma_t - m.sigma_s);
@@ -239,7 +238,7 @@ void ViewingTransport::enter(bool start) {
     const auto g_linear = static_cast<float>(set.linear);
     std::array<float, 3> area{};
     for (std::size_t a = 0; a < 3; ++a) area[a] = volume_ / edge_[a];
-    parallel_for(0, grid_.transport_blocks.size(), grain, [&](std::size_t t) {
+    parallel_for(0, grid_.transport_blocks.size(), blocks_per_task, [&](std::size_t t) {
         const GridBlock& block = grid_.blocks[grid_.transport_blocks[t]];
         ViewingDiffusion::Flows J = diffusion_.flows(t, D_, core_D_, {x_, core_x_});
         const std::size_t first = 64 * t;
@@ -294,7 +293,7 @@ void ViewingTransport::enter(bool start) {
 
 /// The faces send back what they reflect.
 void ViewingTransport::reflect() {
-    parallel_for(0, grid_.transport_blocks.size(), grain, [&](std::size_t t) {
+    parallel_for(0, grid_.transport_blocks.size(), blocks_per_task, [&](std::size_t t) {
         const GridBlock& block = grid_.blocks[grid_.transport_blocks[t]];
         Pool passing;
         pool(block, passing);
@@ -408,7 +407,7 @@ void ViewingTransport::correct() {
         for (std::size_t cell = begin; cell < end; ++cell) right_[cell] = sum_[cell].phi;
     });
     // What the surface will send back, and what the core got and gave.
-    parallel_for(0, grid_.transport_blocks.size(), grain, [&](std::size_t t) {
+    parallel_for(0, grid_.transport_blocks.size(), blocks_per_task, [&](std::size_t t) {
         const GridBlock& block = grid_.blocks[grid_.transport_blocks[t]];
         Pool passing;
         pool(block, passing);
@@ -462,27 +461,22 @@ void ViewingTransport::solve(const Media& media, ViewingField& field, int sweeps
     media_ = &media;
     take_light(light, ghost_phi);
     VOXTONE_EXPECT(field.cells.empty() || (field.scale > 0) == (scale_ > 0));
-    double clock = now();
-    const auto lap = [&](double& to) {
-        const double t = now();
-        to += t - clock;
-        clock = t;
-    };
+    Stopwatch watch;
     prepare();
     std::fill(flux_.begin(), flux_.end(), 0.0f);
     std::fill(flux_change_.begin(), flux_change_.end(), 0.0f);
     if (field.cells.empty()) start();
     else load(field);
-    lap(summary.diffusion_s);
+    summary.diffusion_s += watch.lap();
     for (int k = 0; k < sweeps; ++k) {
         if (progress) progress->check_cancelled();
         sweep();
-        lap(summary.sweep_s);
+        summary.sweep_s += watch.lap();
         correct();
         enter(false);
         const bool more = k + 1 < sweeps && !(enough > 0 && relative_change() < enough);
         if (more) reflect();
-        lap(summary.diffusion_s);
+        summary.diffusion_s += watch.lap();
         if (!more) break;
     }
     summary.diffusion_steps += steps_;
