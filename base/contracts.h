@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Contracts: our own voice, for mistakes in this code. A broken contract is a bug and ends the program with exit code 1.
-// Cheap contracts stay on in release builds; `VOXTONE_DEBUG_EXPECT` is for those inside hot loops.
+// Contracts: our own voice, for mistakes in this code. A broken contract is a bug and ends the program with exit
+// code 1. Cheap contracts stay on in release builds; `VOXTONE_DEBUG_EXPECT` is for those inside hot loops.
 #pragma once
 
 #include <stdexcept>

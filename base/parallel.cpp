@@ -14,8 +14,6 @@ std::size_t resolved(std::size_t threads) {
 ThreadLimit::ThreadLimit(std::size_t threads)
     : control_(tbb::global_control::max_allowed_parallelism, resolved(threads)) {}
 
-std::size_t thread_count() {
-    return tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
-}
+std::size_t thread_count() { return tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism); }
 
 }  // namespace voxtone

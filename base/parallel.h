@@ -29,7 +29,8 @@ private:
 
 /// Calls body(first, last) for disjoint ranges that cover [begin, end); ranges shorter than `grain` are not split.
 template <class Body>
-void parallel_ranges(std::size_t begin, std::size_t end, std::size_t grain, Body&& body, const Progress* progress = nullptr) {
+void parallel_ranges(std::size_t begin, std::size_t end, std::size_t grain, Body&& body,
+                     const Progress* progress = nullptr) {
     if (end <= begin) return;
     if (grain == 0) grain = 1;
     if (end - begin <= grain) {
@@ -37,15 +38,17 @@ void parallel_ranges(std::size_t begin, std::size_t end, std::size_t grain, Body
         body(begin, end);
         return;
     }
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(begin, end, grain), [&](const tbb::blocked_range<std::size_t>& range) {
-        if (progress) progress->check_cancelled();
-        body(range.begin(), range.end());
-    });
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(begin, end, grain),
+                      [&](const tbb::blocked_range<std::size_t>& range) {
+                          if (progress) progress->check_cancelled();
+                          body(range.begin(), range.end());
+                      });
 }
 
 /// Calls body(i) for every i in [begin, end).
 template <class Body>
-void parallel_for(std::size_t begin, std::size_t end, std::size_t grain, Body&& body, const Progress* progress = nullptr) {
+void parallel_for(std::size_t begin, std::size_t end, std::size_t grain, Body&& body,
+                  const Progress* progress = nullptr) {
     parallel_ranges(
         begin, end, grain,
         [&](std::size_t first, std::size_t last) {

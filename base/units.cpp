@@ -44,7 +44,8 @@ double parse_length_mm(std::string_view text, std::string_view what) {
     double number = 0;
     const auto [rest, status] = std::from_chars(whole.data(), whole.data() + whole.size(), number);
     if (status != std::errc{} || !std::isfinite(number))
-        throw UsageError(fmt::format("{}: '{}' is not a length; write a number with a unit, such as 60mm or 2.5in", what, text));
+        throw UsageError(
+            fmt::format("{}: '{}' is not a length; write a number with a unit, such as 60mm or 2.5in", what, text));
     const std::string_view unit = trimmed({rest, static_cast<std::size_t>(whole.data() + whole.size() - rest)});
     try {
         return unit.empty() ? number : number * mm_per_unit(unit);

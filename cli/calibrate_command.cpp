@@ -12,11 +12,15 @@
 namespace voxtone::cli {
 
 Command add_calibrate_command(CLI::App& program) {
-    CLI::App* command = program.add_subcommand(
-        "calibrate", "Find the resins' albedo and extinction from one printed and photographed (or measured) target, or measure how light spreads in a slab");
+    CLI::App* command =
+        program.add_subcommand("calibrate",
+                               "Find the resins' albedo and extinction from one printed and photographed (or measured) "
+                               "target, or measure how light spreads in a slab");
     command->require_subcommand(1);
     auto steps = std::make_shared<std::vector<std::pair<CLI::App*, Command>>>();
-    const auto add = [&](const char* name, Command step) { steps->emplace_back(command->get_subcommand(name), std::move(step)); };
+    const auto add = [&](const char* name, Command step) {
+        steps->emplace_back(command->get_subcommand(name), std::move(step));
+    };
     add("check", add_calibrate_check_command(*command));
     add("fit", add_calibrate_fit_command(*command));
     add("photo", add_calibrate_photo_command(*command));

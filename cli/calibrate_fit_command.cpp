@@ -16,8 +16,8 @@
 #include "voxtone/cli/calibrate_commands.h"
 #include "voxtone/cli/console.h"
 #include "voxtone/cli/patch_options.h"
-#include "voxtone/io/profiles/resin_file.h"
 #include "voxtone/io/files/whole_file.h"
+#include "voxtone/io/profiles/resin_file.h"
 
 namespace voxtone::cli {
 
@@ -59,9 +59,11 @@ int run(const CalibrateFitArguments& arguments) {
         calibration::FitOptions options = arguments.fit;
         options.name = arguments.name.empty() ? fs::path(arguments.out).stem().string() : arguments.name;
         validate(options);
-        const calibration::PatchTable table = read_patches(arguments.patches, arguments.measured, options.model, progress);
+        const calibration::PatchTable table =
+            read_patches(arguments.patches, arguments.measured, options.model, progress);
         calibration::PatchTable others;
-        if (!arguments.check.empty()) others = read_patches(arguments.check, arguments.measured, options.model, progress);
+        if (!arguments.check.empty())
+            others = read_patches(arguments.check, arguments.measured, options.model, progress);
         const calibration::ResinFit fit = calibration::fit_resins(table, options, &progress);
 
         std::string text = calibration::fit_text(fit, table), json = calibration::fit_json(fit, table);

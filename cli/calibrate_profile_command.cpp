@@ -14,8 +14,8 @@
 #include "voxtone/calibration/profile/profile_plot.h"
 #include "voxtone/cli/calibrate_commands.h"
 #include "voxtone/cli/console.h"
-#include "voxtone/io/profiles/profile_file.h"
 #include "voxtone/io/files/whole_file.h"
+#include "voxtone/io/profiles/profile_file.h"
 
 namespace voxtone::cli {
 
@@ -39,7 +39,8 @@ struct CalibrateProfileArguments {
 calibration::ExposureSeries series(const SideArguments& side, const std::string& name, const char* total) {
     calibration::ExposureSeries result;
     result.name = name;
-    if (side.total.size() != 3) throw UsageError(fmt::format("{} is missing: the measured albedo of red, green and blue", total));
+    if (side.total.size() != 3)
+        throw UsageError(fmt::format("{} is missing: the measured albedo of red, green and blue", total));
     result.total = {side.total[0], side.total[1], side.total[2]};
     for (const std::string& file : side.lit) result.lit.push_back(calibration::parse_exposure(file));
     for (const std::string& file : side.dark) result.dark.push_back(calibration::parse_exposure(file));
@@ -49,8 +50,10 @@ calibration::ExposureSeries series(const SideArguments& side, const std::string&
 nlohmann::ordered_json side_json(const calibration::MeasuredSide& side) {
     nlohmann::ordered_json channels = nlohmann::ordered_json::array();
     for (const calibration::RadialProfile& p : side.profile)
-        channels.push_back(
-            {{"noise", p.noise}, {"asymmetry", p.asymmetry}, {"scale_error", p.scale_error}, {"missing_px", p.missing}});
+        channels.push_back({{"noise", p.noise},
+                            {"asymmetry", p.asymmetry},
+                            {"scale_error", p.scale_error},
+                            {"missing_px", p.missing}});
     return {{"centre_px", {side.centre.px.x(), side.centre.px.y()}},
             {"centre_error_px", {side.centre.error_px.x(), side.centre.error_px.y()}},
             {"samples", side.profile[0].light.size()},
@@ -72,17 +75,20 @@ std::string side_text(const calibration::MeasuredSide& side, const char* name) {
                             k + 1 < side.seconds.size() ? "," : "\n");
     constexpr const char* names[] = {"red", "green", "blue"};
     for (std::size_t c = 0; c < 3; ++c)
-        text += fmt::format("  {:<5} noise {:.2f} times the camera's, not round {:.2f} %, scale to {:.2f} %\n", names[c],
-                            side.profile[c].noise, 100 * side.profile[c].asymmetry, 100 * side.profile[c].scale_error);
+        text +=
+            fmt::format("  {:<5} noise {:.2f} times the camera's, not round {:.2f} %, scale to {:.2f} %\n", names[c],
+                        side.profile[c].noise, 100 * side.profile[c].asymmetry, 100 * side.profile[c].scale_error);
     return text;
 }
 
 CommandResult measure(CalibrateProfileArguments& a, Progress& progress) {
     const bool layer = a.T.given();
-    if (!a.R.given()) throw UsageError("--reflection is missing: photographs of the lit point from the side of the light");
+    if (!a.R.given())
+        throw UsageError("--reflection is missing: photographs of the lit point from the side of the light");
     if (layer == a.thickness.empty())
         throw UsageError(
-            "a layer has --transmission and --thickness, a target (what is wanted of a surface) has neither; one is given");
+            "a layer has --transmission and --thickness, a target (what is wanted of a surface) has neither; one is "
+            "given");
     if (a.mm_per_px.empty()) throw UsageError("--mm-per-px is missing");
     a.options.spacing_mm = parse_length_mm(a.spacing, "--spacing");
     a.options.reach_mm = parse_length_mm(a.reach, "--reach");
@@ -94,7 +100,8 @@ CommandResult measure(CalibrateProfileArguments& a, Progress& progress) {
     if (layer && !(thickness > 0)) throw UsageError(fmt::format("--thickness is {} mm; it must be above 0", thickness));
 
     const calibration::ExposureSeries R_series = series(a.R, "reflection", "--reflectance");
-    const calibration::ExposureSeries T_series = layer ? series(a.T, "transmission", "--transmittance") : calibration::ExposureSeries{};
+    const calibration::ExposureSeries T_series =
+        layer ? series(a.T, "transmission", "--transmittance") : calibration::ExposureSeries{};
     if (layer) calibration::expect_no_light_made(R_series.total, T_series.total);
 
     nlohmann::ordered_json json{{"format", "voxtone-calibrate-profile"}, {"version", 1}, {"profile", a.out}};
@@ -119,8 +126,9 @@ CommandResult measure(CalibrateProfileArguments& a, Progress& progress) {
         const double k = calibration::blurred_from(parse_length_mm(a.spot, "--spot"), 0.1);
         json["blurred_from_per_mm"] = k;
         text += fmt::format(
-            "The spot lowers coefficients above {:.2f} cycles per mm (waves shorter than {:.3f} mm) by more than 10 %\n", k,
-            1 / k);
+            "The spot lowers coefficients above {:.2f} cycles per mm (waves shorter than {:.3f} mm) by more than 10 "
+            "%\n",
+            k, 1 / k);
     }
     const std::string plot = a.plot.empty() ? std::filesystem::path(a.out).replace_extension(".svg").string() : a.plot;
     io::write_whole_file(a.out, io::profile_text(file));
@@ -138,15 +146,18 @@ Command add_calibrate_profile_command(CLI::App& calibrate) {
     CLI::App* command = calibrate.add_subcommand(
         "profile",
         "Measure how light spreads in a slab: photographs of a lit point become a scattering profile.\n"
-        "Each series runs from short to long and has a dark frame (projector black, pinhole covered) of the same time for every\n"
-        "exposure. How long they are is read from the files (EXIF), or given as FILE@SECONDS: spot.tif@0.5, spot.tif@1/15.");
+        "Each series runs from short to long and has a dark frame (projector black, pinhole covered) of the same time "
+        "for every\n"
+        "exposure. How long they are is read from the files (EXIF), or given as FILE@SECONDS: spot.tif@0.5, "
+        "spot.tif@1/15.");
     const auto photographs = [&](const char* name, std::vector<std::string>& files, const char* help) {
         return command->add_option(name, files, help)->type_name("FILE[@SECONDS]");
     };
     const auto albedo = [&](const char* name, std::vector<double>& values, const char* help) {
         command->add_option(name, values, help)->type_name("R,G,B")->delimiter(',')->expected(3);
     };
-    photographs("--reflection", a.R.lit, "photographs of a projected pixel: RAW, or linear 16-bit TIFF, PNG or EXR")->required();
+    photographs("--reflection", a.R.lit, "photographs of a projected pixel: RAW, or linear 16-bit TIFF, PNG or EXR")
+        ->required();
     photographs("--reflection-dark", a.R.dark, "the same with the projector black")->required();
     albedo("--reflectance", a.R.total, "measured share of light that the slab reflects, above 0 to 1");
     photographs("--transmission", a.T.lit,
@@ -154,7 +165,9 @@ Command add_calibrate_profile_command(CLI::App& calibrate) {
     photographs("--transmission-dark", a.T.dark, "the same with the pinhole covered");
     albedo("--transmittance", a.T.total, "measured share of light that the slab transmits, above 0 to 1");
     command->add_option("--thickness", a.thickness, "of the slab: 3mm")->type_name("LENGTH");
-    command->add_option("--mm-per-px", a.mm_per_px, "width of a pixel on the slab, mm; two numbers: reflection, transmission")
+    command
+        ->add_option("--mm-per-px", a.mm_per_px,
+                     "width of a pixel on the slab, mm; two numbers: reflection, transmission")
         ->type_name("MM")
         ->delimiter(',')
         ->expected(1, 2)

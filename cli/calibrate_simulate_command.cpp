@@ -13,8 +13,8 @@
 #include "voxtone/calibration/target/target_file.h"
 #include "voxtone/cli/calibrate_commands.h"
 #include "voxtone/cli/console.h"
-#include "voxtone/io/profiles/resin_file.h"
 #include "voxtone/io/files/whole_file.h"
+#include "voxtone/io/profiles/resin_file.h"
 
 namespace voxtone::cli {
 

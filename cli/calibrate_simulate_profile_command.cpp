@@ -12,9 +12,9 @@
 #include "voxtone/calibration/profile/profile_simulation.h"
 #include "voxtone/cli/calibrate_commands.h"
 #include "voxtone/cli/console.h"
+#include "voxtone/io/files/whole_file.h"
 #include "voxtone/io/profiles/profile_file.h"
 #include "voxtone/io/profiles/resin_file.h"
-#include "voxtone/io/files/whole_file.h"
 
 namespace voxtone::cli {
 
@@ -31,7 +31,8 @@ struct CalibrateSimulateProfileArguments {
     ConsoleOptions console;
 };
 
-void write_series(const calibration::SpotScene& scene, const std::string& name, const CalibrateSimulateProfileArguments& a, Progress& progress) {
+void write_series(const calibration::SpotScene& scene, const std::string& name,
+                  const CalibrateSimulateProfileArguments& a, Progress& progress) {
     progress.begin_stage(name, a.camera.seconds.size(), "exposures");
     for (std::size_t k = 0; k < a.camera.seconds.size(); ++k) {
         progress.check_cancelled();
@@ -74,9 +75,11 @@ CommandResult simulate(CalibrateSimulateProfileArguments& a, Progress& progress)
         return fmt::format("{:.6g},{:.6g},{:.6g}", side[0][0], side[1][0], side[2][0]);
     };
     const std::string next = fmt::format(
-        "voxtone calibrate profile --reflection {0}/reflection-??.exr --reflection-dark {0}/reflection-dark-??.exr --reflectance "
+        "voxtone calibrate profile --reflection {0}/reflection-??.exr --reflection-dark {0}/reflection-dark-??.exr "
+        "--reflectance "
         "{1} "
-        "--transmission {0}/transmission-??.exr --transmission-dark {0}/transmission-dark-??.exr --transmittance {2} --thickness "
+        "--transmission {0}/transmission-??.exr --transmission-dark {0}/transmission-dark-??.exr --transmittance {2} "
+        "--thickness "
         "{3}mm "
         "--mm-per-px {4} -o profile.json",
         a.out, totals(slab.R), totals(slab.T), thickness, a.camera.mm_per_px);
@@ -89,9 +92,9 @@ CommandResult simulate(CalibrateSimulateProfileArguments& a, Progress& progress)
                                       {"transmittance", {slab.T[0][0], slab.T[1][0], slab.T[2][0]}},
                                       {"next", next}};
     return {json.dump(),
-            fmt::format(
-                "{}: {} exposures of {} x {} pixels and as many dark frames of each side; the truth is in {}\nMeasure them: {}\n",
-                a.out, a.camera.seconds.size(), a.camera.size_px, a.camera.size_px, truth_file, next)};
+            fmt::format("{}: {} exposures of {} x {} pixels and as many dark frames of each side; the truth is in "
+                        "{}\nMeasure them: {}\n",
+                        a.out, a.camera.seconds.size(), a.camera.size_px, a.camera.size_px, truth_file, next)};
 }
 
 }  // namespace
@@ -100,13 +103,17 @@ Command add_calibrate_simulate_profile_command(CLI::App& calibrate) {
     auto arguments = std::make_shared<CalibrateSimulateProfileArguments>();
     CalibrateSimulateProfileArguments& a = *arguments;
     calibration::SpotCamera& o = a.camera;
-    CLI::App* command = calibrate.add_subcommand(
-        "simulate-profile",
-        "Draw the photographs that `calibrate profile` measures, of a slab of a known resin: a rehearsal without a laboratory");
-    command->add_option("resins", a.resins, "resin set (`voxtone list resins`) or file, RGB")->type_name("SET|FILE")->required();
+    CLI::App* command = calibrate.add_subcommand("simulate-profile",
+                                                 "Draw the photographs that `calibrate profile` measures, of a slab of "
+                                                 "a known resin: a rehearsal without a laboratory");
+    command->add_option("resins", a.resins, "resin set (`voxtone list resins`) or file, RGB")
+        ->type_name("SET|FILE")
+        ->required();
     command->add_option("role", a.role, "resin of the slab: W, K, ...")->type_name("ROLE")->required();
     command->add_option("--thickness", a.thickness, "of the slab: 3mm")->type_name("LENGTH")->required();
-    command->add_option("-o,--out", a.out, "folder for reflection-NN.exr, transmission-NN.exr, their -dark-NN.exr, truth.json")
+    command
+        ->add_option("-o,--out", a.out,
+                     "folder for reflection-NN.exr, transmission-NN.exr, their -dark-NN.exr, truth.json")
         ->type_name("FOLDER")
         ->required();
     const auto number = [&](const char* name, auto& value, const char* help) {
@@ -126,7 +133,9 @@ Command add_calibrate_simulate_profile_command(CLI::App& calibrate) {
     command->add_option("--spot", a.spot, "radius of the projected pixel and the pinhole")
         ->type_name("LENGTH")
         ->capture_default_str();
-    command->add_option("--blur", a.blur, "standard deviation of the camera's blur")->type_name("LENGTH")->capture_default_str();
+    command->add_option("--blur", a.blur, "standard deviation of the camera's blur")
+        ->type_name("LENGTH")
+        ->capture_default_str();
     number("--stretch", o.stretch, "width of the spot over its height; 1: a camera straight above");
     number("--stray", o.stray, "stray light, part of the light in the middle of the spot");
     number("--peak", o.peak, "brightest pixel at the shortest exposure, part of full scale");

@@ -16,9 +16,9 @@
 #include "voxtone/calibration/target/target_scene.h"
 #include "voxtone/cli/calibrate_commands.h"
 #include "voxtone/cli/console.h"
-#include "voxtone/io/profiles/resin_file.h"
-#include "voxtone/io/pictures/srgb_code.h"
 #include "voxtone/io/files/whole_file.h"
+#include "voxtone/io/pictures/srgb_code.h"
+#include "voxtone/io/profiles/resin_file.h"
 #include "voxtone/slicer/stacks/print_boxes.h"
 
 namespace voxtone::cli {

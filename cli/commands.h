@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// The verbs of the program, one file each: parse, call, print. Each adds its sub-command and returns what to run when it
-// was chosen; the number it gives back is the exit code.
+// The verbs of the program, one file each: parse, call, print. Each adds its sub-command and returns what to run when
+// it was chosen; the number it gives back is the exit code.
 #pragma once
 
 #include <functional>

@@ -3,8 +3,8 @@
 
 #include <memory>
 
-#include <CLI/CLI.hpp>
 #include <fmt/core.h>
+#include <CLI/CLI.hpp>
 
 #include "voxtone/base/cancel_on_signal.h"
 #include "voxtone/base/progress_bar.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// What every verb shares at the terminal: --json, --quiet, progress on stderr (or events on stdout), one result on stdout,
-// and a clean stop on Ctrl-C.
+// What every verb shares at the terminal: --json, --quiet, progress on stderr (or events on stdout), one result on
+// stdout, and a clean stop on Ctrl-C.
 #pragma once
 
 #include <functional>

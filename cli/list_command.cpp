@@ -2,9 +2,9 @@
 #include <memory>
 #include <string>
 
-#include <CLI/CLI.hpp>
 #include <fmt/core.h>
 #include <fmt/ranges.h>
+#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "voxtone/cli/commands.h"
@@ -36,8 +36,9 @@ void list_printers(bool json) {
             continue;
         }
         fmt::print("{:<20} {}\n", p.id, p.name);
-        fmt::print("{:<20} voxel {:.3f} x {:.3f} x {:.3f} um; {} resins at once, {} by default; writes {}\n", "", p.pitch_um.x(), p.pitch_um.y(),
-                   p.pitch_um.z(), p.max_resins, fmt::join(p.default_roles, ","), fmt::join(p.formats, ", "));
+        fmt::print("{:<20} voxel {:.3f} x {:.3f} x {:.3f} um; {} resins at once, {} by default; writes {}\n", "",
+                   p.pitch_um.x(), p.pitch_um.y(), p.pitch_um.z(), p.max_resins, fmt::join(p.default_roles, ","),
+                   fmt::join(p.formats, ", "));
         for (const std::string& warning : p.warnings()) fmt::print("{:<20} {}\n", "", warning);
     }
     if (json) fmt::print("{}\n", list.dump());
@@ -49,8 +50,10 @@ void list_resins(bool json) {
         const optics::ResinSet set = io::find_resin_set(name);
         if (json) {
             nlohmann::ordered_json resins = nlohmann::ordered_json::array();
-            for (const optics::Resin& resin : set.resins) resins.push_back({{"name", resin.name}, {"role", resin.role}});
-            list.push_back({{"name", set.name}, {"source", set.source}, {"channels", set.channels.size()}, {"resins", resins}});
+            for (const optics::Resin& resin : set.resins)
+                resins.push_back({{"name", resin.name}, {"role", resin.role}});
+            list.push_back(
+                {{"name", set.name}, {"source", set.source}, {"channels", set.channels.size()}, {"resins", resins}});
             continue;
         }
         fmt::print("{:<20} {}\n", set.name, set.source);
@@ -64,7 +67,9 @@ void list_resins(bool json) {
 Command add_list_command(CLI::App& program) {
     auto arguments = std::make_shared<ListArguments>();
     CLI::App* command = program.add_subcommand("list", "List the printers or the resin sets that the program knows");
-    command->add_option("what", arguments->what, "printers or resins")->required()->check(CLI::IsMember({"printers", "resins"}));
+    command->add_option("what", arguments->what, "printers or resins")
+        ->required()
+        ->check(CLI::IsMember({"printers", "resins"}));
     command->add_flag("--json", arguments->json, "one JSON array instead of text");
     return [arguments] {
         arguments->what == "printers" ? list_printers(arguments->json) : list_resins(arguments->json);

@@ -4,8 +4,8 @@
 #include <utility>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <fmt/core.h>
+#include <CLI/CLI.hpp>
 
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/error.h"
@@ -54,7 +54,8 @@ int main(int argc, char** argv) {
     } catch (const voxtone::Error& error) {
         return report(error.exit_code(), error.what());
     } catch (const std::bad_alloc&) {
-        return report(ExitCode::unfinished, "out of memory; use a smaller --size, fewer --threads or a machine with more memory");
+        return report(ExitCode::unfinished,
+                      "out of memory; use a smaller --size, fewer --threads or a machine with more memory");
     } catch (const voxtone::ContractViolation& error) {
         return report(ExitCode::bug, fmt::format("a bug of ours, please report it: {}", error.what()));
     } catch (const std::exception& error) {

@@ -8,8 +8,8 @@
 #include "voxtone/base/error.h"
 #include "voxtone/base/units.h"
 #include "voxtone/calibration/patches/patch_file.h"
-#include "voxtone/slicer/printer/printer.h"
 #include "voxtone/slicer/predict/stack_volume.h"
+#include "voxtone/slicer/printer/printer.h"
 
 namespace voxtone::cli {
 
@@ -58,10 +58,13 @@ calibration::PatchTable read_patches(const std::string& file, const PatchOptions
         const double base_mm = parse_length_mm(options.base, "--base");
         for (calibration::Patch& patch : table.patches) patch.base_mm = base_mm;
     }
-    const bool mixed = std::any_of(table.patches.begin(), table.patches.end(), [](const auto& p) { return p.top.size() > 1; });
+    const bool mixed =
+        std::any_of(table.patches.begin(), table.patches.end(), [](const auto& p) { return p.top.size() > 1; });
     if (mixed && options.printer.empty() && options.pitch.empty())
-        progress.warn("mixtures are taken as ideal; those of a printed target are dithers of voxels, and extinctions come out up to a "
-                      "third wrong without them: give --printer or --pitch");
+        progress.warn(
+            "mixtures are taken as ideal; those of a printed target are dithers of voxels, and extinctions come out up "
+            "to a "
+            "third wrong without them: give --printer or --pitch");
     return table;
 }
 

@@ -3,9 +3,9 @@
 #include <memory>
 #include <string>
 
-#include <CLI/CLI.hpp>
 #include <fmt/core.h>
 #include <fmt/ranges.h>
+#include <CLI/CLI.hpp>
 
 #include "voxtone/cli/commands.h"
 #include "voxtone/cli/console.h"
@@ -31,21 +31,27 @@ void add_options(CLI::App& command, SliceArguments& arguments) {
         CLI::Option* option;
         if (spec.kind == slicer::OptionSpec::Kind::flag) {
             arguments.flags[spec.key] = spec.get(defaults) == "true";
-            option = command.add_flag(fmt::format("--{0},!--no-{0}", spec.option), arguments.flags[spec.key], spec.help);
+            option =
+                command.add_flag(fmt::format("--{0},!--no-{0}", spec.option), arguments.flags[spec.key], spec.help);
             option->default_str(spec.get(defaults));
         } else {
-            const std::string names = spec.key == "model" ? "mesh,--mesh" : spec.key == "out" ? "-o,--out" : "--" + spec.option;
-            option = command.add_option(names, arguments.values[spec.key],
-                                        spec.choices.empty() ? spec.help
-                                                             : fmt::format("{} [{}]", spec.help, fmt::join(spec.choices, "|")));
+            const std::string names = spec.key == "model" ? "mesh,--mesh"
+                                      : spec.key == "out" ? "-o,--out"
+                                                          : "--" + spec.option;
+            option = command.add_option(
+                names, arguments.values[spec.key],
+                spec.choices.empty() ? spec.help : fmt::format("{} [{}]", spec.help, fmt::join(spec.choices, "|")));
             option->type_name(spec.metavar);
             if (const std::string text = spec.get(defaults); !text.empty()) option->default_str(text);
         }
         option->group(spec.group);
         arguments.options[spec.key] = option;
     }
-    command.add_option("--job", arguments.job, "read options from this job file; the command line wins")->type_name("FILE")->group("Run");
-    command.add_flag("--dump-default", arguments.dump_default, "print a complete job file with every default and stop")->group("Run");
+    command.add_option("--job", arguments.job, "read options from this job file; the command line wins")
+        ->type_name("FILE")
+        ->group("Run");
+    command.add_flag("--dump-default", arguments.dump_default, "print a complete job file with every default and stop")
+        ->group("Run");
     add_console_options(command, arguments.console);
 }
 
@@ -54,8 +60,9 @@ slicer::SliceOptions resolve(const SliceArguments& arguments) {
     if (!arguments.job.empty()) slicer::read_job(arguments.job, options);
     for (const slicer::OptionSpec& spec : slicer::slice_option_table()) {
         if (arguments.options.at(spec.key)->count() == 0) continue;
-        spec.set(options, spec.kind == slicer::OptionSpec::Kind::flag ? (arguments.flags.at(spec.key) ? "true" : "false")
-                                                                      : arguments.values.at(spec.key));
+        spec.set(options, spec.kind == slicer::OptionSpec::Kind::flag
+                              ? (arguments.flags.at(spec.key) ? "true" : "false")
+                              : arguments.values.at(spec.key));
     }
     return options;
 }
@@ -76,7 +83,8 @@ int run(const SliceArguments& arguments) {
 
 Command add_slice_command(CLI::App& program) {
     auto arguments = std::make_shared<SliceArguments>();
-    CLI::App* command = program.add_subcommand("slice", "Slice a textured mesh or a picture into a printable layer stack");
+    CLI::App* command =
+        program.add_subcommand("slice", "Slice a textured mesh or a picture into a printable layer stack");
     add_options(*command, *arguments);
     return [arguments] { return run(*arguments); };
 }

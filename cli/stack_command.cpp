@@ -12,10 +12,13 @@
 namespace voxtone::cli {
 
 Command add_stack_command(CLI::App& program) {
-    CLI::App* command = program.add_subcommand("stack", "Stacks of layers that show how light is wanted to spread in a surface");
+    CLI::App* command =
+        program.add_subcommand("stack", "Stacks of layers that show how light is wanted to spread in a surface");
     command->require_subcommand(1);
     auto steps = std::make_shared<std::vector<std::pair<CLI::App*, Command>>>();
-    const auto add = [&](const char* name, Command step) { steps->emplace_back(command->get_subcommand(name), std::move(step)); };
+    const auto add = [&](const char* name, Command step) {
+        steps->emplace_back(command->get_subcommand(name), std::move(step));
+    };
     add("dataset", add_stack_dataset_command(*command));
     add("factor", add_stack_factor_command(*command));
     add("predict", add_stack_predict_command(*command));

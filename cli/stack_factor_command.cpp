@@ -13,9 +13,9 @@
 #include "voxtone/base/parallel.h"
 #include "voxtone/cli/console.h"
 #include "voxtone/cli/stack_commands.h"
+#include "voxtone/io/files/whole_file.h"
 #include "voxtone/io/profiles/bssrdf_file.h"
 #include "voxtone/io/profiles/profile_map.h"
-#include "voxtone/io/files/whole_file.h"
 #include "voxtone/slicer/stacks/profile_map_job.h"
 
 namespace voxtone::cli {

@@ -35,18 +35,20 @@ int run(StackPredictArguments& a) {
 Command add_stack_predict_command(CLI::App& stack) {
     auto arguments = std::make_shared<StackPredictArguments>();
     slicer::StackPredictJob& job = arguments->job;
-    CLI::App* command =
-        stack.add_subcommand("predict", "Predict what a stack of layers reflects and transmits, and how far light spreads");
+    CLI::App* command = stack.add_subcommand(
+        "predict", "Predict what a stack of layers reflects and transmits, and how far light spreads");
     command->add_option("stack", job.stack, "a stack file (voxtone-stack), or layers: \"W 0.3, K 0.1\" (mm, top first)")
         ->type_name("FILE|LAYERS")
         ->required();
-    command->add_option("-o,--out", job.files, "file to write, several by repeating: .json (the profiles) or .svg (drawn)")
+    command
+        ->add_option("-o,--out", job.files, "file to write, several by repeating: .json (the profiles) or .svg (drawn)")
         ->type_name("FILE")
         ->allow_extra_args(false);
     command->add_flag("--check", job.check, "Monte Carlo of the whole stack beside it");
     command->add_option("--resins", job.resins, "resin set or file; empty: that of the stack file, else vero-opaque")
         ->type_name("SET|FILE");
-    command->add_option("--surface", job.surface, "on top: air, matched, auto; empty: as the stack file says, else auto")
+    command
+        ->add_option("--surface", job.surface, "on top: air, matched, auto; empty: as the stack file says, else auto")
         ->type_name("WHAT");
     command
         ->add_option("--backing", job.backing,
@@ -58,7 +60,9 @@ Command add_stack_predict_command(CLI::App& stack) {
     command->add_option("--coefficients", job.coefficients, "per channel; detail is reach / N")
         ->type_name("N")
         ->capture_default_str();
-    command->add_option("--paths", job.paths, "per traced layer or stack, and channel")->type_name("N")->capture_default_str();
+    command->add_option("--paths", job.paths, "per traced layer or stack, and channel")
+        ->type_name("N")
+        ->capture_default_str();
     command->add_option("--seed", job.seed, "seed of traced light")->type_name("N")->capture_default_str();
     add_threads_option(*command, arguments->threads);
     add_console_options(*command, arguments->console);

@@ -42,14 +42,17 @@ Command add_stack_search_command(CLI::App& stack) {
     const auto length = [&](const char* name, std::string& value, const char* help) {
         return command->add_option(name, value, help)->type_name("LENGTH")->capture_default_str();
     };
-    command->add_option("targets", job.targets, "profiles of what is wanted (voxtone-profile); of a measured layer, its R")
+    command
+        ->add_option("targets", job.targets, "profiles of what is wanted (voxtone-profile); of a measured layer, its R")
         ->type_name("FILE")
         ->required();
     command->add_option("-o,--out", job.out, "folder for NAME.stack.json and NAME.svg of each target")
         ->type_name("FOLDER")
         ->required();
     command->add_flag("--overwrite", job.overwrite, "replace files of the same names in the folder");
-    command->add_option("--materials", job.setting.materials, "roles of resins (W,K,T) or profile files of measured layers")
+    command
+        ->add_option("--materials", job.setting.materials,
+                     "roles of resins (W,K,T) or profile files of measured layers")
         ->type_name("ROLES|FILES")
         ->delimiter(',')
         ->allow_extra_args(false)
@@ -61,7 +64,9 @@ Command add_stack_search_command(CLI::App& stack) {
     command->add_option("--steps", job.steps, "of thickness: blocks are 1, 2, 4, ... steps thick")
         ->type_name("N")
         ->capture_default_str();
-    command->add_option("--max-blocks", job.max_blocks, "most blocks of a stack")->type_name("N")->capture_default_str();
+    command->add_option("--max-blocks", job.max_blocks, "most blocks of a stack")
+        ->type_name("N")
+        ->capture_default_str();
     command->add_option("--dc-weight", job.dc_weight, "weight of the total, the other coefficients have 1")
         ->type_name("W")
         ->capture_default_str();
@@ -69,7 +74,9 @@ Command add_stack_search_command(CLI::App& stack) {
         ->type_name("MATERIAL=LENGTH")
         ->delimiter(',')
         ->allow_extra_args(false);
-    command->add_option("--backing", job.setting.backing, "below the stack, in contact: black, white, air, or a profile file")
+    command
+        ->add_option("--backing", job.setting.backing,
+                     "below the stack, in contact: black, white, air, or a profile file")
         ->type_name("WHAT")
         ->capture_default_str();
     command
@@ -86,7 +93,9 @@ Command add_stack_search_command(CLI::App& stack) {
     command->add_option("--coefficients", job.setting.coefficients, "per channel; detail is reach / N")
         ->type_name("N")
         ->capture_default_str();
-    command->add_option("--paths", job.paths, "per traced layer or stack, and channel")->type_name("N")->capture_default_str();
+    command->add_option("--paths", job.paths, "per traced layer or stack, and channel")
+        ->type_name("N")
+        ->capture_default_str();
     command->add_option("--seed", job.seed, "seed of traced light")->type_name("N")->capture_default_str();
     add_threads_option(*command, arguments->threads);
     add_console_options(*command, arguments->console);

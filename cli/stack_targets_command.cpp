@@ -35,23 +35,34 @@ int run(StackTargetsArguments& a) {
 Command add_stack_targets_command(CLI::App& stack) {
     auto arguments = std::make_shared<StackTargetsArguments>();
     slicer::StackTargetsJob& job = arguments->job;
-    CLI::App* command = stack.add_subcommand("targets", "Make targets of one albedo and rising width, between two stacks");
-    command->add_option("narrow", job.narrow, "where light spreads least: a stack file, or layers: \"W 5\" (mm, top first)")
+    CLI::App* command =
+        stack.add_subcommand("targets", "Make targets of one albedo and rising width, between two stacks");
+    command
+        ->add_option("narrow", job.narrow,
+                     "where light spreads least: a stack file, or layers: \"W 5\" (mm, top first)")
         ->type_name("FILE|LAYERS")
         ->required();
-    command->add_option("wide", job.wide, "where light spreads most: \"W 0.2, T 4.8\"")->type_name("FILE|LAYERS")->required();
+    command->add_option("wide", job.wide, "where light spreads most: \"W 0.2, T 4.8\"")
+        ->type_name("FILE|LAYERS")
+        ->required();
     command->add_option("-o,--out", job.out, "folder for target-1.json (narrowest), target-2.json, ... and targets.svg")
         ->type_name("FOLDER")
         ->required();
     command->add_flag("--overwrite", job.overwrite, "replace files of the same names in the folder");
     command->add_option("--count", job.count, "targets, from 1 to 1000")->type_name("N")->capture_default_str();
-    command->add_option("--resins", job.stack.resins, "resin set or file; empty: that of the stack file, else vero-opaque")
+    command
+        ->add_option("--resins", job.stack.resins, "resin set or file; empty: that of the stack file, else vero-opaque")
         ->type_name("SET|FILE");
-    command->add_option("--surface", job.stack.surface, "on top: air, matched, auto; empty: as the stack file says, else auto")
+    command
+        ->add_option("--surface", job.stack.surface,
+                     "on top: air, matched, auto; empty: as the stack file says, else auto")
         ->type_name("WHAT");
-    command->add_option("--backing", job.stack.backing, "below: black, white, air, or a profile file; empty: as the stack file says, else black")
+    command
+        ->add_option("--backing", job.stack.backing,
+                     "below: black, white, air, or a profile file; empty: as the stack file says, else black")
         ->type_name("WHAT");
-    command->add_option("--reach", arguments->reach, "radius of the disc that coefficients belong to, and of the profiles")
+    command
+        ->add_option("--reach", arguments->reach, "radius of the disc that coefficients belong to, and of the profiles")
         ->type_name("LENGTH")
         ->capture_default_str();
     command->add_option("--coefficients", job.stack.coefficients, "per channel, from 4 to 1024; detail is reach / N")

@@ -24,12 +24,19 @@ struct VerifyArguments {
 };
 
 std::string report_json(const io::StackReport& report) {
-    nlohmann::ordered_json json{{"format", "voxtone-verify"}, {"version", 1}, {"passed", report.passed()},
-                                {"layers", report.layers}, {"size_px", report.size_px}, {"empty_layers", report.empty_layers},
-                                {"content_sha256", report.content_sha256}, {"fault_count", report.fault_count}, {"notes", report.notes}};
+    nlohmann::ordered_json json{{"format", "voxtone-verify"},
+                                {"version", 1},
+                                {"passed", report.passed()},
+                                {"layers", report.layers},
+                                {"size_px", report.size_px},
+                                {"empty_layers", report.empty_layers},
+                                {"content_sha256", report.content_sha256},
+                                {"fault_count", report.fault_count},
+                                {"notes", report.notes}};
     json["faults"] = nlohmann::ordered_json::array();
     for (const io::StackFault& fault : report.faults)
-        json["faults"].push_back({{"rule", fault.rule}, {"where", fault.where}, {"what", fault.what}, {"remedy", fault.remedy}});
+        json["faults"].push_back(
+            {{"rule", fault.rule}, {"where", fault.where}, {"what", fault.what}, {"remedy", fault.remedy}});
     return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
@@ -59,7 +66,8 @@ int run(const VerifyArguments& arguments) {
     const ThreadLimit limit(static_cast<std::size_t>(arguments.threads));
     return run_on_console(arguments.console, [&](Progress& progress) {
         const io::StackReport report = io::verify_stack(arguments.stack, rules_for(arguments), &progress);
-        return CommandResult{report_json(report), io::report_text(report), report.passed() ? ExitCode::done : ExitCode::check_failed};
+        return CommandResult{report_json(report), io::report_text(report),
+                             report.passed() ? ExitCode::done : ExitCode::check_failed};
     });
 }
 
@@ -68,10 +76,18 @@ int run(const VerifyArguments& arguments) {
 Command add_verify_command(CLI::App& program) {
     auto arguments = std::make_shared<VerifyArguments>();
     CLI::App* command = program.add_subcommand(
-        "verify", "Check a layer stack, ours or anyone's, as the printer's software would; exit code 6 with every fault named");
-    command->add_option("stack", arguments->stack, "output folder, folder of PNG layers, or .gcvf file")->required()->type_name("FOLDER|FILE");
-    command->add_option("--printer", arguments->printer, "check against this printer; empty: the one that the manifest names")->type_name("ID|FILE");
-    command->add_option("--threads", arguments->threads, "threads; 0: one per core")->capture_default_str()->check(CLI::Range(0, 1024));
+        "verify",
+        "Check a layer stack, ours or anyone's, as the printer's software would; exit code 6 with every fault named");
+    command->add_option("stack", arguments->stack, "output folder, folder of PNG layers, or .gcvf file")
+        ->required()
+        ->type_name("FOLDER|FILE");
+    command
+        ->add_option("--printer", arguments->printer,
+                     "check against this printer; empty: the one that the manifest names")
+        ->type_name("ID|FILE");
+    command->add_option("--threads", arguments->threads, "threads; 0: one per core")
+        ->capture_default_str()
+        ->check(CLI::Range(0, 1024));
     add_console_options(*command, arguments->console);
     return [arguments] { return run(*arguments); };
 }

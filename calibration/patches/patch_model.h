@@ -3,10 +3,10 @@
 // What the patches of a target reflect, rho(45 -> 0), for given resins, one channel at a time, with exact derivatives
 // by every resin's absorption and scattering.
 //
-// A patch is a layer of a mixture upon a base (optics/layered/layer_on_base.h). Squares of one mixture and thickness share the
-// modes of their layer, squares on one base share its law. Mixtures are ideal (Iser, Rittig, Wilkie 2025, Eq. 7) or,
-// where the pitch of the voxels is given, halftones (optics/media/halftone_medium.h). A base of unknown thickness has no end;
-// one of known thickness ends at what is `under` it.
+// A patch is a layer of a mixture upon a base (optics/layered/layer_on_base.h). Squares of one mixture and thickness
+// share the modes of their layer, squares on one base share its law. Mixtures are ideal (Iser, Rittig, Wilkie 2025, Eq.
+// 7) or, where the pitch of the voxels is given, halftones (optics/media/halftone_medium.h). A base of unknown
+// thickness has no end; one of known thickness ends at what is `under` it.
 //
 // Units mm, mm^-1. Error of rho with the 15 directions used: 1e-6 for patches of 0.675 mm. Time: docs/benchmarks.md.
 // What it cannot see: the sides of a square (light that leaves it sideways), rough surfaces.
@@ -21,8 +21,8 @@
 #include <Eigen/Core>
 
 #include "voxtone/calibration/patches/patch_table.h"
-#include "voxtone/optics/media/halftone_medium.h"
 #include "voxtone/optics/layered/layer_on_base.h"
+#include "voxtone/optics/media/halftone_medium.h"
 
 namespace voxtone::calibration {
 

@@ -2,8 +2,9 @@
 //
 // Measured patches of a calibration target: a thin square of one mixture of resins upon a thick base of one resin.
 //
-// Values are 45/0 directional reflectance relative to a perfect diffuser, rho(45 -> 0) = pi L_o / E (optics/layered/directional.h),
-// one per channel: R, G, B or wavelengths. Iser, Rittig, Wilkie 2025, Secs. 3.1 and 3.5.
+// Values are 45/0 directional reflectance relative to a perfect diffuser, rho(45 -> 0) = pi L_o / E
+// (optics/layered/directional.h), one per channel: R, G, B or wavelengths. Iser, Rittig, Wilkie 2025, Secs. 3.1
+// and 3.5.
 #pragma once
 
 #include <string>
@@ -25,16 +26,16 @@ using PatchMixture = std::vector<ResinShare>;
 
 struct Patch {
     PatchMixture top;
-    std::string backing;       ///< role of the base's resin
-    double thickness_mm = 0;   ///< of the square
-    double base_mm = 0;        ///< thickness of the base under it; 0: not known, taken as without end
-    std::vector<double> rho;   ///< per channel
-    std::vector<double> error; ///< standard error per channel; empty: not known
-    std::string where;         ///< file and line, for messages
+    std::string backing;        ///< role of the base's resin
+    double thickness_mm = 0;    ///< of the square
+    double base_mm = 0;         ///< thickness of the base under it; 0: not known, taken as without end
+    std::vector<double> rho;    ///< per channel
+    std::vector<double> error;  ///< standard error per channel; empty: not known
+    std::string where;          ///< file and line, for messages
 };
 
 struct PatchTable {
-    std::string source;         ///< file or instrument
+    std::string source;  ///< file or instrument
     optics::Channels channels;
     std::vector<Patch> patches;
 };

@@ -19,8 +19,8 @@ namespace {
 
 using Corners = std::array<Eigen::Vector2d, 4>;
 
-constexpr double patch_dark_share = 0.1;       // of a patch's pixels at 0: more, and it is left out
-constexpr double worst_residual = 0.12;  // of white: beyond this the colours are not those of the chart
+constexpr double patch_dark_share = 0.1;  // of a patch's pixels at 0: more, and it is left out
+constexpr double worst_residual = 0.12;   // of white: beyond this the colours are not those of the chart
 
 std::optional<Corners> detect(const io::Photograph& photo, const Corners& hidden) {
     std::vector<std::uint8_t> codes = finder_bgr(photo);
@@ -48,7 +48,8 @@ double residual_of_matrix(const CheckerChart& chart, const std::vector<AreaSampl
     Eigen::MatrixXd from(samples.size(), 3), to(samples.size(), 3);
     Eigen::Index used = 0;
     for (std::size_t p = 0; p < samples.size(); ++p) {
-        if (!samples[p].complete || samples[p].clipped.maxCoeff() > 0.005 || samples[p].at_zero.maxCoeff() > patch_dark_share)
+        if (!samples[p].complete || samples[p].clipped.maxCoeff() > 0.005 ||
+            samples[p].at_zero.maxCoeff() > patch_dark_share)
             continue;
         from.row(used) = samples[p].mean.transpose();
         to.row(used++) = chart.linear_srgb[p].transpose();

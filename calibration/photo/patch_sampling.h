@@ -4,9 +4,9 @@
 //
 // The area is cut into blocks. The means of blocks are fitted with a plane (light may vary across the area) by
 // iteratively reweighted least squares with Tukey's biweight (Beaton and Tukey 1974), a block that lies off in one
-// channel losing its weight in all. Start and scale are those of the shortest half of the values (Rousseeuw 1984), since
-// dirt lies on one side of a distribution. Blocks, not pixels: pixels of a dithered mixture differ by right, the means
-// of many voxels differ less. Fails where more than about a third of the blocks is dirty.
+// channel losing its weight in all. Start and scale are those of the shortest half of the values (Rousseeuw 1984),
+// since dirt lies on one side of a distribution. Blocks, not pixels: pixels of a dithered mixture differ by right, the
+// means of many voxels differ less. Fails where more than about a third of the blocks is dirty.
 #pragma once
 
 #include <Eigen/Core>

@@ -33,15 +33,16 @@ Eigen::Vector3d median(const io::Photograph& photograph) {
 
 double share_of_zeros(const io::Photograph& photograph) {
     std::size_t zeros = 0;
-    for (const Eigen::Vector3f& pixel : photograph.pixels) zeros += static_cast<std::size_t>((pixel.array() <= 0).count());
+    for (const Eigen::Vector3f& pixel : photograph.pixels)
+        zeros += static_cast<std::size_t>((pixel.array() <= 0).count());
     return static_cast<double>(zeros) / (3 * static_cast<double>(photograph.pixels.size()));
 }
 
 void check(const Exposure& lit, const Exposure& dark) {
     const io::Photograph &a = lit.photograph, &b = dark.photograph;
     if (a.width_px != b.width_px || a.height_px != b.height_px)
-        throw InputError(fmt::format("{} is {} x {} pixels and its dark frame {} is {} x {}; both must be cut alike", a.name,
-                                     a.width_px, a.height_px, b.name, b.width_px, b.height_px));
+        throw InputError(fmt::format("{} is {} x {} pixels and its dark frame {} is {} x {}; both must be cut alike",
+                                     a.name, a.width_px, a.height_px, b.name, b.width_px, b.height_px));
     if (std::abs(dark.seconds - lit.seconds) > same_time * lit.seconds)
         throw InputError(
             fmt::format("{} was exposed for {} and its dark frame {} for {}; every exposure needs a dark frame of "
@@ -63,11 +64,13 @@ void ExposureMerge::add(const Exposure& lit, const Exposure& dark) {
         exposures_.assign(pixels, 0);
         black_ = median(dark.photograph);
     } else if (photograph.width_px != width_px_ || photograph.height_px != height_px_) {
-        throw InputError(fmt::format("{} is {} x {} pixels and the exposures before it are {} x {}; all must be cut alike",
-                                     photograph.name, photograph.width_px, photograph.height_px, width_px_, height_px_));
+        throw InputError(
+            fmt::format("{} is {} x {} pixels and the exposures before it are {} x {}; all must be cut alike",
+                        photograph.name, photograph.width_px, photograph.height_px, width_px_, height_px_));
     } else if (!(lit.seconds > seconds_.back())) {
-        throw InputError(fmt::format("{} was exposed for {}, the one before it for {}; give the exposures from short to long",
-                                     photograph.name, seconds_text(lit.seconds), seconds_text(seconds_.back())));
+        throw InputError(
+            fmt::format("{} was exposed for {}, the one before it for {}; give the exposures from short to long",
+                        photograph.name, seconds_text(lit.seconds), seconds_text(seconds_.back())));
     }
 
     const float t = static_cast<float>(lit.seconds), limit = static_cast<float>(noise_.saturation);
@@ -90,12 +93,14 @@ void ExposureMerge::add(const Exposure& lit, const Exposure& dark) {
         const Eigen::Vector3f light = light_of(i);
         bool all = true;
         for (int c = 0; c < 3; ++c) {
-            if (!(photograph.pixels[i][c] < limit && dark.photograph.pixels[i][c] < limit) || (!first && weight_[i][c] == 0)) {
+            if (!(photograph.pixels[i][c] < limit && dark.photograph.pixels[i][c] < limit) ||
+                (!first && weight_[i][c] == 0)) {
                 all = false;
                 continue;
             }
             const double signal = std::max(0.0, static_cast<double>(level[i][c])) * lit.seconds;
-            if (!first && signal > clear && signal + dark.photograph.pixels[i][c] < far_from_saturation * noise_.saturation)
+            if (!first && signal > clear &&
+                signal + dark.photograph.pixels[i][c] < far_from_saturation * noise_.saturation)
                 seen += light[c], expected += known[i][c];
             const double variance = read2 + (2 * stray[c] + signal) / noise_.full_well;
             const float w = static_cast<float>(lit.seconds * lit.seconds / variance);
@@ -112,7 +117,8 @@ void ExposureMerge::add(const Exposure& lit, const Exposure& dark) {
 MergedPicture ExposureMerge::merged() const {
     VOXTONE_EXPECT(!seconds_.empty());
     MergedPicture picture{width_px_, height_px_, weighted_, weight_, exposures_, seconds_, step_, cut_at_black_};
-    for (std::size_t i = 0; i < weight_.size(); ++i) picture.light[i] = weighted_[i].cwiseQuotient(weight_[i].cwiseMax(1e-30f));
+    for (std::size_t i = 0; i < weight_.size(); ++i)
+        picture.light[i] = weighted_[i].cwiseQuotient(weight_[i].cwiseMax(1e-30f));
     return picture;
 }
 

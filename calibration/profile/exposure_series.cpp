@@ -16,7 +16,8 @@ namespace {
 std::optional<double> number(std::string_view text) {
     double value = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error != std::errc() || end != text.data() + text.size() || !(value > 0 && std::isfinite(value))) return std::nullopt;
+    if (error != std::errc() || end != text.data() + text.size() || !(value > 0 && std::isfinite(value)))
+        return std::nullopt;
     return value;
 }
 
@@ -56,8 +57,8 @@ Exposure read_exposure(const ExposureFile& file, const Progress* progress) {
     exposure.photograph.coding = io::SampleCoding::linear;
     if (exposure.seconds <= 0) exposure.seconds = exposure.photograph.exposure_s;
     if (!(exposure.seconds > 0))
-        throw InputError(
-            fmt::format("{0}: does not say how long it was exposed; give the time in seconds: {0}@1/15", file.file.string()));
+        throw InputError(fmt::format("{0}: does not say how long it was exposed; give the time in seconds: {0}@1/15",
+                                     file.file.string()));
     return exposure;
 }
 

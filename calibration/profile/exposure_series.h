@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// A series of photographs of one scene at rising exposure times, and the dark frames that belong to it: how a user names them,
-// and what is wrong with them.
+// A series of photographs of one scene at rising exposure times, and the dark frames that belong to it: how a user
+// names them, and what is wrong with them.
 #pragma once
 
 #include <filesystem>

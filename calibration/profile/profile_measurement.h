@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// From photographs of one lit point to scattering profiles (Hasan et al. 2010, Sec. 4): exposures less their dark frames are
-// merged (exposure_merge.h), the centre of highest radial symmetry is found (radial_centre.h), rings about it are averaged
-// (radial_average.h) and scaled to the albedo that was measured apart.
+// From photographs of one lit point to scattering profiles (Hasan et al. 2010, Sec. 4): exposures less their dark
+// frames are merged (exposure_merge.h), the centre of highest radial symmetry is found (radial_centre.h), rings about
+// it are averaged (radial_average.h) and scaled to the albedo that was measured apart.
 //
-// What the profile holds is the slab's, blurred by what lit it (a projected pixel, a pinhole) and by the camera: a coefficient
-// at k cycles per mm is lowered by the factor of a disc of radius a, 2 J1(2 pi k a) / (2 pi k a), about 1 - (pi k a)^2 / 2.
-// That is not taken back: noise at high k would grow without end, and the shape of the spot is seldom known so well.
+// What the profile holds is the slab's, blurred by what lit it (a projected pixel, a pinhole) and by the camera: a
+// coefficient at k cycles per mm is lowered by the factor of a disc of radius a, 2 J1(2 pi k a) / (2 pi k a), about 1 -
+// (pi k a)^2 / 2. That is not taken back: noise at high k would grow without end, and the shape of the spot is seldom
+// known so well.
 #pragma once
 
 #include <array>

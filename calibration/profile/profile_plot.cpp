@@ -31,7 +31,8 @@ std::vector<double> even_marks(double to) {
     return marks;
 }
 
-std::string one_side(const io::ProfileFile& file, optics::RadialSamples optics::MeasuredProfile::*side, const std::string& name) {
+std::string one_side(const io::ProfileFile& file, optics::RadialSamples optics::MeasuredProfile::*side,
+                     const std::string& name) {
     double highest = 0, lowest = 1e300, reach = 0;
     for (const auto& channel : file.by_channel) {
         const optics::RadialSamples& samples = channel.*side;
@@ -45,7 +46,8 @@ std::string one_side(const io::ProfileFile& file, optics::RadialSamples optics::
     if (highest <= 0) highest = lowest = 1;
     const int top = static_cast<int>(std::ceil(std::log10(highest))),
               bottom = std::clamp(static_cast<int>(std::floor(std::log10(lowest))), top - most_decades, top - 1);
-    io::PlotAxis x{0, reach, false, even_marks(reach), "distance, mm"}, y{std::pow(10, bottom), std::pow(10, top), true, {}, ""};
+    io::PlotAxis x{0, reach, false, even_marks(reach), "distance, mm"},
+        y{std::pow(10, bottom), std::pow(10, top), true, {}, ""};
     y.title = file.by_channel[0].R.total || file.is_target() ? "light per mm2 of one unit" : "light per mm2";
     for (int decade = bottom; decade <= top; ++decade) y.marks.push_back(std::pow(10, decade));
     io::Plot plot(x, y, fmt::format("{}: {}", file.name, name), box_width, box_height);
@@ -70,7 +72,8 @@ std::string one_side(const io::ProfileFile& file, optics::RadialSamples optics::
 std::string profile_plot(const io::ProfileFile& profile) {
     const int plots = profile.is_target() ? 1 : 2;
     std::string svg = fmt::format(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0:.0f}\" height=\"{1:.0f}\" viewBox=\"0 0 {0:.0f} {1:.0f}\" "
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0:.0f}\" height=\"{1:.0f}\" viewBox=\"0 0 {0:.0f} "
+        "{1:.0f}\" "
         "font-family=\"sans-serif\">\n<rect width=\"{0:.0f}\" height=\"{1:.0f}\" fill=\"white\"/>\n",
         plots * plot_width, plot_height);
     svg += one_side(profile, &optics::MeasuredProfile::R, "reflected");

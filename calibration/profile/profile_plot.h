@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// A profile file as a picture: R and T over the distance, light on a logarithmic scale, a line per channel and a band of two
-// standard errors to each side where they are known.
+// A profile file as a picture: R and T over the distance, light on a logarithmic scale, a line per channel and a band
+// of two standard errors to each side where they are known.
 #pragma once
 
 #include <string>

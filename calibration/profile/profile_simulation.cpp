@@ -52,15 +52,16 @@ double between(const std::vector<double>& table, double at) {
 void SpotCamera::validate() const {
     if (seconds.empty()) throw InputError("there are no exposure times");
     for (std::size_t k = 0; k < seconds.size(); ++k)
-        require_that(seconds[k] > (k > 0 ? seconds[k - 1] : 0.0) && std::isfinite(seconds[k]), "an exposure time", seconds[k],
-                "above the one before it");
+        require_that(seconds[k] > (k > 0 ? seconds[k - 1] : 0.0) && std::isfinite(seconds[k]), "an exposure time",
+                     seconds[k], "above the one before it");
     require_that(size_px >= 64 && size_px <= 4000, "the size of the picture", size_px, "64 to 4000 pixels");
     require_that(mm_per_px > 0 && std::isfinite(mm_per_px), "mm per pixel", mm_per_px, "above 0");
     require_that(offset_px.allFinite() && offset_px.cwiseAbs().maxCoeff() < size_px / 2.0, "the offset of the spot",
-            offset_px.cwiseAbs().maxCoeff(), "less than half of the picture");
+                 offset_px.cwiseAbs().maxCoeff(), "less than half of the picture");
     require_that(spot_mm >= 0 && std::isfinite(spot_mm), "the radius of the spot", spot_mm, "0 or above");
     require_that(stretch >= 0.5 && stretch <= 2, "the stretch", stretch, "0.5 to 2");
-    require_that(blur_mm >= mm_per_px / 10 && std::isfinite(blur_mm), "the blur", blur_mm, "at least a tenth of a pixel");
+    require_that(blur_mm >= mm_per_px / 10 && std::isfinite(blur_mm), "the blur", blur_mm,
+                 "at least a tenth of a pixel");
     require_that(stray >= 0 && stray <= 1, "stray light", stray, "0 to 1");
     require_that(peak > 0 && std::isfinite(peak), "the peak", peak, "above 0");
     require_that(full_well >= 0 && std::isfinite(full_well), "the full well", full_well, "0 or above");
@@ -76,7 +77,8 @@ optics::HankelGrid SpotCamera::grid() const {
 }
 
 SlabProfiles slab_profiles(const optics::ResinSet& set, const std::string& role, double thickness_mm,
-                           const optics::HankelGrid& grid, std::uint32_t paths, std::uint64_t seed, const Progress* progress) {
+                           const optics::HankelGrid& grid, std::uint32_t paths, std::uint64_t seed,
+                           const Progress* progress) {
     if (!set.channels.is_rgb())
         throw InputError(fmt::format("resin set {} is of wavelengths; photographs have red, green and blue", set.name));
     if (!(thickness_mm > 0 && std::isfinite(thickness_mm)))
@@ -101,8 +103,8 @@ SpotScene::SpotScene(const std::array<std::vector<double>, 3>& side, const SpotC
     double brightest = 0;
     for (std::size_t c = 0; c < 3; ++c) {
         VOXTONE_EXPECT(side[c].size() == grid.size());
-        const std::vector<double> lit = through_disc(side[c], grid, camera.spot_mm), sharp = grid.blurred(lit, camera.blur_mm),
-                                  seen = grid.blurred(lit, with_pixel);
+        const std::vector<double> lit = through_disc(side[c], grid, camera.spot_mm),
+                                  sharp = grid.blurred(lit, camera.blur_mm), seen = grid.blurred(lit, with_pixel);
         total_[c] = side[c][0];
         sharp_[c].resize(entries), seen_[c].resize(entries);
         parallel_for(0, entries, 64, [&](std::size_t i) {
@@ -119,11 +121,14 @@ double SpotScene::light(std::size_t channel, double r_mm) const { return between
 
 optics::RadialSamples SpotScene::truth(std::size_t channel, double spacing_mm, std::size_t samples) const {
     optics::RadialSamples result{spacing_mm, {}, total_[channel], {}};
-    for (std::size_t i = 0; i < samples; ++i) result.light.push_back(light(channel, static_cast<double>(i) * spacing_mm));
+    for (std::size_t i = 0; i < samples; ++i)
+        result.light.push_back(light(channel, static_cast<double>(i) * spacing_mm));
     return result;
 }
 
-Eigen::Vector2d SpotScene::centre_px() const { return Eigen::Vector2d::Constant(camera_.size_px / 2.0) + camera_.offset_px; }
+Eigen::Vector2d SpotScene::centre_px() const {
+    return Eigen::Vector2d::Constant(camera_.size_px / 2.0) + camera_.offset_px;
+}
 
 Exposure SpotScene::photograph(std::size_t exposure, bool lit) const {
     VOXTONE_EXPECT(exposure < camera_.seconds.size());
@@ -151,10 +156,12 @@ Exposure SpotScene::photograph(std::size_t exposure, bool lit) const {
                     for (const double dx : {-gauss, gauss})
                         for (const double dy : {-gauss, gauss}) {
                             const Eigen::Vector2d at = (middle + Eigen::Vector2d(dx, dy) - centre) * o.mm_per_px;
-                            light += between(sharp_[c], std::hypot(at.x() / o.stretch, at.y() * o.stretch) / step_mm_) / 4;
+                            light +=
+                                between(sharp_[c], std::hypot(at.x() / o.stretch, at.y() * o.stretch) / step_mm_) / 4;
                         }
                 double value = std::max(0.0, light) * gain_ * t;
-                if (o.full_well > 0) value += std::sqrt(value / o.full_well + o.read_noise * o.read_noise) * normal(random);
+                if (o.full_well > 0)
+                    value += std::sqrt(value / o.full_well + o.read_noise * o.read_noise) * normal(random);
                 value = std::clamp(o.black + value, 0.0, 1.0);
                 photo.pixels[i][static_cast<Eigen::Index>(c)] = static_cast<float>(std::round(value * steps) / steps);
             }

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Photographs of a lit point on a slab that was never printed: to rehearse the measurement of scattering profiles, and to test
-// it against a truth that is known.
+// Photographs of a lit point on a slab that was never printed: to rehearse the measurement of scattering profiles, and
+// to test it against a truth that is known.
 //
-// The slab: one resin, traced (optics/profiles/resin_profile.h). Light: an even disc (projected pixel, pinhole) of white light, and stray
-// light, from a projector's black, that falls off evenly across the picture. Camera: a Gaussian blur, square pixels, shot and
-// read noise, black level, saturation, quantisation.
+// The slab: one resin, traced (optics/profiles/resin_profile.h). Light: an even disc (projected pixel, pinhole) of
+// white light, and stray light, from a projector's black, that falls off evenly across the picture. Camera: a Gaussian
+// blur, square pixels, shot and read noise, black level, saturation, quantisation.
 //
-// Simpler than the world: light enters the slab diffusely, its surface neither mirrors nor refracts, the camera is straight
-// above and sees light that left to all sides, nothing wanders with time, and every pixel sees all three colours.
+// Simpler than the world: light enters the slab diffusely, its surface neither mirrors nor refracts, the camera is
+// straight above and sees light that left to all sides, nothing wanders with time, and every pixel sees all three
+// colours.
 #pragma once
 
 #include <array>
@@ -19,9 +20,9 @@
 
 #include "voxtone/base/progress.h"
 #include "voxtone/calibration/profile/exposure_series.h"
+#include "voxtone/optics/media/resins.h"
 #include "voxtone/optics/numerics/hankel.h"
 #include "voxtone/optics/profiles/measured_profile.h"
-#include "voxtone/optics/media/resins.h"
 
 namespace voxtone::calibration {
 

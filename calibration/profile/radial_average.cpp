@@ -66,10 +66,10 @@ void solve(const MergedPicture& picture, int channel, const RadialPlan& plan, No
     for (std::size_t i = 0; i + 1 < plan.samples; ++i) {
         equations.missing += missing[i];
         if (4 * missing[i] > used[i])
-            throw InputError(
-                fmt::format("{} of {} pixels about {:.3f} mm from the centre of the spot are saturated in every exposure; "
-                            "begin the series with shorter ones",
-                            missing[i], missing[i] + used[i], static_cast<double>(i) * plan.spacing_mm));
+            throw InputError(fmt::format(
+                "{} of {} pixels about {:.3f} mm from the centre of the spot are saturated in every exposure; "
+                "begin the series with shorter ones",
+                missing[i], missing[i] + used[i], static_cast<double>(i) * plan.spacing_mm));
     }
     equations.solver.compute(N.matrix());
     equations.light = equations.solver.solve(b);

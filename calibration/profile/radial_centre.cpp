@@ -50,7 +50,8 @@ Eigen::Vector2d middle_of_light(const MergedPicture& picture) {
     const double noise = std::sqrt(3 / (4 * std::numbers::pi * centre_blur_px * centre_blur_px));
     if (!(highest_signal > clear_light * noise))
         throw InputError(
-            "no light stands out above the dark frames; check that the spot was on, in the picture and not saturated in every exposure, and that lit and "
+            "no light stands out above the dark frames; check that the spot was on, in the picture and not saturated "
+            "in every exposure, and that lit and "
             "dark exposures are not swapped");
     const cv::Mat light = blurred(light_of(picture));
     double highest = 0;
@@ -79,7 +80,8 @@ Step step_from(const MergedPicture& picture, const RadialPlan& plan) {
         for_ring_pixels(picture, c, plan, [&](const RingPixel& p) {
             const double r = p.offset_px.norm();
             if (!(p.weight > 0) || r == 0) return;
-            const double away = p.light - p.between(profile), slope = (light[p.ring + 1] - light[p.ring]) / plan.spacing_mm;
+            const double away = p.light - p.between(profile),
+                         slope = (light[p.ring + 1] - light[p.ring]) / plan.spacing_mm;
             const Eigen::Vector2d pull = -slope / r * p.offset_px;  // change of the profile here as the centre moves
             step.A += p.weight * pull * pull.transpose();
             step.b += p.weight * away * pull;
@@ -92,7 +94,8 @@ Step step_from(const MergedPicture& picture, const RadialPlan& plan) {
 }  // namespace
 
 double border_distance_px(const MergedPicture& picture, const Eigen::Vector2d& centre_px) {
-    return std::min({centre_px.x(), centre_px.y(), picture.width_px - centre_px.x(), picture.height_px - centre_px.y()});
+    return std::min(
+        {centre_px.x(), centre_px.y(), picture.width_px - centre_px.x(), picture.height_px - centre_px.y()});
 }
 
 RadialCentre find_radial_centre(const MergedPicture& picture, double spacing_px, double reach_px) {
@@ -102,17 +105,19 @@ RadialCentre find_radial_centre(const MergedPicture& picture, double spacing_px,
     while (true) {
         const double border = border_distance_px(picture, centre.px);
         if (border < fewest_rings * spacing_px)
-            throw InputError(
-                fmt::format("the centre of the spot, at ({:.1f}, {:.1f}) px, lies {:.0f} px from the border; the profile "
-                            "would end there: photograph more of what is about the spot",
-                            centre.px.x(), centre.px.y(), std::max(0.0, border)));
+            throw InputError(fmt::format(
+                "the centre of the spot, at ({:.1f}, {:.1f}) px, lies {:.0f} px from the border; the profile "
+                "would end there: photograph more of what is about the spot",
+                centre.px.x(), centre.px.y(), std::max(0.0, border)));
         // In pixels throughout.
-        const RadialPlan plan{centre.px, 1, spacing_px, 1 + static_cast<std::size_t>(std::min(border, reach_px) / spacing_px)};
+        const RadialPlan plan{centre.px, 1, spacing_px,
+                              1 + static_cast<std::size_t>(std::min(border, reach_px) / spacing_px)};
         const Step step = step_from(picture, plan);
         const Eigen::Matrix2d inverse = step.A.inverse();
         const Eigen::Vector2d full = inverse * step.b;
         if (!full.allFinite() || centre.steps == most_steps)
-            throw InputError("no centre was found about which the light falls off alike to all sides; is there one spot only?");
+            throw InputError(
+                "no centre was found about which the light falls off alike to all sides; is there one spot only?");
         // Gauss-Newton goes to and fro about spots that are faint or not round.
         if (full.dot(last_full) < 0) damping /= 2;
         last_full = full;

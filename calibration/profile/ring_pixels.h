@@ -38,7 +38,9 @@ struct RingPixel {
 template <class Body>
 void for_ring_pixels(const MergedPicture& picture, int channel, const RadialPlan& plan, Body&& body) {
     const double reach = plan.reach_px(), per_px = plan.mm_per_px / plan.spacing_mm;
-    const auto first = [&](double middle) { return static_cast<std::uint32_t>(std::max(0.0, std::floor(middle - reach))); };
+    const auto first = [&](double middle) {
+        return static_cast<std::uint32_t>(std::max(0.0, std::floor(middle - reach)));
+    };
     const auto end = [&](double middle, std::uint32_t size) {
         return static_cast<std::uint32_t>(std::clamp(std::ceil(middle + reach), 0.0, static_cast<double>(size)));
     };

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // What a patch of known resins reflects: rho(45 -> 0) of a square upon its base by adding-doubling
-// (optics/layered/directional.h), mixtures taken as ideal (Iser, Rittig, Wilkie 2025, Eq. 7), of infinite width. Under a base
-// of finite thickness lies a perfect absorber of the same refractive index: the dark sheet that a target is
+// (optics/layered/directional.h), mixtures taken as ideal (Iser, Rittig, Wilkie 2025, Eq. 7), of infinite width. Under
+// a base of finite thickness lies a perfect absorber of the same refractive index: the dark sheet that a target is
 // photographed upon.
 //
 // The plain reference: a few ms per value. Error below 1e-5. Cannot see: that a printed mixture is a dither of voxels,

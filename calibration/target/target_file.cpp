@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "voxtone/base/error.h"
-#include "voxtone/calibration/target/marker_pattern.h"
 #include "voxtone/calibration/patches/patch_file.h"
+#include "voxtone/calibration/target/marker_pattern.h"
 #include "voxtone/io/files/json_object.h"
 
 namespace voxtone::calibration {

@@ -10,8 +10,8 @@
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/error.h"
 #include "voxtone/base/random.h"
-#include "voxtone/calibration/target/marker_pattern.h"
 #include "voxtone/calibration/patches/patch_file.h"
+#include "voxtone/calibration/target/marker_pattern.h"
 
 namespace voxtone::calibration {
 

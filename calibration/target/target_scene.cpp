@@ -8,9 +8,9 @@
 
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/error.h"
+#include "voxtone/calibration/patches/patch_model.h"
 #include "voxtone/calibration/target/ideal_patch.h"
 #include "voxtone/calibration/target/marker_pattern.h"
-#include "voxtone/calibration/patches/patch_model.h"
 
 namespace voxtone::calibration {
 

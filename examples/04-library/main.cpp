@@ -4,8 +4,8 @@
 #include <cstdio>
 
 #include <voxtone/halftone/separation/separation.h>
-#include <voxtone/optics/media/resins.h>
 #include <voxtone/optics/layered/shell_appearance.h>
+#include <voxtone/optics/media/resins.h>
 
 int main() {
     using namespace voxtone;
@@ -16,6 +16,7 @@ int main() {
     const halftone::Separation separation(shell, {});
     const Eigen::Vector3f skin(0.60f, 0.36f, 0.26f);  // linear sRGB
     const std::vector<double> fractions = separation.fractions(skin);
-    for (std::size_t r = 0; r < fractions.size(); ++r) std::printf("%-12s %5.1f %%\n", resins.resins[r].name.c_str(), 100 * fractions[r]);
+    for (std::size_t r = 0; r < fractions.size(); ++r)
+        std::printf("%-12s %5.1f %%\n", resins.resins[r].name.c_str(), 100 * fractions[r]);
     return 0;
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Many small symmetric positive definite systems of five bands, one per point: L D L^T without pivots (G. Golub, C. Van Loan,
-// "Matrix Computations", 4th ed. 2013, Sec. 4.3).
+// Many small symmetric positive definite systems of five bands, one per point: L D L^T without pivots (G. Golub, C. Van
+// Loan, "Matrix Computations", 4th ed. 2013, Sec. 4.3).
 #pragma once
 
 #include <cstddef>

@@ -1,30 +1,32 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // The scattering profile that each point of a heterogeneous surface has by itself: R(x_i, x_o) factored into P(x, r).
-// Based on: Y. Song, X. Tong, F. Pellacini, P. Peers, "SubEdit: a representation for editing measured heterogeneous subsurface
-// scattering", SIGGRAPH 2009, as used by Hasan et al. 2010, Sec. 7.1, Eq. 7:
+// Based on: Y. Song, X. Tong, F. Pellacini, P. Peers, "SubEdit: a representation for editing measured heterogeneous
+// subsurface scattering", SIGGRAPH 2009, as used by Hasan et al. 2010, Sec. 7.1, Eq. 7:
 //
 //   R(x_i, x_o) = sqrt(P(x_i, r) P(x_o, r)),   r = |x_i - x_o|
 //
-// With logarithms this is linear: ln R = (p(x_i, r) + p(x_o, r)) / 2, p = ln P at knots (profile_rings.h). The paper solves it as
-// a regularised sparse least-squares problem. Responses of few counts cannot be put under a logarithm: those of zero have none,
-// and the mean of a logarithm is not the logarithm of the mean. So the same linear model is fitted to the counts themselves
-// (Poisson regression with a logarithmic link; P. McCullagh, J. A. Nelder, "Generalized linear models", 2nd ed. 1989, Ch. 6):
+// With logarithms this is linear: ln R = (p(x_i, r) + p(x_o, r)) / 2, p = ln P at knots (profile_rings.h). The paper
+// solves it as a regularised sparse least-squares problem. Responses of few counts cannot be put under a logarithm:
+// those of zero have none, and the mean of a logarithm is not the logarithm of the mean. So the same linear model is
+// fitted to the counts themselves (Poisson regression with a logarithmic link; P. McCullagh, J. A. Nelder, "Generalized
+// linear models", 2nd ed. 1989, Ch. 6):
 //
 //   minimise  sum over pairs (R' - R ln R') / noise  +  sum over points and knots (p'' )^2 / (2 curvature^2)
 //
-// with R' the model and p'' the second difference along r. It is convex; each of Newton's steps is the regularised sparse
-// least-squares problem in logarithms, with weights R' / noise: the certainty of a count. Zeros count as what they are. At the
-// minimum the model's light in every ring around every point is the data's, but for the pull of smoothness: light is kept.
+// with R' the model and p'' the second difference along r. It is convex; each of Newton's steps is the regularised
+// sparse least-squares problem in logarithms, with weights R' / noise: the certainty of a count. Zeros count as what
+// they are. At the minimum the model's light in every ring around every point is the data's, but for the pull of
+// smoothness: light is kept.
 //
-// All that counts of the data is therefore its light by point and knot; R' factors into images sqrt(P(., r)), one per distinct
-// r, and each product with the matrix is a sum over rings. No pair is ever held as a matrix entry. Conjugate gradients with the
-// exact block of each point as preconditioner (K x K, five bands).
+// All that counts of the data is therefore its light by point and knot; R' factors into images sqrt(P(., r)), one per
+// distinct r, and each product with the matrix is a sum over rings. No pair is ever held as a matrix entry. Conjugate
+// gradients with the exact block of each point as preconditioner (K x K, five bands).
 //
-// Time: 256 x 256 points, radius 10: docs/heterogeneous.md. Memory: 16 bytes x points x (rings + 7 knots). The same bits for any
-// number of threads. Where a ring has few counts P is noisy, and its mean over points too bright, although R' is not: take means
-// of roots (profile_clusters.h). What it cannot see: R that depends on direction, or on the way between two points (an edge that
-// parts them).
+// Time: 256 x 256 points, radius 10: docs/heterogeneous.md. Memory: 16 bytes x points x (rings + 7 knots). The same
+// bits for any number of threads. Where a ring has few counts P is noisy, and its mean over points too bright, although
+// R' is not: take means of roots (profile_clusters.h). What it cannot see: R that depends on direction, or on the way
+// between two points (an edge that parts them).
 #pragma once
 
 #include <cstddef>

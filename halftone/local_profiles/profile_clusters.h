@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Local profiles (local_profiles.h) put into few groups that are alike: k-means (S. Lloyd, "Least squares quantization in PCM",
-// IEEE Trans. Inf. Theory 28, 1982) from the start of D. Arthur and S. Vassilvitskii ("k-means++", SODA 2007).
+// Local profiles (local_profiles.h) put into few groups that are alike: k-means (S. Lloyd, "Least squares quantization
+// in PCM", IEEE Trans. Inf. Theory 28, 1982) from the start of D. Arthur and S. Vassilvitskii ("k-means++", SODA 2007).
 //
 // Profiles are compared by the roots of their light by knot, over all channels:
-//   d^2 = sum over channels and knots (sqrt(L_a) - sqrt(L_b))^2,   L = light of the rings around the knot (light_by_knot)
-// (twice the squared Hellinger distance). So light counts and not the value per mm^2, which only the entry has much of; tails that
-// light goes far in count more than their share, as the eye sees them; and the noise of counts is the same everywhere.
-// A group's profile is the square of the mean of its members' roots: what pairs of points show are products of roots, so light is
-// kept where it is seen (a mean of P would be too bright, by the noise of P too).
+//   d^2 = sum over channels and knots (sqrt(L_a) - sqrt(L_b))^2,   L = light of the rings around the knot
+//   (light_by_knot)
+// (twice the squared Hellinger distance). So light counts and not the value per mm^2, which only the entry has much of;
+// tails that light goes far in count more than their share, as the eye sees them; and the noise of counts is the same
+// everywhere. A group's profile is the square of the mean of its members' roots: what pairs of points show are products
+// of roots, so light is kept where it is seen (a mean of P would be too bright, by the noise of P too).
 #pragma once
 
 #include <cstddef>

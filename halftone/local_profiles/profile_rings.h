@@ -2,8 +2,8 @@
 //
 // The window around a point as rings: offsets of the same length, at which a local profile has one value.
 //
-// A profile has a knot at every whole distance 0, 1, ..., radius (in points); its logarithm runs straight between them. So a
-// ring of radius r reads ln P(r) = low_share ln P(knot) + (1 - low_share) ln P(knot + 1).
+// A profile has a knot at every whole distance 0, 1, ..., radius (in points); its logarithm runs straight between them.
+// So a ring of radius r reads ln P(r) = low_share ln P(knot) + (1 - low_share) ln P(knot + 1).
 #pragma once
 
 #include <cstddef>
@@ -34,7 +34,8 @@ struct PointGrid {
     [[nodiscard]] std::size_t points() const { return std::size_t{width} * height; }
 };
 
-/// Adds up, for each point of a row, the values at the offsets of a ring; nothing outside of the grid. `sum` is one row.
+/// Adds up, for each point of a row, the values at the offsets of a ring; nothing outside of the grid. `sum` is one
+/// row.
 void sum_over_ring(const PointGrid& grid, const ProfileRing& ring, std::span<const double> image, std::uint32_t row,
                    std::span<double> sum);
 

@@ -15,8 +15,8 @@
 #include "voxtone/halftone/loop/map_targets.h"
 #include "voxtone/halftone/loop/misfit.h"
 #include "voxtone/halftone/loop/residual_feedback.h"
-#include "voxtone/optics/scene/area_summary.h"
 #include "voxtone/optics/colour/spectral_colour.h"
+#include "voxtone/optics/scene/area_summary.h"
 #include "voxtone/optics/scene/surface_smoothing.h"
 
 namespace voxtone::halftone {
@@ -25,19 +25,21 @@ namespace {
 
 using Colours = std::vector<Eigen::Vector3f>;
 
-/// In the misfit of a cell whose target lies out of the gamut: its error remains whatever is done. 1 and 0.25 were tried
-/// (img_marble, img_hubble: a quarter is better in both).
+/// In the misfit of a cell whose target lies out of the gamut: its error remains whatever is done. 1 and 0.25 were
+/// tried (img_marble, img_hubble: a quarter is better in both).
 constexpr float out_of_gamut_weight = 0.25f;
 
-/// k of the misfit. Of 0, 0.3, 0.4, 0.5, 0.7 type comes out at 0.27, 0.41, 0.50, 0.55, 0.64 of its contrast (open loop 0.58) with mean
-/// errors as seen of 4.3, 4.7, 5.1, 5.4, 7.6 (10.2), img_kodim23 at 2.4, 2.5, 2.5, 2.7, 3.6 (6.6); by the loop's predictor, 10 mm each.
+/// k of the misfit. Of 0, 0.3, 0.4, 0.5, 0.7 type comes out at 0.27, 0.41, 0.50, 0.55, 0.64 of its contrast (open loop
+/// 0.58) with mean errors as seen of 4.3, 4.7, 5.1, 5.4, 7.6 (10.2), img_kodim23 at 2.4, 2.5, 2.5, 2.7, 3.6 (6.6); by
+/// the loop's predictor, 10 mm each.
 float contrast_part(Intent intent) {
     constexpr float usual = 0.4f, for_contrast = 0.7f;
     return intent == Intent::contrast ? for_contrast : usual;
 }
 
-/// Steps of the descent are as long near the target as far from it (d is scaled), until their rates have adapted: a flat grey that feedback
-/// has brought within 0.9 CIEDE2000 was thrown to 8. The first ones go by the mean error as seen of what it starts from.
+/// Steps of the descent are as long near the target as far from it (d is scaled), until their rates have adapted: a
+/// flat grey that feedback has brought within 0.9 CIEDE2000 was thrown to 8. The first ones go by the mean error as
+/// seen of what it starts from.
 DescentOptions first_rates(double mean) {
     constexpr double far = 5;
     DescentOptions options;
@@ -46,7 +48,6 @@ DescentOptions first_rates(double mean) {
     options.shared_rate = std::max(options.least_rate, part * options.shared_rate);
     return options;
 }
-
 
 /// A model's answers as colours.
 class Viewer {
@@ -64,7 +65,9 @@ public:
             for (std::size_t c = 0; c < channels_; ++c) {
                 const std::size_t at = i * channels_ + c;
                 // A place without any light, which white can do nothing about, is black.
-                value[static_cast<Eigen::Index>(c)] = white.empty() ? seen.value[at] : white[at] > 0 ? seen.value[at] / white[at] : 0;
+                value[static_cast<Eigen::Index>(c)] = white.empty()   ? seen.value[at]
+                                                      : white[at] > 0 ? seen.value[at] / white[at]
+                                                                      : 0;
             }
             rgb[i] = weights_ * value;
         });
@@ -77,7 +80,9 @@ public:
             const Eigen::VectorXf by = weights_.transpose() * by_colour[i];
             for (std::size_t c = 0; c < channels_; ++c) {
                 const std::size_t at = i * channels_ + c;
-                out[at] = white.empty() ? by[static_cast<Eigen::Index>(c)] : white[at] > 0 ? by[static_cast<Eigen::Index>(c)] / white[at] : 0;
+                out[at] = white.empty()   ? by[static_cast<Eigen::Index>(c)]
+                          : white[at] > 0 ? by[static_cast<Eigen::Index>(c)] / white[at]
+                                          : 0;
             }
         });
         return out;
@@ -114,8 +119,13 @@ private:
 /// Errors against the target as it was asked for, over the cells in the gamut.
 class Judge {
 public:
-    Judge(const optics::Surface& surface, std::span<const Eigen::Vector3f> target, const std::vector<char>& counts, double distance_mm)
-        : surface_(surface), eye_(surface, distance_mm, EyeSurround::none), target_(target), seen_target_(eye_.filter(target)), counts_(counts) {}
+    Judge(const optics::Surface& surface, std::span<const Eigen::Vector3f> target, const std::vector<char>& counts,
+          double distance_mm)
+        : surface_(surface),
+          eye_(surface, distance_mm, EyeSurround::none),
+          target_(target),
+          seen_target_(eye_.filter(target)),
+          counts_(counts) {}
 
     void operator()(const Colours& rgb, LoopStep& step) const {
         step.cells = errors(target_, rgb);
@@ -125,10 +135,13 @@ public:
     [[nodiscard]] const EyeFilter& eye() const { return eye_; }
 
 private:
-    [[nodiscard]] optics::DifferenceSummary errors(std::span<const Eigen::Vector3f> target, std::span<const Eigen::Vector3f> rgb) const {
+    [[nodiscard]] optics::DifferenceSummary errors(std::span<const Eigen::Vector3f> target,
+                                                   std::span<const Eigen::Vector3f> rgb) const {
         std::vector<double> difference(target.size());
         parallel_for(0, target.size(), 1024, [&](std::size_t i) {
-            const auto lab = [](const Eigen::Vector3f& v) { return optics::lab_from_linear_srgb(v.cast<double>().cwiseMax(0)); };
+            const auto lab = [](const Eigen::Vector3f& v) {
+                return optics::lab_from_linear_srgb(v.cast<double>().cwiseMax(0));
+            };
             difference[i] = counts_[i] ? optics::ciede2000(lab(target[i]), lab(rgb[i])) : 0;
         });
         return optics::summarize_by_area(surface_, difference, counts_);
@@ -145,7 +158,8 @@ private:
 std::vector<char> cells_in_gamut(const SurfaceFirst& recipes, std::span<const Eigen::Vector3f> target) {
     constexpr double visible = 1;  // CIEDE2000
     std::vector<char> in(target.size());
-    parallel_for(0, target.size(), 256, [&](std::size_t i) { in[i] = recipes.deepest().mapping_distance(target[i]) < visible; });
+    parallel_for(0, target.size(), 256,
+                 [&](std::size_t i) { in[i] = recipes.deepest().mapping_distance(target[i]) < visible; });
     if (std::find(in.begin(), in.end(), 1) == in.end()) std::fill(in.begin(), in.end(), 1);
     return in;
 }
@@ -182,7 +196,8 @@ float feedback_gain(const std::vector<LoopStep>& steps) {
 /// True where the last `patience` steps did not improve the best mean before them by 1 %.
 bool stopped_gaining(const std::vector<LoopStep>& steps, char method, std::size_t patience) {
     constexpr double gain = 0.99;
-    const auto made = static_cast<std::size_t>(std::count_if(steps.begin(), steps.end(), [&](const LoopStep& s) { return s.method == method; }));
+    const auto made = static_cast<std::size_t>(
+        std::count_if(steps.begin(), steps.end(), [&](const LoopStep& s) { return s.method == method; }));
     if (made < patience + 1) return false;
     const auto least = [](auto first, auto last) {
         double mean = first->seen.mean;
@@ -197,8 +212,11 @@ std::string report_line(const LoopState& state, int most) {
     const LoopStep& step = state.steps.back();
     const double left_s = std::max(0, most - step.iteration) * step.seconds;
     const char* const method = step.method == 'o' ? "open loop" : step.method == 'f' ? "feedback" : "descent";
-    return fmt::format("iteration {} ({}): mean error as seen {:.2f}, median {:.2f} (open loop {:.2f}, {:.2f}), {:.1f} s; at most {:.0f} s left", step.iteration, method,
-                       step.seen.mean, step.seen.median, state.steps.front().seen.mean, state.steps.front().seen.median, step.seconds, left_s);
+    return fmt::format(
+        "iteration {} ({}): mean error as seen {:.2f}, median {:.2f} (open loop {:.2f}, {:.2f}), {:.1f} s; at most "
+        "{:.0f} s left",
+        step.iteration, method, step.seen.mean, step.seen.median, state.steps.front().seen.mean,
+        state.steps.front().seen.median, step.seconds, left_s);
 }
 
 }  // namespace
@@ -209,8 +227,8 @@ SkinMixtures mixtures_of(const SurfaceFirst& recipes, std::span<const Eigen::Vec
     return skin;
 }
 
-LoopResult run_appearance_loop(const LoopTask& task, const LoopOptions& options, Progress& progress, const LoopListener& listener,
-                               const LoopState* resume) {
+LoopResult run_appearance_loop(const LoopTask& task, const LoopOptions& options, Progress& progress,
+                               const LoopListener& listener, const LoopState* resume) {
     VOXTONE_EXPECT(task.model && task.scene.volume && task.surface && task.recipes && task.open_loop && task.realise);
     VOXTONE_EXPECT(task.target.size() == task.surface->cells.size());
     expect_finite(task.target);
@@ -225,7 +243,8 @@ LoopResult run_appearance_loop(const LoopTask& task, const LoopOptions& options,
         if (!wide) wide.emplace(*task.surface, wider * options.viewing_distance_mm, EyeSurround::none);
         return *wide;
     };
-    const Colours target = map_targets(task.target, into_gamut, wide_filter);  // as the resins can show it on a thick body
+    const Colours target =
+        map_targets(task.target, into_gamut, wide_filter);  // as the resins can show it on a thick body
     const Viewer viewer(task, options.intent != Intent::absolute, progress);
     result.white = viewer.white;
     const Judge judge(*task.surface, task.target, result.in_gamut, options.viewing_distance_mm);
@@ -258,7 +277,8 @@ LoopResult run_appearance_loop(const LoopTask& task, const LoopOptions& options,
     };
     const auto correct = [&] {
         Colours eased(rgb.size());
-        const std::size_t stuck = feed_back(target, rgb, into_gamut, {.gain = feedback_gain(state.steps)}, state.drive, eased);
+        const std::size_t stuck =
+            feed_back(target, rgb, into_gamut, {.gain = feedback_gain(state.steps)}, state.drive, eased);
         stuck_share = rgb.empty() ? 0 : double(stuck) / double(rgb.size());
     };
     bool downhill = options.descent && task.by_mixtures;
@@ -266,17 +286,20 @@ LoopResult run_appearance_loop(const LoopTask& task, const LoopOptions& options,
     for (std::size_t i = 0; i < target.size(); ++i)
         if (!result.in_gamut[i]) weight[i] = out_of_gamut_weight;
     std::optional<MisfitFunction> misfit;
-    if (downhill) misfit.emplace(*task.surface, judge.eye(), target, weight, &wide_filter(), contrast_part(options.intent));
-    else wide.reset();
+    if (downhill)
+        misfit.emplace(*task.surface, judge.eye(), target, weight, &wide_filter(), contrast_part(options.intent));
+    else
+        wide.reset();
     Neighbourhood around(*task.surface);
     /// False where the model has no gradient.
     const auto turn_downhill = [&] {
         const Misfit now_is = (*misfit)(rgb);
         const std::vector<float> by_value = viewer.by_value(now_is.by_colour);
-        std::vector<float> by_mixtures =
-            task.by_mixtures([&](const LoopTask::GradientVisitor& visit) { return sequence->gradient(by_value, visit, &progress); });
+        std::vector<float> by_mixtures = task.by_mixtures(
+            [&](const LoopTask::GradientVisitor& visit) { return sequence->gradient(by_value, visit, &progress); });
         if (by_mixtures.empty()) return false;
-        descend(std::move(by_mixtures), {}, [&](Colours& values) { around.smooth(values); }, state.descent);
+        descend(
+            std::move(by_mixtures), {}, [&](Colours& values) { around.smooth(values); }, state.descent);
         return true;
     };
 
@@ -304,7 +327,8 @@ LoopResult run_appearance_loop(const LoopTask& task, const LoopOptions& options,
             if (feedback) {
                 // Worth another step while the mean falls by 3 %.
                 const double mean = state.steps.back().seen.mean, least = least_mean(before, 'f');
-                const bool gained = mean < 0.97 * least_mean(before), last = static_cast<int>(state.steps.size()) > feedback_iterations;
+                const bool gained =
+                    mean<0.97 * least_mean(before), last = static_cast<int>(state.steps.size())> feedback_iterations;
                 const bool no_good = state.steps[1].seen.mean >= 0.97 * state.steps[0].seen.mean;
                 if (mean < least) state.start_drive = state.drive;
                 const bool more = static_cast<int>(state.steps.size()) <= most;
@@ -316,7 +340,8 @@ LoopResult run_appearance_loop(const LoopTask& task, const LoopOptions& options,
                 }
                 if (downhill && more && (!gained || last || no_good)) {
                     // From the best by feedback; the gradient is at hand if that was the last one.
-                    state.descent = begin_descent(mixtures_of(recipes, state.start_drive), first_rates(least_mean(state.steps, 'f')));
+                    state.descent = begin_descent(mixtures_of(recipes, state.start_drive),
+                                                  first_rates(least_mean(state.steps, 'f')));
                     if (mean < least) downhill = turn_downhill();
                     if (!downhill) state.descent = {};
                 }
@@ -326,7 +351,8 @@ LoopResult run_appearance_loop(const LoopTask& task, const LoopOptions& options,
                 state.descent = {};
             }
             const char method = state.steps.back().method;
-            if (options.iterations < 0 && (method == 'd' || !downhill) && stopped_gaining(state.steps, method, method == 'd' ? 5 : 3)) {
+            if (options.iterations < 0 && (method == 'd' || !downhill) &&
+                stopped_gaining(state.steps, method, method == 'd' ? 5 : 3)) {
                 result.why_stopped = "it stopped gaining";
                 break;
             }

@@ -5,24 +5,27 @@
 //   distribute resins -> predict what will be seen -> compare with the target -> redistribute, again
 //   (Iser, Rittig, Wilkie 2025, Fig. 2; Elek et al. 2017; Sumin et al. 2019)
 //
-// The unknowns are mixtures by surface cell and depth (skin.h). The first steps make them surface first (surface_first.h) from one
-// colour per cell, its drive, by residual_feedback.h: most of the way for the price of a prediction each, while they gain.
-// Where the model has a gradient, mixture_descent.h goes on from the best of these, for the price of a little more than two:
-// it weighs what cells do to each other. Its steps swing a little about where they lead to, so the last of all iterations is their running mean.
-// docs/benchmarks.md compares the two. What is predicted are the voxels themselves, as the screen laid them: its error is fed
-// back like any other. Any AppearanceModel serves.
+// The unknowns are mixtures by surface cell and depth (skin.h). The first steps make them surface first
+// (surface_first.h) from one colour per cell, its drive, by residual_feedback.h: most of the way for the price of a
+// prediction each, while they gain. Where the model has a gradient, mixture_descent.h goes on from the best of these,
+// for the price of a little more than two: it weighs what cells do to each other. Its steps swing a little about where
+// they lead to, so the last of all iterations is their running mean. docs/benchmarks.md compares the two. What is
+// predicted are the voxels themselves, as the screen laid them: its error is fed back like any other. Any
+// AppearanceModel serves.
 //
 // Before the first step targets are mapped into the gamut of the resins on a thick body (the separation's mapping: hue
-// kept; local contrast given back, map_targets.h); what a place cannot show because of its neighbours or of what lies behind it is found out on the way and eased.
+// kept; local contrast given back, map_targets.h); what a place cannot show because of its neighbours or of what lies
+// behind it is found out on the way and eased.
 //
-// Errors are CIEDE2000, media-relative, weighed by area, over the cells whose target lies in the gamut (all cells where none
-// does), as they are and after the eye filter (eye_filter.h). The best iterate is that of the smallest mean error after
-// the eye filter (without its negative surround); iteration 0 is the open loop, so the result is never worse than that as far
-// as the model can see.
+// Errors are CIEDE2000, media-relative, weighed by area, over the cells whose target lies in the gamut (all cells where
+// none does), as they are and after the eye filter (eye_filter.h). The best iterate is that of the smallest mean error
+// after the eye filter (without its negative surround); iteration 0 is the open loop, so the result is never worse than
+// that as far as the model can see.
 //
-// Stops after `iterations`, or when five steps in a row (three of feedback where there is no gradient) did not improve the best
-// mean by 1 %, or when it is cancelled: then with the best iterate so far. Same bits for any number of threads; a resumed loop
-// gives them too where the model keeps nothing between predictions (the transport sequence does: nearly the same print then).
+// Stops after `iterations`, or when five steps in a row (three of feedback where there is no gradient) did not improve
+// the best mean by 1 %, or when it is cancelled: then with the best iterate so far. Same bits for any number of
+// threads; a resumed loop gives them too where the model keeps nothing between predictions (the transport sequence
+// does: nearly the same print then).
 #pragma once
 
 #include <cstddef>
@@ -38,8 +41,8 @@
 #include "voxtone/halftone/loop/mixture_descent.h"
 #include "voxtone/halftone/loop/skin.h"
 #include "voxtone/halftone/loop/surface_first.h"
-#include "voxtone/optics/scene/appearance_model.h"
 #include "voxtone/optics/colour/colour.h"
+#include "voxtone/optics/scene/appearance_model.h"
 
 namespace voxtone::halftone {
 
@@ -69,40 +72,40 @@ struct LoopTask {
     /// The print of these mixtures: same size and shape as the scene's volume.
     std::function<optics::ResinVolume(const SkinMixtures&)> realise;
     using GradientVisitor = optics::AppearanceSequence::GradientVisitor;
-    /// The gradient by voxels that `visit_all` hands over, summed over those of each cell and layer: as SkinMixtures::all. Empty where
-    /// that says that there is none.
+    /// The gradient by voxels that `visit_all` hands over, summed over those of each cell and layer: as
+    /// SkinMixtures::all. Empty where that says that there is none.
     std::function<std::vector<float>(const std::function<bool(const GradientVisitor&)>& visit_all)> by_mixtures;
 };
 
 /// Errors of one iterate.
 struct LoopStep {
     int iteration = 0;
-    char method = 'o';               ///< that made it: o open loop, f feedback, d descent
-    optics::DifferenceSummary seen;  ///< after the eye filter
-    optics::DifferenceSummary cells; ///< as they are
-    double stuck_share = 0;          ///< of the cells, at their limits, in the step that made this iterate
-    double seconds = 0;              ///< of distributing and predicting
+    char method = 'o';                ///< that made it: o open loop, f feedback, d descent
+    optics::DifferenceSummary seen;   ///< after the eye filter
+    optics::DifferenceSummary cells;  ///< as they are
+    double stuck_share = 0;           ///< of the cells, at their limits, in the step that made this iterate
+    double seconds = 0;               ///< of distributing and predicting
 };
 
 /// Enough to go on later.
 struct LoopState {
     std::vector<LoopStep> steps;
-    std::size_t best = 0;                       ///< index into steps; 0: the open loop
-    std::vector<Eigen::Vector3f> drive;         ///< of the next iterate, per cell, while there is feedback
-    std::vector<Eigen::Vector3f> start_drive;   ///< of the best iterate by feedback: where descent starts
-    DescentState descent;                       ///< without cells until it begins
-    SkinMixtures recent;                        ///< running mean of what it printed, the last step for a half; without cells before
-    SkinMixtures best_mixtures;                 ///< without cells: the open loop
-    std::vector<Eigen::Vector3f> open, shown;   ///< predicted colours of the open loop and of the best iterate
+    std::size_t best = 0;                      ///< index into steps; 0: the open loop
+    std::vector<Eigen::Vector3f> drive;        ///< of the next iterate, per cell, while there is feedback
+    std::vector<Eigen::Vector3f> start_drive;  ///< of the best iterate by feedback: where descent starts
+    DescentState descent;                      ///< without cells until it begins
+    SkinMixtures recent;         ///< running mean of what it printed, the last step for a half; without cells before
+    SkinMixtures best_mixtures;  ///< without cells: the open loop
+    std::vector<Eigen::Vector3f> open, shown;  ///< predicted colours of the open loop and of the best iterate
 };
 
 struct LoopResult {
     LoopState state;
-    std::vector<char> in_gamut;            ///< per cell
-    std::vector<float> white;              ///< appearance of the white twin; empty for the absolute intent
+    std::vector<char> in_gamut;  ///< per cell
+    std::vector<float> white;    ///< appearance of the white twin; empty for the absolute intent
     bool cancelled = false;
     std::string why_stopped;
-    std::optional<SkinMixtures> best;      ///< nothing: the open loop was best
+    std::optional<SkinMixtures> best;  ///< nothing: the open loop was best
 };
 
 /// After each iteration, with all that is needed to go on.

@@ -69,7 +69,8 @@ double eye_transfer(std::size_t opponent_channel, double cycles_per_degree, EyeS
     return sum;
 }
 
-EyeFilter::EyeFilter(const optics::Surface& surface, double viewing_distance_mm, EyeSurround surround, OpponentSpace space)
+EyeFilter::EyeFilter(const optics::Surface& surface, double viewing_distance_mm, EyeSurround surround,
+                     OpponentSpace space)
     : data_(std::make_unique<Data>()) {
     if (!(viewing_distance_mm > 0) || !std::isfinite(viewing_distance_mm))
         throw InputError(fmt::format("the viewing distance is {} mm; it must be above 0", viewing_distance_mm));

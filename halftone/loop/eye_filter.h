@@ -2,10 +2,10 @@
 //
 // How a painted surface looks from a distance: what the eye cannot resolve is averaged, in colour more than in light.
 //
-// Linear colour is taken to three opponent channels, each is smoothed by a sum of Gaussians exp(-(r / spread)^2) of unit
-// integral, and taken back. The Gaussians are those of X. Zhang, B. A. Wandell, "A spatial extension of CIELAB for digital
-// color-image reproduction", J. SID 5, 61 (1997), whose figures come from A. B. Poirson, B. A. Wandell, J. Opt. Soc. Am. A
-// 10, 2458 (1993):
+// Linear colour is taken to three opponent channels, each is smoothed by a sum of Gaussians exp(-(r / spread)^2) of
+// unit integral, and taken back. The Gaussians are those of X. Zhang, B. A. Wandell, "A spatial extension of CIELAB for
+// digital color-image reproduction", J. SID 5, 61 (1997), whose figures come from A. B. Poirson, B. A. Wandell, J. Opt.
+// Soc. Am. A 10, 2458 (1993):
 //
 //   channel        weight, spread in degrees of visual angle
 //   luminance      0.921, 0.0283;  0.105, 0.133;  -0.108, 4.336
@@ -20,10 +20,10 @@
 //   blue-yellow        0.0386   1.0822  -1.0276        0.086  -0.59    0.501
 //
 // `published` is Zhang and Wandell's. White is not neutral there (red-green -0.22), and red-green is smoothed more than
-// luminance: every edge between black and white gets coloured fringes 2.6 mm wide, black beside white counts as green, and
-// a loop that follows it makes such blacks purple. `neutral` is Y'C1C2 (E. Reinhard, E. A. Khan, A. O. Akyuz, G. M. Johnson,
-// "Color Imaging", A K Peters 2008; J. Preiss, F. Fernandes, P. Urban, IEEE Trans. Image Processing 23, 1366 (2014) filter
-// in it): white is neutral to 3e-4, edges without colour stay so. The authors' own program states half
+// luminance: every edge between black and white gets coloured fringes 2.6 mm wide, black beside white counts as green,
+// and a loop that follows it makes such blacks purple. `neutral` is Y'C1C2 (E. Reinhard, E. A. Khan, A. O. Akyuz, G. M.
+// Johnson, "Color Imaging", A K Peters 2008; J. Preiss, F. Fernandes, P. Urban, IEEE Trans. Image Processing 23, 1366
+// (2014) filter in it): white is neutral to 3e-4, edges without colour stay so. The authors' own program states half
 // widths at half height of the same Gaussians (0.05, 0.225, 7.0; 0.0685, 0.826; 0.092, 0.6451 as full widths), 6 %
 // wider at most: that pins the meaning of "spread".
 //
@@ -68,8 +68,8 @@ enum class OpponentSpace {
 class EyeFilter {
 public:
     /// The surface is not needed afterwards. Throws InputError for a distance that is not above 0.
-    EyeFilter(const optics::Surface& surface, double viewing_distance_mm,
-              EyeSurround surround = EyeSurround::published, OpponentSpace space = OpponentSpace::neutral);
+    EyeFilter(const optics::Surface& surface, double viewing_distance_mm, EyeSurround surround = EyeSurround::published,
+              OpponentSpace space = OpponentSpace::neutral);
     ~EyeFilter();
     EyeFilter(EyeFilter&&) noexcept;
     EyeFilter& operator=(EyeFilter&&) noexcept;
@@ -80,8 +80,8 @@ public:
         return filter(rgb);
     }
 
-    /// d F / d rgb from d F / d seen, each divided by its cell's area: the transpose of `filter` where the Gaussians' sums
-    /// of areas are alike, so not within a spread of a border.
+    /// d F / d rgb from d F / d seen, each divided by its cell's area: the transpose of `filter` where the Gaussians'
+    /// sums of areas are alike, so not within a spread of a border.
     [[nodiscard]] std::vector<Eigen::Vector3f> transposed(std::span<const Eigen::Vector3f> by_seen) const;
 
     /// Only the narrowest Gaussian of luminance, on all channels alike: a cheap low-pass for feedback in a loop. It

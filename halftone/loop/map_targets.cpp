@@ -12,7 +12,9 @@ namespace {
 
 constexpr float barely = 1e-3f;  // of Oklab's lightness, 0 to 1
 
-Eigen::Vector3d oklab(const Eigen::Vector3f& rgb) { return optics::oklab_from_linear_srgb(rgb.cast<double>().cwiseMax(0)); }
+Eigen::Vector3d oklab(const Eigen::Vector3f& rgb) {
+    return optics::oklab_from_linear_srgb(rgb.cast<double>().cwiseMax(0));
+}
 
 }  // namespace
 
@@ -24,7 +26,8 @@ std::vector<Eigen::Vector3f> map_targets(std::span<const Eigen::Vector3f> target
         mapped[i] = into_gamut(target[i]);
         taken[i].setConstant(static_cast<float>(oklab(target[i])[0] - oklab(mapped[i])[0]));
     });
-    if (std::none_of(taken.begin(), taken.end(), [](const Eigen::Vector3f& d) { return std::abs(d[0]) > barely; })) return mapped;
+    if (std::none_of(taken.begin(), taken.end(), [](const Eigen::Vector3f& d) { return std::abs(d[0]) > barely; }))
+        return mapped;
     const std::vector<Eigen::Vector3f> mean = spread().smoothed(taken);
     parallel_for(0, target.size(), 256, [&](std::size_t i) {
         if (mapped[i] == target[i]) return;

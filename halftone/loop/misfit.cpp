@@ -37,9 +37,15 @@ Eigen::Vector3f by_light(const Eigen::Vector3f& p, const Eigen::Vector3f& by_okl
 
 }  // namespace
 
-MisfitFunction::MisfitFunction(const optics::Surface& surface, const EyeFilter& eye, std::span<const Eigen::Vector3f> target,
-                               std::span<const float> weight, const EyeFilter* wide, float contrast_part)
-    : eye_(eye), wide_(wide), contrast_part_(contrast_part), target_(target), seen_target_(eye.filter(target)), near_target_(eye.smoothed(target)) {
+MisfitFunction::MisfitFunction(const optics::Surface& surface, const EyeFilter& eye,
+                               std::span<const Eigen::Vector3f> target, std::span<const float> weight,
+                               const EyeFilter* wide, float contrast_part)
+    : eye_(eye),
+      wide_(wide),
+      contrast_part_(contrast_part),
+      target_(target),
+      seen_target_(eye.filter(target)),
+      near_target_(eye.smoothed(target)) {
     VOXTONE_EXPECT(weight.empty() || weight.size() == target.size());
     double mean = 0;
     for (const optics::SurfaceCell& cell : surface.cells) mean += cell.area_mm2;
@@ -59,8 +65,9 @@ Misfit MisfitFunction::operator()(std::span<const Eigen::Vector3f> predicted) co
         far[i] = oklab_of(seen[i]) - oklab_of(seen_target_[i]);
         near[i] = oklab_of(nearer[i]) - oklab_of(near_target_[i]);
     });
-    // d - k S d; in the derivative it stands once more: smoothing averages by area over neighbours, S_ij = w_ij a_j / sum_j w_ij a_j
-    // with symmetric w, so where the sums are alike its transpose, with areas on either side, is S again.
+    // d - k S d; in the derivative it stands once more: smoothing averages by area over neighbours, S_ij = w_ij a_j /
+    // sum_j w_ij a_j with symmetric w, so where the sums are alike its transpose, with areas on either side, is S
+    // again.
     const auto sharpen = [&] {
         if (!wide_) return;
         std::vector<Eigen::Vector3f> lightness(n);
@@ -74,9 +81,11 @@ Misfit MisfitFunction::operator()(std::span<const Eigen::Vector3f> predicted) co
     sharpen();
     std::vector<double> value(n);
     parallel_for(0, n, 1024, [&](std::size_t i) {
-        const Part from_far = part_of(far[i]), from_near = part_of(near[i]), by_itself = part_of(oklab_of(predicted[i]) - oklab_of(target_[i]));
+        const Part from_far = part_of(far[i]), from_near = part_of(near[i]),
+                   by_itself = part_of(oklab_of(predicted[i]) - oklab_of(target_[i]));
         value[i] = static_cast<double>(area_[i] * weight_[i]) *
-                   (from_far.value + static_cast<double>(gamma) * from_near.value + static_cast<double>(beta) * by_itself.value);
+                   (from_far.value + static_cast<double>(gamma) * from_near.value +
+                    static_cast<double>(beta) * by_itself.value);
         far[i] = weight_[i] * from_far.by_residual;
         near[i] = weight_[i] * gamma * from_near.by_residual;
         as_is[i] = weight_[i] * beta * by_light(predicted[i], by_itself.by_residual);
@@ -90,7 +99,8 @@ Misfit MisfitFunction::operator()(std::span<const Eigen::Vector3f> predicted) co
     });
     misfit.by_colour = eye_.transposed(far);
     near = eye_.smoothed(near);
-    parallel_for(0, n, 1024, [&](std::size_t i) { misfit.by_colour[i] = area_[i] * (misfit.by_colour[i] + near[i] + as_is[i]); });
+    parallel_for(0, n, 1024,
+                 [&](std::size_t i) { misfit.by_colour[i] = area_[i] * (misfit.by_colour[i] + near[i] + as_is[i]); });
     return misfit;
 }
 

@@ -2,19 +2,22 @@
 //
 // How far a print is from its target, as one number that has a derivative: what the appearance loop goes downhill on.
 //
-//   F = sum over cells i of  a_i ( r_i(E) + gamma r_i(N) + beta r_i(1) ),   r_i(A) = rho(| W (oklab(A p)_i - oklab(A t)_i) |),
+//   F = sum over cells i of  a_i ( r_i(E) + gamma r_i(N) + beta r_i(1) ),   r_i(A) = rho(| W (oklab(A p)_i - oklab(A
+//   t)_i) |),
 //
-// p what is predicted, t the target, a_i the cell's area / mean area times its weight, W = diag(1, 2, 2). E is the eye filter,
-// which averages colour farther than light: a loop that mends colour cell by cell spends itself on what nobody sees. N is its
-// narrowest Gaussian alone, for light and colour alike, gamma = 2: E by itself puts up with grain and halos of colour a millimetre
-// wide, which are seen from nearer; from gamma 0.5 to 2 the mean as seen from 300 mm
-// changes by -4 to +8 % (five pictures, by less than 1 % on average; rounding alone moves it by 2 to 3 %). beta = 0.03. rho(x) = sqrt(x^2 + s^2) - s counts small differences by their square and large
-// ones (above s = 0.08, some 8 CIEDE2000) by themselves: dark detail beside white, which nothing can make darker, does not
-// outweigh what can be mended.
+// p what is predicted, t the target, a_i the cell's area / mean area times its weight, W = diag(1, 2, 2). E is the eye
+// filter, which averages colour farther than light: a loop that mends colour cell by cell spends itself on what nobody
+// sees. N is its narrowest Gaussian alone, for light and colour alike, gamma = 2: E by itself puts up with grain and
+// halos of colour a millimetre wide, which are seen from nearer; from gamma 0.5 to 2 the mean as seen from 300 mm
+// changes by -4 to +8 % (five pictures, by less than 1 % on average; rounding alone moves it by 2 to 3 %). beta = 0.03.
+// rho(x) = sqrt(x^2 + s^2) - s counts small differences by their square and large ones (above s = 0.08, some 8
+// CIEDE2000) by themselves: dark detail beside white, which nothing can make darker, does not outweigh what can be
+// mended.
 //
-// For contrast's sake the lightness d of the first two differences is replaced by d - k S d, S a Gaussian eight times as wide: what is off over
-// more than a millimetre counts less then, what is off from its surroundings in full. With k = 0 black text on white all but
-// vanishes: light that leaks through white makes strokes pale whatever is done, and a little more of it on the wide paper outweighs the few dark strokes.
+// For contrast's sake the lightness d of the first two differences is replaced by d - k S d, S a Gaussian eight times
+// as wide: what is off over more than a millimetre counts less then, what is off from its surroundings in full. With k
+// = 0 black text on white all but vanishes: light that leaks through white makes strokes pale whatever is done, and a
+// little more of it on the wide paper outweighs the few dark strokes.
 #pragma once
 
 #include <span>
@@ -38,8 +41,8 @@ inline constexpr double wider = 8;  ///< the spread of S / that of E
 class MisfitFunction {
 public:
     /// Keeps references. `weight`: per cell, empty: 1. `wide`: S, null for k = 0; `contrast_part`: k, in [0, 1].
-    MisfitFunction(const optics::Surface& surface, const EyeFilter& eye, std::span<const Eigen::Vector3f> target, std::span<const float> weight = {},
-                   const EyeFilter* wide = nullptr, float contrast_part = 0);
+    MisfitFunction(const optics::Surface& surface, const EyeFilter& eye, std::span<const Eigen::Vector3f> target,
+                   std::span<const float> weight = {}, const EyeFilter* wide = nullptr, float contrast_part = 0);
     [[nodiscard]] Misfit operator()(std::span<const Eigen::Vector3f> predicted) const;
 
 private:

@@ -32,7 +32,8 @@ struct Table {
             for (std::size_t k = first; k < first + resins; ++k) f[k] /= sum;
         }
     }
-    /// The largest share of a layer takes what the others leave: scaling all of them would change the amounts of the small ones.
+    /// The largest share of a layer takes what the others leave: scaling all of them would change the amounts of the
+    /// small ones.
     void fill_up(std::span<float> f) const {
         for (std::size_t first = 0; first < length; first += resins) {
             const std::span<float> layer = f.subspan(first, resins);
@@ -65,14 +66,17 @@ void smooth_all(std::vector<float>& numbers, std::size_t length, const CellSmoot
     std::vector<Eigen::Vector3f> three(numbers.size() / length);
     for (std::size_t first = 0; first < length; first += 3) {
         const std::size_t count = std::min<std::size_t>(3, length - first);
-        parallel_for(0, three.size(), grain, [&](std::size_t c) { three[c] = three_of(numbers.data() + c * length + first, count); });
+        parallel_for(0, three.size(), grain,
+                     [&](std::size_t c) { three[c] = three_of(numbers.data() + c * length + first, count); });
         smooth(three);
-        parallel_for(0, three.size(), grain, [&](std::size_t c) { std::copy_n(three[c].data(), count, numbers.data() + c * length + first); });
+        parallel_for(0, three.size(), grain,
+                     [&](std::size_t c) { std::copy_n(three[c].data(), count, numbers.data() + c * length + first); });
     }
 }
 
 /// How F falls along the shared part of the last step, resin by resin, and along the own part; per unit of each.
-std::vector<float> falls_along(const Table& table, std::vector<float>& gradient, const CellSmoothing& smooth, DescentState& state) {
+std::vector<float> falls_along(const Table& table, std::vector<float>& gradient, const CellSmoothing& smooth,
+                               DescentState& state) {
     const std::size_t parts = table.resins + 1;
     std::vector<float> falls(table.cells * parts);
     parallel_for(0, table.cells, grain, [&](std::size_t c) {
@@ -103,9 +107,10 @@ void adapt_rates(const Table& table, std::span<const float> now, const DescentOp
     const std::size_t parts = table.resins + 1;
     parallel_for(0, now.size(), grain, [&](std::size_t i) {
         const bool own = i % parts == table.resins;
-        const float factor = secant(state.fall[i], now[i], own ? options.own_beyond : options.shared_beyond, options.slower,
-                                    own ? options.own_faster : options.shared_faster);
-        state.rate[i] = std::clamp(state.rate[i] * factor, options.least_rate, own ? options.most_own_rate : options.most_shared_rate);
+        const float factor = secant(state.fall[i], now[i], own ? options.own_beyond : options.shared_beyond,
+                                    options.slower, own ? options.own_faster : options.shared_faster);
+        state.rate[i] = std::clamp(state.rate[i] * factor, options.least_rate,
+                                   own ? options.most_own_rate : options.most_shared_rate);
     });
 }
 
@@ -123,8 +128,10 @@ void turn(const Table& table, std::vector<float>& gradient, const DescentOptions
     });
     double sum = 0;
     for (const float s : state.scale) sum += static_cast<double>(s);
-    const float mean = options.mean_scale * static_cast<float>(sum / static_cast<double>(std::max<std::size_t>(1, table.cells)));
-    for (std::size_t c = 0; c < table.cells; ++c) state.divisor[c] = state.scale[c] + mean > 0 ? state.scale[c] + mean : 1;
+    const float mean =
+        options.mean_scale * static_cast<float>(sum / static_cast<double>(std::max<std::size_t>(1, table.cells)));
+    for (std::size_t c = 0; c < table.cells; ++c)
+        state.divisor[c] = state.scale[c] + mean > 0 ? state.scale[c] + mean : 1;
 }
 
 /// e = S d.
@@ -138,7 +145,9 @@ void find_shared(const Table& table, const CellSmoothing& smooth, DescentState& 
 
 /// Both parts; into `alone` what the shared one makes by itself.
 void move(const Table& table, DescentState& state, std::vector<float>& alone) {
-    const auto moved = [](float f, float exponent) { return std::clamp(f * std::exp(std::clamp(exponent, -1.0f, 1.0f)), least_fraction, 1.0f); };
+    const auto moved = [](float f, float exponent) {
+        return std::clamp(f * std::exp(std::clamp(exponent, -1.0f, 1.0f)), least_fraction, 1.0f);
+    };
     parallel_for(0, table.cells, grain, [&](std::size_t c) {
         const std::span<float> f = state.mixtures.cell(c), a = table.cell(alone, c);
         const auto m = table.cell(state.momentum, c), e = table.cell(state.shared, c);
@@ -191,10 +200,12 @@ DescentState begin_descent(SkinMixtures mixtures, const DescentOptions& options)
     return state;
 }
 
-void descend(std::vector<float> gradient, const DescentOptions& options, const CellSmoothing& smooth, DescentState& state) {
+void descend(std::vector<float> gradient, const DescentOptions& options, const CellSmoothing& smooth,
+             DescentState& state) {
     const Table table(state.mixtures);
     VOXTONE_EXPECT(gradient.size() == table.cells * table.length);
-    parallel_for(0, table.cells, grain, [&](std::size_t c) { table.take_means(state.mixtures.cell(c), table.cell(gradient, c)); });
+    parallel_for(0, table.cells, grain,
+                 [&](std::size_t c) { table.take_means(state.mixtures.cell(c), table.cell(gradient, c)); });
     if (!state.shared.empty()) adapt_rates(table, falls_along(table, gradient, smooth, state), options, state);
     state.shared.resize(gradient.size());
     state.divisor.resize(table.cells);

@@ -1,30 +1,32 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// One step of the appearance loop along the adjoint gradient: mixtures of every cell and layer of the skin move so that the whole
-// print, not each cell for itself, comes nearer to its target (misfit.h). Feedback (residual_feedback.h) treats a cell as if only its
-// own resins decided what it shows; the gradient knows that black beside white takes white's light, that deep ink blurs, and that a
-// little less of it may be better for both.
+// One step of the appearance loop along the adjoint gradient: mixtures of every cell and layer of the skin move so that
+// the whole print, not each cell for itself, comes nearer to its target (misfit.h). Feedback (residual_feedback.h)
+// treats a cell as if only its own resins decided what it shows; the gradient knows that black beside white takes
+// white's light, that deep ink blurs, and that a little less of it may be better for both.
 //
-// Fractions f move by exponentiated gradients (J. Kivinen, M. K. Warmuth, Information and Computation 132, 1997), which keep them
-// positive and their sum 1:
+// Fractions f move by exponentiated gradients (J. Kivinen, M. K. Warmuth, Information and Computation 132, 1997), which
+// keep them positive and their sum 1:
 //
 //   f_r  <-  f_r exp(x_r) / sum,   x_r = rate_s e_r + rate_o (d_r - e_r),   d_r = -m_r / s,   e = S d,
 //   m  <-  mu m + (1 - mu) (g - <g>_f),   g = d F / d f,   f = h + (1 - R h) p,
 //
 // p the fractions that are printed, R the number of resins.
 //
-// Light spreads for millimetres: a thousand cells that all become a little darker darken each other, and a step that suits each of
-// them overshoots. So a step has two parts with rates of their own: what neighbours do alike, e, smoothed by a Gaussian S over the surface, and
-// what each does for itself, d - e. The shared part has a rate for every resin: a little yellow more over some millimetres, where the eye averages
-// colour, answers more stiffly than as much black. Each rate follows the secant rule by itself and place by place: where F falls by p0 per unit of
-// a part at its beginning and by p1 at its end (both smoothed by S), its least lies at p0 / (p0 - p1) of it. The shared parts go
-// less than so far: the others disturb them. The exponential lets scattered steps
-// of both signs add ink (their mean is above 1), so the amounts of resin in a layer, smoothed by S, are brought back after the step to what the
-// shared part alone makes of them: cells only pass resin on to their neighbours.
+// Light spreads for millimetres: a thousand cells that all become a little darker darken each other, and a step that
+// suits each of them overshoots. So a step has two parts with rates of their own: what neighbours do alike, e, smoothed
+// by a Gaussian S over the surface, and what each does for itself, d - e. The shared part has a rate for every resin: a
+// little yellow more over some millimetres, where the eye averages colour, answers more stiffly than as much black.
+// Each rate follows the secant rule by itself and place by place: where F falls by p0 per unit of a part at its
+// beginning and by p1 at its end (both smoothed by S), its least lies at p0 / (p0 - p1) of it. The shared parts go less
+// than so far: the others disturb them. The exponential lets scattered steps of both signs add ink (their mean is above
+// 1), so the amounts of resin in a layer, smoothed by S, are brought back after the step to what the shared part alone
+// makes of them: cells only pass resin on to their neighbours.
 //
-// s of a cell is the largest |g_r - <g>| sqrt(f_r) of all its layers, kept from falling faster than 10 % a step, plus a part of
-// its mean over the cells: cells that are far off move at full rate, others settle. h lets a resin come and go without a jump and within a
-// few steps: without it a thousandth of white in black would take ten to become a twentieth.
+// s of a cell is the largest |g_r - <g>| sqrt(f_r) of all its layers, kept from falling faster than 10 % a step, plus a
+// part of its mean over the cells: cells that are far off move at full rate, others settle. h lets a resin come and go
+// without a jump and within a few steps: without it a thousandth of white in black would take ten to become a
+// twentieth.
 #pragma once
 
 #include <functional>
@@ -37,18 +39,20 @@
 
 namespace voxtone::halftone {
 
-/// Rates are without unit: exponents per unit of d. The figures were chosen on the middle 10 mm of img_kodim23, img_astronaut,
-/// img_marble, img_hubble, a page of type and a Siemens star, 20 mm wide (12 iterations; docs/benchmarks.md, "What the descent looks at").
+/// Rates are without unit: exponents per unit of d. The figures were chosen on the middle 10 mm of img_kodim23,
+/// img_astronaut, img_marble, img_hubble, a page of type and a Siemens star, 20 mm wide (12 iterations;
+/// docs/benchmarks.md, "What the descent looks at").
 struct DescentOptions {
-    float own_rate = 0.36f, most_own_rate = 0.5f;         ///< rate_o: of the first step far from the target, and the most it may become
-    float shared_rate = 0.1f, most_shared_rate = 0.7f;    ///< rate_s, likewise
-    float least_rate = 0.01f;            ///< of all
-    float slower = 0.4f;                 ///< least factor by which a rate changes in a step
-    float own_faster = 2, shared_faster = 3;  ///< most
+    float own_rate = 0.36f,
+          most_own_rate = 0.5f;  ///< rate_o: of the first step far from the target, and the most it may become
+    float shared_rate = 0.1f, most_shared_rate = 0.7f;  ///< rate_s, likewise
+    float least_rate = 0.01f;                           ///< of all
+    float slower = 0.4f;                                ///< least factor by which a rate changes in a step
+    float own_faster = 2, shared_faster = 3;            ///< most
     float own_beyond = 1.3f;     ///< of an own step / the secant's: cells hinder each other less than they did along it
     float shared_beyond = 0.5f;  ///< likewise
-    float momentum = 0.4f;   ///< mu, in [0, 1); more makes bodies swing, whose cells share light over millimetres
-    float mean_scale = 0.2f; ///< part of the cells' mean in s
+    float momentum = 0.4f;       ///< mu, in [0, 1); more makes bodies swing, whose cells share light over millimetres
+    float mean_scale = 0.2f;     ///< part of the cells' mean in s
 };
 
 /// What a descent carries from step to step.
@@ -71,7 +75,8 @@ using CellSmoothing = std::function<void(std::vector<Eigen::Vector3f>&)>;
 [[nodiscard]] DescentState begin_descent(SkinMixtures mixtures, const DescentOptions& options);
 
 /// `gradient`: d F / d fraction of every cell, layer and resin; its contents are used up.
-void descend(std::vector<float> gradient, const DescentOptions& options, const CellSmoothing& smooth, DescentState& state);
+void descend(std::vector<float> gradient, const DescentOptions& options, const CellSmoothing& smooth,
+             DescentState& state);
 
 /// As they are printed: (f - h) / (1 - R h).
 [[nodiscard]] SkinMixtures printed(const SkinMixtures& mixtures);

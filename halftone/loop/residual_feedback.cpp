@@ -38,13 +38,15 @@ Step step(const Eigen::Vector3f& drive, const Eigen::Vector3f& residual,
     s.drive = into_gamut(cube((before + wanted).cwiseMax(0.0f).cwiseMin(1.0f)));
     const Eigen::Vector3f moved = root(s.drive) - before;
     for (Eigen::Index c = 0; c < 3; ++c)
-        s.stuck[static_cast<std::size_t>(c)] = std::abs(wanted[c]) > least && moved[c] * wanted[c] < 0.5f * wanted[c] * wanted[c];
+        s.stuck[static_cast<std::size_t>(c)] =
+            std::abs(wanted[c]) > least && moved[c] * wanted[c] < 0.5f * wanted[c] * wanted[c];
     return s;
 }
 
 }  // namespace
 
-Eigen::Vector3f nearest_colour(const Eigen::Vector3f& target, const Eigen::Vector3f& from, const std::array<bool, 3>& stuck) {
+Eigen::Vector3f nearest_colour(const Eigen::Vector3f& target, const Eigen::Vector3f& from,
+                               const std::array<bool, 3>& stuck) {
     constexpr double least = 1e-4;  // keeps the slope of Oklab finite
     const Eigen::Vector3d wanted = optics::oklab_from_linear_srgb(target.cast<double>());
     const Eigen::Vector3d weight(1, 2, 2);
@@ -63,7 +65,8 @@ Eigen::Vector3f nearest_colour(const Eigen::Vector3f& target, const Eigen::Vecto
             if (stuck[static_cast<std::size_t>(c)]) J.col(c).setZero();
         const Eigen::Vector3d residual = weight.cwiseProduct(optics::oklab_from_linear_srgb(v) - wanted);
         Eigen::Matrix3d normal = J.transpose() * J;
-        for (Eigen::Index c = 0; c < 3; ++c) normal(c, c) += damping * (normal(c, c) + 1e-6) + (stuck[static_cast<std::size_t>(c)] ? 1 : 0);
+        for (Eigen::Index c = 0; c < 3; ++c)
+            normal(c, c) += damping * (normal(c, c) + 1e-6) + (stuck[static_cast<std::size_t>(c)] ? 1 : 0);
         const Eigen::Vector3d change = normal.ldlt().solve(-(J.transpose() * residual));
         Eigen::Vector3d next = v;
         for (Eigen::Index c = 0; c < 3; ++c)
@@ -86,8 +89,9 @@ Eigen::Vector3f nearest_colour(const Eigen::Vector3f& target, const Eigen::Vecto
 }
 
 std::size_t feed_back(std::span<const Eigen::Vector3f> target, std::span<const Eigen::Vector3f> predicted,
-                      const std::function<Eigen::Vector3f(const Eigen::Vector3f&)>& into_gamut, const FeedbackOptions& options,
-                      std::span<Eigen::Vector3f> drive, std::span<Eigen::Vector3f> eased) {
+                      const std::function<Eigen::Vector3f(const Eigen::Vector3f&)>& into_gamut,
+                      const FeedbackOptions& options, std::span<Eigen::Vector3f> drive,
+                      std::span<Eigen::Vector3f> eased) {
     VOXTONE_EXPECT(predicted.size() == target.size() && drive.size() == target.size() && eased.size() == target.size());
     std::atomic<std::size_t> stuck_cells{0};
     parallel_ranges(0, target.size(), 256, [&](std::size_t first, std::size_t last) {

@@ -5,13 +5,14 @@
 //
 //   drive^(1/3)  <-  drive^(1/3) + gain (target^(1/3) - predicted^(1/3)),   then into the gamut, per cell and channel.
 //
-// The drive is the colour that the separation is asked for; it is what a flat print would show. Light that spreads below the
-// surface makes the print blurred by a transfer function M with 0 < M <= 1, so that the error of each spatial frequency shrinks
-// by 1 - gain M in a step. Cube roots make a step of equal size equally visible.
+// The drive is the colour that the separation is asked for; it is what a flat print would show. Light that spreads
+// below the surface makes the print blurred by a transfer function M with 0 < M <= 1, so that the error of each spatial
+// frequency shrinks by 1 - gain M in a step. Cube roots make a step of equal size equally visible.
 //
-// Local limits. Beside bright places no ink makes a cell dark, beside dark ones no white makes it bright, and each channel has
-// its own limits: drives end at the gamut's edge while the error stays. A channel is stuck when its drive cannot follow the
-// residual by more than half. The other channels then go where the colour, stuck channels as predicted, is nearest to the target:
+// Local limits. Beside bright places no ink makes a cell dark, beside dark ones no white makes it bright, and each
+// channel has its own limits: drives end at the gamut's edge while the error stays. A channel is stuck when its drive
+// cannot follow the residual by more than half. The other channels then go where the colour, stuck channels as
+// predicted, is nearest to the target:
 //
 //   min over free channels of | W (oklab(v) - oklab(target)) |,   W = diag(1, 2, 2),
 //
@@ -33,17 +34,19 @@
 namespace voxtone::halftone {
 
 struct FeedbackOptions {
-    float gain = 1;      ///< in (0, 2)
+    float gain = 1;           ///< in (0, 2)
     float most_step = 0.25f;  ///< largest change of a drive's cube root in a step
 };
 
 /// Moves `drive` (linear sRGB per cell, in gamut). `into_gamut` maps any colour in [0, 1]^3 to one that can be shown.
 /// `eased`: what the cell is asked for now (the target where nothing is stuck). Returns how many cells are stuck.
 std::size_t feed_back(std::span<const Eigen::Vector3f> target, std::span<const Eigen::Vector3f> predicted,
-                      const std::function<Eigen::Vector3f(const Eigen::Vector3f&)>& into_gamut, const FeedbackOptions& options,
-                      std::span<Eigen::Vector3f> drive, std::span<Eigen::Vector3f> eased);
+                      const std::function<Eigen::Vector3f(const Eigen::Vector3f&)>& into_gamut,
+                      const FeedbackOptions& options, std::span<Eigen::Vector3f> drive,
+                      std::span<Eigen::Vector3f> eased);
 
 /// The colour nearest to `target` (Oklab, a and b weighed by 2) whose channels in `stuck` are those of `from`.
-[[nodiscard]] Eigen::Vector3f nearest_colour(const Eigen::Vector3f& target, const Eigen::Vector3f& from, const std::array<bool, 3>& stuck);
+[[nodiscard]] Eigen::Vector3f nearest_colour(const Eigen::Vector3f& target, const Eigen::Vector3f& from,
+                                             const std::array<bool, 3>& stuck);
 
 }  // namespace voxtone::halftone

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // The coloured skin in the unknowns of the appearance loop: a mixture of resins for every surface cell and every layer
-// of depth below it. A voxel belongs to the surface cell that is nearest to it and to the layer that its depth falls in.
+// of depth below it. A voxel belongs to the surface cell that is nearest to it and to the layer that its depth falls
+// in.
 #pragma once
 
 #include <algorithm>
@@ -24,7 +25,8 @@ struct SkinLayers {
     [[nodiscard]] double top_mm(std::size_t layer) const { return layer == 0 ? 0 : bottom_mm[layer - 1]; }
     /// size() for depths below the skin.
     [[nodiscard]] std::size_t layer_of(double depth_mm) const {
-        return static_cast<std::size_t>(std::upper_bound(bottom_mm.begin(), bottom_mm.end(), depth_mm) - bottom_mm.begin());
+        return static_cast<std::size_t>(std::upper_bound(bottom_mm.begin(), bottom_mm.end(), depth_mm) -
+                                        bottom_mm.begin());
     }
 };
 
@@ -45,14 +47,19 @@ public:
     /// Fractions as `all` gives them; their number is a multiple of layers * resins.
     SkinMixtures(std::size_t layers, std::size_t resins, std::vector<float> fractions)
         : layers_(layers), resins_(resins), fraction_(std::move(fractions)) {
-        VOXTONE_EXPECT(fraction_.empty() || (resins >= 1 && resins <= max_resins && layers >= 1 && fraction_.size() % (layers * resins) == 0));
+        VOXTONE_EXPECT(fraction_.empty() || (resins >= 1 && resins <= max_resins && layers >= 1 &&
+                                             fraction_.size() % (layers * resins) == 0));
     }
     [[nodiscard]] std::size_t cells() const { return fraction_.empty() ? 0 : fraction_.size() / (layers_ * resins_); }
     [[nodiscard]] std::size_t layers() const { return layers_; }
     [[nodiscard]] std::size_t resins() const { return resins_; }
     /// All layers of a cell: layers x resins.
-    [[nodiscard]] std::span<float> cell(std::size_t c) { return {fraction_.data() + c * layers_ * resins_, layers_ * resins_}; }
-    [[nodiscard]] std::span<const float> cell(std::size_t c) const { return {fraction_.data() + c * layers_ * resins_, layers_ * resins_}; }
+    [[nodiscard]] std::span<float> cell(std::size_t c) {
+        return {fraction_.data() + c * layers_ * resins_, layers_ * resins_};
+    }
+    [[nodiscard]] std::span<const float> cell(std::size_t c) const {
+        return {fraction_.data() + c * layers_ * resins_, layers_ * resins_};
+    }
     [[nodiscard]] std::span<float> all() { return fraction_; }
     [[nodiscard]] std::span<const float> all() const { return fraction_; }
 

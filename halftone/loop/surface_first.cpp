@@ -21,8 +21,9 @@ float share_within(double excess, double tolerance) {
 
 }  // namespace
 
-SurfaceFirst::SurfaceFirst(const optics::ResinSet& resins, const optics::ShellGeometry& geometry, const SkinLayers& layers,
-                           const SeparationOptions& options, const Progress* progress, double tolerance)
+SurfaceFirst::SurfaceFirst(const optics::ResinSet& resins, const optics::ShellGeometry& geometry,
+                           const SkinLayers& layers, const SeparationOptions& options, const Progress* progress,
+                           double tolerance)
     : layers_(layers), resins_(resins.resins.size()), core_(static_cast<std::size_t>(geometry.core_resin)) {
     VOXTONE_EXPECT(layers.size() >= 2 && tolerance > 0);
     for (std::size_t l = 1; l < layers.size(); ++l) {
@@ -32,28 +33,32 @@ SurfaceFirst::SurfaceFirst(const optics::ResinSet& resins, const optics::ShellGe
         skins_.push_back(std::make_unique<const Skin>(resins, skin, options, progress));
     }
     weight_.resize(nodes * nodes * nodes * skins_.size());
-    parallel_for(0, nodes * nodes, 8, [&](std::size_t row) {
-        const auto coordinate = [](std::size_t i) {
-            const float t = static_cast<float>(i) / static_cast<float>(nodes - 1);
-            return t * t * t;
-        };
-        for (std::size_t red = 0; red < nodes; ++red) {
-            const Eigen::Vector3f rgb(coordinate(red), coordinate(row % nodes), coordinate(row / nodes));
-            const double least = deepest().mapping_distance(rgb);
-            float left = 1, * const weight = weight_.data() + (row * nodes + red) * skins_.size();
-            for (std::size_t s = 0; s + 1 < skins_.size(); ++s) {
-                weight[s] = left * share_within(skins_[s]->separation.mapping_distance(rgb) - least, tolerance);
-                left -= weight[s];
+    parallel_for(
+        0, nodes * nodes, 8,
+        [&](std::size_t row) {
+            const auto coordinate = [](std::size_t i) {
+                const float t = static_cast<float>(i) / static_cast<float>(nodes - 1);
+                return t * t * t;
+            };
+            for (std::size_t red = 0; red < nodes; ++red) {
+                const Eigen::Vector3f rgb(coordinate(red), coordinate(row % nodes), coordinate(row / nodes));
+                const double least = deepest().mapping_distance(rgb);
+                float left = 1, *const weight = weight_.data() + (row * nodes + red) * skins_.size();
+                for (std::size_t s = 0; s + 1 < skins_.size(); ++s) {
+                    weight[s] = left * share_within(skins_[s]->separation.mapping_distance(rgb) - least, tolerance);
+                    left -= weight[s];
+                }
+                weight[skins_.size() - 1] = left;
             }
-            weight[skins_.size() - 1] = left;
-        }
-    }, progress);
+        },
+        progress);
 }
 
 const float* SurfaceFirst::weights(const Eigen::Vector3f& rgb) const {
     std::size_t at = 0;
     for (int c = 2; c >= 0; --c)
-        at = at * nodes + static_cast<std::size_t>(std::lround(std::cbrt(std::clamp(rgb[c], 0.0f, 1.0f)) * static_cast<float>(nodes - 1)));
+        at = at * nodes + static_cast<std::size_t>(
+                              std::lround(std::cbrt(std::clamp(rgb[c], 0.0f, 1.0f)) * static_cast<float>(nodes - 1)));
     return weight_.data() + at * skins_.size();
 }
 

@@ -20,16 +20,16 @@
 #include <Eigen/Core>
 
 #include "voxtone/base/progress.h"
-#include "voxtone/halftone/separation/separation.h"
 #include "voxtone/halftone/loop/skin.h"
+#include "voxtone/halftone/separation/separation.h"
 #include "voxtone/optics/layered/shell_appearance.h"
 
 namespace voxtone::halftone {
 
 class SurfaceFirst {
 public:
-    /// `geometry`: of a skin as deep as all layers; its shell_mm is not read. `core_mm` is the thickness below the deepest
-    /// skin where it is finite. Throws as ShellAppearance and Separation do.
+    /// `geometry`: of a skin as deep as all layers; its shell_mm is not read. `core_mm` is the thickness below the
+    /// deepest skin where it is finite. Throws as ShellAppearance and Separation do.
     SurfaceFirst(const optics::ResinSet& resins, const optics::ShellGeometry& geometry, const SkinLayers& layers,
                  const SeparationOptions& options, const Progress* progress = nullptr, double tolerance = 1);
 
@@ -44,7 +44,8 @@ public:
 
 private:
     struct Skin {
-        Skin(const optics::ResinSet& resins, const optics::ShellGeometry& geometry, const SeparationOptions& options, const Progress* progress)
+        Skin(const optics::ResinSet& resins, const optics::ShellGeometry& geometry, const SeparationOptions& options,
+             const Progress* progress)
             : appearance(resins, geometry), separation(appearance, options, progress) {}
         optics::ShellAppearance appearance;
         Separation separation;

@@ -3,7 +3,8 @@
 // Colour separation: which mixture of the loaded resins shows a target colour.
 //
 // The forward model is optics::ShellAppearance, media-relative and read as linear sRGB: the white of a target is a
-// body of white resin. It is inverted once, at the nodes of a lattice over the colour cube, and interpolated in between.
+// body of white resin. It is inverted once, at the nodes of a lattice over the colour cube, and interpolated in
+// between.
 //
 // At a node with target T the fractions f of the resins minimise
 //     | W (oklab(A(f)) - oklab(T)) |^2  +  lambda sum_r p_r f_r^2,    f_r >= 0,  sum_r f_r = 1.
@@ -64,7 +65,9 @@ public:
     void mixtures(const float* red, const float* green, const float* blue, std::size_t n, CumulativeMixture* out) const;
 
     /// Shares of one colour, max_resins of them; their sum is near 1.
-    void shares(const Eigen::Vector3f& rgb, float* out) const { lattice_shares(view(), rgb.x(), rgb.y(), rgb.z(), out); }
+    void shares(const Eigen::Vector3f& rgb, float* out) const {
+        lattice_shares(view(), rgb.x(), rgb.y(), rgb.z(), out);
+    }
     /// Fractions of one colour; they sum to 1.
     [[nodiscard]] std::vector<double> fractions(const Eigen::Vector3f& rgb) const;
     /// The colour that the forward model gives for `fractions(rgb)`: linear sRGB, media-relative.

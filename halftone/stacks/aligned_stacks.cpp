@@ -54,7 +54,8 @@ AlignedStacks align_stacks(std::span<const std::vector<StackLayer>> stacks) {
     for (const auto& stack : stacks) {
         Sequence& sequence = of_stack.emplace_back();
         for (const StackLayer& layer : stack)
-            sequence.push_back(static_cast<std::size_t>(std::lower_bound(materials.begin(), materials.end(), layer.material) - materials.begin()));
+            sequence.push_back(static_cast<std::size_t>(
+                std::lower_bound(materials.begin(), materials.end(), layer.material) - materials.begin()));
     }
 
     const std::set<Sequence> different(of_stack.begin(), of_stack.end());
@@ -70,7 +71,8 @@ AlignedStacks align_stacks(std::span<const std::vector<StackLayer>> stacks) {
     } while (std::next_permutation(order.begin(), order.end()));
 
     AlignedStacks aligned;
-    for (const std::size_t layer : best_needed) aligned.material.push_back(materials[best_order[layer % best_order.size()]]);
+    for (const std::size_t layer : best_needed)
+        aligned.material.push_back(materials[best_order[layer % best_order.size()]]);
     aligned.thickness_mm.assign(stacks.size() * aligned.layers(), 0);
     Sequence at;
     for (std::size_t s = 0; s < stacks.size(); ++s) {

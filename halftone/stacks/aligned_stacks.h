@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Stacks of layers brought to one common sequence of materials, so that the layers of neighbouring places belong together
-// and their thicknesses can be interpolated.
-// Based on: M. Hasan, M. Fuchs, W. Matusik, H. Pfister, S. Rusinkiewicz, "Physical reproduction of materials with
-// specified subsurface scattering", SIGGRAPH 2010, Sec. 7.1.
+// Stacks of layers brought to one common sequence of materials, so that the layers of neighbouring places belong
+// together and their thicknesses can be interpolated. Based on: M. Hasan, M. Fuchs, W. Matusik, H. Pfister, S.
+// Rusinkiewicz, "Physical reproduction of materials with specified subsurface scattering", SIGGRAPH 2010, Sec. 7.1.
 //
-// The sequence is periodic ("white-support-black" in the paper): every stack is a part of it once it is long enough, its
-// layers each put to the first place left that has their material. Layers that a stack does not have are there with
+// The sequence is periodic ("white-support-black" in the paper): every stack is a part of it once it is long enough,
+// its layers each put to the first place left that has their material. Layers that a stack does not have are there with
 // thickness zero; layers that no stack has are left out. The order of the materials within the period is the one that
 // leaves fewest layers, found by trying all; of several the first in lexicographic order.
 //
@@ -33,8 +32,8 @@ struct AlignedStacks {
     }
 };
 
-/// Contract: neighbouring layers of a stack differ in material, thicknesses are above 0, and there are at most max_resins
-/// materials in all. Time: max_resins! times the different sequences of materials, at worst.
+/// Contract: neighbouring layers of a stack differ in material, thicknesses are above 0, and there are at most
+/// max_resins materials in all. Time: max_resins! times the different sequences of materials, at worst.
 [[nodiscard]] AlignedStacks align_stacks(std::span<const std::vector<StackLayer>> stacks);
 
 }  // namespace voxtone::halftone

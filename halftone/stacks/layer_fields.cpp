@@ -31,16 +31,23 @@ std::vector<float> gaussian(double sigma_px) {
     std::vector<float> kernel;
     double sum = 0;
     for (std::int64_t i = -reach; i <= reach; ++i) sum += std::exp(-0.5 * double(i * i) / (sigma_px * sigma_px));
-    for (std::int64_t i = -reach; i <= reach; ++i) kernel.push_back(float(std::exp(-0.5 * double(i * i) / (sigma_px * sigma_px)) / sum));
+    for (std::int64_t i = -reach; i <= reach; ++i)
+        kernel.push_back(float(std::exp(-0.5 * double(i * i) / (sigma_px * sigma_px)) / sum));
     return kernel;
 }
 
 }  // namespace
 
 LayerFields::LayerFields(const StackMap& map, const AlignedStacks& stacks)
-    : material_(stacks.material), width_(map.width_px), height_(map.height_px), per_mm_x_(map.width_px / map.width_mm),
-      per_mm_y_(map.height_px / map.height_mm), edge_(map.edge), stack_(map.stack.begin(), map.stack.end()) {
-    VOXTONE_EXPECT(map.width_px > 0 && map.height_px > 0 && map.width_mm > 0 && map.height_mm > 0 && map.smoothing_mm >= 0);
+    : material_(stacks.material),
+      width_(map.width_px),
+      height_(map.height_px),
+      per_mm_x_(map.width_px / map.width_mm),
+      per_mm_y_(map.height_px / map.height_mm),
+      edge_(map.edge),
+      stack_(map.stack.begin(), map.stack.end()) {
+    VOXTONE_EXPECT(map.width_px > 0 && map.height_px > 0 && map.width_mm > 0 && map.height_mm > 0 &&
+                   map.smoothing_mm >= 0);
     VOXTONE_EXPECT(map.stack.size() == std::size_t{map.width_px} * map.height_px && layers() <= max_layers);
     if (layers() == 0) return;
     const std::size_t n = layers();
@@ -68,7 +75,8 @@ void LayerFields::smooth(double sigma_x_px, double sigma_y_px) {
             for (std::int64_t x = 0; x < width_; ++x)
                 for (std::int64_t d = -reach; d <= reach; ++d) {
                     const float* from = bottom_.data() + index(x, std::int64_t(y), d);
-                    for (std::size_t l = 0; l < n; ++l) out[y * row + std::size_t(x) * n + l] += kernel[std::size_t(d + reach)] * from[l];
+                    for (std::size_t l = 0; l < n; ++l)
+                        out[y * row + std::size_t(x) * n + l] += kernel[std::size_t(d + reach)] * from[l];
                 }
         });
         bottom_ = std::move(out);
@@ -115,6 +123,8 @@ std::size_t LayerFields::stack_at(double x_mm, double y_mm) const {
     return stack_[std::size_t(j * width_ + i)];
 }
 
-float LayerFields::depth_mm(double x_mm, double y_mm) const { return layers() == 0 ? 0 : corners(x_mm, y_mm).mix(layers() - 1); }
+float LayerFields::depth_mm(double x_mm, double y_mm) const {
+    return layers() == 0 ? 0 : corners(x_mm, y_mm).mix(layers() - 1);
+}
 
 }  // namespace voxtone::halftone

@@ -2,14 +2,15 @@
 //
 // Height fields of layers over a map: how deep each layer of an aligned stack reaches at every point.
 //
-// A map of pixels, each with the stack of a cluster. Between the pixels' centres thicknesses are interpolated bilinearly, so
-// layers that the one has and the other has not run out in a wedge, without a step. `smoothing_mm` > 0 puts a Gaussian of
-// that standard deviation over the thicknesses first. Layers keep their order: with b_l the depth of the bottom of layer l,
-// 0 <= b_0 <= b_1 <= ...; where a layer has thickness zero b_l = b_(l-1), to the bit, and no depth falls in it.
+// A map of pixels, each with the stack of a cluster. Between the pixels' centres thicknesses are interpolated
+// bilinearly, so layers that the one has and the other has not run out in a wedge, without a step. `smoothing_mm` > 0
+// puts a Gaussian of that standard deviation over the thicknesses first. Layers keep their order: with b_l the depth of
+// the bottom of layer l, 0 <= b_0 <= b_1 <= ...; where a layer has thickness zero b_l = b_(l-1), to the bit, and no
+// depth falls in it.
 //
-// Beyond the map's edges: repeated, mirrored, or the edge's value for ever. Coordinates in mm from the lower left corner, x to the
-// right, y upwards; the map's rows run from the top. Memory: 4 bytes per pixel and layer.
-// Single precision: depths are within 1e-6 of themselves.
+// Beyond the map's edges: repeated, mirrored, or the edge's value for ever. Coordinates in mm from the lower left
+// corner, x to the right, y upwards; the map's rows run from the top. Memory: 4 bytes per pixel and layer. Single
+// precision: depths are within 1e-6 of themselves.
 #pragma once
 
 #include <cstddef>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// A stack without the depth that light hardly reaches: it leaves room in thin parts, and stacks that differ only in what
-// is not seen come nearer to each other.
+// A stack without the depth that light hardly reaches: it leaves room in thin parts, and stacks that differ only in
+// what is not seen come nearer to each other.
 #pragma once
 
 #include <functional>
@@ -14,7 +14,7 @@ namespace voxtone::halftone {
 
 /// Layers are taken from the bottom, then the lowest one left is thinned (to a thousandth of itself), as long as
 /// `distance` stays at or below `most`. A stack that is above it from the start is given back as it is.
-[[nodiscard]] std::vector<StackLayer> shortened_stack(std::vector<StackLayer> layers, double most,
-                                                      const std::function<double(std::span<const StackLayer>)>& distance);
+[[nodiscard]] std::vector<StackLayer> shortened_stack(
+    std::vector<StackLayer> layers, double most, const std::function<double(std::span<const StackLayer>)>& distance);
 
 }  // namespace voxtone::halftone

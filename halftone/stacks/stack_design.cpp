@@ -36,11 +36,13 @@ public:
 
     /// Refines layers for the corrected target, judges them as they are printed and corrects the target anew.
     [[nodiscard]] std::vector<StackLayer> step(std::vector<StackLayer> layers, const FoundStack& found) {
-        if (options_.refine && !layers.empty()) layers = refine_stack(materials_, layers, target_, options_.search).layers;
+        if (options_.refine && !layers.empty())
+            layers = refine_stack(materials_, layers, target_, options_.search).layers;
         StackDesign next;
         next.found = found;
-        next.layers =
-            options_.layer_mm > 0 ? settled_layers(materials_, layers, options_.layer_mm, target_, options_.search) : layers;
+        next.layers = options_.layer_mm > 0
+                          ? settled_layers(materials_, layers, options_.layer_mm, target_, options_.search)
+                          : layers;
         const ChannelProfiles within = stack_reflection(materials_, next.layers, options_.search.backing);
         next.modelled = mapped(within, [&](double R) { return optics::seen_through_surface(R, options_.turned_back); });
         next.modelled_distance = profile_distance(next.modelled, wanted_, options_.search.dc_weight);
@@ -48,9 +50,9 @@ public:
             next.judged = judge_(next.layers);
             next.judged_distance = profile_distance(next.judged, wanted_, options_.search.dc_weight);
             distances_.push_back(next.judged_distance);
-            target_ =
-                corrected(wanted_behind_, within,
-                          mapped(next.judged, [&](double seen) { return optics::behind_surface(seen, options_.turned_back); }));
+            target_ = corrected(wanted_behind_, within, mapped(next.judged, [&](double seen) {
+                                    return optics::behind_surface(seen, options_.turned_back);
+                                }));
         }
         if (!any_ || next.judged_distance < best_.judged_distance) best_ = std::move(next);
         any_ = true;
@@ -75,9 +77,10 @@ private:
 
 }  // namespace
 
-StackDesign design_stack(const StackSearch& search, std::span<const StackMaterial> materials, const ChannelProfiles& wanted,
-                         const StackDesignOptions& options, const StackJudge& judge) {
-    VOXTONE_EXPECT(options.turned_back >= 0 && options.turned_back < 1 && options.rounds >= 1 && options.corrections >= 0);
+StackDesign design_stack(const StackSearch& search, std::span<const StackMaterial> materials,
+                         const ChannelProfiles& wanted, const StackDesignOptions& options, const StackJudge& judge) {
+    VOXTONE_EXPECT(options.turned_back >= 0 && options.turned_back < 1 && options.rounds >= 1 &&
+                   options.corrections >= 0);
     Designer designer(materials, wanted, options, judge);
     double outside = 0;
     for (int round = 0; round < (judge ? options.rounds : 1); ++round) {

@@ -5,15 +5,16 @@
 //
 // The search (stack_search.h) stacks index-matched layers. What the print shows differs: a surface turns light back,
 // light between layers is not diffuse, layers have other thicknesses than those they are known at. So its target is
-// corrected. With g(seen) = seen / (1 - s + s seen) what lies behind a surface that turns back s (surfaced_reflection.h),
+// corrected. With g(seen) = seen / (1 - s + s seen) what lies behind a surface that turns back s
+// (surfaced_reflection.h),
 //
 //   target_0 = g(wanted),   target_n+1 = g(wanted) + R_model(stack_n) - g(R_judged(stack_n))
 //
 // for every coefficient: what the model must say of a stack for the judge to see what is wanted, as far as their
 // difference stays the same from one stack to the next. It does where stacks are alike; so in each round one stack is
 // searched and its thicknesses are then refined several times, each time with the difference at the stack itself. The
-// judge is whatever knows more (Monte Carlo of the stack: optics/profiles/resin_stack.h). The stack that the judge finds nearest
-// is kept, so rounds never make it worse.
+// judge is whatever knows more (Monte Carlo of the stack: optics/profiles/resin_stack.h). The stack that the judge
+// finds nearest is kept, so rounds never make it worse.
 //
 // What it cannot see: stacks whose error differs a lot from that of the ones that were judged.
 #pragma once
@@ -42,8 +43,8 @@ struct StackDesign {
     double modelled_distance = 0;    ///< from what is wanted (stack_search.h); through the surface too
     ChannelProfiles judged;          ///< empty without a judge
     double judged_distance = 0;
-    FoundStack found;                      ///< the search that it came from
-    double outside = 0;                    ///< of the first search: how far g(wanted) lies outside of the gamut, at least
+    FoundStack found;    ///< the search that it came from
+    double outside = 0;  ///< of the first search: how far g(wanted) lies outside of the gamut, at least
     std::vector<double> judged_distances;  ///< of all that were judged, in order
 };
 

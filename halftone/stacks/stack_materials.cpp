@@ -19,12 +19,14 @@ double fitting_known_mm(const optics::Medium& medium, double g, double most_mm) 
 }
 
 StackMaterial resin_material(const optics::ResinSet& set, std::size_t resin, std::span<const double> known_mm,
-                             const optics::HankelGrid& grid, const optics::LayerPathOptions& options, const Progress* progress) {
+                             const optics::HankelGrid& grid, const optics::LayerPathOptions& options,
+                             const Progress* progress) {
     VOXTONE_EXPECT(resin < set.resins.size() && (known_mm.size() == 1 || known_mm.size() == set.channels.size()));
     StackMaterial material;
     for (std::size_t c = 0; c < set.channels.size(); ++c) {
         const double mm = known_mm[known_mm.size() == 1 ? 0 : c];
-        material.push_back(optics::resin_profile(set.resins[resin].medium(c), set.g, mm, grid, options, progress).layer());
+        material.push_back(
+            optics::resin_profile(set.resins[resin].medium(c), set.g, mm, grid, options, progress).layer());
     }
     return material;
 }

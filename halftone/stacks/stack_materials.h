@@ -15,8 +15,8 @@
 #include <vector>
 
 #include "voxtone/halftone/stacks/stack_search.h"
-#include "voxtone/optics/numerics/hankel.h"
 #include "voxtone/optics/monte_carlo/layer_paths.h"
+#include "voxtone/optics/numerics/hankel.h"
 #include "voxtone/optics/profiles/measured_profile.h"
 
 namespace voxtone::halftone {
@@ -25,8 +25,9 @@ namespace voxtone::halftone {
 [[nodiscard]] double fitting_known_mm(const optics::Medium& medium, double g, double most_mm);
 
 /// known_mm: one thickness for all channels, as many as channels otherwise, all > 0. Contract: a resin of the set.
-[[nodiscard]] StackMaterial resin_material(const optics::ResinSet& set, std::size_t resin, std::span<const double> known_mm,
-                                           const optics::HankelGrid& grid, const optics::LayerPathOptions& options = {},
+[[nodiscard]] StackMaterial resin_material(const optics::ResinSet& set, std::size_t resin,
+                                           std::span<const double> known_mm, const optics::HankelGrid& grid,
+                                           const optics::LayerPathOptions& options = {},
                                            const Progress* progress = nullptr);
 
 struct MeasuredMaterial {
@@ -35,7 +36,8 @@ struct MeasuredMaterial {
 };
 
 /// Profiles of any spacing and length. Throws InputError that names the material, the channel and what is wrong.
-[[nodiscard]] MeasuredMaterial measured_material(const std::string& name, std::span<const optics::MeasuredProfile> by_channel,
+[[nodiscard]] MeasuredMaterial measured_material(const std::string& name,
+                                                 std::span<const optics::MeasuredProfile> by_channel,
                                                  const optics::HankelGrid& grid);
 
 }  // namespace voxtone::halftone

@@ -8,7 +8,8 @@
 
 namespace voxtone::halftone {
 
-std::vector<StackLayer> whole_layers(std::span<const StackLayer> layers, double layer_mm, std::span<const double> clear_top_mm) {
+std::vector<StackLayer> whole_layers(std::span<const StackLayer> layers, double layer_mm,
+                                     std::span<const double> clear_top_mm) {
     VOXTONE_EXPECT(layer_mm > 0);
     constexpr double rounding = 1e-6;  // of a printed layer: a border that is there already stays
     std::vector<StackLayer> whole;
@@ -30,7 +31,8 @@ std::vector<StackLayer> whole_layers(std::span<const StackLayer> layers, double 
 }
 
 std::vector<StackLayer> settled_layers(std::span<const StackMaterial> materials, std::span<const StackLayer> layers,
-                                       double layer_mm, const ChannelProfiles& target, const StackSearchOptions& options) {
+                                       double layer_mm, const ChannelProfiles& target,
+                                       const StackSearchOptions& options) {
     constexpr double rounding = 1e-6;
     std::vector<StackLayer> best = whole_layers(layers, layer_mm, options.clear_top_mm);
     const auto allowed = [&](const std::vector<StackLayer>& tried) {

@@ -19,8 +19,8 @@ namespace voxtone::halftone {
 /// The same, then single printed layers given to a layer, taken from it, or handed to another, whatever brings the
 /// reflection nearest to the target, until nothing does: never further away than whole_layers. Keeps thickness_mm,
 /// clear_top_mm; dc_weight and backing count (stack_search.h). Layers that are there stay, none is added.
-[[nodiscard]] std::vector<StackLayer> settled_layers(std::span<const StackMaterial> materials, std::span<const StackLayer> layers,
-                                                     double layer_mm, const ChannelProfiles& target,
-                                                     const StackSearchOptions& options);
+[[nodiscard]] std::vector<StackLayer> settled_layers(std::span<const StackMaterial> materials,
+                                                     std::span<const StackLayer> layers, double layer_mm,
+                                                     const ChannelProfiles& target, const StackSearchOptions& options);
 
 }  // namespace voxtone::halftone

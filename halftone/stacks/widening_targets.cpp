@@ -7,7 +7,8 @@
 
 namespace voxtone::halftone {
 
-std::vector<ChannelProfiles> widening_targets(const ChannelProfiles& narrow, const ChannelProfiles& wide, std::size_t count) {
+std::vector<ChannelProfiles> widening_targets(const ChannelProfiles& narrow, const ChannelProfiles& wide,
+                                              std::size_t count) {
     VOXTONE_EXPECT(count >= 1 && narrow.size() == wide.size());
     std::vector<ChannelProfiles> targets(count, narrow);
     for (std::size_t c = 0; c < narrow.size(); ++c) {

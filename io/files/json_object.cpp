@@ -49,9 +49,10 @@ JsonObject JsonObject::parse(std::string_view text, std::string source) {
     } catch (const json::parse_error& error) {
         const std::size_t end = std::min(error.byte, text.size());
         const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(end), '\n');
-        throw InputError(fmt::format("{}: line {}: this is no valid JSON ({} bytes in); the file may be cut short or "
-                                     "edited by hand: mend it or make it anew",
-                                     source, line, end));
+        throw InputError(
+            fmt::format("{}: line {}: this is no valid JSON ({} bytes in); the file may be cut short or "
+                        "edited by hand: mend it or make it anew",
+                        source, line, end));
     } catch (const json::out_of_range&) {
         throw InputError(fmt::format("{}: holds a number that is too large for any computer", source));
     }
@@ -137,8 +138,8 @@ void check_array(const JsonObject& object, std::string_view key, const json& val
         object.fail(key, fmt::format("has {} entries, expected {}", value.size(), count));
 }
 
-std::vector<double> checked_numbers(const JsonObject& object, std::string_view key, const json& value, std::size_t count,
-                                    double least, double most) {
+std::vector<double> checked_numbers(const JsonObject& object, std::string_view key, const json& value,
+                                    std::size_t count, double least, double most) {
     check_array(object, key, value, count);
     std::vector<double> result;
     result.reserve(value.size());

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// JSON objects as a user writes them (manifests, resin sets, job files): every fault is an InputError that names the file,
-// the key, the value and the rule; a key that is not known is an error that names the nearest one that is.
+// JSON objects as a user writes them (manifests, resin sets, job files): every fault is an InputError that names the
+// file, the key, the value and the rule; a key that is not known is an error that names the nearest one that is.
 #pragma once
 
 #include <cstddef>
@@ -41,8 +41,8 @@ public:
     [[nodiscard]] std::vector<std::vector<double>> number_lists(std::string_view key, std::size_t lists, double least,
                                                                 double most) const;
     /// Lists of `rows` lists of numbers.
-    [[nodiscard]] std::vector<std::vector<std::vector<double>>> tables(std::string_view key, std::size_t rows, double least,
-                                                                       double most) const;
+    [[nodiscard]] std::vector<std::vector<std::vector<double>>> tables(std::string_view key, std::size_t rows,
+                                                                       double least, double most) const;
     [[nodiscard]] std::vector<std::uint64_t> integers(std::string_view key, std::size_t count, std::uint64_t least,
                                                       std::uint64_t most) const;
     [[nodiscard]] std::vector<std::string> texts(std::string_view key) const;

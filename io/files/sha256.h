@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Digests: SHA-256 (FIPS 180-4) for what is written into files, XXH64 (xxHash specification 0.1.1, 64 bits, seed 0) for the
-// runs of a layer, where SHA-256 would cost more than the encoder.
+// Digests: SHA-256 (FIPS 180-4) for what is written into files, XXH64 (xxHash specification 0.1.1, 64 bits, seed 0) for
+// the runs of a layer, where SHA-256 would cost more than the encoder.
 #pragma once
 
 #include <array>
@@ -35,8 +35,8 @@ private:
 /// XXH64 of a layer's runs in bitmap order, each as two little-endian 16-bit numbers: length, material.
 [[nodiscard]] std::uint64_t layer_digest(const LayerRuns& layer);
 
-/// What a stack holds, whoever encoded it: SHA-256 over width, height, number of layers (little-endian 32 bits each) and the
-/// layers' digests (little-endian 64 bits each) in layer order. The manifest's `content_sha256`.
+/// What a stack holds, whoever encoded it: SHA-256 over width, height, number of layers (little-endian 32 bits each)
+/// and the layers' digests (little-endian 64 bits each) in layer order. The manifest's `content_sha256`.
 [[nodiscard]] std::string content_sha256(std::uint32_t width_px, std::uint32_t height_px,
                                          std::span<const std::uint64_t> layer_digests);
 

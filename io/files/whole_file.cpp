@@ -65,8 +65,8 @@ std::vector<std::uint8_t> read_whole_file(const std::filesystem::path& file, std
     const auto size = std::filesystem::file_size(file, error);
     if (error) throw FileError(fmt::format("{}: is no file that can be read ({})", file.string(), error.message()));
     if (size > most)
-        throw FileError(fmt::format("{}: has {} bytes, more than the {} that a file of this kind may have", file.string(),
-                                    size, most));
+        throw FileError(fmt::format("{}: has {} bytes, more than the {} that a file of this kind may have",
+                                    file.string(), size, most));
     std::vector<std::uint8_t> bytes(static_cast<std::size_t>(size));
     if (std::fread(bytes.data(), 1, bytes.size(), in.get()) != bytes.size())
         fail(file, "could not be read to its end", std::ferror(in.get()) ? errno : EIO);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Based on: Y. Collet, "xxHash fast digest algorithm", specification 0.1.1, section "XXH64 algorithm description"; seed 0.
+// Based on: Y. Collet, "xxHash fast digest algorithm", specification 0.1.1, section "XXH64 algorithm description"; seed
+// 0.
 #include <bit>
 
 #include "voxtone/io/files/sha256.h"
@@ -61,7 +62,9 @@ std::uint64_t layer_digest(const LayerRuns& layer) {
     const Run* const first = layer.row(0).data();
     const auto last = layer.row(layer.rows() - 1);
     const auto runs = static_cast<std::uint64_t>(last.data() + last.size() - first);
-    auto four = [&](std::uint64_t i) { return std::uint64_t{first[i].length} | std::uint64_t{first[i].material} << 16; };
+    auto four = [&](std::uint64_t i) {
+        return std::uint64_t{first[i].length} | std::uint64_t{first[i].material} << 16;
+    };
     return digest(
         4 * runs, [&](std::uint64_t i) { return four(2 * i) | four(2 * i + 1) << 32; },
         [&](std::uint64_t i) { return static_cast<std::uint8_t>(four(i / 4) >> (8 * (i % 4))); });

@@ -22,7 +22,8 @@ struct ZipContainer::Handle {
     }
 };
 
-ZipContainer::ZipContainer(const std::filesystem::path& file) : path_(file.string()), handle_(std::make_unique<Handle>()) {
+ZipContainer::ZipContainer(const std::filesystem::path& file)
+    : path_(file.string()), handle_(std::make_unique<Handle>()) {
     int code = 0;
     handle_->zip = zip_open(path_.c_str(), ZIP_RDONLY, &code);
     if (!handle_->zip) {
@@ -52,8 +53,7 @@ std::vector<std::uint8_t> ZipContainer::read(std::size_t index, std::uint64_t mo
     if (stat.size > most)
         throw InputError(fmt::format("{}: claims {} bytes, more than the {} that it may have", name, stat.size, most));
     zip_file_t* const entry = zip_fopen_index(handle_->zip, index, 0);
-    if (!entry)
-        throw InputError(fmt::format("{}: cannot be read ({})", name, zip_strerror(handle_->zip)));
+    if (!entry) throw InputError(fmt::format("{}: cannot be read ({})", name, zip_strerror(handle_->zip)));
     // Grows as bytes come: an entry that only claims its size costs no memory.
     std::vector<std::uint8_t> bytes;
     constexpr std::size_t piece = std::size_t{1} << 18;

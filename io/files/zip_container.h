@@ -18,8 +18,8 @@ public:
     ~ZipContainer();
 
     [[nodiscard]] const std::vector<std::string>& names() const { return names_; }
-    /// An entry's bytes; the checksum is checked. From any thread, one at a time. Throws InputError where it claims or has more
-    /// than `most` bytes or is damaged.
+    /// An entry's bytes; the checksum is checked. From any thread, one at a time. Throws InputError where it claims or
+    /// has more than `most` bytes or is damaged.
     [[nodiscard]] std::vector<std::uint8_t> read(std::size_t index, std::uint64_t most) const;
 
 private:

@@ -16,12 +16,23 @@ namespace {
 std::string escaped(std::string_view text) {
     std::string result;
     for (const char c : text) switch (c) {
-            case '&': result += "&amp;"; break;
-            case '<': result += "&lt;"; break;
-            case '>': result += "&gt;"; break;
-            case '"': result += "&quot;"; break;
-            case '\'': result += "&apos;"; break;
-            default: result += c;
+            case '&':
+                result += "&amp;";
+                break;
+            case '<':
+                result += "&lt;";
+                break;
+            case '>':
+                result += "&gt;";
+                break;
+            case '"':
+                result += "&quot;";
+                break;
+            case '\'':
+                result += "&apos;";
+                break;
+            default:
+                result += c;
         }
     return result;
 }
@@ -51,7 +62,8 @@ std::string unescaped(std::string_view text) {
 std::optional<std::string_view> element(std::string_view xml, std::string_view tag, std::size_t& at) {
     while ((at = xml.find('<', at)) != std::string_view::npos) {
         const std::string_view rest = xml.substr(at + 1);
-        if (rest.starts_with(tag) && rest.size() > tag.size() && (rest[tag.size()] == '>' || std::isspace(static_cast<unsigned char>(rest[tag.size()])))) {
+        if (rest.starts_with(tag) && rest.size() > tag.size() &&
+            (rest[tag.size()] == '>' || std::isspace(static_cast<unsigned char>(rest[tag.size()])))) {
             const std::size_t open = xml.find('>', at);
             if (open == std::string_view::npos) return std::nullopt;
             const std::size_t close = xml.find(fmt::format("</{}>", tag), open);
@@ -105,7 +117,8 @@ public:
         std::array<std::uint8_t, 4> result{};
         for (auto& value : result) {
             int v = -1;
-            if (!(in >> v) || v < 0 || v > 255) fail(tag, fmt::format("holds \"{}\", expected four numbers from 0 to 255", t.substr(0, 40)));
+            if (!(in >> v) || v < 0 || v > 255)
+                fail(tag, fmt::format("holds \"{}\", expected four numbers from 0 to 255", t.substr(0, 40)));
             value = static_cast<std::uint8_t>(v);
         }
         return result;
@@ -144,7 +157,8 @@ GcvfConfig gcvf_config(const StackDescription& stack) {
     const auto [r, g, b] = stack.background_rgb;
     config.background = {r, g, b, 255};
     for (const auto& resin : stack.resins)
-        config.materials.push_back({gcvf_material_name(resin), {resin.rgb[0], resin.rgb[1], resin.rgb[2], 255}, resin.voxels});
+        config.materials.push_back(
+            {gcvf_material_name(resin), {resin.rgb[0], resin.rgb[1], resin.rgb[2], 255}, resin.voxels});
     return config;
 }
 
@@ -153,14 +167,18 @@ std::string gcvf_config_text(const GcvfConfig& config) {
     std::string materials;
     for (const auto& material : config.materials)
         materials += fmt::format(
-            "    <Material>\n      <Name>{}</Name>\n      <RGBA>{}</RGBA>\n      <VoxelCount>{}</VoxelCount>\n    </Material>\n",
+            "    <Material>\n      <Name>{}</Name>\n      <RGBA>{}</RGBA>\n      <VoxelCount>{}</VoxelCount>\n    "
+            "</Material>\n",
             escaped(material.name), rgba(material.rgba), material.voxels);
     return fmt::format(
         "<?xml version=\"1.0\" encoding=\"utf-8\"?>\n<GCVF>\n  <Version>2</Version>\n"
-        "  <Resolution>\n    <XDpi>{}</XDpi>\n    <YDpi>{}</YDpi>\n    <SliceThicknessNanoMeter>{}</SliceThicknessNanoMeter>\n  </Resolution>\n"
-        "  <SliceDimensions>\n    <SliceWidth>{}</SliceWidth>\n    <SliceHeight>{}</SliceHeight>\n  </SliceDimensions>\n"
+        "  <Resolution>\n    <XDpi>{}</XDpi>\n    <YDpi>{}</YDpi>\n    "
+        "<SliceThicknessNanoMeter>{}</SliceThicknessNanoMeter>\n  </Resolution>\n"
+        "  <SliceDimensions>\n    <SliceWidth>{}</SliceWidth>\n    <SliceHeight>{}</SliceHeight>\n  "
+        "</SliceDimensions>\n"
         "  <SliceRange>\n    <StartIndex>{}</StartIndex>\n    <NumberOfSlices>{}</NumberOfSlices>\n  </SliceRange>\n"
-        "  <BitDepth>4</BitDepth>\n  <MaxNumberOfColors>6</MaxNumberOfColors>\n  <DataSemantics>Materials</DataSemantics>\n"
+        "  <BitDepth>4</BitDepth>\n  <MaxNumberOfColors>6</MaxNumberOfColors>\n  "
+        "<DataSemantics>Materials</DataSemantics>\n"
         "  <CreationMode>MODEL_ONLY</CreationMode>\n  <ImageFilePrefix>{}</ImageFilePrefix>\n"
         "  <MaterialList>\n    <BackGroundMaterialRGBA>{}</BackGroundMaterialRGBA>\n{}  </MaterialList>\n</GCVF>\n",
         config.x_dpi, config.y_dpi, config.slice_thickness_nm, config.width_px, config.height_px, config.start_index,
@@ -186,7 +204,8 @@ GcvfConfig parse_gcvf_config(std::string_view xml, const std::string& source) {
     while (const auto inner = element(list, "Material", at)) {
         if (config.materials.size() >= 255) root.fail("MaterialList", "has more than 255 materials");
         const Reader material(*inner, source);
-        config.materials.push_back({material.text("Name"), material.rgba("RGBA"), material.integer("VoxelCount", 0, std::uint64_t{1} << 62)});
+        config.materials.push_back(
+            {material.text("Name"), material.rgba("RGBA"), material.integer("VoxelCount", 0, std::uint64_t{1} << 62)});
     }
     return config;
 }

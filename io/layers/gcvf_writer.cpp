@@ -13,8 +13,8 @@
 
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/error.h"
-#include "voxtone/io/layers/gcvf_config.h"
 #include "voxtone/io/files/whole_file.h"
+#include "voxtone/io/layers/gcvf_config.h"
 
 namespace voxtone::io {
 namespace {
@@ -24,7 +24,9 @@ using Point = std::array<float, 3>;
 void put_little_endian(std::vector<std::uint8_t>& out, std::uint32_t value) {
     for (int shift = 0; shift < 32; shift += 8) out.push_back(static_cast<std::uint8_t>(value >> shift));
 }
-void put_float(std::vector<std::uint8_t>& out, float value) { put_little_endian(out, std::bit_cast<std::uint32_t>(value)); }
+void put_float(std::vector<std::uint8_t>& out, float value) {
+    put_little_endian(out, std::bit_cast<std::uint32_t>(value));
+}
 
 /// From the model's frame into that of the bitmaps: x along columns, y negative along rows, z along layers; all mm.
 Point to_bitmap(const StackDescription& stack, const Point& p) {
@@ -41,8 +43,18 @@ Point to_bitmap(const StackDescription& stack, const Point& p) {
     return {static_cast<float>(u), static_cast<float>(-v), static_cast<float>(p[2] - stack.origin_mm[2])};
 }
 
-constexpr std::array<std::array<std::uint32_t, 3>, 12> box_triangles = {{{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
-                                                                         {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}}};
+constexpr std::array<std::array<std::uint32_t, 3>, 12> box_triangles = {{{0, 2, 1},
+                                                                         {1, 2, 3},
+                                                                         {4, 5, 6},
+                                                                         {5, 7, 6},
+                                                                         {0, 1, 4},
+                                                                         {1, 5, 4},
+                                                                         {2, 6, 3},
+                                                                         {3, 6, 7},
+                                                                         {0, 4, 2},
+                                                                         {2, 4, 6},
+                                                                         {1, 3, 5},
+                                                                         {3, 7, 5}}};
 
 struct Discard {
     void operator()(zip_t* zip) const { zip_discard(zip); }
@@ -56,7 +68,8 @@ GcvfPreview gcvf_preview(const StackDescription& stack, const PreviewMesh& mesh)
     bool mirrored = false;
     if (mesh.triangles.empty()) {
         for (int corner = 0; corner < 8; ++corner)
-            vertices.push_back({static_cast<float>(corner & 1 ? stack.size_mm[0] : 0), static_cast<float>(corner & 2 ? 0 : -stack.size_mm[1]),
+            vertices.push_back({static_cast<float>(corner & 1 ? stack.size_mm[0] : 0),
+                                static_cast<float>(corner & 2 ? 0 : -stack.size_mm[1]),
                                 static_cast<float>(corner & 4 ? stack.size_mm[2] : 0)});
         triangles = box_triangles;
     } else {
@@ -95,7 +108,8 @@ GcvfPreview gcvf_preview(const StackDescription& stack, const PreviewMesh& mesh)
         preview.stl.push_back(0);
         preview.stl.push_back(0);
     }
-    const std::array<double, 3> pitch_mm = {stack.pitch_um[0] * 1e-3, stack.pitch_um[1] * 1e-3, stack.pitch_um[2] * 1e-3};
+    const std::array<double, 3> pitch_mm = {stack.pitch_um[0] * 1e-3, stack.pitch_um[1] * 1e-3,
+                                            stack.pitch_um[2] * 1e-3};
     // y negative in mm becomes rows downward: the greatest y is the first row.
     put_float(preview.box, static_cast<float>(least[0] / pitch_mm[0]));
     put_float(preview.box, static_cast<float>(-greatest[1] / pitch_mm[1]));
@@ -115,7 +129,9 @@ void write_gcvf(const std::filesystem::path& file, const StackDescription& stack
     int code = 0;
     std::unique_ptr<zip_t, Discard> zip(zip_open(part.c_str(), ZIP_CREATE | ZIP_TRUNCATE, &code));
     if (!zip) throw FileError(fmt::format("{}: cannot be created; is the folder there and writable?", file.string()));
-    auto fail = [&] { throw FileError(fmt::format("{}: could not be written ({})", file.string(), zip_strerror(zip.get()))); };
+    auto fail = [&] {
+        throw FileError(fmt::format("{}: could not be written ({})", file.string(), zip_strerror(zip.get())));
+    };
     auto add = [&](const std::string& name, zip_source_t* source, zip_int32_t method) {
         if (!source) fail();
         const zip_int64_t index = zip_file_add(zip.get(), name.c_str(), source, ZIP_FL_ENC_UTF_8);
@@ -125,14 +141,17 @@ void write_gcvf(const std::filesystem::path& file, const StackDescription& stack
         }
         const auto at = static_cast<zip_uint64_t>(index);
         // 1980-01-01, the first date of ZIP, so that the same stack gives the same bytes.
-        if (zip_set_file_compression(zip.get(), at, method, 0) != 0 || zip_file_set_dostime(zip.get(), at, 0, 0x21, 0) != 0) fail();
+        if (zip_set_file_compression(zip.get(), at, method, 0) != 0 ||
+            zip_file_set_dostime(zip.get(), at, 0, 0x21, 0) != 0)
+            fail();
     };
     auto add_bytes = [&](const std::string& name, const void* bytes, std::size_t size) {
         add(name, zip_source_buffer(zip.get(), bytes, size, 0), ZIP_CM_DEFLATE);
     };
     add_bytes("ConfigFile.xml", config.data(), config.size());
     for (std::uint32_t k = 0; k < stack.layers; ++k)
-        add(fmt::format("layer_{}.png", k), zip_source_file(zip.get(), (folder / stack.layer_path(k)).c_str(), 0, -1), ZIP_CM_STORE);
+        add(fmt::format("layer_{}.png", k), zip_source_file(zip.get(), (folder / stack.layer_path(k)).c_str(), 0, -1),
+            ZIP_CM_STORE);
     add_bytes("Mesh.stl", preview.stl.data(), preview.stl.size());
     add_bytes("MeshBbx.ktn", preview.box.data(), preview.box.size());
     if (progress)

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// A GCVF container from the layers of a finished folder: a ZIP with ConfigFile.xml, layer_0.png ..., Mesh.stl (a preview in
-// mm, y negative because image rows run downward) and MeshBbx.ktn (six little-endian float32: least and greatest x, y, z in
-// pixels and slices, y downward). There is no public specification: the form is what public readers and writers agree on.
-// The same stack gives the same bytes. PNG entries are stored, since they are compressed already.
+// A GCVF container from the layers of a finished folder: a ZIP with ConfigFile.xml, layer_0.png ..., Mesh.stl (a
+// preview in mm, y negative because image rows run downward) and MeshBbx.ktn (six little-endian float32: least and
+// greatest x, y, z in pixels and slices, y downward). There is no public specification: the form is what public readers
+// and writers agree on. The same stack gives the same bytes. PNG entries are stored, since they are compressed already.
 #pragma once
 
 #include <array>

@@ -22,8 +22,8 @@ std::vector<std::uint8_t> huffman_lengths(std::span<const std::uint64_t> counts,
     }
     std::stable_sort(symbols.begin(), symbols.end(), [&](auto a, auto b) { return counts[a] < counts[b]; });
 
-    // Level by level, from the longest words: the packages of a level are the pairs of the level before. Only whether an
-    // item is a leaf has to be kept, since leaves enter in sorted order.
+    // Level by level, from the longest words: the packages of a level are the pairs of the level before. Only whether
+    // an item is a leaf has to be kept, since leaves enter in sorted order.
     std::vector<std::vector<bool>> is_leaf(static_cast<std::size_t>(limit));
     std::vector<std::uint64_t> previous, weights;
     for (auto& flags : is_leaf) {
@@ -79,7 +79,8 @@ void put_dynamic_header(BitWriter& out, bool last_block, std::span<const std::ui
     const std::size_t literals = used(literal_lengths, 257), distances = used(distance_lengths, 1);
     VOXTONE_EXPECT(literals <= 286 && distances <= 30 && literal_lengths.size() >= 257 && !distance_lengths.empty());
 
-    std::vector<std::uint8_t> all(literal_lengths.begin(), literal_lengths.begin() + static_cast<std::ptrdiff_t>(literals));
+    std::vector<std::uint8_t> all(literal_lengths.begin(),
+                                  literal_lengths.begin() + static_cast<std::ptrdiff_t>(literals));
     all.insert(all.end(), distance_lengths.begin(), distance_lengths.begin() + static_cast<std::ptrdiff_t>(distances));
 
     struct Item {
@@ -116,7 +117,8 @@ void put_dynamic_header(BitWriter& out, bool last_block, std::span<const std::ui
         lengths[lengths[0] ? 1 : 0] = 1;
     const auto words = canonical_code(lengths);
 
-    static constexpr std::array<std::uint8_t, 19> order = {16, 17, 18, 0, 8, 7, 9, 6, 10, 5, 11, 4, 12, 3, 13, 2, 14, 1, 15};
+    static constexpr std::array<std::uint8_t, 19> order = {16, 17, 18, 0, 8,  7, 9,  6, 10, 5,
+                                                           11, 4,  12, 3, 13, 2, 14, 1, 15};
     std::size_t code_lengths = order.size();
     while (code_lengths > 4 && lengths[order[code_lengths - 1]] == 0) --code_lengths;
     out.put(last_block ? 1 : 0, 1);

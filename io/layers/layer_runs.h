@@ -4,8 +4,8 @@
 // uniform stretches (air, core) cost next to nothing.
 //
 // Material 0 is the background (nothing is printed); material m >= 1 is resin m - 1 of the stack's list.
-// Runs are in bitmap order: rows from the top (largest y), columns along +x; a row's lengths add up to `width_px`, and no
-// two neighbouring runs of a row are of the same material.
+// Runs are in bitmap order: rows from the top (largest y), columns along +x; a row's lengths add up to `width_px`, and
+// no two neighbouring runs of a row are of the same material.
 #pragma once
 
 #include <cstddef>

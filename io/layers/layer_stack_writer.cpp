@@ -8,12 +8,12 @@
 
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/error.h"
+#include "voxtone/io/files/sha256.h"
+#include "voxtone/io/files/whole_file.h"
 #include "voxtone/io/layers/orient.h"
 #include "voxtone/io/layers/resin_sheet.h"
-#include "voxtone/io/files/sha256.h"
 #include "voxtone/io/layers/stack_folder.h"
 #include "voxtone/io/layers/volume_vdb.h"
-#include "voxtone/io/files/whole_file.h"
 
 namespace voxtone::io {
 namespace {
@@ -46,7 +46,8 @@ LayerStackWriter::LayerStackWriter(std::filesystem::path out, StackDescription d
     for (std::size_t r = 0; r < stack_.resins.size(); ++r) {
         std::error_code error;
         std::filesystem::create_directories(resin_folder(r), error);
-        if (error) throw FileError(fmt::format("{}: cannot be created ({})", resin_folder(r).string(), error.message()));
+        if (error)
+            throw FileError(fmt::format("{}: cannot be created ({})", resin_folder(r).string(), error.message()));
     }
 }
 

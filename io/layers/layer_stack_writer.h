@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Writes one job's layer stack into a folder: layers/slice_00000.png ..., the assignment sheet, on request one bitmap per
-// resin and layer, a GCVF container and a sparse volume, and last of all manifest.json. A folder without manifest.json is
-// not whole; every single file is (see whole_file.h). Nothing is written outside the folder.
+// Writes one job's layer stack into a folder: layers/slice_00000.png ..., the assignment sheet, on request one bitmap
+// per resin and layer, a GCVF container and a sparse volume, and last of all manifest.json. A folder without
+// manifest.json is not whole; every single file is (see whole_file.h). Nothing is written outside the folder.
 #pragma once
 
 #include <array>
@@ -23,7 +23,8 @@
 namespace voxtone::io {
 
 struct StackOutputs {
-    /// For RIPs that want one bitmap per resin and layer (png1, tiff1: resins/NN-ROLE/) or indexed ones (png8: resins/indexed/).
+    /// For RIPs that want one bitmap per resin and layer (png1, tiff1: resins/NN-ROLE/) or indexed ones (png8:
+    /// resins/indexed/).
     ResinBitmaps resin_bitmaps = ResinBitmaps::none;
     bool gcvf = false;  ///< OUT/stack.gcvf
     bool vdb = false;   ///< OUT/volume.vdb
@@ -31,15 +32,15 @@ struct StackOutputs {
 
 class LayerStackWriter {
 public:
-    /// `description` is that of the stack as it is sliced: size_px, pitch_um, layers, ... before `orientation`, which the
-    /// writer applies. Voxel counts, millilitres, size_mm and the digest are filled in by `finish`.
-    /// Throws FileError where OUT cannot be written, InputError where it holds something else than a stack of ours (unless
+    /// `description` is that of the stack as it is sliced: size_px, pitch_um, layers, ... before `orientation`, which
+    /// the writer applies. Voxel counts, millilitres, size_mm and the digest are filled in by `finish`. Throws
+    /// FileError where OUT cannot be written, InputError where it holds something else than a stack of ours (unless
     /// `overwrite`): whatever is not ours in it is never removed.
     LayerStackWriter(std::filesystem::path out, StackDescription description, StackOutputs outputs = {},
                      bool overwrite = false);
 
-    /// Layer `index` from the bottom, 0 .. layers - 1, as sliced. Any order, any thread, each layer once; the work is done
-    /// on the caller's thread. Throws FileError.
+    /// Layer `index` from the bottom, 0 .. layers - 1, as sliced. Any order, any thread, each layer once; the work is
+    /// done on the caller's thread. Throws FileError.
     void write(std::uint32_t index, const LayerRuns& layer);
 
     /// Writes the rest and the manifest; all layers must have been written. The description as it is in the manifest.
@@ -55,10 +56,10 @@ private:
     [[nodiscard]] std::filesystem::path resin_folder(std::size_t resin) const;
 
     std::filesystem::path out_;
-    StackDescription stack_;      // of the bitmaps as they are written
+    StackDescription stack_;  // of the bitmaps as they are written
     StackOutputs outputs_;
     PngLayerEncoder encoder_;
-    mutable std::mutex mutex_;    // for all below
+    mutable std::mutex mutex_;  // for all below
     std::array<std::uint64_t, max_materials> voxels_{};
     std::vector<std::uint64_t> digests_;
     std::vector<bool> written_;

@@ -18,7 +18,8 @@ constexpr double most_um = 1e5, most_mm = 1e6;
     throw InputError(fmt::format("{}: key `{}`: {}", source, key, rule));
 }
 
-/// "PREFIX%0Nd.png" in one folder at most, without any way out of it. The number of digits, or 0 where it is anything else.
+/// "PREFIX%0Nd.png" in one folder at most, without any way out of it. The number of digits, or 0 where it is anything
+/// else.
 int pattern_digits(const std::string& pattern) {
     const std::size_t percent = pattern.find('%');
     if (percent == std::string::npos || pattern.size() != percent + 8 || pattern[percent + 1] != '0' ||
@@ -26,7 +27,8 @@ int pattern_digits(const std::string& pattern) {
         return 0;
     const std::string_view prefix(pattern.data(), percent);
     for (const char c : prefix)
-        if (!((c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-' || c == '/'))
+        if (!((c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-' ||
+              c == '/'))
             return 0;
     if (prefix.starts_with('/') || std::count(prefix.begin(), prefix.end(), '/') > 1) return 0;
     return pattern[percent + 2] - '0';
@@ -41,7 +43,8 @@ std::string list(const Numbers& numbers) {
 
 Rgb read_rgb(const JsonObject& object, std::string_view key) {
     const auto values = object.integers(key, 3, 0, 255);
-    return {static_cast<std::uint8_t>(values[0]), static_cast<std::uint8_t>(values[1]), static_cast<std::uint8_t>(values[2])};
+    return {static_cast<std::uint8_t>(values[0]), static_cast<std::uint8_t>(values[1]),
+            static_cast<std::uint8_t>(values[2])};
 }
 
 std::array<double, 3> read_three(const JsonObject& object, std::string_view key, double least, double most) {
@@ -50,8 +53,8 @@ std::array<double, 3> read_three(const JsonObject& object, std::string_view key,
 }
 
 StackDescription from_json(const JsonObject& json, std::string_view source) {
-    json.allow_only({"format", "version", "printer", "pitch_um", "size_px", "layers", "first_layer", "size_mm", "origin_mm",
-                     "pattern", "background_rgb", "resins", "orientation", "content_sha256"});
+    json.allow_only({"format", "version", "printer", "pitch_um", "size_px", "layers", "first_layer", "size_mm",
+                     "origin_mm", "pattern", "background_rgb", "resins", "orientation", "content_sha256"});
     if (json.text("format") != "voxtone-layers")
         json.fail("format", "is not \"voxtone-layers\": this is no manifest of a layer stack");
     if (json.integer("version", 0, 1000000) != 1)
@@ -62,7 +65,8 @@ StackDescription from_json(const JsonObject& json, std::string_view source) {
     const auto size = json.integers("size_px", 2, 1, 65535);
     stack.size_px = {static_cast<std::uint32_t>(size[0]), static_cast<std::uint32_t>(size[1])};
     stack.layers = static_cast<std::uint32_t>(json.integer("layers", 1, 1000000));
-    if (json.has("first_layer")) stack.first_layer = static_cast<std::uint32_t>(json.integer("first_layer", 0, 1000000));
+    if (json.has("first_layer"))
+        stack.first_layer = static_cast<std::uint32_t>(json.integer("first_layer", 0, 1000000));
     stack.size_mm = read_three(json, "size_mm", 0, most_mm);
     stack.origin_mm = read_three(json, "origin_mm", -most_mm, most_mm);
     stack.pattern = json.text("pattern");
@@ -75,7 +79,8 @@ StackDescription from_json(const JsonObject& json, std::string_view source) {
     if (json.has("orientation")) {
         const auto orientation = json.object("orientation");
         orientation.allow_only({"flip_x", "flip_y", "swap_xy"});
-        stack.orientation = {orientation.boolean("flip_x"), orientation.boolean("flip_y"), orientation.boolean("swap_xy")};
+        stack.orientation = {orientation.boolean("flip_x"), orientation.boolean("flip_y"),
+                             orientation.boolean("swap_xy")};
     }
     stack.content_sha256 = json.text("content_sha256");
     stack.validate(source);
@@ -106,15 +111,17 @@ void StackDescription::validate(std::string_view source) const {
         if (px < 1 || px > 65535) broken(source, "size_px", fmt::format("holds {}, expected 1 to 65535", px));
     if (layers < 1) broken(source, "layers", "is 0, expected at least 1");
     for (std::size_t axis = 0; axis < 3; ++axis)
-        if (const double expected = stack_size_mm(*this)[axis]; std::abs(size_mm[axis] - expected) > 0.01 + 1e-3 * expected)
+        if (const double expected = stack_size_mm(*this)[axis];
+            std::abs(size_mm[axis] - expected) > 0.01 + 1e-3 * expected)
             broken(source, "size_mm",
                    fmt::format("holds {:.3f} where size_px, layers and pitch_um give {:.3f} mm; one of them is wrong",
                                size_mm[axis], expected));
     const int digits = pattern_digits(pattern);
     if (digits == 0)
         broken(source, "pattern",
-               fmt::format("is {}, expected something like \"layers/slice_%05d.png\" (letters, digits, _ and -, one folder)",
-                           json_text(pattern)));
+               fmt::format(
+                   "is {}, expected something like \"layers/slice_%05d.png\" (letters, digits, _ and -, one folder)",
+                   json_text(pattern)));
     if (std::uint64_t{first_layer} + layers > static_cast<std::uint64_t>(std::llround(std::pow(10.0, digits))))
         broken(source, "pattern", fmt::format("has {} digits, too few for layer {}", digits, first_layer + layers - 1));
     if (resins.empty() || resins.size() >= max_materials)
@@ -129,7 +136,8 @@ void StackDescription::validate(std::string_view source) const {
         if (!(resins[i].ml >= 0 && std::isfinite(resins[i].ml))) broken(source, name + ".ml", "is no number from 0 up");
         for (std::size_t j = 0; j < i; ++j) {
             if (resins[j].rgb == resins[i].rgb)
-                broken(source, name + ".rgb", fmt::format("is also the colour of resins[{}]: one colour means one resin", j));
+                broken(source, name + ".rgb",
+                       fmt::format("is also the colour of resins[{}]: one colour means one resin", j));
             if (resins[j].role == resins[i].role)
                 broken(source, name + ".role", fmt::format("is also the role of resins[{}]: roles are unique", j));
         }
@@ -163,8 +171,8 @@ std::string manifest_text(const StackDescription& stack) {
         " \"orientation\": {{\"flip_x\": {}, \"flip_y\": {}, \"swap_xy\": {}}},\n"
         " \"content_sha256\": {}}}\n",
         json_text(stack.printer), list(stack.pitch_um), list(stack.size_px), stack.layers, stack.first_layer,
-        list(stack.size_mm), list(stack.origin_mm), json_text(stack.pattern), list(stack.background_rgb), resins, stack.orientation.flip_x,
-        stack.orientation.flip_y, stack.orientation.swap_xy, json_text(stack.content_sha256));
+        list(stack.size_mm), list(stack.origin_mm), json_text(stack.pattern), list(stack.background_rgb), resins,
+        stack.orientation.flip_x, stack.orientation.flip_y, stack.orientation.swap_xy, json_text(stack.content_sha256));
 }
 
 StackDescription parse_manifest(std::string_view text, std::string source) {

@@ -17,8 +17,8 @@
 
 namespace voxtone::io {
 
-/// What was done to the bitmaps after slicing, in this order: rows and columns swapped, then columns mirrored (flip_x), then
-/// rows mirrored (flip_y). Some printer set-ups print mirrored and want this.
+/// What was done to the bitmaps after slicing, in this order: rows and columns swapped, then columns mirrored (flip_x),
+/// then rows mirrored (flip_y). Some printer set-ups print mirrored and want this.
 struct Orientation {
     bool flip_x = false, flip_y = false, swap_xy = false;
     friend bool operator==(const Orientation&, const Orientation&) = default;
@@ -34,18 +34,18 @@ struct StackResin {
 };
 
 struct StackDescription {
-    std::string printer;                          ///< id of the profile
-    std::array<double, 3> pitch_um{};             ///< of columns, rows, layers
-    std::array<std::uint32_t, 2> size_px{};       ///< columns, rows; 1..65535
-    std::uint32_t layers = 0;                     ///< in this folder, >= 1
-    std::uint32_t first_layer = 0;                ///< number of the first one: a part of a stack starts later
-    std::array<double, 3> size_mm{};              ///< of the whole bitmap stack
-    std::array<double, 3> origin_mm{};            ///< corner of the grid in the model's frame, before `orientation`
+    std::string printer;                     ///< id of the profile
+    std::array<double, 3> pitch_um{};        ///< of columns, rows, layers
+    std::array<std::uint32_t, 2> size_px{};  ///< columns, rows; 1..65535
+    std::uint32_t layers = 0;                ///< in this folder, >= 1
+    std::uint32_t first_layer = 0;           ///< number of the first one: a part of a stack starts later
+    std::array<double, 3> size_mm{};         ///< of the whole bitmap stack
+    std::array<double, 3> origin_mm{};       ///< corner of the grid in the model's frame, before `orientation`
     std::string pattern = "layers/slice_%05d.png";
     Rgb background_rgb{};
-    std::vector<StackResin> resins;               ///< material m of a layer is resins[m - 1]
+    std::vector<StackResin> resins;  ///< material m of a layer is resins[m - 1]
     Orientation orientation;
-    std::string content_sha256;                   ///< see sha256.h; 64 hexadecimal digits
+    std::string content_sha256;  ///< see sha256.h; 64 hexadecimal digits
 
     friend bool operator==(const StackDescription&, const StackDescription&) = default;
     /// Colours of materials 0, 1, ...: the background, then the resins.

@@ -15,8 +15,8 @@ LayerRuns transposed(const LayerRuns& layer) {
     constexpr std::uint32_t columns_at_once = 64;
     const std::uint32_t height = layer.height_px();
     std::vector<Material> columns(std::size_t{columns_at_once} * height);
-    std::vector<std::size_t> next_run(height, 0);       // per row: the run that holds the next column
-    std::vector<std::uint32_t> run_begin(height, 0);    // and where it begins
+    std::vector<std::size_t> next_run(height, 0);     // per row: the run that holds the next column
+    std::vector<std::uint32_t> run_begin(height, 0);  // and where it begins
     for (std::uint32_t first = 0; first < layer.width_px(); first += columns_at_once) {
         const std::uint32_t count = std::min(columns_at_once, layer.width_px() - first);
         for (std::uint32_t y = 0; y < height; ++y) {
@@ -44,8 +44,7 @@ LayerRuns transposed(const LayerRuns& layer) {
 
 LayerRuns oriented(const LayerRuns& layer, const Orientation& orientation) {
     VOXTONE_EXPECT(layer.rows() == layer.height_px());
-    if (orientation.swap_xy)
-        return oriented(transposed(layer), {orientation.flip_x, orientation.flip_y, false});
+    if (orientation.swap_xy) return oriented(transposed(layer), {orientation.flip_x, orientation.flip_y, false});
     LayerRuns result(layer.width_px(), layer.height_px());
     for (std::uint32_t y = 0; y < layer.height_px(); ++y) {
         const auto row = layer.row(orientation.flip_y ? layer.height_px() - 1 - y : y);

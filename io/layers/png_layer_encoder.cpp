@@ -29,7 +29,6 @@ LengthSymbol length_symbol(std::uint32_t length) {
     return {257 + 4 * bits + (l >> bits), l & ((1u << bits) - 1), bits};
 }
 
-
 class BlockWriter {
 public:
     BlockWriter(const MatchTokens& tokens, std::span<const Rgb> palette) : tokens_(tokens) {
@@ -191,7 +190,8 @@ std::vector<std::uint8_t> PngLayerEncoder::encode(const LayerRuns& layer) const 
 
     std::vector<std::uint8_t> out;
     out.reserve(block.room() + 128);
-    for (const int byte : {0x89, 0x50, 0x4e, 0x47, 0x0d, 0x0a, 0x1a, 0x0a}) out.push_back(static_cast<std::uint8_t>(byte));
+    for (const int byte : {0x89, 0x50, 0x4e, 0x47, 0x0d, 0x0a, 0x1a, 0x0a})
+        out.push_back(static_cast<std::uint8_t>(byte));
     std::size_t chunk = begin_chunk(out, "IHDR");
     put_big_endian(out, layer.width_px());
     put_big_endian(out, layer.height_px());

@@ -2,9 +2,9 @@
 //
 // A layer as a complete PNG file: 8-bit RGBA (colour type 6), alpha 255, pHYs with the pixel size per axis, no filter.
 //
-// The compressed stream (zlib, RFC 1950/1951) is written from the runs: nothing of 4 bytes a pixel is ever laid out. One
-// dynamic block per layer with code lengths from the layer's own counts; Adler-32 in closed form per run. The same layer
-// gives the same bytes on every machine and for any number of threads.
+// The compressed stream (zlib, RFC 1950/1951) is written from the runs: nothing of 4 bytes a pixel is ever laid out.
+// One dynamic block per layer with code lengths from the layer's own counts; Adler-32 in closed form per run. The same
+// layer gives the same bytes on every machine and for any number of threads.
 #pragma once
 
 #include <array>

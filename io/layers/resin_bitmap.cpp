@@ -20,7 +20,8 @@ void fill_bits(std::span<const Run> row, Material material, std::vector<std::uin
     std::uint32_t x = 0;
     for (const Run run : row) {
         if (run.material == material)
-            for (std::uint32_t end = x + run.length; x < end; ++x) bits[x / 8] |= static_cast<std::uint8_t>(0x80 >> (x % 8));
+            for (std::uint32_t end = x + run.length; x < end; ++x)
+                bits[x / 8] |= static_cast<std::uint8_t>(0x80 >> (x % 8));
         else
             x += run.length;
     }
@@ -36,9 +37,10 @@ void fill_bytes(std::span<const Run> row, std::vector<std::uint8_t>& bytes) {
 
 /// `row(y)` fills and gives one packed row.
 template <class RowOf>
-bool write_png(std::vector<std::uint8_t>& out, const LayerRuns& layer, int depth, int type, std::span<const png_color> colours,
-               std::array<std::uint32_t, 2> per_metre, RowOf&& row) {
-    png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, [](png_structp, png_const_charp) {});
+bool write_png(std::vector<std::uint8_t>& out, const LayerRuns& layer, int depth, int type,
+               std::span<const png_color> colours, std::array<std::uint32_t, 2> per_metre, RowOf&& row) {
+    png_structp png =
+        png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, [](png_structp, png_const_charp) {});
     png_infop info = png ? png_create_info_struct(png) : nullptr;
     if (!info || setjmp(png_jmpbuf(png))) {  // out of memory: nothing else can go wrong
         png_destroy_write_struct(&png, &info);
@@ -54,8 +56,8 @@ bool write_png(std::vector<std::uint8_t>& out, const LayerRuns& layer, int depth
     png_set_user_limits(png, 65535, 65535);
     png_set_compression_level(png, 6);
     png_set_filter(png, 0, PNG_FILTER_NONE);
-    png_set_IHDR(png, info, layer.width_px(), layer.height_px(), depth, type, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
-                 PNG_FILTER_TYPE_DEFAULT);
+    png_set_IHDR(png, info, layer.width_px(), layer.height_px(), depth, type, PNG_INTERLACE_NONE,
+                 PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
     png_set_pHYs(png, info, per_metre[0], per_metre[1], PNG_RESOLUTION_METER);
     if (!colours.empty()) png_set_PLTE(png, info, colours.data(), static_cast<int>(colours.size()));
     png_write_info(png, info);
@@ -111,7 +113,8 @@ std::vector<std::uint8_t> encode_png1(const LayerRuns& layer, Material material,
     return out;
 }
 
-std::vector<std::uint8_t> encode_png8(const LayerRuns& layer, std::span<const Rgb> palette, std::array<double, 2> pitch_um) {
+std::vector<std::uint8_t> encode_png8(const LayerRuns& layer, std::span<const Rgb> palette,
+                                      std::array<double, 2> pitch_um) {
     VOXTONE_EXPECT(layer.rows() == layer.height_px());
     std::vector<png_color> colours;
     for (const auto& [r, g, b] : palette) colours.push_back({r, g, b});
@@ -128,8 +131,8 @@ std::vector<std::uint8_t> encode_png8(const LayerRuns& layer, std::span<const Rg
 std::vector<std::uint8_t> encode_tiff1(const LayerRuns& layer, Material material, std::array<double, 2> pitch_um) {
     VOXTONE_EXPECT(layer.rows() == layer.height_px());
     Memory memory;
-    TIFF* const tiff = TIFFClientOpen("layer", "wl", &memory, memory_read, memory_write, memory_seek, memory_close, memory_size,
-                                      memory_map, memory_unmap);
+    TIFF* const tiff = TIFFClientOpen("layer", "wl", &memory, memory_read, memory_write, memory_seek, memory_close,
+                                      memory_size, memory_map, memory_unmap);
     if (!tiff) throw ResourceError("Out of memory while writing a TIFF layer.");
     TIFFSetField(tiff, TIFFTAG_IMAGEWIDTH, layer.width_px());
     TIFFSetField(tiff, TIFFTAG_IMAGELENGTH, layer.height_px());

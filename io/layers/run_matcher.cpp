@@ -18,7 +18,7 @@ constexpr std::uint32_t padding = 16;
 constexpr std::uint32_t pixel_reach = 64;  // px searched for a single equal pixel
 constexpr int long_bits = 12, short_bits = 12;
 constexpr std::uint32_t block = 256;  // px looked up at once
-constexpr std::uint32_t worth = 4;  // of a pixel told, against one bit of distance
+constexpr std::uint32_t worth = 4;    // of a pixel told, against one bit of distance
 
 std::uint64_t load(const std::uint8_t* at) {
     std::uint64_t value;
@@ -31,8 +31,8 @@ std::uint64_t load(const std::uint8_t* at) {
 std::uint32_t key_long(std::uint64_t next, int unused) {
     return static_cast<std::uint32_t>(((next << unused) * 0x9E3779B97F4A7C15u) >> (64 - long_bits));
 }
-/// How many pixels the long key takes: the calmer the halftone, the more, so that about one place within reach has the same.
-/// Chosen on halftones of 0.8 to 2.2 bits per pixel.
+/// How many pixels the long key takes: the calmer the halftone, the more, so that about one place within reach has the
+/// same. Chosen on halftones of 0.8 to 2.2 bits per pixel.
 int long_key_pixels(const LayerRuns& layer) {
     std::uint64_t runs = 0, pixels = 0;
     for (std::uint32_t y = 0; y < layer.rows(); y += 8)
@@ -155,7 +155,8 @@ void RunMatcher::match_pixels(std::uint32_t first, std::uint32_t last) {
             const std::uint32_t limit = end - slot;
             const std::uint32_t oldest = std::min(reach, row_slot + slot - floor);
             const std::uint64_t next = load(here);
-            // The best candidate in one number: its score, length and how far back. A match of no pixel is worth nothing.
+            // The best candidate in one number: its score, length and how far back. A match of no pixel is worth
+            // nothing.
             auto candidate = [&](std::uint32_t back) {
                 back = back - 1 >= oldest ? slot : back;  // out of reach: the filter byte's slot, which equals nothing
                 const std::uint32_t length = equal_pixels(next, here, here - back, limit);
@@ -206,12 +207,13 @@ const MatchTokens& RunMatcher::match(const LayerRuns& layer) {
     for (std::uint32_t y = 0; y < layer.height_px(); ++y) {
         const auto row = layer.row(y);
         const auto above = y > 0 ? layer.row(y - 1) : std::span<const Run>();
-        const bool next_over = rows_reach && y + 1 < layer.height_px() && layer.row(y + 1)[0].material == row[0].material;
+        const bool next_over =
+            rows_reach && y + 1 < layer.height_px() && layer.row(y + 1)[0].material == row[0].material;
         // The rest of the row's last run: what fits into the next match over the filter byte is left to it.
         auto end_run = [&](std::uint32_t left) {
             const std::uint32_t rest = left % MatchTokens::longest;
-            const bool above_too = !above.empty() && above.back().material == row.back().material &&
-                                   rest <= 4u * above.back().length;
+            const bool above_too =
+                !above.empty() && above.back().material == row.back().material && rest <= 4u * above.back().length;
             if (next_over && above_too && rest <= MatchTokens::longest - 5) tail = rest;
             tokens_.repeat(left - tail, 4);
         };

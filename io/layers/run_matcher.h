@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// A layer as the literals and matches of deflate (RFC 1951), found on pixels instead of bytes: the bitmap that is meant has
-// 4 bytes a pixel and one filter byte (0) before each row, but it is never laid out.
+// A layer as the literals and matches of deflate (RFC 1951), found on pixels instead of bytes: the bitmap that is meant
+// has 4 bytes a pixel and one filter byte (0) before each row, but it is never laid out.
 //
-// Long runs become matches at distance 4, as many of the longest length as fit; the stretch from the end of one row over
-// the filter byte into the next becomes one match at the distance of a row. What lies between long runs (halftone) is
-// matched greedily against the last 8192 pixels: candidates are the previous pixel, the latest place where the next 3 pixels
-// were the same and the latest two where the next 5 to 8 were; the one with the best length for its price is taken.
+// Long runs become matches at distance 4, as many of the longest length as fit; the stretch from the end of one row
+// over the filter byte into the next becomes one match at the distance of a row. What lies between long runs (halftone)
+// is matched greedily against the last 8192 pixels: candidates are the previous pixel, the latest place where the next
+// 3 pixels were the same and the latest two where the next 5 to 8 were; the one with the best length for its price is
+// taken.
 #pragma once
 
 #include <array>
@@ -93,8 +94,8 @@ private:
     std::uint32_t window_end_ = 0;    // slot behind the last row filled in
     std::uint32_t row_slot_ = 0;      // slot of the current row's filter byte
     int long_key_unused_ = 16;
-    // Where the next few pixels were last seen, for the longer key the last two places: the low 16 bits of the slot (what is older than the reach is refused, and
-    // every find is compared).
+    // Where the next few pixels were last seen, for the longer key the last two places: the low 16 bits of the slot
+    // (what is older than the reach is refused, and every find is compared).
     std::vector<std::uint16_t> latest_long_, latest_short_;
 };
 

@@ -8,8 +8,8 @@
 #include <fmt/core.h>
 
 #include "voxtone/base/error.h"
-#include "voxtone/io/layers/manifest.h"
 #include "voxtone/io/files/whole_file.h"
+#include "voxtone/io/layers/manifest.h"
 
 namespace voxtone::io {
 namespace {
@@ -28,9 +28,10 @@ bool is_slice(std::string name) {
 
 void check_no_link(const fs::path& path) {
     if (fs::is_symlink(fs::symlink_status(path)))
-        throw FileError(fmt::format("{}: is a link; layers would be written somewhere else than in the folder you named: "
-                                    "remove the link or choose another folder",
-                                    path.string()));
+        throw FileError(
+            fmt::format("{}: is a link; layers would be written somewhere else than in the folder you named: "
+                        "remove the link or choose another folder",
+                        path.string()));
 }
 
 void remove_slices(const fs::path& folder) {
@@ -49,23 +50,26 @@ void prepare_stack_folder(const fs::path& out, bool overwrite) {
         fs::create_directories(out);
         const bool ours = fs::exists(out / unfinished_name) || fs::exists(out / manifest_name);
         if (!ours && !overwrite && !fs::is_empty(out))
-            throw InputError(fmt::format("{}: is not empty and holds no voxtone stack; files in it could be replaced: name "
-                                         "another folder, or allow it with --overwrite",
-                                         out.string()));
+            throw InputError(
+                fmt::format("{}: is not empty and holds no voxtone stack; files in it could be replaced: name "
+                            "another folder, or allow it with --overwrite",
+                            out.string()));
         if (fs::exists(out / manifest_name) && !overwrite) {
             try {
                 (void)read_manifest(out / manifest_name);
             } catch (const InputError& error) {
-                throw InputError(fmt::format("{}: holds a manifest.json that is not of a voxtone stack ({}): name another "
-                                             "folder, or allow it with --overwrite",
-                                             out.string(), error.what()));
+                throw InputError(
+                    fmt::format("{}: holds a manifest.json that is not of a voxtone stack ({}): name another "
+                                "folder, or allow it with --overwrite",
+                                out.string(), error.what()));
             }
         }
-        for (const auto name : {std::string_view("layers"), resin_folder_name, manifest_name, unfinished_name, gcvf_name,
-                                vdb_name, sheet_text_name, sheet_page_name})
+        for (const auto name : {std::string_view("layers"), resin_folder_name, manifest_name, unfinished_name,
+                                gcvf_name, vdb_name, sheet_text_name, sheet_page_name})
             check_no_link(out / name);
         // The mark first: from here on the folder is not whole, whatever happens.
-        write_whole_file(out / unfinished_name, std::string_view("This stack is being written; it is whole when manifest.json is here.\n"));
+        write_whole_file(out / unfinished_name,
+                         std::string_view("This stack is being written; it is whole when manifest.json is here.\n"));
         for (const auto name : {manifest_name, gcvf_name, vdb_name, sheet_text_name, sheet_page_name}) {
             fs::remove(out / name);
             fs::remove(part_path(out / name));

@@ -11,9 +11,9 @@
 
 #include "voxtone/base/error.h"
 #include "voxtone/base/parallel.h"
-#include "voxtone/io/layers/stack_folder.h"
 #include "voxtone/io/files/whole_file.h"
 #include "voxtone/io/files/zip_container.h"
+#include "voxtone/io/layers/stack_folder.h"
 
 namespace voxtone::io {
 namespace {
@@ -24,7 +24,9 @@ constexpr std::uint64_t most_layer_bytes = std::uint64_t{256} << 20;
 constexpr std::uint64_t most_layers = 1'000'000;
 constexpr std::uint64_t most_missing = 1000;  // kept by name
 
-std::uint32_t word(const Rgba& c) { return std::uint32_t{c[0]} << 24 | std::uint32_t{c[1]} << 16 | std::uint32_t{c[2]} << 8 | c[3]; }
+std::uint32_t word(const Rgba& c) {
+    return std::uint32_t{c[0]} << 24 | std::uint32_t{c[1]} << 16 | std::uint32_t{c[2]} << 8 | c[3];
+}
 
 }  // namespace
 
@@ -37,7 +39,8 @@ LayerScan scan_layer(std::span<const std::uint8_t> file, const std::string& sour
     for (std::size_t m = palette.size(); m-- > 0;)
         material[word({palette[m][0], palette[m][1], palette[m][2], 255})] = static_cast<Material>(m);
 
-    // What is known of the colour of the run before: halftones change between few colours, so a small memory of them pays.
+    // What is known of the colour of the run before: halftones change between few colours, so a small memory of them
+    // pays.
     struct Known {
         std::uint32_t colour = 0;
         std::size_t place = 0;
@@ -82,7 +85,8 @@ LayerScan scan_layer(std::span<const std::uint8_t> file, const std::string& sour
 std::optional<SliceName> parse_slice_name(const std::string& file_name) {
     if (file_name.size() < 5) return std::nullopt;
     std::string extension = file_name.substr(file_name.size() - 4);
-    std::transform(extension.begin(), extension.end(), extension.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    std::transform(extension.begin(), extension.end(), extension.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
     if (extension != ".png" || file_name.front() == '.') return std::nullopt;
     const std::string base = file_name.substr(0, file_name.size() - 4);
     std::size_t begin = base.size();
@@ -98,8 +102,8 @@ struct StackReader::State {
     std::optional<StackDescription> description;
     std::optional<GcvfConfig> config;
     std::unique_ptr<ZipContainer> zip;
-    std::vector<std::string> names;              // of layers, bottom first
-    std::vector<std::size_t> entries;            // of a container, per layer
+    std::vector<std::string> names;    // of layers, bottom first
+    std::vector<std::size_t> entries;  // of a container, per layer
     std::vector<std::string> strangers, missing;
     std::uint64_t missing_count = 0;
 
@@ -117,7 +121,8 @@ struct StackReader::State {
         }
         if (stems.empty())
             throw InputError(fmt::format("{}: holds no layer: expected files like slice_00000.png", folder.string()));
-        auto most = std::max_element(stems.begin(), stems.end(), [](const auto& a, const auto& b) { return a.second.size() < b.second.size(); });
+        auto most = std::max_element(stems.begin(), stems.end(),
+                                     [](const auto& a, const auto& b) { return a.second.size() < b.second.size(); });
         std::sort(most->second.begin(), most->second.end());
         for (const auto& [number, name] : most->second) names.push_back(prefix + name);
         for (const auto& [stem, slices] : stems)
@@ -153,7 +158,8 @@ struct StackReader::State {
         for (const auto& name : there)
             if (!prefix.empty() || parse_slice_name(name)) strangers.push_back(prefix + name);
         std::sort(strangers.begin(), strangers.end());
-        if (names.empty()) throw InputError(fmt::format("{}: holds none of the layers that the manifest names", folder.string()));
+        if (names.empty())
+            throw InputError(fmt::format("{}: holds none of the layers that the manifest names", folder.string()));
     }
     void add_missing(const std::string& name) {
         if (++missing_count <= most_missing) missing.push_back(name);
@@ -165,9 +171,11 @@ struct StackReader::State {
         for (std::size_t i = 0; i < zip->names().size(); ++i) index.emplace(zip->names()[i], i);
         const auto config_entry = index.find("ConfigFile.xml");
         if (config_entry == index.end())
-            throw InputError(fmt::format("{}: has no ConfigFile.xml at its root: it is no GCVF container", root.string()));
+            throw InputError(
+                fmt::format("{}: has no ConfigFile.xml at its root: it is no GCVF container", root.string()));
         const auto xml = zip->read(config_entry->second, 16 << 20);
-        config = parse_gcvf_config({reinterpret_cast<const char*>(xml.data()), xml.size()}, root.string() + ": ConfigFile.xml");
+        config = parse_gcvf_config({reinterpret_cast<const char*>(xml.data()), xml.size()},
+                                   root.string() + ": ConfigFile.xml");
         index.erase(config_entry);
         index.erase("Mesh.stl");
         index.erase("MeshBbx.ktn");
@@ -182,7 +190,8 @@ struct StackReader::State {
             }
         }
         for (const auto& [name, i] : index) strangers.push_back(name);
-        if (names.empty()) throw InputError(fmt::format("{}: holds none of the layers that ConfigFile.xml names", root.string()));
+        if (names.empty())
+            throw InputError(fmt::format("{}: holds none of the layers that ConfigFile.xml names", root.string()));
     }
 };
 
@@ -200,7 +209,8 @@ StackReader::StackReader(const fs::path& path) : state_(std::make_unique<State>(
         } else if (fs::exists(path / manifest_name)) {
             state_->open_ours();
         } else if (fs::exists(path / unfinished_name)) {
-            throw InputError(fmt::format("{}: is a stack whose making was stopped: it is not whole; slice again", path.string()));
+            throw InputError(
+                fmt::format("{}: is a stack whose making was stopped: it is not whole; slice again", path.string()));
         } else {
             state_->list_folder(path, "");
         }
@@ -236,11 +246,12 @@ LayerRuns StackReader::read(std::uint32_t index, std::span<const Rgb> palette) c
             return Rgba{c[0], c[1], c[2], 255} == colour.rgba;
         });
         if (!known)
-            throw InputError(fmt::format("{}: pixel ({}, {}) has the colour {} {} {} with alpha {}, which stands for no resin",
-                                         name, colour.first_x, colour.first_y, colour.rgba[0], colour.rgba[1], colour.rgba[2],
-                                         colour.rgba[3]));
+            throw InputError(fmt::format(
+                "{}: pixel ({}, {}) has the colour {} {} {} with alpha {}, which stands for no resin", name,
+                colour.first_x, colour.first_y, colour.rgba[0], colour.rgba[1], colour.rgba[2], colour.rgba[3]));
     }
-    throw InputError(fmt::format("{}: has more than {} colours; a layer has one per resin", name, LayerScan::most_colours));
+    throw InputError(
+        fmt::format("{}: has more than {} colours; a layer has one per resin", name, LayerScan::most_colours));
 }
 
 std::vector<Rgb> StackReader::palette() const {
@@ -262,14 +273,15 @@ std::vector<Rgb> StackReader::palette() const {
             for (const auto& colour : colours)
                 if (std::find(result.begin(), result.end(), colour) == result.end()) {
                     if (result.size() >= max_materials)
-                        throw InputError(fmt::format("{}: its layers have more than {} colours; a stack has one per resin",
-                                                     state_->root.string(), max_materials));
+                        throw InputError(
+                            fmt::format("{}: its layers have more than {} colours; a stack has one per resin",
+                                        state_->root.string(), max_materials));
                     result.push_back(colour);
                 }
     }
     if (result.size() > max_materials)
-        throw InputError(fmt::format("{}: names {} materials, more than the {} that a stack can have", state_->root.string(),
-                                     result.size() - 1, max_materials - 1));
+        throw InputError(fmt::format("{}: names {} materials, more than the {} that a stack can have",
+                                     state_->root.string(), result.size() - 1, max_materials - 1));
     return result;
 }
 

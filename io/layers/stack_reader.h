@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Opens a layer stack: a folder of ours (with manifest.json), anybody's folder of PNG files, or a GCVF container. Layers are
-// read one at a time, in any order, from any thread; memory is one layer's file and its runs.
+// Opens a layer stack: a folder of ours (with manifest.json), anybody's folder of PNG files, or a GCVF container.
+// Layers are read one at a time, in any order, from any thread; memory is one layer's file and its runs.
 #pragma once
 
 #include <cstdint>
@@ -41,7 +41,8 @@ struct LayerScan {
 };
 
 /// Decodes one layer. With an empty palette there are no runs. Throws InputError beginning with `source`.
-[[nodiscard]] LayerScan scan_layer(std::span<const std::uint8_t> file, const std::string& source, std::span<const Rgb> palette);
+[[nodiscard]] LayerScan scan_layer(std::span<const std::uint8_t> file, const std::string& source,
+                                   std::span<const Rgb> palette);
 
 /// A name of the form STEM DIGITS .png
 struct SliceName {
@@ -72,15 +73,16 @@ public:
     [[nodiscard]] const std::string& layer_name(std::uint32_t index) const;
     /// What lies beside the layers and should not: file or entry names.
     [[nodiscard]] const std::vector<std::string>& strangers() const;
-    /// Layers that the manifest or container announces and that are not there: the first thousand by name, and all of them.
+    /// Layers that the manifest or container announces and that are not there: the first thousand by name, and all of
+    /// them.
     [[nodiscard]] const std::vector<std::string>& missing() const;
     [[nodiscard]] std::uint64_t missing_count() const;
     /// The bytes of a layer's file, 256 MiB at most. Throws FileError, InputError.
     [[nodiscard]] std::vector<std::uint8_t> bytes(std::uint32_t index) const;
     /// A layer in materials of the palette. Throws InputError where it has another colour.
     [[nodiscard]] LayerRuns read(std::uint32_t index, std::span<const Rgb> palette) const;
-    /// The palette that is given by manifest or container; else the colours that are found in all layers, the background
-    /// (0, 0, 0) first, then in order of first appearance. Throws InputError for more than max_materials.
+    /// The palette that is given by manifest or container; else the colours that are found in all layers, the
+    /// background (0, 0, 0) first, then in order of first appearance. Throws InputError for more than max_materials.
     [[nodiscard]] std::vector<Rgb> palette() const;
 
 private:

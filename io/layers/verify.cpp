@@ -29,10 +29,12 @@ public:
         counts_[rule] += more;
     }
     void close() {
-        std::stable_sort(report_.faults.begin(), report_.faults.end(), [](const auto& a, const auto& b) { return a.rule < b.rule; });
+        std::stable_sort(report_.faults.begin(), report_.faults.end(),
+                         [](const auto& a, const auto& b) { return a.rule < b.rule; });
         for (const auto& [rule, count] : counts_)
             if (count > most_named_) {
-                const auto last = std::find_if(report_.faults.rbegin(), report_.faults.rend(), [&](const auto& f) { return f.rule == rule; });
+                const auto last = std::find_if(report_.faults.rbegin(), report_.faults.rend(),
+                                               [&](const auto& f) { return f.rule == rule; });
                 report_.faults.insert(last.base(), {rule, "", fmt::format("and {} more", count - most_named_), ""});
             }
     }
@@ -53,14 +55,15 @@ struct LayerResult {
 };
 
 std::string shown(const Rgba& c) {
-    return c[3] == 255 ? fmt::format("{} {} {}", c[0], c[1], c[2]) : fmt::format("{} {} {} alpha {}", c[0], c[1], c[2], c[3]);
+    return c[3] == 255 ? fmt::format("{} {} {}", c[0], c[1], c[2])
+                       : fmt::format("{} {} {} alpha {}", c[0], c[1], c[2], c[3]);
 }
 
 /// What the stack says of itself, in one form for manifests and containers.
 struct Announced {
     std::optional<std::array<std::uint32_t, 2>> size_px;
     std::optional<std::array<double, 2>> pitch_um;
-    std::vector<Rgb> palette;  // empty: nothing is announced
+    std::vector<Rgb> palette;           // empty: nothing is announced
     std::vector<std::uint64_t> voxels;  // per resin
     std::vector<std::string> names;
     Rgb background{};
@@ -110,16 +113,19 @@ LayerResult check_layer(const StackReader& reader, std::uint32_t index, const An
                        std::equal(stack.background.begin(), stack.background.end(), result.colours[0].rgba.begin());
         for (const auto& colour : result.colours) {
             if (colour.rgba[3] != 255)
-                result.faults.push_back({"alpha", name,
-                                         fmt::format("{} pixels have alpha {} instead of 255, the first at ({}, {})", colour.pixels,
-                                                     colour.rgba[3], colour.first_x, colour.first_y),
-                                         "make every pixel opaque; antialiasing and transparency are colours of their own there"});
+                result.faults.push_back(
+                    {"alpha", name,
+                     fmt::format("{} pixels have alpha {} instead of 255, the first at ({}, {})", colour.pixels,
+                                 colour.rgba[3], colour.first_x, colour.first_y),
+                     "make every pixel opaque; antialiasing and transparency are colours of their own there"});
             else if (!stack.palette.empty() &&
-                     std::find(stack.palette.begin(), stack.palette.end(), Rgb{colour.rgba[0], colour.rgba[1], colour.rgba[2]}) == stack.palette.end())
-                result.faults.push_back({"stray-colour", name,
-                                         fmt::format("{} pixels have the colour {}, which stands for no resin, the first at ({}, {})",
-                                                     colour.pixels, shown(colour.rgba), colour.first_x, colour.first_y),
-                                         "give them a resin's colour; one stray colour is enough to be refused (\"too many colors\")"});
+                     std::find(stack.palette.begin(), stack.palette.end(),
+                               Rgb{colour.rgba[0], colour.rgba[1], colour.rgba[2]}) == stack.palette.end())
+                result.faults.push_back(
+                    {"stray-colour", name,
+                     fmt::format("{} pixels have the colour {}, which stands for no resin, the first at ({}, {})",
+                                 colour.pixels, shown(colour.rgba), colour.first_x, colour.first_y),
+                     "give them a resin's colour; one stray colour is enough to be refused (\"too many colors\")"});
         }
     } catch (const Error& error) {
         result.faults.push_back({"unreadable", name, error.what(), "make this layer again"});
@@ -132,23 +138,25 @@ void check_names(const StackReader& reader, FaultList& faults) {
     std::map<int, std::uint64_t> widths;
     for (std::uint32_t k = 0; k < reader.layers(); ++k)
         if (const auto name = parse_slice_name(reader.layer_name(k))) ++widths[name->digits];
-    const int usual = widths.empty() ? 0
-                                     : std::max_element(widths.begin(), widths.end(), [](const auto& a, const auto& b) {
-                                           return a.second < b.second;
-                                       })->first;
+    const int usual =
+        widths.empty() ? 0 : std::max_element(widths.begin(), widths.end(), [](const auto& a, const auto& b) {
+                                 return a.second < b.second;
+                             })->first;
     for (std::uint32_t k = 0; k < reader.layers(); ++k) {
         const auto name = parse_slice_name(reader.layer_name(k));
         if (!name) continue;
         if (reader.kind() != StackReader::Kind::gcvf && name->digits != usual)
-            faults.add({"numbering", reader.layer_name(k),
-                        fmt::format("has {} digits where the others have {}", name->digits, usual),
-                        "pad all numbers with zeros to the same width; sorted by name the layers are out of order otherwise"});
+            faults.add(
+                {"numbering", reader.layer_name(k),
+                 fmt::format("has {} digits where the others have {}", name->digits, usual),
+                 "pad all numbers with zeros to the same width; sorted by name the layers are out of order otherwise"});
         if (before && name->number == before->number)
             faults.add({"numbering", reader.layer_name(k), fmt::format("number {} is there twice", name->number),
                         "remove the layer that does not belong"});
         else if (before && name->number != before->number + 1)
             faults.add({"numbering", reader.layer_name(k),
-                        fmt::format("follows number {}: {} numbers are missing", before->number, name->number - before->number - 1),
+                        fmt::format("follows number {}: {} numbers are missing", before->number,
+                                    name->number - before->number - 1),
                         "add the missing layers or number them without gaps"});
         before = name;
     }
@@ -169,14 +177,18 @@ StackReport verify_stack(const std::filesystem::path& path, const VerifyRules& r
     if (reader.missing_count() > reader.missing().size())
         faults.count("missing-layer", reader.missing_count() - reader.missing().size());
     for (const auto& name : reader.strangers()) {
-        const bool leads_out = name.find("..") != std::string::npos || name.starts_with('/') || name.find('\\') != std::string::npos;
-        faults.add({"stranger", name, leads_out ? "is no part of a stack, and its path leads out of the folder" : "is no part of the stack",
-                    leads_out ? "do not unpack this container" : "remove it: nothing else may lie beside the layers"});
+        const bool leads_out =
+            name.find("..") != std::string::npos || name.starts_with('/') || name.find('\\') != std::string::npos;
+        faults.add(
+            {"stranger", name,
+             leads_out ? "is no part of a stack, and its path leads out of the folder" : "is no part of the stack",
+             leads_out ? "do not unpack this container" : "remove it: nothing else may lie beside the layers"});
     }
     check_names(reader, faults);
     if (reader.layers() < rules.least_layers)
-        faults.add({"few-layers", path.filename().string(), fmt::format("has {} layers", reader.layers()),
-                    fmt::format("the printer's software wants at least {}: print something higher", rules.least_layers)});
+        faults.add(
+            {"few-layers", path.filename().string(), fmt::format("has {} layers", reader.layers()),
+             fmt::format("the printer's software wants at least {}: print something higher", rules.least_layers)});
 
     if (progress) progress->begin_stage("verify", reader.layers(), "layers");
     std::vector<LayerResult> results(reader.layers());
@@ -190,7 +202,8 @@ StackReport verify_stack(const std::filesystem::path& path, const VerifyRules& r
     if (progress) progress->end_stage();
 
     // Everything from here on goes through the layers in order, so that the report does not depend on the threads.
-    const auto readable = std::find_if(results.begin(), results.end(), [](const auto& r) { return r.header.has_value(); });
+    const auto readable =
+        std::find_if(results.begin(), results.end(), [](const auto& r) { return r.header.has_value(); });
     if (stack.size_px)
         report.size_px = *stack.size_px;
     else if (readable != results.end())
@@ -205,7 +218,8 @@ StackReport verify_stack(const std::filesystem::path& path, const VerifyRules& r
     if (rules.pitch_um && stack.pitch_um && pixels_per_metre(*stack.pitch_um) != resolution)
         faults.add({"resolution", path.filename().string(),
                     fmt::format("is made for pixels of {:.3f} x {:.3f} um", (*stack.pitch_um)[0], (*stack.pitch_um)[1]),
-                    fmt::format("this printer has {:.3f} x {:.3f} um: slice for it", (*rules.pitch_um)[0], (*rules.pitch_um)[1])});
+                    fmt::format("this printer has {:.3f} x {:.3f} um: slice for it", (*rules.pitch_um)[0],
+                                (*rules.pitch_um)[1])});
 
     std::map<Rgba, std::size_t> place;
     bool too_many = false, all_digests = !stack.palette.empty() && reader.missing().empty();
@@ -217,17 +231,21 @@ StackReport verify_stack(const std::filesystem::path& path, const VerifyRules& r
         if (result.header) {
             const auto& header = *result.header;
             if (header.width_px != report.size_px[0] || header.height_px != report.size_px[1])
-                faults.add({"size", name, fmt::format("is {} x {} px, the stack {} x {}", header.width_px, header.height_px, report.size_px[0], report.size_px[1]),
+                faults.add({"size", name,
+                            fmt::format("is {} x {} px, the stack {} x {}", header.width_px, header.height_px,
+                                        report.size_px[0], report.size_px[1]),
                             "make all layers of one size"});
             // One dot per metre off is rounding: writers disagree on how to round 600 dpi.
             auto off = [](std::uint32_t a, std::uint32_t b) { return a > b + 1 || b > a + 1; };
             if (off(header.x_per_metre, resolution[0]) || off(header.y_per_metre, resolution[1])) {
                 const bool swapped = !off(header.x_per_metre, resolution[1]) && !off(header.y_per_metre, resolution[0]);
                 faults.add({"resolution", name,
-                            header.x_per_metre == 0 ? std::string("does not say its resolution (pHYs)")
-                                                    : fmt::format("says {:.1f} x {:.1f} dpi", header.x_per_metre * 0.0254, header.y_per_metre * 0.0254),
-                            fmt::format("it should be {:.1f} x {:.1f} dpi{}", resolution[0] * 0.0254, resolution[1] * 0.0254,
-                                        swapped ? "; columns and rows are swapped" : "")});
+                            header.x_per_metre == 0
+                                ? std::string("does not say its resolution (pHYs)")
+                                : fmt::format("says {:.1f} x {:.1f} dpi", header.x_per_metre * 0.0254,
+                                              header.y_per_metre * 0.0254),
+                            fmt::format("it should be {:.1f} x {:.1f} dpi{}", resolution[0] * 0.0254,
+                                        resolution[1] * 0.0254, swapped ? "; columns and rows are swapped" : "")});
             }
         }
         for (const auto& colour : result.colours) {
@@ -248,28 +266,35 @@ StackReport verify_stack(const std::filesystem::path& path, const VerifyRules& r
 
     std::size_t colours = 0;
     for (const auto& colour : report.colours)
-        colours += !(colour.rgba[3] == 255 && std::equal(stack.background.begin(), stack.background.end(), colour.rgba.begin()));
+        colours += !(colour.rgba[3] == 255 &&
+                     std::equal(stack.background.begin(), stack.background.end(), colour.rgba.begin()));
     if (colours > rules.most_colours || too_many)
-        faults.add({"colours", path.filename().string(),
-                    fmt::format("has {}{} colours besides the background", too_many ? "more than " : "", colours),
-                    fmt::format("one colour is one resin, and {} fit: use fewer resins, and no antialiasing or lossy pictures", rules.most_colours)});
+        faults.add(
+            {"colours", path.filename().string(),
+             fmt::format("has {}{} colours besides the background", too_many ? "more than " : "", colours),
+             fmt::format("one colour is one resin, and {} fit: use fewer resins, and no antialiasing or lossy pictures",
+                         rules.most_colours)});
     if (report.empty_layers == reader.layers())
-        faults.add({"empty", path.filename().string(), "has no printed pixel in any layer", "nothing would be printed: slice again"});
+        faults.add({"empty", path.filename().string(), "has no printed pixel in any layer",
+                    "nothing would be printed: slice again"});
     else if (report.empty_layers > 0)
-        report.notes.push_back(fmt::format("{} of {} layers are empty (background only)", report.empty_layers, reader.layers()));
+        report.notes.push_back(
+            fmt::format("{} of {} layers are empty (background only)", report.empty_layers, reader.layers()));
 
     for (std::size_t r = 0; r < stack.voxels.size(); ++r) {
         const auto& c = stack.palette[r + 1];
         const auto found = place.find({c[0], c[1], c[2], 255});
         const std::uint64_t count = found == place.end() ? 0 : report.colours[found->second].pixels;
         if (count != stack.voxels[r])
-            faults.add({"count", stack.names[r], fmt::format("{} voxels were found and {} are announced", count, stack.voxels[r]),
+            faults.add({"count", stack.names[r],
+                        fmt::format("{} voxels were found and {} are announced", count, stack.voxels[r]),
                         "layers were changed after slicing: slice again"});
     }
     if (all_digests) {
         report.content_sha256 = content_sha256(report.size_px[0], report.size_px[1], digests);
         if (reader.description() && report.content_sha256 != reader.description()->content_sha256)
-            faults.add({"digest", path.filename().string(), "holds other pixels than the manifest's content_sha256 says",
+            faults.add({"digest", path.filename().string(),
+                        "holds other pixels than the manifest's content_sha256 says",
                         "layers were changed, swapped or reordered after slicing: slice again"});
     }
     faults.close();
@@ -277,7 +302,9 @@ StackReport verify_stack(const std::filesystem::path& path, const VerifyRules& r
 }
 
 std::string report_text(const StackReport& report) {
-    const char* kind = report.kind == StackReader::Kind::voxtone ? "voxtone stack" : report.kind == StackReader::Kind::gcvf ? "GCVF container" : "folder of layers";
+    const char* kind = report.kind == StackReader::Kind::voxtone ? "voxtone stack"
+                       : report.kind == StackReader::Kind::gcvf  ? "GCVF container"
+                                                                 : "folder of layers";
     std::string text = fmt::format("{}: {} layers of {} x {} px, {} colours\n", kind, report.layers, report.size_px[0],
                                    report.size_px[1], report.colours.size());
     for (const auto& note : report.notes) text += fmt::format("note: {}\n", note);

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Checks a layer stack as the printer's software would before it takes it: kind, size and numbering of the bitmaps, number
-// of colours, stray colours, transparency, resolution, and for our own stacks and GCVF containers the counts and the digest
-// that they announce. Every fault is named with its place and what to do; repeats are counted. What it cannot see: whether
-// the resins are loaded, and whether the body is what was meant.
+// Checks a layer stack as the printer's software would before it takes it: kind, size and numbering of the bitmaps,
+// number of colours, stray colours, transparency, resolution, and for our own stacks and GCVF containers the counts and
+// the digest that they announce. Every fault is named with its place and what to do; repeats are counted. What it
+// cannot see: whether the resins are loaded, and whether the body is what was meant.
 #pragma once
 
 #include <array>
@@ -19,7 +19,7 @@
 namespace voxtone::io {
 
 struct VerifyRules {
-    std::uint32_t most_colours = 6;   ///< besides the background
+    std::uint32_t most_colours = 6;  ///< besides the background
     std::uint32_t least_layers = 30;
     /// Of columns and rows; absent: that of the manifest or container, else only that all layers say the same.
     std::optional<std::array<double, 2>> pitch_um;
@@ -40,16 +40,17 @@ struct StackReport {
     std::array<std::uint32_t, 2> size_px{};
     /// All colours found, in order of first appearance, with their pixels over all layers; at most 256.
     std::vector<ColourCount> colours;
-    std::uint64_t empty_layers = 0;      ///< nothing but background
-    std::string content_sha256;          ///< as it was found; empty where a palette is missing or a layer has a stray colour
-    std::vector<StackFault> faults;      ///< named ones, by rule and layer
-    std::uint64_t fault_count = 0;       ///< all of them
-    std::vector<std::string> notes;      ///< worth knowing, no faults
+    std::uint64_t empty_layers = 0;  ///< nothing but background
+    std::string content_sha256;  ///< as it was found; empty where a palette is missing or a layer has a stray colour
+    std::vector<StackFault> faults;  ///< named ones, by rule and layer
+    std::uint64_t fault_count = 0;   ///< all of them
+    std::vector<std::string> notes;  ///< worth knowing, no faults
 
     [[nodiscard]] bool passed() const { return fault_count == 0; }
 };
 
-/// Does not stop at the first fault. Throws FileError and InputError only where there is no stack that could be looked into.
+/// Does not stop at the first fault. Throws FileError and InputError only where there is no stack that could be looked
+/// into.
 [[nodiscard]] StackReport verify_stack(const std::filesystem::path& path, const VerifyRules& rules = {},
                                        Progress* progress = nullptr);
 

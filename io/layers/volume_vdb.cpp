@@ -12,9 +12,9 @@
 
 #include "voxtone/base/error.h"
 #include "voxtone/base/parallel.h"
+#include "voxtone/io/files/whole_file.h"
 #include "voxtone/io/layers/orient.h"
 #include "voxtone/io/layers/stack_reader.h"
-#include "voxtone/io/files/whole_file.h"
 
 namespace voxtone::io {
 namespace {
@@ -28,7 +28,9 @@ struct Slab {
     std::uint32_t width, height;
     std::vector<Material> voxels;
     Slab(std::uint32_t w, std::uint32_t h) : width(w), height(h), voxels(std::size_t{w} * h * leaf) {}
-    [[nodiscard]] Material* row(std::uint32_t j, std::uint32_t k) { return voxels.data() + (std::size_t{k} * height + j) * width; }
+    [[nodiscard]] Material* row(std::uint32_t j, std::uint32_t k) {
+        return voxels.data() + (std::size_t{k} * height + j) * width;
+    }
 };
 
 void add_block(Tree& tree, Slab& slab, std::uint32_t i, std::uint32_t j, std::uint32_t k) {
@@ -56,20 +58,23 @@ void add_block(Tree& tree, Slab& slab, std::uint32_t i, std::uint32_t j, std::ui
             const Material* const row = slab.row(j + b, c) + i;
             for (std::uint32_t a = 0; a < ni; ++a)
                 if (row[a] != background)
-                    node->setValueOn(openvdb::Coord(static_cast<int>(i + a), static_cast<int>(j + b), static_cast<int>(k + c)), row[a]);
+                    node->setValueOn(
+                        openvdb::Coord(static_cast<int>(i + a), static_cast<int>(j + b), static_cast<int>(k + c)),
+                        row[a]);
         }
 }
 
 }  // namespace
 
-void write_volume_vdb(const std::filesystem::path& file, const StackDescription& stack, const std::filesystem::path& folder,
-                      Progress* progress) {
+void write_volume_vdb(const std::filesystem::path& file, const StackDescription& stack,
+                      const std::filesystem::path& folder, Progress* progress) {
     openvdb::initialize();
     auto grid = openvdb::Int32Grid::create(0);
     grid->setName("resin");
     grid->setGridClass(openvdb::GRID_UNKNOWN);
     for (std::size_t r = 0; r < stack.resins.size(); ++r)
-        grid->insertMeta(fmt::format("resin_{}", r + 1), openvdb::StringMetadata(fmt::format("{} {}", stack.resins[r].role, stack.resins[r].name)));
+        grid->insertMeta(fmt::format("resin_{}", r + 1),
+                         openvdb::StringMetadata(fmt::format("{} {}", stack.resins[r].role, stack.resins[r].name)));
 
     auto size = stack.size_px;
     auto pitch = stack.pitch_um;
@@ -98,7 +103,8 @@ void write_volume_vdb(const std::filesystem::path& file, const StackDescription&
                 const auto k = static_cast<std::uint32_t>(c);
                 const auto path = folder / stack.layer_path(first + k);
                 auto scan = scan_layer(read_whole_file(path, std::uint64_t{256} << 20), path.string(), palette);
-                if (!scan.runs) throw InputError(fmt::format("{}: has a colour that stands for no resin", path.string()));
+                if (!scan.runs)
+                    throw InputError(fmt::format("{}: has a colour that stands for no resin", path.string()));
                 const LayerRuns layer = as_sliced(std::move(*scan.runs), stack.orientation);
                 if (layer.width_px() != size[0] || layer.height_px() != size[1])
                     throw InputError(fmt::format("{}: is not of the stack's size", path.string()));

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// The stack as one sparse OpenVDB volume, grid "resin" of int32: resin r of the list is r + 1, 0 is background and inactive.
-// Voxel (i, j, k) is at origin_mm + pitch (i + 1/2, j + 1/2, k + 1/2) in the model's frame (what the orientation did to the
-// bitmaps is undone): i along +x, j along +y, k along +z. Uniform blocks of 8^3 are tiles, so memory grows with the surface.
-// Not reproducible to the byte: OpenVDB puts a random id into the file's head.
+// The stack as one sparse OpenVDB volume, grid "resin" of int32: resin r of the list is r + 1, 0 is background and
+// inactive. Voxel (i, j, k) is at origin_mm + pitch (i + 1/2, j + 1/2, k + 1/2) in the model's frame (what the
+// orientation did to the bitmaps is undone): i along +x, j along +y, k along +z. Uniform blocks of 8^3 are tiles, so
+// memory grows with the surface. Not reproducible to the byte: OpenVDB puts a random id into the file's head.
 #pragma once
 
 #include <filesystem>
@@ -14,7 +14,7 @@
 namespace voxtone::io {
 
 /// Reads the layers under `folder` and writes `file`. Throws FileError, InputError, Cancelled.
-void write_volume_vdb(const std::filesystem::path& file, const StackDescription& stack, const std::filesystem::path& folder,
-                      Progress* progress = nullptr);
+void write_volume_vdb(const std::filesystem::path& file, const StackDescription& stack,
+                      const std::filesystem::path& folder, Progress* progress = nullptr);
 
 }  // namespace voxtone::io

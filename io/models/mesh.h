@@ -27,10 +27,11 @@ struct SurfaceMaterial {
 struct TexturedMesh {
     std::vector<Eigen::Vector3d> positions;  ///< in units of the file; all finite; welded where equal to the bit
     std::vector<std::array<std::uint32_t, 3>> triangles;
-    std::vector<std::uint32_t> material_of_triangle;            ///< one per triangle, an index into `materials`
-    std::vector<std::array<Eigen::Vector2f, 3>> corner_uv;      ///< one per triangle, or empty; (0,0) is the texture's bottom left
-    std::vector<std::array<Eigen::Vector3f, 3>> corner_rgb;     ///< one per triangle, linear sRGB factors, or empty
-    std::vector<SurfaceMaterial> materials;                     ///< at least one
+    std::vector<std::uint32_t> material_of_triangle;  ///< one per triangle, an index into `materials`
+    std::vector<std::array<Eigen::Vector2f, 3>>
+        corner_uv;  ///< one per triangle, or empty; (0,0) is the texture's bottom left
+    std::vector<std::array<Eigen::Vector3f, 3>> corner_rgb;  ///< one per triangle, linear sRGB factors, or empty
+    std::vector<SurfaceMaterial> materials;                  ///< at least one
 };
 
 /// What a reader has to say beside the mesh.

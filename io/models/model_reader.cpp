@@ -8,8 +8,8 @@
 
 #include "voxtone/base/error.h"
 #include "voxtone/io/files/isolate.h"
-#include "voxtone/io/pictures/picture.h"
 #include "voxtone/io/models/read_parts.h"
+#include "voxtone/io/pictures/picture.h"
 
 namespace voxtone::io {
 

@@ -23,8 +23,8 @@
 // are one vertex.
 //
 // A file is taken for hostile: it is parsed, and its pictures decoded, in a child process with a budget of memory and
-// time (io/files/isolate.h); names in it are followed only inside its folder (io/models/side_files.h); declared sizes are checked
-// first. Errors: FileError (cannot be read), InputError (what is wrong with it, and what to try).
+// time (io/files/isolate.h); names in it are followed only inside its folder (io/models/side_files.h); declared sizes
+// are checked first. Errors: FileError (cannot be read), InputError (what is wrong with it, and what to try).
 #pragma once
 
 #include <cstdint>

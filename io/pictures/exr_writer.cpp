@@ -32,7 +32,8 @@ std::vector<std::uint8_t> exr_bytes(const NumberPicture& picture, std::array<dou
     spec.alpha_channel = alpha == picture.names.end() ? -1 : static_cast<int>(alpha - picture.names.begin());
     spec.attribute("compression", "zip");
     spec.attribute("oiio:ColorSpace", "Linear");
-    // Without a date of ours the library writes that of the clock, and the same picture would have other bytes each time.
+    // Without a date of ours the library writes that of the clock, and the same picture would have other bytes each
+    // time.
     spec.attribute("DateTime", "0000:00:00 00:00:00");
     static constexpr float srgb_primaries_and_d65[8] = {0.64f, 0.33f, 0.30f, 0.60f, 0.15f, 0.06f, 0.3127f, 0.3290f};
     spec.attribute("chromaticities", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8), srgb_primaries_and_d65);

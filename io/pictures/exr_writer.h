@@ -26,6 +26,7 @@ struct NumberPicture {
 };
 
 /// The same kind of file with channels of these names; values are written as they are.
-[[nodiscard]] std::vector<std::uint8_t> exr_bytes(const NumberPicture& picture, std::array<double, 2> px_per_mm = {0, 0});
+[[nodiscard]] std::vector<std::uint8_t> exr_bytes(const NumberPicture& picture,
+                                                  std::array<double, 2> px_per_mm = {0, 0});
 
 }  // namespace voxtone::io

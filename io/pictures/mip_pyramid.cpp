@@ -117,7 +117,8 @@ void MipPyramid::keep_linear() {
     const auto& table = srgb8_to_linear();
     linear16_.resize(srgb8_.size());
     parallel_ranges(0, srgb8_.size(), 1 << 16, [&](std::size_t first, std::size_t last) {
-        for (std::size_t i = first; i < last; ++i) linear16_[i] = static_cast<std::uint16_t>(table[srgb8_[i]] * 65535.0f + 0.5f);
+        for (std::size_t i = first; i < last; ++i)
+            linear16_[i] = static_cast<std::uint16_t>(table[srgb8_[i]] * 65535.0f + 0.5f);
     });
     srgb8_ = {};
 }

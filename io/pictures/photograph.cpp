@@ -50,8 +50,8 @@ void ask_for_sensor_values(OIIO::ImageSpec& config) {
     config.attribute("raw:user_mul", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 4), as_counted);
 }
 
-/// Neither in the child, where no other thread exists, nor in its parent: a child waits for ever for the pool of a parent
-/// that wrote an EXR before.
+/// Neither in the child, where no other thread exists, nor in its parent: a child waits for ever for the pool of a
+/// parent that wrote an EXR before.
 void start_no_threads() {
     OIIO::attribute("threads", 1);
     OIIO::attribute("exr_threads", -1);
@@ -103,8 +103,12 @@ Photograph read_photograph(const std::filesystem::path& file, const Progress* pr
     Header header{};
     VOXTONE_EXPECT(bytes.size() >= sizeof header);
     std::memcpy(&header, bytes.data(), sizeof header);
-    Photograph photograph{file.filename().string(),    header.width_px, header.height_px,
-                          SampleCoding(header.coding), header.bits,     {},
+    Photograph photograph{file.filename().string(),
+                          header.width_px,
+                          header.height_px,
+                          SampleCoding(header.coding),
+                          header.bits,
+                          {},
                           header.exposure_s > 0 && std::isfinite(header.exposure_s) ? header.exposure_s : 0};
     photograph.pixels.resize(std::size_t{header.width_px} * header.height_px);
     VOXTONE_EXPECT(bytes.size() == sizeof header + photograph.pixels.size() * sizeof(Eigen::Vector3f));
@@ -137,7 +141,9 @@ std::vector<std::uint8_t> photograph_bytes(const Photograph& photograph, const s
     spec.attribute("oiio:ColorSpace", codes ? "sRGB" : "Linear");
     spec.attribute("compression", png ? "" : "zip");
     start_no_threads();
-    if (exr) spec.attribute("DateTime", "2000:01:01 00:00:00");  // else the time of day: no two runs would write the same bits
+    if (exr)
+        spec.attribute("DateTime",
+                       "2000:01:01 00:00:00");  // else the time of day: no two runs would write the same bits
     if (exr && photograph.exposure_s > 0) spec.attribute("ExposureTime", float(photograph.exposure_s));
     std::vector<Eigen::Vector3f> coded;
     if (codes) {

@@ -41,7 +41,8 @@ struct Photograph {
 void make_linear(Photograph& photograph);
 
 /// The bytes of a file of the kind that the name's extension tells: .png or .tif (16 bits, linear; a PNG says so, TIFF
-/// has no word for it), .exr (float). The time of exposure is written to .exr. With `bits` 8: .png of sRGB codes. Throws UsageError for other extensions.
+/// has no word for it), .exr (float). The time of exposure is written to .exr. With `bits` 8: .png of sRGB codes.
+/// Throws UsageError for other extensions.
 [[nodiscard]] std::vector<std::uint8_t> photograph_bytes(const Photograph& photograph, const std::string& file_name);
 
 }  // namespace voxtone::io

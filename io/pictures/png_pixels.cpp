@@ -35,11 +35,12 @@ void on_read(png_structp png, png_bytep out, png_size_t count) {
     source->at += count;
 }
 
-/// Owns libpng's structures. libpng reports faults by longjmp, so the functions that call it hold nothing that would have to be
-/// destroyed: they give false, and `source.fault` says why.
+/// Owns libpng's structures. libpng reports faults by longjmp, so the functions that call it hold nothing that would
+/// have to be destroyed: they give false, and `source.fault` says why.
 class PngDecoder {
 public:
-    explicit PngDecoder(Source& source) : png_(png_create_read_struct(PNG_LIBPNG_VER_STRING, &source, on_error, on_warning)) {
+    explicit PngDecoder(Source& source)
+        : png_(png_create_read_struct(PNG_LIBPNG_VER_STRING, &source, on_error, on_warning)) {
         if (png_) info_ = png_create_info_struct(png_);
     }
     PngDecoder(const PngDecoder&) = delete;
@@ -104,15 +105,16 @@ private:
 };
 
 [[noreturn]] void fail(const std::string& name, const Source& source) {
-    throw InputError(fmt::format("{}: is no PNG file that can be read whole ({}); it may be cut short: make it again", name,
-                                 source.fault[0] ? source.fault : "out of memory"));
+    throw InputError(fmt::format("{}: is no PNG file that can be read whole ({}); it may be cut short: make it again",
+                                 name, source.fault[0] ? source.fault : "out of memory"));
 }
 
 PngHeader checked_header(PngDecoder& decoder, Source& source, const std::string& name) {
     PngHeader header;
     if (!decoder.read_header(source, header)) fail(name, source);
     if (std::uint64_t{header.width_px} * header.height_px > most_png_pixels)
-        throw InputError(fmt::format("{}: claims {} x {} px, more than any layer has", name, header.width_px, header.height_px));
+        throw InputError(
+            fmt::format("{}: claims {} x {} px, more than any layer has", name, header.width_px, header.height_px));
     return header;
 }
 
@@ -133,12 +135,23 @@ void read_to_end(PngDecoder& decoder, const Source& source, const std::string& n
 std::string png_kind(const PngHeader& header) {
     const char* type = "of an unknown kind";
     switch (header.colour_type) {
-        case PNG_COLOR_TYPE_GRAY: type = "grey"; break;
-        case PNG_COLOR_TYPE_RGB: type = "RGB"; break;
-        case PNG_COLOR_TYPE_PALETTE: type = "indexed"; break;
-        case PNG_COLOR_TYPE_GRAY_ALPHA: type = "grey with alpha"; break;
-        case PNG_COLOR_TYPE_RGBA: type = "RGBA"; break;
-        default: break;
+        case PNG_COLOR_TYPE_GRAY:
+            type = "grey";
+            break;
+        case PNG_COLOR_TYPE_RGB:
+            type = "RGB";
+            break;
+        case PNG_COLOR_TYPE_PALETTE:
+            type = "indexed";
+            break;
+        case PNG_COLOR_TYPE_GRAY_ALPHA:
+            type = "grey with alpha";
+            break;
+        case PNG_COLOR_TYPE_RGBA:
+            type = "RGBA";
+            break;
+        default:
+            break;
     }
     return fmt::format("{}-bit {} (colour type {})", header.bit_depth, type, header.colour_type);
 }
@@ -171,7 +184,8 @@ GreyPicture read_grey_png(std::span<const std::uint8_t> file, const std::string&
     const PngHeader header = checked_header(decoder, source, source_name);
     check_plain(header, source_name);
     if (header.colour_type != PNG_COLOR_TYPE_GRAY || (header.bit_depth != 8 && header.bit_depth != 16))
-        throw InputError(fmt::format("{}: is {}, but a picture of numbers is 8- or 16-bit grey", source_name, png_kind(header)));
+        throw InputError(
+            fmt::format("{}: is {}, but a picture of numbers is 8- or 16-bit grey", source_name, png_kind(header)));
     GreyPicture picture{header.width_px, header.height_px, {}};
     picture.samples.reserve(std::size_t{header.width_px} * header.height_px);
     const std::size_t bytes = static_cast<std::size_t>(header.bit_depth) / 8;

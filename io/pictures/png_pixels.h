@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Reads any non-interlaced PNG row by row as 8-bit RGBA, with limits on what its header may claim; memory is a few rows.
-// Pictures of numbers (8- or 16-bit grey) are read as they are.
+// Reads any non-interlaced PNG row by row as 8-bit RGBA, with limits on what its header may claim; memory is a few
+// rows. Pictures of numbers (8- or 16-bit grey) are read as they are.
 #pragma once
 
 #include <cstdint>
@@ -29,8 +29,8 @@ inline constexpr std::uint64_t most_png_pixels = std::uint64_t{1} << 27;
 /// The header alone. Throws InputError beginning with `source`.
 [[nodiscard]] PngHeader read_png_header(std::span<const std::uint8_t> file, const std::string& source);
 
-/// Calls `on_row(y, rgba)` for every row from the top; 4 bytes a pixel. Every checksum is checked and there is nothing behind
-/// the end. Throws InputError beginning with `source`, perhaps after some rows.
+/// Calls `on_row(y, rgba)` for every row from the top; 4 bytes a pixel. Every checksum is checked and there is nothing
+/// behind the end. Throws InputError beginning with `source`, perhaps after some rows.
 PngHeader read_png(std::span<const std::uint8_t> file, const std::string& source,
                    const std::function<void(std::uint32_t y, std::span<const std::uint8_t> rgba)>& on_row);
 
@@ -39,7 +39,8 @@ struct GreyPicture {
     std::vector<std::uint16_t> samples;  ///< rows from the top
 };
 
-/// The numbers in a grey PNG of 8 or 16 bits. Throws InputError beginning with `source`, also for any other kind of PNG.
+/// The numbers in a grey PNG of 8 or 16 bits. Throws InputError beginning with `source`, also for any other kind of
+/// PNG.
 [[nodiscard]] GreyPicture read_grey_png(std::span<const std::uint8_t> file, const std::string& source);
 
 }  // namespace voxtone::io

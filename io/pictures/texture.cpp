@@ -70,7 +70,8 @@ Values load(const std::uint16_t* texel) {
 Eigen::Vector3f bilinear(const std::uint16_t* texels, const MipPyramid::Level& level, const Axis& x, const Axis& y) {
     const std::uint16_t* row0 = texels + 4 * std::size_t{y.i0} * level.width;
     const std::uint16_t* row1 = texels + 4 * std::size_t{y.i1} * level.width;
-    const Values a = load(row0 + 4 * x.i0), b = load(row0 + 4 * x.i1), c = load(row1 + 4 * x.i0), d = load(row1 + 4 * x.i1);
+    const Values a = load(row0 + 4 * x.i0), b = load(row0 + 4 * x.i1), c = load(row1 + 4 * x.i0),
+                 d = load(row1 + 4 * x.i1);
     const Values top = a + x.weight1 * (b - a), bottom = c + x.weight1 * (d - c);
     const Values rgb = (top + y.weight1 * (bottom - top)) * (1.0f / 65535.0f);
     return {rgb[0], rgb[1], rgb[2]};

@@ -10,9 +10,9 @@
 // Samples lie in [0, 1]. What the filter cannot see: direction. It is isotropic, so a texture that is squeezed in one
 // direction is blurred in the other (see `lod`).
 //
-// Texels are kept as 16-bit linear light, of 8-bit pictures too: decoding sRGB codes by table took more than half of the time
-// of a sample. The rounding is 2^-17, a fortieth of the step between the two darkest 8-bit codes. Memory: 8 bytes a texel,
-// times 4/3 for the levels.
+// Texels are kept as 16-bit linear light, of 8-bit pictures too: decoding sRGB codes by table took more than half of
+// the time of a sample. The rounding is 2^-17, a fortieth of the step between the two darkest 8-bit codes. Memory: 8
+// bytes a texel, times 4/3 for the levels.
 #pragma once
 
 #include <array>

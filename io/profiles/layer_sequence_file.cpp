@@ -14,14 +14,16 @@ constexpr double thinnest_mm = 1e-6, thickest_mm = 1e4;
 
 LayerSequence sequence_from_json(const JsonObject& json) {
     json.allow_only({"format", "version", "name", "source", "resins", "surface", "backing", "layers"});
-    if (json.text("format") != "voxtone-stack") json.fail("format", "is not \"voxtone-stack\": this is no stack of layers");
+    if (json.text("format") != "voxtone-stack")
+        json.fail("format", "is not \"voxtone-stack\": this is no stack of layers");
     if (json.integer("version", 0, 1000000) != 1) json.fail("version", "is not 1, the only version this program knows");
     LayerSequence sequence;
     sequence.name = json.text("name");
     if (json.has("source")) sequence.source = json.text("source");
     if (json.has("resins")) sequence.resins = json.text("resins");
     sequence.surface = json.text("surface");
-    if (sequence.surface != "air" && sequence.surface != "matched") json.fail("surface", "is neither \"air\" nor \"matched\"");
+    if (sequence.surface != "air" && sequence.surface != "matched")
+        json.fail("surface", "is neither \"air\" nor \"matched\"");
     sequence.backing = json.text("backing");
     for (const JsonObject& layer : json.objects("layers")) {
         layer.allow_only({"material", "mm"});
@@ -42,17 +44,20 @@ LayerSequence parse_layer_sequence(std::string_view text, std::string source) {
     return sequence_from_json(JsonObject::parse(text, std::move(source)));
 }
 
-LayerSequence read_layer_sequence(const std::filesystem::path& file) { return sequence_from_json(JsonObject::read(file)); }
+LayerSequence read_layer_sequence(const std::filesystem::path& file) {
+    return sequence_from_json(JsonObject::read(file));
+}
 
 std::string layer_sequence_text(const LayerSequence& sequence) {
-    std::string text = fmt::format("{{\"format\": \"voxtone-stack\", \"version\": 1, \"name\": {},\n \"source\": {},\n ",
-                                   json_text(sequence.name), json_text(sequence.source));
+    std::string text =
+        fmt::format("{{\"format\": \"voxtone-stack\", \"version\": 1, \"name\": {},\n \"source\": {},\n ",
+                    json_text(sequence.name), json_text(sequence.source));
     if (!sequence.resins.empty()) text += fmt::format("\"resins\": {}, ", json_text(sequence.resins));
     text += fmt::format("\"surface\": {}, \"backing\": {},\n \"layers\": [", json_text(sequence.surface),
                         json_text(sequence.backing));
     for (std::size_t i = 0; i < sequence.layers.size(); ++i)
-        text += fmt::format("{}\n  {{\"material\": {}, \"mm\": {}}}", i == 0 ? "" : ",", json_text(sequence.layers[i].material),
-                            sequence.layers[i].mm);
+        text += fmt::format("{}\n  {{\"material\": {}, \"mm\": {}}}", i == 0 ? "" : ",",
+                            json_text(sequence.layers[i].material), sequence.layers[i].mm);
     return text + "]}\n";
 }
 
@@ -64,17 +69,17 @@ std::vector<SequenceLayer> parse_layers(std::string_view text) {
         begin = end + 1;
         const std::size_t space = layer.find_first_of(" \t");
         if (space == std::string_view::npos)
-            throw UsageError(
-                fmt::format("\"{}\": the layer \"{}\" is no material and thickness; write layers as \"W 0.3, K 100um\", "
-                            "or name the JSON file of a stack",
-                            text, layer));
+            throw UsageError(fmt::format(
+                "\"{}\": the layer \"{}\" is no material and thickness; write layers as \"W 0.3, K 100um\", "
+                "or name the JSON file of a stack",
+                text, layer));
         const std::string material(layer.substr(0, space));
         const double mm = parse_length_mm(trimmed(layer.substr(space)), fmt::format("the layer of {}", material));
         if (!(mm >= thinnest_mm && mm <= thickest_mm))
-            throw UsageError(
-                fmt::format("\"{}\": the layer of {} is {:g} mm thick; a layer has a thickness above 0: leave it out or "
-                            "give it one",
-                            text, material, mm));
+            throw UsageError(fmt::format(
+                "\"{}\": the layer of {} is {:g} mm thick; a layer has a thickness above 0: leave it out or "
+                "give it one",
+                text, material, mm));
         layers.push_back({material, mm});
     }
     return layers;

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// A stack of layers as a JSON file (format "voxtone-stack"): what `voxtone stack search` finds and `stack predict` reads.
+// A stack of layers as a JSON file (format "voxtone-stack"): what `voxtone stack search` finds and `stack predict`
+// reads.
 //
 //   {"format": "voxtone-stack", "version": 1, "name": "jade", "source": "...",
-//    "resins": "vero-opaque",  (a set that comes with the program, or a file; left out where materials are profile files)
-//    "surface": "air" | "matched",  "backing": "black" | "white" | "air" | a profile file,
-//    "layers": [{"material": "W", "mm": 0.3}, {"material": "T", "mm": 1.2}]}   (the first one is on top)
+//    "resins": "vero-opaque",  (a set that comes with the program, or a file; left out where materials are profile
+//    files) "surface": "air" | "matched",  "backing": "black" | "white" | "air" | a profile file, "layers":
+//    [{"material": "W", "mm": 0.3}, {"material": "T", "mm": 1.2}]}   (the first one is on top)
 //
-// A material is the role of a resin of the set, or the file of a measured profile (profile_file.h). What `surface` and `backing`
-// mean: docs/stack-search.md.
+// A material is the role of a resin of the set, or the file of a measured profile (profile_file.h). What `surface` and
+// `backing` mean: docs/stack-search.md.
 #pragma once
 
 #include <filesystem>
@@ -36,7 +37,8 @@ struct LayerSequence {
 [[nodiscard]] LayerSequence read_layer_sequence(const std::filesystem::path& file);
 [[nodiscard]] std::string layer_sequence_text(const LayerSequence& sequence);
 
-/// Layers as a person writes them, the first one on top: "W 0.3, K 100um" (mm where no unit is given). Throws UsageError.
+/// Layers as a person writes them, the first one on top: "W 0.3, K 100um" (mm where no unit is given). Throws
+/// UsageError.
 [[nodiscard]] std::vector<SequenceLayer> parse_layers(std::string_view text);
 /// The same, in mm.
 [[nodiscard]] std::string layers_text(const std::vector<SequenceLayer>& layers);

@@ -24,8 +24,9 @@ std::vector<optics::RadialSamples> samples_from(const JsonObject& json, std::siz
     const Lists light = json.number_lists("light", channels, -any, any);
     for (const auto& channel : light) {
         if (channel.size() < fewest_samples)
-            json.fail("light", fmt::format("has {} samples in a channel; at least {} are needed to know how light falls off",
-                                           channel.size(), fewest_samples));
+            json.fail("light",
+                      fmt::format("has {} samples in a channel; at least {} are needed to know how light falls off",
+                                  channel.size(), fewest_samples));
         if (channel.size() != light[0].size())
             json.fail("light", fmt::format("has {} samples in one channel and {} in another; all channels have as many",
                                            light[0].size(), channel.size()));
@@ -34,8 +35,9 @@ std::vector<optics::RadialSamples> samples_from(const JsonObject& json, std::siz
     if (json.has("error")) error = json.number_lists("error", channels, 0, any);
     for (const auto& channel : error)
         if (channel.size() != light[0].size())
-            json.fail("error", fmt::format("has {} values for {} samples in a channel; give one for each, or leave the key out",
-                                           channel.size(), light[0].size()));
+            json.fail("error",
+                      fmt::format("has {} values for {} samples in a channel; give one for each, or leave the key out",
+                                  channel.size(), light[0].size()));
     std::vector<double> total;
     if (json.has("total")) total = json.numbers("total", channels, 0, 1);
     std::vector<optics::RadialSamples> samples;
@@ -75,7 +77,8 @@ std::string samples_text(const std::vector<optics::RadialSamples>& channels) {
     std::string light, error;
     for (const auto& samples : channels) {
         VOXTONE_EXPECT(samples.spacing_mm == first.spacing_mm && samples.light.size() == first.light.size() &&
-                       samples.error.size() == first.error.size() && samples.total.has_value() == first.total.has_value());
+                       samples.error.size() == first.error.size() &&
+                       samples.total.has_value() == first.total.has_value());
         if (samples.total) totals.push_back(*samples.total);
         const char* between = light.empty() ? "\n   " : ",\n   ";
         light += between + list_text(samples.light);
@@ -98,9 +101,9 @@ ProfileFile read_profile(const std::filesystem::path& file) { return profile_fro
 
 std::string profile_text(const ProfileFile& file) {
     VOXTONE_EXPECT(file.by_channel.size() == file.channels.size());
-    std::string text =
-        fmt::format("{{\"format\": \"voxtone-profile\", \"version\": 1, \"name\": {},\n \"source\": {},\n \"channels\": {}",
-                    json_text(file.name), json_text(file.source), channels_json(file.channels));
+    std::string text = fmt::format(
+        "{{\"format\": \"voxtone-profile\", \"version\": 1, \"name\": {},\n \"source\": {},\n \"channels\": {}",
+        json_text(file.name), json_text(file.source), channels_json(file.channels));
     std::vector<optics::RadialSamples> R, T;
     for (const auto& channel : file.by_channel) R.push_back(channel.R), T.push_back(channel.T);
     if (!file.is_target()) text += fmt::format(", \"thickness_mm\": {}", file.by_channel[0].thickness_mm);

@@ -11,9 +11,9 @@
 #include "voxtone/base/error.h"
 #include "voxtone/io/files/json_channels.h"
 #include "voxtone/io/files/json_object.h"
+#include "voxtone/io/files/whole_file.h"
 #include "voxtone/io/pictures/picture_writer.h"
 #include "voxtone/io/pictures/png_pixels.h"
-#include "voxtone/io/files/whole_file.h"
 
 namespace voxtone::io {
 namespace {

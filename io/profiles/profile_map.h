@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Which scattering is wanted where (format "voxtone-profile-map"): a picture of cluster numbers and one wanted reflection
-// profile for each cluster (Hasan et al. 2010, Sec. 7.1). A JSON file with an 8- or 16-bit grey PNG beside it.
+// Which scattering is wanted where (format "voxtone-profile-map"): a picture of cluster numbers and one wanted
+// reflection profile for each cluster (Hasan et al. 2010, Sec. 7.1). A JSON file with an 8- or 16-bit grey PNG beside
+// it.
 //
 //   {"format": "voxtone-profile-map", "version": 1, "source": "...", "channels": "rgb" | [nm, ...],
 //    "size_mm": [width, height], "picture": "name.png" (no folder in it; pixel value = number of the cluster),
@@ -15,8 +16,8 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/optics/profiles/measured_profile.h"
 #include "voxtone/optics/media/resins.h"
+#include "voxtone/optics/profiles/measured_profile.h"
 
 namespace voxtone::io {
 

@@ -63,7 +63,9 @@ optics::ResinSet parse_resin_set(std::string_view text, std::string source) {
     return resins_from_json(JsonObject::parse(text, source), source);
 }
 
-optics::ResinSet read_resin_set(const std::filesystem::path& file) { return resins_from_json(JsonObject::read(file), file.string()); }
+optics::ResinSet read_resin_set(const std::filesystem::path& file) {
+    return resins_from_json(JsonObject::read(file), file.string());
+}
 
 std::string resin_set_text(const optics::ResinSet& set) {
     set.validate();
@@ -72,11 +74,12 @@ std::string resin_set_text(const optics::ResinSet& set) {
         resins += fmt::format("{}\n  {{\"name\": {}, \"role\": {}, \"sigma_t_per_mm\": {}, \"albedo\": {}}}",
                               resins.empty() ? "" : ",", json_text(resin.name), json_text(resin.role),
                               list(resin.sigma_t_per_mm), list(resin.albedo));
-    const std::string channels = set.channels.is_rgb()
-                                     ? std::string("{\"kind\": \"rgb\"}")
-                                     : fmt::format("{{\"kind\": \"wavelength\", \"nm\": {}}}", list(set.channels.wavelengths_nm));
+    const std::string channels = set.channels.is_rgb() ? std::string("{\"kind\": \"rgb\"}")
+                                                       : fmt::format("{{\"kind\": \"wavelength\", \"nm\": {}}}",
+                                                                     list(set.channels.wavelengths_nm));
     return fmt::format(
-        "{{\"format\": \"voxtone-resins\", \"version\": 1, \"name\": {},\n \"source\": {},\n \"channels\": {}, \"g\": {}, "
+        "{{\"format\": \"voxtone-resins\", \"version\": 1, \"name\": {},\n \"source\": {},\n \"channels\": {}, \"g\": "
+        "{}, "
         "\"eta\": {},\n \"resins\": [{}]}}\n",
         json_text(set.name), json_text(set.source), channels, set.g, set.eta, resins);
 }
@@ -94,8 +97,9 @@ optics::ResinSet find_resin_set(const std::string& name_or_file) {
     std::string names;
     for (const auto& name : known_resin_sets()) names += (names.empty() ? "" : ", ") + name;
     const std::string nearest = nearest_name(name_or_file, known_resin_sets());
-    throw InputError(fmt::format("There is no resin set \"{}\" and no file of that name{}; sets that come with the program: {}",
-                                 name_or_file, nearest.empty() ? "" : fmt::format("; did you mean \"{}\"?", nearest), names));
+    throw InputError(
+        fmt::format("There is no resin set \"{}\" and no file of that name{}; sets that come with the program: {}",
+                    name_or_file, nearest.empty() ? "" : fmt::format("; did you mean \"{}\"?", nearest), names));
 }
 
 }  // namespace voxtone::io

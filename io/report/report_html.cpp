@@ -200,16 +200,20 @@ void add_prediction(std::string& html, const Report& report) {
     add_card(html, "Median", fmt::format("{:.2f}", p.median_de2000), "CIEDE2000");
     add_card(html, "95th percentile", fmt::format("{:.2f}", p.p95_de2000), "CIEDE2000");
     add_card(html, "Largest", fmt::format("{:.2f}", p.max_de2000), "CIEDE2000");
-    html += "</dl>\n<div class=\"table\"><table>\n<thead><tr><th>Difference</th><th class=\"n\">Share of the surface</th>"
-            "<th></th></tr></thead>\n<tbody>\n";
+    html +=
+        "</dl>\n<div class=\"table\"><table>\n<thead><tr><th>Difference</th><th class=\"n\">Share of the surface</th>"
+        "<th></th></tr></thead>\n<tbody>\n";
     double most = 0;
     for (const auto& [edge, share] : p.histogram) most = std::max(most, share);
     for (std::size_t i = 0; i < p.histogram.size(); ++i) {
         const auto& [edge, share] = p.histogram[i];
-        const std::string range = i + 1 < p.histogram.size() ? fmt::format("{:g} – {:g}", edge, p.histogram[i + 1].first)
-                                                             : fmt::format("{:g} and more", edge);
-        html += fmt::format("<tr><td>{}</td><td class=\"n\">{:.1f} %</td><td class=\"meter\"><i style=\"--share:{:.2f}%\"></i></td></tr>\n",
-                            range, 100 * share, most > 0 ? 100 * share / most : 0);
+        const std::string range = i + 1 < p.histogram.size()
+                                      ? fmt::format("{:g} – {:g}", edge, p.histogram[i + 1].first)
+                                      : fmt::format("{:g} and more", edge);
+        html += fmt::format(
+            "<tr><td>{}</td><td class=\"n\">{:.1f} %</td><td class=\"meter\"><i "
+            "style=\"--share:{:.2f}%\"></i></td></tr>\n",
+            range, 100 * share, most > 0 ? 100 * share / most : 0);
     }
     html += fmt::format("</tbody>\n</table></div>\n<p class=\"soft\">{}</p>\n</section>\n", escaped(p.note));
 }
@@ -219,18 +223,24 @@ void add_loop(std::string& html, const Report& report) {
     const ReportLoop& loop = *report.loop;
     html += "<section>\n<h2>The appearance loop</h2>\n";
     html += fmt::format("<p class=\"soft\">{}</p>\n", escaped(loop.note));
-    html += "<div class=\"table\"><table>\n<thead><tr><th>Iteration</th><th class=\"n\">Mean as seen</th><th></th><th class=\"n\">Median</th>"
-            "<th class=\"n\">95th percentile</th><th class=\"n wide-only\">Mean of cells</th><th class=\"n wide-only\">At limits</th>"
-            "<th class=\"n wide-only\">Time</th></tr></thead>\n<tbody>\n";
+    html +=
+        "<div class=\"table\"><table>\n<thead><tr><th>Iteration</th><th class=\"n\">Mean as seen</th><th></th><th "
+        "class=\"n\">Median</th>"
+        "<th class=\"n\">95th percentile</th><th class=\"n wide-only\">Mean of cells</th><th class=\"n wide-only\">At "
+        "limits</th>"
+        "<th class=\"n wide-only\">Time</th></tr></thead>\n<tbody>\n";
     double most = 0;
     for (const ReportIteration& i : loop.iterations) most = std::max(most, i.mean);
     for (const ReportIteration& i : loop.iterations) {
-        const std::string name = fmt::format("{}{}{}", i.number, i.number == 0 ? ", open loop" : "", i.number == loop.best ? ", printed" : "");
+        const std::string name = fmt::format("{}{}{}", i.number, i.number == 0 ? ", open loop" : "",
+                                             i.number == loop.best ? ", printed" : "");
         html += fmt::format(
-            "<tr><td>{}</td><td class=\"n\">{:.2f}</td><td class=\"meter\"><i style=\"--share:{:.2f}%\"></i></td><td class=\"n\">{:.2f}</td>"
+            "<tr><td>{}</td><td class=\"n\">{:.2f}</td><td class=\"meter\"><i style=\"--share:{:.2f}%\"></i></td><td "
+            "class=\"n\">{:.2f}</td>"
             "<td class=\"n\">{:.2f}</td><td class=\"n wide-only\">{:.2f}</td><td class=\"n wide-only\">{:.1f} %</td>"
             "<td class=\"n wide-only\">{}</td></tr>\n",
-            name, i.mean, most > 0 ? 100 * i.mean / most : 0, i.median, i.p95, i.cells_mean, 100 * i.stuck_share, duration_text(i.seconds));
+            name, i.mean, most > 0 ? 100 * i.mean / most : 0, i.median, i.p95, i.cells_mean, 100 * i.stuck_share,
+            duration_text(i.seconds));
     }
     html += "</tbody>\n</table></div>\n";
     if (!loop.crops.empty()) {

@@ -68,19 +68,20 @@ struct ReportPrediction {
     std::vector<std::pair<double, double>> histogram;
 };
 
-/// One print of the appearance loop: errors against the target, over the colours that the resins can show, by area, CIEDE2000.
+/// One print of the appearance loop: errors against the target, over the colours that the resins can show, by area,
+/// CIEDE2000.
 struct ReportIteration {
-    int number = 0;                                   ///< 0: the open loop
-    double mean = 0, median = 0, p95 = 0;             ///< as seen from the viewing distance
-    double cells_mean = 0;                            ///< cell by cell
-    double stuck_share = 0;                           ///< of the cells, at their limits, in [0, 1]
+    int number = 0;                        ///< 0: the open loop
+    double mean = 0, median = 0, p95 = 0;  ///< as seen from the viewing distance
+    double cells_mean = 0;                 ///< cell by cell
+    double stuck_share = 0;                ///< of the cells, at their limits, in [0, 1]
     double seconds = 0;
 };
 
 struct ReportLoop {
-    std::string note;                   ///< what was done and why it ended; one paragraph
+    std::string note;  ///< what was done and why it ended; one paragraph
     std::vector<ReportIteration> iterations;
-    int best = 0;                       ///< number of the one that is printed
+    int best = 0;  ///< number of the one that is printed
     double seconds = 0;
     std::vector<ReportPicture> crops, sections;  ///< magnified surface; cut through the resins
     std::string sections_note;
@@ -117,8 +118,8 @@ struct Report {
     std::uint64_t body_voxels = 0;
     std::vector<ReportResin> resins;
     std::vector<std::string> warnings;
-    std::vector<ReportStage> stages;       ///< one after the other
-    double total_seconds = 0;              ///< of the whole job
+    std::vector<ReportStage> stages;  ///< one after the other
+    double total_seconds = 0;         ///< of the whole job
     std::uint64_t peak_memory_bytes = 0;
     std::uint64_t output_bytes = 0;
     std::optional<ReportGamut> gamut;

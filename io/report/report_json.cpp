@@ -82,7 +82,10 @@ std::string report_json(const Report& report) {
                                   {"cells_de2000", {{"mean", i.cells_mean}}},
                                   {"stuck_share", i.stuck_share},
                                   {"seconds", i.seconds}});
-        json["loop"] = {{"best", report.loop->best}, {"seconds", report.loop->seconds}, {"note", valid_utf8(report.loop->note)}, {"iterations", iterations}};
+        json["loop"] = {{"best", report.loop->best},
+                        {"seconds", report.loop->seconds},
+                        {"note", valid_utf8(report.loop->note)},
+                        {"iterations", iterations}};
     }
     json["warnings"] = Json::array();
     for (const std::string& warning : report.warnings) json["warnings"].push_back(valid_utf8(warning));

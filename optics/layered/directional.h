@@ -12,8 +12,8 @@
 #include <Eigen/Core>
 
 #include "voxtone/optics/layered/adding_doubling.h"
-#include "voxtone/optics/scene/backing.h"
 #include "voxtone/optics/numerics/quadrature.h"
+#include "voxtone/optics/scene/backing.h"
 
 namespace voxtone::optics {
 

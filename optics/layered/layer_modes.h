@@ -24,8 +24,8 @@
 #include <Eigen/Core>
 
 #include "voxtone/optics/layered/phase.h"
-#include "voxtone/optics/numerics/quadrature.h"
 #include "voxtone/optics/media/resins.h"
+#include "voxtone/optics/numerics/quadrature.h"
 #include "voxtone/optics/numerics/symmetric_eigen.h"
 
 namespace voxtone::optics {

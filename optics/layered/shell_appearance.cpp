@@ -7,9 +7,9 @@
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/parallel.h"
 #include "voxtone/optics/layered/adding_doubling.h"
-#include "voxtone/optics/numerics/bicubic_table.h"
 #include "voxtone/optics/layered/directional.h"
 #include "voxtone/optics/layered/layered_appearance.h"
+#include "voxtone/optics/numerics/bicubic_table.h"
 
 namespace voxtone::optics {
 
@@ -53,7 +53,7 @@ struct ShellAppearance::Tables {
     double inverse_absorption_scale, inverse_scattering_scale;  // mm
     std::vector<BicubicTable> tables;                           // per channel
     HalftoneMedium medium;
-    std::vector<double> white;                                  // per channel
+    std::vector<double> white;  // per channel
 
     Tables(const ResinSet& resins, const ShellGeometry& shell);
     void tabulate(std::size_t channel, const OrdinatePlan& plan);
@@ -83,7 +83,8 @@ struct ShellAppearance::Tables {
     }
 };
 
-ShellAppearance::Tables::Tables(const ResinSet& resins, const ShellGeometry& shell) : set(resins), geometry(shell), medium(resins, shell.pitch_mm, shell.seen) {
+ShellAppearance::Tables::Tables(const ResinSet& resins, const ShellGeometry& shell)
+    : set(resins), geometry(shell), medium(resins, shell.pitch_mm, shell.seen) {
     set.validate();
     VOXTONE_EXPECT(shell.shell_mm > 0 && std::isfinite(shell.shell_mm) && shell.core_mm > 0);
     VOXTONE_EXPECT(shell.core_resin >= 0 && static_cast<std::size_t>(shell.core_resin) < set.resins.size());

@@ -21,7 +21,8 @@
 // appearance, tested; the worst of 400 random mixtures was 1.2e-6 for 1 mm of the start set over deep white and 3.4e-5
 // for shells of 0.1 to 5 mm with clear resin, over deep white and over finite cores. A nearly clear shell on a clear
 // core has no such bound: light trapped in it is scattered out or absorbed by the ratio of two vanishing numbers.
-// What it cannot see: edges, curvature, neighbouring colours. Immutable after construction: one object may serve any number of threads.
+// What it cannot see: edges, curvature, neighbouring colours. Immutable after construction: one object may serve any
+// number of threads.
 #pragma once
 
 #include <array>
@@ -31,18 +32,19 @@
 #include <span>
 #include <vector>
 
-#include "voxtone/optics/scene/backing.h"
 #include "voxtone/optics/media/halftone_medium.h"
 #include "voxtone/optics/media/resins.h"
+#include "voxtone/optics/scene/backing.h"
 
 namespace voxtone::optics {
 
 struct ShellGeometry {
-    double shell_mm = 1.0;  ///< > 0
-    int core_resin = 0;     ///< index into the set
+    double shell_mm = 1.0;                                     ///< > 0
+    int core_resin = 0;                                        ///< index into the set
     double core_mm = std::numeric_limits<double>::infinity();  ///< > 0
     Backing backing = Backing::none;                           ///< has no meaning under an infinite core
-    /// The resin of which a body of this geometry, shell and core alike, is the white of media-relative values; -1: the core's.
+    /// The resin of which a body of this geometry, shell and core alike, is the white of media-relative values; -1: the
+    /// core's.
     int white_resin = -1;
     std::array<double, 3> pitch_mm{};  ///< of the voxels of a halftone, > 0; all 0: ideal mixtures
     SeenFrom seen = SeenFrom::above;   ///< which way the voxels lie to the shell's surface

@@ -42,7 +42,9 @@ HalftoneMedium::HalftoneMedium(const ResinSet& resins, const std::array<double, 
         }
 }
 
-Medium HalftoneMedium::operator()(std::span<const double> f, std::size_t channel) const { return at(f, channel).medium; }
+Medium HalftoneMedium::operator()(std::span<const double> f, std::size_t channel) const {
+    return at(f, channel).medium;
+}
 
 HalftoneMedium::Point HalftoneMedium::at(std::span<const double> f, std::size_t channel) const {
     VOXTONE_EXPECT(f.size() == resins_);

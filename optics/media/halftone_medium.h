@@ -4,8 +4,8 @@
 // filled by one of them.
 //
 // An ideal mixture averages sigma_a and sigma_s (Iser, Rittig, Wilkie 2025, Eq. 7). Voxels do not, because the light is
-// not the same in all of them: where a resin absorbs, its voxels are darker than their surroundings. With a voxel's mean
-// chord l = 4 V / S, its pitch p_z along the light's way and p_x, p_y across, and its slenderness
+// not the same in all of them: where a resin absorbs, its voxels are darker than their surroundings. With a voxel's
+// mean chord l = 4 V / S, its pitch p_z along the light's way and p_x, p_y across, and its slenderness
 //
 //   h = p_z / (sqrt(p_x p_y) + p_z / 2),
 //
@@ -28,8 +28,8 @@
 // One resin, equal resins and voxels of vanishing size give Eq. 7; a body that absorbs nothing stays so.
 //
 // The constants are one set for all resins and printers, fitted to Monte Carlo of halftones of random resins by
-// benchmarks/optics/media/halftone_departure.cpp. Errors, in units of L* of a channel read as a grey: 0.1 to 0.2 rms, against
-// 0.7 to 1.3 by Eq. 7 (docs/halftone-departure.md). They belong to the blue-noise screen.
+// benchmarks/optics/media/halftone_departure.cpp. Errors, in units of L* of a channel read as a grey: 0.1 to 0.2 rms,
+// against 0.7 to 1.3 by Eq. 7 (docs/halftone-departure.md). They belong to the blue-noise screen.
 //
 // Units mm, mm^-1. Range: any fractions >= 0, sigma_t up to about 1 / l (40 per mm for J750's voxels), p_z between a
 // fifth and two and a half times sqrt(p_x p_y). What it cannot see: anything but the mean over many voxels.

@@ -61,7 +61,8 @@ double turbulence(std::uint64_t seed, Place p) {
     return sum;
 }
 
-/// A number for the grain that holds the place: that of the nearest of the points strewn one into each cell of the lattice.
+/// A number for the grain that holds the place: that of the nearest of the points strewn one into each cell of the
+/// lattice.
 std::uint64_t grain_at(std::uint64_t seed, const Place& p) {
     std::array<std::int64_t, 3> cell{};
     for (std::size_t a = 0; a < 3; ++a) cell[a] = static_cast<std::int64_t>(std::floor(p[a]));

@@ -3,9 +3,11 @@
 // Heterogeneous slabs of known mixtures: what data sets of scattering are made of where nothing is measured.
 //
 //   chess   squares: white over black, and a deep translucent body
-//   marble  a light translucent body with darker, warmer veins that run slantwise through it (turbulence of lattice noise;
+//   marble  a light translucent body with darker, warmer veins that run slantwise through it (turbulence of lattice
+//   noise;
 //           K. Perlin, "An image synthesizer", SIGGRAPH 1985)
-//   stone   grains, each of one translucency and tint (cells of the nearest seed point; S. Worley, "A cellular texture basis
+//   stone   grains, each of one translucency and tint (cells of the nearest seed point; S. Worley, "A cellular texture
+//   basis
 //           function", SIGGRAPH 1996)
 //
 // Mixtures are ideal ones of the roles W, K and T (clear), with C, M and Y as tints where the set has them. A slab is a

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "voxtone/optics/scene/fresnel.h"
 #include "voxtone/optics/numerics/quadrature.h"
+#include "voxtone/optics/scene/fresnel.h"
 
 namespace voxtone::optics {
 namespace {

@@ -68,7 +68,8 @@ public:
                 }
                 ++patience.meetings;
                 if (!patience.survives(weight, random)) return {};
-                if (random.uniform() < internal_reflectance(std::abs(d[2]), down ? scene_.eta_bottom : scene_.eta_top)) {
+                if (random.uniform() <
+                    internal_reflectance(std::abs(d[2]), down ? scene_.eta_bottom : scene_.eta_top)) {
                     d[2] = -d[2];
                     direct = false;
                     continue;
@@ -118,7 +119,8 @@ struct Counter {
 std::vector<double> ring_edges(const HankelGrid& grid) {
     std::vector<double> edges;
     const std::size_t even = rings_per_coefficient * grid.size();
-    for (std::size_t i = 0; i <= even; ++i) edges.push_back(grid.reach_mm() * static_cast<double>(i) / static_cast<double>(even));
+    for (std::size_t i = 0; i <= even; ++i)
+        edges.push_back(grid.reach_mm() * static_cast<double>(i) / static_cast<double>(even));
     for (int i = 1; i <= 48; ++i) edges.push_back(grid.reach_mm() * std::exp2(i / 16.0));
     return edges;
 }

@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// How far sideways light leaves a stack of layers from where it entered: the reference of layered profiles, by Monte Carlo.
+// How far sideways light leaves a stack of layers from where it entered: the reference of layered profiles, by Monte
+// Carlo.
 //
-// Layers are endless, of one refractive index and one phase function; air may lie beyond smooth surfaces at the top and at the
-// bottom, or a diffuse sheet may be glued to the bottom (what it sends back is lambertian; T is what it keeps). Paths enter at one
-// point of the top from diffuse light that the surface lets in and are those of plain_paths.h: free paths by optical depth,
-// Henyey-Greenstein, the weight times the albedo at every scattering, roulette below `default_roulette_weight`. What leaves is
-// counted by its distance in rings: as many units of 2^-32, so that the sums have the same bits for any number of threads. Light
-// that entered is 1.
+// Layers are endless, of one refractive index and one phase function; air may lie beyond smooth surfaces at the top and
+// at the bottom, or a diffuse sheet may be glued to the bottom (what it sends back is lambertian; T is what it keeps).
+// Paths enter at one point of the top from diffuse light that the surface lets in and are those of plain_paths.h: free
+// paths by optical depth, Henyey-Greenstein, the weight times the albedo at every scattering, roulette below
+// `default_roulette_weight`. What leaves is counted by its distance in rings: as many units of 2^-32, so that the sums
+// have the same bits for any number of threads. Light that entered is 1.
 //
-// Error: noise, and light is spread evenly over its ring. Rings are reach / (16 n) wide, which takes less than 0.2 % off the
-// highest of n Hankel coefficients.
+// Error: noise, and light is spread evenly over its ring. Rings are reach / (16 n) wide, which takes less than 0.2 %
+// off the highest of n Hankel coefficients.
 #pragma once
 
 #include <cstdint>
@@ -18,8 +19,8 @@
 #include <vector>
 
 #include "voxtone/base/progress.h"
-#include "voxtone/optics/numerics/hankel.h"
 #include "voxtone/optics/media/resins.h"
+#include "voxtone/optics/numerics/hankel.h"
 
 namespace voxtone::optics {
 
@@ -57,7 +58,7 @@ struct TracedProfile {
 [[nodiscard]] std::vector<double> ring_edges(const HankelGrid& grid);
 
 /// Contract: layers of thickness > 0, finite, sigma >= 0, |g| < 1, eta >= 1, backing in [0, 1].
-[[nodiscard]] TracedProfile trace_layers(const LayerScene& scene, const HankelGrid& grid, const LayerPathOptions& options = {},
-                                         const Progress* progress = nullptr);
+[[nodiscard]] TracedProfile trace_layers(const LayerScene& scene, const HankelGrid& grid,
+                                         const LayerPathOptions& options = {}, const Progress* progress = nullptr);
 
 }  // namespace voxtone::optics

@@ -7,11 +7,11 @@
 
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/parallel.h"
-#include "voxtone/optics/scene/boundary.h"
 #include "voxtone/optics/monte_carlo/path_packets.h"
 #include "voxtone/optics/monte_carlo/path_rounds.h"
 #include "voxtone/optics/monte_carlo/plain_paths.h"
 #include "voxtone/optics/monte_carlo/voxel_walk.h"
+#include "voxtone/optics/scene/boundary.h"
 
 namespace voxtone::optics {
 namespace {

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// How light that enters a flat body at one point leaves it at the others: the 4-D function R(x_i, x_o) on a grid of points,
-// directions left out (a BSSRDF of diffuse light; Hasan et al. 2010, Sec. 7.1).
+// How light that enters a flat body at one point leaves it at the others: the 4-D function R(x_i, x_o) on a grid of
+// points, directions left out (a BSSRDF of diffuse light; Hasan et al. 2010, Sec. 7.1).
 //
-// A point stands for its cell, a square of pitch x pitch. R(x_i, x_o) is the light per mm^2 that leaves the cell of x_o of one
-// unit of diffuse light that the surface let in, spread over the cell of x_i. Light has no preferred way: R(x_i, x_o) =
-// R(x_o, x_i), so a pair is kept once. Kept are pairs up to `radius` apart; `total` says what leaves altogether, near and far.
+// A point stands for its cell, a square of pitch x pitch. R(x_i, x_o) is the light per mm^2 that leaves the cell of x_o
+// of one unit of diffuse light that the surface let in, spread over the cell of x_i. Light has no preferred way: R(x_i,
+// x_o) = R(x_o, x_i), so a pair is kept once. Kept are pairs up to `radius` apart; `total` says what leaves altogether,
+// near and far.
 #pragma once
 
 #include <cstddef>
@@ -32,8 +33,8 @@ struct ChannelResponses {
     /// [offset of the half window][point]: R(point, point + offset) in mm^-2; 0 where that lies outside.
     std::vector<float> pairs;
     std::vector<float> total;  ///< [point]: of one unit that entered there, what leaves at the top, wherever; in [0, 1]
-    /// Variance of a value / the value, mm^-2: what one count is worth (of the pair of a point with itself: twice that). 0:
-    /// values without noise.
+    /// Variance of a value / the value, mm^-2: what one count is worth (of the pair of a point with itself: twice
+    /// that). 0: values without noise.
     double noise = 0;
 };
 
@@ -51,7 +52,8 @@ struct PointResponses {
 /// By point: the light that leaves within the window and the grid, of one unit that entered.
 [[nodiscard]] std::vector<double> light_within_window(const PointResponses& responses, std::size_t channel);
 
-/// Of all light from points whose window lies within the grid, the share that leaves beyond the window; 0 where there are none.
+/// Of all light from points whose window lies within the grid, the share that leaves beyond the window; 0 where there
+/// are none.
 [[nodiscard]] double share_beyond_window(const PointResponses& responses, std::size_t channel);
 
 struct PointResponseOptions {
@@ -62,9 +64,9 @@ struct PointResponseOptions {
     std::uint64_t seed = 1;
 };
 
-/// Traced through the volume (path_packets.h): all that the scene says is simulated as it is, the error is noise. Paths from
-/// both points of a pair count for it. Columns are squares; the top is flat and all resin: contract. The same bits for any
-/// number of threads. `progress` advances by points, channel by channel.
+/// Traced through the volume (path_packets.h): all that the scene says is simulated as it is, the error is noise. Paths
+/// from both points of a pair count for it. Columns are squares; the top is flat and all resin: contract. The same bits
+/// for any number of threads. `progress` advances by points, channel by channel.
 [[nodiscard]] PointResponses trace_point_responses(const Scene& scene, const PointResponseOptions& options,
                                                    Progress* progress = nullptr);
 

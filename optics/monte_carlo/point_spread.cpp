@@ -25,8 +25,15 @@ struct RingSums {
 /// Paths [first, end) of one channel.
 class SpreadPaths : public PathSource {
 public:
-    SpreadPaths(const Scene& scene, const PointSpreadOptions& options, std::size_t channel, std::uint32_t first, std::uint32_t end)
-        : scene_(scene), options_(options), channel_(channel), first_(first), path_(first), end_(end), entered_(end - first) {
+    SpreadPaths(const Scene& scene, const PointSpreadOptions& options, std::size_t channel, std::uint32_t first,
+                std::uint32_t end)
+        : scene_(scene),
+          options_(options),
+          channel_(channel),
+          first_(first),
+          path_(first),
+          end_(end),
+          entered_(end - first) {
         sums.ring.assign(options.edges_mm.size() - 1, 0);
     }
 
@@ -48,7 +55,8 @@ public:
         if (weight == 0 || at[2] != static_cast<float>(scene_.volume->size()[2])) return;
         const double w = weight;
         const auto& pitch = scene_.volume->pitch_mm();
-        const double r = std::hypot(double(at[0] - entered_[tag][0]) * pitch[0], double(at[1] - entered_[tag][1]) * pitch[1]);
+        const double r =
+            std::hypot(double(at[0] - entered_[tag][0]) * pitch[0], double(at[1] - entered_[tag][1]) * pitch[1]);
         const auto& edges = options_.edges_mm;
         const auto above = std::upper_bound(edges.begin() + 1, edges.end() - 1, r) - edges.begin();
         sums.ring[static_cast<std::size_t>(above - 1)] += in_units(w);
@@ -65,16 +73,20 @@ public:
     RingSums sums;
 
 private:
-    /// The next paths; false where there are none. Entries are spread by a two-dimensional golden ratio sequence (R2, M. Roberts 2018).
+    /// The next paths; false where there are none. Entries are spread by a two-dimensional golden ratio sequence (R2,
+    /// M. Roberts 2018).
     bool draw() {
         entries_ = next_entry_ = 0;
         for (; entries_ < Entries::most && path_ < end_; ++entries_, ++path_) {
             for (std::size_t a = 0; a < 2; ++a) {
                 constexpr double step[2] = {0.7548776662466927, 0.5698402909980532};
                 const double place = std::fmod(0.5 + step[a] * path_, 1.0);
-                column_[entries_][a] = std::min(options_.end[a] - 1, options_.first[a] + static_cast<int>(place * (options_.end[a] - options_.first[a])));
+                column_[entries_][a] =
+                    std::min(options_.end[a] - 1,
+                             options_.first[a] + static_cast<int>(place * (options_.end[a] - options_.first[a])));
             }
-            const auto counter = path_counter({{column_[entries_][0], column_[entries_][1], 0}, static_cast<std::uint32_t>(channel_), path_});
+            const auto counter = path_counter(
+                {{column_[entries_][0], column_[entries_][1], 0}, static_cast<std::uint32_t>(channel_), path_});
             for (std::size_t k = 0; k < 4; ++k) entry_.random[k][entries_] = counter[k];
             tag_[entries_] = path_ - first_;
         }
@@ -106,7 +118,8 @@ RingLight mean_of(const RingSums& sums, double paths) {
 
 }  // namespace
 
-std::vector<RingLight> trace_point_spread(const Scene& scene, const PointSpreadOptions& options, const Progress* progress) {
+std::vector<RingLight> trace_point_spread(const Scene& scene, const PointSpreadOptions& options,
+                                          const Progress* progress) {
     const auto& size = scene.volume->size();
     VOXTONE_EXPECT(options.paths >= 2 && options.edges_mm.size() >= 2);
     for (std::size_t a = 0; a < 2; ++a)

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// How far from where it entered light leaves a print, traced voxel by voxel: R(r) of a body that need not be made of plane
-// layers, as the mean over points that are spread evenly over a part of its top (the camera of Hasan et al. 2010, Sec. 4, averages so
-// over the dither).
+// How far from where it entered light leaves a print, traced voxel by voxel: R(r) of a body that need not be made of
+// plane layers, as the mean over points that are spread evenly over a part of its top (the camera of Hasan et al. 2010,
+// Sec. 4, averages so over the dither).
 //
-// Every unit of light that the surface let in is diffuse, as everywhere here. Of `total`, light[i] left at the top between
-// edges_mm[i] and edges_mm[i + 1] of its entry; what went farther is counted in the last ring. Mirrored sides fold far light
-// back: keep the entries as far from the sides as light is to be told apart.
+// Every unit of light that the surface let in is diffuse, as everywhere here. Of `total`, light[i] left at the top
+// between edges_mm[i] and edges_mm[i + 1] of its entry; what went farther is counted in the last ring. Mirrored sides
+// fold far light back: keep the entries as far from the sides as light is to be told apart.
 #pragma once
 
 #include <array>
@@ -15,8 +15,8 @@
 #include <vector>
 
 #include "voxtone/base/progress.h"
-#include "voxtone/optics/scene/appearance_model.h"
 #include "voxtone/optics/monte_carlo/layer_paths.h"
+#include "voxtone/optics/scene/appearance_model.h"
 
 namespace voxtone::optics {
 
@@ -27,7 +27,8 @@ struct PointSpreadOptions {
     std::uint64_t seed = 1;
 };
 
-/// Of each channel. Contract: entries lie on resin at the flat top of the volume; two edges at least. The same bits for any number of threads.
+/// Of each channel. Contract: entries lie on resin at the flat top of the volume; two edges at least. The same bits for
+/// any number of threads.
 [[nodiscard]] std::vector<RingLight> trace_point_spread(const Scene& scene, const PointSpreadOptions& options,
                                                         const Progress* progress = nullptr);
 

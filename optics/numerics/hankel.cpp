@@ -62,7 +62,8 @@ std::vector<double> HankelGrid::from_radii(std::span<const double> f) const {
 
 std::vector<double> HankelGrid::from_even(std::span<const double> f, double spacing_mm) const {
     VOXTONE_EXPECT(f.size() >= 2 && spacing_mm > 0);
-    // r times a straight line times J0: eight nodes are exact for degree 15, and enough where the fastest wave turns by up to pi.
+    // r times a straight line times J0: eight nodes are exact for degree 15, and enough where the fastest wave turns by
+    // up to pi.
     const int pieces = 1 + static_cast<int>(2 * k_.back() * spacing_mm);
     const Rule rule = gauss_legendre(8, 0, 1);
     std::vector<double> r, light;
@@ -88,7 +89,8 @@ std::vector<double> HankelGrid::from_rings(std::span<const double> edges_mm, std
         const double per_area = light[ring] / (pi * (outer - inner) * (outer + inner));
         coefficients[0] += light[ring];
         if (light[ring] == 0) continue;
-        for (std::size_t i = 1; i < size(); ++i) coefficients[i] += per_area * (disc(k_[i], outer) - disc(k_[i], inner));
+        for (std::size_t i = 1; i < size(); ++i)
+            coefficients[i] += per_area * (disc(k_[i], outer) - disc(k_[i], inner));
     }
     return coefficients;
 }

@@ -10,11 +10,13 @@
 namespace voxtone::optics {
 namespace {
 
-// A layer of T = 0 has no finite K, one of R = 1 no finite S: these are as near as both stay finite for any thickness in use.
+// A layer of T = 0 has no finite K, one of R = 1 no finite S: these are as near as both stay finite for any thickness
+// in use.
 constexpr double least_transmission = 1e-300;
 constexpr double largest_reflection = 1 - 0x1p-50;
 
-// What goes back and forth between two layers is repeated this often. A reflection of 1 from both sides lets nothing in between.
+// What goes back and forth between two layers is repeated this often. A reflection of 1 from both sides lets nothing in
+// between.
 double echoes(double R_bottom, double R_top) {
     const double lost = 1 - R_bottom * R_top;
     return lost > 0 ? 1 / lost : 0;

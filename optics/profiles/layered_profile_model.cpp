@@ -62,8 +62,8 @@ Totals upon(const Totals& upper, const Totals& lower) {
             lower.R_bottom + lower.T * lower.T * upper.R_bottom / between, upper.T * lower.T / between};
 }
 
-// The same for waves. To a wave, light that runs sideways is lost as if absorbed: of light that flies freely with a mean
-// free path of 1 / sigma a wave leaves so much as if sigma were kappa / atan(kappa / sigma), for which stands
+// The same for waves. To a wave, light that runs sideways is lost as if absorbed: of light that flies freely with a
+// mean free path of 1 / sigma a wave leaves so much as if sigma were kappa / atan(kappa / sigma), for which stands
 // (sigma + 2 sqrt(sigma^2 + kappa^2)) / 3 here: exact for long waves (diffusion), 5 % more for short ones.
 struct WaveTotals {
     Waves R_top = Waves::Zero(), R_bottom = Waves::Zero(), T = Waves::Ones();
@@ -83,7 +83,8 @@ struct WaveRates {
 WaveTotals waves_of(const Coefficients& of, double mm) {
     const WaveRates rates(of);
     const auto h = static_cast<float>(mm);
-    const Waves t = (0.5F * h * rates.gamma).tanh(), t_over_gamma = (rates.gamma > 1e-4F).select(t / rates.gamma, 0.5F * h);
+    const Waves t = (0.5F * h * rates.gamma).tanh(),
+                t_over_gamma = (rates.gamma > 1e-4F).select(t / rates.gamma, 0.5F * h);
     const Waves x = rates.B * t_over_gamma, y = rates.A * t_over_gamma, below = (1 + x) * (1 + y);
     const Waves R = (y - x) / below;
     return {R, R, (1 - x * y) / below};
@@ -91,8 +92,8 @@ WaveTotals waves_of(const Coefficients& of, double mm) {
 
 WaveTotals upon(const WaveTotals& upper, const WaveTotals& lower) {
     const Waves between = 1 / (1 - upper.R_bottom * lower.R_top);
-    return {upper.R_top + upper.T.square() * lower.R_top * between, lower.R_bottom + lower.T.square() * upper.R_bottom * between,
-            upper.T * lower.T * between};
+    return {upper.R_top + upper.T.square() * lower.R_top * between,
+            lower.R_bottom + lower.T.square() * upper.R_bottom * between, upper.T * lower.T * between};
 }
 
 Waves half_space_of_waves(const Coefficients& of) {
@@ -116,7 +117,11 @@ class Stacked {
 public:
     Stacked(const std::vector<Coefficients>& coefficients, const SurfacedTable& surfaced, double surfaced_mm,
             double turned_back, std::size_t channels)
-        : coefficients_(coefficients), surfaced_(surfaced), surfaced_mm_(surfaced_mm), turned_back_(turned_back), channels_(channels) {}
+        : coefficients_(coefficients),
+          surfaced_(surfaced),
+          surfaced_mm_(surfaced_mm),
+          turned_back_(turned_back),
+          channels_(channels) {}
 
     [[nodiscard]] Seen seen(const LayersUnder& column, std::size_t channel) const {
         if (column.steps.empty()) return {};
@@ -170,14 +175,16 @@ public:
     }
 
 private:
-    // How thick the layer next to the surface is (from behind: next to the other one), most_mm at most: up to where the mixture
-    // above and as much below it differ most, if they differ by three quarters or more; voxels of a halftone do not, taken
-    // together.
+    // How thick the layer next to the surface is (from behind: next to the other one), most_mm at most: up to where the
+    // mixture above and as much below it differ most, if they differ by three quarters or more; voxels of a halftone do
+    // not, taken together.
     [[nodiscard]] double first_layer(const LayersUnder& column, double most_mm, bool from_behind) const {
         constexpr std::size_t fewest = 2;
         constexpr float border = 0.75F;
         const std::size_t n = column.steps.size(), materials = coefficients_.size() / channels_;
-        const auto step = [&](std::size_t i) -> const LayersUnder::Step& { return column.steps[from_behind ? n - 1 - i : i]; };
+        const auto step = [&](std::size_t i) -> const LayersUnder::Step& {
+            return column.steps[from_behind ? n - 1 - i : i];
+        };
         double mm = 0, best_mm = most_mm;
         float most = border;
         for (std::size_t count = 1; 2 * count <= n; ++count) {
@@ -201,10 +208,12 @@ private:
     [[nodiscard]] bool alike(const LayersUnder& column, std::size_t a, std::size_t b) const {
         const auto materials = static_cast<std::ptrdiff_t>(coefficients_.size() / channels_);
         const auto of = column.shares.begin() + static_cast<std::ptrdiff_t>(column.steps[a].first);
-        return a == b || std::equal(of, of + materials, column.shares.begin() + static_cast<std::ptrdiff_t>(column.steps[b].first));
+        return a == b || std::equal(of, of + materials,
+                                    column.shares.begin() + static_cast<std::ptrdiff_t>(column.steps[b].first));
     }
 
-    [[nodiscard]] Coefficients mixture(const LayersUnder& column, const LayersUnder::Step& step, std::size_t channel) const {
+    [[nodiscard]] Coefficients mixture(const LayersUnder& column, const LayersUnder::Step& step,
+                                       std::size_t channel) const {
         Coefficients mixed;
         const std::size_t materials = coefficients_.size() / channels_;
         for (std::size_t m = 1; m < materials; ++m)
@@ -259,14 +268,16 @@ Appearance LayeredProfileModel::predict(const Scene& scene, const Surface& surfa
                     const std::size_t at = cell * appearance.channels + c;
                     const Seen seen = stacked.seen(column, c);
                     if (options_.sideways)
-                        profiles[at] = gaussian_weights(static_cast<float>(behind_surface(seen.R, turned_back)) * stacked.shape(column, c));
+                        profiles[at] = gaussian_weights(static_cast<float>(behind_surface(seen.R, turned_back)) *
+                                                        stacked.shape(column, c));
                     appearance.value[at] = static_cast<float>(options_.sideways ? seen.across : seen.R + seen.across);
                 }
             }
         },
         progress);
     if (!options_.sideways) return appearance;
-    const std::vector<float> R = with_sideways_light(surface_points(surface), profiles, appearance.channels, turned_back);
+    const std::vector<float> R =
+        with_sideways_light(surface_points(surface), profiles, appearance.channels, turned_back);
     for (std::size_t i = 0; i < R.size(); ++i) appearance.value[i] = std::min(1.0F, appearance.value[i] + R[i]);
     return appearance;
 }

@@ -16,19 +16,21 @@ constexpr double largest_sum = 1.02;
 
 void check(const RadialSamples& samples, const char* name) {
     if (!(samples.spacing_mm > 0 && std::isfinite(samples.spacing_mm)))
-        throw InputError(
-            fmt::format("The {} profile has a spacing of {} mm; it must be above 0. Give the distance between samples in mm.",
-                        name, samples.spacing_mm));
+        throw InputError(fmt::format(
+            "The {} profile has a spacing of {} mm; it must be above 0. Give the distance between samples in mm.", name,
+            samples.spacing_mm));
     if (samples.light.size() < fewest_samples)
-        throw InputError(fmt::format("The {} profile has {} samples; at least {} are needed to know how light falls off.", name,
-                                     samples.light.size(), fewest_samples));
+        throw InputError(
+            fmt::format("The {} profile has {} samples; at least {} are needed to know how light falls off.", name,
+                        samples.light.size(), fewest_samples));
     for (std::size_t i = 0; i < samples.light.size(); ++i)
         if (!std::isfinite(samples.light[i]))
-            throw InputError(fmt::format("Sample {} of the {} profile is {}; every sample must be a finite number.", i, name,
-                                         samples.light[i]));
+            throw InputError(fmt::format("Sample {} of the {} profile is {}; every sample must be a finite number.", i,
+                                         name, samples.light[i]));
     if (samples.total && !(*samples.total >= 0 && *samples.total <= 1))
-        throw InputError(fmt::format("The total of the {} profile is {}; a share of the light that entered lies between 0 and 1.",
-                                     name, *samples.total));
+        throw InputError(
+            fmt::format("The total of the {} profile is {}; a share of the light that entered lies between 0 and 1.",
+                        name, *samples.total));
 }
 
 // Light of the samples in rings about them.
@@ -43,7 +45,8 @@ double negative_share(const RadialSamples& samples) {
     return all > 0 ? below / all : 0;
 }
 
-// Fits light = a exp(-r / L) to the last third by its two halves' sums; beyond the end r it holds 2 pi a L (r + L) exp(-r / L).
+// Fits light = a exp(-r / L) to the last third by its two halves' sums; beyond the end r it holds 2 pi a L (r + L)
+// exp(-r / L).
 double share_beyond(const RadialSamples& samples) {
     const std::size_t n = samples.light.size(), half = std::max<std::size_t>(1, n / 6), first = n - 2 * half;
     double near = 0, far = 0, all = 0;
@@ -64,10 +67,10 @@ std::vector<double> coefficients(const RadialSamples& samples, const char* name,
     const double sum = f[0];
     if (!(sum > 0)) {
         if (*samples.total == 0) return std::vector<double>(f.size(), 0.0);
-        throw InputError(
-            fmt::format("The {} profile holds no light, but its total is {}: it cannot be scaled. Measure it with longer "
-                        "exposures or a thinner layer.",
-                        name, *samples.total));
+        throw InputError(fmt::format(
+            "The {} profile holds no light, but its total is {}: it cannot be scaled. Measure it with longer "
+            "exposures or a thinner layer.",
+            name, *samples.total));
     }
     for (double& x : f) x *= *samples.total / sum;
     return f;
@@ -76,18 +79,20 @@ std::vector<double> coefficients(const RadialSamples& samples, const char* name,
 // As far below zero as noise may take what is black.
 void expect_light(double total, const char* what) {
     if (total < 1 - largest_sum)
-        throw InputError(fmt::format("The {} profile holds {:.4g} of the light, less than nothing. Were dark frames of another exposure subtracted? Measure "
-                                     "again, or give its total.",
-                                     what, total));
+        throw InputError(
+            fmt::format("The {} profile holds {:.4g} of the light, less than nothing. Were dark frames of another "
+                        "exposure subtracted? Measure "
+                        "again, or give its total.",
+                        what, total));
 }
 
 }  // namespace
 
 HomogeneousLayer measured_layer(const MeasuredProfile& measured, const HankelGrid& grid, MeasuredSummary& summary) {
     if (!(measured.thickness_mm > 0 && std::isfinite(measured.thickness_mm)))
-        throw InputError(
-            fmt::format("The measured layer is {} mm thick; other thicknesses can be predicted from a thickness above 0 only.",
-                        measured.thickness_mm));
+        throw InputError(fmt::format(
+            "The measured layer is {} mm thick; other thicknesses can be predicted from a thickness above 0 only.",
+            measured.thickness_mm));
     check(measured.T, "transmission");
     check(measured.R, "reflection");
     const std::vector<double> T = coefficients(measured.T, "transmission", grid),
@@ -95,10 +100,10 @@ HomogeneousLayer measured_layer(const MeasuredProfile& measured, const HankelGri
     expect_light(T[0], "transmission");
     expect_light(R[0], "reflection");
     if (T[0] + R[0] > largest_sum)
-        throw InputError(
-            fmt::format("The layer transmits {:.4g} and reflects {:.4g} of the light: {:.4g} in all, more than it got. Check the "
-                        "scale of the profiles or give the measured albedos.",
-                        T[0], R[0], T[0] + R[0]));
+        throw InputError(fmt::format(
+            "The layer transmits {:.4g} and reflects {:.4g} of the light: {:.4g} in all, more than it got. Check the "
+            "scale of the profiles or give the measured albedos.",
+            T[0], R[0], T[0] + R[0]));
     const HomogeneousLayer layer(T, R, measured.thickness_mm);
     summary = {T[0],
                R[0],
@@ -115,8 +120,10 @@ std::vector<double> measured_reflection(const RadialSamples& R, const HankelGrid
     std::vector<double> f = coefficients(R, "reflection", grid);
     expect_light(f[0], "reflection");
     if (f[0] > largest_sum)
-        throw InputError(fmt::format(
-            "The reflection profile sends back {:.4g} of the light, more than it got. Check its scale or give its total.", f[0]));
+        throw InputError(
+            fmt::format("The reflection profile sends back {:.4g} of the light, more than it got. Check its scale or "
+                        "give its total.",
+                        f[0]));
     summary = {};
     summary.R_total = f[0];
     summary.negative_R = negative_share(R);

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// A layer of resin from profiles that were measured: radial samples at even distances and, where they were taken, the albedos
-// that the samples are scaled to (Hasan et al. 2010, Sec. 4).
+// A layer of resin from profiles that were measured: radial samples at even distances and, where they were taken, the
+// albedos that the samples are scaled to (Hasan et al. 2010, Sec. 4).
 //
-// T and R may have spacings and lengths of their own: both become coefficients of one grid. Samples below zero are noise about
-// zero; they stay in the integral, where they cancel against as many above, and only coefficients are clamped. What lies beyond
-// the last sample is not added: the summary says how much it may be, from the exponential through the last third of the
-// samples.
+// T and R may have spacings and lengths of their own: both become coefficients of one grid. Samples below zero are
+// noise about zero; they stay in the integral, where they cancel against as many above, and only coefficients are
+// clamped. What lies beyond the last sample is not added: the summary says how much it may be, from the exponential
+// through the last third of the samples.
 #pragma once
 
 #include <optional>
@@ -17,8 +17,8 @@
 
 namespace voxtone::optics {
 
-/// Sample i lies at i * spacing; any unit of light per area where the total is given, else light per mm^2 of one unit that
-/// entered.
+/// Sample i lies at i * spacing; any unit of light per area where the total is given, else light per mm^2 of one unit
+/// that entered.
 struct RadialSamples {
     double spacing_mm = 0;
     std::vector<double> light;
@@ -38,13 +38,15 @@ struct MeasuredSummary {
     double clamped = 0;                     ///< largest change of a coefficient (layer_profile.h)
 };
 
-/// Throws InputError that names the profile, the value and the rule it breaks: thickness and spacing above 0, at least four
-/// samples, all finite, light in all above 0 where it is to be scaled, totals in [0, 1], T + R at most 1.02 (beyond that it is
-/// no noise).
-[[nodiscard]] HomogeneousLayer measured_layer(const MeasuredProfile& measured, const HankelGrid& grid, MeasuredSummary& summary);
+/// Throws InputError that names the profile, the value and the rule it breaks: thickness and spacing above 0, at least
+/// four samples, all finite, light in all above 0 where it is to be scaled, totals in [0, 1], T + R at most 1.02
+/// (beyond that it is no noise).
+[[nodiscard]] HomogeneousLayer measured_layer(const MeasuredProfile& measured, const HankelGrid& grid,
+                                              MeasuredSummary& summary);
 
-/// A reflection profile by itself, as a surface is wanted to show it: its coefficients, not clamped; the summary has its share of
-/// R. Throws InputError as above, also for more than 1.02 in all.
-[[nodiscard]] std::vector<double> measured_reflection(const RadialSamples& R, const HankelGrid& grid, MeasuredSummary& summary);
+/// A reflection profile by itself, as a surface is wanted to show it: its coefficients, not clamped; the summary has
+/// its share of R. Throws InputError as above, also for more than 1.02 in all.
+[[nodiscard]] std::vector<double> measured_reflection(const RadialSamples& R, const HankelGrid& grid,
+                                                      MeasuredSummary& summary);
 
 }  // namespace voxtone::optics

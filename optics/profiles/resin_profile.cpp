@@ -38,7 +38,8 @@ std::vector<double> straight_through(double tau, double thickness_mm, const std:
 }
 
 // Coefficients of traced light, scaled to its exact total.
-std::vector<double> scaled(const HankelGrid& grid, const std::vector<double>& edges_mm, const RingLight& traced, double total) {
+std::vector<double> scaled(const HankelGrid& grid, const std::vector<double>& edges_mm, const RingLight& traced,
+                           double total) {
     std::vector<double> coefficients = grid.from_rings(edges_mm, traced.light);
     const double sum = coefficients[0];
     // Where not one path came out nothing is known of how it spreads but that it does: the first coefficient alone.
@@ -102,8 +103,8 @@ ResinProfile resin_profile(const Medium& medium, double g, double thickness_mm, 
     const TracedProfile& traced = profile.traced;
     profile.R = scaled(grid, traced.edges_mm, traced.R, totals.R);
     profile.T = scaled(grid, traced.edges_mm, traced.T, std::max(0.0, totals.T - totals.T_direct));
-    const std::vector<double> direct =
-        grid.from_rings(traced.edges_mm, straight_through(medium.sigma_t() * thickness_mm, thickness_mm, traced.edges_mm));
+    const std::vector<double> direct = grid.from_rings(
+        traced.edges_mm, straight_through(medium.sigma_t() * thickness_mm, thickness_mm, traced.edges_mm));
     for (std::size_t i = 0; i < grid.size(); ++i) profile.T[i] += direct[i];
     return profile;
 }

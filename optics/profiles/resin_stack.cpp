@@ -21,8 +21,9 @@ LayerPathOptions seeded(LayerPathOptions options, std::size_t channel, std::size
     return options;
 }
 
-LayerProfile between_ends(const ResinSet& set, std::span<const ResinLayer> layers, std::size_t channel, const StackEnds& ends,
-                          const HankelGrid& grid, const LayerPathOptions& options, const Progress* progress) {
+LayerProfile between_ends(const ResinSet& set, std::span<const ResinLayer> layers, std::size_t channel,
+                          const StackEnds& ends, const HankelGrid& grid, const LayerPathOptions& options,
+                          const Progress* progress) {
     LayerProfile all = no_layer(grid.size());
     for (std::size_t i = 0; i < layers.size(); ++i) {
         const Medium medium = set.resins[layers[i].resin].medium(channel);
@@ -44,8 +45,8 @@ LayerProfile between_ends(const ResinSet& set, std::span<const ResinLayer> layer
 
 }  // namespace
 
-StackLight layered_light(const ResinSet& set, std::span<const ResinLayer> layers, const StackEnds& ends, const HankelGrid& grid,
-                         const LayerPathOptions& options, const Progress* progress) {
+StackLight layered_light(const ResinSet& set, std::span<const ResinLayer> layers, const StackEnds& ends,
+                         const HankelGrid& grid, const LayerPathOptions& options, const Progress* progress) {
     check(set, layers, ends);
     // T of a surfaced layer is the root of the way in times the way out; they differ by the factor 1 - s.
     const double way_in = std::sqrt((1 - turned_back_share(ends.eta_bottom)) / (1 - turned_back_share(ends.eta_top)));
@@ -64,13 +65,14 @@ StackLight layered_light(const ResinSet& set, std::span<const ResinLayer> layers
     return light;
 }
 
-StackLight traced_light(const ResinSet& set, std::span<const ResinLayer> layers, const StackEnds& ends, const HankelGrid& grid,
-                        const LayerPathOptions& options, const Progress* progress) {
+StackLight traced_light(const ResinSet& set, std::span<const ResinLayer> layers, const StackEnds& ends,
+                        const HankelGrid& grid, const LayerPathOptions& options, const Progress* progress) {
     check(set, layers, ends);
     StackLight light;
     for (std::size_t c = 0; c < set.channels.size(); ++c) {
         LayerScene scene{{}, set.g, ends.eta_top, ends.eta_bottom, ends.sheet};
-        for (const ResinLayer& layer : layers) scene.layers.push_back({set.resins[layer.resin].medium(c), layer.thickness_mm});
+        for (const ResinLayer& layer : layers)
+            scene.layers.push_back({set.resins[layer.resin].medium(c), layer.thickness_mm});
         const TracedProfile traced = trace_layers(scene, grid, seeded(options, c, 0), progress);
         RingLight T = traced.T;
         for (std::size_t i = 0; i < T.light.size(); ++i) T.light[i] += traced.T_direct.light[i];

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// What a stack of resin layers reflects and transmits, channel by channel, as Hankel coefficients: by layer profiles, and by
-// Monte Carlo of the whole stack.
+// What a stack of resin layers reflects and transmits, channel by channel, as Hankel coefficients: by layer profiles,
+// and by Monte Carlo of the whole stack.
 //
-// Layer profiles are made for every layer at its own thickness (resin_profile.h); the first and the last one together with the
-// surface they border on. The two ways share nothing but the resins: their difference is the error of the layered model.
+// Layer profiles are made for every layer at its own thickness (resin_profile.h); the first and the last one together
+// with the surface they border on. The two ways share nothing but the resins: their difference is the error of the
+// layered model.
 //
 // One unit is the light that the top let in; T is what leaves at the bottom, or what a sheet there keeps.
 #pragma once
@@ -14,9 +15,9 @@
 #include <vector>
 
 #include "voxtone/base/progress.h"
-#include "voxtone/optics/numerics/hankel.h"
-#include "voxtone/optics/monte_carlo/layer_paths.h"
 #include "voxtone/optics/media/resins.h"
+#include "voxtone/optics/monte_carlo/layer_paths.h"
+#include "voxtone/optics/numerics/hankel.h"
 
 namespace voxtone::optics {
 

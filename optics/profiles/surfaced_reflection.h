@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Diffuse light under a smooth surface, coefficient by coefficient, and back (J. L. Saunderson, "Calculation of the color of
-// pigmented plastics", 1942, without the mirror reflection).
+// Diffuse light under a smooth surface, coefficient by coefficient, and back (J. L. Saunderson, "Calculation of the
+// color of pigmented plastics", 1942, without the mirror reflection).
 //
 // With s the share of diffuse light from within that the surface turns back, a stack that reflects R shows
 //
@@ -9,8 +9,8 @@
 //
 // which is smooth_surface (resin_profile.h) upon it. Both grow steadily and map 0 to 0 and 1 to 1.
 //
-// What it cannot see: light that a surface lets in is not diffuse, but runs within 42 degrees of the normal (docs/stack-search.md
-// says what that costs).
+// What it cannot see: light that a surface lets in is not diffuse, but runs within 42 degrees of the normal
+// (docs/stack-search.md says what that costs).
 #pragma once
 
 namespace voxtone::optics {

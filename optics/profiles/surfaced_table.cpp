@@ -24,7 +24,8 @@ SurfacedTable::SurfacedTable(double g, double eta, double most_tau, const Progre
         0, samples * samples, 1,
         [&](std::size_t sample) {
             const auto i = static_cast<Eigen::Index>(sample) / samples, j = static_cast<Eigen::Index>(sample) % samples;
-            const double x = most_x * static_cast<double>(i) / (samples - 1), y = static_cast<double>(j) / (samples - 1);
+            const double x = most_x * static_cast<double>(i) / (samples - 1),
+                         y = static_cast<double>(j) / (samples - 1);
             const double tau = x * x;
             SurfacedTotals at{0, 1, turned_back_, 1 - turned_back_};  // no layer
             if (tau > 0) at = surfaced_totals({tau * y * y, tau * (1 - y * y)}, g, eta, 1.0, table_directions);

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Layers under a smooth surface (surfaced_totals, resin_profile.h) for many mixtures: a table over optical depth and albedo.
+// Layers under a smooth surface (surfaced_totals, resin_profile.h) for many mixtures: a table over optical depth and
+// albedo.
 //
-// Axes sqrt(tau) and sqrt(1 - albedo): along them reflection grows without kinks (for deep layers it is 1 - c sqrt(1 - albedo)).
-// 33 x 33 samples by 16 directions; error up to tau = 10 below 1e-3 (tested). What adds up to 1 without absorption does so here.
+// Axes sqrt(tau) and sqrt(1 - albedo): along them reflection grows without kinks (for deep layers it is 1 - c sqrt(1 -
+// albedo)). 33 x 33 samples by 16 directions; error up to tau = 10 below 1e-3 (tested). What adds up to 1 without
+// absorption does so here.
 #pragma once
 
 #include "voxtone/base/progress.h"
@@ -21,7 +23,8 @@ public:
 
 private:
     double turned_back_;
-    BicubicTable R_top_, lost_down_, R_bottom_;  // lost_down: share of what is not sent back at the top that is absorbed
+    BicubicTable R_top_, lost_down_,
+        R_bottom_;  // lost_down: share of what is not sent back at the top that is absorbed
 };
 
 }  // namespace voxtone::optics

@@ -22,7 +22,8 @@ private:
 
 }  // namespace
 
-bool AppearanceSequence::gradient(std::span<const float> /*by_value*/, const GradientVisitor& /*visit*/, const Progress* /*progress*/) {
+bool AppearanceSequence::gradient(std::span<const float> /*by_value*/, const GradientVisitor& /*visit*/,
+                                  const Progress* /*progress*/) {
     return false;
 }
 

@@ -21,9 +21,9 @@
 #include <vector>
 
 #include "voxtone/base/progress.h"
-#include "voxtone/optics/scene/backing.h"
 #include "voxtone/optics/media/resin_volume.h"
 #include "voxtone/optics/media/resins.h"
+#include "voxtone/optics/scene/backing.h"
 
 namespace voxtone::optics {
 
@@ -103,8 +103,9 @@ struct Appearance {
 class ResinGradient {
 public:
     virtual ~ResinGradient() = default;
-    /// d F / d (fraction of a resin in a voxel), all fractions taken as free: a change that keeps their sum, resin a for resin b,
-    /// is a difference of two. 0 outside the cells that light is followed through. May be asked from several threads.
+    /// d F / d (fraction of a resin in a voxel), all fractions taken as free: a change that keeps their sum, resin a
+    /// for resin b, is a difference of two. 0 outside the cells that light is followed through. May be asked from
+    /// several threads.
     [[nodiscard]] virtual float at(const std::array<int, 3>& voxel, std::size_t resin) const = 0;
     /// The same of the first out.size() resins: cheaper than one by one.
     virtual void all_at(const std::array<int, 3>& voxel, std::span<float> out) const {
@@ -112,17 +113,21 @@ public:
     }
 };
 
-/// One model asked again and again about bodies of one shape, of which only the resins change: what an appearance loop does.
+/// One model asked again and again about bodies of one shape, of which only the resins change: what an appearance loop
+/// does.
 class AppearanceSequence {
 public:
     virtual ~AppearanceSequence() = default;
-    /// `volume` has the size, pitch and air of the scene's that the sequence was made for, and lives until the next prediction.
+    /// `volume` has the size, pitch and air of the scene's that the sequence was made for, and lives until the next
+    /// prediction.
     [[nodiscard]] virtual Appearance next(const ResinVolume& volume, const Progress* progress = nullptr) = 0;
     /// Takes the derivatives of the voxels in a box; they are good during the call.
     using GradientVisitor = std::function<void(const ResinGradient&, const VoxelBox&)>;
-    /// At the last prediction, of a function F with these d F / d value (as Appearance::value): handed over box by box, which together
-    /// hold every voxel once. False, and nothing visited, where the model has none or not the memory for it.
-    [[nodiscard]] virtual bool gradient(std::span<const float> by_value, const GradientVisitor& visit, const Progress* progress = nullptr);
+    /// At the last prediction, of a function F with these d F / d value (as Appearance::value): handed over box by box,
+    /// which together hold every voxel once. False, and nothing visited, where the model has none or not the memory for
+    /// it.
+    [[nodiscard]] virtual bool gradient(std::span<const float> by_value, const GradientVisitor& visit,
+                                        const Progress* progress = nullptr);
 };
 
 class AppearanceModel {
@@ -134,7 +139,8 @@ public:
                                              const Progress* progress = nullptr) const = 0;
     /// Predictions of volumes of the scene's shape, one after the other; what they share may be kept between them. The
     /// default predicts each anew. Scene, surface and model must outlive the sequence.
-    [[nodiscard]] virtual std::unique_ptr<AppearanceSequence> sequence(const Scene& scene, const Surface& surface) const;
+    [[nodiscard]] virtual std::unique_ptr<AppearanceSequence> sequence(const Scene& scene,
+                                                                       const Surface& surface) const;
 };
 
 /// Throws InputError that names the first material that has no resin in the set.

@@ -9,7 +9,8 @@
 
 namespace voxtone::optics {
 
-DifferenceSummary summarize_by_area(const Surface& cells, std::span<const double> differences, std::span<const char> counts) {
+DifferenceSummary summarize_by_area(const Surface& cells, std::span<const double> differences,
+                                    std::span<const char> counts) {
     VOXTONE_EXPECT(cells.cells.size() == differences.size() && (counts.empty() || counts.size() == differences.size()));
     std::vector<std::uint32_t> order;
     for (std::size_t i = 0; i < differences.size(); ++i)

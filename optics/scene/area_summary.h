@@ -5,13 +5,13 @@
 
 #include <span>
 
-#include "voxtone/optics/scene/appearance_model.h"
 #include "voxtone/optics/colour/colour.h"
+#include "voxtone/optics/scene/appearance_model.h"
 
 namespace voxtone::optics {
 
-/// One difference per cell. `counts`: one per cell, 0 leaves it out; empty: all count. Percentiles: the smallest difference
-/// that this share of the area does not exceed. All zero where nothing counts.
+/// One difference per cell. `counts`: one per cell, 0 leaves it out; empty: all count. Percentiles: the smallest
+/// difference that this share of the area does not exceed. All zero where nothing counts.
 [[nodiscard]] DifferenceSummary summarize_by_area(const Surface& cells, std::span<const double> differences,
                                                   std::span<const char> counts = {});
 

@@ -4,8 +4,8 @@
 //
 // The outward normal at a face is minus the gradient of the occupancy, smoothed by a Gaussian of 0.12 mm cut at 0.3 mm:
 // exact for planes parallel to the axes and, by the symmetry of the kernel, on average for all others. A face that
-// belongs to a flat terrace at least 0.5 mm wide along both of its edges keeps its own direction, so that the edges of a
-// box stay sharp. A face with direction e of a surface with normal n stands for 1 / (|nx| + |ny| + |nz|) of its area.
+// belongs to a flat terrace at least 0.5 mm wide along both of its edges keeps its own direction, so that the edges of
+// a box stay sharp. A face with direction e of a surface with normal n stands for 1 / (|nx| + |ny| + |nz|) of its area.
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -20,7 +20,8 @@ namespace voxtone::optics {
 namespace {
 
 constexpr double kernel_sigma_mm = 0.12, kernel_reach_mm = 0.3, terrace_mm = 0.5;
-constexpr std::array<std::array<int, 3>, 6> step_of{{{-1, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0}, {0, 0, -1}, {0, 0, 1}}};
+constexpr std::array<std::array<int, 3>, 6> step_of{
+    {{-1, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0}, {0, 0, -1}, {0, 0, 1}}};
 
 /// A box of voxels with a margin, so that everything about a tile's faces is decided without looking elsewhere.
 struct Patch {
@@ -28,9 +29,10 @@ struct Patch {
     std::vector<Material> voxels;
     std::vector<std::int32_t> filled;  ///< solid voxels of each viewing cell within the kernel's reach of the tile
     [[nodiscard]] const Material* row(int x, int y, int z) const {
-        return voxels.data() + (static_cast<std::size_t>(z - corner[2]) * static_cast<std::size_t>(extent[1]) +
-                                static_cast<std::size_t>(y - corner[1])) *
-                                   static_cast<std::size_t>(extent[0]) +
+        return voxels.data() +
+               (static_cast<std::size_t>(z - corner[2]) * static_cast<std::size_t>(extent[1]) +
+                static_cast<std::size_t>(y - corner[1])) *
+                   static_cast<std::size_t>(extent[0]) +
                static_cast<std::size_t>(x - corner[0]);
     }
     [[nodiscard]] bool solid(int x, int y, int z) const { return *row(x, y, z) != air; }
@@ -44,7 +46,8 @@ int reflected(int i, int n) {
 void read_patch(const Scene& scene, Patch& patch) {
     const ResinVolume& volume = *scene.volume;
     const auto& e = patch.extent;
-    patch.voxels.resize(static_cast<std::size_t>(e[0]) * static_cast<std::size_t>(e[1]) * static_cast<std::size_t>(e[2]));
+    patch.voxels.resize(static_cast<std::size_t>(e[0]) * static_cast<std::size_t>(e[1]) *
+                        static_cast<std::size_t>(e[2]));
     volume.copy_box(patch.corner, e, patch.voxels);
     if (scene.sides != Sides::mirrored) return;
     std::size_t i = 0;
@@ -68,12 +71,14 @@ public:
         for (int z = -reach_[2]; z <= reach_[2]; ++z)
             for (int y = -reach_[1]; y <= reach_[1]; ++y)
                 for (int x = -reach_[0]; x <= reach_[0]; ++x) {
-                    const std::array<double, 3> at{x * cell[0] * pitch[0], y * cell[1] * pitch[1], z * cell[2] * pitch[2]};
+                    const std::array<double, 3> at{x * cell[0] * pitch[0], y * cell[1] * pitch[1],
+                                                   z * cell[2] * pitch[2]};
                     const double r2 = at[0] * at[0] + at[1] * at[1] + at[2] * at[2];
                     if (r2 == 0 || r2 > kernel_reach_mm * kernel_reach_mm) continue;
                     const double w = std::exp(-0.5 * r2 / (kernel_sigma_mm * kernel_sigma_mm));
                     const std::array<int, 3> n = counted();
-                    kernel_.push_back({(static_cast<std::ptrdiff_t>(z) * n[1] + y) * n[0] + x, {at[0] * w, at[1] * w, at[2] * w}});
+                    kernel_.push_back(
+                        {(static_cast<std::ptrdiff_t>(z) * n[1] + y) * n[0] + x, {at[0] * w, at[1] * w, at[2] * w}});
                 }
     }
     [[nodiscard]] const std::array<int, 3>& edge() const { return edge_; }
@@ -95,7 +100,8 @@ public:
         count_cells(corner, patch);
         for (int z = corner[2]; z < corner[2] + edge_[2]; z += cell_[2])
             for (int y = corner[1]; y < corner[1] + edge_[1]; y += cell_[1])
-                for (int x = corner[0]; x < corner[0] + edge_[0]; x += cell_[0]) append_cell(patch, corner, {x, y, z}, out);
+                for (int x = corner[0]; x < corner[0] + edge_[0]; x += cell_[0])
+                    append_cell(patch, corner, {x, y, z}, out);
     }
 
 private:
@@ -104,7 +110,8 @@ private:
         std::array<double, 3> weight;
     };
 
-    void append_cell(const Patch& patch, const std::array<int, 3>& corner, const std::array<int, 3>& low, Surface& out) const {
+    void append_cell(const Patch& patch, const std::array<int, 3>& corner, const std::array<int, 3>& low,
+                     Surface& out) const {
         if (no_faces(patch, corner, low)) return;
         const auto& size = scene_.volume->size();
         const auto& pitch = scene_.volume->pitch_mm();
@@ -125,7 +132,8 @@ private:
                         if (on_terrace(patch, {x, y, z}, f)) {
                             n[axis] = s[axis];
                         } else {
-                            if (smooth[0] == 0 && smooth[1] == 0 && smooth[2] == 0) smooth = gradient(patch, corner, low);
+                            if (smooth[0] == 0 && smooth[1] == 0 && smooth[2] == 0)
+                                smooth = gradient(patch, corner, low);
                             n = smooth;
                             if (n[axis] * s[axis] <= 0) {  // a kink that the smooth surface does not have
                                 n = {};
@@ -187,12 +195,14 @@ private:
 
     void count_cells(const std::array<int, 3>& corner, Patch& patch) const {
         const std::array<int, 3> n = counted();
-        patch.filled.assign(static_cast<std::size_t>(n[0]) * static_cast<std::size_t>(n[1]) * static_cast<std::size_t>(n[2]), 0);
+        patch.filled.assign(
+            static_cast<std::size_t>(n[0]) * static_cast<std::size_t>(n[1]) * static_cast<std::size_t>(n[2]), 0);
         std::size_t i = 0;
         for (int cz = 0; cz < n[2]; ++cz)
             for (int cy = 0; cy < n[1]; ++cy)
                 for (int cx = 0; cx < n[0]; ++cx, ++i) {
-                    const int x0 = corner[0] + (cx - reach_[0]) * cell_[0], y0 = corner[1] + (cy - reach_[1]) * cell_[1],
+                    const int x0 = corner[0] + (cx - reach_[0]) * cell_[0],
+                              y0 = corner[1] + (cy - reach_[1]) * cell_[1],
                               z0 = corner[2] + (cz - reach_[2]) * cell_[2];
                     std::int32_t sum = 0;
                     for (int z = z0; z < z0 + cell_[2]; ++z)
@@ -205,7 +215,8 @@ private:
     }
 
     /// The count of a cell of the tile.
-    [[nodiscard]] const std::int32_t* count_of(const Patch& patch, const std::array<int, 3>& corner, const std::array<int, 3>& low) const {
+    [[nodiscard]] const std::int32_t* count_of(const Patch& patch, const std::array<int, 3>& corner,
+                                               const std::array<int, 3>& low) const {
         const std::array<int, 3> n = counted();
         std::array<std::ptrdiff_t, 3> home{};
         for (std::size_t a = 0; a < 3; ++a) home[a] = (low[a] - corner[a]) / cell_[a] + reach_[a];
@@ -213,7 +224,8 @@ private:
     }
 
     /// Neither it nor a neighbour has a surface, as all are solid, or it is air.
-    [[nodiscard]] bool no_faces(const Patch& patch, const std::array<int, 3>& corner, const std::array<int, 3>& low) const {
+    [[nodiscard]] bool no_faces(const Patch& patch, const std::array<int, 3>& corner,
+                                const std::array<int, 3>& low) const {
         const std::int32_t* const here = count_of(patch, corner, low);
         if (*here == 0) return true;
         const std::array<int, 3> n = counted();
@@ -267,9 +279,10 @@ Surface surface_near(const Scene& scene, const std::array<int, 3>& cell, const V
     std::vector<Surface> rows(across * static_cast<std::size_t>(n[2]));
     parallel_for(0, rows.size(), 1, [&](std::size_t row) {
         for (int x = 0; x < n[0]; ++x)
-            tiles.append({(first[0] + x) * tiles.edge()[0], (first[1] + static_cast<int>(row % across)) * tiles.edge()[1],
-                          (first[2] + static_cast<int>(row / across)) * tiles.edge()[2]},
-                         rows[row]);
+            tiles.append(
+                {(first[0] + x) * tiles.edge()[0], (first[1] + static_cast<int>(row % across)) * tiles.edge()[1],
+                 (first[2] + static_cast<int>(row / across)) * tiles.edge()[2]},
+                rows[row]);
     });
     Surface all;
     for (Surface& row : rows) {
@@ -336,7 +349,8 @@ std::array<int, 3> cell_voxels(const std::array<double, 3>& pitch_mm, double cel
 
 Surface find_surface(const Scene& scene, const std::array<int, 3>& cell, SurfacePart part) {
     VOXTONE_EXPECT(scene.volume && cell[0] >= 1 && cell[1] >= 1 && cell[2] >= 1);
-    Surface surface = part == SurfacePart::top ? top_surface(scene, cell) : surface_near(scene, cell, {{}, scene.volume->size()});
+    Surface surface =
+        part == SurfacePart::top ? top_surface(scene, cell) : surface_near(scene, cell, {{}, scene.volume->size()});
     surface.cell_voxels = cell;
     return surface;
 }
@@ -352,11 +366,13 @@ Surface part_of(const Surface& surface, std::span<const std::uint32_t> cells) {
     part.cell_voxels = surface.cell_voxels;
     for (const std::uint32_t i : cells) {
         SurfaceCell cell = surface.cells[i];
-        const auto first = static_cast<std::ptrdiff_t>(cell.first_face), last = first + static_cast<std::ptrdiff_t>(cell.faces);
+        const auto first = static_cast<std::ptrdiff_t>(cell.first_face),
+                   last = first + static_cast<std::ptrdiff_t>(cell.faces);
         cell.first_face = static_cast<std::uint32_t>(part.faces.size());
         part.cells.push_back(cell);
         part.faces.insert(part.faces.end(), surface.faces.begin() + first, surface.faces.begin() + last);
-        part.face_normal.insert(part.face_normal.end(), surface.face_normal.begin() + first, surface.face_normal.begin() + last);
+        part.face_normal.insert(part.face_normal.end(), surface.face_normal.begin() + first,
+                                surface.face_normal.begin() + last);
     }
     return part;
 }
@@ -366,10 +382,11 @@ void expect_resins_for(const Scene& scene) {
     const auto counts = scene.volume->count();
     for (std::size_t m = 1; m < counts.size(); ++m)
         if (counts[m] > 0 && m > scene.resins->resins.size())
-            throw InputError("the volume has " + std::to_string(counts[m]) + " voxels of material " + std::to_string(m) +
-                             ", but the resin set '" + scene.resins->name + "' ends at " +
-                             std::to_string(scene.resins->resins.size()) +
-                             ": without its absorption and scattering nothing can be predicted; name a set that has it");
+            throw InputError(
+                "the volume has " + std::to_string(counts[m]) + " voxels of material " + std::to_string(m) +
+                ", but the resin set '" + scene.resins->name + "' ends at " +
+                std::to_string(scene.resins->resins.size()) +
+                ": without its absorption and scattering nothing can be predicted; name a set that has it");
 }
 
 }  // namespace voxtone::optics

@@ -15,8 +15,8 @@ using Place = std::array<std::int32_t, 3>;  // of a node: block, or group of blo
 using Contact = DiffusionPlan::Contact;
 
 /// Rows from an unordered list of contacts; `entry_ab[i]`, `entry_ba[i]`: where contact i went.
-void make_rows(std::size_t nodes, std::span<const Contact> contacts, DiffusionPlan::Level& level, std::vector<Index>& entry_ab,
-               std::vector<Index>& entry_ba) {
+void make_rows(std::size_t nodes, std::span<const Contact> contacts, DiffusionPlan::Level& level,
+               std::vector<Index>& entry_ab, std::vector<Index>& entry_ba) {
     level.row.assign(nodes + 1, 0);
     for (const Contact& c : contacts) {
         ++level.row[c.a + 1];
@@ -67,8 +67,7 @@ void DiffusionPlan::gather_levels(std::vector<std::array<float, 3>> centre) {
         };
         std::vector<Key> keys(n);
         for (std::size_t i = 0; i < n; ++i) {
-            for (std::size_t a = 0; a < 3; ++a)
-                keys[i].at[a] = static_cast<std::int32_t>(centre[i][a]) / group;
+            for (std::size_t a = 0; a < 3; ++a) keys[i].at[a] = static_cast<std::int32_t>(centre[i][a]) / group;
             keys[i].node = static_cast<Index>(i);
         }
         std::stable_sort(keys.begin(), keys.end(), [](const Key& p, const Key& q) {
@@ -116,7 +115,8 @@ void DiffusionPlan::gather_levels(std::vector<std::array<float, 3>> centre) {
             next.gathered[entry] = static_cast<Index>(at);
             // entry belongs to node i with parent p; the distance ratio is taken along the line of centres
             const Index j = fine.column[entry];
-            const Index i = static_cast<Index>(std::upper_bound(fine.row.begin(), fine.row.end(), entry) - fine.row.begin() - 1);
+            const Index i =
+                static_cast<Index>(std::upper_bound(fine.row.begin(), fine.row.end(), entry) - fine.row.begin() - 1);
             double fine_distance = 0, coarse_distance = 0;
             for (std::size_t a = 0; a < 3; ++a) {
                 fine_distance += std::pow(centre[i][a] - centre[j][a], 2);
@@ -142,7 +142,8 @@ void DiffusionPlan::gather_levels(std::vector<std::array<float, 3>> centre) {
 std::size_t DiffusionPlan::memory_bytes() const {
     std::size_t bytes = 8 * entry_ab.size();
     for (const Level& level : levels)
-        bytes += 4 * (level.row.size() + level.column.size() + level.parent.size() + level.gathered.size() + level.ratio.size());
+        bytes += 4 * (level.row.size() + level.column.size() + level.parent.size() + level.gathered.size() +
+                      level.ratio.size());
     return bytes;
 }
 

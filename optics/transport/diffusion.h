@@ -4,13 +4,13 @@
 //
 //   -div(D grad phi) + sigma_a phi = q,   J = -D grad phi,   D = 1 / (3 (sigma_a + (1 - g) sigma_s))
 //
-// as finite volumes: for node i  sum_j c_ij (phi_i - phi_j) + l_i phi_i = b_i, with the conductance of a contact of area A
-// between half edges h:  c = A / (h_i / D_i + h_j / D_j),  and l_i what is absorbed in the node and leaves through outer
-// faces. Lengths in mm; phi is a mean radiance.
+// as finite volumes: for node i  sum_j c_ij (phi_i - phi_j) + l_i phi_i = b_i, with the conductance of a contact of
+// area A between half edges h:  c = A / (h_i / D_i + h_j / D_j),  and l_i what is absorbed in the node and leaves
+// through outer faces. Lengths in mm; phi is a mean radiance.
 //
-// Multigrid: nodes are gathered to 8 a block, 1 a block, then 2 x 2 x 2 blocks and so on; coarse conductances are sums of
-// those of the contacts between, times the ratio of the distances (what rediscretising gives); symmetric Gauss-Seidel
-// before and after. Work and memory are linear in the number of nodes. Deterministic.
+// Multigrid: nodes are gathered to 8 a block, 1 a block, then 2 x 2 x 2 blocks and so on; coarse conductances are sums
+// of those of the contacts between, times the ratio of the distances (what rediscretising gives); symmetric
+// Gauss-Seidel before and after. Work and memory are linear in the number of nodes. Deterministic.
 #pragma once
 
 #include <array>
@@ -66,8 +66,8 @@ public:
 
 private:
     struct Values {
-        std::vector<float> c;             ///< per entry
-        std::vector<float> inverse, loss; ///< 1 / diagonal
+        std::vector<float> c;              ///< per entry
+        std::vector<float> inverse, loss;  ///< 1 / diagonal
     };
     void cycle(std::size_t level, std::span<const float> b, std::span<float> x) const;
     void apply(std::span<const float> x, std::span<float> out) const;

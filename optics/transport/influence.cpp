@@ -9,8 +9,8 @@
 
 namespace voxtone::optics {
 
-double influence_radius(const ResinSet& resins, const std::array<double, 3>& pitch_mm, std::size_t core, std::size_t changed,
-                        double tolerance) {
+double influence_radius(const ResinSet& resins, const std::array<double, 3>& pitch_mm, std::size_t core,
+                        std::size_t changed, double tolerance) {
     VOXTONE_EXPECT(core < resins.resins.size() && changed < resins.resins.size() && tolerance > 0);
     constexpr double long_mm = 24, thick_mm = 3.2;
     TransportOptions options;
@@ -32,12 +32,14 @@ double influence_radius(const ResinSet& resins, const std::array<double, 3>& pit
     double radius = 0;
     for (std::size_t x = 0; x < columns; ++x)
         for (std::size_t c = 0; c < channels; ++c)
-            if (std::abs(after.value[x * channels + c] - before.value[x * channels + c]) > static_cast<float>(tolerance))
+            if (std::abs(after.value[x * channels + c] - before.value[x * channels + c]) >
+                static_cast<float>(tolerance))
                 radius = (static_cast<double>(x) + 1) * pitch_mm[0] * view[0];
     return radius;
 }
 
-double influence_radius(const ResinSet& resins, const std::array<double, 3>& pitch_mm, std::size_t core, double tolerance) {
+double influence_radius(const ResinSet& resins, const std::array<double, 3>& pitch_mm, std::size_t core,
+                        double tolerance) {
     double radius = 0;
     for (std::size_t r = 0; r < resins.resins.size(); ++r)
         if (r != core) radius = std::max(radius, influence_radius(resins, pitch_mm, core, r, tolerance));

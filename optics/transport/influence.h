@@ -2,10 +2,10 @@
 //
 // How far a change of the resins is felt.
 //
-// Predicted, not estimated: on a slab of core resin, 3.2 mm thick over a black sheet, a line of the surface one viewing cell
-// wide and deep is changed from the core's resin to another, all across; the figure is the distance from the line beyond
-// which no channel of the appearance changes by more than the tolerance. One cell of the line alone is felt less far. The
-// slab is 24 mm long: nothing farther than that is looked for.
+// Predicted, not estimated: on a slab of core resin, 3.2 mm thick over a black sheet, a line of the surface one viewing
+// cell wide and deep is changed from the core's resin to another, all across; the figure is the distance from the line
+// beyond which no channel of the appearance changes by more than the tolerance. One cell of the line alone is felt less
+// far. The slab is 24 mm long: nothing farther than that is looked for.
 #pragma once
 
 #include <array>

@@ -13,7 +13,8 @@
 namespace voxtone::optics {
 namespace {
 
-constexpr std::array<std::array<int, 3>, 6> step_of{{{-1, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0}, {0, 0, -1}, {0, 0, 1}}};
+constexpr std::array<std::array<int, 3>, 6> step_of{
+    {{-1, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0}, {0, 0, -1}, {0, 0, 1}}};
 constexpr std::uint8_t not_solid = 64;
 
 std::size_t at3(const std::array<int, 3>& i, const std::array<int, 3>& n) {
@@ -58,7 +59,8 @@ struct OpticalGrid::Builder {
         const auto corner = corner_of(block);
         for (std::size_t a = 0; a < 3; ++a)
             if (grid.options.window_end[a] > grid.options.window_begin[a] &&
-                (corner[a] >= grid.options.window_end[a] || corner[a] + block_voxels[a] <= grid.options.window_begin[a]))
+                (corner[a] >= grid.options.window_end[a] ||
+                 corner[a] + block_voxels[a] <= grid.options.window_begin[a]))
                 return false;
         return true;
     }
@@ -93,11 +95,13 @@ struct OpticalGrid::Builder {
 
     void find_blocks() {
         const std::size_t n = product(grid.lattice);
-        std::vector<std::int16_t> material(n);  // -1: skin, -2: skin, but outside the window, 0: air, else the buried one
+        std::vector<std::int16_t> material(
+            n);  // -1: skin, -2: skin, but outside the window, 0: air, else the buried one
         const std::size_t plane = static_cast<std::size_t>(grid.lattice[0]) * static_cast<std::size_t>(grid.lattice[1]);
         parallel_for(0, n, std::max<std::size_t>(1, plane / 8), [&](std::size_t i) {
             const auto x = static_cast<int>(i % static_cast<std::size_t>(grid.lattice[0]));
-            const auto y = static_cast<int>(i / static_cast<std::size_t>(grid.lattice[0]) % static_cast<std::size_t>(grid.lattice[1]));
+            const auto y = static_cast<int>(i / static_cast<std::size_t>(grid.lattice[0]) %
+                                            static_cast<std::size_t>(grid.lattice[1]));
             const auto z = static_cast<int>(i / plane);
             material[i] = static_cast<std::int16_t>(buried_material({x, y, z}));
             if (material[i] == -1 && !in_window({x, y, z})) material[i] = -2;
@@ -122,8 +126,11 @@ struct OpticalGrid::Builder {
             if (material[here] == -2) block.kind = BlockKind::core;  // margins are of one material
             // A sheet takes what diffusion would not give it: light meets it in transport cells, coarse ones.
             const bool on_sheet = scene.backing != Backing::none && corner_of(at)[2] <= 0;
-            if (on_sheet && block.kind == BlockKind::core && material[here] > 0 && in_window(at)) block.kind = BlockKind::margin;
-            block.nodes_per_edge = block.kind != BlockKind::core ? 4 : r <= depth + grid.options.fine_core_blocks || material[here] == -2 ? 2 : 1;
+            if (on_sheet && block.kind == BlockKind::core && material[here] > 0 && in_window(at))
+                block.kind = BlockKind::margin;
+            block.nodes_per_edge = block.kind != BlockKind::core                                        ? 4
+                                   : r <= depth + grid.options.fine_core_blocks || material[here] == -2 ? 2
+                                                                                                        : 1;
             if (material[here] > 0) block.medium = static_cast<std::uint16_t>(material[here]);
             grid.block_at[here] = static_cast<std::int32_t>(grid.blocks.size());
             grid.blocks.push_back(block);
@@ -143,14 +150,16 @@ struct OpticalGrid::Builder {
             const GridBlock& block = grid.blocks[b];
             if (block.kind == BlockKind::core) continue;
             const std::int64_t this_row = std::int64_t{block.at[2]} * grid.lattice[1] + block.at[1];
-            if (this_row != row) grid.transport_rows.push_back(static_cast<std::uint32_t>(grid.transport_blocks.size()));
+            if (this_row != row)
+                grid.transport_rows.push_back(static_cast<std::uint32_t>(grid.transport_blocks.size()));
             row = this_row;
             grid.transport_blocks.push_back(static_cast<std::uint32_t>(b));
         }
         grid.transport_rows.push_back(static_cast<std::uint32_t>(grid.transport_blocks.size()));
     }
 
-    /// Light becomes diffuse over transport mean free paths: rings of margin blocks for a material, in its clearest channel.
+    /// Light becomes diffuse over transport mean free paths: rings of margin blocks for a material, in its clearest
+    /// channel.
     [[nodiscard]] int margin_blocks(std::size_t material) const {
         constexpr double free_paths = 2.3;
         double least = 1e9, edge = 0;
@@ -223,9 +232,12 @@ struct OpticalGrid::Builder {
                 const Material m = voxels[at3({low[0] + in[0], low[1] + in[1], low[2] + in[2]}, extent)];
                 if (m == air) return;
                 ++solid;
-                const auto same = std::find_if(counts.begin(), counts.end(), [&](const auto& c) { return c.first == m; });
-                if (same == counts.end()) counts.emplace_back(m, 1);
-                else ++same->second;
+                const auto same =
+                    std::find_if(counts.begin(), counts.end(), [&](const auto& c) { return c.first == m; });
+                if (same == counts.end())
+                    counts.emplace_back(m, 1);
+                else
+                    ++same->second;
             });
             if (2 * solid < in_cell) return;
             medium = counts.size() == 1 ? counts[0].first : intern(counts);
@@ -242,15 +254,17 @@ struct OpticalGrid::Builder {
             VOXTONE_EXPECT(grid.medium.size() + product(cells) < std::numeric_limits<std::uint32_t>::max());
             const auto edge = grid.edge_mm(block.kind);
             const std::array<int, 3> padded{cells[0] + 2, cells[1] + 2, cells[2] + 2};
-            std::vector<std::uint16_t> media =
-                block.kind == BlockKind::skin ? skin_media(block, cells) : std::vector<std::uint16_t>(product(padded), block.medium);
+            std::vector<std::uint16_t> media = block.kind == BlockKind::skin
+                                                   ? skin_media(block, cells)
+                                                   : std::vector<std::uint16_t>(product(padded), block.medium);
             const std::array<int, 3> corner = corner_of({block.at[0], block.at[1], block.at[2]});
             std::size_t outer_cells = 0;
             for_each(cells, [&](const std::array<int, 3>& at) {
                 const std::uint16_t medium = media[at3({at[0] + 1, at[1] + 1, at[2] + 1}, padded)];
                 std::uint8_t outer = medium == 0 ? not_solid : 0;
                 for (std::size_t f = 0; medium != 0 && f < 6; ++f)
-                    if (borders(block, cells, voxels, corner, at, f, media, padded)) outer |= static_cast<std::uint8_t>(1u << f);
+                    if (borders(block, cells, voxels, corner, at, f, media, padded))
+                        outer |= static_cast<std::uint8_t>(1u << f);
                 grid.medium.push_back(medium);
                 grid.outer.push_back(outer);
                 outer_cells += medium != 0 && outer != 0;
@@ -261,9 +275,10 @@ struct OpticalGrid::Builder {
     }
 
     /// Does face f of a solid cell lead out of the transport region?
-    [[nodiscard]] bool borders(const GridBlock& block, const std::array<int, 3>& cells, const std::array<int, 3>& voxels,
-                               const std::array<int, 3>& corner, const std::array<int, 3>& at, std::size_t f,
-                               const std::vector<std::uint16_t>& media, const std::array<int, 3>& padded) const {
+    [[nodiscard]] bool borders(const GridBlock& block, const std::array<int, 3>& cells,
+                               const std::array<int, 3>& voxels, const std::array<int, 3>& corner,
+                               const std::array<int, 3>& at, std::size_t f, const std::vector<std::uint16_t>& media,
+                               const std::array<int, 3>& padded) const {
         const std::size_t a = f / 2;
         std::array<int, 3> next = at;
         next[a] += step_of[f][a];
@@ -290,7 +305,8 @@ struct OpticalGrid::Builder {
         std::size_t cell = block.first_cell;
         for_each(cells, [&](const std::array<int, 3>& at) {
             if (grid.medium[cell++] == 0) return;
-            const auto place = static_cast<std::size_t>(((at[2] * 4 / cells[2]) * 4 + at[1] * 4 / cells[1]) * 4 + at[0] * 4 / cells[0]);
+            const auto place = static_cast<std::size_t>(((at[2] * 4 / cells[2]) * 4 + at[1] * 4 / cells[1]) * 4 +
+                                                        at[0] * 4 / cells[0]);
             ++solid[place];
             for (std::size_t a = 0; a < 3; ++a) {
                 if ((at[a] + 1) % (cells[a] / 4) != 0) continue;
@@ -352,16 +368,20 @@ struct OpticalGrid::Builder {
                     if (m == air) return;
                     ++filled;
                     if (!whole) {
-                        const auto same = std::find_if(counts.begin(), counts.end(), [&](const auto& c) { return c.first == m; });
-                        if (same == counts.end()) counts.emplace_back(m, 1);
-                        else ++same->second;
+                        const auto same =
+                            std::find_if(counts.begin(), counts.end(), [&](const auto& c) { return c.first == m; });
+                        if (same == counts.end())
+                            counts.emplace_back(m, 1);
+                        else
+                            ++same->second;
                     }
                     for (std::size_t f = 0; f < 6; ++f) {
                         const std::size_t a = f / 2;
                         std::array<int, 3> next = v;
                         next[a] += step_of[f][a];
                         const bool other_side = voxels[at3(next, extent)] != air;
-                        if (!other_side) open[f] += static_cast<float>(grid.pitch_mm[(a + 1) % 3] * grid.pitch_mm[(a + 2) % 3]);
+                        if (!other_side)
+                            open[f] += static_cast<float>(grid.pitch_mm[(a + 1) % 3] * grid.pitch_mm[(a + 2) % 3]);
                         if (other_side && f % 2 == 1 && in[a] + 1 == size[a]) ++joined[a];
                     }
                 });
@@ -376,19 +396,21 @@ struct OpticalGrid::Builder {
             grid.nodes.push_back(node);
             grid.node_block.push_back(index);
             if (on_sheet && open[4] > 0) {
-                grid.exits.push_back({number, scene.backing == Backing::black ? FaceKind::black_sheet : FaceKind::white_sheet, open[4]});
+                grid.exits.push_back(
+                    {number, scene.backing == Backing::black ? FaceKind::black_sheet : FaceKind::white_sheet, open[4]});
                 open[4] = 0;
             }
             // A plane in any direction shows its steps along three axes; its area is the length of their vector.
             const float area = std::hypot(open[0] + open[1], open[2] + open[3], open[4] + open[5]);
             if (area > 0) grid.exits.push_back({number, FaceKind::light, area});
         });
-        if (!whole) block.medium = counts.empty() ? std::uint16_t{0} : counts.size() == 1 ? counts[0].first : intern(counts);
+        if (!whole)
+            block.medium = counts.empty() ? std::uint16_t{0} : counts.size() == 1 ? counts[0].first : intern(counts);
     }
 
     /// Voxels beyond a mirrored border are those before it.
-    void mirror_border(std::vector<Material>& voxels, const std::array<int, 3>& corner, const std::array<int, 3>& extent,
-                       std::size_t axis) const {
+    void mirror_border(std::vector<Material>& voxels, const std::array<int, 3>& corner,
+                       const std::array<int, 3>& extent, std::size_t axis) const {
         if (!mirrored(static_cast<int>(axis))) return;
         for_each(extent, [&](const std::array<int, 3>& at) {
             const int v = corner[axis] - 1 + at[axis];
@@ -421,17 +443,21 @@ struct OpticalGrid::Builder {
                 face.area_mm2 = static_cast<float>(edge[(a + 1) % 3] * edge[(a + 2) % 3]);
                 const int voxel = corner[a] + (at[a] + step_of[f][a]) * voxels[a];
                 const bool outside = voxel + voxels[a] <= 0 || voxel >= scene.volume->size()[a];
-                if (outside && mirrored(static_cast<int>(a))) face.kind = FaceKind::mirror;
-                else if (outside && f == 4 && scene.backing == Backing::black) face.kind = FaceKind::black_sheet;
-                else if (outside && f == 4 && scene.backing == Backing::white) face.kind = FaceKind::white_sheet;
-                else if (borders_core(block, cells, at, f)) face.kind = FaceKind::core;
+                if (outside && mirrored(static_cast<int>(a)))
+                    face.kind = FaceKind::mirror;
+                else if (outside && f == 4 && scene.backing == Backing::black)
+                    face.kind = FaceKind::black_sheet;
+                else if (outside && f == 4 && scene.backing == Backing::white)
+                    face.kind = FaceKind::white_sheet;
+                else if (borders_core(block, cells, at, f))
+                    face.kind = FaceKind::core;
                 grid.faces.push_back(face);
             }
         });
         block.faces = static_cast<std::uint32_t>(grid.faces.size()) - block.first_face;
     }
-    [[nodiscard]] bool borders_core(const GridBlock& block, const std::array<int, 3>& cells, const std::array<int, 3>& at,
-                                    std::size_t f) const {
+    [[nodiscard]] bool borders_core(const GridBlock& block, const std::array<int, 3>& cells,
+                                    const std::array<int, 3>& at, std::size_t f) const {
         const std::size_t a = f / 2;
         const int next = at[a] + step_of[f][a];
         if (next >= 0 && next < cells[a]) return false;
@@ -449,7 +475,8 @@ struct OpticalGrid::Builder {
             for_each(cells, [&](const std::array<int, 3>& at) {
                 const std::uint32_t here = cell++;
                 if (grid.outer[here] & not_solid) return;
-                auto face = static_cast<std::size_t>(grid.face_of_cell[static_cast<std::size_t>(block.first_link) + (here - block.first_cell)]);
+                auto face = static_cast<std::size_t>(
+                    grid.face_of_cell[static_cast<std::size_t>(block.first_link) + (here - block.first_cell)]);
                 for (std::size_t f = 0; f < 6; ++f) {
                     if (!(grid.outer[here] & (1u << f))) continue;
                     OuterFace& outer = grid.faces[face++];
@@ -491,7 +518,8 @@ struct OpticalGrid::Builder {
                 return std::pair(p.a, p.b) < std::pair(q.a, q.b);
             });
             for (const NodeContact& contact : found) {
-                if (!grid.contacts.empty() && grid.contacts.back().a == contact.a && grid.contacts.back().b == contact.b)
+                if (!grid.contacts.empty() && grid.contacts.back().a == contact.a &&
+                    grid.contacts.back().b == contact.b)
                     grid.contacts.back().area_mm2 += contact.area_mm2;
                 else
                     grid.contacts.push_back(contact);
@@ -576,7 +604,9 @@ struct OpticalGrid::Builder {
 };
 
 OpticalGrid::OpticalGrid(const Scene& scene, const GridOptions& opts)
-    : options(opts), directions(make_directions(scene.resins->g, scene.resins->eta)), pitch_mm(scene.volume->pitch_mm()) {
+    : options(opts),
+      directions(make_directions(scene.resins->g, scene.resins->eta)),
+      pitch_mm(scene.volume->pitch_mm()) {
     expect_resins_for(scene);
     Builder builder{*this, scene, {}, {}};
     palette.resize(scene.resins->resins.size() + 1);
@@ -605,12 +635,14 @@ GridCensus::GridCensus(const Scene& scene, const GridOptions& options) {
     skin_cells_ = product(grid.cells_in(BlockKind::skin));
     kind_.resize(grid.block_at.size());
     for (std::size_t i = 0; i < kind_.size(); ++i)
-        kind_[i] = grid.block_at[i] < 0 ? 255 : static_cast<std::uint8_t>(grid.blocks[static_cast<std::size_t>(grid.block_at[i])].kind);
+        kind_[i] = grid.block_at[i] < 0
+                       ? 255
+                       : static_cast<std::uint8_t>(grid.blocks[static_cast<std::size_t>(grid.block_at[i])].kind);
 }
 
 std::size_t GridCensus::bytes(const std::array<int, 3>& begin, const std::array<int, 3>& end) const {
-    // Moments three times and geometry; a skin block has an outer face for every fourth cell of a side, in and out; a node
-    // has three contacts on the finest level of the equations and a seventh more on the others.
+    // Moments three times and geometry; a skin block has an outer face for every fourth cell of a side, in and out; a
+    // node has three contacts on the finest level of the equations and a seventh more on the others.
     constexpr std::size_t per_cell = 3 * 16 + 3 + 4, per_face = 2 * 128 + 52, per_node = 460;
     std::size_t sum = 0;
     for_each(lattice, [&](const std::array<int, 3>& at) {
@@ -618,9 +650,12 @@ std::size_t GridCensus::bytes(const std::array<int, 3>& begin, const std::array<
         if (kind == 255) return;
         bool inside = true;
         for (std::size_t a = 0; a < 3; ++a) inside &= at[a] >= begin[a] && at[a] < end[a];
-        if (!inside) sum += 8 * per_node;
-        else if (kind == static_cast<std::uint8_t>(BlockKind::skin)) sum += skin_cells_ * (per_cell + per_face / 16) + 64 * per_node;
-        else sum += 64 * per_node + (kind == static_cast<std::uint8_t>(BlockKind::margin) ? 64 * per_cell : 0);
+        if (!inside)
+            sum += 8 * per_node;
+        else if (kind == static_cast<std::uint8_t>(BlockKind::skin))
+            sum += skin_cells_ * (per_cell + per_face / 16) + 64 * per_node;
+        else
+            sum += 64 * per_node + (kind == static_cast<std::uint8_t>(BlockKind::margin) ? 64 * per_cell : 0);
     });
     return sum;
 }
@@ -644,9 +679,14 @@ std::array<double, 3> OpticalGrid::edge_mm(BlockKind kind) const {
 std::int64_t OpticalGrid::node_at(const GridBlock& block, int i, int j, int k) const {
     int place = (k * 4 + j) * 4 + i;
     switch (block.nodes_per_edge) {
-        case 1: place = 0; break;
-        case 2: place = ((k / 2) * 2 + j / 2) * 2 + i / 2; break;
-        default: break;
+        case 1:
+            place = 0;
+            break;
+        case 2:
+            place = ((k / 2) * 2 + j / 2) * 2 + i / 2;
+            break;
+        default:
+            break;
     }
     if (!(block.node_mask >> place & 1)) return -1;
     return block.first_node + std::popcount(block.node_mask & ((std::uint64_t{1} << place) - 1));
@@ -683,8 +723,9 @@ std::int64_t OpticalGrid::face_at(const SurfaceFace& face) const {
 
 std::size_t OpticalGrid::memory_bytes() const {
     const auto of = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
-    return of(blocks) + of(block_at) + of(transport_rows) + of(transport_blocks) + of(medium) + of(outer) + of(face_of_cell) +
-           of(faces) + of(laws) + of(law) + of(pool_out) + of(pool_in) + of(nodes) + of(node_block) + of(contacts) + of(exits);
+    return of(blocks) + of(block_at) + of(transport_rows) + of(transport_blocks) + of(medium) + of(outer) +
+           of(face_of_cell) + of(faces) + of(laws) + of(law) + of(pool_out) + of(pool_in) + of(nodes) + of(node_block) +
+           of(contacts) + of(exits);
 }
 
 }  // namespace voxtone::optics

@@ -3,15 +3,15 @@
 // The cells on which the transport predictor works: fine ones in the coloured skin, coarser ones below, coarser still
 // towards the core.
 //
-// The volume is cut into blocks of 4 x 4 x 4 viewing cells (J750: a viewing cell is 2 x 1 x 3 voxels, a block 0.34 mm). Blocks
-// are of one of these kinds:
+// The volume is cut into blocks of 4 x 4 x 4 viewing cells (J750: a viewing cell is 2 x 1 x 3 voxels, a block 0.34 mm).
+// Blocks are of one of these kinds:
 //   skin        several materials, or a surface: cells of `skin_voxels` (one voxel by default); transport
 //   margin      one material, near a skin block or on a sheet: cells of one viewing cell; transport
 //   core        one material, deeper: no transport, the light is diffuse there; so it is, whatever they hold, in blocks
 //               outside the window of interest
 // Besides, diffusion has nodes everywhere: one per viewing cell in skin and margin, in core blocks 8 next to the margin
-// and near surfaces, and 1 beyond. Faces of transport cells that lead out of the transport region are kept in a list of their own: to the
-// light, onto a sheet, to a mirror, or into the core.
+// and near surfaces, and 1 beyond. Faces of transport cells that lead out of the transport region are kept in a list of
+// their own: to the light, onto a sheet, to a mirror, or into the core.
 //
 // Everything here is geometry; optical figures of a channel come from the palette of media.
 #pragma once
@@ -41,14 +41,14 @@ enum class BlockKind : std::uint8_t { skin, margin, core };
 struct GridBlock {
     std::array<std::int32_t, 3> at{};  ///< in the lattice of blocks
     BlockKind kind{};
-    std::uint8_t nodes_per_edge = 4;         ///< 4, 2 or 1
-    std::uint16_t medium = 0;                ///< of a core block: its mean
-    std::uint32_t first_cell = 0;            ///< of its cells; none in a core block
+    std::uint8_t nodes_per_edge = 4;  ///< 4, 2 or 1
+    std::uint16_t medium = 0;         ///< of a core block: its mean
+    std::uint32_t first_cell = 0;     ///< of its cells; none in a core block
     std::uint32_t first_node = 0;
-    std::uint64_t node_mask = 0;             ///< which of its 64 or 8 places have a node (nodes_per_edge 4 or 2)
-    std::int32_t first_link = -1;            ///< into `face_of_cell`; -1: no cell of it has an outer face
+    std::uint64_t node_mask = 0;   ///< which of its 64 or 8 places have a node (nodes_per_edge 4 or 2)
+    std::int32_t first_link = -1;  ///< into `face_of_cell`; -1: no cell of it has an outer face
     std::uint32_t first_face = 0, faces = 0;
-    std::int32_t first_region = -1;          ///< of its 8 regions; -1: all its faces are flat
+    std::int32_t first_region = -1;  ///< of its 8 regions; -1: all its faces are flat
     std::array<std::int32_t, 6> neighbour{-1, -1, -1, -1, -1, -1};
 };
 
@@ -68,9 +68,12 @@ struct OuterFace {
 [[nodiscard]] constexpr int leaving_octant(Facing facing, int signs) {
     const int f = static_cast<int>(facing), against = f % 2 == 0 ? 1 : 0;
     switch (f / 2) {
-        case 0: return against | signs << 1;
-        case 1: return (signs & 1) | against << 1 | (signs & 2) << 1;
-        default: return signs | against << 2;
+        case 0:
+            return against | signs << 1;
+        case 1:
+            return (signs & 1) | against << 1 | (signs & 2) << 1;
+        default:
+            return signs | against << 2;
     }
 }
 /// Octant of the light that enters there, of the same signs along the face.
@@ -95,7 +98,7 @@ struct NodeContact {
 /// Place and size of a diffusion node: half edge lengths and centre in units of viewing cells.
 struct GridNode {
     std::array<float, 3> centre{};
-    float edge_cells = 1;   ///< edge length in viewing cells
+    float edge_cells = 1;                      ///< edge length in viewing cells
     float solid_share = 1;                     ///< of its volume
     std::array<float, 3> open_share{1, 1, 1};  ///< of its faces towards +x, +y, +z: resin on both sides
 };
@@ -109,7 +112,8 @@ struct PaletteEntry {
 class GridCensus {
 public:
     GridCensus(const Scene& scene, const GridOptions& options);
-    /// Of grid, equations and one channel's light (transport_channel.h) for this box of blocks (first, one past the last).
+    /// Of grid, equations and one channel's light (transport_channel.h) for this box of blocks (first, one past the
+    /// last).
     [[nodiscard]] std::size_t bytes(const std::array<int, 3>& begin, const std::array<int, 3>& end) const;
 
     std::array<int, 3> lattice{}, block_voxels{}, shift_voxels{};
@@ -128,21 +132,22 @@ public:
     std::array<int, 3> lattice{};       ///< blocks along each axis
     std::array<int, 3> shift_voxels{};  ///< voxel 0 lies so many voxels inside the first block
     std::array<double, 3> pitch_mm{};
-    std::vector<GridBlock> blocks;              ///< ascending in z, y, x
-    std::vector<std::int32_t> block_at;         ///< of each lattice place, -1: air
-    std::vector<std::uint32_t> transport_rows;  ///< first transport block of each row of blocks along x, with an end mark
+    std::vector<GridBlock> blocks;       ///< ascending in z, y, x
+    std::vector<std::int32_t> block_at;  ///< of each lattice place, -1: air
+    std::vector<std::uint32_t>
+        transport_rows;  ///< first transport block of each row of blocks along x, with an end mark
     std::vector<std::uint32_t> transport_blocks;
-    std::vector<std::uint16_t> medium;        ///< per cell: index into `palette`; 0 is air
-    std::vector<std::uint8_t> outer;          ///< per cell: bit f is set where face f is an outer one; bit 6: not solid
-    std::vector<std::int32_t> face_of_cell;   ///< first outer face of a cell, per cell of blocks that have any
-    std::vector<OuterFace> faces;             ///< those of a cell in order of `Facing`
-    std::vector<FaceLaw> laws;                ///< of faces; 0 lets nothing through
-    std::vector<std::uint32_t> law;           ///< per face
-    std::size_t regions = 0;                  ///< where light that passes corners of the staircase is pooled
+    std::vector<std::uint16_t> medium;       ///< per cell: index into `palette`; 0 is air
+    std::vector<std::uint8_t> outer;         ///< per cell: bit f is set where face f is an outer one; bit 6: not solid
+    std::vector<std::int32_t> face_of_cell;  ///< first outer face of a cell, per cell of blocks that have any
+    std::vector<OuterFace> faces;            ///< those of a cell in order of `Facing`
+    std::vector<FaceLaw> laws;               ///< of faces; 0 lets nothing through
+    std::vector<std::uint32_t> law;          ///< per face
+    std::size_t regions = 0;                 ///< where light that passes corners of the staircase is pooled
     /// [region * 64 + octant * 8 + direction]: w |Omega . e| area that a furnace sends past corners, and has room for.
     std::vector<float> pool_out, pool_in;
     std::vector<GridNode> nodes;
-    std::vector<std::uint32_t> node_block;    ///< block of each node
+    std::vector<std::uint32_t> node_block;  ///< block of each node
     std::vector<NodeContact> contacts;
     std::vector<NodeExit> exits;
     std::vector<PaletteEntry> palette;

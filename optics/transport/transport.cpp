@@ -9,13 +9,12 @@
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/error.h"
 #include "voxtone/base/stopwatch.h"
+#include "voxtone/optics/transport/coarse/viewing_sequence.h"
 #include "voxtone/optics/transport/diffusion.h"
 #include "voxtone/optics/transport/transport_channel.h"
-#include "voxtone/optics/transport/coarse/viewing_sequence.h"
 
 namespace voxtone::optics {
 namespace {
-
 
 Medium mixed(const ResinSet& resins, const PaletteEntry& entry, std::size_t channel) {
     Medium sum;
@@ -30,7 +29,8 @@ Medium mixed(const ResinSet& resins, const PaletteEntry& entry, std::size_t chan
 }  // namespace
 
 TransportPredictor::TransportPredictor(const TransportOptions& options) : options_(options) {
-    if (options.sweeps < 1) throw UsageError("the predictor needs at least 1 sweep, not " + std::to_string(options.sweeps));
+    if (options.sweeps < 1)
+        throw UsageError("the predictor needs at least 1 sweep, not " + std::to_string(options.sweeps));
     if (!(options.cell_mm > 0)) throw UsageError("the predictor's cells must be larger than 0 mm");
     if (options.margin_blocks < 0 || options.margin_blocks > 64)
         throw UsageError("the predictor's margin must be 0 to 64 blocks");
@@ -75,7 +75,8 @@ Surface part_of(const Surface& whole, const std::function<bool(const std::array<
         const auto first = static_cast<std::ptrdiff_t>(cell.first_face), last = first + cell.faces;
         cell.first_face = static_cast<std::uint32_t>(part.faces.size());
         part.faces.insert(part.faces.end(), whole.faces.begin() + first, whole.faces.begin() + last);
-        part.face_normal.insert(part.face_normal.end(), whole.face_normal.begin() + first, whole.face_normal.begin() + last);
+        part.face_normal.insert(part.face_normal.end(), whole.face_normal.begin() + first,
+                                whole.face_normal.begin() + last);
         part.cells.push_back(cell);
         from.push_back(i);
     }
@@ -102,8 +103,9 @@ std::vector<TransportPredictor::Window> TransportPredictor::pieces(const Scene& 
     }
     // From large to small: the first size whose largest piece fits.
     std::size_t least = std::numeric_limits<std::size_t>::max();
-    for (int blocks = options_.piece_mm > 0 ? std::max(1, static_cast<int>(std::lround(options_.piece_mm / block_mm))) : 256;;
-         blocks = blocks * 3 / 4) {
+    for (int blocks = options_.piece_mm > 0 ? std::max(1, static_cast<int>(std::lround(options_.piece_mm / block_mm)))
+                                            : 256;
+         ; blocks = blocks * 3 / 4) {
         std::vector<Window> windows;
         std::size_t most = 0;
         std::array<int, 3> at{};
@@ -116,7 +118,9 @@ std::vector<TransportPredictor::Window> TransportPredictor::pieces(const Scene& 
                         const int end = std::min(at[a] + blocks, census.lattice[a]);
                         low[a] = std::max(at[a] - halo[a], 0);
                         high[a] = std::min(end + halo[a], census.lattice[a]);
-                        const auto voxel = [&](int block) { return block * census.block_voxels[a] - census.shift_voxels[a]; };
+                        const auto voxel = [&](int block) {
+                            return block * census.block_voxels[a] - census.shift_voxels[a];
+                        };
                         window.begin[a] = voxel(at[a]);
                         window.end[a] = voxel(end);
                         window.halo_begin[a] = voxel(low[a]);
@@ -136,7 +140,8 @@ std::vector<TransportPredictor::Window> TransportPredictor::pieces(const Scene& 
 
 namespace {
 
-/// The same body and surface with every voxel cut into equal pieces: cells that are no thicker than light can be followed in.
+/// The same body and surface with every voxel cut into equal pieces: cells that are no thicker than light can be
+/// followed in.
 struct CutScene {
     std::array<int, 3> split{1, 1, 1};
     ResinVolume volume;
@@ -194,8 +199,10 @@ private:
                 const auto axis = static_cast<std::size_t>(face.facing) / 2;
                 const bool plus = static_cast<int>(face.facing) % 2 == 1;
                 std::array<int, 3> begin{}, end = split;
-                if (plus) begin[axis] = split[axis] - 1;
-                else end[axis] = 1;
+                if (plus)
+                    begin[axis] = split[axis] - 1;
+                else
+                    end[axis] = 1;
                 for (int z = begin[2]; z < end[2]; ++z)
                     for (int y = begin[1]; y < end[1]; ++y)
                         for (int x = begin[0]; x < end[0]; ++x) {
@@ -214,9 +221,10 @@ private:
 
 namespace {
 
-/// None where viewing cells are not asked for, or a body takes more memory with them than is allowed: then it is predicted
-/// in pieces, on voxels.
-std::unique_ptr<ViewingSequence> viewing_sequence(const Scene& scene, const Surface& surface, const TransportOptions& options) {
+/// None where viewing cells are not asked for, or a body takes more memory with them than is allowed: then it is
+/// predicted in pieces, on voxels.
+std::unique_ptr<ViewingSequence> viewing_sequence(const Scene& scene, const Surface& surface,
+                                                  const TransportOptions& options) {
     if (!options.viewing_cells) return nullptr;
     try {
         return std::make_unique<ViewingSequence>(scene, surface, options);
@@ -246,7 +254,8 @@ Appearance TransportPredictor::predict(const Scene& given, const Surface& given_
     all.value.assign(surface.cells.size() * all.channels, 0.0f);
     std::vector<std::size_t> from;
     for (const Window& window : windows) {
-        const Surface part = part_of(surface, [&](const auto& voxel) { return window.holds(voxel); }, from);
+        const Surface part = part_of(
+            surface, [&](const auto& voxel) { return window.holds(voxel); }, from);
         if (part.cells.empty()) continue;
         const Appearance seen = solve(scene, part, window, nullptr, nullptr, summary, progress);
         for (std::size_t i = 0; i < from.size(); ++i)
@@ -264,7 +273,8 @@ std::unique_ptr<AppearanceSequence> TransportPredictor::sequence(const Scene& sc
 Appearance TransportPredictor::predict(const Scene& scene, const Surface& surface, const Derivative& derivative,
                                        TransportGradient& gradient, TransportSummary& summary,
                                        const Progress* progress) const {
-    if (options_.viewing_cells) throw UsageError("derivatives are of cells of one voxel: ask a predictor without viewing cells");
+    if (options_.viewing_cells)
+        throw UsageError("derivatives are of cells of one voxel: ask a predictor without viewing cells");
     const CutScene cut(scene, surface, options_);
     gradient.split = cut.split;
     summary.pieces = 1;
@@ -276,7 +286,8 @@ float TransportGradient::at(const std::array<int, 3>& voxel, std::size_t resin) 
     for (int z = 0; z < split[2]; ++z)
         for (int y = 0; y < split[1]; ++y)
             for (int x = 0; x < split[0]; ++x) {
-                const std::int64_t cell = grid->cell_at({voxel[0] * split[0] + x, voxel[1] * split[1] + y, voxel[2] * split[2] + z});
+                const std::int64_t cell =
+                    grid->cell_at({voxel[0] * split[0] + x, voxel[1] * split[1] + y, voxel[2] * split[2] + z});
                 if (cell >= 0) sum += by_fraction[static_cast<std::size_t>(cell) * resins + resin];
             }
     return sum;
@@ -319,13 +330,16 @@ struct SeenFaces {
             if (!(entering > 0)) continue;
             // A face of coarse cells holds several faces of voxels and counts once for each.
             for (std::size_t f = cell.first_face; f < cell.first_face + cell.faces; ++f)
-                if (face[f] >= 0) light[static_cast<std::size_t>(face[f])] += static_cast<float>(by_value[i * channels + c] / entering);
+                if (face[f] >= 0)
+                    light[static_cast<std::size_t>(face[f])] +=
+                        static_cast<float>(by_value[i * channels + c] / entering);
         }
         return light;
     }
 };
 
-/// d (sigma_t, sigma_s of the transport medium) / d fraction of each resin, by central differences of a smooth function.
+/// d (sigma_t, sigma_s of the transport medium) / d fraction of each resin, by central differences of a smooth
+/// function.
 std::vector<std::array<double, 2>> medium_derivatives(const TransportMedia& media_of, const ResinSet& resins,
                                                       const std::vector<PaletteEntry>& palette, std::size_t channel) {
     std::vector<std::array<double, 2>> out(palette.size() * resins.resins.size());
@@ -335,7 +349,8 @@ std::vector<std::array<double, 2>> medium_derivatives(const TransportMedia& medi
             const Medium along = resins.resins[r].medium(channel);
             const double step = 1e-3 * std::max(middle.sigma_t(), 1e-3) / std::max(along.sigma_t(), 1e-9);
             const auto moved = [&](double s) {
-                return media_of.exact({std::max(0.0, middle.sigma_a + s * along.sigma_a), std::max(0.0, middle.sigma_s + s * along.sigma_s)});
+                return media_of.exact({std::max(0.0, middle.sigma_a + s * along.sigma_a),
+                                       std::max(0.0, middle.sigma_s + s * along.sigma_s)});
             };
             const auto ahead = moved(step), behind = moved(middle.sigma_t() > 0 ? -step : 0);
             const double width = middle.sigma_t() > 0 ? 2 * step : step;
@@ -348,8 +363,8 @@ std::vector<std::array<double, 2>> medium_derivatives(const TransportMedia& medi
 }  // namespace
 
 Appearance TransportPredictor::solve(const Scene& scene, const Surface& surface, const Window& window,
-                                     const Derivative* derivative, TransportGradient* gradient, TransportSummary& summary,
-                                     const Progress* progress) const {
+                                     const Derivative* derivative, TransportGradient* gradient,
+                                     TransportSummary& summary, const Progress* progress) const {
     VOXTONE_EXPECT(scene.volume && scene.resins);
     const Stopwatch watch;
     GridOptions chosen = grid_options(options_, scene);
@@ -393,7 +408,8 @@ Appearance TransportPredictor::solve(const Scene& scene, const Surface& surface,
         seen.appearance(channel, c, appearance);
         summary.last_change.resize(channels);
         summary.last_change[c] = std::max(summary.last_change[c], channel.last_change());
-        summary.memory_bytes = std::max(summary.memory_bytes, grid.memory_bytes() + plan.memory_bytes() + channel.memory_bytes());
+        summary.memory_bytes =
+            std::max(summary.memory_bytes, grid.memory_bytes() + plan.memory_bytes() + channel.memory_bytes());
         if (derivative) fields[c] = channel.take_field();
     }
     if (derivative) {

@@ -12,7 +12,6 @@
 namespace voxtone::optics {
 namespace {
 
-
 constexpr double least_transport_sigma = 0.2;  // mm^-1; keeps diffusion finite in clear resin, where it is only a guess
 
 float sum8(const Octet& a, const Octet& b) {
@@ -45,7 +44,9 @@ TransportChannel::FaceSums TransportChannel::face_sums(std::size_t face) const {
     return sums;
 }
 
-double TransportChannel::furnace_flux(std::size_t face) const { return face_sums(face).through * grid_.faces[face].area_mm2; }
+double TransportChannel::furnace_flux(std::size_t face) const {
+    return face_sums(face).through * grid_.faces[face].area_mm2;
+}
 
 /// What the cells of one kind of block have in common.
 struct TransportChannel::CellGeometry {
@@ -54,7 +55,8 @@ struct TransportChannel::CellGeometry {
     float volume = 0;
     /// From the node's centre to the cell's, along an axis.
     [[nodiscard]] float offset(std::size_t axis, int at) const {
-        return edge[axis] * (static_cast<float>(at % per_node[axis]) + 0.5f - 0.5f * static_cast<float>(per_node[axis]));
+        return edge[axis] *
+               (static_cast<float>(at % per_node[axis]) + 0.5f - 0.5f * static_cast<float>(per_node[axis]));
     }
 };
 
@@ -88,7 +90,8 @@ void TransportChannel::for_each_cell(Body&& body) const {
                     const auto row = static_cast<std::size_t>(z / g.per_node[2] * 16 + y / g.per_node[1] * 4);
                     for (int x = 0, px = 0, k = 0; x < g.cells[0]; ++x, ++cell) {
                         if (grid_.medium[cell] != 0)
-                            body(block, g, cell, std::array<int, 3>{x, y, z}, node_of[row + static_cast<std::size_t>(px)]);
+                            body(block, g, cell, std::array<int, 3>{x, y, z},
+                                 node_of[row + static_cast<std::size_t>(px)]);
                         if (++k == g.per_node[0]) {
                             k = 0;
                             ++px;
@@ -125,7 +128,8 @@ void TransportChannel::make_diffusion() {
             for (int y = 0; y < cells[1]; ++y)
                 for (int x = 0; x < cells[0]; ++x, ++cell) {
                     if (grid_.medium[cell] == 0) continue;
-                    const auto place = static_cast<std::size_t>(((z * 4 / cells[2]) * 4 + y * 4 / cells[1]) * 4 + x * 4 / cells[0]);
+                    const auto place =
+                        static_cast<std::size_t>(((z * 4 / cells[2]) * 4 + y * 4 / cells[1]) * 4 + x * 4 / cells[0]);
                     const TransportMedium m = media_[static_cast<std::size_t>(block.kind)][grid_.medium[cell]];
                     count[place] += 1;
                     absorbed[place] += m.sigma_t - m.sigma_s;
@@ -177,11 +181,15 @@ void TransportChannel::make_diffusion() {
         const NodeContact& c = grid_.contacts[i];
         const auto half = [&](std::uint32_t node) {
             const double edge = grid_.nodes[node].edge_cells;
-            return 0.5 * std::min(view[c.axis] * edge, view_volume * edge * edge * edge * grid_.nodes[node].solid_share / c.area_mm2);
+            return 0.5 * std::min(view[c.axis] * edge,
+                                  view_volume * edge * edge * edge * grid_.nodes[node].solid_share / c.area_mm2);
         };
         const double a = half(c.a), b = half(c.b);
-        // Diffusion on cells as thick as a free path overshoots and the iteration would grow: widened by the optical depth.
-        const auto more = [&](std::uint32_t node) { return widest * std::min(0.75, options_.ease * widest / (3 * D_[node])); };
+        // Diffusion on cells as thick as a free path overshoots and the iteration would grow: widened by the optical
+        // depth.
+        const auto more = [&](std::uint32_t node) {
+            return widest * std::min(0.75, options_.ease * widest / (3 * D_[node]));
+        };
         conductance_[i] = static_cast<float>(c.area_mm2 / (a / D_[c.a] + b / D_[c.b]));
         eased[i] = static_cast<float>(c.area_mm2 / (a / (D_[c.a] + more(c.a)) + b / (D_[c.b] + more(c.b))));
     }
@@ -197,9 +205,10 @@ void TransportChannel::make_diffusion() {
     }
 }
 
-/// J of every node: half of what flows through the faces on either side. `light`: current that comes in per area where not
-/// empty (start), else none does (correction).
-void TransportChannel::currents(std::span<const float> phi, std::span<const float> incoming, std::vector<Moments>& out) const {
+/// J of every node: half of what flows through the faces on either side. `light`: current that comes in per area where
+/// not empty (start), else none does (correction).
+void TransportChannel::currents(std::span<const float> phi, std::span<const float> incoming,
+                                std::vector<Moments>& out) const {
     out.assign(grid_.nodes.size(), {});
     std::array<float, 3> area{};
     for (std::size_t a = 0; a < 3; ++a)
@@ -230,8 +239,7 @@ void TransportChannel::start() {
     std::vector<float> incoming(grid_.faces.size(), 0.0f), right(grid_.nodes.size(), 0.0f);
     for (std::size_t f = 0; f < grid_.faces.size(); ++f) {
         const OuterFace& face = grid_.faces[f];
-        if (face.kind == FaceKind::light)
-            incoming[f] = static_cast<float>(face_sums(f).through) * light_[f];
+        if (face.kind == FaceKind::light) incoming[f] = static_cast<float>(face_sums(f).through) * light_[f];
         if (face.kind != FaceKind::core) right[face.node] += face_gain_[f] * incoming[f];
     }
     for (std::size_t i = 0; lit_evenly_ && i < grid_.exits.size(); ++i) right[grid_.exits[i].node] += exit_gain_[i];
@@ -250,12 +258,13 @@ void TransportChannel::start() {
     core_current_.assign(grid_.faces.size(), 0.0f);
     for (std::size_t f = 0; f < grid_.faces.size(); ++f) {
         const OuterFace& face = grid_.faces[f];
-        if (face.kind == FaceKind::core) core_current_[f] = core_conductance_[f] * (phi_[face.node] - phi_[face.beyond]);
+        if (face.kind == FaceKind::core)
+            core_current_[f] = core_conductance_[f] * (phi_[face.node] - phi_[face.beyond]);
     }
 }
 
-/// Adds delta_moments_, spread linearly over each node, to the moments of the cells and to what leaves through the faces.
-/// Then the faces send back what they reflect.
+/// Adds delta_moments_, spread linearly over each node, to the moments of the cells and to what leaves through the
+/// faces. Then the faces send back what they reflect.
 void TransportChannel::enter() {
     const auto linear_change = [&](const Moments& m, float D, const std::array<float, 3>& offset) {
         return m.phi - (m.x * offset[0] + m.y * offset[1] + m.z * offset[2]) / D;
@@ -266,7 +275,8 @@ void TransportChannel::enter() {
                       std::uint32_t node) {
         const Moments& m = delta_moments_[node];
         const std::array<float, 3> offset{g.offset(0, at[0]), g.offset(1, at[1]), g.offset(2, at[2])};
-        const float sigma_s = media_[static_cast<std::size_t>(block.kind)][grid_.medium[cell]].sigma_s, linear = 3 * g_linear * sigma_s;
+        const float sigma_s = media_[static_cast<std::size_t>(block.kind)][grid_.medium[cell]].sigma_s,
+                    linear = 3 * g_linear * sigma_s;
         Moments& s = source_[cell];
         s.phi += sigma_s * linear_change(m, D_[node], offset);
         s.x += linear * m.x;
@@ -332,14 +342,18 @@ void TransportChannel::pool(const GridBlock& block) {
         float surplus = 0, lack = 0;
         for (std::size_t k = region; k < region + 64; ++k) {
             const float out = grid_.pool_out[k], in = grid_.pool_in[k];
-            if (out > in) surplus += (1 - in / out) * pooled_[k];
-            else lack += in - out;
+            if (out > in)
+                surplus += (1 - in / out) * pooled_[k];
+            else
+                lack += in - out;
         }
         const float everywhere = lack > 1e-12f ? surplus / lack : 0;
         for (std::size_t k = region; k < region + 64; ++k) {
             const float out = grid_.pool_out[k], in = grid_.pool_in[k];
-            if (out > in) pooled_[k] /= out;
-            else if (in > 0) pooled_[k] = (pooled_[k] + (in - out) * everywhere) / in;
+            if (out > in)
+                pooled_[k] /= out;
+            else if (in > 0)
+                pooled_[k] = (pooled_[k] + (in - out) * everywhere) / in;
         }
     }
 }
@@ -350,12 +364,14 @@ Octet TransportChannel::returned(const GridBlock& block, std::size_t face, std::
     const auto axis = static_cast<std::size_t>(outer.facing) / 2;
     Octet in;
     if (outer.kind == FaceKind::core) {
-        // Diffuse light: phi and J at the face, from the cell on this side and the node beyond, by what conducts between.
+        // Diffuse light: phi and J at the face, from the cell on this side and the node beyond, by what conducts
+        // between.
         const double view = grid_.pitch_mm[axis] * grid_.options.view_voxels[axis];
         const double cell_edge = grid_.edge_mm(block.kind)[axis];
         const auto here = static_cast<float>(2 * D_[outer.node] / cell_edge);
         const auto there = static_cast<float>(2 * D_[outer.beyond] / (view * grid_.nodes[outer.beyond].edge_cells));
-        const float phi_here = source_[outer.cell].phi / media_[static_cast<std::size_t>(block.kind)][grid_.medium[outer.cell]].sigma_s;
+        const float phi_here =
+            source_[outer.cell].phi / media_[static_cast<std::size_t>(block.kind)][grid_.medium[outer.cell]].sigma_s;
         const float phi = (here * phi_here + there * phi_[outer.beyond]) / (here + there);
         const float J = here * there / (here + there) * (phi_here - phi_[outer.beyond]);
         for (std::size_t d = 0; d < 8; ++d) in.v[d] = phi - 3 * grid_.directions.cosine[axis].v[d] * J;
@@ -383,20 +399,25 @@ Octet TransportChannel::returned(const GridBlock& block, std::size_t face, std::
 
 void TransportChannel::sweep() {
     parallel_for(0, 2, 1, [&](std::size_t half) {
-        SweepJob job{&grid_, {media_[0], media_[1]}, source_, half == 0 ? std::span<Moments>(sum_) : std::span<Moments>(other_sum_), in_, out_};
+        SweepJob job{&grid_,  {media_[0], media_[1]},
+                     source_, half == 0 ? std::span<Moments>(sum_) : std::span<Moments>(other_sum_),
+                     in_,     out_};
         std::fill(job.sum.begin(), job.sum.end(), Moments{});
         sweep_half(job, half == 1);
     });
 }
 
-/// The diffusion correction: delta_ and delta_moments_ from what the sweep changed; source_ becomes the sweep's moments.
+/// The diffusion correction: delta_ and delta_moments_ from what the sweep changed; source_ becomes the sweep's
+/// moments.
 void TransportChannel::correct() {
     const std::size_t n = grid_.nodes.size();
     std::vector<float> right(n, 0.0f);
     const auto g_linear = static_cast<float>(grid_.directions.linear);
-    for_each_cell([&](const GridBlock& block, const CellGeometry& g, std::size_t cell, const std::array<int, 3>&, std::uint32_t node) {
+    for_each_cell([&](const GridBlock& block, const CellGeometry& g, std::size_t cell, const std::array<int, 3>&,
+                      std::uint32_t node) {
         const Moments &p = sum_[cell], &q = other_sum_[cell];
-        const float sigma_s = media_[static_cast<std::size_t>(block.kind)][grid_.medium[cell]].sigma_s, linear = 3 * g_linear * sigma_s;
+        const float sigma_s = media_[static_cast<std::size_t>(block.kind)][grid_.medium[cell]].sigma_s,
+                    linear = 3 * g_linear * sigma_s;
         const Moments now{sigma_s * (p.phi + q.phi), linear * (p.x + q.x), linear * (p.y + q.y), linear * (p.z + q.z)};
         right[node] += g.volume * (now.phi - source_[cell].phi);
         source_[cell] = now;
@@ -410,7 +431,8 @@ void TransportChannel::correct() {
             const Octet& w = flux_weight_[static_cast<std::size_t>(face.facing) / 2];
             float sum = 0;
             for (std::size_t slot = 0; slot < 4; ++slot)
-                sum += sum8(w, face.kind == FaceKind::core ? out_[f * 4 + slot] : returned(block, f, slot)) - sum8(w, in_[f * 4 + slot]);
+                sum += sum8(w, face.kind == FaceKind::core ? out_[f * 4 + slot] : returned(block, f, slot)) -
+                       sum8(w, in_[f * 4 + slot]);
             if (face.kind == FaceKind::core) {
                 core_current_[f] = sum;
                 right[face.beyond] += sum * face.area_mm2;
@@ -422,7 +444,9 @@ void TransportChannel::correct() {
     std::array<double, 3> view{};
     for (std::size_t a = 0; a < 3; ++a) view[a] = grid_.pitch_mm[a] * grid_.options.view_voxels[a];
     const double view_volume = view[0] * view[1] * view[2];
-    const auto in_core = [&](std::uint32_t node) { return grid_.blocks[grid_.node_block[node]].kind == BlockKind::core; };
+    const auto in_core = [&](std::uint32_t node) {
+        return grid_.blocks[grid_.node_block[node]].kind == BlockKind::core;
+    };
     for (std::size_t i = 0; i < conductance_.size(); ++i) {
         const NodeContact& c = grid_.contacts[i];
         if (!in_core(c.a) || !in_core(c.b)) continue;
@@ -433,7 +457,8 @@ void TransportChannel::correct() {
     for (std::uint32_t i = 0; i < n; ++i) {
         if (!in_core(i)) continue;
         const double edge = grid_.nodes[i].edge_cells;
-        right[i] -= static_cast<float>(sigma_a_[i] * view_volume * edge * edge * edge * grid_.nodes[i].solid_share * phi_[i]);
+        right[i] -=
+            static_cast<float>(sigma_a_[i] * view_volume * edge * edge * edge * grid_.nodes[i].solid_share * phi_[i]);
     }
     for (std::size_t i = 0; i < grid_.exits.size(); ++i)
         right[grid_.exits[i].node] += (lit_evenly_ ? exit_gain_[i] : 0) - exit_loss_[i] * phi_[grid_.exits[i].node];
@@ -443,7 +468,8 @@ void TransportChannel::correct() {
     for (std::size_t i = 0; i < n; ++i) phi_[i] += delta[i];
     for (std::size_t f = 0; f < grid_.faces.size(); ++f) {
         const OuterFace& face = grid_.faces[f];
-        if (face.kind == FaceKind::core) core_current_[f] += core_conductance_[f] * (delta[face.node] - delta[face.beyond]);
+        if (face.kind == FaceKind::core)
+            core_current_[f] += core_conductance_[f] * (delta[face.node] - delta[face.beyond]);
     }
 }
 
@@ -479,18 +505,20 @@ void TransportChannel::solve(std::span<const float> light, TransportSummary& sum
 
 std::size_t TransportChannel::memory_bytes() const {
     const auto of = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
-    return of(sigma_a_) + of(D_) + of(conductance_) + of(face_loss_) + of(face_gain_) + of(exit_loss_) + of(exit_gain_) +
-           of(core_conductance_) + of(light_) + of(phi_) + of(delta_moments_) + of(core_current_) + of(source_) + of(sum_) +
-           of(other_sum_) + of(in_) + of(out_) + of(pooled_) + of(flux_) + of(flux_change_) + of(eased_) + of(loss_) +
-           diffusion_->memory_bytes();
+    return of(sigma_a_) + of(D_) + of(conductance_) + of(face_loss_) + of(face_gain_) + of(exit_loss_) +
+           of(exit_gain_) + of(core_conductance_) + of(light_) + of(phi_) + of(delta_moments_) + of(core_current_) +
+           of(source_) + of(sum_) + of(other_sum_) + of(in_) + of(out_) + of(pooled_) + of(flux_) + of(flux_change_) +
+           of(eased_) + of(loss_) + diffusion_->memory_bytes();
 }
 
 TransportChannel::Field TransportChannel::take_field() { return {std::move(source_), std::move(in_)}; }
 
-// psi solves L psi = S psi with psi coming in through the surface; the adjoint of L is L with all directions reversed, so
+// psi solves L psi = S psi with psi coming in through the surface; the adjoint of L is L with all directions reversed,
+// so
 //   d F / d sigma_t = -V sum_d w_d psi_d psi*_-d,   d F / d sigma_s = V (phi phi* - 3 g' J . J*)
 // in each cell: psi* is lit by dF / d flux. The sums over directions are those of the sweeps themselves, with the terms
-// that exponential fitting adds: for  L psi + fit (sigma psi - q) = 0,  m = fit psi + (1 - fit) q / sigma  seen by the cell,
+// that exponential fitting adds: for  L psi + fit (sigma psi - q) = 0,  m = fit psi + (1 - fit) q / sigma  seen by the
+// cell,
 //   -V sum_d w_d [ d sigma (fit psi psi* + (1 - fit) q q* / sigma^2)
 //                  + d fit (sigma psi psi* - psi q* - q psi* + q q* / sigma) ].
 void TransportChannel::derivatives(const Field& forward, const Field& adjoint, std::vector<float>& by_sigma_t,
@@ -507,15 +535,18 @@ void TransportChannel::derivatives(const Field& forward, const Field& adjoint, s
         multiply_octant(against, 7 - octant);
     }
     const auto g_linear = static_cast<float>(grid_.directions.linear);
-    for_each_cell([&](const GridBlock& block, const CellGeometry& g, std::size_t cell, const std::array<int, 3>&, std::uint32_t) {
-        const float sigma_s = media_[static_cast<std::size_t>(block.kind)][grid_.medium[cell]].sigma_s;
-        const Moments &a = forward.source[cell], &b = adjoint.source[cell];
-        by_sigma_t[cell] = -g.volume * (product[2 * cell] + product[2 * cell + 1]);
-        // The fields hold sigma_s phi and 3 g' sigma_s J.
-        if (sigma_s > 0)
-            by_sigma_s[cell] = g.volume * product[2 * cell + 1] +
-                               g.volume / (sigma_s * sigma_s) * (a.phi * b.phi - (g_linear != 0 ? (a.x * b.x + a.y * b.y + a.z * b.z) / (3 * g_linear) : 0.0f));
-    });
+    for_each_cell(
+        [&](const GridBlock& block, const CellGeometry& g, std::size_t cell, const std::array<int, 3>&, std::uint32_t) {
+            const float sigma_s = media_[static_cast<std::size_t>(block.kind)][grid_.medium[cell]].sigma_s;
+            const Moments &a = forward.source[cell], &b = adjoint.source[cell];
+            by_sigma_t[cell] = -g.volume * (product[2 * cell] + product[2 * cell + 1]);
+            // The fields hold sigma_s phi and 3 g' sigma_s J.
+            if (sigma_s > 0)
+                by_sigma_s[cell] =
+                    g.volume * product[2 * cell + 1] +
+                    g.volume / (sigma_s * sigma_s) *
+                        (a.phi * b.phi - (g_linear != 0 ? (a.x * b.x + a.y * b.y + a.z * b.z) / (3 * g_linear) : 0.0f));
+        });
 }
 
 }  // namespace voxtone::optics

@@ -37,9 +37,11 @@ public:
     };
     /// After `solve`: takes its field.
     [[nodiscard]] Field take_field();
-    /// Derivative of a linear function of the fluxes: per cell by sigma_t and by sigma_s of its medium (TransportMedium),
-    /// mm. `forward`: the field of light 1; `adjoint`: that lit through each face by d(function) / d(flux).
-    void derivatives(const Field& forward, const Field& adjoint, std::vector<float>& by_sigma_t, std::vector<float>& by_sigma_s) const;
+    /// Derivative of a linear function of the fluxes: per cell by sigma_t and by sigma_s of its medium
+    /// (TransportMedium), mm. `forward`: the field of light 1; `adjoint`: that lit through each face by d(function) /
+    /// d(flux).
+    void derivatives(const Field& forward, const Field& adjoint, std::vector<float>& by_sigma_t,
+                     std::vector<float>& by_sigma_s) const;
     [[nodiscard]] double furnace_flux(std::size_t face) const;
     [[nodiscard]] double last_change() const { return last_change_; }
     [[nodiscard]] std::size_t memory_bytes() const;
@@ -67,13 +69,14 @@ private:
     MediaByKind media_;
     TransportOptions options_;
 
-    std::array<Octet, 3> flux_weight_;   ///< w |Omega_a|
-    std::vector<float> sigma_a_, D_;     ///< per node
-    std::vector<float> conductance_;     ///< per contact
-    std::vector<float> face_loss_, face_gain_;  ///< per face: into the node's loss; right side per unit of incoming current
+    std::array<Octet, 3> flux_weight_;  ///< w |Omega_a|
+    std::vector<float> sigma_a_, D_;    ///< per node
+    std::vector<float> conductance_;    ///< per contact
+    std::vector<float> face_loss_,
+        face_gain_;  ///< per face: into the node's loss; right side per unit of incoming current
     std::vector<float> exit_loss_, exit_gain_;  ///< per exit of a core node
-    std::vector<float> eased_, loss_;  ///< conductances of the corrections, losses of the nodes
-    std::unique_ptr<Diffusion> diffusion_;  ///< of the start, then of the corrections
+    std::vector<float> eased_, loss_;           ///< conductances of the corrections, losses of the nodes
+    std::unique_ptr<Diffusion> diffusion_;      ///< of the start, then of the corrections
     std::vector<float> core_conductance_;       ///< per face to the core, per area
     std::vector<float> light_;                  ///< per face: radiance that comes from outside
     std::vector<float> phi_;                    ///< per node; kept up to date in the core
@@ -82,8 +85,8 @@ private:
     std::vector<Moments> source_;               ///< per cell: sigma_s phi and 3 g' sigma_s J
     std::vector<Moments> sum_, other_sum_;      ///< per cell: phi and J of light that runs up, and down
     std::vector<Octet> in_, out_;               ///< [face * 4 + tangential signs]
-    std::vector<float> pooled_;                 ///< [region * 64 + octant * 8 + direction]: radiance that passes corners
-    std::vector<float> flux_, flux_change_;     ///< per face; change: by the last correction
+    std::vector<float> pooled_;              ///< [region * 64 + octant * 8 + direction]: radiance that passes corners
+    std::vector<float> flux_, flux_change_;  ///< per face; change: by the last correction
     bool lit_evenly_ = true;
     double last_change_ = 0;
     int steps_ = 0;

@@ -6,8 +6,8 @@
 #include <numbers>
 
 #include "voxtone/base/contracts.h"
-#include "voxtone/optics/scene/fresnel.h"
 #include "voxtone/optics/numerics/quadrature.h"
+#include "voxtone/optics/scene/fresnel.h"
 
 namespace voxtone::optics {
 namespace {
@@ -102,7 +102,9 @@ FaceLaw face_law(const DirectionSet& set, int axis, const std::array<float, 3>& 
         return law;
     }
     law.flat = std::abs(normal[a]) > 0.99999f;
-    const auto n = [&](std::size_t k) { return k == a ? std::abs(static_cast<double>(normal[k])) : static_cast<double>(normal[k]); };
+    const auto n = [&](std::size_t k) {
+        return k == a ? std::abs(static_cast<double>(normal[k])) : static_cast<double>(normal[k]);
+    };
     struct Crossing {
         double towards, rho;
     };
@@ -120,7 +122,8 @@ FaceLaw face_law(const DirectionSet& set, int axis, const std::array<float, 3>& 
         for (std::size_t slot = 0; slot < 4; ++slot)
             for (std::size_t d = 0; d < 8; ++d) {
                 const double towards = crossing(slot, d, along).towards;
-                if (towards > 0) flux += static_cast<double>(set.weight.v[d]) * towards * smooth_transmittance(towards, set.eta);
+                if (towards > 0)
+                    flux += static_cast<double>(set.weight.v[d]) * towards * smooth_transmittance(towards, set.eta);
             }
     const double scale = 0.25 * set.diffuse_transmittance / flux;
     std::array<std::array<double, 8>, 4> inside{};  // rho (1 - T)
@@ -133,8 +136,8 @@ FaceLaw face_law(const DirectionSet& set, int axis, const std::array<float, 3>& 
         }
     for (std::size_t slot = 0; slot < 4; ++slot)
         for (std::size_t d = 0; d < 8; ++d)
-            law.mirror[slot].v[d] =
-                law.flat ? 1 - law.through[slot].v[d] : static_cast<float>(std::min(inside[slot][d], inside[slot ^ 3][d]));
+            law.mirror[slot].v[d] = law.flat ? 1 - law.through[slot].v[d]
+                                             : static_cast<float>(std::min(inside[slot][d], inside[slot ^ 3][d]));
     return law;
 }
 

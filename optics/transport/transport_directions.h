@@ -3,25 +3,26 @@
 // The 64 directions of the transport predictor, and what a face of the voxel staircase does to them.
 //
 // One octant has 8 directions, 4 polar nodes (two trapped, two escaping: Gauss rules on both sides of the critical
-// cosine nu_c of a surface that looks along z) times azimuths of 22.5 and 67.5 degrees; the other octants are its mirror
-// images. Weights sum to 1 over the sphere, so phi = sum_d w_d psi_d is the mean radiance, J = sum_d w_d Omega_d psi_d.
-// Moments: sum w = 1, sum w Omega Omega^T = I / 3, half-range flux along z 1/4, all exact.
+// cosine nu_c of a surface that looks along z) times azimuths of 22.5 and 67.5 degrees; the other octants are its
+// mirror images. Weights sum to 1 over the sphere, so phi = sum_d w_d psi_d is the mean radiance, J = sum_d w_d Omega_d
+// psi_d. Moments: sum w = 1, sum w Omega Omega^T = I / 3, half-range flux along z 1/4, all exact.
 //
 // Scattering is Henyey-Greenstein cut after its linear term with the forward peak taken as not scattered
 // (delta-Eddington): f = g^2, g' = g / (1 + g), sigma_s* = sigma_s (1 - f), and the source in direction Omega is
 // sigma_s* (phi + 3 g' Omega . J).
 //
 // The surface. A staircase of faces e stands for a smooth surface with outward normal n. Of the light of direction
-// Omega that leaves through faces of the staircase, sum_e |n . e| (Omega . e)+ per true area, only Omega . n crosses the
-// surface; the rest passes a corner of air and enters again through another step. So each face has for each direction
+// Omega that leaves through faces of the staircase, sum_e |n . e| (Omega . e)+ per true area, only Omega . n crosses
+// the surface; the rest passes a corner of air and enters again through another step. So each face has for each
+// direction
 //   rho(Omega) = (Omega . n)+ / sum_e |n . e| (Omega . e)+       the share that meets the surface,
 //   through = rho T(Omega . n),                                  what leaves for good,
 //   mirror = min of rho (1 - T) of Omega and of what the mirror image has room for,
 // and what is left over goes on as it was, to the faces near by that light of this direction enters: it is pooled in
 // regions of 2 x 2 x 2 viewing cells, direction by direction; what a region has too much of one direction fills what it
-// lacks of others, so that nothing is lost or made. Light comes in by reciprocity, along Omega with through(-Omega). T is
-// smoothed over what a direction stands for and scaled by a factor of n so that isotropic light leaves the true surface
-// with the exact diffuse transmittance. A furnace stays at 1 for any normal; a flat face is a mirror.
+// lacks of others, so that nothing is lost or made. Light comes in by reciprocity, along Omega with through(-Omega). T
+// is smoothed over what a direction stands for and scaled by a factor of n so that isotropic light leaves the true
+// surface with the exact diffuse transmittance. A furnace stays at 1 for any normal; a flat face is a mirror.
 #pragma once
 
 #include <algorithm>
@@ -40,8 +41,9 @@ struct DirectionSet {
     double linear = 0;            ///< g'
     std::array<Octet, 3> cosine;  ///< along x, y, z, all positive
     Octet weight;                 ///< sum over the octant: 1/8
-    std::array<double, 4> nu{}, nu_weight{}, nu_transmittance{};  ///< the polar rule on (0, 1] and T at its nodes, matched
-    double diffuse_transmittance = 1;                             ///< share of isotropic light that leaves a flat face
+    std::array<double, 4> nu{}, nu_weight{},
+        nu_transmittance{};            ///< the polar rule on (0, 1] and T at its nodes, matched
+    double diffuse_transmittance = 1;  ///< share of isotropic light that leaves a flat face
 };
 
 /// g in (-1, 1), eta >= 1.

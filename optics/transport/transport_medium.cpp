@@ -51,7 +51,8 @@ double cell_fit(double sigma_a, double way, double theta) {
 double TransportMedia::discrete_half_space(double albedo, double sigma_t) const {
     VOXTONE_EXPECT(sigma_t > 0);
     if (albedo >= 1) return 1;
-    const double scatter = albedo * sigma_t * (1 - set_.forward_peak), extinction = sigma_t * (1 - albedo * set_.forward_peak);
+    const double scatter = albedo * sigma_t * (1 - set_.forward_peak),
+                 extinction = sigma_t * (1 - albedo * set_.forward_peak);
     std::array<double, n> nu{}, weight{}, fit{}, t{};
     for (std::size_t d = 0; d < n; ++d) {
         nu[d] = set_.nu[d / 2];
@@ -135,11 +136,14 @@ double TransportMedia::loss(double albedo, double sigma_t) const {
     const double b = std::clamp((sigma_t * sigma_t - extinctions[k] * extinctions[k]) /
                                     (extinctions[k + 1] * extinctions[k + 1] - extinctions[k] * extinctions[k]),
                                 0.0, 1.0);
-    const auto at = [&](std::size_t row) { return (1 - a) * ratio_[row * albedos + i] + a * ratio_[row * albedos + i + 1]; };
+    const auto at = [&](std::size_t row) {
+        return (1 - a) * ratio_[row * albedos + i] + a * ratio_[row * albedos + i + 1];
+    };
     return std::min(1.0, ((1 - b) * at(k) + b * at(k + 1)) * loss);
 }
 
-std::shared_ptr<const TransportMedia> shared_media(const DirectionSet& set, const std::array<double, 3>& edge_mm, double theta) {
+std::shared_ptr<const TransportMedia> shared_media(const DirectionSet& set, const std::array<double, 3>& edge_mm,
+                                                   double theta) {
     // A prediction is asked for again and again with the same cells; the tables take a tenth of a second.
     static std::mutex guard;
     static std::map<std::array<double, 6>, std::shared_ptr<const TransportMedia>> known;
@@ -148,7 +152,8 @@ std::shared_ptr<const TransportMedia> shared_media(const DirectionSet& set, cons
         const std::lock_guard lock(guard);
         if (const auto found = known.find(key); found != known.end()) return found->second;
     }
-    auto made = std::make_shared<const TransportMedia>(set, edge_mm, theta);  // outside the lock: it runs parallel loops
+    auto made =
+        std::make_shared<const TransportMedia>(set, edge_mm, theta);  // outside the lock: it runs parallel loops
     const std::lock_guard lock(guard);
     if (known.size() > 64) known.clear();
     return known.try_emplace(key, std::move(made)).first->second;

@@ -2,11 +2,12 @@
 //
 // What a medium is to the transport predictor: the albedo with which its few directions give the exact half-space.
 //
-// The linear phase function, 64 directions and cells of finite depth make a homogeneous half-space a little too dark, by at
-// most 0.004, an amount that depends on the albedo and on the extinction. Here the same discrete equations are solved for
-// the half-space (one layer of cells by a linear system, then doubling), and the albedo alpha* is found with which they give
-// the appearance that the exact solution (layered_appearance.h) has at alpha. alpha* = 1 at alpha = 1. With the interpolated
-// alpha* a half-space is exact within 3e-4 (tested). Range: extinctions up to 100 / mm; beyond, the value there holds.
+// The linear phase function, 64 directions and cells of finite depth make a homogeneous half-space a little too dark,
+// by at most 0.004, an amount that depends on the albedo and on the extinction. Here the same discrete equations are
+// solved for the half-space (one layer of cells by a linear system, then doubling), and the albedo alpha* is found with
+// which they give the appearance that the exact solution (layered_appearance.h) has at alpha. alpha* = 1 at alpha = 1.
+// With the interpolated alpha* a half-space is exact within 3e-4 (tested). Range: extinctions up to 100 / mm; beyond,
+// the value there holds.
 #pragma once
 
 #include <array>
@@ -51,7 +52,8 @@ private:
 };
 
 /// The same tables for the same cells, made once.
-[[nodiscard]] std::shared_ptr<const TransportMedia> shared_media(const DirectionSet& set, const std::array<double, 3>& edge_mm,
+[[nodiscard]] std::shared_ptr<const TransportMedia> shared_media(const DirectionSet& set,
+                                                                 const std::array<double, 3>& edge_mm,
                                                                  double theta = 1);
 
 }  // namespace voxtone::optics

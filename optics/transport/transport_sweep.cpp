@@ -24,17 +24,17 @@ using V4 = float __attribute__((vector_size(16)));
 using I8 = std::int32_t __attribute__((vector_size(32)));
 
 struct Ways {
-    int nx, ny, nz;                ///< cells of a block
-    V8 ax, ay, az, a;              ///< (1 + theta) |Omega| / h, and their sum
+    int nx, ny, nz;    ///< cells of a block
+    V8 ax, ay, az, a;  ///< (1 + theta) |Omega| / h, and their sum
 };
 
 struct Octant {
-    Ways ways[2];                  ///< skin, margin
-    V8 sx, sy, sz;                 ///< Omega
-    V8 weights[4];                 ///< {w, w Omega} / 2 of directions 2 k and 2 k + 1
-    V8 half_weight;                ///< w / 2
-    V8 theta, twice;               ///< theta, 2 / (1 + theta)
-    V8 along[3], flux[3];          ///< |Omega|, w |Omega|
+    Ways ways[2];          ///< skin, margin
+    V8 sx, sy, sz;         ///< Omega
+    V8 weights[4];         ///< {w, w Omega} / 2 of directions 2 k and 2 k + 1
+    V8 half_weight;        ///< w / 2
+    V8 theta, twice;       ///< theta, 2 / (1 + theta)
+    V8 along[3], flux[3];  ///< |Omega|, w |Omega|
     bool back[3];
     unsigned in_bit[3], out_bit[3];
     int signs[3];
@@ -122,7 +122,8 @@ struct BlockFaces {
 };
 
 /// What a medium does, the same for all octants: with d = 1 + theta: gain = d / (sigma + sum d |Omega| / h),
-/// pass = gain d |Omega_x| / h_x - theta, sigma = fit sigma_t; twice psi averaged over the cell is fit (2 psi) + rest q fit.
+/// pass = gain d |Omega_x| / h_x - theta, sigma = fit sigma_t; twice psi averaged over the cell is fit (2 psi) + rest q
+/// fit.
 struct MediumWays {
     Octet gain, pass, fit, rest;
     Octet own_q, slope, sigma;  ///< of the derivatives: (1 - fit) / sigma_t^2, d fit / d sigma_a, sigma_t
@@ -159,11 +160,12 @@ void fit_medium(const Ways& ways, const TransportMedium& medium, double theta, M
     }
 }
 
-/// psi of a cell; px, py, pz come in and go out. Written so that the way along x, where each cell waits for the one before,
-/// is one multiplication and one addition long: px_out = gain (fit q + ay py + az pz) + pass px = (1 + theta) psi - theta px.
+/// psi of a cell; px, py, pz come in and go out. Written so that the way along x, where each cell waits for the one
+/// before, is one multiplication and one addition long: px_out = gain (fit q + ay py + az pz) + pass px = (1 + theta)
+/// psi - theta px.
 template <Purpose purpose>
-HWY_INLINE void cross_cell(const Octant& o, const Ways& ways, const MediumWays& medium, const Moments& source, const Places& to,
-                           int cell, V8& px, V8& py, V8& pz) {
+HWY_INLINE void cross_cell(const Octant& o, const Ways& ways, const MediumWays& medium, const Moments& source,
+                           const Places& to, int cell, V8& px, V8& py, V8& pz) {
     const V8 q = (source.phi + source.x * o.sx) + (source.y * o.sy + source.z * o.sz);
     const V8 fitted = as_vector(medium.fit) * q;
     const V8 out = as_vector(medium.gain) * (fitted + (ways.ay * py + ways.az * pz)) + as_vector(medium.pass) * px;
@@ -183,7 +185,8 @@ HWY_INLINE void cross_cell(const Octant& o, const Ways& ways, const MediumWays& 
         const V8 w = 2.0f * o.half_weight, sigma = as_vector(medium.sigma);
         const V8 squares = psi * other_psi, sources = q * other_q;
         const V8 by_sigma_t = w * (as_vector(medium.fit) * squares + as_vector(medium.own_q) * sources);
-        const V8 by_fit = w * as_vector(medium.slope) * (sigma * squares - (psi * other_q + q * other_psi) + sources / sigma);
+        const V8 by_fit =
+            w * as_vector(medium.slope) * (sigma * squares - (psi * other_q + q * other_psi) + sources / sigma);
         float sum = 0, fit_sum = 0;
         for (int d = 0; d < 8; ++d) {
             sum += by_sigma_t[d];
@@ -245,8 +248,10 @@ void sweep_block(const SweepJob& job, const Octant& o, const MediaWays& media_wa
             if (links)
                 for (int x = 0; x < ways.nx; ++x) any |= outer[row + x];
             if (any == 0) {
-                if (o.back[0]) inner_row<purpose, -1>(o, ways, media, medium, source, to, row, row_y, row_z, px);
-                else inner_row<purpose, 1>(o, ways, media, medium, source, to, row, row_y, row_z, px);
+                if (o.back[0])
+                    inner_row<purpose, -1>(o, ways, media, medium, source, to, row, row_y, row_z, px);
+                else
+                    inner_row<purpose, 1>(o, ways, media, medium, source, to, row, row_y, row_z, px);
                 faces.x[z * ways.ny + y] = px;
                 continue;
             }
@@ -279,7 +284,8 @@ void sweep_block(const SweepJob& job, const Octant& o, const MediaWays& media_wa
                             const V8 flux = o.flux[axis] * p;
                             float sum = 0;
                             for (int d = 0; d < 8; ++d) sum += flux[d];
-                            job.core_out[4 * (at & ~std::size_t{into_core}) + static_cast<unsigned>(o.signs[axis])] = sum;
+                            job.core_out[4 * (at & ~std::size_t{into_core}) + static_cast<unsigned>(o.signs[axis])] =
+                                sum;
                             return;
                         }
                     }
@@ -312,7 +318,8 @@ template <Purpose purpose>
 void sweep_octants(const SweepJob& job, int half, unsigned chosen) {
     const OpticalGrid& grid = *job.grid;
     const auto skin = grid.cells_in(BlockKind::skin), margin = grid.cells_in(BlockKind::margin);
-    const std::array<int, 3> most{std::max(skin[0], margin[0]), std::max(skin[1], margin[1]), std::max(skin[2], margin[2])};
+    const std::array<int, 3> most{std::max(skin[0], margin[0]), std::max(skin[1], margin[1]),
+                                  std::max(skin[2], margin[2])};
     const std::array<int, 3> ratio{skin[0] / margin[0], skin[1] / margin[1], skin[2] / margin[2]};
     const auto per_x = static_cast<std::size_t>(most[1] * most[2]), per_y = static_cast<std::size_t>(most[0] * most[2]),
                per_z = static_cast<std::size_t>(most[0] * most[1]);
@@ -333,12 +340,15 @@ void sweep_octants(const SweepJob& job, int half, unsigned chosen) {
     for (std::size_t kind = 0; kind < 2; ++kind) {
         const Ways& ways = octants[0].ways[kind];
         media[kind].resize(job.media[kind].size());
-        for (std::size_t m = 0; m < media[kind].size(); ++m) fit_medium(ways, job.media[kind][m], static_cast<double>(job.theta), media[kind][m]);
+        for (std::size_t m = 0; m < media[kind].size(); ++m)
+            fit_medium(ways, job.media[kind][m], static_cast<double>(job.theta), media[kind][m]);
     }
     const auto fit = [&](V8* face, BlockKind& kind, BlockKind wanted, std::size_t a, std::size_t b) {
         if (kind == wanted) return;
-        if (wanted == BlockKind::margin) to_margin(face, skin[a], skin[b], ratio[a], ratio[b]);
-        else to_skin(face, skin[a], skin[b], ratio[a], ratio[b]);
+        if (wanted == BlockKind::margin)
+            to_margin(face, skin[a], skin[b], ratio[a], ratio[b]);
+        else
+            to_skin(face, skin[a], skin[b], ratio[a], ratio[b]);
         kind = wanted;
     };
     const auto cross_row = [&](std::size_t row, std::size_t k) {
@@ -360,7 +370,9 @@ void sweep_octants(const SweepJob& job, int half, unsigned chosen) {
     // Rows of blocks along x lie one after the other in y, then z. All four octants of one way along z cross a plane of
     // blocks before the next one, and both ways along x a row, while its cells are in the cache.
     const std::size_t rows = grid.transport_rows.size() - 1;
-    const auto plane_of = [&](std::size_t row) { return grid.blocks[grid.transport_blocks[grid.transport_rows[row]]].at[2]; };
+    const auto plane_of = [&](std::size_t row) {
+        return grid.blocks[grid.transport_blocks[grid.transport_rows[row]]].at[2];
+    };
     for (std::size_t p = 0; p < rows;) {
         const std::size_t at = half ? rows - 1 - p : p;
         std::size_t count = 1;

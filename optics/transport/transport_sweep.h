@@ -5,17 +5,20 @@
 // In each cell, for each of the octant's 8 directions (one vector register):
 //   psi = (fit q + sum_a 2 |Omega_a| / h_a psi_in,a) / (fit sigma_t + sum_a 2 |Omega_a| / h_a),
 //   psi_out,a = 2 psi - psi_in,a,     q = sigma_s (phi + 3 g' Omega . J),
-// diamond differences (Lewis and Miller 1984, Ch. 4) with fit = 2 tanh(sigma_a l / 2) / (sigma_a l), l the mean way of the
-// direction through the cell: a cell that only absorbs lets exp(-sigma_a l) through, where diamond differences alone let
-// (2 - sigma_a l) / (2 + sigma_a l). What the cell itself sees is the balance fit psi + (1 - fit) q / sigma_t. Where light is
-// scattered and not absorbed fit is 1 and the scheme keeps its diffusion limit in thick cells. Between skin and margin cells the radiance of a face is averaged or repeated.
+// diamond differences (Lewis and Miller 1984, Ch. 4) with fit = 2 tanh(sigma_a l / 2) / (sigma_a l), l the mean way of
+// the direction through the cell: a cell that only absorbs lets exp(-sigma_a l) through, where diamond differences
+// alone let (2 - sigma_a l) / (2 + sigma_a l). What the cell itself sees is the balance fit psi + (1 - fit) q /
+// sigma_t. Where light is scattered and not absorbed fit is 1 and the scheme keeps its diffusion limit in thick cells.
+// Between skin and margin cells the radiance of a face is averaged or repeated.
 //
-// Diamond differences answer an edge in the light that comes in with ripples from cell to cell. With a weight theta below 1,
+// Diamond differences answer an edge in the light that comes in with ripples from cell to cell. With a weight theta
+// below 1,
 //   psi_out,a = (1 + theta) psi - theta psi_in,a,   (1 + theta) |Omega_a| / h_a for 2 |Omega_a| / h_a,
-// and fit = (1 + theta) (1 - e) / ((theta + e) sigma_a l), e = exp(-sigma_a l), ripples die out, at the price of some blur.
+// and fit = (1 + theta) (1 - e) / ((theta + e) sigma_a l), e = exp(-sigma_a l), ripples die out, at the price of some
+// blur.
 //
-// Work: cells x 8 directions, about 30 vector instructions a cell; data touched: 16 bytes of moments in and out per cell
-// and 3 bytes of geometry. The order of arithmetic is fixed: the same bits on every run.
+// Work: cells x 8 directions, about 30 vector instructions a cell; data touched: 16 bytes of moments in and out per
+// cell and 3 bytes of geometry. The order of arithmetic is fixed: the same bits on every run.
 #pragma once
 
 #include <array>
@@ -37,18 +40,19 @@ inline constexpr std::uint32_t into_core = 0x80000000u;
 struct SweepJob {
     const OpticalGrid* grid = nullptr;
     std::array<std::span<const TransportMedium>, 2> media;  ///< skin, margin: of the palette, this channel
-    std::span<const Moments> source;         ///< per cell: sigma_s phi and 3 g' sigma_s J
-    std::span<Moments> sum;                  ///< per cell: their share is added
-    std::span<const Octet> in;               ///< [face * 4 + tangential signs]: radiance that enters through outer faces
-    std::span<Octet> out;                    ///< the same, that leaves
-    std::span<Octet> record = {};            ///< per cell, two: psi and q of one octant
-    std::span<float> product = {};           ///< per cell, two: minus the derivative by sigma_t, and by sigma_a through `fit`
-    /// Where faces keep their light in `in` and `out`, or with `into_core` set that of the core, which is diffuse; empty: each
-    /// at its own number.
+    std::span<const Moments> source;                        ///< per cell: sigma_s phi and 3 g' sigma_s J
+    std::span<Moments> sum;                                 ///< per cell: their share is added
+    std::span<const Octet> in;      ///< [face * 4 + tangential signs]: radiance that enters through outer faces
+    std::span<Octet> out;           ///< the same, that leaves
+    std::span<Octet> record = {};   ///< per cell, two: psi and q of one octant
+    std::span<float> product = {};  ///< per cell, two: minus the derivative by sigma_t, and by sigma_a through `fit`
+    /// Where faces keep their light in `in` and `out`, or with `into_core` set that of the core, which is diffuse;
+    /// empty: each at its own number.
     std::span<const std::uint32_t> place = {};
-    std::span<const std::array<float, 2>> core_in = {};  ///< phi and net current outwards: psi = phi - 3 |Omega . e| J comes in
-    float theta = 1;                         ///< weight of the differences
-    std::span<float> core_out = {};                      ///< [core face * 4 + tangential signs]: sum w |Omega . e| psi that leaves
+    std::span<const std::array<float, 2>> core_in =
+        {};                          ///< phi and net current outwards: psi = phi - 3 |Omega . e| J comes in
+    float theta = 1;                 ///< weight of the differences
+    std::span<float> core_out = {};  ///< [core face * 4 + tangential signs]: sum w |Omega . e| psi that leaves
 };
 
 /// The four octants of light that runs up, or down. Octant bits: 1, 2, 4 set where light runs against x, y, z.
@@ -61,9 +65,12 @@ void multiply_octant(const SweepJob& job, int octant);
 /// Place among the four octants that cross a face perpendicular to `axis` one way.
 [[nodiscard]] constexpr int tangential_signs(int octant, int axis) {
     switch (axis) {
-        case 0: return octant >> 1;
-        case 1: return (octant & 1) | (octant >> 1 & 2);
-        default: return octant & 3;
+        case 0:
+            return octant >> 1;
+        case 1:
+            return (octant & 1) | (octant >> 1 & 2);
+        default:
+            return octant & 3;
     }
 }
 

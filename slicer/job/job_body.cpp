@@ -15,7 +15,9 @@ namespace voxtone::slicer {
 
 namespace {
 
-void append(std::vector<std::string>& to, const std::vector<std::string>& from) { to.insert(to.end(), from.begin(), from.end()); }
+void append(std::vector<std::string>& to, const std::vector<std::string>& from) {
+    to.insert(to.end(), from.begin(), from.end());
+}
 
 io::ModelFile read_input(const SliceOptions& options, const Progress& progress, bool& is_picture) {
     io::ReadOptions reading;
@@ -50,12 +52,12 @@ JobBody prepare_body(const SliceOptions& options, const PrinterProfile& printer,
     body.model = read_input(options, progress, body.is_picture);
     append(body.warnings, body.model.warnings);
     body.placement = place(body.model, options);
-    if (!body.model.has_colour)
-        body.warnings.push_back("the model has no colour: it is printed white");
+    if (!body.model.has_colour) body.warnings.push_back("the model has no colour: it is printed white");
     constexpr double smallest_plausible_mm = 2;
     if (!body.is_picture && body.placement.extent_mm.maxCoeff() < smallest_plausible_mm)
-        body.warnings.push_back(fmt::format("the print is only {:.3g} mm large; if that is not meant, give --unit or --size",
-                                            body.placement.extent_mm.maxCoeff()));
+        body.warnings.push_back(
+            fmt::format("the print is only {:.3g} mm large; if that is not meant, give --unit or --size",
+                        body.placement.extent_mm.maxCoeff()));
     body.read_s = watch.total();
     progress.end_stage();
 
@@ -78,7 +80,9 @@ JobBody prepare_body(const SliceOptions& options, const PrinterProfile& printer,
     check_tray(body.grid, printer.tray_mm, body.placement);
 
     progress.begin_stage("find the visible surface", 0);
-    body.surface = body.is_picture ? picture_surface(body.model.mesh) : find_visible_surface(body.model.mesh.positions, body.model.mesh.triangles, repaired);
+    body.surface = body.is_picture
+                       ? picture_surface(body.model.mesh)
+                       : find_visible_surface(body.model.mesh.positions, body.model.mesh.triangles, repaired);
     progress.end_stage();
     body.repair = std::move(repaired.report);
     body.solid_mesh = std::move(repaired.solid);

@@ -11,12 +11,12 @@
 #include "voxtone/base/progress.h"
 #include "voxtone/io/models/mesh.h"
 #include "voxtone/slicer/mesh/mesh_repair.h"
+#include "voxtone/slicer/mesh/solid_mesh.h"
+#include "voxtone/slicer/options/slice_options.h"
 #include "voxtone/slicer/printer/placement.h"
 #include "voxtone/slicer/printer/printer.h"
-#include "voxtone/slicer/options/slice_options.h"
-#include "voxtone/slicer/mesh/solid_mesh.h"
-#include "voxtone/slicer/surface/visible_surface.h"
 #include "voxtone/slicer/printer/voxel_grid.h"
+#include "voxtone/slicer/surface/visible_surface.h"
 
 namespace voxtone::slicer {
 

@@ -13,7 +13,8 @@ namespace voxtone::slicer {
 
 namespace {
 
-std::vector<std::string> roles_to_load(const SliceOptions& options, const PrinterProfile& printer, const optics::ResinSet& set) {
+std::vector<std::string> roles_to_load(const SliceOptions& options, const PrinterProfile& printer,
+                                       const optics::ResinSet& set) {
     if (!options.load.empty()) return options.load;
     std::vector<std::string> roles;
     for (const std::string& role : printer.default_roles)
@@ -33,13 +34,14 @@ LoadedResins load_resins(const SliceOptions& options, const PrinterProfile& prin
     const std::vector<std::string> roles = roles_to_load(options, printer, all);
     const int most = std::min(printer.max_resins, halftone::max_resins);
     if (static_cast<int>(roles.size()) > most)
-        throw InputError(fmt::format("--load {}: {} resins, but {} carries {} at once; leave some out", fmt::join(roles, ","), roles.size(),
-                                     printer.id, most));
+        throw InputError(fmt::format("--load {}: {} resins, but {} carries {} at once; leave some out",
+                                     fmt::join(roles, ","), roles.size(), printer.id, most));
     loaded.set = all.subset(roles);
     const std::string& core = options.layered() ? options.base : options.core;
     loaded.core = loaded.set.find(core);
     if (loaded.core < 0)
-        throw InputError(fmt::format("--{} {}: no such resin is loaded; loaded are {}", options.layered() ? "base" : "core", core, fmt::join(roles, ", ")));
+        throw InputError(fmt::format("--{} {}: no such resin is loaded; loaded are {}",
+                                     options.layered() ? "base" : "core", core, fmt::join(roles, ", ")));
     const std::vector<Rgb8> colours = printer.display_colours(roles);
     for (std::size_t r = 0; r < roles.size(); ++r) {
         io::StackResin entry;
@@ -52,8 +54,9 @@ LoadedResins load_resins(const SliceOptions& options, const PrinterProfile& prin
     return loaded;
 }
 
-std::unique_ptr<const JobColour> prepare_colour(const SliceOptions& options, const LoadedResins& resins, const Eigen::Vector3d& pitch_mm,
-                                                double picture_thickness_mm, Progress& progress) {
+std::unique_ptr<const JobColour> prepare_colour(const SliceOptions& options, const LoadedResins& resins,
+                                                const Eigen::Vector3d& pitch_mm, double picture_thickness_mm,
+                                                Progress& progress) {
     progress.begin_stage("separate colours", 0);
     optics::ShellGeometry geometry;
     geometry.shell_mm = options.depth_mm;

@@ -14,17 +14,17 @@
 #include "voxtone/halftone/separation/separation.h"
 #include "voxtone/io/layers/layer_runs.h"
 #include "voxtone/io/layers/manifest.h"
-#include "voxtone/optics/media/resins.h"
 #include "voxtone/optics/layered/shell_appearance.h"
-#include "voxtone/slicer/printer/printer.h"
+#include "voxtone/optics/media/resins.h"
 #include "voxtone/slicer/options/slice_options.h"
+#include "voxtone/slicer/printer/printer.h"
 
 namespace voxtone::slicer {
 
 struct LoadedResins {
-    optics::ResinSet set;                  ///< only what is loaded; resin r is material r + 1
-    std::vector<io::StackResin> entries;   ///< names and colours for the manifest, same order
-    int core = 0;                          ///< index of the core resin, or of the base below stacks of layers
+    optics::ResinSet set;                 ///< only what is loaded; resin r is material r + 1
+    std::vector<io::StackResin> entries;  ///< names and colours for the manifest, same order
+    int core = 0;                         ///< index of the core resin, or of the base below stacks of layers
     [[nodiscard]] io::Material core_material() const { return static_cast<io::Material>(core + 1); }
 };
 

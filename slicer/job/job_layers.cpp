@@ -23,21 +23,30 @@ namespace voxtone::slicer {
 namespace {
 
 std::string channels_text(const optics::Channels& channels) {
-    return channels.is_rgb() ? std::string("rgb") : fmt::format("{} wavelengths ({:g} nm)", channels.size(), fmt::join(channels.wavelengths_nm, ", "));
+    return channels.is_rgb()
+               ? std::string("rgb")
+               : fmt::format("{} wavelengths ({:g} nm)", channels.size(), fmt::join(channels.wavelengths_nm, ", "));
 }
 
 void check(const SliceOptions& options, const io::ProfileMap& map, const JobBody& body, const LoadedResins& resins) {
-    if (map.target.empty()) throw InputError(fmt::format("{}: has no clusters, so there is nothing to arrange; give a map with at least one", options.profiles));
+    if (map.target.empty())
+        throw InputError(fmt::format(
+            "{}: has no clusters, so there is nothing to arrange; give a map with at least one", options.profiles));
     if (options.stack_materials.empty() && map.channels != resins.set.channels)
-        throw InputError(fmt::format("{}: its profiles are for {}, those of the resins {} for {}; the search compares channel by channel: make the map "
-                                     "with the channels of the resins, or choose another --resins",
-                                     options.profiles, channels_text(map.channels), resins.set.name, channels_text(resins.set.channels)));
+        throw InputError(fmt::format(
+            "{}: its profiles are for {}, those of the resins {} for {}; the search compares channel by channel: make "
+            "the map "
+            "with the channels of the resins, or choose another --resins",
+            options.profiles, channels_text(map.channels), resins.set.name, channels_text(resins.set.channels)));
     if (resins.set.resins.size() < 2)
-        throw InputError("--model layered-profile: only one resin is loaded, so there are no layers to choose; load at least two, such as --load W,K");
+        throw InputError(
+            "--model layered-profile: only one resin is loaded, so there are no layers to choose; load at least two, "
+            "such as --load W,K");
     const Eigen::Vector3d voxels = body.placement.extent_mm.cwiseQuotient(body.grid.pitch_mm);
     if (Eigen::Index axis = 0; voxels.minCoeff(&axis) < 2)
-        throw InputError(fmt::format("the model is {:.3g} voxels thick along {}: layers need at least two; print it larger (--size, --scale{})",
-                                     voxels[axis], "xyz"[axis], body.is_picture ? ", --thickness" : ""));
+        throw InputError(fmt::format(
+            "the model is {:.3g} voxels thick along {}: layers need at least two; print it larger (--size, --scale{})",
+            voxels[axis], "xyz"[axis], body.is_picture ? ", --thickness" : ""));
 }
 
 /// Layers that no printer makes, left over by the refinement, are dropped and alike neighbours joined.
@@ -46,8 +55,10 @@ std::vector<halftone::StackLayer> printable(const std::vector<halftone::StackLay
     std::vector<halftone::StackLayer> kept;
     for (const halftone::StackLayer& layer : layers) {
         if (layer.thickness_mm < least_mm) continue;
-        if (!kept.empty() && kept.back().material == layer.material) kept.back().thickness_mm += layer.thickness_mm;
-        else kept.push_back(layer);
+        if (!kept.empty() && kept.back().material == layer.material)
+            kept.back().thickness_mm += layer.thickness_mm;
+        else
+            kept.push_back(layer);
     }
     return kept;
 }
@@ -66,12 +77,14 @@ struct Materials {
     bool traceable = true;
 };
 
-Materials computed_materials(const optics::ResinSet& set, double most_mm, const optics::HankelGrid& grid, Progress& progress) {
+Materials computed_materials(const optics::ResinSet& set, double most_mm, const optics::HankelGrid& grid,
+                             Progress& progress) {
     progress.begin_stage("profiles of the resins", set.resins.size(), "resins");
     Materials made{{}, optics::turned_back_share(set.eta), true};
     for (std::size_t r = 0; r < set.resins.size(); ++r) {
         std::vector<double> known_mm;
-        for (std::size_t c = 0; c < set.channels.size(); ++c) known_mm.push_back(halftone::fitting_known_mm(set.resins[r].medium(c), set.g, most_mm));
+        for (std::size_t c = 0; c < set.channels.size(); ++c)
+            known_mm.push_back(halftone::fitting_known_mm(set.resins[r].medium(c), set.g, most_mm));
         made.materials.push_back(halftone::resin_material(set, r, known_mm, grid, {}, &progress));
         progress.advance();
     }
@@ -80,33 +93,42 @@ Materials computed_materials(const optics::ResinSet& set, double most_mm, const 
 }
 
 /// Measured with whatever surface they had: none is added.
-Materials measured_materials(const SliceOptions& options, const io::ProfileMap& map, const LoadedResins& resins, const optics::HankelGrid& grid,
-                             Progress& progress) {
+Materials measured_materials(const SliceOptions& options, const io::ProfileMap& map, const LoadedResins& resins,
+                             const optics::HankelGrid& grid, Progress& progress) {
     const std::vector<StackMaterialFile> named = parse_stack_materials(options.stack_materials);
     for (const auto& [role, file] : named)
         if (resins.set.find(role) < 0)
-            throw InputError(fmt::format("--stack-materials {}={}: no resin of this role is loaded; leave it out or load it (--load)", role, file));
+            throw InputError(fmt::format(
+                "--stack-materials {}={}: no resin of this role is loaded; leave it out or load it (--load)", role,
+                file));
     StackSettingOptions setting;
     for (const optics::Resin& resin : resins.set.resins) {
-        const auto found = std::find_if(named.begin(), named.end(), [&](const StackMaterialFile& entry) { return entry.role == resin.role; });
+        const auto found = std::find_if(named.begin(), named.end(),
+                                        [&](const StackMaterialFile& entry) { return entry.role == resin.role; });
         if (found == named.end())
-            throw InputError(fmt::format("--stack-materials: the loaded resin {} has no profile; a stack is made of one kind, measured or computed: give it one, or "
-                                         "do not load it (--load)",
-                                         resin.role));
+            throw InputError(
+                fmt::format("--stack-materials: the loaded resin {} has no profile; a stack is made of one kind, "
+                            "measured or computed: give it one, or "
+                            "do not load it (--load)",
+                            resin.role));
         if (std::filesystem::path(found->file).extension() != ".json")
-            throw InputError(fmt::format("--stack-materials {}={}: is no profile file (.json)", found->role, found->file));
+            throw InputError(
+                fmt::format("--stack-materials {}={}: is no profile file (.json)", found->role, found->file));
         setting.materials.push_back(found->file);
     }
     setting.reach_mm = grid.reach_mm();
     setting.coefficients = static_cast<std::uint32_t>(grid.size());
     const StackSetting stacks(setting);
     if (stacks.channels() != map.channels)
-        throw InputError(fmt::format("{}: its profiles are for {}, those of the materials ({}, ...) for {}; the search compares channel by channel", options.profiles,
-                                     channels_text(map.channels), setting.materials[0], channels_text(stacks.channels())));
+        throw InputError(fmt::format(
+            "{}: its profiles are for {}, those of the materials ({}, ...) for {}; the search compares channel by "
+            "channel",
+            options.profiles, channels_text(map.channels), setting.materials[0], channels_text(stacks.channels())));
     return {stacks.materials(0, options.stack_thickness_mm, {}, progress), stacks.turned_back(), false};
 }
 
-halftone::StackSearchOptions search_options(const SliceOptions& options, const LoadedResins& resins, std::span<const halftone::StackMaterial> materials) {
+halftone::StackSearchOptions search_options(const SliceOptions& options, const LoadedResins& resins,
+                                            std::span<const halftone::StackMaterial> materials) {
     halftone::StackSearchOptions search;
     search.thickness_mm = options.stack_thickness_mm;
     search.steps = options.stack_steps;
@@ -124,7 +146,8 @@ halftone::StackSearchOptions search_options(const SliceOptions& options, const L
     return search;
 }
 
-std::vector<ClusterStack> wanted_clusters(const std::string& file, const io::ProfileMap& map, const optics::HankelGrid& grid) {
+std::vector<ClusterStack> wanted_clusters(const std::string& file, const io::ProfileMap& map,
+                                          const optics::HankelGrid& grid) {
     std::vector<ClusterStack> clusters(map.target.size());
     for (std::size_t k = 0; k < clusters.size(); ++k)
         for (std::size_t c = 0; c < map.target[k].size(); ++c) try {
@@ -138,21 +161,23 @@ std::vector<ClusterStack> wanted_clusters(const std::string& file, const io::Pro
 }
 
 /// What a stack on the base shows, traced under a surface to air.
-halftone::StackJudge tracing_judge(const LoadedResins& resins, const optics::HankelGrid& grid, const Progress& progress) {
+halftone::StackJudge tracing_judge(const LoadedResins& resins, const optics::HankelGrid& grid,
+                                   const Progress& progress) {
     return [&resins, &grid, &progress](std::span<const halftone::StackLayer> layers) {
         constexpr double base_mm = 10;
         constexpr std::uint32_t paths = 1 << 16;
         std::vector<optics::ResinLayer> traced;
         for (const halftone::StackLayer& layer : layers) traced.push_back({layer.material, layer.thickness_mm});
         traced.push_back({static_cast<std::size_t>(resins.core), base_mm});
-        return optics::traced_light(resins.set, traced, {.eta_top = resins.set.eta}, grid, {.paths = paths}, &progress).R;
+        return optics::traced_light(resins.set, traced, {.eta_top = resins.set.eta}, grid, {.paths = paths}, &progress)
+            .R;
     };
 }
 
-/// Leaves out what cannot be printed, and the depth that changes what is seen by little. By the triangle inequality the distance
-/// grows by no more than that, also where the layered model is wrong by the same before and after.
-void finish(ClusterStack& cluster, std::span<const halftone::StackMaterial> materials, const halftone::StackDesignOptions& options,
-            const halftone::StackJudge& judge) {
+/// Leaves out what cannot be printed, and the depth that changes what is seen by little. By the triangle inequality the
+/// distance grows by no more than that, also where the layered model is wrong by the same before and after.
+void finish(ClusterStack& cluster, std::span<const halftone::StackMaterial> materials,
+            const halftone::StackDesignOptions& options, const halftone::StackJudge& judge) {
     constexpr double unseen = 0.02;  // of the distance
     const auto seen = [&](std::span<const halftone::StackLayer> layers) {
         halftone::ChannelProfiles R = halftone::stack_reflection(materials, layers, options.search.backing);
@@ -166,8 +191,9 @@ void finish(ClusterStack& cluster, std::span<const halftone::StackMaterial> mate
     halftone::StackDesign& design = cluster.design;
     design.layers = printable(design.layers);
     const halftone::ChannelProfiles whole = seen(design.layers);
-    design.layers = halftone::shortened_stack(design.layers, unseen * cluster.distance(),
-                                              [&](std::span<const halftone::StackLayer> layers) { return distance(seen(layers), whole); });
+    design.layers = halftone::shortened_stack(
+        design.layers, unseen * cluster.distance(),
+        [&](std::span<const halftone::StackLayer> layers) { return distance(seen(layers), whole); });
     design.modelled = seen(design.layers);
     design.modelled_distance = distance(design.modelled, cluster.target);
     if (!judge) return;
@@ -175,15 +201,16 @@ void finish(ClusterStack& cluster, std::span<const halftone::StackMaterial> mate
     design.judged_distance = distance(design.judged, cluster.target);
 }
 
-/// Tracing is worth its ten seconds for each cluster: it takes a third off the distance that is really there (docs/layered-prints.md).
+/// Tracing is worth its ten seconds for each cluster: it takes a third off the distance that is really there
+/// (docs/layered-prints.md).
 int rounds_of(const SliceOptions& options, std::size_t clusters, const Materials& made) {
     constexpr std::size_t most_clusters = 16;
     const int rounds = parse_stack_rounds(options.stack_rounds);
     return !made.traceable ? 0 : rounds >= 0 ? rounds : clusters <= most_clusters ? 1 : 0;
 }
 
-void search_stacks(const SliceOptions& options, const LoadedResins& resins, const optics::HankelGrid& grid, std::vector<ClusterStack>& clusters,
-                   const Materials& made, Progress& progress) {
+void search_stacks(const SliceOptions& options, const LoadedResins& resins, const optics::HankelGrid& grid,
+                   std::vector<ClusterStack>& clusters, const Materials& made, Progress& progress) {
     const std::span<const halftone::StackMaterial> materials = made.materials;
     const int rounds = rounds_of(options, clusters.size(), made);
     halftone::StackDesignOptions design;
@@ -193,13 +220,14 @@ void search_stacks(const SliceOptions& options, const LoadedResins& resins, cons
     const halftone::StackJudge judge = rounds > 0 ? tracing_judge(resins, grid, progress) : halftone::StackJudge{};
     progress.begin_stage("search stacks", clusters.size(), "clusters");
     const halftone::StackSearch search(materials, design.search);
-    parallel_for(0, clusters.size(), 1,
-                 [&](std::size_t k) {
-                     clusters[k].design = halftone::design_stack(search, materials, clusters[k].target, design, judge);
-                     finish(clusters[k], materials, design, judge);
-                     progress.advance();
-                 },
-                 &progress);
+    parallel_for(
+        0, clusters.size(), 1,
+        [&](std::size_t k) {
+            clusters[k].design = halftone::design_stack(search, materials, clusters[k].target, design, judge);
+            finish(clusters[k], materials, design, judge);
+            progress.advance();
+        },
+        &progress);
     progress.end_stage();
 }
 
@@ -208,24 +236,34 @@ void search_stacks(const SliceOptions& options, const LoadedResins& resins, cons
 double profile_extent_mm(const io::ProfileMap& map) {
     double extent = 0;
     for (const auto& target : map.target)
-        for (const optics::RadialSamples& channel : target) extent = std::max(extent, channel.spacing_mm * double(channel.light.size() - 1));
+        for (const optics::RadialSamples& channel : target)
+            extent = std::max(extent, channel.spacing_mm * double(channel.light.size() - 1));
     return extent;
 }
 
-JobLayers::JobLayers(const SliceOptions& options, io::ProfileMap wanted, const JobBody& body, const LoadedResins& resins, Progress& progress)
+JobLayers::JobLayers(const SliceOptions& options, io::ProfileMap wanted, const JobBody& body,
+                     const LoadedResins& resins, Progress& progress)
     : map((check(options, wanted, body, resins), std::move(wanted))), grid(grid_for(map)) {
     // What is wrong with map and mesh is said before the search.
     clusters = wanted_clusters(options.profiles, map, grid);
     const io::TexturedMesh& mesh = body.model.mesh;
     const Eigen::Vector3d extent = body.placement.extent_mm;
-    halftone::StackMap stacks{map.width_px, map.height_px, map.width_mm, map.height_mm, map.cluster, halftone::MapEdge::repeat, options.layer_smoothing_mm};
+    halftone::StackMap stacks{map.width_px,
+                              map.height_px,
+                              map.width_mm,
+                              map.height_mm,
+                              map.cluster,
+                              halftone::MapEdge::repeat,
+                              options.layer_smoothing_mm};
     if (body.is_picture) {
         stacks.edge = halftone::MapEdge::extend;
         stacks.width_mm = extent.x(), stacks.height_mm = extent.y();
         const double stretched = extent.x() / extent.y() * map.height_mm / map.width_mm;
         if (std::abs(std::log(stretched)) > 0.02)
-            warnings.push_back(fmt::format("the map of profiles ({:g} x {:g} mm) is stretched onto a picture of another shape ({:.4g} x {:.4g} mm)",
-                                           map.width_mm, map.height_mm, extent.x(), extent.y()));
+            warnings.push_back(
+                fmt::format("the map of profiles ({:g} x {:g} mm) is stretched onto a picture of another shape ({:.4g} "
+                            "x {:.4g} mm)",
+                            map.width_mm, map.height_mm, extent.x(), extent.y()));
     }
     if (body.is_picture || options.profile_placement == "uv") {
         placement_ = MapPlacement::by_texture(mesh, stacks.width_mm, stacks.height_mm);
@@ -235,8 +273,9 @@ JobLayers::JobLayers(const SliceOptions& options, io::ProfileMap wanted, const J
     }
 
     Stopwatch watch;
-    const Materials materials = options.stack_materials.empty() ? computed_materials(resins.set, options.stack_thickness_mm, grid, progress)
-                                                                : measured_materials(options, map, resins, grid, progress);
+    const Materials materials = options.stack_materials.empty()
+                                    ? computed_materials(resins.set, options.stack_thickness_mm, grid, progress)
+                                    : measured_materials(options, map, resins, grid, progress);
     measured = !materials.traceable;
     materials_s = watch.lap();
     search_stacks(options, resins, grid, clusters, materials, progress);
@@ -249,12 +288,15 @@ JobLayers::JobLayers(const SliceOptions& options, io::ProfileMap wanted, const J
     screen_.emplace(std::array{body.grid.pitch_mm.x(), body.grid.pitch_mm.y(), body.grid.pitch_mm.z()}, &progress);
     std::vector<io::Material> printed;
     for (std::size_t r = 0; r < resins.set.resins.size(); ++r) printed.push_back(static_cast<io::Material>(r + 1));
-    wrapped_.emplace(body.surface, body.grid, *fields_, *placement_, *screen_, std::move(printed), resins.core_material());
+    wrapped_.emplace(body.surface, body.grid, *fields_, *placement_, *screen_, std::move(printed),
+                     resins.core_material());
     fit = stack_fit(body, *wrapped_, progress);
     if (fit.thin_share > 0)
-        warnings.push_back(fmt::format("on {:.1f} % of the surface the body is too thin for its stack, by {:.0f} % of the stack's depth on average: layers of "
-                                       "both sides meet there, and light spreads otherwise than the map asks",
-                                       100 * fit.thin_share, 100 * fit.missing_mean));
+        warnings.push_back(
+            fmt::format("on {:.1f} % of the surface the body is too thin for its stack, by {:.0f} % of the stack's "
+                        "depth on average: layers of "
+                        "both sides meet there, and light spreads otherwise than the map asks",
+                        100 * fit.thin_share, 100 * fit.missing_mean));
 }
 
 }  // namespace voxtone::slicer

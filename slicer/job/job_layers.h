@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// The layered half of a job (`--model layered-profile`): from a map of wanted scattering profiles to layers of resin wrapped
-// around the body, in the place of colours, screens and the appearance loop.
+// The layered half of a job (`--model layered-profile`): from a map of wanted scattering profiles to layers of resin
+// wrapped around the body, in the place of colours, screens and the appearance loop.
 //
-// Materials are the loaded resins, known by their profiles. For each cluster of the map the best stack of blocks is searched
-// (halftone/stacks/stack_search.h) and its thicknesses refined (stack_refinement.h), under a smooth surface to air and over the base resin taken
-// to be deep; what the layered model gets wrong is corrected by tracing the stacks (stack_design.h): by default in one round, where there
-// are 16 clusters at most. Or materials are measured profiles (stack_setting.h), with the surface that they had, and nothing is traced. What lies so deep that it
-// changes what is seen by less than 2 % of the distance is left out (shortened_stack.h). The stacks are aligned, interpolated to height
+// Materials are the loaded resins, known by their profiles. For each cluster of the map the best stack of blocks is
+// searched (halftone/stacks/stack_search.h) and its thicknesses refined (stack_refinement.h), under a smooth surface to
+// air and over the base resin taken to be deep; what the layered model gets wrong is corrected by tracing the stacks
+// (stack_design.h): by default in one round, where there are 16 clusters at most. Or materials are measured profiles
+// (stack_setting.h), with the surface that they had, and nothing is traced. What lies so deep that it changes what is
+// seen by less than 2 % of the distance is left out (shortened_stack.h). The stacks are aligned, interpolated to height
 // fields over the map, and wrapped.
 #pragma once
 
@@ -17,18 +18,18 @@
 #include <vector>
 
 #include "voxtone/base/progress.h"
-#include "voxtone/halftone/stacks/aligned_stacks.h"
 #include "voxtone/halftone/screens/blue_noise_screen.h"
+#include "voxtone/halftone/stacks/aligned_stacks.h"
 #include "voxtone/halftone/stacks/layer_fields.h"
 #include "voxtone/halftone/stacks/stack_design.h"
 #include "voxtone/io/profiles/profile_map.h"
 #include "voxtone/optics/numerics/hankel.h"
 #include "voxtone/slicer/job/job_body.h"
 #include "voxtone/slicer/job/job_colour.h"
-#include "voxtone/slicer/layers/map_placement.h"
-#include "voxtone/slicer/options/slice_options.h"
 #include "voxtone/slicer/job/stack_fit.h"
+#include "voxtone/slicer/layers/map_placement.h"
 #include "voxtone/slicer/layers/wrapped_layers.h"
+#include "voxtone/slicer/options/slice_options.h"
 
 namespace voxtone::slicer {
 
@@ -39,8 +40,12 @@ struct ClusterStack {
     halftone::StackDesign design;
 
     /// What is expected of the stack, and how far that is from the target: as traced, or by the layered model.
-    [[nodiscard]] const halftone::ChannelProfiles& expected() const { return design.judged.empty() ? design.modelled : design.judged; }
-    [[nodiscard]] double distance() const { return design.judged.empty() ? design.modelled_distance : design.judged_distance; }
+    [[nodiscard]] const halftone::ChannelProfiles& expected() const {
+        return design.judged.empty() ? design.modelled : design.judged;
+    }
+    [[nodiscard]] double distance() const {
+        return design.judged.empty() ? design.modelled_distance : design.judged_distance;
+    }
 };
 
 /// The farthest sample of any wanted profile.
@@ -49,9 +54,11 @@ struct ClusterStack {
 /// Stays where it was made.
 class JobLayers {
 public:
-    /// Throws InputError: profiles that send back more light than they got, channels that are not those of the resins, one resin only,
-    /// roles that are not loaded, a mesh without texture coordinates where they are needed, a body thinner than two voxels.
-    JobLayers(const SliceOptions& options, io::ProfileMap map, const JobBody& body, const LoadedResins& resins, Progress& progress);
+    /// Throws InputError: profiles that send back more light than they got, channels that are not those of the resins,
+    /// one resin only, roles that are not loaded, a mesh without texture coordinates where they are needed, a body
+    /// thinner than two voxels.
+    JobLayers(const SliceOptions& options, io::ProfileMap map, const JobBody& body, const LoadedResins& resins,
+              Progress& progress);
     JobLayers(const JobLayers&) = delete;
     JobLayers& operator=(const JobLayers&) = delete;
 

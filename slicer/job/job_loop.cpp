@@ -9,8 +9,8 @@
 #include "voxtone/base/error.h"
 #include "voxtone/base/stopwatch.h"
 #include "voxtone/slicer/job/loop_checkpoint.h"
-#include "voxtone/slicer/options/model_choice.h"
 #include "voxtone/slicer/job/skin_gradient.h"
+#include "voxtone/slicer/options/model_choice.h"
 #include "voxtone/slicer/predict/stack_volume.h"
 #include "voxtone/slicer/surface/target_cells.h"
 
@@ -19,10 +19,13 @@ namespace voxtone::slicer {
 namespace {
 
 halftone::Intent parse_intent(const std::string& name) {
-    return name == "absolute" ? halftone::Intent::absolute : name == "contrast" ? halftone::Intent::contrast : halftone::Intent::relative;
+    return name == "absolute"   ? halftone::Intent::absolute
+           : name == "contrast" ? halftone::Intent::contrast
+                                : halftone::Intent::relative;
 }
 
-std::unique_ptr<const optics::AppearanceModel> loop_model(const SliceOptions& options, double colour_mm, std::uint64_t memory_bytes) {
+std::unique_ptr<const optics::AppearanceModel> loop_model(const SliceOptions& options, double colour_mm,
+                                                          std::uint64_t memory_bytes) {
     ModelOptions quality;
     quality.cell_mm = options.predict_cell_mm;
     quality.viewing_cells = true;
@@ -39,26 +42,34 @@ std::unique_ptr<const optics::AppearanceModel> loop_model(const SliceOptions& op
 LoopPlan plan_loop(const SliceOptions& options, const JobBody& body, const LoadedResins& resins) {
     const int iterations = parse_iterations(options.iterations);
     if (iterations == 0) return {};
-    if (resins.set.resins.size() < 2) return {0, "The resins were not rearranged: one resin alone leaves nothing to choose."};
+    if (resins.set.resins.size() < 2)
+        return {0, "The resins were not rearranged: one resin alone leaves nothing to choose."};
     if (body.surface.triangles.empty()) return {0, "The resins were not rearranged: the body has no coloured surface."};
     const double cm2 = coloured_area_mm2(body.surface) / 100;
     if (options.iterations == "auto" && cm2 > auto_loop_cm2)
-        return {0, fmt::format("The resins were not rearranged: the coloured surface has {:.0f} cm2, and more than {:g} cm2 are not "
-                               "without being asked; ask with --iterations N.",
-                               cm2, auto_loop_cm2)};
+        return {
+            0,
+            fmt::format(
+                "The resins were not rearranged: the coloured surface has {:.0f} cm2, and more than {:g} cm2 are not "
+                "without being asked; ask with --iterations N.",
+                cm2, auto_loop_cm2)};
     return {iterations, ""};
 }
 
-JobLoop::JobLoop(const SliceOptions& options, const LoopPlan& plan, const JobBody& body, const LoadedResins& resins, const JobColour& colour,
-                 const PrintParts& parts, const std::filesystem::path& folder, Progress& progress)
+JobLoop::JobLoop(const SliceOptions& options, const LoopPlan& plan, const JobBody& body, const LoadedResins& resins,
+                 const JobColour& colour, const PrintParts& parts, const std::filesystem::path& folder,
+                 Progress& progress)
     : model(options.loop_model), places_(body.surface, body.grid.origin_mm) {
     const Stopwatch watch;
     progress.begin_stage("prepare the loop", 0);
     const std::uint64_t memory = memory_budget(options.memory_gib);
     const int white = resins.set.find("W");
     // The shape takes little memory where it is all white; the open loop's print is made again when it is looked at.
-    const optics::ResinVolume shape = optics::all_of(parts.volume(nullptr, memory / 3, progress), static_cast<optics::Material>((white >= 0 ? white : resins.core) + 1));
-    const optics::Scene scene{.volume = &shape, .resins = &resins.set,
+    const optics::ResinVolume shape =
+        optics::all_of(parts.volume(nullptr, memory / 3, progress),
+                       static_cast<optics::Material>((white >= 0 ? white : resins.core) + 1));
+    const optics::Scene scene{.volume = &shape,
+                              .resins = &resins.set,
                               .backing = body.is_picture ? parse_backing(options.backing) : optics::Backing::none};
     const auto cell = optics::cell_voxels(shape.pitch_mm(), options.predict_cell_mm);
     for (std::size_t a = 0; a < 3; ++a) cell_um[a] = cell[a] * shape.pitch_mm()[a] * 1e3;
@@ -97,16 +108,19 @@ JobLoop::JobLoop(const SliceOptions& options, const LoopPlan& plan, const JobBod
     loop.iterations = plan.iterations;
     loop.viewing_distance_mm = options.viewing_distance_mm;
     loop.intent = parse_intent(options.intent);
-    loop.descent = options.loop_method == "descent" || (options.loop_method == "auto" && coloured_area_mm2(body.surface) <= 100 * descent_cm2);
+    loop.descent = options.loop_method == "descent" ||
+                   (options.loop_method == "auto" && coloured_area_mm2(body.surface) <= 100 * descent_cm2);
     const LoopCheckpoint checkpoint(folder, options, target);
     const std::optional<halftone::LoopState> before = options.resume ? checkpoint.read(progress) : std::nullopt;
-    result = halftone::run_appearance_loop(task, loop, progress, [&](const halftone::LoopState& state) { checkpoint.write(state); },
-                                           before ? &*before : nullptr);
+    result = halftone::run_appearance_loop(
+        task, loop, progress, [&](const halftone::LoopState& state) { checkpoint.write(state); },
+        before ? &*before : nullptr);
     if (result.cancelled) {
         // What was found is printed all the same; the next Ctrl-C ends the program at once.
         progress.forgive();
-        progress.note(fmt::format("stopped: the layers of the best iteration so far ({}) are written now; Ctrl-C again ends at once",
-                                  result.state.steps[result.state.best].iteration));
+        progress.note(fmt::format(
+            "stopped: the layers of the best iteration so far ({}) are written now; Ctrl-C again ends at once",
+            result.state.steps[result.state.best].iteration));
     } else {
         checkpoint.remove();
     }

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// The appearance loop of a job: from the open-loop print to the mixtures of its surface cells that look most like the target.
+// The appearance loop of a job: from the open-loop print to the mixtures of its surface cells that look most like the
+// target.
 //
-// The loop is left out where it has nothing to choose (one resin), where it was not asked for, and, unless it was, where the coloured
-// surface is larger than auto_loop_cm2; where its memory does not suffice the job goes on with the open loop and says so.
+// The loop is left out where it has nothing to choose (one resin), where it was not asked for, and, unless it was,
+// where the coloured surface is larger than auto_loop_cm2; where its memory does not suffice the job goes on with the
+// open loop and says so.
 #pragma once
 
 #include <filesystem>
@@ -15,10 +17,10 @@
 #include "voxtone/base/progress.h"
 #include "voxtone/halftone/loop/appearance_loop.h"
 #include "voxtone/halftone/loop/surface_first.h"
-#include "voxtone/slicer/layers/cell_index.h"
 #include "voxtone/slicer/job/job_body.h"
 #include "voxtone/slicer/job/job_colour.h"
 #include "voxtone/slicer/job/print_parts.h"
+#include "voxtone/slicer/layers/cell_index.h"
 #include "voxtone/slicer/layers/skin_source.h"
 #include "voxtone/slicer/options/slice_options.h"
 
@@ -35,8 +37,8 @@ struct LoopPlan {
 /// What came out, and all that its mixtures refer to. Stays where it was made.
 class JobLoop {
 public:
-    JobLoop(const SliceOptions& options, const LoopPlan& plan, const JobBody& body, const LoadedResins& resins, const JobColour& colour,
-            const PrintParts& parts, const std::filesystem::path& folder, Progress& progress);
+    JobLoop(const SliceOptions& options, const LoopPlan& plan, const JobBody& body, const LoadedResins& resins,
+            const JobColour& colour, const PrintParts& parts, const std::filesystem::path& folder, Progress& progress);
     JobLoop(const JobLoop&) = delete;
     JobLoop& operator=(const JobLoop&) = delete;
 

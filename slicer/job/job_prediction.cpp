@@ -56,7 +56,8 @@ JobPrediction prediction_of_loop(const JobLoop& loop, optics::ResinVolume volume
     job.predicted.surface = loop.surface;
     job.predicted.channels = 3;
     job.predicted.rgb = loop.result.state.shown;
-    for (const Eigen::Vector3f& rgb : job.predicted.rgb) job.predicted.value.insert(job.predicted.value.end(), rgb.data(), rgb.data() + 3);
+    for (const Eigen::Vector3f& rgb : job.predicted.rgb)
+        job.predicted.value.insert(job.predicted.value.end(), rgb.data(), rgb.data() + 3);
     job.target = loop.target;
     job.cell_um = loop.cell_um;
     job.open_loop = loop.result.state.open;

@@ -19,8 +19,8 @@
 #include "voxtone/slicer/job/job_colour.h"
 #include "voxtone/slicer/job/job_loop.h"
 #include "voxtone/slicer/layers/layer_volume.h"
-#include "voxtone/slicer/options/slice_options.h"
 #include "voxtone/slicer/look/surface_prediction.h"
+#include "voxtone/slicer/options/slice_options.h"
 
 namespace voxtone::slicer {
 
@@ -33,10 +33,11 @@ struct PredictionPlan {
 /// Name of the prediction that comes out of the appearance loop at no further cost.
 inline constexpr const char* loop_prediction = "appearance loop";
 
-/// By `options.predict`: a model's name; none; auto: the default model up to auto_prediction_cm2 of coloured surface, above
-/// that what the appearance loop predicted, if there was one (`looped`). A part of the layers is never predicted, nor is a job
-/// without a report.
-[[nodiscard]] PredictionPlan plan_prediction(const SliceOptions& options, const JobBody& body, bool all_layers, bool looped);
+/// By `options.predict`: a model's name; none; auto: the default model up to auto_prediction_cm2 of coloured surface,
+/// above that what the appearance loop predicted, if there was one (`looped`). A part of the layers is never predicted,
+/// nor is a job without a report.
+[[nodiscard]] PredictionPlan plan_prediction(const SliceOptions& options, const JobBody& body, bool all_layers,
+                                             bool looped);
 
 /// The volume of a job, filled layer by layer from any thread.
 class JobVolume {
@@ -63,7 +64,8 @@ struct JobPrediction {
     optics::DifferenceSummary summary;    ///< by area
     std::array<double, 3> cell_um{};
     double seconds = 0;
-    std::vector<Eigen::Vector3f> open_loop;  ///< per cell, what the open loop would have shown; empty without an appearance loop
+    std::vector<Eigen::Vector3f>
+        open_loop;  ///< per cell, what the open loop would have shown; empty without an appearance loop
 };
 
 /// What the appearance loop itself predicted of the print that it chose; the volume is that print. RGB resins only.

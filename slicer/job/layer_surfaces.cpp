@@ -7,11 +7,11 @@
 #include <memory>
 #include <set>
 
-#include <Eigen/Geometry>
 #include <fmt/core.h>
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/Prune.h>
 #include <openvdb/tools/VolumeToMesh.h>
+#include <Eigen/Geometry>
 
 #include "voxtone/base/error.h"
 #include "voxtone/base/parallel.h"
@@ -55,8 +55,10 @@ private:
         float top, bottom;
     };
     void add(io::Material material, float top, float bottom) {
-        if (!intervals_.empty() && intervals_.back().material == material) intervals_.back().bottom = bottom;
-        else intervals_.push_back({material, top, bottom});
+        if (!intervals_.empty() && intervals_.back().material == material)
+            intervals_.back().bottom = bottom;
+        else
+            intervals_.push_back({material, top, bottom});
     }
     const WrappedLayers& wrapped_;
     std::vector<float> bottom_;
@@ -69,7 +71,8 @@ VisibleSurface solid_surface(const SolidMesh& mesh) {
     surface.positions_mm = mesh.positions_mm;
     surface.triangles = mesh.triangles;
     surface.source_triangle.assign(mesh.triangles.size(), 0);
-    surface.source_uv.assign(mesh.triangles.size(), {Eigen::Vector2f::Zero(), Eigen::Vector2f::Zero(), Eigen::Vector2f::Zero()});
+    surface.source_uv.assign(mesh.triangles.size(),
+                             {Eigen::Vector2f::Zero(), Eigen::Vector2f::Zero(), Eigen::Vector2f::Zero()});
     return surface;
 }
 
@@ -82,7 +85,8 @@ VoxelGrid grid_about(const SolidMesh& mesh, double cell_mm) {
         }
     const Eigen::Vector3d cell = Eigen::Vector3d::Constant(cell_mm);
     if (((high - low) / cell_mm + Eigen::Vector3d::Constant(2 * margin + 1)).prod() > std::pow(2.0, 29))
-        throw InputError(fmt::format("--surface-cell {:g}mm: the body would take more than 2^29 cells; give larger ones", cell_mm));
+        throw InputError(
+            fmt::format("--surface-cell {:g}mm: the body would take more than 2^29 cells; give larger ones", cell_mm));
     return grid_around(low - margin * cell, high + margin * cell, cell);
 }
 
@@ -102,7 +106,8 @@ public:
     SlabFields(const VoxelGrid& grid, const WrappedLayers& wrapped, std::span<const io::Material> materials)
         : grid_(grid), cut_off_(float(margin * grid.pitch_mm.x())), wrapped_(wrapped), materials_(materials) {}
 
-    [[nodiscard]] std::vector<openvdb::FloatGrid::Ptr> make(const SurfaceShell& visible, const SurfaceShell& boundary, const Solid& solid, int bk) const {
+    [[nodiscard]] std::vector<openvdb::FloatGrid::Ptr> make(const SurfaceShell& visible, const SurfaceShell& boundary,
+                                                            const Solid& solid, int bk) const {
         const int depth = visible.block_size()[2], first = bk * depth, last = std::min(first + depth, grid_.size[2]);
         const SpanSlab all = everything(grid_, first, last), inside = solid.slab(first, last);
         const std::size_t cells = std::size_t(last - first) * std::size_t(grid_.size[0]) * std::size_t(grid_.size[1]);
@@ -110,7 +115,9 @@ public:
         std::vector<float> body(cells, -cut_off_);
         for (int k = first; k < last; ++k)
             for (int j = 0; j < grid_.size[1]; ++j)
-                for (const Span& span : inside.row(j, k)) std::fill_n(body.begin() + std::ptrdiff_t(at(span.begin, j, k - first)), span.end - span.begin, cut_off_);
+                for (const Span& span : inside.row(j, k))
+                    std::fill_n(body.begin() + std::ptrdiff_t(at(span.begin, j, k - first)), span.end - span.begin,
+                                cut_off_);
         for_each_cell(boundary, all, bk, [&](const ShellBlock& block, int i, int j, int k, int n) {
             float& b = body[at(i, j, k - first)];
             b = std::copysign(std::min(block.distance_mm[n], cut_off_), b);
@@ -135,26 +142,30 @@ public:
             }
         });
         // Too deep for any layer: base.
-        const auto base = std::find(materials_.begin(), materials_.end(), wrapped_.material(wrapped_.fields().layers())) - materials_.begin();
+        const auto base =
+            std::find(materials_.begin(), materials_.end(), wrapped_.material(wrapped_.fields().layers())) -
+            materials_.begin();
         for (int k = first; k < last; ++k)
             for (int j = 0; j < grid_.size[1]; ++j)
                 for (const Span& span : inside.row(j, k))
                     for (int i = span.begin; i < span.end; ++i)
-                        if (!seen[at(i, j, k - first)]) write[std::size_t(base)].setValue({i, j, k}, -body[at(i, j, k - first)]);
+                        if (!seen[at(i, j, k - first)])
+                            write[std::size_t(base)].setValue({i, j, k}, -body[at(i, j, k - first)]);
         return fields;
     }
 
 private:
     [[nodiscard]] std::size_t at(int i, int j, int k) const {
-        return (std::size_t(k) * std::size_t(grid_.size[1]) + std::size_t(j)) * std::size_t(grid_.size[0]) + std::size_t(i);
+        return (std::size_t(k) * std::size_t(grid_.size[1]) + std::size_t(j)) * std::size_t(grid_.size[0]) +
+               std::size_t(i);
     }
     template <class Visit>
     static void for_each_cell(const SurfaceShell& shell, const SpanSlab& all, int bk, Visit&& visit) {
         for (int bj = 0; bj < shell.block_rows(); ++bj)
             shell.for_each_block(bj, bk, all, [&](const ShellBlock& block) {
                 for_each_shell_voxel(block, [&](int row, int lane) {
-                    visit(block, block.origin[0] + lane, block.origin[1] + row % block.size[1], block.origin[2] + row / block.size[1],
-                          row * ShellBlock::width + lane);
+                    visit(block, block.origin[0] + lane, block.origin[1] + row % block.size[1],
+                          block.origin[2] + row / block.size[1], row * ShellBlock::width + lane);
                 });
             });
     }
@@ -172,7 +183,8 @@ LayerSurface surface_of(const openvdb::FloatGrid& field, const VoxelGrid& grid, 
     LayerSurface surface;
     surface.material = material;
     const Eigen::Vector3f origin = (grid.origin_mm + 0.5 * grid.pitch_mm).cast<float>();
-    for (const openvdb::Vec3s& p : points) surface.positions_mm.push_back(origin + Eigen::Vector3f(p.x(), p.y(), p.z()) * float(grid.pitch_mm.x()));
+    for (const openvdb::Vec3s& p : points)
+        surface.positions_mm.push_back(origin + Eigen::Vector3f(p.x(), p.y(), p.z()) * float(grid.pitch_mm.x()));
     // OpenVDB's faces run clockwise as seen from outside.
     for (const openvdb::Vec3I& t : triangles) surface.triangles.push_back({t[0], t[2], t[1]});
     for (const openvdb::Vec4I& q : quads) {
@@ -180,7 +192,8 @@ LayerSurface surface_of(const openvdb::FloatGrid& field, const VoxelGrid& grid, 
         surface.triangles.push_back({q[0], q[3], q[2]});
     }
     for (const auto& [a, b, c] : surface.triangles) {
-        const Eigen::Vector3d p = surface.positions_mm[a].cast<double>(), q = surface.positions_mm[b].cast<double>(), r = surface.positions_mm[c].cast<double>();
+        const Eigen::Vector3d p = surface.positions_mm[a].cast<double>(), q = surface.positions_mm[b].cast<double>(),
+                              r = surface.positions_mm[c].cast<double>();
         surface.volume_mm3 += p.dot(q.cross(r)) / 6;
     }
     return surface;
@@ -188,7 +201,8 @@ LayerSurface surface_of(const openvdb::FloatGrid& field, const VoxelGrid& grid, 
 
 }  // namespace
 
-std::vector<LayerSurface> layer_surfaces(const JobBody& body, const WrappedLayers& wrapped, double cell_mm, Progress& progress) {
+std::vector<LayerSurface> layer_surfaces(const JobBody& body, const WrappedLayers& wrapped, double cell_mm,
+                                         Progress& progress) {
     openvdb::initialize();
     const VoxelGrid grid = grid_about(body.solid_mesh, cell_mm);
     std::set<io::Material> used;
@@ -197,16 +211,18 @@ std::vector<LayerSurface> layer_surfaces(const JobBody& body, const WrappedLayer
 
     const VisibleSurface boundary_surface = solid_surface(body.solid_mesh);
     const Solid solid(body.solid_mesh, grid);
-    const SurfaceShell visible(body.surface, grid, wrapped.fields().most_depth_mm() + margin * cell_mm), boundary(boundary_surface, grid, margin * cell_mm);
+    const SurfaceShell visible(body.surface, grid, wrapped.fields().most_depth_mm() + margin * cell_mm),
+        boundary(boundary_surface, grid, margin * cell_mm);
     const SlabFields slabs(grid, wrapped, materials);
     std::vector<std::vector<openvdb::FloatGrid::Ptr>> parts(std::size_t(visible.block_layers()));
     progress.begin_stage("surfaces", parts.size(), "slabs");
-    parallel_for(0, parts.size(), 1,
-                 [&](std::size_t bk) {
-                     parts[bk] = slabs.make(visible, boundary, solid, int(bk));
-                     progress.advance();
-                 },
-                 &progress);
+    parallel_for(
+        0, parts.size(), 1,
+        [&](std::size_t bk) {
+            parts[bk] = slabs.make(visible, boundary, solid, int(bk));
+            progress.advance();
+        },
+        &progress);
     std::vector<LayerSurface> surfaces;
     for (std::size_t m = 0; m < materials.size(); ++m) {
         progress.check_cancelled();

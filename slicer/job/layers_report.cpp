@@ -11,11 +11,11 @@
 #include <fmt/ranges.h>
 
 #include "voxtone/base/error.h"
-#include "voxtone/io/pictures/picture_writer.h"
-#include "voxtone/io/report/plot_svg.h"
-#include "voxtone/io/models/ply_writer.h"
-#include "voxtone/io/pictures/srgb_code.h"
 #include "voxtone/io/files/whole_file.h"
+#include "voxtone/io/models/ply_writer.h"
+#include "voxtone/io/pictures/picture_writer.h"
+#include "voxtone/io/pictures/srgb_code.h"
+#include "voxtone/io/report/plot_svg.h"
 #include "voxtone/optics/colour/spectral_colour.h"
 #include "voxtone/slicer/look/preview.h"
 #include "voxtone/slicer/surface/target_cells.h"
@@ -29,14 +29,16 @@ std::vector<std::size_t> by_share(const JobLayers& layers) {
     std::vector<std::size_t> order(layers.clusters.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::erase_if(order, [&](std::size_t c) { return layers.clusters[c].share == 0; });
-    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return layers.clusters[a].share > layers.clusters[b].share; });
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::size_t a, std::size_t b) { return layers.clusters[a].share > layers.clusters[b].share; });
     return order;
 }
 
 std::string stack_text(const ClusterStack& cluster, const LoadedResins& resins) {
     std::string text;
     for (const halftone::StackLayer& layer : cluster.design.layers)
-        text += fmt::format("{}{} {:.3f}", text.empty() ? "" : " / ", resins.entries[layer.material].role, layer.thickness_mm);
+        text += fmt::format("{}{} {:.3f}", text.empty() ? "" : " / ", resins.entries[layer.material].role,
+                            layer.thickness_mm);
     return text.empty() ? std::string("the base alone") : text;
 }
 
@@ -51,8 +53,10 @@ std::vector<DrawnChannel> drawn_channels(const optics::Channels& channels) {
     if (channels.is_rgb()) return {{0, red, "red"}, {1, green, "green"}, {2, blue, "blue"}};
     const std::size_t last = channels.size() - 1;
     std::vector<DrawnChannel> drawn;
-    for (const auto& [index, colour] : {std::pair{std::size_t{0}, blue}, std::pair{last / 2, green}, std::pair{last, red}})
-        if (drawn.empty() || drawn.back().index != index) drawn.push_back({index, colour, fmt::format("{:g} nm", channels.wavelengths_nm[index])});
+    for (const auto& [index, colour] :
+         {std::pair{std::size_t{0}, blue}, std::pair{last / 2, green}, std::pair{last, red}})
+        if (drawn.empty() || drawn.back().index != index)
+            drawn.push_back({index, colour, fmt::format("{:g} nm", channels.wavelengths_nm[index])});
     return drawn;
 }
 
@@ -65,7 +69,8 @@ io::ReportDrawing profile_drawing(const JobLayers& layers, std::size_t number, c
     const auto curve = [&](const std::vector<double>& coefficients) {
         io::Plot::Points line;
         const std::vector<double> seen = grid.blurred(coefficients, blur_mm);
-        for (int i = 0; i <= points; ++i) line.emplace_back(most_mm * i / points, grid.profile(seen, most_mm * i / points));
+        for (int i = 0; i <= points; ++i)
+            line.emplace_back(most_mm * i / points, grid.profile(seen, most_mm * i / points));
         return line;
     };
     std::vector<std::array<io::Plot::Points, 2>> lines;
@@ -77,7 +82,8 @@ io::ReportDrawing profile_drawing(const JobLayers& layers, std::size_t number, c
     }
     constexpr int decades = 5;
     const double top = std::pow(10.0, std::ceil(std::log10(std::max(most, 1e-9))));
-    io::PlotAxis x{0, most_mm, false, {}, "distance, mm"}, y{top * std::pow(10.0, -decades), top, true, {}, "light per mm2"};
+    io::PlotAxis x{0, most_mm, false, {}, "distance, mm"},
+        y{top * std::pow(10.0, -decades), top, true, {}, "light per mm2"};
     for (int i = 0; i <= 4; ++i) x.marks.push_back(most_mm * i / 4);
     for (int i = 0; i <= decades; ++i) y.marks.push_back(top * std::pow(10.0, -i));
     io::Plot plot(x, y, fmt::format("Cluster {}: {:.1f} % of the map", number, 100 * cluster.share));
@@ -111,7 +117,8 @@ ColouredSurface by_cluster(const JobLayers& layers, const JobBody& body, std::ve
 /// Roles are free words: what is no letter or digit becomes a line.
 std::string surface_name(const io::StackResin& resin) {
     std::string name = resin.role;
-    std::replace_if(name.begin(), name.end(), [](unsigned char c) { return !std::isalnum(c); }, '_');
+    std::replace_if(
+        name.begin(), name.end(), [](unsigned char c) { return !std::isalnum(c); }, '_');
     return fmt::format("surfaces/{}.ply", name);
 }
 
@@ -125,7 +132,8 @@ Totals totals_of(const JobLayers& layers) {
     for (const ClusterStack& cluster : layers.clusters) {
         totals.distance += cluster.share * cluster.distance();
         totals.modelled += cluster.share * cluster.design.modelled_distance;
-        if (!cluster.design.judged_distances.empty()) totals.uncorrected += cluster.share * cluster.design.judged_distances.front();
+        if (!cluster.design.judged_distances.empty())
+            totals.uncorrected += cluster.share * cluster.design.judged_distances.front();
         totals.outside += cluster.share * cluster.design.outside;
         totals.traced = totals.traced || !cluster.design.judged.empty();
         if (cluster.share > 0) totals.worst = std::max(totals.worst, cluster.distance());
@@ -138,11 +146,13 @@ Totals totals_of(const JobLayers& layers) {
 
 }  // namespace
 
-std::vector<SurfaceFile> write_layer_surfaces(const std::vector<LayerSurface>& surfaces, const LoadedResins& resins, const io::StackDescription& stack,
-                                              const std::filesystem::path& folder) {
+std::vector<SurfaceFile> write_layer_surfaces(const std::vector<LayerSurface>& surfaces, const LoadedResins& resins,
+                                              const io::StackDescription& stack, const std::filesystem::path& folder) {
     std::error_code error;
     std::filesystem::create_directories(folder / "surfaces", error);
-    if (error) throw FileError(fmt::format("{}: the folder cannot be made: {}", (folder / "surfaces").string(), error.message()));
+    if (error)
+        throw FileError(
+            fmt::format("{}: the folder cannot be made: {}", (folder / "surfaces").string(), error.message()));
     for (const io::StackResin& resin : resins.entries) std::filesystem::remove(folder / surface_name(resin), error);
     const std::array<float, 256>& linear = io::srgb8_to_linear();
     std::vector<SurfaceFile> files;
@@ -167,79 +177,105 @@ void add_layers_report(const JobLayers& layers, const LoadedResins& resins, cons
     io::ReportSection profiles;
     profiles.title = "Scattering profiles";
     profiles.paragraphs.push_back(fmt::format(
-        "The map asks for {} different profiles; for each the nearest stack of layers was searched and its thicknesses refined, {} "
-        "and over a deep base of {}. {} Distances are weighted root mean squares of the difference in Hankel coefficients (which lie between 0 "
+        "The map asks for {} different profiles; for each the nearest stack of layers was searched and its thicknesses "
+        "refined, {} "
+        "and over a deep base of {}. {} Distances are weighted root mean squares of the difference in Hankel "
+        "coefficients (which lie between 0 "
         "and 1): {:.4f} on average over the map, {:.4f} at most.",
-        order.size(), layers.measured ? "from measured layers, with the surface that they had when they were measured," : "under a smooth surface to air",
+        order.size(),
+        layers.measured ? "from measured layers, with the surface that they had when they were measured,"
+                        : "under a smooth surface to air",
         resins.entries[static_cast<std::size_t>(resins.core)].name,
-        totals.traced ? "What they show was traced by Monte Carlo and what the layered model gets wrong corrected; figures are those of the traced light."
+        totals.traced     ? "What they show was traced by Monte Carlo and what the layered model gets wrong corrected; "
+                            "figures are those of the traced light."
         : layers.measured ? "What they show is by the layered model: of measured materials nothing else is known."
-                      : "What they show is by the layered model, which is rough for thin layers (--stack-rounds 1 traces the stacks).",
+                          : "What they show is by the layered model, which is rough for thin layers (--stack-rounds 1 "
+                            "traces the stacks).",
         totals.distance, totals.worst));
     if (totals.traced)
-        profiles.paragraphs.push_back(fmt::format("Before it was corrected the traced distance was {:.4f}. The layered model by itself says {:.4f} of the stacks "
-                                                  "that are printed.",
-                                                  totals.uncorrected, totals.modelled));
+        profiles.paragraphs.push_back(
+            fmt::format("Before it was corrected the traced distance was {:.4f}. The layered model by itself says "
+                        "{:.4f} of the stacks "
+                        "that are printed.",
+                        totals.uncorrected, totals.modelled));
     if (totals.outside > 0)
-        profiles.paragraphs.push_back(fmt::format("What is wanted lies outside of the gamut of these resins, blocks and thickness: by the layered model no "
-                                                  "stack is nearer than {:.4f}, behind the surface and on average over the map (a proven bound; the least possible of each "
-                                                  "cluster is in the table).",
-                                                  totals.outside));
+        profiles.paragraphs.push_back(fmt::format(
+            "What is wanted lies outside of the gamut of these resins, blocks and thickness: by the layered model no "
+            "stack is nearer than {:.4f}, behind the surface and on average over the map (a proven bound; the least "
+            "possible of each "
+            "cluster is in the table).",
+            totals.outside));
     std::vector<std::string> drawn;
     for (const DrawnChannel& channel : drawn_channels(layers.map.channels)) drawn.push_back(channel.name);
-    profiles.paragraphs.push_back(fmt::format("Light that comes out per mm2 at a distance from where one unit entered, the {} most frequent clusters: dashed as "
-                                              "wanted, full as the stack is expected to show; {}. Both are seen through a blur of {:.2g} mm.",
-                                              std::min(most_drawn, order.size()), fmt::join(drawn, ", "), 1.5 * layers.grid.reach_mm() / double(layers.grid.size())));
-    for (std::size_t i = 0; i < std::min(most_drawn, order.size()); ++i) profiles.drawings.push_back(profile_drawing(layers, order[i], resins));
-    io::ReportTable table{order.size() > most_listed ? fmt::format("The {} most frequent of {} clusters", most_listed, order.size()) : "Clusters",
-                          {"cluster", "share", "distance", "least possible", "total wanted", "total reached", "layers from the top, mm"},
-                          {}};
+    profiles.paragraphs.push_back(
+        fmt::format("Light that comes out per mm2 at a distance from where one unit entered, the {} most frequent "
+                    "clusters: dashed as "
+                    "wanted, full as the stack is expected to show; {}. Both are seen through a blur of {:.2g} mm.",
+                    std::min(most_drawn, order.size()), fmt::join(drawn, ", "),
+                    1.5 * layers.grid.reach_mm() / double(layers.grid.size())));
+    for (std::size_t i = 0; i < std::min(most_drawn, order.size()); ++i)
+        profiles.drawings.push_back(profile_drawing(layers, order[i], resins));
+    io::ReportTable table{
+        order.size() > most_listed ? fmt::format("The {} most frequent of {} clusters", most_listed, order.size())
+                                   : "Clusters",
+        {"cluster", "share", "distance", "least possible", "total wanted", "total reached", "layers from the top, mm"},
+        {}};
     const auto totals_text = [](const halftone::ChannelProfiles& of) {
         std::vector<std::string> text;
         for (const auto& channel : of) text.push_back(fmt::format("{:.3f}", channel[0]));
-        return text.size() > 3 ? fmt::format("{} … {}", text.front(), text.back()) : fmt::format("{}", fmt::join(text, " · "));
+        return text.size() > 3 ? fmt::format("{} … {}", text.front(), text.back())
+                               : fmt::format("{}", fmt::join(text, " · "));
     };
     for (std::size_t i = 0; i < std::min(most_listed, order.size()); ++i) {
         const ClusterStack& cluster = layers.clusters[order[i]];
-        table.rows.push_back({fmt::format("{}", order[i]), fmt::format("{:.1f} %", 100 * cluster.share), fmt::format("{:.4f}", cluster.distance()),
-                              cluster.design.outside > 0 ? fmt::format("{:.4f}", cluster.design.outside) : std::string(), totals_text(cluster.target),
-                              totals_text(cluster.expected()), stack_text(cluster, resins)});
+        table.rows.push_back(
+            {fmt::format("{}", order[i]), fmt::format("{:.1f} %", 100 * cluster.share),
+             fmt::format("{:.4f}", cluster.distance()),
+             cluster.design.outside > 0 ? fmt::format("{:.4f}", cluster.design.outside) : std::string(),
+             totals_text(cluster.target), totals_text(cluster.expected()), stack_text(cluster, resins)});
     }
     profiles.tables.push_back(std::move(table));
-    profiles.paragraphs.push_back(fmt::format("The search opened {} partial stacks, put {} aside by their bounds and compared {} whole ones.", totals.count.visited,
-                                              totals.count.pruned, totals.count.judged));
+    profiles.paragraphs.push_back(
+        fmt::format("The search opened {} partial stacks, put {} aside by their bounds and compared {} whole ones.",
+                    totals.count.visited, totals.count.pruned, totals.count.judged));
     report.sections.push_back(std::move(profiles));
 
     io::ReportSection body;
     body.title = "Layers";
     std::vector<std::string> sequence;
     for (const std::size_t material : layers.aligned.material) sequence.push_back(resins.entries[material].role);
-    body.paragraphs.push_back(fmt::format("All stacks are parts of one sequence of {} layers from the top, {}; layers that a place does not have are of thickness zero "
-                                          "there. Depths are interpolated over the map. The deepest stack has {:.2f} mm.",
-                                          sequence.size(), fmt::join(sequence, " "), layers.wrapped().fields().most_depth_mm()));
     body.paragraphs.push_back(
-        layers.fit.thin_share > 0
-            ? fmt::format("On {:.1f} % of the surface the body is too thin for its stack, by {:.0f} % of the stack's depth on average (behind thin "
-                          "walls and beside edges): layers of both sides meet there.",
-                          100 * layers.fit.thin_share, 100 * layers.fit.missing_mean)
-            : std::string("The body is thick enough for its stacks everywhere."));
+        fmt::format("All stacks are parts of one sequence of {} layers from the top, {}; layers that a place does not "
+                    "have are of thickness zero "
+                    "there. Depths are interpolated over the map. The deepest stack has {:.2f} mm.",
+                    sequence.size(), fmt::join(sequence, " "), layers.wrapped().fields().most_depth_mm()));
+    body.paragraphs.push_back(layers.fit.thin_share > 0
+                                  ? fmt::format("On {:.1f} % of the surface the body is too thin for its stack, by "
+                                                "{:.0f} % of the stack's depth on average (behind thin "
+                                                "walls and beside edges): layers of both sides meet there.",
+                                                100 * layers.fit.thin_share, 100 * layers.fit.missing_mean)
+                                  : std::string("The body is thick enough for its stacks everywhere."));
     if (cut) body.pictures.push_back(*cut);
     if (!surfaces.empty()) {
         io::ReportTable files{"Closed surfaces", {"file", "resin", "triangles", "volume, ml", "its voxels, ml"}, {}};
         for (const SurfaceFile& surface : surfaces)
-            files.rows.push_back({surface.name, resins.entries[surface.resin].name, fmt::format("{}", surface.triangles), fmt::format("{:.4f}", surface.mesh_ml),
+            files.rows.push_back({surface.name, resins.entries[surface.resin].name,
+                                  fmt::format("{}", surface.triangles), fmt::format("{:.4f}", surface.mesh_ml),
                                   fmt::format("{:.4f}", surface.voxels_ml)});
         body.tables.push_back(std::move(files));
     }
     report.sections.push_back(std::move(body));
     for (const std::string& warning : layers.warnings) report.warnings.push_back(warning);
     report.prediction_note =
-        "Total reflectance of the profiles, of light that entered: as the map wants it and as the stacks are expected to show it, each place for "
-        "itself. How light spreads from place to place is what the profiles below show; the appearance loop is off. `voxtone predict` on this "
+        "Total reflectance of the profiles, of light that entered: as the map wants it and as the stacks are expected "
+        "to show it, each place for "
+        "itself. How light spreads from place to place is what the profiles below show; the appearance loop is off. "
+        "`voxtone predict` on this "
         "folder shows the whole print.";
 }
 
-void draw_layers_report(const JobLayers& layers, const JobBody& body, io::Report& report, const std::filesystem::path& folder, Progress& progress) {
+void draw_layers_report(const JobLayers& layers, const JobBody& body, io::Report& report,
+                        const std::filesystem::path& folder, Progress& progress) {
     std::vector<Eigen::Vector3f> wanted, reached, distance;
     for (const ClusterStack& cluster : layers.clusters) {
         wanted.push_back(total_colour(layers.map.channels, cluster.target));
@@ -248,8 +284,9 @@ void draw_layers_report(const JobLayers& layers, const JobBody& body, io::Report
     }
     const std::array surfaces{by_cluster(layers, body, std::move(wanted)), by_cluster(layers, body, std::move(reached)),
                               by_cluster(layers, body, std::move(distance))};
-    static constexpr std::array captions{"target: total reflectance wanted", "total reflectance of the stacks",
-                                         "distance of the profiles: white 0, yellow 0.02, orange 0.05, red 0.1, black 0.2"};
+    static constexpr std::array captions{
+        "target: total reflectance wanted", "total reflectance of the stacks",
+        "distance of the profiles: white 0, yellow 0.02, orange 0.05, red 0.1, black 0.2"};
     static constexpr View top_only[] = {View::top};
     const std::span<const View> views = body.is_picture ? std::span<const View>(top_only) : all_views();
     PreviewOptions options;
@@ -262,8 +299,9 @@ void draw_layers_report(const JobLayers& layers, const JobBody& body, io::Report
         const std::vector<Preview> pictures = render_views(surfaces[s], views, options, &progress);
         for (std::size_t v = 0; v < views.size(); ++v) {
             const io::Picture8 codes = io::encode_transparent(pictures[v].picture);
-            report.views[v].pictures.push_back(
-                {captions[s], io::png_bytes(codes, {pictures[v].px_per_mm, pictures[v].px_per_mm}), codes.width_px, codes.height_px, pictures[v].px_per_mm});
+            report.views[v].pictures.push_back({captions[s],
+                                                io::png_bytes(codes, {pictures[v].px_per_mm, pictures[v].px_per_mm}),
+                                                codes.width_px, codes.height_px, pictures[v].px_per_mm});
         }
     }
     if (!body.is_picture) return;
@@ -274,9 +312,11 @@ void draw_layers_report(const JobLayers& layers, const JobBody& body, io::Report
 
 std::string layers_summary(const JobLayers& layers) {
     const Totals totals = totals_of(layers);
-    return fmt::format("  {} profiles by {} layers: distance {:.4f} on average, {:.4f} at most; outside of the gamut by at least "
-                       "{:.4f}; {:.1f} % of the surface too thin for its stack\n",
-                       by_share(layers).size(), layers.aligned.layers(), totals.distance, totals.worst, totals.outside, 100 * layers.fit.thin_share);
+    return fmt::format(
+        "  {} profiles by {} layers: distance {:.4f} on average, {:.4f} at most; outside of the gamut by at least "
+        "{:.4f}; {:.1f} % of the surface too thin for its stack\n",
+        by_share(layers).size(), layers.aligned.layers(), totals.distance, totals.worst, totals.outside,
+        100 * layers.fit.thin_share);
 }
 
 }  // namespace voxtone::slicer

@@ -21,7 +21,8 @@ namespace {
 // The file: magic, digest of the job, state, digest of all before. Native byte order: it is read where it was written.
 constexpr std::string_view magic = "voxtone-loop 5\n";
 constexpr std::size_t digest_size = 64;
-constexpr std::array<std::string_view, 9> free_options{"out", "overwrite", "report", "predict", "threads", "resume", "iterations", "formats", "layers"};
+constexpr std::array<std::string_view, 9> free_options{"out",    "overwrite",  "report",  "predict", "threads",
+                                                       "resume", "iterations", "formats", "layers"};
 
 /// Writes and digests as it goes: a state of a large body is not held twice.
 class Writer {
@@ -90,7 +91,8 @@ void mixtures_in(Reader& file, halftone::SkinMixtures& mixtures) {
     file.raw(shape.data(), sizeof shape);
     file.list(fractions);
     if (!file.good || fractions.empty()) return;
-    file.good = shape[0] >= 1 && shape[0] <= 64 && shape[1] >= 1 && shape[1] <= halftone::max_resins && fractions.size() % (shape[0] * shape[1]) == 0;
+    file.good = shape[0] >= 1 && shape[0] <= 64 && shape[1] >= 1 && shape[1] <= halftone::max_resins &&
+                fractions.size() % (shape[0] * shape[1]) == 0;
     if (file.good) mixtures = halftone::SkinMixtures(shape[0], shape[1], std::move(fractions));
 }
 
@@ -124,7 +126,8 @@ std::span<const std::uint8_t> bytes_of(std::span<const T> values) {
 
 }  // namespace
 
-LoopCheckpoint::LoopCheckpoint(const std::filesystem::path& folder, const SliceOptions& options, std::span<const Eigen::Vector3f> target)
+LoopCheckpoint::LoopCheckpoint(const std::filesystem::path& folder, const SliceOptions& options,
+                               std::span<const Eigen::Vector3f> target)
     : file_(folder / "loop.checkpoint"), cells_(target.size()) {
     io::Sha256 job;
     for (const OptionSpec& spec : slice_option_table()) {
@@ -142,7 +145,8 @@ void LoopCheckpoint::write(const halftone::LoopState& state) const {
     file.raw(digest_.data(), digest_.size());
     state_in(file, state);
     if (!file.finish())
-        throw FileError(fmt::format("{}: cannot be written; is the disk full? Free some space, or write to another folder", file_.string()));
+        throw FileError(fmt::format(
+            "{}: cannot be written; is the disk full? Free some space, or write to another folder", file_.string()));
     io::finish_part(file_);
 }
 
@@ -156,28 +160,39 @@ std::optional<halftone::LoopState> LoopCheckpoint::read(Progress& progress) cons
     const std::span<const std::uint8_t> all(bytes);
     const std::size_t head = magic.size() + digest_size;
     const auto broken = [&] {
-        return FileError(fmt::format("{}: is not whole, or no checkpoint of this program; remove it and start without --resume", file_.string()));
+        return FileError(
+            fmt::format("{}: is not whole, or no checkpoint of this program; remove it and start without --resume",
+                        file_.string()));
     };
     if (all.size() < head + digest_size || std::memcmp(all.data(), magic.data(), magic.size()) != 0) throw broken();
     const auto body = all.first(all.size() - digest_size);
     if (io::sha256(body) != std::string(all.end() - digest_size, all.end())) throw broken();
-    if (std::string(all.begin() + static_cast<std::ptrdiff_t>(magic.size()), all.begin() + static_cast<std::ptrdiff_t>(head)) != digest_)
-        throw InputError(fmt::format("{}: belongs to a job with another model or other options; --resume goes on with the same job only: give the "
-                                     "same options, or remove the file and start anew",
-                                     file_.string()));
+    if (std::string(all.begin() + static_cast<std::ptrdiff_t>(magic.size()),
+                    all.begin() + static_cast<std::ptrdiff_t>(head)) != digest_)
+        throw InputError(
+            fmt::format("{}: belongs to a job with another model or other options; --resume goes on with the same job "
+                        "only: give the "
+                        "same options, or remove the file and start anew",
+                        file_.string()));
     halftone::LoopState state;
     Reader file{body.subspan(head)};
     state_in(file, state);
-    const auto fits = [&](const auto& list, bool may_lack) { return list.size() == cells_ || (may_lack && list.empty()); };
-    const auto descent_fits = [](const halftone::DescentState& d) {
-        const std::size_t cells = d.mixtures.cells(), stepped = d.shared.empty() ? 0 : cells, parts = cells == 0 ? 0 : d.mixtures.resins() + 1;
-        return d.momentum.size() == d.mixtures.all().size() && (d.shared.empty() || d.shared.size() == d.momentum.size()) &&
-               d.scale.size() == cells && d.rate.size() == cells * parts && d.divisor.size() == stepped && d.fall.size() == stepped * parts;
+    const auto fits = [&](const auto& list, bool may_lack) {
+        return list.size() == cells_ || (may_lack && list.empty());
     };
-    if (!file.good || !file.bytes.empty() || state.steps.empty() || state.best >= state.steps.size() || !fits(state.drive, false) ||
-        !fits(state.start_drive, true) || !descent_fits(state.descent) ||
+    const auto descent_fits = [](const halftone::DescentState& d) {
+        const std::size_t cells = d.mixtures.cells(), stepped = d.shared.empty() ? 0 : cells,
+                          parts = cells == 0 ? 0 : d.mixtures.resins() + 1;
+        return d.momentum.size() == d.mixtures.all().size() &&
+               (d.shared.empty() || d.shared.size() == d.momentum.size()) && d.scale.size() == cells &&
+               d.rate.size() == cells * parts && d.divisor.size() == stepped && d.fall.size() == stepped * parts;
+    };
+    if (!file.good || !file.bytes.empty() || state.steps.empty() || state.best >= state.steps.size() ||
+        !fits(state.drive, false) || !fits(state.start_drive, true) || !descent_fits(state.descent) ||
         (state.descent.mixtures.cells() != 0 && state.descent.mixtures.cells() != cells_) ||
-        (state.recent.cells() != 0 && state.recent.cells() != cells_) || (state.best > 0 && state.best_mixtures.cells() != cells_) || !fits(state.open, false) || !fits(state.shown, false))
+        (state.recent.cells() != 0 && state.recent.cells() != cells_) ||
+        (state.best > 0 && state.best_mixtures.cells() != cells_) || !fits(state.open, false) ||
+        !fits(state.shown, false))
         throw broken();
     progress.note(fmt::format("--resume: going on after iteration {}", state.steps.back().iteration));
     return state;

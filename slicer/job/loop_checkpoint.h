@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// The state of an appearance loop on disk, so that an interrupted job can go on: OUT/loop.checkpoint, written after each
-// iteration under a temporary name and renamed, removed when the loop is done.
+// The state of an appearance loop on disk, so that an interrupted job can go on: OUT/loop.checkpoint, written after
+// each iteration under a temporary name and renamed, removed when the loop is done.
 //
-// A state belongs to one job: options that decide its result (all but threads, iterations, report and the like) and the target of
-// every cell are part of a digest in the file, and another job's state is refused.
+// A state belongs to one job: options that decide its result (all but threads, iterations, report and the like) and the
+// target of every cell are part of a digest in the file, and another job's state is refused.
 #pragma once
 
 #include <filesystem>
@@ -22,7 +22,8 @@ namespace voxtone::slicer {
 
 class LoopCheckpoint {
 public:
-    LoopCheckpoint(const std::filesystem::path& folder, const SliceOptions& options, std::span<const Eigen::Vector3f> target);
+    LoopCheckpoint(const std::filesystem::path& folder, const SliceOptions& options,
+                   std::span<const Eigen::Vector3f> target);
 
     /// Throws FileError.
     void write(const halftone::LoopState& state) const;

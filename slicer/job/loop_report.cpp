@@ -23,7 +23,8 @@ struct CellGrid {
         }
         at.assign(static_cast<std::size_t>(nx) * static_cast<std::size_t>(ny), -1);
         for (std::size_t i = 0; i < surface.cells.size(); ++i)
-            at[static_cast<std::size_t>(surface.cells[i].cell[1] * nx + surface.cells[i].cell[0])] = static_cast<std::int32_t>(i);
+            at[static_cast<std::size_t>(surface.cells[i].cell[1] * nx + surface.cells[i].cell[0])] =
+                static_cast<std::int32_t>(i);
     }
     int nx = 0, ny = 0;
     std::vector<std::int32_t> at;
@@ -34,7 +35,8 @@ struct Square {
 };
 
 /// Where the differences of the open loop minus those of the result add up to most.
-Square most_changed(const CellGrid& grid, const std::vector<double>& before, const std::vector<double>& after, int edge) {
+Square most_changed(const CellGrid& grid, const std::vector<double>& before, const std::vector<double>& after,
+                    int edge) {
     Square best{0, 0, std::min(edge, grid.nx), std::min(edge, grid.ny)};
     double most = -1e300;
     const int step = std::max(1, edge / 4);
@@ -50,7 +52,8 @@ Square most_changed(const CellGrid& grid, const std::vector<double>& before, con
     return best;
 }
 
-io::ReportPicture magnified(const CellGrid& grid, const Square& square, const std::vector<Eigen::Vector3f>& rgb, const char* caption, double cell_mm) {
+io::ReportPicture magnified(const CellGrid& grid, const Square& square, const std::vector<Eigen::Vector3f>& rgb,
+                            const char* caption, double cell_mm) {
     constexpr int times = 8;
     io::LinearPicture picture;
     picture.width_px = static_cast<std::uint32_t>(square.width * times);
@@ -69,11 +72,13 @@ io::ReportPicture magnified(const CellGrid& grid, const Square& square, const st
 }
 
 /// Upright cut along x at this y and around this x, from the surface down; +z is up.
-io::ReportPicture cut(const optics::ResinVolume& volume, int x_middle, int y, double width_mm, double height_mm, int top, const std::vector<io::Rgb>& palette) {
+io::ReportPicture cut(const optics::ResinVolume& volume, int x_middle, int y, double width_mm, double height_mm,
+                      int top, const std::vector<io::Rgb>& palette) {
     const auto& pitch = volume.pitch_mm();
     const auto& size = volume.size();
     constexpr double px_per_mm = 200;
-    const int width = std::min(size[0], std::max(1, static_cast<int>(width_mm / pitch[0]))), height = std::max(1, static_cast<int>(height_mm / pitch[2]));
+    const int width = std::min(size[0], std::max(1, static_cast<int>(width_mm / pitch[0]))),
+              height = std::max(1, static_cast<int>(height_mm / pitch[2]));
     const int x_first = std::clamp(x_middle - width / 2, 0, size[0] - width);
     io::Picture8 codes;
     codes.width_px = static_cast<std::uint32_t>(width * pitch[0] * px_per_mm);
@@ -86,7 +91,8 @@ io::ReportPicture cut(const optics::ResinVolume& volume, int x_middle, int y, do
             const int z = top - static_cast<int>((row + 0.5) / px_per_mm / pitch[2]);
             const optics::Material material = z >= 0 ? volume.at(x, y, z) : optics::air;
             const io::Rgb rgb = palette[material];
-            codes.codes.insert(codes.codes.end(), {rgb[0], rgb[1], rgb[2], static_cast<std::uint8_t>(material == optics::air ? 0 : 255)});
+            codes.codes.insert(codes.codes.end(),
+                               {rgb[0], rgb[1], rgb[2], static_cast<std::uint8_t>(material == optics::air ? 0 : 255)});
         }
     return {"resins, as the bitmaps colour them", io::png_bytes(codes), codes.width_px, codes.height_px, px_per_mm};
 }
@@ -99,18 +105,23 @@ int top_of_column(const optics::ResinVolume& volume, int x, int y) {
 
 }  // namespace
 
-io::ReportLoop loop_report(const JobLoop& loop, const JobBody& body, const optics::ResinVolume* volume, const std::vector<io::Rgb>& palette) {
+io::ReportLoop loop_report(const JobLoop& loop, const JobBody& body, const optics::ResinVolume* volume,
+                           const std::vector<io::Rgb>& palette) {
     const halftone::LoopState& state = loop.result.state;
     io::ReportLoop report;
     for (const halftone::LoopStep& step : state.steps)
-        report.iterations.push_back({step.iteration, step.seen.mean, step.seen.median, step.seen.percentile_95, step.cells.mean, step.stuck_share, step.seconds});
+        report.iterations.push_back({step.iteration, step.seen.mean, step.seen.median, step.seen.percentile_95,
+                                     step.cells.mean, step.stuck_share, step.seconds});
     report.best = state.steps[state.best].iteration;
     report.seconds = loop.seconds;
     const auto in = std::count(loop.result.in_gamut.begin(), loop.result.in_gamut.end(), 1);
     report.note = fmt::format(
-        "The resins were rearranged {} times and the print predicted after each by the model {} in cells of {:.1f} x {:.1f} x {:.1f} um; {}. "
-        "Errors are CIEDE2000 relative to white resin over the {:.1f} % of the cells whose target the resins can show on a thick body; as seen: after the eye "
-        "filter (Gaussians of S-CIELAB without their negative surround). At limits: cells that their neighbours, or what lies behind them, keep from their "
+        "The resins were rearranged {} times and the print predicted after each by the model {} in cells of {:.1f} x "
+        "{:.1f} x {:.1f} um; {}. "
+        "Errors are CIEDE2000 relative to white resin over the {:.1f} % of the cells whose target the resins can show "
+        "on a thick body; as seen: after the eye "
+        "filter (Gaussians of S-CIELAB without their negative surround). At limits: cells that their neighbours, or "
+        "what lies behind them, keep from their "
         "target; they are asked for the nearest colour that is left.",
         state.steps.size() - 1, loop.model, loop.cell_um[0], loop.cell_um[1], loop.cell_um[2], loop.result.why_stopped,
         100.0 * double(in) / double(std::max<std::size_t>(1, loop.result.in_gamut.size())));
@@ -119,9 +130,11 @@ io::ReportLoop loop_report(const JobLoop& loop, const JobBody& body, const optic
     if (body.is_picture) {
         const CellGrid grid(loop.surface);
         const double cell_mm = loop.cell_um[0] * 1e-3;
-        const Square square = most_changed(grid, colour_differences(loop.target, state.open), colour_differences(loop.target, state.shown),
-                                           static_cast<int>(crop_mm / cell_mm));
-        report.crops = {magnified(grid, square, loop.target, "target", cell_mm), magnified(grid, square, state.open, "open loop", cell_mm),
+        const Square square =
+            most_changed(grid, colour_differences(loop.target, state.open),
+                         colour_differences(loop.target, state.shown), static_cast<int>(crop_mm / cell_mm));
+        report.crops = {magnified(grid, square, loop.target, "target", cell_mm),
+                        magnified(grid, square, state.open, "open loop", cell_mm),
                         magnified(grid, square, state.shown, "result", cell_mm)};
         x = (square.x + square.width / 2) * loop.surface.cell_voxels[0];
         y = (square.y + square.height / 2) * loop.surface.cell_voxels[1];
@@ -134,8 +147,9 @@ io::ReportLoop loop_report(const JobLoop& loop, const JobBody& body, const optic
         y = std::min(y, volume->size()[1] - 1);
         constexpr double depth_mm = 1.2;
         report.sections.push_back(cut(*volume, x, y, crop_mm, depth_mm, top_of_column(*volume, x, y), palette));
-        report.sections_note = fmt::format("Upright cut at y = {:.2f} mm, {:g} mm wide around x = {:.2f} mm, the topmost {:g} mm there.",
-                                           (y + 0.5) * volume->pitch_mm()[1], crop_mm, (x + 0.5) * volume->pitch_mm()[0], depth_mm);
+        report.sections_note =
+            fmt::format("Upright cut at y = {:.2f} mm, {:g} mm wide around x = {:.2f} mm, the topmost {:g} mm there.",
+                        (y + 0.5) * volume->pitch_mm()[1], crop_mm, (x + 0.5) * volume->pitch_mm()[0], depth_mm);
     }
     return report;
 }

@@ -3,8 +3,8 @@
 // What a job says of its appearance loop: errors by iteration, a magnified piece of the surface before and after, a cut
 // through the resins.
 //
-// The magnified piece of a slab is the square whose mean difference fell most; the cut goes through its middle (through the middle of
-// a body), upright along x, one pixel per voxel and direction scaled to true proportions.
+// The magnified piece of a slab is the square whose mean difference fell most; the cut goes through its middle (through
+// the middle of a body), upright along x, one pixel per voxel and direction scaled to true proportions.
 #pragma once
 
 #include <optional>

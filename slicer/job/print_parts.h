@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// What the layers of a job are made of, made once: solid, surface shell, target colours, screen. Layers come out of it as
-// often as they are asked for: to be written, or as the volume that a model looks at.
+// What the layers of a job are made of, made once: solid, surface shell, target colours, screen. Layers come out of it
+// as often as they are asked for: to be written, or as the volume that a model looks at.
 #pragma once
 
 #include <cstdint>
@@ -14,21 +14,23 @@
 #include "voxtone/slicer/job/job_body.h"
 #include "voxtone/slicer/job/job_colour.h"
 #include "voxtone/slicer/layers/layer_maker.h"
+#include "voxtone/slicer/layers/wrapped_layers.h"
 #include "voxtone/slicer/options/slice_options.h"
 #include "voxtone/slicer/solid/solid.h"
+#include "voxtone/slicer/solid/thin_features.h"
 #include "voxtone/slicer/surface/surface_colour.h"
 #include "voxtone/slicer/surface/surface_shell.h"
-#include "voxtone/slicer/solid/thin_features.h"
-#include "voxtone/slicer/layers/wrapped_layers.h"
 
 namespace voxtone::slicer {
 
 class PrintParts {
 public:
     /// The shell by colour. Keeps references to all but the options.
-    PrintParts(const SliceOptions& options, const JobBody& body, const LoadedResins& resins, const JobColour& colour, const Progress& progress);
+    PrintParts(const SliceOptions& options, const JobBody& body, const LoadedResins& resins, const JobColour& colour,
+               const Progress& progress);
     /// The shell by layers.
-    PrintParts(const SliceOptions& options, const JobBody& body, const LoadedResins& resins, const WrappedLayers& wrapped);
+    PrintParts(const SliceOptions& options, const JobBody& body, const LoadedResins& resins,
+               const WrappedLayers& wrapped);
     PrintParts(const PrintParts&) = delete;
     PrintParts& operator=(const PrintParts&) = delete;
 
@@ -36,9 +38,11 @@ public:
     /// `skin`: null: the separation's mixtures. Means nothing where the shell is made of layers.
     [[nodiscard]] LayerSources sources(const SkinSource* skin) const;
     /// All layers as a volume. Throws ResourceError where it takes more than `memory_bytes`.
-    [[nodiscard]] optics::ResinVolume volume(const SkinSource* skin, std::uint64_t memory_bytes, const Progress& progress) const;
+    [[nodiscard]] optics::ResinVolume volume(const SkinSource* skin, std::uint64_t memory_bytes,
+                                             const Progress& progress) const;
     /// Visits the blocks that touch a box of voxels and have shell voxels, from several threads at once.
-    void for_each_block(const optics::VoxelBox& box, const std::function<void(const ShellBlock&)>& visit, const Progress& progress) const;
+    void for_each_block(const optics::VoxelBox& box, const std::function<void(const ShellBlock&)>& visit,
+                        const Progress& progress) const;
 
 private:
     PrintParts(const SliceOptions& options, const JobBody& body, const LoadedResins& resins, double shell_mm);

@@ -11,13 +11,16 @@
 
 namespace voxtone::slicer {
 
-std::vector<float> skin_gradient(const PrintParts& parts, const SkinMap& map, std::size_t cells, std::size_t resins,
-                                 const std::function<bool(const optics::AppearanceSequence::GradientVisitor&)>& visit_all,
-                                 const Progress& progress) {
+std::vector<float> skin_gradient(
+    const PrintParts& parts, const SkinMap& map, std::size_t cells, std::size_t resins,
+    const std::function<bool(const optics::AppearanceSequence::GradientVisitor&)>& visit_all,
+    const Progress& progress) {
     constexpr double scale = 0x1p32;
     std::vector<std::int64_t> sum(cells * map.layers.size() * resins);
-    const auto add = [&](const optics::ResinGradient& gradient, const optics::VoxelBox& box, const ShellBlock& block, int row, int lane) {
-        const std::array<int, 3> voxel{block.origin[0] + lane, block.origin[1] + row % block.size[1], block.origin[2] + row / block.size[1]};
+    const auto add = [&](const optics::ResinGradient& gradient, const optics::VoxelBox& box, const ShellBlock& block,
+                         int row, int lane) {
+        const std::array<int, 3> voxel{block.origin[0] + lane, block.origin[1] + row % block.size[1],
+                                       block.origin[2] + row / block.size[1]};
         if (!box.holds(voxel)) return;
         const int i = row * ShellBlock::width + lane;
         const std::size_t at = map.at(block.triangle[i], block.u[i], block.v[i], block.distance_mm[i]);
@@ -32,12 +35,15 @@ std::vector<float> skin_gradient(const PrintParts& parts, const SkinMap& map, st
     const bool any = visit_all([&](const optics::ResinGradient& gradient, const optics::VoxelBox& box) {
         parts.for_each_block(
             box,
-            [&](const ShellBlock& block) { for_each_shell_voxel(block, [&](int row, int lane) { add(gradient, box, block, row, lane); }); },
+            [&](const ShellBlock& block) {
+                for_each_shell_voxel(block, [&](int row, int lane) { add(gradient, box, block, row, lane); });
+            },
             progress);
     });
     if (!any) return {};
     std::vector<float> out(sum.size());
-    parallel_for(0, out.size(), 1 << 16, [&](std::size_t i) { out[i] = static_cast<float>(static_cast<double>(sum[i]) / scale); });
+    parallel_for(0, out.size(), 1 << 16,
+                 [&](std::size_t i) { out[i] = static_cast<float>(static_cast<double>(sum[i]) / scale); });
     return out;
 }
 

@@ -11,28 +11,29 @@
 
 #include "voxtone/base/parallel.h"
 #include "voxtone/base/stopwatch.h"
+#include "voxtone/io/files/whole_file.h"
 #include "voxtone/io/layers/layer_stack_writer.h"
 #include "voxtone/io/layers/layer_thumbnail.h"
 #include "voxtone/io/models/model_reader.h"
-#include "voxtone/io/files/whole_file.h"
 #include "voxtone/slicer/job/job_body.h"
 #include "voxtone/slicer/job/job_colour.h"
 #include "voxtone/slicer/job/job_layers.h"
 #include "voxtone/slicer/job/job_loop.h"
 #include "voxtone/slicer/job/job_prediction.h"
-#include "voxtone/slicer/layers/layer_maker.h"
 #include "voxtone/slicer/job/layer_surfaces.h"
 #include "voxtone/slicer/job/layers_report.h"
-#include "voxtone/slicer/options/model_choice.h"
 #include "voxtone/slicer/job/print_parts.h"
 #include "voxtone/slicer/job/slice_report.h"
+#include "voxtone/slicer/layers/layer_maker.h"
 #include "voxtone/slicer/look/upright_cut.h"
+#include "voxtone/slicer/options/model_choice.h"
 
 namespace voxtone::slicer {
 
 namespace {
 
-io::StackDescription describe(const PrinterProfile& printer, const LoadedResins& resins, const VoxelGrid& grid, const LayerRange& range) {
+io::StackDescription describe(const PrinterProfile& printer, const LoadedResins& resins, const VoxelGrid& grid,
+                              const LayerRange& range) {
     io::StackDescription stack;
     stack.printer = printer.id;
     stack.pitch_um = {printer.pitch_um.x(), printer.pitch_um.y(), printer.pitch_um.z()};
@@ -60,12 +61,16 @@ io::StackOutputs outputs_of(const SliceOptions& options, const PrinterProfile& p
 class Thumbnails {
 public:
     Thumbnails(const LayerRange& range, const VoxelGrid& grid, std::vector<io::Rgb> palette, bool wanted)
-        : range_(range), grid_(grid), palette_(std::move(palette)), count_(wanted ? std::min(most, range.last - range.first + 1) : 0) {}
+        : range_(range),
+          grid_(grid),
+          palette_(std::move(palette)),
+          count_(wanted ? std::min(most, range.last - range.first + 1) : 0) {}
 
     void offer(int k, const io::LayerRuns& layer) {
         if (count_ == 0 || layer_of(slot_of(k)) != k) return;
         constexpr std::uint32_t longest_px = 560;
-        const io::LinearPicture picture = io::layer_thumbnail(layer, palette_, {grid_.pitch_mm.x(), grid_.pitch_mm.y()}, longest_px);
+        const io::LinearPicture picture =
+            io::layer_thumbnail(layer, palette_, {grid_.pitch_mm.x(), grid_.pitch_mm.y()}, longest_px);
         const io::Picture8 codes = io::encode_transparent(picture);
         io::ReportLayer entry;
         entry.number = std::uint32_t(k);
@@ -84,8 +89,12 @@ public:
 private:
     static constexpr int most = 48;
     [[nodiscard]] int layers() const { return range_.last - range_.first + 1; }
-    [[nodiscard]] int slot_of(int k) const { return static_cast<int>((std::int64_t(k - range_.first) * count_ + layers() - 1) / layers()); }
-    [[nodiscard]] int layer_of(int slot) const { return range_.first + static_cast<int>(std::int64_t(slot) * layers() / count_); }
+    [[nodiscard]] int slot_of(int k) const {
+        return static_cast<int>((std::int64_t(k - range_.first) * count_ + layers() - 1) / layers());
+    }
+    [[nodiscard]] int layer_of(int slot) const {
+        return range_.first + static_cast<int>(std::int64_t(slot) * layers() / count_);
+    }
 
     LayerRange range_;
     VoxelGrid grid_;
@@ -97,8 +106,8 @@ private:
 
 /// Reports of an earlier job in this folder do not describe this one.
 void remove_old_report(const std::filesystem::path& folder) {
-    for (const char* name : {"job.json", "report.json", "report.html", "target.png", "predicted.png", "difference.png", "open-loop.png", "target.exr",
-                             "predicted.exr", "target.glb", "predicted.glb"}) {
+    for (const char* name : {"job.json", "report.json", "report.html", "target.png", "predicted.png", "difference.png",
+                             "open-loop.png", "target.exr", "predicted.exr", "target.glb", "predicted.glb"}) {
         std::error_code not_there;
         std::filesystem::remove(folder / name, not_there);
     }
@@ -112,8 +121,9 @@ std::vector<std::array<float, 3>> single_precision(const std::vector<Eigen::Vect
 }
 
 /// Nothing, with a warning, where it needs more memory than allowed: the print is whole without it.
-std::optional<JobPrediction> predict_or_warn(const SliceOptions& options, PredictionPlan& plan, const JobBody& body, const LoadedResins& resins,
-                                             JobVolume& volume, const JobLoop* loop, Progress& progress) {
+std::optional<JobPrediction> predict_or_warn(const SliceOptions& options, PredictionPlan& plan, const JobBody& body,
+                                             const LoadedResins& resins, JobVolume& volume, const JobLoop* loop,
+                                             Progress& progress) {
     try {
         if (auto whole = volume.finish()) {
             if (plan.model == loop_prediction) return prediction_of_loop(*loop, std::move(*whole));
@@ -131,8 +141,10 @@ std::optional<JobPrediction> predict_or_warn(const SliceOptions& options, Predic
 }
 
 /// Null, with the reason, where there is no loop: the open loop is printed then.
-std::unique_ptr<const JobLoop> rearrange(const SliceOptions& options, const JobBody& body, const LoadedResins& resins, const JobColour& colour,
-                                         const PrintParts& parts, const std::filesystem::path& folder, std::string& why_not, Progress& progress) {
+std::unique_ptr<const JobLoop> rearrange(const SliceOptions& options, const JobBody& body, const LoadedResins& resins,
+                                         const JobColour& colour, const PrintParts& parts,
+                                         const std::filesystem::path& folder, std::string& why_not,
+                                         Progress& progress) {
     const LoopPlan plan = plan_loop(options, body, resins);
     why_not = plan.why_not;
     if (plan.iterations == 0) {
@@ -155,14 +167,17 @@ SliceOptions with_map_width(const SliceOptions& options, const io::ProfileMap& m
     return sized;
 }
 
-std::unique_ptr<const JobLayers> wrap_layers(const SliceOptions& options, io::ProfileMap map, const JobBody& body, const LoadedResins& resins, Progress& progress) {
+std::unique_ptr<const JobLayers> wrap_layers(const SliceOptions& options, io::ProfileMap map, const JobBody& body,
+                                             const LoadedResins& resins, Progress& progress) {
     auto layers = std::make_unique<const JobLayers>(options, std::move(map), body, resins, progress);
     for (const std::string& warning : layers->warnings) progress.warn(warning);
-    if (options.resume) progress.note("--resume: layered profiles have no loop to go on with; the job begins at its start");
+    if (options.resume)
+        progress.note("--resume: layered profiles have no loop to go on with; the job begins at its start");
     return layers;
 }
 
-std::unique_ptr<const PrintParts> print_parts(const SliceOptions& options, const JobBody& body, const LoadedResins& resins, const JobColour* colour,
+std::unique_ptr<const PrintParts> print_parts(const SliceOptions& options, const JobBody& body,
+                                              const LoadedResins& resins, const JobColour* colour,
                                               const JobLayers* layers, const Progress& progress) {
     if (layers) return std::make_unique<const PrintParts>(options, body, resins, layers->wrapped());
     return std::make_unique<const PrintParts>(options, body, resins, *colour, progress);
@@ -189,16 +204,20 @@ SliceResult run_slice_job(const SliceOptions& given, Progress& progress) {
     figures.read_s = body.read_s;
     figures.repair_s = watch.lap() - body.read_s;
 
-    const auto colour = map ? nullptr : prepare_colour(options, resins, body.grid.pitch_mm, body.is_picture ? body.placement.extent_mm.z() : 0, progress);
+    const auto colour = map ? nullptr
+                            : prepare_colour(options, resins, body.grid.pitch_mm,
+                                             body.is_picture ? body.placement.extent_mm.z() : 0, progress);
     const auto layers = map ? wrap_layers(options, std::move(*map), body, resins, progress) : nullptr;
     figures.separation_s = watch.lap();
 
-    io::LayerStackWriter writer(options.out, describe(printer, resins, body.grid, range), outputs_of(options, printer), options.overwrite);
+    io::LayerStackWriter writer(options.out, describe(printer, resins, body.grid, range), outputs_of(options, printer),
+                                options.overwrite);
     remove_old_report(options.out);
 
     const auto parts = print_parts(options, body, resins, colour.get(), layers.get(), progress);
     std::string why_no_loop;
-    const auto loop = colour ? rearrange(options, body, resins, *colour, *parts, writer.folder(), why_no_loop, progress) : nullptr;
+    const auto loop =
+        colour ? rearrange(options, body, resins, *colour, *parts, writer.folder(), why_no_loop, progress) : nullptr;
     figures.loop_s = watch.lap();
     const LayerMaker maker(parts->sources(loop ? loop->skin() : nullptr));
     std::vector<io::Rgb> palette{printer.background_rgb};
@@ -212,30 +231,33 @@ SliceResult run_slice_job(const SliceOptions& given, Progress& progress) {
     std::optional<JobVolume> volume;
     const bool reusable = loop && resins.set.channels.wavelengths_nm.empty();
     PredictionPlan plan;
-    if (colour) plan = plan_prediction(options, body, range.first == 0 && range.last + 1 == body.grid.size[2], reusable);
+    if (colour)
+        plan = plan_prediction(options, body, range.first == 0 && range.last + 1 == body.grid.size[2], reusable);
     if (!plan.model.empty()) volume.emplace(body.grid, memory_budget(options.memory_gib) / 2);
 
     std::mutex figures_mutex;
     progress.begin_stage("layers", std::uint64_t(range.last - range.first + 1), "layers");
     const int first_slab = range.first / maker.slab_layers(), last_slab = range.last / maker.slab_layers();
-    parallel_for(std::size_t(first_slab), std::size_t(last_slab) + 1, 1,
-                 [&](std::size_t slab) {
-                     double encode_s = 0;
-                     const LayerCounts counts = maker.make(int(slab), range.first, range.last + 1, [&](int k, const io::LayerRuns& layer) {
-                         progress.check_cancelled();
-                         Stopwatch encode;
-                         writer.write(std::uint32_t(k - range.first), layer);
-                         encode_s += encode.total();
-                         thumbnails.offer(k, layer);
-                         if (volume) volume->add(k, layer);
-                         if (cut) cut->add(k, layer);
-                         progress.advance();
-                     });
-                     const std::scoped_lock lock(figures_mutex);
-                     figures.counts += counts;
-                     figures.encode_s += encode_s;
-                 },
-                 &progress);
+    parallel_for(
+        std::size_t(first_slab), std::size_t(last_slab) + 1, 1,
+        [&](std::size_t slab) {
+            double encode_s = 0;
+            const LayerCounts counts =
+                maker.make(int(slab), range.first, range.last + 1, [&](int k, const io::LayerRuns& layer) {
+                    progress.check_cancelled();
+                    Stopwatch encode;
+                    writer.write(std::uint32_t(k - range.first), layer);
+                    encode_s += encode.total();
+                    thumbnails.offer(k, layer);
+                    if (volume) volume->add(k, layer);
+                    if (cut) cut->add(k, layer);
+                    progress.advance();
+                });
+            const std::scoped_lock lock(figures_mutex);
+            figures.counts += counts;
+            figures.encode_s += encode_s;
+        },
+        &progress);
     progress.end_stage();
     figures.layers_s = watch.lap();
 
@@ -245,13 +267,16 @@ SliceResult run_slice_job(const SliceOptions& given, Progress& progress) {
     io::write_whole_file(writer.folder() / "job.json", job_json(options));
     figures.layer_bytes = writer.bytes_written();
     figures.layers = thumbnails.take();
-    if (cut) figures.cut = cut->picture(palette, "cut through the middle of the print along x, upright; resins as the bitmaps colour them");
+    if (cut)
+        figures.cut = cut->picture(
+            palette, "cut through the middle of the print along x, upright; resins as the bitmaps colour them");
     figures.finish_s = watch.lap();
     figures.total_s = watch.total();
     std::vector<SurfaceFile> surfaces;
     if (layers && options.surfaces) {
         progress.end_stage();
-        surfaces = write_layer_surfaces(layer_surfaces(body, layers->wrapped(), options.surface_cell_mm, progress), resins, stack, writer.folder());
+        surfaces = write_layer_surfaces(layer_surfaces(body, layers->wrapped(), options.surface_cell_mm, progress),
+                                        resins, stack, writer.folder());
         progress.begin_stage("report", 0);
     }
     std::optional<JobPrediction> prediction;
@@ -260,8 +285,20 @@ SliceResult run_slice_job(const SliceOptions& given, Progress& progress) {
         prediction = predict_or_warn(options, plan, body, resins, *volume, loop.get(), progress);
         progress.begin_stage("report", 0);
     }
-    const ReportSources sources{options, printer, resins, body, colour.get(), layers.get(), parts->surface_colour(), stack,
-                                prediction ? &*prediction : nullptr, plan.why_not, loop.get(), why_no_loop, palette, surfaces};
+    const ReportSources sources{options,
+                                printer,
+                                resins,
+                                body,
+                                colour.get(),
+                                layers.get(),
+                                parts->surface_colour(),
+                                stack,
+                                prediction ? &*prediction : nullptr,
+                                plan.why_not,
+                                loop.get(),
+                                why_no_loop,
+                                palette,
+                                surfaces};
     io::Report report = make_report(sources, figures);
     if (options.report) {
         draw_report(sources, report, writer.folder(), progress);

@@ -7,21 +7,21 @@
 #include <cmath>
 #include <numeric>
 
-#include <Eigen/Geometry>
 #include <fmt/core.h>
+#include <Eigen/Geometry>
 
 #include "voxtone/base/parallel.h"
 #include "voxtone/base/random.h"
+#include "voxtone/io/files/whole_file.h"
 #include "voxtone/io/models/glb_writer.h"
 #include "voxtone/io/pictures/picture_writer.h"
-#include "voxtone/io/files/whole_file.h"
 #include "voxtone/optics/colour/colour.h"
 #include "voxtone/slicer/job/layers_report.h"
 #include "voxtone/slicer/job/loop_report.h"
 #include "voxtone/slicer/look/prediction_files.h"
 #include "voxtone/slicer/look/preview.h"
-#include "voxtone/slicer/surface/target_cells.h"
 #include "voxtone/slicer/look/vertex_colours.h"
+#include "voxtone/slicer/surface/target_cells.h"
 
 #ifndef VOXTONE_VERSION
 #error "the build defines the program's version"
@@ -75,7 +75,8 @@ io::ReportGamut gamut_figures(const ReportSources& s) {
     parallel_for(0, samples, 256, [&](std::size_t i) {
         RandomStream random(1, i);
         const auto found = std::lower_bound(area_up_to.begin(), area_up_to.end(), random.uniform() * area);
-        const auto t = std::uint32_t(std::min<std::ptrdiff_t>(found - area_up_to.begin(), std::ptrdiff_t(area_up_to.size()) - 1));
+        const auto t =
+            std::uint32_t(std::min<std::ptrdiff_t>(found - area_up_to.begin(), std::ptrdiff_t(area_up_to.size()) - 1));
         double u = random.uniform(), v = random.uniform();
         if (u + v > 1) u = 1 - u, v = 1 - v;
         differences[i] = s.colour->separation.mapping_distance(target.colour(t, float(u), float(v)));
@@ -97,21 +98,25 @@ std::uint64_t peak_memory_bytes() {
 
 io::ReportSection throughput(const ReportSources& s, const JobFigures& f) {
     const double voxels = double(s.body.grid.size[0]) * s.body.grid.size[1] * s.stack.layers;
-    const double cpu_s = f.counts.solid_s + f.counts.shell_s + f.counts.colour_s + f.counts.screen_s + f.counts.runs_s + f.encode_s;
+    const double cpu_s =
+        f.counts.solid_s + f.counts.shell_s + f.counts.colour_s + f.counts.screen_s + f.counts.runs_s + f.encode_s;
     const auto row = [&](const char* what, double seconds) {
-        return std::vector<std::string>{what, fmt::format("{:.2f}", seconds), fmt::format("{:.0f} %", cpu_s > 0 ? 100 * seconds / cpu_s : 0),
-                                        fmt::format("{:.1f}", f.counts.shell_voxels ? seconds / double(f.counts.shell_voxels) * 1e9 : 0)};
+        return std::vector<std::string>{
+            what, fmt::format("{:.2f}", seconds), fmt::format("{:.0f} %", cpu_s > 0 ? 100 * seconds / cpu_s : 0),
+            fmt::format("{:.1f}", f.counts.shell_voxels ? seconds / double(f.counts.shell_voxels) * 1e9 : 0)};
     };
     io::ReportSection section;
     section.title = "Speed of the layers";
-    section.paragraphs.push_back(fmt::format("{:.3g} voxels in {:.2f} s of layers: {:.0f} million voxels/s; {:.3g} of them in the coloured shell; "
-                                             "{:.1f} MB of layers written, {:.1f} MB/s.",
-                                             voxels, f.layers_s, voxels / f.layers_s * 1e-6, double(f.counts.shell_voxels), double(f.layer_bytes) * 1e-6,
-                                             double(f.layer_bytes) * 1e-6 / f.layers_s));
+    section.paragraphs.push_back(fmt::format(
+        "{:.3g} voxels in {:.2f} s of layers: {:.0f} million voxels/s; {:.3g} of them in the coloured shell; "
+        "{:.1f} MB of layers written, {:.1f} MB/s.",
+        voxels, f.layers_s, voxels / f.layers_s * 1e-6, double(f.counts.shell_voxels), double(f.layer_bytes) * 1e-6,
+        double(f.layer_bytes) * 1e-6 / f.layers_s));
     section.tables.push_back({"Layers, summed over threads",
                               {"work", "seconds", "share", "ns per shell voxel"},
-                              {row("solid", f.counts.solid_s), row("nearest surface", f.counts.shell_s), row("target colour", f.counts.colour_s),
-                               row("separation and screen", f.counts.screen_s), row("runs", f.counts.runs_s), row("encode and write", f.encode_s)}});
+                              {row("solid", f.counts.solid_s), row("nearest surface", f.counts.shell_s),
+                               row("target colour", f.counts.colour_s), row("separation and screen", f.counts.screen_s),
+                               row("runs", f.counts.runs_s), row("encode and write", f.encode_s)}});
     return section;
 }
 
@@ -121,10 +126,12 @@ io::ReportSection colour_section(const ReportSources& s) {
     section.title = "Mixtures";
     section.paragraphs.push_back(
         s.options.mixing == "voxels"
-            ? fmt::format("Colours were separated for what voxels of {:.1f} x {:.1f} x {:.1f} um look like: light that passes between strongly coloured "
+            ? fmt::format("Colours were separated for what voxels of {:.1f} x {:.1f} x {:.1f} um look like: light that "
+                          "passes between strongly coloured "
                           "ones makes a halftone brighter than an ideal mixture of the same resins.",
                           um[0], um[1], um[2])
-            : std::string("Colours were separated as if resins mixed ideally (--mixing ideal); in print, voxels of strong resins look brighter."));
+            : std::string("Colours were separated as if resins mixed ideally (--mixing ideal); in print, voxels of "
+                          "strong resins look brighter."));
     return section;
 }
 
@@ -136,21 +143,23 @@ io::ReportSection mesh_section(const RepairReport& r) {
     const auto row = [](const char* what, std::size_t before, std::size_t after) {
         return std::vector<std::string>{what, fmt::format("{}", before), fmt::format("{}", after)};
     };
-    section.tables.push_back({"Diagnosis",
-                              {"", "as read", "as printed"},
-                              {row("triangles", r.before.triangles, r.after.triangles), row("shells", r.before.shells, r.after.shells),
-                               row("boundary edges", r.before.boundary_edges, r.after.boundary_edges),
-                               row("non-manifold edges", r.before.nonmanifold_edges, r.after.nonmanifold_edges),
-                               row("inconsistent edges", r.before.inconsistent_edges, r.after.inconsistent_edges),
-                               row("edges that do not close", r.before.open_edges, r.after.open_edges),
-                               row("faces without area", r.before.degenerate_faces, r.after.degenerate_faces),
-                               row("doubled faces", r.before.duplicate_faces, r.after.duplicate_faces)}});
+    section.tables.push_back(
+        {"Diagnosis",
+         {"", "as read", "as printed"},
+         {row("triangles", r.before.triangles, r.after.triangles), row("shells", r.before.shells, r.after.shells),
+          row("boundary edges", r.before.boundary_edges, r.after.boundary_edges),
+          row("non-manifold edges", r.before.nonmanifold_edges, r.after.nonmanifold_edges),
+          row("inconsistent edges", r.before.inconsistent_edges, r.after.inconsistent_edges),
+          row("edges that do not close", r.before.open_edges, r.after.open_edges),
+          row("faces without area", r.before.degenerate_faces, r.after.degenerate_faces),
+          row("doubled faces", r.before.duplicate_faces, r.after.duplicate_faces)}});
     return section;
 }
 
 io::ReportPicture report_picture(const char* caption, const Preview& preview) {
     const io::Picture8 codes = io::encode_transparent(preview.picture);
-    return {caption, io::png_bytes(codes, {preview.px_per_mm, preview.px_per_mm}), codes.width_px, codes.height_px, preview.px_per_mm};
+    return {caption, io::png_bytes(codes, {preview.px_per_mm, preview.px_per_mm}), codes.width_px, codes.height_px,
+            preview.px_per_mm};
 }
 
 io::ReportPrediction predicted_figures(const JobPrediction& p) {
@@ -167,12 +176,15 @@ io::ReportPrediction predicted_figures(const JobPrediction& p) {
     const std::vector<double> share = histogram_by_area(p.predicted.surface, p.difference, edges);
     for (std::size_t i = 0; i < edges.size(); ++i) figures.histogram.emplace_back(edges[i], share[i]);
     figures.note = fmt::format(
-        "Predicted by the model {} from the printed voxels, in {} cells of {:.1f} x {:.1f} x {:.1f} um, relative to the same body all of white "
-        "resin, in uniform white light. The target of a cell is the mean of what was asked for over it; every share is one of area.",
+        "Predicted by the model {} from the printed voxels, in {} cells of {:.1f} x {:.1f} x {:.1f} um, relative to "
+        "the same body all of white "
+        "resin, in uniform white light. The target of a cell is the mean of what was asked for over it; every share is "
+        "one of area.",
         p.model, p.difference.size(), p.cell_um[0], p.cell_um[1], p.cell_um[2]);
     if (const auto& errors = p.predicted.standard_error; !errors.empty())
-        figures.note += fmt::format(" The model's own noise, a standard error of {:.3f} on average, is part of the differences.",
-                                    std::accumulate(errors.begin(), errors.end(), 0.0) / double(errors.size()));
+        figures.note +=
+            fmt::format(" The model's own noise, a standard error of {:.3f} on average, is part of the differences.",
+                        std::accumulate(errors.begin(), errors.end(), 0.0) / double(errors.size()));
     return figures;
 }
 
@@ -200,13 +212,17 @@ void draw_picture_prediction(const ReportSources& s, io::Report& report, const s
     const auto px_per_mm = picture_px_per_mm(p.volume, p.predicted.surface.cell_voxels);
     const auto draw = [&](const char* caption, const std::vector<Eigen::Vector3f>& rgb) {
         const io::Picture8 codes = io::encode_transparent(top_picture(p.volume, recoloured(p.predicted, rgb)));
-        return io::ReportPicture{caption, io::png_bytes(codes, px_per_mm), codes.width_px, codes.height_px, px_per_mm[0]};
+        return io::ReportPicture{caption, io::png_bytes(codes, px_per_mm), codes.width_px, codes.height_px,
+                                 px_per_mm[0]};
     };
-    report.views.push_back({"top", {draw("target", p.target), draw("predicted", p.predicted.rgb), draw(difference_caption, difference_colours(p.difference))}});
+    report.views.push_back({"top",
+                            {draw("target", p.target), draw("predicted", p.predicted.rgb),
+                             draw(difference_caption, difference_colours(p.difference))}});
     if (!p.open_loop.empty()) {
         auto& with_open = report.views[0].pictures;
         with_open.push_back(draw("open loop: without the appearance loop", p.open_loop));
-        with_open.push_back(draw("difference of the open loop", difference_colours(colour_differences(p.target, p.open_loop))));
+        with_open.push_back(
+            draw("difference of the open loop", difference_colours(colour_differences(p.target, p.open_loop))));
         io::write_whole_file(folder / "open-loop.png", with_open[3].png);
     }
     const auto& pictures = report.views[0].pictures;
@@ -214,11 +230,14 @@ void draw_picture_prediction(const ReportSources& s, io::Report& report, const s
     io::write_whole_file(folder / "predicted.png", pictures[1].png);
     io::write_whole_file(folder / "difference.png", pictures[2].png);
     const auto& channels = s.resins.set.channels;
-    io::write_whole_file(folder / "predicted.exr", io::exr_bytes(top_numbers(p.volume, channels, p.predicted), px_per_mm));
-    io::write_whole_file(folder / "target.exr", io::exr_bytes(top_picture(p.volume, recoloured(p.predicted, p.target)), px_per_mm));
+    io::write_whole_file(folder / "predicted.exr",
+                         io::exr_bytes(top_numbers(p.volume, channels, p.predicted), px_per_mm));
+    io::write_whole_file(folder / "target.exr",
+                         io::exr_bytes(top_picture(p.volume, recoloured(p.predicted, p.target)), px_per_mm));
 }
 
-void write_body_colours(const ColouredSurface& surface, const std::filesystem::path& file, const char* name, const Progress& progress) {
+void write_body_colours(const ColouredSurface& surface, const std::filesystem::path& file, const char* name,
+                        const Progress& progress) {
     io::write_whole_file(file, io::glb_bytes(vertex_colours(surface, {}, &progress).mesh, name));
 }
 
@@ -236,15 +255,22 @@ io::Report make_report(const ReportSources& s, const JobFigures& f) {
     report.body_voxels = f.counts.body_voxels;
     for (std::size_t r = 0; r < s.stack.resins.size(); ++r) {
         const io::StackResin& resin = s.stack.resins[r];
-        report.resins.push_back({s.resins.set.resins[r].name, resin.role, resin.name, resin.rgb, resin.voxels, resin.ml});
+        report.resins.push_back(
+            {s.resins.set.resins[r].name, resin.role, resin.name, resin.rgb, resin.voxels, resin.ml});
     }
     report.warnings = s.printer.warnings();
     report.warnings.insert(report.warnings.end(), s.body.warnings.begin(), s.body.warnings.end());
     if (f.counts.thin_voxels > 0)
-        report.warnings.push_back(fmt::format("{} voxels were added where the body is thinner than a voxel, so that nothing vanishes", f.counts.thin_voxels));
+        report.warnings.push_back(
+            fmt::format("{} voxels were added where the body is thinner than a voxel, so that nothing vanishes",
+                        f.counts.thin_voxels));
     report.stages = {{"read model", f.read_s}, {"repair and visible surface", f.repair_s}};
-    if (s.colour) report.stages.insert(report.stages.end(), {{"separate colours", f.separation_s}, {"appearance loop", f.loop_s}});
-    if (s.layers) report.stages.insert(report.stages.end(), {{"profiles of the resins", s.layers->materials_s}, {"search stacks", s.layers->search_s}});
+    if (s.colour)
+        report.stages.insert(report.stages.end(),
+                             {{"separate colours", f.separation_s}, {"appearance loop", f.loop_s}});
+    if (s.layers)
+        report.stages.insert(report.stages.end(), {{"profiles of the resins", s.layers->materials_s},
+                                                   {"search stacks", s.layers->search_s}});
     report.stages.insert(report.stages.end(), {{"layers", f.layers_s}, {"finish", f.finish_s}});
     report.total_seconds = f.total_s + (s.prediction ? s.prediction->seconds : 0);
     report.peak_memory_bytes = peak_memory_bytes();
@@ -255,8 +281,10 @@ io::Report make_report(const ReportSources& s, const JobFigures& f) {
         report.stages.push_back({"predict", s.prediction->seconds});
     } else if (s.colour) {
         report.prediction_note =
-            "Predicted with the separation's own model: every point as on a wide flat shell of its colour over deep core, relative to the core "
-            "resin's white. It shows what the resins can reach. It leaves out how light spreads between neighbouring colours, at edges and in "
+            "Predicted with the separation's own model: every point as on a wide flat shell of its colour over deep "
+            "core, relative to the core "
+            "resin's white. It shows what the resins can reach. It leaves out how light spreads between neighbouring "
+            "colours, at edges and in "
             "thin parts.";
         if (!s.why_not.empty()) report.prediction_note += " " + s.why_not;
     }
@@ -298,12 +326,15 @@ void draw_report(const ReportSources& s, io::Report& report, const std::filesyst
     options.px_per_mm = std::min(fitting_scale(target, views, s.body.is_picture ? 1000 : 640, options), 1 / 0.085);
     // The colours are filtered to the printer's resolution, which a small picture of a large body undersamples.
     options.colour_per_sample = 1 / options.px_per_mm > 1.5 * s.stack.pitch_um[1] * 1e-3;
-    const std::vector<Preview> asked = render_views(target, views, options, &progress), shown = render_views(predicted, views, options, &progress);
+    const std::vector<Preview> asked = render_views(target, views, options, &progress),
+                               shown = render_views(predicted, views, options, &progress);
     for (std::size_t v = 0; v < views.size(); ++v)
-        report.views.push_back({view_name(views[v]), {report_picture("target", asked[v]), report_picture("predicted", shown[v])}});
+        report.views.push_back(
+            {view_name(views[v]), {report_picture("target", asked[v]), report_picture("predicted", shown[v])}});
     if (s.prediction) {
         const std::vector<Preview> maps = render_views(difference, views, options, &progress);
-        for (std::size_t v = 0; v < views.size(); ++v) report.views[v].pictures.push_back(report_picture(difference_caption, maps[v]));
+        for (std::size_t v = 0; v < views.size(); ++v)
+            report.views[v].pictures.push_back(report_picture(difference_caption, maps[v]));
         if (!s.prediction->open_loop.empty()) {
             cells.rgb = s.prediction->open_loop;
             const std::vector<Preview> open = render_views(mesh_surface(cells, positions), views, options, &progress);
@@ -324,23 +355,31 @@ void draw_report(const ReportSources& s, io::Report& report, const std::filesyst
     }
 }
 
-std::string summary_text(const ReportSources& s, const io::Report& report, const JobFigures& f, const std::filesystem::path& folder) {
-    std::string text = fmt::format("{}: {:.2f} x {:.2f} x {:.2f} mm, {} x {} px, {} layers of {:g} um\n", folder.string(), report.size_mm[0],
-                                   report.size_mm[1], report.size_mm[2], report.size_px[0], report.size_px[1], report.size_px[2], report.pitch_um[2]);
-    for (const io::ReportResin& resin : report.resins) text += fmt::format("  {:<3} {:<16} {:9.3f} ml\n", resin.role, resin.name, resin.ml);
+std::string summary_text(const ReportSources& s, const io::Report& report, const JobFigures& f,
+                         const std::filesystem::path& folder) {
+    std::string text = fmt::format("{}: {:.2f} x {:.2f} x {:.2f} mm, {} x {} px, {} layers of {:g} um\n",
+                                   folder.string(), report.size_mm[0], report.size_mm[1], report.size_mm[2],
+                                   report.size_px[0], report.size_px[1], report.size_px[2], report.pitch_um[2]);
+    for (const io::ReportResin& resin : report.resins)
+        text += fmt::format("  {:<3} {:<16} {:9.3f} ml\n", resin.role, resin.name, resin.ml);
     if (report.gamut)
-        text += fmt::format("  colours moved into the gamut: {:.1f} % of the surface; CIEDE2000 mean {:.2f}, 95 % {:.2f}, max {:.2f}\n",
-                            100 * report.gamut->mapped_share, report.gamut->mean_de2000, report.gamut->p95_de2000, report.gamut->max_de2000);
+        text += fmt::format(
+            "  colours moved into the gamut: {:.1f} % of the surface; CIEDE2000 mean {:.2f}, 95 % {:.2f}, max {:.2f}\n",
+            100 * report.gamut->mapped_share, report.gamut->mean_de2000, report.gamut->p95_de2000,
+            report.gamut->max_de2000);
     if (s.layers) text += layers_summary(*s.layers);
     if (report.prediction)
-        text += fmt::format("  predicted against asked for: CIEDE2000 mean {:.2f}, median {:.2f}, 95 % {:.2f}, max {:.2f} (cells of {:.0f} um, {:.2f} s)\n",
-                            report.prediction->mean_de2000, report.prediction->median_de2000, report.prediction->p95_de2000,
-                            report.prediction->max_de2000, report.prediction->cell_um[0], report.prediction->seconds);
+        text += fmt::format(
+            "  predicted against asked for: CIEDE2000 mean {:.2f}, median {:.2f}, 95 % {:.2f}, max {:.2f} (cells of "
+            "{:.0f} um, {:.2f} s)\n",
+            report.prediction->mean_de2000, report.prediction->median_de2000, report.prediction->p95_de2000,
+            report.prediction->max_de2000, report.prediction->cell_um[0], report.prediction->seconds);
     const double voxels = double(report.size_px[0]) * report.size_px[1] * report.size_px[2];
-    text += fmt::format("  {:.3g} voxels in {:.2f} s ({:.0f} million/s), peak memory {:.0f} MB\n", voxels, f.total_s, voxels / f.total_s * 1e-6,
-                        double(report.peak_memory_bytes) * 1e-6);
+    text += fmt::format("  {:.3g} voxels in {:.2f} s ({:.0f} million/s), peak memory {:.0f} MB\n", voxels, f.total_s,
+                        voxels / f.total_s * 1e-6, double(report.peak_memory_bytes) * 1e-6);
     for (const SurfaceFile& surface : s.surfaces)
-        text += fmt::format("  {}: {} triangles, {:.4f} ml\n", (folder / surface.name).string(), surface.triangles, surface.mesh_ml);
+        text += fmt::format("  {}: {} triangles, {:.4f} ml\n", (folder / surface.name).string(), surface.triangles,
+                            surface.mesh_ml);
     return text;
 }
 

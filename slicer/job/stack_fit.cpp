@@ -28,30 +28,33 @@ StackFit stack_fit(const JobBody& body, const WrappedLayers& wrapped, const Prog
     const TriangleTree tree(surface.positions_mm, surface.triangles);
     const double slack = body.grid.pitch_mm.maxCoeff();
     std::vector<double> missing(samples, 0);
-    parallel_for(0, samples, 64,
-                 [&](std::size_t i) {
-                     RandomStream random(2, i);
-                     const auto found = std::lower_bound(area_up_to.begin(), area_up_to.end(), random.uniform() * area);
-                     const auto t = static_cast<std::uint32_t>(std::min<std::ptrdiff_t>(found - area_up_to.begin(), std::ptrdiff_t(area_up_to.size()) - 1));
-                     double u = random.uniform(), v = random.uniform();
-                     if (u + v > 1) u = 1 - u, v = 1 - v;
-                     const auto& corner = surface.source_uv[t];
-                     const Eigen::Vector2f at = float(1 - u - v) * corner[0] + float(u) * corner[1] + float(v) * corner[2];
-                     const Eigen::Vector2f place = wrapped.map_point(t, at.x(), at.y());
-                     const double depth = wrapped.fields().depth_mm(place.x(), place.y());
-                     if (!(depth > slack)) return;
-                     // A picture's slab has its depth counted from the top only.
-                     const auto [p0, p1, p2] = tree.corners(t);
-                     const Eigen::Vector3d p = (1 - u - v) * p0 + u * p1 + v * p2;
-                     const auto fits = [&](double h) {
-                         return body.is_picture ? h <= body.placement.extent_mm.z() + slack : tree.nearest(p - h * normals[t], t).distance >= h - slack;
-                     };
-                     if (fits(depth)) return;
-                     double low = 0, high = depth;
-                     for (int step = 0; step < 10; ++step) (fits(0.5 * (low + high)) ? low : high) = 0.5 * (low + high);
-                     missing[i] = 1 - low / depth;
-                 },
-                 &progress);
+    parallel_for(
+        0, samples, 64,
+        [&](std::size_t i) {
+            RandomStream random(2, i);
+            const auto found = std::lower_bound(area_up_to.begin(), area_up_to.end(), random.uniform() * area);
+            const auto t = static_cast<std::uint32_t>(
+                std::min<std::ptrdiff_t>(found - area_up_to.begin(), std::ptrdiff_t(area_up_to.size()) - 1));
+            double u = random.uniform(), v = random.uniform();
+            if (u + v > 1) u = 1 - u, v = 1 - v;
+            const auto& corner = surface.source_uv[t];
+            const Eigen::Vector2f at = float(1 - u - v) * corner[0] + float(u) * corner[1] + float(v) * corner[2];
+            const Eigen::Vector2f place = wrapped.map_point(t, at.x(), at.y());
+            const double depth = wrapped.fields().depth_mm(place.x(), place.y());
+            if (!(depth > slack)) return;
+            // A picture's slab has its depth counted from the top only.
+            const auto [p0, p1, p2] = tree.corners(t);
+            const Eigen::Vector3d p = (1 - u - v) * p0 + u * p1 + v * p2;
+            const auto fits = [&](double h) {
+                return body.is_picture ? h <= body.placement.extent_mm.z() + slack
+                                       : tree.nearest(p - h * normals[t], t).distance >= h - slack;
+            };
+            if (fits(depth)) return;
+            double low = 0, high = depth;
+            for (int step = 0; step < 10; ++step) (fits(0.5 * (low + high)) ? low : high) = 0.5 * (low + high);
+            missing[i] = 1 - low / depth;
+        },
+        &progress);
     StackFit fit;
     for (const double m : missing)
         if (m > 0) fit.thin_share += 1, fit.missing_mean += m;

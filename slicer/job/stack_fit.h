@@ -2,9 +2,9 @@
 //
 // Whether a body is thick enough for the stacks that are wrapped around it.
 //
-// From 20,000 points spread evenly over the surface one goes inwards along the normal, as deep as the stack there reaches. The depth
-// that is there ends where another part of the surface comes nearer (by more than a voxel): behind thin walls and beside
-// sharp edges, where the layers of both sides meet.
+// From 20,000 points spread evenly over the surface one goes inwards along the normal, as deep as the stack there
+// reaches. The depth that is there ends where another part of the surface comes nearer (by more than a voxel): behind
+// thin walls and beside sharp edges, where the layers of both sides meet.
 #pragma once
 
 #include "voxtone/base/progress.h"

@@ -32,8 +32,8 @@ void for_each_shell_voxel(const ShellBlock& block, Visit&& visit) {
 class BlockFill {
 public:
     virtual ~BlockFill() = default;
-    /// Writes the material of each shell voxel of the block to out[row * ShellBlock::width + lane], leaves the others alone and
-    /// adds voxels and times to `counts`.
+    /// Writes the material of each shell voxel of the block to out[row * ShellBlock::width + lane], leaves the others
+    /// alone and adds voxels and times to `counts`.
     virtual void fill(const ShellBlock& block, io::Material* out, LayerCounts& counts) = 0;
 };
 

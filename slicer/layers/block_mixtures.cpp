@@ -3,7 +3,6 @@
 
 #include "voxtone/base/stopwatch.h"
 
-
 namespace voxtone::slicer {
 
 std::size_t BlockMixtures::gather(const ShellBlock& block) {
@@ -41,7 +40,8 @@ void ScreenedMixtures::fill(const ShellBlock& block, io::Material* out, LayerCou
             last_row = row;
         }
         const std::uint16_t threshold = thresholds[(block.origin[0] + lane) & halftone::BlueNoiseScreen::mask];
-        out[row * ShellBlock::width + lane] = static_cast<io::Material>(1 + halftone::select_resin(*mixture++, threshold, resins_));
+        out[row * ShellBlock::width + lane] =
+            static_cast<io::Material>(1 + halftone::select_resin(*mixture++, threshold, resins_));
     });
     counts.screen_s += watch.lap();
 }

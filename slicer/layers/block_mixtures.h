@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// The mixtures that the shell voxels of one block ask for: target colour at the nearest surface point, separated; or what
-// the appearance loop found for them. And the screen that makes resins of them.
+// The mixtures that the shell voxels of one block ask for: target colour at the nearest surface point, separated; or
+// what the appearance loop found for them. And the screen that makes resins of them.
 #pragma once
 
 #include <array>
@@ -43,9 +43,11 @@ private:
 /// One resin for every shell voxel, by the blue-noise screen.
 class ScreenedMixtures : public BlockFill {
 public:
-    ScreenedMixtures(const VisibleSurface& surface, const SurfaceColour& colour, const halftone::Separation& separation, const SkinSource* skin,
-                     const halftone::BlueNoiseScreen& screen)
-        : mixtures_(surface, colour, separation, skin), screen_(screen), resins_(static_cast<int>(separation.resins())) {}
+    ScreenedMixtures(const VisibleSurface& surface, const SurfaceColour& colour, const halftone::Separation& separation,
+                     const SkinSource* skin, const halftone::BlueNoiseScreen& screen)
+        : mixtures_(surface, colour, separation, skin),
+          screen_(screen),
+          resins_(static_cast<int>(separation.resins())) {}
     void fill(const ShellBlock& block, io::Material* out, LayerCounts& counts) override;
 
 private:

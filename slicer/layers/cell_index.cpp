@@ -22,7 +22,9 @@ CellIndex::CellIndex(const optics::Surface& surface, const std::array<double, 3>
         size_[a] = largest[a] + 1;
         blocks_[a] = (size_[a] + edge - 1) / edge;
     }
-    block_.assign(static_cast<std::size_t>(blocks_[0]) * static_cast<std::size_t>(blocks_[1]) * static_cast<std::size_t>(blocks_[2]), -1);
+    block_.assign(static_cast<std::size_t>(blocks_[0]) * static_cast<std::size_t>(blocks_[1]) *
+                      static_cast<std::size_t>(blocks_[2]),
+                  -1);
     for (std::uint32_t c = 0; c < surface.cells.size(); ++c) {
         const auto& at = surface.cells[c].cell;
         for (int z = -1; z <= 1; ++z)
@@ -34,13 +36,15 @@ CellIndex::CellIndex(const optics::Surface& surface, const std::array<double, 3>
 void CellIndex::offer(const std::array<int, 3>& place, std::uint32_t cell) {
     for (std::size_t a = 0; a < 3; ++a)
         if (place[a] < 0 || place[a] >= size_[a]) return;
-    std::int32_t& block = block_[static_cast<std::size_t>((place[2] / edge * blocks_[1] + place[1] / edge) * blocks_[0] + place[0] / edge)];
+    std::int32_t& block = block_[static_cast<std::size_t>(
+        (place[2] / edge * blocks_[1] + place[1] / edge) * blocks_[0] + place[0] / edge)];
     if (block < 0) {
         block = static_cast<std::int32_t>(cell_.size() / (edge * edge * edge));
         cell_.resize(cell_.size() + edge * edge * edge, none);
     }
-    std::uint32_t& held = cell_[static_cast<std::size_t>(block) * (edge * edge * edge) +
-                                static_cast<std::size_t>((place[2] % edge * edge + place[1] % edge) * edge + place[0] % edge)];
+    std::uint32_t& held =
+        cell_[static_cast<std::size_t>(block) * (edge * edge * edge) +
+              static_cast<std::size_t>((place[2] % edge * edge + place[1] % edge) * edge + place[0] % edge)];
     const auto distance = [&](std::uint32_t c) {
         float sum = 0;
         for (std::size_t a = 0; a < 3; ++a) {
@@ -53,7 +57,8 @@ void CellIndex::offer(const std::array<int, 3>& place, std::uint32_t cell) {
 }
 
 std::uint32_t CellIndex::lookup(const std::array<int, 3>& place) const {
-    const std::int32_t block = block_[static_cast<std::size_t>((place[2] / edge * blocks_[1] + place[1] / edge) * blocks_[0] + place[0] / edge)];
+    const std::int32_t block = block_[static_cast<std::size_t>(
+        (place[2] / edge * blocks_[1] + place[1] / edge) * blocks_[0] + place[0] / edge)];
     if (block < 0) return none;
     return cell_[static_cast<std::size_t>(block) * (edge * edge * edge) +
                  static_cast<std::size_t>((place[2] % edge * edge + place[1] % edge) * edge + place[0] % edge)];
@@ -81,7 +86,8 @@ std::uint32_t CellIndex::nearest(const Eigen::Vector3f& place_mm) const {
     constexpr int reach = 4;
     std::array<int, 3> first{}, last{};
     for (std::size_t a = 0; a < 3; ++a) {
-        const int at = std::clamp(static_cast<int>(place_mm[static_cast<Eigen::Index>(a)] * per_mm_[a]), 0, size_[a] - 1);
+        const int at =
+            std::clamp(static_cast<int>(place_mm[static_cast<Eigen::Index>(a)] * per_mm_[a]), 0, size_[a] - 1);
         first[a] = std::max(at - reach, 0);
         last[a] = std::min(at + reach, size_[a] - 1);
     }

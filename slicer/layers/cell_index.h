@@ -2,8 +2,8 @@
 //
 // Which surface cell a place on the surface belongs to: where the unknowns of the appearance loop meet the voxels.
 //
-// The mesh passes through places of the viewing grid where the voxels have no face; those belong to the cell, among the 27
-// around, whose centre is nearest. Places farther from every cell (which thin features can have) search on.
+// The mesh passes through places of the viewing grid where the voxels have no face; those belong to the cell, among the
+// 27 around, whose centre is nearest. Places farther from every cell (which thin features can have) search on.
 //
 // Memory: 2 KiB per block of 8^3 places near the surface.
 #pragma once
@@ -34,9 +34,9 @@ private:
     void offer(const std::array<int, 3>& place, std::uint32_t cell);
 
     std::array<float, 3> per_mm_{};
-    std::array<int, 3> size_{}, blocks_{};   ///< places and blocks along each axis
-    std::vector<std::int32_t> block_;        ///< of each block of places, -1: none near
-    std::vector<std::uint32_t> cell_;        ///< of each place of the blocks
+    std::array<int, 3> size_{}, blocks_{};  ///< places and blocks along each axis
+    std::vector<std::int32_t> block_;       ///< of each block of places, -1: none near
+    std::vector<std::uint32_t> cell_;       ///< of each place of the blocks
     std::vector<std::array<float, 3>> centre_;
 };
 

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // Layers by error diffusion. The shell's mixtures of one layer of blocks are kept block by block (they grow with the
-// surface), and laid out in full for one layer at a time, because errors travel across whole layers. Core and air take no
-// part: nothing is owed there.
+// surface), and laid out in full for one layer at a time, because errors travel across whole layers. Core and air take
+// no part: nothing is owed there.
 #include <algorithm>
 #include <memory>
 #include <vector>
 
-#include "voxtone/halftone/screens/error_diffusion.h"
 #include "voxtone/base/stopwatch.h"
+#include "voxtone/halftone/screens/error_diffusion.h"
 #include "voxtone/slicer/layers/block_mixtures.h"
 #include "voxtone/slicer/layers/layer_maker.h"
 
@@ -46,15 +46,16 @@ void lay_out(const std::vector<KeptBlock>& blocks, int k, int width, FullLayer& 
     }
 }
 
-void push_row(io::LayerRuns& out, int width, std::span<const Span> spans, const std::uint8_t* shell, const std::uint8_t* resin,
-              io::Material core) {
+void push_row(io::LayerRuns& out, int width, std::span<const Span> spans, const std::uint8_t* shell,
+              const std::uint8_t* resin, io::Material core) {
     int i = 0;
     for (const Span& span : spans) {
         out.push(std::uint32_t(span.begin - i), io::background);
         for (i = span.begin; i < span.end;) {
             const std::uint8_t* next = std::find(shell + i, shell + span.end, std::uint8_t{1});
             out.push(std::uint32_t(next - (shell + i)), core);
-            for (i = int(next - shell); i < span.end && shell[i]; ++i) out.push(1, static_cast<io::Material>(1 + resin[i]));
+            for (i = int(next - shell); i < span.end && shell[i]; ++i)
+                out.push(1, static_cast<io::Material>(1 + resin[i]));
         }
     }
     out.push(std::uint32_t(width - i), io::background);
@@ -63,14 +64,16 @@ void push_row(io::LayerRuns& out, int width, std::span<const Span> spans, const 
 
 }  // namespace
 
-LayerCounts LayerMaker::make_diffused(const MixtureSources& by_colour, int slab, int first, int last, const LayerSink& sink) const {
+LayerCounts LayerMaker::make_diffused(const MixtureSources& by_colour, int slab, int first, int last,
+                                      const LayerSink& sink) const {
     const VoxelGrid& grid = sources_.solid.grid();
     const int width = grid.size[0], height = grid.size[1], block_depth = sources_.shell.block_size()[2];
     halftone::ErrorDiffusionOptions options;
     options.pitch_mm = {grid.pitch_mm.x(), grid.pitch_mm.y(), grid.pitch_mm.z()};
     options.seed = by_colour.seed;
     halftone::ErrorDiffusion diffusion(width, height, static_cast<int>(by_colour.separation.resins()), options);
-    const auto mixtures = std::make_unique<BlockMixtures>(sources_.surface, by_colour.colour, by_colour.separation, by_colour.skin);
+    const auto mixtures =
+        std::make_unique<BlockMixtures>(sources_.surface, by_colour.colour, by_colour.separation, by_colour.skin);
     FullLayer full(width, height);
     io::LayerRuns runs{std::uint32_t(width), std::uint32_t(height)};
     LayerCounts counts;
@@ -91,7 +94,10 @@ LayerCounts LayerMaker::make_diffused(const MixtureSources& by_colour, int slab,
                 const std::size_t count = mixtures->gather(block);
                 of_part.colour_s += watch.lap();
                 const halftone::CumulativeMixture* separated = mixtures->separate();
-                blocks.push_back({block.origin, block.size, {block.shell, block.shell + block.size[1] * block.size[2]}, {separated, separated + count}});
+                blocks.push_back({block.origin,
+                                  block.size,
+                                  {block.shell, block.shell + block.size[1] * block.size[2]},
+                                  {separated, separated + count}});
                 of_part.shell_voxels += count;
                 of_part.screen_s += watch.lap();
             });

@@ -36,7 +36,9 @@ public:
     }
     [[nodiscard]] std::size_t blocks() const { return columns_.size(); }
     [[nodiscard]] int column(std::size_t block) const { return columns_[block]; }
-    [[nodiscard]] std::uint8_t shell(std::size_t block, int row) const { return shell_[block * std::size_t(rows_) + std::size_t(row)]; }
+    [[nodiscard]] std::uint8_t shell(std::size_t block, int row) const {
+        return shell_[block * std::size_t(rows_) + std::size_t(row)];
+    }
     [[nodiscard]] const io::Material* materials(std::size_t block, int row) const {
         return materials_.data() + (block * std::size_t(rows_) + std::size_t(row)) * block_width;
     }
@@ -49,7 +51,8 @@ private:
 };
 
 /// One row of voxels as runs: air outside the spans, in them core except where a near block says otherwise.
-void push_row(io::LayerRuns& layer, int width, std::span<const Span> spans, const Strip& strip, int strip_row, io::Material core) {
+void push_row(io::LayerRuns& layer, int width, std::span<const Span> spans, const Strip& strip, int strip_row,
+              io::Material core) {
     int i = 0;
     std::size_t block = 0;
     for (const Span& span : spans) {
@@ -103,7 +106,8 @@ LayerCounts& LayerCounts::operator+=(const LayerCounts& other) {
 
 LayerMaker::LayerMaker(const LayerSources& sources) : sources_(sources), all_core_(shows_core_only(sources)) {
     VOXTONE_EXPECT(sources.core > 0 && sources.core < no_shell);
-    if (const auto* by_colour = std::get_if<MixtureSources>(&sources.resins)) VOXTONE_EXPECT(by_colour->separation.resins() < no_shell);
+    if (const auto* by_colour = std::get_if<MixtureSources>(&sources.resins))
+        VOXTONE_EXPECT(by_colour->separation.resins() < no_shell);
 }
 
 bool LayerMaker::by_blocks() const {
@@ -166,7 +170,8 @@ LayerCounts LayerMaker::make_screened(int slab, int first, int last, const Layer
         for (int k = first; k < last; ++k)
             for (int j = std::min((bj + 1) * block_height, grid.size[1]) - 1; j >= bj * block_height; --j)
                 push_row(layers[std::size_t(k - first)], grid.size[0], spans.row(j, k), strip,
-                         all_core_ ? 0 : (k - slab * block_depth) * block_height + (j - bj * block_height), sources_.core);
+                         all_core_ ? 0 : (k - slab * block_depth) * block_height + (j - bj * block_height),
+                         sources_.core);
         counts.runs_s += watch.lap();
     }
     for (int k = first; k < last; ++k) sink(k, layers[std::size_t(k - first)]);

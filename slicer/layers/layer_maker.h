@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// From the body to printed layers: solid -> surface shell -> one resin per voxel -> runs. The resins of the shell are screened
-// mixtures that make a target colour, or the layers of stacks wrapped around the body.
+// From the body to printed layers: solid -> surface shell -> one resin per voxel -> runs. The resins of the shell are
+// screened mixtures that make a target colour, or the layers of stacks wrapped around the body.
 //
-// Work is cut into slabs of layers. A slab depends on nothing but its own index, so any number of threads and any choice
-// of layers give the same bits. With the blue-noise screen a slab is one layer of shell blocks, made row of blocks by row
-// of blocks in a strip that stays in cache; air and core are never touched voxel by voxel. Error diffusion needs whole
-// layers and has slabs of its own length.
-// Threads: `make` may be called from any thread, for different slabs at once.
+// Work is cut into slabs of layers. A slab depends on nothing but its own index, so any number of threads and any
+// choice of layers give the same bits. With the blue-noise screen a slab is one layer of shell blocks, made row of
+// blocks by row of blocks in a strip that stays in cache; air and core are never touched voxel by voxel. Error
+// diffusion needs whole layers and has slabs of its own length. Threads: `make` may be called from any thread, for
+// different slabs at once.
 #pragma once
 
 #include <cstdint>
@@ -20,12 +20,12 @@
 #include "voxtone/io/layers/layer_runs.h"
 #include "voxtone/slicer/layers/block_fill.h"
 #include "voxtone/slicer/layers/skin_source.h"
+#include "voxtone/slicer/layers/wrapped_layers.h"
 #include "voxtone/slicer/solid/solid.h"
+#include "voxtone/slicer/solid/thin_features.h"
 #include "voxtone/slicer/surface/surface_colour.h"
 #include "voxtone/slicer/surface/surface_shell.h"
-#include "voxtone/slicer/solid/thin_features.h"
 #include "voxtone/slicer/surface/visible_surface.h"
-#include "voxtone/slicer/layers/wrapped_layers.h"
 
 namespace voxtone::slicer {
 
@@ -44,7 +44,7 @@ struct LayerSources {
     const ThinFeatures* thin;  ///< null: features thinner than a voxel may vanish
     const VisibleSurface& surface;
     const SurfaceShell& shell;
-    io::Material core;  ///< material of voxels below the shell
+    io::Material core;                                          ///< material of voxels below the shell
     std::variant<MixtureSources, const WrappedLayers*> resins;  ///< of the shell
 };
 
@@ -61,7 +61,8 @@ public:
 
 private:
     LayerCounts make_screened(int slab, int first, int last, const LayerSink& sink) const;
-    LayerCounts make_diffused(const MixtureSources& by_colour, int slab, int first, int last, const LayerSink& sink) const;
+    LayerCounts make_diffused(const MixtureSources& by_colour, int slab, int first, int last,
+                              const LayerSink& sink) const;
     /// Null: by error diffusion.
     [[nodiscard]] std::unique_ptr<BlockFill> block_fill() const;
     [[nodiscard]] bool by_blocks() const;

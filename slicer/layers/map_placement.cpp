@@ -22,7 +22,9 @@ std::array<Eigen::Vector2f, 3> frame(const Eigen::Vector2d& a, const Eigen::Vect
 MapPlacement MapPlacement::by_texture(const io::TexturedMesh& mesh, double map_width_mm, double map_height_mm) {
     const auto has_extent = [](const std::array<Eigen::Vector2f, 3>& uv) { return uv[0] != uv[1] || uv[0] != uv[2]; };
     if (std::none_of(mesh.corner_uv.begin(), mesh.corner_uv.end(), has_extent))
-        throw InputError("the model has no texture coordinates, so nothing says where on it the map of profiles lies; try --profile-placement box");
+        throw InputError(
+            "the model has no texture coordinates, so nothing says where on it the map of profiles lies; try "
+            "--profile-placement box");
     const Eigen::Vector2d size(map_width_mm, map_height_mm);
     MapPlacement placement;
     for (const auto& uv : mesh.corner_uv) {

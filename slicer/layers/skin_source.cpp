@@ -9,11 +9,13 @@
 
 namespace voxtone::slicer {
 
-SurfacePlaces::SurfacePlaces(const VisibleSurface& surface, const Eigen::Vector3d& corner_mm) : frame_(surface.triangles.size()) {
+SurfacePlaces::SurfacePlaces(const VisibleSurface& surface, const Eigen::Vector3d& corner_mm)
+    : frame_(surface.triangles.size()) {
     parallel_for(0, frame_.size(), 1024, [&](std::size_t t) {
         Eigen::Matrix3d corner;  // columns
         Eigen::Matrix2d uv;
-        for (int k = 0; k < 3; ++k) corner.col(k) = surface.positions_mm[surface.triangles[t][static_cast<std::size_t>(k)]] - corner_mm;
+        for (int k = 0; k < 3; ++k)
+            corner.col(k) = surface.positions_mm[surface.triangles[t][static_cast<std::size_t>(k)]] - corner_mm;
         const auto& place = surface.source_uv[t];
         for (int k = 0; k < 2; ++k) uv.col(k) = (place[static_cast<std::size_t>(k + 1)] - place[0]).cast<double>();
         auto& [origin, along_u, along_v] = frame_[t];

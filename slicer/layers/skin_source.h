@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// The mixtures of the appearance loop as the layers are made of them: for a shell voxel, that of the surface cell nearest
-// to it and of the layer that its depth falls in; core below the skin.
+// The mixtures of the appearance loop as the layers are made of them: for a shell voxel, that of the surface cell
+// nearest to it and of the layer that its depth falls in; core below the skin.
 #pragma once
 
 #include <array>
@@ -11,8 +11,8 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/halftone/separation/mixture.h"
 #include "voxtone/halftone/loop/skin.h"
+#include "voxtone/halftone/separation/mixture.h"
 #include "voxtone/slicer/layers/cell_index.h"
 #include "voxtone/slicer/surface/visible_surface.h"
 
@@ -48,7 +48,8 @@ class SkinSource {
 public:
     /// `core`: index of the core resin.
     SkinSource(const SkinMap& map, const halftone::SkinMixtures& mixtures, int core);
-    [[nodiscard]] const halftone::CumulativeMixture& mixture(std::uint32_t triangle, float u, float v, float distance_mm) const {
+    [[nodiscard]] const halftone::CumulativeMixture& mixture(std::uint32_t triangle, float u, float v,
+                                                             float distance_mm) const {
         const std::size_t at = map_.at(triangle, u, v, distance_mm);
         return at == SkinMap::core ? core_ : mixture_[at];
     }

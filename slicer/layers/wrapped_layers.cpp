@@ -18,9 +18,13 @@ public:
         for_each_shell_voxel(block, [&](int row, int lane) {
             const int at = row * ShellBlock::width + lane;
             const std::uint32_t triangle = block.triangle[at];
-            const float t = (float(wrapped_.screen_.threshold(block.origin[0] + lane, block.origin[1] + row % block.size[1],
-                                                              block.origin[2] + row / block.size[1])) + 0.5f) / 65535.0f;
-            const float depth = std::max(block.distance_mm[at] + (t - 0.5f) * wrapped_.voxel_extent_mm_[triangle], 0.0f);
+            const float t =
+                (float(wrapped_.screen_.threshold(block.origin[0] + lane, block.origin[1] + row % block.size[1],
+                                                  block.origin[2] + row / block.size[1])) +
+                 0.5f) /
+                65535.0f;
+            const float depth =
+                std::max(block.distance_mm[at] + (t - 0.5f) * wrapped_.voxel_extent_mm_[triangle], 0.0f);
             const Eigen::Vector2f place = wrapped_.map_point(triangle, block.u[at], block.v[at]);
             out[at] = wrapped_.material(wrapped_.fields_.layer_at(place.x(), place.y(), depth));
             ++counts.shell_voxels;
@@ -33,8 +37,8 @@ private:
 };
 
 WrappedLayers::WrappedLayers(const VisibleSurface& surface, const VoxelGrid& grid, const halftone::LayerFields& fields,
-                             const MapPlacement& placement, const halftone::BlueNoiseScreen& screen, std::vector<io::Material> materials,
-                             io::Material base)
+                             const MapPlacement& placement, const halftone::BlueNoiseScreen& screen,
+                             std::vector<io::Material> materials, io::Material base)
     : surface_(surface), fields_(fields), placement_(placement), screen_(screen) {
     for (std::size_t l = 0; l < fields.layers(); ++l) {
         VOXTONE_EXPECT(fields.material(l) < materials.size());

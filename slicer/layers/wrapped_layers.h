@@ -5,16 +5,16 @@
 // specified subsurface scattering", SIGGRAPH 2010, Sec. 7.2, with exact distances to the surface in the place of a
 // distance transform and without meshes between.
 //
-// A voxel takes the layer that its distance to the surface falls in at the nearest surface point; below the layers comes the base.
-// Layers from two sides of a thin part meet where both are equally far.
+// A voxel takes the layer that its distance to the surface falls in at the nearest surface point; below the layers
+// comes the base. Layers from two sides of a thin part meet where both are equally far.
 //
-// Borders between layers fall between voxels, and layers may be thinner than one. So the distance is taken at one depth of
-// the voxel's extent along the surface normal, chosen by the blue-noise screen: with e the sum of |n_axis| pitch_axis over the axes
-// and t in (0, 1) the voxel's threshold, at d + (t - 1/2) e. A voxel gets each layer with the share that the layer has of it, the mean
-// thickness of a layer on a flat surface is exact, and a border is off by less than one voxel at any place. (The voxel's centre alone
-// would be within half a voxel everywhere, but wrong by the same amount all over a flat side.)
-// Distances count from the model's surface; what the printed body has beyond it by its own rounding, up to half a voxel, is given to the
-// topmost layer.
+// Borders between layers fall between voxels, and layers may be thinner than one. So the distance is taken at one depth
+// of the voxel's extent along the surface normal, chosen by the blue-noise screen: with e the sum of |n_axis|
+// pitch_axis over the axes and t in (0, 1) the voxel's threshold, at d + (t - 1/2) e. A voxel gets each layer with the
+// share that the layer has of it, the mean thickness of a layer on a flat surface is exact, and a border is off by less
+// than one voxel at any place. (The voxel's centre alone would be within half a voxel everywhere, but wrong by the same
+// amount all over a flat side.) Distances count from the model's surface; what the printed body has beyond it by its
+// own rounding, up to half a voxel, is given to the topmost layer.
 #pragma once
 
 #include <cstdint>
@@ -25,16 +25,17 @@
 #include "voxtone/halftone/stacks/layer_fields.h"
 #include "voxtone/slicer/layers/block_fill.h"
 #include "voxtone/slicer/layers/map_placement.h"
-#include "voxtone/slicer/surface/visible_surface.h"
 #include "voxtone/slicer/printer/voxel_grid.h"
+#include "voxtone/slicer/surface/visible_surface.h"
 
 namespace voxtone::slicer {
 
 class WrappedLayers {
 public:
     /// `materials`: what the materials of the fields are printed with. Keeps references to all but these.
-    WrappedLayers(const VisibleSurface& surface, const VoxelGrid& grid, const halftone::LayerFields& fields, const MapPlacement& placement,
-                  const halftone::BlueNoiseScreen& screen, std::vector<io::Material> materials, io::Material base);
+    WrappedLayers(const VisibleSurface& surface, const VoxelGrid& grid, const halftone::LayerFields& fields,
+                  const MapPlacement& placement, const halftone::BlueNoiseScreen& screen,
+                  std::vector<io::Material> materials, io::Material base);
 
     /// How far from the surface voxels may be of another material than the base.
     [[nodiscard]] double shell_mm() const { return shell_mm_; }

@@ -13,9 +13,9 @@
 
 #include "voxtone/base/progress.h"
 #include "voxtone/io/models/coloured_mesh.h"
+#include "voxtone/io/models/ply_writer.h"
 #include "voxtone/io/pictures/exr_writer.h"
 #include "voxtone/io/pictures/picture_writer.h"
-#include "voxtone/io/models/ply_writer.h"
 #include "voxtone/slicer/look/preview.h"
 #include "voxtone/slicer/look/surface_prediction.h"
 

@@ -17,10 +17,12 @@ UprightCut::UprightCut(const VoxelGrid& grid, int first_layer, int last_layer, i
 void UprightCut::add(int k, const io::LayerRuns& layer) {
     VOXTONE_EXPECT(first_ <= k && k <= last_);
     io::Material* at = material_.data() + std::size_t(k - first_) * std::size_t(grid_.size[0]);
-    for (const io::Run run : layer.row(std::uint32_t(row_))) at = std::fill_n(at, run.length, io::Material(run.material));
+    for (const io::Run run : layer.row(std::uint32_t(row_)))
+        at = std::fill_n(at, run.length, io::Material(run.material));
 }
 
-io::ReportPicture UprightCut::picture(const std::vector<io::Rgb>& palette, std::string caption, double longest_px) const {
+io::ReportPicture UprightCut::picture(const std::vector<io::Rgb>& palette, std::string caption,
+                                      double longest_px) const {
     const double pitch_x = grid_.pitch_mm.x(), pitch_z = grid_.pitch_mm.z();
     const int width = grid_.size[0], height = last_ - first_ + 1;
     const double px_per_mm = longest_px / std::max(width * pitch_x, height * pitch_z);
@@ -35,7 +37,8 @@ io::ReportPicture UprightCut::picture(const std::vector<io::Rgb>& palette, std::
             const int k = std::max(0, height - 1 - int((row + 0.5) / px_per_mm / pitch_z));
             const io::Material material = material_[std::size_t(k) * std::size_t(width) + std::size_t(i)];
             const io::Rgb rgb = palette[material];
-            codes.codes.insert(codes.codes.end(), {rgb[0], rgb[1], rgb[2], std::uint8_t(material == io::background ? 0 : 255)});
+            codes.codes.insert(codes.codes.end(),
+                               {rgb[0], rgb[1], rgb[2], std::uint8_t(material == io::background ? 0 : 255)});
         }
     return {std::move(caption), io::png_bytes(codes), codes.width_px, codes.height_px, px_per_mm};
 }

@@ -20,7 +20,8 @@ public:
     /// From any thread, once for each layer.
     void add(int k, const io::LayerRuns& layer);
     /// `palette`: background and resins; air is transparent. The longer side is about `longest_px`.
-    [[nodiscard]] io::ReportPicture picture(const std::vector<io::Rgb>& palette, std::string caption, double longest_px = 1400) const;
+    [[nodiscard]] io::ReportPicture picture(const std::vector<io::Rgb>& palette, std::string caption,
+                                            double longest_px = 1400) const;
 
 private:
     VoxelGrid grid_;

@@ -27,8 +27,8 @@ struct Watch : CGAL::Alpha_wraps_3::internal::Wrapping_default_visitor {
 
 }  // namespace
 
-std::optional<Wrap> alpha_wrap(std::span<const Eigen::Vector3d> positions, std::span<const Triangle> triangles, double alpha, double offset,
-                               std::size_t max_points, const Progress* progress) {
+std::optional<Wrap> alpha_wrap(std::span<const Eigen::Vector3d> positions, std::span<const Triangle> triangles,
+                               double alpha, double offset, std::size_t max_points, const Progress* progress) {
     VOXTONE_EXPECT(alpha > 0 && offset > 0 && !triangles.empty());
     using Point = CGAL::Exact_predicates_inexact_constructions_kernel::Point_3;
     std::vector<Point> points;
@@ -43,7 +43,8 @@ std::optional<Wrap> alpha_wrap(std::span<const Eigen::Vector3d> positions, std::
     watch.points_left = max_points;
     watch.progress = progress;
     try {
-        CGAL::alpha_wrap_3(points, faces, alpha, offset, mesh, CGAL::parameters::default_values(), CGAL::parameters::visitor(std::ref(watch)));
+        CGAL::alpha_wrap_3(points, faces, alpha, offset, mesh, CGAL::parameters::default_values(),
+                           CGAL::parameters::visitor(std::ref(watch)));
     } catch (const TooManyPoints&) {
         return std::nullopt;
     }
@@ -58,7 +59,8 @@ std::optional<Wrap> alpha_wrap(std::span<const Eigen::Vector3d> positions, std::
     for (const auto f : mesh.faces()) {
         Triangle t{};
         int corner = 0;
-        for (const auto v : mesh.vertices_around_face(mesh.halfedge(f))) t[corner++] = static_cast<std::uint32_t>(std::size_t(v));
+        for (const auto v : mesh.vertices_around_face(mesh.halfedge(f)))
+            t[corner++] = static_cast<std::uint32_t>(std::size_t(v));
         wrap.triangles.push_back(t);
     }
     return wrap;

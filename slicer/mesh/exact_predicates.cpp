@@ -18,7 +18,8 @@ Kernel::Triangle_3 triangle(const std::array<Eigen::Vector3d, 3>& t) {
 
 }  // namespace
 
-bool segment_meets_triangle(const Eigen::Vector3d& p, const Eigen::Vector3d& q, const std::array<Eigen::Vector3d, 3>& t) {
+bool segment_meets_triangle(const Eigen::Vector3d& p, const Eigen::Vector3d& q,
+                            const std::array<Eigen::Vector3d, 3>& t) {
     const Kernel::Segment_3 segment({p[0], p[1], p[2]}, {q[0], q[1], q[2]});
     const Kernel::Triangle_3 face = triangle(t);
     return !segment.is_degenerate() && !face.is_degenerate() && CGAL::do_intersect(segment, face);

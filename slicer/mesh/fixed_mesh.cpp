@@ -37,7 +37,8 @@ FixedMesh::FixedMesh(const SolidMesh& mesh, const VoxelGrid& grid) : triangles(m
     // From the layer below the lowest corner (also where that lies on a centre) to the layer above the highest.
     const auto buckets_of = [&](const std::array<std::uint32_t, 3>& t) {
         const auto [z0, z1] = std::minmax({vertices[t[0]][2], vertices[t[1]][2], vertices[t[2]][2]});
-        const int k0 = std::max(int(ceil_div<std::int64_t>(z0, std::int64_t{1} << fraction_bits)) - 1, 0), k1 = std::min((z1 >> fraction_bits) + 1, grid.size[2] - 1);
+        const int k0 = std::max(int(ceil_div<std::int64_t>(z0, std::int64_t{1} << fraction_bits)) - 1, 0),
+                  k1 = std::min((z1 >> fraction_bits) + 1, grid.size[2] - 1);
         return k0 > k1 ? std::pair{0, 0} : std::pair{k0 / bucket_layers, k1 / bucket_layers + 1};
     };
     bucket_begin.assign(std::size_t(buckets) + 1, 0);

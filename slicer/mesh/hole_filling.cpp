@@ -68,7 +68,8 @@ void fill_least_area(std::span<const Vector3d> positions, HoleFill& hole) {
             const std::size_t k = i + length;
             double least = std::numeric_limits<double>::infinity();
             for (std::size_t j = i + 1; j < k; ++j) {
-                const double c = cost[i * n + j] + cost[j * n + k] + area(positions, {hole.loop[i], hole.loop[j], hole.loop[k]});
+                const double c =
+                    cost[i * n + j] + cost[j * n + k] + area(positions, {hole.loop[i], hole.loop[j], hole.loop[k]});
                 if (c < least) {
                     least = c;
                     best[i * n + k] = static_cast<std::uint32_t>(j);
@@ -107,7 +108,8 @@ void fill_by_ears(std::span<const Vector3d> positions, HoleFill& hole) {
     };
     std::priority_queue<Ear> ears;
     const auto push = [&](std::size_t i) {
-        const Vector3d &a = positions[hole.loop[previous[i]]], &b = positions[hole.loop[i]], &c = positions[hole.loop[next[i]]];
+        const Vector3d &a = positions[hole.loop[previous[i]]], &b = positions[hole.loop[i]],
+                       &c = positions[hole.loop[next[i]]];
         ears.push({(b - a).cross(c - b).dot(normal) <= 0, (c - a).norm(), i, ++version[i]});
     };
     for (std::size_t i = 0; i < n; ++i) push(i);

@@ -3,8 +3,9 @@
 // Triangles that close an open mesh, on the vertices that are there. The edges that do not cancel form closed loops,
 // whatever the mesh; each loop is filled, so that the result is a closed chain always.
 //
-// Loops of up to 200 vertices get the triangulation of least area (G. Barequet, M. Sharir, "Filling gaps in the boundary
-// of a polyhedron", 1995; cubic time), longer ones are closed ear by ear, the ear with the shortest new edge first.
+// Loops of up to 200 vertices get the triangulation of least area (G. Barequet, M. Sharir, "Filling gaps in the
+// boundary of a polyhedron", 1995; cubic time), longer ones are closed ear by ear, the ear with the shortest new edge
+// first.
 #pragma once
 
 #include <cstddef>
@@ -23,6 +24,7 @@ struct HoleFill {
     std::vector<Triangle> triangles;
 };
 
-[[nodiscard]] std::vector<HoleFill> fill_holes(std::span<const Eigen::Vector3d> positions, std::span<const Triangle> triangles);
+[[nodiscard]] std::vector<HoleFill> fill_holes(std::span<const Eigen::Vector3d> positions,
+                                               std::span<const Triangle> triangles);
 
 }  // namespace voxtone::slicer

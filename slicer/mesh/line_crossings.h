@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Where the grid lines along one axis through voxel centres cross a triangle of a FixedMesh. Not for use outside the solid.
+// Where the grid lines along one axis through voxel centres cross a triangle of a FixedMesh. Not for use outside the
+// solid.
 //
-// The triangle is rasterised on the plane of the other two axes, u (inner) and w (outer), in exact integer arithmetic. Centres
-// on the surface count as if moved by infinitesimals e along the line, e^2 along u and e^3 along w: one rule for every
-// triangle, so a closed chain has no cracks.
+// The triangle is rasterised on the plane of the other two axes, u (inner) and w (outer), in exact integer arithmetic.
+// Centres on the surface count as if moved by infinitesimals e along the line, e^2 along u and e^3 along w: one rule
+// for every triangle, so a closed chain has no cracks.
 #pragma once
 
 #include <algorithm>
@@ -23,11 +24,12 @@ struct LineWindow {
     double x_low = -std::numeric_limits<double>::infinity(), x_high = std::numeric_limits<double>::infinity();
 };
 
-/// Calls visit(u, w, c, x, step) for every line in the window that crosses the triangle: at x (in voxels, centres whole), which is
-/// at or before centre c and behind centre c - 1 (decided exactly); step is the change of the winding number there, +1 or -1.
-/// Corners are given as (along the line, u, w), axes right-handed.
+/// Calls visit(u, w, c, x, step) for every line in the window that crosses the triangle: at x (in voxels, centres
+/// whole), which is at or before centre c and behind centre c - 1 (decided exactly); step is the change of the winding
+/// number there, +1 or -1. Corners are given as (along the line, u, w), axes right-handed.
 template <class Visit>
-void for_each_line_crossing(std::array<FixedMesh::Vertex, 3> v, int fraction_bits, const LineWindow& window, Visit&& visit) {
+void for_each_line_crossing(std::array<FixedMesh::Vertex, 3> v, int fraction_bits, const LineWindow& window,
+                            Visit&& visit) {
     __extension__ typedef __int128 Int128;
     const int f = fraction_bits;
     const std::int64_t one = std::int64_t{1} << f;
@@ -50,8 +52,8 @@ void for_each_line_crossing(std::array<FixedMesh::Vertex, 3> v, int fraction_bit
 
     for (std::int64_t w = w_first; w <= w_last; ++w) {
         const std::int64_t at_w = w * one;
-        // The inside of edge p -> q is e(u, w) = du (w - p_w) - dw (u - p_u) > 0, or = 0 where the infinitesimal step makes
-        // it positive: dw < 0, or dw = 0 and du > 0.
+        // The inside of edge p -> q is e(u, w) = du (w - p_w) - dw (u - p_u) > 0, or = 0 where the infinitesimal step
+        // makes it positive: dw < 0, or dw = 0 and du > 0.
         std::int64_t u_first = window.u_begin, u_end = window.u_end;
         for (int c = 0; c < 3; ++c) {
             const FixedMesh::Vertex &p = v[c], &q = v[(c + 1) % 3];
@@ -68,11 +70,17 @@ void for_each_line_crossing(std::array<FixedMesh::Vertex, 3> v, int fraction_bit
         if (u_first >= u_end) continue;
         if (std::isfinite(window.x_low)) {
             // x is linear along the row; a margin of two voxels covers the rounding.
-            const double slope = (-double(difference(v[0][2], v[2][2])) * double(dx1) - double(difference(v[1][2], v[0][2])) * double(dx2)) / double(area);
+            const double slope = (-double(difference(v[0][2], v[2][2])) * double(dx1) -
+                                  double(difference(v[1][2], v[0][2])) * double(dx2)) /
+                                 double(area);
             const auto weight = [&](const FixedMesh::Vertex& p, const FixedMesh::Vertex& q) {
-                return double(difference(q[1], p[1])) * double(at_w - p[2]) + double(difference(q[2], p[2])) * double(p[1]);
+                return double(difference(q[1], p[1])) * double(at_w - p[2]) +
+                       double(difference(q[2], p[2])) * double(p[1]);
             };
-            const double x_at_0 = (double(v[0][0]) + (weight(v[2], v[0]) * double(dx1) + weight(v[0], v[1]) * double(dx2)) / double(area)) * scale;
+            const double x_at_0 =
+                (double(v[0][0]) +
+                 (weight(v[2], v[0]) * double(dx1) + weight(v[0], v[1]) * double(dx2)) / double(area)) *
+                scale;
             double from = -1e18, to = 1e18;
             if (std::abs(slope) > 1e-6) {
                 const double a = (window.x_low - 1 - x_at_0) / slope, b = (window.x_high + 1 - x_at_0) / slope;
@@ -89,9 +97,11 @@ void for_each_line_crossing(std::array<FixedMesh::Vertex, 3> v, int fraction_bit
             return difference(q[1], p[1]) * (at_w - p[2]) - difference(q[2], p[2]) * (u_first * one - p[1]);
         };
         std::int64_t w1 = edge(v[2], v[0]), w2 = edge(v[0], v[1]);
-        const std::int64_t w1_step = -(difference(v[0][2], v[2][2]) * one), w2_step = -(difference(v[1][2], v[0][2]) * one);
+        const std::int64_t w1_step = -(difference(v[0][2], v[2][2]) * one),
+                           w2_step = -(difference(v[1][2], v[0][2]) * one);
         for (std::int64_t u = u_first; u < u_end; ++u, w1 += w1_step, w2 += w2_step) {
-            const double x = (double(v[0][0]) + (double(w1) * double(dx1) + double(w2) * double(dx2)) / double(area)) * scale;
+            const double x =
+                (double(v[0][0]) + (double(w1) * double(dx1) + double(w2) * double(dx2)) / double(area)) * scale;
             const double up = std::ceil(x);
             // The double is off by less than 1e-8 voxel; nearer than that to a centre the integers decide.
             std::int64_t c;

@@ -24,7 +24,10 @@ std::vector<EdgeUse> edge_uses(std::span<const Triangle> triangles) {
         }
     }
     std::sort(uses.begin(), uses.end(), [](const EdgeUse& a, const EdgeUse& b) {
-        return a.low != b.low ? a.low < b.low : a.high != b.high ? a.high < b.high : a.triangle != b.triangle ? a.triangle < b.triangle : a.sign < b.sign;
+        return a.low != b.low             ? a.low < b.low
+               : a.high != b.high         ? a.high < b.high
+               : a.triangle != b.triangle ? a.triangle < b.triangle
+                                          : a.sign < b.sign;
     });
     return uses;
 }

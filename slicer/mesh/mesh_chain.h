@@ -50,8 +50,8 @@ void for_each_edge(std::span<const EdgeUse> uses, Visit&& visit) {
 /// Edges whose uses do not cancel.
 [[nodiscard]] std::size_t open_edges(std::span<const Triangle> triangles);
 
-/// Shells: triangles joined through edges that two faces share, and through edges with more faces as far as that is needed
-/// for each shell to be closed. Returns a number per triangle, 0 .. count - 1 in order of first triangles.
+/// Shells: triangles joined through edges that two faces share, and through edges with more faces as far as that is
+/// needed for each shell to be closed. Returns a number per triangle, 0 .. count - 1 in order of first triangles.
 struct Shells {
     std::vector<std::uint32_t> of_triangle;
     std::uint32_t count = 0;
@@ -63,6 +63,7 @@ struct Shells {
 
 /// Winding number of some triangles around a point, as a real number (it is an integer off a closed chain).
 /// Based on: A. van Oosterom, J. Strackee, "The solid angle of a plane triangle", 1983.
-[[nodiscard]] double winding_number(std::span<const Eigen::Vector3d> positions, std::span<const Triangle> triangles, const Eigen::Vector3d& p);
+[[nodiscard]] double winding_number(std::span<const Eigen::Vector3d> positions, std::span<const Triangle> triangles,
+                                    const Eigen::Vector3d& p);
 
 }  // namespace voxtone::slicer

@@ -49,7 +49,8 @@ std::size_t count_crossings(std::span<const Vector3d> positions, std::span<const
     return pairs;
 }
 
-std::vector<std::vector<std::uint32_t>> find_crossings(std::span<const Vector3d> positions, std::span<const Triangle> triangles) {
+std::vector<std::vector<std::uint32_t>> find_crossings(std::span<const Vector3d> positions,
+                                                       std::span<const Triangle> triangles) {
     const TriangleTree tree(positions, triangles);
     std::vector<std::vector<std::uint32_t>> crossings(triangles.size());
     for_each_near_pair(tree, triangles.size(), [&](std::uint32_t a, std::uint32_t b) {

@@ -9,8 +9,8 @@
 
 namespace voxtone::slicer {
 
-MeshDiagnosis diagnose(const std::vector<Eigen::Vector3d>& positions, const std::vector<std::array<std::uint32_t, 3>>& triangles,
-                       bool count_them) {
+MeshDiagnosis diagnose(const std::vector<Eigen::Vector3d>& positions,
+                       const std::vector<std::array<std::uint32_t, 3>>& triangles, bool count_them) {
     MeshDiagnosis d;
     d.triangles = triangles.size();
     for_each_edge(edge_uses(triangles), [&](std::span<const EdgeUse> uses) {

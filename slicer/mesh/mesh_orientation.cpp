@@ -54,7 +54,8 @@ std::size_t orient_consistently(std::span<Triangle> triangles) {
         ++patches;
     }
 
-    // Edges where more faces meet: each as the sum over its patches. A patch is turned while that closes more than it opens.
+    // Edges where more faces meet: each as the sum over its patches. A patch is turned while that closes more than it
+    // opens.
     struct Junction {
         std::map<std::uint32_t, int> sum_of_patch;
         [[nodiscard]] int sum() const {
@@ -122,7 +123,9 @@ ShellTurns orient_outward(std::span<const Vector3d> positions, std::span<Triangl
 
     // a lies inside b when b winds around corners of a that are not on b.
     const auto inside = [&](const Shell& a, const Shell& b) {
-        if (std::abs(b.volume) <= std::abs(a.volume) || (a.low - b.low).minCoeff() < 0 || (b.high - a.high).minCoeff() < 0) return false;
+        if (std::abs(b.volume) <= std::abs(a.volume) || (a.low - b.low).minCoeff() < 0 ||
+            (b.high - a.high).minCoeff() < 0)
+            return false;
         const std::size_t samples = std::min<std::size_t>(a.triangles.size(), 5);
         for (std::size_t n = 0; n < samples; ++n) {
             const Triangle& t = a.triangles[n * a.triangles.size() / samples];

@@ -13,8 +13,9 @@
 
 namespace voxtone::slicer {
 
-/// Turns faces so that faces that share an edge (two at that edge) run it in opposite ways wherever that is possible, as few as
-/// possible per connected patch; then whole patches where that closes edges at which more faces meet. Returns how many.
+/// Turns faces so that faces that share an edge (two at that edge) run it in opposite ways wherever that is possible,
+/// as few as possible per connected patch; then whole patches where that closes edges at which more faces meet. Returns
+/// how many.
 std::size_t orient_consistently(std::span<Triangle> triangles);
 
 struct ShellTurns {
@@ -22,8 +23,9 @@ struct ShellTurns {
     std::size_t cavities = 0;  ///< shells of negative volume inside others, left as they are
     std::vector<std::uint8_t> turned_triangle;
 };
-/// Turns shells of negative volume outward, and with each the shells inside it; a shell of negative volume inside another
-/// shell is a cavity and stays. The mesh is a closed chain.
-ShellTurns orient_outward(std::span<const Eigen::Vector3d> positions, std::span<Triangle> triangles, const Shells& shells);
+/// Turns shells of negative volume outward, and with each the shells inside it; a shell of negative volume inside
+/// another shell is a cavity and stays. The mesh is a closed chain.
+ShellTurns orient_outward(std::span<const Eigen::Vector3d> positions, std::span<Triangle> triangles,
+                          const Shells& shells);
 
 }  // namespace voxtone::slicer

@@ -46,7 +46,8 @@ std::size_t weld(SolidMesh& mesh, double tolerance) {
     };
     struct Hash {
         std::size_t operator()(const Cell& c) const {
-            return std::size_t((std::uint64_t(c.x) * 0x9E3779B97F4A7C15u ^ std::uint64_t(c.y)) * 0xC2B2AE3D27D4EB4Fu ^ std::uint64_t(c.z));
+            return std::size_t((std::uint64_t(c.x) * 0x9E3779B97F4A7C15u ^ std::uint64_t(c.y)) * 0xC2B2AE3D27D4EB4Fu ^
+                               std::uint64_t(c.z));
         }
     };
     const auto cell = [&](const Vector3d& p) {
@@ -114,7 +115,8 @@ std::size_t drop_duplicates(SolidMesh& mesh) {
     return before - mesh.triangles.size();
 }
 
-// Faces that filling holes would close upon themselves: pieces (joined through edges) whose fill is about as large as they are.
+// Faces that filling holes would close upon themselves: pieces (joined through edges) whose fill is about as large as
+// they are.
 std::vector<bool> loose_faces(const SolidMesh& mesh, const std::vector<HoleFill>& fills) {
     std::vector<Triangle> all = mesh.triangles;
     for (const HoleFill& f : fills) all.insert(all.end(), f.triangles.begin(), f.triangles.end());
@@ -142,7 +144,8 @@ std::vector<bool> loose_faces(const SolidMesh& mesh, const std::vector<HoleFill>
 }
 
 // Replaces the faces marked by a wrap around them.
-void wrap_faces(RepairedMesh& result, const std::vector<bool>& marked, const RepairOptions& options, const Progress* progress) {
+void wrap_faces(RepairedMesh& result, const std::vector<bool>& marked, const RepairOptions& options,
+                const Progress* progress) {
     SolidMesh& mesh = result.solid;
     RepairReport& report = result.report;
     std::vector<Triangle> faces;
@@ -159,8 +162,8 @@ void wrap_faces(RepairedMesh& result, const std::vector<bool>& marked, const Rep
     const double diagonal = box_of(marked_mesh).diagonal();
     double faces_area = 0;
     for (const Triangle& t : faces) faces_area += area(mesh.positions_mm, t);
-    // The finer the wrap, the closer; but once it slips through the cracks it lines the surface from inside as well and its
-    // area doubles. So: finer until that happens or time runs out (a point takes about a quarter of a millisecond).
+    // The finer the wrap, the closer; but once it slips through the cracks it lines the surface from inside as well and
+    // its area doubles. So: finer until that happens or time runs out (a point takes about a quarter of a millisecond).
     // What is lined on both sides from the start consists of sheets, and is wrapped finely.
     constexpr std::size_t max_points = 20'000;
     const double offset = std::max(options.pitch_mm, diagonal / 2000);
@@ -169,7 +172,8 @@ void wrap_faces(RepairedMesh& result, const std::vector<bool>& marked, const Rep
     bool sheets = false;
     for (double alpha = coarsest;; alpha = std::max(alpha / 2, finest)) {
         if (progress) progress->check_cancelled();
-        std::optional<Wrap> finer = alpha_wrap(mesh.positions_mm, faces, alpha, offset, wrap ? max_points : 10 * max_points, progress);
+        std::optional<Wrap> finer =
+            alpha_wrap(mesh.positions_mm, faces, alpha, offset, wrap ? max_points : 10 * max_points, progress);
         if (!finer) break;
         double wrap_area = 0;
         for (const Triangle& t : finer->triangles) wrap_area += area(finer->positions, t);
@@ -181,7 +185,9 @@ void wrap_faces(RepairedMesh& result, const std::vector<bool>& marked, const Rep
         report.wrap_offset_mm = offset;
         if (alpha <= finest) break;
     }
-    if (!wrap) throw ResourceError("the model's surface is too large and too torn to be wrapped; repair it in a mesh editor first");
+    if (!wrap)
+        throw ResourceError(
+            "the model's surface is too large and too torn to be wrapped; repair it in a mesh editor first");
     keep_faces(mesh, keep);
     const auto first = static_cast<std::uint32_t>(mesh.positions_mm.size());
     mesh.positions_mm.insert(mesh.positions_mm.end(), wrap->positions.begin(), wrap->positions.end());
@@ -190,9 +196,10 @@ void wrap_faces(RepairedMesh& result, const std::vector<bool>& marked, const Rep
         mesh.source_triangle.push_back(-1);
     }
     report.wrapped_faces = faces.size();
-    report.messages.push_back(fmt::format(
-        "{} faces were replaced by a surface wrapped around them: gaps below {:.3g} mm are bridged and the body grows by about {:.3g} mm there.",
-        faces.size(), report.wrap_alpha_mm, report.wrap_offset_mm));
+    report.messages.push_back(
+        fmt::format("{} faces were replaced by a surface wrapped around them: gaps below {:.3g} mm are bridged and the "
+                    "body grows by about {:.3g} mm there.",
+                    faces.size(), report.wrap_alpha_mm, report.wrap_offset_mm));
 }
 
 void fill(SolidMesh& mesh, const std::vector<HoleFill>& fills, RepairReport& report) {
@@ -204,8 +211,8 @@ void fill(SolidMesh& mesh, const std::vector<HoleFill>& fills, RepairReport& rep
         }
     report.filled_holes = fills.size();
     if (fills.empty()) return;
-    report.messages.push_back(fmt::format("{} hole{} closed with {:.3g} mm^2 of new surface.", fills.size(), fills.size() == 1 ? " was" : "s were",
-                                          report.filled_area_mm2));
+    report.messages.push_back(fmt::format("{} hole{} closed with {:.3g} mm^2 of new surface.", fills.size(),
+                                          fills.size() == 1 ? " was" : "s were", report.filled_area_mm2));
 }
 
 }  // namespace
@@ -231,12 +238,14 @@ RepairedMesh repair_mesh(const io::TexturedMesh& textured, const RepairOptions& 
         return diagnose(mesh.positions_mm, mesh.triangles, mesh.triangles.size() <= options.count_crossings_up_to);
     };
     report.before = diagnosis();
-    if (!(report.before.area_mm2 > 0)) throw InputError("the model has no surface: all its faces are without area, so there is nothing to print");
+    if (!(report.before.area_mm2 > 0))
+        throw InputError("the model has no surface: all its faces are without area, so there is nothing to print");
 
     const bool closed = report.before.open_edges == 0;
     if (!closed && options.mode == RepairMode::off)
         throw InputError(
-            fmt::format("the model is open at {} edges ({} boundary edges, {} edges whose faces disagree), so it encloses no body; use "
+            fmt::format("the model is open at {} edges ({} boundary edges, {} edges whose faces disagree), so it "
+                        "encloses no body; use "
                         "--repair auto to close it",
                         report.before.open_edges, report.before.boundary_edges, report.before.inconsistent_edges));
 
@@ -250,8 +259,9 @@ RepairedMesh repair_mesh(const io::TexturedMesh& textured, const RepairOptions& 
         report.dropped_faces = report.before.triangles - mesh.triangles.size();
         report.turned_faces = orient_consistently(mesh.triangles);
         if (report.welded_vertices + report.dropped_faces + report.turned_faces > 0)
-            report.messages.push_back(fmt::format("The mesh was open at {} edges; {} corners were welded, {} faces dropped, {} faces turned.",
-                                                  report.before.open_edges, report.welded_vertices, report.dropped_faces, report.turned_faces));
+            report.messages.push_back(fmt::format(
+                "The mesh was open at {} edges; {} corners were welded, {} faces dropped, {} faces turned.",
+                report.before.open_edges, report.welded_vertices, report.dropped_faces, report.turned_faces));
         std::vector<HoleFill> fills = fill_holes(mesh.positions_mm, mesh.triangles);
         const std::vector<bool> loose = loose_faces(mesh, fills);
         if (std::find(loose.begin(), loose.end(), true) != loose.end()) {
@@ -268,8 +278,8 @@ RepairedMesh repair_mesh(const io::TexturedMesh& textured, const RepairOptions& 
         report.turned_shells = turns.turned;
         report.cavities = turns.cavities;
         if (turns.turned)
-            report.messages.push_back(fmt::format("{} of {} shells faced inward and {} turned outward.", turns.turned, shells.count,
-                                                  turns.turned == 1 ? "was" : "were"));
+            report.messages.push_back(fmt::format("{} of {} shells faced inward and {} turned outward.", turns.turned,
+                                                  shells.count, turns.turned == 1 ? "was" : "were"));
     }
     report.after = mesh.triangles == textured.triangles ? report.before : diagnosis();
     return result;

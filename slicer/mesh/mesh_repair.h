@@ -2,12 +2,14 @@
 //
 // From any mesh to a surface that encloses a body (solid_mesh.h), with a diagnosis in numbers.
 //
-// For winding numbers it is enough that the oriented faces form a closed chain, so a mesh that does is left exactly as it
-// is, crossings and non-manifold edges included; only shells that face inward are turned. Anything else is, with `automatic`,
-//   welded (corners nearer than a tenth of a voxel or 1e-5 of the size), freed of faces without area and doubled faces, oriented
-//   alike, and its holes are filled on the vertices that are there, which always gives a closed chain.
-// Where a large part of the surface consists of loose pieces that such filling would only close upon themselves (a soup),
-// these pieces are wrapped instead: a surface is shrunk onto them from outside (alpha_wrap.h). `wrap` does so with everything.
+// For winding numbers it is enough that the oriented faces form a closed chain, so a mesh that does is left exactly as
+// it is, crossings and non-manifold edges included; only shells that face inward are turned. Anything else is, with
+// `automatic`,
+//   welded (corners nearer than a tenth of a voxel or 1e-5 of the size), freed of faces without area and doubled faces,
+//   oriented alike, and its holes are filled on the vertices that are there, which always gives a closed chain.
+// Where a large part of the surface consists of loose pieces that such filling would only close upon themselves (a
+// soup), these pieces are wrapped instead: a surface is shrunk onto them from outside (alpha_wrap.h). `wrap` does so
+// with everything.
 #pragma once
 
 #include <cstdint>
@@ -47,8 +49,8 @@ struct MeshDiagnosis {
     friend bool operator==(const MeshDiagnosis&, const MeshDiagnosis&) = default;
 };
 
-[[nodiscard]] MeshDiagnosis diagnose(const std::vector<Eigen::Vector3d>& positions, const std::vector<std::array<std::uint32_t, 3>>& triangles,
-                                     bool count_crossings);
+[[nodiscard]] MeshDiagnosis diagnose(const std::vector<Eigen::Vector3d>& positions,
+                                     const std::vector<std::array<std::uint32_t, 3>>& triangles, bool count_crossings);
 
 struct RepairOptions {
     RepairMode mode = RepairMode::automatic;
@@ -80,6 +82,7 @@ struct RepairedMesh {
 };
 
 /// Positions of `mesh` in mm. Throws InputError: nothing there, or open and not to be repaired.
-[[nodiscard]] RepairedMesh repair_mesh(const io::TexturedMesh& mesh, const RepairOptions& options, const Progress* progress = nullptr);
+[[nodiscard]] RepairedMesh repair_mesh(const io::TexturedMesh& mesh, const RepairOptions& options,
+                                       const Progress* progress = nullptr);
 
 }  // namespace voxtone::slicer

@@ -126,7 +126,8 @@ std::uint32_t TriangleTree::build(std::span<std::uint32_t> triangles, std::span<
             }
         }
         if (best_axis < 0) return range.size() / 2;  // all centres in one place
-        const auto middle = std::partition(range.begin(), range.end(), [&](std::uint32_t t) { return bin_of(t, best_axis) < best_bin; });
+        const auto middle = std::partition(range.begin(), range.end(),
+                                           [&](std::uint32_t t) { return bin_of(t, best_axis) < best_bin; });
         return std::size_t(middle - range.begin());
     };
 
@@ -149,7 +150,9 @@ std::uint32_t TriangleTree::build(std::span<std::uint32_t> triangles, std::span<
     }
     for (int c = 0; c < 4; ++c) {
         const Bounds b = c < children ? box[c] : Bounds{};  // an empty box is infinitely far from everything
-        const std::uint32_t below = c >= children ? none : child[c].size() == 1 ? child[c][0] | leaf_bit : build(child[c], bounds);
+        const std::uint32_t below = c >= children          ? none
+                                    : child[c].size() == 1 ? child[c][0] | leaf_bit
+                                                           : build(child[c], bounds);
         Node& node = nodes_[index];
         for (int a = 0; a < 3; ++a) {
             node.low[a][c] = b.low[a];
@@ -182,7 +185,8 @@ TriangleTree::Nearest TriangleTree::nearest(const Vector3d& p, std::uint32_t gue
         const Vector3d w = nearest_weights(p, a, b, c);
         const Vector3d point = w[0] * a + w[1] * b + w[2] * c;
         const double distance2 = (point - p).squaredNorm();
-        // Every triangle within the best distance is visited, whatever the order, so this choice is the same for any guess.
+        // Every triangle within the best distance is visited, whatever the order, so this choice is the same for any
+        // guess.
         if (distance2 < best2 || (distance2 == best2 && t < best.triangle)) {
             best2 = distance2;
             best = {t, 0, point};
@@ -223,7 +227,8 @@ TriangleTree::Nearest TriangleTree::nearest(const Vector3d& p, std::uint32_t gue
     return best;
 }
 
-void TriangleTree::nearest_candidates(const Vector3d& low, const Vector3d& high, const Vector3d& q, std::vector<std::uint32_t>& out) const {
+void TriangleTree::nearest_candidates(const Vector3d& low, const Vector3d& high, const Vector3d& q,
+                                      std::vector<std::uint32_t>& out) const {
     if (empty()) return;
     const Vector3f side[2] = {low.cast<float>(), high.cast<float>()};
     float reach2[8];
@@ -248,7 +253,8 @@ void TriangleTree::nearest_candidates(const Vector3d& low, const Vector3d& high,
         excess.fill(std::numeric_limits<float>::infinity());
         for (int v = 0; v < 8; ++v)
             for (int c = 0; c < 4; ++c)
-                excess[c] = std::min(excess[c], (axis2[0][v & 1][c] + axis2[1][v >> 1 & 1][c]) + (axis2[2][v >> 2][c] - reach2[v]));
+                excess[c] = std::min(
+                    excess[c], (axis2[0][v & 1][c] + axis2[1][v >> 1 & 1][c]) + (axis2[2][v >> 2][c] - reach2[v]));
         for (int c = 0; c < 4; ++c) {
             if (!(excess[c] <= 0) || node.child[c] == none) continue;
             if (node.child[c] & leaf_bit)

@@ -19,8 +19,8 @@
 namespace voxtone::slicer {
 
 /// The point of triangle abc nearest to p, as weights of the corners; sums to one. Any shape, also without area.
-[[nodiscard]] Eigen::Vector3d nearest_weights(const Eigen::Vector3d& p, const Eigen::Vector3d& a, const Eigen::Vector3d& b,
-                                              const Eigen::Vector3d& c);
+[[nodiscard]] Eigen::Vector3d nearest_weights(const Eigen::Vector3d& p, const Eigen::Vector3d& a,
+                                              const Eigen::Vector3d& b, const Eigen::Vector3d& c);
 
 class TriangleTree {
 public:
@@ -39,8 +39,8 @@ public:
         double distance = std::numeric_limits<double>::infinity();
         Eigen::Vector3d point = Eigen::Vector3d::Zero();
     };
-    /// The surface point nearest to p, no farther than `limit`; of triangles at the same distance the lowest. `guess`, a
-    /// triangle likely to be near, speeds it up and does not change the result.
+    /// The surface point nearest to p, no farther than `limit`; of triangles at the same distance the lowest. `guess`,
+    /// a triangle likely to be near, speeds it up and does not change the result.
     [[nodiscard]] Nearest nearest(const Eigen::Vector3d& p, std::uint32_t guess = none,
                                   double limit = std::numeric_limits<double>::infinity()) const;
 

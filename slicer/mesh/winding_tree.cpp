@@ -13,8 +13,8 @@ using Eigen::Vector3d;
 
 namespace {
 
-// Crossings of the ray p + t e_axis, t > 0, with one triangle: +1 where it leaves through the front. Nothing where the ray
-// meets an edge as far as doubles can tell.
+// Crossings of the ray p + t e_axis, t > 0, with one triangle: +1 where it leaves through the front. Nothing where the
+// ray meets an edge as far as doubles can tell.
 std::optional<int> crossing(const Vector3d& p, int axis, const std::array<Vector3d, 3>& corner) {
     const int u = (axis + 1) % 3, v = (axis + 2) % 3;
     double e[3];
@@ -29,7 +29,9 @@ std::optional<int> crossing(const Vector3d& p, int axis, const std::array<Vector
     if (e[0] == 0 || e[1] == 0 || e[2] == 0) return std::nullopt;
     // e[c] weighs the corner opposite to edge c.
     const double sum = e[0] + e[1] + e[2];
-    const double along = (e[1] * (corner[0][axis] - p[axis]) + e[2] * (corner[1][axis] - p[axis]) + e[0] * (corner[2][axis] - p[axis])) / sum;
+    const double along =
+        (e[1] * (corner[0][axis] - p[axis]) + e[2] * (corner[1][axis] - p[axis]) + e[0] * (corner[2][axis] - p[axis])) /
+        sum;
     return along > 0 ? (front ? 1 : -1) : 0;
 }
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Winding numbers of a closed chain at many single points off the surface: signed crossings along rays parallel to the axes,
-// two of three rays deciding; where rays run into edges, the sum of solid angles decides.
-// Threads: const members may be called from any thread.
+// Winding numbers of a closed chain at many single points off the surface: signed crossings along rays parallel to the
+// axes, two of three rays deciding; where rays run into edges, the sum of solid angles decides. Threads: const members
+// may be called from any thread.
 #pragma once
 
 #include <array>

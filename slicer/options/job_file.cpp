@@ -20,15 +20,18 @@ using Json = nlohmann::ordered_json;
 
 Json json_value(const OptionSpec& spec, const std::string& value) {
     switch (spec.kind) {
-        case OptionSpec::Kind::flag: return value == "true";
-        case OptionSpec::Kind::number: return Json::parse(value);
+        case OptionSpec::Kind::flag:
+            return value == "true";
+        case OptionSpec::Kind::number:
+            return Json::parse(value);
         case OptionSpec::Kind::list: {
             Json list = Json::array();
             std::stringstream parts(value);
             for (std::string part; std::getline(parts, part, ',');) list.push_back(part);
             return list;
         }
-        default: return value;
+        default:
+            return value;
     }
 }
 
@@ -58,13 +61,15 @@ std::string job_json(const SliceOptions& options) {
 
 void read_job(const std::string& path, SliceOptions& options) {
     std::ifstream file(path);
-    if (!file) throw FileError(fmt::format("{}: the job file cannot be read; check the path and its permissions", path));
+    if (!file)
+        throw FileError(fmt::format("{}: the job file cannot be read; check the path and its permissions", path));
     Json job;
     try {
         job = Json::parse(file);
     } catch (const Json::parse_error& error) {
-        throw InputError(fmt::format("{}: not valid JSON at byte {}; `voxtone slice --dump-default` prints a job file to start from",
-                                     path, error.byte));
+        throw InputError(
+            fmt::format("{}: not valid JSON at byte {}; `voxtone slice --dump-default` prints a job file to start from",
+                        path, error.byte));
     }
     if (!job.is_object() || job.value("format", Json()) != "voxtone-job")
         throw InputError(fmt::format("{}: not a job file: \"format\": \"voxtone-job\" is missing", path));
@@ -89,8 +94,10 @@ void read_job(const std::string& path, SliceOptions& options) {
                 *named = (std::filesystem::path(path).parent_path() / *named).string();
         if (key == "stack-materials")
             for (std::string& entry : options.stack_materials)
-                if (const std::size_t at = entry.find('=') + 1; at > 0 && at < entry.size() && std::filesystem::path(entry.substr(at)).is_relative())
-                    entry = entry.substr(0, at) + (std::filesystem::path(path).parent_path() / entry.substr(at)).string();
+                if (const std::size_t at = entry.find('=') + 1;
+                    at > 0 && at < entry.size() && std::filesystem::path(entry.substr(at)).is_relative())
+                    entry =
+                        entry.substr(0, at) + (std::filesystem::path(path).parent_path() / entry.substr(at)).string();
     }
 }
 

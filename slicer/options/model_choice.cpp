@@ -9,8 +9,8 @@
 #include <fmt/ranges.h>
 
 #include "voxtone/base/error.h"
-#include "voxtone/optics/profiles/layered_profile_model.h"
 #include "voxtone/optics/monte_carlo/monte_carlo.h"
+#include "voxtone/optics/profiles/layered_profile_model.h"
 #include "voxtone/optics/transport/transport.h"
 
 namespace voxtone::slicer {

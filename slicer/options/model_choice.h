@@ -14,7 +14,7 @@
 namespace voxtone::slicer {
 
 struct ModelOptions {
-    double cell_mm = 0.085;  ///< of the viewing grid
+    double cell_mm = 0.085;      ///< of the viewing grid
     bool viewing_cells = false;  ///< transport: on viewing cells throughout, ten times as fast
     double colour_mm = 1;        ///< transport on viewing cells: how deep colour may lie
     int sweeps =

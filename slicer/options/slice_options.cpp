@@ -49,7 +49,15 @@ bool parse_flag(const std::string& key, const std::string& text) {
 OptionSpec spec(std::string key, Kind kind, std::string metavar, std::string group, std::string help,
                 std::vector<std::string> choices = {}) {
     std::string option = key;
-    return {std::move(key), std::move(option), kind, std::move(metavar), std::move(group), std::move(help), std::move(choices), {}, {}};
+    return {std::move(key),
+            std::move(option),
+            kind,
+            std::move(metavar),
+            std::move(group),
+            std::move(help),
+            std::move(choices),
+            {},
+            {}};
 }
 
 /// Called otherwise on the command line than in the job file.
@@ -113,45 +121,59 @@ std::vector<std::string> models_or_none() {
 
 std::vector<OptionSpec> make_table() {
     using O = SliceOptions;
-    const std::string in = "Input and output", place = "Placement", colour = "Colour", body = "Body", loop = "Appearance loop", profiles = "Layered profiles", predict = "Prediction", run = "Run";
+    const std::string in = "Input and output", place = "Placement", colour = "Colour", body = "Body",
+                      loop = "Appearance loop", profiles = "Layered profiles", predict = "Prediction", run = "Run";
     return {
-        text(called("mesh", spec("model", Kind::text, "FILE", in, "textured mesh (OBJ, PLY, STL, glTF, GLB, 3MF) or picture")), &O::model),
+        text(called("mesh",
+                    spec("model", Kind::text, "FILE", in, "textured mesh (OBJ, PLY, STL, glTF, GLB, 3MF) or picture")),
+             &O::model),
         text(spec("out", Kind::text, "FOLDER", in, "output folder; nothing is written outside it"), &O::out),
         list(spec("formats", Kind::list, "LIST", in,
-                  "what to write: png (RGBA stack for Voxel Print), gcvf, tiff or png1 (one per resin and layer), vdb; empty: the printer's default",
+                  "what to write: png (RGBA stack for Voxel Print), gcvf, tiff or png1 (one per resin and layer), vdb; "
+                  "empty: the printer's default",
                   {"png", "gcvf", "tiff", "png1", "vdb"}),
              &O::formats),
         flag(spec("overwrite", Kind::flag, "", in, "write into a folder that holds other files too"), &O::overwrite),
         flag(spec("report", Kind::flag, "", in, "write report.html, target and predicted pictures"), &O::report),
 
-        text(spec("printer", Kind::text, "ID|FILE", place, "printer profile; see `voxtone list printers`"), &O::printer),
+        text(spec("printer", Kind::text, "ID|FILE", place, "printer profile; see `voxtone list printers`"),
+             &O::printer),
         text(spec("unit", Kind::text, "UNIT", place,
                   "unit of the model's numbers: um, mm, cm, m, in, ft, or auto (the file's own; mm where it has none)"),
              &O::unit),
-        length(spec("size", Kind::length, "LENGTH", place, "scale so that the largest extent is this; 0: leave the size"), &O::size_mm),
+        length(
+            spec("size", Kind::length, "LENGTH", place, "scale so that the largest extent is this; 0: leave the size"),
+            &O::size_mm),
         number(spec("scale", Kind::number, "FACTOR", place, "scale by this factor (before --size)"), &O::scale),
         text(spec("rotate", Kind::text, "AXES", place,
                   "turn about the axes in this order, degrees, right-handed: x90 or z45,x-30"),
              &O::rotate),
         flag(spec("flip-x", Kind::flag, "", place, "mirror the print along x (columns of the bitmaps)"), &O::flip_x),
         flag(spec("flip-y", Kind::flag, "", place, "mirror the print along y (rows of the bitmaps)"), &O::flip_y),
-        flag(spec("swap-xy", Kind::flag, "", place, "exchange x and y of the model (mirrors it; before the flips)"), &O::swap_xy),
-        length(spec("width", Kind::length, "LENGTH", place, "pictures: width of the slab; 0: from the picture's own resolution"), &O::width_mm),
+        flag(spec("swap-xy", Kind::flag, "", place, "exchange x and y of the model (mirrors it; before the flips)"),
+             &O::swap_xy),
+        length(spec("width", Kind::length, "LENGTH", place,
+                    "pictures: width of the slab; 0: from the picture's own resolution"),
+               &O::width_mm),
         length(spec("thickness", Kind::length, "LENGTH", place, "pictures: thickness of the slab"), &O::thickness_mm),
-        text(spec("layers", Kind::text, "A-B", place, "only these layers, counted from 0 at the bottom; empty: all"), &O::layers),
+        text(spec("layers", Kind::text, "A-B", place, "only these layers, counted from 0 at the bottom; empty: all"),
+             &O::layers),
 
         text(spec("resins", Kind::text, "SET|FILE", colour, "resin set; see `voxtone list resins`"), &O::resins),
         list(spec("load", Kind::list, "ROLES", colour,
                   "resins that are loaded, by role (C,M,Y,K,W); empty: the printer's default"),
              &O::load),
         text(spec("core", Kind::text, "ROLE", colour, "resin below the coloured shell"), &O::core),
-        length(spec("depth", Kind::length, "LENGTH", colour, "colour depth: how far below the surface voxels carry colour"), &O::depth_mm),
+        length(spec("depth", Kind::length, "LENGTH", colour,
+                    "colour depth: how far below the surface voxels carry colour"),
+               &O::depth_mm),
         text(spec("screen", Kind::text, "NAME", colour,
                   "halftone screen: blue-noise (position-addressed) or error-diffusion (three-dimensional)",
                   {"blue-noise", "error-diffusion"}),
              &O::screen),
         text(spec("mixing", Kind::text, "HOW", colour,
-                  "what the separation takes a mixture to be: voxels of the printer's size, between which light finds its way, or ideal (averaged)",
+                  "what the separation takes a mixture to be: voxels of the printer's size, between which light finds "
+                  "its way, or ideal (averaged)",
                   {"voxels", "ideal"}),
              &O::mixing),
         text(spec("backing", Kind::text, "SHEET", colour, "pictures: what lies under the slab: black, white or none",
@@ -159,74 +181,107 @@ std::vector<OptionSpec> make_table() {
              &O::backing),
 
         text(spec("iterations", Kind::text, "N", loop,
-                  fmt::format("how often the resins are rearranged after looking at the predicted print; 0: never; auto: until it stops gaining, for "
+                  fmt::format("how often the resins are rearranged after looking at the predicted print; 0: never; "
+                              "auto: until it stops gaining, for "
                               "up to {:g} cm2 of coloured surface, else never",
                               auto_loop_cm2)),
              &O::iterations),
         text(spec("intent", Kind::text, "NAME", loop,
-                  "relative: the target's white is the white resin; absolute: it is a body that absorbs nothing; contrast: relative, and where a "
+                  "relative: the target's white is the white resin; absolute: it is a body that absorbs nothing; "
+                  "contrast: relative, and where a "
                   "limit is met the surroundings give way too, so that local contrast is kept",
                   {"relative", "absolute", "contrast"}),
              &O::intent),
-        length(spec("viewing-distance", Kind::length, "LENGTH", loop, "from where the print is looked at: what cannot be seen from there counts less"),
+        length(spec("viewing-distance", Kind::length, "LENGTH", loop,
+                    "from where the print is looked at: what cannot be seen from there counts less"),
                &O::viewing_distance_mm),
-        text(spec("loop-model", Kind::text, "MODEL", loop, "what predicts the print in the loop; monte-carlo is for slabs of a few mm",
+        text(spec("loop-model", Kind::text, "MODEL", loop,
+                  "what predicts the print in the loop; monte-carlo is for slabs of a few mm",
                   {model_names().begin(), model_names().end()}),
              &O::loop_model),
         text(spec("loop-method", Kind::text, "NAME", loop,
-                  "feedback: each place corrects itself; descent: feedback, then along the gradient of the whole print, which is sharper and takes "
-                  "twice the time and 1.4 times the memory; auto: descent up to 30 cm2 of coloured surface, feedback beyond",
+                  "feedback: each place corrects itself; descent: feedback, then along the gradient of the whole "
+                  "print, which is sharper and takes "
+                  "twice the time and 1.4 times the memory; auto: descent up to 30 cm2 of coloured surface, feedback "
+                  "beyond",
                   {"auto", "descent", "feedback"}),
              &O::loop_method),
-        flag(spec("resume", Kind::flag, "", loop, "go on with the loop of an interrupted job in the same output folder"), &O::resume),
+        flag(
+            spec("resume", Kind::flag, "", loop, "go on with the loop of an interrupted job in the same output folder"),
+            &O::resume),
 
         text(called("model", spec("arrange", Kind::text, "NAME", profiles,
-                                  "what the surface is to show: colour, or layered-profile: how light spreads, by layers of resin under each point "
+                                  "what the surface is to show: colour, or layered-profile: how light spreads, by "
+                                  "layers of resin under each point "
                                   "(docs/layered-prints.md); key `arrange` of a job file",
                                   {"colour", "layered-profile"})),
              &O::arrange),
-        text(spec("profiles", Kind::text, "MAP", profiles, "map of wanted scattering profiles (voxtone-profile-map)"), &O::profiles),
+        text(spec("profiles", Kind::text, "MAP", profiles, "map of wanted scattering profiles (voxtone-profile-map)"),
+             &O::profiles),
         text(spec("profile-placement", Kind::text, "HOW", profiles,
-                  "where on a mesh the map lies: uv (texture coordinates; it repeats) or box (projected along the main axis of the normal, in mm; "
+                  "where on a mesh the map lies: uv (texture coordinates; it repeats) or box (projected along the main "
+                  "axis of the normal, in mm; "
                   "mirrored beyond its edges); on a picture's slab it lies on the picture",
                   {"uv", "box"}),
              &O::profile_placement),
-        length(spec("stack-thickness", Kind::length, "LENGTH", profiles, "most thickness of a stack of layers"), &O::stack_thickness_mm),
-        number(spec("stack-steps", Kind::number, "N", profiles, "the search cuts that thickness into so many steps"), &O::stack_steps),
-        number(spec("stack-blocks", Kind::number, "N", profiles, "and makes stacks of so many blocks, of 1, 2, 4, ... steps, at most"), &O::stack_blocks),
+        length(spec("stack-thickness", Kind::length, "LENGTH", profiles, "most thickness of a stack of layers"),
+               &O::stack_thickness_mm),
+        number(spec("stack-steps", Kind::number, "N", profiles, "the search cuts that thickness into so many steps"),
+               &O::stack_steps),
+        number(spec("stack-blocks", Kind::number, "N", profiles,
+                    "and makes stacks of so many blocks, of 1, 2, 4, ... steps, at most"),
+               &O::stack_blocks),
         text(spec("stack-rounds", Kind::text, "N", profiles,
-                  "rounds in which a stack is searched, traced by Monte Carlo and corrected for what the layered model got wrong; the best is kept; 0: by "
-                  "the model alone; a round takes some ten seconds of one core for each cluster; auto: 1 for up to 16 clusters of resins, else 0"),
+                  "rounds in which a stack is searched, traced by Monte Carlo and corrected for what the layered model "
+                  "got wrong; the best is kept; 0: by "
+                  "the model alone; a round takes some ten seconds of one core for each cluster; auto: 1 for up to 16 "
+                  "clusters of resins, else 0"),
              &O::stack_rounds),
         list(spec("stack-materials", Kind::list, "ROLE=FILE", profiles,
-                  "measured profiles (voxtone-profile) of the loaded resins in the place of computed ones: W=white.json,K=black.json; all or none"),
+                  "measured profiles (voxtone-profile) of the loaded resins in the place of computed ones: "
+                  "W=white.json,K=black.json; all or none"),
              &O::stack_materials),
-        number(spec("dc-weight", Kind::number, "W", profiles, "weight of the total reflectance against the profile's shape"), &O::dc_weight),
-        list(spec("clear-top", Kind::list, "ROLE=LENGTH", profiles, "this resin stays that far below the surface, such as T=0.2mm; a list"), &O::clear_top),
+        number(spec("dc-weight", Kind::number, "W", profiles,
+                    "weight of the total reflectance against the profile's shape"),
+               &O::dc_weight),
+        list(spec("clear-top", Kind::list, "ROLE=LENGTH", profiles,
+                  "this resin stays that far below the surface, such as T=0.2mm; a list"),
+             &O::clear_top),
         text(spec("base", Kind::text, "ROLE", profiles, "resin below the stacks, taken to be deep"), &O::base),
-        length(spec("layer-smoothing", Kind::length, "LENGTH", profiles, "blur of the layers' thicknesses along the surface, standard deviation"),
+        length(spec("layer-smoothing", Kind::length, "LENGTH", profiles,
+                    "blur of the layers' thicknesses along the surface, standard deviation"),
                &O::layer_smoothing_mm),
-        flag(spec("surfaces", Kind::flag, "", profiles, "also write a closed mesh of each resin to OUT/surfaces, for printers fed with meshes"), &O::surfaces),
-        length(spec("surface-cell", Kind::length, "LENGTH", profiles, "cells that these meshes are made of; thinner layers have holes"), &O::surface_cell_mm),
+        flag(spec("surfaces", Kind::flag, "", profiles,
+                  "also write a closed mesh of each resin to OUT/surfaces, for printers fed with meshes"),
+             &O::surfaces),
+        length(spec("surface-cell", Kind::length, "LENGTH", profiles,
+                    "cells that these meshes are made of; thinner layers have holes"),
+               &O::surface_cell_mm),
 
         text(spec("repair", Kind::text, "HOW", body,
                   "broken meshes: off (refuse), auto (close holes; wrap what stays open) or wrap (always)",
                   {"off", "auto", "wrap"}),
              &O::repair),
-        flag(spec("keep-thin", Kind::flag, "", body, "features thinner than a voxel get one voxel instead of vanishing"), &O::keep_thin),
+        flag(
+            spec("keep-thin", Kind::flag, "", body, "features thinner than a voxel get one voxel instead of vanishing"),
+            &O::keep_thin),
 
         text(spec("predict", Kind::text, "MODEL", predict,
-                  fmt::format("what predicts the print for the report; none: the separation's own model, without spreading light; auto: {} for "
+                  fmt::format("what predicts the print for the report; none: the separation's own model, without "
+                              "spreading light; auto: {} for "
                               "up to {:g} cm2 of coloured surface, else none",
                               model_names()[0], auto_prediction_cm2),
                   models_or_none()),
              &O::predict),
-        length(spec("predict-cell", Kind::length, "LENGTH", predict, "cells that are predicted and seen as one"), &O::predict_cell_mm),
+        length(spec("predict-cell", Kind::length, "LENGTH", predict, "cells that are predicted and seen as one"),
+               &O::predict_cell_mm),
         number(spec("memory", Kind::number, "GIB", predict,
-                    "most memory for the prediction; a print that needs more is printed without it; 0: half of the machine's"),
+                    "most memory for the prediction; a print that needs more is printed without it; 0: half of the "
+                    "machine's"),
                &O::memory_gib),
 
-        number(spec("threads", Kind::number, "N", run, "threads; 0: one per core. The result does not depend on it"), &O::threads),
+        number(spec("threads", Kind::number, "N", run, "threads; 0: one per core. The result does not depend on it"),
+               &O::threads),
         number(spec("seed", Kind::number, "N", run, "seed of what is random (error diffusion)"), &O::seed),
     };
 }
@@ -260,7 +315,8 @@ std::vector<StackMaterialFile> parse_stack_materials(const std::vector<std::stri
             throw UsageError(fmt::format("--stack-materials {}: write ROLE=FILE, such as W=white.json", entry));
         parsed.push_back({entry.substr(0, equals), entry.substr(equals + 1)});
         for (std::size_t i = 0; i + 1 < parsed.size(); ++i)
-            if (parsed[i].role == parsed.back().role) throw UsageError(fmt::format("--stack-materials {}: {} is named twice", entry, parsed.back().role));
+            if (parsed[i].role == parsed.back().role)
+                throw UsageError(fmt::format("--stack-materials {}: {} is named twice", entry, parsed.back().role));
     }
     return parsed;
 }
@@ -269,7 +325,8 @@ std::vector<ClearTop> parse_clear_top(const std::vector<std::string>& entries) {
     std::vector<ClearTop> parsed;
     for (const std::string& entry : entries) {
         const std::size_t equals = entry.find('=');
-        if (equals == 0 || equals == std::string::npos) throw UsageError(fmt::format("--clear-top {}: write ROLE=LENGTH, such as T=0.2mm", entry));
+        if (equals == 0 || equals == std::string::npos)
+            throw UsageError(fmt::format("--clear-top {}: write ROLE=LENGTH, such as T=0.2mm", entry));
         parsed.push_back({entry.substr(0, equals), parse_length_mm(entry.substr(equals + 1), "--clear-top")});
         if (!(parsed.back().mm >= 0)) throw UsageError(fmt::format("--clear-top {}: must be 0 or more", entry));
     }
@@ -285,7 +342,8 @@ LayerRange parse_layer_range(const std::string& text, int layers) {
     if (range.first < 0 || range.last < range.first)
         throw UsageError(fmt::format("--layers: '{}' is no range; write first-last, such as 0-99", text));
     if (range.last >= layers)
-        throw InputError(fmt::format("--layers {}: the print has layers 0 to {} only; choose a range within", text, layers - 1));
+        throw InputError(
+            fmt::format("--layers {}: the print has layers 0 to {} only; choose a range within", text, layers - 1));
     return range;
 }
 
@@ -299,30 +357,43 @@ void validate(const SliceOptions& o) {
     need(o.size_mm >= 0, "size", fmt::format("{}mm", o.size_mm), "must be above 0");
     need(o.width_mm >= 0, "width", fmt::format("{}mm", o.width_mm), "must be above 0");
     need(o.thickness_mm > 0, "thickness", fmt::format("{}mm", o.thickness_mm), "must be above 0");
-    need(o.depth_mm > 0 && o.depth_mm <= 10, "depth", fmt::format("{}mm", o.depth_mm), "must be above 0 and at most 10 mm");
-    need(o.predict_cell_mm >= 0.01 && o.predict_cell_mm <= 5, "predict-cell", fmt::format("{}mm", o.predict_cell_mm), "must be 0.01 to 5 mm");
+    need(o.depth_mm > 0 && o.depth_mm <= 10, "depth", fmt::format("{}mm", o.depth_mm),
+         "must be above 0 and at most 10 mm");
+    need(o.predict_cell_mm >= 0.01 && o.predict_cell_mm <= 5, "predict-cell", fmt::format("{}mm", o.predict_cell_mm),
+         "must be 0.01 to 5 mm");
     (void)parse_iterations(o.iterations);
-    need(o.viewing_distance_mm >= 10 && o.viewing_distance_mm <= 1e5, "viewing-distance", fmt::format("{}mm", o.viewing_distance_mm), "must be 10 mm to 100 m");
-    need(o.memory_gib >= 0, "memory", fmt::format("{}", o.memory_gib), "must be above 0 GiB, or 0 for half of the machine's");
+    need(o.viewing_distance_mm >= 10 && o.viewing_distance_mm <= 1e5, "viewing-distance",
+         fmt::format("{}mm", o.viewing_distance_mm), "must be 10 mm to 100 m");
+    need(o.memory_gib >= 0, "memory", fmt::format("{}", o.memory_gib),
+         "must be above 0 GiB, or 0 for half of the machine's");
     need(o.threads >= 0 && o.threads <= 1024, "threads", fmt::format("{}", o.threads), "must be 0 to 1024");
     if (o.unit != "auto") (void)mm_per_unit(o.unit);
     if (!o.layered()) {
         need(o.profiles.empty(), "profiles", o.profiles, "only goes with --model layered-profile");
-        need(o.stack_materials.empty(), "stack-materials", fmt::format("{}", fmt::join(o.stack_materials, ",")), "only goes with --model layered-profile");
+        need(o.stack_materials.empty(), "stack-materials", fmt::format("{}", fmt::join(o.stack_materials, ",")),
+             "only goes with --model layered-profile");
         need(!o.surfaces, "surfaces", "", "only goes with --model layered-profile");
         return;
     }
-    need(!o.profiles.empty(), "profiles", "(none)", "--model layered-profile needs a map of profiles (voxtone-profile-map)");
+    need(!o.profiles.empty(), "profiles", "(none)",
+         "--model layered-profile needs a map of profiles (voxtone-profile-map)");
     need(o.screen == "blue-noise", "screen", o.screen, "layers are dithered by the screen blue-noise only");
-    need(o.stack_thickness_mm > 0 && o.stack_thickness_mm <= 50, "stack-thickness", fmt::format("{}mm", o.stack_thickness_mm), "must be above 0 and at most 50 mm");
-    need(o.stack_steps >= 1 && o.stack_steps <= 4096, "stack-steps", fmt::format("{}", o.stack_steps), "must be 1 to 4096");
-    need(o.stack_blocks >= 1 && o.stack_blocks <= 16, "stack-blocks", fmt::format("{}", o.stack_blocks), "must be 1 to 16");
+    need(o.stack_thickness_mm > 0 && o.stack_thickness_mm <= 50, "stack-thickness",
+         fmt::format("{}mm", o.stack_thickness_mm), "must be above 0 and at most 50 mm");
+    need(o.stack_steps >= 1 && o.stack_steps <= 4096, "stack-steps", fmt::format("{}", o.stack_steps),
+         "must be 1 to 4096");
+    need(o.stack_blocks >= 1 && o.stack_blocks <= 16, "stack-blocks", fmt::format("{}", o.stack_blocks),
+         "must be 1 to 16");
     const int rounds = parse_stack_rounds(o.stack_rounds);
-    need(rounds <= 0 || o.stack_materials.empty(), "stack-rounds", o.stack_rounds, "measured materials have no medium that light could be traced through: 0 or auto");
+    need(rounds <= 0 || o.stack_materials.empty(), "stack-rounds", o.stack_rounds,
+         "measured materials have no medium that light could be traced through: 0 or auto");
     (void)parse_stack_materials(o.stack_materials);
-    need(o.dc_weight > 0 && o.dc_weight <= 1e6, "dc-weight", fmt::format("{}", o.dc_weight), "must be above 0 and at most 1e6");
-    need(o.layer_smoothing_mm >= 0 && o.layer_smoothing_mm <= 100, "layer-smoothing", fmt::format("{}mm", o.layer_smoothing_mm), "must be 0 to 100 mm");
-    need(o.surface_cell_mm >= 0.01 && o.surface_cell_mm <= 5, "surface-cell", fmt::format("{}mm", o.surface_cell_mm), "must be 0.01 to 5 mm");
+    need(o.dc_weight > 0 && o.dc_weight <= 1e6, "dc-weight", fmt::format("{}", o.dc_weight),
+         "must be above 0 and at most 1e6");
+    need(o.layer_smoothing_mm >= 0 && o.layer_smoothing_mm <= 100, "layer-smoothing",
+         fmt::format("{}mm", o.layer_smoothing_mm), "must be 0 to 100 mm");
+    need(o.surface_cell_mm >= 0.01 && o.surface_cell_mm <= 5, "surface-cell", fmt::format("{}mm", o.surface_cell_mm),
+         "must be 0.01 to 5 mm");
     (void)parse_clear_top(o.clear_top);
 }
 

@@ -55,7 +55,7 @@ struct SliceOptions {
     std::uint64_t seed = 1;
     std::string layers;  ///< "a-b", inclusive; empty: all
 
-    std::string iterations = "auto";      ///< of the appearance loop: a number, 0 for none; see job_loop.h
+    std::string iterations = "auto";  ///< of the appearance loop: a number, 0 for none; see job_loop.h
     std::string intent = "relative";
     double viewing_distance_mm = 300;
     std::string loop_model = "transport";
@@ -65,21 +65,21 @@ struct SliceOptions {
     std::vector<std::string> formats;  ///< empty: the printer's default
     bool overwrite = false;
     bool report = true;
-    std::string predict = "auto";   ///< model of the prediction in the report; see job_prediction.h
+    std::string predict = "auto";  ///< model of the prediction in the report; see job_prediction.h
     double predict_cell_mm = 0.085;
-    double memory_gib = 0;          ///< of the prediction; 0: half of the machine's
+    double memory_gib = 0;  ///< of the prediction; 0: half of the machine's
     int threads = 0;
 };
 
 /// One entry of the table.
 struct OptionSpec {
     enum class Kind { text, list, number, length, flag };
-    std::string key;       ///< key of the job file
-    std::string option;    ///< `--option` of the command line; that of the mesh may also stand alone
+    std::string key;     ///< key of the job file
+    std::string option;  ///< `--option` of the command line; that of the mesh may also stand alone
     Kind kind;
-    std::string metavar;   ///< "MM", "ID", "a-b"
-    std::string group;     ///< heading in --help
-    std::string help;      ///< what it does, with its unit and its choices
+    std::string metavar;               ///< "MM", "ID", "a-b"
+    std::string group;                 ///< heading in --help
+    std::string help;                  ///< what it does, with its unit and its choices
     std::vector<std::string> choices;  ///< empty: free
     std::function<std::string(const SliceOptions&)> get;
     /// Throws UsageError that names the key, the value and the rule.
@@ -98,8 +98,8 @@ struct StackMaterialFile {
     std::string role, file;
 };
 [[nodiscard]] std::vector<StackMaterialFile> parse_stack_materials(const std::vector<std::string>& entries);
-/// Coloured surface up to which `--loop-method auto` goes on downhill after feedback: beyond it the same few iterations gain as much by
-/// feedback alone, in half the time and three quarters of the memory (docs/benchmarks.md, "Bodies").
+/// Coloured surface up to which `--loop-method auto` goes on downhill after feedback: beyond it the same few iterations
+/// gain as much by feedback alone, in half the time and three quarters of the memory (docs/benchmarks.md, "Bodies").
 inline constexpr double descent_cm2 = 30;
 
 /// Most iterations of the loop; -1: until it stops gaining ("auto"). Throws UsageError.
@@ -129,7 +129,8 @@ void validate(const SliceOptions& options);
 [[nodiscard]] std::string job_json(const SliceOptions& options);
 
 /// Reads a job file into `options`: only the keys that it has. Unknown keys are errors that name the nearest known key.
-/// Relative paths of the model, of the map of profiles and of measured materials are relative to the job file. Throws FileError, InputError.
+/// Relative paths of the model, of the map of profiles and of measured materials are relative to the job file. Throws
+/// FileError, InputError.
 void read_job(const std::string& path, SliceOptions& options);
 
 }  // namespace voxtone::slicer

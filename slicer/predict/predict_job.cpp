@@ -15,13 +15,13 @@
 #include "voxtone/base/error.h"
 #include "voxtone/base/parallel.h"
 #include "voxtone/base/stopwatch.h"
+#include "voxtone/io/files/whole_file.h"
 #include "voxtone/io/models/glb_writer.h"
 #include "voxtone/io/models/ply_writer.h"
-#include "voxtone/io/files/whole_file.h"
 #include "voxtone/slicer/look/prediction_files.h"
 #include "voxtone/slicer/look/preview.h"
-#include "voxtone/slicer/predict/stack_volume.h"
 #include "voxtone/slicer/look/surface_prediction.h"
+#include "voxtone/slicer/predict/stack_volume.h"
 
 namespace voxtone::slicer {
 

@@ -13,13 +13,13 @@
 #include "voxtone/base/error.h"
 #include "voxtone/base/parallel.h"
 #include "voxtone/base/units.h"
-#include "voxtone/io/models/model_reader.h"
 #include "voxtone/io/layers/orient.h"
-#include "voxtone/io/profiles/resin_file.h"
 #include "voxtone/io/layers/stack_reader.h"
+#include "voxtone/io/models/model_reader.h"
+#include "voxtone/io/profiles/resin_file.h"
 #include "voxtone/slicer/layers/layer_volume.h"
-#include "voxtone/slicer/printer/printer.h"
 #include "voxtone/slicer/options/slice_options.h"
+#include "voxtone/slicer/printer/printer.h"
 
 namespace voxtone::slicer {
 

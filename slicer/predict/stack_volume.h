@@ -16,9 +16,9 @@
 #include <vector>
 
 #include "voxtone/base/progress.h"
-#include "voxtone/optics/scene/backing.h"
 #include "voxtone/optics/media/resin_volume.h"
 #include "voxtone/optics/media/resins.h"
+#include "voxtone/optics/scene/backing.h"
 
 namespace voxtone::slicer {
 

@@ -26,15 +26,16 @@ PictureSlab make_picture_slab(const io::Picture& picture, double width_mm, doubl
     for (const double z : {0.0, thickness_mm})
         for (const double y : {0.0, height_mm})
             for (const double x : {0.0, width_mm}) mesh.positions.emplace_back(x, y, z);
-    mesh.triangles = {{4, 5, 7}, {4, 7, 6},                          // top
-                      {0, 3, 1}, {0, 2, 3}, {0, 1, 5}, {0, 5, 4},    // bottom, front
-                      {1, 3, 7}, {1, 7, 5}, {3, 2, 6}, {3, 6, 7},    // right, back
-                      {2, 0, 4}, {2, 4, 6}};                         // left
+    mesh.triangles = {{4, 5, 7}, {4, 7, 6},                        // top
+                      {0, 3, 1}, {0, 2, 3}, {0, 1, 5}, {0, 5, 4},  // bottom, front
+                      {1, 3, 7}, {1, 7, 5}, {3, 2, 6}, {3, 6, 7},  // right, back
+                      {2, 0, 4}, {2, 4, 6}};                       // left
     mesh.materials.resize(2);
     mesh.materials[0] = {"picture", Eigen::Vector3f::Ones(), picture.texture};
     mesh.materials[1].name = "sides";
     mesh.material_of_triangle.assign(mesh.triangles.size(), 1);
-    mesh.corner_uv.assign(mesh.triangles.size(), {Eigen::Vector2f::Zero(), Eigen::Vector2f::Zero(), Eigen::Vector2f::Zero()});
+    mesh.corner_uv.assign(mesh.triangles.size(),
+                          {Eigen::Vector2f::Zero(), Eigen::Vector2f::Zero(), Eigen::Vector2f::Zero()});
     const Eigen::Vector2f a(0, 0), b(1, 0), c(1, 1), d(0, 1);
     mesh.corner_uv[0] = {a, b, c};
     mesh.corner_uv[1] = {a, c, d};

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// A picture as a print: a flat slab, width x (width * height_px / width_px) x thickness, with the picture on its top, seen
-// from above with the picture's upper edge at +y. Pixels are square unless the file gives two resolutions.
+// A picture as a print: a flat slab, width x (width * height_px / width_px) x thickness, with the picture on its top,
+// seen from above with the picture's upper edge at +y. Pixels are square unless the file gives two resolutions.
 #pragma once
 
 #include "voxtone/io/pictures/picture.h"

@@ -6,8 +6,8 @@
 #include <limits>
 #include <numbers>
 
-#include <Eigen/Geometry>
 #include <fmt/core.h>
+#include <Eigen/Geometry>
 
 #include "voxtone/base/error.h"
 #include "voxtone/base/units.h"
@@ -58,7 +58,8 @@ Eigen::Matrix3d parse_rotation(const std::string& text) {
         double degrees = 0;
         const auto [rest, status] = std::from_chars(text.data() + begin + 1, text.data() + end, degrees);
         if (axis < 0 || status != std::errc{} || rest != text.data() + end || !std::isfinite(degrees))
-            throw UsageError(fmt::format("--rotate: '{}' is no rotation; write an axis and degrees, such as x90 or z45,x-30", text));
+            throw UsageError(
+                fmt::format("--rotate: '{}' is no rotation; write an axis and degrees, such as x90 or z45,x-30", text));
         whole = axis_rotation(axis, degrees) * whole;
         begin = end + 1;
     }
@@ -87,16 +88,19 @@ Placement place(io::ModelFile& model, const SliceOptions& options) {
     Box box = bounding_box(mesh);
     const double largest = (box.high - box.low).maxCoeff();
     if (!(largest > 0) || !std::isfinite(largest))
-        throw InputError(fmt::format("{}: the model has no extent (all its corners are in one place); check the export", options.model));
+        throw InputError(fmt::format("{}: the model has no extent (all its corners are in one place); check the export",
+                                     options.model));
     const double factor = options.size_mm > 0 ? options.size_mm / largest : 1.0;
     for (Eigen::Vector3d& position : mesh.positions) position = (position - box.low) * factor;
     placement.extent_mm = (box.high - box.low) * factor;
 
-    const std::string unit = model.format == "picture" ? "mm" : placement.unit_assumed ? "mm assumed (the format has no unit; --unit says otherwise)"
-                             : options.unit != "auto" ? fmt::format("{} as asked", options.unit)
-                                                      : fmt::format("{} mm by the file", placement.mm_per_file_unit);
-    placement.summary = fmt::format("unit: {}; size {:.4g} x {:.4g} x {:.4g} mm{}", unit, placement.extent_mm.x(), placement.extent_mm.y(),
-                                    placement.extent_mm.z(), options.size_mm > 0 ? fmt::format(" (scaled to {:.6g} mm)", options.size_mm) : "");
+    const std::string unit = model.format == "picture" ? "mm"
+                             : placement.unit_assumed  ? "mm assumed (the format has no unit; --unit says otherwise)"
+                             : options.unit != "auto"  ? fmt::format("{} as asked", options.unit)
+                                                       : fmt::format("{} mm by the file", placement.mm_per_file_unit);
+    placement.summary = fmt::format("unit: {}; size {:.4g} x {:.4g} x {:.4g} mm{}", unit, placement.extent_mm.x(),
+                                    placement.extent_mm.y(), placement.extent_mm.z(),
+                                    options.size_mm > 0 ? fmt::format(" (scaled to {:.6g} mm)", options.size_mm) : "");
     return placement;
 }
 
@@ -107,10 +111,12 @@ VoxelGrid grid_around(const Eigen::Vector3d& low_mm, const Eigen::Vector3d& high
         // A millionth of a voxel of slack keeps a body of exactly n voxels from getting n + 1 through rounding.
         const double voxels = std::ceil((high_mm[axis] - low_mm[axis]) / pitch_mm[axis] - 1e-6);
         if (!(voxels < 1e7))
-            throw InputError(fmt::format("the model is {:.3g} m along {}; no printer is so large. Give --unit or --size", 
-                                         (high_mm[axis] - low_mm[axis]) / 1000, "xyz"[axis]));
+            throw InputError(
+                fmt::format("the model is {:.3g} m along {}; no printer is so large. Give --unit or --size",
+                            (high_mm[axis] - low_mm[axis]) / 1000, "xyz"[axis]));
         grid.size[static_cast<std::size_t>(axis)] = std::max(1, static_cast<int>(voxels));
-        grid.origin_mm[axis] = 0.5 * (low_mm[axis] + high_mm[axis] - pitch_mm[axis] * grid.size[static_cast<std::size_t>(axis)]);
+        grid.origin_mm[axis] =
+            0.5 * (low_mm[axis] + high_mm[axis] - pitch_mm[axis] * grid.size[static_cast<std::size_t>(axis)]);
     }
     return grid;
 }
@@ -120,10 +126,12 @@ void check_tray(const VoxelGrid& grid, const Eigen::Vector3d& tray_mm, const Pla
     for (int axis = 0; axis < 3; ++axis)
         if (size[axis] > tray_mm[axis])
             throw InputError(fmt::format(
-                "the model is {:.4g} x {:.4g} x {:.4g} mm and the printer's tray {:.4g} x {:.4g} x {:.4g} mm ({}): too large along {}. "
+                "the model is {:.4g} x {:.4g} x {:.4g} mm and the printer's tray {:.4g} x {:.4g} x {:.4g} mm ({}): too "
+                "large along {}. "
                 "Give the right --unit, or a --size, or turn it with --rotate",
                 size.x(), size.y(), size.z(), tray_mm.x(), tray_mm.y(), tray_mm.z(),
-                placement.unit_assumed ? "mm was assumed" : fmt::format("{:g} mm per unit", placement.mm_per_file_unit), "xyz"[axis]));
+                placement.unit_assumed ? "mm was assumed" : fmt::format("{:g} mm per unit", placement.mm_per_file_unit),
+                "xyz"[axis]));
 }
 
 }  // namespace voxtone::slicer

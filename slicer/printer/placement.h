@@ -4,8 +4,8 @@
 //
 //   p_mm = flips * swap * rotations * (factor * p_file),   then moved so that the smallest coordinate of each axis is 0
 //
-// with factor = mm per file unit * scale, or whatever makes the largest extent `size_mm`. A map that mirrors (one flip, or
-// a swap) also turns the triangles around, so that a body stays right side out.
+// with factor = mm per file unit * scale, or whatever makes the largest extent `size_mm`. A map that mirrors (one flip,
+// or a swap) also turns the triangles around, so that a body stays right side out.
 #pragma once
 
 #include <array>
@@ -23,7 +23,7 @@ struct Placement {
     double mm_per_file_unit = 1;
     bool unit_assumed = false;  ///< the format has no unit and the user gave none
     Eigen::Vector3d extent_mm = Eigen::Vector3d::Zero();
-    std::string summary;        ///< one line for the user: unit and size
+    std::string summary;  ///< one line for the user: unit and size
 };
 
 /// Right-handed rotation from "x90" or "z45,x-30" (degrees, applied in this order). Throws UsageError.
@@ -33,7 +33,8 @@ struct Placement {
 Placement place(io::ModelFile& model, const SliceOptions& options);
 
 /// Smallest grid of this pitch that holds the box, centred on it; at least one voxel along each axis.
-[[nodiscard]] VoxelGrid grid_around(const Eigen::Vector3d& low_mm, const Eigen::Vector3d& high_mm, const Eigen::Vector3d& pitch_mm);
+[[nodiscard]] VoxelGrid grid_around(const Eigen::Vector3d& low_mm, const Eigen::Vector3d& high_mm,
+                                    const Eigen::Vector3d& pitch_mm);
 
 /// Throws InputError when the grid does not fit the tray, with the size that would.
 void check_tray(const VoxelGrid& grid, const Eigen::Vector3d& tray_mm, const Placement& placement);

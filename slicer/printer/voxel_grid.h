@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// The printer's voxel grid: voxel (i, j, k) is the box origin + pitch * ([i, i+1] x [j, j+1] x [k, k+1]), in mm; i along +x
-// (columns of a bitmap), j along +y (rows of a bitmap run the other way), k along +z (layer 0 is the bottom).
+// The printer's voxel grid: voxel (i, j, k) is the box origin + pitch * ([i, i+1] x [j, j+1] x [k, k+1]), in mm; i
+// along +x (columns of a bitmap), j along +y (rows of a bitmap run the other way), k along +z (layer 0 is the bottom).
 #pragma once
 
 #include <array>

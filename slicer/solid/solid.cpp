@@ -35,11 +35,13 @@ void Solid::slab(int k_begin, int k_end, SpanSlab& out) const {
     std::vector<std::pair<std::uint32_t, Step>> crossings;  // by row (k - k_begin) * size[1] + j
     mesh_.for_each_triangle(k_begin, k_end, [&](std::uint32_t t, int first, int last) {
         const auto& [a, b, c] = mesh_.triangles[t];
-        for_each_line_crossing({mesh_.vertices[a], mesh_.vertices[b], mesh_.vertices[c]}, mesh_.fraction_bits, {0, grid_.size[1], first, last},
-                               [&](std::int64_t j, std::int64_t k, std::int64_t i, double, std::int32_t step) {
-                                   i = std::clamp<std::int64_t>(i, 0, grid_.size[0]);
-                                   crossings.push_back({std::uint32_t((k - k_begin) * grid_.size[1] + j), {std::int32_t(i), step}});
-                               });
+        for_each_line_crossing(
+            {mesh_.vertices[a], mesh_.vertices[b], mesh_.vertices[c]}, mesh_.fraction_bits,
+            {0, grid_.size[1], first, last},
+            [&](std::int64_t j, std::int64_t k, std::int64_t i, double, std::int32_t step) {
+                i = std::clamp<std::int64_t>(i, 0, grid_.size[0]);
+                crossings.push_back({std::uint32_t((k - k_begin) * grid_.size[1] + j), {std::int32_t(i), step}});
+            });
     });
 
     // By row: counting sort. Within a row only the sums per voxel matter, so the order of equals does not.

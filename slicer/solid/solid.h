@@ -3,20 +3,22 @@
 // The solid on the printer's grid: voxel (i, j, k) belongs to the body when the winding number of the surface at the
 // voxel's centre is not zero, so nested and overlapping shells are a union.
 //
-// How: vertices are rounded to a fixed-point lattice of 2^-16 voxel (coarser for grids above 16384 voxels along an axis,
-// so that all products fit 64 bits); from there on everything is exact integer arithmetic. Each triangle is rasterised on the
-// y-z plane at the row and layer centres, each crossing is reduced to the first voxel whose centre lies at or behind it,
-// and the crossings of a row are summed from -x on. Centres on the surface count as if moved by (e, e^2, e^3), e an
-// infinitesimal: the same rule for every triangle, so every closed chain is rasterised without cracks.
+// How: vertices are rounded to a fixed-point lattice of 2^-16 voxel (coarser for grids above 16384 voxels along an
+// axis, so that all products fit 64 bits); from there on everything is exact integer arithmetic. Each triangle is
+// rasterised on the y-z plane at the row and layer centres, each crossing is reduced to the first voxel whose centre
+// lies at or behind it, and the crossings of a row are summed from -x on. Centres on the surface count as if moved by
+// (e, e^2, e^3), e an infinitesimal: the same rule for every triangle, so every closed chain is rasterised without
+// cracks.
 //
-// Range: mesh and grid together below 2^22 voxels along each axis. Error: that of the rounding, 2^-17 voxel per coordinate.
-// Threads: const members may be called from any thread. slab() of a layer does not depend on the other layers asked for.
+// Range: mesh and grid together below 2^22 voxels along each axis. Error: that of the rounding, 2^-17 voxel per
+// coordinate. Threads: const members may be called from any thread. slab() of a layer does not depend on the other
+// layers asked for.
 #pragma once
 
 #include "voxtone/slicer/mesh/fixed_mesh.h"
 #include "voxtone/slicer/mesh/solid_mesh.h"
-#include "voxtone/slicer/solid/span_slab.h"
 #include "voxtone/slicer/printer/voxel_grid.h"
+#include "voxtone/slicer/solid/span_slab.h"
 
 namespace voxtone::slicer {
 

@@ -27,7 +27,8 @@ bool in_memory_order(const Voxel& a, const Voxel& b) { return std::tie(a[2], a[1
 // The body of some layers as bits; nothing outside of them.
 class LayerBits {
 public:
-    LayerBits(const SpanSlab& slab, int width) : width_(width), k_begin_(slab.k_begin()), k_end_(slab.k_end()), rows_(slab.rows()) {
+    LayerBits(const SpanSlab& slab, int width)
+        : width_(width), k_begin_(slab.k_begin()), k_end_(slab.k_end()), rows_(slab.rows()) {
         words_ = std::size_t(width + 63) / 64;
         bits_.assign(words_ * std::size_t(rows_) * std::size_t(k_end_ - k_begin_), 0);
         for (int k = k_begin_; k < k_end_; ++k)
@@ -42,18 +43,22 @@ public:
     /// Voxels i .. i + 3 of a row as bits.
     [[nodiscard]] unsigned four(int i, int j, int k) const {
         if (j < 0 || j >= rows_ || k < k_begin_ || k >= k_end_) return 0;
-        if (i >= 0 && i / 64 == (i + 3) / 64 && i + 3 < width_) return unsigned(bits_[word(j, k) + std::size_t(i) / 64] >> (i % 64)) & 15u;
+        if (i >= 0 && i / 64 == (i + 3) / 64 && i + 3 < width_)
+            return unsigned(bits_[word(j, k) + std::size_t(i) / 64] >> (i % 64)) & 15u;
         unsigned bits = 0;
         for (int n = 0; n < 4; ++n) bits |= unsigned(get(i + n, j, k)) << n;
         return bits;
     }
 
 private:
-    [[nodiscard]] std::size_t word(std::int64_t j, std::int64_t k) const { return (std::size_t(k - k_begin_) * std::size_t(rows_) + std::size_t(j)) * words_; }
+    [[nodiscard]] std::size_t word(std::int64_t j, std::int64_t k) const {
+        return (std::size_t(k - k_begin_) * std::size_t(rows_) + std::size_t(j)) * words_;
+    }
     void fill(Span s, int j, int k) {
         std::uint64_t* const line = bits_.data() + word(j, k);
         const auto first = std::size_t(s.begin) / 64, last = std::size_t(s.end - 1) / 64;
-        const std::uint64_t from = ~std::uint64_t{0} << (s.begin % 64), to = ~std::uint64_t{0} >> (63 - (s.end - 1) % 64);
+        const std::uint64_t from = ~std::uint64_t{0} << (s.begin % 64),
+                            to = ~std::uint64_t{0} >> (63 - (s.end - 1) % 64);
         if (first == last) {
             line[first] |= from & to;
             return;
@@ -106,15 +111,16 @@ Surroundings look_around(const LayerBits& body, const Voxel& v, const Voxel& w) 
 
 // A crossing of a grid line with the surface between two centres that are both outside.
 struct Crossing {
-    int axis;        // of the line
-    Voxel gap;       // the voxel of the centre behind it
-    double x;        // along the line, in voxels
+    int axis;   // of the line
+    Voxel gap;  // the voxel of the centre behind it
+    double x;   // along the line, in voxels
     int step;
     std::uint32_t triangle;
     [[nodiscard]] auto key() const { return std::tie(axis, gap[2], gap[1], gap[0]); }
 };
 
-// The voxels that a segment passes, in turn: one axis steps at a time, at parameters that do not depend on where one starts.
+// The voxels that a segment passes, in turn: one axis steps at a time, at parameters that do not depend on where one
+// starts.
 class VoxelWalk {
 public:
     VoxelWalk(const Vector3d& from, const Vector3d& to) : from_(from), way_(to - from) {
@@ -125,8 +131,8 @@ public:
             steps_[a] = std::abs(steps_[a]);
         }
     }
-    /// Calls visit(voxel, next voxel, point) for each step between layers k_low and k_high; once with the same voxel twice if the
-    /// segment stays in one.
+    /// Calls visit(voxel, next voxel, point) for each step between layers k_low and k_high; once with the same voxel
+    /// twice if the segment stays in one.
     template <class Visit>
     void walk(int k_low, int k_high, Visit&& visit) const {
         if (steps_[0] + steps_[1] + steps_[2] == 0) {
@@ -181,9 +187,10 @@ Vector3d in_voxels(const FixedMesh& mesh, std::uint32_t vertex) {
     return Vector3d(v[0], v[1], v[2]) * std::ldexp(1.0, -mesh.fraction_bits) + Vector3d(0.5, 0.5, 0.5);
 }
 
-// Every crossing of grid lines with the surface in the layers [k_begin, k_end) (and the gaps next to them, along z) where the
-// centres on both sides are outside.
-std::vector<Crossing> crossings_between_outside(const FixedMesh& mesh, const VoxelGrid& grid, const LayerBits& body, int k_begin, int k_end) {
+// Every crossing of grid lines with the surface in the layers [k_begin, k_end) (and the gaps next to them, along z)
+// where the centres on both sides are outside.
+std::vector<Crossing> crossings_between_outside(const FixedMesh& mesh, const VoxelGrid& grid, const LayerBits& body,
+                                                int k_begin, int k_end) {
     std::vector<Crossing> found;
     mesh.for_each_triangle(k_begin, k_end, [&](std::uint32_t t, int first, int last) {
         const auto& corners = mesh.triangles[t];
@@ -215,17 +222,21 @@ std::vector<Crossing> crossings_between_outside(const FixedMesh& mesh, const Vox
         };
         for_each_line_crossing(turned(0), mesh.fraction_bits, {begin[1], end[1], first, last},
                                [&](std::int64_t j, std::int64_t k, std::int64_t i, double x, std::int32_t step) {
-                                   if (!body.get(i - 1, j, k) && !body.get(i, j, k)) found.push_back({0, {int(i), int(j), int(k)}, x, step, t});
+                                   if (!body.get(i - 1, j, k) && !body.get(i, j, k))
+                                       found.push_back({0, {int(i), int(j), int(k)}, x, step, t});
                                });
         for_each_line_crossing(turned(1), mesh.fraction_bits, {first, last, begin[0], end[0]},
                                [&](std::int64_t k, std::int64_t i, std::int64_t j, double x, std::int32_t step) {
-                                   if (!body.get(i, j - 1, k) && !body.get(i, j, k)) found.push_back({1, {int(i), int(j), int(k)}, x, step, t});
+                                   if (!body.get(i, j - 1, k) && !body.get(i, j, k))
+                                       found.push_back({1, {int(i), int(j), int(k)}, x, step, t});
                                });
-        for_each_line_crossing(turned(2), mesh.fraction_bits, {begin[0], end[0], begin[1], end[1], double(first - 1), double(last)},
+        for_each_line_crossing(turned(2), mesh.fraction_bits,
+                               {begin[0], end[0], begin[1], end[1], double(first - 1), double(last)},
                                [&](std::int64_t i, std::int64_t j, std::int64_t k, double x, std::int32_t step) {
                                    // Pieces of layers share no gap: the last one has the gap above it too.
                                    if (k < first || k > last || (k == last && last != k_end)) return;
-                                   if (!body.get(i, j, k - 1) && !body.get(i, j, k)) found.push_back({2, {int(i), int(j), int(k)}, x, step, t});
+                                   if (!body.get(i, j, k - 1) && !body.get(i, j, k))
+                                       found.push_back({2, {int(i), int(j), int(k)}, x, step, t});
                                });
     });
     return found;
@@ -245,13 +256,15 @@ ThinFeatures::ThinFeatures(const SolidMesh& mesh, const Solid& solid)
         Vector3d inward = Vector3d::Zero();
         for (const EdgeUse& u : uses.first(std::min<std::size_t>(uses.size(), 2))) inward -= normal(u.triangle);
         const double length = inward.norm();
-        edges_.push_back({{uses[0].low, uses[0].high}, length > 1e-3 ? Eigen::Vector3f((inward / length).cast<float>()) : Eigen::Vector3f::Zero()});
+        edges_.push_back({{uses[0].low, uses[0].high},
+                          length > 1e-3 ? Eigen::Vector3f((inward / length).cast<float>()) : Eigen::Vector3f::Zero()});
     });
     const FixedMesh& fixed = solid.fixed_mesh();
     const int layers = solid.grid().size[2], buckets = (layers + bucket_layers - 1) / bucket_layers;
     const auto buckets_of = [&](const Edge& e) {
         const double z0 = in_voxels(fixed, e.corner[0])[2], z1 = in_voxels(fixed, e.corner[1])[2];
-        const int k0 = std::max(int(std::floor(std::min(z0, z1))), 0), k1 = std::min(int(std::floor(std::max(z0, z1))), layers - 1);
+        const int k0 = std::max(int(std::floor(std::min(z0, z1))), 0),
+                  k1 = std::min(int(std::floor(std::max(z0, z1))), layers - 1);
         return k0 > k1 ? std::pair{0, 0} : std::pair{k0 / bucket_layers, k1 / bucket_layers + 1};
     };
     bucket_begin_.assign(std::size_t(buckets) + 1, 0);
@@ -277,7 +290,8 @@ bool ThinFeatures::thin_at(const Edge& edge, const Vector3d& p_mm) const {
     tree_.overlapping(from.cwiseMin(to), from.cwiseMax(to), near);
     return std::any_of(near.begin(), near.end(), [&](std::uint32_t t) {
         const auto& corners = mesh_.triangles[t];
-        const bool own = std::count(corners.begin(), corners.end(), edge.corner[0]) && std::count(corners.begin(), corners.end(), edge.corner[1]);
+        const bool own = std::count(corners.begin(), corners.end(), edge.corner[0]) &&
+                         std::count(corners.begin(), corners.end(), edge.corner[1]);
         return !own && normal(t).dot(inward) > 0.3 && segment_meets_triangle(from, to, tree_.corners(t));
     });
 }
@@ -294,7 +308,8 @@ std::uint64_t ThinFeatures::slab(int k_begin, int k_end, SpanSlab& out) const {
 
     // Plates, two layers farther than asked for, since the wires look around.
     std::vector<Crossing> crossings = crossings_between_outside(solid_.fixed_mesh(), grid, body, below(2), above(2));
-    std::sort(crossings.begin(), crossings.end(), [](const Crossing& a, const Crossing& b) { return a.key() < b.key(); });
+    std::sort(crossings.begin(), crossings.end(),
+              [](const Crossing& a, const Crossing& b) { return a.key() < b.key(); });
     for (std::size_t n = 0; n < crossings.size();) {
         const Crossing& first = crossings[n];
         double low = first.x, high = first.x;
@@ -312,7 +327,8 @@ std::uint64_t ThinFeatures::slab(int k_begin, int k_end, SpanSlab& out) const {
             Voxel voxel = first.gap;
             int& along = voxel[first.axis];
             along = std::clamp(int(std::floor((low + high) / 2 + 0.5)), along - 1, along);
-            if (along >= 0 && along < grid.size[first.axis] && voxel[2] >= below(2) && voxel[2] < above(2)) added.push_back(voxel);
+            if (along >= 0 && along < grid.size[first.axis] && voxel[2] >= below(2) && voxel[2] < above(2))
+                added.push_back(voxel);
         }
         n = m;
     }
@@ -356,7 +372,8 @@ std::uint64_t ThinFeatures::slab(int k_begin, int k_end, SpanSlab& out) const {
     for (int k = k_begin; k < k_end; ++k)
         for (int j = 0; j < grid.size[1]; ++j) {
             const auto push_until = [&](int i) {
-                for (; next != added.end() && (*next)[2] == k && (*next)[1] == j && (*next)[0] < i; ++next) out.push((*next)[0], (*next)[0] + 1);
+                for (; next != added.end() && (*next)[2] == k && (*next)[1] == j && (*next)[0] < i; ++next)
+                    out.push((*next)[0], (*next)[0] + 1);
             };
             for (const Span& s : base.row(j, k)) {
                 push_until(s.begin);

@@ -4,12 +4,13 @@
 // they need added.
 //
 // Plates: where a grid line through voxel centres (along x, y or z) enters and leaves the body between two neighbouring
-// centres, both outside, through faces that face away from each other (by more than 120 degrees: a ridge of a thick body is no plate),
-// the voxel that holds the middle is added. The voxels of a plate of any angle are then connected.
-// Wires and tips, thin in two directions or three, are followed along the edges of the mesh (no point of such a feature is
-// far from one): for each two voxels that an edge passes in turn, the voxels about them (the 26 around each and they
+// centres, both outside, through faces that face away from each other (by more than 120 degrees: a ridge of a thick
+// body is no plate), the voxel that holds the middle is added. The voxels of a plate of any angle are then connected.
+// Wires and tips, thin in two directions or three, are followed along the edges of the mesh (no point of such a feature
+// is far from one): for each two voxels that an edge passes in turn, the voxels about them (the 26 around each and they
 // themselves) must hold body, all connected; else the two are added. Where they hold body in several parts this is
-// done only if the surface at that edge is thin (it is left again within a voxel's diagonal), so that gaps between bodies stay.
+// done only if the surface at that edge is thin (it is left again within a voxel's diagonal), so that gaps between
+// bodies stay.
 //
 // Each rule looks at most three layers away, so the result is the same for every split into slabs.
 // Threads: const members may be called from any thread.
@@ -21,8 +22,8 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/slicer/solid/solid.h"
 #include "voxtone/slicer/mesh/triangle_tree.h"
+#include "voxtone/slicer/solid/solid.h"
 
 namespace voxtone::slicer {
 

@@ -78,7 +78,8 @@ io::LayerSequence read_named_sequence(const std::string& stack, const NamedStack
     if (!options.resins.empty()) sequence.resins = options.resins;
     if (!options.surface.empty()) sequence.surface = options.surface;
     if (!options.backing.empty()) sequence.backing = options.backing;
-    if (sequence.layers.empty()) throw InputError(fmt::format("{}: has no layer; there is nothing to predict or print", stack));
+    if (sequence.layers.empty())
+        throw InputError(fmt::format("{}: has no layer; there is nothing to predict or print", stack));
     return sequence;
 }
 
@@ -92,8 +93,8 @@ NamedStack read_named_stack(const std::string& stack, const NamedStackOptions& o
 StackLight layered_light(const NamedStack& stack, const optics::LayerPathOptions& tracing, Progress& progress) {
     const StackSetting& setting = stack.setting;
     if (setting.traceable())
-        return optics::layered_light(*setting.resins(), setting.resin_layers(stack.layers), setting.ends(), setting.grid(), tracing,
-                                     &progress);
+        return optics::layered_light(*setting.resins(), setting.resin_layers(stack.layers), setting.ends(),
+                                     setting.grid(), tracing, &progress);
     double mm = 0;
     for (const halftone::StackLayer& layer : stack.layers) mm += layer.thickness_mm;
     return profiles_of(setting, stack.layers, setting.materials(0, mm, tracing, progress));
@@ -102,19 +103,21 @@ StackLight layered_light(const NamedStack& stack, const optics::LayerPathOptions
 StackLight traced_light(const NamedStack& stack, const optics::LayerPathOptions& tracing, Progress& progress) {
     const StackSetting& setting = stack.setting;
     VOXTONE_EXPECT(setting.traceable());
-    return optics::traced_light(*setting.resins(), setting.resin_layers(stack.layers), setting.ends(), setting.grid(), tracing,
-                                &progress);
+    return optics::traced_light(*setting.resins(), setting.resin_layers(stack.layers), setting.ends(), setting.grid(),
+                                tracing, &progress);
 }
 
-// Half as wide a blur as pictures have: it takes the ripples of a series that ends down to 6 %, and of what coarser grids can see
-// next to nothing.
+// Half as wide a blur as pictures have: it takes the ripples of a series that ends down to 6 %, and of what coarser
+// grids can see next to nothing.
 optics::RadialSamples profile_samples(const optics::HankelGrid& grid, const std::vector<double>& coefficients) {
     const std::size_t n = 2 * grid.size();
-    const std::vector<double> soft = grid.blurred(coefficients, blur * grid.reach_mm() / static_cast<double>(grid.size()));
+    const std::vector<double> soft =
+        grid.blurred(coefficients, blur * grid.reach_mm() / static_cast<double>(grid.size()));
     optics::RadialSamples samples;
     samples.spacing_mm = grid.reach_mm() / static_cast<double>(n);
     for (std::size_t i = 0; i <= n; ++i)
-        samples.light.push_back(grid.profile(soft, std::min(grid.reach_mm(), static_cast<double>(i) * samples.spacing_mm)));
+        samples.light.push_back(
+            grid.profile(soft, std::min(grid.reach_mm(), static_cast<double>(i) * samples.spacing_mm)));
     samples.total = std::clamp(coefficients[0], 0.0, 1.0);
     return samples;
 }

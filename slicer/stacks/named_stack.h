@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// A stack of layers as a user names it, a stack file or layers in words, with its light: what `stack predict`, `stack targets`
-// and `stack print` have in common.
+// A stack of layers as a user names it, a stack file or layers in words, with its light: what `stack predict`, `stack
+// targets` and `stack print` have in common.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +21,8 @@ struct NamedStackOptions {
     std::uint32_t coefficients = 512;
 };
 
-/// `stack`: a stack file (.json), or layers as "W 0.3, K 0.1", top first. Throws FileError, InputError, UsageError: also without a layer.
+/// `stack`: a stack file (.json), or layers as "W 0.3, K 0.1", top first. Throws FileError, InputError, UsageError:
+/// also without a layer.
 [[nodiscard]] io::LayerSequence read_named_sequence(const std::string& stack, const NamedStackOptions& options);
 
 struct NamedStack {
@@ -31,13 +32,17 @@ struct NamedStack {
 };
 [[nodiscard]] NamedStack read_named_stack(const std::string& stack, const NamedStackOptions& options);
 
-/// By layer profiles: resins each at its own thickness, the first together with the surface; measured ones by Kubelka and Munk's
-/// law, with a surface as a layer of its own.
-[[nodiscard]] optics::StackLight layered_light(const NamedStack& stack, const optics::LayerPathOptions& tracing, Progress& progress);
+/// By layer profiles: resins each at its own thickness, the first together with the surface; measured ones by Kubelka
+/// and Munk's law, with a surface as a layer of its own.
+[[nodiscard]] optics::StackLight layered_light(const NamedStack& stack, const optics::LayerPathOptions& tracing,
+                                               Progress& progress);
 /// By Monte Carlo of the whole. Contract: setting.traceable().
-[[nodiscard]] optics::StackLight traced_light(const NamedStack& stack, const optics::LayerPathOptions& tracing, Progress& progress);
+[[nodiscard]] optics::StackLight traced_light(const NamedStack& stack, const optics::LayerPathOptions& tracing,
+                                              Progress& progress);
 
-/// Samples of a profile at 2 n + 1 distances up to the grid's reach, for a profile file, through a blur of 0.75 reach / n.
-[[nodiscard]] optics::RadialSamples profile_samples(const optics::HankelGrid& grid, const std::vector<double>& coefficients);
+/// Samples of a profile at 2 n + 1 distances up to the grid's reach, for a profile file, through a blur of 0.75 reach /
+/// n.
+[[nodiscard]] optics::RadialSamples profile_samples(const optics::HankelGrid& grid,
+                                                    const std::vector<double>& coefficients);
 
 }  // namespace voxtone::slicer

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// From a data set of heterogeneous scattering to the profiles that are wanted where: factored, clustered, as a profile map
-// (Hasan et al. 2010, Sec. 7.1).
+// From a data set of heterogeneous scattering to the profiles that are wanted where: factored, clustered, as a profile
+// map (Hasan et al. 2010, Sec. 7.1).
 #pragma once
 
 #include <cstddef>
@@ -13,8 +13,8 @@
 #include "voxtone/halftone/local_profiles/local_profiles.h"
 #include "voxtone/halftone/local_profiles/profile_clusters.h"
 #include "voxtone/halftone/local_profiles/profile_reconstruction.h"
-#include "voxtone/io/profiles/bssrdf_file.h"
 #include "voxtone/io/pictures/picture_writer.h"
+#include "voxtone/io/profiles/bssrdf_file.h"
 #include "voxtone/io/profiles/profile_map.h"
 
 namespace voxtone::slicer {
@@ -22,8 +22,8 @@ namespace voxtone::slicer {
 struct ProfileMapOptions {
     halftone::LocalProfileOptions factor;
     halftone::ClusterOptions clusters;
-    /// All profiles are scaled by one number so that the brightest channel of the brightest cluster reflects this much; in (0, 1].
-    /// The paper takes 0.6, what 5 mm of its resins on black can show at most.
+    /// All profiles are scaled by one number so that the brightest channel of the brightest cluster reflects this much;
+    /// in (0, 1]. The paper takes 0.6, what 5 mm of its resins on black can show at most.
     std::optional<double> max_albedo;
     void validate() const;  ///< throws InputError that names the value and the rule it breaks
 };
@@ -47,15 +47,15 @@ struct ProfileMapResult {
     double factor_seconds = 0, cluster_seconds = 0;
 };
 
-/// `check`: other data of the same surface, traced or measured once more; may be nullptr. InputError where its grid, window or
-/// channels differ.
+/// `check`: other data of the same surface, traced or measured once more; may be nullptr. InputError where its grid,
+/// window or channels differ.
 [[nodiscard]] ProfileMapResult make_profile_map(const io::BssrdfFile& data, const ProfileMapOptions& options,
                                                 Progress& progress, const io::BssrdfFile* check = nullptr);
 
-/// Data, factored, clustered side by side (columns) as the paper's Fig. 7. Rows: albedo in colour; mean distance that light
-/// goes; the response of one point on a logarithmic scale of five decades; both of the channel in the middle, from black over
-/// red and yellow to white. A margin of one window is cut from the first two where enough is left: light beyond the grid is not
-/// known there.
+/// Data, factored, clustered side by side (columns) as the paper's Fig. 7. Rows: albedo in colour; mean distance that
+/// light goes; the response of one point on a logarithmic scale of five decades; both of the channel in the middle,
+/// from black over red and yellow to white. A margin of one window is cut from the first two where enough is left:
+/// light beyond the grid is not known there.
 struct ComparisonPicture {
     io::Picture8 picture;
     std::size_t channel = 0, point = 0;          ///< shown

@@ -22,7 +22,8 @@ std::vector<double> marks_up_to(double most) {
 }
 
 // In parts where it is bright enough to be drawn: ripples below zero have no logarithm.
-void draw(io::Plot& plot, const optics::HankelGrid& grid, const ProfileCurve& curve, std::size_t channel, double most_mm) {
+void draw(io::Plot& plot, const optics::HankelGrid& grid, const ProfileCurve& curve, std::size_t channel,
+          double most_mm) {
     const std::vector<double> soft =
         grid.blurred(curve.coefficients[channel], 1.5 * grid.reach_mm() / static_cast<double>(grid.size()));
     io::Plot::Points part;
@@ -46,15 +47,16 @@ std::string profile_plots(const optics::HankelGrid& grid, const std::vector<std:
                           const std::vector<ProfileRow>& rows, double most_mm) {
     most_mm = std::min(most_mm, grid.reach_mm());
     std::string svg = fmt::format(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0:.0f}\" height=\"{1:.0f}\" viewBox=\"0 0 {0:.0f} {1:.0f}\" "
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0:.0f}\" height=\"{1:.0f}\" viewBox=\"0 0 {0:.0f} "
+        "{1:.0f}\" "
         "font-family=\"sans-serif\">\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n",
         step_x * static_cast<double>(channels.size()), step_y * static_cast<double>(rows.size()));
     for (std::size_t row = 0; row < rows.size(); ++row)
         for (std::size_t c = 0; c < channels.size(); ++c) {
             io::Plot plot({0, most_mm, false, marks_up_to(most_mm), "distance, mm"},
                           {faintest, brightest, true, {1e-4, 1e-3, 1e-2, 0.1, 1}, "light per mm2"},
-                          rows[row].title.empty() ? channels[c] : fmt::format("{}, {}", rows[row].title, channels[c]), width,
-                          height);
+                          rows[row].title.empty() ? channels[c] : fmt::format("{}, {}", rows[row].title, channels[c]),
+                          width, height);
             double legend = 4;
             for (const ProfileCurve& curve : rows[row].curves) {
                 draw(plot, grid, curve, c, most_mm);

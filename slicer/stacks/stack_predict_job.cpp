@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "voxtone/io/profiles/profile_file.h"
 #include "voxtone/io/files/whole_file.h"
+#include "voxtone/io/profiles/profile_file.h"
 #include "voxtone/slicer/stacks/named_stack.h"
 #include "voxtone/slicer/stacks/profile_plots.h"
 
@@ -22,7 +22,8 @@ void check(const StackPredictJob& job, const StackSetting& setting) {
     if (job.paths < 2) throw UsageError(fmt::format("--paths: {}; at least 2 are needed", job.paths));
     if (job.check && !setting.traceable())
         throw UsageError(
-            "--check: light can be traced through resins on black, white or air only; of measured profiles nothing else is "
+            "--check: light can be traced through resins on black, white or air only; of measured profiles nothing "
+            "else is "
             "known. Leave --check out.");
     for (const std::string& file : job.files) {
         const std::string ending = fs::path(file).extension().string();
@@ -40,7 +41,8 @@ std::string profile_json(const StackSetting& setting, const io::LayerSequence& s
     double mm = 0;
     for (const io::SequenceLayer& layer : sequence.layers) mm += layer.mm;
     for (std::size_t c = 0; c < light.R.size(); ++c)
-        file.by_channel.push_back({mm, profile_samples(setting.grid(), light.T[c]), profile_samples(setting.grid(), light.R[c])});
+        file.by_channel.push_back(
+            {mm, profile_samples(setting.grid(), light.T[c]), profile_samples(setting.grid(), light.R[c])});
     return io::profile_text(file);
 }
 
@@ -76,8 +78,8 @@ std::string line(const char* name, const StackSetting& setting, const StackLight
     const optics::HankelGrid& grid = setting.grid();
     const auto side = [&](char letter, const std::vector<double>& k, double error) {
         return fmt::format("{} {:.4f}{}, half of it within {:.2f} mm, 80 % within {:.2f} mm", letter, k[0],
-                           error > 0 ? fmt::format(" +- {:.4f}", error) : std::string(), optics::radius_of_share(grid, k, 0.5),
-                           optics::radius_of_share(grid, k, 0.8));
+                           error > 0 ? fmt::format(" +- {:.4f}", error) : std::string(),
+                           optics::radius_of_share(grid, k, 0.5), optics::radius_of_share(grid, k, 0.8));
     };
     return fmt::format("  {} {}: {}; {}\n", setting.channel_name(c), name, side('R', light.R[c], light.R_error[c]),
                        side('T', light.T[c], light.T_error[c]));
@@ -86,15 +88,17 @@ std::string line(const char* name, const StackSetting& setting, const StackLight
 }  // namespace
 
 StackJobResult run_stack_predict(const StackPredictJob& job, Progress& progress) {
-    const NamedStack stack = read_named_stack(job.stack, {job.resins, job.surface, job.backing, job.reach_mm, job.coefficients});
+    const NamedStack stack =
+        read_named_stack(job.stack, {job.resins, job.surface, job.backing, job.reach_mm, job.coefficients});
     const auto& [sequence, setting, layers] = stack;
     check(job, setting);
     Prediction prediction;
     prediction.layers = layered_light(stack, {job.paths, job.seed}, progress);
     if (job.check) prediction.traced = traced_light(stack, {job.paths, job.seed + 10000000}, progress);
     for (const std::string& file : job.files)
-        io::write_whole_file(file, fs::path(file).extension() == ".svg" ? drawing(setting, sequence.name, prediction)
-                                                                        : profile_json(setting, sequence, prediction.layers));
+        io::write_whole_file(file, fs::path(file).extension() == ".svg"
+                                       ? drawing(setting, sequence.name, prediction)
+                                       : profile_json(setting, sequence, prediction.layers));
     nlohmann::ordered_json channels = nlohmann::json::array();
     std::string text = fmt::format("{} mm, top first; surface {}, backing {}\n", io::layers_text(sequence.layers),
                                    setting.surface(), setting.backing());

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// `voxtone stack predict`: what a stack of layers reflects and transmits, by layer profiles and, if asked for, by Monte Carlo.
+// `voxtone stack predict`: what a stack of layers reflects and transmits, by layer profiles and, if asked for, by Monte
+// Carlo.
 //
-// Resins: every layer's profile is made at its own thickness, the first together with the surface (optics/profiles/resin_stack.h).
-// Measured profiles: other thicknesses by Kubelka and Munk's law, a surface as a layer of its own.
+// Resins: every layer's profile is made at its own thickness, the first together with the surface
+// (optics/profiles/resin_stack.h). Measured profiles: other thicknesses by Kubelka and Munk's law, a surface as a layer
+// of its own.
 #pragma once
 
 #include <cstdint>

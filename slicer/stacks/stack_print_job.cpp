@@ -23,7 +23,8 @@ struct Slab {
 };
 
 void check(const StackPrintJob& job) {
-    if (job.stacks.empty()) throw UsageError("stack print: no stack; name stack files (voxtone-stack) or layers such as \"W 0.3, K 0.1\"");
+    if (job.stacks.empty())
+        throw UsageError("stack print: no stack; name stack files (voxtone-stack) or layers such as \"W 0.3, K 0.1\"");
     for (const auto& [name, mm] : {std::pair("--width", job.width_mm), {"--depth", job.depth_mm}})
         if (!(mm > 0)) throw UsageError(fmt::format("{}: {:g} mm; a slab needs a size above 0", name, mm));
     if (!(job.gap_mm >= 0)) throw UsageError(fmt::format("--gap: {:g} mm; it is 0 or more", job.gap_mm));
@@ -32,7 +33,8 @@ void check(const StackPrintJob& job) {
 std::optional<io::SequenceLayer> parse_base(const std::string& text) {
     if (text.empty()) return std::nullopt;
     const std::size_t equals = text.find('=');
-    if (equals == 0 || equals == std::string::npos) throw UsageError(fmt::format("--base {}: write ROLE=LENGTH, such as K=1mm", text));
+    if (equals == 0 || equals == std::string::npos)
+        throw UsageError(fmt::format("--base {}: write ROLE=LENGTH, such as K=1mm", text));
     const double mm = parse_length_mm(text.substr(equals + 1), "--base");
     if (!(mm > 0)) throw UsageError(fmt::format("--base {}: must be thicker than 0; leave it out for none", text));
     return io::SequenceLayer{text.substr(0, equals), mm};
@@ -43,11 +45,16 @@ std::vector<io::SequenceLayer> rounded(const io::LayerSequence& sequence, double
     std::vector<halftone::StackLayer> layers;
     for (std::size_t i = 0; i < sequence.layers.size(); ++i) layers.push_back({i, sequence.layers[i].mm});
     std::vector<io::SequenceLayer> printed;
-    for (const auto& [i, mm] : halftone::whole_layers(layers, layer_mm)) printed.push_back({sequence.layers[i].material, mm});
+    for (const auto& [i, mm] : halftone::whole_layers(layers, layer_mm))
+        printed.push_back({sequence.layers[i].material, mm});
     if (printed.size() < layers.size())
-        progress.warn(fmt::format("{}: {} of its {} layers are thinner than half a printed layer of {:g} mm and vanish; search with --layer {:g}mm",
-                                  sequence.name, layers.size() - printed.size(), layers.size(), layer_mm, layer_mm));
-    if (printed.empty()) throw InputError(fmt::format("{}: is thinner than one printed layer ({:g} mm); there is nothing to print", sequence.name, layer_mm));
+        progress.warn(
+            fmt::format("{}: {} of its {} layers are thinner than half a printed layer of {:g} mm and vanish; search "
+                        "with --layer {:g}mm",
+                        sequence.name, layers.size() - printed.size(), layers.size(), layer_mm, layer_mm));
+    if (printed.empty())
+        throw InputError(fmt::format("{}: is thinner than one printed layer ({:g} mm); there is nothing to print",
+                                     sequence.name, layer_mm));
     return printed;
 }
 
@@ -57,13 +64,18 @@ std::vector<Slab> slabs_of(const StackPrintJob& job, double layer_mm, Progress& 
     for (const std::string& stack : job.stacks) {
         const io::LayerSequence sequence = read_named_sequence(stack, {.resins = job.resins});
         if (sequence.resins.empty())
-            throw InputError(fmt::format("{}: its materials are measured profiles; no printer is loaded with those: name the resins, \"W 0.3, K 0.1\"", stack));
+            throw InputError(
+                fmt::format("{}: its materials are measured profiles; no printer is loaded with those: name the "
+                            "resins, \"W 0.3, K 0.1\"",
+                            stack));
         const optics::ResinSet set = io::find_resin_set(sequence.resins);
         Slab slab{sequence.name, rounded(sequence, layer_mm, progress)};
         if (base) slab.layers.push_back({base->material, std::max(1.0, std::round(base->mm / layer_mm)) * layer_mm});
         for (const io::SequenceLayer& layer : slab.layers) {
             if (set.find(layer.material) < 0)
-                throw InputError(fmt::format("{}: the resin set {} has no resin of the role {}; say which set has one with --resins", stack, set.name, layer.material));
+                throw InputError(
+                    fmt::format("{}: the resin set {} has no resin of the role {}; say which set has one with --resins",
+                                stack, set.name, layer.material));
             slab.height_mm += layer.mm;
         }
         slab.left_mm = static_cast<double>(slabs.size()) * (job.width_mm + job.gap_mm);
@@ -76,16 +88,21 @@ BoxPrint boxes_of(const StackPrintJob& job, const std::vector<Slab>& slabs) {
     BoxPrint print;
     for (const Slab& slab : slabs)
         for (const io::SequenceLayer& layer : slab.layers)
-            if (std::find(print.roles.begin(), print.roles.end(), layer.material) == print.roles.end()) print.roles.push_back(layer.material);
+            if (std::find(print.roles.begin(), print.roles.end(), layer.material) == print.roles.end())
+                print.roles.push_back(layer.material);
     for (const Slab& slab : slabs) {
         double top = slab.height_mm;
         for (const io::SequenceLayer& layer : slab.layers) {
-            PrintBox box{{slab.left_mm, 0, top - layer.mm}, {slab.left_mm + job.width_mm, job.depth_mm, top}, std::vector<double>(print.roles.size(), 0.0)};
-            box.fractions[static_cast<std::size_t>(std::find(print.roles.begin(), print.roles.end(), layer.material) - print.roles.begin())] = 1;
+            PrintBox box{{slab.left_mm, 0, top - layer.mm},
+                         {slab.left_mm + job.width_mm, job.depth_mm, top},
+                         std::vector<double>(print.roles.size(), 0.0)};
+            box.fractions[static_cast<std::size_t>(std::find(print.roles.begin(), print.roles.end(), layer.material) -
+                                                   print.roles.begin())] = 1;
             print.boxes.push_back(std::move(box));
             top -= layer.mm;
         }
-        print.size_mm = print.size_mm.cwiseMax(Eigen::Vector3d(slab.left_mm + job.width_mm, job.depth_mm, slab.height_mm));
+        print.size_mm =
+            print.size_mm.cwiseMax(Eigen::Vector3d(slab.left_mm + job.width_mm, job.depth_mm, slab.height_mm));
     }
     return print;
 }
@@ -101,17 +118,27 @@ StackJobResult run_stack_print(const StackPrintJob& job, Progress& progress) {
     const io::StackDescription stack = print_boxes(print, printer, job.out, job.outputs, job.overwrite, progress);
 
     nlohmann::ordered_json json_slabs = nlohmann::json::array(), ml = nlohmann::json::object();
-    std::string text = fmt::format("{}: {:.2f} x {:.2f} x {:.3f} mm, {} layers of {:g} um\n", job.out, print.size_mm.x(), print.size_mm.y(), print.size_mm.z(),
-                                   stack.layers, printer.pitch_um.z());
+    std::string text =
+        fmt::format("{}: {:.2f} x {:.2f} x {:.3f} mm, {} layers of {:g} um\n", job.out, print.size_mm.x(),
+                    print.size_mm.y(), print.size_mm.z(), stack.layers, printer.pitch_um.z());
     for (const Slab& slab : slabs) {
         nlohmann::ordered_json layers = nlohmann::json::array();
-        for (const io::SequenceLayer& layer : slab.layers) layers.push_back({{"material", layer.material}, {"mm", layer.mm}});
-        json_slabs.push_back({{"name", slab.name}, {"left_mm", slab.left_mm}, {"height_mm", slab.height_mm}, {"layers", layers}});
-        text += fmt::format("  {}, from x = {:g} mm: {} mm, top first ({:.3f} mm in all)\n", slab.name, slab.left_mm, io::layers_text(slab.layers), slab.height_mm);
+        for (const io::SequenceLayer& layer : slab.layers)
+            layers.push_back({{"material", layer.material}, {"mm", layer.mm}});
+        json_slabs.push_back(
+            {{"name", slab.name}, {"left_mm", slab.left_mm}, {"height_mm", slab.height_mm}, {"layers", layers}});
+        text += fmt::format("  {}, from x = {:g} mm: {} mm, top first ({:.3f} mm in all)\n", slab.name, slab.left_mm,
+                            io::layers_text(slab.layers), slab.height_mm);
     }
     for (const io::StackResin& resin : stack.resins) ml[resin.role] = resin.ml;
-    const nlohmann::ordered_json json{{"format", "voxtone-stack-print"}, {"version", 1}, {"folder", job.out}, {"printer", printer.id},
-                                      {"layers", stack.layers}, {"slabs", json_slabs}, {"ml", ml}, {"content_sha256", stack.content_sha256}};
+    const nlohmann::ordered_json json{{"format", "voxtone-stack-print"},
+                                      {"version", 1},
+                                      {"folder", job.out},
+                                      {"printer", printer.id},
+                                      {"layers", stack.layers},
+                                      {"slabs", json_slabs},
+                                      {"ml", ml},
+                                      {"content_sha256", stack.content_sha256}};
     return {json.dump(), text};
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// `voxtone stack print`: slabs of layers of resin as a printable stack, side by side along x, each as thick as its layers; what `stack search`
-// found, without a model (slicer/stacks/print_boxes.h).
+// `voxtone stack print`: slabs of layers of resin as a printable stack, side by side along x, each as thick as its
+// layers; what `stack search` found, without a model (slicer/stacks/print_boxes.h).
 //
 // Borders between layers are rounded to whole printed layers (halftone/stacks/whole_layers.h), from the top.
 #pragma once

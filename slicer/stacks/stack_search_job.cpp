@@ -13,8 +13,8 @@
 #include "voxtone/base/stopwatch.h"
 #include "voxtone/base/units.h"
 #include "voxtone/halftone/stacks/stack_design.h"
-#include "voxtone/io/profiles/layer_sequence_file.h"
 #include "voxtone/io/files/whole_file.h"
+#include "voxtone/io/profiles/layer_sequence_file.h"
 #include "voxtone/slicer/stacks/profile_plots.h"
 
 namespace voxtone::slicer {
@@ -35,13 +35,16 @@ struct Target {
 };
 
 void check(const StackSearchJob& job) {
-    if (job.targets.empty()) throw UsageError("stack search: no target; name profile files (voxtone-profile) of what is wanted");
-    if (job.rounds < 0 || job.rounds > 20) throw UsageError(fmt::format("--rounds: {}; it lies between 0 and 20", job.rounds));
+    if (job.targets.empty())
+        throw UsageError("stack search: no target; name profile files (voxtone-profile) of what is wanted");
+    if (job.rounds < 0 || job.rounds > 20)
+        throw UsageError(fmt::format("--rounds: {}; it lies between 0 and 20", job.rounds));
     if (job.paths < 2) throw UsageError(fmt::format("--paths: {}; at least 2 are needed", job.paths));
     if (!(job.layer_mm >= 0))
         throw UsageError(fmt::format("--layer: {:g} mm; a printed layer is not thinner than 0", job.layer_mm));
     if (!(job.thickness_mm > 0))
-        throw UsageError(fmt::format("--thickness: {:g} mm; a stack of layers needs a thickness above 0", job.thickness_mm));
+        throw UsageError(
+            fmt::format("--thickness: {:g} mm; a stack of layers needs a thickness above 0", job.thickness_mm));
 }
 
 // "T=0.2mm" for each material that is named.
@@ -51,10 +54,12 @@ std::vector<double> clear_top(const StackSearchJob& job, const std::vector<std::
         const std::size_t equals = rule.find('=');
         const auto named = std::find(names.begin(), names.end(), rule.substr(0, equals));
         if (equals == std::string::npos || named == names.end())
-            throw UsageError(fmt::format("--clear-top: '{}' is no MATERIAL=LENGTH with one of the materials {}; write T=0.2mm",
-                                         rule, fmt::join(names, ", ")));
+            throw UsageError(
+                fmt::format("--clear-top: '{}' is no MATERIAL=LENGTH with one of the materials {}; write T=0.2mm", rule,
+                            fmt::join(names, ", ")));
         clear.resize(names.size());
-        clear[static_cast<std::size_t>(named - names.begin())] = parse_length_mm(rule.substr(equals + 1), "--clear-top");
+        clear[static_cast<std::size_t>(named - names.begin())] =
+            parse_length_mm(rule.substr(equals + 1), "--clear-top");
     }
     return clear;
 }
@@ -65,8 +70,9 @@ std::vector<Target> read_targets(const StackSearchJob& job, const StackSetting& 
     for (const std::string& file : job.targets) {
         const std::string name = fs::path(file).stem().string();
         if (!names.insert(name).second)
-            throw UsageError(fmt::format(
-                "{}: there are two targets named {}; their results would overwrite each other: rename one", file, name));
+            throw UsageError(
+                fmt::format("{}: there are two targets named {}; their results would overwrite each other: rename one",
+                            file, name));
         targets.push_back({file, name, setting.target(io::read_profile(file), file, progress)});
     }
     return targets;
@@ -104,7 +110,8 @@ std::vector<std::string> channel_names(const StackSetting& setting) {
 }
 
 std::string drawing(const StackSetting& setting, const Target& target, const StackDesign& design) {
-    std::vector<ProfileCurve> curves{{"wanted", "black", target.wanted, false}, {"layers", "#2266dd", design.modelled, true}};
+    std::vector<ProfileCurve> curves{{"wanted", "black", target.wanted, false},
+                                     {"layers", "#2266dd", design.modelled, true}};
     if (!design.judged.empty()) curves.push_back({"Monte Carlo", "#cc2222", design.judged, true});
     return profile_plots(setting.grid(), channel_names(setting), {{target.name, std::move(curves)}}, 6);
 }
@@ -116,13 +123,15 @@ double spread(const std::vector<double>& coefficients) {
     return coefficients[0] != 0 ? sum / (static_cast<double>(coefficients.size()) * coefficients[0]) : 0;
 }
 
-nlohmann::ordered_json channel_json(const StackSetting& setting, const Target& target, const StackDesign& design, std::size_t c) {
+nlohmann::ordered_json channel_json(const StackSetting& setting, const Target& target, const StackDesign& design,
+                                    std::size_t c) {
     const auto figures = [&](const std::vector<double>& R) {
         return nlohmann::ordered_json{{"total", R[0]}, {"spread", spread(R)}};
     };
     const halftone::ChannelMatch& match = design.found.channels[c];
-    nlohmann::ordered_json json{
-        {"channel", setting.channel_name(c)}, {"target", figures(target.wanted[c])}, {"layers", figures(design.modelled[c])}};
+    nlohmann::ordered_json json{{"channel", setting.channel_name(c)},
+                                {"target", figures(target.wanted[c])},
+                                {"layers", figures(design.modelled[c])}};
     if (!design.judged.empty()) json["monte_carlo"] = figures(design.judged[c]);
     json["reachable_totals_within"] = {match.least_total, match.most_total};
     return json;
@@ -131,7 +140,8 @@ nlohmann::ordered_json channel_json(const StackSetting& setting, const Target& t
 nlohmann::ordered_json result_json(const StackSetting& setting, const Target& target, const StackDesign& design,
                                    const io::LayerSequence& sequence, const Times& times) {
     nlohmann::ordered_json layers = nlohmann::json::array(), channels = nlohmann::json::array();
-    for (const io::SequenceLayer& layer : sequence.layers) layers.push_back({{"material", layer.material}, {"mm", layer.mm}});
+    for (const io::SequenceLayer& layer : sequence.layers)
+        layers.push_back({{"material", layer.material}, {"mm", layer.mm}});
     for (std::size_t c = 0; c < target.wanted.size(); ++c) channels.push_back(channel_json(setting, target, design, c));
     nlohmann::ordered_json json{{"target", target.file},
                                 {"layers", layers},
@@ -153,19 +163,22 @@ std::string result_text(const StackSetting& setting, const Target& target, const
                         const io::LayerSequence& sequence, const Times& times) {
     double mm = 0;
     for (const io::SequenceLayer& layer : sequence.layers) mm += layer.mm;
-    std::string text = fmt::format(
-        "{}: {}\n", target.name,
-        sequence.layers.empty() ? std::string("no layer at all: the backing alone is nearest")
-                                : fmt::format("{} mm, top first ({:.4g} mm in all)", io::layers_text(sequence.layers), mm));
+    std::string text =
+        fmt::format("{}: {}\n", target.name,
+                    sequence.layers.empty()
+                        ? std::string("no layer at all: the backing alone is nearest")
+                        : fmt::format("{} mm, top first ({:.4g} mm in all)", io::layers_text(sequence.layers), mm));
     const std::string judged =
         design.judged.empty() ? std::string() : fmt::format(", by Monte Carlo {:.4f}", design.judged_distance);
-    const std::string gamut = design.outside > 0 ? fmt::format("outside of the gamut by at least {:.4f}{}", design.outside,
-                                                               setting.turned_back() > 0 ? " behind the surface" : "")
-                                                 : std::string("not known to lie outside of the gamut");
+    const std::string gamut = design.outside > 0
+                                  ? fmt::format("outside of the gamut by at least {:.4f}{}", design.outside,
+                                                setting.turned_back() > 0 ? " behind the surface" : "")
+                                  : std::string("not known to lie outside of the gamut");
     text += fmt::format("  distance {:.4f}{}; {}\n", design.modelled_distance, judged, gamut);
     for (std::size_t c = 0; c < target.wanted.size(); ++c) {
         text += fmt::format("  {}: wanted {:.4f}, spread {:.4f}; layers {:.4f}, {:.4f}", setting.channel_name(c),
-                            target.wanted[c][0], spread(target.wanted[c]), design.modelled[c][0], spread(design.modelled[c]));
+                            target.wanted[c][0], spread(target.wanted[c]), design.modelled[c][0],
+                            spread(design.modelled[c]));
         if (!design.judged.empty())
             text += fmt::format("; Monte Carlo {:.4f}, {:.4f}", design.judged[c][0], spread(design.judged[c]));
         text += '\n';
@@ -190,8 +203,8 @@ halftone::StackJudge monte_carlo(const StackSearchJob& job, const StackSetting& 
             return R;
         }
         optics::LayerPathOptions tracing{job.paths, job.seed + 10000000};
-        return optics::traced_light(*setting.resins(), setting.resin_layers(layers), setting.ends(), setting.grid(), tracing,
-                                    &progress)
+        return optics::traced_light(*setting.resins(), setting.resin_layers(layers), setting.ends(), setting.grid(),
+                                    tracing, &progress)
             .R;
     };
 }

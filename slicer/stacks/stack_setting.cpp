@@ -26,37 +26,38 @@ std::string channels_text(const optics::Channels& channels) {
 void expect_same(const optics::Channels& channels, const std::string& file, const optics::Channels& expected,
                  const std::string& of) {
     if (channels == expected) return;
-    throw InputError(
-        fmt::format("{}: its channels are {}, those of {} are {}; all profiles of a stack are of the same channels: measure "
-                    "or convert one of them",
-                    file, channels_text(channels), of, channels_text(expected)));
+    throw InputError(fmt::format(
+        "{}: its channels are {}, those of {} are {}; all profiles of a stack are of the same channels: measure "
+        "or convert one of them",
+        file, channels_text(channels), of, channels_text(expected)));
 }
 
 void warn_of(const std::string& what, double negative, double beyond, Progress& progress) {
     if (negative > noisy)
-        progress.warn(fmt::format("{}: {:.0f} % of the light is below zero: the tail is noise; measure with longer exposures",
-                                  what, 100 * negative));
-    if (beyond > cut)
         progress.warn(
-            fmt::format("{}: about {:.0f} % of the light lies beyond the last sample and is left out; measure farther out", what,
-                        100 * beyond));
+            fmt::format("{}: {:.0f} % of the light is below zero: the tail is noise; measure with longer exposures",
+                        what, 100 * negative));
+    if (beyond > cut)
+        progress.warn(fmt::format(
+            "{}: about {:.0f} % of the light lies beyond the last sample and is left out; measure farther out", what,
+            100 * beyond));
 }
 
 void warn_of(const std::string& what, const optics::MeasuredSummary& summary, Progress& progress) {
     warn_of(what + ", reflection", summary.negative_R, summary.beyond_R, progress);
     warn_of(what + ", transmission", summary.negative_T, summary.beyond_T, progress);
     if (summary.clamped > noisy)
-        progress.warn(fmt::format("{}: coefficients were changed by up to {:.2f} to lie within what a layer can do", what,
-                                  summary.clamped));
+        progress.warn(fmt::format("{}: coefficients were changed by up to {:.2f} to lie within what a layer can do",
+                                  what, summary.clamped));
 }
 
 io::ProfileFile read_material(const std::string& file) {
     io::ProfileFile profile = io::read_profile(file);
     if (profile.is_target())
-        throw InputError(
-            fmt::format("{}: holds no T and no thickness: it says what is wanted, not what a material does; a material is "
-                        "measured in reflection and transmission",
-                        file));
+        throw InputError(fmt::format(
+            "{}: holds no T and no thickness: it says what is wanted, not what a material does; a material is "
+            "measured in reflection and transmission",
+            file));
     return profile;
 }
 
@@ -86,10 +87,10 @@ StackSetting::StackSetting(const StackSettingOptions& given)
         set_ = io::find_resin_set(given.resins).subset(names_);
         channels_ = set_->channels;
     } else if (static_cast<std::size_t>(files) < names_.size()) {
-        throw UsageError(
-            fmt::format("--materials: {} holds profile files and roles of resins; a stack is made of one kind: its light "
-                        "is either measured or computed",
-                        fmt::join(names_, ", ")));
+        throw UsageError(fmt::format(
+            "--materials: {} holds profile files and roles of resins; a stack is made of one kind: its light "
+            "is either measured or computed",
+            fmt::join(names_, ", ")));
     } else {
         for (const std::string& name : names_) {
             files_.push_back(read_material(name));
@@ -125,15 +126,17 @@ StackSetting::StackSetting(const StackSettingOptions& given)
             for (double& value : backing_reflection_.back()) value = std::clamp(value, 0.0, 1.0);
         }
     } else if (backing_ != "black") {
-        throw UsageError(fmt::format("--backing: '{}' is none of black, white, air and no profile file (.json)", backing_));
+        throw UsageError(
+            fmt::format("--backing: '{}' is none of black, white, air and no profile file (.json)", backing_));
     }
 }
 
 std::vector<halftone::StackMaterial> StackSetting::materials(double known_mm, double most_mm,
-                                                             const optics::LayerPathOptions& tracing, Progress& progress) const {
+                                                             const optics::LayerPathOptions& tracing,
+                                                             Progress& progress) const {
     if (!(known_mm >= 0 && known_mm <= 100))
-        throw UsageError(
-            fmt::format("--known: {:g} mm; resins are known at a thickness above 0, 100 mm at most (0: what fits)", known_mm));
+        throw UsageError(fmt::format(
+            "--known: {:g} mm; resins are known at a thickness above 0, 100 mm at most (0: what fits)", known_mm));
     std::vector<halftone::StackMaterial> all;
     progress.begin_stage("Profiles", names_.size(), "materials");
     for (std::size_t m = 0; m < names_.size(); ++m) {

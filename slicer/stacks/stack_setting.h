@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// What stacks are made of and what they border on, from what a user writes: the part that `stack search` and `stack predict`
-// have in common.
+// What stacks are made of and what they border on, from what a user writes: the part that `stack search` and `stack
+// predict` have in common.
 //
 // Materials are roles of a resin set or files of measured profiles, never both. Surface: "air" (smooth, to air above),
-// "matched" (none), "auto" (air for resins, matched for measured profiles, which were measured with whatever surface they have).
-// Backing, in contact with the lowest layer: "black", "white" (sends all back where it arrives), "air" (a smooth surface), or the
-// file of a profile whose R is meant.
+// "matched" (none), "auto" (air for resins, matched for measured profiles, which were measured with whatever surface
+// they have). Backing, in contact with the lowest layer: "black", "white" (sends all back where it arrives), "air" (a
+// smooth surface), or the file of a profile whose R is meant.
 #pragma once
 
 #include <optional>
@@ -32,7 +32,8 @@ struct StackSettingOptions {
 
 class StackSetting {
 public:
-    /// Throws UsageError, InputError, FileError: unknown roles or words, materials of several kinds, channels that differ.
+    /// Throws UsageError, InputError, FileError: unknown roles or words, materials of several kinds, channels that
+    /// differ.
     explicit StackSetting(const StackSettingOptions& options);
 
     [[nodiscard]] const optics::HankelGrid& grid() const { return grid_; }
@@ -50,8 +51,8 @@ public:
     [[nodiscard]] bool traceable() const { return set_ && !measured_backing_; }
     [[nodiscard]] const optics::StackEnds& ends() const { return ends_; }
 
-    /// Profiles of all materials. Resins are known at this thickness, 0: at the one that fits stacks of `most_mm` best. Warns of
-    /// measured profiles that are noisy or cut short.
+    /// Profiles of all materials. Resins are known at this thickness, 0: at the one that fits stacks of `most_mm` best.
+    /// Warns of measured profiles that are noisy or cut short.
     [[nodiscard]] std::vector<halftone::StackMaterial> materials(double known_mm, double most_mm,
                                                                  const optics::LayerPathOptions& tracing,
                                                                  Progress& progress) const;

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// `voxtone stack targets`: wanted profiles of one albedo and rising width between two stacks (halftone/stacks/widening_targets.h), as files
-// that `stack search` takes. Stacks of resins are traced by Monte Carlo, others by layer profiles.
+// `voxtone stack targets`: wanted profiles of one albedo and rising width between two stacks
+// (halftone/stacks/widening_targets.h), as files that `stack search` takes. Stacks of resins are traced by Monte Carlo,
+// others by layer profiles.
 #pragma once
 
 #include <cstdint>

@@ -51,7 +51,8 @@ void Distances2(const LocalTriangle& t, const float* x, const float* y, const fl
     for (std::size_t l = 0; l < row_voxels; l += hn::Lanes(d)) {
         const V px = hn::LoadU(d, x + l), py = hn::LoadU(d, y + l), pz = hn::LoadU(d, z + l);
         const auto linear = [&](int f) {
-            const V yz = hn::Add(hn::Add(hn::Set(d, t.constant[f]), hn::Mul(hn::Set(d, t.y[f]), py)), hn::Mul(hn::Set(d, t.z[f]), pz));
+            const V yz = hn::Add(hn::Add(hn::Set(d, t.constant[f]), hn::Mul(hn::Set(d, t.y[f]), py)),
+                                 hn::Mul(hn::Set(d, t.z[f]), pz));
             return hn::Add(yz, hn::Mul(hn::Set(d, t.x[f]), px));
         };
         const V s[3] = {linear(1), linear(2), linear(3)}, along[3] = {linear(4), linear(5), linear(6)};
@@ -63,14 +64,15 @@ void Distances2(const LocalTriangle& t, const float* x, const float* y, const fl
 HWY_INLINE void row_constants(const LocalTriangle& t, float y, float z, float* HWY_RESTRICT out) {
     const D d;
     for (std::size_t f = 0; f < 8; f += hn::Lanes(d)) {
-        const V yz = hn::Add(hn::Add(hn::LoadU(d, t.constant.data() + f), hn::Mul(hn::LoadU(d, t.y.data() + f), hn::Set(d, y))),
-                             hn::Mul(hn::LoadU(d, t.z.data() + f), hn::Set(d, z)));
+        const V yz =
+            hn::Add(hn::Add(hn::LoadU(d, t.constant.data() + f), hn::Mul(hn::LoadU(d, t.y.data() + f), hn::Set(d, y))),
+                    hn::Mul(hn::LoadU(d, t.z.data() + f), hn::Set(d, z)));
         hn::StoreU(yz, d, out + f);
     }
 }
 
-bool Nearest(const LocalTriangle* const* triangles, std::size_t count, const BlockPoints& points, float limit2, std::uint8_t* bits,
-             BlockResult& result) {
+bool Nearest(const LocalTriangle* const* triangles, std::size_t count, const BlockPoints& points, float limit2,
+             std::uint8_t* bits, BlockResult& result) {
     const D d;
     const hn::RebindToSigned<D> di;
     const V slack = hn::Set(d, 1 - 4e-6f), offset = hn::Set(d, 1e-8f);
@@ -105,7 +107,8 @@ bool Nearest(const LocalTriangle* const* triangles, std::size_t count, const Blo
                 hn::Store(hn::IfThenElse(better, distance2, chosen2), d, result.chosen2.data() + at);
                 hn::Store(hn::IfThenElse(hn::RebindMask(di, better), index, hn::Load(di, result.slot.data() + at)), di,
                           result.slot.data() + at);
-                hn::Store(hn::Min(distance2, hn::Load(d, result.distance2.data() + at)), d, result.distance2.data() + at);
+                hn::Store(hn::Min(distance2, hn::Load(d, result.distance2.data() + at)), d,
+                          result.distance2.data() + at);
             }
         }
     }
@@ -116,7 +119,8 @@ bool Nearest(const LocalTriangle* const* triangles, std::size_t count, const Blo
         unsigned within = 0;
         for (std::size_t l = 0; l < row_voxels; l += hn::Lanes(d)) {
             std::uint8_t mask[8] = {};
-            hn::StoreMaskBits(d, hn::Le(hn::Load(d, result.distance2.data() + std::size_t(row) * row_voxels + l), limit), mask);
+            hn::StoreMaskBits(
+                d, hn::Le(hn::Load(d, result.distance2.data() + std::size_t(row) * row_voxels + l), limit), mask);
             within |= unsigned(mask[0]) << l;
         }
         bits[row] = std::uint8_t(bits[row] & within);
@@ -125,7 +129,8 @@ bool Nearest(const LocalTriangle* const* triangles, std::size_t count, const Blo
     return any;
 }
 
-void Finish(const LocalTriangle* const* triangles, const BlockPoints& points, const std::uint8_t* shell, BlockResult& result) {
+void Finish(const LocalTriangle* const* triangles, const BlockPoints& points, const std::uint8_t* shell,
+            BlockResult& result) {
     const D d;
     const hn::RebindToSigned<D> di;
     const V zero = hn::Zero(d), one = hn::Set(d, 1.0f);
@@ -147,7 +152,9 @@ void Finish(const LocalTriangle* const* triangles, const BlockPoints& points, co
 
                 alignas(32) float constants[8];
                 row_constants(t, points.y[row], points.z[row], constants);
-                const auto linear = [&](int f) { return hn::Add(hn::Set(d, constants[f]), hn::Mul(hn::Set(d, t.x[f]), px)); };
+                const auto linear = [&](int f) {
+                    return hn::Add(hn::Set(d, constants[f]), hn::Mul(hn::Set(d, t.x[f]), px));
+                };
                 const V s[3] = {linear(1), linear(2), linear(3)}, along[3] = {linear(4), linear(5), linear(6)};
                 const Parts p = parts_of(t, linear(0), s, along);
 
@@ -184,8 +191,10 @@ void Finish(const LocalTriangle* const* triangles, const BlockPoints& points, co
                     return hn::Add(hn::Add(start, hn::Mul(w1, hn::Set(d, t.uv[1][c] - t.uv[0][c]))),
                                    hn::Mul(w2, hn::Set(d, t.uv[2][c] - t.uv[0][c])));
                 };
-                hn::Store(hn::IfThenElse(mine, interpolate(0), hn::Load(d, result.u.data() + at)), d, result.u.data() + at);
-                hn::Store(hn::IfThenElse(mine, interpolate(1), hn::Load(d, result.v.data() + at)), d, result.v.data() + at);
+                hn::Store(hn::IfThenElse(mine, interpolate(0), hn::Load(d, result.u.data() + at)), d,
+                          result.u.data() + at);
+                hn::Store(hn::IfThenElse(mine, interpolate(1), hn::Load(d, result.v.data() + at)), d,
+                          result.v.data() + at);
             }
         }
     }
@@ -204,8 +213,8 @@ HWY_EXPORT(Distances2);
 HWY_EXPORT(Nearest);
 HWY_EXPORT(Finish);
 
-LocalTriangle make_local(const Vector3d& a, const Vector3d& b, const Vector3d& c, const std::array<Eigen::Vector2f, 3>& uv,
-                         const Vector3d& centre) {
+LocalTriangle make_local(const Vector3d& a, const Vector3d& b, const Vector3d& c,
+                         const std::array<Eigen::Vector2f, 3>& uv, const Vector3d& centre) {
     const Vector3d* corner[3] = {&a, &b, &c};
     double length[3];
     for (int e = 0; e < 3; ++e) length[e] = (*corner[(e + 1) % 3] - *corner[e]).norm();
@@ -256,16 +265,19 @@ void distances2(const LocalTriangle& triangle, const float* x, const float* y, c
     HWY_DYNAMIC_DISPATCH(Distances2)(triangle, x, y, z, out);
 }
 
-bool nearest(const LocalTriangle* const* triangles, std::size_t count, const BlockPoints& points, float limit2, std::uint8_t* bits,
-             BlockResult& result) {
+bool nearest(const LocalTriangle* const* triangles, std::size_t count, const BlockPoints& points, float limit2,
+             std::uint8_t* bits, BlockResult& result) {
     return HWY_DYNAMIC_DISPATCH(Nearest)(triangles, count, points, limit2, bits, result);
 }
 
-void finish(const LocalTriangle* const* triangles, const BlockPoints& points, const std::uint8_t* shell, BlockResult& result) {
+void finish(const LocalTriangle* const* triangles, const BlockPoints& points, const std::uint8_t* shell,
+            BlockResult& result) {
     HWY_DYNAMIC_DISPATCH(Finish)(triangles, points, shell, result);
 }
 
-int instruction_sets() { return __builtin_popcountll(std::uint64_t(hwy::SupportedTargets()) & std::uint64_t(HWY_TARGETS)); }
+int instruction_sets() {
+    return __builtin_popcountll(std::uint64_t(hwy::SupportedTargets()) & std::uint64_t(HWY_TARGETS));
+}
 
 void choose_instruction_set(int index) {
     hwy::SetSupportedTargetsForTest(0);

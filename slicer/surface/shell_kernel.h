@@ -3,8 +3,8 @@
 // The inner loops of the surface shell: distances from the voxels of a block to a handful of triangles, rows of eight
 // voxels at a time. Not for use outside the surface shell.
 //
-// A triangle in a frame near a block (origin within a few blocks' width, single precision): with n its unit normal, u_e the
-// unit direction of edge e and m_e = n x u_e the inward normal of the edge in the triangle's plane,
+// A triangle in a frame near a block (origin within a few blocks' width, single precision): with n its unit normal, u_e
+// the unit direction of edge e and m_e = n x u_e the inward normal of the edge in the triangle's plane,
 //     h = n.p + h0,   s_e = m_e.p + s0_e,   before_e = -u_e.p + before0_e,   after_e = u_e.p + after0_e
 // are the height over the plane, the signed distance to the edge's line, and how far p lies before the edge's start and
 // behind its end. The squared distance is h^2 where the foot lies inside (all s_e >= 0), else
@@ -49,8 +49,8 @@ struct BlockPoints {
 
 /// What is sought, per voxel; row-major, eight to a row.
 struct BlockResult {
-    alignas(64) std::array<float, max_rows * row_voxels> distance2;    // least of all triangles
-    alignas(64) std::array<float, max_rows * row_voxels> chosen2;      // of the chosen triangle, within the tie tolerance
+    alignas(64) std::array<float, max_rows * row_voxels> distance2;  // least of all triangles
+    alignas(64) std::array<float, max_rows * row_voxels> chosen2;    // of the chosen triangle, within the tie tolerance
     alignas(64) std::array<std::int32_t, max_rows * row_voxels> slot;  // the chosen triangle
     alignas(64) std::array<float, max_rows * row_voxels> distance, u, v;
 };
@@ -58,14 +58,15 @@ struct BlockResult {
 /// Squared distances of a triangle from eight points (x, y, z lists of eight).
 void distances2(const LocalTriangle& triangle, const float* x, const float* y, const float* z, float* out);
 
-/// The nearest of `triangles` for every voxel of the rows where bits[row] is not zero. Triangles are tried in order; a later
-/// one is taken only if its squared distance is less than (1 - 4e-6) of the earlier one's less 1e-8 mm^2: ties go to the first.
-/// Clears the bits of voxels whose squared distance is above limit2; returns whether any are left.
-bool nearest(const LocalTriangle* const* triangles, std::size_t count, const BlockPoints& points, float limit2, std::uint8_t* bits,
-             BlockResult& result);
+/// The nearest of `triangles` for every voxel of the rows where bits[row] is not zero. Triangles are tried in order; a
+/// later one is taken only if its squared distance is less than (1 - 4e-6) of the earlier one's less 1e-8 mm^2: ties go
+/// to the first. Clears the bits of voxels whose squared distance is above limit2; returns whether any are left.
+bool nearest(const LocalTriangle* const* triangles, std::size_t count, const BlockPoints& points, float limit2,
+             std::uint8_t* bits, BlockResult& result);
 
 /// Distance and interpolated (u, v) for the voxels of shell[row], from the triangles chosen.
-void finish(const LocalTriangle* const* triangles, const BlockPoints& points, const std::uint8_t* shell, BlockResult& result);
+void finish(const LocalTriangle* const* triangles, const BlockPoints& points, const std::uint8_t* shell,
+            BlockResult& result);
 
 /// For tests: instruction sets this machine has, and a choice of one of them; -1 returns to the best.
 [[nodiscard]] int instruction_sets();

@@ -11,7 +11,8 @@ namespace voxtone::slicer {
 namespace {
 
 bool has_texture(const io::TexturedMesh& mesh) {
-    return !mesh.corner_uv.empty() && std::any_of(mesh.materials.begin(), mesh.materials.end(), [](const auto& m) { return bool(m.texture); });
+    return !mesh.corner_uv.empty() &&
+           std::any_of(mesh.materials.begin(), mesh.materials.end(), [](const auto& m) { return bool(m.texture); });
 }
 
 bool one_colour(const io::TexturedMesh& mesh) {
@@ -29,14 +30,16 @@ bool one_colour(const io::TexturedMesh& mesh) {
 
 }  // namespace
 
-SurfaceColour::SurfaceColour(const io::TexturedMesh& mesh, double sample_spacing_mm) : mesh_(mesh), constant_(one_colour(mesh)) {
+SurfaceColour::SurfaceColour(const io::TexturedMesh& mesh, double sample_spacing_mm)
+    : mesh_(mesh), constant_(one_colour(mesh)) {
     if (!has_texture(mesh)) return;
     lod_.resize(mesh.triangles.size());
     parallel_for(0, mesh.triangles.size(), 4096, [&](std::size_t t) {
         const io::Texture* texture = mesh.materials[mesh.material_of_triangle[t]].texture.get();
         if (!texture) return;
         const auto& corners = mesh.triangles[t];
-        lod_[t] = texture->lod(mesh.corner_uv[t], {mesh.positions[corners[0]], mesh.positions[corners[1]], mesh.positions[corners[2]]},
+        lod_[t] = texture->lod(mesh.corner_uv[t],
+                               {mesh.positions[corners[0]], mesh.positions[corners[1]], mesh.positions[corners[2]]},
                                sample_spacing_mm);
     });
 }

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// The colour that was asked for at a point of the surface: material * corner colour * texture, in linear sRGB (io/models/mesh.h).
-// Textures are filtered at the level whose texels are as wide as `sample_spacing_mm` on this triangle.
+// The colour that was asked for at a point of the surface: material * corner colour * texture, in linear sRGB
+// (io/models/mesh.h). Textures are filtered at the level whose texels are as wide as `sample_spacing_mm` on this
+// triangle.
 #pragma once
 
 #include <cstdint>

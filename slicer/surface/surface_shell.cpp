@@ -6,8 +6,8 @@
 #include <cstring>
 
 #include "voxtone/base/contracts.h"
-#include "voxtone/slicer/surface/shell_kernel.h"
 #include "voxtone/slicer/mesh/triangle_tree.h"
+#include "voxtone/slicer/surface/shell_kernel.h"
 
 namespace voxtone::slicer {
 
@@ -25,8 +25,8 @@ constexpr int group = 4;
 struct SurfaceShell::Index {
     TriangleTree tree;
     std::array<shell_kernel::BlockPoints, group> points;  // all in the frame of the group
-    Vector3d half, group_half;                            // of the boxes that hold the voxel centres of a block, of a group
-    std::array<float, group> centre_x;                    // of the blocks, in the group's frame
+    Vector3d half, group_half;          // of the boxes that hold the voxel centres of a block, of a group
+    std::array<float, group> centre_x;  // of the blocks, in the group's frame
 };
 
 namespace {
@@ -67,16 +67,19 @@ struct Masks {
 SurfaceShell::SurfaceShell(const VisibleSurface& surface, const VoxelGrid& grid, double depth_mm)
     : surface_(surface), grid_(grid), depth_mm_(depth_mm), block_size_(block_size_for(grid.pitch_mm)) {
     VOXTONE_EXPECT(depth_mm >= 0);
-    VOXTONE_EXPECT(surface.source_triangle.size() == surface.triangles.size() && surface.source_uv.size() == surface.triangles.size());
+    VOXTONE_EXPECT(surface.source_triangle.size() == surface.triangles.size() &&
+                   surface.source_uv.size() == surface.triangles.size());
     const Vector3d& pitch = grid.pitch_mm;
-    const Vector3d half = 0.5 * pitch.cwiseProduct(Vector3d(block_size_[0] - 1, block_size_[1] - 1, block_size_[2] - 1));
+    const Vector3d half =
+        0.5 * pitch.cwiseProduct(Vector3d(block_size_[0] - 1, block_size_[1] - 1, block_size_[2] - 1));
     const Vector3d group_half(0.5 * pitch[0] * (8 * group - 1), half[1], half[2]);
     Index index{TriangleTree(surface.positions_mm, surface.triangles), {}, half, group_half, {}};
     for (std::size_t b = 0; b < group; ++b) {
         shell_kernel::BlockPoints& points = index.points[b];
         points.rows = block_size_[1] * block_size_[2];
         index.centre_x[b] = float((double(b) - (group - 1) / 2.0) * 8 * pitch[0]);
-        for (int l = 0; l < 8; ++l) points.x[std::size_t(l)] = float((int(8 * b) + l - (8 * group - 1) / 2.0) * pitch[0]);
+        for (int l = 0; l < 8; ++l)
+            points.x[std::size_t(l)] = float((int(8 * b) + l - (8 * group - 1) / 2.0) * pitch[0]);
         for (int r = 0; r < points.rows; ++r) {
             points.y[std::size_t(r)] = float((r % block_size_[1] - (block_size_[1] - 1) / 2.0) * pitch[1]);
             points.z[std::size_t(r)] = float((r / block_size_[1] - (block_size_[2] - 1) / 2.0) * pitch[2]);
@@ -87,8 +90,8 @@ SurfaceShell::SurfaceShell(const VisibleSurface& surface, const VoxelGrid& grid,
 
 SurfaceShell::~SurfaceShell() = default;
 
-void SurfaceShell::for_each_block(int bj, int bk, const SpanSlab& body, const std::function<void(const ShellBlock&)>& visit, int i_begin,
-                                  int i_end) const {
+void SurfaceShell::for_each_block(int bj, int bk, const SpanSlab& body,
+                                  const std::function<void(const ShellBlock&)>& visit, int i_begin, int i_end) const {
     VOXTONE_EXPECT(0 <= bj && bj < block_rows() && 0 <= bk && bk < block_layers() && body.rows() == grid_.size[1]);
     const TriangleTree& tree = index_->tree;
     if (tree.empty()) return;
@@ -109,7 +112,8 @@ void SurfaceShell::for_each_block(int bj, int bk, const SpanSlab& body, const st
     const double group_reach = depth_mm_ + group_half.norm() + 1e-3;
     const float block_reach = float(depth_mm_ + half.norm() + 1e-3);
     const double step = group * 8 * grid_.pitch_mm[0];
-    const Vector3d first_centre = grid_.origin_mm + grid_.pitch_mm.cwiseProduct(Vector3d(0.5, j0 + 0.5, k0 + 0.5)) + group_half;
+    const Vector3d first_centre =
+        grid_.origin_mm + grid_.pitch_mm.cwiseProduct(Vector3d(0.5, j0 + 0.5, k0 + 0.5)) + group_half;
     const float depth2 = float(depth_mm_ * depth_mm_);
 
     std::vector<std::uint32_t> candidates, triangle(rows * 8);
@@ -125,8 +129,8 @@ void SurfaceShell::for_each_block(int bj, int bk, const SpanSlab& body, const st
     for (std::size_t g = 0; g * group < blocks; ++g) {
         const std::size_t first = g * group, last = std::min(first + group, blocks);
         if (int(last) * 8 <= i_begin || int(first) * 8 >= i_end) continue;
-        if (std::find(masks.occupied.begin() + std::ptrdiff_t(first), masks.occupied.begin() + std::ptrdiff_t(last), 1) ==
-            masks.occupied.begin() + std::ptrdiff_t(last))
+        if (std::find(masks.occupied.begin() + std::ptrdiff_t(first), masks.occupied.begin() + std::ptrdiff_t(last),
+                      1) == masks.occupied.begin() + std::ptrdiff_t(last))
             continue;
         // The distance changes by no more than the way walked.
         if (known_distance - double(g - known_group) * step > group_reach) continue;
@@ -166,7 +170,8 @@ void SurfaceShell::for_each_block(int bj, int bk, const SpanSlab& body, const st
             const Vector3d q = w[0] * p0 + w[1] * p1 + w[2] * p2 - centre;
             std::array<float, 8> cx, cy, cz, reach2, distance2;
             for (std::size_t c = 0; c < 8; ++c) {
-                const Vector3d corner = block_centre + half.cwiseProduct(Vector3d(c & 1 ? 1 : -1, c & 2 ? 1 : -1, c & 4 ? 1 : -1));
+                const Vector3d corner =
+                    block_centre + half.cwiseProduct(Vector3d(c & 1 ? 1 : -1, c & 2 ? 1 : -1, c & 4 ? 1 : -1));
                 cx[c] = float(corner[0]);
                 cy[c] = float(corner[1]);
                 cz[c] = float(corner[2]);
@@ -185,11 +190,13 @@ void SurfaceShell::for_each_block(int bj, int bk, const SpanSlab& body, const st
             VOXTONE_EXPECT(!chosen.empty());
 
             for (std::size_t r = 0; r < rows; ++r) bits[r] = masks.bits[r * blocks + bi];
-            if (!shell_kernel::nearest(chosen.data(), chosen.size(), index_->points[b], depth2, bits.data(), *result)) continue;
+            if (!shell_kernel::nearest(chosen.data(), chosen.size(), index_->points[b], depth2, bits.data(), *result))
+                continue;
             shell_kernel::finish(chosen.data(), index_->points[b], bits.data(), *result);
             for (std::size_t r = 0; r < rows; ++r) {
                 if (!bits[r]) continue;
-                for (std::size_t l = 0; l < 8; ++l) triangle[r * 8 + l] = chosen_id[std::size_t(result->slot[r * 8 + l])];
+                for (std::size_t l = 0; l < 8; ++l)
+                    triangle[r * 8 + l] = chosen_id[std::size_t(result->slot[r * 8 + l])];
             }
             ShellBlock block;
             block.origin = {int(bi * 8), j0, k0};

@@ -4,15 +4,14 @@
 // surface point and its distance. Deeper voxels are core and cost next to nothing.
 //
 // How: the grid is cut into blocks of 8 voxels along x and about as many millimetres along y and z, anchored at voxel
-// (0, 0, 0). For four blocks in a row, the tree gives the surface point nearest to their centre and then every triangle that
-// may hold the nearest point of any place in them; this list is thinned for each block by the same rule, and each voxel is
-// compared with what is left in single precision, in the frame of the four.
+// (0, 0, 0). For four blocks in a row, the tree gives the surface point nearest to their centre and then every triangle
+// that may hold the nearest point of any place in them; this list is thinned for each block by the same rule, and each
+// voxel is compared with what is left in single precision, in the frame of the four.
 //
-// Error: distances are within 1e-6 mm + 1e-6 relative of the true ones (blocks up to 1 mm wide; it grows with them), and
-// voxels are in the shell by that distance. Among triangles at the same distance (to 2e-6 relative or 1e-8 mm^2 of its
-// square) the lowest index is taken. Results depend on nothing but surface, grid, depth and body: not on threads, the
-// instruction set, or how the grid is walked.
-// Threads: const members may be called from any thread.
+// Error: distances are within 1e-6 mm + 1e-6 relative of the true ones (blocks up to 1 mm wide; it grows with them),
+// and voxels are in the shell by that distance. Among triangles at the same distance (to 2e-6 relative or 1e-8 mm^2 of
+// its square) the lowest index is taken. Results depend on nothing but surface, grid, depth and body: not on threads,
+// the instruction set, or how the grid is walked. Threads: const members may be called from any thread.
 #pragma once
 
 #include <array>
@@ -21,14 +20,15 @@
 #include <limits>
 #include <memory>
 
+#include "voxtone/slicer/printer/voxel_grid.h"
 #include "voxtone/slicer/solid/span_slab.h"
 #include "voxtone/slicer/surface/visible_surface.h"
-#include "voxtone/slicer/printer/voxel_grid.h"
 
 namespace voxtone::slicer {
 
-/// A block that has shell voxels. Row r = z * size[1] + y holds the voxels (origin[0] + 0..7, origin[1] + y, origin[2] + z);
-/// voxel l of row r is bit l of `shell[r]` and element r * 8 + l of the lists, which are undefined where the bit is 0.
+/// A block that has shell voxels. Row r = z * size[1] + y holds the voxels (origin[0] + 0..7, origin[1] + y, origin[2]
+/// + z); voxel l of row r is bit l of `shell[r]` and element r * 8 + l of the lists, which are undefined where the bit
+/// is 0.
 struct ShellBlock {
     static constexpr int width = 8;
     static constexpr int max_rows = 128;
@@ -55,10 +55,11 @@ public:
     [[nodiscard]] int block_rows() const { return (grid_.size[1] + block_size_[1] - 1) / block_size_[1]; }
     [[nodiscard]] int block_layers() const { return (grid_.size[2] + block_size_[2] - 1) / block_size_[2]; }
 
-    /// Visits the blocks of block row `bj`, block layer `bk` that have shell voxels and touch columns i_begin .. i_end - 1, along +x.
-    /// Voxels of layers that `body` does not hold are left out, so a slab may end anywhere. The block is valid during the call only.
-    void for_each_block(int bj, int bk, const SpanSlab& body, const std::function<void(const ShellBlock&)>& visit, int i_begin = 0,
-                        int i_end = std::numeric_limits<int>::max()) const;
+    /// Visits the blocks of block row `bj`, block layer `bk` that have shell voxels and touch columns i_begin .. i_end
+    /// - 1, along +x. Voxels of layers that `body` does not hold are left out, so a slab may end anywhere. The block is
+    /// valid during the call only.
+    void for_each_block(int bj, int bk, const SpanSlab& body, const std::function<void(const ShellBlock&)>& visit,
+                        int i_begin = 0, int i_end = std::numeric_limits<int>::max()) const;
 
 private:
     struct Index;

@@ -7,8 +7,8 @@
 
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/parallel.h"
-#include "voxtone/slicer/surface/surface_colour.h"
 #include "voxtone/slicer/mesh/triangle_tree.h"
+#include "voxtone/slicer/surface/surface_colour.h"
 
 namespace voxtone::slicer {
 

@@ -32,7 +32,8 @@ struct Piece {
 
     [[nodiscard]] Vector3d centre() const { return (corner[0] + corner[1] + corner[2]) / 3; }
     [[nodiscard]] double longest() const {
-        return std::sqrt(std::max({(corner[1] - corner[0]).squaredNorm(), (corner[2] - corner[1]).squaredNorm(), (corner[0] - corner[2]).squaredNorm()}));
+        return std::sqrt(std::max({(corner[1] - corner[0]).squaredNorm(), (corner[2] - corner[1]).squaredNorm(),
+                                   (corner[0] - corner[2]).squaredNorm()}));
     }
     // In two, across the longest edge.
     [[nodiscard]] std::array<Piece, 2> halves() const {
@@ -86,7 +87,8 @@ Sight add_visible(const Piece& piece, const std::function<Sight(const Piece&)>& 
 }
 
 // Where corners of `mine` are in `source`: (u, v) of each.
-std::array<Vector2f, 3> corner_uv(const Triangle& mine, const Triangle& source, const std::vector<Vector3d>& my_positions,
+std::array<Vector2f, 3> corner_uv(const Triangle& mine, const Triangle& source,
+                                  const std::vector<Vector3d>& my_positions,
                                   const std::vector<Vector3d>& source_positions) {
     const Vector2f at[3] = {{0, 0}, {1, 0}, {0, 1}};
     std::array<Vector2f, 3> uv;
@@ -95,7 +97,8 @@ std::array<Vector2f, 3> corner_uv(const Triangle& mine, const Triangle& source, 
         int best = 0;
         double best2 = std::numeric_limits<double>::infinity();
         for (int s = 0; s < 3; ++s) {
-            const double d2 = mine[c] == source[s] ? -1 : (my_positions[mine[c]] - source_positions[source[s]]).squaredNorm();
+            const double d2 =
+                mine[c] == source[s] ? -1 : (my_positions[mine[c]] - source_positions[source[s]]).squaredNorm();
             if (d2 < best2) best2 = d2, best = s;
         }
         uv[c] = at[best];
@@ -105,8 +108,9 @@ std::array<Vector2f, 3> corner_uv(const Triangle& mine, const Triangle& source, 
 
 }  // namespace
 
-VisibleSurface find_visible_surface(const std::vector<Vector3d>& positions_mm, const std::vector<Triangle>& source_triangles,
-                                    const RepairedMesh& repaired, double piece_mm, VisibleSurfaceReport* report) {
+VisibleSurface find_visible_surface(const std::vector<Vector3d>& positions_mm,
+                                    const std::vector<Triangle>& source_triangles, const RepairedMesh& repaired,
+                                    double piece_mm, VisibleSurfaceReport* report) {
     const SolidMesh& solid = repaired.solid;
     VOXTONE_EXPECT(piece_mm > 0 && solid.source_triangle.size() == solid.triangles.size());
     const std::size_t count = solid.triangles.size();
@@ -116,16 +120,19 @@ VisibleSurface find_visible_surface(const std::vector<Vector3d>& positions_mm, c
     VisibleSurfaceReport seen;
 
     // What is one with what: neighbours through plain edges, as long as no other triangle crosses them.
-    const bool plain = repaired.report.after.shells == 1 && repaired.report.after.crossing_pairs == 0 && repaired.report.after.nonmanifold_edges == 0;
+    const bool plain = repaired.report.after.shells == 1 && repaired.report.after.crossing_pairs == 0 &&
+                       repaired.report.after.nonmanifold_edges == 0;
     std::vector<std::vector<std::uint32_t>> crossings(count);
     std::vector<std::uint8_t> sight(count, std::uint8_t(Sight::visible));
     const WindingTree winding(solid.positions_mm, solid.triangles);
     const auto hidden_at = [&](const Vector3d& p, const Vector3d& normal) {
-        return winding.winding_number(p + just_off_mm * normal) != 0 && winding.winding_number(p - just_off_mm * normal) != 0;
+        return winding.winding_number(p + just_off_mm * normal) != 0 &&
+               winding.winding_number(p - just_off_mm * normal) != 0;
     };
     const auto normal_of = [&](std::uint32_t t) {
         const auto& [a, b, c] = solid.triangles[t];
-        const Vector3d n = (solid.positions_mm[b] - solid.positions_mm[a]).cross(solid.positions_mm[c] - solid.positions_mm[a]);
+        const Vector3d n =
+            (solid.positions_mm[b] - solid.positions_mm[a]).cross(solid.positions_mm[c] - solid.positions_mm[a]);
         return Vector3d(n.norm() > 0 ? n.normalized() : Vector3d::UnitX());
     };
     if (!plain) {
@@ -137,7 +144,8 @@ VisibleSurface find_visible_surface(const std::vector<Vector3d>& positions_mm, c
             return t;
         };
         for_each_edge(edge_uses(solid.triangles), [&](std::span<const EdgeUse> edge) {
-            if (edge.size() != 2 || !crossings[edge[0].triangle].empty() || !crossings[edge[1].triangle].empty()) return;
+            if (edge.size() != 2 || !crossings[edge[0].triangle].empty() || !crossings[edge[1].triangle].empty())
+                return;
             const std::uint32_t a = root(edge[0].triangle), b = root(edge[1].triangle);
             parent[std::max(a, b)] = std::min(a, b);
         });
@@ -175,7 +183,8 @@ VisibleSurface find_visible_surface(const std::vector<Vector3d>& positions_mm, c
     std::vector<Piece> pieces;
     for (std::uint32_t t = 0; t < count; ++t) {
         const Triangle& corners = solid.triangles[t];
-        Piece whole{{solid.positions_mm[corners[0]], solid.positions_mm[corners[1]], solid.positions_mm[corners[2]]}, {}, 0};
+        Piece whole{
+            {solid.positions_mm[corners[0]], solid.positions_mm[corners[1]], solid.positions_mm[corners[2]]}, {}, 0};
         const std::int32_t source = solid.source_triangle[t];
         const bool patch = source < 0;
         if (patch && source_at_corner[corners[0]] == nobody) {  // of a wrap
@@ -196,7 +205,8 @@ VisibleSurface find_visible_surface(const std::vector<Vector3d>& positions_mm, c
             const auto look = [&](const Piece& piece) {
                 const bool crossed = std::any_of(crossings[t].begin(), crossings[t].end(), [&](std::uint32_t other) {
                     const auto& [a, b, c] = solid.triangles[other];
-                    return triangles_meet(piece.corner, {solid.positions_mm[a], solid.positions_mm[b], solid.positions_mm[c]});
+                    return triangles_meet(piece.corner,
+                                          {solid.positions_mm[a], solid.positions_mm[b], solid.positions_mm[c]});
                 });
                 if (crossed && piece.longest() > piece_mm) return Sight::mixed;
                 return hidden_at(piece.centre(), normal) ? Sight::hidden : Sight::visible;
@@ -226,7 +236,8 @@ VisibleSurface find_visible_surface(const std::vector<Vector3d>& positions_mm, c
                     const int nearest = rest >= place[0] && rest >= place[1] ? 0 : place[0] >= place[1] ? 1 : 2;
                     const std::uint32_t neighbour = source_at_corner[corners[nearest]];
                     part.source = std::uint32_t(solid.source_triangle[neighbour]);
-                    const auto uv = corner_uv(solid.triangles[neighbour], source_triangles[part.source], solid.positions_mm, positions_mm);
+                    const auto uv = corner_uv(solid.triangles[neighbour], source_triangles[part.source],
+                                              solid.positions_mm, positions_mm);
                     const auto& n = solid.triangles[neighbour];
                     part.uv.fill(uv[std::size_t(std::find(n.begin(), n.end(), corners[nearest]) - n.begin())]);
                     collect.add(part);

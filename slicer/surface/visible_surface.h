@@ -3,9 +3,10 @@
 // The coloured surface: triangles from which colour is taken and depth is measured. Each knows which triangle of the
 // textured mesh it lies on, and where.
 //
-// Where shells overlap or nest, what lies inside the body is hidden: it neither colours nor counts for depth. A point of the
-// surface is hidden when the winding number is not zero on either side of it. Triangles are taken as a whole as far as they
-// do not cross others; crossed ones are halved down to pieces of `piece_mm`, so the edge of what is visible is that rough.
+// Where shells overlap or nest, what lies inside the body is hidden: it neither colours nor counts for depth. A point
+// of the surface is hidden when the winding number is not zero on either side of it. Triangles are taken as a whole as
+// far as they do not cross others; crossed ones are halved down to pieces of `piece_mm`, so the edge of what is visible
+// is that rough.
 #pragma once
 
 #include <array>
@@ -23,8 +24,8 @@ struct VisibleSurface {
     std::vector<std::array<std::uint32_t, 3>> triangles;
     /// Per triangle its triangle of the textured mesh.
     std::vector<std::uint32_t> source_triangle;
-    /// Per triangle and corner the place in the source triangle: weights (u, v) of the source's corners 1 and 2; corner 0
-    /// has the rest, 1 - u - v.
+    /// Per triangle and corner the place in the source triangle: weights (u, v) of the source's corners 1 and 2; corner
+    /// 0 has the rest, 1 - u - v.
     std::vector<std::array<Eigen::Vector2f, 3>> source_uv;
 };
 
@@ -37,10 +38,11 @@ struct VisibleSurfaceReport {
 };
 
 /// `positions_mm` and `triangles` are those of the textured mesh that was repaired.
-/// Patches that fill holes take their colours from the corners; wraps leave colour and depth to the faces they stand for, where
-/// these are within a few offsets of the wrap.
+/// Patches that fill holes take their colours from the corners; wraps leave colour and depth to the faces they stand
+/// for, where these are within a few offsets of the wrap.
 [[nodiscard]] VisibleSurface find_visible_surface(const std::vector<Eigen::Vector3d>& positions_mm,
-                                                  const std::vector<std::array<std::uint32_t, 3>>& triangles, const RepairedMesh& repaired,
-                                                  double piece_mm = 0.1, VisibleSurfaceReport* report = nullptr);
+                                                  const std::vector<std::array<std::uint32_t, 3>>& triangles,
+                                                  const RepairedMesh& repaired, double piece_mm = 0.1,
+                                                  VisibleSurfaceReport* report = nullptr);
 
 }  // namespace voxtone::slicer

@@ -18,11 +18,19 @@ TEST_CASE("Every index is visited once, for any grain and thread count") {
 }
 
 TEST_CASE("Exceptions and cancellation reach the caller") {
-    CHECK_THROWS_AS(parallel_for(0, 100, 1, [](std::size_t i) { if (i == 50) throw InputError("fifty"); }), InputError);
+    CHECK_THROWS_AS(parallel_for(0, 100, 1,
+                                 [](std::size_t i) {
+                                     if (i == 50) throw InputError("fifty");
+                                 }),
+                    InputError);
     Progress progress;
     std::atomic<int> visited = 0;
     CHECK_THROWS_AS(parallel_for(
-                        0, 100000, 1, [&](std::size_t) { if (++visited == 10) progress.cancel(); }, &progress),
+                        0, 100000, 1,
+                        [&](std::size_t) {
+                            if (++visited == 10) progress.cancel();
+                        },
+                        &progress),
                     Cancelled);
     CHECK(visited < 100000);
 }

@@ -3,8 +3,8 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-#include "tests/calibration/patches/target_samples.h"
 #include "run_program.h"
+#include "tests/calibration/patches/target_samples.h"
 #include "voxtone/calibration/patches/patch_file.h"
 #include "voxtone/io/profiles/resin_file.h"
 

@@ -11,8 +11,8 @@
 #include "run_program.h"
 #include "voxtone/calibration/patches/patch_file.h"
 #include "voxtone/calibration/target/target_file.h"
-#include "voxtone/io/profiles/resin_file.h"
 #include "voxtone/io/layers/stack_reader.h"
+#include "voxtone/io/profiles/resin_file.h"
 
 using namespace voxtone;
 using namespace voxtone::test;

@@ -28,7 +28,8 @@ nlohmann::json result_of(const Outcome& outcome) {
 constexpr const char* camera = " --size 128 --exposures 0.1,0.8,6.4 --paths 4096 --offset 1.5,-2.25 ";
 
 std::string simulate(const Folder& folder) {
-    return std::string("calibrate simulate-profile vero-opaque K --thickness 0.75mm --json -o ") + folder / "lab" + camera;
+    return std::string("calibrate simulate-profile vero-opaque K --thickness 0.75mm --json -o ") + folder / "lab" +
+           camera;
 }
 
 }  // namespace
@@ -44,17 +45,20 @@ TEST_CASE("A slab that was simulated is measured with the command that the simul
     for (const char* side : {"R", "T"}) {
         CHECK(std::abs(measured[side]["centre_px"][0].get<double>() - 65.5) < 0.02);
         CHECK(std::abs(measured[side]["centre_px"][1].get<double>() - 61.75) < 0.02);
-        CHECK(measured[side]["seconds"] == nlohmann::json::parse("[0.10000000149011612,0.800000011920929,6.400000095367432]"));
+        CHECK(measured[side]["seconds"] ==
+              nlohmann::json::parse("[0.10000000149011612,0.800000011920929,6.400000095367432]"));
     }
     CHECK(measured["blurred_from_per_mm"].get<double>() == Approx(2.41).epsilon(0.01));
-    const io::ProfileFile profile = io::read_profile(folder / "k.json"), truth = io::read_profile(folder / "lab/truth.json");
+    const io::ProfileFile profile = io::read_profile(folder / "k.json"),
+                          truth = io::read_profile(folder / "lab/truth.json");
     CHECK(profile.name == "k");
     REQUIRE(profile.by_channel.size() == 3);
     for (std::size_t c = 0; c < 3; ++c) {
         CHECK(profile.by_channel[c].thickness_mm == 0.75);
         CHECK(*profile.by_channel[c].R.total == Approx(*truth.by_channel[c].R.total).epsilon(1e-5));
         CHECK(*profile.by_channel[c].T.total == Approx(*truth.by_channel[c].T.total).epsilon(1e-5));
-        for (std::size_t i = 4; i < 12; ++i) {  // samples are means over tents, the truth is at points: a few percent here
+        for (std::size_t i = 4; i < 12;
+             ++i) {  // samples are means over tents, the truth is at points: a few percent here
             CHECK(profile.by_channel[c].R.light[i] == Approx(truth.by_channel[c].R.light[i]).epsilon(0.06));
             CHECK(profile.by_channel[c].T.light[i] == Approx(truth.by_channel[c].T.light[i]).epsilon(0.06));
         }

@@ -18,8 +18,11 @@ namespace {
 bool is_input(const fs::path& path) {
     const std::string folder = path.parent_path().filename().string();
     std::string extension = path.extension().string();
-    std::transform(extension.begin(), extension.end(), extension.begin(), [](unsigned char c) { return std::tolower(c); });
-    if (extension == ".obj" || extension == ".ply" || extension == ".stl" || extension == ".gltf" || extension == ".glb" || extension == ".3mf") return true;
+    std::transform(extension.begin(), extension.end(), extension.begin(),
+                   [](unsigned char c) { return std::tolower(c); });
+    if (extension == ".obj" || extension == ".ply" || extension == ".stl" || extension == ".gltf" ||
+        extension == ".glb" || extension == ".3mf")
+        return true;
     return folder.rfind("img_", 0) == 0 && (extension == ".png" || extension == ".jpg");
 }
 
@@ -36,8 +39,9 @@ TEST_CASE("Every model of the corpus gives a stack or a clear error") {
         if (!entry.is_regular_file() || !is_input(entry.path())) continue;
         const Folder folder("corpus");
         const bool picture = entry.path().parent_path().filename().string().rfind("img_", 0) == 0;
-        const Outcome outcome = run_program(fmt::format("slice --quiet --no-report --iterations 0 '{}' {} -o {}", entry.path().string(),
-                                                        picture ? "--width 10mm --thickness 1.5mm" : "--size 12mm", folder / "out"));
+        const Outcome outcome =
+            run_program(fmt::format("slice --quiet --no-report --iterations 0 '{}' {} -o {}", entry.path().string(),
+                                    picture ? "--width 10mm --thickness 1.5mm" : "--size 12mm", folder / "out"));
         INFO(entry.path().string() << ": " << outcome.err);
         ++inputs;
         CHECK((outcome.exit_code == 0 || outcome.exit_code == 3));

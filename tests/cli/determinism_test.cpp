@@ -20,7 +20,8 @@ TEST_CASE("The same bits for any number of threads, for ranges run apart, and fo
     const Folder folder("same");
     for (const char* screen : {"blue-noise", "error-diffusion"}) {
         INFO(screen);
-        const std::string slice = fmt::format("slice --quiet --no-report --iterations 0 --overwrite --screen {} --size 14mm {}", screen, spot);
+        const std::string slice = fmt::format(
+            "slice --quiet --no-report --iterations 0 --overwrite --screen {} --size 14mm {}", screen, spot);
         REQUIRE(run_program(fmt::format("{} --threads 1 -o {}", slice, folder / "one")).exit_code == 0);
         REQUIRE(run_program(fmt::format("{} --threads 5 -o {}", slice, folder / "five")).exit_code == 0);
         const auto whole = layers_of(folder, "one");
@@ -33,7 +34,9 @@ TEST_CASE("The same bits for any number of threads, for ranges run apart, and fo
 
         // 101 lies within a slab: its layers are made twice, by two runs.
         REQUIRE(run_program(fmt::format("{} --layers 0-100 -o {}", slice, folder / "low")).exit_code == 0);
-        REQUIRE(run_program(fmt::format("{} --layers 101-{} -o {}", slice, whole.size() - 1, folder / "high")).exit_code == 0);
+        REQUIRE(
+            run_program(fmt::format("{} --layers 101-{} -o {}", slice, whole.size() - 1, folder / "high")).exit_code ==
+            0);
         auto parts = layers_of(folder, "low");
         const auto high = layers_of(folder, "high");
         parts.insert(parts.end(), high.begin(), high.end());

@@ -22,7 +22,8 @@ namespace {
 optics::RadialSamples profile(double total, double s_mm) {
     optics::RadialSamples samples;
     samples.spacing_mm = 0.1;
-    for (int i = 0; i <= 60; ++i) samples.light.push_back(total / (2 * std::numbers::pi * s_mm * s_mm) * std::exp(-0.1 * i / s_mm));
+    for (int i = 0; i <= 60; ++i)
+        samples.light.push_back(total / (2 * std::numbers::pi * s_mm * s_mm) * std::exp(-0.1 * i / s_mm));
     return samples;
 }
 
@@ -37,20 +38,24 @@ io::ProfileMap two_halves() {
     return map;
 }
 
-std::string write_map(const Folder& folder, const io::ProfileMap& map = two_halves(), const std::string& name = "map.json") {
+std::string write_map(const Folder& folder, const io::ProfileMap& map = two_halves(),
+                      const std::string& name = "map.json") {
     io::write_profile_map(map, folder / name);
     return folder / name;
 }
 
 /// The slab of the map's own picture, 1 mm thick.
 std::string slab_job(const Folder& folder, const std::string& map) {
-    return fmt::format("slice --quiet --load W,K --stack-thickness 0.6mm --stack-steps 16 --thickness 1.08mm --model layered-profile --profiles {} {}", map,
-                       folder / "map.png");
+    return fmt::format(
+        "slice --quiet --load W,K --stack-thickness 0.6mm --stack-steps 16 --thickness 1.08mm --model layered-profile "
+        "--profiles {} {}",
+        map, folder / "map.png");
 }
 
 std::string box_obj() {
     return "v 0 0 0\nv 3 0 0\nv 0 2 0\nv 3 2 0\nv 0 0 2\nv 3 0 2\nv 0 2 2\nv 3 2 2\n"
-           "f 1 3 2\nf 2 3 4\nf 5 6 7\nf 6 8 7\nf 1 2 5\nf 2 6 5\nf 3 7 4\nf 4 7 8\nf 1 5 3\nf 3 5 7\nf 2 4 6\nf 4 8 6\n";
+           "f 1 3 2\nf 2 3 4\nf 5 6 7\nf 6 8 7\nf 1 2 5\nf 2 6 5\nf 3 7 4\nf 4 7 8\nf 1 5 3\nf 3 5 7\nf 2 4 6\nf 4 8 "
+           "6\n";
 }
 
 bool is_dark(const std::array<std::uint8_t, 4>& pixel) { return pixel[0] < 100; }
@@ -93,12 +98,16 @@ TEST_CASE("slice prints layered profiles on a slab as wide as the map, with a re
 TEST_CASE("Layered profiles are the same for any number of threads and from the job file that they leave") {
     const Folder folder("layered-threads");
     folder.write("box.obj", box_obj());
-    const std::string job = fmt::format("slice --quiet --no-report --load W,K --stack-thickness 0.6mm --stack-steps 16 --profile-placement box --surfaces "
-                                        "--model layered-profile --profiles {} {}",
-                                        write_map(folder), folder / "box.obj");
+    const std::string job = fmt::format(
+        "slice --quiet --no-report --load W,K --stack-thickness 0.6mm --stack-steps 16 --profile-placement box "
+        "--surfaces "
+        "--model layered-profile --profiles {} {}",
+        write_map(folder), folder / "box.obj");
     REQUIRE(run_program(job + " --threads 1 -o " + (folder / "one")).exit_code == 0);
     REQUIRE(run_program(job + " --threads 4 -o " + (folder / "four")).exit_code == 0);
-    REQUIRE(run_program(fmt::format("slice --quiet --job {} -o {}", folder / "one/job.json", folder / "again")).exit_code == 0);
+    REQUIRE(
+        run_program(fmt::format("slice --quiet --job {} -o {}", folder / "one/job.json", folder / "again")).exit_code ==
+        0);
     const auto of = [&](const std::string& name) {
         auto tree = read_tree(folder.path() / name);
         std::erase_if(tree, [](const auto& file) { return file.first == "report.json" || file.first == "job.json"; });
@@ -117,11 +126,14 @@ TEST_CASE("slice arranges resins that are known by measured profiles") {
         io::ProfileFile file{role, "test", {}, {3, {0.3, profile(T, 0.5), profile(R, 0.3)}}};
         folder.write(fmt::format("{}.json", role), io::profile_text(file));
     }
-    const std::string job = slab_job(folder, map) + fmt::format(" --stack-materials W={},K={} -o {}", folder / "white.json", folder / "black.json", folder / "out");
+    const std::string job =
+        slab_job(folder, map) +
+        fmt::format(" --stack-materials W={},K={} -o {}", folder / "white.json", folder / "black.json", folder / "out");
     const Outcome done = run_program(job);
     INFO(done.err);
     REQUIRE(done.exit_code == 0);
-    CHECK_THAT(read_file(folder / "out/report.html"), Contains("from measured layers") && Contains("nothing else is known"));
+    CHECK_THAT(read_file(folder / "out/report.html"),
+               Contains("from measured layers") && Contains("nothing else is known"));
     const auto fails = [&](const std::string& more, int exit_code, const std::string& words) {
         const Outcome failed = run_program(slab_job(folder, map) + " --overwrite " + more + " -o " + (folder / "out"));
         INFO(more << ": " << failed.err);

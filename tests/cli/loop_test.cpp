@@ -24,7 +24,9 @@ public:
     explicit StopsAfter(int predictions) : predictions_(predictions) {}
 
 private:
-    void on_stage(std::string_view name, std::uint64_t, std::string_view) override { in_loop_ = name == "appearance loop"; }
+    void on_stage(std::string_view name, std::uint64_t, std::string_view) override {
+        in_loop_ = name == "appearance loop";
+    }
     void on_advance(std::uint64_t done) override {
         if (in_loop_ && static_cast<int>(done) == predictions_) cancel();
     }
@@ -45,18 +47,23 @@ slicer::SliceOptions small_slab(const Folder& folder, const std::string& out) {
 
 }  // namespace
 
-TEST_CASE("The loop lowers the error, reports it and leaves a stack that verifies, the same for any number of threads") {
+TEST_CASE(
+    "The loop lowers the error, reports it and leaves a stack that verifies, the same for any number of threads") {
     const Folder folder("loop");
     std::string digest;
     for (const int threads : {1, 5}) {
         const std::string out = folder / fmt::format("out{}", threads);
-        REQUIRE(run_program(fmt::format("slice --quiet --iterations 4 --threads {} {} --width 2.4mm --thickness 1mm -o {}", threads, picture, out)).exit_code == 0);
+        REQUIRE(
+            run_program(fmt::format("slice --quiet --iterations 4 --threads {} {} --width 2.4mm --thickness 1mm -o {}",
+                                    threads, picture, out))
+                .exit_code == 0);
         CHECK(run_program("verify --quiet " + out).exit_code == 0);
         const nlohmann::json report = json_of(out + "/report.json"), loop = report.at("loop");
         REQUIRE(loop.at("iterations").size() == 5);
         const int best = loop.at("best");
         REQUIRE(best > 0);
-        CHECK(loop["iterations"][std::size_t(best)]["seen_de2000"]["mean"].get<double>() < 0.97 * loop["iterations"][0]["seen_de2000"]["mean"].get<double>());
+        CHECK(loop["iterations"][std::size_t(best)]["seen_de2000"]["mean"].get<double>() <
+              0.97 * loop["iterations"][0]["seen_de2000"]["mean"].get<double>());
         CHECK(std::filesystem::exists(out + "/open-loop.png"));
         CHECK_FALSE(std::filesystem::exists(out + "/loop.checkpoint"));
         const std::string content = json_of(out + "/manifest.json").at("content_sha256");
@@ -67,13 +74,18 @@ TEST_CASE("The loop lowers the error, reports it and leaves a stack that verifie
 
 TEST_CASE("Without iterations the open loop is printed, and nothing is said of a loop") {
     const Folder folder("no-loop");
-    REQUIRE(run_program(fmt::format("slice --quiet --iterations 0 {} --width 2.4mm --thickness 1mm -o {}", picture, folder / "out")).exit_code == 0);
+    REQUIRE(run_program(fmt::format("slice --quiet --iterations 0 {} --width 2.4mm --thickness 1mm -o {}", picture,
+                                    folder / "out"))
+                .exit_code == 0);
     CHECK_FALSE(json_of(folder / "out/report.json").contains("loop"));
-    CHECK(run_program(fmt::format("slice --iterations -1 {} --width 2mm -o {}", picture, folder / "other")).exit_code == 2);
-    CHECK(run_program(fmt::format("slice --iterations often {} --width 2mm -o {}", picture, folder / "other")).exit_code == 2);
+    CHECK(run_program(fmt::format("slice --iterations -1 {} --width 2mm -o {}", picture, folder / "other")).exit_code ==
+          2);
+    CHECK(run_program(fmt::format("slice --iterations often {} --width 2mm -o {}", picture, folder / "other"))
+              .exit_code == 2);
 }
 
-// The predictor keeps its light from print to print and a resumed loop starts without it: nearly the same print, not the same bits.
+// The predictor keeps its light from print to print and a resumed loop starts without it: nearly the same print, not
+// the same bits.
 TEST_CASE("A stopped loop leaves a whole stack, and --resume goes on where it was") {
     const Folder folder("resume");
     Progress quiet;
@@ -86,7 +98,9 @@ TEST_CASE("A stopped loop leaves a whole stack, and --resume goes on where it wa
     resumed.resume = true;
     (void)slicer::run_slice_job(resumed, quiet);
     CHECK(run_program("verify --quiet " + (folder / "stopped")).exit_code == 0);
-    const auto iterations = [&](const std::string& out) { return json_of((folder / out) + "/report.json").at("loop").at("iterations"); };
+    const auto iterations = [&](const std::string& out) {
+        return json_of((folder / out) + "/report.json").at("loop").at("iterations");
+    };
     const nlohmann::json whole = iterations("whole"), gone_on = iterations("stopped");
     REQUIRE(gone_on.size() == whole.size());
     for (std::size_t i = 0; i < whole.size(); ++i) {

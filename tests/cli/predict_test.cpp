@@ -34,8 +34,9 @@ std::string marked_picture(const Folder& folder) {
 
 /// The slab of that picture, 2.4 x 1.6 x 1 mm, as a stack.
 std::string marked_stack(const Folder& folder, const std::string& more = "") {
-    const Outcome made = run_program(fmt::format("slice --quiet --no-report --iterations 0 {} --width 2.4mm --thickness 1mm {} -o {}",
-                                                 marked_picture(folder), more, folder / "out"));
+    const Outcome made =
+        run_program(fmt::format("slice --quiet --no-report --iterations 0 {} --width 2.4mm --thickness 1mm {} -o {}",
+                                marked_picture(folder), more, folder / "out"));
     REQUIRE(made.exit_code == 0);
     return folder / "out";
 }
@@ -114,8 +115,9 @@ TEST_CASE("The two models agree on the colour of a slab") {
 TEST_CASE("An all white slab is white") {
     const Folder folder("white");
     write_png(folder / "white.png", 2, 2, std::vector<std::uint8_t>(12, 255));
-    REQUIRE(run_program(fmt::format("slice --quiet --no-report --iterations 0 --load W {} --width 2mm --thickness 1mm -o {}",
-                                    folder / "white.png", folder / "out"))
+    REQUIRE(run_program(
+                fmt::format("slice --quiet --no-report --iterations 0 --load W {} --width 2mm --thickness 1mm -o {}",
+                            folder / "white.png", folder / "out"))
                 .exit_code == 0);
     const Outcome outcome = run_program(
         fmt::format("predict --json --model monte-carlo --spp 32 {} -o {}", folder / "out", folder / "p.png"));
@@ -140,9 +142,9 @@ TEST_CASE("An all white slab is white") {
 
 TEST_CASE("Ctrl-C stops a prediction with 5 and leaves no file") {
     const Folder folder("stop");
-    const Outcome outcome = run_program(fmt::format("predict --quiet --model monte-carlo --spp 20000 {} -o {}",
-                                                    marked_stack(folder), folder / "p.png"),
-                                        1500);
+    const Outcome outcome = run_program(
+        fmt::format("predict --quiet --model monte-carlo --spp 20000 {} -o {}", marked_stack(folder), folder / "p.png"),
+        1500);
     CHECK(outcome.exit_code == 5);
     CHECK_THAT(outcome.err, Contains("cancelled"));
     for (const auto& entry : std::filesystem::directory_iterator(folder.path()))
@@ -175,9 +177,9 @@ TEST_CASE("A spectral resin set gives a picture for the eye and numbers per wave
 TEST_CASE("predict makes meshes of bodies") {
     const Folder folder("body");
     folder.write("marker.obj", marker_obj());
-    REQUIRE(
-        run_program(fmt::format("slice --quiet --no-report --iterations 0 --size 2mm {} -o {}", folder / "marker.obj", folder / "out"))
-            .exit_code == 0);
+    REQUIRE(run_program(fmt::format("slice --quiet --no-report --iterations 0 --size 2mm {} -o {}",
+                                    folder / "marker.obj", folder / "out"))
+                .exit_code == 0);
     const Outcome outcome = run_program(
         fmt::format("predict --quiet --model monte-carlo --spp 4 --cell 0.17mm {0} -o {1}.glb -o {1}.ply -o {1}.png",
                     folder / "out", folder / "p"));

@@ -16,8 +16,9 @@ TEST_CASE("Usage errors end with 2, help and version with 0") {
     CHECK_THAT(version.out, Contains("voxtone 0."));
     const Outcome help = run_program("slice --help");
     CHECK(help.exit_code == 0);
-    for (const char* option : {"--printer", "--resins", "--size", "--scale", "--unit", "--rotate", "--layers", "--screen", "--width",
-                               "--thickness", "--repair", "--keep-thin", "--job", "--dump-default", "--json", "--quiet", "--threads", "--seed"})
+    for (const char* option : {"--printer", "--resins", "--size", "--scale", "--unit", "--rotate", "--layers",
+                               "--screen", "--width", "--thickness", "--repair", "--keep-thin", "--job",
+                               "--dump-default", "--json", "--quiet", "--threads", "--seed"})
         CHECK_THAT(help.out, Contains(option));
     const Outcome rule = run_program("slice model.obj -o out --depth 0");
     CHECK(rule.exit_code == 2);
@@ -72,7 +73,8 @@ TEST_CASE("Missing and invalid inputs have their own exit codes and one clear se
 TEST_CASE("With --json: events and one result, one JSON object a line") {
     const Folder folder("json");
     folder.write("marker.obj", marker_obj());
-    const Outcome outcome = run_program("slice --json --layers 0-3 " + (folder / "marker.obj") + " -o " + (folder / "out"));
+    const Outcome outcome =
+        run_program("slice --json --layers 0-3 " + (folder / "marker.obj") + " -o " + (folder / "out"));
     REQUIRE(outcome.exit_code == 0);
     std::size_t results = 0, stages = 0;
     std::string last;
@@ -103,7 +105,8 @@ TEST_CASE("Ctrl-C stops with 5 and leaves nothing that looks whole") {
 TEST_CASE("list names the printers and the resin sets") {
     const Outcome printers = run_program("list printers");
     CHECK(printers.exit_code == 0);
-    for (const char* id : {"stratasys-j750-hm", "stratasys-j750-hq", "stratasys-j750-hs", "stratasys-j55", "mimaki-3duj-553", "generic"})
+    for (const char* id :
+         {"stratasys-j750-hm", "stratasys-j750-hq", "stratasys-j750-hs", "stratasys-j55", "mimaki-3duj-553", "generic"})
         CHECK_THAT(printers.out, Contains(id));
     const Outcome resins = run_program("list resins");
     CHECK(resins.exit_code == 0);

@@ -29,7 +29,8 @@ std::string read_file(const fs::path& path) {
 
 Outcome run_program(const std::string& arguments, int interrupt_after_ms) {
     const Folder folder("outcome");
-    const std::string command = fmt::format("exec {} {} >'{}' 2>'{}'", VOXTONE_PROGRAM, arguments, folder / "out", folder / "err");
+    const std::string command =
+        fmt::format("exec {} {} >'{}' 2>'{}'", VOXTONE_PROGRAM, arguments, folder / "out", folder / "err");
     const pid_t child = fork();
     if (child < 0) throw std::runtime_error("fork failed");
     if (child == 0) {
@@ -71,14 +72,16 @@ Bitmap read_png(const std::string& path) {
     image.format = PNG_FORMAT_RGBA;
     Bitmap bitmap{static_cast<int>(image.width), static_cast<int>(image.height), {}};
     bitmap.pixels.resize(std::size_t(image.width) * image.height);
-    if (!png_image_finish_read(&image, nullptr, bitmap.pixels.data(), 0, nullptr)) throw std::runtime_error(path + ": " + image.message);
+    if (!png_image_finish_read(&image, nullptr, bitmap.pixels.data(), 0, nullptr))
+        throw std::runtime_error(path + ": " + image.message);
     return bitmap;
 }
 
 std::vector<std::pair<std::string, std::string>> read_tree(const fs::path& folder) {
     std::vector<std::pair<std::string, std::string>> files;
     for (const auto& entry : fs::recursive_directory_iterator(folder))
-        if (entry.is_regular_file()) files.emplace_back(fs::relative(entry.path(), folder).string(), read_file(entry.path()));
+        if (entry.is_regular_file())
+            files.emplace_back(fs::relative(entry.path(), folder).string(), read_file(entry.path()));
     std::sort(files.begin(), files.end());
     return files;
 }
@@ -88,10 +91,12 @@ namespace {
 std::string box_obj(std::array<double, 3> low, std::array<double, 3> high, int first_vertex) {
     std::string text;
     for (int corner = 0; corner < 8; ++corner)
-        text += fmt::format("v {} {} {}\n", corner & 1 ? high[0] : low[0], corner & 2 ? high[1] : low[1], corner & 4 ? high[2] : low[2]);
-    for (const auto& f : {std::array{0, 2, 3, 1}, std::array{4, 5, 7, 6}, std::array{0, 1, 5, 4}, std::array{2, 6, 7, 3}, std::array{0, 4, 6, 2},
-                          std::array{1, 3, 7, 5}})
-        text += fmt::format("f {} {} {} {}\n", f[0] + first_vertex, f[1] + first_vertex, f[2] + first_vertex, f[3] + first_vertex);
+        text += fmt::format("v {} {} {}\n", corner & 1 ? high[0] : low[0], corner & 2 ? high[1] : low[1],
+                            corner & 4 ? high[2] : low[2]);
+    for (const auto& f : {std::array{0, 2, 3, 1}, std::array{4, 5, 7, 6}, std::array{0, 1, 5, 4},
+                          std::array{2, 6, 7, 3}, std::array{0, 4, 6, 2}, std::array{1, 3, 7, 5}})
+        text += fmt::format("f {} {} {} {}\n", f[0] + first_vertex, f[1] + first_vertex, f[2] + first_vertex,
+                            f[3] + first_vertex);
     return text;
 }
 
@@ -102,7 +107,8 @@ std::string marker_obj() { return box_obj({0, 0, 0}, {6, 3, 2}, 1) + box_obj({0,
 std::string ramp_box_obj(double x, double y, double z) {
     std::string text;
     for (int corner = 0; corner < 8; ++corner)
-        text += fmt::format("v {} {} {} {}\n", corner & 1 ? x : 0, corner & 2 ? y : 0, corner & 4 ? z : 0, corner & 1 ? "0 0.5 0" : "0.6 0 0");
+        text += fmt::format("v {} {} {} {}\n", corner & 1 ? x : 0, corner & 2 ? y : 0, corner & 4 ? z : 0,
+                            corner & 1 ? "0 0.5 0" : "0.6 0 0");
     const std::string box = box_obj({0, 0, 0}, {1, 1, 1}, 1);
     return text + box.substr(box.find("f "));
 }

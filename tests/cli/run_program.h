@@ -36,7 +36,9 @@ private:
 struct Bitmap {
     int width = 0, height = 0;
     std::vector<std::array<std::uint8_t, 4>> pixels;
-    [[nodiscard]] std::array<std::uint8_t, 4> at(int x, int y) const { return pixels[std::size_t(y) * std::size_t(width) + std::size_t(x)]; }
+    [[nodiscard]] std::array<std::uint8_t, 4> at(int x, int y) const {
+        return pixels[std::size_t(y) * std::size_t(width) + std::size_t(x)];
+    }
 };
 [[nodiscard]] Bitmap read_png(const std::string& path);
 
@@ -45,7 +47,8 @@ struct Bitmap {
 /// Files below a folder with their contents, by relative name.
 [[nodiscard]] std::vector<std::pair<std::string, std::string>> read_tree(const std::filesystem::path& folder);
 
-/// OBJ of an L-shaped asymmetric marker in mm: a 6 x 3 x 2 base with a 2 x 1 x 3 tower on the corner x, y in [0, 2] x [0, 1].
+/// OBJ of an L-shaped asymmetric marker in mm: a 6 x 3 x 2 base with a 2 x 1 x 3 tower on the corner x, y in [0, 2] x
+/// [0, 1].
 [[nodiscard]] std::string marker_obj();
 
 /// OBJ of a box [0, x] x [0, y] x [0, z] whose vertex colours run from red at x = 0 to green at x.

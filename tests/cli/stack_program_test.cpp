@@ -21,21 +21,23 @@ nlohmann::json result_of(const std::string& out) {
 TEST_CASE("stack predict and stack search hand profiles and stacks to each other") {
     const Folder folder("stack-search");
     const std::string target = folder / "jade.json";
-    const Outcome predicted = run_program(fmt::format(
-        "stack predict \"W 0.3, Y 1mm\" --paths 4096 --coefficients 128 --json -o {} -o {}", target, folder / "jade.svg"));
+    const Outcome predicted =
+        run_program(fmt::format("stack predict \"W 0.3, Y 1mm\" --paths 4096 --coefficients 128 --json -o {} -o {}",
+                                target, folder / "jade.svg"));
     REQUIRE(predicted.exit_code == 0);
     const double wanted = result_of(predicted.out)["channels"][1]["layers"]["R"]["total"];
-    const Outcome found = run_program(fmt::format(
-        "stack search {} --materials W,Y,K --thickness 3mm --steps 32 --max-blocks 4 --clear-top Y=0.1mm --layer 27um --rounds 1 "
-        "--paths 4096 --coefficients 16 --json -o {}",
-        target, folder / "out"));
+    const Outcome found =
+        run_program(fmt::format("stack search {} --materials W,Y,K --thickness 3mm --steps 32 --max-blocks 4 "
+                                "--clear-top Y=0.1mm --layer 27um --rounds 1 "
+                                "--paths 4096 --coefficients 16 --json -o {}",
+                                target, folder / "out"));
     REQUIRE(found.exit_code == 0);
     const auto result = result_of(found.out)["results"][0];
     CHECK(result["channels"][1]["target"]["total"].get<double>() == Approx(wanted).margin(1e-6));
     CHECK(result["monte_carlo_distance"].get<double>() < 0.03);
     CHECK(result["visited"].get<int>() > 0);
-    const Outcome again =
-        run_program(fmt::format("stack predict {} --paths 4096 --coefficients 16 --check", folder / "out/jade.stack.json"));
+    const Outcome again = run_program(
+        fmt::format("stack predict {} --paths 4096 --coefficients 16 --check", folder / "out/jade.stack.json"));
     REQUIRE(again.exit_code == 0);
     CHECK_THAT(again.out, Contains("Monte Carlo"));
 
@@ -49,13 +51,17 @@ TEST_CASE("stack predict and stack search hand profiles and stacks to each other
 
 TEST_CASE("stack targets and stack print begin and end the road to printed slabs") {
     const Folder folder("stack-print");
-    const Outcome targets = run_program(fmt::format(
-        "stack targets \"W 1\" \"W 0.2, T 0.5, W 0.3\" --resins vero-opaque-clear --count 2 --paths 4096 --coefficients 32 --json -o {}", folder / "targets"));
+    const Outcome targets =
+        run_program(fmt::format("stack targets \"W 1\" \"W 0.2, T 0.5, W 0.3\" --resins vero-opaque-clear --count 2 "
+                                "--paths 4096 --coefficients 32 --json -o {}",
+                                folder / "targets"));
     REQUIRE(targets.exit_code == 0);
     const auto made = result_of(targets.out)["targets"];
     REQUIRE(made.size() == 2);
-    CHECK(made[0]["channels"][1]["80_percent_within_mm"].get<double>() < made[1]["channels"][1]["80_percent_within_mm"].get<double>());
-    const Outcome printed = run_program(fmt::format("stack print \"W 0.3, K 0.6\" \"W 0.9\" --width 2mm --depth 2mm --json -o {}", folder / "print"));
+    CHECK(made[0]["channels"][1]["80_percent_within_mm"].get<double>() <
+          made[1]["channels"][1]["80_percent_within_mm"].get<double>());
+    const Outcome printed = run_program(
+        fmt::format("stack print \"W 0.3, K 0.6\" \"W 0.9\" --width 2mm --depth 2mm --json -o {}", folder / "print"));
     REQUIRE(printed.exit_code == 0);
     CHECK(result_of(printed.out)["slabs"].size() == 2);
     CHECK(run_program("verify " + (folder / "print")).exit_code == 0);
@@ -68,9 +74,11 @@ TEST_CASE("stack targets and stack print begin and end the road to printed slabs
 TEST_CASE("predict sees a slab by layer profiles") {
     const Folder folder("layered");
     folder.write("box.obj", ramp_box_obj(4, 3, 2));
-    REQUIRE(run_program(fmt::format("slice --quiet --no-report --iterations 0 {} -o {}", folder / "box.obj", folder / "out"))
+    REQUIRE(run_program(
+                fmt::format("slice --quiet --no-report --iterations 0 {} -o {}", folder / "box.obj", folder / "out"))
                 .exit_code == 0);
-    REQUIRE(run_program(fmt::format("predict --quiet --model layered-profile {} -o {}", folder / "out", folder / "seen.png"))
+    REQUIRE(run_program(
+                fmt::format("predict --quiet --model layered-profile {} -o {}", folder / "out", folder / "seen.png"))
                 .exit_code == 0);
     const Bitmap picture = read_png(folder / "seen.png");
     REQUIRE(picture.width > 10);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
-#include <fmt/core.h>
 #include <map>
 
 #include <catch2/catch.hpp>
@@ -26,7 +26,8 @@ Box printed(const Bitmap& bitmap) {
     for (int y = 0; y < bitmap.height; ++y)
         for (int x = 0; x < bitmap.width; ++x)
             if (const auto p = bitmap.at(x, y); p[0] || p[1] || p[2])
-                box = {std::min(box.left, x), std::max(box.right, x + 1), std::min(box.top, y), std::max(box.bottom, y + 1)};
+                box = {std::min(box.left, x), std::max(box.right, x + 1), std::min(box.top, y),
+                       std::max(box.bottom, y + 1)};
     return box;
 }
 
@@ -40,10 +41,11 @@ TEST_CASE("An asymmetric marker proves every axis and mirror") {
         const char* options;
         bool left, bottom;  ///< where the tower stands in the bitmap
     };
-    for (const Case& c : {Case{"", true, true}, Case{"--flip-x", false, true}, Case{"--flip-y", true, false}, Case{"--flip-x --flip-y", false, false},
-                          Case{"--rotate z180", false, false}}) {
+    for (const Case& c : {Case{"", true, true}, Case{"--flip-x", false, true}, Case{"--flip-y", true, false},
+                          Case{"--flip-x --flip-y", false, false}, Case{"--rotate z180", false, false}}) {
         INFO(c.options);
-        REQUIRE(run_program(fmt::format("slice --quiet --no-report --iterations 0 --overwrite {} {} -o {}", folder / "marker.obj", c.options, folder / "out"))
+        REQUIRE(run_program(fmt::format("slice --quiet --no-report --iterations 0 --overwrite {} {} -o {}",
+                                        folder / "marker.obj", c.options, folder / "out"))
                     .exit_code == 0);
         const auto description = manifest(folder);
         CHECK(description["size_px"] == nlohmann::json({142, 36}));  // 6 / 0.0423333 = 141.7, 3 / 0.0846667 = 35.4
@@ -60,14 +62,18 @@ TEST_CASE("An asymmetric marker proves every axis and mirror") {
         CHECK((tower.bottom >= top.height - 1) == c.bottom);  // small y is the last row
         CHECK((tower.top <= 1) == !c.bottom);
     }
-    REQUIRE(run_program(fmt::format("slice --quiet --no-report --iterations 0 --overwrite --swap-xy {} -o {}", folder / "marker.obj", folder / "out")).exit_code == 0);
+    REQUIRE(run_program(fmt::format("slice --quiet --no-report --iterations 0 --overwrite --swap-xy {} -o {}",
+                                    folder / "marker.obj", folder / "out"))
+                .exit_code == 0);
     CHECK(manifest(folder)["size_px"] == nlohmann::json({71, 71}));  // 3 / 0.0423333 = 70.9, 6 / 0.0846667 = 70.9
 }
 
 TEST_CASE("Colour goes where the model has it, and counts agree with the bitmaps") {
     const Folder folder("ramp");
     folder.write("box.obj", ramp_box_obj(8, 6, 4));
-    REQUIRE(run_program(fmt::format("slice --quiet --no-report --iterations 0 {} -o {}", folder / "box.obj", folder / "out")).exit_code == 0);
+    REQUIRE(run_program(
+                fmt::format("slice --quiet --no-report --iterations 0 {} -o {}", folder / "box.obj", folder / "out"))
+                .exit_code == 0);
     const auto description = manifest(folder);
     std::map<std::array<std::uint8_t, 3>, std::string> role_of;
     std::map<std::string, std::uint64_t> said, counted;
@@ -111,7 +117,8 @@ TEST_CASE("Colour goes where the model has it, and counts agree with the bitmaps
 TEST_CASE("verify finds what was spoiled, by name, with exit code 6") {
     const Folder folder("spoil");
     folder.write("marker.obj", marker_obj());
-    const std::string slice = fmt::format("slice --quiet --no-report --iterations 0 --overwrite {} -o {}", folder / "marker.obj", folder / "out");
+    const std::string slice = fmt::format("slice --quiet --no-report --iterations 0 --overwrite {} -o {}",
+                                          folder / "marker.obj", folder / "out");
     REQUIRE(run_program(slice).exit_code == 0);
     REQUIRE(run_program("verify " + (folder / "out")).exit_code == 0);
 
@@ -121,7 +128,8 @@ TEST_CASE("verify finds what was spoiled, by name, with exit code 6") {
     CHECK_THAT(gap.out + gap.err, Catch::Matchers::Contains("slice_00020"));
 
     std::filesystem::copy_file(layer_path(folder, 150), layer_path(folder, 20));  // of the tower, not of the base
-    CHECK(run_program("verify " + (folder / "out")).exit_code == 6);  // right in form, wrong in content: counts or hash tell
+    CHECK(run_program("verify " + (folder / "out")).exit_code ==
+          6);  // right in form, wrong in content: counts or hash tell
 
     REQUIRE(run_program(slice).exit_code == 0);
     std::filesystem::resize_file(layer_path(folder, 30), 100);
@@ -134,7 +142,9 @@ TEST_CASE("verify finds what was spoiled, by name, with exit code 6") {
 TEST_CASE("A picture becomes a slab with its colours on top, upright") {
     const Folder folder("picture");
     const std::string picture = std::string(VOXTONE_SOURCE_DIR) + "/examples/models/spot/spot_texture.png";
-    REQUIRE(run_program(fmt::format("slice --quiet --iterations 0 {} --width 12mm --thickness 2mm -o {}", picture, folder / "out")).exit_code == 0);
+    REQUIRE(run_program(fmt::format("slice --quiet --iterations 0 {} --width 12mm --thickness 2mm -o {}", picture,
+                                    folder / "out"))
+                .exit_code == 0);
     const auto description = manifest(folder);
     CHECK(description["size_px"] == nlohmann::json({284, 142}));  // 12 mm at 600 and 300 dpi, rounded up
     CHECK(description["layers"] == 75);                           // 2 mm / 27 um, rounded up
@@ -143,5 +153,6 @@ TEST_CASE("A picture becomes a slab with its colours on top, upright") {
     CHECK(std::filesystem::exists(folder / "out/predicted.png"));
     // The bottom millimetre is core.
     const Bitmap bottom = read_png(layer_path(folder, 3));
-    CHECK(std::count(bottom.pixels.begin(), bottom.pixels.end(), bottom.pixels.front()) == std::ptrdiff_t(bottom.pixels.size()));
+    CHECK(std::count(bottom.pixels.begin(), bottom.pixels.end(), bottom.pixels.front()) ==
+          std::ptrdiff_t(bottom.pixels.size()));
 }

@@ -40,12 +40,14 @@ void target_b(benchmark::State& state) {
     Eigen::MatrixXd by_resin;
     for (auto _ : state) {
         resins[0].sigma_a += 1e-9;
-        if (state.range(0) == 1) model.evaluate(resins, model.bases(resins, true), rho, by_resin);
-        else model.evaluate(resins, model.bases(resins, false), rho);
+        if (state.range(0) == 1)
+            model.evaluate(resins, model.bases(resins, true), rho, by_resin);
+        else
+            model.evaluate(resins, model.bases(resins, false), rho);
         benchmark::DoNotOptimize(rho.data());
     }
-    state.counters["patch"] =
-        benchmark::Counter(static_cast<double>(rho.size()), benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+    state.counters["patch"] = benchmark::Counter(
+        static_cast<double>(rho.size()), benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 BENCHMARK(target_b)->Arg(0)->Arg(1)->Unit(benchmark::kMicrosecond);
 
@@ -72,7 +74,8 @@ optics::ResinSet spectral(double step_nm) {
 // A whole fit of target B with noise, all threads: 0: R, G, B; 25, 5: wavelengths in steps of so many nm.
 void fit_target_b(benchmark::State& state) {
     PatchTable table = testing::target('B', {"C", "M", "Y"});
-    testing::measure(table, state.range(0) == 0 ? optics::vero_opaque() : spectral(static_cast<double>(state.range(0))), 0.005, 7);
+    testing::measure(table, state.range(0) == 0 ? optics::vero_opaque() : spectral(static_cast<double>(state.range(0))),
+                     0.005, 7);
     for (auto _ : state) benchmark::DoNotOptimize(fit_resins(table, {}));
 }
 BENCHMARK(fit_target_b)->Arg(0)->Arg(25)->Arg(5)->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime()->UseRealTime();

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // How well a calibrated set predicts mixtures that were not in the fit (Iser, Rittig, Wilkie 2025, Sec. 6.1): all 121
-// mixtures of C, M, Y, K, W in steps of 20 %, 0.675 mm thick, on white and on black, ideal; and the 120 of C, M, Y, W in
-// steps of 1/7. The target is measured with noise; predictions are compared with the truth, and with a noisy measurement.
-// Run: build/release/benchmarks/mixture_benchmark [SEEDS]
+// mixtures of C, M, Y, K, W in steps of 20 %, 0.675 mm thick, on white and on black, ideal; and the 120 of C, M, Y, W
+// in steps of 1/7. The target is measured with noise; predictions are compared with the truth, and with a noisy
+// measurement. Run: build/release/benchmarks/mixture_benchmark [SEEDS]
 #include <cstdlib>
 #include <functional>
 #include <string>
@@ -44,9 +44,12 @@ PatchTable mixtures(const std::vector<std::string>& roles, int steps, bool pure)
 int main(int count, char** words) {
     const int seeds = count > 1 ? std::atoi(words[1]) : 20;
     const optics::ResinSet truth = optics::vero_opaque();
-    fmt::print("| mixtures x bases | target | noise | mean CIEDE2000 | median | worst seed's mean | against noisy patches |\n|---|---|---|---|---|---|---|\n");
+    fmt::print(
+        "| mixtures x bases | target | noise | mean CIEDE2000 | median | worst seed's mean | against noisy patches "
+        "|\n|---|---|---|---|---|---|---|\n");
     for (const bool black : {true, false}) {
-        PatchTable others = black ? mixtures({"C", "M", "Y", "K", "W"}, 5, false) : mixtures({"C", "M", "Y", "W"}, 7, true);
+        PatchTable others =
+            black ? mixtures({"C", "M", "Y", "K", "W"}, 5, false) : mixtures({"C", "M", "Y", "W"}, 7, true);
         testing::measure(others, truth, 0, 1);
         for (const char target : {'B', 'C'})
             for (const double noise : {0.005, 0.0025, 0.001}) {
@@ -64,8 +67,8 @@ int main(int count, char** words) {
                     testing::measure(seen, truth, noise, 5000 + static_cast<std::uint64_t>(seed));
                     noisy += check_resins(fit.set, seen, {}).differences.mean / seeds;
                 }
-                fmt::print("| {} x 2 {} | {} | {} | {:.2f} | {:.2f} | {:.2f} | {:.2f} |\n", others.patches.size() / 2, black ? "of C M Y K W" : "of C M Y W", target, noise,
-                           mean, median, worst, noisy);
+                fmt::print("| {} x 2 {} | {} | {} | {:.2f} | {:.2f} | {:.2f} | {:.2f} |\n", others.patches.size() / 2,
+                           black ? "of C M Y K W" : "of C M Y W", target, noise, mean, median, worst, noisy);
             }
     }
     return 0;

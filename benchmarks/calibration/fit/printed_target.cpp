@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Target B as it is printed: mixtures are random dithers of voxels (J750 High Mix, 42 x 85 x 27 um) on 5 mm of resin, with
-// air and a black sheet under it. Monte Carlo of those voxels is the measurement; the fit is made with mixtures taken as
-// ideal (Eq. 7), and as halftones (optics/media/halftone_medium.h). Pure squares have no voxels to see and are exact.
-// With "others": mixtures of 5, 25 and 50 % of other resins, which the dither's constants have not seen; no fit.
+// Target B as it is printed: mixtures are random dithers of voxels (J750 High Mix, 42 x 85 x 27 um) on 5 mm of resin,
+// with air and a black sheet under it. Monte Carlo of those voxels is the measurement; the fit is made with mixtures
+// taken as ideal (Eq. 7), and as halftones (optics/media/halftone_medium.h). Pure squares have no voxels to see and are
+// exact. With "others": mixtures of 5, 25 and 50 % of other resins, which the dither's constants have not seen; no fit.
 // Run: build/release/benchmarks/printed_target [PATHS per value [others]]
 #include <chrono>
 #include <cmath>
@@ -13,10 +13,10 @@
 #include <fmt/format.h>
 
 #include "tests/calibration/patches/target_samples.h"
-#include "voxtone/calibration/patches/patch_file.h"
 #include "voxtone/calibration/fit/resin_fit.h"
-#include "voxtone/optics/monte_carlo/monte_carlo.h"
+#include "voxtone/calibration/patches/patch_file.h"
 #include "voxtone/optics/media/resin_volume.h"
+#include "voxtone/optics/monte_carlo/monte_carlo.h"
 
 namespace {
 
@@ -30,15 +30,16 @@ constexpr int columns = 128, rows = 64, square_layers = 25, base_layers = 185;
 optics::ResinVolume dithered(const Patch& patch, const optics::ResinSet& set, std::uint64_t seed, PatchMixture& made) {
     const auto material = [&](const std::string& role) { return static_cast<optics::Material>(set.find(role) + 1); };
     std::vector<double> count(patch.top.size(), 0);
-    auto volume = optics::make_resin_volume({columns, rows, base_layers + square_layers}, pitch_mm, [&](int x, int y, int z) {
-        if (z < base_layers) return material(patch.backing);
-        RandomStream random(seed, static_cast<std::uint64_t>(x + columns * (y + rows * z)));
-        double at = random.uniform();
-        std::size_t k = 0;
-        while (k + 1 < patch.top.size() && at >= patch.top[k].fraction) at -= patch.top[k++].fraction;
-        count[k] += 1;
-        return material(patch.top[k].role);
-    });
+    auto volume =
+        optics::make_resin_volume({columns, rows, base_layers + square_layers}, pitch_mm, [&](int x, int y, int z) {
+            if (z < base_layers) return material(patch.backing);
+            RandomStream random(seed, static_cast<std::uint64_t>(x + columns * (y + rows * z)));
+            double at = random.uniform();
+            std::size_t k = 0;
+            while (k + 1 < patch.top.size() && at >= patch.top[k].fraction) at -= patch.top[k++].fraction;
+            count[k] += 1;
+            return material(patch.top[k].role);
+        });
     made = patch.top;
     for (std::size_t k = 0; k < made.size(); ++k) made[k].fraction = count[k] / (columns * rows * square_layers);
     return volume;
@@ -57,8 +58,10 @@ optics::ResinSet other_resins() {
 void print_errors(const char* what, const ResinFit& fit, const optics::ResinSet& truth) {
     fmt::print("\n{}: chi2 per channel", what);
     for (const double chi2 : fit.chi2) fmt::print(" {:.1f}", chi2);
-    fmt::print(" of {}, CIEDE2000 of the patches mean {:.2f}\n\n| resin | albedo R G B (truth) | extinction R G B / truth |\n|---|---|---|\n", fit.freedom,
-               fit.patches.differences.mean);
+    fmt::print(
+        " of {}, CIEDE2000 of the patches mean {:.2f}\n\n| resin | albedo R G B (truth) | extinction R G B / truth "
+        "|\n|---|---|---|\n",
+        fit.freedom, fit.patches.differences.mean);
     double sum = 0, count = 0;
     for (const auto& resin : truth.resins) {
         const auto& found = fit.set.resins[static_cast<std::size_t>(fit.set.find(resin.role))];
@@ -85,7 +88,8 @@ int main(int count, char** words) {
     PatchTable table = testing::target(others ? 'C' : 'B', colours, "W", "K", base_layers * pitch_mm[2]);
     if (others)
         std::erase_if(table.patches, [](const Patch& p) {
-            return p.top.size() < 2 || p.top[0].role == "K" || (p.backing == "K" && p.top[0].fraction < 0.2) || p.top[0].fraction == 0.1;
+            return p.top.size() < 2 || p.top[0].role == "K" || (p.backing == "K" && p.top[0].fraction < 0.2) ||
+                   p.top[0].fraction == 0.1;
         });
     PatchModelOptions ideal;
     ideal.under = UnderBase::air;
@@ -99,7 +103,9 @@ int main(int count, char** words) {
     PatchTable as_screened = table;
     testing::measure(as_screened, truth, 0, 1, screened);
 
-    fmt::print("| patch | channel | Monte Carlo | +- | Eq. 7 less | halftone medium less | with the screen's constants |\n|---|---|---|---|---|---|---|\n");
+    fmt::print(
+        "| patch | channel | Monte Carlo | +- | Eq. 7 less | halftone medium less | with the screen's constants "
+        "|\n|---|---|---|---|---|---|---|\n");
     const auto began = std::chrono::steady_clock::now();
     double squares_7 = 0, squares_h = 0, squares_s = 0, noise = 0, values = 0;
     for (std::size_t p = 0; p < table.patches.size(); ++p) {
@@ -111,12 +117,13 @@ int main(int count, char** words) {
         const optics::Scene scene{&volume, &truth, optics::Backing::black, optics::Sides::mirrored};
         const optics::Surface surface = find_surface(scene, {columns, rows, 1}, optics::SurfacePart::top);
         optics::MonteCarloSummary summary;
-        const optics::Appearance seen = optics::MonteCarlo({.paths = paths, .seed = 5 + p}).reflectance_45_0(scene, surface, summary);
+        const optics::Appearance seen =
+            optics::MonteCarlo({.paths = paths, .seed = 5 + p}).reflectance_45_0(scene, surface, summary);
         for (std::size_t c = 0; c < 3; ++c) {
             const double rho = seen.value[c], error = seen.standard_error[c];
             const double screen = as_screened.patches[p].rho[c] - rho;
-            fmt::print("| {} | {} | {:.4f} | {:.4f} | {:+.4f} | {:+.4f} | {:+.4f} |\n", patch_name(patch), "RGB"[c], rho, error, patch.rho[c] - rho,
-                       as_halftone.patches[p].rho[c] - rho, screen);
+            fmt::print("| {} | {} | {:.4f} | {:.4f} | {:+.4f} | {:+.4f} | {:+.4f} |\n", patch_name(patch), "RGB"[c],
+                       rho, error, patch.rho[c] - rho, as_halftone.patches[p].rho[c] - rho, screen);
             squares_s += screen * screen, noise += error * error;
             squares_7 += (patch.rho[c] - rho) * (patch.rho[c] - rho);
             squares_h += (as_halftone.patches[p].rho[c] - rho) * (as_halftone.patches[p].rho[c] - rho);
@@ -125,8 +132,12 @@ int main(int count, char** words) {
             patch.error[c] = std::max(error, 0.0005);
         }
     }
-    fmt::print("\nrms over mixtures: Eq. 7 {:.4f}, halftone medium {:.4f}, with the screen's constants {:.4f}, of which noise {:.4f}; {} paths a value, {:.0f} s\n",
-               std::sqrt(squares_7 / values), std::sqrt(squares_h / values), std::sqrt(squares_s / values), std::sqrt(noise / values), paths, std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count());
+    fmt::print(
+        "\nrms over mixtures: Eq. 7 {:.4f}, halftone medium {:.4f}, with the screen's constants {:.4f}, of which noise "
+        "{:.4f}; {} paths a value, {:.0f} s\n",
+        std::sqrt(squares_7 / values), std::sqrt(squares_h / values), std::sqrt(squares_s / values),
+        std::sqrt(noise / values), paths,
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count());
     if (others) return 0;
     FitOptions options;
     options.model = ideal;

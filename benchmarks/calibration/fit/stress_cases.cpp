@@ -30,13 +30,15 @@ optics::ResinSet truth(int test) {
     optics::ResinSet set;
     for (int k = 0; k < extinctions; ++k) set.channels.wavelengths_nm.push_back(400 + 10 * k);
     const auto add = [&](const std::string& role, double albedo, double sigma_t) {
-        set.resins.push_back({role, role, std::vector<double>(extinctions, sigma_t), std::vector<double>(extinctions, albedo)});
+        set.resins.push_back(
+            {role, role, std::vector<double>(extinctions, sigma_t), std::vector<double>(extinctions, albedo)});
     };
     add("W", test == 1 ? 0.999 : 0.99, test == 1 ? 20 : 5);
     add("K", test == 1 ? 0.5 : 0.9, 5);
     for (std::size_t a = 0; a < albedos.size(); ++a) {
         add(colours[a], albedos[a], 0);
-        for (int k = 0; k < extinctions; ++k) set.resins.back().sigma_t_per_mm[static_cast<std::size_t>(k)] = extinction(k);
+        for (int k = 0; k < extinctions; ++k)
+            set.resins.back().sigma_t_per_mm[static_cast<std::size_t>(k)] = extinction(k);
     }
     return set;
 }
@@ -74,8 +76,10 @@ Row statistics(const std::vector<Sample>& samples, double sigma_t, double albedo
     row.albedo_median = percentile(alpha, 0.5), row.albedo_worst = percentile(alpha, 1);
     row.sigma_inside = sigma_in / count, row.albedo_inside = albedo_in / count, row.doubted = doubted / count;
     row.sigma_inside_trusted = row.sigma_trusted > 0 ? static_cast<double>(sigma_in_trusted) / row.sigma_trusted : 0;
-    row.albedo_inside_trusted = row.albedo_trusted > 0 ? static_cast<double>(albedo_in_trusted) / row.albedo_trusted : 0;
-    row.ratio_low = percentile(ratio, 0.16), row.ratio_middle = percentile(ratio, 0.5), row.ratio_high = percentile(ratio, 0.84);
+    row.albedo_inside_trusted =
+        row.albedo_trusted > 0 ? static_cast<double>(albedo_in_trusted) / row.albedo_trusted : 0;
+    row.ratio_low = percentile(ratio, 0.16), row.ratio_middle = percentile(ratio, 0.5),
+    row.ratio_high = percentile(ratio, 0.84);
     row.v_low = percentile(v, 0.16), row.v_middle = percentile(v, 0.5), row.v_high = percentile(v, 0.84);
     row.v_true = v_of_albedo(albedo, 0.4);
     return row;
@@ -107,7 +111,8 @@ Case run_case(int test, char target, const Plan& plan) {
     std::vector<ResinFit> fits(seeds);
     parallel_for(0, seeds, 1, [&](std::size_t s) {
         PatchTable table = testing::target(target, colours);
-        testing::measure(table, set, plan.noise, (plan.first_seed + s) * 64 + static_cast<std::uint64_t>(test * 8 + target - 'A'));
+        testing::measure(table, set, plan.noise,
+                         (plan.first_seed + s) * 64 + static_cast<std::uint64_t>(test * 8 + target - 'A'));
         FitOptions options;
         options.noise = plan.noise;
         fits[s] = fit_resins(table, options);
@@ -121,8 +126,11 @@ Case run_case(int test, char target, const Plan& plan) {
             const FittedResin& resin = fit.resins[static_cast<std::size_t>(fit.set.find(role))];
             for (std::size_t c = from; c < to; ++c) {
                 const FittedValue &s = resin.sigma_t[c], &a = resin.albedo[c];
-                const auto inside = [](const FittedValue& value, double true_value) { return value.low <= true_value && true_value <= value.high; };
-                samples.push_back({s.value, a.value, inside(s, of.sigma_t_per_mm[c]), inside(a, of.albedo[c]), s.doubts.empty(), a.doubts.empty()});
+                const auto inside = [](const FittedValue& value, double true_value) {
+                    return value.low <= true_value && true_value <= value.high;
+                };
+                samples.push_back({s.value, a.value, inside(s, of.sigma_t_per_mm[c]), inside(a, of.albedo[c]),
+                                   s.doubts.empty(), a.doubts.empty()});
             }
         }
         return statistics(samples, of.sigma_t_per_mm[from], of.albedo[from]);
@@ -131,7 +139,8 @@ Case run_case(int test, char target, const Plan& plan) {
     result.black = {collect("K", 0, extinctions)};
     for (const std::string& colour : colours) {
         auto& rows = result.colours.emplace_back();
-        for (std::size_t k = 0; k < static_cast<std::size_t>(extinctions); ++k) rows.push_back(collect(colour, k, k + 1));
+        for (std::size_t k = 0; k < static_cast<std::size_t>(extinctions); ++k)
+            rows.push_back(collect(colour, k, k + 1));
     }
     result.fits = plan.seeds * extinctions;
     result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
@@ -169,8 +178,10 @@ Verdict judge(const Case& of) {
             verdict.mean_ln_sigma += std::log(row.sigma_median / row.sigma_limit());
             verdict.mean_ln_albedo += std::log(row.albedo_median / row.albedo_limit());
             verdict.sigma_inside += row.sigma_inside, verdict.albedo_inside += row.albedo_inside;
-            verdict.sigma_inside_trusted += row.sigma_inside_trusted * row.sigma_trusted, sigma_trusted += row.sigma_trusted;
-            verdict.albedo_inside_trusted += row.albedo_inside_trusted * row.albedo_trusted, albedo_trusted += row.albedo_trusted;
+            verdict.sigma_inside_trusted += row.sigma_inside_trusted * row.sigma_trusted,
+                sigma_trusted += row.sigma_trusted;
+            verdict.albedo_inside_trusted += row.albedo_inside_trusted * row.albedo_trusted,
+                albedo_trusted += row.albedo_trusted;
         }
     verdict.mean_ln_sigma /= verdict.rows, verdict.mean_ln_albedo /= verdict.rows;
     verdict.sigma_inside /= verdict.rows, verdict.albedo_inside /= verdict.rows;

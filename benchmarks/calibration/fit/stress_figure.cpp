@@ -22,17 +22,22 @@ double across(double sigma_t) { return width * std::log(sigma_t / 0.1) / std::lo
 double up_ratio(double ratio) { return height * (0.5 - 0.5 * std::log10(std::min(std::max(ratio, 0.1), 10.0))); }
 double up_v(double v) { return height * v; }
 
-std::string band(const std::vector<Row>& rows, const char* colour, double Row::*low, double Row::*middle, double Row::*high, double (*up)(double)) {
+std::string band(const std::vector<Row>& rows, const char* colour, double Row::*low, double Row::*middle,
+                 double Row::*high, double (*up)(double)) {
     std::string outline, line;
     for (const Row& row : rows) outline += fmt::format("{:.1f},{:.1f} ", across(row.sigma_t), up(row.*low));
-    for (auto row = rows.rbegin(); row != rows.rend(); ++row) outline += fmt::format("{:.1f},{:.1f} ", across(row->sigma_t), up((*row).*high));
+    for (auto row = rows.rbegin(); row != rows.rend(); ++row)
+        outline += fmt::format("{:.1f},{:.1f} ", across(row->sigma_t), up((*row).*high));
     for (const Row& row : rows) line += fmt::format("{:.1f},{:.1f} ", across(row.sigma_t), up(row.*middle));
-    return fmt::format("<polygon points=\"{}\" fill=\"{}\" fill-opacity=\"0.22\"/><polyline points=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"1.6\"/>\n",
-                       outline, colour, line, colour);
+    return fmt::format(
+        "<polygon points=\"{}\" fill=\"{}\" fill-opacity=\"0.22\"/><polyline points=\"{}\" fill=\"none\" stroke=\"{}\" "
+        "stroke-width=\"1.6\"/>\n",
+        outline, colour, line, colour);
 }
 
 std::string text(double x, double y, const std::string& what, const char* anchor = "middle", int size = 11) {
-    return fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\" font-size=\"{}\">{}</text>\n", x, y, anchor, size, what);
+    return fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\" font-size=\"{}\">{}</text>\n", x, y, anchor,
+                       size, what);
 }
 
 std::string rule(double x1, double y1, double x2, double y2, const char* style) {
@@ -52,7 +57,8 @@ std::string panel(const Case& of, bool albedo, bool first, bool last) {
         if (first) out += text(-5, y + 4, label, "end");
     };
     if (albedo) {
-        for (const double a : {0.0, 0.5, 0.9, 0.99, 0.999, 0.9999}) mark(up_v(v_of_albedo(a, 0.4)), fmt::format("{:g}", a));
+        for (const double a : {0.0, 0.5, 0.9, 0.99, 0.999, 0.9999})
+            mark(up_v(v_of_albedo(a, 0.4)), fmt::format("{:g}", a));
         for (std::size_t a = 0; a < of.colours.size(); ++a) {
             const double y = up_v(of.colours[a].front().v_true);
             out += rule(0, y, width, y, fmt::format("stroke=\"{}\" stroke-dasharray=\"4 3\"", ink[a]).c_str());
@@ -79,9 +85,11 @@ std::string figure_svg(const std::vector<Case>& cases) {
     }
     const double all_width = left + static_cast<double>(targets.size()) * (width + gap_x),
                  all_height = top + static_cast<double>(2 * tests.size()) * (height + gap_y);
-    std::string svg = fmt::format("<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0:.0f}\" height=\"{1:.0f}\" viewBox=\"0 0 {0:.0f} {1:.0f}\" "
-                                  "font-family=\"sans-serif\"><rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n",
-                                  all_width, all_height);
+    std::string svg = fmt::format(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0:.0f}\" height=\"{1:.0f}\" viewBox=\"0 0 {0:.0f} "
+        "{1:.0f}\" "
+        "font-family=\"sans-serif\"><rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n",
+        all_width, all_height);
     double x = left;
     svg += text(x, 16, "albedo of the resin:", "start", 12);
     x += 120;
@@ -89,14 +97,17 @@ std::string figure_svg(const std::vector<Case>& cases) {
         svg += rule(x, 12, x + 18, 12, fmt::format("stroke=\"{}\" stroke-width=\"3\"", ink[a]).c_str());
         svg += text(x + 23, 16, fmt::format("{:g}", cases.front().colours[a].front().albedo), "start", 12);
     }
-    svg += text(all_width - gap_x, 16, "true extinction per mm to the right; bands: 16th to 84th percentile", "end", 12);
+    svg +=
+        text(all_width - gap_x, 16, "true extinction per mm to the right; bands: 16th to 84th percentile", "end", 12);
     for (const Case& c : cases) {
         const double column = left + static_cast<double>(targets.find(c.target)) * (width + gap_x);
         const auto row = static_cast<double>(std::find(tests.begin(), tests.end(), c.test) - tests.begin());
         for (int quantity = 0; quantity < 2; ++quantity) {
             const double y = top + (2 * row + quantity) * (height + gap_y);
             svg += fmt::format("<g transform=\"translate({:.1f},{:.1f})\">\n", column, y);
-            svg += text(width / 2, -6, fmt::format("test {}, target {}: {}", c.test, c.target, quantity == 0 ? "extinction, estimate / truth" : "albedo"),
+            svg += text(width / 2, -6,
+                        fmt::format("test {}, target {}: {}", c.test, c.target,
+                                    quantity == 0 ? "extinction, estimate / truth" : "albedo"),
                         "middle", 12);
             svg += panel(c, quantity == 1, c.target == targets.front(), true) + "</g>\n";
         }

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Seconds to factor a data set of 256 x 256 points into local profiles and to cluster them; three channels, window of radius
+// Seconds to factor a data set of 256 x 256 points into local profiles and to cluster them; three channels, window of
+// radius
 // 10. Run: build/release/benchmarks/factorisation_benchmark [POINTS [COUNTS [THREADS]]]: points a side (256), counts
 // that a point's brightest pair has (400), threads (0: one per core).
 //
-// The data: profiles exp(-r / width) albedo whose width and albedo wander over the surface by a factor of 3, as products of
-// roots (Eq. 7), with counts drawn from Poisson's distribution. What is known of the profiles is held against what comes out.
+// The data: profiles exp(-r / width) albedo whose width and albedo wander over the surface by a factor of 3, as
+// products of roots (Eq. 7), with counts drawn from Poisson's distribution. What is known of the profiles is held
+// against what comes out.
 #include <chrono>
 #include <cmath>
 #include <cstdio>

@@ -24,8 +24,9 @@ optics::DifferenceSummary summary(const std::vector<FlatColour>& colours, double
 int main(int argc, char** argv) {
     const auto paths = static_cast<std::uint32_t>(argc > 1 ? std::atoi(argv[1]) : 200000);
     const int only = argc > 2 ? std::atoi(argv[2]) : -1;
-    std::printf("| case | colours | Eq. 7: mean / max | voxels: mean / max | lookup's share: mean / max | noise |\n"
-                "|---|---|---|---|---|---|\n");
+    std::printf(
+        "| case | colours | Eq. 7: mean / max | voxels: mean / max | lookup's share: mean / max | noise |\n"
+        "|---|---|---|---|---|---|\n");
     int number = 0;
     for (const FlatCase& the : flat_cases()) {
         if (only >= 0 && number++ != only) continue;
@@ -33,14 +34,20 @@ int main(int argc, char** argv) {
         if (argc > 3)
             for (std::size_t i = 0; i < colours.voxels.size(); ++i) {
                 const FlatColour &a = colours.eq7[i], &b = colours.voxels[i];
-                std::printf("  %.3f %.3f %.3f  Eq. 7 %.2f (L* %+.2f, a* %+.2f, b* %+.2f)  voxels %.2f (%+.2f, %+.2f, %+.2f), lookup %.2f\n",
-                            a.rgb[0], a.rgb[1], a.rgb[2], a.difference, a.lab_difference[0], a.lab_difference[1], a.lab_difference[2],
-                            b.difference, b.lab_difference[0], b.lab_difference[1], b.lab_difference[2], b.lookup);
+                std::printf(
+                    "  %.3f %.3f %.3f  Eq. 7 %.2f (L* %+.2f, a* %+.2f, b* %+.2f)  voxels %.2f (%+.2f, %+.2f, %+.2f), "
+                    "lookup %.2f\n",
+                    a.rgb[0], a.rgb[1], a.rgb[2], a.difference, a.lab_difference[0], a.lab_difference[1],
+                    a.lab_difference[2], b.difference, b.lab_difference[0], b.lab_difference[1], b.lab_difference[2],
+                    b.lookup);
             }
-        const auto eq7 = summary(colours.eq7, &FlatColour::difference), voxels = summary(colours.voxels, &FlatColour::difference),
-                   lookup = summary(colours.voxels, &FlatColour::lookup), noise = summary(colours.voxels, &FlatColour::noise);
-        std::printf("| %s | %zu | %.2f / %.2f | %.2f / %.2f | %.2f / %.2f | %.2f |\n", the.name.c_str(), colours.voxels.size(), eq7.mean,
-                    eq7.max, voxels.mean, voxels.max, lookup.mean, lookup.max, noise.mean);
+        const auto eq7 = summary(colours.eq7, &FlatColour::difference),
+                   voxels = summary(colours.voxels, &FlatColour::difference),
+                   lookup = summary(colours.voxels, &FlatColour::lookup),
+                   noise = summary(colours.voxels, &FlatColour::noise);
+        std::printf("| %s | %zu | %.2f / %.2f | %.2f / %.2f | %.2f / %.2f | %.2f |\n", the.name.c_str(),
+                    colours.voxels.size(), eq7.mean, eq7.max, voxels.mean, voxels.max, lookup.mean, lookup.max,
+                    noise.mean);
         std::fflush(stdout);
     }
 }

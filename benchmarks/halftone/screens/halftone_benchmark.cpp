@@ -11,9 +11,9 @@
 #include "voxtone/halftone/screens/blue_noise_screen.h"
 #include "voxtone/halftone/screens/built_in_screens.h"
 #include "voxtone/halftone/screens/error_diffusion.h"
+#include "voxtone/halftone/screens/void_and_cluster.h"
 #include "voxtone/halftone/separation/mixture.h"
 #include "voxtone/halftone/separation/separation.h"
-#include "voxtone/halftone/screens/void_and_cluster.h"
 
 namespace {
 

@@ -25,14 +25,19 @@ int main(int argc, char** argv) {
         const char *first, *second, *channel_name;
         std::size_t channel;
     };
-    const std::array<Pair, 6> pairs{{{"Y", "W", "blue", 2}, {"C", "W", "red", 0}, {"K", "W", "green", 1},
-                                     {"Y", "C", "blue", 2}, {"M", "Y", "green", 1}, {"Y", "M", "blue", 2}}};
+    const std::array<Pair, 6> pairs{{{"Y", "W", "blue", 2},
+                                     {"C", "W", "red", 0},
+                                     {"K", "W", "green", 1},
+                                     {"Y", "C", "blue", 2},
+                                     {"M", "Y", "green", 1},
+                                     {"Y", "M", "blue", 2}}};
     const optics::ResinSet set = optics::vero_opaque();
     const int core = set.find("W");
     std::printf("voxels,first,second,channel,share,eq7,medium,seen,error\n");
     for (const Shape& shape : shapes) {
         const halftone::BlueNoiseScreen screen(shape.pitch_mm);
-        const int layers = static_cast<int>(std::round(1 / shape.pitch_mm[2])), core_layers = static_cast<int>(std::round(1.5 / shape.pitch_mm[2]));
+        const int layers = static_cast<int>(std::round(1 / shape.pitch_mm[2])),
+                  core_layers = static_cast<int>(std::round(1.5 / shape.pitch_mm[2]));
         const optics::ShellAppearance ideal(set, geometry_of(shape.pitch_mm, core, layers, core_layers, false)),
             voxels(set, geometry_of(shape.pitch_mm, core, layers, core_layers, true));
         for (const Pair& pair : pairs)
@@ -40,11 +45,13 @@ int main(int argc, char** argv) {
                 std::vector<double> f(set.resins.size(), 0.0);
                 f[static_cast<std::size_t>(set.find(pair.first))] = share;
                 f[static_cast<std::size_t>(set.find(pair.second))] = 1 - share;
-                const HalftonePatch patch = make_patch(screen, shape.pitch_mm, cumulative(f), 5, core, layers, core_layers);
+                const HalftonePatch patch =
+                    make_patch(screen, shape.pitch_mm, cumulative(f), 5, core, layers, core_layers);
                 const Seen seen = look(patch, set, paths, 1);
-                std::printf("%s,%s,%s,%s,%.2f,%.5f,%.5f,%.5f,%.5f\n", shape.name, pair.first, pair.second, pair.channel_name, share,
-                            ideal.appearance(patch.fractions)[pair.channel], voxels.appearance(patch.fractions)[pair.channel],
-                            seen.value[pair.channel], seen.standard_error[pair.channel]);
+                std::printf("%s,%s,%s,%s,%.2f,%.5f,%.5f,%.5f,%.5f\n", shape.name, pair.first, pair.second,
+                            pair.channel_name, share, ideal.appearance(patch.fractions)[pair.channel],
+                            voxels.appearance(patch.fractions)[pair.channel], seen.value[pair.channel],
+                            seen.standard_error[pair.channel]);
                 std::fflush(stdout);
             }
     }

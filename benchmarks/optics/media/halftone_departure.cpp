@@ -3,9 +3,9 @@
 // The departure of halftones from ideal mixtures: measured by Monte Carlo over random resins, and the constants of
 // optics::HalftoneMedium fitted to it.
 //
-// Each patch has 2 to 5 resins in random shares and 12 channels; in each every resin has a random sigma_t (0.5 to 40 per
-// mm, even in its logarithm) and albedo (two in five even in [0, 1], else 1 - 10^-4u), so 12 measurements per patch.
-// Errors are of 116 cbrt(appearance): L* of the channel as a grey.
+// Each patch has 2 to 5 resins in random shares and 12 channels; in each every resin has a random sigma_t (0.5 to 40
+// per mm, even in its logarithm) and albedo (two in five even in [0, 1], else 1 - 10^-4u), so 12 measurements per
+// patch. Errors are of 116 cbrt(appearance): L* of the channel as a grey.
 //
 // Run: build/release/benchmarks/halftone_departure [PATCHES [PATHS [blue-noise|error-diffusion [fit]]]]
 #include <algorithm>
@@ -70,7 +70,9 @@ private:
     static optics::ResinSet set() {
         optics::ResinSet all;
         all.channels.wavelengths_nm = {500};
-        all.resins = {{"absorbs", "a", {60}, {0}}, {"scatters", "s", {60}, {1}}, {"clear", "t", {0}, {1}},
+        all.resins = {{"absorbs", "a", {60}, {0}},
+                      {"scatters", "s", {60}, {1}},
+                      {"clear", "t", {0}, {1}},
                       {"white", "w", {white_a + white_s}, {white_s / (white_a + white_s)}}};
         return all;
     }
@@ -113,15 +115,17 @@ std::vector<Sample> measure(const Shape& shape, bool blue_noise, int patches, st
         for (double& f : shares) f /= sum;
         const int resins = static_cast<int>(n), layers = shape.layers(shape.shell_mm), core_layers = shape.layers(1.5);
         const HalftonePatch print =
-            blue_noise ? make_patch(screen, shape.pitch_mm, cumulative(shares), resins, resins, layers, core_layers, shape.up)
-                       : make_diffused_patch(shape.pitch_mm, cumulative(shares), resins, resins, layers, core_layers);
+            blue_noise
+                ? make_patch(screen, shape.pitch_mm, cumulative(shares), resins, resins, layers, core_layers, shape.up)
+                : make_diffused_patch(shape.pitch_mm, cumulative(shares), resins, resins, layers, core_layers);
         const Seen seen = look(print, set, paths, seed * 1000 + static_cast<std::uint64_t>(patch));
         for (std::size_t c = 0; c < channels; ++c) {
             Sample sample;
             sample.fractions = print.fractions;
             sample.resins.channels.wavelengths_nm = {500};
             for (std::size_t r = 0; r < n; ++r)
-                sample.resins.resins.push_back({"r", "r", {set.resins[r].sigma_t_per_mm[c]}, {set.resins[r].albedo[c]}});
+                sample.resins.resins.push_back(
+                    {"r", "r", {set.resins[r].sigma_t_per_mm[c]}, {set.resins[r].albedo[c]}});
             sample.seen = seen.value[c];
             sample.error = seen.standard_error[c];
             samples.push_back(std::move(sample));
@@ -137,8 +141,8 @@ struct Errors {
 };
 
 /// Lightness by the model less that seen, of each sample; `pitch_mm` 0: Eq. 7.
-std::vector<double> differences(const std::vector<Sample>& samples, const AnyShell& shell, const std::array<double, 3>& pitch_mm,
-                                const Constants& constants) {
+std::vector<double> differences(const std::vector<Sample>& samples, const AnyShell& shell,
+                                const std::array<double, 3>& pitch_mm, const Constants& constants) {
     std::vector<double> out;
     for (const Sample& s : samples) {
         const optics::HalftoneMedium medium(s.resins, pitch_mm, optics::SeenFrom::above, constants);
@@ -210,13 +214,16 @@ Constants fit(const std::vector<std::vector<Sample>>& samples, const std::vector
     return constants_of(x);
 }
 
-void print_table(const std::vector<std::vector<Sample>>& samples, const std::vector<AnyShell>& shells, const Constants& constants) {
-    std::printf("| voxels | Eq. 7: bias, rms, 95 %%, max | medium of voxels: bias, rms, 95 %%, max | noise |\n|---|---|---|---|\n");
+void print_table(const std::vector<std::vector<Sample>>& samples, const std::vector<AnyShell>& shells,
+                 const Constants& constants) {
+    std::printf(
+        "| voxels | Eq. 7: bias, rms, 95 %%, max | medium of voxels: bias, rms, 95 %%, max | noise "
+        "|\n|---|---|---|---|\n");
     for (std::size_t i = 0; i < shapes.size(); ++i) {
         const Errors e = errors_of(samples[i], differences(samples[i], shells[i], {0, 0, 0}, constants)),
                      m = errors_of(samples[i], differences(samples[i], shells[i], shapes[i].turned(), constants));
-        std::printf("| %s | %+.2f, %.2f, %.2f, %.2f | %+.2f, %.2f, %.2f, %.2f | %.2f |\n", shapes[i].name, e.bias, e.rms, e.p95, e.max,
-                    m.bias, m.rms, m.p95, m.max, m.noise);
+        std::printf("| %s | %+.2f, %.2f, %.2f, %.2f | %+.2f, %.2f, %.2f, %.2f | %.2f |\n", shapes[i].name, e.bias,
+                    e.rms, e.p95, e.max, m.bias, m.rms, m.p95, m.max, m.noise);
     }
 }
 

@@ -34,7 +34,8 @@ std::string path(const Curve& curve, double r_max_mm, const char* style) {
 std::string draw_panels(const std::vector<Panel>& panels, int columns, double r_max_mm) {
     const int rows = (static_cast<int>(panels.size()) + columns - 1) / columns;
     std::string svg = fmt::format(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" font-family=\"sans-serif\" font-size=\"9\">\n"
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" font-family=\"sans-serif\" "
+        "font-size=\"9\">\n"
         "<rect width=\"{0}\" height=\"{1}\" fill=\"white\"/>\n",
         width * columns, height * rows);
     for (std::size_t i = 0; i < panels.size(); ++i) {
@@ -43,9 +44,9 @@ std::string draw_panels(const std::vector<Panel>& panels, int columns, double r_
                            column * width, row * height, left, panels[i].title.size() > 44 ? 7 : 9, panels[i].title);
         for (int power = static_cast<int>(lowest); power <= static_cast<int>(highest); ++power) {
             const double y = top + (highest - power) / (highest - lowest) * (height - top - bottom);
-            svg +=
-                fmt::format("<path d=\"M{} {} H{}\" stroke=\"#ddd\"/><text x=\"{}\" y=\"{}\" text-anchor=\"end\">1e{}</text>\n",
-                            left, y, width - right, left - 3, y + 3, power);
+            svg += fmt::format(
+                "<path d=\"M{} {} H{}\" stroke=\"#ddd\"/><text x=\"{}\" y=\"{}\" text-anchor=\"end\">1e{}</text>\n",
+                left, y, width - right, left - 3, y + 3, power);
         }
         for (double r = 0; r <= r_max_mm; r += 1)
             svg += fmt::format("<text x=\"{}\" y=\"{}\" text-anchor=\"middle\">{:.0f}</text>\n",

@@ -4,8 +4,9 @@
 //
 //   profile_stacks [paths, default 1048576] [picture.svg]
 //
-// Prints tables as Markdown: stacks of index-matched layers; the same between smooth surfaces to air, predicted in two ways;
-// forward scattering at one reduced scattering; layers of another thickness than the known one. % are of the value itself.
+// Prints tables as Markdown: stacks of index-matched layers; the same between smooth surfaces to air, predicted in two
+// ways; forward scattering at one reduced scattering; layers of another thickness than the known one. % are of the
+// value itself.
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -51,7 +52,8 @@ struct Bench {
             return surfaced_layer(of.medium, scene.g, scene.eta_top, of.thickness_mm, grid(), options);
         };
         LayerProfile all = surfaced(scene.layers.front());
-        for (std::size_t i = 1; i + 1 < scene.layers.size(); ++i) all = stack(all, known.at(key(scene.layers[i], scene.g)));
+        for (std::size_t i = 1; i + 1 < scene.layers.size(); ++i)
+            all = stack(all, known.at(key(scene.layers[i], scene.g)));
         return stack(all, turned_over(surfaced(scene.layers.back())));
     }
 
@@ -97,25 +99,28 @@ double largest_difference(const std::vector<double>& a, const std::vector<double
 void header(const char* title) {
     fmt::print(
         "\n### {}\n\n"
-        "| stack, mm | R | predicted | % of R | T | predicted | % of T | R^ off by | T^ off by | width of R, mm | predicted "
+        "| stack, mm | R | predicted | % of R | T | predicted | % of T | R^ off by | T^ off by | width of R, mm | "
+        "predicted "
         "| of T | predicted |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|\n",
         title);
 }
 
 void row(const std::string& name, const Truth& truth, const LayerProfile& model) {
     fmt::print(
-        "| {} | {:.4f} ± {:.4f} | {:.4f} | {:+.1f} | {:.4f} ± {:.4f} | {:.4f} | {:+.1f} | {:.4f} | {:.4f} | {:.2f} | {:.2f} | "
+        "| {} | {:.4f} ± {:.4f} | {:.4f} | {:+.1f} | {:.4f} ± {:.4f} | {:.4f} | {:+.1f} | {:.4f} | {:.4f} | {:.2f} | "
+        "{:.2f} | "
         "{:.2f} "
         "| {:.2f} |\n",
-        name, truth.R[0], truth.R_error, model.R_top[0], 100 * (model.R_top[0] / truth.R[0] - 1), truth.T[0], truth.T_error,
-        model.T[0], 100 * (model.T[0] / truth.T[0] - 1), largest_difference(truth.R, model.R_top),
+        name, truth.R[0], truth.R_error, model.R_top[0], 100 * (model.R_top[0] / truth.R[0] - 1), truth.T[0],
+        truth.T_error, model.T[0], 100 * (model.T[0] / truth.T[0] - 1), largest_difference(truth.R, model.R_top),
         largest_difference(truth.T, model.T), width(truth.R), width(model.R_top), width(truth.T), width(model.T));
     std::fflush(stdout);
 }
 
 // Both curves are drawn through the same blur, which takes the ripples of a series that ends.
 Curve curve_of(const std::vector<double>& coefficients) {
-    const std::vector<double> soft = grid().blurred(coefficients, 1.5 * grid().reach_mm() / static_cast<double>(grid().size()));
+    const std::vector<double> soft =
+        grid().blurred(coefficients, 1.5 * grid().reach_mm() / static_cast<double>(grid().size()));
     Curve curve;
     for (int i = 0; i <= 120; ++i) {
         curve.r_mm.push_back(0.05 * i);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// The stacks that layered profiles are judged by: Vero Opaque (g = 0.4, index-matched layers), green channel, but where it is
-// said.
+// The stacks that layered profiles are judged by: Vero Opaque (g = 0.4, index-matched layers), green channel, but where
+// it is said.
 #pragma once
 
 #include <string>

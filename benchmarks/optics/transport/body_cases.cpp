@@ -15,7 +15,9 @@ using halftone::CumulativeMixture;
 
 constexpr double skin_mm = 0.3;
 
-Point centre_of(int x, int y, int z) { return {(x + 0.5) * j750_mm[0], (y + 0.5) * j750_mm[1], (z + 0.5) * j750_mm[2]}; }
+Point centre_of(int x, int y, int z) {
+    return {(x + 0.5) * j750_mm[0], (y + 0.5) * j750_mm[1], (z + 0.5) * j750_mm[2]};
+}
 
 std::array<int, 3> voxels_of(const Point& box_mm) {
     std::array<int, 3> size{};
@@ -38,8 +40,14 @@ SuiteCase body(std::string name, std::string shown, std::string boundary) {
 
 std::vector<CumulativeMixture> colours(const HalftoneSkin& skin) {
     std::vector<CumulativeMixture> all;
-    for (const auto& rgb : {std::array{205, 60, 50}, {70, 170, 190}, {235, 210, 75}, {240, 240, 235}, {55, 80, 160}, {215, 110, 150},
-                            {75, 150, 85}, {90, 90, 90}})
+    for (const auto& rgb : {std::array{205, 60, 50},
+                            {70, 170, 190},
+                            {235, 210, 75},
+                            {240, 240, 235},
+                            {55, 80, 160},
+                            {215, 110, 150},
+                            {75, 150, 85},
+                            {90, 90, 90}})
         all.push_back(skin.of_code(rgb[0], rgb[1], rgb[2]));
     return all;
 }
@@ -64,14 +72,17 @@ SuiteCase textured_sphere(const HalftoneSkin& skin) {
     return c;
 }
 
-/// A block with three leaning, tapered fins: corners (x, z), counter-clockwise, each fin from its right foot to its left. Flat sides that
-/// look along an axis lie on borders of voxels, as `slice` lays a body's lower sides; those that lean do not.
-constexpr double left = 1 * j750_mm[0], right = 77 * j750_mm[0], bottom = 2 * j750_mm[2], shoulder = 33 * j750_mm[2], top = 85 * j750_mm[2];
-const std::vector<std::array<double, 2>> comb{{left, bottom},   {right, bottom}, {right, shoulder},
-                                              {3.00, shoulder}, {3.25, top},     {2.65, top},       {2.20, shoulder},  // 0.8 to 0.6 mm
-                                              {1.80, shoulder}, {1.60, top},     {1.25, top},       {1.30, shoulder},  // 0.5 to 0.35 mm
-                                              {0.60, shoulder}, {0.45, top},     {0.20, top},       {0.30, shoulder},  // 0.3 to 0.25 mm
-                                              {left, shoulder}};
+/// A block with three leaning, tapered fins: corners (x, z), counter-clockwise, each fin from its right foot to its
+/// left. Flat sides that look along an axis lie on borders of voxels, as `slice` lays a body's lower sides; those that
+/// lean do not.
+constexpr double left = 1 * j750_mm[0], right = 77 * j750_mm[0], bottom = 2 * j750_mm[2], shoulder = 33 * j750_mm[2],
+                 top = 85 * j750_mm[2];
+const std::vector<std::array<double, 2>> comb{
+    {left, bottom},   {right, bottom}, {right, shoulder}, {3.00, shoulder},
+    {3.25, top},      {2.65, top},     {2.20, shoulder},                     // 0.8 to 0.6 mm
+    {1.80, shoulder}, {1.60, top},     {1.25, top},       {1.30, shoulder},  // 0.5 to 0.35 mm
+    {0.60, shoulder}, {0.45, top},     {0.20, top},       {0.30, shoulder},  // 0.3 to 0.25 mm
+    {left, shoulder}};
 constexpr double front = 1 * j750_mm[1], back = 13 * j750_mm[1];
 
 SuiteCase fins(const HalftoneSkin& skin) {

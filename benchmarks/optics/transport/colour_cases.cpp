@@ -17,8 +17,14 @@ using namespace resin;
 using halftone::CumulativeMixture;
 
 const std::vector<std::string> cmykw{"C", "M", "Y", "K", "W"};
-constexpr std::array<std::array<int, 3>, 8> hues{{{205, 60, 50}, {225, 140, 55}, {235, 210, 75}, {75, 150, 85},
-                                                  {70, 170, 190}, {55, 80, 160}, {120, 60, 140}, {215, 110, 150}}};
+constexpr std::array<std::array<int, 3>, 8> hues{{{205, 60, 50},
+                                                  {225, 140, 55},
+                                                  {235, 210, 75},
+                                                  {75, 150, 85},
+                                                  {70, 170, 190},
+                                                  {55, 80, 160},
+                                                  {120, 60, 140},
+                                                  {215, 110, 150}}};
 
 /// Patches of 10 x 10 viewing cells, 4 x 2 of them.
 constexpr int patch = 10, patches_x = 4, nx = 2 * patch * patches_x, ny = 2 * patch;
@@ -60,11 +66,13 @@ std::vector<SuiteCase> walls(const HalftoneSkin& skin) {
         const char *name, *words;
     };
     for (const auto& [layers, mm] : {std::pair{9, "0.25"}, {18, "0.5"}, {37, "1"}})
-        for (const Under& under : {Under{Backing::black, "black", "over black"}, Under{Backing::white, "white", "over white"},
-                                   Under{Backing::none, "lit", "lit through"}}) {
+        for (const Under& under :
+             {Under{Backing::black, "black", "over black"}, Under{Backing::white, "white", "over white"},
+              Under{Backing::none, "lit", "lit through"}}) {
             const int depth = std::min(9, layers / 2), whole = layers;
-            cases.push_back(colours(fmt::format("wall-{}-{}", mm, under.name), fmt::format("{} mm wall, {}", mm, under.words), layers,
-                                    under.backing, [&, depth, whole](int x, int y, int z) {
+            cases.push_back(colours(fmt::format("wall-{}-{}", mm, under.name),
+                                    fmt::format("{} mm wall, {}", mm, under.words), layers, under.backing,
+                                    [&, depth, whole](int x, int y, int z) {
                                         if (z >= whole - depth)
                                             return skin.at(front[static_cast<std::size_t>(patch_at(x, y))], x, y, z);
                                         return z < depth && x / patch % 2 == 0 ? K : W;
@@ -73,8 +81,8 @@ std::vector<SuiteCase> walls(const HalftoneSkin& skin) {
     return cases;
 }
 
-/// Five resins drawn at random, as different from the set of the suite as resins may be: three that absorb in one or two
-/// channels, a dark one, a white one.
+/// Five resins drawn at random, as different from the set of the suite as resins may be: three that absorb in one or
+/// two channels, a dark one, a white one.
 ResinSet random_resins(std::uint64_t seed) {
     RandomStream random(seed, 0);
     const auto between = [&](double low, double high) { return low + (high - low) * random.uniform(); };
@@ -88,13 +96,15 @@ ResinSet random_resins(std::uint64_t seed) {
         Resin r;
         r.role.assign(1, role);
         r.name = r.role;
-        const std::size_t hue = role - 'A' == 3 ? 2 : static_cast<std::size_t>(role - 'A');  // A, B, D: which channel it absorbs
+        const std::size_t hue =
+            role - 'A' == 3 ? 2 : static_cast<std::size_t>(role - 'A');  // A, B, D: which channel it absorbs
         for (std::size_t c = 0; c < 3; ++c) {
             r.sigma_t_per_mm.push_back(extinction());
             const bool absorbs = c == hue || random.uniform() < 0.2;
-            r.albedo.push_back(role == 'W' ? between(0.9985, 0.9998) : role == 'K' ? between(0.2, 0.6)
-                               : absorbs   ? between(0.05, 0.7)
-                                           : between(0.9, 0.998));
+            r.albedo.push_back(role == 'W'   ? between(0.9985, 0.9998)
+                               : role == 'K' ? between(0.2, 0.6)
+                               : absorbs     ? between(0.05, 0.7)
+                                             : between(0.9, 0.998));
         }
         set.resins.push_back(std::move(r));
     }
@@ -120,8 +130,8 @@ std::vector<SuiteCase> colour_cases() {
         const ResinSet set = random_resins(seed);
         const HalftoneSkin of_set(set, {"A", "B", "D", "K", "W"}, skin_mm, core_mm);
         const std::vector<CumulativeMixture> mixtures = hue_mixtures(of_set);
-        cases.push_back(colours(fmt::format("random-{}", seed), "the eight targets with resins drawn at random", slab_layers,
-                                Backing::black, [&](int x, int y, int z) {
+        cases.push_back(colours(fmt::format("random-{}", seed), "the eight targets with resins drawn at random",
+                                slab_layers, Backing::black, [&](int x, int y, int z) {
                                     return z >= slab_layers - skin_layers
                                                ? of_set.at(mixtures[static_cast<std::size_t>(patch_at(x, y))], x, y, z)
                                                : W;

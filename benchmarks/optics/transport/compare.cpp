@@ -31,14 +31,16 @@ std::vector<float> mean_of(const std::vector<float>& a, const std::vector<float>
 std::array<std::vector<float>, 2> white_of(const Reference& reference) {
     if (!reference.white[0].empty()) return reference.white;
     const SuiteCase& c = reference.of;
-    const std::vector<double> exact = exact_slab(c.resins, c.white() - 1u, c.volume.size()[2] * c.volume.pitch_mm()[2], c.backing);
+    const std::vector<double> exact =
+        exact_slab(c.resins, c.white() - 1u, c.volume.size()[2] * c.volume.pitch_mm()[2], c.backing);
     std::vector<float> all(reference.half[0].size());
     for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<float>(exact[i % 3]);
     return {all, all};
 }
 
 Eigen::Vector3d lab(const Rgb& rgb) {
-    return lab_from_linear_srgb({static_cast<double>(rgb[0]), static_cast<double>(rgb[1]), static_cast<double>(rgb[2])});
+    return lab_from_linear_srgb(
+        {static_cast<double>(rgb[0]), static_cast<double>(rgb[1]), static_cast<double>(rgb[2])});
 }
 
 ResinVolume refined(const ResinVolume& volume, const std::array<int, 3>& parts) {
@@ -48,14 +50,16 @@ ResinVolume refined(const ResinVolume& volume, const std::array<int, 3>& parts) 
         size[a] = volume.size()[a] * parts[a];
         pitch[a] = volume.pitch_mm()[a] / parts[a];
     }
-    return make_resin_volume(size, pitch, [&](int x, int y, int z) { return volume.at(x / parts[0], y / parts[1], z / parts[2]); });
+    return make_resin_volume(size, pitch,
+                             [&](int x, int y, int z) { return volume.at(x / parts[0], y / parts[1], z / parts[2]); });
 }
 
 }  // namespace
 
 std::vector<double> exact_slab(const ResinSet& set, std::size_t resin, double thickness_mm, Backing backing) {
     const OrdinatePlan plan = appearance_plan(set.g, set.eta, 10, 10);
-    const Admittance base = backing == Backing::white ? Admittance::white_sheet(plan) : Admittance::air(plan, backing == Backing::none);
+    const Admittance base =
+        backing == Backing::white ? Admittance::white_sheet(plan) : Admittance::air(plan, backing == Backing::none);
     std::vector<double> seen;
     for (std::size_t channel = 0; channel < set.channels.size(); ++channel) {
         const LayerOf layer{set.resins[resin].medium(channel), thickness_mm};
@@ -99,7 +103,8 @@ Comparison compare(const Reference& reference, const TransportOptions& options, 
     r.predicted = relative(seen.value, seen_white);
 
     const auto white = white_of(reference);
-    const std::vector<Rgb> half_1 = relative(reference.half[0], white[0]), half_2 = relative(reference.half[1], white[1]),
+    const std::vector<Rgb> half_1 = relative(reference.half[0], white[0]),
+                           half_2 = relative(reference.half[1], white[1]),
                            both = relative(mean_of(reference.half[0], reference.half[1]), mean_of(white[0], white[1]));
     std::vector<double> errors, areas;
     for (const SurfaceCell& cell : r.surface.cells) areas.push_back(static_cast<double>(cell.area_mm2));
@@ -123,14 +128,16 @@ Comparison compare(const Reference& reference, const TransportOptions& options, 
         noise_2 += share * noise * noise;
         r.noise += share * noise;
         r.bias += share * (p[0] - m[0]);
-        for (std::size_t k = 0; k < 3; ++k) r.channel_bias[k] += share * static_cast<double>(r.predicted[i][k] - both[g][k]);
+        for (std::size_t k = 0; k < 3; ++k)
+            r.channel_bias[k] += share * static_cast<double>(r.predicted[i][k] - both[g][k]);
     }
     r.percentile_95 = weighted_percentile(errors, areas, 0.95);
     r.rms = std::sqrt(std::max(0.0, with_noise - noise_2));
     r.mean_without_noise = with_noise > 0 ? r.mean * r.rms / std::sqrt(with_noise) : 0;
     // Monte Carlo of all cells, without symmetry: its variance falls as one over the paths.
     const double all_cells = static_cast<double>(r.cells) / static_cast<double>(groups.first_cell.size());
-    r.times_faster = reference.core_seconds * all_cells * noise_2 / std::max(0.01 * noise_2, r.rms * r.rms) / r.core_seconds;
+    r.times_faster =
+        reference.core_seconds * all_cells * noise_2 / std::max(0.01 * noise_2, r.rms * r.rms) / r.core_seconds;
     return r;
 }
 

@@ -22,7 +22,8 @@ ExtrudedPolygon::ExtrudedPolygon(std::vector<std::array<double, 2>> corners, dou
     : corners_(std::move(corners)), from_(from), to_(to) {
     for (std::size_t i = 0; i < corners_.size(); ++i) {
         const auto &a = corners_[i], &b = corners_[(i + 1) % corners_.size()];
-        const double length = std::hypot(b[0] - a[0], b[1] - a[1]), x = (b[0] - a[0]) / length, z = (b[1] - a[1]) / length;
+        const double length = std::hypot(b[0] - a[0], b[1] - a[1]), x = (b[0] - a[0]) / length,
+                     z = (b[1] - a[1]) / length;
         edges_.push_back({a, {x, z}, {z, -x}, length});
     }
 }
@@ -38,7 +39,8 @@ bool ExtrudedPolygon::inside_polygon(double x, double z) const {
 
 bool ExtrudedPolygon::inside(const Point& p) const { return p[1] > from_ && p[1] < to_ && inside_polygon(p[0], p[2]); }
 
-bool ExtrudedPolygon::leaves(const Point& from, const Point& direction, double reach, double& distance, BoundaryNormals& normals) const {
+bool ExtrudedPolygon::leaves(const Point& from, const Point& direction, double reach, double& distance,
+                             BoundaryNormals& normals) const {
     double best = reach;
     bool found = false;
     const auto meet = [&](double t, const BoundaryNormals& n) {
@@ -74,8 +76,10 @@ Point ExtrudedPolygon::nearest(const Point& p, BoundaryNormals& normals) const {
         normals = n;
     };
     for (const Edge& e : edges_) {
-        const double at = std::clamp(e.along[0] * (p[0] - e.start[0]) + e.along[1] * (p[2] - e.start[1]), 0.0, e.length);
-        offer({e.start[0] + at * e.along[0], std::clamp(p[1], from_, to_), e.start[1] + at * e.along[1]}, flat(e.outward[0], 0, e.outward[1]));
+        const double at =
+            std::clamp(e.along[0] * (p[0] - e.start[0]) + e.along[1] * (p[2] - e.start[1]), 0.0, e.length);
+        offer({e.start[0] + at * e.along[0], std::clamp(p[1], from_, to_), e.start[1] + at * e.along[1]},
+              flat(e.outward[0], 0, e.outward[1]));
     }
     if (inside_polygon(p[0], p[2])) {
         offer({p[0], from_, p[2]}, flat(0, -1, 0));

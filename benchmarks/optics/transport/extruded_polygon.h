@@ -12,7 +12,8 @@ namespace voxtone::accuracy {
 
 class ExtrudedPolygon final : public optics::BodyBoundary {
 public:
-    /// Corners (x, z) in mm, counter-clockwise with x to the right and z up; no corner twice. The body reaches from y = `from` to `to`.
+    /// Corners (x, z) in mm, counter-clockwise with x to the right and z up; no corner twice. The body reaches from y =
+    /// `from` to `to`.
     ExtrudedPolygon(std::vector<std::array<double, 2>> corners, double from, double to);
 
     [[nodiscard]] bool inside(const optics::Point& p) const;

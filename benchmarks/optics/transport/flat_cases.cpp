@@ -29,10 +29,9 @@ SuiteCase slab(std::string name, std::string shown, int nx, int ny, Symmetry sym
 /// Bars of black and white, `half` voxels wide each, through the whole skin. The domain begins in the middle of a bar.
 SuiteCase grating(const char* name, int half) {
     const double per_mm = 1 / (2 * half * j750_mm[0]);
-    return slab(fmt::format("grating-{}", name), fmt::format("black and white bars, {:.2f} line pairs/mm", per_mm), 96, 24,
-                Symmetry::along_y, 0.12, [half](int x, int, int z) {
-                    return z >= skin_floor && (2 * x + half) / (2 * half) % 2 == 0 ? K : W;
-                });
+    return slab(fmt::format("grating-{}", name), fmt::format("black and white bars, {:.2f} line pairs/mm", per_mm), 96,
+                24, Symmetry::along_y, 0.12,
+                [half](int x, int, int z) { return z >= skin_floor && (2 * x + half) / (2 * half) % 2 == 0 ? K : W; });
 }
 
 }  // namespace
@@ -50,14 +49,13 @@ std::vector<SuiteCase> flat_cases() {
     for (std::size_t r = 0; r < role.size(); ++r) {
         const auto ink = static_cast<Material>(r + 1);
         // One viewing cell, 2 x 1 x 3 voxels, in the middle of 21 x 21.
-        cases.push_back(slab(fmt::format("dot-{}", role[r]), fmt::format("a dot of {} in white, 0.085 x 0.085 x 0.081 mm", role[r]), 42,
-                             21, Symmetry::mirror_xy, 0.15, [ink](int x, int y, int z) {
-                                 return z >= slab_layers - 3 && x / 2 == 10 && y == 10 ? ink : W;
-                             }));
-        cases.push_back(slab(fmt::format("line-{}", role[r]), fmt::format("a line of {} in white, 0.085 x 0.081 mm", role[r]), 42, 21,
-                             Symmetry::along_y, 0.08, [ink](int x, int, int z) {
-                                 return z >= slab_layers - 3 && x / 2 == 10 ? ink : W;
-                             }));
+        cases.push_back(
+            slab(fmt::format("dot-{}", role[r]), fmt::format("a dot of {} in white, 0.085 x 0.085 x 0.081 mm", role[r]),
+                 42, 21, Symmetry::mirror_xy, 0.15,
+                 [ink](int x, int y, int z) { return z >= slab_layers - 3 && x / 2 == 10 && y == 10 ? ink : W; }));
+        cases.push_back(slab(fmt::format("line-{}", role[r]),
+                             fmt::format("a line of {} in white, 0.085 x 0.081 mm", role[r]), 42, 21, Symmetry::along_y,
+                             0.08, [ink](int x, int, int z) { return z >= slab_layers - 3 && x / 2 == 10 ? ink : W; }));
     }
     return cases;
 }

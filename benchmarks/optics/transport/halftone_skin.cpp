@@ -5,7 +5,8 @@
 
 namespace voxtone::accuracy {
 
-HalftoneSkin::HalftoneSkin(const optics::ResinSet& resins, const std::vector<std::string>& roles, double skin_mm, double core_mm)
+HalftoneSkin::HalftoneSkin(const optics::ResinSet& resins, const std::vector<std::string>& roles, double skin_mm,
+                           double core_mm)
     : screen_(j750_mm) {
     const optics::ResinSet loaded = resins.subset(roles);
     for (const std::string& role : roles) material_.push_back(static_cast<optics::Material>(resins.find(role) + 1));

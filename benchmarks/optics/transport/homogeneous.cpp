@@ -83,7 +83,8 @@ Seen look_at(const TransportPredictor& predictor, const ResinSet& set, const Res
         if (!keep(cell)) continue;
         seen.rgb.push_back({});
         for (std::size_t c = 0; c < 3; ++c)
-            seen.rgb.back()[c] = static_cast<double>(of_body.value[3 * i + c]) / static_cast<double>(of_white.value[3 * i + c]);
+            seen.rgb.back()[c] =
+                static_cast<double>(of_body.value[3 * i + c]) / static_cast<double>(of_white.value[3 * i + c]);
         seen.area.push_back(static_cast<double>(cell.area_mm2));
         seen.normal.push_back(cell.normal);
     }
@@ -94,7 +95,8 @@ Seen look_at_slab(const TransportPredictor& predictor, const ResinSet& set, cons
     std::array<int, 3> size{};
     std::array<double, 3> middle{};
     for (std::size_t a = 0; a < 3; ++a) {
-        const double reach = (std::abs(turn[0][a]) + std::abs(turn[1][a])) * slab_width_mm + std::abs(turn[2][a]) * slab_thickness_mm;
+        const double reach =
+            (std::abs(turn[0][a]) + std::abs(turn[1][a])) * slab_width_mm + std::abs(turn[2][a]) * slab_thickness_mm;
         size[a] = static_cast<int>(std::ceil(reach / j750_mm[a])) + 2;
         middle[a] = 0.5 * size[a] * j750_mm[a] + 0.1 * j750_mm[a];  // not on a border of voxels
     }
@@ -137,7 +139,9 @@ std::size_t direction_of(const std::array<float, 3>& n) {
             for (int x = -1; x <= 1; ++x) {
                 const double length = std::hypot(x, y, z);
                 if (length == 0) continue;
-                const double cosine = (x * static_cast<double>(n[0]) + y * static_cast<double>(n[1]) + z * static_cast<double>(n[2])) / length;
+                const double cosine =
+                    (x * static_cast<double>(n[0]) + y * static_cast<double>(n[1]) + z * static_cast<double>(n[2])) /
+                    length;
                 if (cosine > nearest) {
                     nearest = cosine;
                     best = index;
@@ -207,7 +211,8 @@ HomogeneousErrors compare_mixtures(TransportOptions options, int steps) {
                     errors.push_back(ciede2000(lab_of(p), lab_of(e)));
                     if (errors.back() > result.max) {
                         result.max = errors.back();
-                        result.worst = fmt::format("C {} M {} Y {} K {} W {} of {}", c, m, y, k, steps - c - m - y - k, steps);
+                        result.worst =
+                            fmt::format("C {} M {} Y {} K {} W {} of {}", c, m, y, k, steps - c - m - y - k, steps);
                     }
                 }
     const DifferenceSummary summary = summarize(errors);
@@ -224,11 +229,22 @@ std::vector<Spread> one_colour_bodies(const TransportOptions& options) {
         const char* name;
         std::array<double, 5> fractions;
     };
-    for (const Colour& colour : {Colour{"orange", {0, 0.15, 0.35, 0, 0.5}}, {"dark blue", {0.4, 0.3, 0, 0.2, 0.1}}, {"light grey", {0, 0, 0, 0.01, 0.99}}}) {
+    for (const Colour& colour : {Colour{"orange", {0, 0.15, 0.35, 0, 0.5}},
+                                 {"dark blue", {0.4, 0.3, 0, 0.2, 0.1}},
+                                 {"light grey", {0, 0, 0, 0.01, 0.99}}}) {
         const ResinSet set = with_mixture(colour.fractions);
         std::vector<Seen> tilts;
-        for (const auto& [tilt, around] : {std::pair{0.0, 0.0}, {10.0, 0.0}, {25.0, 0.0}, {45.0, 0.0}, {60.0, 0.0}, {80.0, 0.0}, {90.0, 0.0},
-                                           {35.0, 45.0}, {60.0, 30.0}, {45.0, 90.0}, {90.0, 90.0}})
+        for (const auto& [tilt, around] : {std::pair{0.0, 0.0},
+                                           {10.0, 0.0},
+                                           {25.0, 0.0},
+                                           {45.0, 0.0},
+                                           {60.0, 0.0},
+                                           {80.0, 0.0},
+                                           {90.0, 0.0},
+                                           {35.0, 45.0},
+                                           {60.0, 30.0},
+                                           {45.0, 90.0},
+                                           {90.0, 90.0}})
             tilts.push_back(look_at_slab(predictor, set, turned(tilt, around)));
         table.push_back(spread_of("slab, eleven tilts", colour.name, tilts));
         const Seen sphere = look_at_sphere(predictor, set);

@@ -18,8 +18,9 @@ struct HomogeneousErrors {
     std::string worst;                            ///< the mixture of `max`
 };
 
-/// Slabs of 1.08 mm with mirrored sides over black of every mixture of C M Y K W in steps of 1 / `steps` (10: 1001 mixtures),
-/// against adding-doubling. Mirrors a third of a millimetre apart pass on one image a sweep: `options.sweeps` is set to 12.
+/// Slabs of 1.08 mm with mirrored sides over black of every mixture of C M Y K W in steps of 1 / `steps` (10: 1001
+/// mixtures), against adding-doubling. Mirrors a third of a millimetre apart pass on one image a sweep:
+/// `options.sweeps` is set to 12.
 [[nodiscard]] HomogeneousErrors compare_mixtures(optics::TransportOptions options, int steps);
 
 /// How much a body of one colour is not one colour, media-relative, CIEDE2000.
@@ -34,7 +35,8 @@ struct Spread {
 };
 
 /// A slab of 2.4 x 2.4 x 1 mm at eleven tilts about y, then about z, degrees: 0, 10, 25, 45, 60, 80,
-/// 90 about y alone; 35 and 45, 60 and 30, 45 and 90, 90 and 90 (the cells within 0.7 mm of the middle of its large sides), and a sphere of 2.4 mm.
+/// 90 about y alone; 35 and 45, 60 and 30, 45 and 90, 90 and 90 (the cells within 0.7 mm of the middle of its large
+/// sides), and a sphere of 2.4 mm.
 [[nodiscard]] std::vector<Spread> one_colour_bodies(const optics::TransportOptions& options);
 
 }  // namespace voxtone::accuracy

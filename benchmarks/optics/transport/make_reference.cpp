@@ -23,13 +23,15 @@ constexpr std::uint64_t pilot_seed = 4711, white_seed = 1000;
 /// Squared noise of a cell in CIEDE2000.
 double noise_2(const Appearance& seen, std::size_t cell) {
     Eigen::Vector3d rgb;
-    for (std::size_t c = 0; c < 3; ++c) rgb[static_cast<Eigen::Index>(c)] = static_cast<double>(seen.value[3 * cell + c]);
+    for (std::size_t c = 0; c < 3; ++c)
+        rgb[static_cast<Eigen::Index>(c)] = static_cast<double>(seen.value[3 * cell + c]);
     const Eigen::Vector3d lab = lab_from_linear_srgb(rgb);
     double sum = 0;
     for (std::size_t c = 0; c < 3; ++c) {
         Eigen::Vector3d moved = rgb;
         // A dark channel that no path has reached yet is not free of noise.
-        moved[static_cast<Eigen::Index>(c)] += std::max(static_cast<double>(seen.standard_error[3 * cell + c]), 1.0 / pilot_paths);
+        moved[static_cast<Eigen::Index>(c)] +=
+            std::max(static_cast<double>(seen.standard_error[3 * cell + c]), 1.0 / pilot_paths);
         sum += std::pow(ciede2000(lab, lab_from_linear_srgb(moved)), 2);
     }
     return sum;
@@ -37,7 +39,8 @@ double noise_2(const Appearance& seen, std::size_t cell) {
 
 /// Paths of a half for every cell: those that the wanted noise takes, rounded up to a power of two.
 std::vector<std::uint32_t> paths_wanted(const SuiteCase& c, const Surface& cells, double effort) {
-    const Appearance seen = MonteCarlo({.paths = pilot_paths, .seed = pilot_seed, .boundary = c.true_boundary.get()}).predict(c.scene(), cells);
+    const Appearance seen = MonteCarlo({.paths = pilot_paths, .seed = pilot_seed, .boundary = c.true_boundary.get()})
+                                .predict(c.scene(), cells);
     std::vector<std::uint32_t> wanted;
     for (std::size_t i = 0; i < cells.cells.size(); ++i) {
         const double paths = effort * pilot_paths * noise_2(seen, i) / (2 * c.noise * c.noise);
@@ -96,7 +99,8 @@ Reference make_reference(SuiteCase c, std::uint64_t seed, double effort) {
     r.seed = seed;
     const std::vector<std::uint32_t> wanted = paths_wanted(c, cells, effort);
     const std::clock_t begin = std::clock();
-    for (std::size_t half = 0; half < 2; ++half) r.half[half] = trace(c.scene(), c.true_boundary.get(), cells, wanted, seed + half, r.all_paths);
+    for (std::size_t half = 0; half < 2; ++half)
+        r.half[half] = trace(c.scene(), c.true_boundary.get(), cells, wanted, seed + half, r.all_paths);
     r.core_seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
     if (c.sides == Sides::open) {
         const ResinVolume white = all_of(c.volume, c.white());
@@ -105,7 +109,8 @@ Reference make_reference(SuiteCase c, std::uint64_t seed, double effort) {
         std::uint64_t paths = 0;
         const std::vector<std::uint32_t> few(wanted.size(), fewest);
         for (std::size_t half = 0; half < 2; ++half) {
-            r.white[half] = trace(scene, c.true_boundary.get(), cells, c.white_is_one ? few : wanted, seed + white_seed + half, paths);
+            r.white[half] = trace(scene, c.true_boundary.get(), cells, c.white_is_one ? few : wanted,
+                                  seed + white_seed + half, paths);
             if (c.white_is_one) make_one(cells, r.white[half]);
         }
     }

@@ -58,7 +58,8 @@ std::vector<SuiteCase> photo_cases(const std::filesystem::path& models) {
         std::vector<halftone::CumulativeMixture> mixtures;
         for (int y = 0; y < ny; ++y)
             for (int x = 0; x < nx; ++x)
-                mixtures.push_back(skin.of_linear(picture.at((x + 0.5) * j750_mm[0], (y + 0.5) * j750_mm[1], j750_mm[0])));
+                mixtures.push_back(
+                    skin.of_linear(picture.at((x + 0.5) * j750_mm[0], (y + 0.5) * j750_mm[1], j750_mm[0])));
         SuiteCase c;
         c.name = piece.name;
         c.shown = piece.shown;
@@ -66,7 +67,8 @@ std::vector<SuiteCase> photo_cases(const std::filesystem::path& models) {
         c.resins = suite_resins();
         c.noise = 0.6;
         c.volume = make_resin_volume({nx, ny, slab_layers}, j750_mm, [&](int x, int y, int z) {
-            return z >= slab_layers - skin_layers ? skin.at(mixtures[static_cast<std::size_t>(y * nx + x)], x, y, z) : resin::W;
+            return z >= slab_layers - skin_layers ? skin.at(mixtures[static_cast<std::size_t>(y * nx + x)], x, y, z)
+                                                  : resin::W;
         });
         cases.push_back(std::move(c));
     }
@@ -79,7 +81,8 @@ std::vector<Rgb> photo_target(const std::filesystem::path& models, const std::st
         if (name != piece.name || !std::filesystem::exists(models / piece.file)) continue;
         const Sampler picture(models, piece);
         for (const SurfaceCell& cell : surface.cells) {
-            const Eigen::Vector3f rgb = picture.at(static_cast<double>(cell.centre_mm[0]), static_cast<double>(cell.centre_mm[1]), j750_mm[1]);
+            const Eigen::Vector3f rgb =
+                picture.at(static_cast<double>(cell.centre_mm[0]), static_cast<double>(cell.centre_mm[1]), j750_mm[1]);
             target.push_back({rgb[0], rgb[1], rgb[2]});
         }
     }

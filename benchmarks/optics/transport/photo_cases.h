@@ -13,7 +13,9 @@ namespace voxtone::accuracy {
 /// Without those whose picture is not in the folder.
 [[nodiscard]] std::vector<SuiteCase> photo_cases(const std::filesystem::path& models);
 
-/// The colours that were asked for, per cell of the surface; empty for a case that is no photograph or lacks its picture.
-[[nodiscard]] std::vector<Rgb> photo_target(const std::filesystem::path& models, const std::string& name, const optics::Surface& surface);
+/// The colours that were asked for, per cell of the surface; empty for a case that is no photograph or lacks its
+/// picture.
+[[nodiscard]] std::vector<Rgb> photo_target(const std::filesystem::path& models, const std::string& name,
+                                            const optics::Surface& surface);
 
 }  // namespace voxtone::accuracy

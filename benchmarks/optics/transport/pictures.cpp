@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "voxtone/io/pictures/picture_writer.h"
 #include "voxtone/io/files/whole_file.h"
+#include "voxtone/io/pictures/picture_writer.h"
 
 namespace voxtone::accuracy {
 namespace {
@@ -100,8 +100,8 @@ void write_side_by_side(const std::filesystem::path& file, const Reference& refe
                 if (cell < 0) continue;
                 const Rgb& rgb = (*panels[p])[static_cast<std::size_t>(cell)];
                 const auto clamp = [](float v) { return std::min(1.0f, std::max(0.0f, v)); };
-                picture.pixels[std::size_t{y} * picture.width_px + p * (view.width * zoom + gap) + x] = {clamp(rgb[0]), clamp(rgb[1]),
-                                                                                                       clamp(rgb[2]), 1.0f};
+                picture.pixels[std::size_t{y} * picture.width_px + p * (view.width * zoom + gap) + x] = {
+                    clamp(rgb[0]), clamp(rgb[1]), clamp(rgb[2]), 1.0f};
             }
     io::write_whole_file(file, io::png_bytes(io::encode_over(picture, Eigen::Vector3f::Constant(0.9f))));
 }

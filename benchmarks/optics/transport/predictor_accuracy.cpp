@@ -4,21 +4,21 @@
 //
 //   predictor_accuracy report             all of the tables below
 //   predictor_accuracy compare [FOLDER]   one table with a row per case; what the columns mean: compare.h
-//   predictor_accuracy homogeneous        slabs of every mixture of a 10 % lattice; tilted slabs and spheres of one colour
-//   predictor_accuracy speed              cost per cell, square centimetre and byte
-//   predictor_accuracy dial [FOLDER]      sweeps and skin cells: error and price
-//   predictor_accuracy make [FOLDER]      Monte Carlo references of the suite, case by case
-//   predictor_accuracy picture CASE FILE  target, Monte Carlo, prediction, difference side by side (PNG)
+//   predictor_accuracy homogeneous        slabs of every mixture of a 10 % lattice; tilted slabs and spheres of one
+//   colour predictor_accuracy speed              cost per cell, square centimetre and byte predictor_accuracy dial
+//   [FOLDER]      sweeps and skin cells: error and price predictor_accuracy make [FOLDER]      Monte Carlo references
+//   of the suite, case by case predictor_accuracy picture CASE FILE  target, Monte Carlo, prediction, difference side
+//   by side (PNG)
 #include <cstdio>
 #include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
 
-#include <CLI/CLI.hpp>
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <CLI/CLI.hpp>
 
 #include "compare.h"
 #include "homogeneous.h"
@@ -35,7 +35,8 @@ using namespace voxtone::accuracy;
 namespace fs = std::filesystem;
 
 struct Arguments {
-    fs::path folder = fs::path(VOXTONE_SOURCE_DIR) / "tests/data/appearance", models = fs::path(VOXTONE_SOURCE_DIR) / "../shared/models", file, cells;
+    fs::path folder = fs::path(VOXTONE_SOURCE_DIR) / "tests/data/appearance",
+             models = fs::path(VOXTONE_SOURCE_DIR) / "../shared/models", file, cells;
     std::string only;
     std::uint64_t seed = 1, threads = 1;
     double effort = 0.5, largest = 1e7;
@@ -52,10 +53,11 @@ void make(const Arguments& a) {
         if (c.name.find(a.only) == std::string::npos || (fs::exists(file) && !a.again)) continue;
         const std::string name = c.name;
         Reference r = make_reference(std::move(c), a.seed, a.effort);
-        r.made = fmt::format("predictor_accuracy make --seed {} --effort {}, {:%Y-%m-%d}", a.seed, a.effort, fmt::gmtime(std::time(nullptr)));
+        r.made = fmt::format("predictor_accuracy make --seed {} --effort {}, {:%Y-%m-%d}", a.seed, a.effort,
+                             fmt::gmtime(std::time(nullptr)));
         write_reference(file, r);
-        fmt::print("{:<16} {:>8.1f} s of one core, {:.3g} paths, {} bytes\n", name, r.core_seconds, static_cast<double>(r.all_paths),
-                   fs::file_size(file));
+        fmt::print("{:<16} {:>8.1f} s of one core, {:.3g} paths, {} bytes\n", name, r.core_seconds,
+                   static_cast<double>(r.all_paths), fs::file_size(file));
         std::fflush(stdout);
     }
 }
@@ -63,7 +65,8 @@ void make(const Arguments& a) {
 std::vector<fs::path> references(const Arguments& a) {
     std::vector<fs::path> files;
     for (const auto& entry : fs::directory_iterator(a.folder))
-        if (entry.path().extension() == ".ref" && entry.path().stem().string().find(a.only) != std::string::npos) files.push_back(entry.path());
+        if (entry.path().extension() == ".ref" && entry.path().stem().string().find(a.only) != std::string::npos)
+            files.push_back(entry.path());
     std::sort(files.begin(), files.end());
     return files;
 }
@@ -75,13 +78,15 @@ void write_cells(const fs::path& file, const Comparison& c) {
     for (std::size_t i = 0; i < c.cells; ++i) {
         const auto& at = c.surface.cells[i].cell;
         const Rgb &p = c.predicted[i], &m = c.reference[i];
-        out << fmt::format("{},{},{},{:.5f},{:.5f},{:.5f},{:.5f},{:.5f},{:.5f},{:.3f}\n", at[0], at[1], at[2], p[0], p[1], p[2], m[0], m[1], m[2], c.error[i]);
+        out << fmt::format("{},{},{},{:.5f},{:.5f},{:.5f},{:.5f},{:.5f},{:.5f},{:.3f}\n", at[0], at[1], at[2], p[0],
+                           p[1], p[2], m[0], m[1], m[2], c.error[i]);
     }
 }
 
 void compare_all(const Arguments& a) {
     fmt::print(
-        "| case | mean without noise | mean | rms without noise | 95 % | max | bias of L* | noise | bias R, G, B | of white, % | cells | core s | us/cell | "
+        "| case | mean without noise | mean | rms without noise | 95 % | max | bias of L* | noise | bias R, G, B | of "
+        "white, % | cells | core s | us/cell | "
         "s/cm2 | x faster |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
     double sum = 0, sum_with = 0, worst = 0, n = 0;
     for (const fs::path& file : references(a)) {
@@ -92,10 +97,13 @@ void compare_all(const Arguments& a) {
         worst = std::max(worst, c.mean_without_noise);
         ++n;
         fmt::print(
-            "| {}{} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:+.2f} | {:.2f} | {:+.4f} {:+.4f} {:+.4f} | {:+.2f} {:+.2f} {:+.2f} | {} | {:.2f} | {:.2f} | {:.2f} | {:.0f} |\n",
-            reference.of.name, reference.of.tuning ? "" : " (unseen)", c.mean_without_noise, c.mean, c.rms, c.percentile_95, c.max, c.bias,
-            c.noise, c.channel_bias[0], c.channel_bias[1], c.channel_bias[2], 100 * c.white_bias[0], 100 * c.white_bias[1], 100 * c.white_bias[2], c.optical_cells, c.core_seconds,
-            1e6 * c.core_seconds / static_cast<double>(c.optical_cells), 100 * c.core_seconds / c.area_mm2, c.times_faster);
+            "| {}{} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:+.2f} | {:.2f} | {:+.4f} {:+.4f} {:+.4f} | "
+            "{:+.2f} {:+.2f} {:+.2f} | {} | {:.2f} | {:.2f} | {:.2f} | {:.0f} |\n",
+            reference.of.name, reference.of.tuning ? "" : " (unseen)", c.mean_without_noise, c.mean, c.rms,
+            c.percentile_95, c.max, c.bias, c.noise, c.channel_bias[0], c.channel_bias[1], c.channel_bias[2],
+            100 * c.white_bias[0], 100 * c.white_bias[1], 100 * c.white_bias[2], c.optical_cells, c.core_seconds,
+            1e6 * c.core_seconds / static_cast<double>(c.optical_cells), 100 * c.core_seconds / c.area_mm2,
+            c.times_faster);
         std::fflush(stdout);
         if (!a.cells.empty()) write_cells(a.cells / (reference.of.name + ".csv"), c);
     }
@@ -104,28 +112,37 @@ void compare_all(const Arguments& a) {
 
 void homogeneous(const Arguments& a) {
     const HomogeneousErrors e = compare_mixtures(a.transport, a.steps);
-    fmt::print("{} mixtures, slabs of 1.08 mm over black, 12 sweeps: mean {:.3f}, 95 % {:.3f}, max {:.3f} ({}); largest error of appearance "
-               "R {:.4f} G {:.4f} B {:.4f}\n\n",
-               e.mixtures, e.mean, e.percentile_95, e.max, e.worst, e.largest[0], e.largest[1], e.largest[2]);
-    fmt::print("| body | colour | between orientations, largest | cells from the mean, mean | 95 % | L* of tilts or directions |\n|---|---|---|---|---|---|\n");
+    fmt::print(
+        "{} mixtures, slabs of 1.08 mm over black, 12 sweeps: mean {:.3f}, 95 % {:.3f}, max {:.3f} ({}); largest error "
+        "of appearance "
+        "R {:.4f} G {:.4f} B {:.4f}\n\n",
+        e.mixtures, e.mean, e.percentile_95, e.max, e.worst, e.largest[0], e.largest[1], e.largest[2]);
+    fmt::print(
+        "| body | colour | between orientations, largest | cells from the mean, mean | 95 % | L* of tilts or "
+        "directions |\n|---|---|---|---|---|---|\n");
     for (const Spread& s : one_colour_bodies(a.transport))
-        fmt::print("| {} | {} | {:.2f} | {:.2f} | {:.2f} | {:.2f} |\n", s.body, s.colour, s.between, s.cells_mean, s.cells_95, fmt::join(s.lightness, " "));
+        fmt::print("| {} | {} | {:.2f} | {:.2f} | {:.2f} | {:.2f} |\n", s.body, s.colour, s.between, s.cells_mean,
+                   s.cells_95, fmt::join(s.lightness, " "));
 }
 
 void speed(const Arguments& a) {
-    fmt::print("| cells | cm2 | voxels | core s | us/cell | s/cm2 | bytes/cell | grid | diffusion | sweeps |\n|---|---|---|---|---|---|---|---|---|---|\n");
+    fmt::print(
+        "| cells | cm2 | voxels | core s | us/cell | s/cm2 | bytes/cell | grid | diffusion | sweeps "
+        "|\n|---|---|---|---|---|---|---|---|---|---|\n");
     for (double cells = 1e5; cells <= a.largest; cells *= 10) {
         const Cost c = price_of_slab(a.transport, cells);
         fmt::print("| {:.3g} | {:.3f} | {:.3g} | {:.2f} | {:.2f} | {:.2f} | {:.0f} | {:.2f} | {:.2f} | {:.2f} |\n",
-                   static_cast<double>(c.optical_cells), c.area_mm2 / 100, static_cast<double>(c.voxels), c.core_seconds,
-                   1e6 * c.core_seconds / static_cast<double>(c.optical_cells), 100 * c.core_seconds / c.area_mm2, c.bytes_per_cell,
-                   c.summary.grid_s, c.summary.diffusion_s, c.summary.sweep_s);
+                   static_cast<double>(c.optical_cells), c.area_mm2 / 100, static_cast<double>(c.voxels),
+                   c.core_seconds, 1e6 * c.core_seconds / static_cast<double>(c.optical_cells),
+                   100 * c.core_seconds / c.area_mm2, c.bytes_per_cell, c.summary.grid_s, c.summary.diffusion_s,
+                   c.summary.sweep_s);
         std::fflush(stdout);
     }
 }
 
 void dial(const Arguments& a) {
-    fmt::print("| skin cells | sweeps | mean without noise | largest case | us/cell | s/cm2 |\n|---|---|---|---|---|---|\n");
+    fmt::print(
+        "| skin cells | sweeps | mean without noise | largest case | us/cell | s/cm2 |\n|---|---|---|---|---|---|\n");
     std::vector<Reference> all;
     for (const fs::path& file : references(a)) all.push_back(read_reference(file));
     for (const bool voxels : {true, false})

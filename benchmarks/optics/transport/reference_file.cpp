@@ -6,8 +6,8 @@
 #include <fstream>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 #include <zlib.h>
+#include <nlohmann/json.hpp>
 
 #include "voxtone/base/error.h"
 
@@ -73,7 +73,8 @@ optics::ResinSet resins_of(const json& j) {
 void write_reference(const std::filesystem::path& file, const Reference& reference) {
     const SuiteCase& c = reference.of;
     const auto& size = c.volume.size();
-    Bytes voxels(static_cast<std::size_t>(size[0]) * static_cast<std::size_t>(size[1]) * static_cast<std::size_t>(size[2]));
+    Bytes voxels(static_cast<std::size_t>(size[0]) * static_cast<std::size_t>(size[1]) *
+                 static_cast<std::size_t>(size[2]));
     c.volume.copy_box({0, 0, 0}, size, voxels);
     Bytes values;
     for (const auto& half : reference.half) append_codes(half, values);
@@ -114,7 +115,8 @@ Reference read_reference(const std::filesystem::path& file) {
     std::ifstream in(file, std::ios::binary);
     std::string line, head_line;
     if (!std::getline(in, line) || line != first_line || !std::getline(in, head_line))
-        throw FileError(file.string() + ": not a reference of the accuracy suite; make it with `predictor_accuracy make`");
+        throw FileError(file.string() +
+                        ": not a reference of the accuracy suite; make it with `predictor_accuracy make`");
     const json head = json::parse(head_line);
     const auto packed = [&](const char* key) {
         Bytes bytes(head.at(key).get<std::size_t>());
@@ -142,7 +144,8 @@ Reference read_reference(const std::filesystem::path& file) {
     const auto layer = static_cast<std::size_t>(size[0]) * static_cast<std::size_t>(size[1]);
     const Bytes voxels = inflated(packed_voxels, layer * static_cast<std::size_t>(size[2]), file);
     optics::ResinVolumeBuilder builder(size, head.at("pitch_mm").get<std::array<double, 3>>());
-    for (std::size_t z = 0; z < static_cast<std::size_t>(size[2]); ++z) builder.add_layer(std::span(voxels).subspan(z * layer, layer));
+    for (std::size_t z = 0; z < static_cast<std::size_t>(size[2]); ++z)
+        builder.add_layer(std::span(voxels).subspan(z * layer, layer));
     c.volume = builder.finish();
     const std::size_t n = head.at("values_per_half"), white = head.at("white_values");
     const Bytes codes = inflated(packed_values, 4 * (n + white), file);

@@ -2,11 +2,11 @@
 //
 // A case of the suite together with its Monte Carlo reference, in one small file that needs nothing else.
 //
-// Format: the line "voxtone appearance reference 1"; one line of JSON (the case, its resins, provenance, lengths of what
-// follows); zlib streams of the voxels (one byte each, x fastest, then y, z) and of the values. Values are 16-bit codes,
-// little-endian: v = 2 (code / 65535)^2, so that dark ones are kept as well as bright ones (within 4.4e-5 at 0.5): two independent
-// halves one after the other, per group of cells and channel; for bodies without mirrored sides another two of the same
-// body all of white resin.
+// Format: the line "voxtone appearance reference 1"; one line of JSON (the case, its resins, provenance, lengths of
+// what follows); zlib streams of the voxels (one byte each, x fastest, then y, z) and of the values. Values are 16-bit
+// codes, little-endian: v = 2 (code / 65535)^2, so that dark ones are kept as well as bright ones (within 4.4e-5 at
+// 0.5): two independent halves one after the other, per group of cells and channel; for bodies without mirrored sides
+// another two of the same body all of white resin.
 #pragma once
 
 #include <filesystem>

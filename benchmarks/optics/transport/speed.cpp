@@ -21,7 +21,9 @@ Cost price_of_slab(const TransportOptions& options, double optical_cells) {
     const int ny = std::max(8, static_cast<int>(std::lround(std::sqrt(optical_cells / 34 / 2)))), nx = 2 * ny;
     const ResinSet set = suite_resins();
     const ResinVolume volume = make_resin_volume({nx, ny, slab_layers}, j750_mm, [&](int x, int y, int z) {
-        return z >= slab_layers - skin_layers ? skin.at(field[static_cast<std::size_t>(y * 16 / ny * 16 + x * 16 / nx)], x, y, z) : resin::W;
+        return z >= slab_layers - skin_layers
+                   ? skin.at(field[static_cast<std::size_t>(y * 16 / ny * 16 + x * 16 / nx)], x, y, z)
+                   : resin::W;
     });
     const Scene scene{&volume, &set, Backing::black, Sides::mirrored};
     const Surface surface = find_surface(scene, viewing_cell, SurfacePart::top);

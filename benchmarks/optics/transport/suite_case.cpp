@@ -14,8 +14,11 @@ Groups group_cells(const SuiteCase& c, const optics::Surface& surface) {
     for (std::size_t i = 0; i < surface.cells.size(); ++i) {
         std::array<int, 3> key = surface.cells[i].cell;
         switch (c.symmetry) {
-            case Symmetry::none: break;
-            case Symmetry::along_y: key[1] = 0; break;
+            case Symmetry::none:
+                break;
+            case Symmetry::along_y:
+                key[1] = 0;
+                break;
             case Symmetry::mirror_xy:
                 for (std::size_t a = 0; a < 2; ++a) key[a] = std::min(key[a], cells[a] - 1 - key[a]);
                 break;

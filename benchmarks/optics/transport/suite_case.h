@@ -3,7 +3,8 @@
 // A case of the accuracy suite: a scene, what is looked at, and which cells look alike by symmetry.
 //
 // A case is made once by code (flat_cases.h, colour_cases.h, photo_cases.h, body_cases.h) and kept with its reference
-// (reference_file.h), so that a change of a screen or of the separation does not change what the predictor is judged by.
+// (reference_file.h), so that a change of a screen or of the separation does not change what the predictor is judged
+// by.
 #pragma once
 
 #include <cstdint>
@@ -30,19 +31,19 @@ enum class Symmetry {
 };
 
 struct SuiteCase {
-    std::string name;   ///< short, a file name
-    std::string shown;  ///< one line of words
-    bool tuning = true; ///< false: never looked at while the predictor was tuned
+    std::string name;    ///< short, a file name
+    std::string shown;   ///< one line of words
+    bool tuning = true;  ///< false: never looked at while the predictor was tuned
     optics::ResinVolume volume;
     optics::ResinSet resins;
     optics::Backing backing = optics::Backing::black;
     optics::Sides sides = optics::Sides::mirrored;
     optics::SurfacePart part = optics::SurfacePart::top;
     Symmetry symmetry = Symmetry::none;
-    std::string boundary = "the voxels' faces";  ///< where the reference refracts light, in words
+    std::string boundary = "the voxels' faces";                 ///< where the reference refracts light, in words
     std::shared_ptr<const optics::BodyBoundary> true_boundary;  ///< while the reference is made; null: those faces
-    bool white_is_one = false;  ///< a body whose white is the same all over: a sphere
-    double noise = 0.5;               ///< wanted of the mean of both halves, CIEDE2000, per group of cells
+    bool white_is_one = false;                                  ///< a body whose white is the same all over: a sphere
+    double noise = 0.5;  ///< wanted of the mean of both halves, CIEDE2000, per group of cells
 
     [[nodiscard]] optics::Scene scene() const { return {&volume, &resins, backing, sides}; }
     /// Material of the white resin, the "paper white" of media-relative colour.

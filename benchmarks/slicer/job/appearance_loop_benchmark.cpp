@@ -7,9 +7,9 @@
 //                                       High Mix, Vero Opaque, on black
 //   appearance_loop_benchmark bodies    spot, fox, ycb_banana, sword with a checker, in windows (judge_body.h)
 //   appearance_loop_benchmark flat      slabs of one colour each, 8 mm: the mean of the middle 4 mm
-//   appearance_loop_benchmark seams     what cutting a body into tiles does to its predictions, for a stack that slice made
-//   appearance_loop_benchmark report    slabs and bodies
-//   appearance_loop_benchmark targets   only writes the pictures
+//   appearance_loop_benchmark seams     what cutting a body into tiles does to its predictions, for a stack that slice
+//   made appearance_loop_benchmark report    slabs and bodies appearance_loop_benchmark targets   only writes the
+//   pictures
 //
 // Pictures and stacks lie in --work; what was traced is kept there and not traced again. The table goes to standard
 // output and to --work/slabs.md and bodies.md; strips (target | open loop | loop) are --work/NAME.strip.png.

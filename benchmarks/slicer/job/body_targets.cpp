@@ -9,8 +9,8 @@
 
 #include <fmt/format.h>
 
-#include "voxtone/io/pictures/picture_writer.h"
 #include "voxtone/io/files/whole_file.h"
+#include "voxtone/io/pictures/picture_writer.h"
 
 namespace voxtone::loop_benchmark {
 namespace {

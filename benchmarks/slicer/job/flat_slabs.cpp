@@ -7,9 +7,9 @@
 #include <fmt/format.h>
 
 #include "voxtone/base/contracts.h"
+#include "voxtone/io/files/whole_file.h"
 #include "voxtone/io/pictures/picture.h"
 #include "voxtone/io/pictures/picture_writer.h"
-#include "voxtone/io/files/whole_file.h"
 #include "voxtone/optics/colour/colour.h"
 
 namespace voxtone::loop_benchmark {
@@ -41,8 +41,15 @@ Eigen::Vector3d middle_of(const Judgement& j, const Colours& colours) {
 std::vector<FlatTarget> flat_targets(const std::filesystem::path& work) {
     std::filesystem::create_directories(work);
     // sRGB codes, so that the picture holds them exactly.
-    static constexpr std::array<std::array<int, 3>, 9> codes{{{230, 230, 230}, {160, 160, 160}, {90, 90, 90}, {190, 120, 110}, {120, 160, 110}, {110, 130, 170},
-                                                              {200, 180, 110}, {150, 100, 140}, {80, 110, 110}}};
+    static constexpr std::array<std::array<int, 3>, 9> codes{{{230, 230, 230},
+                                                              {160, 160, 160},
+                                                              {90, 90, 90},
+                                                              {190, 120, 110},
+                                                              {120, 160, 110},
+                                                              {110, 130, 170},
+                                                              {200, 180, 110},
+                                                              {150, 100, 140},
+                                                              {80, 110, 110}}};
     std::vector<FlatTarget> out;
     for (const auto& code : codes) {
         FlatTarget target;
@@ -70,13 +77,15 @@ std::string flat_table(const std::vector<FlatRow>& rows) {
     std::string text = "| colour, linear sRGB | open loop | loop | noise of the tracer |\n|---|---|---|---|\n";
     std::array<double, 2> mean{}, most{};
     for (const FlatRow& row : rows) {
-        text += fmt::format("| {:.2f} {:.2f} {:.2f} | {:.2f} | {:.2f} | {:.2f} |\n", row.rgb[0], row.rgb[1], row.rgb[2], row.difference[0], row.difference[1], row.noise);
+        text += fmt::format("| {:.2f} {:.2f} {:.2f} | {:.2f} | {:.2f} | {:.2f} |\n", row.rgb[0], row.rgb[1], row.rgb[2],
+                            row.difference[0], row.difference[1], row.noise);
         for (std::size_t v = 0; v < 2; ++v) {
             mean[v] += row.difference[v] / static_cast<double>(rows.size());
             most[v] = std::max(most[v], row.difference[v]);
         }
     }
-    return text + fmt::format("| mean | {:.2f} | {:.2f} | |\n| largest | {:.2f} | {:.2f} | |\n", mean[0], mean[1], most[0], most[1]);
+    return text + fmt::format("| mean | {:.2f} | {:.2f} | |\n| largest | {:.2f} | {:.2f} | |\n", mean[0], mean[1],
+                              most[0], most[1]);
 }
 
 }  // namespace voxtone::loop_benchmark

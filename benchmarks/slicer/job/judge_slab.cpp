@@ -50,7 +50,8 @@ std::vector<float> white_shares(const slicer::StackVolume& stack, const Judgemen
         int white = 0, all = 0;
         for (int z = size[2] - layers; z < size[2]; ++z)
             for (int y = y0; y < std::min(size[1], y0 + cell[1]); ++y)
-                for (int x = x0; x < std::min(size[0], x0 + cell[0]); ++x, ++all) white += stack.volume.at(x, y, z) == stack.white + 1;
+                for (int x = x0; x < std::min(size[0], x0 + cell[0]); ++x, ++all)
+                    white += stack.volume.at(x, y, z) == stack.white + 1;
         share[i] = static_cast<float>(white) / static_cast<float>(std::max(1, all));
     });
     return share;

@@ -21,9 +21,9 @@ struct Judgement {
     optics::Surface surface;
     std::size_t columns = 0, rows = 0;  ///< of flat slabs: cell = row * columns + column, rows along +y
     Colours target;
-    std::array<Colours, 2> half;  ///< of the print, from independent paths
-    std::vector<char> in_gamut;   ///< of the target: a flat print of 1 mm of colour shows it within 1 CIEDE2000
-    Colours mapped;               ///< the target as a flat print of 1 mm of colour shows it: beyond the gamut mapped
+    std::array<Colours, 2> half;     ///< of the print, from independent paths
+    std::vector<char> in_gamut;      ///< of the target: a flat print of 1 mm of colour shows it within 1 CIEDE2000
+    Colours mapped;                  ///< the target as a flat print of 1 mm of colour shows it: beyond the gamut mapped
     std::vector<float> white_share;  ///< of the voxels to white_depth_mm under the cell
     double trace_seconds = 0;
     [[nodiscard]] Colours print() const;  ///< mean of the halves

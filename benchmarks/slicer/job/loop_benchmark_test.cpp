@@ -13,13 +13,13 @@
 #include "scores.h"
 #include "stroke_font.h"
 #include "targets.h"
+#include "tests/halftone/loop/flat_surface.h"
+#include "tests/io/files/temporary_folder.h"
 #include "variants.h"
 #include "voxtone/base/error.h"
 #include "voxtone/base/random.h"
-#include "voxtone/io/pictures/picture_writer.h"
-#include "tests/halftone/loop/flat_surface.h"
-#include "tests/io/files/temporary_folder.h"
 #include "voxtone/io/files/whole_file.h"
+#include "voxtone/io/pictures/picture_writer.h"
 #include "voxtone/optics/colour/colour.h"
 
 using namespace voxtone;
@@ -36,7 +36,8 @@ double gaussian(std::uint64_t i, std::uint64_t stream) {
 
 TEST_CASE("the modulation of a known grating is found, noise and all", "[loop_benchmark]") {
     const double width = 20, height = 14;
-    const optics::Surface surface = test::flat_surface(static_cast<int>(width / 0.085), static_cast<int>(height / 0.085), 0.085);
+    const optics::Surface surface =
+        test::flat_surface(static_cast<int>(width / 0.085), static_cast<int>(height / 0.085), 0.085);
     const auto blocks = grating_blocks(width, height);
     const std::array<double, 3> kept{0.8, 0.5, 0.25};
     Colours target, print;
@@ -90,7 +91,8 @@ TEST_CASE("noise of the tracer is taken out of an error that is there, and flatt
     CHECK(compare(target, with_noise(off), half_of_them).cells == target.size() / 2);
 }
 
-TEST_CASE("cells that are too dark and all white have nothing more to give, nor those that are too light and all ink", "[loop_benchmark]") {
+TEST_CASE("cells that are too dark and all white have nothing more to give, nor those that are too light and all ink",
+          "[loop_benchmark]") {
     constexpr int n = 30;
     Judgement j;
     j.surface = test::flat_surface(n, n, 0.085);

@@ -7,8 +7,9 @@
 // half the noise variance of that of M1 or M2. Straight on to no noise: F = 2 F(M) - (F(M1) + F(M2)) / 2. That is exact
 // where the noise is small against the error (its effect is then linear in its variance) and too large, by 0.41 of a
 // half's noise, where there is nothing but noise: never flattering. Figures are not less than 0. `noise` is the mean of
-// F(M1, M2) / 2: what the noise left in M looks like. A cell has nothing more to give where it is seen too dark although 98 %
-// of its voxels are white, or too light although 98 % are not. Differences are of linear sRGB clamped from below at 0.
+// F(M1, M2) / 2: what the noise left in M looks like. A cell has nothing more to give where it is seen too dark
+// although 98 % of its voxels are white, or too light although 98 % are not. Differences are of linear sRGB clamped
+// from below at 0.
 #pragma once
 
 #include <span>
@@ -26,11 +27,11 @@ struct Figures {
 struct Scores {
     Figures cells_in_gamut, cells_all;  ///< cell by cell
     Figures eye_in_gamut, eye_all;      ///< print and target both seen through the eye filter
-    Figures eye_reachable;              ///< cells in the gamut, what surrounds them mapped into it: the filter mixes them
-    Figures eye_mapped;                 ///< all cells, the target mapped into the gamut
-    Figures low_pass_in_gamut;          ///< the same without the filter's negative surround
-    Figures s_cielab_in_gamut;          ///< the same in the published opponent channels, in which white is not neutral
-    double at_limit = 0;                ///< share of eye_in_gamut's sum in cells that have nothing more to give
+    Figures eye_reachable;      ///< cells in the gamut, what surrounds them mapped into it: the filter mixes them
+    Figures eye_mapped;         ///< all cells, the target mapped into the gamut
+    Figures low_pass_in_gamut;  ///< the same without the filter's negative surround
+    Figures s_cielab_in_gamut;  ///< the same in the published opponent channels, in which white is not neutral
+    double at_limit = 0;        ///< share of eye_in_gamut's sum in cells that have nothing more to give
 };
 
 /// Of the cells whose mask is not 0; empty: of all.
@@ -38,7 +39,8 @@ struct Scores {
 
 struct Eye {
     Eye(const optics::Surface& surface, double distance_mm)
-        : published(surface, distance_mm), low_pass(surface, distance_mm, halftone::EyeSurround::none),
+        : published(surface, distance_mm),
+          low_pass(surface, distance_mm, halftone::EyeSurround::none),
           s_cielab(surface, distance_mm, halftone::EyeSurround::published, halftone::OpponentSpace::published) {}
     halftone::EyeFilter published, low_pass, s_cielab;
 };

@@ -4,8 +4,8 @@
 #include <algorithm>
 
 #include "scores.h"
-#include "voxtone/io/pictures/picture_writer.h"
 #include "voxtone/io/files/whole_file.h"
+#include "voxtone/io/pictures/picture_writer.h"
 #include "voxtone/slicer/surface/target_cells.h"
 
 namespace voxtone::loop_benchmark {

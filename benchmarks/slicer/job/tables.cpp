@@ -38,21 +38,26 @@ std::string slab_tables(const std::vector<SlabRow>& rows, const std::vector<std:
         error_table(rows, names, "After the eye filter at 300 mm, in-gamut pixels", &Scores::eye_in_gamut) +
         error_table(rows, names, "After the eye filter, in-gamut pixels, what surrounds them mapped into the gamut",
                     &Scores::eye_reachable) +
-        error_table(rows, names, "After the eye filter without its negative surround, in-gamut pixels", &Scores::low_pass_in_gamut) +
-        error_table(rows, names, "After the eye filter in S-CIELAB's own channels, in which white is not neutral, in-gamut pixels", &Scores::s_cielab_in_gamut) +
+        error_table(rows, names, "After the eye filter without its negative surround, in-gamut pixels",
+                    &Scores::low_pass_in_gamut) +
+        error_table(rows, names,
+                    "After the eye filter in S-CIELAB's own channels, in which white is not neutral, in-gamut pixels",
+                    &Scores::s_cielab_in_gamut) +
         error_table(rows, names, "Cells of 0.085 mm, in-gamut pixels", &Scores::cells_in_gamut) +
         error_table(rows, names, "After the eye filter, all pixels, target mapped into the gamut",
                     &Scores::eye_mapped) +
         error_table(rows, names, "After the eye filter, all pixels", &Scores::eye_all) +
         error_table(rows, names, "Cells of 0.085 mm, all pixels", &Scores::cells_all);
     text += fmt::format(
-        "\n**Work**, {} -> {}\n\n| target | in gamut | iterations | seconds | core seconds | of the error as seen at a limit |\n|---|---|---|---|---|---|\n",
+        "\n**Work**, {} -> {}\n\n| target | in gamut | iterations | seconds | core seconds | of the error as seen at a "
+        "limit |\n|---|---|---|---|---|---|\n",
         names[0], names[1]);
     for (const SlabRow& r : rows)
-        text += fmt::format("| {} | {:.0f} % | {} | {} -> {} | {} -> {} | {:.0f} % -> {:.0f} % |\n", r.name, 100 * r.share_in_gamut,
-                            r.print[1].iterations >= 0 ? std::to_string(r.print[1].iterations) : "-",
-                            number(r.print[0].seconds, 1), number(r.print[1].seconds, 1),
-                            number(r.print[0].core_seconds, 1), number(r.print[1].core_seconds, 1), 100 * r.scores[0].at_limit, 100 * r.scores[1].at_limit);
+        text += fmt::format(
+            "| {} | {:.0f} % | {} | {} -> {} | {} -> {} | {:.0f} % -> {:.0f} % |\n", r.name, 100 * r.share_in_gamut,
+            r.print[1].iterations >= 0 ? std::to_string(r.print[1].iterations) : "-", number(r.print[0].seconds, 1),
+            number(r.print[1].seconds, 1), number(r.print[0].core_seconds, 1), number(r.print[1].core_seconds, 1),
+            100 * r.scores[0].at_limit, 100 * r.scores[1].at_limit);
     for (const SlabRow& r : rows) {
         if (!r.gratings) continue;
         text += fmt::format("\n**Modulation kept**, {}\n\n| line pairs per mm | {} | {} | ratio |\n|---|---|---|---|\n",

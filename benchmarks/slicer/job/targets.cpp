@@ -8,9 +8,9 @@
 
 #include "gratings.h"
 #include "stroke_font.h"
+#include "voxtone/io/files/whole_file.h"
 #include "voxtone/io/pictures/picture.h"
 #include "voxtone/io/pictures/picture_writer.h"
-#include "voxtone/io/files/whole_file.h"
 #include "voxtone/optics/colour/colour.h"
 
 namespace voxtone::loop_benchmark {

@@ -17,7 +17,8 @@ namespace voxtone::loop_benchmark {
 namespace {
 
 /// Cells within 1 mm of a plane in which a tile was cut off from another.
-std::vector<char> near_cuts(const optics::Surface& surface, const std::vector<optics::ViewingTile>& tiles, const std::array<double, 3>& pitch) {
+std::vector<char> near_cuts(const optics::Surface& surface, const std::vector<optics::ViewingTile>& tiles,
+                            const std::array<double, 3>& pitch) {
     std::vector<char> near(surface.cells.size(), 0);
     for (const optics::ViewingTile& tile : tiles)
         for (const std::uint32_t i : tile.cells)
@@ -49,22 +50,27 @@ std::string tile_seams(const std::filesystem::path& folder, std::size_t tile_cel
     const slicer::StackVolume stack = slicer::read_stack_volume({.stack = folder}, progress);
     VOXTONE_EXPECT(stack.white >= 0 && stack.resins.channels.is_rgb());
     const optics::ResinVolume white = optics::all_of(stack.volume, static_cast<optics::Material>(stack.white + 1));
-    const optics::Scene scene{.volume = &white, .resins = &stack.resins, .backing = stack.backing.value_or(optics::Backing::none)};
+    const optics::Scene scene{
+        .volume = &white, .resins = &stack.resins, .backing = stack.backing.value_or(optics::Backing::none)};
     optics::TransportOptions options;
     options.viewing_cells = true;
     const auto cell = optics::cell_voxels(white.pitch_mm(), options.cell_mm);
-    const optics::Surface surface = optics::find_surface(scene, cell, stack.of_picture ? optics::SurfacePart::top : optics::SurfacePart::all);
+    const optics::Surface surface =
+        optics::find_surface(scene, cell, stack.of_picture ? optics::SurfacePart::top : optics::SurfacePart::all);
     options.tile_cells = surface.cells.size();
     optics::ViewingSequence whole(scene, surface, options);
     options.tile_cells = tile_cells;
     optics::ViewingSequence parts(scene, surface, options);
-    const auto tiles = optics::viewing_tiles(surface, white.size(), white.pitch_mm(), cell, tile_cells, options.tile_halo);
+    const auto tiles =
+        optics::viewing_tiles(surface, white.size(), white.pitch_mm(), cell, tile_cells, options.tile_halo);
     const std::vector<char> near = near_cuts(surface, tiles, white.pitch_mm());
 
-    std::string text = fmt::format("{} surface cells in {} tiles; {:.1f} % within 1 mm of a cut\n\n"
-                                   "| prediction | all: mean | 95 % | most | near a cut: mean | 95 % | most | s, whole | s, tiles |\n|---|---|---|---|---|---|---|---|---|\n",
-                                   surface.cells.size(), tiles.size(),
-                                   100.0 * static_cast<double>(std::count(near.begin(), near.end(), 1)) / static_cast<double>(near.size()));
+    std::string text = fmt::format(
+        "{} surface cells in {} tiles; {:.1f} % within 1 mm of a cut\n\n"
+        "| prediction | all: mean | 95 % | most | near a cut: mean | 95 % | most | s, whole | s, tiles "
+        "|\n|---|---|---|---|---|---|---|---|---|\n",
+        surface.cells.size(), tiles.size(),
+        100.0 * static_cast<double>(std::count(near.begin(), near.end(), 1)) / static_cast<double>(near.size()));
     struct Row {
         const char* name;
         optics::Appearance whole, parts;
@@ -86,17 +92,20 @@ std::string tile_seams(const std::filesystem::path& folder, std::size_t tile_cel
             const auto lab = [&](const optics::Appearance& seen) {
                 Eigen::Vector3d rgb;
                 for (std::size_t c = 0; c < 3; ++c)
-                    rgb[static_cast<Eigen::Index>(c)] = static_cast<double>(seen.value[3 * i + c]) / std::max(static_cast<double>(paper.value[3 * i + c]), 1e-6);
+                    rgb[static_cast<Eigen::Index>(c)] = static_cast<double>(seen.value[3 * i + c]) /
+                                                        std::max(static_cast<double>(paper.value[3 * i + c]), 1e-6);
                 return optics::lab_from_linear_srgb(rgb.cwiseMax(0));
             };
             all.push_back(optics::ciede2000(lab(row.whole), lab(row.parts)));
             if (near[i]) at_cuts.push_back(all.back());
         }
         const Far everywhere = summary(all), here = summary(at_cuts);
-        text += fmt::format("| {} | {:.3f} | {:.3f} | {:.2f} | {:.3f} | {:.3f} | {:.2f} | {:.1f} | {:.1f} |\n", row.name, everywhere.mean, everywhere.percentile_95,
-                            everywhere.most, here.mean, here.percentile_95, here.most, row.seconds_whole, row.seconds_parts);
+        text += fmt::format("| {} | {:.3f} | {:.3f} | {:.2f} | {:.3f} | {:.3f} | {:.2f} | {:.1f} | {:.1f} |\n",
+                            row.name, everywhere.mean, everywhere.percentile_95, everywhere.most, here.mean,
+                            here.percentile_95, here.most, row.seconds_whole, row.seconds_parts);
     }
-    return text + fmt::format("\nMemory of the predictor: {:.0f} MB as a whole, {:.0f} MB in tiles.\n", 1e-6 * static_cast<double>(whole.summary().memory_bytes),
+    return text + fmt::format("\nMemory of the predictor: {:.0f} MB as a whole, {:.0f} MB in tiles.\n",
+                              1e-6 * static_cast<double>(whole.summary().memory_bytes),
                               1e-6 * static_cast<double>(parts.summary().memory_bytes));
 }
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Speed of the geometry: repair, visible surface, solid with thin features and surface shell of a model on the voxel grid of a
-// colour printer (600 x 300 dpi, layers of 27 um). Usage: geometry_benchmark [MODEL [SIZE_MM [DEPTH_MM]]]; SIZE_MM 0: as the
-// file has it, in mm. Without arguments the cow at 60 mm. Prints voxels, shell voxels, and time per phase on one thread and
-// on all; core-seconds are CPU time, so that other work on the machine counts little.
+// Speed of the geometry: repair, visible surface, solid with thin features and surface shell of a model on the voxel
+// grid of a colour printer (600 x 300 dpi, layers of 27 um). Usage: geometry_benchmark [MODEL [SIZE_MM [DEPTH_MM]]];
+// SIZE_MM 0: as the file has it, in mm. Without arguments the cow at 60 mm. Prints voxels, shell voxels, and time per
+// phase on one thread and on all; core-seconds are CPU time, so that other work on the machine counts little.
 #include <sys/resource.h>
 
 #include <algorithm>
@@ -20,8 +20,8 @@
 #include "voxtone/io/models/model_reader.h"
 #include "voxtone/slicer/mesh/mesh_repair.h"
 #include "voxtone/slicer/solid/solid.h"
-#include "voxtone/slicer/surface/surface_shell.h"
 #include "voxtone/slicer/solid/thin_features.h"
+#include "voxtone/slicer/surface/surface_shell.h"
 #include "voxtone/slicer/surface/visible_surface.h"
 
 using namespace voxtone;
@@ -66,11 +66,11 @@ int main(int argc, char** argv) {
     const double thin_s = lap();
     const SurfaceShell shell(surface, grid, depth_mm);
     const double shell_s = lap();
-    std::printf("%s: %zu triangles, %zu visible, %d x %d x %d = %.3g voxels, blocks of %d x %d x %d\n", path.c_str(), mesh.triangles.size(),
-                surface.triangles.size(), grid.size[0], grid.size[1], grid.size[2], double(grid.voxels()), shell.block_size()[0],
-                shell.block_size()[1], shell.block_size()[2]);
-    std::printf("set-up: repair %.3f s, visible surface %.3f s, solid %.3f s, thin features %.3f s, tree %.3f s\n", repair_s, visible_s,
-                solid_s, thin_s, shell_s);
+    std::printf("%s: %zu triangles, %zu visible, %d x %d x %d = %.3g voxels, blocks of %d x %d x %d\n", path.c_str(),
+                mesh.triangles.size(), surface.triangles.size(), grid.size[0], grid.size[1], grid.size[2],
+                double(grid.voxels()), shell.block_size()[0], shell.block_size()[1], shell.block_size()[2]);
+    std::printf("set-up: repair %.3f s, visible surface %.3f s, solid %.3f s, thin features %.3f s, tree %.3f s\n",
+                repair_s, visible_s, solid_s, thin_s, shell_s);
 
     const std::size_t cores = thread_count();
     for (const std::size_t threads : {std::size_t{1}, cores}) {
@@ -90,7 +90,8 @@ int main(int argc, char** argv) {
             for (int bj = 0; bj < shell.block_rows(); ++bj)
                 shell.for_each_block(bj, int(bk), slab, [&](const ShellBlock& b) {
                     ++visited;
-                    for (int r = 0; r < b.size[1] * b.size[2]; ++r) shell_voxels += std::uint64_t(__builtin_popcount(b.shell[r]));
+                    for (int r = 0; r < b.size[1] * b.size[2]; ++r)
+                        shell_voxels += std::uint64_t(__builtin_popcount(b.shell[r]));
                 });
             const double t3 = cpu_seconds();
             body += voxels;
@@ -101,11 +102,13 @@ int main(int argc, char** argv) {
             shell_ns += std::uint64_t((t3 - t2) * 1e9);
         });
         const double wall = seconds() - start;
-        std::printf("%zu threads: %.3f s; body %.4g (%.4g added), shell %.4g voxels in %.4g blocks; solid %.3f core-s, with thin features "
-                    "%.3f core-s, shell %.3f core-s = %.1f ns per shell voxel, %.2f us per block\n",
-                    threads, wall, double(body), double(added), double(in_shell), double(blocks), double(solid_ns) * 1e-9,
-                    double(thin_ns) * 1e-9, double(shell_ns) * 1e-9, double(shell_ns) / double(in_shell),
-                    double(shell_ns) * 1e-3 / double(blocks));
+        std::printf(
+            "%zu threads: %.3f s; body %.4g (%.4g added), shell %.4g voxels in %.4g blocks; solid %.3f core-s, with "
+            "thin features "
+            "%.3f core-s, shell %.3f core-s = %.1f ns per shell voxel, %.2f us per block\n",
+            threads, wall, double(body), double(added), double(in_shell), double(blocks), double(solid_ns) * 1e-9,
+            double(thin_ns) * 1e-9, double(shell_ns) * 1e-9, double(shell_ns) / double(in_shell),
+            double(shell_ns) * 1e-3 / double(blocks));
         if (cores == 1) break;
     }
     rusage usage{};

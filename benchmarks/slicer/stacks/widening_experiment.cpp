@@ -1,19 +1,21 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Five slabs of one albedo and rising width: the experiment of Hasan et al. 2010, Sec. 8.2, with resins of the tree and Monte
-// Carlo in the place of printer and camera (docs/stack-search.md).
+// Five slabs of one albedo and rising width: the experiment of Hasan et al. 2010, Sec. 8.2, with resins of the tree and
+// Monte Carlo in the place of printer and camera (docs/stack-search.md).
 //
 //   widening_experiment [FOLDER [paths, default 262144]]
 //
-// Materials: VeroWhite and VeroBlack (data/resins/vero-opaque.json, green), and a support as the paper's printer has it, clear
-// with white in it: 5 % VeroWhite in a clear resin that does nothing, an ideal mixture. 5 mm at most on black, 64 steps, 6
-// blocks, support at least 0.2 mm below the surface, smooth surface to air, printed layers of 14 um
-// (data/printers/stratasys-j750-hq.json). The weight of the total is 10, as in the paper's Sec. 8.3: the slabs are to look alike.
+// Materials: VeroWhite and VeroBlack (data/resins/vero-opaque.json, green), and a support as the paper's printer has
+// it, clear with white in it: 5 % VeroWhite in a clear resin that does nothing, an ideal mixture. 5 mm at most on
+// black, 64 steps, 6 blocks, support at least 0.2 mm below the surface, smooth surface to air, printed layers of 14 um
+// (data/printers/stratasys-j750-hq.json). The weight of the total is 10, as in the paper's Sec. 8.3: the slabs are to
+// look alike.
 //
-// Targets: the widest is what Monte Carlo sees of 0.2 mm of white upon 4.8 mm of support; the narrowest is 5 mm of white,
-// scaled to the same total; three lie between in even shares. Every stack found is traced anew with other random numbers. Prints
-// the tables as Markdown, the second with every voxel of the printed slabs traced, support as a halftone; FOLDER gets
-// widening.svg (profiles), widening-edge.svg and widening-edge.png (lit evenly and by a sharp edge).
+// Targets: the widest is what Monte Carlo sees of 0.2 mm of white upon 4.8 mm of support; the narrowest is 5 mm of
+// white, scaled to the same total; three lie between in even shares. Every stack found is traced anew with other random
+// numbers. Prints the tables as Markdown, the second with every voxel of the printed slabs traced, support as a
+// halftone; FOLDER gets widening.svg (profiles), widening-edge.svg and widening-edge.png (lit evenly and by a sharp
+// edge).
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -26,11 +28,11 @@
 #include "voxtone/halftone/stacks/stack_design.h"
 #include "voxtone/halftone/stacks/stack_materials.h"
 #include "voxtone/halftone/stacks/widening_targets.h"
+#include "voxtone/io/files/whole_file.h"
 #include "voxtone/io/pictures/picture_writer.h"
 #include "voxtone/io/report/plot_svg.h"
-#include "voxtone/io/files/whole_file.h"
-#include "voxtone/optics/monte_carlo/point_spread.h"
 #include "voxtone/optics/media/resin_volume.h"
+#include "voxtone/optics/monte_carlo/point_spread.h"
 #include "voxtone/optics/profiles/resin_stack.h"
 #include "voxtone/optics/profiles/surfaced_reflection.h"
 #include "voxtone/slicer/stacks/print_boxes.h"
@@ -69,17 +71,19 @@ struct Slab {
     halftone::StackDesign plain, design;  // without and with correction by Monte Carlo
     std::vector<double> plain_seen, seen;
     double seen_error = 0;
-    optics::RingLight rings;  // the same, by distance
+    optics::RingLight rings;   // the same, by distance
     std::vector<double> edge;  // light at `edge_x`
 };
 
 std::string layers_text(const std::vector<halftone::StackLayer>& layers) {
     std::string text;
-    for (const auto& [material, mm] : layers) text += fmt::format("{}{} {:.3f}", text.empty() ? "" : " / ", names[material], mm);
+    for (const auto& [material, mm] : layers)
+        text += fmt::format("{}{} {:.3f}", text.empty() ? "" : " / ", names[material], mm);
     return text;
 }
 
-// Light at x where all of the surface at x < 0 is lit: of a ring of radius r about the point a share acos(x / r) / pi is lit.
+// Light at x where all of the surface at x < 0 is lit: of a ring of radius r about the point a share acos(x / r) / pi
+// is lit.
 double beside_edge(const optics::TracedProfile& profile, double x) {
     double light = 0;
     for (std::size_t ring = 0; ring < profile.R.light.size(); ++ring) {
@@ -89,14 +93,14 @@ double beside_edge(const optics::TracedProfile& profile, double x) {
     return light;
 }
 
-// The slab as it is printed, voxel by voxel (slicer/stacks/print_boxes.h): 24 x 24 mm with mirrors at its sides, light enters evenly over the 4 x 4 mm in
-// the middle, 10 mm from the sides. In contact with black (an ideal ink of 0.056 mm below) or laid on black paper, with a
-// film of air between.
+// The slab as it is printed, voxel by voxel (slicer/stacks/print_boxes.h): 24 x 24 mm with mirrors at its sides, light
+// enters evenly over the 4 x 4 mm in the middle, 10 mm from the sides. In contact with black (an ideal ink of 0.056 mm
+// below) or laid on black paper, with a film of air between.
 struct InVoxels {
     optics::RingLight on_black, on_paper;
 };
-InVoxels seen_in_voxels(const optics::ResinSet& set, const optics::HankelGrid& grid, const std::vector<halftone::StackLayer>& layers,
-                        std::uint32_t paths) {
+InVoxels seen_in_voxels(const optics::ResinSet& set, const optics::HankelGrid& grid,
+                        const std::vector<halftone::StackLayer>& layers, std::uint32_t paths) {
     constexpr double side_mm = 24, entry_mm = 4;
     constexpr int ink_layers = 4;
     optics::ResinSet pure = set;  // W, K, clear, ink
@@ -117,13 +121,15 @@ InVoxels seen_in_voxels(const optics::ResinSet& set, const optics::HankelGrid& g
         }
         const slicer::BoxLayers print(boxes, {side_mm, side_mm, top}, printer.pitch_um, 8);
         const auto [width, depth, height] = print.size();
-        optics::ResinVolumeBuilder builder({int(width), int(depth), int(height)}, {printer.pitch_mm().x(), printer.pitch_mm().y(), printer.pitch_mm().z()});
+        optics::ResinVolumeBuilder builder({int(width), int(depth), int(height)},
+                                           {printer.pitch_mm().x(), printer.pitch_mm().y(), printer.pitch_mm().z()});
         std::vector<optics::Material> voxels(std::size_t{width} * depth);
         for (std::uint32_t k = 0; k < height; ++k) {
             const io::LayerRuns runs = print.layer(k);
             for (std::uint32_t row = 0; row < depth; ++row) {
                 auto voxel = voxels.begin() + std::ptrdiff_t(depth - 1 - row) * std::ptrdiff_t(width);
-                for (const io::Run& run : runs.row(row)) voxel = std::fill_n(voxel, run.length, static_cast<optics::Material>(run.material));
+                for (const io::Run& run : runs.row(row))
+                    voxel = std::fill_n(voxel, run.length, static_cast<optics::Material>(run.material));
             }
             builder.add_layer(voxels);
         }
@@ -147,7 +153,8 @@ constexpr double edge_mm = 5;
 constexpr int edge_samples = 200;
 double edge_x(int i) { return edge_mm * (2.0 * (i + 0.5) / edge_samples - 1); }
 
-// Samples of 10 mm: above under even light, below lit to the left of a sharp edge. Exposed so that the brightest is 0.9.
+// Samples of 10 mm: above under even light, below lit to the left of a sharp edge. Exposed so that the brightest is
+// 0.9.
 io::Picture8 edge_picture(const std::vector<Slab>& slabs) {
     constexpr std::uint32_t side = edge_samples, gap = 10;
     io::LinearPicture picture{gap + (side + gap) * targets, gap + 2 * (side + gap), {}};
@@ -170,13 +177,15 @@ io::Picture8 edge_picture(const std::vector<Slab>& slabs) {
 
 std::string edge_plot(const std::vector<Slab>& slabs) {
     io::Plot plot({-2, edge_mm, false, {-2, -1, 0, 1, 2, 3, 4, 5}, "distance from the edge into the shadow, mm"},
-                  {1e-4, 1, true, {1e-3, 1e-2, 0.1, 1}, "light / light far from the edge"}, "Lit up to a sharp edge", 420, 280);
+                  {1e-4, 1, true, {1e-3, 1e-2, 0.1, 1}, "light / light far from the edge"}, "Lit up to a sharp edge",
+                  420, 280);
     constexpr const char* colours[targets] = {"#08306b", "#2171b5", "#41ab5d", "#fe9929", "#cc4c02"};
     double legend = 0.7;
     for (std::size_t t = 0; t < slabs.size(); ++t) {
         io::Plot::Points points;
         for (int i = 0; i < edge_samples; ++i)
-            if (edge_x(i) > -2) points.emplace_back(edge_x(i), slabs[t].edge[static_cast<std::size_t>(i)] / slabs[t].seen[0]);
+            if (edge_x(i) > -2)
+                points.emplace_back(edge_x(i), slabs[t].edge[static_cast<std::size_t>(i)] / slabs[t].seen[0]);
         plot.line(points, colours[t]);
         plot.label(3, legend,
                    fmt::format("{}{}", t + 1,
@@ -211,7 +220,8 @@ int main(int argc, char** argv) {
     std::vector<halftone::StackMaterial> materials;
     halftone::StackDesignOptions options;
     for (std::size_t m = 0; m < 3; ++m) {
-        const double known[] = {halftone::fitting_known_mm(set.resins[m].medium(0), set.g, options.search.thickness_mm)};
+        const double known[] = {
+            halftone::fitting_known_mm(set.resins[m].medium(0), set.g, options.search.thickness_mm)};
         materials.push_back(halftone::resin_material(set, m, known, grid, tracing));
     }
     options.search.clear_top_mm = {0, 0, 0.2};
@@ -220,7 +230,9 @@ int main(int argc, char** argv) {
     options.rounds = 3;
     options.search.dc_weight = dc_weight;
     const halftone::StackSearch search(materials, options.search);
-    const halftone::StackJudge judge = [&](std::span<const halftone::StackLayer> layers) { return traced(layers, tracing).R; };
+    const halftone::StackJudge judge = [&](std::span<const halftone::StackLayer> layers) {
+        return traced(layers, tracing).R;
+    };
 
     const std::vector<ChannelProfiles> wanted = halftone::widening_targets({narrow}, {wide}, targets);
     std::vector<Slab> slabs(targets);
@@ -234,15 +246,19 @@ int main(int argc, char** argv) {
         slab.seen = light.R[0];
         slab.seen_error = light.R_error[0];
         optics::LayerScene scene{{}, set.g, ends.eta_top, 1};
-        for (const auto& [material, mm] : slab.design.layers) scene.layers.push_back({set.resins[material].medium(0), mm});
+        for (const auto& [material, mm] : slab.design.layers)
+            scene.layers.push_back({set.resins[material].medium(0), mm});
         const optics::TracedProfile profile = optics::trace_layers(scene, grid, checking);
         slab.rings = profile.R;
         for (int i = 0; i < edge_samples; ++i) slab.edge.push_back(beside_edge(profile, edge_x(i)));
     }
 
-    const auto radius = [&](const std::vector<double>& R, double share) { return optics::radius_of_share(grid, R, share); };
+    const auto radius = [&](const std::vector<double>& R, double share) {
+        return optics::radius_of_share(grid, R, share);
+    };
     std::printf(
-        "| slab | layers from the top, mm | R wanted | R | 50 %% within, wanted, mm | 50 %% within | 80 %% within, wanted | 80 "
+        "| slab | layers from the top, mm | R wanted | R | 50 %% within, wanted, mm | 50 %% within | 80 %% within, "
+        "wanted | 80 "
         "%% within | "
         "distance | uncorrected: R | 80 %% within |\n|---|---|---|---|---|---|---|---|---|---|---|\n");
     for (std::size_t t = 0; t < targets; ++t) {
@@ -250,20 +266,26 @@ int main(int argc, char** argv) {
         const ChannelProfiles seen(1, slab.seen);
         std::printf("| %zu | %s | %.4f | %.4f ± %.4f | %.2f | %.2f | %.2f | %.2f | %.4f | %.4f | %.2f |\n", t + 1,
                     layers_text(slab.design.layers).c_str(), slab.wanted[0][0], slab.seen[0], slab.seen_error,
-                    radius(slab.wanted[0], 0.5), radius(slab.seen, 0.5), radius(slab.wanted[0], 0.8), radius(slab.seen, 0.8),
-                    halftone::profile_distance(seen, slab.wanted, dc_weight), slab.plain_seen[0], radius(slab.plain_seen, 0.8));
+                    radius(slab.wanted[0], 0.5), radius(slab.seen, 0.5), radius(slab.wanted[0], 0.8),
+                    radius(slab.seen, 0.8), halftone::profile_distance(seen, slab.wanted, dc_weight),
+                    slab.plain_seen[0], radius(slab.plain_seen, 0.8));
     }
     std::printf(
-        "\n| slab | R in layers | R in voxels | 50 %% within, layers | voxels | 80 %% within, wanted | layers | voxels | on black paper, voxels: R | 50 "
+        "\n| slab | R in layers | R in voxels | 50 %% within, layers | voxels | 80 %% within, wanted | layers | voxels "
+        "| on black paper, voxels: R | 50 "
         "%% within | 80 %% within |\n|---|---|---|---|---|---|---|---|---|---|---|\n");
     const std::vector<double> edges = optics::ring_edges(grid);
     for (std::size_t t = 0; t < targets; ++t) {
         const Slab& slab = slabs[t];
         const InVoxels voxels = seen_in_voxels(set, grid, slab.design.layers, paths);
-        const auto within = [&](const optics::RingLight& light, double share) { return optics::radius_of_share(light, edges, share); };
-        std::printf("| %zu | %.4f ± %.4f | %.4f ± %.4f | %.2f | %.2f | %.2f | %.2f | %.2f | %.4f | %.2f | %.2f |\n", t + 1, slab.seen[0], slab.seen_error,
-                    voxels.on_black.total, voxels.on_black.standard_error, within(slab.rings, 0.5), within(voxels.on_black, 0.5), radius(slab.wanted[0], 0.8),
-                    within(slab.rings, 0.8), within(voxels.on_black, 0.8), voxels.on_paper.total, within(voxels.on_paper, 0.5), within(voxels.on_paper, 0.8));
+        const auto within = [&](const optics::RingLight& light, double share) {
+            return optics::radius_of_share(light, edges, share);
+        };
+        std::printf("| %zu | %.4f ± %.4f | %.4f ± %.4f | %.2f | %.2f | %.2f | %.2f | %.2f | %.4f | %.2f | %.2f |\n",
+                    t + 1, slab.seen[0], slab.seen_error, voxels.on_black.total, voxels.on_black.standard_error,
+                    within(slab.rings, 0.5), within(voxels.on_black, 0.5), radius(slab.wanted[0], 0.8),
+                    within(slab.rings, 0.8), within(voxels.on_black, 0.8), voxels.on_paper.total,
+                    within(voxels.on_paper, 0.5), within(voxels.on_paper, 0.8));
         std::fflush(stdout);
     }
     if (argc < 2) return 0;

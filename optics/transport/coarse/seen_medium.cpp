@@ -10,7 +10,8 @@
 namespace voxtone::optics {
 
 double SeenMedium::fall(const Medium& mean, std::size_t axis) const {
-    constexpr double strength = 0.8;  // fitted to the accuracy suite; 1 would be light that falls and leaves as diffuse light does
+    constexpr double strength =
+        0.8;  // fitted to the accuracy suite; 1 would be light that falls and leaves as diffuse light does
     const double kappa = std::sqrt(3 * mean.sigma_a * (mean.sigma_a + (1 - resins.g) * mean.sigma_s));
     return 2 * strength * kappa * pitch_mm[axis];
 }
@@ -23,7 +24,8 @@ Medium SeenMedium::operator()(const ViewingGrid::Mixture& mixture, std::size_t c
         filled += static_cast<double>(share);
         layers = std::max(layers, layer + 1);
     }
-    for (const auto& [material, layer, share] : mixture.holds) fractions[material - 1u] += static_cast<double>(share) / filled;
+    for (const auto& [material, layer, share] : mixture.holds)
+        fractions[material - 1u] += static_cast<double>(share) / filled;
     Medium medium = halftone(fractions, channel);
     if (layers > 1) {
         const double step = fall(medium, mixture.axis);
@@ -40,8 +42,8 @@ Medium SeenMedium::operator()(const ViewingGrid::Mixture& mixture, std::size_t c
     return {filled * medium.sigma_a, filled * medium.sigma_s};
 }
 
-void SeenMedium::derivatives(const ViewingGrid::Mixture& mixture, std::size_t channel, std::size_t axis, std::size_t layers,
-                             std::span<std::array<double, 2>> out) const {
+void SeenMedium::derivatives(const ViewingGrid::Mixture& mixture, std::size_t channel, std::size_t axis,
+                             std::size_t layers, std::span<std::array<double, 2>> out) const {
     const std::size_t n = resins.resins.size();
     VOXTONE_EXPECT(out.size() == n * layers);
     std::vector<double> fractions(n), by_absorption(n), by_scattering(n);
@@ -57,7 +59,8 @@ void SeenMedium::derivatives(const ViewingGrid::Mixture& mixture, std::size_t ch
     const double step = layered || alone ? fall(halftone(fractions, channel), axis) : 0;
     double all = 0;  // sum of s w
     if (alone) {
-        for (std::size_t l = 0; l < layers; ++l) all += filled / static_cast<double>(layers) * std::exp(-step * static_cast<double>(l));
+        for (std::size_t l = 0; l < layers; ++l)
+            all += filled / static_cast<double>(layers) * std::exp(-step * static_cast<double>(l));
     } else {
         std::fill(fractions.begin(), fractions.end(), 0.0);
         for (const auto& [material, layer, share] : mixture.holds) {

@@ -44,7 +44,8 @@ struct FaceDirections {
             light.in[s].v[d] -= both - across;
         });
     }
-    /// What light has at the middle of a cell beyond phi and J, given what it has on the face; `fade` on the way between.
+    /// What light has at the middle of a cell beyond phi and J, given what it has on the face; `fade` on the way
+    /// between.
     [[nodiscard]] FaceLight rest(const Octet* out, const Octet* in, const Octet& fade) const {
         FaceLight light;
         std::copy_n(out, 4, light.out.begin());
@@ -61,7 +62,8 @@ struct FaceDirections {
 
 }  // namespace
 
-void ViewingTransport::derivatives(const ViewingField& forward, std::span<float> by_sigma_t, std::span<float> by_sigma_s) {
+void ViewingTransport::derivatives(const ViewingField& forward, std::span<float> by_sigma_t,
+                                   std::span<float> by_sigma_s) {
     VOXTONE_EXPECT(scale_ > 0 && forward.scale == 0 && forward.cells.size() == source_.size());
     const auto linear = static_cast<float>(grid_.directions.linear);
     const float V = volume_ * scale_;
@@ -72,7 +74,8 @@ void ViewingTransport::derivatives(const ViewingField& forward, std::span<float>
             const Moments a = moments_of(forward.cells[cell]);
             const Moments& b = source_[cell];  // sigma_s phi and 3 g' sigma_s J
             const float share = 1 / media_->cells[grid_.medium[cell]].sigma_s;
-            const float phi2 = a.phi * b.phi * share, J2 = linear != 0 ? (a.x * b.x + a.y * b.y + a.z * b.z) * share / (3 * linear) : 0;
+            const float phi2 = a.phi * b.phi * share,
+                        J2 = linear != 0 ? (a.x * b.x + a.y * b.y + a.z * b.z) * share / (3 * linear) : 0;
             by_sigma_t[cell] = -V * (phi2 - 3 * J2);
             by_sigma_s[cell] = V * (phi2 - 3 * linear * J2);
         }
@@ -90,14 +93,17 @@ void ViewingTransport::derivatives(const ViewingField& forward, std::span<float>
             const OuterFace& face = grid_.faces[f];
             if (face.kind == FaceKind::core || face.kind == FaceKind::mirror) continue;
             const std::size_t axis = static_cast<std::size_t>(face.facing) / 2;
-            const FaceDirections directions{set.weight, set.cosine[axis], set.cosine[axis == 0 ? 1 : 0], set.cosine[axis == 2 ? 1 : 2]};
+            const FaceDirections directions{set.weight, set.cosine[axis], set.cosine[axis == 0 ? 1 : 0],
+                                            set.cosine[axis == 2 ? 1 : 2]};
             const float depth = 0.5f * edge_[axis] * media_->cells[grid_.medium[face.cell]].sigma_t;
             Octet fade;
             for (std::size_t d = 0; d < 8; ++d) fade.v[d] = std::exp(-depth / directions.normal.v[d]);
             const std::size_t at = 4 * std::size_t{viewing_.place_of_face[f]};
-            const FaceLight a = directions.rest(&out_[at], &in_[at], fade), b = directions.rest(&out[at], &in[at], fade);
+            const FaceLight a = directions.rest(&out_[at], &in_[at], fade),
+                            b = directions.rest(&out[at], &in[at], fade);
             FaceDirections::each([&](std::size_t s, std::size_t d) {
-                sum[face.cell % 64] += set.weight.v[d] * (a.out[s].v[d] * b.in[s ^ 3].v[d] + a.in[s].v[d] * b.out[s ^ 3].v[d]);
+                sum[face.cell % 64] +=
+                    set.weight.v[d] * (a.out[s].v[d] * b.in[s ^ 3].v[d] + a.in[s].v[d] * b.out[s ^ 3].v[d]);
             });
             faces[face.cell % 64] += 1;
         }

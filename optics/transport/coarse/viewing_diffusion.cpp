@@ -17,9 +17,12 @@ template <int n>
 constexpr int on_side(std::size_t f, int i, int j) {
     const int end = f % 2 ? n - 1 : 0;
     switch (f / 2) {
-        case 0: return (j * n + i) * n + end;
-        case 1: return (j * n + end) * n + i;
-        default: return (end * n + j) * n + i;
+        case 0:
+            return (j * n + i) * n + end;
+        case 1:
+            return (j * n + end) * n + i;
+        default:
+            return (end * n + j) * n + i;
     }
 }
 
@@ -43,15 +46,20 @@ struct Patch {
 
 /// The ring of values beyond side f.
 template <int n, std::size_t f, class CellValue, class CoreValue>
-void gather_side(Patch<n>& patch, std::int32_t neighbour, std::int32_t side_of, std::span<const ViewingDiffusion::CoreSide> sides,
-                 const CellValue& of_cell, const CoreValue& of_core) {
+void gather_side(Patch<n>& patch, std::int32_t neighbour, std::int32_t side_of,
+                 std::span<const ViewingDiffusion::CoreSide> sides, const CellValue& of_cell,
+                 const CoreValue& of_core) {
     constexpr int m = n + 2, all = n * n * n;
-    constexpr int u = f / 2 == 0 ? m : 1, v = f / 2 == 2 ? m : m * m, out = f / 2 == 0 ? 1 : f / 2 == 1 ? m : m * m;  // steps in the patch
+    constexpr int u = f / 2 == 0 ? m : 1, v = f / 2 == 2 ? m : m * m,
+                  out = f / 2 == 0   ? 1
+                        : f / 2 == 1 ? m
+                                     : m * m;  // steps in the patch
     float* const to = patch.x + 1 + m + m * m + (f % 2 ? n * out : -out);
     if (neighbour >= 0) {
         const std::size_t first = static_cast<std::size_t>(neighbour) * all;
         for (int j = 0; j < n; ++j)
-            for (int i = 0; i < n; ++i) to[j * v + i * u] = of_cell(first + static_cast<std::size_t>(on_side<n>(f ^ 1, i, j)));
+            for (int i = 0; i < n; ++i)
+                to[j * v + i * u] = of_cell(first + static_cast<std::size_t>(on_side<n>(f ^ 1, i, j)));
     } else {
         const float value = side_of >= 0 ? of_core(sides[static_cast<std::size_t>(side_of)].core) : 0;
         for (int j = 0; j < n; ++j)
@@ -59,15 +67,18 @@ void gather_side(Patch<n>& patch, std::int32_t neighbour, std::int32_t side_of, 
     }
 }
 
-/// Values of block t's cells in the middle of (n + 2)^3, those of its neighbours' cells around: what the block borders on,
-/// 0 where there is nothing. Edges and corners are left as they are.
+/// Values of block t's cells in the middle of (n + 2)^3, those of its neighbours' cells around: what the block borders
+/// on, 0 where there is nothing. Edges and corners are left as they are.
 template <int n, class CellValue, class CoreValue>
-void gather(Patch<n>& patch, std::size_t t, const std::array<std::int32_t, 6>& neighbour, const std::array<std::int32_t, 6>& side_of,
-            std::span<const ViewingDiffusion::CoreSide> sides, const CellValue& of_cell, const CoreValue& of_core) {
+void gather(Patch<n>& patch, std::size_t t, const std::array<std::int32_t, 6>& neighbour,
+            const std::array<std::int32_t, 6>& side_of, std::span<const ViewingDiffusion::CoreSide> sides,
+            const CellValue& of_cell, const CoreValue& of_core) {
     constexpr int m = n + 2, all = n * n * n;
     for (int k = 0; k < n; ++k)
         for (int j = 0; j < n; ++j)
-            for (int i = 0; i < n; ++i) patch.x[((k + 1) * m + j + 1) * m + i + 1] = of_cell(t * all + static_cast<std::size_t>((k * n + j) * n + i));
+            for (int i = 0; i < n; ++i)
+                patch.x[((k + 1) * m + j + 1) * m + i + 1] =
+                    of_cell(t * all + static_cast<std::size_t>((k * n + j) * n + i));
     gather_side<n, 0>(patch, neighbour[0], side_of[0], sides, of_cell, of_core);
     gather_side<n, 1>(patch, neighbour[1], side_of[1], sides, of_cell, of_core);
     gather_side<n, 2>(patch, neighbour[2], side_of[2], sides, of_cell, of_core);
@@ -112,14 +123,23 @@ struct Row {
     /// The row (j, k).
     template <class Low>
     Row(const BlockStencil<n>& s, const Low& low, int j, int k)
-        : at((k * n + j) * n), x(load<n>(s.x + at)), y(load<n>(s.y + at)), z(load<n>(s.z + at)), low_x(V{} + low.x[k * n + j]),
-          low_y(load<n>(j > 0 ? s.y + at - n : low.y + k * n)), low_z(load<n>(k > 0 ? s.z + at - n * n : low.z + j * n)), inverse(load<n>(s.inverse + at)) {
-        if constexpr (n == 4) low_x = __builtin_shuffle(low_x, x, Places4{0, 4, 5, 6});
-        else low_x[1] = x[0];
+        : at((k * n + j) * n),
+          x(load<n>(s.x + at)),
+          y(load<n>(s.y + at)),
+          z(load<n>(s.z + at)),
+          low_x(V{} + low.x[k * n + j]),
+          low_y(load<n>(j > 0 ? s.y + at - n : low.y + k * n)),
+          low_z(load<n>(k > 0 ? s.z + at - n * n : low.z + j * n)),
+          inverse(load<n>(s.inverse + at)) {
+        if constexpr (n == 4)
+            low_x = __builtin_shuffle(low_x, x, Places4{0, 4, 5, 6});
+        else
+            low_x[1] = x[0];
     }
     /// What flows in from the neighbours along y and z; `here`: the row's values in a patch.
     [[nodiscard]] V across(const float* here) const {
-        return low_y * load<n>(here - m) + y * load<n>(here + m) + low_z * load<n>(here - m * m) + z * load<n>(here + m * m);
+        return low_y * load<n>(here - m) + y * load<n>(here + m) + low_z * load<n>(here - m * m) +
+               z * load<n>(here + m * m);
     }
     [[nodiscard]] V along(const float* here) const { return low_x * load<n>(here - 1) + x * load<n>(here + 1); }
     /// A x, where there is an equation.
@@ -169,17 +189,20 @@ ViewingDiffusion::ViewingDiffusion(const ViewingGrid& viewing) : grid_(viewing) 
     std::vector<DiffusionPlan::Contact> pairs;
     for (std::size_t t = 0; t < n; ++t) {
         const GridBlock& block = grid.blocks[grid.transport_blocks[t]];
-        parity_[static_cast<std::size_t>((block.at[0] + block.at[1] + block.at[2]) & 1)].push_back(static_cast<std::uint32_t>(t));
+        parity_[static_cast<std::size_t>((block.at[0] + block.at[1] + block.at[2]) & 1)].push_back(
+            static_cast<std::uint32_t>(t));
         for (std::size_t f = 0; f < 6; ++f) {
             neighbour_[t][f] = side_of_[t][f] = -1;
             if (block.neighbour[f] < 0) continue;
             const auto other = static_cast<std::size_t>(block.neighbour[f]);
             if (place[other] >= 0) {
                 neighbour_[t][f] = place[other];
-                if (f % 2 == 1) pairs.push_back({static_cast<std::uint32_t>(t), static_cast<std::uint32_t>(place[other])});
+                if (f % 2 == 1)
+                    pairs.push_back({static_cast<std::uint32_t>(t), static_cast<std::uint32_t>(place[other])});
             } else {
                 side_of_[t][f] = static_cast<std::int32_t>(sides_.size());
-                sides_.push_back({static_cast<std::uint32_t>(t), grid.blocks[other].first_node, static_cast<std::uint8_t>(f)});
+                sides_.push_back(
+                    {static_cast<std::uint32_t>(t), grid.blocks[other].first_node, static_cast<std::uint8_t>(f)});
             }
         }
     }
@@ -189,14 +212,16 @@ ViewingDiffusion::ViewingDiffusion(const ViewingGrid& viewing) : grid_(viewing) 
         for (std::size_t a = 0; a < 3; ++a) {
             const std::int32_t other = grid.blocks[b].neighbour[2 * a + 1];
             if (other < 0 || grid.blocks[static_cast<std::size_t>(other)].kind != BlockKind::core) continue;
-            contacts_.push_back({grid.blocks[b].first_node, grid.blocks[static_cast<std::size_t>(other)].first_node, static_cast<std::uint8_t>(a)});
+            contacts_.push_back({grid.blocks[b].first_node, grid.blocks[static_cast<std::size_t>(other)].first_node,
+                                 static_cast<std::uint8_t>(a)});
             pairs.push_back({blocks + contacts_.back().a, blocks + contacts_.back().b});
         }
     std::vector<std::array<float, 3>> centre;
     centre.reserve(n + viewing.core_block.size());
     const auto middle = [&](std::uint32_t b) {
         const auto& at = grid.blocks[b].at;
-        return std::array<float, 3>{static_cast<float>(at[0]) + 0.5f, static_cast<float>(at[1]) + 0.5f, static_cast<float>(at[2]) + 0.5f};
+        return std::array<float, 3>{static_cast<float>(at[0]) + 0.5f, static_cast<float>(at[1]) + 0.5f,
+                                    static_cast<float>(at[2]) + 0.5f};
     };
     for (const std::uint32_t b : grid.transport_blocks) centre.push_back(middle(b));
     for (const std::uint32_t b : viewing.core_block) centre.push_back(middle(b));
@@ -217,8 +242,9 @@ ViewingDiffusion::ViewingDiffusion(const ViewingGrid& viewing) : grid_(viewing) 
     b2_.resize(n + cores);
 }
 
-void ViewingDiffusion::prepare(std::span<const float> D_of_medium, std::span<const float> D_of_core, std::span<const float> cell_loss,
-                               std::span<const float> core_loss, std::span<BlockStencil<4>> blocks) {
+void ViewingDiffusion::prepare(std::span<const float> D_of_medium, std::span<const float> D_of_core,
+                               std::span<const float> cell_loss, std::span<const float> core_loss,
+                               std::span<BlockStencil<4>> blocks) {
     const OpticalGrid& grid = grid_.grid;
     const std::size_t n = grid.transport_blocks.size();
     VOXTONE_EXPECT(blocks.size() == n);
@@ -252,8 +278,10 @@ void ViewingDiffusion::prepare(std::span<const float> D_of_medium, std::span<con
                 for (int i = 0; i < 4; ++i) {
                     const int place = on_side<4>(f, i, j);
                     side[4 * j + i] = side_contact(f / 2, D_at(64 * t + static_cast<std::size_t>(place)), beyond);
-                    if (f % 2) own[f / 2][place] = side[4 * j + i];
-                    else lower[f / 2][4 * j + i] = side[4 * j + i];
+                    if (f % 2)
+                        own[f / 2][place] = side[4 * j + i];
+                    else
+                        lower[f / 2][4 * j + i] = side[4 * j + i];
                 }
         }
         find_diagonal<4>(block, low, cell_loss.data() + 64 * t);
@@ -276,7 +304,9 @@ void ViewingDiffusion::prepare(std::span<const float> D_of_medium, std::span<con
                                 if (b == 1) y += cells.y[at];
                                 if (c == 1) z += cells.z[at];
                             }
-                    const auto ratio = [&](std::size_t axis, bool last) { return last && side_of_[t][2 * axis + 1] >= 0 ? 2.5f / 3 : 0.5f; };
+                    const auto ratio = [&](std::size_t axis, bool last) {
+                        return last && side_of_[t][2 * axis + 1] >= 0 ? 2.5f / 3 : 0.5f;
+                    };
                     const int at = (k * 2 + j) * 2 + i;
                     to.x[at] = x * ratio(0, i == 1);
                     to.y[at] = y * ratio(1, j == 1);
@@ -289,7 +319,8 @@ void ViewingDiffusion::prepare(std::span<const float> D_of_medium, std::span<con
             for (int i = 0; i < 2; ++i) {
                 float sum = 0;
                 for (int b = 0; b < 2; ++b)
-                    for (int a = 0; a < 2; ++a) sum += fine_side_[16 * s + static_cast<std::size_t>(4 * (2 * j + b) + 2 * i + a)];
+                    for (int a = 0; a < 2; ++a)
+                        sum += fine_side_[16 * s + static_cast<std::size_t>(4 * (2 * j + b) + 2 * i + a)];
                 middle_side_[4 * s + static_cast<std::size_t>(2 * j + i)] = sum * (2.5f / 3);
             }
     parallel_for(0, n, stencils_per_task, [&](std::size_t t) {
@@ -297,9 +328,12 @@ void ViewingDiffusion::prepare(std::span<const float> D_of_medium, std::span<con
         const auto take = [&](std::size_t f, float* to, auto of_block) {
             for (int j = 0; j < 2; ++j)
                 for (int i = 0; i < 2; ++i)
-                    to[2 * j + i] = neighbour_[t][f] >= 0 ? of_block(middle_[static_cast<std::size_t>(neighbour_[t][f])])[on_side<2>(f ^ 1, i, j)]
-                                    : side_of_[t][f] >= 0 ? middle_side_[4 * static_cast<std::size_t>(side_of_[t][f]) + static_cast<std::size_t>(2 * j + i)]
-                                                          : 0;
+                    to[2 * j + i] =
+                        neighbour_[t][f] >= 0
+                            ? of_block(middle_[static_cast<std::size_t>(neighbour_[t][f])])[on_side<2>(f ^ 1, i, j)]
+                        : side_of_[t][f] >= 0 ? middle_side_[4 * static_cast<std::size_t>(side_of_[t][f]) +
+                                                             static_cast<std::size_t>(2 * j + i)]
+                                              : 0;
         };
         take(0, low.x, [](const BlockStencil<2>& b) { return b.x; });
         take(2, low.y, [](const BlockStencil<2>& b) { return b.y; });
@@ -336,7 +370,8 @@ void ViewingDiffusion::prepare(std::span<const float> D_of_medium, std::span<con
 }
 
 template <int n>
-void ViewingDiffusion::relax(const Level<n>& level, std::span<const float> b, std::span<float> x, std::span<const float> core_x, bool back) const {
+void ViewingDiffusion::relax(const Level<n>& level, std::span<const float> b, std::span<float> x,
+                             std::span<const float> core_x, bool back) const {
     constexpr int all = n * n * n;
     using OneRow = Row<n>;
     const At values{x.data()}, core_values{core_x.data()};
@@ -350,8 +385,11 @@ void ViewingDiffusion::relax(const Level<n>& level, std::span<const float> b, st
             const auto one = [&](int j, int k) {
                 const OneRow row(level.block[t], level.low[t], j, k);
                 float* const here = row_of(patch, j, k);
-                // The way along the row, where each cell waits for the one before, is one multiplication and one addition long.
-                const Floats<n> known = (load<n>(right + row.at) + row.across(here) + (back ? row.low_x * load<n>(here - 1) : row.x * load<n>(here + 1))) * row.inverse;
+                // The way along the row, where each cell waits for the one before, is one multiplication and one
+                // addition long.
+                const Floats<n> known = (load<n>(right + row.at) + row.across(here) +
+                                         (back ? row.low_x * load<n>(here - 1) : row.x * load<n>(here + 1))) *
+                                        row.inverse;
                 const Floats<n> pass = (back ? row.x : row.low_x) * row.inverse;
                 Floats<n> now;
                 float last = back ? here[n] : here[-1];
@@ -378,7 +416,8 @@ void ViewingDiffusion::relax(const Level<n>& level, std::span<const float> b, st
 
 /// Calls body(core node, flow out of it) for every contact of a core node.
 template <int n, class Body>
-void ViewingDiffusion::for_core_flows(const Level<n>& level, std::span<const float> x, std::span<const float> core_x, Body&& body) const {
+void ViewingDiffusion::for_core_flows(const Level<n>& level, std::span<const float> x, std::span<const float> core_x,
+                                      Body&& body) const {
     constexpr int all = n * n * n;
     for (std::size_t i = 0; i < contacts_.size(); ++i) {
         const CoreContact& c = contacts_[i];
@@ -392,15 +431,17 @@ void ViewingDiffusion::for_core_flows(const Level<n>& level, std::span<const flo
         for (int v = 0; v < n; ++v)
             for (int u = 0; u < n; ++u)
                 sum += level.side[i * n * n + static_cast<std::size_t>(v * n + u)] *
-                       (x[std::size_t{side.block} * all + static_cast<std::size_t>(on_side<n>(side.facing, u, v))] - core_x[side.core]);
+                       (x[std::size_t{side.block} * all + static_cast<std::size_t>(on_side<n>(side.facing, u, v))] -
+                        core_x[side.core]);
         body(side.core, -sum);
     }
 }
 
 /// Residuals, summed over 2 x 2 x 2 cells.
 template <int n>
-void ViewingDiffusion::restrict_to(const Level<n>& level, std::span<const float> b, std::span<const float> x, std::span<const float> core_x,
-                                   std::span<const float> core_b, std::span<float> coarse_b, std::span<float> coarse_core_b) const {
+void ViewingDiffusion::restrict_to(const Level<n>& level, std::span<const float> b, std::span<const float> x,
+                                   std::span<const float> core_x, std::span<const float> core_b,
+                                   std::span<float> coarse_b, std::span<float> coarse_core_b) const {
     constexpr int all = n * n * n, half = n / 2;
     const At values{x.data()}, core_values{core_x.data()};
     parallel_for(0, neighbour_.size(), stencils_per_task, [&](std::size_t t) {
@@ -415,7 +456,8 @@ void ViewingDiffusion::restrict_to(const Level<n>& level, std::span<const float>
                 const Floats<n> r = (row.inverse > 0 ? load<n>(right + row.at) : Floats<n>{}) - row.apply(here);
                 for (int i = 0; i < n; ++i) sum[((k / 2) * half + j / 2) * half + i / 2] += r[i];
             }
-        for (int i = 0; i < half * half * half; ++i) coarse_b[t * half * half * half + static_cast<std::size_t>(i)] = sum[i];
+        for (int i = 0; i < half * half * half; ++i)
+            coarse_b[t * half * half * half + static_cast<std::size_t>(i)] = sum[i];
     });
     for (std::size_t i = 0; i < core_b.size(); ++i) coarse_core_b[i] = core_b[i] - core_loss_[i] * core_x[i];
     for_core_flows(level, x, core_x, [&](std::uint32_t core, float flow) { coarse_core_b[core] -= flow; });
@@ -432,7 +474,8 @@ void ViewingDiffusion::cycle(Vector b, Vector x) {
     std::fill(x1_.begin(), x1_.end(), 0.0f);
     std::fill(core_x1_.begin(), core_x1_.end(), 0.0f);
     relax(middle, std::span<const float>(b1_), x1_, core_x1_, false);
-    restrict_to(middle, std::span<const float>(b1_), x1_, core_x1_, core_b1_, std::span(b2_).first(n), std::span(b2_).subspan(n));
+    restrict_to(middle, std::span<const float>(b1_), x1_, core_x1_, core_b1_, std::span(b2_).first(n),
+                std::span(b2_).subspan(n));
     blocks_->precondition(b2_, x2_);
     for (std::size_t i = 0; i < cores; ++i) core_x1_[i] = x2_[n + i];
     for (std::size_t i = 0; i < 8 * n; ++i)
@@ -441,7 +484,8 @@ void ViewingDiffusion::cycle(Vector b, Vector x) {
     std::copy(core_x1_.begin(), core_x1_.end(), x.core.begin());
     parallel_for(0, n, stencils_per_task, [&](std::size_t t) {
         for (std::size_t place = 0; place < 64; ++place)
-            x.cells[64 * t + place] += fine_[t].inverse[place] > 0 ? x1_[8 * t + (place / 32 * 2 + place / 8 % 2) * 2 + place / 2 % 2] : 0;
+            x.cells[64 * t + place] +=
+                fine_[t].inverse[place] > 0 ? x1_[8 * t + (place / 32 * 2 + place / 8 % 2) * 2 + place / 2 % 2] : 0;
     });
     relax(fine, b.cells, x.cells, x.core, true);
 }
@@ -464,11 +508,14 @@ void ViewingDiffusion::apply(Vector x, Vector out) const {
     for_core_flows(fine, x.cells, x.core, [&](std::uint32_t core, float flow) { out.core[core] += flow; });
 }
 
-ViewingDiffusion::Flows ViewingDiffusion::flows(std::size_t t, std::span<const float> D_of_medium, std::span<const float> D_of_core, Vector x) const {
+ViewingDiffusion::Flows ViewingDiffusion::flows(std::size_t t, std::span<const float> D_of_medium,
+                                                std::span<const float> D_of_core, Vector x) const {
     constexpr int m = 6;
     const OpticalGrid& grid = grid_.grid;
     Patch<4> D, value;
-    gather<4>(D, t, neighbour_[t], side_of_[t], sides_, [&](std::size_t cell) { return D_of_medium[grid.medium[cell]]; }, [](std::uint32_t) { return 0.0f; });
+    gather<4>(
+        D, t, neighbour_[t], side_of_[t], sides_, [&](std::size_t cell) { return D_of_medium[grid.medium[cell]]; },
+        [](std::uint32_t) { return 0.0f; });
     gather<4>(value, t, neighbour_[t], side_of_[t], sides_, At{x.cells.data()}, At{x.core.data()});
     Flows sum;
     for (int k = 0; k < 4; ++k)
@@ -489,7 +536,8 @@ ViewingDiffusion::Flows ViewingDiffusion::flows(std::size_t t, std::span<const f
         for (int j = 0; j < 4; ++j)
             for (int i = 0; i < 4; ++i) {
                 const auto place = static_cast<std::size_t>(on_side<4>(f, i, j)), cell = 64 * t + place;
-                sum[f / 2][place] += sign * (side_contact(f / 2, D_of_medium[grid.medium[cell]], beyond) * (x.cells[cell] - x.core[core]));
+                sum[f / 2][place] += sign * (side_contact(f / 2, D_of_medium[grid.medium[cell]], beyond) *
+                                             (x.cells[cell] - x.core[core]));
             }
     }
     return sum;
@@ -504,7 +552,8 @@ double dot(const ViewingDiffusion::Vector& a, const ViewingDiffusion::Vector& b)
     std::vector<double> part((n + range - 1) / range, 0.0);
     parallel_for(0, part.size(), 1, [&](std::size_t r) {
         double sum = 0;
-        for (std::size_t i = r * range; i < std::min(n, (r + 1) * range); ++i) sum += static_cast<double>(a.cells[i] * b.cells[i]);
+        for (std::size_t i = r * range; i < std::min(n, (r + 1) * range); ++i)
+            sum += static_cast<double>(a.cells[i] * b.cells[i]);
         part[r] = sum;
     });
     double sum = 0;
@@ -557,9 +606,10 @@ int ViewingDiffusion::solve(Vector x, Vector residual, Vector p, Vector z, doubl
 
 std::size_t ViewingDiffusion::memory_bytes() const {
     const auto of = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
-    return of(neighbour_) + of(side_of_) + of(parity_[0]) + of(parity_[1]) + of(sides_) + of(contacts_) + of(middle_) + of(fine_low_) + of(middle_low_) + of(fine_side_) +
-           of(middle_side_) + of(core_conductance_) + of(core_loss_) + of(middle_loss_) + of(x1_) + of(b1_) + of(core_x1_) + of(core_b1_) +
-           of(x2_) + of(b2_) + plan_->memory_bytes() + (blocks_ ? blocks_->memory_bytes() : 0);
+    return of(neighbour_) + of(side_of_) + of(parity_[0]) + of(parity_[1]) + of(sides_) + of(contacts_) + of(middle_) +
+           of(fine_low_) + of(middle_low_) + of(fine_side_) + of(middle_side_) + of(core_conductance_) +
+           of(core_loss_) + of(middle_loss_) + of(x1_) + of(b1_) + of(core_x1_) + of(core_b1_) + of(x2_) + of(b2_) +
+           plan_->memory_bytes() + (blocks_ ? blocks_->memory_bytes() : 0);
 }
 
 }  // namespace voxtone::optics

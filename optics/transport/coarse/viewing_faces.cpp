@@ -27,7 +27,8 @@ ViewingGrid::Seen ViewingGrid::see(const Surface& surface) const {
         Place home{};
         for (std::size_t a = 0; a < 3; ++a) {
             // Half a hair inside, so that faces of a cell that is met exactly are its own.
-            const double at = static_cast<double>(cell.centre_mm[a]) / grid.pitch_mm[a] - 1e-3 * static_cast<double>(cell.normal[a]);
+            const double at =
+                static_cast<double>(cell.centre_mm[a]) / grid.pitch_mm[a] - 1e-3 * static_cast<double>(cell.normal[a]);
             home[a] = (static_cast<int>(std::floor(at)) + grid.shift_voxels[a]) / grid.options.view_voxels[a];
         }
         const auto distance2 = [&](const Place& at, int facing) {
@@ -40,7 +41,8 @@ ViewingGrid::Seen ViewingGrid::see(const Surface& surface) const {
             return sum;
         };
         // On a slanting surface the light of the steps near by, so that a picture does not show them.
-        const bool slanting = std::max({std::abs(cell.normal[0]), std::abs(cell.normal[1]), std::abs(cell.normal[2])}) < 0.999f;
+        const bool slanting =
+            std::max({std::abs(cell.normal[0]), std::abs(cell.normal[1]), std::abs(cell.normal[2])}) < 0.999f;
         constexpr double blur = 0.05;  // mm
         if (slanting) {
             near.clear();
@@ -65,7 +67,8 @@ ViewingGrid::Seen ViewingGrid::see(const Surface& surface) const {
                     const double share = weight / weights[facing];
                     if (share < 0.01) continue;
                     seen.face.push_back(f);
-                    seen.share.push_back(static_cast<float>(share * area[facing] / static_cast<double>(grid.faces[f].area_mm2)));
+                    seen.share.push_back(
+                        static_cast<float>(share * area[facing] / static_cast<double>(grid.faces[f].area_mm2)));
                 }
                 seen.first.push_back(static_cast<std::uint32_t>(seen.face.size()));
                 seen.cell.push_back(grid.faces[near[0].first].cell);
@@ -112,7 +115,8 @@ ViewingGrid::Seen ViewingGrid::see(const Surface& surface) const {
             const std::int64_t face = found[f] >= 0 ? found[f] : any;
             if (face < 0) continue;
             seen.face.push_back(static_cast<std::uint32_t>(face));
-            seen.share.push_back(static_cast<float>(area[f] / static_cast<double>(grid.faces[static_cast<std::size_t>(face)].area_mm2)));
+            seen.share.push_back(
+                static_cast<float>(area[f] / static_cast<double>(grid.faces[static_cast<std::size_t>(face)].area_mm2)));
         }
         seen.first.push_back(static_cast<std::uint32_t>(seen.face.size()));
         seen.cell.push_back(solid < 0 ? 0xffffffffu : static_cast<std::uint32_t>(solid));

@@ -11,7 +11,9 @@
 namespace voxtone::optics {
 namespace {
 
-std::uint16_t upper_half(float v) { return static_cast<std::uint16_t>((std::bit_cast<std::uint32_t>(v) + 0x8000u) >> 16); }
+std::uint16_t upper_half(float v) {
+    return static_cast<std::uint16_t>((std::bit_cast<std::uint32_t>(v) + 0x8000u) >> 16);
+}
 float from_upper_half(std::uint16_t v) { return std::bit_cast<float>(std::uint32_t{v} << 16); }
 
 using Pair = std::array<double, 2>;
@@ -22,7 +24,9 @@ std::array<Pair, 2> medium_derivatives(const TransportMedia& media_of, const Med
     const double step = 1e-3 * std::max(middle.sigma_t(), 1e-3);
     std::array<Pair, 2> out{};
     for (std::size_t k = 0; k < 2; ++k) {
-        const auto moved = [&](double s) { return media_of.exact({middle.sigma_a + (k == 0 ? s : 0), middle.sigma_s + (k == 1 ? s : 0)}); };
+        const auto moved = [&](double s) {
+            return media_of.exact({middle.sigma_a + (k == 0 ? s : 0), middle.sigma_s + (k == 1 ? s : 0)});
+        };
         const double down = std::min(step, k == 0 ? middle.sigma_a : middle.sigma_s);
         const Pair ahead = moved(step), behind = moved(-down);
         for (std::size_t i = 0; i < 2; ++i) out[k][i] = (ahead[i] - behind[i]) / (step + down);
@@ -33,13 +37,18 @@ std::array<Pair, 2> medium_derivatives(const TransportMedia& media_of, const Med
 }  // namespace
 
 ViewingGradient::ViewingGradient(const ViewingGrid& grid, const SeenMedium& seen, std::size_t channels)
-    : grid_(grid), resins_(seen.resins.resins.size()), channels_(channels), by_medium_(grid.cells() * channels), first_row_(grid.mixtures.size()) {
+    : grid_(grid),
+      resins_(seen.resins.resins.size()),
+      channels_(channels),
+      by_medium_(grid.cells() * channels),
+      first_row_(grid.mixtures.size()) {
     const auto& view = grid.grid.options.view_voxels;
     std::uint32_t rows = 0;
     for (std::size_t m = 1; m < grid.mixtures.size(); ++m) {
         const bool one = grid.mixtures[m].holds.size() == 1;
         first_row_[m] = rows | (one ? alone : 0);
-        rows += static_cast<std::uint32_t>(one ? view[0] + view[1] + view[2] : *std::max_element(view.begin(), view.end()));
+        rows +=
+            static_cast<std::uint32_t>(one ? view[0] + view[1] + view[2] : *std::max_element(view.begin(), view.end()));
     }
     table_.resize(rows * resins_ * channels);
 }
@@ -48,11 +57,12 @@ std::size_t ViewingGradient::row(std::size_t mixture, const ViewingGrid::Home& h
     const std::uint32_t first = first_row_[mixture];
     if (!(first & alone)) return first + std::size_t{home.layer};
     const auto& view = grid_.grid.options.view_voxels;
-    return (first & ~alone) + static_cast<std::size_t>((home.axis > 0 ? view[0] : 0) + (home.axis > 1 ? view[1] : 0)) + home.layer;
+    return (first & ~alone) + static_cast<std::size_t>((home.axis > 0 ? view[0] : 0) + (home.axis > 1 ? view[1] : 0)) +
+           home.layer;
 }
 
-void ViewingGradient::add(std::size_t channel, const TransportMedia& media_of, const SeenMedium& seen, std::span<const float> by_sigma_t,
-                          std::span<const float> by_sigma_s) {
+void ViewingGradient::add(std::size_t channel, const TransportMedia& media_of, const SeenMedium& seen,
+                          std::span<const float> by_sigma_t, std::span<const float> by_sigma_s) {
     VOXTONE_EXPECT(by_sigma_t.size() == grid_.cells() && by_sigma_s.size() == grid_.cells());
     parallel_ranges(0, grid_.cells(), 1 << 14, [&](std::size_t begin, std::size_t end) {
         for (std::size_t cell = begin; cell < end; ++cell)
@@ -68,11 +78,13 @@ void ViewingGradient::add(std::size_t channel, const TransportMedia& media_of, c
             const bool one = first_row_[m] & alone;
             for (std::size_t axis = one ? 0 : mixture.axis; axis < (one ? 3 : mixture.axis + 1u); ++axis) {
                 // Mixtures in eighths, which know no layers, may be met along any axis.
-                const auto layers = static_cast<std::size_t>(one ? view[axis] : *std::max_element(view.begin(), view.end()));
+                const auto layers =
+                    static_cast<std::size_t>(one ? view[axis] : *std::max_element(view.begin(), view.end()));
                 by_share.resize(layers * resins_);
                 seen.derivatives(mixture, channel, axis, layers, by_share);
                 for (const auto& [a, s] : by_share) {
-                    table_[at] = {static_cast<float>(by[0][0] * a + by[1][0] * s), static_cast<float>(by[0][1] * a + by[1][1] * s)};
+                    table_[at] = {static_cast<float>(by[0][0] * a + by[1][0] * s),
+                                  static_cast<float>(by[0][1] * a + by[1][1] * s)};
                     at += channels_;
                 }
             }
@@ -93,7 +105,8 @@ void ViewingGradient::take(const std::array<int, 3>& voxel, std::size_t first_re
     for (float& to : out) {
         float sum = 0;
         for (std::size_t c = 0; c < channels_; ++c, ++by_share)
-            sum += from_upper_half(by_medium[c][0]) * (*by_share)[0] + from_upper_half(by_medium[c][1]) * (*by_share)[1];
+            sum +=
+                from_upper_half(by_medium[c][0]) * (*by_share)[0] + from_upper_half(by_medium[c][1]) * (*by_share)[1];
         to = home.share * sum;
     }
 }

@@ -8,8 +8,8 @@
 
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/parallel.h"
-#include "voxtone/optics/transport/transport_sweep.h"
 #include "voxtone/optics/transport/coarse/viewing_places.h"
+#include "voxtone/optics/transport/transport_sweep.h"
 
 namespace voxtone::optics {
 namespace {
@@ -26,10 +26,10 @@ struct ViewingGrid::Builder {
     Place block_voxels{}, view{}, cells{};  // cells: of the lattice
     int in_cell = 1;
     enum : std::uint8_t { empty, full, part };
-    std::vector<std::uint8_t> state{};         // of each place
-    std::vector<std::int16_t> material{};      // of each place: the only one besides air, -1: several
-    std::vector<std::uint8_t> closed{};        // of each place: full, but for what sticks out of the volume into a sheet
-    std::vector<std::uint32_t> fill_of{};      // of each place that is `part`: first of its 64 in `fills`
+    std::vector<std::uint8_t> state{};     // of each place
+    std::vector<std::int16_t> material{};  // of each place: the only one besides air, -1: several
+    std::vector<std::uint8_t> closed{};    // of each place: full, but for what sticks out of the volume into a sheet
+    std::vector<std::uint32_t> fill_of{};  // of each place that is `part`: first of its 64 in `fills`
     std::vector<std::uint8_t> fills{};
 
     [[nodiscard]] Place corner_of(const Place& block) const {
@@ -63,7 +63,8 @@ struct ViewingGrid::Builder {
                 for (std::size_t x = 0; x < places; ++x) look_at(row, x, row_fills[row], box);
         });
         for (std::size_t row = 0; row < rows; ++row) {
-            for (std::size_t x = 0; x < places; ++x) fill_of[row * places + x] += static_cast<std::uint32_t>(fills.size());
+            for (std::size_t x = 0; x < places; ++x)
+                fill_of[row * places + x] += static_cast<std::uint32_t>(fills.size());
             fills.insert(fills.end(), row_fills[row].begin(), row_fills[row].end());
         }
     }
@@ -92,7 +93,8 @@ struct ViewingGrid::Builder {
                     return;
                 }
             for_each(view, [&](const Place& in) {
-                const Material m = box[at3({at[0] * view[0] + in[0], at[1] * view[1] + in[1], at[2] * view[2] + in[2]}, block_voxels)];
+                const Material m =
+                    box[at3({at[0] * view[0] + in[0], at[1] * view[1] + in[1], at[2] * view[2] + in[2]}, block_voxels)];
                 if (m == air) {
                     any_air = true;
                     open |= scene.backing == Backing::none || corner[2] + at[2] * view[2] + in[2] >= 0;
@@ -125,7 +127,9 @@ struct ViewingGrid::Builder {
             in[a] = cell[a] % 4;
         }
         const std::size_t here = at3(block, grid.lattice);
-        return state[here] == full ? in_cell : state[here] == empty ? 0 : fills[fill_of[here] + place_in_block(in[0], in[1], in[2])];
+        return state[here] == full    ? in_cell
+               : state[here] == empty ? 0
+                                      : fills[fill_of[here] + place_in_block(in[0], in[1], in[2])];
     }
     [[nodiscard]] static Place beside(const Place& cell, std::size_t f) {
         return {cell[0] + step_of[f][0], cell[1] + step_of[f][1], cell[2] + step_of[f][2]};
@@ -234,7 +238,8 @@ struct ViewingGrid::Builder {
         }
         for_each({2 * reach[0] + 1, 2 * reach[1] + 1, 2 * reach[2] + 1}, [&](const Place& k) {
             double d2 = 0;
-            for (std::size_t a = 0; a < 3; ++a) d2 += std::pow(std::max(std::abs(k[a] - reach[a]) - 0.5, 0.0) * edge[a], 2);
+            for (std::size_t a = 0; a < 3; ++a)
+                d2 += std::pow(std::max(std::abs(k[a] - reach[a]) - 0.5, 0.0) * edge[a], 2);
             if (d2 < colour_mm * colour_mm) near.push_back({k[0] - reach[0], k[1] - reach[1], k[2] - reach[2]});
         });
         for (const Place& at : surface)
@@ -246,7 +251,8 @@ struct ViewingGrid::Builder {
             }
         std::array<int, 256> margin{};
         int rings = 0;
-        for (std::size_t m = 1; m <= scene.resins->resins.size(); ++m) rings = std::max(rings, margin[m] = margin_blocks(m));
+        for (std::size_t m = 1; m <= scene.resins->resins.size(); ++m)
+            rings = std::max(rings, margin[m] = margin_blocks(m));
         std::vector<std::uint8_t> ring(n, 255);
         std::vector<Place> front, next_front;
         i = 0;
@@ -269,7 +275,8 @@ struct ViewingGrid::Builder {
                     const std::size_t there = at3(to, grid.lattice);
                     if (ring[there] != 255 || state[there] == empty) return;
                     ring[there] = static_cast<std::uint8_t>(r);
-                    if (material[there] > 0 && r <= margin[static_cast<std::size_t>(material[there])]) wanted[there] = 1;
+                    if (material[there] > 0 && r <= margin[static_cast<std::size_t>(material[there])])
+                        wanted[there] = 1;
                     next_front.push_back(to);
                 });
             front.swap(next_front);
@@ -290,7 +297,8 @@ struct ViewingGrid::Builder {
             if (wanted[here]) {
                 block.first_cell = block.first_node = static_cast<std::uint32_t>(64 * grid.transport_blocks.size());
                 const std::int64_t this_row = std::int64_t{at[2]} * grid.lattice[1] + at[1];
-                if (this_row != row) grid.transport_rows.push_back(static_cast<std::uint32_t>(grid.transport_blocks.size()));
+                if (this_row != row)
+                    grid.transport_rows.push_back(static_cast<std::uint32_t>(grid.transport_blocks.size()));
                 row = this_row;
                 grid.transport_blocks.push_back(index);
                 self.blocks_by_parity[static_cast<std::size_t>((at[0] + at[1] + at[2]) & 1)].push_back(index);
@@ -324,7 +332,8 @@ struct ViewingGrid::Builder {
         grid.outer.assign(64 * grid.transport_blocks.size(), not_solid);
         std::array<float, 3> area{};
         for (std::size_t a = 0; a < 3; ++a)
-            area[a] = static_cast<float>(view[(a + 1) % 3] * grid.pitch_mm[(a + 1) % 3] * view[(a + 2) % 3] * grid.pitch_mm[(a + 2) % 3]);
+            area[a] = static_cast<float>(view[(a + 1) % 3] * grid.pitch_mm[(a + 1) % 3] * view[(a + 2) % 3] *
+                                         grid.pitch_mm[(a + 2) % 3]);
         for (const std::uint32_t b : grid.transport_blocks) {
             GridBlock& block = grid.blocks[b];
             const std::size_t here = at3(block.at, grid.lattice);
@@ -357,7 +366,8 @@ struct ViewingGrid::Builder {
                         if (at[axis] >= 2) face.region_in_block |= static_cast<std::uint8_t>(1u << axis);
                     if (solid_at(next)) {
                         const Place around{next[0] / 4, next[1] / 4, next[2] / 4};
-                        const GridBlock& other = grid.blocks[static_cast<std::size_t>(grid.block_at[at3(around, grid.lattice)])];
+                        const GridBlock& other =
+                            grid.blocks[static_cast<std::size_t>(grid.block_at[at3(around, grid.lattice)])];
                         if (other.kind != BlockKind::core) continue;
                         face.kind = FaceKind::core;
                         face.beyond = other.first_node;
@@ -382,7 +392,8 @@ struct ViewingGrid::Builder {
         self.donors_of_.push_back(static_cast<std::uint32_t>(self.donors_.size()));
     }
 
-    /// The laws of the faces: of the mean normal of the voxel faces seen through each; where there are none, of faces near by.
+    /// The laws of the faces: of the mean normal of the voxel faces seen through each; where there are none, of faces
+    /// near by.
     void find_laws() {
         VoxelBox box;
         for (std::size_t a = 0; a < 3; ++a) {
@@ -439,7 +450,8 @@ struct ViewingGrid::Builder {
             grid.law[f] = found->second;
         }
     }
-    /// Which way the nearest surface lies: the main direction of the normals in each block, of its neighbours' where it has none.
+    /// Which way the nearest surface lies: the main direction of the normals in each block, of its neighbours' where it
+    /// has none.
     void find_ways(const std::vector<std::array<float, 3>>& normal) {
         const std::size_t n = grid.transport_blocks.size();
         std::vector<std::int32_t> place(grid.blocks.size(), -1);
@@ -478,7 +490,8 @@ struct ViewingGrid::Builder {
     }
 
     /// Sum of the normals of the faces of the cells around that look partly the way of this one.
-    [[nodiscard]] std::array<float, 3> normal_near(std::uint32_t f, const std::vector<std::array<float, 3>>& normal) const {
+    [[nodiscard]] std::array<float, 3> normal_near(std::uint32_t f,
+                                                   const std::vector<std::array<float, 3>>& normal) const {
         const OuterFace& face = grid.faces[f];
         const GridBlock& block = grid.blocks[grid.transport_blocks[face.cell / 64]];
         const int place = static_cast<int>(face.cell % 64);
@@ -518,10 +531,11 @@ BlockLattice::BlockLattice(const std::array<int, 3>& size, const std::array<int,
 
 ViewingGrid::ViewingGrid(const Scene& scene, const std::array<int, 3>& view_voxels, double colour_mm,
                          std::span<const std::uint8_t> also)
-    : ViewingGrid(scene, view_voxels, colour_mm, also, {{}, BlockLattice(scene.volume->size(), view_voxels).blocks, {}}) {}
+    : ViewingGrid(scene, view_voxels, colour_mm, also,
+                  {{}, BlockLattice(scene.volume->size(), view_voxels).blocks, {}}) {}
 
-ViewingGrid::ViewingGrid(const Scene& scene, const std::array<int, 3>& view_voxels, double colour_mm, std::span<const std::uint8_t> also,
-                         const ViewingWindow& part, const Surface* asked)
+ViewingGrid::ViewingGrid(const Scene& scene, const std::array<int, 3>& view_voxels, double colour_mm,
+                         std::span<const std::uint8_t> also, const ViewingWindow& part, const Surface* asked)
     : window(part), mirrored_(scene.sides == Sides::mirrored), size_(scene.volume->size()) {
     expect_resins_for(scene);
     grid.options.view_voxels = grid.options.skin_voxels = view_voxels;
@@ -540,7 +554,8 @@ ViewingGrid::ViewingGrid(const Scene& scene, const std::array<int, 3>& view_voxe
 
 std::array<std::int32_t, 3> ViewingGrid::corner_of(const GridBlock& block) const {
     Place corner{};
-    for (std::size_t a = 0; a < 3; ++a) corner[a] = block.at[a] * 4 * grid.options.view_voxels[a] - grid.shift_voxels[a];
+    for (std::size_t a = 0; a < 3; ++a)
+        corner[a] = block.at[a] * 4 * grid.options.view_voxels[a] - grid.shift_voxels[a];
     return corner;
 }
 
@@ -549,7 +564,8 @@ void ViewingGrid::shrink() {
     grid.transport_blocks.shrink_to_fit();
     grid.face_of_cell.shrink_to_fit();
     grid.faces.shrink_to_fit();
-    for (auto* list : {&core_block, &ghosts, &core_faces, &open_faces, &place_of_face, &blocks_by_parity[0], &blocks_by_parity[1], &donors_of_})
+    for (auto* list : {&core_block, &ghosts, &core_faces, &open_faces, &place_of_face, &blocks_by_parity[0],
+                       &blocks_by_parity[1], &donors_of_})
         list->shrink_to_fit();
     donors_.shrink_to_fit();
 }
@@ -565,7 +581,8 @@ ViewingGrid::Home ViewingGrid::home_of(const std::array<int, 3>& voxel) const {
         at[a] = v / view[a];
         in[a] = v % view[a];
         // A cell that sticks out of a mirrored side holds the image too.
-        if (mirrored_ && a < 2 && 2 * size_[a] - 1 - voxel[a] < (at[a] + 1) * view[a] - grid.shift_voxels[a]) home.share *= 2;
+        if (mirrored_ && a < 2 && 2 * size_[a] - 1 - voxel[a] < (at[a] + 1) * view[a] - grid.shift_voxels[a])
+            home.share *= 2;
     }
     Place to = at;
     home.cell = cell_of(to);
@@ -575,7 +592,8 @@ ViewingGrid::Home ViewingGrid::home_of(const std::array<int, 3>& voxel) const {
         if (next < 0) continue;
         const auto block = static_cast<std::size_t>(next / 64);
         const auto first = donors_.begin() + donors_of_[block], last = donors_.begin() + donors_of_[block + 1];
-        for (auto d = std::lower_bound(first, last, next, [](const Donor& donor, std::int64_t cell) { return donor.to < cell; });
+        for (auto d = std::lower_bound(first, last, next,
+                                       [](const Donor&donor, std::int64_t cell) { return donor.to < cell; });
              d != last && d->to == next; ++d) {
             bool same = true;
             for (std::size_t a = 0; a < 3; ++a) same &= d->from[a] == at[a] * view[a] - grid.shift_voxels[a];
@@ -585,15 +603,16 @@ ViewingGrid::Home ViewingGrid::home_of(const std::array<int, 3>& voxel) const {
     if (home.cell < 0) return {};
     const std::uint8_t towards = towards_[static_cast<std::size_t>(home.cell / 64)];
     home.axis = towards / 2;
-    const int layers = view[home.axis], layer = std::clamp((at[home.axis] - to[home.axis]) * layers + in[home.axis], 0, layers - 1);
+    const int layers = view[home.axis],
+              layer = std::clamp((at[home.axis] - to[home.axis]) * layers + in[home.axis], 0, layers - 1);
     home.layer = static_cast<std::uint8_t>(towards % 2 == 1 ? layers - 1 - layer : layer);
     return home;
 }
 
 std::size_t ViewingGrid::memory_bytes() const {
     const auto of = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
-    return grid.memory_bytes() + of(core_block) + of(core_faces) + of(open_faces) + of(place_of_face) + of(blocks_by_parity[0]) +
-           of(blocks_by_parity[1]) + of(donors_) + of(donors_of_);
+    return grid.memory_bytes() + of(core_block) + of(core_faces) + of(open_faces) + of(place_of_face) +
+           of(blocks_by_parity[0]) + of(blocks_by_parity[1]) + of(donors_) + of(donors_of_);
 }
 
 std::int64_t ViewingGrid::cell_of(const Place& at) const {

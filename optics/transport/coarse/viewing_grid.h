@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// A body cut into cells of the eye: transport on viewing cells (J750: 2 x 1 x 3 voxels), for an optical grid that keeps its
-// shape while the resins change.
+// A body cut into cells of the eye: transport on viewing cells (J750: 2 x 1 x 3 voxels), for an optical grid that keeps
+// its shape while the resins change.
 //
-// A cell is solid where at least half of its voxels are, or where no neighbour is that would stand for it. What a cell that
-// is not solid holds is given to the fullest neighbour across a face, so that no resin is lost: a cell's extinction is that
-// of its voxels times the volume of resin in it / the cell's volume, 0.5 to 2 or so at a slanting surface, 1 elsewhere. The
-// surface is the staircase of solid cells; each of its faces has the normal of the smooth surface there, and the laws of
-// transport_directions.h keep the flux per true area. A face of a voxel is seen through the nearest face of the staircase
-// that looks the same way.
+// A cell is solid where at least half of its voxels are, or where no neighbour is that would stand for it. What a cell
+// that is not solid holds is given to the fullest neighbour across a face, so that no resin is lost: a cell's
+// extinction is that of its voxels times the volume of resin in it / the cell's volume, 0.5 to 2 or so at a slanting
+// surface, 1 elsewhere. The surface is the staircase of solid cells; each of its faces has the normal of the smooth
+// surface there, and the laws of transport_directions.h keep the flux per true area. A face of a voxel is seen through
+// the nearest face of the staircase that looks the same way.
 //
-// Transport blocks (4 x 4 x 4 cells, all of them stored): those within `colour_mm` of the surface that is asked for, those at the
-// surface elsewhere, those of several materials, a margin of them, and those on a sheet. Deeper, each block is one node of
-// diffusion. Cells and nodes of diffusion are the same.
+// Transport blocks (4 x 4 x 4 cells, all of them stored): those within `colour_mm` of the surface that is asked for,
+// those at the surface elsewhere, those of several materials, a margin of them, and those on a sheet. Deeper, each
+// block is one node of diffusion. Cells and nodes of diffusion are the same.
 #pragma once
 
 #include <array>
@@ -28,7 +28,8 @@ namespace voxtone::optics {
 struct BlockLattice {
     BlockLattice(const std::array<int, 3>& size, const std::array<int, 3>& view_voxels);
     [[nodiscard]] std::uint64_t index(const std::array<int, 3>& block) const {
-        return (static_cast<std::uint64_t>(block[2]) * static_cast<std::uint64_t>(blocks[1]) + static_cast<std::uint64_t>(block[1])) *
+        return (static_cast<std::uint64_t>(block[2]) * static_cast<std::uint64_t>(blocks[1]) +
+                static_cast<std::uint64_t>(block[1])) *
                    static_cast<std::uint64_t>(blocks[0]) +
                static_cast<std::uint64_t>(block[0]);
     }
@@ -36,8 +37,9 @@ struct BlockLattice {
     std::array<int, 3> shift_voxels{};  ///< voxel 0 lies so many voxels inside the first block
 };
 
-/// A part of the lattice: blocks begin .. end - 1. Where the body goes on beyond (`cut`, by Facing), the outermost ring of blocks
-/// holds no transport cells but one node each, a ghost: its light comes from who knows it (ViewingTransport::solve).
+/// A part of the lattice: blocks begin .. end - 1. Where the body goes on beyond (`cut`, by Facing), the outermost ring
+/// of blocks holds no transport cells but one node each, a ghost: its light comes from who knows it
+/// (ViewingTransport::solve).
 struct ViewingWindow {
     std::array<int, 3> begin{}, end{};
     std::array<bool, 6> cut{};
@@ -45,19 +47,20 @@ struct ViewingWindow {
 
 class ViewingGrid {
 public:
-    /// `also`: blocks of the window that get transport cells besides, empty or one byte per place. `asked`: the surface below which
-    /// colour is expected to come and go, null: all of it. Throws InputError for a material without a resin.
+    /// `also`: blocks of the window that get transport cells besides, empty or one byte per place. `asked`: the surface
+    /// below which colour is expected to come and go, null: all of it. Throws InputError for a material without a
+    /// resin.
     ViewingGrid(const Scene& scene, const std::array<int, 3>& view_voxels, double colour_mm,
                 std::span<const std::uint8_t> also = {});
-    ViewingGrid(const Scene& scene, const std::array<int, 3>& view_voxels, double colour_mm, std::span<const std::uint8_t> also,
-                const ViewingWindow& window, const Surface* asked = nullptr);
+    ViewingGrid(const Scene& scene, const std::array<int, 3>& view_voxels, double colour_mm,
+                std::span<const std::uint8_t> also, const ViewingWindow& window, const Surface* asked = nullptr);
 
-    /// Takes the resins of a volume of the same shape. False, and nothing done, where a block without transport cells has
-    /// got other materials; those are marked in `wanted`, one byte per place of the lattice.
+    /// Takes the resins of a volume of the same shape. False, and nothing done, where a block without transport cells
+    /// has got other materials; those are marked in `wanted`, one byte per place of the lattice.
     [[nodiscard]] bool fill(const ResinVolume& volume, std::vector<std::uint8_t>& wanted);
 
-    /// Which outer faces stand for each cell of a surface: entries first[i] .. first[i + 1] - 1; `share` is the area of voxel
-    /// faces seen there / the area of the face. A cell without entries has no face of the staircase near.
+    /// Which outer faces stand for each cell of a surface: entries first[i] .. first[i + 1] - 1; `share` is the area of
+    /// voxel faces seen there / the area of the face. A cell without entries has no face of the staircase near.
     struct Seen {
         std::vector<std::uint32_t> first, face;
         std::vector<float> share;
@@ -65,7 +68,8 @@ public:
     };
     [[nodiscard]] Seen see(const Surface& surface) const;
 
-    /// The solid transport cell in which a voxel counts (cell -1: none), in which of its layers, and its share of the cell's volume.
+    /// The solid transport cell in which a voxel counts (cell -1: none), in which of its layers, and its share of the
+    /// cell's volume.
     struct Home {
         std::int64_t cell = -1;
         std::uint8_t axis = 2, layer = 0;  ///< as of Mixture
@@ -78,10 +82,11 @@ public:
     /// Frees what the vectors hold in reserve.
     void shrink();
 
-    /// Its palette is of mixtures whose shares add up to resin / volume of the cell. No nodes; `node` of a face is its cell,
-    /// `beyond` a core node.
+    /// Its palette is of mixtures whose shares add up to resin / volume of the cell. No nodes; `node` of a face is its
+    /// cell, `beyond` a core node.
     OpticalGrid grid;
-    /// What a cell holds: share of its volume by resin and by layer across the light's way, the one nearest to the air first.
+    /// What a cell holds: share of its volume by resin and by layer across the light's way, the one nearest to the air
+    /// first.
     struct Holding {
         Material material = 0;
         std::uint8_t layer = 0;
@@ -93,16 +98,18 @@ public:
     };
     std::vector<Mixture> mixtures;  ///< of the palette
     ViewingWindow window;
-    std::vector<std::uint32_t> core_block;   ///< of each core node
-    std::vector<std::uint32_t> ghosts;       ///< core nodes on the cut sides of the window, ascending
-    std::vector<std::uint32_t> core_faces;   ///< outer faces that lead into the core
-    std::vector<std::uint32_t> open_faces;   ///< the others: to the light, a sheet or a mirror
-    std::vector<std::uint32_t> place_of_face;        ///< of each outer face among the open ones; `into_core` and among the core's
-    std::array<std::vector<std::uint32_t>, 2> blocks_by_parity;  ///< transport blocks whose neighbours are of the other parity
+    std::vector<std::uint32_t> core_block;  ///< of each core node
+    std::vector<std::uint32_t> ghosts;      ///< core nodes on the cut sides of the window, ascending
+    std::vector<std::uint32_t> core_faces;  ///< outer faces that lead into the core
+    std::vector<std::uint32_t> open_faces;  ///< the others: to the light, a sheet or a mirror
+    std::vector<std::uint32_t>
+        place_of_face;  ///< of each outer face among the open ones; `into_core` and among the core's
+    std::array<std::vector<std::uint32_t>, 2>
+        blocks_by_parity;  ///< transport blocks whose neighbours are of the other parity
 
 private:
     struct Donor {
-        std::uint32_t to;                 ///< cell
+        std::uint32_t to;                  ///< cell
         std::array<std::int32_t, 3> from;  ///< lowest voxel of a cell that is not solid
     };
     struct Builder;
@@ -115,15 +122,16 @@ private:
 
     [[nodiscard]] bool is_ghost(const std::array<std::int32_t, 3>& block) const {
         for (std::size_t a = 0; a < 3; ++a)
-            if ((window.cut[2 * a] && block[a] == 0) || (window.cut[2 * a + 1] && block[a] == grid.lattice[a] - 1)) return true;
+            if ((window.cut[2 * a] && block[a] == 0) || (window.cut[2 * a + 1] && block[a] == grid.lattice[a] - 1))
+                return true;
         return false;
     }
 
     bool mirrored_ = false;
-    std::array<int, 3> size_{};              ///< of the volume
-    std::vector<std::uint8_t> towards_;      ///< of each transport block: the facing of the surface near it
-    std::vector<Donor> donors_;              ///< ascending in `to`
-    std::vector<std::uint32_t> donors_of_;   ///< first donor of each transport block, with an end mark
+    std::array<int, 3> size_{};             ///< of the volume
+    std::vector<std::uint8_t> towards_;     ///< of each transport block: the facing of the surface near it
+    std::vector<Donor> donors_;             ///< ascending in `to`
+    std::vector<std::uint32_t> donors_of_;  ///< first donor of each transport block, with an end mark
 };
 
 }  // namespace voxtone::optics

@@ -29,7 +29,8 @@ std::array<std::uint64_t, 256> mixture_codes() {
 bool ViewingGrid::fill(const ResinVolume& volume, std::vector<std::uint8_t>& wanted) {
     VOXTONE_EXPECT(volume.pitch_mm() == grid.pitch_mm);
     wanted.assign(grid.block_at.size(), 0);
-    const Place extent{4 * grid.options.view_voxels[0], 4 * grid.options.view_voxels[1], 4 * grid.options.view_voxels[2]};
+    const Place extent{4 * grid.options.view_voxels[0], 4 * grid.options.view_voxels[1],
+                       4 * grid.options.view_voxels[2]};
     bool same = true;
     for (const std::uint32_t b : core_block) {
         GridBlock& block = grid.blocks[b];
@@ -78,9 +79,12 @@ struct Counts {
         counts.push_back({m, static_cast<std::uint8_t>(layer), 1});
     }
     void sort() {
-        std::sort(counts.begin(), counts.end(), [](const Count& a, const Count& b) { return std::pair(a.layer, a.material) < std::pair(b.layer, b.material); });
+        std::sort(counts.begin(), counts.end(), [](const Count& a, const Count& b) {
+            return std::pair(a.layer, a.material) < std::pair(b.layer, b.material);
+        });
     }
-    /// Where there are too many different mixtures: layers are forgotten, the shares are rounded to eighths, the largest rests up.
+    /// Where there are too many different mixtures: layers are forgotten, the shares are rounded to eighths, the
+    /// largest rests up.
     void round_to_eighths(int in_cell) {
         std::array<int, 256> by_material{};
         int all = 0;
@@ -145,9 +149,10 @@ void ViewingGrid::take_palette(const ResinVolume& volume, bool coarse, bool& ful
             const int only = volume.uniform_material(corner, extent);
             std::uint16_t* const medium = grid.medium.data() + block.first_cell;
             if (only > 0 && donors_of_[i] == donors_of_[i + 1]) {
-                const std::uint16_t index = number(static_cast<std::uint64_t>(in_cell) * code[static_cast<std::size_t>(only)], 2, [&] {
-                    return Counts{{{static_cast<Material>(only), 0, coarse ? 8 : in_cell}}};
-                });
+                const std::uint16_t index =
+                    number(static_cast<std::uint64_t>(in_cell) * code[static_cast<std::size_t>(only)], 2, [&] {
+                        return Counts{{{static_cast<Material>(only), 0, coarse ? 8 : in_cell}}};
+                    });
                 std::fill_n(medium, 64, index);
                 continue;
             }
@@ -167,9 +172,13 @@ void ViewingGrid::take_palette(const ResinVolume& volume, bool coarse, bool& ful
                 const std::uint32_t first_donor = next_donor;
                 const auto each_voxel = [&](auto&& body) {
                     for_each(view, [&](const Place& in) {
-                        body(box[at3({at[0] * view[0] + in[0], at[1] * view[1] + in[1], at[2] * view[2] + in[2]}, extent)], layer_of(in[axis]));
+                        body(box[at3({at[0] * view[0] + in[0], at[1] * view[1] + in[1], at[2] * view[2] + in[2]},
+                                     extent)],
+                             layer_of(in[axis]));
                     });
-                    for (next_donor = first_donor; next_donor < donors_of_[i + 1] && donors_[next_donor].to == block.first_cell + place; ++next_donor) {
+                    for (next_donor = first_donor;
+                         next_donor < donors_of_[i + 1] && donors_[next_donor].to == block.first_cell + place;
+                         ++next_donor) {
                         const Place& from = donors_[next_donor].from;
                         read_box(volume, mirrored_, from, view, donor);
                         const int before = from[axis] - corner[axis] - at[axis] * view[axis];
@@ -204,7 +213,8 @@ void ViewingGrid::take_palette(const ResinVolume& volume, bool coarse, bool& ful
                 if (coarse) {
                     const Counts rounded = counts();
                     key = 1;
-                    for (const Counts::Count& c : rounded.counts) key += static_cast<std::uint64_t>(c.n) * code[c.material];
+                    for (const Counts::Count& c : rounded.counts)
+                        key += static_cast<std::uint64_t>(c.n) * code[c.material];
                     medium[place] = number(key, 2, [&] { return rounded; });
                 } else {
                     medium[place] = number(key, static_cast<std::uint8_t>(axis), counts);
@@ -228,7 +238,8 @@ void ViewingGrid::take_palette(const ResinVolume& volume, bool coarse, bool& ful
                 }
                 Mixture mixture;
                 mixture.axis = fresh_one.axis;
-                for (const Counts::Count& c : fresh_one.counts.counts) mixture.holds.push_back({c.material, c.layer, static_cast<float>(c.n) / whole});
+                for (const Counts::Count& c : fresh_one.counts.counts)
+                    mixture.holds.push_back({c.material, c.layer, static_cast<float>(c.n) / whole});
                 mixtures.push_back(std::move(mixture));
             }
             common[r].push_back(found->second);

@@ -35,12 +35,14 @@ inline int reflected(int i, int n) {
 }
 
 /// A box of voxels; beyond mirrored sides those before them.
-inline void read_box(const ResinVolume& volume, bool mirrored, const Place& corner, const Place& extent, std::vector<Material>& out) {
+inline void read_box(const ResinVolume& volume, bool mirrored, const Place& corner, const Place& extent,
+                     std::vector<Material>& out) {
     out.resize(product(extent));
     volume.copy_box(corner, extent, out);
     if (!mirrored) return;
     const auto& size = volume.size();
-    if (corner[0] >= 0 && corner[1] >= 0 && corner[0] + extent[0] <= size[0] && corner[1] + extent[1] <= size[1]) return;
+    if (corner[0] >= 0 && corner[1] >= 0 && corner[0] + extent[0] <= size[0] && corner[1] + extent[1] <= size[1])
+        return;
     std::size_t i = 0;
     for_each(extent, [&](const Place& at) {
         const int x = corner[0] + at[0], y = corner[1] + at[1];
@@ -55,7 +57,8 @@ void ViewingGrid::each_face(std::uint32_t cell, Body&& body) const {
     const unsigned bits = grid.outer[cell];
     if (bits == 0 || bits & 64u) return;
     const GridBlock& home = grid.blocks[grid.transport_blocks[cell / 64]];
-    const auto first = static_cast<std::uint32_t>(grid.face_of_cell[static_cast<std::size_t>(home.first_link) + cell % 64]);
+    const auto first =
+        static_cast<std::uint32_t>(grid.face_of_cell[static_cast<std::size_t>(home.first_link) + cell % 64]);
     for (std::uint32_t f = first; f < first + static_cast<std::uint32_t>(std::popcount(bits)); ++f) body(f);
 }
 

@@ -18,7 +18,6 @@ namespace {
 constexpr int first_rounds = 2;
 constexpr std::uint32_t nowhere = 0xffffffffu;
 
-
 bool looks_up(const Surface& surface) {
     double up = 0, all = 0;
     for (const SurfaceCell& cell : surface.cells) {
@@ -31,11 +30,14 @@ bool looks_up(const Surface& surface) {
 }  // namespace
 
 ViewingSequence::ViewingSequence(const Scene& scene, const Surface& surface, const TransportOptions& options)
-    : scene_(scene), surface_(surface), options_(options), view_voxels_(cell_voxels(scene.volume->pitch_mm(), options.cell_mm)),
+    : scene_(scene),
+      surface_(surface),
+      options_(options),
+      view_voxels_(cell_voxels(scene.volume->pitch_mm(), options.cell_mm)),
       lattice_(scene.volume->size(), view_voxels_),
       halftone_(*scene.resins, scene.volume->pitch_mm(), looks_up(surface) ? SeenFrom::above : SeenFrom::all_sides) {
-    for (ViewingTile& tile :
-         viewing_tiles(surface, scene.volume->size(), scene.volume->pitch_mm(), view_voxels_, options.tile_cells, options.tile_halo)) {
+    for (ViewingTile& tile : viewing_tiles(surface, scene.volume->size(), scene.volume->pitch_mm(), view_voxels_,
+                                           options.tile_cells, options.tile_halo)) {
         tiles_.emplace_back();
         static_cast<ViewingTile&>(tiles_.back()) = std::move(tile);
         tiles_.back().light.resize(channels());
@@ -67,12 +69,14 @@ void ViewingSequence::list_ghosts() {
 
 std::size_t ViewingSequence::Shape::memory_bytes() const {
     const auto of = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
-    return grid->memory_bytes() + of(seen.first) + of(seen.face) + of(seen.share) + of(seen.cell) + of(hears) + of(tells);
+    return grid->memory_bytes() + of(seen.first) + of(seen.face) + of(seen.share) + of(seen.cell) + of(hears) +
+           of(tells);
 }
 
 std::unique_ptr<ViewingSequence::Shape> ViewingSequence::shape_of(const Tile& tile) const {
     auto shape = std::make_unique<Shape>();
-    shape->grid = std::make_unique<ViewingGrid>(scene_, view_voxels_, options_.colour_mm, tile.also, tile.window, &surface_);
+    shape->grid =
+        std::make_unique<ViewingGrid>(scene_, view_voxels_, options_.colour_mm, tile.also, tile.window, &surface_);
     ViewingGrid& grid = *shape->grid;
     grid.shrink();
     shape->seen = grid.see(tiles_.size() == 1 ? surface_ : part_of(surface_, tile.near));
@@ -83,7 +87,9 @@ std::unique_ptr<ViewingSequence::Shape> ViewingSequence::shape_of(const Tile& ti
     };
     const auto ghost_at = [&](const std::array<int, 3>& at) {
         const auto found = std::lower_bound(ghost_places_.begin(), ghost_places_.end(), lattice_.index(at));
-        return found != ghost_places_.end() && *found == lattice_.index(at) ? static_cast<std::uint32_t>(found - ghost_places_.begin()) : nowhere;
+        return found != ghost_places_.end() && *found == lattice_.index(at)
+                   ? static_cast<std::uint32_t>(found - ghost_places_.begin())
+                   : nowhere;
     };
     for (std::uint32_t b = 0; b < grid.grid.blocks.size(); ++b) {
         const std::array<int, 3> at = place_of(b);
@@ -114,11 +120,14 @@ void ViewingSequence::make_live(std::size_t index) {
         }
     }
     const ViewingGrid& grid = *tile.shape->grid;
-    const std::size_t own = tile.light[0].cells.empty() ? channels() * (grid.cells() * sizeof(ViewingField::Code) + 64 * grid.open_faces.size()) : 0,
+    const std::size_t own = tile.light[0].cells.empty()
+                                ? channels() * (grid.cells() * sizeof(ViewingField::Code) + 64 * grid.open_faces.size())
+                                : 0,
                       needed = tile.bytes + own + field_bytes();
     if (options_.memory_bytes > 0 && needed > options_.memory_bytes)
-        throw ResourceError("a sequence of predictions of " + std::to_string(grid.cells()) + " viewing cells at once needs " +
-                            std::to_string((needed >> 20) + 1) + " MiB of memory and " + std::to_string(options_.memory_bytes >> 20) +
+        throw ResourceError("a sequence of predictions of " + std::to_string(grid.cells()) +
+                            " viewing cells at once needs " + std::to_string((needed >> 20) + 1) +
+                            " MiB of memory and " + std::to_string(options_.memory_bytes >> 20) +
                             " are allowed: allow more, expect colour less deep, or take larger cells");
     make_room(needed);
     transport_ = std::make_unique<ViewingTransport>(grid, options_);
@@ -185,7 +194,8 @@ std::vector<std::uint8_t> ViewingSequence::still_coloured(const Tile& tile) cons
                 if (!still[place]) continue;
                 const std::array<int, 3> at{x, y, z};
                 std::array<int, 3> corner{};
-                for (std::size_t a = 0; a < 3; ++a) corner[a] = at[a] * lattice_.block_voxels[a] - lattice_.shift_voxels[a];
+                for (std::size_t a = 0; a < 3; ++a)
+                    corner[a] = at[a] * lattice_.block_voxels[a] - lattice_.shift_voxels[a];
                 still[place] = volume_->uniform_material(corner, lattice_.block_voxels) < 0;
                 ++all;
                 left += still[place];
@@ -237,14 +247,16 @@ ViewingTransport::Media ViewingSequence::media(std::size_t channel) const {
     ViewingTransport::Media media;
     media.cells.resize(grid.palette.size());
     media.core.resize(resins.resins.size() + 1);
-    for (std::size_t m = 1; m < media.core.size(); ++m) media.core[m] = similar_medium(grid.directions, resins.resins[m - 1].medium(channel));
-    parallel_for(1, grid.palette.size(), 1 << 8, [&](std::size_t m) { media.cells[m] = (*media_of)(seen(live().grid->mixtures[m], channel)); });
+    for (std::size_t m = 1; m < media.core.size(); ++m)
+        media.core[m] = similar_medium(grid.directions, resins.resins[m - 1].medium(channel));
+    parallel_for(1, grid.palette.size(), 1 << 8,
+                 [&](std::size_t m) { media.cells[m] = (*media_of)(seen(live().grid->mixtures[m], channel)); });
     return media;
 }
 
 template <class Done>
-void ViewingSequence::solve(Fields Tile::*fields, GhostLight& ghosts, bool hear, Effort effort, std::span<const float> by_value,
-                            const Progress* progress, Done&& done) {
+void ViewingSequence::solve(Fields Tile::*fields, GhostLight& ghosts, bool hear, Effort effort,
+                            std::span<const float> by_value, const Progress* progress, Done&& done) {
     std::vector<float> around, light;
     for (std::size_t c = 0; c < channels(); ++c) {
         const ViewingTransport::Media in = media(c);
@@ -252,13 +264,16 @@ void ViewingSequence::solve(Fields Tile::*fields, GhostLight& ghosts, bool hear,
         around.clear();
         if (hear)
             for (const std::uint32_t place : live().hears) around.push_back(ghosts[c][place]);
-        transport_->solve(in, (tiles_[live_].*fields)[c], effort.sweeps, summary_, progress, light, around, effort.enough);
-        for (const auto& [block, place] : live().tells) ghosts[c][place] = transport_->mean_phi(live().grid->grid.blocks[block]);
+        transport_->solve(in, (tiles_[live_].*fields)[c], effort.sweeps, summary_, progress, light, around,
+                          effort.enough);
+        for (const auto& [block, place] : live().tells)
+            ghosts[c][place] = transport_->mean_phi(live().grid->grid.blocks[block]);
         done(c);
     }
 }
 
-void ViewingSequence::begin(Fields Tile::*fields, GhostLight& ghosts, std::span<const float> by_value, const Progress* progress) {
+void ViewingSequence::begin(Fields Tile::*fields, GhostLight& ghosts, std::span<const float> by_value,
+                            const Progress* progress) {
     ghosts.assign(channels(), std::vector<float>(ghost_places_.size()));
     if (tiles_.size() == 1) return;
     for (int round = 0; round < first_rounds; ++round)
@@ -286,10 +301,12 @@ Appearance ViewingSequence::next(const ResinVolume& volume, const Progress* prog
     summary_.last_change.assign(channels(), 0.0);
     for (std::size_t t = 0; t < tiles_.size(); ++t) {
         look_at(t);
-        solve(&Tile::light, ghost_light_, true, first ? Effort{options_.sweeps, 0} : Effort{options_.next_sweeps, options_.next_change}, {}, progress, [&](std::size_t c) {
-            summary_.last_change[c] = std::max(summary_.last_change[c], transport_->last_change());
-            read_appearance(c, appearance);
-        });
+        solve(&Tile::light, ghost_light_, true,
+              first ? Effort{options_.sweeps, 0} : Effort{options_.next_sweeps, options_.next_change}, {}, progress,
+              [&](std::size_t c) {
+                  summary_.last_change[c] = std::max(summary_.last_change[c], transport_->last_change());
+                  read_appearance(c, appearance);
+              });
     }
     count_memory(0);
     summary_.total_s += watch.total();
@@ -311,7 +328,9 @@ void ViewingSequence::read_appearance(std::size_t channel, Appearance& to) const
             furnace += seen.share[e] * transport.furnace_flux(seen.face[e]);
         }
         // Inside a bubble smaller than a cell the light is that of the cell.
-        to.value[tile.near[k] * channels() + channel] = furnace > 0 ? leaving / furnace : seen.cell[k] != nowhere ? transport.phi(seen.cell[k]) : 0;
+        to.value[tile.near[k] * channels() + channel] = furnace > 0               ? leaving / furnace
+                                                        : seen.cell[k] != nowhere ? transport.phi(seen.cell[k])
+                                                                                  : 0;
     }
     VOXTONE_ENSURE(own == tile.cells.size());
 }
@@ -322,14 +341,16 @@ std::vector<float> ViewingSequence::light_of(std::span<const float> by_value, st
     std::vector<float> light(live().grid->grid.faces.size(), 0.0f);
     for (std::size_t k = 0; k < tile.near.size(); ++k) {
         float furnace = 0;
-        for (std::uint32_t e = seen.first[k]; e < seen.first[k + 1]; ++e) furnace += seen.share[e] * transport_->furnace_flux(seen.face[e]);
+        for (std::uint32_t e = seen.first[k]; e < seen.first[k + 1]; ++e)
+            furnace += seen.share[e] * transport_->furnace_flux(seen.face[e]);
         for (std::uint32_t e = seen.first[k]; furnace > 0 && e < seen.first[k + 1]; ++e)
             light[seen.face[e]] += by_value[tile.near[k] * channels() + channel] * seen.share[e] / furnace;
     }
     return light;
 }
 
-bool ViewingSequence::gradient(std::span<const float> by_value, const GradientVisitor& visit, const Progress* progress) {
+bool ViewingSequence::gradient(std::span<const float> by_value, const GradientVisitor& visit,
+                               const Progress* progress) {
     const Stopwatch watch;
     VOXTONE_EXPECT(by_value.size() == surface_.cells.size() * channels());
     VOXTONE_EXPECT(volume_ != nullptr);
@@ -337,7 +358,8 @@ bool ViewingSequence::gradient(std::span<const float> by_value, const GradientVi
     std::size_t fields = 0, most = 0;
     for (const Tile& tile : tiles_) {
         fields += tile.cells_of_grid * sizeof(ViewingField::Code) + 64 * tile.open_faces;
-        most = std::max(most, tile.bytes + tile.cells_of_grid * (4 * channels() + 8) + tile.open_faces * 8 * sizeof(Octet));
+        most = std::max(most,
+                        tile.bytes + tile.cells_of_grid * (4 * channels() + 8) + tile.open_faces * 8 * sizeof(Octet));
     }
     const std::size_t needed = most + 2 * channels() * fields;
     if (options_.memory_bytes > 0 && needed > options_.memory_bytes) return false;
@@ -354,10 +376,12 @@ bool ViewingSequence::gradient(std::span<const float> by_value, const GradientVi
         ViewingGradient gradient(*live().grid, seen, channels());
         std::vector<float> by_sigma_t(live().grid->cells()), by_sigma_s(live().grid->cells());
         const bool anew = first || tile.adjoint[0].cells.empty();
-        solve(&Tile::adjoint, ghost_adjoint_, true, anew ? Effort{options_.sweeps, 0} : Effort{options_.next_sweeps, 10 * options_.next_change}, by_value, progress, [&](std::size_t c) {
-            transport_->derivatives(tile.light[c], by_sigma_t, by_sigma_s);
-            gradient.add(c, *media_of, seen, by_sigma_t, by_sigma_s);
-        });
+        solve(&Tile::adjoint, ghost_adjoint_, true,
+              anew ? Effort{options_.sweeps, 0} : Effort{options_.next_sweeps, 10 * options_.next_change}, by_value,
+              progress, [&](std::size_t c) {
+                  transport_->derivatives(tile.light[c], by_sigma_t, by_sigma_s);
+                  gradient.add(c, *media_of, seen, by_sigma_t, by_sigma_s);
+              });
         visit(gradient, tile.voxels);
         count_memory(gradient.memory_bytes() + 4 * (grid.faces.size() + by_sigma_t.size() + by_sigma_s.size()));
     }
@@ -374,7 +398,8 @@ std::size_t ViewingSequence::field_bytes() const {
 }
 
 void ViewingSequence::count_memory(std::size_t besides) {
-    summary_.memory_bytes = std::max(summary_.memory_bytes, shape_bytes() + transport_->memory_bytes() + field_bytes() + besides);
+    summary_.memory_bytes =
+        std::max(summary_.memory_bytes, shape_bytes() + transport_->memory_bytes() + field_bytes() + besides);
 }
 
 }  // namespace voxtone::optics

@@ -2,22 +2,23 @@
 //
 // Predictions on cells of the eye, one after the other: shape, laws and the light of the last one are kept.
 //
-// The first prediction is a diffusion solve and `sweeps` rounds of sweep and correction (transport.h); each later one starts
-// from the light of the one before and takes one, or up to `next_sweeps` where that changed much (`next_change`). What changes
-// in between enters with the first sweep, through sources and extinctions. A block that gets colour deeper than `colour_mm`
-// makes a new grid; the light is carried over. So does, once, a print that leaves many of those blocks without colour again.
+// The first prediction is a diffusion solve and `sweeps` rounds of sweep and correction (transport.h); each later one
+// starts from the light of the one before and takes one, or up to `next_sweeps` where that changed much
+// (`next_change`). What changes in between enters with the first sweep, through sources and extinctions. A block that
+// gets colour deeper than `colour_mm` makes a new grid; the light is carried over. So does, once, a print that leaves
+// many of those blocks without colour again.
 //
-// Large bodies are predicted tile by tile (viewing_tiles.h), in a fixed order: equations are made for one tile at a time, its
-// light is kept in 16-bit steps; its grid too where memory allows, which saves time and changes no bit. What shines across a cut
-// is the light that the neighbour had when it was last looked at, so that light travels from tile to tile as the predictions go
-// on (Schwarz's alternating method). The first prediction goes over the tiles `first_rounds` times with diffusion alone before
-// it sweeps.
+// Large bodies are predicted tile by tile (viewing_tiles.h), in a fixed order: equations are made for one tile at a
+// time, its light is kept in 16-bit steps; its grid too where memory allows, which saves time and changes no bit. What
+// shines across a cut is the light that the neighbour had when it was last looked at, so that light travels from tile
+// to tile as the predictions go on (Schwarz's alternating method). The first prediction goes over the tiles
+// `first_rounds` times with diffusion alone before it sweeps.
 //
-// Media are those of the halftone (halftone_medium.h) of each cell's voxels, seen from above where the surface looks up and
-// from all sides else; where in a cell a resin lies is seen too (seen_medium.h).
+// Media are those of the halftone (halftone_medium.h) of each cell's voxels, seen from above where the surface looks up
+// and from all sides else; where in a cell a resin lies is seen too (seen_medium.h).
 //
-// Memory: grid and equations of one tile, 24 bytes a viewing cell for its light, as much again for the adjoint; about 30 bytes a cell
-// for the grids that are kept.
+// Memory: grid and equations of one tile, 24 bytes a viewing cell for its light, as much again for the adjoint; about
+// 30 bytes a cell for the grids that are kept.
 #pragma once
 
 #include <array>
@@ -27,9 +28,9 @@
 #include <vector>
 
 #include "voxtone/optics/media/halftone_medium.h"
-#include "voxtone/optics/transport/transport.h"
 #include "voxtone/optics/transport/coarse/viewing_tiles.h"
 #include "voxtone/optics/transport/coarse/viewing_transport.h"
+#include "voxtone/optics/transport/transport.h"
 
 namespace voxtone::optics {
 
@@ -38,9 +39,10 @@ public:
     /// Throws ResourceError where it would need more memory than `options` allow.
     ViewingSequence(const Scene& scene, const Surface& surface, const TransportOptions& options);
     [[nodiscard]] Appearance next(const ResinVolume& volume, const Progress* progress = nullptr) override;
-    /// Of viewing_gradient.h, box by box of the tiles. The adjoint light of each channel is kept for the next one: `sweeps` the first
-    /// time, then `next_sweeps`. Contract: there was a prediction.
-    [[nodiscard]] bool gradient(std::span<const float> by_value, const GradientVisitor& visit, const Progress* progress = nullptr) override;
+    /// Of viewing_gradient.h, box by box of the tiles. The adjoint light of each channel is kept for the next one:
+    /// `sweeps` the first time, then `next_sweeps`. Contract: there was a prediction.
+    [[nodiscard]] bool gradient(std::span<const float> by_value, const GradientVisitor& visit,
+                                const Progress* progress = nullptr) override;
     /// Of the predictions so far; times of all, cells of the grids now.
     [[nodiscard]] const TransportSummary& summary() const { return summary_; }
 
@@ -52,8 +54,8 @@ private:
         const ResinVolume* filled = nullptr;  ///< whose resins the grid has
         std::unique_ptr<ViewingGrid> grid;
         ViewingGrid::Seen seen;
-        std::vector<std::uint32_t> hears;                               ///< places of the grid's ghosts among all
-        std::vector<std::pair<std::uint32_t, std::uint32_t>> tells;     ///< own blocks that are others' ghosts, and these
+        std::vector<std::uint32_t> hears;                            ///< places of the grid's ghosts among all
+        std::vector<std::pair<std::uint32_t, std::uint32_t>> tells;  ///< own blocks that are others' ghosts, and these
         [[nodiscard]] std::size_t memory_bytes() const;
     };
     struct Tile : ViewingTile {
@@ -61,7 +63,7 @@ private:
         bool trimmed = false;            ///< of those where it came no more, once
         Fields light, adjoint;
         std::size_t bytes = 0, cells_of_grid = 0, core_nodes = 0, open_faces = 0;  ///< of its grid and equations
-        std::unique_ptr<Shape> shape;    ///< none where it has to be made anew
+        std::unique_ptr<Shape> shape;  ///< none where it has to be made anew
     };
     /// phi at the ghosts of all tiles, [channel][ghost]; empty before the first prediction or gradient.
     using GhostLight = std::vector<std::vector<float>>;
@@ -86,11 +88,11 @@ private:
         int sweeps = 0;
         double enough = 0;
     };
-    /// Solves all channels of the live tile, with the light of its neighbours where it is to `hear` it, and tells them its own;
-    /// `done` is called after each channel.
+    /// Solves all channels of the live tile, with the light of its neighbours where it is to `hear` it, and tells them
+    /// its own; `done` is called after each channel.
     template <class Done>
-    void solve(Fields Tile::*fields, GhostLight& ghosts, bool hear, Effort effort, std::span<const float> by_value, const Progress* progress,
-               Done&& done);
+    void solve(Fields Tile::*fields, GhostLight& ghosts, bool hear, Effort effort, std::span<const float> by_value,
+               const Progress* progress, Done&& done);
     /// For the first time: diffusion alone, until light has come around.
     void begin(Fields Tile::*fields, GhostLight& ghosts, std::span<const float> by_value, const Progress* progress);
     /// Light that stands for d F / d value.
@@ -108,9 +110,9 @@ private:
     std::vector<Tile> tiles_;
     std::vector<std::uint64_t> ghost_places_;  ///< in the lattice of the body, ascending
     GhostLight ghost_light_, ghost_adjoint_;
-    std::size_t live_ = 0;                     ///< the tile that is being looked at
+    std::size_t live_ = 0;                         ///< the tile that is being looked at
     std::unique_ptr<ViewingTransport> transport_;  ///< of it
-    const ResinVolume* volume_ = nullptr;      ///< of the last prediction
+    const ResinVolume* volume_ = nullptr;          ///< of the last prediction
     TransportSummary summary_;
 };
 

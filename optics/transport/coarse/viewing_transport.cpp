@@ -11,7 +11,6 @@
 namespace voxtone::optics {
 namespace {
 
-
 constexpr float least_transport_sigma = 0.2f;  // mm^-1; keeps diffusion finite in clear resin, where it is only a guess
 constexpr std::size_t blocks_per_task = 32;
 constexpr float phi_step = 2.0f / 65535, J_step = 1.0f / 32767;
@@ -22,15 +21,19 @@ std::uint16_t signed_code(float v) {
 }
 
 std::int16_t J_code(float v) {
-    return static_cast<std::int16_t>(static_cast<int>(std::clamp(v * (1 / J_step), -32767.0f, 32767.0f) + 32768.5f) - 32768);
+    return static_cast<std::int16_t>(static_cast<int>(std::clamp(v * (1 / J_step), -32767.0f, 32767.0f) + 32768.5f) -
+                                     32768);
 }
 
 }  // namespace
 
-std::uint16_t phi_code(float phi) { return static_cast<std::uint16_t>(std::clamp(phi * (1 / phi_step) + 0.5f, 0.0f, 65535.0f)); }
+std::uint16_t phi_code(float phi) {
+    return static_cast<std::uint16_t>(std::clamp(phi * (1 / phi_step) + 0.5f, 0.0f, 65535.0f));
+}
 float phi_of(const ViewingField::Code& code) { return phi_step * static_cast<float>(code.phi); }
 Moments moments_of(const ViewingField::Code& code) {
-    return {phi_of(code), J_step * static_cast<float>(code.x), J_step * static_cast<float>(code.y), J_step * static_cast<float>(code.z)};
+    return {phi_of(code), J_step * static_cast<float>(code.x), J_step * static_cast<float>(code.y),
+            J_step * static_cast<float>(code.z)};
 }
 
 ViewingTransport::ViewingTransport(const ViewingGrid& viewing, const TransportOptions& options)
@@ -64,7 +67,8 @@ ViewingTransport::ViewingTransport(const ViewingGrid& viewing, const TransportOp
     flux_.resize(faces);
     flux_change_.resize(faces);
     std::vector<std::uint8_t> axis_of(grid_.laws.size(), 0);
-    for (std::size_t f = 0; f < faces; ++f) axis_of[grid_.law[f]] = static_cast<std::uint8_t>(grid_.faces[f].facing) / 2;
+    for (std::size_t f = 0; f < faces; ++f)
+        axis_of[grid_.law[f]] = static_cast<std::uint8_t>(grid_.faces[f].facing) / 2;
     sums_.resize(grid_.laws.size());
     for (std::size_t l = 1; l < sums_.size(); ++l)
         for (const Octet& t : grid_.laws[l].through)
@@ -75,13 +79,18 @@ ViewingTransport::ViewingTransport(const ViewingGrid& viewing, const TransportOp
 }
 
 std::size_t ViewingTransport::bytes_for(const ViewingGrid& grid, std::size_t channels) {
-    return grid.cells() * (3 * sizeof(Moments) + channels * sizeof(ViewingField::Code) + 8) + grid.open_faces.size() * (8 * sizeof(Octet) + 64 * channels + 8) +
-           grid.core_faces.size() * 32 + grid.cells() / 64 * 440 + grid.core_block.size() * 200;
+    return grid.cells() * (3 * sizeof(Moments) + channels * sizeof(ViewingField::Code) + 8) +
+           grid.open_faces.size() * (8 * sizeof(Octet) + 64 * channels + 8) + grid.core_faces.size() * 32 +
+           grid.cells() / 64 * 440 + grid.core_block.size() * 200;
 }
 
-float ViewingTransport::furnace_flux(std::size_t face) const { return sums_[grid_.law[face]].through * grid_.faces[face].area_mm2; }
+float ViewingTransport::furnace_flux(std::size_t face) const {
+    return sums_[grid_.law[face]].through * grid_.faces[face].area_mm2;
+}
 
-float ViewingTransport::phi(std::size_t cell) const { return source_[cell].phi / media_->cells[grid_.medium[cell]].sigma_s; }
+float ViewingTransport::phi(std::size_t cell) const {
+    return source_[cell].phi / media_->cells[grid_.medium[cell]].sigma_s;
+}
 
 float ViewingTransport::mean_phi(const GridBlock& block) const {
     const float unit = scale_ > 0 ? scale_ : 1.0f;
@@ -99,12 +108,14 @@ float ViewingTransport::mean_phi(const GridBlock& block) const {
 void ViewingTransport::prepare() {
     const auto linear = static_cast<float>(grid_.directions.linear);
     const float widest = *std::max_element(edge_.begin(), edge_.end());
-    const auto fill = [&](const std::vector<TransportMedium>& media, std::vector<float>& D, std::vector<float>& eased, float edge) {
+    const auto fill = [&](const std::vector<TransportMedium>& media, std::vector<float>& D, std::vector<float>& eased,
+                          float edge) {
         D.assign(media.size(), 0.0f);
         eased.assign(media.size(), 0.0f);
         for (std::size_t m = 1; m < media.size(); ++m) {
             D[m] = 1 / (3 * std::max(media[m].sigma_t - linear * media[m].sigma_s, least_transport_sigma));
-            // Diffusion on cells as thick as a free path overshoots and the iteration would grow: widened by the optical depth.
+            // Diffusion on cells as thick as a free path overshoots and the iteration would grow: widened by the
+            // optical depth.
             eased[m] = D[m] + edge * std::min(0.75f, static_cast<float>(options_.ease) * edge / (3 * D[m]));
         }
     };
@@ -118,7 +129,8 @@ ViewingTransport::Exchange ViewingTransport::exchange(std::size_t f) const {
     const FaceSums& sums = sums_[grid_.law[f]];
     if (face.kind == FaceKind::mirror) return {0, face.area_mm2};
     const float T = face.kind == FaceKind::white_sheet ? 0 : sums.through / sums.weight;
-    const float below = 1 - T / 2 + T * 0.5f * edge_[static_cast<std::size_t>(face.facing) / 2] / (4 * D_[grid_.medium[face.cell]]);
+    const float below =
+        1 - T / 2 + T * 0.5f * edge_[static_cast<std::size_t>(face.facing) / 2] / (4 * D_[grid_.medium[face.cell]]);
     return {face.area_mm2 * T / 4 / below, face.area_mm2 / below};
 }
 
@@ -137,7 +149,9 @@ void ViewingTransport::make_equations(const std::vector<float>& D, const std::ve
     if (!ghost_phi_.empty()) {
         // A loss so large that nothing moves them; their equations have no right side.
         const float widest = *std::max_element(core_D.begin(), core_D.end());
-        const float held = 1e4f * (diffusion_.core_contact(0, widest, widest) + diffusion_.core_contact(1, widest, widest) + diffusion_.core_contact(2, widest, widest));
+        const float held =
+            1e4f * (diffusion_.core_contact(0, widest, widest) + diffusion_.core_contact(1, widest, widest) +
+                    diffusion_.core_contact(2, widest, widest));
         for (const std::uint32_t ghost : viewing_.ghosts) core_x_[ghost] = held;
     }
     diffusion_.prepare(D, core_D, x_, core_x_, stencil_);
@@ -146,7 +160,8 @@ void ViewingTransport::make_equations(const std::vector<float>& D, const std::ve
 }
 
 int ViewingTransport::solve_diffusion(double tolerance, int most_steps) {
-    return steps_ += diffusion_.solve({x_, core_x_}, {right_, core_right_}, {p_, core_p_}, {z_, core_z_}, tolerance, most_steps);
+    return steps_ +=
+           diffusion_.solve({x_, core_x_}, {right_, core_right_}, {p_, core_p_}, {z_, core_z_}, tolerance, most_steps);
 }
 
 float ViewingTransport::core_absorption(std::size_t core) const {
@@ -167,7 +182,8 @@ void ViewingTransport::start() {
     std::fill(core_right_.begin(), core_right_.end(), 0.0f);
     for (const std::uint32_t f : viewing_.open_faces) {
         const OuterFace& face = grid_.faces[f];
-        if (face.kind == FaceKind::light) right_[face.cell] += exchange(f).gain * sums_[grid_.law[f]].through * light(f);
+        if (face.kind == FaceKind::light)
+            right_[face.cell] += exchange(f).gain * sums_[grid_.law[f]].through * light(f);
     }
     // The residual of that guess.
     diffusion_.apply({x_, core_x_}, {z_, core_z_});
@@ -191,8 +207,8 @@ void ViewingTransport::load(const ViewingField& field) {
             const float sigma_s = media_->cells[grid_.medium[cell]].sigma_s;
             const ViewingField::Code& code = field.cells[cell];
             const float J = linear * sigma_s * (J_step * rescale);
-            source_[cell] = {sigma_s * step * (static_cast<float>(code.phi) - zero), J * static_cast<float>(code.x), J * static_cast<float>(code.y),
-                             J * static_cast<float>(code.z)};
+            source_[cell] = {sigma_s * step * (static_cast<float>(code.phi) - zero), J * static_cast<float>(code.x),
+                             J * static_cast<float>(code.y), J * static_cast<float>(code.z)};
         }
     });
     for (std::size_t i = 0; i < core_phi_.size(); ++i) core_phi_[i] = rescale * field.core[i];
@@ -226,13 +242,12 @@ void ViewingTransport::store(ViewingField& field) const {
     field.out.resize(32 * viewing_.open_faces.size());
     parallel_ranges(0, viewing_.open_faces.size(), 1 << 10, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i)
-            for (std::size_t k = 0; k < 32; ++k)
-                field.out[32 * i + k] = code(out_[4 * i + k / 8].v[k % 8]);
+            for (std::size_t k = 0; k < 32; ++k) field.out[32 * i + k] = code(out_[4 * i + k / 8].v[k % 8]);
     });
 }
 
-// J of a cell is half of what flows through the faces on either side, from x_ and, at the start, the light that comes in.
-// Adds phi and J, spread linearly over the cell, to the moments of cells and to what leaves through faces.
+// J of a cell is half of what flows through the faces on either side, from x_ and, at the start, the light that comes
+// in. Adds phi and J, spread linearly over the cell, to the moments of cells and to what leaves through faces.
 void ViewingTransport::enter(bool start) {
     const auto& set = grid_.directions;
     const auto g_linear = static_cast<float>(set.linear);
@@ -247,7 +262,9 @@ void ViewingTransport::enter(bool start) {
             if (face.kind == FaceKind::core) continue;
             const std::size_t a = static_cast<std::size_t>(face.facing) / 2;
             const Exchange at = exchange(f);
-            const float flow = at.loss * x_[face.cell] - (start && face.kind == FaceKind::light ? at.gain * sums_[grid_.law[f]].through * light(f) : 0);
+            const float flow =
+                at.loss * x_[face.cell] -
+                (start && face.kind == FaceKind::light ? at.gain * sums_[grid_.law[f]].through * light(f) : 0);
             J[a][face.cell - first] += static_cast<int>(face.facing) % 2 ? flow : -flow;
         }
         for (std::size_t place = 0; place < 64; ++place) {
@@ -271,7 +288,8 @@ void ViewingTransport::enter(bool start) {
             const Octet& w = flux_weight_[axis];
             const std::size_t at = face.cell - first;
             const std::array<float, 3> j{J[0][at], J[1][at], J[2][at]};
-            const float phi = x_[face.cell] - (plus ? 0.5f : -0.5f) * edge_[axis] * j[axis] / D_[grid_.medium[face.cell]];
+            const float phi =
+                x_[face.cell] - (plus ? 0.5f : -0.5f) * edge_[axis] * j[axis] / D_[grid_.medium[face.cell]];
             const float Jn = 3 * (plus ? j[axis] : -j[axis]), Ju = 3 * j[tangent[0]], Jv = 3 * j[tangent[1]];
             float leaving = 0, before = 0;
             for (std::size_t slot = 0; slot < 4; ++slot) {
@@ -280,7 +298,8 @@ void ViewingTransport::enter(bool start) {
                 for (std::size_t d = 0; d < 8; ++d) {
                     const float weight = w.v[d] * law.through[slot].v[d];
                     before += weight * out.v[d];
-                    out.v[d] += phi + set.cosine[axis].v[d] * Jn + set.cosine[tangent[0]].v[d] * u + set.cosine[tangent[1]].v[d] * v;
+                    out.v[d] += phi + set.cosine[axis].v[d] * Jn + set.cosine[tangent[0]].v[d] * u +
+                                set.cosine[tangent[1]].v[d] * v;
                     leaving += weight * out.v[d];
                 }
             }
@@ -299,9 +318,11 @@ void ViewingTransport::reflect() {
         pool(block, passing);
         for (std::size_t face = block.first_face; face < block.first_face + block.faces; ++face) {
             const std::uint32_t place = viewing_.place_of_face[face];
-            if (place & into_core) core_in_[place & ~into_core] = from_core(face);
+            if (place & into_core)
+                core_in_[place & ~into_core] = from_core(face);
             else
-                for (std::size_t slot = 0; slot < 4; ++slot) in_[4 * std::size_t{place} + slot] = returned(passing, face, slot);
+                for (std::size_t slot = 0; slot < 4; ++slot)
+                    in_[4 * std::size_t{place} + slot] = returned(passing, face, slot);
         }
     });
 }
@@ -320,10 +341,13 @@ void ViewingTransport::pool(const GridBlock& block, Pool& pool) const {
         const std::size_t region = std::size_t{face.region_in_block} * 64;
         regions |= 1u << face.region_in_block;
         for (std::size_t slot = 0; slot < 4; ++slot) {
-            const std::size_t out = region + static_cast<std::size_t>(leaving_octant(face.facing, static_cast<int>(slot))) * 8,
-                              in = region + static_cast<std::size_t>(entering_octant(face.facing, static_cast<int>(slot))) * 8;
+            const std::size_t out = region +
+                                    static_cast<std::size_t>(leaving_octant(face.facing, static_cast<int>(slot))) * 8,
+                              in = region +
+                                   static_cast<std::size_t>(entering_octant(face.facing, static_cast<int>(slot))) * 8;
             for (std::size_t d = 0; d < 8; ++d) {
-                const float flux = w.v[d] * face.area_mm2, passes = flux * std::max(0.0f, 1 - law.through[slot].v[d] - law.mirror[slot].v[d]);
+                const float flux = w.v[d] * face.area_mm2,
+                            passes = flux * std::max(0.0f, 1 - law.through[slot].v[d] - law.mirror[slot].v[d]);
                 leaves[out + d] += passes;
                 room[in + d] += flux * std::max(0.0f, 1 - law.through[slot ^ 3].v[d] - law.mirror[slot].v[d]);
                 pool[out + d] += passes * out_[4 * std::size_t{viewing_.place_of_face[f]} + slot].v[d];
@@ -335,13 +359,17 @@ void ViewingTransport::pool(const GridBlock& block, Pool& pool) const {
         if (!(regions >> region / 64 & 1)) continue;
         float surplus = 0, lack = 0;
         for (std::size_t k = region; k < region + 64; ++k) {
-            if (leaves[k] > room[k]) surplus += (1 - room[k] / leaves[k]) * pool[k];
-            else lack += room[k] - leaves[k];
+            if (leaves[k] > room[k])
+                surplus += (1 - room[k] / leaves[k]) * pool[k];
+            else
+                lack += room[k] - leaves[k];
         }
         const float everywhere = lack > 1e-12f ? surplus / lack : 0;
         for (std::size_t k = region; k < region + 64; ++k) {
-            if (leaves[k] > room[k]) pool[k] /= leaves[k];
-            else if (room[k] > 0) pool[k] = (pool[k] + (room[k] - leaves[k]) * everywhere) / room[k];
+            if (leaves[k] > room[k])
+                pool[k] /= leaves[k];
+            else if (room[k] > 0)
+                pool[k] = (pool[k] + (room[k] - leaves[k]) * everywhere) / room[k];
         }
     }
 }
@@ -354,7 +382,8 @@ std::array<float, 2> ViewingTransport::from_core(std::size_t face) const {
     const float here = 2 * D_[medium] / edge_[axis];
     const float there = core_D_[grid_.blocks[viewing_.core_block[outer.beyond]].medium] / (2 * edge_[axis]);
     const float phi_here = source_[outer.cell].phi / media_->cells[medium].sigma_s, phi_there = core_phi_[outer.beyond];
-    return {(here * phi_here + there * phi_there) / (here + there), here * there / (here + there) * (phi_here - phi_there)};
+    return {(here * phi_here + there * phi_there) / (here + there),
+            here * there / (here + there) * (phi_here - phi_there)};
 }
 
 /// Radiance that comes in through an open face, given what goes out.
@@ -385,7 +414,18 @@ Octet ViewingTransport::returned(const Pool& pool, std::size_t face, std::size_t
 
 void ViewingTransport::sweep() {
     parallel_for(0, 2, 1, [&](std::size_t half) {
-        SweepJob job{&grid_, {media_->cells, media_->cells}, source_, half == 0 ? std::span<Moments>(sum_) : std::span<Moments>(other_), in_, out_, {}, {}, viewing_.place_of_face, core_in_, static_cast<float>(viewing_theta), core_out_};
+        SweepJob job{&grid_,
+                     {media_->cells, media_->cells},
+                     source_,
+                     half == 0 ? std::span<Moments>(sum_) : std::span<Moments>(other_),
+                     in_,
+                     out_,
+                     {},
+                     {},
+                     viewing_.place_of_face,
+                     core_in_,
+                     static_cast<float>(viewing_theta),
+                     core_out_};
         std::fill(job.sum.begin(), job.sum.end(), Moments{});
         sweep_half(job, half == 1);
     });
@@ -398,7 +438,8 @@ void ViewingTransport::correct() {
         for (std::size_t cell = begin; cell < end; ++cell) {
             const Moments &p = sum_[cell], &q = other_[cell];
             const float sigma_s = media_->cells[grid_.medium[cell]].sigma_s, linear = 3 * g_linear * sigma_s;
-            const Moments now{sigma_s * (p.phi + q.phi), linear * (p.x + q.x), linear * (p.y + q.y), linear * (p.z + q.z)};
+            const Moments now{sigma_s * (p.phi + q.phi), linear * (p.x + q.x), linear * (p.y + q.y),
+                              linear * (p.z + q.z)};
             sum_[cell].phi = volume_ * (now.phi - source_[cell].phi);
             source_[cell] = now;
         }
@@ -445,7 +486,8 @@ void ViewingTransport::correct() {
     }
     hold_ghosts();
     make_equations(eased_, core_eased_);
-    // One step leaves a tenth to a third of the residual; the next sweep makes more of the time that another would take.
+    // One step leaves a tenth to a third of the residual; the next sweep makes more of the time that another would
+    // take.
     solve_diffusion(0, 1);
 }
 
@@ -455,8 +497,9 @@ void ViewingTransport::hold_ghosts() {
     for (const std::uint32_t ghost : viewing_.ghosts) core_right_[ghost] = 0;
 }
 
-void ViewingTransport::solve(const Media& media, ViewingField& field, int sweeps, TransportSummary& summary, const Progress* progress,
-                             std::span<const float> light, std::span<const float> ghost_phi, double enough) {
+void ViewingTransport::solve(const Media& media, ViewingField& field, int sweeps, TransportSummary& summary,
+                             const Progress* progress, std::span<const float> light, std::span<const float> ghost_phi,
+                             double enough) {
     VOXTONE_EXPECT(media.cells.size() == grid_.palette.size());
     media_ = &media;
     take_light(light, ghost_phi);
@@ -465,8 +508,10 @@ void ViewingTransport::solve(const Media& media, ViewingField& field, int sweeps
     prepare();
     std::fill(flux_.begin(), flux_.end(), 0.0f);
     std::fill(flux_change_.begin(), flux_change_.end(), 0.0f);
-    if (field.cells.empty()) start();
-    else load(field);
+    if (field.cells.empty())
+        start();
+    else
+        load(field);
     summary.diffusion_s += watch.lap();
     for (int k = 0; k < sweeps; ++k) {
         if (progress) progress->check_cancelled();
@@ -510,7 +555,8 @@ void ViewingTransport::take_light(std::span<const float> light, std::span<const 
     for (const float phi : ghost_phi) scale_ = std::max(scale_, std::abs(phi));
     if (!(scale_ > 0)) scale_ = 1;  // no light at all
     for (float& phi : ghost_phi_) phi /= scale_;
-    for (const std::uint32_t f : viewing_.open_faces) light_.push_back(grid_.faces[f].kind == FaceKind::light ? light[f] / scale_ : 0);
+    for (const std::uint32_t f : viewing_.open_faces)
+        light_.push_back(grid_.faces[f].kind == FaceKind::light ? light[f] / scale_ : 0);
 }
 
 std::size_t ViewingTransport::memory_bytes() const {

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Light in a viewing grid, channel after channel: the iteration of transport.h where cells and nodes of diffusion are one.
+// Light in a viewing grid, channel after channel: the iteration of transport.h where cells and nodes of diffusion are
+// one.
 //
-// Keeps nothing of a channel but what the caller holds for it, a field: phi and J of each cell, phi of the core nodes and what
-// leaves through each face, in 16-bit steps of 3e-5. A field of other resins is as good a start as the resins are alike.
+// Keeps nothing of a channel but what the caller holds for it, a field: phi and J of each cell, phi of the core nodes
+// and what leaves through each face, in 16-bit steps of 3e-5. A field of other resins is as good a start as the resins
+// are alike.
 //
 // Memory besides the grid and the fields: 48 bytes a cell (moments before and after a sweep, of light that runs up and
-// down; the diffusion equations take the place of the latter when they are summed), 256 a face to the light, and that of ViewingDiffusion.
+// down; the diffusion equations take the place of the latter when they are summed), 256 a face to the light, and that
+// of ViewingDiffusion.
 #pragma once
 
 #include <array>
@@ -15,11 +18,11 @@
 #include <vector>
 
 #include "voxtone/base/progress.h"
+#include "voxtone/optics/transport/coarse/viewing_diffusion.h"
+#include "voxtone/optics/transport/coarse/viewing_grid.h"
 #include "voxtone/optics/transport/transport.h"
 #include "voxtone/optics/transport/transport_medium.h"
 #include "voxtone/optics/transport/transport_sweep.h"
-#include "voxtone/optics/transport/coarse/viewing_diffusion.h"
-#include "voxtone/optics/transport/coarse/viewing_grid.h"
 
 namespace voxtone::optics {
 
@@ -33,7 +36,9 @@ struct ViewingField {
     std::vector<float> core;
     std::vector<std::uint16_t> out;  ///< 32 for each open face
     float scale = 0;                 ///< of an adjoint: radiance that stands for 1; 0: of light 1 everywhere
-    [[nodiscard]] std::size_t memory_bytes() const { return cells.capacity() * sizeof(Code) + 4 * core.capacity() + 2 * out.capacity(); }
+    [[nodiscard]] std::size_t memory_bytes() const {
+        return cells.capacity() * sizeof(Code) + 4 * core.capacity() + 2 * out.capacity();
+    }
 };
 
 /// Steps of the codes: phi to 2, J to 1.
@@ -41,8 +46,8 @@ struct ViewingField {
 [[nodiscard]] float phi_of(const ViewingField::Code& code);
 [[nodiscard]] Moments moments_of(const ViewingField::Code& code);
 
-/// Weight of the differences (transport_sweep.h): on cells as thick as these an edge would show ripples with 1; of 1, 0.85 and
-/// 0.7 this one is nearest to Monte Carlo.
+/// Weight of the differences (transport_sweep.h): on cells as thick as these an edge would show ripples with 1; of 1,
+/// 0.85 and 0.7 this one is nearest to Monte Carlo.
 inline constexpr double viewing_theta = 0.85;
 
 class ViewingTransport {
@@ -51,19 +56,22 @@ public:
     /// What it will take about, with fields of so many channels.
     [[nodiscard]] static std::size_t bytes_for(const ViewingGrid& grid, std::size_t channels);
 
-    /// Media of the grid's palette and of core blocks, by material; index 0 is air. Starts from `field`, or with a diffusion
-    /// solve where it is empty; leaves the new field there. `light`: radiance that comes in through each outer face to the
-    /// light, of any sign and size; nothing given: 1. `ghost_phi`: phi of the grid's ghosts; nothing given: they take that of
-    /// their neighbours, as if the cut were a mirror. No more sweeps are made after one that changed less than `enough` of what leaves.
+    /// Media of the grid's palette and of core blocks, by material; index 0 is air. Starts from `field`, or with a
+    /// diffusion solve where it is empty; leaves the new field there. `light`: radiance that comes in through each
+    /// outer face to the light, of any sign and size; nothing given: 1. `ghost_phi`: phi of the grid's ghosts; nothing
+    /// given: they take that of their neighbours, as if the cut were a mirror. No more sweeps are made after one that
+    /// changed less than `enough` of what leaves.
     struct Media {
         std::vector<TransportMedium> cells, core;
     };
     void solve(const Media& media, ViewingField& field, int sweeps, TransportSummary& summary, const Progress* progress,
                std::span<const float> light = {}, std::span<const float> ghost_phi = {}, double enough = 0);
-    /// After `solve` with a function's d F / d flux as light: d F / d sigma_t and d F / d sigma_s of each cell's TransportMedium,
-    /// from `forward`, the field of light 1 in the same media (viewing_gradient.h). Holds that light afterwards.
+    /// After `solve` with a function's d F / d flux as light: d F / d sigma_t and d F / d sigma_s of each cell's
+    /// TransportMedium, from `forward`, the field of light 1 in the same media (viewing_gradient.h). Holds that light
+    /// afterwards.
     void derivatives(const ViewingField& forward, std::span<float> by_sigma_t, std::span<float> by_sigma_s);
-    /// What leaves through each outer face (of light given: / its scale), in units in which a furnace gives `furnace_flux`.
+    /// What leaves through each outer face (of light given: / its scale), in units in which a furnace gives
+    /// `furnace_flux`.
     [[nodiscard]] std::span<const float> flux() const { return flux_; }
     [[nodiscard]] float furnace_flux(std::size_t face) const;
     /// phi of a cell, after `solve`.
@@ -116,22 +124,22 @@ private:
 
     std::array<float, 3> edge_{};
     float volume_ = 0;
-    std::array<Octet, 3> flux_weight_{};      ///< w |Omega_a|
-    std::vector<FaceSums> sums_;              ///< per law
+    std::array<Octet, 3> flux_weight_{};                  ///< w |Omega_a|
+    std::vector<FaceSums> sums_;                          ///< per law
     std::vector<float> D_, core_D_, eased_, core_eased_;  ///< per medium
-    std::vector<Moments> source_;             ///< per cell: sigma_s phi and 3 g' sigma_s J
-    std::vector<Moments> sum_, other_;        ///< per cell: phi and J of light that runs up, and down; also what follows
-    std::span<BlockStencil<4>> stencil_;      ///< in sum_
-    std::span<float> x_, right_, p_, z_;      ///< in other_
+    std::vector<Moments> source_;                         ///< per cell: sigma_s phi and 3 g' sigma_s J
+    std::vector<Moments> sum_, other_;    ///< per cell: phi and J of light that runs up, and down; also what follows
+    std::span<BlockStencil<4>> stencil_;  ///< in sum_
+    std::span<float> x_, right_, p_, z_;  ///< in other_
     std::vector<float> core_phi_, core_x_, core_right_, core_p_, core_z_;
-    int steps_ = 0;                           ///< of the diffusion solves
-    std::vector<Octet> in_, out_;             ///< [open face * 4 + tangential signs]
+    int steps_ = 0;                              ///< of the diffusion solves
+    std::vector<Octet> in_, out_;                ///< [open face * 4 + tangential signs]
     std::vector<std::array<float, 2>> core_in_;  ///< per core face (transport_sweep.h)
     std::vector<float> core_out_;
-    std::vector<float> flux_, flux_change_;   ///< per face
-    std::vector<float> light_;                ///< per open face, / scale_; empty: 1
-    float scale_ = 0;                         ///< 0: light is 1
-    std::vector<float> ghost_phi_;            ///< / scale_; empty: not known
+    std::vector<float> flux_, flux_change_;  ///< per face
+    std::vector<float> light_;               ///< per open face, / scale_; empty: 1
+    float scale_ = 0;                        ///< 0: light is 1
+    std::vector<float> ghost_phi_;           ///< / scale_; empty: not known
     double last_change_ = 0;
 };
 

@@ -25,7 +25,8 @@ namespace {
 
 const std::vector<std::string> colours{"C", "M", "Y"};
 
-PatchTable measured(char layout, double noise, std::uint64_t seed = 1, const optics::ResinSet& truth = optics::vero_opaque()) {
+PatchTable measured(char layout, double noise, std::uint64_t seed = 1,
+                    const optics::ResinSet& truth = optics::vero_opaque()) {
     PatchTable table = target(layout, colours);
     measure(table, truth, noise, seed);
     return table;
@@ -46,7 +47,9 @@ double worst_error(const ResinFit& fit, const optics::ResinSet& truth) {
     return worst;
 }
 
-const FittedResin& resin_of(const ResinFit& fit, const std::string& role) { return fit.resins[static_cast<std::size_t>(fit.set.find(role))]; }
+const FittedResin& resin_of(const ResinFit& fit, const std::string& role) {
+    return fit.resins[static_cast<std::size_t>(fit.set.find(role))];
+}
 
 bool has(const FittedValue& value, Doubt doubt) { return std::ranges::find(value.doubts, doubt) != value.doubts.end(); }
 
@@ -98,11 +101,13 @@ optics::ResinSet efficient_estimate(const PatchTable& exact, double noise, std::
         const ChannelFit truth = fitter.fit(c);
         const Eigen::MatrixXd root = truth.covariance.llt().matrixL();
         Eigen::VectorXd drawn(root.rows());
-        for (Eigen::Index k = 0; k < drawn.size(); ++k) drawn[k] = normal(seed, 1000 * (c + 1) + static_cast<std::uint64_t>(k));
+        for (Eigen::Index k = 0; k < drawn.size(); ++k)
+            drawn[k] = normal(seed, 1000 * (c + 1) + static_cast<std::uint64_t>(k));
         drawn = root * drawn;
         for (std::size_t r = 0; r < roles.roles.size(); ++r) {
             const auto k = static_cast<Eigen::Index>(2 * r);
-            const ResinPoint at = clamped({truth.resins[r].v + drawn[k], truth.resins[r].ln_sigma_t + drawn[k + 1]}, bounds);
+            const ResinPoint at =
+                clamped({truth.resins[r].v + drawn[k], truth.resins[r].ln_sigma_t + drawn[k + 1]}, bounds);
             optics::Resin& resin = set.resins[static_cast<std::size_t>(set.find(roles.roles[r]))];
             resin.albedo[c] = albedo_of_v(at.v, 0.4), resin.sigma_t_per_mm[c] = std::exp(at.ln_sigma_t);
         }
@@ -266,7 +271,8 @@ TEST_CASE("Where the patches cannot tell, a flag says which value and why") {
     thin.resins[0].sigma_t_per_mm.assign(3, 0.1);
     thin.resins[0].albedo.assign(3, 0.9);
     const ResinFit t = fit_resins(measured('B', 0.005, 1, thin), {});
-    for (std::size_t c = 0; c < 3; ++c) CHECK((has(resin_of(t, "C").albedo[c], Doubt::thin) && has(resin_of(t, "C").sigma_t[c], Doubt::thin)));
+    for (std::size_t c = 0; c < 3; ++c)
+        CHECK((has(resin_of(t, "C").albedo[c], Doubt::thin) && has(resin_of(t, "C").sigma_t[c], Doubt::thin)));
 }
 
 TEST_CASE("Residuals beyond the noise are reported and widen the errors") {
@@ -285,7 +291,8 @@ TEST_CASE("Errors given with the patches weigh them") {
     PatchTable table = measured('B', 0.005);
     const ResinFit even = fit_resins(table, {});
     for (Patch& patch : table.patches) patch.error.assign(3, 0.01);
-    CHECK(resin_of(fit_resins(table, {}), "W").sigma_t[1].standard_error == Approx(2 * resin_of(even, "W").sigma_t[1].standard_error).epsilon(0.01));
+    CHECK(resin_of(fit_resins(table, {}), "W").sigma_t[1].standard_error ==
+          Approx(2 * resin_of(even, "W").sigma_t[1].standard_error).epsilon(0.01));
     // A patch that is wrong does no harm where it says so itself.
     for (Patch& patch : table.patches) patch.error.assign(3, 0.005);
     for (Patch& patch : table.patches)
@@ -339,13 +346,16 @@ TEST_CASE("A colour seen on one base only is fitted as far as it can be, and dou
     erase(table, [](const Patch& p) { return contains(p, "M") && p.backing == "K"; });
     const ResinFit fit = fit_resins(table, {});
     const FittedResin& magenta = resin_of(fit, "M");
-    for (std::size_t c = 0; c < 3; ++c) CHECK((!magenta.albedo[c].doubts.empty() || !magenta.sigma_t[c].doubts.empty()));
+    for (std::size_t c = 0; c < 3; ++c)
+        CHECK((!magenta.albedo[c].doubts.empty() || !magenta.sigma_t[c].doubts.empty()));
     CHECK(resin_of(fit, "Y").sigma_t[0].doubts.empty());
 }
 
 TEST_CASE("Bases that are crossed by mixtures with colours only are found too") {
     PatchTable table = measured('C', 0);
-    erase(table, [](const Patch& p) { return !contains(p, "C") && !contains(p, "M") && !contains(p, "Y") && !is(p, "W", "W") && !is(p, "K", "K"); });
+    erase(table, [](const Patch& p) {
+        return !contains(p, "C") && !contains(p, "M") && !contains(p, "Y") && !is(p, "W", "W") && !is(p, "K", "K");
+    });
     table.patches.push_back({{{"C", 0.5}, {"K", 0.5}}, "W", 0.675, 0, {}, {}, {}});
     table.patches.push_back({{{"Y", 0.5}, {"K", 0.5}}, "W", 0.675, 0, {}, {}, {}});
     table.patches.push_back({{{"M", 0.5}, {"K", 0.5}}, "W", 0.675, 0, {}, {}, {}});
@@ -403,9 +413,12 @@ TEST_CASE("The report shows every patch, holds no broken number, and lets no nam
         const ResinFit fit = fit_resins(table, {});
         const std::string page = fit_report_html(fit, table, {});
         CHECK_THAT(page, Contains("&lt;b&gt;&amp; on W") && Contains("Principle 3") && Contains("</html>"));
-        CHECK_THAT(page, !Contains("<b>") && !Contains("nan") && !Contains("inf") && !Contains("http://") && !Contains("https://"));
+        CHECK_THAT(page, !Contains("<b>") && !Contains("nan") && !Contains("inf") && !Contains("http://") &&
+                             !Contains("https://"));
         std::size_t shown = 0;
-        for (std::size_t at = page.find("class=\"swatch\""); at != std::string::npos; at = page.find("class=\"swatch\"", at + 1)) ++shown;
+        for (std::size_t at = page.find("class=\"swatch\""); at != std::string::npos;
+             at = page.find("class=\"swatch\"", at + 1))
+            ++shown;
         CHECK(shown == table.patches.size());
     }
 }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// A smaller run of benchmarks/calibration/stress_benchmark: target B of both stress tests, few seeds. The rule for a row is
-// that of the benchmark: its median error at most 1.15 times the least-squares baseline's, or 0.8 times the Cramer-Rao
-// bound. A median over few seeds scatters by a third, so that rows are judged together.
+// A smaller run of benchmarks/calibration/stress_benchmark: target B of both stress tests, few seeds. The rule for a
+// row is that of the benchmark: its median error at most 1.15 times the least-squares baseline's, or 0.8 times the
+// Cramer-Rao bound. A median over few seeds scatters by a third, so that rows are judged together.
 #include "benchmarks/calibration/fit/stress_cases.h"
 
 #include <catch2/catch.hpp>
@@ -32,9 +32,10 @@ bool accepted(const stress::Verdict& v) {
 TEST_CASE("Errors of both stress tests are those of an efficient estimator, and its standard errors are honest") {
     for (const auto& of : stress::run(plan(0.005), baseline)) {
         const stress::Verdict v = stress::judge(of);
-        INFO("test " << of.test << ": mean ln of median / limit " << v.mean_ln_sigma << ", " << v.mean_ln_albedo << "; over " << v.sigma_over << ", "
-                     << v.albedo_over << " of " << v.rows << "; inside " << v.sigma_inside << ", " << v.albedo_inside << "; trusted "
-                     << v.sigma_inside_trusted << ", " << v.albedo_inside_trusted);
+        INFO("test " << of.test << ": mean ln of median / limit " << v.mean_ln_sigma << ", " << v.mean_ln_albedo
+                     << "; over " << v.sigma_over << ", " << v.albedo_over << " of " << v.rows << "; inside "
+                     << v.sigma_inside << ", " << v.albedo_inside << "; trusted " << v.sigma_inside_trusted << ", "
+                     << v.albedo_inside_trusted);
         CHECK(v.rows == 52);
         CHECK(accepted(v));
         // 624 truths each, in part dependent: two standard errors are 0.05.

@@ -31,7 +31,8 @@ const std::string header = "top,backing,thickness_mm,R,G,B\n";
 }  // namespace
 
 TEST_CASE("Patches are read with comments, mixtures, wavelengths, errors and base thickness") {
-    const PatchTable rgb = parsed("\xEF\xBB\xBF# target 7\r\n" + header + "C:10+W:90,K,0.675,0.1,0.2,0.3\r\n\n  W , W ,0.675, 0.8,0.9,+0.7\n");
+    const PatchTable rgb = parsed("\xEF\xBB\xBF# target 7\r\n" + header +
+                                  "C:10+W:90,K,0.675,0.1,0.2,0.3\r\n\n  W , W ,0.675, 0.8,0.9,+0.7\n");
     CHECK(rgb.channels.is_rgb());
     REQUIRE(rgb.patches.size() == 2);
     CHECK(rgb.patches[0].top == PatchMixture{{"C", 0.1}, {"W", 0.9}});
@@ -42,7 +43,8 @@ TEST_CASE("Patches are read with comments, mixtures, wavelengths, errors and bas
     CHECK(rgb.patches[0].where == "p.csv: line 3");
     CHECK(rgb.patches[1].top == PatchMixture{{"W", 1}});
 
-    const PatchTable spectral = parsed("top,backing,thickness_mm,400_se,base_mm,400,425.5,425.5_se\nW,K,1,0.01,5,0.3,0.4,0.02\n");
+    const PatchTable spectral =
+        parsed("top,backing,thickness_mm,400_se,base_mm,400,425.5,425.5_se\nW,K,1,0.01,5,0.3,0.4,0.02\n");
     CHECK(spectral.channels.wavelengths_nm == std::vector<double>{400, 425.5});
     CHECK(spectral.patches[0].base_mm == 5);
     CHECK(spectral.patches[0].error == std::vector<double>{0.01, 0.02});
@@ -82,8 +84,8 @@ TEST_CASE("Mixtures are percentages of roles that sum to 100, in one order") {
     CHECK(mixture_text(parse_mixture(" W:90 + C:10 ")) == "C:10+W:90");
     CHECK(mixture_text(parse_mixture("C:33.333333+M:33.333333+Y:33.333334")) == "C:33.3333+M:33.3333+Y:33.3333");
     CHECK(mixture_text(parse_mixture("Clear")) == "Clear");
-    for (const char* wrong : {"", "C:10", "C:10+W:80", "C+W", "C:x+W:90", "C:0+W:100", "C:-10+W:110", "C:50+C:50", "C:10+", "C:10+W:90+",
-                              "C:nan+W:90", "C:10:90", ":10+W:90"}) {
+    for (const char* wrong : {"", "C:10", "C:10+W:80", "C+W", "C:x+W:90", "C:0+W:100", "C:-10+W:110", "C:50+C:50",
+                              "C:10+", "C:10+W:90+", "C:nan+W:90", "C:10:90", ":10+W:90"}) {
         INFO(wrong);
         CHECK_THROWS_AS(parse_mixture(wrong), InputError);
     }
@@ -105,13 +107,16 @@ TEST_CASE("A faulty table names line, patch and what is wrong") {
     CHECK_THAT(fault(header + "C,W,0.675,0.1,0.2,x\n"), Contains("C on W") && Contains("\"x\" is no number"));
     CHECK_THAT(fault(header + "C,W,0.675,0.1,nan,0.2\n"), Contains("no number"));
     CHECK_THAT(fault(header + "C,W,0.675,0.1,1e999,0.2\n"), Contains("no number"));
-    CHECK_THAT(fault(header + "C,W,0.675,0.1,-0.01,0.2\n"), Contains("C on W") && Contains("G is -0.01") && Contains("negative"));
+    CHECK_THAT(fault(header + "C,W,0.675,0.1,-0.01,0.2\n"),
+               Contains("C on W") && Contains("G is -0.01") && Contains("negative"));
     CHECK_THAT(fault(header + "C,W,0.675,0.1,0.2,12\n"), Contains("B is 12") && Contains("above 1"));
     CHECK_THAT(fault(header + "C,W,0,0.1,0.2,0.3\n"), Contains("thickness_mm is 0"));
     CHECK_THAT(fault(header + "C:20+W:90,W,1,0.1,0.2,0.3\n"), Contains("line 2") && Contains("sum to 110"));
     CHECK_THAT(fault(header + "C,,1,0.1,0.2,0.3\n"), Contains("role"));
-    CHECK_THAT(fault("top,backing,thickness_mm,R,G,B,R_se,G_se,B_se\nC,W,1,0,0,0,0.1,0,0.1\n"), Contains("standard error of G"));
-    CHECK_THAT(fault("top,backing,thickness_mm,R,G,B,R_se,G_se,B_se\nC,W,1,0,-0.031,0,0.1,0.005,0.1\n"), Contains("negative"));
+    CHECK_THAT(fault("top,backing,thickness_mm,R,G,B,R_se,G_se,B_se\nC,W,1,0,0,0,0.1,0,0.1\n"),
+               Contains("standard error of G"));
+    CHECK_THAT(fault("top,backing,thickness_mm,R,G,B,R_se,G_se,B_se\nC,W,1,0,-0.031,0,0.1,0.005,0.1\n"),
+               Contains("negative"));
     // No control character of a file reaches the terminal.
     CHECK_THAT(fault(header + "C,W,\x1b[2J,0.1,0.2,0.3\n"), !Contains("\x1b"));
 }
@@ -120,12 +125,14 @@ TEST_CASE("A patch measured twice is refused unless the rows agree") {
     const std::string row = "C:10+W:90,W,0.675,0.1,0.2,0.3\n";
     CHECK(parsed(header + row + row).patches.size() == 1);
     CHECK(parsed(header + row + "C:10+W:90,W,0.5,0.1,0.2,0.4\n").patches.size() == 2);
-    CHECK_THAT(fault(header + row + "W:90+C:10,W,0.675,0.1,0.25,0.3\n"),
-               Contains("line 3") && Contains("line 2") && Contains("C:10+W:90 on W") && Contains("G 0.2 there and 0.25 here"));
+    CHECK_THAT(fault(header + row + "W:90+C:10,W,0.675,0.1,0.25,0.3\n"), Contains("line 3") && Contains("line 2") &&
+                                                                             Contains("C:10+W:90 on W") &&
+                                                                             Contains("G 0.2 there and 0.25 here"));
 }
 
 TEST_CASE("No cut or damaged table does more than throw an InputError") {
-    const std::string text = "# t\ntop,backing,thickness_mm,R,G,B,R_se,G_se,B_se,base_mm\nC:10+W:90,K,0.675,0.1,0.2,0.3,0.01,0.01,0.01,5\n";
+    const std::string text =
+        "# t\ntop,backing,thickness_mm,R,G,B,R_se,G_se,B_se,base_mm\nC:10+W:90,K,0.675,0.1,0.2,0.3,0.01,0.01,0.01,5\n";
     const auto survive = [](const std::string& damaged) {
         try {
             (void)parse_patches(damaged, "p.csv");

@@ -88,7 +88,8 @@ TEST_CASE("The derivatives of all patches by all resins are those of their refle
                     value = kept;
                     for (std::size_t p = 0; p < rho.size(); ++p) {
                         const double expected = (above[p] - below[p]) / (2 * h);
-                        const double found = by_resin(static_cast<Eigen::Index>(p), static_cast<Eigen::Index>(2 * r) + s);
+                        const double found =
+                            by_resin(static_cast<Eigen::Index>(p), static_cast<Eigen::Index>(2 * r) + s);
                         worst = std::max(worst, kept * std::abs(found - expected));
                         largest = std::max(largest, kept * std::abs(found));
                     }
@@ -106,7 +107,8 @@ TEST_CASE("Where the pitch is known a mixture is the halftone's medium, a pure r
     PatchTable table;
     table.patches = {{{{"W", 0.5}, {"Y", 0.5}}, "W", 0.675, 0, {}, {}, {}}, {{{"Y", 1}}, "W", 0.675, 0, {}, {}, {}}};
     const auto rho = PatchModel(table.patches, roles, options).rho(media(set, 2));
-    const Medium mixed = optics::HalftoneMedium(set, options.pitch_mm, optics::SeenFrom::above, random_dither)(std::vector{0.0, 0.0, 0.5, 0.0, 0.5}, 2);
+    const Medium mixed = optics::HalftoneMedium(set, options.pitch_mm, optics::SeenFrom::above, random_dither)(
+        std::vector{0.0, 0.0, 0.5, 0.0, 0.5}, 2);
     const auto plan = patch_plan(options);
     const optics::OrdinateBase white(*plan, set.resins[4].medium(2), false);
     CHECK(rho[0] == Approx(optics::OrdinateLayer(*plan, mixed, 0.675, false).upon(white).rho).margin(1e-12));

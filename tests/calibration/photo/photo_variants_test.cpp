@@ -171,8 +171,7 @@ TEST_CASE("photographs as bad as they come are measured within 0.005 or refused"
                 o.blur_px = between(0, 4), o.vignetting = between(0, 0.7),
                 o.exposure = std::pow(10, between(-1.2, 0.1));
                 o.electrons = std::pow(10, between(2.5, 4.5)), o.read_noise = between(0, 3e-3);
-                o.dust = int(between(0, 400)), o.scratches = int(between(0, 30)),
-                o.checker_turns = int(between(0, 4));
+                o.dust = int(between(0, 400)), o.scratches = int(between(0, 30)), o.checker_turns = int(between(0, 4));
             },
             seed);
         INFO("photograph " << seed << ": tilt " << options.tilt_x_deg << " " << options.tilt_y_deg << ", lamp "

@@ -41,8 +41,8 @@ TEST_CASE("Exposures are named with their seconds") {
     CHECK(parse_exposure("b.tif@0.5").file == "b.tif");
     CHECK(parse_exposure("b@c.tif@1/15").seconds == 1.0 / 15);
     CHECK(parse_exposure("b@c.tif@1/15").file == "b@c.tif");
-    for (const char* wrong : {"b.tif@", "b.tif@x", "b.tif@0", "b.tif@-1", "b.tif@1/0", "b.tif@1/", "b.tif@/15", "b.tif@nan",
-                              "b.tif@inf", "b.tif@1s", "@1", "b.tif@1/2/3"}) {
+    for (const char* wrong : {"b.tif@", "b.tif@x", "b.tif@0", "b.tif@-1", "b.tif@1/0", "b.tif@1/", "b.tif@/15",
+                              "b.tif@nan", "b.tif@inf", "b.tif@1s", "@1", "b.tif@1/2/3"}) {
         INFO(wrong);
         CHECK_THROWS_AS(parse_exposure(wrong), UsageError);
     }
@@ -97,8 +97,9 @@ TEST_CASE("Saturated samples do not count, whichever channel or frame they are o
     merge.add(first, even(1, 0.f));
     merge.add(second, dark);
     const MergedPicture picture = merge.merged();
-    CHECK(picture.light[0][1] == Approx(0.2));                                      // of the first only
-    CHECK(picture.light[0][0] == Approx((1 * 0.2 + 4 * 0.125) / 5).epsilon(1e-3));  // of both; shot noise weighs by time
+    CHECK(picture.light[0][1] == Approx(0.2));  // of the first only
+    CHECK(picture.light[0][0] ==
+          Approx((1 * 0.2 + 4 * 0.125) / 5).epsilon(1e-3));  // of both; shot noise weighs by time
     CHECK(picture.exposures[0] == 1);
     CHECK(picture.weight[3][1] == 0);  // never
     CHECK(picture.weight[3][0] > 0);
@@ -110,7 +111,8 @@ TEST_CASE("Saturated samples do not count, whichever channel or frame they are o
 TEST_CASE("Exposures that do not belong together are refused") {
     ExposureMerge merge{CameraNoise{}};
     merge.add(even(1, 0.2f), even(1, 0.f));
-    CHECK_THAT(fault(merge, even(2, {0, 0, 0}, 8, 7), even(2, {0, 0, 0}, 8, 7)), Contains("8 x 7") && Contains("8 x 6"));
+    CHECK_THAT(fault(merge, even(2, {0, 0, 0}, 8, 7), even(2, {0, 0, 0}, 8, 7)),
+               Contains("8 x 7") && Contains("8 x 6"));
     CHECK_THAT(fault(merge, even(2, 0.f), even(2, {0, 0, 0}, 8, 7)), Contains("dark frame") && Contains("8 x 7"));
     CHECK_THAT(fault(merge, even(2, 0.f), even(1, 0.f)), Contains("2 s") && Contains("1 s") && Contains("same time"));
     CHECK_THAT(fault(merge, even(1, 0.f), even(1, 0.f)), Contains("from short to long"));

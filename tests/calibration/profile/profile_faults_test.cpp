@@ -109,10 +109,13 @@ TEST_CASE("Options out of range and series that are not whole are refused by nam
     CHECK_THAT(option_fault([](ProfileMeasureOptions& o) { o.noise.full_well = 0; }), Contains("full well is 0"));
     CHECK_THAT(option_fault([](ProfileMeasureOptions& o) { o.noise.read_noise = 0; }), Contains("read noise is 0"));
     CHECK_THAT(option_fault([](ProfileMeasureOptions& o) { o.noise.saturation = 1.5; }), Contains("saturation is 1.5"));
-    CHECK_THAT(series_fault({"reflection", {}, {}, {0.5, 0.5, 0.5}}), Contains("reflection") && Contains("no exposures"));
+    CHECK_THAT(series_fault({"reflection", {}, {}, {0.5, 0.5, 0.5}}),
+               Contains("reflection") && Contains("no exposures"));
     CHECK_THAT(series_fault({"reflection", {{"a", 1}}, {}, {0.5, 0.5, 0.5}}), Contains("1 exposures and 0 dark"));
-    CHECK_THAT(series_fault({"reflection", {{"a", 1}}, {{"b", 1}}, {0.5, 0, 0.5}}), Contains("green") && Contains("is 0"));
-    CHECK_THAT(series_fault({"reflection", {{"a", 1}}, {{"b", 1}}, {0.5, 0.2, 1.5}}), Contains("blue") && Contains("1.5"));
+    CHECK_THAT(series_fault({"reflection", {{"a", 1}}, {{"b", 1}}, {0.5, 0, 0.5}}),
+               Contains("green") && Contains("is 0"));
+    CHECK_THAT(series_fault({"reflection", {{"a", 1}}, {{"b", 1}}, {0.5, 0.2, 1.5}}),
+               Contains("blue") && Contains("1.5"));
 }
 
 TEST_CASE("A disc lowers coefficients from where its factor says") {
@@ -125,5 +128,6 @@ TEST_CASE("A disc lowers coefficients from where its factor says") {
 
 TEST_CASE("Albedos that make light are refused with channel and figures") {
     CHECK_NOTHROW(expect_no_light_made({0.9, 0.9, 0.9}, {0.1, 0.12, 0}));
-    CHECK_THROWS_WITH(expect_no_light_made({0.9, 0.7, 0.5}, {0.1, 0.5, 0.5}), Contains("green") && Contains("0.7") && Contains("1.2 in all"));
+    CHECK_THROWS_WITH(expect_no_light_made({0.9, 0.7, 0.5}, {0.1, 0.5, 0.5}),
+                      Contains("green") && Contains("0.7") && Contains("1.2 in all"));
 }

@@ -22,7 +22,8 @@ namespace {
 const SlabProfiles& slab(const std::string& role, double thickness_mm, const SpotCamera& camera) {
     static std::map<std::string, SlabProfiles> made;
     SlabProfiles& profiles = made[fmt::format("{} {}", role, thickness_mm)];
-    if (profiles.R[0].empty()) profiles = slab_profiles(optics::vero_opaque(), role, thickness_mm, camera.grid(), 1 << 17, 1);
+    if (profiles.R[0].empty())
+        profiles = slab_profiles(optics::vero_opaque(), role, thickness_mm, camera.grid(), 1 << 17, 1);
     return profiles;
 }
 
@@ -61,8 +62,8 @@ struct Coverage {
             }
         }
     }
-    // Four standard errors of shares and of the mean square of normal numbers; neighbours are related by about -0.3, which
-    // widens the last by a fifth.
+    // Four standard errors of shares and of the mean square of normal numbers; neighbours are related by about -0.3,
+    // which widens the last by a fifth.
     [[nodiscard]] bool normal() const {
         const double share_1 = 0.6827, share_2 = 0.9545;
         return std::abs(within_1 / samples - share_1) < 4 * std::sqrt(share_1 * (1 - share_1) / samples) &&
@@ -70,8 +71,8 @@ struct Coverage {
                std::abs(chi2 / samples - 1) < 4 * 1.2 * std::sqrt(2 / samples);
     }
     [[nodiscard]] std::string text() const {
-        return fmt::format("{:.4f} within one error, {:.4f} within two, mean square {:.3f}, {} samples", within_1 / samples,
-                           within_2 / samples, chi2 / samples, samples);
+        return fmt::format("{:.4f} within one error, {:.4f} within two, mean square {:.3f}, {} samples",
+                           within_1 / samples, within_2 / samples, chi2 / samples, samples);
     }
 };
 
@@ -102,7 +103,8 @@ TEST_CASE("The profiles of white at 3 mm and black at 0.75 mm come back within t
                 optics::RadialSamples samples = measured.samples(c);
                 const double total = *samples.total;
                 samples.total.reset();
-                CHECK(optics::HankelGrid(8, 4).from_even(samples.light, samples.spacing_mm)[0] == Approx(total).epsilon(1e-10));
+                CHECK(optics::HankelGrid(8, 4).from_even(samples.light, samples.spacing_mm)[0] ==
+                      Approx(total).epsilon(1e-10));
             }
             // The wrong sibling: a scale that is off by a percent.
             ProfileMeasureOptions off = options_for(camera);
@@ -167,7 +169,8 @@ TEST_CASE("A layer of measured profiles is the layer that was photographed, thro
             const auto beyond = [&](const SpotScene& scene) {
                 double within = 0;
                 const double reach = camera.mm_per_px * 190, step = 1e-3;
-                for (double r = step / 2; r < reach; r += step) within += 2 * std::numbers::pi * r * step * scene.light(c, r);
+                for (double r = step / 2; r < reach; r += step)
+                    within += 2 * std::numbers::pi * r * step * scene.light(c, r);
                 return std::abs(*scene.truth(c, 1, 1).total - within);
             };
             const double lost_R = beyond(R.scene), lost_T = beyond(T.scene);

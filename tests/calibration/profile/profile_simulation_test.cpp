@@ -52,7 +52,8 @@ TEST_CASE("An even disc blurs as its width says") {
         camera.spot_mm = spot_mm;
         const SpotScene scene(gaussian_side(camera.grid()), camera);
         double sum = 0, light = 0;
-        for (double r = 0.0005; r < 2.4; r += 0.001) sum += r * r * r * scene.light(0, r), light += r * scene.light(0, r);
+        for (double r = 0.0005; r < 2.4; r += 0.001)
+            sum += r * r * r * scene.light(0, r), light += r * scene.light(0, r);
         return sum / light;
     };
     CHECK(second_moment(0.3) - second_moment(0) == Approx(0.3 * 0.3 / 2).epsilon(2e-3));
@@ -62,7 +63,8 @@ TEST_CASE("The camera counts light, saturates, steps and is dark without it") {
     SpotCamera camera = small_camera();
     camera.full_well = 0, camera.stray = 0.01, camera.bits = 12;
     const SpotScene scene(gaussian_side(camera.grid()), camera);
-    const Exposure short_one = scene.photograph(0, true), long_one = scene.photograph(2, true), dark = scene.photograph(2, false);
+    const Exposure short_one = scene.photograph(0, true), long_one = scene.photograph(2, true),
+                   dark = scene.photograph(2, false);
     CHECK(short_one.seconds == 0.1);
     CHECK(short_one.photograph.exposure_s == 0.1);
     float highest = 0;
@@ -77,7 +79,8 @@ TEST_CASE("The camera counts light, saturates, steps and is dark without it") {
             CHECK(b[c] <= 1);
             CHECK(d[c] >= 0.01f - 0.5f / 4095);
             // 16 times the light: steps are half a step off at most, 16 times that in the short one.
-            if (b[c] < 1) CHECK(std::abs((double{b[c]} - camera.black) - 16 * (double{a[c]} - camera.black)) < 17 * 0.51 / 4095);
+            if (b[c] < 1)
+                CHECK(std::abs((double{b[c]} - camera.black) - 16 * (double{a[c]} - camera.black)) < 17 * 0.51 / 4095);
         }
         light += (double{b[0]} < 1 ? double{b[0]} - double{d[0]} : 0);
     }
@@ -153,7 +156,8 @@ TEST_CASE("Profiles are drawn: a line per channel and side, a band where errors 
     const SpotCamera camera = small_camera();
     const SpotScene scene(gaussian_side(camera.grid()), camera);
     io::ProfileFile file{"a<b", "", {}, {}};
-    for (std::size_t c = 0; c < 3; ++c) file.by_channel.push_back({1, scene.truth(c, 0.05, 20), scene.truth(c, 0.05, 20)});
+    for (std::size_t c = 0; c < 3; ++c)
+        file.by_channel.push_back({1, scene.truth(c, 0.05, 20), scene.truth(c, 0.05, 20)});
     const auto count = [](const std::string& text, const std::string& word) {
         std::size_t n = 0;
         for (auto at = text.find(word); at != std::string::npos; at = text.find(word, at + 1)) ++n;

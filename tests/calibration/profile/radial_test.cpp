@@ -24,8 +24,8 @@ double normal(RandomStream& random) {
 }
 
 // f(x, y) about the centre, px, with noise of standard deviation `noise` that is said to be `said`.
-MergedPicture picture_of(std::uint32_t size, const Eigen::Vector2d& centre, double noise, double said, std::uint64_t seed,
-                         const std::function<double(double, double)>& f) {
+MergedPicture picture_of(std::uint32_t size, const Eigen::Vector2d& centre, double noise, double said,
+                         std::uint64_t seed, const std::function<double(double, double)>& f) {
     MergedPicture picture{size, size, {}, {}, {}, {1}, {}};
     for (std::uint32_t y = 0; y < size; ++y)
         for (std::uint32_t x = 0; x < size; ++x) {
@@ -104,7 +104,8 @@ TEST_CASE("Errors are those of the noise that is there, whatever is said of it")
         for (std::size_t i = 0; i < plan.samples; ++i)
             ratio += (sum2[i] - sum[i] * sum[i] / pictures) / (pictures - 1) / (error2[i] / pictures) /
                      static_cast<double>(plan.samples);
-        // 25 samples of 59 degrees of freedom each: standard error sqrt(2 / (25 * 59)) = 0.037, and neighbours are related.
+        // 25 samples of 59 degrees of freedom each: standard error sqrt(2 / (25 * 59)) = 0.037, and neighbours are
+        // related.
         CHECK(std::abs(ratio - 1) < 4 * 0.037 * 1.2);
     }
 }
@@ -115,8 +116,8 @@ TEST_CASE("The centre is found to a small part of a pixel, and its error is know
     for (int seed = 1; seed <= pictures; ++seed) {
         RandomStream random(7, static_cast<std::uint64_t>(seed));
         const Eigen::Vector2d truth(45 + 10 * random.uniform(), 45 + 10 * random.uniform());
-        const auto picture =
-            round_picture(100, truth, 0.02, static_cast<std::uint64_t>(seed), [](double r) { return std::exp(-r * r / 72); });
+        const auto picture = round_picture(100, truth, 0.02, static_cast<std::uint64_t>(seed),
+                                           [](double r) { return std::exp(-r * r / 72); });
         const RadialCentre centre = find_radial_centre(picture, 2, 1e9);
         CHECK((centre.px - truth).norm() < 0.1);
         CHECK(centre.error_px.maxCoeff() < 0.03);
@@ -129,8 +130,9 @@ TEST_CASE("The centre is found to a small part of a pixel, and its error is know
 TEST_CASE("What has no centre is refused, and why") {
     const auto spot = [](double r) { return std::exp(-r * r / 72); };
     const Eigen::Vector2d middle(50, 50);
-    CHECK_THAT(fault([&] { (void)find_radial_centre(round_picture(100, middle, 0.01, 1, [](double) { return 0; }), 2, 1e9); }),
-               Contains("no light") && Contains("dark"));
+    CHECK_THAT(
+        fault([&] { (void)find_radial_centre(round_picture(100, middle, 0.01, 1, [](double) { return 0; }), 2, 1e9); }),
+        Contains("no light") && Contains("dark"));
     CHECK_THAT(fault([&] {
                    (void)find_radial_centre(round_picture(100, {20, 50}, 0.01, 1, spot), 2, 1e9);
                }),
@@ -138,7 +140,8 @@ TEST_CASE("What has no centre is refused, and why") {
     MergedPicture saturated = round_picture(100, middle, 0.01, 1, spot);
     for (std::size_t i = 0; i < saturated.light.size(); ++i)
         if (saturated.light[i][0] > 0.8f) saturated.weight[i].setZero();
-    CHECK_THAT(fault([&] { (void)find_radial_centre(saturated, 2, 1e9); }), Contains("saturated") && Contains("shorter"));
+    CHECK_THAT(fault([&] { (void)find_radial_centre(saturated, 2, 1e9); }),
+               Contains("saturated") && Contains("shorter"));
     // A few dead pixels do no harm.
     MergedPicture dead = round_picture(100, middle, 0.01, 1, spot);
     for (const auto& [x, y] : {std::pair{50u, 51u}, {47u, 50u}, {70u, 20u}}) {

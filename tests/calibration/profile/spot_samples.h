@@ -43,7 +43,8 @@ struct PhotographedSide {
 /// `assumed` times the camera's noise is what the merge is told.
 inline PhotographedSide photographed(const SideCoefficients& side, const SpotCamera& camera, double assumed = 1) {
     PhotographedSide result{SpotScene(side, camera), {}, {"reflection", {}, {}, {side[0][0], side[1][0], side[2][0]}}};
-    ExposureMerge merge({camera.full_well / (assumed * assumed), camera.read_noise * assumed, CameraNoise{}.saturation});
+    ExposureMerge merge(
+        {camera.full_well / (assumed * assumed), camera.read_noise * assumed, CameraNoise{}.saturation});
     for (std::size_t k = 0; k < camera.seconds.size(); ++k)
         merge.add(result.scene.photograph(k, true), result.scene.photograph(k, false));
     result.picture = merge.merged();

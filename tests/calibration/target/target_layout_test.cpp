@@ -9,8 +9,8 @@
 
 #include "tests/calibration/photo/photo_samples.h"
 #include "voxtone/base/error.h"
-#include "voxtone/calibration/target/marker_pattern.h"
 #include "voxtone/calibration/patches/patch_file.h"
+#include "voxtone/calibration/target/marker_pattern.h"
 #include "voxtone/calibration/target/target_file.h"
 
 using namespace voxtone;

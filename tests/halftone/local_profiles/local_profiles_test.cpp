@@ -115,8 +115,8 @@ TEST_CASE("Profiles from counts are as far off as counts must be, and keep the l
 }
 
 TEST_CASE("Logarithms of single counts would lose light; counts do not") {
-    // What Eq. 7 in logarithms by plain least squares gives of homogeneous data of about one count a pair: the mean of the
-    // logarithms of what is not 0.
+    // What Eq. 7 in logarithms by plain least squares gives of homogeneous data of about one count a pair: the mean of
+    // the logarithms of what is not 0.
     LocalProfiles truth{{30, 30}, 3, 0.5, {ProfileImages(4 * 900)}};
     for (std::size_t k = 0; k < 4; ++k)
         std::fill_n(truth.channels[0].begin() + static_cast<std::ptrdiff_t>(900 * k), 900,

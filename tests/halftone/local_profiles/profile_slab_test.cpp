@@ -8,8 +8,8 @@
 
 #include "voxtone/halftone/local_profiles/profile_clusters.h"
 #include "voxtone/halftone/local_profiles/profile_reconstruction.h"
-#include "voxtone/optics/monte_carlo/layer_paths.h"
 #include "voxtone/optics/media/slab_patterns.h"
+#include "voxtone/optics/monte_carlo/layer_paths.h"
 
 using namespace voxtone;
 using namespace voxtone::halftone;
@@ -49,8 +49,8 @@ TEST_CASE("A homogeneous slab has one profile everywhere, and it is that of its 
     std::vector<FactorSummary> summary;
     const LocalProfiles found = factor_responses(data, {}, summary);
 
-    // One cluster of all against the layer, endless and traced path by path. Of 1e6 paths both know the light to 0.001; straight
-    // lines between knots and cells for points cost the rest.
+    // One cluster of all against the layer, endless and traced path by path. Of 1e6 paths both know the light to 0.001;
+    // straight lines between knots and cells for points cost the rest.
     ClusterOptions one;
     one.clusters = 1;
     const auto all = cluster_profiles(found, one);

@@ -13,8 +13,8 @@
 
 namespace voxtone::halftone::testing {
 
-/// exp(-r / width) with a width of 0.7 to 2.1 points and a height within a factor of 3 that wander over the grid, differently by
-/// channel; steeper at the entry, so that second differences are not 0.
+/// exp(-r / width) with a width of 0.7 to 2.1 points and a height within a factor of 3 that wander over the grid,
+/// differently by channel; steeper at the entry, so that second differences are not 0.
 inline LocalProfiles wandering_profiles(PointGrid grid, std::uint32_t radius, std::size_t channels) {
     LocalProfiles profiles{grid, radius, 0.5, {}};
     for (std::size_t c = 0; c < channels; ++c) {

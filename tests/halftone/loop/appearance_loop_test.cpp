@@ -39,8 +39,9 @@ private:
     int after_;
 };
 
-LoopResult run(SmallSlab& slab, const BlurringModel& model, std::span<const Eigen::Vector3f> target, const LoopOptions& options,
-               Progress& progress, const LoopListener& listener = {}, const LoopState* resume = nullptr) {
+LoopResult run(SmallSlab& slab, const BlurringModel& model, std::span<const Eigen::Vector3f> target,
+               const LoopOptions& options, Progress& progress, const LoopListener& listener = {},
+               const LoopState* resume = nullptr) {
     const optics::ResinVolume open = slab.print(mixtures_of(*slab.recipes, target));
     return run_appearance_loop(slab.task(model, open, target), options, progress, listener, resume);
 }
@@ -115,7 +116,8 @@ TEST_CASE("The nearest colour keeps the channels that are stuck and is a minimum
     const Eigen::Vector3f v = nearest_colour(target, from, {true, false, false});
     CHECK(v.x() == 0.5f);
     const auto cost = [&](const Eigen::Vector3f& rgb) {
-        const Eigen::Vector3d d = optics::oklab_from_linear_srgb(rgb.cast<double>()) - optics::oklab_from_linear_srgb(target.cast<double>());
+        const Eigen::Vector3d d =
+            optics::oklab_from_linear_srgb(rgb.cast<double>()) - optics::oklab_from_linear_srgb(target.cast<double>());
         return std::hypot(d.x(), 2 * d.y(), 2 * d.z());
     };
     for (int c = 1; c < 3; ++c)
@@ -145,7 +147,8 @@ TEST_CASE("The loop undoes a blur, keeps its best iterate and is never worse tha
     optics::Scene scene = slab.scene;
     scene.volume = &best;
     const optics::Appearance seen = model.predict(scene, slab.surface, nullptr);
-    for (std::size_t i = 0; i < target.size(); ++i) CHECK(state.shown[i].x() == Approx(seen.value[3 * i] / result.white[3 * i]).margin(1e-6));
+    for (std::size_t i = 0; i < target.size(); ++i)
+        CHECK(state.shown[i].x() == Approx(seen.value[3 * i] / result.white[3 * i]).margin(1e-6));
 }
 
 TEST_CASE("A loop that cannot gain ends with the open loop, and stops by itself", "[loop]") {
@@ -153,7 +156,8 @@ TEST_CASE("A loop that cannot gain ends with the open loop, and stops by itself"
     // Everything is seen as one grey: nothing helps.
     class Blind final : public optics::AppearanceModel {
     public:
-        optics::Appearance predict(const optics::Scene&, const optics::Surface& surface, const Progress*) const override {
+        optics::Appearance predict(const optics::Scene&, const optics::Surface& surface,
+                                   const Progress*) const override {
             return {3, std::vector<float>(3 * surface.cells.size(), 0.3f), {}};
         }
     };
@@ -197,7 +201,8 @@ TEST_CASE("A resumed loop goes on to the same bits", "[loop]") {
     options.iterations = 5;
     const auto target = stripes(0.2f, 0.6f);
     std::vector<LoopState> states;
-    const LoopResult whole = run(slab, model, target, options, quiet, [&](const LoopState& state) { states.push_back(state); });
+    const LoopResult whole =
+        run(slab, model, target, options, quiet, [&](const LoopState& state) { states.push_back(state); });
     REQUIRE(states.size() >= 3);
     const LoopResult resumed = run(slab, model, target, options, quiet, {}, &states[2]);
     REQUIRE(resumed.state.steps.size() == whole.state.steps.size());
@@ -227,7 +232,8 @@ TEST_CASE("Targets without any colour in the gamut, and of one colour", "[loop]"
     Progress quiet;
     LoopOptions options;
     options.iterations = 3;
-    const std::vector<Eigen::Vector3f> red(n * n, Eigen::Vector3f(0.8f, 0.05f, 0.05f)), grey(n * n, Eigen::Vector3f::Constant(0.4f));
+    const std::vector<Eigen::Vector3f> red(n * n, Eigen::Vector3f(0.8f, 0.05f, 0.05f)),
+        grey(n * n, Eigen::Vector3f::Constant(0.4f));
     const LoopResult all_out = run(slab, model, red, options, quiet);
     CHECK(std::count(all_out.in_gamut.begin(), all_out.in_gamut.end(), 1) == n * n);
     for (const LoopStep& step : all_out.state.steps) CHECK(std::isfinite(step.seen.mean));

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// A print small enough to reason about, for tests of the appearance loop: a slab whose columns are one voxel per surface
-// cell and layer, and a model that sees the column's mixture blurred over its neighbours. Not light: a linear blur whose inverse the
-// loop has to find.
+// A print small enough to reason about, for tests of the appearance loop: a slab whose columns are one voxel per
+// surface cell and layer, and a model that sees the column's mixture blurred over its neighbours. Not light: a linear
+// blur whose inverse the loop has to find.
 #pragma once
 
 #include <algorithm>
@@ -24,7 +24,8 @@ struct SmallSlab {
 
     explicit SmallSlab(int n, const optics::ResinSet& set)
         : cells(n), resins(set), screen(pitch), skin(halftone::skin_layers(1)), white(set.find("W")) {
-        const auto voxels = optics::make_resin_volume({2 * n, n, layers}, pitch, [&](int, int, int) { return white + 1; });
+        const auto voxels =
+            optics::make_resin_volume({2 * n, n, layers}, pitch, [&](int, int, int) { return white + 1; });
         plain = voxels;
         scene = {&plain, &resins, optics::Backing::black, optics::Sides::mirrored};
         surface = optics::find_surface(scene, {2, 1, 3}, optics::SurfacePart::top);
@@ -73,12 +74,14 @@ struct SmallSlab {
     std::unique_ptr<const halftone::SurfaceFirst> recipes;
 };
 
-/// Each cell shows 1 - the share of voxels of other resins than white in its column's upper voxels, blurred: weight `spread` for
-/// the four neighbours together. The same in all channels.
+/// Each cell shows 1 - the share of voxels of other resins than white in its column's upper voxels, blurred: weight
+/// `spread` for the four neighbours together. The same in all channels.
 class BlurringModel final : public optics::AppearanceModel {
 public:
-    explicit BlurringModel(int cells, int white_material, float spread) : cells_(cells), white_(white_material), spread_(spread) {}
-    [[nodiscard]] optics::Appearance predict(const optics::Scene& scene, const optics::Surface& surface, const Progress* progress) const override {
+    explicit BlurringModel(int cells, int white_material, float spread)
+        : cells_(cells), white_(white_material), spread_(spread) {}
+    [[nodiscard]] optics::Appearance predict(const optics::Scene& scene, const optics::Surface& surface,
+                                             const Progress* progress) const override {
         if (progress) progress->check_cancelled();
         ++predictions;
         const auto& size = scene.volume->size();
@@ -89,16 +92,19 @@ public:
                 constexpr int deep = 16;
                 for (int k = 1; k <= deep; ++k)
                     for (int i = 0; i < 2; ++i) ink += scene.volume->at(2 * x + i, y, size[2] - k) != white_;
-                light[static_cast<std::size_t>(y * cells_ + x)] = std::pow(1 - static_cast<float>(ink) / (2 * deep), 3.0f);
+                light[static_cast<std::size_t>(y * cells_ + x)] =
+                    std::pow(1 - static_cast<float>(ink) / (2 * deep), 3.0f);
             }
         optics::Appearance seen;
         seen.channels = 3;
         for (const optics::SurfaceCell& cell : surface.cells) {
             const auto at = [&](int x, int y) {
-                return light[static_cast<std::size_t>(std::clamp(y, 0, cells_ - 1) * cells_ + std::clamp(x, 0, cells_ - 1))];
+                return light[static_cast<std::size_t>(std::clamp(y, 0, cells_ - 1) * cells_ +
+                                                      std::clamp(x, 0, cells_ - 1))];
             };
             const int x = cell.cell[0], y = cell.cell[1];
-            const float value = (1 - spread_) * at(x, y) + spread_ / 4 * (at(x - 1, y) + at(x + 1, y) + at(x, y - 1) + at(x, y + 1));
+            const float value =
+                (1 - spread_) * at(x, y) + spread_ / 4 * (at(x - 1, y) + at(x + 1, y) + at(x, y - 1) + at(x, y + 1));
             seen.value.insert(seen.value.end(), 3, value);
         }
         return seen;

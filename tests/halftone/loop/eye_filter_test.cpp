@@ -82,19 +82,24 @@ TEST_CASE("a flat colour stays as it is", "[eye_filter]") {
     CHECK(worst < 2e-6F);
 }
 
-TEST_CASE("edges between black and white stay without colour where white is neutral, and do not in the published channels", "[eye_filter]") {
+TEST_CASE(
+    "edges between black and white stay without colour where white is neutral, and do not in the published channels",
+    "[eye_filter]") {
     const optics::Surface surface = plate(12, 6, 0.1);
     std::vector<Eigen::Vector3f> halves;
-    for (const optics::SurfaceCell& cell : surface.cells) halves.push_back(Eigen::Vector3f::Constant(cell.centre_mm[0] < 6 ? 0.02F : 1.0F));
+    for (const optics::SurfaceCell& cell : surface.cells)
+        halves.push_back(Eigen::Vector3f::Constant(cell.centre_mm[0] < 6 ? 0.02F : 1.0F));
     const auto most_colour = [&](OpponentSpace space) {
         float most = 0;
-        for (const auto& c : EyeFilter(surface, distance_mm, EyeSurround::none, space)(halves)) most = std::max(most, c.maxCoeff() - c.minCoeff());
+        for (const auto& c : EyeFilter(surface, distance_mm, EyeSurround::none, space)(halves))
+            most = std::max(most, c.maxCoeff() - c.minCoeff());
         return most;
     };
     CHECK(most_colour(OpponentSpace::neutral) < 5e-4F);
     CHECK(most_colour(OpponentSpace::published) > 0.1F);
     for (const double y : {0.2, 1.0}) {
-        const Eigen::Vector3d white = opponent_from_xyz_matrix() * optics::xyz_from_linear_srgb_matrix() * Eigen::Vector3d::Constant(y);
+        const Eigen::Vector3d white =
+            opponent_from_xyz_matrix() * optics::xyz_from_linear_srgb_matrix() * Eigen::Vector3d::Constant(y);
         CHECK(std::abs(white[1]) < 3e-4 * y);  // the matrix has four digits
         CHECK(std::abs(white[2]) < 3e-4 * y);
         CHECK(white[0] == Approx(y).epsilon(0.03));

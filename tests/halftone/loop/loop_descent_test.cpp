@@ -15,25 +15,30 @@ namespace {
 
 constexpr int n = 16;
 
-/// The blurring model with the derivative of its blur. By mixtures, as if the print were exactly these: the light of a column is
-/// w^3, w the white of its upper 0.43 mm.
+/// The blurring model with the derivative of its blur. By mixtures, as if the print were exactly these: the light of a
+/// column is w^3, w the white of its upper 0.43 mm.
 class DifferentiableBlur final : public optics::AppearanceModel {
 public:
-    DifferentiableBlur(int white, float spread) : blur_(n, static_cast<optics::Material>(white + 1), spread), spread_(spread) {}
-    [[nodiscard]] optics::Appearance predict(const optics::Scene& scene, const optics::Surface& surface, const Progress* progress) const override {
+    DifferentiableBlur(int white, float spread)
+        : blur_(n, static_cast<optics::Material>(white + 1), spread), spread_(spread) {}
+    [[nodiscard]] optics::Appearance predict(const optics::Scene& scene, const optics::Surface& surface,
+                                             const Progress* progress) const override {
         return blur_.predict(scene, surface, progress);
     }
-    [[nodiscard]] std::unique_ptr<optics::AppearanceSequence> sequence(const optics::Scene& scene, const optics::Surface& surface) const override {
+    [[nodiscard]] std::unique_ptr<optics::AppearanceSequence> sequence(const optics::Scene& scene,
+                                                                       const optics::Surface& surface) const override {
         class Sequence final : public optics::AppearanceSequence {
         public:
             Sequence(const DifferentiableBlur& model, const optics::Scene& scene, const optics::Surface& surface)
                 : model_(model), scene_(scene), surface_(surface) {}
-            [[nodiscard]] optics::Appearance next(const optics::ResinVolume& volume, const Progress* progress) override {
+            [[nodiscard]] optics::Appearance next(const optics::ResinVolume& volume,
+                                                  const Progress* progress) override {
                 optics::Scene now = scene_;
                 now.volume = &volume;
                 return model_.predict(now, surface_, progress);
             }
-            [[nodiscard]] bool gradient(std::span<const float> by_value, const GradientVisitor&, const Progress*) override {
+            [[nodiscard]] bool gradient(std::span<const float> by_value, const GradientVisitor&,
+                                        const Progress*) override {
                 model_.by_value.assign(by_value.begin(), by_value.end());
                 return true;
             }
@@ -57,10 +62,13 @@ public:
                 float by_light = 0;
                 for (std::size_t c = 0; c < 3; ++c)
                     by_light += (1 - spread_) * by_value[of_cell(x, y) + c] +
-                                spread_ / 4 * (by_value[of_cell(x - 1, y) + c] + by_value[of_cell(x + 1, y) + c] + by_value[of_cell(x, y - 1) + c] + by_value[of_cell(x, y + 1) + c]);
+                                spread_ / 4 *
+                                    (by_value[of_cell(x - 1, y) + c] + by_value[of_cell(x + 1, y) + c] +
+                                     by_value[of_cell(x, y - 1) + c] + by_value[of_cell(x, y + 1) + c]);
                 const std::size_t cell = static_cast<std::size_t>(y * n + x);
                 float w = 0;
-                for (std::size_t l = 0; l < share.size(); ++l) w += share[l] * printed.cell(cell)[l * printed.resins() + white];
+                for (std::size_t l = 0; l < share.size(); ++l)
+                    w += share[l] * printed.cell(cell)[l * printed.resins() + white];
                 for (std::size_t l = 0; l < share.size(); ++l)
                     out[(cell * share.size() + l) * printed.resins() + white] = by_light * 3 * w * w * share[l];
             }

@@ -27,7 +27,9 @@ TEST_CASE("Detail that is too dark to be printed keeps its contrast, lighter") {
     // Left: dark stripes of 0.4 mm. Right: the same, light enough.
     std::vector<Eigen::Vector3f> target;
     for (int y = 0; y < across; ++y)
-        for (int x = 0; x < across; ++x) target.emplace_back(Eigen::Vector3f::Constant((is_light(x) ? 0.03f : 0.01f) + (x < across / 2 ? 0.0f : 0.3f)));
+        for (int x = 0; x < across; ++x)
+            target.emplace_back(
+                Eigen::Vector3f::Constant((is_light(x) ? 0.03f : 0.01f) + (x < across / 2 ? 0.0f : 0.3f)));
     const auto mapped = map_targets(target, lighten, [&]() -> const EyeFilter& { return wide; });
     float light = 0, dark = 1;
     for (int x = 20; x < 40; ++x) {
@@ -38,7 +40,8 @@ TEST_CASE("Detail that is too dark to be printed keeps its contrast, lighter") {
     CAPTURE(light, dark);
     CHECK(dark == Approx(darkest).margin(1e-5));
     // Half of the difference in Oklab's lightness is more than the mean: that much is seen again.
-    const double asked = std::cbrt(0.03) - std::cbrt(0.01), shown = std::cbrt(static_cast<double>(light)) - std::cbrt(static_cast<double>(dark));
+    const double asked = std::cbrt(0.03) - std::cbrt(0.01),
+                 shown = std::cbrt(static_cast<double>(light)) - std::cbrt(static_cast<double>(dark));
     CHECK(shown > 0.35 * asked);
     CHECK(shown < 0.75 * asked);
     for (int x = across / 2; x < across; ++x) {

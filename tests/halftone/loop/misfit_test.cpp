@@ -49,7 +49,8 @@ TEST_CASE("The misfit is 0 at the target, and its derivative is that of differen
                 up[std::size_t(cell)][c] += step;
                 down[std::size_t(cell)][c] -= step;
                 const double difference = (misfit(up).value - misfit(down).value) / double(2 * step);
-                CHECK(double(here.by_colour[std::size_t(cell)][c]) == Approx(difference).epsilon(0.05).margin((contrast ? 0.02 : 0.002) * double(largest)));
+                CHECK(double(here.by_colour[std::size_t(cell)][c]) ==
+                      Approx(difference).epsilon(0.05).margin((contrast ? 0.02 : 0.002) * double(largest)));
             }
         }
     }
@@ -58,10 +59,10 @@ TEST_CASE("The misfit is 0 at the target, and its derivative is that of differen
 TEST_CASE("With the contrast intent an even offset counts little, a pattern as before", "[loop]") {
     const optics::Surface surface = test::flat_surface(n, n, 0.085);
     const EyeFilter eye(surface, 300, EyeSurround::none), wide(surface, 300 * wider, EyeSurround::none);
-    const std::vector<Eigen::Vector3f> grey(n * n, Eigen::Vector3f::Constant(0.3f)), lighter(n * n, Eigen::Vector3f::Constant(0.4f));
+    const std::vector<Eigen::Vector3f> grey(n * n, Eigen::Vector3f::Constant(0.3f)),
+        lighter(n * n, Eigen::Vector3f::Constant(0.4f));
     std::vector<Eigen::Vector3f> stripes = grey;  // of the same mean
-    for (std::size_t i = 0; i < stripes.size(); ++i)
-        stripes[i].setConstant(i % n / 4 % 2 ? 0.35f : 0.25f);
+    for (std::size_t i = 0; i < stripes.size(); ++i) stripes[i].setConstant(i % n / 4 % 2 ? 0.35f : 0.25f);
     const MisfitFunction plain(surface, eye, grey), contrast(surface, eye, grey, {}, &wide, contrast_part);
     const double keeps = (1 - double(contrast_part)) * (1 - double(contrast_part));
     // The small part that is taken cell by cell has no privilege.

@@ -32,7 +32,8 @@ TEST_CASE("Descent moves shares towards what lowers the misfit and keeps their s
     for (int i = 0; i < 60; ++i) descend(gradient, {}, apart, state);
     CHECK(state.mixtures.cell(0)[0] > 0.5f);
     CHECK(state.mixtures.cell(1)[0] < 1.1f * least_fraction);
-    for (std::size_t c = 0; c < 2; ++c) CHECK(state.mixtures.cell(c)[0] + state.mixtures.cell(c)[1] + state.mixtures.cell(c)[2] == Approx(1));
+    for (std::size_t c = 0; c < 2; ++c)
+        CHECK(state.mixtures.cell(c)[0] + state.mixtures.cell(c)[1] + state.mixtures.cell(c)[2] == Approx(1));
     CHECK(printed(state.mixtures).cell(1)[0] < 0.003f);
     // No gradient at all: nothing moves.
     DescentState still = begin_descent(start, {});
@@ -63,7 +64,8 @@ TEST_CASE("What cells do each for itself only passes resin on", "[loop]") {
 }
 
 TEST_CASE("Cells that share their light do not overshoot together", "[loop]") {
-    // What a cell shows: 5 times the mean ink of all and 0.2 times its own. Steps that suit the cells overshoot 25 times.
+    // What a cell shows: 5 times the mean ink of all and 0.2 times its own. Steps that suit the cells overshoot 25
+    // times.
     constexpr std::size_t cells = 300;
     const auto shown = [](const DescentState& state) {
         std::vector<double> p(cells, 0.0);

@@ -11,8 +11,8 @@
 #include "voxtone/base/random.h"
 #include "voxtone/halftone/screens/blue_noise_screen.h"
 #include "voxtone/halftone/screens/built_in_screens.h"
-#include "voxtone/halftone/separation/mixture.h"
 #include "voxtone/halftone/screens/void_and_cluster.h"
+#include "voxtone/halftone/separation/mixture.h"
 
 using namespace voxtone;
 using namespace voxtone::halftone;

@@ -51,13 +51,15 @@ optics::ResinSet random_set(std::uint64_t seed, std::size_t resins) {
 bool in_gamut(const optics::ShellAppearance& appearance, const Eigen::Vector3d& rgb) {
     const halftone::AppearanceColour colour(appearance, {});
     const auto n = static_cast<Eigen::Index>(appearance.resins());
-    const halftone::Unknowns penalty = halftone::Unknowns::Constant(n, 1e-8), start = halftone::Unknowns::Constant(n, 0.4);
+    const halftone::Unknowns penalty = halftone::Unknowns::Constant(n, 1e-8),
+                             start = halftone::Unknowns::Constant(n, 0.4);
     return halftone::invert_appearance(colour, rgb, penalty, {}, start).error < 2e-3;
 }
 
 Eigen::Vector3d lab_of(const Seen& one, const Seen& two, std::span<const double> white) {
     Eigen::Vector3d rgb;
-    for (std::size_t c = 0; c < 3; ++c) rgb[static_cast<Eigen::Index>(c)] = 0.5 * (one.value[c] + two.value[c]) / white[c];
+    for (std::size_t c = 0; c < 3; ++c)
+        rgb[static_cast<Eigen::Index>(c)] = 0.5 * (one.value[c] + two.value[c]) / white[c];
     return optics::lab_from_linear_srgb(rgb);
 }
 
@@ -91,7 +93,8 @@ std::vector<FlatCase> flat_cases() {
                                 {"strong C M Y K W, J750 High Mix", strong_set(), high_mix},
                                 {"strong C M Y K W, J55", strong_set(), j55}};
     for (std::uint64_t seed : {1, 2, 3, 4})
-        cases.push_back({"random resins " + std::to_string(seed) + ", J750 High Mix", random_set(seed, 3 + seed), high_mix, 1.0, 12, true});
+        cases.push_back({"random resins " + std::to_string(seed) + ", J750 High Mix", random_set(seed, 3 + seed),
+                         high_mix, 1.0, 12, true});
     cases.push_back({"Vero C M Y K W, J750 High Mix, error diffusion", vero, high_mix, 1.0, 24, false, false});
     return cases;
 }
@@ -109,9 +112,9 @@ FlatColours measure_flat_colours(const FlatCase& the, std::uint32_t paths) {
         const auto r = static_cast<float>(rgb[0]), g = static_cast<float>(rgb[1]), b = static_cast<float>(rgb[2]);
         halftone::CumulativeMixture mixture;
         separation.mixtures(&r, &g, &b, 1, &mixture);
-        const HalftonePatch patch =
-            the.blue_noise ? make_patch(screen, the.pitch_mm, mixture, resins, core, layers, core_layers)
-                           : make_diffused_patch(the.pitch_mm, mixture, resins, core, layers, core_layers);
+        const HalftonePatch patch = the.blue_noise
+                                        ? make_patch(screen, the.pitch_mm, mixture, resins, core, layers, core_layers)
+                                        : make_diffused_patch(the.pitch_mm, mixture, resins, core, layers, core_layers);
         const Seen one = look(patch, the.set, paths / 2, seed), two = look(patch, the.set, paths / 2, seed, paths / 2);
         const Eigen::Vector3d asked = optics::lab_from_linear_srgb(rgb), seen = lab_of(one, two, white);
         FlatColour colour;

@@ -13,8 +13,8 @@
 #include "voxtone/halftone/screens/blue_noise_screen.h"
 #include "voxtone/halftone/screens/error_diffusion.h"
 #include "voxtone/halftone/separation/mixture.h"
-#include "voxtone/optics/monte_carlo/monte_carlo.h"
 #include "voxtone/optics/layered/shell_appearance.h"
+#include "voxtone/optics/monte_carlo/monte_carlo.h"
 
 namespace voxtone {
 
@@ -46,8 +46,9 @@ inline HalftonePatch make_patch(const halftone::BlueNoiseScreen& screen, const s
 }
 
 /// The same by error diffusion, in a rectangle of twice the screen's tile, of which the middle is taken.
-inline HalftonePatch make_diffused_patch(const std::array<double, 3>& pitch_mm, const halftone::CumulativeMixture& mixture,
-                                         int resins, int core_resin, int layers, int core_layers) {
+inline HalftonePatch make_diffused_patch(const std::array<double, 3>& pitch_mm,
+                                         const halftone::CumulativeMixture& mixture, int resins, int core_resin,
+                                         int layers, int core_layers) {
     constexpr int edge = halftone::BlueNoiseScreen::size, wide = 2 * edge, margin = edge / 2;
     halftone::ErrorDiffusionOptions options;
     options.pitch_mm = pitch_mm;

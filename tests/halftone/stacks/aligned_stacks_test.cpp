@@ -43,7 +43,8 @@ Stack random_stack(RandomStream& random, std::size_t materials, std::size_t most
 TEST_CASE("Aligned stacks are the stacks that came in, without their layers of thickness zero") {
     for (std::uint64_t trial = 0; trial < 200; ++trial) {
         RandomStream random(7, trial);
-        const std::size_t materials = 2 + std::size_t(random.uniform() * 5), count = 1 + std::size_t(random.uniform() * 30);
+        const std::size_t materials = 2 + std::size_t(random.uniform() * 5),
+                          count = 1 + std::size_t(random.uniform() * 30);
         std::vector<Stack> stacks;
         for (std::size_t s = 0; s < count; ++s) stacks.push_back(random_stack(random, materials, 6));
         const AlignedStacks aligned = align_stacks(stacks);
@@ -68,7 +69,8 @@ TEST_CASE("Stacks of one sequence of materials need no layers of thickness zero"
 
 TEST_CASE("The order of the period is the one that needs fewest layers") {
     // White over black, white alone, black alone; then a stack that begins with black.
-    CHECK(align_stacks(std::vector<Stack>{{{0, 1}, {1, 1}}, {{0, 1}}, {{1, 1}}}).material == std::vector<std::size_t>{0, 1});
+    CHECK(align_stacks(std::vector<Stack>{{{0, 1}, {1, 1}}, {{0, 1}}, {{1, 1}}}).material ==
+          std::vector<std::size_t>{0, 1});
     CHECK(align_stacks(std::vector<Stack>{{{1, 1}, {0, 1}}, {{0, 1}}}).material == std::vector<std::size_t>{1, 0});
     CHECK(align_stacks(std::vector<Stack>{{{0, 1}, {1, 1}}, {{1, 1}, {0, 1}}}).layers() == 3);
 }

@@ -49,7 +49,8 @@ TEST_CASE("Between two clusters layers run out without a step") {
     const double step = 1e-3;
     for (double x = step; x <= 2; x += step) {
         const std::array<float, 3> now = bottoms(fields, x, 0.5);
-        for (std::size_t l = 0; l < 3; ++l) CHECK(std::abs(now[l] - last[l]) <= 0.4 * step + 1e-6);  // slopes of 0.3 and 0.1
+        for (std::size_t l = 0; l < 3; ++l)
+            CHECK(std::abs(now[l] - last[l]) <= 0.4 * step + 1e-6);  // slopes of 0.3 and 0.1
         last = now;
     }
     CHECK(bottoms(fields, 1, 0.5)[1] == Approx(0.35));
@@ -77,7 +78,8 @@ TEST_CASE("Beyond its edges the map is repeated, mirrored or extended") {
     RandomStream random(5, 0);
     for (int p = 0; p < 7 * 5; ++p) pixels.push_back(std::uint16_t(3 * random.uniform()));
     const auto fields = [&](MapEdge edge) { return LayerFields({7, 5, 7, 5, pixels, edge, 0}, three_stacks()); };
-    const LayerFields repeated = fields(MapEdge::repeat), mirrored = fields(MapEdge::mirror), extended = fields(MapEdge::extend);
+    const LayerFields repeated = fields(MapEdge::repeat), mirrored = fields(MapEdge::mirror),
+                      extended = fields(MapEdge::extend);
     for (int trial = 0; trial < 500; ++trial) {
         const double x = 7 * random.uniform(), y = 5 * random.uniform();
         for (std::size_t l = 0; l < 3; ++l) {

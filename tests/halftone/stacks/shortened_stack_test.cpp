@@ -12,7 +12,9 @@ TEST_CASE("A stack is shortened to what light reaches, and no further than allow
     const std::vector<StackMaterial> materials = resin_layers(2, 1, 24);  // white and black
     const std::vector<StackLayer> deep{{1, 0.02}, {0, 20}, {1, 3}, {0, 1}};
     const ChannelProfiles wanted = stack_reflection(materials, deep, {});
-    const auto distance = [&](std::span<const StackLayer> layers) { return profile_distance(stack_reflection(materials, layers, {}), wanted, 1); };
+    const auto distance = [&](std::span<const StackLayer> layers) {
+        return profile_distance(stack_reflection(materials, layers, {}), wanted, 1);
+    };
     const std::vector<StackLayer> shorter = shortened_stack(deep, 1e-3, distance);
     REQUIRE(shorter.size() == 2);
     CHECK(shorter[0].thickness_mm == 0.02);

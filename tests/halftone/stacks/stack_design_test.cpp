@@ -48,7 +48,8 @@ ChannelProfiles other_world(const std::vector<StackMaterial>& materials, std::sp
 
 }  // namespace
 
-TEST_CASE("Whole layers: borders move by half a printed layer at most, and materials stay as far from the top as they must") {
+TEST_CASE(
+    "Whole layers: borders move by half a printed layer at most, and materials stay as far from the top as they must") {
     const std::vector<StackLayer> layers{{0, 0.1}, {1, 0.004}, {0, 0.05}, {2, 0.3}};
     const std::vector<StackLayer> whole = whole_layers(layers, 0.027);
     REQUIRE(whole.size() == 2);  // the film vanishes, and the layers about it are one
@@ -132,7 +133,8 @@ TEST_CASE("A judge corrects what the model does not know, and never makes the st
         const StackSearch search(materials, options.search);
         const StackDesign design = design_stack(search, materials, wanted, options, judge);
         REQUIRE(design.judged_distances.size() >= 4);
-        CHECK(design.judged_distance == *std::min_element(design.judged_distances.begin(), design.judged_distances.end()));
+        CHECK(design.judged_distance ==
+              *std::min_element(design.judged_distances.begin(), design.judged_distances.end()));
         CHECK(profile_distance(judge(design.layers), wanted, 1) == Approx(design.judged_distance).margin(1e-12));
         before += design.judged_distances[0];
         after += design.judged_distance;
@@ -145,8 +147,8 @@ TEST_CASE("A target brighter than any stack is answered with the nearest, and it
     const std::vector<StackMaterial> materials = random_materials(random, 1, 1, coefficients);  // one material only
     StackDesignOptions options;
     options.search = small_search();
-    const StackDesign design =
-        design_stack(StackSearch(materials, options.search), materials, {std::vector<double>(coefficients, 1.0)}, options);
+    const StackDesign design = design_stack(StackSearch(materials, options.search), materials,
+                                            {std::vector<double>(coefficients, 1.0)}, options);
     CHECK(design.outside > 0.1);
     CHECK(design.modelled_distance >= design.outside - 1e-5);
     CHECK(design.layers.size() <= 1);
@@ -166,13 +168,15 @@ TEST_CASE("Resins are known at a thickness that fits them, and their totals ther
     const StackMaterial material = resin_material(set, W, known, grid, {1 << 12, 1});
     REQUIRE(material.size() == 3);
     for (std::size_t c = 0; c < 3; ++c) {
-        const optics::DiffuseTotals totals = optics::diffuse_totals({{{set.resins[W].medium(c), known[c]}}, set.g, 1, 1});
+        const optics::DiffuseTotals totals =
+            optics::diffuse_totals({{{set.resins[W].medium(c), known[c]}}, set.g, 1, 1});
         CHECK(material[c].of_thickness(known[c]).R_top[0] == Approx(totals.R).margin(1e-9));
         CHECK(material[c].of_thickness(known[c]).T[0] == Approx(totals.T).margin(1e-9));
     }
 }
 
-TEST_CASE("Measured profiles of other spacings and lengths become one grid; bad ones are refused by material and channel") {
+TEST_CASE(
+    "Measured profiles of other spacings and lengths become one grid; bad ones are refused by material and channel") {
     const optics::HankelGrid grid(10, 16);
     const auto falling = [](double spacing, std::size_t samples, double total) {
         optics::RadialSamples of;
@@ -185,13 +189,15 @@ TEST_CASE("Measured profiles of other spacings and lengths become one grid; bad 
         fine{{0.5, falling(0.02, 300, 0.3), falling(0.025, 200, 0.5)}};
     const MeasuredMaterial a = measured_material("a.json", coarse, grid), b = measured_material("b.json", fine, grid);
     for (std::size_t i = 0; i < grid.size(); ++i)
-        CHECK(a.material[0].of_thickness(0.5).R_top[i] == Approx(b.material[0].of_thickness(0.5).R_top[i]).margin(0.01));
+        CHECK(a.material[0].of_thickness(0.5).R_top[i] ==
+              Approx(b.material[0].of_thickness(0.5).R_top[i]).margin(0.01));
     CHECK(a.summary[0].R_total == Approx(0.5));
 
     std::vector<optics::MeasuredProfile> loud = coarse;
     loud.push_back({0.5, falling(0.05, 100, 0.7), falling(0.05, 100, 0.5)});  // 1.2 of the light
-    CHECK_THROWS_WITH((void)measured_material("loud.json", loud, grid),
-                      Catch::Matchers::Contains("loud.json, channel 2") && Catch::Matchers::Contains("more than it got"));
+    CHECK_THROWS_WITH(
+        (void)measured_material("loud.json", loud, grid),
+        Catch::Matchers::Contains("loud.json, channel 2") && Catch::Matchers::Contains("more than it got"));
     std::vector<optics::MeasuredProfile> thin = coarse;
     thin[0].thickness_mm = 0;
     CHECK_THROWS_AS((void)measured_material("thin.json", thin, grid), InputError);

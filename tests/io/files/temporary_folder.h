@@ -13,7 +13,8 @@ class TemporaryFolder {
 public:
     TemporaryFolder() {
         std::string name = (std::filesystem::temp_directory_path() / "voxtone-test-").string().append(6, 'X');
-        if (!mkdtemp(name.data())) throw std::filesystem::filesystem_error("mkdtemp", std::error_code(errno, std::generic_category()));
+        if (!mkdtemp(name.data()))
+            throw std::filesystem::filesystem_error("mkdtemp", std::error_code(errno, std::generic_category()));
         path_ = name;
     }
     TemporaryFolder(const TemporaryFolder&) = delete;

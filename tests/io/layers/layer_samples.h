@@ -19,7 +19,8 @@ inline std::uint32_t draw(RandomStream& random, std::uint32_t below) {
     return static_cast<std::uint32_t>(random.uniform() * below);
 }
 
-/// Pixels drawn one by one with these weights; from time to time a long run, a row like the one above, or a piece of it.
+/// Pixels drawn one by one with these weights; from time to time a long run, a row like the one above, or a piece of
+/// it.
 inline LayerRuns random_layer(RandomStream& random, std::uint32_t width, std::uint32_t height,
                               std::span<const double> weights, double long_runs = 0.01, double rows_alike = 0.1) {
     LayerRuns layer(width, height);
@@ -54,8 +55,8 @@ inline LayerRuns random_layer(RandomStream& random, std::uint32_t width, std::ui
 }
 
 /// An ellipse of material `core` with a halftoned skin of `skin` px, in air: what a slicer makes.
-inline LayerRuns ring_layer(std::uint32_t width, std::uint32_t height, std::uint32_t skin, std::span<const double> weights,
-                            Material core, std::uint64_t seed) {
+inline LayerRuns ring_layer(std::uint32_t width, std::uint32_t height, std::uint32_t skin,
+                            std::span<const double> weights, Material core, std::uint64_t seed) {
     LayerRuns layer(width, height);
     auto half_width = [&](double y, double margin) {
         const double v = (std::abs(y) + margin / 2) / (0.48 * height);
@@ -64,7 +65,8 @@ inline LayerRuns ring_layer(std::uint32_t width, std::uint32_t height, std::uint
     for (std::uint32_t y = 0; y < height; ++y) {
         RandomStream random(seed, y);
         const double v = y + 0.5 - 0.5 * height;
-        const auto outer = static_cast<std::uint32_t>(half_width(v, 0)), inner = std::min(outer, static_cast<std::uint32_t>(half_width(v, skin)));
+        const auto outer = static_cast<std::uint32_t>(half_width(v, 0)),
+                   inner = std::min(outer, static_cast<std::uint32_t>(half_width(v, skin)));
         const std::uint32_t middle = width / 2;
         layer.push(middle - outer, background);
         auto halftone = [&](std::uint32_t from, std::uint32_t to) {

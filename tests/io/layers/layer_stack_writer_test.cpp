@@ -10,9 +10,9 @@
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/error.h"
 #include "voxtone/base/parallel.h"
-#include "voxtone/io/layers/orient.h"
 #include "voxtone/io/files/sha256.h"
 #include "voxtone/io/files/whole_file.h"
+#include "voxtone/io/layers/orient.h"
 
 using namespace voxtone;
 using namespace voxtone::io;
@@ -29,8 +29,11 @@ StackDescription description(std::uint32_t layers) {
     stack.pitch_um = {42.333333, 84.666667, 27};
     stack.size_px = {70, 40};
     stack.layers = layers;
-    stack.resins = {{"VeroCyan", "C", {0, 174, 239}}, {"VeroMagenta", "M", {236, 0, 140}}, {"VeroYellow", "Y", {255, 242, 0}},
-                    {"VeroBlack", "K", {40, 40, 40}}, {"VeroWhite", "W", {220, 222, 216}}};
+    stack.resins = {{"VeroCyan", "C", {0, 174, 239}},
+                    {"VeroMagenta", "M", {236, 0, 140}},
+                    {"VeroYellow", "Y", {255, 242, 0}},
+                    {"VeroBlack", "K", {40, 40, 40}},
+                    {"VeroWhite", "W", {220, 222, 216}}};
     return stack;
 }
 
@@ -77,7 +80,8 @@ TEST_CASE("a stack has its files, counts and digest", "[stack]") {
     CHECK(read_manifest(out / "manifest.json") == stack);
     for (std::size_t r = 0; r < 5; ++r) {
         CHECK(stack.resins[r].voxels == voxels[r + 1]);
-        CHECK(stack.resins[r].ml == Approx(static_cast<double>(voxels[r + 1]) * 0.042333333 * 0.084666667 * 0.027 * 1e-3));
+        CHECK(stack.resins[r].ml ==
+              Approx(static_cast<double>(voxels[r + 1]) * 0.042333333 * 0.084666667 * 0.027 * 1e-3));
     }
     CHECK(stack.content_sha256 == content_sha256(70, 40, digests));
     const auto files = contents(out);
@@ -207,7 +211,8 @@ TEST_CASE("mirrors and the swap, pixel by pixel", "[orient]") {
             for (std::uint32_t y = 0; y < h2; ++y)
                 for (std::uint32_t x = 0; x < w2; ++x) {
                     const std::uint32_t u = o.flip_x ? w2 - 1 - x : x, v = o.flip_y ? h2 - 1 - y : y;
-                    if (result[y * w2 + x] != plain[o.swap_xy ? u * w + v : v * w + u]) FAIL("layer " << i << " bits " << bits);
+                    if (result[y * w2 + x] != plain[o.swap_xy ? u * w + v : v * w + u])
+                        FAIL("layer " << i << " bits " << bits);
                 }
         }
     }

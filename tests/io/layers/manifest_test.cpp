@@ -74,13 +74,15 @@ TEST_CASE("a fault in a manifest is told by key and rule", "[manifest]") {
     CHECK_THAT(fault("\"role\": \"W\"", "\"role\": \"C\""), Contains("roles are unique"));
     CHECK_THAT(fault("%05d", "%03d"), Contains("pattern") && Contains("too few"));
     CHECK_THAT(fault("\"content_sha256\": \"", "\"content_sha256\": \"x"), Contains("hexadecimal"));
-    for (const auto* pattern : {"../slice_%05d.png", "/tmp/slice_%05d.png", "layers/slice_%05d%s.png", "slice_%n.png", "a/b/c_%05d.png", "slice.png"})
+    for (const auto* pattern : {"../slice_%05d.png", "/tmp/slice_%05d.png", "layers/slice_%05d%s.png", "slice_%n.png",
+                                "a/b/c_%05d.png", "slice.png"})
         CHECK_THAT(fault("layers/slice_%05d.png", pattern), Contains("pattern"));
 }
 
 TEST_CASE("a manifest cut anywhere is an error, never a crash", "[manifest][fuzz]") {
     const auto good = manifest_text(sample());
-    for (std::size_t n = 0; n + 2 < good.size(); ++n) CHECK_THROWS_AS(parse_manifest(good.substr(0, n), "m"), InputError);
+    for (std::size_t n = 0; n + 2 < good.size(); ++n)
+        CHECK_THROWS_AS(parse_manifest(good.substr(0, n), "m"), InputError);
     // Any one byte changed: an error or a manifest, nothing else.
     for (std::size_t i = 0; i < good.size(); ++i)
         for (const char c : {'\0', '"', '9', '{', '\xff'}) {
@@ -92,7 +94,8 @@ TEST_CASE("a manifest cut anywhere is an error, never a crash", "[manifest][fuzz
             }
         }
     CHECK_THROWS_AS(parse_manifest(std::string(1000000, '['), "m"), InputError);
-    CHECK_THROWS_AS(parse_manifest("{\"format\":" + std::string(100000, '[') + std::string(100000, ']') + "}", "m"), InputError);
+    CHECK_THROWS_AS(parse_manifest("{\"format\":" + std::string(100000, '[') + std::string(100000, ']') + "}", "m"),
+                    InputError);
 }
 
 TEST_CASE("digests are those of the standards", "[digest]") {
@@ -102,7 +105,8 @@ TEST_CASE("digests are those of the standards", "[digest]") {
     CHECK(sha256(bytes("abc")) == "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
     CHECK(sha256(bytes("abcdbcdecdefdefgefghfghighijhijkijkljklmklmnlmnomnopnopq")) ==
           "248d6a61d20638b8e5c026930c3e6039a33ce45964ff2167f6ecedd419db06c1");
-    CHECK(sha256(std::vector<std::uint8_t>(1000000, 'a')) == "cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0");
+    CHECK(sha256(std::vector<std::uint8_t>(1000000, 'a')) ==
+          "cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0");
     // In pieces of any size it is the same.
     const auto text = bytes(std::string(300, 'x') + "end");
     for (std::size_t piece = 1; piece < 130; ++piece) {

@@ -20,8 +20,8 @@ std::uint32_t u32(const std::uint8_t* at) {
     return std::uint32_t{at[0]} << 24 | std::uint32_t{at[1]} << 16 | std::uint32_t{at[2]} << 8 | at[3];
 }
 
-/// Walks the chunks by hand: every CRC must hold, zlib must inflate the stream to the last byte and find its Adler-32 right.
-/// Empty on any fault.
+/// Walks the chunks by hand: every CRC must hold, zlib must inflate the stream to the last byte and find its Adler-32
+/// right. Empty on any fault.
 std::vector<std::uint8_t> inflate_by_hand(const std::vector<std::uint8_t>& file, std::size_t expected) {
     std::vector<std::uint8_t> stream;
     for (std::size_t at = 8; at < file.size();) {
@@ -125,7 +125,8 @@ TEST_CASE("what is decoded is what the runs say, for thousands of random layers"
             for (auto& value : colour) value = static_cast<std::uint8_t>(draw(random, 256));
         const std::uint32_t width = 1 + draw(random, random.uniform() < 0.2 ? 3000 : 150);
         const std::uint32_t height = 1 + draw(random, random.uniform() < 0.5 ? 60 : 6);
-        const auto layer = random_layer(random, width, height, weights, 0.1 * random.uniform() * random.uniform(), random.uniform());
+        const auto layer =
+            random_layer(random, width, height, weights, 0.1 * random.uniform() * random.uniform(), random.uniform());
         INFO("layer " << i << ", " << width << " x " << height << ", " << weights.size() << " materials");
         REQUIRE(same_pixels(layer, palette));
     }
@@ -179,7 +180,8 @@ TEST_CASE("widths around the reach of deflate and the largest", "[png]") {
 }
 
 TEST_CASE("a marked pixel lands at its place", "[png]") {
-    // An encoder that drops, doubles or mirrors something must not pass: this is the sibling that is wrong by one pixel.
+    // An encoder that drops, doubles or mirrors something must not pass: this is the sibling that is wrong by one
+    // pixel.
     LayerRuns right(90, 3), wrong(90, 3);
     for (std::uint32_t y = 0; y < 3; ++y) {
         right.push(30, 0), right.push(1, 2), right.push(59, 0), right.end_row();
@@ -212,7 +214,8 @@ TEST_CASE("Adler-32 in closed form is zlib's", "[png]") {
 }
 
 TEST_CASE("about as small as zlib level 6 on layers with a halftoned skin", "[png]") {
-    const std::array<std::array<double, 5>, 3> mixtures = {{{.2, .2, .2, .1, .3}, {.1, .12, .08, .02, .68}, {.04, .04, .03, .01, .88}}};
+    const std::array<std::array<double, 5>, 3> mixtures = {
+        {{.2, .2, .2, .1, .3}, {.1, .12, .08, .02, .68}, {.04, .04, .03, .01, .88}}};
     for (const auto& weights : mixtures) {
         const auto layer = ring_layer(1600, 800, 60, weights, 5, 6);
         const auto plain = plain_bitmap(layer, cmykw);

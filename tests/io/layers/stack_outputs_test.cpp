@@ -8,19 +8,19 @@
 #include <cstring>
 #include <fstream>
 
-#include <openvdb/openvdb.h>
 #include <openvdb/io/File.h>
+#include <openvdb/openvdb.h>
 
 #include "stack_samples.h"
 #include "tests/io/files/temporary_folder.h"
 #include "voxtone/base/error.h"
-#include "voxtone/io/layers/gcvf_writer.h"
-#include "voxtone/io/layers/resin_bitmap.h"
-#include "voxtone/io/profiles/resin_file.h"
-#include "voxtone/io/layers/stack_reader.h"
-#include "voxtone/io/layers/volume_vdb.h"
 #include "voxtone/io/files/whole_file.h"
 #include "voxtone/io/files/zip_container.h"
+#include "voxtone/io/layers/gcvf_writer.h"
+#include "voxtone/io/layers/resin_bitmap.h"
+#include "voxtone/io/layers/stack_reader.h"
+#include "voxtone/io/layers/volume_vdb.h"
+#include "voxtone/io/profiles/resin_file.h"
 
 using namespace voxtone;
 using namespace voxtone::io;
@@ -77,7 +77,8 @@ TEST_CASE("one marker proves every axis and mirror, in PNG, GCVF and VDB", "[mar
                 CHECK(layer.width_px() == width);
                 const auto pixels = layer_pixels(layer);
                 for (std::uint32_t p = 0; p < pixels.size(); ++p)
-                    if ((pixels[p] != 0) != (k == mark_k && p == row * width + column)) FAIL("orientation " << bits << " layer " << k << " pixel " << p);
+                    if ((pixels[p] != 0) != (k == mark_k && p == row * width + column))
+                        FAIL("orientation " << bits << " layer " << k << " pixel " << p);
             }
         }
         // The volume is in the model's frame, whatever was done to the bitmaps.
@@ -100,14 +101,17 @@ TEST_CASE("the preview of a GCVF lies where the bitmaps show the body", "[gcvf]"
     stack.origin_mm = {10, 20, 30};
     const double px = 25.4 / 600, py = 25.4 / 300, pz = 0.027;
     auto corner = [&](double i, double j, double k) {
-        return std::array<float, 3>{static_cast<float>(10 + i * px), static_cast<float>(20 + j * py), static_cast<float>(30 + k * pz)};
+        return std::array<float, 3>{static_cast<float>(10 + i * px), static_cast<float>(20 + j * py),
+                                    static_cast<float>(30 + k * pz)};
     };
     const std::vector<std::array<float, 3>> vertices = {corner(5, 30, 1), corner(25, 30, 1), corner(5, 38, 4)};
     const std::vector<std::array<std::uint32_t, 3>> triangles = {{0, 1, 2}};
     auto box = [&](Orientation o) {
         auto turned = stack;
         turned.orientation = o;
-        if (o.swap_xy) std::swap(turned.size_mm[0], turned.size_mm[1]), std::swap(turned.pitch_um[0], turned.pitch_um[1]), std::swap(turned.size_px[0], turned.size_px[1]);
+        if (o.swap_xy)
+            std::swap(turned.size_mm[0], turned.size_mm[1]), std::swap(turned.pitch_um[0], turned.pitch_um[1]),
+                std::swap(turned.size_px[0], turned.size_px[1]);
         const auto preview = gcvf_preview(turned, {vertices, triangles});
         REQUIRE(preview.box.size() == 24);
         REQUIRE(preview.stl.size() == 84 + 50);
@@ -186,7 +190,8 @@ TEST_CASE("bitmaps per resin hold that resin's pixels", "[resin-bitmaps]") {
         std::vector<std::uint8_t> row(static_cast<std::size_t>(TIFFScanlineSize(tiff)));
         for (std::uint32_t y = 0; y < 23; ++y) {
             REQUIRE(TIFFReadScanline(tiff, row.data(), y) == 1);
-            for (std::uint32_t x = 0; x < 77; ++x) wrong += ((row[x / 8] >> (7 - x % 8)) & 1) != (pixels[y * 77 + x] == m);
+            for (std::uint32_t x = 0; x < 77; ++x)
+                wrong += ((row[x / 8] >> (7 - x % 8)) & 1) != (pixels[y * 77 + x] == m);
         }
         TIFFClose(tiff);
         CHECK(wrong == 0);
@@ -230,7 +235,8 @@ TEST_CASE("a volume counts what the stack counts, and a uniform core is tiles", 
     // 16 x 12 x 8 blocks of 8^3; the core's 14 x 10 x 6 are tiles.
     CHECK(grid->tree().leafCount() == 16 * 12 * 8 - 14 * 10 * 6);
     std::array<std::uint64_t, 6> counts{};
-    for (auto value = grid->cbeginValueOn(); value; ++value) counts[static_cast<std::size_t>(*value)] += value.getVoxelCount();
+    for (auto value = grid->cbeginValueOn(); value; ++value)
+        counts[static_cast<std::size_t>(*value)] += value.getVoxelCount();
     for (std::size_t r = 0; r < 5; ++r) CHECK(counts[r + 1] == done.resins[r].voxels);
 }
 
@@ -263,7 +269,8 @@ TEST_CASE("resin sets", "[resin-file]") {
         CHECK(back.resins[0].albedo == set.resins[0].albedo);
     }
     const auto text = resin_set_text(ours);
-    for (std::size_t n = 0; n + 2 < text.size(); ++n) CHECK_THROWS_AS(parse_resin_set(text.substr(0, n), "cut"), InputError);
+    for (std::size_t n = 0; n + 2 < text.size(); ++n)
+        CHECK_THROWS_AS(parse_resin_set(text.substr(0, n), "cut"), InputError);
     auto fault = [&](const std::string& from, const std::string& to) {
         auto changed = text;
         changed.replace(changed.find(from), from.size(), to);

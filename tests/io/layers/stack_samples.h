@@ -16,8 +16,11 @@ inline StackDescription sample_description(std::uint32_t layers, std::uint32_t w
     stack.pitch_um = {25400.0 / 600, 25400.0 / 300, 27};
     stack.size_px = {width, height};
     stack.layers = layers;
-    stack.resins = {{"VeroCyan", "C", {0, 174, 239}}, {"VeroMagenta", "M", {236, 0, 140}}, {"VeroYellow", "Y", {255, 242, 0}},
-                    {"VeroBlack", "K", {40, 40, 40}}, {"VeroWhite", "W", {220, 222, 216}}};
+    stack.resins = {{"VeroCyan", "C", {0, 174, 239}},
+                    {"VeroMagenta", "M", {236, 0, 140}},
+                    {"VeroYellow", "Y", {255, 242, 0}},
+                    {"VeroBlack", "K", {40, 40, 40}},
+                    {"VeroWhite", "W", {220, 222, 216}}};
     return stack;
 }
 
@@ -44,7 +47,8 @@ inline LayerRuns layer_from_pixels(const std::vector<Material>& pixels, std::uin
     return layer;
 }
 
-inline StackDescription write_sample_stack(const std::filesystem::path& out, std::uint32_t layers, StackOutputs outputs = {}) {
+inline StackDescription write_sample_stack(const std::filesystem::path& out, std::uint32_t layers,
+                                           StackOutputs outputs = {}) {
     LayerStackWriter writer(out, sample_description(layers), outputs);
     for (std::uint32_t k = 0; k < layers; ++k) writer.write(k, sample_layer(k));
     return writer.finish();

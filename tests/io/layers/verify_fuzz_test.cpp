@@ -21,7 +21,8 @@ namespace {
 
 bool has(const StackReport& report, const std::string& rule, const std::string& words = "") {
     for (const auto& fault : report.faults)
-        if (fault.rule == rule && (fault.where + fault.what + fault.remedy).find(words) != std::string::npos) return true;
+        if (fault.rule == rule && (fault.where + fault.what + fault.remedy).find(words) != std::string::npos)
+            return true;
     return false;
 }
 
@@ -37,7 +38,8 @@ TEST_CASE("a layer cut anywhere is a fault, never a crash", "[verify][fuzz]") {
     const auto whole = encoder.encode(sample_layer(1, 40, 12));
     const auto palette = sample_description(1).palette();
     REQUIRE(scan_layer(whole, "whole", palette).runs.has_value());
-    for (std::size_t n = 0; n < whole.size(); ++n) CHECK_THROWS_AS(scan_layer(std::span(whole).first(n), "cut", palette), InputError);
+    for (std::size_t n = 0; n < whole.size(); ++n)
+        CHECK_THROWS_AS(scan_layer(std::span(whole).first(n), "cut", palette), InputError);
     // Any byte changed: every one is under a checksum.
     for (std::size_t i = 0; i < whole.size(); ++i)
         for (const int bit : {1, 0x80}) {
@@ -51,7 +53,9 @@ TEST_CASE("a layer cut anywhere is a fault, never a crash", "[verify][fuzz]") {
 TEST_CASE("hostile PNG headers cost nothing", "[verify][fuzz]") {
     auto png = [](std::uint32_t w, std::uint32_t h, std::uint32_t idat) {
         std::vector<std::uint8_t> out = {0x89, 'P', 'N', 'G', 13, 10, 26, 10};
-        auto u32 = [&](std::uint32_t v) { for (int s = 24; s >= 0; s -= 8) out.push_back(static_cast<std::uint8_t>(v >> s)); };
+        auto u32 = [&](std::uint32_t v) {
+            for (int s = 24; s >= 0; s -= 8) out.push_back(static_cast<std::uint8_t>(v >> s));
+        };
         u32(13);
         const std::size_t start = out.size();
         for (const char c : {'I', 'H', 'D', 'R'}) out.push_back(static_cast<std::uint8_t>(c));
@@ -68,7 +72,8 @@ TEST_CASE("hostile PNG headers cost nothing", "[verify][fuzz]") {
         return out;
     };
     const std::vector<Rgb> palette = {{0, 0, 0}, {1, 2, 3}};
-    for (const auto& [w, h] : {std::pair{65535u, 65535u}, {0x7fffffffu, 1u}, {1u, 0x7fffffffu}, {0u, 5u}, {65535u, 2048u}})
+    for (const auto& [w, h] :
+         {std::pair{65535u, 65535u}, {0x7fffffffu, 1u}, {1u, 0x7fffffffu}, {0u, 5u}, {65535u, 2048u}})
         for (const std::uint32_t idat : {0u, 1u, 0x7fffffffu, 0xffffffffu})
             CHECK_THROWS_AS(scan_layer(png(w, h, idat), "hostile", palette), InputError);
 }
@@ -91,8 +96,7 @@ TEST_CASE("a GCVF cut or spoilt anywhere is an error or a fault, never a crash",
         CHECK_THROWS_AS(verify_stack(file, rules), InputError);
     }
     // Every byte set to one of the ends: whatever happens is an Error or a report.
-    for (std::size_t i = 0; i < whole.size(); ++i)
-        try {
+    for (std::size_t i = 0; i < whole.size(); ++i) try {
             auto spoilt = whole;
             spoilt[i] = i % 2 ? '\x00' : '\xff';
             write_whole_file(file, spoilt);
@@ -110,7 +114,8 @@ TEST_CASE("zip bombs and paths that leave the folder", "[verify][fuzz]") {
         zip_t* zip = zip_open(file.c_str(), ZIP_CREATE | ZIP_TRUNCATE, nullptr);
         REQUIRE(zip);
         for (const auto& [name, bytes] : entries)
-            REQUIRE(zip_file_add(zip, name.c_str(), zip_source_buffer(zip, bytes.data(), bytes.size(), 0), ZIP_FL_OVERWRITE) >= 0);
+            REQUIRE(zip_file_add(zip, name.c_str(), zip_source_buffer(zip, bytes.data(), bytes.size(), 0),
+                                 ZIP_FL_OVERWRITE) >= 0);
         REQUIRE(zip_close(zip) == 0);
         return file;
     };
@@ -120,21 +125,28 @@ TEST_CASE("zip bombs and paths that leave the folder", "[verify][fuzz]") {
         return std::string(bytes.begin(), bytes.end());
     };
     const std::string bomb(std::size_t{257} << 20, '\0');  // a quarter of a megabyte when packed
-    auto report = verify_stack(container({{"ConfigFile.xml", gcvf_config_text(config)}, {"layer_0.png", layer(0)}, {"layer_1.png", bomb}}));
+    auto report = verify_stack(
+        container({{"ConfigFile.xml", gcvf_config_text(config)}, {"layer_0.png", layer(0)}, {"layer_1.png", bomb}}));
     CHECK(has(report, "unreadable", "more than"));
     CHECK_THROWS_AS(verify_stack(container({{"ConfigFile.xml", bomb.substr(0, (16 << 20) + 1)}})), InputError);
-    report = verify_stack(container({{"ConfigFile.xml", gcvf_config_text(config)}, {"layer_0.png", layer(0)}, {"layer_1.png", layer(1)},
-                                     {"../../etc/passwd", "x"}, {"/abs", "x"}, {"sub/file", "x"}}));
+    report = verify_stack(container({{"ConfigFile.xml", gcvf_config_text(config)},
+                                     {"layer_0.png", layer(0)},
+                                     {"layer_1.png", layer(1)},
+                                     {"../../etc/passwd", "x"},
+                                     {"/abs", "x"},
+                                     {"sub/file", "x"}}));
     CHECK(has(report, "stranger", "../../etc/passwd"));
     CHECK(has(report, "stranger", "leads out"));
     CHECK(has(report, "stranger", "sub/file"));
     config.prefix = "../layer_";
-    CHECK_THROWS_WITH(verify_stack(container({{"ConfigFile.xml", gcvf_config_text(config)}})), Contains("ImageFilePrefix"));
+    CHECK_THROWS_WITH(verify_stack(container({{"ConfigFile.xml", gcvf_config_text(config)}})),
+                      Contains("ImageFilePrefix"));
     config.prefix = "layer_";
     config.slices = 1000000;
     report = verify_stack(container({{"ConfigFile.xml", gcvf_config_text(config)}, {"layer_0.png", layer(0)}}));
     CHECK(report.fault_count > 999990);
     CHECK(report.faults.size() < 40);
-    for (const auto* xml : {"", "<GCVF>", "<GCVF></GCVF>", "<GCVF><XDpi>nan</XDpi></GCVF>", "<GCVF><XDpi>600</XDpi><YDpi>-1</YDpi></GCVF>"})
+    for (const auto* xml : {"", "<GCVF>", "<GCVF></GCVF>", "<GCVF><XDpi>nan</XDpi></GCVF>",
+                            "<GCVF><XDpi>600</XDpi><YDpi>-1</YDpi></GCVF>"})
         CHECK_THROWS_AS(verify_stack(container({{"ConfigFile.xml", xml}})), InputError);
 }

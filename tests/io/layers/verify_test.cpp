@@ -23,7 +23,8 @@ namespace {
 
 bool has(const StackReport& report, const std::string& rule, const std::string& words = "") {
     for (const auto& fault : report.faults)
-        if (fault.rule == rule && (fault.where + fault.what + fault.remedy).find(words) != std::string::npos) return true;
+        if (fault.rule == rule && (fault.where + fault.what + fault.remedy).find(words) != std::string::npos)
+            return true;
     return false;
 }
 
@@ -32,7 +33,8 @@ std::string bytes_of(const fs::path& file) {
     return {std::istreambuf_iterator<char>(in), {}};
 }
 
-void write_png_with_libpng(const fs::path& file, std::uint32_t w, std::uint32_t h, int format, const std::vector<std::uint8_t>& pixels) {
+void write_png_with_libpng(const fs::path& file, std::uint32_t w, std::uint32_t h, int format,
+                           const std::vector<std::uint8_t>& pixels) {
     png_image image{};
     image.version = PNG_IMAGE_VERSION;
     image.width = w;
@@ -41,7 +43,9 @@ void write_png_with_libpng(const fs::path& file, std::uint32_t w, std::uint32_t 
     REQUIRE(png_image_write_to_file(&image, file.c_str(), 0, pixels.data(), 0, nullptr));
 }
 
-fs::path slice(const fs::path& out, int k) { return out / sample_description(40).layer_path(static_cast<std::uint32_t>(k)); }
+fs::path slice(const fs::path& out, int k) {
+    return out / sample_description(40).layer_path(static_cast<std::uint32_t>(k));
+}
 
 }  // namespace
 
@@ -57,7 +61,8 @@ TEST_CASE("a stack of ours passes, and reads back as it was written", "[verify]"
     CHECK(report.size_px == std::array<std::uint32_t, 2>{70, 40});
     CHECK(report.content_sha256 == stack.content_sha256);
     const StackReader reader(out);
-    for (std::uint32_t k = 0; k < 40; ++k) REQUIRE(layer_pixels(reader.read(k, stack.palette())) == layer_pixels(sample_layer(k)));
+    for (std::uint32_t k = 0; k < 40; ++k)
+        REQUIRE(layer_pixels(reader.read(k, stack.palette())) == layer_pixels(sample_layer(k)));
     // The container tells the same layers.
     const auto gcvf = verify_stack(out / "stack.gcvf");
     INFO(report_text(gcvf));
@@ -105,18 +110,49 @@ TEST_CASE("every fault is named", "[verify]") {
 
     CHECK(has(spoil([&] { fs::remove(slice(out, 7)); }), "missing-layer", "slice_00007"));
     CHECK(has(spoil([&] { fs::copy(slice(out, 7), out / "layers" / "slice_00040.png"); }), "stranger", "slice_00040"));
-    CHECK(has(spoil([&] { write_whole_file(out / "layers" / "Thumbs.db", std::string_view("x")); fs::copy(slice(out, 1), out / "layers" / "x.png"); }), "stranger", "Thumbs.db"));
+    CHECK(has(spoil([&] {
+                  write_whole_file(out / "layers" / "Thumbs.db", std::string_view("x"));
+                  fs::copy(slice(out, 1), out / "layers" / "x.png");
+              }),
+              "stranger", "Thumbs.db"));
     fs::remove(out / "layers" / "Thumbs.db"), fs::remove(out / "layers" / "x.png");
-    CHECK(has(spoil([&] { std::vector<std::uint8_t> rgb(70 * 40 * 3, 0); write_png_with_libpng(slice(out, 3), 70, 40, PNG_FORMAT_RGB, rgb); }), "colour-type", "8-bit RGB"));
-    CHECK(has(spoil([&] { rgba[40] = 1; write_png_with_libpng(slice(out, 3), 70, 40, PNG_FORMAT_RGBA, rgba); rgba[40] = 0; }), "stray-colour", "(10, 0)"));
-    CHECK(has(spoil([&] { rgba[43] = 254; write_png_with_libpng(slice(out, 3), 70, 40, PNG_FORMAT_RGBA, rgba); rgba[43] = 255; }), "alpha", "254"));
-    CHECK(has(spoil([&] { write_png_with_libpng(slice(out, 3), 70, 40, PNG_FORMAT_RGBA, rgba); }), "resolution", "does not say"));
+    CHECK(has(spoil([&] {
+                  std::vector<std::uint8_t> rgb(70 * 40 * 3, 0);
+                  write_png_with_libpng(slice(out, 3), 70, 40, PNG_FORMAT_RGB, rgb);
+              }),
+              "colour-type", "8-bit RGB"));
+    CHECK(has(spoil([&] {
+                  rgba[40] = 1;
+                  write_png_with_libpng(slice(out, 3), 70, 40, PNG_FORMAT_RGBA, rgba);
+                  rgba[40] = 0;
+              }),
+              "stray-colour", "(10, 0)"));
+    CHECK(has(spoil([&] {
+                  rgba[43] = 254;
+                  write_png_with_libpng(slice(out, 3), 70, 40, PNG_FORMAT_RGBA, rgba);
+                  rgba[43] = 255;
+              }),
+              "alpha", "254"));
+    CHECK(has(spoil([&] { write_png_with_libpng(slice(out, 3), 70, 40, PNG_FORMAT_RGBA, rgba); }), "resolution",
+              "does not say"));
     CHECK(has(spoil([&] { write_png_with_libpng(slice(out, 3), 35, 80, PNG_FORMAT_RGBA, rgba); }), "size", "35 x 80"));
-    CHECK(has(spoil([&] { write_png_with_libpng(slice(out, 3), 70, 40, PNG_FORMAT_RGBA, rgba); }), "count", "announced"));
-    CHECK(has(spoil([&] { fs::rename(slice(out, 3), out / "t"); fs::rename(slice(out, 4), slice(out, 3)); fs::rename(out / "t", slice(out, 4)); }), "digest"));
+    CHECK(
+        has(spoil([&] { write_png_with_libpng(slice(out, 3), 70, 40, PNG_FORMAT_RGBA, rgba); }), "count", "announced"));
+    CHECK(has(spoil([&] {
+                  fs::rename(slice(out, 3), out / "t");
+                  fs::rename(slice(out, 4), slice(out, 3));
+                  fs::rename(out / "t", slice(out, 4));
+              }),
+              "digest"));
     // One byte of a compressed layer: a checksum notices.
-    CHECK(has(spoil([&] { auto b = bytes_of(slice(out, 5)); b[b.size() / 2] ^= 1; write_whole_file(slice(out, 5), b); }), "unreadable", "slice_00005"));
-    CHECK(has(spoil([&] { write_whole_file(slice(out, 5), bytes_of(slice(out, 5)) + "tail"); }), "unreadable", "behind its end"));
+    CHECK(has(spoil([&] {
+                  auto b = bytes_of(slice(out, 5));
+                  b[b.size() / 2] ^= 1;
+                  write_whole_file(slice(out, 5), b);
+              }),
+              "unreadable", "slice_00005"));
+    CHECK(has(spoil([&] { write_whole_file(slice(out, 5), bytes_of(slice(out, 5)) + "tail"); }), "unreadable",
+              "behind its end"));
     CHECK(verify_stack(out).passed());
 
     VerifyRules high_speed;
@@ -135,8 +171,12 @@ TEST_CASE("a foreign folder is judged by itself", "[verify]") {
     TemporaryFolder folder;
     const auto out = folder.path();
     const PngLayerEncoder encoder(sample_description(1).palette(), {42.333, 84.667});
-    auto name = [](int k, int digits) { return "part" + std::string(static_cast<std::size_t>(digits) - std::to_string(k).size(), '0') + std::to_string(k) + ".png"; };
-    for (int k = 0; k < 35; ++k) write_whole_file(out / name(k, 3), encoder.encode(sample_layer(static_cast<std::uint32_t>(k))));
+    auto name = [](int k, int digits) {
+        return "part" + std::string(static_cast<std::size_t>(digits) - std::to_string(k).size(), '0') +
+               std::to_string(k) + ".png";
+    };
+    for (int k = 0; k < 35; ++k)
+        write_whole_file(out / name(k, 3), encoder.encode(sample_layer(static_cast<std::uint32_t>(k))));
     CHECK(verify_stack(out).passed());
     fs::rename(out / name(4, 3), out / "part4.png");
     CHECK(has(verify_stack(out), "numbering", "digits"));
@@ -151,7 +191,8 @@ TEST_CASE("a foreign folder is judged by itself", "[verify]") {
     for (int i = 1; i < 12; ++i) greys.push_back({static_cast<std::uint8_t>(20 * i), 0, 0});
     RandomStream random(1, 1);
     const std::vector<double> weights(12, 1.0);
-    write_whole_file(out / name(4, 3), PngLayerEncoder(greys, {42.333, 84.667}).encode(random_layer(random, 70, 40, weights)));
+    write_whole_file(out / name(4, 3),
+                     PngLayerEncoder(greys, {42.333, 84.667}).encode(random_layer(random, 70, 40, weights)));
     CHECK(has(verify_stack(out), "colours", "16 colours"));
     // Nothing printed at all.
     LayerRuns air(70, 40);

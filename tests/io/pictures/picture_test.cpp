@@ -8,9 +8,9 @@
 
 #include "tests/io/models/model_samples.h"
 #include "voxtone/base/error.h"
+#include "voxtone/io/files/isolate.h"
 #include "voxtone/io/pictures/decode_image.h"
 #include "voxtone/io/pictures/icc_to_srgb.h"
-#include "voxtone/io/files/isolate.h"
 #include "voxtone/optics/colour/colour.h"
 
 using namespace voxtone;

@@ -48,7 +48,8 @@ TEST_CASE("texture samples") {
                 const Vector3f rgb =
                     texture.sample((static_cast<float>(x) + 0.5f) / 5, 1 - (static_cast<float>(y) + 0.5f) / 3);
                 for (int c = 0; c < 3; ++c)
-                    CHECK(std::abs(rgb[c] - linear(image.srgb8[4 * (y * 5 + x) + c])) < 0x1p-17 + 1e-6);  // 16-bit storage
+                    CHECK(std::abs(rgb[c] - linear(image.srgb8[4 * (y * 5 + x) + c])) <
+                          0x1p-17 + 1e-6);  // 16-bit storage
             }
     }
     SECTION("bilinear in linear light, against the formula") {

@@ -58,7 +58,8 @@ TEST_CASE("A stack file that is cut short or wrong is refused by key and rule") 
     CHECK_THROWS_WITH((void)parse_layer_sequence(replaced(text, "voxtone-stack", "voxtone-heap"), "x.json"),
                       Contains("x.json") && Contains("format"));
     CHECK_THROWS_WITH((void)parse_layer_sequence(replaced(text, "\"mm\": 0.1", "\"mm\": 0"), "x.json"), Contains("mm"));
-    CHECK_THROWS_WITH((void)parse_layer_sequence(replaced(text, "\"air\"", "\"glass\""), "x.json"), Contains("surface"));
+    CHECK_THROWS_WITH((void)parse_layer_sequence(replaced(text, "\"air\"", "\"glass\""), "x.json"),
+                      Contains("surface"));
     CHECK_THROWS_WITH((void)parse_layer_sequence(replaced(text, "\"backing\"", "\"bakcing\""), "x.json"),
                       Contains("did you mean 'backing'"));
     CHECK_THROWS_WITH((void)parse_layer_sequence(replaced(text, "\"version\": 1", "\"version\": 2"), "x.json"),

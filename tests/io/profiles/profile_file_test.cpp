@@ -105,13 +105,16 @@ TEST_CASE("Profiles that are faulty name file, key and rule") {
     CHECK_THAT(bad("0.1, 0.05, 0.01", "0.1, -0.05, 0.01"), Contains("`R.error[0]`") && Contains("-0.05"));
     CHECK_THAT(bad("0.1, 0.05, 0.01", "0.1, 0.05"), Contains("`R.error`") && Contains("4 values for 5"));
     CHECK_THAT(bad("\"R\"", "\"r\""), Contains("unknown key 'r'"));
-    const auto bad_target = [](const std::string& from, const std::string& to) { return fault(changed(target(), from, to)); };
+    const auto bad_target = [](const std::string& from, const std::string& to) {
+        return fault(changed(target(), from, to));
+    };
     CHECK_THAT(bad_target("\n \"R\"", " \"thickness_mm\": 1,\n \"R\""), Contains("`T`") && Contains("missing"));
 }
 
 TEST_CASE("No cut or damaged profile does more than throw an InputError") {
     const std::string text = profile_text(layer());
-    for (std::size_t n = 0; n + 2 < text.size(); ++n) CHECK_THROWS_AS(parse_profile(text.substr(0, n), "cut"), InputError);
+    for (std::size_t n = 0; n + 2 < text.size(); ++n)
+        CHECK_THROWS_AS(parse_profile(text.substr(0, n), "cut"), InputError);
     for (std::size_t at = 0; at < text.size(); ++at)
         for (const char c : {'\0', ',', '"', '[', '}', '-', '9', '\xff'}) {
             std::string damaged = text;

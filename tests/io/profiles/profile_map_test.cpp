@@ -8,9 +8,9 @@
 
 #include "tests/io/files/temporary_folder.h"
 #include "voxtone/base/error.h"
+#include "voxtone/io/files/whole_file.h"
 #include "voxtone/io/pictures/picture_writer.h"
 #include "voxtone/io/pictures/png_pixels.h"
-#include "voxtone/io/files/whole_file.h"
 
 using namespace voxtone;
 using namespace voxtone::io;

@@ -44,7 +44,11 @@ Report sample(const std::string& text) {
     report.prediction_note = text;
     report.views = {{text, {picture(text, 2), picture("predicted", 2)}}, {"front", {picture("f", 0)}}};
     report.layers = {{0, 0.0135, picture("l", 2)}, {1960, 52.9335, picture("l", 2)}};
-    report.sections = {{text, {text}, {{text, {text, "Count"}, {{text, "12"}, {"b", "3.5 %"}}}}, {picture(text, 1)}, {{text, "<svg id=\"curve\"></svg>"}}}};
+    report.sections = {{text,
+                        {text},
+                        {{text, {text, "Count"}, {{text, "12"}, {"b", "3.5 %"}}}},
+                        {picture(text, 1)},
+                        {{text, "<svg id=\"curve\"></svg>"}}}};
     report.job = {{text, text}, {"printer", "stratasys-j750-hm"}};
     return report;
 }

@@ -77,7 +77,8 @@ TEST_CASE("A resin alone, or beside its equals, is itself; equal resins may be t
             CHECK(voxels(f, c).sigma_a == Approx(alone.sigma_a).epsilon(1e-12));
             CHECK(voxels(f, c).sigma_s == Approx(alone.sigma_s).epsilon(1e-12));
         }
-        const Medium one = voxels(std::vector<double>{0.5, 0.3, 0, 0.2}, c), two = voxels(std::vector<double>{0.1, 0.3, 0.4, 0.2}, c);
+        const Medium one = voxels(std::vector<double>{0.5, 0.3, 0, 0.2}, c),
+                     two = voxels(std::vector<double>{0.1, 0.3, 0.4, 0.2}, c);
         CHECK(one.sigma_a == Approx(two.sigma_a).epsilon(1e-12));
         CHECK(one.sigma_s == Approx(two.sigma_s).epsilon(1e-12));
     }
@@ -91,12 +92,14 @@ TEST_CASE("A body seen from all sides lies between its views along the axes; cub
         const auto along = [&](std::size_t up) {
             return HalftoneMedium(set, {j750[(up + 1) % 3], j750[(up + 2) % 3], j750[up]})(f, c);
         };
-        const Medium x = along(0), y = along(1), z = along(2), all = HalftoneMedium(set, j750, SeenFrom::all_sides)(f, c);
+        const Medium x = along(0), y = along(1), z = along(2),
+                     all = HalftoneMedium(set, j750, SeenFrom::all_sides)(f, c);
         CHECK(all.sigma_a > std::min({x.sigma_a, y.sigma_a, z.sigma_a}));
         CHECK(all.sigma_a < std::max({x.sigma_a, y.sigma_a, z.sigma_a}));
         CHECK(all.sigma_s > std::min({x.sigma_s, y.sigma_s, z.sigma_s}));
         CHECK(all.sigma_s < std::max({x.sigma_s, y.sigma_s, z.sigma_s}));
-        CHECK(HalftoneMedium(set, cube, SeenFrom::all_sides)(f, c).sigma_s == Approx(HalftoneMedium(set, cube)(f, c).sigma_s).epsilon(1e-12));
+        CHECK(HalftoneMedium(set, cube, SeenFrom::all_sides)(f, c).sigma_s ==
+              Approx(HalftoneMedium(set, cube)(f, c).sigma_s).epsilon(1e-12));
     }
 }
 
@@ -110,7 +113,8 @@ TEST_CASE("Resins that absorb nothing make a medium that absorbs nothing") {
 
 TEST_CASE("The effective medium's derivatives are its slopes, and its bound holds") {
     const ResinSet set = random_resins(7, 5);
-    for (const std::array<double, 3>& pitch : {j750, std::array<double, 3>{0.085, 0.085, 0.019}, {0.05, 0.05, 0.05}, {0, 0, 0}}) {
+    for (const std::array<double, 3>& pitch :
+         {j750, std::array<double, 3>{0.085, 0.085, 0.019}, {0.05, 0.05, 0.05}, {0, 0, 0}}) {
         const HalftoneMedium medium(set, pitch);
         RandomStream random(3, 4);
         for (int trial = 0; trial < 40; ++trial) {

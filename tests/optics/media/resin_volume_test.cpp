@@ -132,8 +132,10 @@ TEST_CASE("A sphere of voxels has the area and the normals of a sphere") {
         std::array<double, 3> radial{};
         for (std::size_t k = 0; k < 3; ++k) radial[k] = cell.centre_mm[k] - centre;
         const double length = std::hypot(radial[0], radial[1], radial[2]);
-        turned += cell.area_mm2 *
-                  std::acos(std::min(1.0, (radial[0] * cell.normal[0] + radial[1] * cell.normal[1] + radial[2] * cell.normal[2]) / length));
+        turned +=
+            cell.area_mm2 *
+            std::acos(std::min(
+                1.0, (radial[0] * cell.normal[0] + radial[1] * cell.normal[1] + radial[2] * cell.normal[2]) / length));
     }
     CHECK(area == Approx(4 * M_PI * r * r).epsilon(0.02));
     CHECK(turned / area < 3.5 * M_PI / 180);

@@ -8,8 +8,8 @@
 
 #include "voxtone/base/error.h"
 #include "voxtone/base/parallel.h"
-#include "voxtone/optics/monte_carlo/layer_paths.h"
 #include "voxtone/optics/media/slab_patterns.h"
+#include "voxtone/optics/monte_carlo/layer_paths.h"
 
 using namespace voxtone;
 using namespace voxtone::optics;
@@ -34,8 +34,8 @@ Slab homogeneous(const PointResponseOptions& options, double sigma_t, double alb
     return slab;
 }
 
-/// The chance that light that enters somewhere in a cell and leaves r cells away, in any direction, leaves through the cell at an
-/// offset.
+/// The chance that light that enters somewhere in a cell and leaves r cells away, in any direction, leaves through the
+/// cell at an offset.
 double landing_chance(double r, PointOffset offset) {
     constexpr int directions = 720;
     const auto overlap = [](double d) { return std::max(0.0, 1 - std::abs(d)); };
@@ -61,8 +61,8 @@ TEST_CASE("A half window holds one of each two opposite offsets") {
 }
 
 TEST_CASE("Responses of a homogeneous slab are the profile that its layer has") {
-    // The same slab twice: voxels with packets of paths, and as a plane layer traced path by path. Cells of a whole grid are
-    // pooled by offset; each pooled value is held against its standard error.
+    // The same slab twice: voxels with packets of paths, and as a plane layer traced path by path. Cells of a whole
+    // grid are pooled by offset; each pooled value is held against its standard error.
     const PointResponseOptions options{.width = 24, .height = 20, .margin = 30, .radius = 4, .paths = 800, .seed = 3};
     for (const double eta : {1.0, 1.5}) {
         const Slab slab = homogeneous(options, 5, 0.98, eta);

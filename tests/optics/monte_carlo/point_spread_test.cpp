@@ -33,7 +33,8 @@ RingLight traced(const Slab& slab, const HankelGrid& grid, std::uint32_t paths =
     return trace_point_spread(slab.scene(), {{30, 35}, {50, 45}, ring_edges(grid), paths, 7})[0];
 }
 
-/// Largest difference of the light within a ring's edge, in standard errors of a share of so many paths (both are traced).
+/// Largest difference of the light within a ring's edge, in standard errors of a share of so many paths (both are
+/// traced).
 double largest_deviation(const RingLight& a, const RingLight& b) {
     double sum_a = 0, sum_b = 0, worst = 0;
     for (std::size_t i = 0; i < a.light.size(); ++i) {
@@ -46,10 +47,12 @@ double largest_deviation(const RingLight& a, const RingLight& b) {
 
 }  // namespace
 
-TEST_CASE("Light spreads in voxels of plane layers as it does in the layers, and a resin a little darker is told apart") {
+TEST_CASE(
+    "Light spreads in voxels of plane layers as it does in the layers, and a resin a little darker is told apart") {
     const HankelGrid grid(8, 32);
     const Slab slab(0.98);
-    const LayerScene layers{{{slab.set.resins[0].medium(0), 0.6}, {slab.set.resins[1].medium(0), 0.4}}, slab.set.g, 1.5, 1.5};
+    const LayerScene layers{
+        {{slab.set.resins[0].medium(0), 0.6}, {slab.set.resins[1].medium(0), 0.4}}, slab.set.g, 1.5, 1.5};
     const TracedProfile profile = trace_layers(layers, grid, {.paths = many});
     // The largest of some 100 dependent deviations: above 4.5 less than once in a thousand times.
     CHECK(largest_deviation(traced(slab, grid), profile.R) < 4.5);

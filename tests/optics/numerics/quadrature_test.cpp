@@ -8,9 +8,9 @@
 #include <catch2/catch.hpp>
 
 #include "tests/optics/reference.h"
-#include "voxtone/optics/scene/fresnel.h"
 #include "voxtone/optics/layered/phase.h"
 #include "voxtone/optics/layered/slab.h"
+#include "voxtone/optics/scene/fresnel.h"
 
 using namespace voxtone::optics;
 using namespace voxtone::optics::testing;

@@ -37,8 +37,8 @@ Coefficients many_layers(std::uint64_t seed) {
 double largest_difference(const LayerProfile& a, const LayerProfile& b) {
     double worst = 0;
     for (std::size_t i = 0; i < a.size(); ++i)
-        worst = std::max(
-            {worst, std::abs(a.T[i] - b.T[i]), std::abs(a.R_top[i] - b.R_top[i]), std::abs(a.R_bottom[i] - b.R_bottom[i])});
+        worst = std::max({worst, std::abs(a.T[i] - b.T[i]), std::abs(a.R_top[i] - b.R_top[i]),
+                          std::abs(a.R_bottom[i] - b.R_bottom[i])});
     return worst;
 }
 
@@ -59,7 +59,8 @@ TEST_CASE("A slab cut in two and stacked again is itself within 1e-10") {
     INFO(worst);
     CHECK(worst < 1e-10);
     // The measure finds out a cut that loses a thousandth of the slab.
-    CHECK(largest_difference(stack(layer.of_thickness(0.3), layer.of_thickness(0.3993)), layer.of_thickness(0.7)) > 1e-5);
+    CHECK(largest_difference(stack(layer.of_thickness(0.3), layer.of_thickness(0.3993)), layer.of_thickness(0.7)) >
+          1e-5);
 }
 
 TEST_CASE("A layer of the known thickness is the known layer") {
@@ -83,7 +84,8 @@ TEST_CASE("K and S are the limits that halving a layer finds") {
     const Coefficients known = many_layers(3);
     const HomogeneousLayer layer(known.T, known.R, 1.0);
     for (std::size_t i = 0; i < known.T.size(); ++i) {
-        if (known.T[i] < 1e-6) continue;  // halving starts with T + 1 and R: nothing is lost, but it takes longer to be thin
+        if (known.T[i] < 1e-6)
+            continue;  // halving starts with T + 1 and R: nothing is lost, but it takes longer to be thin
         double T = known.T[i], R = known.R[i], h = 1;
         for (int k = 0; k < 20; ++k, h /= 2) {
             R = R / (T + 1);

@@ -66,13 +66,13 @@ TEST_CASE("Homogeneous slabs and two layers appear as exact solutions say, withi
         double error;
     };
     // Errors as docs/stack-search.md has them, rounded up.
-    for (const Case& c :
-         {Case{{{W, 74}}, 0.02}, Case{{{K, 74}}, 0.02}, Case{{{M, 12}, {W, 150}}, 0.02}, Case{{{W, 12}, {K, 60}}, 0.03}})
+    for (const Case& c : {Case{{{W, 74}}, 0.02}, Case{{{K, 74}}, 0.02}, Case{{{M, 12}, {W, 150}}, 0.02},
+                          Case{{{W, 12}, {K, 60}}, 0.03}})
         for (const Backing backing : {Backing::none, Backing::black, Backing::white}) {
             const Appearance seen = slab_appearance(model, set, c.layers, backing);
             for (std::size_t channel = 0; channel < 3; ++channel) {
-                INFO(c.layers.size() << " layers, material " << int(c.layers[0].material) << ", backing " << int(backing)
-                                     << ", channel " << channel);
+                INFO(c.layers.size() << " layers, material " << int(c.layers[0].material) << ", backing "
+                                     << int(backing) << ", channel " << channel);
                 CHECK(seen.value[channel] == Approx(exact_appearance(set, c.layers, backing, channel)).margin(c.error));
             }
         }
@@ -109,8 +109,9 @@ TEST_CASE("Layer profiles see a wall from both sides, and what lies behind it") 
 TEST_CASE("Layer profiles answer the same for any number of threads, and refuse materials without a resin") {
     const ResinSet set = vero_opaque();
     const LayeredProfileModel model;
-    const ResinVolume volume = make_resin_volume(
-        {40, 20, 30}, slab_pitch_mm, [](int x, int y, int z) { return static_cast<Material>(1 + (x / 3 + y + z / 2) % 5); });
+    const ResinVolume volume = make_resin_volume({40, 20, 30}, slab_pitch_mm, [](int x, int y, int z) {
+        return static_cast<Material>(1 + (x / 3 + y + z / 2) % 5);
+    });
     const Scene scene{&volume, &set, Backing::white, Sides::open};
     const Surface surface = find_surface(scene, {2, 1, 3}, SurfacePart::all);
     std::vector<float> one;
@@ -123,10 +124,12 @@ TEST_CASE("Layer profiles answer the same for any number of threads, and refuse 
 
     const ResinVolume strange = make_resin_volume({4, 4, 4}, slab_pitch_mm, [](int, int, int) { return Material{9}; });
     const Scene unknown{&strange, &set, Backing::none, Sides::open};
-    CHECK_THROWS_AS((void)model.predict(unknown, find_surface(unknown, {2, 1, 3}, SurfacePart::all)), voxtone::InputError);
+    CHECK_THROWS_AS((void)model.predict(unknown, find_surface(unknown, {2, 1, 3}, SurfacePart::all)),
+                    voxtone::InputError);
 }
 
-TEST_CASE("A slab that is the same everywhere shows by layer profiles what its layers alone show, whatever goes sideways") {
+TEST_CASE(
+    "A slab that is the same everywhere shows by layer profiles what its layers alone show, whatever goes sideways") {
     const ResinSet set = vero_opaque();
     const Material W = material(set, "W"), M = material(set, "M");
     for (const Backing backing : {Backing::none, Backing::black, Backing::white}) {
@@ -141,12 +144,16 @@ TEST_CASE("A slab that is the same everywhere shows by layer profiles what its l
     }
 }
 
-TEST_CASE("Where bodies meet that absorb nothing layer profiles miss light, as docs/stack-search.md says, and never add any") {
+TEST_CASE(
+    "Where bodies meet that absorb nothing layer profiles miss light, as docs/stack-search.md says, and never add "
+    "any") {
     const ResinSet set = furnace();
     const Material W = material(set, "W"), M = material(set, "M");
-    const ResinVolume volume = make_resin_volume({96, 4, 74}, slab_pitch_mm, [&](int x, int, int) { return x < 48 ? W : M; });
+    const ResinVolume volume =
+        make_resin_volume({96, 4, 74}, slab_pitch_mm, [&](int x, int, int) { return x < 48 ? W : M; });
     const Scene scene{&volume, &set, Backing::white, Sides::mirrored};
-    const std::vector<float> seen = LayeredProfileModel().predict(scene, find_surface(scene, {4, 2, 6}, SurfacePart::top)).value;
+    const std::vector<float> seen =
+        LayeredProfileModel().predict(scene, find_surface(scene, {4, 2, 6}, SurfacePart::top)).value;
     const auto [least, most] = std::minmax_element(seen.begin(), seen.end());
     CHECK(*least == Approx(0.86).margin(0.005));
     CHECK(*most <= 1);

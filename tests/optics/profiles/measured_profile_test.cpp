@@ -54,7 +54,8 @@ TEST_CASE("A measured profile is scaled to its albedo") {
     const HomogeneousLayer scaled = measured_layer(counts, grid, summary);
     CHECK(summary.R_total == Approx(0.6).epsilon(1e-12));
     CHECK(scaled.of_thickness(0.75).R_top[7] ==
-          Approx(measured_layer(known(), grid, unscaled).of_thickness(0.75).R_top[7] * 0.6 / unscaled.R_total).epsilon(1e-9));
+          Approx(measured_layer(known(), grid, unscaled).of_thickness(0.75).R_top[7] * 0.6 / unscaled.R_total)
+              .epsilon(1e-9));
     counts.R.total.reset();
     CHECK_THROWS_AS(measured_layer(counts, grid, summary), InputError);  // 740 times the light
 }
@@ -62,7 +63,8 @@ TEST_CASE("A measured profile is scaled to its albedo") {
 TEST_CASE("Noisy tails go below zero without making the layer brighter or darker") {
     const HankelGrid grid(10, 64);
     MeasuredProfile noisy = known();
-    for (std::size_t i = 0; i < noisy.R.light.size(); ++i) noisy.R.light[i] += 2e-3 * (2 * RandomStream(8, i).uniform() - 1);
+    for (std::size_t i = 0; i < noisy.R.light.size(); ++i)
+        noisy.R.light[i] += 2e-3 * (2 * RandomStream(8, i).uniform() - 1);
     MeasuredSummary summary, clean;
     (void)measured_layer(noisy, grid, summary);
     (void)measured_layer(known(), grid, clean);
@@ -122,13 +124,16 @@ TEST_CASE("Profiles that cannot be are refused by name") {
     CHECK(measured_layer(bad, grid, summary).of_thickness(0.75).R_top[0] == 0);
 }
 
-TEST_CASE("A reflection profile by itself keeps its coefficients as they are, and is refused where it is more than all light") {
+TEST_CASE(
+    "A reflection profile by itself keeps its coefficients as they are, and is refused where it is more than all "
+    "light") {
     const HankelGrid grid(10, 32);
     MeasuredSummary summary;
     RadialSamples wanted = exponential(0.6, 0.3, 0.02, 6);
     wanted.light[200] = -0.001;
     const std::vector<double> R = measured_reflection(wanted, grid, summary);
-    for (std::size_t i = 0; i < grid.size(); ++i) CHECK(R[i] == Approx(0.6 * exponential_hat(grid.k()[i], 0.3)).margin(0.002));
+    for (std::size_t i = 0; i < grid.size(); ++i)
+        CHECK(R[i] == Approx(0.6 * exponential_hat(grid.k()[i], 0.3)).margin(0.002));
     CHECK(summary.R_total == R[0]);
     CHECK(summary.negative_R > 0);
     CHECK(summary.T_total == 0);

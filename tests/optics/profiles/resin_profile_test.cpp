@@ -82,8 +82,8 @@ TEST_CASE("Under refractive surfaces, traced reflection is the appearance of the
 }
 
 TEST_CASE("Light scattered once lands where the integral over the layer says") {
-    // Isotropic scattering, weak: R^(k) = sigma_s integral over z of (2 / mu)(mu) J0 e^(-sigma_t z / mu) times the same from the
-    // point of scattering back, each over the cosines mu; scattering again adds below 2 %.
+    // Isotropic scattering, weak: R^(k) = sigma_s integral over z of (2 / mu)(mu) J0 e^(-sigma_t z / mu) times the same
+    // from the point of scattering back, each over the cosines mu; scattering again adds below 2 %.
     const double sigma_t = 3, sigma_s = 0.06, thickness = 0.5;
     const HankelGrid grid(3, 24);
     const auto once = [&](double k) {
@@ -106,10 +106,12 @@ TEST_CASE("Light scattered once lands where the integral over the layer says") {
     const std::vector<double> found = grid.from_rings(traced.edges_mm, traced.R.light);
     double worst_of_wider = 0;
     for (std::size_t i = 0; i < grid.size(); ++i) {
-        const double exact = once(grid.k()[i]), error = std::hypot(traced.R.standard_error, traced.R.total / std::sqrt(paths));
+        const double exact = once(grid.k()[i]),
+                     error = std::hypot(traced.R.standard_error, traced.R.total / std::sqrt(paths));
         INFO("k " << grid.k()[i] << ": " << found[i] << ", once scattered " << exact << " +- " << error);
         CHECK(std::abs(found[i] - 1.01 * exact) < largest_z * error + 0.01 * exact);
-        worst_of_wider = std::max(worst_of_wider, (std::abs(found[i] - 1.01 * once(grid.k()[i] * 1.15)) - 0.01 * exact) / error);
+        worst_of_wider =
+            std::max(worst_of_wider, (std::abs(found[i] - 1.01 * once(grid.k()[i] * 1.15)) - 0.01 * exact) / error);
     }
     CHECK(worst_of_wider > largest_z);
 }
@@ -223,11 +225,12 @@ TEST_CASE("Composites of single layers have the totals of the composite within 2
         LayerScene scene = profile_stacks::scene_of(of);
         const DiffuseTotals exact = diffuse_totals(scene);
         const LayerProfile model = predicted(scene);
-        INFO(profile_stacks::name_of(of) << ": R " << model.R_top[0] << " for " << exact.R << ", T " << model.T[0] << " for "
-                                         << exact.T);
+        INFO(profile_stacks::name_of(of) << ": R " << model.R_top[0] << " for " << exact.R << ", T " << model.T[0]
+                                         << " for " << exact.T);
         CHECK(std::abs(model.R_top[0] - exact.R) < 0.02);
         CHECK(std::abs(model.T[0] - exact.T) < 0.02);
-        CHECK(model.T[0] <= exact.T);  // the side on which the model errs: light between layers is not diffuse but runs down
+        CHECK(model.T[0] <=
+              exact.T);  // the side on which the model errs: light between layers is not diffuse but runs down
         std::reverse(scene.layers.begin(), scene.layers.end());
         const double other = diffuse_totals(scene).R;
         if (std::abs(other - exact.R) < 0.05) continue;

@@ -22,13 +22,16 @@ std::size_t resin(const ResinSet& set, const char* role) { return static_cast<st
 
 }  // namespace
 
-TEST_CASE("Index-matched stacks of resins: the layered totals are those of the layers, the traced ones those of transport") {
+TEST_CASE(
+    "Index-matched stacks of resins: the layered totals are those of the layers, the traced ones those of transport") {
     const ResinSet set = vero_opaque();
     const std::vector<ResinLayer> layers{{resin(set, "W"), 0.3}, {resin(set, "K"), 0.1}};
-    const StackLight model = layered_light(set, layers, {}, grid(), few), traced = traced_light(set, layers, {}, grid(), few);
+    const StackLight model = layered_light(set, layers, {}, grid(), few),
+                     traced = traced_light(set, layers, {}, grid(), few);
     for (std::size_t c = 0; c < 3; ++c) {
         const Medium W = set.resins[layers[0].resin].medium(c), K = set.resins[layers[1].resin].medium(c);
-        const DiffuseTotals upper = diffuse_totals({{{W, 0.3}}, set.g, 1, 1}), lower = diffuse_totals({{{K, 0.1}}, set.g, 1, 1});
+        const DiffuseTotals upper = diffuse_totals({{{W, 0.3}}, set.g, 1, 1}),
+                            lower = diffuse_totals({{{K, 0.1}}, set.g, 1, 1});
         CHECK(model.R[c][0] == Approx(upper.R + upper.T * upper.T * lower.R / (1 - upper.R * lower.R)).margin(1e-9));
         CHECK(model.T[c][0] == Approx(upper.T * lower.T / (1 - upper.R * lower.R)).margin(1e-9));
         const DiffuseTotals all = diffuse_totals({{{W, 0.3}, {K, 0.1}}, set.g, 1, 1});
@@ -40,8 +43,8 @@ TEST_CASE("Index-matched stacks of resins: the layered totals are those of the l
 TEST_CASE("Both ways agree on surfaces, sheets and what one unit is") {
     const ResinSet set = vero_opaque();
     const std::vector<ResinLayer> layers{{resin(set, "W"), 0.6}, {resin(set, "Y"), 0.5}};
-    for (const StackEnds& ends :
-         {StackEnds{1.5, 1, 0}, StackEnds{1.5, 1.5, 0}, StackEnds{1, 1.5, 0}, StackEnds{1.5, 1, 0.7}, StackEnds{1, 1, 1}}) {
+    for (const StackEnds& ends : {StackEnds{1.5, 1, 0}, StackEnds{1.5, 1.5, 0}, StackEnds{1, 1.5, 0},
+                                  StackEnds{1.5, 1, 0.7}, StackEnds{1, 1, 1}}) {
         const StackLight model = layered_light(set, layers, ends, grid(), few),
                          traced = traced_light(set, layers, ends, grid(), few);
         for (std::size_t c = 0; c < 3; ++c) {

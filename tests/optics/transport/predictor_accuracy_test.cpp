@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // The fast predictor against the stored Monte Carlo references of the accuracy suite (tests/data/appearance). What is
-// compared and how noise is taken out: benchmarks/optics/transport/compare.h; the whole table: `predictor_accuracy compare`.
+// compared and how noise is taken out: benchmarks/optics/transport/compare.h; the whole table: `predictor_accuracy
+// compare`.
 #include <catch2/catch.hpp>
 
 #include <algorithm>
@@ -83,16 +84,16 @@ TEST_CASE("Percentiles by weight") {
     CHECK(weighted_percentile(values, weights, 0.95) == 3);
 }
 
-// Wanted: mean over the suite 0.7, no case above 1.2, also for resins and pictures that were not used while tuning. The set
-// `random-1` has g = 0.65; delta-Eddington scattering is too bright there (docs/benchmarks.md).
+// Wanted: mean over the suite 0.7, no case above 1.2, also for resins and pictures that were not used while tuning. The
+// set `random-1` has g = 0.65; delta-Eddington scattering is too bright there (docs/benchmarks.md).
 TEST_CASE("The predictor agrees with Monte Carlo on every flat case of the suite") {
     double sum = 0, n = 0;
     for (const fs::path& file : references()) {
         const Reference reference = read_reference(file);
         if (reference.of.sides != optics::Sides::mirrored) continue;
         const Comparison c = compare(reference, {});
-        INFO(reference.of.name << ": mean " << c.mean_without_noise << " without noise, 95 % " << c.percentile_95 << " with noise "
-                               << c.noise << ", bias of L* " << c.bias);
+        INFO(reference.of.name << ": mean " << c.mean_without_noise << " without noise, 95 % " << c.percentile_95
+                               << " with noise " << c.noise << ", bias of L* " << c.bias);
         CHECK(c.mean_without_noise < (reference.of.name == "random-1" ? 1.4 : 1.2));
         CHECK(c.percentile_95 < 2.5);
         sum += c.mean_without_noise;

@@ -6,9 +6,9 @@
 
 #include "voxtone/base/parallel.h"
 #include "voxtone/base/random.h"
-#include "voxtone/optics/transport/influence.h"
 #include "voxtone/optics/layered/layered_appearance.h"
 #include "voxtone/optics/layered/shell_appearance.h"
+#include "voxtone/optics/transport/influence.h"
 #include "voxtone/optics/transport/transport.h"
 #include "voxtone/optics/transport/transport_directions.h"
 #include "voxtone/optics/transport/transport_medium.h"
@@ -52,8 +52,10 @@ TEST_CASE("The directions integrate what diffusion needs, and the surface lets d
     // 1 - R of diffuse light inside, eta = 1.5: Duntley 1942's 0.5963 is R.
     CHECK(set.diffuse_transmittance == Approx(1 - 0.5963).epsilon(1e-3));
     // Through the three kinds of steps of a staircase leaves what leaves through the surface that it stands for.
-    for (const std::array<float, 3>& n :
-         {std::array<float, 3>{0.0f, 0.0f, 1.0f}, {0.6f, 0.0f, 0.8f}, {0.5f, 0.5f, 0.7071068f}, {0.1f, -0.2f, 0.9746794f}}) {
+    for (const std::array<float, 3>& n : {std::array<float, 3>{0.0f, 0.0f, 1.0f},
+                                          {0.6f, 0.0f, 0.8f},
+                                          {0.5f, 0.5f, 0.7071068f},
+                                          {0.1f, -0.2f, 0.9746794f}}) {
         double through = 0;
         for (int axis = 0; axis < 3; ++axis) {
             const auto a = static_cast<std::size_t>(axis);
@@ -79,7 +81,8 @@ TEST_CASE("Media carry the albedo that makes a half-space exact") {
     for (const double sigma_t : {0.5, 3.0, 8.0, 15.0, 24.0, 40.0})
         for (const double albedo : {0.03, 0.15, 0.35, 0.62, 0.8, 0.93, 0.985, 0.9965, 0.9993, 0.99985}) {
             const double exact = appearance(plan, half_space(plan, {1 - albedo, albedo}));
-            worst = std::max(worst, std::abs(media.discrete_half_space(1 - media.loss(albedo, sigma_t), sigma_t) - exact));
+            worst =
+                std::max(worst, std::abs(media.discrete_half_space(1 - media.loss(albedo, sigma_t), sigma_t) - exact));
             without = std::max(without, std::abs(media.discrete_half_space(albedo, sigma_t) - exact));
         }
     CHECK(worst < 3e-4);
@@ -180,22 +183,26 @@ TEST_CASE("The gradient agrees with finite differences") {
             const Surface surface = find_surface(scene, {2, 1, 3}, SurfacePart::top);
             std::vector<float> weight(surface.cells.size() * 3, 0.0f);
             for (std::size_t i = 0; i < surface.cells.size(); ++i)
-                if (std::abs(surface.cells[i].cell[0] - voxel[0] / 2) < 3 && std::abs(surface.cells[i].cell[1] - voxel[1]) < 3)
+                if (std::abs(surface.cells[i].cell[0] - voxel[0] / 2) < 3 &&
+                    std::abs(surface.cells[i].cell[1] - voxel[1]) < 3)
                     weight[3 * i + channel] = 1 + 0.1f * static_cast<float>(i % 7);
             TransportSummary summary;
             TransportGradient unused;
             const Appearance seen = model.predict(
-                scene, surface, [&](const Appearance&, std::span<float> out) { std::copy(weight.begin(), weight.end(), out.begin()); },
+                scene, surface,
+                [&](const Appearance&, std::span<float> out) { std::copy(weight.begin(), weight.end(), out.begin()); },
                 gradient ? *gradient : unused, summary);
             double value = 0;
-            for (std::size_t i = 0; i < weight.size(); ++i) value += static_cast<double>(weight[i]) * static_cast<double>(seen.value[i]);
+            for (std::size_t i = 0; i < weight.size(); ++i)
+                value += static_cast<double>(weight[i]) * static_cast<double>(seen.value[i]);
             return value;
         };
         TransportGradient gradient;
         (void)run(0, &gradient);
         const double step = 0.02, difference = (run(step, nullptr) - run(-step, nullptr)) / (2 * step);
         const double adjoint = static_cast<double>(gradient.at(voxel, resin));
-        INFO("trial " << trial << " channel " << channel << " resin " << resin << ": difference " << difference << " adjoint " << adjoint);
+        INFO("trial " << trial << " channel " << channel << " resin " << resin << ": difference " << difference
+                      << " adjoint " << adjoint);
         CHECK(std::abs(adjoint / difference - 1) < 0.01);
         worst = std::max(worst, std::abs(adjoint / difference - 1));
     }
@@ -204,7 +211,8 @@ TEST_CASE("The gradient agrees with finite differences") {
 }
 
 TEST_CASE("A body predicted in pieces looks like the whole, seams included") {
-    // Ink-rich and white halves under a pattern: light of the one is seen in the other far across the borders of pieces.
+    // Ink-rich and white halves under a pattern: light of the one is seen in the other far across the borders of
+    // pieces.
     const ResinSet set = vero_opaque();
     const std::array<int, 3> size{560, 8, 60};
     const ResinVolume volume = make_resin_volume(size, j750, [&](int x, int y, int z) -> int {
@@ -244,7 +252,8 @@ TEST_CASE("A prediction too large for the memory allowed says what it would need
     const Surface surface = find_surface(scene, {2, 1, 3}, SurfacePart::top);
     TransportOptions options;
     options.memory_bytes = 1 << 20;
-    CHECK_THROWS_WITH(TransportPredictor(options).predict(scene, surface), Catch::Contains("MiB") && Catch::Contains("allow more"));
+    CHECK_THROWS_WITH(TransportPredictor(options).predict(scene, surface),
+                      Catch::Contains("MiB") && Catch::Contains("allow more"));
     options.memory_bytes = std::size_t{400} << 20;
     TransportSummary summary;
     (void)TransportPredictor(options).predict(scene, surface, summary);
@@ -255,7 +264,8 @@ TEST_CASE("A prediction too large for the memory allowed says what it would need
 TEST_CASE("A change is felt the farther the smaller the tolerance, and farther in white than in black") {
     const ResinSet set = vero_opaque();
     const auto white = static_cast<std::size_t>(set.find("W")), black = static_cast<std::size_t>(set.find("K"));
-    const double coarse = influence_radius(set, j750, white, black, 1e-2), fine = influence_radius(set, j750, white, black, 1e-4);
+    const double coarse = influence_radius(set, j750, white, black, 1e-2),
+                 fine = influence_radius(set, j750, white, black, 1e-4);
     CHECK(coarse > 0.1);
     CHECK(fine > 1.5 * coarse);
     CHECK(fine < 20);

@@ -89,7 +89,10 @@ TEST_CASE("A state of another job or a broken file is refused; free options do n
     const auto size = std::filesystem::file_size(file);
     std::string bytes(size, '\0');
     std::ifstream(file, std::ios::binary).read(bytes.data(), static_cast<std::streamsize>(size));
-    const auto write = [&](const std::string& content) { std::ofstream(file, std::ios::binary | std::ios::trunc).write(content.data(), static_cast<std::streamsize>(content.size())); };
+    const auto write = [&](const std::string& content) {
+        std::ofstream(file, std::ios::binary | std::ios::trunc)
+            .write(content.data(), static_cast<std::streamsize>(content.size()));
+    };
     for (std::size_t cut = 0; cut < size; cut += 37) {
         write(std::string(bytes.data(), cut));
         CHECK_THROWS_AS(LoopCheckpoint(folder.path(), options, target).read(quiet), FileError);

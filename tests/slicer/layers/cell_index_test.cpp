@@ -25,7 +25,8 @@ optics::Surface ball(optics::ResinVolume& volume, double radius_mm) {
         return square < radius_mm * radius_mm ? 1 : 0;
     });
     static const optics::ResinSet set = optics::vero_opaque();
-    return optics::find_surface({&volume, &set, optics::Backing::none, optics::Sides::open}, {2, 1, 3}, optics::SurfacePart::all);
+    return optics::find_surface({&volume, &set, optics::Backing::none, optics::Sides::open}, {2, 1, 3},
+                                optics::SurfacePart::all);
 }
 
 }  // namespace
@@ -63,7 +64,7 @@ TEST_CASE("Places on triangles come from their place in the source triangle", "[
     surface.triangles = {{0, 1, 2}, {3, 1, 2}, {0, 1, 2}};
     surface.source_triangle = {0, 0, 1};
     const auto corner = [](float u, float v) { return Eigen::Vector2f(u, v); };
-    surface.source_uv = {{{corner(0, 0), corner(1, 0), corner(0, 1)}},        // the source itself
+    surface.source_uv = {{{corner(0, 0), corner(1, 0), corner(0, 1)}},         // the source itself
                          {{corner(0.5f, 0.25f), corner(1, 0), corner(0, 1)}},  // a piece of it
                          {{corner(1, 0), corner(1, 0), corner(1, 0)}}};        // a patch with one colour
     surface.positions_mm[3] = {2, 2, 0};

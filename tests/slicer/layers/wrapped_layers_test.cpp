@@ -6,14 +6,14 @@
 
 #include <catch2/catch.hpp>
 
+#include "tests/slicer/mesh/shapes.h"
 #include "voxtone/base/error.h"
-#include "voxtone/slicer/layers/layer_maker.h"
 #include "voxtone/slicer/job/layer_surfaces.h"
+#include "voxtone/slicer/job/stack_fit.h"
+#include "voxtone/slicer/layers/layer_maker.h"
+#include "voxtone/slicer/look/upright_cut.h"
 #include "voxtone/slicer/mesh/mesh_repair.h"
 #include "voxtone/slicer/printer/placement.h"
-#include "voxtone/slicer/job/stack_fit.h"
-#include "voxtone/slicer/look/upright_cut.h"
-#include "tests/slicer/mesh/shapes.h"
 
 using namespace voxtone;
 using namespace voxtone::slicer;
@@ -46,10 +46,15 @@ using Stack = std::vector<halftone::StackLayer>;
 /// A body with stacks wrapped around it, placed by box, on a map of pixels of 1 x 1 mm in one row.
 struct Wrapped {
     Wrapped(const SolidMesh& mesh, const Vector3d& pitch, const std::vector<Stack>& stacks, bool top_only = false)
-        : solid_mesh(mesh), surface(all_of(mesh)), grid(grid_about(mesh, pitch)), aligned(halftone::align_stacks(stacks)) {
+        : solid_mesh(mesh),
+          surface(all_of(mesh)),
+          grid(grid_about(mesh, pitch)),
+          aligned(halftone::align_stacks(stacks)) {
         std::vector<std::uint16_t> pixels;
         for (std::size_t s = 0; s < stacks.size(); ++s) pixels.push_back(static_cast<std::uint16_t>(s));
-        fields.emplace(halftone::StackMap{static_cast<std::uint32_t>(stacks.size()), 1, double(stacks.size()), 1, pixels, halftone::MapEdge::mirror, 0}, aligned);
+        fields.emplace(halftone::StackMap{static_cast<std::uint32_t>(stacks.size()), 1, double(stacks.size()), 1,
+                                          pixels, halftone::MapEdge::mirror, 0},
+                       aligned);
         placement.emplace(MapPlacement::by_box(textured(mesh)));
         if (top_only) keep_top();
         screen.emplace(std::array{pitch.x(), pitch.y(), pitch.z()});
@@ -63,13 +68,19 @@ struct Wrapped {
                 for (std::uint32_t y = 0; y < layer.height_px(); ++y) {
                     int i = 0;
                     for (const io::Run run : layer.row(y))
-                        for (int n = 0; n < run.length; ++n) voxels[index(i++, grid.size[1] - 1 - int(y), k)] = io::Material(run.material);
+                        for (int n = 0; n < run.length; ++n)
+                            voxels[index(i++, grid.size[1] - 1 - int(y), k)] = io::Material(run.material);
                 }
             });
     }
-    [[nodiscard]] std::size_t index(int i, int j, int k) const { return (std::size_t(k) * std::size_t(grid.size[1]) + std::size_t(j)) * std::size_t(grid.size[0]) + std::size_t(i); }
+    [[nodiscard]] std::size_t index(int i, int j, int k) const {
+        return (std::size_t(k) * std::size_t(grid.size[1]) + std::size_t(j)) * std::size_t(grid.size[0]) +
+               std::size_t(i);
+    }
     [[nodiscard]] io::Material at(int i, int j, int k) const { return voxels[index(i, j, k)]; }
-    [[nodiscard]] double volume(io::Material m) const { return double(std::count(voxels.begin(), voxels.end(), m)) * grid.voxel_volume_mm3(); }
+    [[nodiscard]] double volume(io::Material m) const {
+        return double(std::count(voxels.begin(), voxels.end(), m)) * grid.voxel_volume_mm3();
+    }
 
     SolidMesh solid_mesh;
     VisibleSurface surface;
@@ -96,7 +107,9 @@ private:
         for (const Vector3d& p : surface.positions_mm) z = std::max(z, p.z());
         for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
             const auto& triangle = surface.triangles[t];
-            if (!std::all_of(triangle.begin(), triangle.end(), [&](std::uint32_t c) { return surface.positions_mm[c].z() > z - 1e-9; })) continue;
+            if (!std::all_of(triangle.begin(), triangle.end(),
+                             [&](std::uint32_t c) { return surface.positions_mm[c].z() > z - 1e-9; }))
+                continue;
             top.triangles.push_back(triangle);
             top.source_triangle.push_back(surface.source_triangle[t]);
             top.source_uv.push_back(surface.source_uv[t]);
@@ -136,7 +149,9 @@ MeshDiagnosis diagnosis_of(const LayerSurface& surface) {
 
 }  // namespace
 
-TEST_CASE("Columns of a flat slab have their stack's layers in order, each border within a voxel, thicknesses exact on average") {
+TEST_CASE(
+    "Columns of a flat slab have their stack's layers in order, each border within a voxel, thicknesses exact on "
+    "average") {
     // The third layer is thinner than a voxel.
     const Vector3d size = pitch.cwiseProduct(Vector3d(128, 64, 60));
     const Wrapped w(shapes::box({0, 0, 0}, size), pitch, {{{0, 0.1}, {1, 0.25}, {0, 0.011}, {1, 0.4}}}, true);
@@ -151,7 +166,8 @@ TEST_CASE("Columns of a flat slab have their stack's layers in order, each borde
                 const double low = n * pitch.z(), high = low + pitch.z();
                 // The material must be that of some depth within the voxel.
                 bool within = m == base && high > bottom[3];
-                for (std::size_t l = 0; l < 4; ++l) within = within || (m == material[l] && high > (l ? bottom[l - 1] : 0) && low < bottom[l]);
+                for (std::size_t l = 0; l < 4; ++l)
+                    within = within || (m == material[l] && high > (l ? bottom[l - 1] : 0) && low < bottom[l]);
                 if (!within) CHECK(within);
                 first += m == white && low < 0.2;
                 third += m == white && low > 0.3;
@@ -173,7 +189,9 @@ TEST_CASE("Layers of a sphere lie at their radii and have their volumes") {
                 const double depth = R - w.grid.centre(i, j, k).norm();
                 const io::Material m = w.at(i, j, k);
                 if (m == io::background) continue;
-                const bool good = m == white ? depth < 0.3 + reach : m == black ? depth > 0.3 - reach && depth < 0.8 + reach : depth > 0.8 - reach;
+                const bool good = m == white   ? depth < 0.3 + reach
+                                  : m == black ? depth > 0.3 - reach && depth < 0.8 + reach
+                                               : depth > 0.8 - reach;
                 if (!good) CHECK(good);
             }
     const auto ball = [](double r) { return 4 * 3.14159265358979 / 3 * r * r * r; };
@@ -184,10 +202,12 @@ TEST_CASE("Layers of a sphere lie at their radii and have their volumes") {
 
 TEST_CASE("Layers keep their thickness on a slanted side") {
     SolidMesh mesh = shapes::box({0, 0, 0}, {6, 6, 1.5});
-    const Eigen::Matrix3d turn = (Eigen::AngleAxisd(0.5, Vector3d::UnitX()) * Eigen::AngleAxisd(0.3, Vector3d::UnitY())).toRotationMatrix();
+    const Eigen::Matrix3d turn =
+        (Eigen::AngleAxisd(0.5, Vector3d::UnitX()) * Eigen::AngleAxisd(0.3, Vector3d::UnitY())).toRotationMatrix();
     for (Vector3d& p : mesh.positions_mm) p = turn * p;
     const Wrapped w(mesh, pitch, {{{0, 0.11}, {1, 0.17}}});
-    const double a = 6 * 6 * 1.5, b = 5.78 * 5.78 * 1.28, c = 5.44 * 5.44 * 0.94;  // boxes, each that much smaller on every side
+    const double a = 6 * 6 * 1.5, b = 5.78 * 5.78 * 1.28,
+                 c = 5.44 * 5.44 * 0.94;  // boxes, each that much smaller on every side
     CHECK(w.volume(white) == Approx(a - b).epsilon(0.01));
     CHECK(w.volume(black) == Approx(b - c).epsilon(0.01));
     CHECK(w.volume(base) == Approx(c).epsilon(0.01));
@@ -203,8 +223,10 @@ TEST_CASE("Layers from both sides of a thin wall meet in its middle") {
             for (int i = 0; i < 20; ++i) {
                 const io::Material m = w.at(i, jj, kk);
                 CHECK(m != base);
-                if (i < 10) from_left += m == white;
-                else from_right += m == white;
+                if (i < 10)
+                    from_left += m == white;
+                else
+                    from_right += m == white;
                 blacks += m == black;
             }
     CHECK(from_left == Approx(5 * 400).epsilon(0.01));
@@ -250,7 +272,8 @@ TEST_CASE("Closed surfaces of the layers of a sphere have their volumes, each ed
 }
 
 TEST_CASE("Closed surfaces leave nothing where a layer has thickness zero, and are closed where layers run out") {
-    // White on the left, black on the right, the base below; the map has one pixel a millimetre, so both run out from 1 to 3 mm.
+    // White on the left, black on the right, the base below; the map has one pixel a millimetre, so both run out from 1
+    // to 3 mm.
     const Vector3d size = pitch.cwiseProduct(Vector3d(94, 36, 60));
     const Wrapped w(shapes::box({0, 0, 0}, size), pitch, {{{0, 0.8}}, {{0, 0.8}}, {{1, 0.8}}, {{1, 0.8}}}, true);
     const double cell = 0.08, edges = 4 * size.sum();
@@ -278,7 +301,8 @@ TEST_CASE("The share of the surface without room for its stack is that of its ed
     CHECK(fit_of(shapes::sphere(3, 40), deep).thin_share == 0);
     // On a cube of 10 mm all that is nearer than 1 mm to an edge, less the slack of one voxel.
     const double edge = 1 - pitch.maxCoeff();
-    CHECK(fit_of(shapes::box({0, 0, 0}, {10, 10, 10}), deep).thin_share == Approx(1 - std::pow(10 - 2 * edge, 2) / 100).margin(0.015));
+    CHECK(fit_of(shapes::box({0, 0, 0}, {10, 10, 10}), deep).thin_share ==
+          Approx(1 - std::pow(10 - 2 * edge, 2) / 100).margin(0.015));
     const StackFit wall = fit_of(shapes::box({0, 0, 0}, {0.8, 30, 30}), deep);
     CHECK(wall.thin_share == Approx(1).margin(0.01));
     CHECK(wall.missing_mean == Approx(0.6 - 0.5 * pitch.maxCoeff()).margin(0.03));  // 0.4 of 1 mm are there
@@ -289,7 +313,8 @@ TEST_CASE("The map lies upright and readable on each side of a box, and by textu
     // The points of a 2 x 3 x 4 box that are at the map's (0.5, 1) seen from outside.
     const SolidMesh mesh = shapes::box({0, 0, 0}, {2, 3, 4});
     const MapPlacement box = MapPlacement::by_box(textured(mesh));
-    std::map<std::string, Vector3d> seen{{"+x", {2, 0.5, 1}}, {"-x", {0, 2.5, 1}}, {"+y", {1.5, 3, 1}}, {"-y", {0.5, 0, 1}}, {"+z", {0.5, 1, 4}}, {"-z", {1.5, 1, 0}}};
+    std::map<std::string, Vector3d> seen{{"+x", {2, 0.5, 1}}, {"-x", {0, 2.5, 1}}, {"+y", {1.5, 3, 1}},
+                                         {"-y", {0.5, 0, 1}}, {"+z", {0.5, 1, 4}}, {"-z", {1.5, 1, 0}}};
     for (const auto& [side, point] : seen) {
         INFO(side);
         bool found = false;
@@ -309,7 +334,8 @@ TEST_CASE("The map lies upright and readable on each side of a box, and by textu
     }
     io::TexturedMesh without = textured(mesh);
     CHECK_THROWS_AS(MapPlacement::by_texture(without, 20, 10), InputError);
-    without.corner_uv.assign(mesh.triangles.size(), {Eigen::Vector2f(0, 0), Eigen::Vector2f(1, 0), Eigen::Vector2f(1, 1)});
+    without.corner_uv.assign(mesh.triangles.size(),
+                             {Eigen::Vector2f(0, 0), Eigen::Vector2f(1, 0), Eigen::Vector2f(1, 1)});
     const MapPlacement texture = MapPlacement::by_texture(without, 20, 10);
     CHECK(texture.at(3, 0.5f, 0.25f) == Eigen::Vector2f(15, 2.5f));
 }

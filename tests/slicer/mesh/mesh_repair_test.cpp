@@ -5,11 +5,11 @@
 
 #include <catch2/catch.hpp>
 
+#include "shapes.h"
 #include "voxtone/base/error.h"
 #include "voxtone/base/random.h"
 #include "voxtone/slicer/mesh/hole_filling.h"
 #include "voxtone/slicer/mesh/mesh_chain.h"
-#include "shapes.h"
 
 using namespace voxtone;
 using namespace voxtone::slicer;
@@ -33,7 +33,8 @@ io::TexturedMesh soup(const SolidMesh& m, double shake) {
     t.positions.clear();
     for (auto& f : t.triangles)
         for (auto& v : f) {
-            t.positions.push_back(m.positions_mm[v] + shake * Vector3d(random.uniform() - 0.5, random.uniform() - 0.5, random.uniform() - 0.5));
+            t.positions.push_back(m.positions_mm[v] + shake * Vector3d(random.uniform() - 0.5, random.uniform() - 0.5,
+                                                                       random.uniform() - 0.5));
             v = std::uint32_t(t.positions.size() - 1);
         }
     return t;
@@ -162,8 +163,10 @@ TEST_CASE("Any set of faces becomes a closed chain") {
         RandomStream random(11, round);
         io::TexturedMesh m;
         const std::uint32_t vertices = 6 + random.bits() % 10;
-        for (std::uint32_t v = 0; v < vertices; ++v) m.positions.emplace_back(random.uniform() * 9, random.uniform() * 9, random.uniform() * 9);
-        for (int t = 0; t < 11; ++t) m.triangles.push_back({random.bits() % vertices, random.bits() % vertices, random.bits() % vertices});
+        for (std::uint32_t v = 0; v < vertices; ++v)
+            m.positions.emplace_back(random.uniform() * 9, random.uniform() * 9, random.uniform() * 9);
+        for (int t = 0; t < 11; ++t)
+            m.triangles.push_back({random.bits() % vertices, random.bits() % vertices, random.bits() % vertices});
         const auto fills = fill_holes(m.positions, m.triangles);
         std::vector<Triangle> all = m.triangles;
         for (const HoleFill& f : fills) all.insert(all.end(), f.triangles.begin(), f.triangles.end());

@@ -13,8 +13,8 @@
 
 namespace shapes {
 
-using voxtone::slicer::SolidMesh;
 using Eigen::Vector3d;
+using voxtone::slicer::SolidMesh;
 
 inline SolidMesh with_sources(SolidMesh mesh) {
     mesh.source_triangle.resize(mesh.triangles.size());
@@ -55,7 +55,8 @@ inline SolidMesh sphere(double radius, int n) {
     for (int u = 1; u < n; ++u)
         for (int v = 0; v < 2 * n; ++v) {
             const double a = std::numbers::pi * u / n, b = std::numbers::pi * v / n;
-            m.positions_mm.emplace_back(radius * std::sin(a) * std::cos(b), radius * std::sin(a) * std::sin(b), -radius * std::cos(a));
+            m.positions_mm.emplace_back(radius * std::sin(a) * std::cos(b), radius * std::sin(a) * std::sin(b),
+                                        -radius * std::cos(a));
         }
     m.positions_mm.emplace_back(0, 0, radius);
     const auto top = std::uint32_t(m.positions_mm.size() - 1);
@@ -88,10 +89,13 @@ inline SolidMesh moved(SolidMesh m, const Eigen::Affine3d& by) {
     return m;
 }
 
-inline SolidMesh moved(SolidMesh m, const Vector3d& by) { return moved(std::move(m), Eigen::Affine3d(Eigen::Translation3d(by))); }
+inline SolidMesh moved(SolidMesh m, const Vector3d& by) {
+    return moved(std::move(m), Eigen::Affine3d(Eigen::Translation3d(by)));
+}
 
 inline Eigen::Affine3d tilt() {
-    return Eigen::Affine3d(Eigen::AngleAxisd(0.7, Vector3d(1, 2, 3).normalized()) * Eigen::AngleAxisd(-1.1, Vector3d(3, -1, 1).normalized()));
+    return Eigen::Affine3d(Eigen::AngleAxisd(0.7, Vector3d(1, 2, 3).normalized()) *
+                           Eigen::AngleAxisd(-1.1, Vector3d(3, -1, 1).normalized()));
 }
 
 inline double volume(const SolidMesh& m) {
@@ -138,8 +142,9 @@ inline int winding_number(const SolidMesh& m, const Vector3d& p) {
             r[n] = (m.positions_mm[t[n]] - p).cast<long double>();
             length[n] = r[n].norm();
         }
-        sum += 2 * std::atan2(r[0].dot(r[1].cross(r[2])), length[0] * length[1] * length[2] + r[0].dot(r[1]) * length[2] +
-                                                              r[1].dot(r[2]) * length[0] + r[2].dot(r[0]) * length[1]);
+        sum +=
+            2 * std::atan2(r[0].dot(r[1].cross(r[2])), length[0] * length[1] * length[2] + r[0].dot(r[1]) * length[2] +
+                                                           r[1].dot(r[2]) * length[0] + r[2].dot(r[0]) * length[1]);
     }
     return static_cast<int>(std::lround(sum / (4 * std::numbers::pi_v<long double>)));
 }

@@ -67,8 +67,10 @@ TEST_CASE("A wrong job file is refused with file, key and what to try") {
     CHECK_THAT(failure("{"), Contains("not valid JSON"));
     CHECK_THAT(failure("[]"), Contains("not a job file"));
     CHECK_THAT(failure(R"({"format": "voxtone-job", "version": 2})"), Contains("version 2"));
-    CHECK_THAT(failure(R"({"format": "voxtone-job", "version": 1, "sise": "60mm"})"), Contains("sise") && Contains("'size'"));
-    CHECK_THAT(failure(R"({"format": "voxtone-job", "version": 1, "size": "big"})"), Contains("big") && Contains("size"));
+    CHECK_THAT(failure(R"({"format": "voxtone-job", "version": 1, "sise": "60mm"})"),
+               Contains("sise") && Contains("'size'"));
+    CHECK_THAT(failure(R"({"format": "voxtone-job", "version": 1, "size": "big"})"),
+               Contains("big") && Contains("size"));
     CHECK_THAT(failure(R"({"format": "voxtone-job", "version": 1, "screen": "lines"})"), Contains("blue-noise"));
     CHECK_THAT(failure(R"({"format": "voxtone-job", "version": 1, "load": [1]})"), Contains("load"));
     CHECK_THAT(failure(R"({"format": "voxtone-job", "version": 1, "load": ["C", "C"]})"), Contains("twice"));
@@ -104,14 +106,16 @@ TEST_CASE("On the command line --model is what is arranged, in a job file `model
         if (spec.key == "model") CHECK(spec.option == "mesh");
     }
     SliceOptions options;
-    const JobFile job(R"({"format": "voxtone-job", "version": 1, "model": "a.obj", "arrange": "layered-profile", "profiles": "maps/b.json"})");
+    const JobFile job(
+        R"({"format": "voxtone-job", "version": 1, "model": "a.obj", "arrange": "layered-profile", "profiles": "maps/b.json"})");
     read_job(job.path(), options);
     CHECK(options.layered());
     CHECK(options.model == (job.folder.path() / "a.obj").string());
     CHECK(options.profiles == (job.folder.path() / "maps/b.json").string());
     read_job(JobFile(job_json(SliceOptions{})).path(), options);
     CHECK(options.profiles.empty());
-    CHECK(failure(R"({"format": "voxtone-job", "version": 1, "arrange": "layers"})").find("none of colour, layered-profile") != std::string::npos);
+    CHECK(failure(R"({"format": "voxtone-job", "version": 1, "arrange": "layers"})")
+              .find("none of colour, layered-profile") != std::string::npos);
 }
 
 TEST_CASE("Distances from the top are read by role") {
@@ -120,7 +124,8 @@ TEST_CASE("Distances from the top are read by role") {
     CHECK(clear[0].role == "T");
     CHECK(clear[0].mm == Approx(0.2));
     CHECK(clear[1].mm == Approx(0.1));
-    for (const char* bad : {"T", "=0.2mm", "T=", "T=-1mm", "T=deep"}) CHECK_THROWS_AS(parse_clear_top({bad}), UsageError);
+    for (const char* bad : {"T", "=0.2mm", "T=", "T=-1mm", "T=deep"})
+        CHECK_THROWS_AS(parse_clear_top({bad}), UsageError);
 }
 
 TEST_CASE("Rounds of stacks and measured materials are read, and told apart from what is wrong") {

@@ -4,11 +4,11 @@
 #include <filesystem>
 #include <string>
 
-#include "tests/io/layers/stack_samples.h"
 #include "tests/io/files/temporary_folder.h"
+#include "tests/io/layers/stack_samples.h"
 #include "voxtone/base/error.h"
-#include "voxtone/io/layers/stack_folder.h"
 #include "voxtone/io/files/whole_file.h"
+#include "voxtone/io/layers/stack_folder.h"
 #include "voxtone/slicer/predict/stack_volume.h"
 
 using namespace voxtone;

@@ -30,7 +30,8 @@ double signed_volume(const io::TexturedMesh& mesh) {
     return six_volumes / 6;
 }
 
-Placement placed(io::ModelFile& model, const std::function<void(SliceOptions&)>& change = [](SliceOptions&) {}) {
+Placement placed(
+    io::ModelFile& model, const std::function<void(SliceOptions&)>& change = [](SliceOptions&) {}) {
     SliceOptions options;
     change(options);
     return place(model, options);
@@ -68,7 +69,8 @@ TEST_CASE("Rotations are right-handed, in the order written, and exact at right 
     CHECK(parse_rotation("x90") * Eigen::Vector3d::UnitY() == Eigen::Vector3d::UnitZ());
     CHECK(parse_rotation("y90") * Eigen::Vector3d::UnitZ() == Eigen::Vector3d::UnitX());
     CHECK(parse_rotation("z90,x90") * Eigen::Vector3d::UnitX() == Eigen::Vector3d::UnitZ());
-    CHECK(parse_rotation("z30").isApprox(Eigen::AngleAxisd(3.14159265358979323846 / 6, Eigen::Vector3d::UnitZ()).toRotationMatrix()));
+    CHECK(parse_rotation("z30").isApprox(
+        Eigen::AngleAxisd(3.14159265358979323846 / 6, Eigen::Vector3d::UnitZ()).toRotationMatrix()));
     for (const char* bad : {"w90", "z", "z9x", "90", "zinf"}) CHECK_THROWS_AS(parse_rotation(bad), UsageError);
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// The geometry on real models, sound and broken ones. The corpus may lie beside the tree; without it the models of examples/
-// are tried.
+// The geometry on real models, sound and broken ones. The corpus may lie beside the tree; without it the models of
+// examples/ are tried.
 #include <algorithm>
 #include <filesystem>
 #include <set>
@@ -36,7 +36,8 @@ io::TexturedMesh read_at(const fs::path& path, double size_mm) {
 VoxelGrid grid_around(const SolidMesh& mesh, const Vector3d& pitch) {
     Vector3d low = mesh.positions_mm[mesh.triangles[0][0]], high = low;
     for (const auto& t : mesh.triangles)
-        for (const std::uint32_t v : t) low = low.cwiseMin(mesh.positions_mm[v]), high = high.cwiseMax(mesh.positions_mm[v]);
+        for (const std::uint32_t v : t)
+            low = low.cwiseMin(mesh.positions_mm[v]), high = high.cwiseMax(mesh.positions_mm[v]);
     VoxelGrid grid;
     grid.pitch_mm = pitch;
     grid.origin_mm = low;
@@ -108,8 +109,8 @@ TEST_CASE("Every model becomes a closed body with a visible surface, or is refus
             std::uint64_t voxels = 0;
             const SpanSlab body = solid.slab(0, grid.size[2]);
             for (int k = 0; k < grid.size[2]; ++k) voxels += body.voxels_of_layer(k);
-            // Plain bodies have the volume of their mesh: each voxel the surface passes is right or wrong at random, and there are
-            // at most 2 area / pitch^2 of them or so. Five standard deviations.
+            // Plain bodies have the volume of their mesh: each voxel the surface passes is right or wrong at random,
+            // and there are at most 2 area / pitch^2 of them or so. Five standard deviations.
             const MeshDiagnosis& after = repaired.report.after;
             if (after.shells == 1 && after.crossing_pairs == 0) {
                 const double error = 5 * std::sqrt(2 * after.area_mm2 / 0.01) * 0.5 * grid.voxel_volume_mm3();

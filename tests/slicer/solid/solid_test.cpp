@@ -3,9 +3,9 @@
 
 #include <catch2/catch.hpp>
 
+#include "tests/slicer/mesh/shapes.h"
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/random.h"
-#include "tests/slicer/mesh/shapes.h"
 
 using namespace voxtone;
 using namespace voxtone::slicer;
@@ -36,7 +36,9 @@ TEST_CASE("A box takes exactly the voxels whose centres it holds") {
     grid.pitch_mm = {0.5, 0.25, 0.125};
     grid.size = {10, 12, 14};
     // From 2.2 to 7.4 voxels along x: centres 2.5 to 6.5; the upper z face lies on centres, which are then outside.
-    const Solid solid(shapes::box(grid.pitch_mm.cwiseProduct(Vector3d(2.2, 3.6, 0.4)), grid.pitch_mm.cwiseProduct(Vector3d(7.4, 9.6, 13.5))), grid);
+    const Solid solid(shapes::box(grid.pitch_mm.cwiseProduct(Vector3d(2.2, 3.6, 0.4)),
+                                  grid.pitch_mm.cwiseProduct(Vector3d(7.4, 9.6, 13.5))),
+                      grid);
     const SpanSlab slab = solid.slab(0, 14);
     for (int k = 0; k < 14; ++k)
         for (int j = 0; j < 12; ++j)
@@ -107,14 +109,16 @@ TEST_CASE("Volume and layer areas agree with the mesh within the error of outlin
         outline_sum += cut.outline;
     }
     if (shape == 3) return;  // its faces lie along the grid: errors do not average out
-    // Crossings fall at random within a pixel: each row adds two errors of variance pitch_x^2 / 12 at most, and outlines
-    // that run along x as much in the other direction; outline / min(pitch) bounds their number. Five standard deviations.
+    // Crossings fall at random within a pixel: each row adds two errors of variance pitch_x^2 / 12 at most, and
+    // outlines that run along x as much in the other direction; outline / min(pitch) bounds their number. Five standard
+    // deviations.
     const double errors = outline_sum / std::min(pitch[0], pitch[1]);
     CHECK(std::abs(area_sum) <= 5 * voxel_area * std::sqrt(errors / 12) + 1e-12);
 }
 
 TEST_CASE("Any split into slabs gives the same layers") {
-    const SolidMesh mesh = shapes::joined(shapes::moved(shapes::torus(1.2, 0.5, 30, 20), shapes::tilt()), shapes::sphere(0.9, 12));
+    const SolidMesh mesh =
+        shapes::joined(shapes::moved(shapes::torus(1.2, 0.5, 30, 20), shapes::tilt()), shapes::sphere(0.9, 12));
     const VoxelGrid grid = grid_around(mesh, {0.05, 0.08, 0.03});
     const Solid solid(mesh, grid);
     const SpanSlab whole = solid.slab(0, grid.size[2]);
@@ -137,7 +141,8 @@ TEST_CASE("Random closed chains agree with the winding number, on and off the la
         RandomStream random(17, round, on_lattice);
         const auto coordinate = [&] {
             // Halves of a voxel put vertices, edges and faces on centres; otherwise exact multiples of the lattice.
-            return on_lattice ? 0.5 * std::floor(random.uniform() * 15 + 1) : std::floor((random.uniform() * 7 + 0.5) * 65536) / 65536;
+            return on_lattice ? 0.5 * std::floor(random.uniform() * 15 + 1)
+                              : std::floor((random.uniform() * 7 + 0.5) * 65536) / 65536;
         };
         SolidMesh mesh;
         if (round % 2) {
@@ -147,15 +152,16 @@ TEST_CASE("Random closed chains agree with the winding number, on and off the la
             for (std::uint32_t t = 0; t < 5; ++t) {
                 for (int c = 0; c < 4; ++c) mesh.positions_mm.emplace_back(coordinate(), coordinate(), coordinate());
                 const std::uint32_t a = 4 * t;
-                for (auto f : {std::array{a, a + 1, a + 2}, {a, a + 3, a + 1}, {a + 1, a + 3, a + 2}, {a, a + 2, a + 3}})
+                for (auto f :
+                     {std::array{a, a + 1, a + 2}, {a, a + 3, a + 1}, {a + 1, a + 3, a + 2}, {a, a + 2, a + 3}})
                     mesh.triangles.push_back(f);
             }
         }
         VoxelGrid grid;
         grid.size = {8, 8, 8};
         const SpanSlab slab = Solid(mesh, grid).slab(0, 8);
-        // On the lattice the infinitesimal step, small enough against the coefficients of any plane through such points;
-        // off it no centre lies on the surface.
+        // On the lattice the infinitesimal step, small enough against the coefficients of any plane through such
+        // points; off it no centre lies on the surface.
         const Vector3d step = on_lattice ? Vector3d(0x1p-12, 0x1p-24, 0x1p-36) : Vector3d(0, 0, 0);
         for (int k = 0; k < 8; ++k)
             for (int j = 0; j < 8; ++j)
@@ -173,7 +179,10 @@ TEST_CASE("A surface beyond the grid is clipped, and large grids keep to 64 bits
     CHECK(voxels(Solid(shapes::box({-3, 2, -30}, {2, 9, 90}), grid).slab(0, 6)) == 2 * 3 * 6);
     CHECK(voxels(Solid(shapes::box({5, 2, 1}, {8, 9, 9}), grid).slab(0, 6)) == 0);
     grid.size = {65000, 60000, 3};
-    const SpanSlab slab = Solid(shapes::moved(shapes::box({-30000.25, -29000.25, -5}, {30000, 29000, 5}), Vector3d(32000, 30000, 1)), grid).slab(1, 2);
+    const SpanSlab slab =
+        Solid(shapes::moved(shapes::box({-30000.25, -29000.25, -5}, {30000, 29000, 5}), Vector3d(32000, 30000, 1)),
+              grid)
+            .slab(1, 2);
     CHECK(voxels(slab) == 60000ull * 58000ull);
 }
 

@@ -6,8 +6,8 @@
 
 #include <catch2/catch.hpp>
 
-#include "voxtone/base/random.h"
 #include "tests/slicer/mesh/shapes.h"
+#include "voxtone/base/random.h"
 
 using namespace voxtone;
 using namespace voxtone::slicer;
@@ -81,7 +81,8 @@ struct Thin {
     [[nodiscard]] bool reaches(const Vector3d& p) const {
         const Vector3d at = (p - grid.origin_mm).cwiseQuotient(grid.pitch_mm);
         for (int n = 0; n < 27; ++n) {
-            const int i = int(std::floor(at[0])) + n % 3 - 1, j = int(std::floor(at[1])) + n / 3 % 3 - 1, k = int(std::floor(at[2])) + n / 9 - 1;
+            const int i = int(std::floor(at[0])) + n % 3 - 1, j = int(std::floor(at[1])) + n / 3 % 3 - 1,
+                      k = int(std::floor(at[2])) + n / 9 - 1;
             if (j >= 0 && j < grid.size[1] && k >= 0 && k < grid.size[2] && kept.contains(i, j, k)) return true;
         }
         return false;
@@ -107,7 +108,8 @@ TEST_CASE("Plates thinner than a voxel stay whole at any angle") {
         CAPTURE(n);
         CHECK(parts(voxels_of(thin.kept)) == 1);
         pieces_without += parts(voxels_of(thin.base)) != 1;
-        // No thicker than it must be: a 26-connected plane has at most as many voxels as the lines of three axes that meet it.
+        // No thicker than it must be: a 26-connected plane has at most as many voxels as the lines of three axes that
+        // meet it.
         CHECK(double(voxels_of(thin.kept).size()) < 17 * 13 * (1.75 + thickness * 1.75) + 4 * 30);
     }
     CHECK(pieces_without > 15);
@@ -170,10 +172,12 @@ TEST_CASE("Thick bodies do not grow, and gaps between bodies stay open") {
     CHECK(Thin(shapes::box({0, 0, 0}, {9, 8, 7})).added == 0);
     CHECK(Thin(shapes::box({0.2, 0.3, 0.7}, {9.1, 8.6, 7.9})).added == 0);
     RandomStream random(23, 0);
-    for (int n = 0; n < 10; ++n) CHECK(Thin(shapes::moved(shapes::box({0, 0, 0}, {11, 12, 13}), turn(random))).added <= 8);  // corners
+    for (int n = 0; n < 10; ++n)
+        CHECK(Thin(shapes::moved(shapes::box({0, 0, 0}, {11, 12, 13}), turn(random))).added <= 8);  // corners
     // 0.7 voxel apart, with one row of centres or none between.
     for (double shift : {0.0, 0.3, 0.6}) {
-        SolidMesh pair = shapes::joined(shapes::box({0, 0, 0}, {5 + shift, 9, 9}), shapes::box({5.7 + shift, 0, 0}, {11, 9, 9}));
+        SolidMesh pair =
+            shapes::joined(shapes::box({0, 0, 0}, {5 + shift, 9, 9}), shapes::box({5.7 + shift, 0, 0}, {11, 9, 9}));
         CHECK(Thin(pair).added == 0);
     }
 }

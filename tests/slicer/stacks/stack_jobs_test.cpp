@@ -8,14 +8,14 @@
 
 #include "tests/io/files/temporary_folder.h"
 #include "voxtone/base/parallel.h"
-#include "voxtone/io/profiles/layer_sequence_file.h"
 #include "voxtone/io/files/whole_file.h"
+#include "voxtone/io/profiles/layer_sequence_file.h"
+#include "voxtone/slicer/predict/stack_volume.h"
 #include "voxtone/slicer/stacks/profile_plots.h"
 #include "voxtone/slicer/stacks/stack_predict_job.h"
 #include "voxtone/slicer/stacks/stack_print_job.h"
 #include "voxtone/slicer/stacks/stack_search_job.h"
 #include "voxtone/slicer/stacks/stack_targets_job.h"
-#include "voxtone/slicer/predict/stack_volume.h"
 
 using namespace voxtone;
 using namespace voxtone::slicer;
@@ -95,7 +95,8 @@ TEST_CASE("A stack is predicted, wanted, and found again, from resins and with M
     predict.files = {target, (bench.folder.path() / "wanted.svg").string()};
     const StackJobResult predicted = run_stack_predict(predict, quiet);
     CHECK(count(predicted.text, "Monte Carlo") == 3);
-    CHECK(count(text_of(bench.folder.path() / "wanted.svg"), "<polyline") >= 12);  // R and T, two curves, three channels
+    CHECK(count(text_of(bench.folder.path() / "wanted.svg"), "<polyline") >=
+          12);  // R and T, two curves, three channels
 
     StackSearchJob job = bench.job({target}, {"W", "K"});
     job.setting.surface = "matched";
@@ -290,7 +291,9 @@ TEST_CASE("Stacks are printed side by side, layer by layer, on their base") {
         for (int z = 0; z < 33; ++z) CHECK(role(x, z) == (z >= top ? "air" : z >= white_from ? "W" : "K"));
     CHECK(role(30, 3) == "air");
 
-    const auto refused = [&](const StackPrintJob& wrong, const char* word) { CHECK_THROWS_WITH(run_stack_print(wrong, quiet), Contains(word)); };
+    const auto refused = [&](const StackPrintJob& wrong, const char* word) {
+        CHECK_THROWS_WITH(run_stack_print(wrong, quiet), Contains(word));
+    };
     job.overwrite = true;
     job.stacks = {bench.put("white.json", falling(0.6, 0.3, 0.4)) + " 0.5"};
     refused(job, "white.json");

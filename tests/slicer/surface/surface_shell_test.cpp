@@ -5,11 +5,11 @@
 
 #include <catch2/catch.hpp>
 
-#include "voxtone/base/random.h"
-#include "voxtone/slicer/surface/shell_kernel.h"
-#include "voxtone/slicer/solid/solid.h"
-#include "voxtone/slicer/mesh/triangle_tree.h"
 #include "tests/slicer/mesh/shapes.h"
+#include "voxtone/base/random.h"
+#include "voxtone/slicer/mesh/triangle_tree.h"
+#include "voxtone/slicer/solid/solid.h"
+#include "voxtone/slicer/surface/shell_kernel.h"
 
 using namespace voxtone;
 using namespace voxtone::slicer;
@@ -41,7 +41,8 @@ void collect(const SurfaceShell& shell, int bk, const SpanSlab& body, FoundVoxel
             for (int r = 0; r < b.size[1] * b.size[2]; ++r)
                 for (int l = 0; l < 8; ++l) {
                     if (!(b.shell[r] >> l & 1)) continue;
-                    const std::array<int, 3> voxel{b.origin[0] + l, b.origin[1] + r % b.size[1], b.origin[2] + r / b.size[1]};
+                    const std::array<int, 3> voxel{b.origin[0] + l, b.origin[1] + r % b.size[1],
+                                                   b.origin[2] + r / b.size[1]};
                     const int n = r * 8 + l;
                     REQUIRE(out.emplace(voxel, Found{b.distance_mm[n], b.u[n], b.v[n], b.triangle[n]}).second);
                 }
@@ -76,7 +77,8 @@ void check_against_all(const VisibleSurface& surface, const Solid& solid, double
                 for (int i = span.begin; i < span.end; ++i) {
                     const Vector3d p = grid.centre(i, j, k);
                     double least = 1e30;
-                    for (std::uint32_t t = 0; t < surface.triangles.size(); ++t) least = std::min(least, distance_to(surface, t, p));
+                    for (std::uint32_t t = 0; t < surface.triangles.size(); ++t)
+                        least = std::min(least, distance_to(surface, t, p));
                     const double tolerance = 1e-6 + 1e-6 * least;
                     const auto it = found.find({i, j, k});
                     CAPTURE(i, j, k, least);
@@ -91,7 +93,8 @@ void check_against_all(const VisibleSurface& surface, const Solid& solid, double
                     // (u, v) is the place: as far away as the triangle is.
                     const auto& [a, b, c] = surface.triangles[f.triangle];
                     const Vector3d& start = surface.positions_mm[a];
-                    const Vector3d place = start + double(f.u) * (surface.positions_mm[b] - start) + double(f.v) * (surface.positions_mm[c] - start);
+                    const Vector3d place = start + double(f.u) * (surface.positions_mm[b] - start) +
+                                           double(f.v) * (surface.positions_mm[c] - start);
                     REQUIRE((place - p).norm() <= own + 1e-4);
                     REQUIRE(f.u >= 0);
                     REQUIRE(f.v >= 0);
@@ -118,7 +121,8 @@ const Vector3d j750(0.0423333, 0.0846667, 0.027);
 TEST_CASE("Shell voxels have the nearest point of all triangles") {
     SECTION("torus, deeper than its tube and not") {
         const SolidMesh mesh = shapes::moved(shapes::torus(0.6, 0.25, 24, 10), shapes::tilt());
-        for (double depth : {0.08, 0.15, 1.0}) check_against_all(all_of(mesh), Solid(mesh, grid_around(mesh, j750)), depth);
+        for (double depth : {0.08, 0.15, 1.0})
+            check_against_all(all_of(mesh), Solid(mesh, grid_around(mesh, j750)), depth);
     }
     SECTION("box with large triangles") {
         const SolidMesh mesh = shapes::moved(shapes::box({-0.8, -0.5, -0.6}, {0.8, 0.5, 0.6}), shapes::tilt());

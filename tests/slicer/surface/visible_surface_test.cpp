@@ -3,10 +3,10 @@
 
 #include <catch2/catch.hpp>
 
+#include "tests/slicer/mesh/shapes.h"
 #include "voxtone/base/random.h"
 #include "voxtone/slicer/mesh/mesh_chain.h"
 #include "voxtone/slicer/mesh/winding_tree.h"
-#include "tests/slicer/mesh/shapes.h"
 
 using namespace voxtone;
 using namespace voxtone::slicer;
@@ -39,9 +39,11 @@ struct Seen {
         REQUIRE(surface.source_uv.size() == surface.triangles.size());
         for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
             const auto& source = mesh.triangles[surface.source_triangle[t]];
-            const Vector3d &a = mesh.positions[source[0]], &b = mesh.positions[source[1]], &c = mesh.positions[source[2]];
+            const Vector3d &a = mesh.positions[source[0]], &b = mesh.positions[source[1]],
+                           &c = mesh.positions[source[2]];
             for (int n = 0; n < 3; ++n) {
-                const Vector3d place = a + double(surface.source_uv[t][n][0]) * (b - a) + double(surface.source_uv[t][n][1]) * (c - a);
+                const Vector3d place =
+                    a + double(surface.source_uv[t][n][0]) * (b - a) + double(surface.source_uv[t][n][1]) * (c - a);
                 const double off = (place - surface.positions_mm[surface.triangles[t][n]]).norm();
                 if (patches && surface.source_uv[t][0] == surface.source_uv[t][1])
                     REQUIRE((place - surface.positions_mm[surface.triangles[t][0]]).norm() < 1e-12);
@@ -71,7 +73,8 @@ TEST_CASE("What lies inside the body is hidden, a cavity is not") {
     CHECK(nested.surface.triangles == cube.triangles);
     CHECK(nested.report.hidden == 12);
     CHECK(nested.report.cut == 0);
-    CHECK(Seen(shapes::joined(cube, shapes::flipped(shapes::box({0.5, 0.5, 0.5}, {1, 1, 1})))).area() == Approx(24 + 1.5));
+    CHECK(Seen(shapes::joined(cube, shapes::flipped(shapes::box({0.5, 0.5, 0.5}, {1, 1, 1})))).area() ==
+          Approx(24 + 1.5));
     CHECK(Seen(shapes::joined(cube, shapes::moved(cube, Vector3d(5, 0, 0)))).area() == Approx(48));
     // Side by side: the faces between are hidden.
     CHECK(Seen(shapes::joined(cube, shapes::moved(cube, Vector3d(2, 0, 0)))).area() == Approx(40));
@@ -84,11 +87,13 @@ TEST_CASE("Overlapping shells show the surface of their union") {
     CHECK(seen.report.cut > 0);
     // Union of two boxes: both surfaces less the surface of what they share, 0.9 x 1.3 x 1.7.
     const double expected = 48 - 2 * (0.9 * 1.3 + 1.3 * 1.7 + 1.7 * 0.9);
-    // Along the crossing curve (each edge of the shared box lies on one face of either) pieces of up to 0.05 mm may be wrong.
+    // Along the crossing curve (each edge of the shared box lies on one face of either) pieces of up to 0.05 mm may be
+    // wrong.
     CHECK(std::abs(seen.area() - expected) < 0.05 * 2 * 4 * (0.9 + 1.3 + 1.7));
     // No piece lies inside the other box by more than a piece.
     for (const auto& t : seen.surface.triangles) {
-        const Vector3d c = (seen.surface.positions_mm[t[0]] + seen.surface.positions_mm[t[1]] + seen.surface.positions_mm[t[2]]) / 3;
+        const Vector3d c =
+            (seen.surface.positions_mm[t[0]] + seen.surface.positions_mm[t[1]] + seen.surface.positions_mm[t[2]]) / 3;
         const bool in_first = (c.array() > 0.06).all() && (c.array() < 1.94).all();
         const Vector3d d = c - Vector3d(1.1, 0.7, 0.3);
         const bool in_second = (d.array() > 0.06).all() && (d.array() < 1.94).all();
@@ -118,8 +123,9 @@ TEST_CASE("A wrap leaves the colour to the faces it stands for", "[wrap]") {
 }
 
 TEST_CASE("Winding numbers by rays agree with solid angles") {
-    const SolidMesh mesh = shapes::joined(shapes::joined(cube, shapes::moved(shapes::torus(1.3, 0.6, 20, 12), shapes::tilt())),
-                                          shapes::flipped(shapes::sphere(0.9, 8)));
+    const SolidMesh mesh =
+        shapes::joined(shapes::joined(cube, shapes::moved(shapes::torus(1.3, 0.6, 20, 12), shapes::tilt())),
+                       shapes::flipped(shapes::sphere(0.9, 8)));
     const WindingTree tree(mesh.positions_mm, mesh.triangles);
     RandomStream random(2, 2);
     for (int n = 0; n < 2000; ++n) {

@@ -75,10 +75,13 @@ struct Body {
 };
 
 /// Half of the squared distance to a grey pattern, and its derivative.
-double target(std::size_t i) { return 0.3 + 0.2 * std::sin(0.7 * static_cast<double>(i / 3) + static_cast<double>(i % 3)); }
+double target(std::size_t i) {
+    return 0.3 + 0.2 * std::sin(0.7 * static_cast<double>(i / 3) + static_cast<double>(i % 3));
+}
 double distance(const Appearance& seen) {
     double sum = 0;
-    for (std::size_t i = 0; i < seen.value.size(); ++i) sum += 0.5 * std::pow(static_cast<double>(seen.value[i]) - target(i), 2);
+    for (std::size_t i = 0; i < seen.value.size(); ++i)
+        sum += 0.5 * std::pow(static_cast<double>(seen.value[i]) - target(i), 2);
     return sum;
 }
 std::vector<float> by_value(const Appearance& seen) {
@@ -93,7 +96,8 @@ TEST_CASE("The derivatives of a seen medium agree with finite differences") {
     const ResinSet resins = vero_opaque();
     const HalftoneMedium halftone(resins, j750);
     const SeenMedium seen{halftone, resins, j750};
-    // The weights of the layers are fixed: layers alike have the same mixture, so that the mean, which decides on them, may move.
+    // The weights of the layers are fixed: layers alike have the same mixture, so that the mean, which decides on them,
+    // may move.
     const ViewingGrid::Mixture mixed{{{1, 0, 0.3f}, {5, 0, 0.2f}, {2, 1, 0.4f}}, 2}, one{{{3, 0, 0.8f}}, 2};
     for (std::size_t channel = 0; channel < 3; ++channel) {
         std::vector<std::array<double, 2>> by(15);
@@ -116,7 +120,8 @@ TEST_CASE("The derivatives of a seen medium agree with finite differences") {
         seen.derivatives(mixed, channel, 2, 3, by);
         // Along the mixture itself, all shares grown alike, only the filling changes.
         double along = 0;
-        for (const auto& [material, layer, share] : mixed.holds) along += static_cast<double>(share) * by[layer * 5u + material - 1u][1];
+        for (const auto& [material, layer, share] : mixed.holds)
+            along += static_cast<double>(share) * by[layer * 5u + material - 1u][1];
         CHECK(along == Approx(seen(mixed, channel).sigma_s).epsilon(1e-6));
     }
 }
@@ -129,7 +134,8 @@ TEST_CASE("The gradient on viewing cells agrees with the difference that other r
     const std::vector<float> weight = by_value(sequence.next(volume));
     const auto F = [&](const Appearance& seen) {
         double sum = 0;
-        for (std::size_t i = 0; i < weight.size(); ++i) sum += static_cast<double>(weight[i]) * static_cast<double>(seen.value[i]);
+        for (std::size_t i = 0; i < weight.size(); ++i)
+            sum += static_cast<double>(weight[i]) * static_cast<double>(seen.value[i]);
         return sum;
     };
     double dd = 0, dg = 0, gg = 0;
@@ -138,13 +144,16 @@ TEST_CASE("The gradient on viewing cells agrees with the difference that other r
         std::array<int, 3> at{};
         const double wanted = 0.01 + 0.027 * (trial % 4) * 4;
         do
-            for (std::size_t a = 0; a < 3; ++a) at[a] = static_cast<int>(draw.bits() % static_cast<std::uint64_t>(body.size[a]));
+            for (std::size_t a = 0; a < 3; ++a)
+                at[a] = static_cast<int>(draw.bits() % static_cast<std::uint64_t>(body.size[a]));
         while (std::abs(body.depth(at[0], at[1], at[2]) - wanted) > 0.014);
-        // A sixth of the voxels around get another resin: the mean of the derivatives before and after is right to second order.
+        // A sixth of the voxels around get another resin: the mean of the derivatives before and after is right to
+        // second order.
         const int resin = 1 + trial % 5;
         const auto chosen = [&](int x, int y, int z) {
             return std::abs(x - at[0]) < 8 && std::abs(y - at[1]) < 4 && std::abs(z - at[2]) < 2 &&
-                   voxtone::RandomStream(20 + static_cast<std::uint64_t>(trial), body.address(x, y, z)).uniform() < 0.17;
+                   voxtone::RandomStream(20 + static_cast<std::uint64_t>(trial), body.address(x, y, z)).uniform() <
+                       0.17;
         };
         const ResinVolume other = body.volume([&](int x, int y, int z, int m) { return chosen(x, y, z) ? resin : m; });
         double predicted = 0, before = 0, after = 0;
@@ -239,7 +248,8 @@ TEST_CASE("Any number of threads gives the same gradient, and predictions do not
                     gradient.all_at({x, y, z}, all);
                     for (std::size_t r = 0; r < 5; ++r) {
                         const float single = gradient.at({x, y, z}, r);
-                        if (single != all[r]) FAIL("resin " << r << ": alone " << single << ", with the others " << all[r]);
+                        if (single != all[r])
+                            FAIL("resin " << r << ": alone " << single << ", with the others " << all[r]);
                         out.push_back(single);
                     }
                 });

@@ -9,8 +9,8 @@
 #include "voxtone/base/error.h"
 #include "voxtone/base/parallel.h"
 #include "voxtone/base/random.h"
-#include "voxtone/optics/transport/transport.h"
 #include "voxtone/optics/transport/coarse/viewing_sequence.h"
+#include "voxtone/optics/transport/transport.h"
 
 using namespace voxtone;
 using namespace voxtone::optics;
@@ -127,7 +127,8 @@ TEST_CASE("Colour that gets deeper than expected makes a new grid and keeps the 
 
 TEST_CASE("Where colour came no more the cells go, once, and what is seen stays right") {
     const ResinSet set = vero_opaque();
-    const ResinVolume shape = halftoned_sphere(2.2, 0), deep = halftoned_sphere(2.2, 0.5, 1.8), shallow = halftoned_sphere(2.2, 0.5);
+    const ResinVolume shape = halftoned_sphere(2.2, 0), deep = halftoned_sphere(2.2, 0.5, 1.8),
+                      shallow = halftoned_sphere(2.2, 0.5);
     const Scene scene{&shape, &set, Backing::none, Sides::open};
     const Surface surface = find_surface(scene, viewing_cell, SurfacePart::all);
     TransportOptions options = on_viewing_cells();
@@ -139,7 +140,8 @@ TEST_CASE("Where colour came no more the cells go, once, and what is seen stays 
     (void)sequence.next(shallow);
     CHECK(sequence.summary().skin_cells == at_first);
     const Appearance seen = sequence.next(shallow);
-    const Appearance exact = TransportPredictor(on_viewing_cells(16)).predict({&shallow, &set, Backing::none, Sides::open}, surface);
+    const Appearance exact =
+        TransportPredictor(on_viewing_cells(16)).predict({&shallow, &set, Backing::none, Sides::open}, surface);
     const Distance error = between(seen.value, exact.value);
     INFO("rms " << error.rms << ", largest " << error.largest);
     CHECK(error.rms < 0.003);
@@ -157,7 +159,8 @@ TEST_CASE("A slab that is asked for from above has cells below its top, and look
         return random.uniform() < 0.4 ? 1 + static_cast<int>(random.bits() % 4) : 5;
     });
     const Scene scene{&slab, &set, Backing::black, Sides::open};
-    const Surface all = find_surface(scene, viewing_cell, SurfacePart::all), top = find_surface(scene, viewing_cell, SurfacePart::top);
+    const Surface all = find_surface(scene, viewing_cell, SurfacePart::all),
+                  top = find_surface(scene, viewing_cell, SurfacePart::top);
     ViewingSequence around(scene, all, on_viewing_cells()), above(scene, top, on_viewing_cells());
     CHECK(10 * above.summary().skin_cells < 9 * around.summary().skin_cells);
     const Appearance from_all = around.next(slab), from_above = above.next(slab);
@@ -210,7 +213,8 @@ TEST_CASE("Cells of the eye: a flat surface looks alike wherever it cuts the cel
     for (const int resin : {1, 4, 5}) {
         std::vector<double> lightness;
         for (int empty = 0; empty < 3; ++empty) {
-            const ResinVolume volume = make_resin_volume({8, 4, 48 + empty}, j750, [&](int, int, int z) { return z < 48 ? resin : 0; });
+            const ResinVolume volume =
+                make_resin_volume({8, 4, 48 + empty}, j750, [&](int, int, int z) { return z < 48 ? resin : 0; });
             const Scene scene{&volume, &set, Backing::black, Sides::mirrored};
             const Surface surface = find_surface(scene, viewing_cell, SurfacePart::top);
             const Appearance cells = TransportPredictor(on_viewing_cells(10)).predict(scene, surface);
@@ -218,7 +222,8 @@ TEST_CASE("Cells of the eye: a flat surface looks alike wherever it cuts the cel
             voxels.sweeps = 10;
             const Appearance exact = TransportPredictor(voxels).predict(scene, surface);
             INFO("resin " << resin << ", layers of air " << empty);
-            CHECK(between(cells.value, exact.value).largest < 0.005);  // white over black is 0.004 brighter: differences with theta blur
+            CHECK(between(cells.value, exact.value).largest <
+                  0.005);  // white over black is 0.004 brighter: differences with theta blur
         }
     }
 }
@@ -237,7 +242,10 @@ TEST_CASE("Cells of the eye: a sphere of one colour looks as it does to cells of
     std::array<int, 3> n{};
     for (std::size_t a = 0; a < 3; ++a) n[a] = static_cast<int>(std::ceil(2 * radius_mm / j750[a])) + 2;
     const ResinVolume volume = make_resin_volume(n, j750, [&](int x, int y, int z) {
-        return std::hypot((x + 0.4 - 0.5 * n[0]) * j750[0], (y + 0.45 - 0.5 * n[1]) * j750[1], (z + 0.55 - 0.5 * n[2]) * j750[2]) < radius_mm ? 6 : 0;
+        return std::hypot((x + 0.4 - 0.5 * n[0]) * j750[0], (y + 0.45 - 0.5 * n[1]) * j750[1],
+                          (z + 0.55 - 0.5 * n[2]) * j750[2]) < radius_mm
+                   ? 6
+                   : 0;
     });
     const Scene scene{&volume, &set, Backing::none, Sides::open};
     const Surface surface = find_surface(scene, viewing_cell, SurfacePart::all);
@@ -250,7 +258,8 @@ TEST_CASE("Cells of the eye: a sphere of one colour looks as it does to cells of
             mean += share * static_cast<double>(cells.value[3 * i + c]);
             mean_of_voxels += share * static_cast<double>(voxels.value[3 * i + c]);
         }
-        for (std::size_t i = 0; i < surface.cells.size(); ++i) scatter += share * std::pow(static_cast<double>(cells.value[3 * i + c]) - mean, 2);
+        for (std::size_t i = 0; i < surface.cells.size(); ++i)
+            scatter += share * std::pow(static_cast<double>(cells.value[3 * i + c]) - mean, 2);
         INFO("channel " << c << ": " << mean << ", of voxels " << mean_of_voxels << ", scatter " << std::sqrt(scatter));
         CHECK(mean == Approx(mean_of_voxels).epsilon(0.05));  // half a unit of L*
         CHECK(std::sqrt(scatter) < 0.005);
@@ -260,9 +269,10 @@ TEST_CASE("Cells of the eye: a sphere of one colour looks as it does to cells of
 TEST_CASE("Cells of the eye: parts thinner than a cell, bubbles and specks have a defined appearance") {
     const ResinSet set = vero_opaque();
     const ResinVolume volume = make_resin_volume({30, 20, 60}, j750, [](int x, int y, int z) -> int {
-        if (x == 9 && y > 3 && y < 12) return 4;                                 // a sheet of one voxel
-        if (x == 3 && y == 3 && z == 7) return 1;                                // a speck
-        if (x > 12 && x < 28 && y > 2 && y < 18 && z > 5 && z < 50) return x == 20 && y == 9 && z == 25 ? 0 : 5;  // a bubble
+        if (x == 9 && y > 3 && y < 12) return 4;   // a sheet of one voxel
+        if (x == 3 && y == 3 && z == 7) return 1;  // a speck
+        if (x > 12 && x < 28 && y > 2 && y < 18 && z > 5 && z < 50)
+            return x == 20 && y == 9 && z == 25 ? 0 : 5;  // a bubble
         return 0;
     });
     const Scene scene{&volume, &set, Backing::none, Sides::open};

@@ -25,7 +25,8 @@ struct Ball {
 
     [[nodiscard]] ResinVolume make(std::uint64_t kind) const {
         return make_resin_volume(size, j750, [&](int x, int y, int z) {
-            const double px = (x + 0.5) * j750[0] - 3.05, py = (y + 0.5) * j750[1] - 3.05, pz = (z + 0.5) * j750[2] - 3.02;
+            const double px = (x + 0.5) * j750[0] - 3.05, py = (y + 0.5) * j750[1] - 3.05,
+                         pz = (z + 0.5) * j750[2] - 3.02;
             const double below = 3 - std::hypot(px, py, pz);
             if (below < 0) return 0;
             if (below > 0.3) return 5;
@@ -74,12 +75,14 @@ TEST_CASE("Tiles share out the surface cells and the blocks") {
         blocks += n;
     }
     CHECK(std::all_of(owners.begin(), owners.end(), [](int n) { return n == 1; }));
-    CHECK(blocks == static_cast<std::size_t>(lattice.blocks[0]) * static_cast<std::size_t>(lattice.blocks[1]) * static_cast<std::size_t>(lattice.blocks[2]));
+    CHECK(blocks == static_cast<std::size_t>(lattice.blocks[0]) * static_cast<std::size_t>(lattice.blocks[1]) *
+                        static_cast<std::size_t>(lattice.blocks[2]));
     CHECK(viewing_tiles(ball.surface, ball.size, j750, view, ball.surface.cells.size(), 3).size() == 1);
 }
 
 TEST_CASE("A body predicted in tiles looks like the whole body, the more the longer") {
-    // Tiles of 2 mm, half as long as light travels in white: far worse than those of 4 cm that large bodies are cut into.
+    // Tiles of 2 mm, half as long as light travels in white: far worse than those of 4 cm that large bodies are cut
+    // into.
     const Ball ball;
     ViewingSequence whole(ball.scene, ball.surface, Ball::options(ball.surface.cells.size()));
     ViewingSequence parts(ball.scene, ball.surface, Ball::options(4000));
@@ -153,7 +156,8 @@ TEST_CASE("Grids of tiles that are kept change no bit, and memory decides how ma
             out.insert(out.end(), seen.value.begin(), seen.value.end());
             for (float& v : seen.value) v -= 0.5f;
             REQUIRE(sequence.gradient(seen.value, [&](const ResinGradient& gradient, const VoxelBox& box) {
-                for (int z = box.begin[2]; z < box.end[2]; z += 3) out.push_back(gradient.at({ball.size[0] / 2, ball.size[1] / 2, z}, 3));
+                for (int z = box.begin[2]; z < box.end[2]; z += 3)
+                    out.push_back(gradient.at({ball.size[0] / 2, ball.size[1] / 2, z}, 3));
             }));
         }
         summary = sequence.summary();
