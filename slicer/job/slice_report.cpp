@@ -34,7 +34,7 @@ namespace {
 /// The visible surface with a colour that is a function of the colour that was asked for there.
 template <class Map>
 ColouredSurface coloured(const ReportSources& s, Map map) {
-    const VisibleSurface& surface = s.body.surface;
+    const VisibleSurface& surface = *s.body.surface;
     ColouredSurface out;
     out.positions_mm = surface.positions_mm;
     out.triangles = surface.triangles;
@@ -60,7 +60,7 @@ ColouredSurface predicted_surface(const ReportSources& s) {
 io::ReportGamut gamut_figures(const ReportSources& s) {
     constexpr std::size_t samples = 20000;
     constexpr double visible = 1.0;  // CIEDE2000; less is not called mapped
-    const VisibleSurface& surface = s.body.surface;
+    const VisibleSurface& surface = *s.body.surface;
     io::ReportGamut gamut;
     if (surface.triangles.empty()) return gamut;
     std::vector<double> area_up_to(surface.triangles.size());

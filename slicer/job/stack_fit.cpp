@@ -14,7 +14,7 @@ namespace voxtone::slicer {
 
 StackFit stack_fit(const JobBody& body, const WrappedLayers& wrapped, const Progress& progress) {
     constexpr std::size_t samples = 20000;
-    const VisibleSurface& surface = body.surface;
+    const VisibleSurface& surface = *body.surface;
     std::vector<double> area_up_to;
     std::vector<Eigen::Vector3d> normals;
     double area = 0;
@@ -25,7 +25,7 @@ StackFit stack_fit(const JobBody& body, const WrappedLayers& wrapped, const Prog
         normals.back().normalize();
     }
     if (!(area > 0)) return {};
-    const TriangleTree tree(surface.positions_mm, surface.triangles);
+    const TriangleTree& tree = body.surface.tree();
     const double slack = body.grid.pitch_mm.maxCoeff();
     std::vector<double> missing(samples, 0);
     parallel_for(

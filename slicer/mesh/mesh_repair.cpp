@@ -5,7 +5,9 @@
 #include <cmath>
 #include <map>
 #include <numeric>
+#include <optional>
 #include <unordered_map>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -35,6 +37,13 @@ Box box_of(const SolidMesh& mesh) {
             box.high = box.high.cwiseMax(mesh.positions_mm[v]);
         }
     return box;
+}
+
+SolidMesh as_it_came(const io::TexturedMesh& textured) {
+    SolidMesh mesh{textured.positions, textured.triangles, {}};
+    mesh.source_triangle.resize(mesh.triangles.size());
+    std::iota(mesh.source_triangle.begin(), mesh.source_triangle.end(), 0);
+    return mesh;
 }
 
 // Joins vertices nearer than `tolerance` to one that came before. Returns how many went.
@@ -144,9 +153,8 @@ std::vector<bool> loose_faces(const SolidMesh& mesh, const std::vector<HoleFill>
 }
 
 // Replaces the faces marked by a wrap around them.
-void wrap_faces(RepairedMesh& result, const std::vector<bool>& marked, const RepairOptions& options,
+void wrap_faces(SolidMesh& mesh, const std::vector<bool>& marked, const RepairOptions& options, RepairedMesh& result,
                 const Progress* progress) {
-    SolidMesh& mesh = result.solid;
     RepairReport& report = result.report;
     std::vector<Triangle> faces;
     std::vector<bool> keep(mesh.triangles.size());
@@ -227,17 +235,12 @@ RepairMode parse_repair_mode(std::string_view text) {
 RepairedMesh repair_mesh(const io::TexturedMesh& textured, const RepairOptions& options, const Progress* progress) {
     VOXTONE_EXPECT(options.pitch_mm > 0);
     RepairedMesh result;
-    SolidMesh& mesh = result.solid;
     RepairReport& report = result.report;
-    mesh.positions_mm = textured.positions;
-    mesh.triangles = textured.triangles;
-    mesh.source_triangle.resize(mesh.triangles.size());
-    std::iota(mesh.source_triangle.begin(), mesh.source_triangle.end(), 0);
-
-    const auto diagnosis = [&] {
-        return diagnose(mesh.positions_mm, mesh.triangles, mesh.triangles.size() <= options.count_crossings_up_to);
-    };
-    report.before = diagnosis();
+    SolidMesh mesh = as_it_came(textured);
+    const auto crossings_count = [&] { return mesh.triangles.size() <= options.count_crossings_up_to; };
+    std::optional<SolidIndex> given;
+    if (crossings_count()) given.emplace(mesh);
+    report.before = diagnose(mesh.positions_mm, mesh.triangles, given ? &given->tree() : nullptr);
     if (!(report.before.area_mm2 > 0))
         throw InputError("the model has no surface: all its faces are without area, so there is nothing to print");
 
@@ -251,7 +254,7 @@ RepairedMesh repair_mesh(const io::TexturedMesh& textured, const RepairOptions& 
 
     drop_collapsed(mesh);
     if (options.mode == RepairMode::wrap) {
-        wrap_faces(result, std::vector<bool>(mesh.triangles.size(), true), options, progress);
+        wrap_faces(mesh, std::vector<bool>(mesh.triangles.size(), true), options, result, progress);
     } else if (!closed) {
         report.welded_vertices = weld(mesh, std::min(0.1 * options.pitch_mm, 1e-5 * box_of(mesh).diagonal()));
         drop_collapsed(mesh);
@@ -265,7 +268,7 @@ RepairedMesh repair_mesh(const io::TexturedMesh& textured, const RepairOptions& 
         std::vector<HoleFill> fills = fill_holes(mesh.positions_mm, mesh.triangles);
         const std::vector<bool> loose = loose_faces(mesh, fills);
         if (std::find(loose.begin(), loose.end(), true) != loose.end()) {
-            wrap_faces(result, loose, options, progress);
+            wrap_faces(mesh, loose, options, result, progress);
             fills = fill_holes(mesh.positions_mm, mesh.triangles);
         }
         fill(mesh, fills, report);
@@ -281,7 +284,11 @@ RepairedMesh repair_mesh(const io::TexturedMesh& textured, const RepairOptions& 
             report.messages.push_back(fmt::format("{} of {} shells faced inward and {} turned outward.", turns.turned,
                                                   shells.count, turns.turned == 1 ? "was" : "were"));
     }
-    report.after = mesh.triangles == textured.triangles ? report.before : diagnosis();
+    const bool untouched = mesh.triangles == textured.triangles, count_again = !untouched && crossings_count();
+    result.solid = untouched && given ? std::move(*given) : SolidIndex(std::move(mesh));
+    report.after = untouched ? report.before
+                             : diagnose(result.solid->positions_mm, result.solid->triangles,
+                                        count_again ? &result.solid.tree() : nullptr);
     return result;
 }
 

@@ -6,11 +6,11 @@
 #include <cstring>
 
 #include "voxtone/base/contracts.h"
-#include "voxtone/slicer/mesh/triangle_tree.h"
 #include "voxtone/slicer/surface/shell_kernel.h"
 
 namespace voxtone::slicer {
 
+using Eigen::Vector2f;
 using Eigen::Vector3d;
 using shell_kernel::LocalTriangle;
 static_assert(ShellBlock::width == shell_kernel::row_voxels && ShellBlock::max_rows == shell_kernel::max_rows);
@@ -20,10 +20,12 @@ namespace {
 // The tree is asked for so many blocks along x at a time.
 constexpr int group = 4;
 
+const std::array<Vector2f, 3> no_uv{Vector2f::Zero(), Vector2f::Zero(), Vector2f::Zero()};
+
 }  // namespace
 
-struct SurfaceShell::Index {
-    TriangleTree tree;
+// Where the voxel centres of a block and of a group are, the same everywhere in the grid.
+struct SurfaceShell::Lattice {
     std::array<shell_kernel::BlockPoints, group> points;  // all in the frame of the group
     Vector3d half, group_half;          // of the boxes that hold the voxel centres of a block, of a group
     std::array<float, group> centre_x;  // of the blocks, in the group's frame
@@ -64,20 +66,27 @@ struct Masks {
 
 }  // namespace
 
-SurfaceShell::SurfaceShell(const VisibleSurface& surface, const VoxelGrid& grid, double depth_mm)
-    : surface_(surface), grid_(grid), depth_mm_(depth_mm), block_size_(block_size_for(grid.pitch_mm)) {
+SurfaceShell::SurfaceShell(const SurfaceIndex& surface, const VoxelGrid& grid, double depth_mm)
+    : SurfaceShell(surface.tree(), surface->source_uv, grid, depth_mm) {
+    VOXTONE_EXPECT(surface->source_uv.size() == surface->triangles.size());
+}
+
+SurfaceShell::SurfaceShell(const TriangleTree& tree, const VoxelGrid& grid, double depth_mm)
+    : SurfaceShell(tree, {}, grid, depth_mm) {}
+
+SurfaceShell::SurfaceShell(const TriangleTree& tree, std::span<const std::array<Vector2f, 3>> source_uv,
+                           const VoxelGrid& grid, double depth_mm)
+    : tree_(tree), source_uv_(source_uv), grid_(grid), depth_mm_(depth_mm), block_size_(block_size_for(grid.pitch_mm)) {
     VOXTONE_EXPECT(depth_mm >= 0);
-    VOXTONE_EXPECT(surface.source_triangle.size() == surface.triangles.size() &&
-                   surface.source_uv.size() == surface.triangles.size());
     const Vector3d& pitch = grid.pitch_mm;
     const Vector3d half =
         0.5 * pitch.cwiseProduct(Vector3d(block_size_[0] - 1, block_size_[1] - 1, block_size_[2] - 1));
     const Vector3d group_half(0.5 * pitch[0] * (8 * group - 1), half[1], half[2]);
-    Index index{TriangleTree(surface.positions_mm, surface.triangles), {}, half, group_half, {}};
+    Lattice lattice{{}, half, group_half, {}};
     for (std::size_t b = 0; b < group; ++b) {
-        shell_kernel::BlockPoints& points = index.points[b];
+        shell_kernel::BlockPoints& points = lattice.points[b];
         points.rows = block_size_[1] * block_size_[2];
-        index.centre_x[b] = float((double(b) - (group - 1) / 2.0) * 8 * pitch[0]);
+        lattice.centre_x[b] = float((double(b) - (group - 1) / 2.0) * 8 * pitch[0]);
         for (int l = 0; l < 8; ++l)
             points.x[std::size_t(l)] = float((int(8 * b) + l - (8 * group - 1) / 2.0) * pitch[0]);
         for (int r = 0; r < points.rows; ++r) {
@@ -85,7 +94,7 @@ SurfaceShell::SurfaceShell(const VisibleSurface& surface, const VoxelGrid& grid,
             points.z[std::size_t(r)] = float((r / block_size_[1] - (block_size_[2] - 1) / 2.0) * pitch[2]);
         }
     }
-    index_ = std::make_unique<const Index>(std::move(index));
+    lattice_ = std::make_unique<const Lattice>(lattice);
 }
 
 SurfaceShell::~SurfaceShell() = default;
@@ -93,7 +102,7 @@ SurfaceShell::~SurfaceShell() = default;
 void SurfaceShell::for_each_block(int bj, int bk, const SpanSlab& body,
                                   const std::function<void(const ShellBlock&)>& visit, int i_begin, int i_end) const {
     VOXTONE_EXPECT(0 <= bj && bj < block_rows() && 0 <= bk && bk < block_layers() && body.rows() == grid_.size[1]);
-    const TriangleTree& tree = index_->tree;
+    const TriangleTree& tree = tree_;
     if (tree.empty()) return;
     const auto rows = std::size_t(block_size_[1] * block_size_[2]);
     const auto blocks = std::size_t((grid_.size[0] + 7) / 8);
@@ -107,7 +116,7 @@ void SurfaceShell::for_each_block(int bj, int bk, const SpanSlab& body,
             for (const Span& span : body.row(j0 + y, k)) masks.add(std::size_t(z * block_size_[1] + y), span);
     }
 
-    const Vector3d half = index_->half, group_half = index_->group_half;
+    const Vector3d half = lattice_->half, group_half = lattice_->group_half;
     // Farther than that from the surface all is core.
     const double group_reach = depth_mm_ + group_half.norm() + 1e-3;
     const float block_reach = float(depth_mm_ + half.norm() + 1e-3);
@@ -147,11 +156,11 @@ void SurfaceShell::for_each_block(int bj, int bk, const SpanSlab& body,
         local.clear();
         centre2.resize(candidates.size());
         std::array<float, 8> px{}, py{}, pz{};
-        for (std::size_t b = 0; b < 8; ++b) px[b] = index_->centre_x[b % group];
+        for (std::size_t b = 0; b < 8; ++b) px[b] = lattice_->centre_x[b % group];
         for (std::size_t c = 0; c < candidates.size(); ++c) {
             const std::uint32_t t = candidates[c];
             const auto [p0, p1, p2] = tree.corners(t);
-            local.push_back(shell_kernel::make_local(p0, p1, p2, surface_.source_uv[t], centre));
+            local.push_back(shell_kernel::make_local(p0, p1, p2, source_uv_.empty() ? no_uv : source_uv_[t], centre));
             shell_kernel::distances2(local.back(), px.data(), py.data(), pz.data(), centre2[c].data());
         }
 
@@ -165,7 +174,7 @@ void SurfaceShell::for_each_block(int bj, int bk, const SpanSlab& body,
 
             // The tree's test for this block, with the triangles themselves in the place of their boxes.
             const auto [p0, p1, p2] = tree.corners(candidates[best]);
-            const Vector3d block_centre(index_->centre_x[b], 0, 0);
+            const Vector3d block_centre(lattice_->centre_x[b], 0, 0);
             const Vector3d w = nearest_weights(centre + block_centre, p0, p1, p2);
             const Vector3d q = w[0] * p0 + w[1] * p1 + w[2] * p2 - centre;
             std::array<float, 8> cx, cy, cz, reach2, distance2;
@@ -190,9 +199,9 @@ void SurfaceShell::for_each_block(int bj, int bk, const SpanSlab& body,
             VOXTONE_EXPECT(!chosen.empty());
 
             for (std::size_t r = 0; r < rows; ++r) bits[r] = masks.bits[r * blocks + bi];
-            if (!shell_kernel::nearest(chosen.data(), chosen.size(), index_->points[b], depth2, bits.data(), *result))
+            if (!shell_kernel::nearest(chosen.data(), chosen.size(), lattice_->points[b], depth2, bits.data(), *result))
                 continue;
-            shell_kernel::finish(chosen.data(), index_->points[b], bits.data(), *result);
+            shell_kernel::finish(chosen.data(), lattice_->points[b], bits.data(), *result);
             for (std::size_t r = 0; r < rows; ++r) {
                 if (!bits[r]) continue;
                 for (std::size_t l = 0; l < 8; ++l)

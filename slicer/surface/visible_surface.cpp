@@ -13,7 +13,7 @@
 #include "voxtone/slicer/mesh/exact_predicates.h"
 #include "voxtone/slicer/mesh/mesh_chain.h"
 #include "voxtone/slicer/mesh/mesh_crossings.h"
-#include "voxtone/slicer/mesh/winding_tree.h"
+#include "voxtone/slicer/mesh/winding_number.h"
 
 namespace voxtone::slicer {
 
@@ -111,7 +111,8 @@ std::array<Vector2f, 3> corner_uv(const Triangle& mine, const Triangle& source,
 VisibleSurface find_visible_surface(const std::vector<Vector3d>& positions_mm,
                                     const std::vector<Triangle>& source_triangles, const RepairedMesh& repaired,
                                     double piece_mm, VisibleSurfaceReport* report) {
-    const SolidMesh& solid = repaired.solid;
+    const SolidMesh& solid = *repaired.solid;
+    const TriangleTree& tree = repaired.solid.tree();
     VOXTONE_EXPECT(piece_mm > 0 && solid.source_triangle.size() == solid.triangles.size());
     const std::size_t count = solid.triangles.size();
     VisibleSurface out;
@@ -124,10 +125,9 @@ VisibleSurface find_visible_surface(const std::vector<Vector3d>& positions_mm,
                        repaired.report.after.nonmanifold_edges == 0;
     std::vector<std::vector<std::uint32_t>> crossings(count);
     std::vector<std::uint8_t> sight(count, std::uint8_t(Sight::visible));
-    const WindingTree winding(solid.positions_mm, solid.triangles);
     const auto hidden_at = [&](const Vector3d& p, const Vector3d& normal) {
-        return winding.winding_number(p + just_off_mm * normal) != 0 &&
-               winding.winding_number(p - just_off_mm * normal) != 0;
+        return winding_number(tree, p + just_off_mm * normal) != 0 &&
+               winding_number(tree, p - just_off_mm * normal) != 0;
     };
     const auto normal_of = [&](std::uint32_t t) {
         const auto& [a, b, c] = solid.triangles[t];
@@ -136,7 +136,7 @@ VisibleSurface find_visible_surface(const std::vector<Vector3d>& positions_mm,
         return Vector3d(n.norm() > 0 ? n.normalized() : Vector3d::UnitX());
     };
     if (!plain) {
-        crossings = find_crossings(solid.positions_mm, solid.triangles);
+        crossings = find_crossings(tree);
         std::vector<std::uint32_t> parent(count);
         std::iota(parent.begin(), parent.end(), 0u);
         const auto root = [&](std::uint32_t t) {
@@ -252,7 +252,7 @@ VisibleSurface find_visible_surface(const std::vector<Vector3d>& positions_mm,
             const TriangleTree::Nearest n = wrap_tree.nearest(p, TriangleTree::none, reach);
             if (n.triangle == TriangleTree::none) return true;
             const Vector3d out_of_wrap = n.distance > 0 ? Vector3d((n.point - p) / n.distance) : Vector3d::UnitX();
-            return winding.winding_number(n.point + just_off_mm * out_of_wrap) != 0;
+            return winding_number(tree, n.point + just_off_mm * out_of_wrap) != 0;
         };
         const auto look = [&](const Piece& piece) {
             if (piece.longest() > 10 * piece_mm) return Sight::mixed;
