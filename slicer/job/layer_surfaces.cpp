@@ -15,6 +15,7 @@
 
 #include "voxtone/base/error.h"
 #include "voxtone/base/parallel.h"
+#include "voxtone/slicer/mesh/box.h"
 #include "voxtone/slicer/printer/placement.h"
 #include "voxtone/slicer/solid/solid.h"
 #include "voxtone/slicer/surface/surface_shell.h"
@@ -66,17 +67,12 @@ private:
 };
 
 VoxelGrid grid_about(const SolidMesh& mesh, double cell_mm) {
-    Eigen::Vector3d low = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity()), high = -low;
-    for (const auto& triangle : mesh.triangles)
-        for (const std::uint32_t corner : triangle) {
-            low = low.cwiseMin(mesh.positions_mm[corner]);
-            high = high.cwiseMax(mesh.positions_mm[corner]);
-        }
+    const Eigen::AlignedBox3d box = bounding_box(mesh.positions_mm, mesh.triangles);
     const Eigen::Vector3d cell = Eigen::Vector3d::Constant(cell_mm);
-    if (((high - low) / cell_mm + Eigen::Vector3d::Constant(2 * margin + 1)).prod() > std::pow(2.0, 29))
+    if ((box.sizes() / cell_mm + Eigen::Vector3d::Constant(2 * margin + 1)).prod() > std::pow(2.0, 29))
         throw InputError(
             fmt::format("--surface-cell {:g}mm: the body would take more than 2^29 cells; give larger ones", cell_mm));
-    return grid_around(low - margin * cell, high + margin * cell, cell);
+    return grid_around(box.min() - margin * cell, box.max() + margin * cell, cell);
 }
 
 SpanSlab everything(const VoxelGrid& grid, int first, int last) {

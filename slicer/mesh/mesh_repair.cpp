@@ -14,6 +14,7 @@
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/error.h"
 #include "voxtone/slicer/mesh/alpha_wrap.h"
+#include "voxtone/slicer/mesh/box.h"
 #include "voxtone/slicer/mesh/hole_filling.h"
 #include "voxtone/slicer/mesh/mesh_chain.h"
 #include "voxtone/slicer/mesh/mesh_orientation.h"
@@ -24,20 +25,7 @@ using Eigen::Vector3d;
 
 namespace {
 
-struct Box {
-    Vector3d low = Vector3d::Constant(INFINITY), high = Vector3d::Constant(-INFINITY);
-    [[nodiscard]] double diagonal() const { return (high - low).norm(); }
-};
-
-Box box_of(const SolidMesh& mesh) {
-    Box box;
-    for (const auto& t : mesh.triangles)
-        for (const std::uint32_t v : t) {
-            box.low = box.low.cwiseMin(mesh.positions_mm[v]);
-            box.high = box.high.cwiseMax(mesh.positions_mm[v]);
-        }
-    return box;
-}
+double diagonal_mm(const SolidMesh& mesh) { return bounding_box(mesh.positions_mm, mesh.triangles).diagonal().norm(); }
 
 SolidMesh as_it_came(const io::TexturedMesh& textured) {
     SolidMesh mesh{textured.positions, textured.triangles, {}};
@@ -48,7 +36,7 @@ SolidMesh as_it_came(const io::TexturedMesh& textured) {
 
 // Joins vertices nearer than `tolerance` to one that came before. Returns how many went.
 std::size_t weld(SolidMesh& mesh, double tolerance) {
-    const Box box = box_of(mesh);
+    const Vector3d low = bounding_box(mesh.positions_mm, mesh.triangles).min();
     struct Cell {
         std::int64_t x, y, z;
         bool operator==(const Cell&) const = default;
@@ -60,7 +48,7 @@ std::size_t weld(SolidMesh& mesh, double tolerance) {
         }
     };
     const auto cell = [&](const Vector3d& p) {
-        const Vector3d q = ((p - box.low) / tolerance).array().floor();
+        const Vector3d q = ((p - low) / tolerance).array().floor();
         return Cell{std::int64_t(q[0]), std::int64_t(q[1]), std::int64_t(q[2])};
     };
     std::unordered_map<Cell, std::vector<std::uint32_t>, Hash> cells;
@@ -167,7 +155,7 @@ void wrap_faces(SolidMesh& mesh, const std::vector<bool>& marked, const RepairOp
     }
     marked_mesh.positions_mm = mesh.positions_mm;
     marked_mesh.triangles = faces;
-    const double diagonal = box_of(marked_mesh).diagonal();
+    const double diagonal = diagonal_mm(marked_mesh);
     double faces_area = 0;
     for (const Triangle& t : faces) faces_area += area(mesh.positions_mm, t);
     // The finer the wrap, the closer; but once it slips through the cracks it lines the surface from inside as well and
@@ -256,7 +244,7 @@ RepairedMesh repair_mesh(const io::TexturedMesh& textured, const RepairOptions& 
     if (options.mode == RepairMode::wrap) {
         wrap_faces(mesh, std::vector<bool>(mesh.triangles.size(), true), options, result, progress);
     } else if (!closed) {
-        report.welded_vertices = weld(mesh, std::min(0.1 * options.pitch_mm, 1e-5 * box_of(mesh).diagonal()));
+        report.welded_vertices = weld(mesh, std::min(0.1 * options.pitch_mm, 1e-5 * diagonal_mm(mesh)));
         drop_collapsed(mesh);
         if (open_edges(mesh.triangles) != 0) drop_duplicates(mesh);
         report.dropped_faces = report.before.triangles - mesh.triangles.size();

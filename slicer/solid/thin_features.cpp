@@ -9,8 +9,8 @@
 
 #include "voxtone/base/contracts.h"
 #include "voxtone/slicer/mesh/exact_predicates.h"
-#include "voxtone/slicer/mesh/line_crossings.h"
 #include "voxtone/slicer/mesh/mesh_chain.h"
+#include "voxtone/slicer/solid/line_crossings.h"
 
 namespace voxtone::slicer {
 
