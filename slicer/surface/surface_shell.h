@@ -67,6 +67,7 @@ public:
 
 private:
     struct Lattice;
+    class RowWalk;
 
     SurfaceShell(const TriangleTree& tree, std::span<const std::array<Eigen::Vector2f, 3>> source_uv,
                  const VoxelGrid& grid, double depth_mm);
