@@ -13,7 +13,7 @@
 
 #include "voxtone/halftone/separation/appearance_colour.h"
 #include "voxtone/halftone/separation/mixture.h"
-#include "voxtone/halftone/separation/separation.h"
+#include "voxtone/halftone/separation/separation_options.h"
 
 namespace voxtone::halftone {
 

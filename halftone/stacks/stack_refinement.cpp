@@ -8,6 +8,7 @@
 #include <Eigen/Dense>
 
 #include "voxtone/base/error.h"
+#include "voxtone/halftone/stacks/stack_search.h"
 
 namespace voxtone::halftone {
 namespace {
