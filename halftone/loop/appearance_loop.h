@@ -77,10 +77,17 @@ struct LoopTask {
     std::function<std::vector<float>(const std::function<bool(const GradientVisitor&)>& visit_all)> by_mixtures;
 };
 
+/// What made an iterate; the characters are those of checkpoints.
+enum class LoopMethod : char {
+    open_loop = 'o',
+    feedback = 'f',
+    descent = 'd',
+};
+
 /// Errors of one iterate.
 struct LoopStep {
     int iteration = 0;
-    char method = 'o';                ///< that made it: o open loop, f feedback, d descent
+    LoopMethod method = LoopMethod::open_loop;
     optics::DifferenceSummary seen;   ///< after the eye filter
     optics::DifferenceSummary cells;  ///< as they are
     double stuck_share = 0;           ///< of the cells, at their limits, in the step that made this iterate
