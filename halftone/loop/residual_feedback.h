@@ -19,7 +19,7 @@
 // so that white beside black turns a little grey and not blue. That is the eased target of the cell.
 //
 // Based on the idea of O. Elek et al., "Scattering-aware texture reproduction for 3D printing", ACM TOG 36, 6 (2017);
-// the easing is our own.
+// the easing is our own. Gauss-Newton is written out for it: three unknowns, for each stuck cell.
 #pragma once
 
 #include <array>
