@@ -184,10 +184,10 @@ private:
 
     void feedback_step();
     void descent_step();
-    void begin_descent_from_best_drive(bool last_was_best);
+    void begin_descent_from_best_control(bool last_was_best);
     void predict(optics::ResinVolume volume, LoopMethod method);
     void keep_if_best(const SkinMixtures& mixtures);
-    void correct_drive();
+    void correct_control();
     [[nodiscard]] bool move_downhill();
     [[nodiscard]] bool gains_no_more() const;
 
@@ -212,7 +212,7 @@ private:
     LoopState state_;
     Colours rgb_;                ///< of the last print
     optics::ResinVolume print_;  ///< the sequence looks at it again for the gradient
-    double stuck_share_ = 0;
+    double saturated_share_ = 0;
     bool cancelled_ = false;
     std::string why_stopped_;
 };
@@ -267,7 +267,7 @@ void LoopRun::predict_open_loop() {
     predict(task_.open_loop(), LoopMethod::open_loop);
     state_.open = state_.shown = rgb_;
     state_.drive = state_.start_drive = target_;
-    correct_drive();
+    correct_control();
     if (listener_) listener_(state_);
 }
 
@@ -291,7 +291,7 @@ void LoopRun::iterate() {
     }
 }
 
-/// Prints the drive, and decides what comes next: another correction, the target itself, or the descent.
+/// Prints the control colours, and decides what comes next: another correction, the target itself, or the descent.
 void LoopRun::feedback_step() {
     const double least = least_mean(state_.steps), least_by_feedback = least_mean(state_.steps, LoopMethod::feedback);
     const SkinMixtures mixtures = mixtures_of(recipes_, state_.drive);
@@ -308,13 +308,13 @@ void LoopRun::feedback_step() {
         }
         const bool gained = last_mean() < worthwhile * least;
         if (!gained || no_good || iterations_made() >= feedback_iterations)
-            begin_descent_from_best_drive(best_by_feedback);
+            begin_descent_from_best_control(best_by_feedback);
     }
-    if (!descending()) correct_drive();
+    if (!descending()) correct_control();
 }
 
 /// The gradient is at hand if the last print was the one to start from.
-void LoopRun::begin_descent_from_best_drive(bool last_was_best) {
+void LoopRun::begin_descent_from_best_control(bool last_was_best) {
     state_.descent = begin_descent(mixtures_of(recipes_, state_.start_drive),
                                    first_rates(least_mean(state_.steps, LoopMethod::feedback)));
     if (last_was_best) has_gradient_ = move_downhill();
@@ -340,7 +340,7 @@ void LoopRun::predict(optics::ResinVolume volume, LoopMethod method) {
     step.method = method;
     step.cells = error_.of_cells(rgb_);
     step.seen = error_.as_seen(rgb_);
-    step.stuck_share = stuck_share_;
+    step.stuck_share = saturated_share_;
     step.seconds = watch_.lap();
     state_.steps.push_back(step);
     progress_.note(report_line(state_, most_));
@@ -354,12 +354,12 @@ void LoopRun::keep_if_best(const SkinMixtures& mixtures) {
     state_.shown = rgb_;
 }
 
-void LoopRun::correct_drive() {
-    Colours eased(rgb_.size());
-    const std::size_t stuck = feed_back(
+void LoopRun::correct_control() {
+    Colours relaxed(rgb_.size());
+    const std::size_t saturated = feed_back(
         target_, rgb_, [this](const Eigen::Vector3f& rgb) { return into_gamut(rgb); },
-        {.gain = feedback_gain(state_.steps)}, state_.drive, eased);
-    stuck_share_ = rgb_.empty() ? 0 : double(stuck) / double(rgb_.size());
+        {.gain = feedback_gain(state_.steps)}, state_.drive, relaxed);
+    saturated_share_ = rgb_.empty() ? 0 : double(saturated) / double(rgb_.size());
 }
 
 /// One step of the descent from the last print. False where the model has no gradient.
@@ -389,9 +389,9 @@ LoopResult LoopRun::finish() {
 
 }  // namespace
 
-SkinMixtures mixtures_of(const SurfaceFirst& recipes, std::span<const Eigen::Vector3f> drive) {
-    SkinMixtures skin(drive.size(), recipes.layers().size(), recipes.resins());
-    parallel_for(0, drive.size(), 256, [&](std::size_t i) { recipes.recipe(drive[i], skin.cell(i)); });
+SkinMixtures mixtures_of(const SurfaceFirst& recipes, std::span<const Eigen::Vector3f> control) {
+    SkinMixtures skin(control.size(), recipes.layers().size(), recipes.resins());
+    parallel_for(0, control.size(), 256, [&](std::size_t i) { recipes.separate(control[i], skin.cell(i)); });
     return skin;
 }
 
