@@ -2,7 +2,7 @@
 #include "voxtone/calibration/fit/principles.h"
 
 #include <algorithm>
-#include <array>
+#include <cmath>
 #include <limits>
 #include <numeric>
 
@@ -44,6 +44,100 @@ double lightness(const PatchTable& table, const std::string& base) {
 template <class List, class Value>
 bool contains(const List& list, const Value& value) {
     return std::ranges::find(list, value) != list.end();
+}
+
+/// An interval of ln sigma_t.
+struct LogExtinctions {
+    explicit LogExtinctions(const ResinBounds& bounds)
+        : low(std::log(bounds.least_sigma_t)), high(std::log(bounds.most_sigma_t)) {}
+    [[nodiscard]] LogExtinctions around(double value, double half) const {
+        LogExtinctions part = *this;
+        part.low = std::max(low, value - half);
+        part.high = std::min(high, value + half);
+        return part;
+    }
+    double low, high;
+};
+
+/// Sets `value` to where the deviation is least on a grid of `steps` over `part`, then `zooms` times on a grid of four
+/// steps between its neighbours, within `range`.
+template <class Search>
+void search_line(Search& search, double& value, LogExtinctions part, const LogExtinctions& range, int steps,
+                 int zooms) {
+    for (int zoom = 0; zoom <= zooms; ++zoom) {
+        double best = part.low, least = std::numeric_limits<double>::infinity();
+        const double step = (part.high - part.low) / steps;
+        for (int k = 0; k <= steps; ++k) {
+            value = part.low + k * step;
+            const double d = search.deviation();
+            if (d < least) least = d, best = value;
+        }
+        value = best;
+        part = range.around(best, step);
+        steps = 4;
+    }
+}
+
+struct Minimum {
+    double deviation;
+    ResinPoint point;
+};
+constexpr std::size_t most_minima = 4;
+
+/// The deviation of a resin over all that is possible: 11 values of v by 13 of ln sigma_t.
+class DeviationGrid {
+public:
+    template <class Deviation>
+    DeviationGrid(const ResinBounds& bounds, Deviation deviation)
+        : first_{bounds.least_v, std::log(bounds.least_sigma_t)} {
+        step_.v = (bounds.most_v - bounds.least_v) / (rows - 1);
+        step_.ln_sigma_t = (std::log(bounds.most_sigma_t) - first_.ln_sigma_t) / (columns - 1);
+        for (int i = 0; i < rows; ++i)
+            for (int k = 0; k < columns; ++k) values_.push_back(deviation(point(i, k)));
+    }
+    /// From node to node.
+    [[nodiscard]] const ResinPoint& step() const { return step_; }
+    /// Nodes that none of their eight neighbours is below, the deepest first.
+    [[nodiscard]] std::vector<Minimum> local_minima() const {
+        std::vector<Minimum> minima;
+        for (int i = 0; i < rows; ++i)
+            for (int k = 0; k < columns; ++k)
+                if (is_least(i, k)) minima.push_back({value(i, k), point(i, k)});
+        std::ranges::stable_sort(minima, {}, &Minimum::deviation);
+        return minima;
+    }
+
+private:
+    static constexpr int rows = 11, columns = 13;
+    [[nodiscard]] ResinPoint point(int i, int k) const {
+        return {first_.v + i * step_.v, first_.ln_sigma_t + k * step_.ln_sigma_t};
+    }
+    [[nodiscard]] double value(int i, int k) const { return values_[static_cast<std::size_t>(i * columns + k)]; }
+    [[nodiscard]] bool is_least(int i, int k) const {
+        for (int y = std::max(i - 1, 0); y <= std::min(i + 1, rows - 1); ++y)
+            for (int x = std::max(k - 1, 0); x <= std::min(k + 1, columns - 1); ++x)
+                if (value(y, x) < value(i, k)) return false;
+        return true;
+    }
+
+    ResinPoint first_, step_;
+    std::vector<double> values_;
+};
+
+/// The least of nine points around the best so far, four times, each time half as far apart.
+template <class Deviation>
+ResinPoint zoom_in(Minimum best, const ResinPoint& step, const ResinBounds& bounds, Deviation deviation) {
+    double v_half = step.v / 2, s_half = step.ln_sigma_t / 2;
+    for (int zoom = 0; zoom < 4; ++zoom, v_half /= 2, s_half /= 2) {
+        const ResinPoint middle = best.point;
+        for (int i = -1; i <= 1; ++i)
+            for (int k = -1; k <= 1; ++k) {
+                const ResinPoint point = clamped({middle.v + i * v_half, middle.ln_sigma_t + k * s_half}, bounds);
+                const double d = deviation(point);
+                if (d < best.deviation) best = {d, point};
+            }
+    }
+    return best.point;
 }
 
 }  // namespace
@@ -215,12 +309,18 @@ Principles::Principles(const PatchTable& table, const TargetRoles& roles, const 
 
 ChannelStart Principles::start(std::size_t channel) const {
     const std::size_t count = roles_->roles.size();
-    ChannelStart start{std::vector<ResinPoint>(count, ResinPoint{0.5, std::log(5.0)}),
-                       std::vector<std::vector<ResinPoint>>(count)};
-    std::vector<ResinPoint>& at = start.resins;
-    const double low = std::log(bounds_.least_sigma_t), high = std::log(bounds_.most_sigma_t);
+    ChannelStart start{Resins(count, ResinPoint{0.5, std::log(5.0)}), std::vector<Resins>(count)};
+    find_base_albedos(channel, start.resins);
+    find_base_extinctions(channel, start.resins);
+    refine_base_extinctions(channel, start.resins);
+    for (std::size_t role = 0; role < count; ++role)
+        if (!roles_->is_base(role) && !roles_->is_clear(role))
+            start.alternatives[role] = find_resin(role, channel, start.resins);
+    return start;
+}
 
-    // Principle 1: rho falls monotonically with v.
+/// Principle 1, by bisection: rho falls monotonically with v.
+void Principles::find_base_albedos(std::size_t channel, Resins& at) const {
     for (const std::size_t base : roles_->bases) {
         Search search(*this, self_[base], channel, at);
         double light = bounds_.least_v, dark = bounds_.most_v;
@@ -229,88 +329,50 @@ ChannelStart Principles::start(std::size_t channel) const {
             (search.predicted() > search.measured() ? light : dark) = at[base].v;
         }
     }
+}
 
-    // Principle 2, first each base by its square upon another, then all by every mixture of bases.
-    const auto line = [&](Search& search, double& value, double from, double to, int steps, int zooms) {
-        for (int zoom = 0; zoom <= zooms; ++zoom) {
-            double best = from, least = std::numeric_limits<double>::infinity();
-            const double step = (to - from) / steps;
-            for (int k = 0; k <= steps; ++k) {
-                value = from + k * step;
-                const double d = search.deviation();
-                if (d < least) least = d, best = value;
-            }
-            value = best;
-            from = std::max(low, best - step), to = std::min(high, best + step);
-            steps = 4;
-        }
-    };
+/// Principle 2, each base by its square upon another.
+void Principles::find_base_extinctions(std::size_t channel, Resins& at) const {
+    const LogExtinctions range(bounds_);
     for (const std::size_t base : roles_->bases) {
         Search search(*this, cross_[base], channel, at);
         if (search.empty()) continue;
         search.keep_bases();
-        line(search, at[base].ln_sigma_t, low, high, 20, 2);
+        search_line(search, at[base].ln_sigma_t, range, range, 20, 2);
     }
-    Search mixtures(*this, mixed_bases_, channel, at);
-    if (!mixtures.empty()) mixtures.keep_bases();
-    // Dark bases first: pure squares say least of them.
-    for (int round = 0; round < 3 && !mixtures.empty(); ++round)
+}
+
+/// Principle 2, all bases by every mixture of them; dark ones first: pure squares say least of them.
+void Principles::refine_base_extinctions(std::size_t channel, Resins& at) const {
+    Search search(*this, mixed_bases_, channel, at);
+    if (search.empty()) return;
+    search.keep_bases();
+    const LogExtinctions range(bounds_);
+    for (int round = 0; round < 3; ++round)
         for (auto base = roles_->bases.rbegin(); base != roles_->bases.rend(); ++base) {
             double& value = at[*base].ln_sigma_t;
             if (round == 0)
-                line(mixtures, value, low, high, 20, 1);
+                search_line(search, value, range, range, 20, 1);
             else
-                line(mixtures, value, std::max(low, value - 0.4), std::min(high, value + 0.4), 8, 1);
+                search_line(search, value, range.around(value, 0.4), range, 8, 1);
         }
+}
 
-    // Principle 3.
-    for (std::size_t role = 0; role < count; ++role) {
-        if (roles_->is_base(role) || roles_->is_clear(role)) continue;
-        Search search(*this, rest_[role], channel, at);
-        if (search.empty()) continue;
-        search.keep_bases();
-        constexpr int rows = 11, columns = 13;
-        const double v_step = (bounds_.most_v - bounds_.least_v) / (rows - 1), s_step = (high - low) / (columns - 1);
-        std::array<std::array<double, columns>, rows> deviation{};
-        const auto point = [&](int i, int k) { return ResinPoint{bounds_.least_v + i * v_step, low + k * s_step}; };
-        for (int i = 0; i < rows; ++i)
-            for (int k = 0; k < columns; ++k) {
-                at[role] = point(i, k);
-                deviation[static_cast<std::size_t>(i)][static_cast<std::size_t>(k)] = search.deviation();
-            }
-        const auto value = [&](int i, int k) {
-            return deviation[static_cast<std::size_t>(i)][static_cast<std::size_t>(k)];
-        };
-        std::vector<std::pair<double, ResinPoint>> minima;
-        for (int i = 0; i < rows; ++i)
-            for (int k = 0; k < columns; ++k) {
-                bool least = true;
-                for (int di = -1; di <= 1; ++di)
-                    for (int dk = -1; dk <= 1; ++dk) {
-                        const int y = i + di, x = k + dk;
-                        if ((di != 0 || dk != 0) && y >= 0 && y < rows && x >= 0 && x < columns &&
-                            value(y, x) < value(i, k))
-                            least = false;
-                    }
-                if (least) minima.emplace_back(value(i, k), point(i, k));
-            }
-        std::ranges::stable_sort(minima, {}, [](const auto& m) { return m.first; });
-        // The deepest on finer and finer grids.
-        ResinPoint best = minima.front().second;
-        double least = minima.front().first, v_half = v_step / 2, s_half = s_step / 2;
-        for (int zoom = 0; zoom < 4; ++zoom, v_half /= 2, s_half /= 2) {
-            const ResinPoint middle = best;
-            for (int i = -1; i <= 1; ++i)
-                for (int k = -1; k <= 1; ++k) {
-                    at[role] = clamped({middle.v + i * v_half, middle.ln_sigma_t + k * s_half}, bounds_);
-                    const double d = search.deviation();
-                    if (d < least) least = d, best = at[role];
-                }
-        }
-        at[role] = best;
-        for (std::size_t m = 1; m < minima.size() && m < 4; ++m) start.alternatives[role].push_back(minima[m].second);
-    }
-    return start;
+/// Principle 3: all local minima on a coarse grid, the deepest of them then on finer and finer ones.
+Principles::Resins Principles::find_resin(std::size_t role, std::size_t channel, Resins& at) const {
+    Search search(*this, rest_[role], channel, at);
+    if (search.empty()) return {};
+    search.keep_bases();
+    const auto deviation = [&](const ResinPoint& point) {
+        at[role] = point;
+        return search.deviation();
+    };
+    const DeviationGrid grid(bounds_, deviation);
+    const std::vector<Minimum> minima = grid.local_minima();
+    at[role] = zoom_in(minima.front(), grid.step(), bounds_, deviation);
+    Resins others;
+    for (std::size_t m = 1; m < minima.size() && m < most_minima; ++m) others.push_back(minima[m].point);
+    return others;
 }
 
 }  // namespace voxtone::calibration

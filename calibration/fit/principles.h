@@ -55,6 +55,14 @@ public:
 
 private:
     class Search;
+    using Resins = std::vector<ResinPoint>;  ///< one per role
+
+    void find_base_albedos(std::size_t channel, Resins& at) const;
+    void find_base_extinctions(std::size_t channel, Resins& at) const;
+    void refine_base_extinctions(std::size_t channel, Resins& at) const;
+    /// Gives the local minima that were not taken.
+    [[nodiscard]] Resins find_resin(std::size_t role, std::size_t channel, Resins& at) const;
+
     const PatchTable* table_;
     const TargetRoles* roles_;
     PatchModelOptions options_;

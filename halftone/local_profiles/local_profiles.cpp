@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 #include <span>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -12,6 +13,7 @@
 #include "voxtone/base/error.h"
 #include "voxtone/base/parallel.h"
 #include "voxtone/halftone/local_profiles/banded_blocks.h"
+#include "voxtone/halftone/local_profiles/conjugate_gradient.h"
 
 namespace voxtone::halftone {
 namespace {
@@ -250,29 +252,14 @@ private:
 };
 
 /// Solves Hessian x = -g roughly; how many iterations it took.
-int solve(Problem& problem, const Images& g, Images& x, double tolerance, int most) {
-    const std::size_t n = problem.size();
-    Images r(n), z(n), d(n), h(n);
-    for (std::size_t i = 0; i < n; ++i) r[i] = -g[i];
-    std::fill(x.begin(), x.end(), 0.0);
-    problem.precondition(r, z);
-    d = z;
-    double rz = problem.sum([&](std::size_t i) { return r[i] * z[i]; });
-    const double enough = tolerance * tolerance * rz;
-    int iteration = 0;
-    while (iteration < most && rz > enough) {
-        problem.multiply(d, h);
-        const double curvature = problem.sum([&](std::size_t i) { return d[i] * h[i]; });
-        if (!(curvature > 0)) break;  // rounding
-        const double step = rz / curvature;
-        for (std::size_t i = 0; i < n; ++i) x[i] += step * d[i], r[i] -= step * h[i];
-        problem.precondition(r, z);
-        const double next = problem.sum([&](std::size_t i) { return r[i] * z[i]; });
-        for (std::size_t i = 0; i < n; ++i) d[i] = z[i] + next / rz * d[i];
-        rz = next;
-        ++iteration;
-    }
-    return iteration;
+int newton_step(Problem& problem, const Images& g, Images& x, double tolerance, int most) {
+    Images downhill(g.size());
+    for (std::size_t i = 0; i < g.size(); ++i) downhill[i] = -g[i];
+    return conjugate_gradient(
+        std::move(downhill), x, [&](const Images& d, Images& out) { problem.multiply(d, out); },
+        [&](const Images& r, Images& out) { problem.precondition(r, out); },
+        [&](const Images& a, const Images& b) { return problem.sum([&](std::size_t i) { return a[i] * b[i]; }); },
+        tolerance, most);
 }
 
 /// Newton's steps, halved where they go too far.
@@ -287,7 +274,8 @@ Images minimise(Problem& problem, const LocalProfileOptions& options, FactorSumm
         summary.converged = summary.residual <= options.tolerance;
         if (summary.converged || summary.steps == options.max_steps) return p;
         problem.prepare_blocks();
-        summary.iterations += solve(problem, g, step, std::clamp(summary.residual, 0.01, 0.1), options.max_iterations);
+        summary.iterations +=
+            newton_step(problem, g, step, std::clamp(summary.residual, 0.01, 0.1), options.max_iterations);
         const double slope = problem.sum([&](std::size_t i) { return g[i] * step[i]; });
         double length = 1, next = 0;
         const double rounding = 1e-13 * std::abs(value);

@@ -21,7 +21,7 @@
 //
 // All that counts of the data is therefore its light by point and knot; R' factors into images sqrt(P(., r)), one per
 // distinct r, and each product with the matrix is a sum over rings. No pair is ever held as a matrix entry. Conjugate
-// gradients with the exact block of each point as preconditioner (K x K, five bands).
+// gradients (conjugate_gradient.h) with the exact block of each point as preconditioner (K x K, five bands).
 //
 // Time: 256 x 256 points, radius 10: docs/heterogeneous.md. Memory: 16 bytes x points x (rings + 7 knots). The same
 // bits for any number of threads. Where a ring has few counts P is noisy, and its mean over points too bright, although

@@ -4,12 +4,17 @@
 // in PCM", IEEE Trans. Inf. Theory 28, 1982) from the start of D. Arthur and S. Vassilvitskii ("k-means++", SODA 2007).
 //
 // Profiles are compared by the roots of their light by knot, over all channels:
-//   d^2 = sum over channels and knots (sqrt(L_a) - sqrt(L_b))^2,   L = light of the rings around the knot
-//   (light_by_knot)
-// (twice the squared Hellinger distance). So light counts and not the value per mm^2, which only the entry has much of;
-// tails that light goes far in count more than their share, as the eye sees them; and the noise of counts is the same
-// everywhere. A group's profile is the square of the mean of its members' roots: what pairs of points show are products
-// of roots, so light is kept where it is seen (a mean of P would be too bright, by the noise of P too).
+//
+//   d^2 = sum over channels and knots (sqrt(L_a) - sqrt(L_b))^2
+//
+// with L the light of the rings around the knot (light_by_knot): twice the squared Hellinger distance. So light counts
+// and not the value per mm^2, which only the entry has much of; tails that light goes far in count more than their
+// share, as the eye sees them; and the noise of counts is the same everywhere. A group's profile is the square of the
+// mean of its members' roots: what pairs of points show are products of roots, so light is kept where it is seen (a
+// mean of P would be too bright, by the noise of P too).
+//
+// Lloyd's algorithm is a page of code; a library's would draw from a generator with a state and add up in an order of
+// its own, where the same groups are wanted to the bit for any number of threads.
 #pragma once
 
 #include <cstddef>

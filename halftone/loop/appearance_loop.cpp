@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <utility>
 
 #include <fmt/core.h>
@@ -14,9 +15,9 @@
 #include "voxtone/halftone/loop/eye_filter.h"
 #include "voxtone/halftone/loop/map_targets.h"
 #include "voxtone/halftone/loop/misfit.h"
+#include "voxtone/halftone/loop/relative_colours.h"
 #include "voxtone/halftone/loop/residual_feedback.h"
-#include "voxtone/optics/colour/spectral_colour.h"
-#include "voxtone/optics/scene/area_summary.h"
+#include "voxtone/halftone/loop/seen_error.h"
 #include "voxtone/optics/scene/surface_smoothing.h"
 
 namespace voxtone::halftone {
@@ -28,6 +29,18 @@ using Colours = std::vector<Eigen::Vector3f>;
 /// In the misfit of a cell whose target lies out of the gamut: its error remains whatever is done. 1 and 0.25 were
 /// tried (img_marble, img_hubble: a quarter is better in both).
 constexpr float out_of_gamut_weight = 0.25f;
+
+/// Another step of feedback is worth its price while the mean error as seen falls by 3 %; what makes it fall by less at
+/// once is no good. On what the figure was chosen is not recorded.
+constexpr double worthwhile = 0.97;
+
+/// Feedback's gain is multiplied by this after each step that overshot. On what it was chosen is not recorded.
+constexpr float gain_after_overshoot = 0.6f;
+
+/// A loop without a limit ends when this many steps in a row do not bring the best mean below `least_gain` times the
+/// best one before them. Descent swings, so it is given more of them.
+constexpr std::size_t patience_of_descent = 5, patience_of_feedback = 3;
+constexpr double least_gain = 0.99;
 
 /// k of the misfit. Of 0, 0.3, 0.4, 0.5, 0.7 type comes out at 0.27, 0.41, 0.50, 0.55, 0.64 of its contrast (open loop
 /// 0.58) with mean errors as seen of 4.3, 4.7, 5.1, 5.4, 7.6 (10.2), img_kodim23 at 2.4, 2.5, 2.5, 2.7, 3.6 (6.6); by
@@ -48,51 +61,6 @@ DescentOptions first_rates(double mean) {
     options.shared_rate = std::max(options.least_rate, part * options.shared_rate);
     return options;
 }
-
-/// A model's answers as colours.
-class Viewer {
-public:
-    Viewer(const LoopTask& task, bool relative, const Progress& progress)
-        : channels_(task.scene.resins->channels.size()),
-          weights_(optics::linear_srgb_weights(task.scene.resins->channels.wavelengths_nm).cast<float>()) {
-        if (!relative) return;
-        white = task.model->predict(task.scene, *task.surface, &progress).value;
-    }
-    [[nodiscard]] Colours colours(const optics::Appearance& seen) const {
-        Colours rgb(seen.value.size() / channels_);
-        parallel_for(0, rgb.size(), 4096, [&](std::size_t i) {
-            Eigen::VectorXf value(static_cast<Eigen::Index>(channels_));
-            for (std::size_t c = 0; c < channels_; ++c) {
-                const std::size_t at = i * channels_ + c;
-                // A place without any light, which white can do nothing about, is black.
-                value[static_cast<Eigen::Index>(c)] = white.empty()   ? seen.value[at]
-                                                      : white[at] > 0 ? seen.value[at] / white[at]
-                                                                      : 0;
-            }
-            rgb[i] = weights_ * value;
-        });
-        return rgb;
-    }
-    /// d F / d value from d F / d colour.
-    [[nodiscard]] std::vector<float> by_value(std::span<const Eigen::Vector3f> by_colour) const {
-        std::vector<float> out(by_colour.size() * channels_);
-        parallel_for(0, by_colour.size(), 4096, [&](std::size_t i) {
-            const Eigen::VectorXf by = weights_.transpose() * by_colour[i];
-            for (std::size_t c = 0; c < channels_; ++c) {
-                const std::size_t at = i * channels_ + c;
-                out[at] = white.empty()   ? by[static_cast<Eigen::Index>(c)]
-                          : white[at] > 0 ? by[static_cast<Eigen::Index>(c)] / white[at]
-                                          : 0;
-            }
-        });
-        return out;
-    }
-    std::vector<float> white;
-
-private:
-    std::size_t channels_;
-    Eigen::Matrix3Xf weights_;
-};
 
 /// What light below the surface spreads over, about: a Gaussian, made when it is first asked for.
 class Neighbourhood {
@@ -116,44 +84,6 @@ private:
     std::optional<optics::SurfaceSmoothing> smoothing_;
 };
 
-/// Errors against the target as it was asked for, over the cells in the gamut.
-class Judge {
-public:
-    Judge(const optics::Surface& surface, std::span<const Eigen::Vector3f> target, const std::vector<char>& counts,
-          double distance_mm)
-        : surface_(surface),
-          eye_(surface, distance_mm, EyeSurround::none),
-          target_(target),
-          seen_target_(eye_.filter(target)),
-          counts_(counts) {}
-
-    void operator()(const Colours& rgb, LoopStep& step) const {
-        step.cells = errors(target_, rgb);
-        step.seen = errors(seen_target_, eye_.filter(rgb));
-    }
-
-    [[nodiscard]] const EyeFilter& eye() const { return eye_; }
-
-private:
-    [[nodiscard]] optics::DifferenceSummary errors(std::span<const Eigen::Vector3f> target,
-                                                   std::span<const Eigen::Vector3f> rgb) const {
-        std::vector<double> difference(target.size());
-        parallel_for(0, target.size(), 1024, [&](std::size_t i) {
-            const auto lab = [](const Eigen::Vector3f& v) {
-                return optics::lab_from_linear_srgb(v.cast<double>().cwiseMax(0));
-            };
-            difference[i] = counts_[i] ? optics::ciede2000(lab(target[i]), lab(rgb[i])) : 0;
-        });
-        return optics::summarize_by_area(surface_, difference, counts_);
-    }
-
-    const optics::Surface& surface_;
-    EyeFilter eye_;
-    std::span<const Eigen::Vector3f> target_;
-    Colours seen_target_;
-    const std::vector<char>& counts_;
-};
-
 /// Marks the cells whose target the resins can show; all where none is.
 std::vector<char> cells_in_gamut(const SurfaceFirst& recipes, std::span<const Eigen::Vector3f> target) {
     constexpr double visible = 1;  // CIEDE2000
@@ -168,11 +98,11 @@ void expect_finite(std::span<const Eigen::Vector3f> target) {
     for (const Eigen::Vector3f& rgb : target) VOXTONE_EXPECT(rgb.allFinite());
 }
 
-/// Of the steps by `method`; 0: of all. Infinite where there is none.
-double least_mean(const std::vector<LoopStep>& steps, char method = 0) {
+/// Of the steps by `method`, or of all. Infinite where there is none.
+double least_mean(const std::vector<LoopStep>& steps, std::optional<LoopMethod> method = {}) {
     double mean = std::numeric_limits<double>::infinity();
     for (const LoopStep& step : steps)
-        if (method == 0 || step.method == method) mean = std::min(mean, step.seen.mean);
+        if (!method || step.method == *method) mean = std::min(mean, step.seen.mean);
     return mean;
 }
 
@@ -189,13 +119,14 @@ void follow(SkinMixtures& recent, const SkinMixtures& now) {
 float feedback_gain(const std::vector<LoopStep>& steps) {
     float gain = 1;
     for (std::size_t i = 1; i < steps.size(); ++i)
-        if (steps[i].seen.mean > steps[i - 1].seen.mean) gain *= 0.6f;
+        if (steps[i].seen.mean > steps[i - 1].seen.mean) gain *= gain_after_overshoot;
     return gain;
 }
 
-/// True where the last `patience` steps did not improve the best mean before them by 1 %.
-bool stopped_gaining(const std::vector<LoopStep>& steps, char method, std::size_t patience) {
-    constexpr double gain = 0.99;
+/// True where the last steps, as many as the patience with the method that made the last one, gained too little.
+bool stopped_gaining(const std::vector<LoopStep>& steps) {
+    const LoopMethod method = steps.back().method;
+    const std::size_t patience = method == LoopMethod::descent ? patience_of_descent : patience_of_feedback;
     const auto made = static_cast<std::size_t>(
         std::count_if(steps.begin(), steps.end(), [&](const LoopStep& s) { return s.method == method; }));
     if (made < patience + 1) return false;
@@ -205,25 +136,262 @@ bool stopped_gaining(const std::vector<LoopStep>& steps, char method, std::size_
         return mean;
     };
     const auto middle = steps.end() - static_cast<std::ptrdiff_t>(patience);
-    return least(middle, steps.end()) > gain * least(steps.begin(), middle);
+    return least(middle, steps.end()) > least_gain * least(steps.begin(), middle);
+}
+
+const char* name_of(LoopMethod method) {
+    switch (method) {
+        case LoopMethod::open_loop:
+            return "open loop";
+        case LoopMethod::feedback:
+            return "feedback";
+        case LoopMethod::descent:
+            break;
+    }
+    return "descent";
 }
 
 std::string report_line(const LoopState& state, int most) {
     const LoopStep& step = state.steps.back();
     const double left_s = std::max(0, most - step.iteration) * step.seconds;
-    const char* const method = step.method == 'o' ? "open loop" : step.method == 'f' ? "feedback" : "descent";
     return fmt::format(
         "iteration {} ({}): mean error as seen {:.2f}, median {:.2f} (open loop {:.2f}, {:.2f}), {:.1f} s; at most "
         "{:.0f} s left",
-        step.iteration, method, step.seen.mean, step.seen.median, state.steps.front().seen.mean,
+        step.iteration, name_of(step.method), step.seen.mean, step.seen.median, state.steps.front().seen.mean,
         state.steps.front().seen.median, step.seconds, left_s);
+}
+
+/// A loop while it runs: what one task keeps, the print that was predicted last, and the state that grows.
+class LoopRun {
+public:
+    LoopRun(const LoopTask& task, const LoopOptions& options, Progress& progress, const LoopListener& listener);
+
+    void predict_open_loop();
+    void resume(const LoopState& state) { state_ = state; }
+    /// Until all iterations are made, or nothing is gained any more, or the work is cancelled.
+    void iterate();
+    [[nodiscard]] LoopResult finish();
+
+private:
+    [[nodiscard]] int iterations_made() const { return static_cast<int>(state_.steps.size()) - 1; }
+    [[nodiscard]] bool descending() const { return state_.descent.mixtures.cells() != 0; }
+    [[nodiscard]] double last_mean() const { return state_.steps.back().seen.mean; }
+    [[nodiscard]] Eigen::Vector3f into_gamut(const Eigen::Vector3f& rgb) const { return recipes_.into_gamut(rgb); }
+    [[nodiscard]] const EyeFilter& wide_filter();
+    [[nodiscard]] Colours mapped_target();
+    [[nodiscard]] std::vector<float> appearance_of_white() const;
+    void prepare_misfit();
+
+    void feedback_step();
+    void descent_step();
+    void begin_descent_from_best_control(bool last_was_best);
+    void predict(optics::ResinVolume volume, LoopMethod method);
+    void keep_if_best(const SkinMixtures& mixtures);
+    void correct_control();
+    [[nodiscard]] bool move_downhill();
+    [[nodiscard]] bool gains_no_more() const;
+
+    const LoopTask& task_;
+    const LoopOptions& options_;
+    Progress& progress_;
+    const LoopListener& listener_;
+    const SurfaceFirst& recipes_;
+    const int most_;
+    std::vector<char> in_gamut_;
+    std::optional<EyeFilter> wide_;
+    const Colours target_;  ///< as the resins can show it on a thick body
+    std::vector<float> white_;
+    const RelativeColours relative_;
+    const SeenError error_;
+    const std::unique_ptr<optics::AppearanceSequence> sequence_;
+    Neighbourhood around_;
+    std::optional<MisfitFunction> misfit_;
+    bool has_gradient_;  ///< and it is wanted: what comes after feedback is descent
+    Stopwatch watch_;
+
+    LoopState state_;
+    Colours rgb_;                ///< of the last print
+    optics::ResinVolume print_;  ///< the sequence looks at it again for the gradient
+    double saturated_share_ = 0;
+    bool cancelled_ = false;
+    std::string why_stopped_;
+};
+
+LoopRun::LoopRun(const LoopTask& task, const LoopOptions& options, Progress& progress, const LoopListener& listener)
+    : task_(task),
+      options_(options),
+      progress_(progress),
+      listener_(listener),
+      recipes_(*task.recipes),
+      most_(options.iterations < 0 ? most_iterations : options.iterations),
+      in_gamut_(cells_in_gamut(recipes_, task.target)),
+      target_(mapped_target()),
+      white_(appearance_of_white()),
+      relative_(task.scene.resins->channels, white_),
+      error_(*task.surface, task.target, in_gamut_, options.viewing_distance_mm),
+      sequence_(task.model->sequence(task.scene, *task.surface)),
+      around_(*task.surface),
+      has_gradient_(options.descent && task.by_mixtures) {
+    progress_.begin_stage("appearance loop", static_cast<std::uint64_t>(most_) + 1, "predictions");
+    prepare_misfit();
+}
+
+const EyeFilter& LoopRun::wide_filter() {
+    if (!wide_) wide_.emplace(*task_.surface, wider * options_.viewing_distance_mm, EyeSurround::none);
+    return *wide_;
+}
+
+Colours LoopRun::mapped_target() {
+    return map_targets(
+        task_.target, [this](const Eigen::Vector3f& rgb) { return into_gamut(rgb); },
+        [this]() -> const EyeFilter& { return wide_filter(); });
+}
+
+std::vector<float> LoopRun::appearance_of_white() const {
+    if (options_.intent == Intent::absolute) return {};
+    return task_.model->predict(task_.scene, *task_.surface, &progress_).value;
+}
+
+void LoopRun::prepare_misfit() {
+    if (!has_gradient_) {
+        wide_.reset();
+        return;
+    }
+    std::vector<float> weight(target_.size(), 1.0f);
+    for (std::size_t i = 0; i < target_.size(); ++i)
+        if (!in_gamut_[i]) weight[i] = out_of_gamut_weight;
+    misfit_.emplace(*task_.surface, error_.eye(), target_, weight, &wide_filter(), contrast_part(options_.intent));
+}
+
+void LoopRun::predict_open_loop() {
+    predict(task_.open_loop(), LoopMethod::open_loop);
+    state_.open = state_.shown = rgb_;
+    state_.drive = state_.start_drive = target_;
+    correct_control();
+    if (listener_) listener_(state_);
+}
+
+void LoopRun::iterate() {
+    why_stopped_ = "all iterations were made";
+    try {
+        while (iterations_made() < most_) {
+            if (descending())
+                descent_step();
+            else
+                feedback_step();
+            if (gains_no_more()) {
+                why_stopped_ = "it stopped gaining";
+                return;
+            }
+            if (listener_) listener_(state_);
+        }
+    } catch (const Cancelled&) {
+        cancelled_ = true;
+        why_stopped_ = "it was stopped";
+    }
+}
+
+/// Prints the control colours, and decides what comes next: another correction, the target itself, or the descent.
+void LoopRun::feedback_step() {
+    const double least = least_mean(state_.steps), least_by_feedback = least_mean(state_.steps, LoopMethod::feedback);
+    const SkinMixtures mixtures = mixtures_of(recipes_, state_.drive);
+    predict(task_.realise(mixtures), LoopMethod::feedback);
+    keep_if_best(mixtures);
+    const bool best_by_feedback = last_mean() < least_by_feedback;
+    if (best_by_feedback) state_.start_drive = state_.drive;
+    if (has_gradient_ && iterations_made() < most_) {
+        const bool no_good = state_.steps[1].seen.mean >= worthwhile * state_.steps[0].seen.mean;
+        if (no_good && iterations_made() == 1) {
+            // Pages of type are better off without feedback, dark pictures are not: look at both.
+            state_.drive = target_;
+            return;
+        }
+        const bool gained = last_mean() < worthwhile * least;
+        if (!gained || no_good || iterations_made() >= feedback_iterations)
+            begin_descent_from_best_control(best_by_feedback);
+    }
+    if (!descending()) correct_control();
+}
+
+/// The gradient is at hand if the last print was the one to start from.
+void LoopRun::begin_descent_from_best_control(bool last_was_best) {
+    state_.descent = begin_descent(mixtures_of(recipes_, state_.start_drive),
+                                   first_rates(least_mean(state_.steps, LoopMethod::feedback)));
+    if (last_was_best) has_gradient_ = move_downhill();
+    if (!has_gradient_) state_.descent = {};
+}
+
+/// Prints where the descent has come to, the last time the running mean, and moves on.
+void LoopRun::descent_step() {
+    SkinMixtures mixtures = printed(state_.descent.mixtures);
+    follow(state_.recent, mixtures);
+    if (iterations_made() + 1 == most_) mixtures = state_.recent;
+    predict(task_.realise(mixtures), LoopMethod::descent);
+    keep_if_best(mixtures);
+    has_gradient_ = move_downhill();
+    if (!has_gradient_) state_.descent = {};
+}
+
+void LoopRun::predict(optics::ResinVolume volume, LoopMethod method) {
+    print_ = std::move(volume);
+    rgb_ = relative_.colours(sequence_->next(print_, &progress_));
+    LoopStep step;
+    step.iteration = static_cast<int>(state_.steps.size());
+    step.method = method;
+    step.cells = error_.of_cells(rgb_);
+    step.seen = error_.as_seen(rgb_);
+    step.stuck_share = saturated_share_;
+    step.seconds = watch_.lap();
+    state_.steps.push_back(step);
+    progress_.note(report_line(state_, most_));
+    progress_.advance();
+}
+
+void LoopRun::keep_if_best(const SkinMixtures& mixtures) {
+    if (!(last_mean() < state_.steps[state_.best].seen.mean)) return;
+    state_.best = state_.steps.size() - 1;
+    state_.best_mixtures = mixtures;
+    state_.shown = rgb_;
+}
+
+void LoopRun::correct_control() {
+    Colours relaxed(rgb_.size());
+    const std::size_t saturated = feed_back(
+        target_, rgb_, [this](const Eigen::Vector3f& rgb) { return into_gamut(rgb); },
+        {.gain = feedback_gain(state_.steps)}, state_.drive, relaxed);
+    saturated_share_ = rgb_.empty() ? 0 : double(saturated) / double(rgb_.size());
+}
+
+/// One step of the descent from the last print. False where the model has no gradient.
+bool LoopRun::move_downhill() {
+    const std::vector<float> seed = relative_.adjoint((*misfit_)(rgb_).by_colour);
+    std::vector<float> by_mixtures = task_.by_mixtures(
+        [&](const LoopTask::GradientVisitor& visit) { return sequence_->gradient(seed, visit, &progress_); });
+    if (by_mixtures.empty()) return false;
+    descend(
+        std::move(by_mixtures), {}, [this](Colours& values) { around_.smooth(values); }, state_.descent);
+    return true;
+}
+
+/// Only a loop without a limit stops by itself, and not while a descent may still follow.
+bool LoopRun::gains_no_more() const {
+    const bool last_method = state_.steps.back().method == LoopMethod::descent || !has_gradient_;
+    return options_.iterations < 0 && last_method && stopped_gaining(state_.steps);
+}
+
+LoopResult LoopRun::finish() {
+    progress_.end_stage();
+    LoopResult result{std::move(state_), std::move(in_gamut_),    std::move(white_),
+                      cancelled_,        std::move(why_stopped_), std::nullopt};
+    if (result.state.best > 0) result.best = result.state.best_mixtures;
+    return result;
 }
 
 }  // namespace
 
-SkinMixtures mixtures_of(const SurfaceFirst& recipes, std::span<const Eigen::Vector3f> drive) {
-    SkinMixtures skin(drive.size(), recipes.layers().size(), recipes.resins());
-    parallel_for(0, drive.size(), 256, [&](std::size_t i) { recipes.recipe(drive[i], skin.cell(i)); });
+SkinMixtures mixtures_of(const SurfaceFirst& recipes, std::span<const Eigen::Vector3f> control) {
+    SkinMixtures skin(control.size(), recipes.layers().size(), recipes.resins());
+    parallel_for(0, control.size(), 256, [&](std::size_t i) { recipes.separate(control[i], skin.cell(i)); });
     return skin;
 }
 
@@ -232,139 +400,13 @@ LoopResult run_appearance_loop(const LoopTask& task, const LoopOptions& options,
     VOXTONE_EXPECT(task.model && task.scene.volume && task.surface && task.recipes && task.open_loop && task.realise);
     VOXTONE_EXPECT(task.target.size() == task.surface->cells.size());
     expect_finite(task.target);
-    const SurfaceFirst& recipes = *task.recipes;
-    const auto into_gamut = [&](const Eigen::Vector3f& rgb) { return recipes.into_gamut(rgb); };
-    const int most = options.iterations < 0 ? most_iterations : options.iterations;
-
-    LoopResult result;
-    result.in_gamut = cells_in_gamut(recipes, task.target);
-    std::optional<EyeFilter> wide;
-    const auto wide_filter = [&]() -> const EyeFilter& {
-        if (!wide) wide.emplace(*task.surface, wider * options.viewing_distance_mm, EyeSurround::none);
-        return *wide;
-    };
-    const Colours target =
-        map_targets(task.target, into_gamut, wide_filter);  // as the resins can show it on a thick body
-    const Viewer viewer(task, options.intent != Intent::absolute, progress);
-    result.white = viewer.white;
-    const Judge judge(*task.surface, task.target, result.in_gamut, options.viewing_distance_mm);
-    const auto sequence = task.model->sequence(task.scene, *task.surface);
-
-    LoopState& state = result.state;
-    progress.begin_stage("appearance loop", static_cast<std::uint64_t>(most) + 1, "predictions");
-    Stopwatch watch;
-    double stuck_share = 0;
-    Colours rgb;
-    optics::ResinVolume print;  // the sequence looks at it again for the gradient
-    const auto predict = [&](optics::ResinVolume volume, char method) {
-        print = std::move(volume);
-        rgb = viewer.colours(sequence->next(print, &progress));
-        LoopStep step;
-        step.iteration = static_cast<int>(state.steps.size());
-        step.method = method;
-        judge(rgb, step);
-        step.stuck_share = stuck_share;
-        step.seconds = watch.lap();
-        state.steps.push_back(step);
-        progress.note(report_line(state, most));
-        progress.advance();
-    };
-    const auto keep_if_best = [&](const SkinMixtures& mixtures) {
-        if (!(state.steps.back().seen.mean < state.steps[state.best].seen.mean)) return;
-        state.best = state.steps.size() - 1;
-        state.best_mixtures = mixtures;
-        state.shown = rgb;
-    };
-    const auto correct = [&] {
-        Colours eased(rgb.size());
-        const std::size_t stuck =
-            feed_back(target, rgb, into_gamut, {.gain = feedback_gain(state.steps)}, state.drive, eased);
-        stuck_share = rgb.empty() ? 0 : double(stuck) / double(rgb.size());
-    };
-    bool downhill = options.descent && task.by_mixtures;
-    std::vector<float> weight(target.size(), 1.0f);
-    for (std::size_t i = 0; i < target.size(); ++i)
-        if (!result.in_gamut[i]) weight[i] = out_of_gamut_weight;
-    std::optional<MisfitFunction> misfit;
-    if (downhill)
-        misfit.emplace(*task.surface, judge.eye(), target, weight, &wide_filter(), contrast_part(options.intent));
+    LoopRun run(task, options, progress, listener);
+    if (resume)
+        run.resume(*resume);
     else
-        wide.reset();
-    Neighbourhood around(*task.surface);
-    /// False where the model has no gradient.
-    const auto turn_downhill = [&] {
-        const Misfit now_is = (*misfit)(rgb);
-        const std::vector<float> by_value = viewer.by_value(now_is.by_colour);
-        std::vector<float> by_mixtures = task.by_mixtures(
-            [&](const LoopTask::GradientVisitor& visit) { return sequence->gradient(by_value, visit, &progress); });
-        if (by_mixtures.empty()) return false;
-        descend(
-            std::move(by_mixtures), {}, [&](Colours& values) { around.smooth(values); }, state.descent);
-        return true;
-    };
-
-    if (resume) {
-        state = *resume;
-    } else {
-        predict(task.open_loop(), 'o');
-        state.open = state.shown = rgb;
-        state.drive = state.start_drive = target;
-        correct();
-        if (listener) listener(state);
-    }
-    try {
-        result.why_stopped = "all iterations were made";
-        while (static_cast<int>(state.steps.size()) <= most) {
-            const bool feedback = state.descent.mixtures.cells() == 0;
-            SkinMixtures mixtures = feedback ? mixtures_of(recipes, state.drive) : printed(state.descent.mixtures);
-            if (!feedback) {
-                follow(state.recent, mixtures);
-                if (static_cast<int>(state.steps.size()) == most) mixtures = state.recent;
-            }
-            const std::vector<LoopStep> before = state.steps;
-            predict(task.realise(mixtures), feedback ? 'f' : 'd');
-            keep_if_best(mixtures);
-            if (feedback) {
-                // Worth another step while the mean falls by 3 %.
-                const double mean = state.steps.back().seen.mean, least = least_mean(before, 'f');
-                const bool gained =
-                    mean<0.97 * least_mean(before), last = static_cast<int>(state.steps.size())> feedback_iterations;
-                const bool no_good = state.steps[1].seen.mean >= 0.97 * state.steps[0].seen.mean;
-                if (mean < least) state.start_drive = state.drive;
-                const bool more = static_cast<int>(state.steps.size()) <= most;
-                if (downhill && more && no_good && state.steps.size() == 2) {
-                    // Pages of type are better off without feedback, dark pictures are not: look at both.
-                    state.drive = target;
-                    if (listener) listener(state);
-                    continue;
-                }
-                if (downhill && more && (!gained || last || no_good)) {
-                    // From the best by feedback; the gradient is at hand if that was the last one.
-                    state.descent = begin_descent(mixtures_of(recipes, state.start_drive),
-                                                  first_rates(least_mean(state.steps, 'f')));
-                    if (mean < least) downhill = turn_downhill();
-                    if (!downhill) state.descent = {};
-                }
-                if (state.descent.mixtures.cells() == 0) correct();
-            } else if (!turn_downhill()) {
-                downhill = false;
-                state.descent = {};
-            }
-            const char method = state.steps.back().method;
-            if (options.iterations < 0 && (method == 'd' || !downhill) &&
-                stopped_gaining(state.steps, method, method == 'd' ? 5 : 3)) {
-                result.why_stopped = "it stopped gaining";
-                break;
-            }
-            if (listener) listener(state);
-        }
-    } catch (const Cancelled&) {
-        result.cancelled = true;
-        result.why_stopped = "it was stopped";
-    }
-    if (state.best > 0) result.best = state.best_mixtures;
-    progress.end_stage();
-    return result;
+        run.predict_open_loop();
+    run.iterate();
+    return run.finish();
 }
 
 }  // namespace voxtone::halftone

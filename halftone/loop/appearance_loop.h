@@ -6,16 +6,16 @@
 //   (Iser, Rittig, Wilkie 2025, Fig. 2; Elek et al. 2017; Sumin et al. 2019)
 //
 // The unknowns are mixtures by surface cell and depth (skin.h). The first steps make them surface first
-// (surface_first.h) from one colour per cell, its drive, by residual_feedback.h: most of the way for the price of a
-// prediction each, while they gain. Where the model has a gradient, mixture_descent.h goes on from the best of these,
-// for the price of a little more than two: it weighs what cells do to each other. Its steps swing a little about where
-// they lead to, so the last of all iterations is their running mean. docs/benchmarks.md compares the two. What is
+// (surface_first.h) from one colour per cell, its control colour, by residual_feedback.h: most of the way for the price
+// of a prediction each, while they gain. Where the model has a gradient, mixture_descent.h goes on from the best of
+// these, for the price of a little more than two: it weighs what cells do to each other. Its steps swing a little about
+// where they lead to, so the last of all iterations is their running mean. docs/benchmarks.md compares the two. What is
 // predicted are the voxels themselves, as the screen laid them: its error is fed back like any other. Any
 // AppearanceModel serves.
 //
 // Before the first step targets are mapped into the gamut of the resins on a thick body (the separation's mapping: hue
 // kept; local contrast given back, map_targets.h); what a place cannot show because of its neighbours or of what lies
-// behind it is found out on the way and eased.
+// behind it is found out on the way, and targets are relaxed.
 //
 // Errors are CIEDE2000, media-relative, weighed by area, over the cells whose target lies in the gamut (all cells where
 // none does), as they are and after the eye filter (eye_filter.h). The best iterate is that of the smallest mean error
@@ -77,10 +77,17 @@ struct LoopTask {
     std::function<std::vector<float>(const std::function<bool(const GradientVisitor&)>& visit_all)> by_mixtures;
 };
 
+/// What made an iterate; the characters are those of checkpoints.
+enum class LoopMethod : char {
+    open_loop = 'o',
+    feedback = 'f',
+    descent = 'd',
+};
+
 /// Errors of one iterate.
 struct LoopStep {
     int iteration = 0;
-    char method = 'o';                ///< that made it: o open loop, f feedback, d descent
+    LoopMethod method = LoopMethod::open_loop;
     optics::DifferenceSummary seen;   ///< after the eye filter
     optics::DifferenceSummary cells;  ///< as they are
     double stuck_share = 0;           ///< of the cells, at their limits, in the step that made this iterate
@@ -115,7 +122,7 @@ using LoopListener = std::function<void(const LoopState&)>;
 [[nodiscard]] LoopResult run_appearance_loop(const LoopTask& task, const LoopOptions& options, Progress& progress,
                                              const LoopListener& listener = {}, const LoopState* resume = nullptr);
 
-/// Mixtures of every cell for these drives.
-[[nodiscard]] SkinMixtures mixtures_of(const SurfaceFirst& recipes, std::span<const Eigen::Vector3f> drive);
+/// Mixtures of every cell for these control colours.
+[[nodiscard]] SkinMixtures mixtures_of(const SurfaceFirst& recipes, std::span<const Eigen::Vector3f> control);
 
 }  // namespace voxtone::halftone

@@ -34,16 +34,15 @@ std::vector<Gaussian> gaussians(std::size_t channel, EyeSurround surround) {
     return of_channel;
 }
 
-struct Wide {
-    std::size_t channel;
-    float weight;
-    double spread_mm;
-    std::unique_ptr<optics::SurfaceSmoothing> smoothing{};
-};
-
 }  // namespace
 
 struct EyeFilter::Data {
+    struct Wide {
+        std::size_t channel;
+        float weight;
+        double spread_mm;
+        std::unique_ptr<optics::SurfaceSmoothing> smoothing{};
+    };
     std::vector<optics::SurfacePoint> points;
     std::unique_ptr<optics::SurfaceSmoothing> narrow;
     std::array<float, 3> narrow_weight{};  ///< of what the first smoothing gives, per channel
@@ -131,7 +130,7 @@ std::vector<Eigen::Vector3f> EyeFilter::through(const Eigen::Matrix3f& from, con
         }
     });
     std::vector<float> part(count);
-    for (const Wide& w : d.wide) {
+    for (const Data::Wide& w : d.wide) {
         w.smoothing->apply(opponent[w.channel], part, 1);
         parallel_for(0, count, 4096, [&](std::size_t i) { sum[w.channel][i] += w.weight * part[i]; });
     }

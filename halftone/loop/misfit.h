@@ -2,8 +2,8 @@
 //
 // How far a print is from its target, as one number that has a derivative: what the appearance loop goes downhill on.
 //
-//   F = sum over cells i of  a_i ( r_i(E) + gamma r_i(N) + beta r_i(1) ),   r_i(A) = rho(| W (oklab(A p)_i - oklab(A
-//   t)_i) |),
+//   F = sum over cells i of  a_i ( r_i(E) + gamma r_i(N) + beta r_i(1) ),
+//   r_i(A) = rho(| W (oklab(A p)_i - oklab(A t)_i) |),
 //
 // p what is predicted, t the target, a_i the cell's area / mean area times its weight, W = diag(1, 2, 2). E is the eye
 // filter, which averages colour farther than light: a loop that mends colour cell by cell spends itself on what nobody
@@ -15,8 +15,8 @@
 // mended.
 //
 // For contrast's sake the lightness d of the first two differences is replaced by d - k S d, S a Gaussian eight times
-// as wide: what is off over more than a millimetre counts less then, what is off from its surroundings in full. With k
-// = 0 black text on white all but vanishes: light that leaks through white makes strokes pale whatever is done, and a
+// as wide: what is off over more than a millimetre counts less then, what is off from its surroundings in full. With
+// k = 0 black text on white all but vanishes: light that leaks through white makes strokes pale whatever is done, and a
 // little more of it on the wide paper outweighs the few dark strokes.
 #pragma once
 

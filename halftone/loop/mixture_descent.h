@@ -43,8 +43,8 @@ namespace voxtone::halftone {
 /// img_astronaut, img_marble, img_hubble, a page of type and a Siemens star, 20 mm wide (12 iterations;
 /// docs/benchmarks.md, "What the descent looks at").
 struct DescentOptions {
-    float own_rate = 0.36f,
-          most_own_rate = 0.5f;  ///< rate_o: of the first step far from the target, and the most it may become
+    /// rate_o: of the first step far from the target, and the most it may become.
+    float own_rate = 0.36f, most_own_rate = 0.5f;
     float shared_rate = 0.1f, most_shared_rate = 0.7f;  ///< rate_s, likewise
     float least_rate = 0.01f;                           ///< of all
     float slower = 0.4f;                                ///< least factor by which a rate changes in a step

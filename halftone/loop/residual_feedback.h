@@ -3,23 +3,25 @@
 // One step of the appearance loop by residual feedback: where the print is too dark, ask for more light, by as much as
 // it lacks.
 //
-//   drive^(1/3)  <-  drive^(1/3) + gain (target^(1/3) - predicted^(1/3)),   then into the gamut, per cell and channel.
+//   control^(1/3)  <-  control^(1/3) + gain (target^(1/3) - predicted^(1/3)),
 //
-// The drive is the colour that the separation is asked for; it is what a flat print would show. Light that spreads
-// below the surface makes the print blurred by a transfer function M with 0 < M <= 1, so that the error of each spatial
-// frequency shrinks by 1 - gain M in a step. Cube roots make a step of equal size equally visible.
+// then into the gamut, per cell and channel.
+//
+// The control colour of a cell is what the separation is asked for; it is what a flat print would show. Light that
+// spreads below the surface makes the print blurred by a transfer function M with 0 < M <= 1, so that the error of each
+// spatial frequency shrinks by 1 - gain M in a step. Cube roots make a step of equal size equally visible.
 //
 // Local limits. Beside bright places no ink makes a cell dark, beside dark ones no white makes it bright, and each
-// channel has its own limits: drives end at the gamut's edge while the error stays. A channel is stuck when its drive
-// cannot follow the residual by more than half. The other channels then go where the colour, stuck channels as
-// predicted, is nearest to the target:
+// channel has its own limits: control colours end at the gamut's edge while the error stays. A channel is saturated
+// when its control cannot follow the residual by more than half. The other channels then go where the colour, saturated
+// channels as predicted, is nearest to the target:
 //
 //   min over free channels of | W (oklab(v) - oklab(target)) |,   W = diag(1, 2, 2),
 //
-// so that white beside black turns a little grey and not blue. That is the eased target of the cell.
+// so that white beside black turns a little grey and not blue. That is the relaxed target of the cell.
 //
 // Based on the idea of O. Elek et al., "Scattering-aware texture reproduction for 3D printing", ACM TOG 36, 6 (2017);
-// the easing is our own.
+// the relaxation is our own. Gauss-Newton is written out for it: three unknowns, for each saturated cell.
 #pragma once
 
 #include <array>
@@ -35,18 +37,19 @@ namespace voxtone::halftone {
 
 struct FeedbackOptions {
     float gain = 1;           ///< in (0, 2)
-    float most_step = 0.25f;  ///< largest change of a drive's cube root in a step
+    float most_step = 0.25f;  ///< largest change of a control colour's cube root in a step
 };
 
-/// Moves `drive` (linear sRGB per cell, in gamut). `into_gamut` maps any colour in [0, 1]^3 to one that can be shown.
-/// `eased`: what the cell is asked for now (the target where nothing is stuck). Returns how many cells are stuck.
+/// Moves `control` (linear sRGB per cell, in gamut). `into_gamut` maps any colour in [0, 1]^3 to one that can be shown.
+/// `relaxed`: what the cell is asked for now (the target where nothing is saturated). Returns how many cells are
+/// saturated.
 std::size_t feed_back(std::span<const Eigen::Vector3f> target, std::span<const Eigen::Vector3f> predicted,
                       const std::function<Eigen::Vector3f(const Eigen::Vector3f&)>& into_gamut,
-                      const FeedbackOptions& options, std::span<Eigen::Vector3f> drive,
-                      std::span<Eigen::Vector3f> eased);
+                      const FeedbackOptions& options, std::span<Eigen::Vector3f> control,
+                      std::span<Eigen::Vector3f> relaxed);
 
-/// The colour nearest to `target` (Oklab, a and b weighed by 2) whose channels in `stuck` are those of `from`.
+/// The colour nearest to `target` (Oklab, a and b weighed by 2) whose channels in `saturated` are those of `from`.
 [[nodiscard]] Eigen::Vector3f nearest_colour(const Eigen::Vector3f& target, const Eigen::Vector3f& from,
-                                             const std::array<bool, 3>& stuck);
+                                             const std::array<bool, 3>& saturated);
 
 }  // namespace voxtone::halftone

@@ -62,7 +62,7 @@ const float* SurfaceFirst::weights(const Eigen::Vector3f& rgb) const {
     return weight_.data() + at * skins_.size();
 }
 
-void SurfaceFirst::recipe(const Eigen::Vector3f& rgb, std::span<float> fractions) const {
+void SurfaceFirst::separate(const Eigen::Vector3f& rgb, std::span<float> fractions) const {
     VOXTONE_EXPECT(fractions.size() == layers_.size() * resins_);
     std::fill(fractions.begin(), fractions.end(), 0.0f);
     const float* const weight = weights(rgb);

@@ -36,7 +36,7 @@ public:
     [[nodiscard]] const SkinLayers& layers() const { return layers_; }
     [[nodiscard]] std::size_t resins() const { return resins_; }
     /// The mixture of each layer that shows `rgb` (linear sRGB, media-relative, clamped to [0, 1]): layers x resins.
-    void recipe(const Eigen::Vector3f& rgb, std::span<float> fractions) const;
+    void separate(const Eigen::Vector3f& rgb, std::span<float> fractions) const;
     /// The separation for the deepest skin: its gamut is that of all.
     [[nodiscard]] const Separation& deepest() const { return skins_.back()->separation; }
     /// A colour that can be shown stays; others go to the one that the deepest skin shows for them.

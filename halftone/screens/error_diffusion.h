@@ -13,10 +13,10 @@
 // are dropped at fixed layers, every `slab_layers` of the global index: slabs are independent, may be computed in any
 // order, and a range of layers is begun at its slab's first layer. A slab begins from random debts (addressed by the
 // voxel) of the size that is usual in the midst of it, without which its first layer would lack the rarer resins. What
-// a border costs: the debts of one layer. In a field of constant colour, borders included, shares were kept within 0.7
-// % of the volume over cubes of 16^3 voxels and 0.09 % over 64^3 for seven colours of two to five resins with shares
-// from 0.1 to 99 % (tests/halftone/screens/error_diffusion_test.cpp); unlike the blue-noise screen this is a sample,
-// not a bound.
+// a border costs: the debts of one layer. In a field of constant colour, borders included, shares were kept within
+// 0.7 % of the volume over cubes of 16^3 voxels and 0.09 % over 64^3 for seven colours of two to five resins with
+// shares from 0.1 to 99 % (tests/halftone/screens/error_diffusion_test.cpp); unlike the blue-noise screen this is a
+// sample, not a bound.
 #pragma once
 
 #include <array>

@@ -9,7 +9,7 @@
 
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/random.h"
-#include "voxtone/halftone/screens/energy_field.h"
+#include "voxtone/halftone/screens/pattern_energy.h"
 
 namespace voxtone::halftone {
 namespace {
@@ -42,7 +42,7 @@ Period periodic_gaussian(double sigma_voxels) {
 /// Offsets 0 .. 63 on the torus as -31 .. 32 (out of reach).
 int signed_offset(int d) { return d <= size / 2 ? d : d - size; }
 
-EnergyField make_field(const VoidAndClusterOptions& options) {
+PatternEnergy make_energy(const VoidAndClusterOptions& options) {
     const double sigma_mm =
         options.sigma_pitches * std::cbrt(options.pitch_mm[0] * options.pitch_mm[1] * options.pitch_mm[2]);
     std::array<Period, 3> gaussian;
@@ -67,7 +67,7 @@ EnergyField make_field(const VoidAndClusterOptions& options) {
             near.push_back(row);
         }
     const auto far_weight = static_cast<std::int32_t>(std::lround(unit * options.box_weight / overlap_peak));
-    return EnergyField(std::move(near), far_weight, marked_offset);
+    return PatternEnergy(std::move(near), far_weight, marked_offset);
 }
 
 /// `count` voxels without repetition: the head of a shuffled list.
@@ -92,7 +92,7 @@ std::vector<std::uint32_t> void_and_cluster(const VoidAndClusterOptions& options
     const auto stop_if_asked = [&](int step) {
         if (progress && step % 4096 == 0) progress->check_cancelled();
     };
-    EnergyField pattern = make_field(options);
+    PatternEnergy pattern = make_energy(options);
     const int initial = static_cast<int>(initial_share * voxels);
     for (int voxel : random_voxels(initial, options.seed)) pattern.mark(voxel);
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Ranks every voxel of a periodic cube so that the voxels of rank < n lie evenly in space for every n: a blue-noise
-// mask.
+// Ranks the voxels of a periodic cube so that those of rank < n lie evenly in space for every n: a blue-noise mask.
 //
 // Based on: R. Ulichney, "The void-and-cluster method for dither array generation", SPIE 1913 (1993), carried to three
 // dimensions. The energy of a voxel is a sum over all marked voxels of
@@ -16,7 +15,7 @@
 // A random tenth is marked and relaxed (the tightest cluster moves into the largest void until it would move back),
 // then unmarked cluster by cluster (ranks downward) and filled void by void (ranks upward). With a linear filter the
 // method's third phase equals the second. Energies are integers: sums do not drift, and the ranks are the same bits
-// everywhere.
+// everywhere. No library makes such a mask in three dimensions with voxels of unequal sides and a bound on its counts.
 #pragma once
 
 #include <array>

@@ -7,13 +7,16 @@
 // Unknowns are g_r >= 0 with f_r = h(g_r) / sum_s h(g_s), h(g) = g^2 + epsilon g: the sum of the fractions is 1 by
 // itself, only bounds remain. Appearance falls as the square root of a small fraction, so it is nearly straight in g
 // there, and epsilon keeps the derivative at g = 0 from vanishing.
+//
+// Written out, not Ceres's: a lattice asks for 68,921 of these problems of at most eight unknowns and three residuals,
+// and all that a solver allocates and prepares for one would cost more than its few steps of fixed size.
 #pragma once
 
 #include <Eigen/Core>
 
 #include "voxtone/halftone/separation/appearance_colour.h"
 #include "voxtone/halftone/separation/mixture.h"
-#include "voxtone/halftone/separation/separation.h"
+#include "voxtone/halftone/separation/separation_options.h"
 
 namespace voxtone::halftone {
 

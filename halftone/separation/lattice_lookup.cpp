@@ -5,68 +5,7 @@
 #include <array>
 #include <cstdint>
 
-#ifndef VOXTONE_LATTICE_LOOKUP_ONCE
-#define VOXTONE_LATTICE_LOOKUP_ONCE
-// What is the same for every target: four lanes are in every machine's reach.
-namespace voxtone::halftone {
-namespace {
-
-constexpr std::size_t block = 16;
-static_assert(max_resins == 8);
-
-/// The corners of the colours' tetrahedra (offsets into the lattice, in floats) and their weights.
-struct Corners {
-    alignas(64) std::array<float, block> weight[4];
-    alignas(64) std::array<std::int32_t, block> offset[4];
-};
-
-using Four = float __attribute__((vector_size(16)));
-using FourInts = std::int32_t __attribute__((vector_size(16)));
-using FourShorts = std::uint16_t __attribute__((vector_size(8)));
-
-/// The mean of the interpolated shares and the squares of the interpolated roots: resins 0 .. 3 and 4 .. 7.
-inline void blend(const LatticeView& lattice, const Corners& corners, std::size_t i, Four& low, Four& high) {
-    Four root_low{}, root_high{}, square_low{}, square_high{};
-    for (std::size_t corner = 0; corner < 4; ++corner) {
-        const float* node = lattice.root + corners.offset[corner][i];
-        const float weight = corners.weight[corner][i];
-        Four a, b;
-        __builtin_memcpy(&a, node, sizeof a);
-        __builtin_memcpy(&b, node + 4, sizeof b);
-        root_low += weight * a;
-        root_high += weight * b;
-        square_low += weight * a * a;
-        square_high += weight * b * b;
-    }
-    low = 0.5f * (root_low * root_low + square_low);
-    high = 0.5f * (root_high * root_high + square_high);
-}
-
-inline Four running_sum(Four v) {
-    const Four zero{};
-    v += __builtin_shuffle(zero, v, FourInts{0, 4, 5, 6});
-    return v + __builtin_shuffle(zero, v, FourInts{0, 0, 4, 5});
-}
-
-/// Four sums in units of 1 / 65536, rounded, at most 65535.
-inline FourShorts whole(Four sum, float scale) {
-    const Four rounded = sum * scale + 0.5f, most = Four{} + 65535.0f;
-    return __builtin_convertvector(__builtin_convertvector(rounded < most ? rounded : most, FourInts), FourShorts);
-}
-
-/// `all_the_rest`: 65535 from the last resin on, 0 before.
-inline void store_mixture(Four low, Four high, const FourShorts* all_the_rest, std::uint16_t* bound) {
-    low = running_sum(low);
-    high = running_sum(high) + low[3];
-    const float scale = 65536.0f / high[3];
-    const FourShorts a = whole(low, scale) | all_the_rest[0], b = whole(high, scale) | all_the_rest[1];
-    __builtin_memcpy(bound, &a, sizeof a);
-    __builtin_memcpy(bound + 4, &b, sizeof b);
-}
-
-}  // namespace
-}  // namespace voxtone::halftone
-#endif
+#include "voxtone/halftone/separation/scalar_lookup.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "voxtone/halftone/separation/lattice_lookup.cpp"
@@ -80,9 +19,38 @@ HWY_BEFORE_NAMESPACE();
 namespace voxtone::halftone::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
+#if HWY_TARGET == HWY_SCALAR
+
+void look_up_shares(const LatticeView& lattice, float red, float green, float blue, float* shares) {
+    std::ranges::copy(scalar_shares(lattice, red, green, blue), shares);
+}
+
+void look_up_mixtures(const LatticeView& lattice, const float* red, const float* green, const float* blue,
+                      std::size_t n, CumulativeMixture* out) {
+    for (std::size_t i = 0; i < n; ++i) out[i] = scalar_mixture(lattice, red[i], green[i], blue[i]);
+}
+
+#else
+
+/// Colours at once. Their corners are found by vectors as wide as there are; each is then blended by vectors of four
+/// resins, which every vector unit has.
+constexpr std::size_t block = 16;
+static_assert(max_resins == 8);
+
 using Tag = hn::CappedTag<float, block>;
 using IntTag = hn::RebindToSigned<Tag>;
 using Vector = hn::Vec<Tag>;
+
+using FourTag = hn::FixedTag<float, 4>;
+using Four = hn::Vec<FourTag>;
+using FourShortsTag = hn::FixedTag<std::uint16_t, 4>;
+using FourShorts = hn::Vec<FourShortsTag>;
+
+/// The corners of the colours' tetrahedra (offsets into the lattice, in floats) and their weights.
+struct Corners {
+    alignas(64) std::array<float, block> weight[4];
+    alignas(64) std::array<std::int32_t, block> offset[4];
+};
 
 /// Cube root of x in [1e-9, 1], relative error below 1e-6: two of Halley's steps from a bit-level guess.
 HWY_INLINE Vector cube_root(Vector x) {
@@ -122,7 +90,8 @@ HWY_INLINE void order(Vector& part_a, Vector& step_a, Vector& part_b, Vector& st
 /// Tetrahedra that share the diagonal from black to white, so that greys are interpolated between greys: from the
 /// cell's first corner to its last along the axis of the largest part first. Whole numbers below 2^24 are kept as
 /// floats.
-void find_corners(const LatticeView& lattice, const float* red, const float* green, const float* blue, Corners& out) {
+HWY_INLINE void find_corners(const LatticeView& lattice, const float* red, const float* green, const float* blue,
+                             Corners& out) {
     const Tag d;
     const IntTag di;
     const auto nodes = static_cast<float>(lattice.nodes);
@@ -153,51 +122,106 @@ void find_corners(const LatticeView& lattice, const float* red, const float* gre
     }
 }
 
+/// Resins 0 .. 3 and 4 .. 7.
+struct Eight {
+    Four low, high;
+};
+
+/// The mean of the interpolated shares and the squares of the interpolated roots, of one of the block's colours.
+HWY_INLINE Eight blend(const LatticeView& lattice, const Corners& corners, std::size_t i) {
+    const FourTag d;
+    Eight root{hn::Zero(d), hn::Zero(d)}, square = root;
+    const auto add = [&](Four weight, Four a, Four& roots, Four& squares) {
+        const auto weighed = hn::Mul(weight, a);
+        roots = hn::Add(roots, weighed);
+        squares = hn::Add(squares, hn::Mul(weighed, a));
+    };
+    for (std::size_t corner = 0; corner < 4; ++corner) {
+        const float* node = lattice.root + corners.offset[corner][i];
+        const auto weight = hn::Set(d, corners.weight[corner][i]);
+        add(weight, hn::LoadU(d, node), root.low, square.low);
+        add(weight, hn::LoadU(d, node + 4), root.high, square.high);
+    }
+    const auto mean = [&](Four r, Four s) { return hn::Mul(hn::Set(d, 0.5f), hn::Add(hn::Mul(r, r), s)); };
+    return {mean(root.low, square.low), mean(root.high, square.high)};
+}
+
+HWY_INLINE Four running_sum(Four v) {
+    const FourTag d;
+    v = hn::Add(v, hn::ShiftLeftLanes<1>(d, v));
+    return hn::Add(v, hn::ShiftLeftLanes<2>(d, v));
+}
+
+/// Four sums in units of 1 / 65536, rounded, at most 65535.
+HWY_INLINE FourShorts whole(Four sum, Four scale) {
+    const FourTag d;
+    const auto rounded = hn::Add(hn::Mul(sum, scale), hn::Set(d, 0.5f)), most = hn::Set(d, 65535.0f);
+    const auto bounded = hn::IfThenElse(hn::Lt(rounded, most), rounded, most);
+    return hn::DemoteTo(FourShortsTag(), hn::ConvertTo(hn::RebindToSigned<FourTag>(), bounded));
+}
+
+/// `all_the_rest`: 65535 from the last resin on, 0 before.
+HWY_INLINE void store_mixture(const Eight& shares, const std::uint16_t* all_the_rest, std::uint16_t* bound) {
+    const FourTag d;
+    const FourShortsTag ds;
+    const auto low = running_sum(shares.low), high = hn::Add(running_sum(shares.high), hn::Broadcast<3>(low));
+    const auto scale = hn::Div(hn::Set(d, 65536.0f), hn::Broadcast<3>(high));
+    hn::StoreU(hn::Or(whole(low, scale), hn::LoadU(ds, all_the_rest)), ds, bound);
+    hn::StoreU(hn::Or(whole(high, scale), hn::LoadU(ds, all_the_rest + 4)), ds, bound + 4);
+}
+
+void look_up_shares(const LatticeView& lattice, float red, float green, float blue, float* shares) {
+    std::array<std::array<float, block>, 3> colour;
+    colour[0].fill(red);
+    colour[1].fill(green);
+    colour[2].fill(blue);
+    Corners corners;
+    find_corners(lattice, colour[0].data(), colour[1].data(), colour[2].data(), corners);
+    const FourTag d;
+    const Eight blended = blend(lattice, corners, 0);
+    hn::StoreU(blended.low, d, shares);
+    hn::StoreU(blended.high, d, shares + 4);
+}
+
+void look_up_mixtures(const LatticeView& lattice, const float* red, const float* green, const float* blue,
+                      std::size_t n, CumulativeMixture* out) {
+    std::array<std::uint16_t, max_resins> all_the_rest{};
+    std::fill(all_the_rest.begin() + lattice.resins - 1, all_the_rest.end(), std::uint16_t{65535});
+    Corners corners;
+    for (std::size_t first = 0; first < n; first += block) {
+        const std::size_t count = std::min(block, n - first);
+        if (count == block) {
+            find_corners(lattice, red + first, green + first, blue + first, corners);
+        } else {
+            std::array<std::array<float, block>, 3> rest{};
+            std::copy_n(red + first, count, rest[0].begin());
+            std::copy_n(green + first, count, rest[1].begin());
+            std::copy_n(blue + first, count, rest[2].begin());
+            find_corners(lattice, rest[0].data(), rest[1].data(), rest[2].data(), corners);
+        }
+        for (std::size_t i = 0; i < count; ++i)
+            store_mixture(blend(lattice, corners, i), all_the_rest.data(), out[first + i].bound.data());
+    }
+}
+
+#endif
+
 }  // namespace voxtone::halftone::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 namespace voxtone::halftone {
 
-HWY_EXPORT(find_corners);
+HWY_EXPORT(look_up_shares);
+HWY_EXPORT(look_up_mixtures);
 
 void lattice_shares(const LatticeView& lattice, float red, float green, float blue, float* shares) {
-    std::array<std::array<float, block>, 3> colour;
-    colour[0].fill(red);
-    colour[1].fill(green);
-    colour[2].fill(blue);
-    Corners corners;
-    HWY_DYNAMIC_DISPATCH(find_corners)(lattice, colour[0].data(), colour[1].data(), colour[2].data(), corners);
-    Four low, high;
-    blend(lattice, corners, 0, low, high);
-    __builtin_memcpy(shares, &low, sizeof low);
-    __builtin_memcpy(shares + 4, &high, sizeof high);
+    HWY_DYNAMIC_DISPATCH(look_up_shares)(lattice, red, green, blue, shares);
 }
 
 void lattice_mixtures(const LatticeView& lattice, const float* red, const float* green, const float* blue,
                       std::size_t n, CumulativeMixture* out) {
-    std::array<FourShorts, 2> all_the_rest{};
-    for (std::size_t r = static_cast<std::size_t>(lattice.resins) - 1; r < max_resins; ++r)
-        all_the_rest[r / 4][r % 4] = 65535;
-    const auto find = HWY_DYNAMIC_DISPATCH(find_corners);
-    Corners corners;
-    for (std::size_t first = 0; first < n; first += block) {
-        const std::size_t count = std::min(block, n - first);
-        if (count == block) {
-            find(lattice, red + first, green + first, blue + first, corners);
-        } else {
-            std::array<std::array<float, block>, 3> rest{};
-            std::copy_n(red + first, count, rest[0].begin());
-            std::copy_n(green + first, count, rest[1].begin());
-            std::copy_n(blue + first, count, rest[2].begin());
-            find(lattice, rest[0].data(), rest[1].data(), rest[2].data(), corners);
-        }
-        for (std::size_t i = 0; i < count; ++i) {
-            Four low, high;
-            blend(lattice, corners, i, low, high);
-            store_mixture(low, high, all_the_rest.data(), out[first + i].bound.data());
-        }
-    }
+    HWY_DYNAMIC_DISPATCH(look_up_mixtures)(lattice, red, green, blue, n, out);
 }
 
 }  // namespace voxtone::halftone

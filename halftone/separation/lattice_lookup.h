@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // The hot loop of the separation: tetrahedral interpolation in a lattice of mixtures, for many colours. Vector code
-// with run-time dispatch, without fused operations, so that every target gives the same bits.
+// with run-time dispatch, without fused operations, so that every target gives the same bits: those of
+// scalar_lookup.h, which says what is computed.
 #pragma once
 
 #include <cstddef>

@@ -14,8 +14,8 @@ namespace voxtone::halftone {
 inline constexpr int max_resins = 8;
 
 struct CumulativeMixture {
-    std::array<std::uint16_t, max_resins>
-        bound{};  ///< nondecreasing; unused and last entries are 65535 and mean "all the rest"
+    /// Nondecreasing; unused and last entries are 65535 and mean "all the rest".
+    std::array<std::uint16_t, max_resins> bound{};
 };
 
 /// The resin (index into the set) that threshold t selects. `resins` in [1, max_resins].

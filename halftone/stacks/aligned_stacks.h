@@ -18,7 +18,7 @@
 #include <vector>
 
 #include "voxtone/halftone/separation/mixture.h"
-#include "voxtone/halftone/stacks/stack_search.h"
+#include "voxtone/halftone/stacks/stack_options.h"
 
 namespace voxtone::halftone {
 

@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/halftone/stacks/stack_search.h"
+#include "voxtone/halftone/stacks/stack_options.h"
 #include "voxtone/optics/monte_carlo/layer_paths.h"
 #include "voxtone/optics/numerics/hankel.h"
 #include "voxtone/optics/profiles/measured_profile.h"

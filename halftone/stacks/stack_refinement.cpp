@@ -5,9 +5,11 @@
 #include <cmath>
 
 #include <fmt/format.h>
-#include <Eigen/Dense>
+#include <Eigen/Core>
 
 #include "voxtone/base/error.h"
+#include "voxtone/halftone/stacks/hildreth.h"
+#include "voxtone/halftone/stacks/stack_search.h"
 
 namespace voxtone::halftone {
 namespace {
@@ -121,23 +123,7 @@ private:
 /// The step p that minimises p A p / 2 + g p where slope p >= room; cut short where rounding would leave the limits.
 Eigen::VectorXd limited_step(const Eigen::MatrixXd& A, const Eigen::VectorXd& g, const Eigen::MatrixXd& slope,
                              const Eigen::VectorXd& room) {
-    const Eigen::LDLT<Eigen::MatrixXd> solver(A);
-    const Eigen::MatrixXd to_step = solver.solve(slope.transpose());
-    const Eigen::MatrixXd G = slope * to_step;
-    Eigen::VectorXd p = -solver.solve(g), force = Eigen::VectorXd::Zero(room.size());
-    for (int sweep = 0; sweep < 500; ++sweep) {
-        double change = 0;
-        for (Eigen::Index r = 0; r < room.size(); ++r) {
-            if (!(G(r, r) > 0)) continue;
-            const double wanted = std::max(0.0, force[r] - (slope.row(r).dot(p) - room[r]) / G(r, r)),
-                         add = wanted - force[r];
-            if (add == 0) continue;
-            force[r] = wanted;
-            p += add * to_step.col(r);
-            change = std::max(change, add * add * G(r, r));
-        }
-        if (change == 0) break;
-    }
+    const Eigen::VectorXd p = hildreth_minimum(A, g, slope, room);
     double share = 1;
     for (Eigen::Index r = 0; r < room.size(); ++r) {
         const double moved = slope.row(r).dot(p);

@@ -4,10 +4,11 @@
 //
 // Levenberg and Marquardt's least squares on the same distance, under linear limits: no thickness below 0, their sum
 // within thickness_mm, each material as far from the top as clear_top_mm says (kept to 1e-9 mm). A step minimises the
-// quadratic model within the limits by Hildreth's method (dual coordinate ascent) and counts only if the distance
-// falls, so the result is never worse than what came in. Derivatives are exact: to thicken layer j is to put a thin one
-// of its material between it and what lies below. With R_j the reflection of all that lies below layer j, and T, R'
-// those of the layers down to j,
+// quadratic model within the limits by Hildreth's method (hildreth.h) and counts only if the distance falls, so the
+// result is never worse than what came in. Ceres, which the calibration uses, has bounds on single unknowns but no
+// linear inequalities, which the sum and the distances from the top are. Derivatives are exact: to thicken layer j is
+// to put a thin one of its material between it and what lies below. With R_j the reflection of all that lies below
+// layer j, and T, R' those of the layers down to j,
 //
 //   dR / dh_j = (S_j (1 - R_j)^2 - 2 K_j R_j) T^2 / (1 - R' R_j)^2
 //
@@ -18,7 +19,7 @@
 #include <span>
 #include <vector>
 
-#include "voxtone/halftone/stacks/stack_search.h"
+#include "voxtone/halftone/stacks/stack_options.h"
 
 namespace voxtone::halftone {
 

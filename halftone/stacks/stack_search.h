@@ -42,39 +42,9 @@
 #include <vector>
 
 #include "voxtone/base/progress.h"
-#include "voxtone/optics/profiles/layer_profile.h"
+#include "voxtone/halftone/stacks/stack_options.h"
 
 namespace voxtone::halftone {
-
-/// One material, by channel; every channel has as many coefficients.
-using StackMaterial = std::vector<optics::HomogeneousLayer>;
-/// Reflection profile to be shown, or of a backing: Hankel coefficients by channel.
-using ChannelProfiles = std::vector<std::vector<double>>;
-
-struct StackSearchOptions {
-    double thickness_mm = 5;       ///< most thickness of a stacking, above 0
-    std::uint32_t steps = 64;      ///< of thickness, [1, 4096]
-    std::uint32_t max_blocks = 6;  ///< [1, 16]
-    double dc_weight = 1;          ///< above 0
-    /// By material: it stays that far from the top (rounded up to steps); empty: no limits.
-    std::vector<double> clear_top_mm;
-    ChannelProfiles backing;  ///< empty: black
-    double tolerance = 1e-5;  ///< how much nearer than the result another stacking may be, at most; >= 0
-    /// Most sub-stacks in a table. More cost more to prepare and less for each target; the result stays within
-    /// `tolerance`.
-    std::uint32_t table_stacks = 12000;
-};
-
-struct StackLayer {
-    std::size_t material;
-    double thickness_mm;
-};
-
-struct SearchCount {
-    std::uint64_t visited = 0;  ///< partial stackings and groups of sub-stacks that were opened
-    std::uint64_t pruned = 0;   ///< of these, and of whole stackings, those that a bound put aside unopened
-    std::uint64_t judged = 0;   ///< whole stackings that were compared in double precision
-};
 
 /// Of one channel.
 struct ChannelMatch {

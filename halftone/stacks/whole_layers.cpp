@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "voxtone/base/contracts.h"
+#include "voxtone/halftone/stacks/stack_search.h"
 
 namespace voxtone::halftone {
 

@@ -54,16 +54,16 @@ TEST_CASE("Surface first: a colour takes the thinnest skin that shows it, pure r
     std::vector<float> f(slab.skin.size() * resins);
     const auto layer = [&](std::size_t l, std::size_t r) { return f[l * resins + r]; };
 
-    slab.recipes->recipe({0.8f, 0.8f, 0.8f}, f);
+    slab.recipes->separate({0.8f, 0.8f, 0.8f}, f);
     CHECK(layer(0, white) < 0.999f);
     CHECK(layer(2, white) == Approx(1).margin(1e-3));
     CHECK(layer(3, white) == Approx(1).margin(1e-3));
-    slab.recipes->recipe({0, 0, 0}, f);
+    slab.recipes->separate({0, 0, 0}, f);
     CHECK(layer(3, black) + layer(3, 0) + layer(3, 1) + layer(3, 2) > 0.9f);
-    slab.recipes->recipe({1, 1, 1}, f);
+    slab.recipes->separate({1, 1, 1}, f);
     for (std::size_t l = 0; l < slab.skin.size(); ++l) CHECK(layer(l, white) == 1);
     for (const Eigen::Vector3f& rgb : {Eigen::Vector3f(0.3f, 0.05f, 0.02f), Eigen::Vector3f(0.2f, 0.5f, 0.7f)}) {
-        slab.recipes->recipe(rgb, f);
+        slab.recipes->separate(rgb, f);
         for (std::size_t l = 0; l < slab.skin.size(); ++l) {
             float sum = 0;
             for (std::size_t r = 0; r < resins; ++r) {
@@ -92,26 +92,26 @@ TEST_CASE("Skin mixtures become bounds that select each resin by its fraction", 
     CHECK(cumulative_mixtures(skin)[0].bound[1] == 16384);
 }
 
-TEST_CASE("Feedback moves a drive by the residual, and eases what cannot follow", "[loop]") {
+TEST_CASE("Feedback moves a control colour by the residual, and relaxes the target of what cannot follow", "[loop]") {
     const auto whole_cube = [](const Eigen::Vector3f& rgb) { return rgb; };
     const std::vector<Eigen::Vector3f> target{{0.5f, 0.5f, 0.5f}, {0.9f, 0.9f, 0.9f}};
     const std::vector<Eigen::Vector3f> predicted{{0.4f, 0.5f, 0.6f}, {0.5f, 0.7f, 0.8f}};
-    std::vector<Eigen::Vector3f> drive{{0.5f, 0.5f, 0.5f}, {1, 0.9f, 0.9f}}, eased(2);
-    const std::size_t stuck = feed_back(target, predicted, whole_cube, {}, drive, eased);
-    CHECK(stuck == 1);
+    std::vector<Eigen::Vector3f> control{{0.5f, 0.5f, 0.5f}, {1, 0.9f, 0.9f}}, relaxed(2);
+    const std::size_t saturated = feed_back(target, predicted, whole_cube, {}, control, relaxed);
+    CHECK(saturated == 1);
     const float root = std::cbrt(0.5f);
-    CHECK(std::cbrt(drive[0].x()) == Approx(2 * root - std::cbrt(0.4f)).epsilon(1e-5));
-    CHECK(drive[0].y() == Approx(0.5f));
-    CHECK(drive[0].z() < 0.5f);
-    CHECK(eased[0] == target[0]);
+    CHECK(std::cbrt(control[0].x()) == Approx(2 * root - std::cbrt(0.4f)).epsilon(1e-5));
+    CHECK(control[0].y() == Approx(0.5f));
+    CHECK(control[0].z() < 0.5f);
+    CHECK(relaxed[0] == target[0]);
     // Red cannot get lighter than it is: the colour that is asked for is less light and less blue than the target.
-    CHECK(drive[1].x() == Approx(1));
-    CHECK(eased[1].x() == Approx(0.5f));
-    CHECK(eased[1].y() < 0.9f);
-    CHECK(eased[1].z() < eased[1].y() + 0.1f);
+    CHECK(control[1].x() == Approx(1));
+    CHECK(relaxed[1].x() == Approx(0.5f));
+    CHECK(relaxed[1].y() < 0.9f);
+    CHECK(relaxed[1].z() < relaxed[1].y() + 0.1f);
 }
 
-TEST_CASE("The nearest colour keeps the channels that are stuck and is a minimum in the others", "[loop]") {
+TEST_CASE("The nearest colour keeps the channels that are saturated and is a minimum in the others", "[loop]") {
     const Eigen::Vector3f target(0.9f, 0.85f, 0.8f), from(0.5f, 0.1f, 0.1f);
     const Eigen::Vector3f v = nearest_colour(target, from, {true, false, false});
     CHECK(v.x() == 0.5f);
@@ -218,12 +218,12 @@ TEST_CASE("The same bits for one thread and five", "[loop]") {
     LoopOptions options;
     options.iterations = 3;
     const auto target = stripes(0.2f, 0.6f);
-    std::vector<std::vector<Eigen::Vector3f>> drives;
+    std::vector<std::vector<Eigen::Vector3f>> controls;
     for (const std::size_t threads : {1u, 5u}) {
         const ThreadLimit limit(threads);
-        drives.push_back(run(slab, model, target, options, quiet).state.drive);
+        controls.push_back(run(slab, model, target, options, quiet).state.drive);
     }
-    CHECK(drives[0] == drives[1]);
+    CHECK(controls[0] == controls[1]);
 }
 
 TEST_CASE("Targets without any colour in the gamut, and of one colour", "[loop]") {

@@ -103,7 +103,7 @@ struct Run {
     }
     [[nodiscard]] std::string methods() const {
         std::string all;
-        for (const LoopStep& step : result.state.steps) all += step.method;
+        for (const LoopStep& step : result.state.steps) all += static_cast<char>(step.method);
         return all;
     }
 
@@ -128,7 +128,7 @@ TEST_CASE("Where feedback makes things worse, the loop starts downhill from the 
     CHECK(run.states[1].drive != run.states[0].drive);
     CHECK(run.result.state.start_drive == run.states[1].drive);
     CHECK(run.result.state.start_drive[0].x() == Approx(run.target[0].x()).margin(0.05));
-    CHECK(steps[run.result.state.best].method == 'd');
+    CHECK(steps[run.result.state.best].method == LoopMethod::descent);
     CHECK(steps[run.result.state.best].seen.mean < 0.5 * steps[0].seen.mean);
 }
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/halftone/screens/energy_field.h"
+#include "voxtone/halftone/screens/pattern_energy.h"
 
 #include <algorithm>
 #include <cstdlib>
 #include <utility>
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "voxtone/halftone/screens/energy_field.cpp"
+#define HWY_TARGET_INCLUDE "voxtone/halftone/screens/pattern_energy.cpp"
 // The order of these two matters.
 // clang-format off
 #include "hwy/foreach_target.h"
@@ -23,7 +23,7 @@ constexpr std::size_t edge = field_size;
 constexpr int group = 8;
 
 template <int sign>
-HWY_INLINE void add_near(EnergyField::Data& data, int x, int y, int z) {
+HWY_INLINE void add_near(PatternEnergy::Data& data, int x, int y, int z) {
     const Tag d;
     for (const KernelRow& k : data.near) {
         const std::size_t row =
@@ -40,7 +40,7 @@ HWY_INLINE void add_near(EnergyField::Data& data, int x, int y, int z) {
 
 /// Adds the far term to 8 rows, for a vector's width of x, and renews their extremes.
 template <bool highs>
-HWY_INLINE void add_far(EnergyField::Data& data, std::size_t first_row, std::size_t x,
+HWY_INLINE void add_far(PatternEnergy::Data& data, std::size_t first_row, std::size_t x,
                         const std::int32_t* factor_of_row, const std::int32_t* along_x) {
     const Tag d;
     const auto factor_x = hn::LoadU(d, along_x + x);
@@ -61,7 +61,7 @@ HWY_INLINE void add_far(EnergyField::Data& data, std::size_t first_row, std::siz
 }
 
 template <bool highs>
-HWY_INLINE void update_plane(EnergyField::Data& data, std::size_t z, std::size_t x) {
+HWY_INLINE void update_plane(PatternEnergy::Data& data, std::size_t z, std::size_t x) {
     const Tag d;
     constexpr std::size_t groups = edge / group;
     auto smallest = hn::Set(d, INT32_MAX);
@@ -85,7 +85,7 @@ HWY_INLINE bool reaches(int x, int reach, int first, int count) {
 }
 
 template <int sign, bool highs>
-HWY_INLINE void change_field(EnergyField::Data& data, int x, int y, int z) {
+HWY_INLINE void change_field(PatternEnergy::Data& data, int x, int y, int z) {
     const Tag d;
     add_near<sign>(data, x, y, z);
     std::array<std::int32_t, edge> along_x, along_y;
@@ -114,7 +114,7 @@ HWY_INLINE void change_field(EnergyField::Data& data, int x, int y, int z) {
     }
 }
 
-void change(EnergyField::Data& data, int sign, int voxel, bool highs) {
+void change(PatternEnergy::Data& data, int sign, int voxel, bool highs) {
     const int x = voxel & mask, y = (voxel / field_size) & mask, z = voxel / (field_size * field_size);
     if (sign > 0 && highs) change_field<1, true>(data, x, y, z);
     if (sign > 0 && !highs) change_field<1, false>(data, x, y, z);
@@ -166,7 +166,7 @@ int find_voxel(const std::vector<std::int32_t>& energy, const std::vector<std::i
 
 }  // namespace
 
-EnergyField::EnergyField(std::vector<KernelRow> near, std::int32_t far_weight, std::int32_t marked_offset)
+PatternEnergy::PatternEnergy(std::vector<KernelRow> near, std::int32_t far_weight, std::int32_t marked_offset)
     : marked_offset_(marked_offset) {
     constexpr std::size_t edge = field_size;
     data_.reach_x = data_.reach_y = data_.reach_z = far_weight > 0 ? overlap_box - 1 : 0;
@@ -185,17 +185,17 @@ EnergyField::EnergyField(std::vector<KernelRow> near, std::int32_t far_weight, s
     data_.plane_high = data_.plane_low;
 }
 
-void EnergyField::change(int sign, int voxel, bool keep_highest) {
+void PatternEnergy::change(int sign, int voxel, bool keep_highest) {
     data_.energy[static_cast<std::size_t>(voxel)] += sign * marked_offset_;
     HWY_DYNAMIC_DISPATCH(change)(data_, sign, voxel, keep_highest);
 }
 
-int EnergyField::lowest() const {
+int PatternEnergy::lowest() const {
     const std::size_t found = HWY_DYNAMIC_DISPATCH(smallest)(data_.plane_low);
     return find_voxel(data_.energy, data_.group_low, found, data_.plane_low[found]);
 }
 
-int EnergyField::highest() const {
+int PatternEnergy::highest() const {
     const std::size_t found = HWY_DYNAMIC_DISPATCH(largest)(data_.plane_high);
     return find_voxel(data_.energy, data_.group_high, found, data_.plane_high[found]);
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// The inner loop of void-and-cluster: integer energies on a periodic cube of 64^3 voxels,
+// The inner loop of void-and-cluster: the dither pattern, filtered (R. Ulichney, SPIE 1913 (1993); later authors
+// call its values energies), in integers on a periodic cube of 64^3 voxels,
 //
 //   energy(v) = sum over marked u of  near(v - u) + far_weight * prod over axes of max(0, 16 - |v - u|),
 //
@@ -30,11 +31,11 @@ struct KernelRow {
     std::array<std::int32_t, 2 * field_size> value{};
 };
 
-class EnergyField {
+class PatternEnergy {
 public:
     /// `marked_offset` lies on top of a marked voxel's energy: the lowest is always unmarked, the highest always marked
     /// (where there are such), if no energy reaches the offset.
-    EnergyField(std::vector<KernelRow> near, std::int32_t far_weight, std::int32_t marked_offset);
+    PatternEnergy(std::vector<KernelRow> near, std::int32_t far_weight, std::int32_t marked_offset);
 
     /// Voxels are numbered x + 64 (y + 64 z). Without `keep_highest`, `highest` has no meaning afterwards.
     void mark(int voxel, bool keep_highest = true) { change(1, voxel, keep_highest); }
