@@ -47,14 +47,10 @@ io::StackDescription describe(const PrinterProfile& printer, const LoadedResins&
 }
 
 io::StackOutputs outputs_of(const SliceOptions& options, const PrinterProfile& printer) {
-    io::StackOutputs outputs;
-    for (const std::string& format : options.formats.empty() ? printer.formats : options.formats) {
-        if (format == "gcvf") outputs.gcvf = true;
-        if (format == "vdb") outputs.vdb = true;
-        if (format == "tiff") outputs.resin_bitmaps = io::ResinBitmaps::tiff1;
-        if (format == "png1") outputs.resin_bitmaps = io::ResinBitmaps::png1;
-    }
-    return outputs;
+    if (options.formats.empty()) return io::outputs_for(printer.formats);
+    std::vector<io::LayerFormat> formats;
+    for (const std::string& name : options.formats) formats.push_back(*value_of<io::LayerFormat>(name));
+    return io::outputs_for(formats);
 }
 
 /// Pictures of some layers for the report, evenly spaced from the first to the last.

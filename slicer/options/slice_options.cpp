@@ -11,6 +11,7 @@
 
 #include "voxtone/base/error.h"
 #include "voxtone/base/units.h"
+#include "voxtone/io/layers/layer_format.h"
 #include "voxtone/slicer/options/model_choice.h"
 
 namespace voxtone::slicer {
@@ -131,7 +132,7 @@ std::vector<OptionSpec> make_table() {
         list(spec("formats", Kind::list, "LIST", in,
                   "what to write: png (RGBA stack for Voxel Print), gcvf, tiff or png1 (one per resin and layer), vdb; "
                   "empty: the printer's default",
-                  {"png", "gcvf", "tiff", "png1", "vdb"}),
+                  names_of<io::LayerFormat>()),
              &O::formats),
         flag(spec("overwrite", Kind::flag, "", in, "write into a folder that holds other files too"), &O::overwrite),
         flag(spec("report", Kind::flag, "", in, "write report.html, target and predicted pictures"), &O::report),
