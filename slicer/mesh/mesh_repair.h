@@ -14,7 +14,6 @@
 
 #include <cstdint>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "voxtone/base/progress.h"
@@ -28,9 +27,6 @@ enum class RepairMode {
     automatic,  ///< as above
     wrap,       ///< everything is wrapped
 };
-
-/// "off", "auto", "wrap". Throws UsageError.
-[[nodiscard]] RepairMode parse_repair_mode(std::string_view text);
 
 /// A mesh in numbers. Edges are undirected; a shell is what is joined through edges.
 struct MeshDiagnosis {
