@@ -29,7 +29,7 @@ void list_printers(bool json) {
                                          {"pitch_um", {p.pitch_um.x(), p.pitch_um.y(), p.pitch_um.z()}},
                                          {"max_resins", p.max_resins},
                                          {"default_roles", p.default_roles},
-                                         {"formats", p.formats},
+                                         {"formats", names_of(p.formats)},
                                          {"warnings", p.warnings()}};
             if (p.tray_mm.allFinite()) entry["tray_mm"] = {p.tray_mm.x(), p.tray_mm.y(), p.tray_mm.z()};
             list.push_back(std::move(entry));
@@ -38,7 +38,7 @@ void list_printers(bool json) {
         fmt::print("{:<20} {}\n", p.id, p.name);
         fmt::print("{:<20} voxel {:.3f} x {:.3f} x {:.3f} um; {} resins at once, {} by default; writes {}\n", "",
                    p.pitch_um.x(), p.pitch_um.y(), p.pitch_um.z(), p.max_resins, fmt::join(p.default_roles, ","),
-                   fmt::join(p.formats, ", "));
+                   fmt::join(names_of(p.formats), ", "));
         for (const std::string& warning : p.warnings()) fmt::print("{:<20} {}\n", "", warning);
     }
     if (json) fmt::print("{}\n", list.dump());

@@ -10,6 +10,7 @@
 #include "voxtone/cli/commands.h"
 #include "voxtone/cli/console.h"
 #include "voxtone/slicer/job/slice_job.h"
+#include "voxtone/slicer/options/job_file.h"
 #include "voxtone/slicer/options/slice_options.h"
 
 namespace voxtone::cli {
@@ -55,7 +56,7 @@ void add_options(CLI::App& command, SliceArguments& arguments) {
     add_console_options(command, arguments.console);
 }
 
-slicer::SliceOptions resolve(const SliceArguments& arguments) {
+slicer::SliceOptions options_of(const SliceArguments& arguments) {
     slicer::SliceOptions options;
     if (!arguments.job.empty()) slicer::read_job(arguments.job, options);
     for (const slicer::OptionSpec& spec : slicer::slice_option_table()) {
@@ -72,7 +73,7 @@ int run(const SliceArguments& arguments) {
         fmt::print("{}", slicer::job_json(slicer::SliceOptions{}));
         return 0;
     }
-    const slicer::SliceOptions options = resolve(arguments);
+    const slicer::SliceOptions options = options_of(arguments);
     return run_on_console(arguments.console, [&](Progress& progress) {
         slicer::SliceResult result = slicer::run_slice_job(options, progress);
         return CommandResult{std::move(result.json), std::move(result.summary)};

@@ -32,6 +32,27 @@ StackDescription as_written(StackDescription stack) {
 
 }  // namespace
 
+StackOutputs outputs_for(std::span<const LayerFormat> formats) {
+    StackOutputs outputs;
+    for (const LayerFormat format : formats) switch (format) {
+            case LayerFormat::png:
+                break;
+            case LayerFormat::gcvf:
+                outputs.gcvf = true;
+                break;
+            case LayerFormat::tiff:
+                outputs.resin_bitmaps = ResinBitmaps::tiff1;
+                break;
+            case LayerFormat::png1:
+                outputs.resin_bitmaps = ResinBitmaps::png1;
+                break;
+            case LayerFormat::vdb:
+                outputs.vdb = true;
+                break;
+        }
+    return outputs;
+}
+
 LayerStackWriter::LayerStackWriter(std::filesystem::path out, StackDescription description, StackOutputs outputs,
                                    bool overwrite)
     : out_(std::move(out)),

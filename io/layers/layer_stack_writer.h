@@ -15,6 +15,7 @@
 
 #include "voxtone/base/progress.h"
 #include "voxtone/io/layers/gcvf_writer.h"
+#include "voxtone/io/layers/layer_format.h"
 #include "voxtone/io/layers/layer_runs.h"
 #include "voxtone/io/layers/manifest.h"
 #include "voxtone/io/layers/png_layer_encoder.h"
@@ -29,6 +30,8 @@ struct StackOutputs {
     bool gcvf = false;  ///< OUT/stack.gcvf
     bool vdb = false;   ///< OUT/volume.vdb
 };
+/// What these formats ask for; of two kinds of resin bitmaps the last one.
+[[nodiscard]] StackOutputs outputs_for(std::span<const LayerFormat> formats);
 
 class LayerStackWriter {
 public:

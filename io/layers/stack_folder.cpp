@@ -41,13 +41,17 @@ void remove_slices(const fs::path& folder) {
     if (fs::is_empty(folder)) fs::remove(folder);
 }
 
+[[noreturn]] void refuse_folder(const fs::path& out, const fs::filesystem_error& error) {
+    throw FileError(fmt::format("{}: cannot be made ready for a stack ({})", out.string(), error.what()));
+}
+
 }  // namespace
 
-void prepare_stack_folder(const fs::path& out, bool overwrite) {
+void require_usable_folder(const fs::path& out, bool overwrite) {
     try {
-        if (fs::exists(fs::symlink_status(out)) && !fs::is_directory(out))
+        if (!fs::exists(fs::symlink_status(out))) return;
+        if (!fs::is_directory(out))
             throw InputError(fmt::format("{}: is there and is no folder; name a folder for the stack", out.string()));
-        fs::create_directories(out);
         const bool ours = fs::exists(out / unfinished_name) || fs::exists(out / manifest_name);
         if (!ours && !overwrite && !fs::is_empty(out))
             throw InputError(
@@ -67,6 +71,15 @@ void prepare_stack_folder(const fs::path& out, bool overwrite) {
         for (const auto name : {std::string_view("layers"), resin_folder_name, manifest_name, unfinished_name,
                                 gcvf_name, vdb_name, sheet_text_name, sheet_page_name})
             check_no_link(out / name);
+    } catch (const fs::filesystem_error& error) {
+        refuse_folder(out, error);
+    }
+}
+
+void prepare_stack_folder(const fs::path& out, bool overwrite) {
+    require_usable_folder(out, overwrite);
+    try {
+        fs::create_directories(out);
         // The mark first: from here on the folder is not whole, whatever happens.
         write_whole_file(out / unfinished_name,
                          std::string_view("This stack is being written; it is whole when manifest.json is here.\n"));
@@ -84,7 +97,7 @@ void prepare_stack_folder(const fs::path& out, bool overwrite) {
         }
         fs::create_directories(out / "layers");
     } catch (const fs::filesystem_error& error) {
-        throw FileError(fmt::format("{}: cannot be made ready for a stack ({})", out.string(), error.what()));
+        refuse_folder(out, error);
     }
 }
 

@@ -19,15 +19,12 @@ void append(std::vector<std::string>& to, const std::vector<std::string>& from) 
     to.insert(to.end(), from.begin(), from.end());
 }
 
-io::ModelFile read_input(const SliceOptions& options, const Progress& progress, bool& is_picture) {
+io::ModelFile read_input(const ResolvedJob& job, const Progress& progress) {
     io::ReadOptions reading;
     reading.progress = &progress;
-    if (std::error_code none; std::filesystem::is_directory(options.model, none))
-        throw InputError(fmt::format("{}: a folder, not a model; name the file itself", options.model));
-    is_picture = !io::is_model_name(options.model);
-    if (!is_picture) return io::read_model(options.model, reading);
-    if (options.size_mm > 0) throw UsageError("--size does not go with a picture; give --width and --thickness");
-    return make_picture_slab(io::read_picture(options.model, reading), options.width_mm, options.thickness_mm).model;
+    if (!job.is_picture) return io::read_model(job.model, reading);
+    return make_picture_slab(io::read_picture(job.model, reading), job.picture.width_mm, job.picture.thickness_mm)
+        .model;
 }
 
 /// Only the top of a picture's slab carries colour: its depth is measured from there, up to the very edge.
@@ -45,13 +42,21 @@ VisibleSurface picture_surface(const io::TexturedMesh& mesh) {
 
 }  // namespace
 
-JobBody prepare_body(const SliceOptions& options, const PrinterProfile& printer, Progress& progress) {
+void check_model(const ResolvedJob& job) {
+    if (std::error_code none; std::filesystem::is_directory(job.model, none))
+        throw InputError(fmt::format("{}: a folder, not a model; name the file itself", job.model));
+    if (job.is_picture && job.placement.size_mm > 0)
+        throw UsageError("--size does not go with a picture; give --width and --thickness");
+}
+
+JobBody prepare_body(const ResolvedJob& job, const PrinterProfile& printer, Progress& progress) {
     JobBody body;
     const Stopwatch watch;
     progress.begin_stage("read model", 0);
-    body.model = read_input(options, progress, body.is_picture);
+    body.is_picture = job.is_picture;
+    body.model = read_input(job, progress);
     append(body.warnings, body.model.warnings);
-    body.placement = place(body.model, options);
+    body.placement = place(body.model, job.placement, job.model);
     if (!body.model.has_colour) body.warnings.push_back("the model has no colour: it is printed white");
     constexpr double smallest_plausible_mm = 2;
     if (!body.is_picture && body.placement.extent_mm.maxCoeff() < smallest_plausible_mm)
@@ -63,7 +68,7 @@ JobBody prepare_body(const SliceOptions& options, const PrinterProfile& printer,
 
     progress.begin_stage("repair mesh", 0);
     RepairOptions repairing;
-    repairing.mode = parse_repair_mode(options.repair);
+    repairing.mode = job.repair;
     repairing.pitch_mm = printer.pitch_mm().minCoeff();
     RepairedMesh repaired = repair_mesh(body.model.mesh, repairing, &progress);
     append(body.warnings, repaired.report.messages);

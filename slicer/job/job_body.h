@@ -12,7 +12,7 @@
 #include "voxtone/io/models/mesh.h"
 #include "voxtone/slicer/mesh/mesh_repair.h"
 #include "voxtone/slicer/mesh/spatial_index.h"
-#include "voxtone/slicer/options/slice_options.h"
+#include "voxtone/slicer/options/resolved_job.h"
 #include "voxtone/slicer/printer/placement.h"
 #include "voxtone/slicer/printer/printer.h"
 #include "voxtone/slicer/printer/voxel_grid.h"
@@ -32,7 +32,11 @@ struct JobBody {
     double read_s = 0;
 };
 
-/// Throws FileError, InputError, UsageError.
-[[nodiscard]] JobBody prepare_body(const SliceOptions& options, const PrinterProfile& printer, Progress& progress);
+/// What is wrong with the model before it is read. Throws InputError for a folder, UsageError for options that do not
+/// go with a picture.
+void check_model(const ResolvedJob& job);
+
+/// Throws FileError, InputError.
+[[nodiscard]] JobBody prepare_body(const ResolvedJob& job, const PrinterProfile& printer, Progress& progress);
 
 }  // namespace voxtone::slicer

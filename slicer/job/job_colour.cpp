@@ -13,9 +13,9 @@ namespace voxtone::slicer {
 
 namespace {
 
-std::vector<std::string> roles_to_load(const SliceOptions& options, const PrinterProfile& printer,
+std::vector<std::string> roles_to_load(const ResolvedJob& job, const PrinterProfile& printer,
                                        const optics::ResinSet& set) {
-    if (!options.load.empty()) return options.load;
+    if (!job.load.empty()) return job.load;
     std::vector<std::string> roles;
     for (const std::string& role : printer.default_roles)
         if (set.find(role) >= 0) roles.push_back(role);
@@ -28,20 +28,20 @@ std::vector<std::string> roles_to_load(const SliceOptions& options, const Printe
 
 }  // namespace
 
-LoadedResins load_resins(const SliceOptions& options, const PrinterProfile& printer) {
+LoadedResins load_resins(const ResolvedJob& job, const PrinterProfile& printer) {
     LoadedResins loaded;
-    const optics::ResinSet all = io::find_resin_set(options.resins);
-    const std::vector<std::string> roles = roles_to_load(options, printer, all);
+    const optics::ResinSet all = io::find_resin_set(job.resins);
+    const std::vector<std::string> roles = roles_to_load(job, printer, all);
     const int most = std::min(printer.max_resins, halftone::max_resins);
     if (static_cast<int>(roles.size()) > most)
         throw InputError(fmt::format("--load {}: {} resins, but {} carries {} at once; leave some out",
                                      fmt::join(roles, ","), roles.size(), printer.id, most));
     loaded.set = all.subset(roles);
-    const std::string& core = options.layered() ? options.base : options.core;
+    const std::string& core = job.layered ? job.layered->base : job.colour.core;
     loaded.core = loaded.set.find(core);
     if (loaded.core < 0)
-        throw InputError(fmt::format("--{} {}: no such resin is loaded; loaded are {}",
-                                     options.layered() ? "base" : "core", core, fmt::join(roles, ", ")));
+        throw InputError(fmt::format("--{} {}: no such resin is loaded; loaded are {}", job.layered ? "base" : "core",
+                                     core, fmt::join(roles, ", ")));
     const std::vector<Rgb8> colours = printer.display_colours(roles);
     for (std::size_t r = 0; r < roles.size(); ++r) {
         io::StackResin entry;
@@ -54,25 +54,23 @@ LoadedResins load_resins(const SliceOptions& options, const PrinterProfile& prin
     return loaded;
 }
 
-std::unique_ptr<const JobColour> prepare_colour(const SliceOptions& options, const LoadedResins& resins,
-                                                const Eigen::Vector3d& pitch_mm, double picture_thickness_mm,
-                                                Progress& progress) {
+std::unique_ptr<const JobColour> prepare_colour(const ColourOptions& options, const LoadedResins& resins,
+                                                const Eigen::Vector3d& pitch_mm,
+                                                const std::optional<SlabUnderColour>& slab, Progress& progress) {
     progress.begin_stage("separate colours", 0);
     optics::ShellGeometry geometry;
     geometry.shell_mm = options.depth_mm;
-    if (options.mixing == "voxels") geometry.pitch_mm = {pitch_mm.x(), pitch_mm.y(), pitch_mm.z()};
+    if (options.mixing == Mixing::voxels) geometry.pitch_mm = {pitch_mm.x(), pitch_mm.y(), pitch_mm.z()};
     geometry.core_resin = resins.core;
     geometry.white_resin = resins.set.find("W");  // -1, the core, where no white is loaded
     geometry.seen = optics::SeenFrom::all_sides;
-    if (picture_thickness_mm > 0) {
+    if (slab) {
         geometry.seen = optics::SeenFrom::above;
-        geometry.shell_mm = std::min(options.depth_mm, picture_thickness_mm);
+        geometry.shell_mm = std::min(options.depth_mm, slab->thickness_mm);
         // A slab that is colour all through has no core; the model wants one: a nanometre of it is nothing to light.
         constexpr double no_core_mm = 1e-6;
-        geometry.core_mm = std::max(picture_thickness_mm - geometry.shell_mm, no_core_mm);
-        geometry.backing = options.backing == "white"   ? optics::Backing::white
-                           : options.backing == "black" ? optics::Backing::black
-                                                        : optics::Backing::none;
+        geometry.core_mm = std::max(slab->thickness_mm - geometry.shell_mm, no_core_mm);
+        geometry.backing = slab->backing;
     }
     auto colour = std::make_unique<const JobColour>(resins.set, geometry, &progress);
     progress.end_stage();

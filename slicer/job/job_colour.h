@@ -5,6 +5,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,7 +17,7 @@
 #include "voxtone/io/layers/manifest.h"
 #include "voxtone/optics/layered/shell_appearance.h"
 #include "voxtone/optics/media/resins.h"
-#include "voxtone/slicer/options/slice_options.h"
+#include "voxtone/slicer/options/resolved_job.h"
 #include "voxtone/slicer/printer/printer.h"
 
 namespace voxtone::slicer {
@@ -28,9 +29,9 @@ struct LoadedResins {
     [[nodiscard]] io::Material core_material() const { return static_cast<io::Material>(core + 1); }
 };
 
-/// The resins of `options.resins` that `options.load` names (or the printer's default, of those the set has).
+/// The resins of `job.resins` that `job.load` names (or the printer's default, of those the set has).
 /// Throws InputError: unknown set or role, more than the printer carries, the core resin not loaded.
-[[nodiscard]] LoadedResins load_resins(const SliceOptions& options, const PrinterProfile& printer);
+[[nodiscard]] LoadedResins load_resins(const ResolvedJob& job, const PrinterProfile& printer);
 
 /// Stays where it was made: the separation refers to the appearance.
 struct JobColour {
@@ -50,10 +51,16 @@ private:
     }
 };
 
-/// `picture_thickness_mm` > 0: a slab of that thickness over `options.backing`; else a body taken to be thick.
-/// `pitch_mm`: of the print's voxels.
-[[nodiscard]] std::unique_ptr<const JobColour> prepare_colour(const SliceOptions& options, const LoadedResins& resins,
+/// A slab of a picture, over a sheet.
+struct SlabUnderColour {
+    double thickness_mm = 0;
+    optics::Backing backing = optics::Backing::black;
+};
+
+/// `slab`: nothing: a body taken to be thick. `pitch_mm`: of the print's voxels.
+[[nodiscard]] std::unique_ptr<const JobColour> prepare_colour(const ColourOptions& options, const LoadedResins& resins,
                                                               const Eigen::Vector3d& pitch_mm,
-                                                              double picture_thickness_mm, Progress& progress);
+                                                              const std::optional<SlabUnderColour>& slab,
+                                                              Progress& progress);
 
 }  // namespace voxtone::slicer

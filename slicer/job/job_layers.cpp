@@ -28,25 +28,38 @@ std::string channels_text(const optics::Channels& channels) {
                : fmt::format("{} wavelengths ({:g} nm)", channels.size(), fmt::join(channels.wavelengths_nm, ", "));
 }
 
-void check(const SliceOptions& options, const io::ProfileMap& map, const JobBody& body, const LoadedResins& resins) {
-    if (map.target.empty())
-        throw InputError(fmt::format(
-            "{}: has no clusters, so there is nothing to arrange; give a map with at least one", options.profiles));
-    if (options.stack_materials.empty() && map.channels != resins.set.channels)
-        throw InputError(fmt::format(
-            "{}: its profiles are for {}, those of the resins {} for {}; the search compares channel by channel: make "
-            "the map "
-            "with the channels of the resins, or choose another --resins",
-            options.profiles, channels_text(map.channels), resins.set.name, channels_text(resins.set.channels)));
-    if (resins.set.resins.size() < 2)
-        throw InputError(
-            "--model layered-profile: only one resin is loaded, so there are no layers to choose; load at least two, "
-            "such as --load W,K");
+void check_thickness(const JobBody& body) {
     const Eigen::Vector3d voxels = body.placement.extent_mm.cwiseQuotient(body.grid.pitch_mm);
     if (Eigen::Index axis = 0; voxels.minCoeff(&axis) < 2)
         throw InputError(fmt::format(
             "the model is {:.3g} voxels thick along {}: layers need at least two; print it larger (--size, --scale{})",
             voxels[axis], "xyz"[axis], body.is_picture ? ", --thickness" : ""));
+}
+
+/// The measured profile of each loaded resin.
+std::vector<std::string> material_files(const LayeredOptions& options, const LoadedResins& resins) {
+    const std::vector<StackMaterialFile>& named = options.materials;
+    for (const auto& [role, file] : named)
+        if (resins.set.find(role) < 0)
+            throw InputError(fmt::format(
+                "--stack-materials {}={}: no resin of this role is loaded; leave it out or load it (--load)", role,
+                file));
+    std::vector<std::string> files;
+    for (const optics::Resin& resin : resins.set.resins) {
+        const auto found = std::find_if(named.begin(), named.end(),
+                                        [&](const StackMaterialFile& entry) { return entry.role == resin.role; });
+        if (found == named.end())
+            throw InputError(
+                fmt::format("--stack-materials: the loaded resin {} has no profile; a stack is made of one kind, "
+                            "measured or computed: give it one, or "
+                            "do not load it (--load)",
+                            resin.role));
+        if (std::filesystem::path(found->file).extension() != ".json")
+            throw InputError(
+                fmt::format("--stack-materials {}={}: is no profile file (.json)", found->role, found->file));
+        files.push_back(found->file);
+    }
+    return files;
 }
 
 /// Layers that no printer makes, left over by the refinement, are dropped and alike neighbours joined.
@@ -93,29 +106,10 @@ Materials computed_materials(const optics::ResinSet& set, double most_mm, const 
 }
 
 /// Measured with whatever surface they had: none is added.
-Materials measured_materials(const SliceOptions& options, const io::ProfileMap& map, const LoadedResins& resins,
+Materials measured_materials(const LayeredOptions& options, const io::ProfileMap& map, const LoadedResins& resins,
                              const optics::HankelGrid& grid, Progress& progress) {
-    const std::vector<StackMaterialFile> named = parse_stack_materials(options.stack_materials);
-    for (const auto& [role, file] : named)
-        if (resins.set.find(role) < 0)
-            throw InputError(fmt::format(
-                "--stack-materials {}={}: no resin of this role is loaded; leave it out or load it (--load)", role,
-                file));
     StackSettingOptions setting;
-    for (const optics::Resin& resin : resins.set.resins) {
-        const auto found = std::find_if(named.begin(), named.end(),
-                                        [&](const StackMaterialFile& entry) { return entry.role == resin.role; });
-        if (found == named.end())
-            throw InputError(
-                fmt::format("--stack-materials: the loaded resin {} has no profile; a stack is made of one kind, "
-                            "measured or computed: give it one, or "
-                            "do not load it (--load)",
-                            resin.role));
-        if (std::filesystem::path(found->file).extension() != ".json")
-            throw InputError(
-                fmt::format("--stack-materials {}={}: is no profile file (.json)", found->role, found->file));
-        setting.materials.push_back(found->file);
-    }
+    setting.materials = material_files(options, resins);
     setting.reach_mm = grid.reach_mm();
     setting.coefficients = static_cast<std::uint32_t>(grid.size());
     const StackSetting stacks(setting);
@@ -124,19 +118,18 @@ Materials measured_materials(const SliceOptions& options, const io::ProfileMap& 
             "{}: its profiles are for {}, those of the materials ({}, ...) for {}; the search compares channel by "
             "channel",
             options.profiles, channels_text(map.channels), setting.materials[0], channels_text(stacks.channels())));
-    return {stacks.materials(0, options.stack_thickness_mm, {}, progress), stacks.turned_back(), false};
+    return {stacks.materials(0, options.thickness_mm, {}, progress), stacks.turned_back(), false};
 }
 
-halftone::StackSearchOptions search_options(const SliceOptions& options, const LoadedResins& resins,
+halftone::StackSearchOptions search_options(const LayeredOptions& options, const LoadedResins& resins,
                                             std::span<const halftone::StackMaterial> materials) {
     halftone::StackSearchOptions search;
-    search.thickness_mm = options.stack_thickness_mm;
-    search.steps = options.stack_steps;
-    search.max_blocks = options.stack_blocks;
+    search.thickness_mm = options.thickness_mm;
+    search.steps = options.steps;
+    search.max_blocks = options.blocks;
     search.dc_weight = options.dc_weight;
-    for (const ClearTop& clear : parse_clear_top(options.clear_top)) {
+    for (const ClearTop& clear : options.clear_top) {
         const int resin = resins.set.find(clear.role);
-        if (resin < 0) throw InputError(fmt::format("--clear-top {}: no resin of this role is loaded", clear.role));
         search.clear_top_mm.resize(materials.size(), 0);
         search.clear_top_mm[static_cast<std::size_t>(resin)] = clear.mm;
     }
@@ -203,13 +196,13 @@ void finish(ClusterStack& cluster, std::span<const halftone::StackMaterial> mate
 
 /// Tracing is worth its ten seconds for each cluster: it takes a third off the distance that is really there
 /// (docs/layered-prints.md).
-int rounds_of(const SliceOptions& options, std::size_t clusters, const Materials& made) {
+int rounds_of(const LayeredOptions& options, std::size_t clusters, const Materials& made) {
     constexpr std::size_t most_clusters = 16;
-    const int rounds = parse_stack_rounds(options.stack_rounds);
-    return !made.traceable ? 0 : rounds >= 0 ? rounds : clusters <= most_clusters ? 1 : 0;
+    if (!made.traceable) return 0;
+    return options.rounds.value_or(clusters <= most_clusters ? 1 : 0);
 }
 
-void search_stacks(const SliceOptions& options, const LoadedResins& resins, const optics::HankelGrid& grid,
+void search_stacks(const LayeredOptions& options, const LoadedResins& resins, const optics::HankelGrid& grid,
                    std::vector<ClusterStack>& clusters, const Materials& made, Progress& progress) {
     const std::span<const halftone::StackMaterial> materials = made.materials;
     const int rounds = rounds_of(options, clusters.size(), made);
@@ -231,6 +224,53 @@ void search_stacks(const SliceOptions& options, const LoadedResins& resins, cons
     progress.end_stage();
 }
 
+PlacedMap place_map(const LayeredOptions& options, const io::ProfileMap& map, const JobBody& body) {
+    const io::TexturedMesh& mesh = body.model.mesh;
+    halftone::StackMap stacks{map.width_px,        map.height_px, map.width_mm,
+                              map.height_mm,       map.cluster,   halftone::MapEdge::repeat,
+                              options.smoothing_mm};
+    if (body.is_picture) {
+        const Eigen::Vector3d extent = body.placement.extent_mm;
+        stacks.edge = halftone::MapEdge::extend;
+        stacks.width_mm = extent.x(), stacks.height_mm = extent.y();
+        std::string stretched;
+        if (std::abs(std::log(extent.x() / extent.y() * map.height_mm / map.width_mm)) > 0.02)
+            stretched = fmt::format(
+                "the map of profiles ({:g} x {:g} mm) is stretched onto a picture of another shape ({:.4g} x {:.4g} "
+                "mm)",
+                map.width_mm, map.height_mm, extent.x(), extent.y());
+        return {stacks, MapPlacement::by_texture(mesh, stacks.width_mm, stacks.height_mm), stretched};
+    }
+    if (options.placement == ProfilePlacement::uv)
+        return {stacks, MapPlacement::by_texture(mesh, stacks.width_mm, stacks.height_mm), ""};
+    stacks.edge = halftone::MapEdge::mirror;
+    return {stacks, MapPlacement::by_box(mesh), ""};
+}
+
+std::vector<std::vector<halftone::StackLayer>> layers_of(const std::vector<ClusterStack>& clusters) {
+    std::vector<std::vector<halftone::StackLayer>> layers;
+    for (const ClusterStack& cluster : clusters) layers.push_back(cluster.design.layers);
+    return layers;
+}
+
+std::vector<io::Material> printed_materials(const LoadedResins& resins) {
+    std::vector<io::Material> printed;
+    for (std::size_t r = 0; r < resins.set.resins.size(); ++r) printed.push_back(static_cast<io::Material>(r + 1));
+    return printed;
+}
+
+std::vector<std::string> warnings_of(const PlacedMap& placed, const StackFit& fit) {
+    std::vector<std::string> warnings;
+    if (!placed.stretched.empty()) warnings.push_back(placed.stretched);
+    if (fit.thin_share > 0)
+        warnings.push_back(
+            fmt::format("on {:.1f} % of the surface the body is too thin for its stack, by {:.0f} % of the stack's "
+                        "depth on average: layers of "
+                        "both sides meet there, and light spreads otherwise than the map asks",
+                        100 * fit.thin_share, 100 * fit.missing_mean));
+    return warnings;
+}
+
 }  // namespace
 
 double profile_extent_mm(const io::ProfileMap& map) {
@@ -241,62 +281,61 @@ double profile_extent_mm(const io::ProfileMap& map) {
     return extent;
 }
 
-JobLayers::JobLayers(const SliceOptions& options, io::ProfileMap wanted, const JobBody& body,
-                     const LoadedResins& resins, Progress& progress)
-    : map((check(options, wanted, body, resins), std::move(wanted))), grid(grid_for(map)) {
+void check_layers(const LayeredOptions& options, const io::ProfileMap& map, const LoadedResins& resins) {
+    if (map.target.empty())
+        throw InputError(fmt::format(
+            "{}: has no clusters, so there is nothing to arrange; give a map with at least one", options.profiles));
+    if (options.materials.empty() && map.channels != resins.set.channels)
+        throw InputError(fmt::format(
+            "{}: its profiles are for {}, those of the resins {} for {}; the search compares channel by channel: make "
+            "the map "
+            "with the channels of the resins, or choose another --resins",
+            options.profiles, channels_text(map.channels), resins.set.name, channels_text(resins.set.channels)));
+    if (resins.set.resins.size() < 2)
+        throw InputError(
+            "--model layered-profile: only one resin is loaded, so there are no layers to choose; load at least two, "
+            "such as --load W,K");
+    if (!options.materials.empty()) (void)material_files(options, resins);
+    for (const ClearTop& clear : options.clear_top)
+        if (resins.set.find(clear.role) < 0)
+            throw InputError(fmt::format("--clear-top {}: no resin of this role is loaded", clear.role));
+}
+
+JobLayers::JobLayers(DesignedStacks designed, const JobBody& body, const LoadedResins& resins, Progress& progress)
+    : map(std::move(designed.map)),
+      grid(designed.grid),
+      clusters(std::move(designed.clusters)),
+      measured(designed.measured),
+      materials_s(designed.materials_s),
+      search_s(designed.search_s),
+      aligned(halftone::align_stacks(layers_of(clusters))),
+      placement_(std::move(designed.placed.placement)),
+      fields_(designed.placed.stacks, aligned),
+      screen_(std::array{body.grid.pitch_mm.x(), body.grid.pitch_mm.y(), body.grid.pitch_mm.z()}, &progress),
+      wrapped_(*body.surface, body.grid, fields_, placement_, screen_, printed_materials(resins),
+               resins.core_material()) {
+    fit = stack_fit(body, wrapped_, progress);
+    warnings = warnings_of(designed.placed, fit);
+}
+
+std::unique_ptr<const JobLayers> arrange_layers(const LayeredOptions& options, io::ProfileMap map, const JobBody& body,
+                                                const LoadedResins& resins, Progress& progress) {
+    check_thickness(body);
     // What is wrong with map and mesh is said before the search.
-    clusters = wanted_clusters(options.profiles, map, grid);
-    const io::TexturedMesh& mesh = body.model.mesh;
-    const Eigen::Vector3d extent = body.placement.extent_mm;
-    halftone::StackMap stacks{map.width_px,
-                              map.height_px,
-                              map.width_mm,
-                              map.height_mm,
-                              map.cluster,
-                              halftone::MapEdge::repeat,
-                              options.layer_smoothing_mm};
-    if (body.is_picture) {
-        stacks.edge = halftone::MapEdge::extend;
-        stacks.width_mm = extent.x(), stacks.height_mm = extent.y();
-        const double stretched = extent.x() / extent.y() * map.height_mm / map.width_mm;
-        if (std::abs(std::log(stretched)) > 0.02)
-            warnings.push_back(
-                fmt::format("the map of profiles ({:g} x {:g} mm) is stretched onto a picture of another shape ({:.4g} "
-                            "x {:.4g} mm)",
-                            map.width_mm, map.height_mm, extent.x(), extent.y()));
-    }
-    if (body.is_picture || options.profile_placement == "uv") {
-        placement_ = MapPlacement::by_texture(mesh, stacks.width_mm, stacks.height_mm);
-    } else {
-        stacks.edge = halftone::MapEdge::mirror;
-        placement_ = MapPlacement::by_box(mesh);
-    }
+    const optics::HankelGrid grid = grid_for(map);
+    std::vector<ClusterStack> clusters = wanted_clusters(options.profiles, map, grid);
+    PlacedMap placed = place_map(options, map, body);
 
     Stopwatch watch;
-    const Materials materials = options.stack_materials.empty()
-                                    ? computed_materials(resins.set, options.stack_thickness_mm, grid, progress)
+    const Materials materials = options.materials.empty()
+                                    ? computed_materials(resins.set, options.thickness_mm, grid, progress)
                                     : measured_materials(options, map, resins, grid, progress);
-    measured = !materials.traceable;
-    materials_s = watch.lap();
+    const double materials_s = watch.lap();
     search_stacks(options, resins, grid, clusters, materials, progress);
-    search_s = watch.lap();
-
-    std::vector<std::vector<halftone::StackLayer>> layers;
-    for (const ClusterStack& cluster : clusters) layers.push_back(cluster.design.layers);
-    aligned = halftone::align_stacks(layers);
-    fields_.emplace(stacks, aligned);
-    screen_.emplace(std::array{body.grid.pitch_mm.x(), body.grid.pitch_mm.y(), body.grid.pitch_mm.z()}, &progress);
-    std::vector<io::Material> printed;
-    for (std::size_t r = 0; r < resins.set.resins.size(); ++r) printed.push_back(static_cast<io::Material>(r + 1));
-    wrapped_.emplace(*body.surface, body.grid, *fields_, *placement_, *screen_, std::move(printed),
-                     resins.core_material());
-    fit = stack_fit(body, *wrapped_, progress);
-    if (fit.thin_share > 0)
-        warnings.push_back(
-            fmt::format("on {:.1f} % of the surface the body is too thin for its stack, by {:.0f} % of the stack's "
-                        "depth on average: layers of "
-                        "both sides meet there, and light spreads otherwise than the map asks",
-                        100 * fit.thin_share, 100 * fit.missing_mean));
+    return std::make_unique<const JobLayers>(
+        DesignedStacks{std::move(map), grid, std::move(clusters), std::move(placed), !materials.traceable, materials_s,
+                       watch.lap()},
+        body, resins, progress);
 }
 
 }  // namespace voxtone::slicer

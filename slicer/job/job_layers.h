@@ -13,7 +13,6 @@
 #pragma once
 
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,7 +28,7 @@
 #include "voxtone/slicer/job/stack_fit.h"
 #include "voxtone/slicer/layers/map_placement.h"
 #include "voxtone/slicer/layers/wrapped_layers.h"
-#include "voxtone/slicer/options/slice_options.h"
+#include "voxtone/slicer/options/resolved_job.h"
 
 namespace voxtone::slicer {
 
@@ -51,33 +50,58 @@ struct ClusterStack {
 /// The farthest sample of any wanted profile.
 [[nodiscard]] double profile_extent_mm(const io::ProfileMap& map);
 
-/// Stays where it was made.
+/// What is wrong with the map and the loaded resins, known without a body. Throws InputError: no cluster, channels that
+/// are not those of the resins, one resin only, roles that are not loaded, a resin without a profile beside measured
+/// ones.
+void check_layers(const LayeredOptions& options, const io::ProfileMap& map, const LoadedResins& resins);
+
+/// The map where it lies on a body.
+struct PlacedMap {
+    halftone::StackMap stacks;  ///< refers to the map's pixels
+    MapPlacement placement;
+    std::string stretched;  ///< a warning where a map changes its shape; may be empty
+};
+
+/// A stack for each cluster of the map.
+struct DesignedStacks {
+    io::ProfileMap map;
+    optics::HankelGrid grid;
+    std::vector<ClusterStack> clusters;
+    PlacedMap placed;
+    bool measured = false;  ///< materials are from profile files
+    double materials_s = 0, search_s = 0;
+};
+
+/// The stacks wrapped around the body. Stays where it was made; keeps references to the body.
 class JobLayers {
 public:
-    /// Throws InputError: profiles that send back more light than they got, channels that are not those of the resins,
-    /// one resin only, roles that are not loaded, a mesh without texture coordinates where they are needed, a body
-    /// thinner than two voxels.
-    JobLayers(const SliceOptions& options, io::ProfileMap map, const JobBody& body, const LoadedResins& resins,
-              Progress& progress);
+    JobLayers(DesignedStacks designed, const JobBody& body, const LoadedResins& resins, Progress& progress);
     JobLayers(const JobLayers&) = delete;
     JobLayers& operator=(const JobLayers&) = delete;
 
-    [[nodiscard]] const WrappedLayers& wrapped() const { return *wrapped_; }
+    [[nodiscard]] const WrappedLayers& wrapped() const { return wrapped_; }
 
     io::ProfileMap map;
     optics::HankelGrid grid;
     std::vector<ClusterStack> clusters;
+    bool measured;  ///< materials are from profile files
+    double materials_s, search_s;
     halftone::AlignedStacks aligned;
     StackFit fit;
     std::vector<std::string> warnings;
-    bool measured = false;  ///< materials are from profile files
-    double materials_s = 0, search_s = 0;
 
 private:
-    std::optional<halftone::LayerFields> fields_;
-    std::optional<MapPlacement> placement_;
-    std::optional<halftone::BlueNoiseScreen> screen_;
-    std::optional<WrappedLayers> wrapped_;
+    MapPlacement placement_;
+    halftone::LayerFields fields_;
+    halftone::BlueNoiseScreen screen_;
+    WrappedLayers wrapped_;
 };
+
+/// Searches the stacks of a map that `check_layers` let pass, for minutes if they are traced, and wraps them. Throws
+/// InputError: profiles that send back more light than they got, a mesh without texture coordinates where they are
+/// needed, a body thinner than two voxels.
+[[nodiscard]] std::unique_ptr<const JobLayers> arrange_layers(const LayeredOptions& options, io::ProfileMap map,
+                                                              const JobBody& body, const LoadedResins& resins,
+                                                              Progress& progress);
 
 }  // namespace voxtone::slicer

@@ -6,58 +6,84 @@
 // The loop is left out where it has nothing to choose (one resin), where it was not asked for, and, unless it was,
 // where the coloured surface is larger than auto_loop_cm2; where its memory does not suffice the job goes on with the
 // open loop and says so.
+//
+// First everything is prepared that may refuse the job (LoopCells, LoopProblem, the checkpoint of an interrupted job);
+// then the loop runs, for hours if need be.
 #pragma once
 
-#include <filesystem>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "voxtone/base/progress.h"
 #include "voxtone/halftone/loop/appearance_loop.h"
 #include "voxtone/halftone/loop/surface_first.h"
 #include "voxtone/slicer/job/job_body.h"
 #include "voxtone/slicer/job/job_colour.h"
+#include "voxtone/slicer/job/loop_checkpoint.h"
 #include "voxtone/slicer/job/print_parts.h"
+#include "voxtone/slicer/job/viewed_cells.h"
 #include "voxtone/slicer/layers/cell_index.h"
 #include "voxtone/slicer/layers/skin_source.h"
-#include "voxtone/slicer/options/slice_options.h"
+#include "voxtone/slicer/options/resolved_job.h"
 
 namespace voxtone::slicer {
 
 struct LoopPlan {
-    int iterations = 0;   ///< most; -1: until it stops gaining; 0: no loop
-    std::string why_not;  ///< where none: a sentence, or empty where none was wanted
+    bool wanted = false;
+    int iterations = -1;  ///< most; -1: until it stops gaining
+    bool descent = true;  ///< after feedback
+    std::string why_not;  ///< where it is not wanted: a sentence, or empty where none is due
 };
 
-/// By `options.iterations`: a number, or auto.
-[[nodiscard]] LoopPlan plan_loop(const SliceOptions& options, const JobBody& body, const LoadedResins& resins);
+[[nodiscard]] LoopPlan plan_loop(const JobLoopOptions& options, const JobBody& body, const LoadedResins& resins);
 
-/// What came out, and all that its mixtures refer to. Stays where it was made.
-class JobLoop {
+/// Where the unknowns of the loop lie: the cells of the surface, the layers below them, and the way there from a voxel.
+/// What the loop finds refers to it. Stays where it was made.
+struct LoopCells {
+    /// `volume`: of the print's shape. `colour_mm`: depth of its coloured shell.
+    LoopCells(ViewedCells cells, const JobBody& body, const optics::ResinVolume& volume, double colour_mm);
+    LoopCells(const LoopCells&) = delete;
+    LoopCells& operator=(const LoopCells&) = delete;
+
+    const ViewedCells seen;
+    const halftone::SkinLayers layers;
+    const SurfacePlaces places;
+    const CellIndex index;
+    [[nodiscard]] SkinMap map() const { return {places, index, layers}; }
+};
+
+/// What the loop needs while it runs. Keeps references to all that it is made from. Stays where it was made.
+class LoopProblem {
 public:
-    JobLoop(const SliceOptions& options, const LoopPlan& plan, const JobBody& body, const LoadedResins& resins,
-            const JobColour& colour, const PrintParts& parts, const std::filesystem::path& folder, Progress& progress);
-    JobLoop(const JobLoop&) = delete;
-    JobLoop& operator=(const JobLoop&) = delete;
+    /// Throws ResourceError where the shape takes too much memory.
+    LoopProblem(const ResolvedJob& job, const JobBody& body, const LoadedResins& resins, const JobColour& colour,
+                const PrintParts& parts, const Progress& progress);
+    LoopProblem(const LoopProblem&) = delete;
+    LoopProblem& operator=(const LoopProblem&) = delete;
 
-    /// Null: the open loop was best.
-    [[nodiscard]] const SkinSource* skin() const { return skin_ ? &*skin_ : nullptr; }
+    const ResolvedJob& job;
+    const LoadedResins& resins;
+    const PrintParts& parts;
+    const std::uint64_t print_bytes;  ///< a print as a volume may take so much
+    const optics::ResinVolume shape;  ///< of one resin throughout, which takes little memory
+    const optics::Scene scene;
+    const std::shared_ptr<const LoopCells> cells;
+    const std::unique_ptr<const halftone::SurfaceFirst> recipes;
+};
 
+/// What came out.
+struct JobLoop {
     std::string model;
-    optics::Surface surface;
-    std::vector<Eigen::Vector3f> target;  ///< as asked for, per cell
-    std::array<double, 3> cell_um{};
+    std::shared_ptr<const LoopCells> cells;
     halftone::LoopResult result;
     double seconds = 0;
-
-private:
-    halftone::SkinLayers layers_;
-    SurfacePlaces places_;
-    std::optional<CellIndex> cells_;
-    std::unique_ptr<const halftone::SurfaceFirst> recipes_;
-    std::optional<SkinSource> skin_;
 };
+
+/// Goes on after `before` where there is one; keeps the checkpoint as long as it is not done. A request to stop ends it
+/// with the best that was found: `result.cancelled`. Throws ResourceError.
+[[nodiscard]] JobLoop run_job_loop(const LoopProblem& problem, const LoopPlan& plan, const LoopCheckpoint& checkpoint,
+                                   const std::optional<halftone::LoopState>& before, Progress& progress);
 
 }  // namespace voxtone::slicer

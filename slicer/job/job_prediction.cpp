@@ -8,8 +8,8 @@
 
 #include "voxtone/base/error.h"
 #include "voxtone/base/stopwatch.h"
+#include "voxtone/slicer/options/auto_limits.h"
 #include "voxtone/slicer/options/model_choice.h"
-#include "voxtone/slicer/predict/stack_volume.h"
 #include "voxtone/slicer/surface/target_cells.h"
 
 namespace voxtone::slicer {
@@ -37,66 +37,67 @@ std::optional<optics::ResinVolume> JobVolume::finish() {
     return volume;
 }
 
-PredictionPlan plan_prediction(const SliceOptions& options, const JobBody& body, bool all_layers, bool looped) {
-    if (!options.report || options.predict == "none") return {};
-    if (!all_layers) return {"", "Only a part of the layers was made: a part is not predicted."};
-    if (options.predict != "auto") return {options.predict, ""};
+PredictionPlan plan_prediction(const ResolvedJob& job, const JobBody& body, bool all_layers, bool looped) {
+    using By = PredictionPlan::By;
+    const JobPredictionOptions& options = job.prediction;
+    if (!job.report || (!options.automatic && !options.model)) return {};
+    if (!all_layers) return {.why_not = "Only a part of the layers was made: a part is not predicted."};
+    if (options.model) return {.by = By::model, .model = *options.model, .why_not = ""};
     const double area_mm2 = coloured_area_mm2(*body.surface);
-    if (area_mm2 <= 100 * auto_prediction_cm2) return {model_names()[0], ""};
-    if (looped) return {loop_prediction, ""};
-    return {"", fmt::format("The coloured surface has {:.0f} cm2; more than {:g} cm2 are not predicted without being "
+    if (area_mm2 <= 100 * auto_prediction_cm2) return {.by = By::model, .why_not = ""};
+    if (looped) return {.by = By::loop, .why_not = ""};
+    return {.why_not =
+                fmt::format("The coloured surface has {:.0f} cm2; more than {:g} cm2 are not predicted without being "
                             "asked: --predict {}.",
-                            area_mm2 / 100, auto_prediction_cm2, model_names()[0])};
+                            area_mm2 / 100, auto_prediction_cm2, name_of(PredictionModel::transport))};
 }
 
 JobPrediction prediction_of_loop(const JobLoop& loop, optics::ResinVolume volume) {
+    const ViewedCells& cells = loop.cells->seen;
     JobPrediction job;
     job.model = loop.model + ", in the loop's cells";
     job.volume = std::move(volume);
-    job.predicted.surface = loop.surface;
+    job.predicted.surface = cells.surface;
     job.predicted.channels = 3;
     job.predicted.rgb = loop.result.state.shown;
     for (const Eigen::Vector3f& rgb : job.predicted.rgb)
         job.predicted.value.insert(job.predicted.value.end(), rgb.data(), rgb.data() + 3);
-    job.target = loop.target;
-    job.cell_um = loop.cell_um;
+    job.target = cells.target;
+    job.cell_um = cells.cell_um;
     job.open_loop = loop.result.state.open;
     job.difference = colour_differences(job.target, job.predicted.rgb);
     job.summary = summarize_by_area(job.predicted.surface, job.difference);
     return job;
 }
 
-JobPrediction predict_job(const SliceOptions& options, const std::string& model, const JobBody& body,
-                          const LoadedResins& resins, optics::ResinVolume volume, Progress& progress) {
+JobPrediction predict_print(const ResolvedJob& job, PredictionModel model, const JobBody& body,
+                            const LoadedResins& resins, optics::ResinVolume volume, const ViewedCells* known,
+                            Progress& progress) {
     const Stopwatch watch;
-    JobPrediction job;
-    job.model = model;
-    job.volume = std::move(volume);
+    JobPrediction prediction;
+    prediction.model = name_of(model);
+    prediction.volume = std::move(volume);
     progress.begin_stage("predict", 0);
-    const optics::Scene scene{.volume = &job.volume,
-                              .resins = &resins.set,
-                              .backing = body.is_picture ? parse_backing(options.backing) : optics::Backing::none};
-    const auto cell = optics::cell_voxels(job.volume.pitch_mm(), options.predict_cell_mm);
-    for (std::size_t a = 0; a < 3; ++a) job.cell_um[a] = cell[a] * job.volume.pitch_mm()[a] * 1e3;
-    optics::Surface surface =
-        optics::find_surface(scene, cell, body.is_picture ? optics::SurfacePart::top : optics::SurfacePart::all);
+    const optics::Scene scene = scene_of(prediction.volume, resins, body, job.picture.backing);
+    ViewedCells cells = known ? *known : find_viewed_cells(scene, body, job.prediction.cell_mm, progress);
+    prediction.target = std::move(cells.target);
+    prediction.cell_um = cells.cell_um;
     const ModelMaker maker = [&](bool white) {
+        const std::uint64_t memory = job.prediction.memory_bytes;
         ModelOptions quality;
-        quality.cell_mm = options.predict_cell_mm;
-        quality.memory_bytes = memory_budget(options.memory_gib) -
-                               std::min(memory_budget(options.memory_gib), 2 * job.volume.memory_bytes());
-        quality.seed = white ? ~options.seed : options.seed;
+        quality.cell_mm = job.prediction.cell_mm;
+        quality.memory_bytes = memory - std::min(memory, std::uint64_t{2 * prediction.volume.memory_bytes()});
+        quality.seed = white ? ~job.seed : job.seed;
         return make_model(model, quality);
     };
     const int white = resins.set.find("W");
-    job.predicted = predict_surface(scene, std::move(surface), maker, white >= 0 ? white : resins.core, progress);
-    job.target = target_of_cells(job.predicted.surface, job.volume.pitch_mm(), body.grid.origin_mm, body.surface,
-                                 body.model.mesh, &progress);
-    job.difference = colour_differences(job.target, job.predicted.rgb);
-    job.summary = summarize_by_area(job.predicted.surface, job.difference);
+    prediction.predicted =
+        predict_surface(scene, std::move(cells.surface), maker, white >= 0 ? white : resins.core, progress);
+    prediction.difference = colour_differences(prediction.target, prediction.predicted.rgb);
+    prediction.summary = summarize_by_area(prediction.predicted.surface, prediction.difference);
     progress.end_stage();
-    job.seconds = watch.total();
-    return job;
+    prediction.seconds = watch.total();
+    return prediction;
 }
 
 }  // namespace voxtone::slicer

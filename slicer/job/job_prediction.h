@@ -20,24 +20,26 @@
 #include "voxtone/slicer/job/job_loop.h"
 #include "voxtone/slicer/layers/layer_volume.h"
 #include "voxtone/slicer/look/surface_prediction.h"
-#include "voxtone/slicer/options/slice_options.h"
+#include "voxtone/slicer/options/resolved_job.h"
 
 namespace voxtone::slicer {
 
 /// What a job predicts, known before its layers are made.
 struct PredictionPlan {
-    std::string model;    ///< empty: none
-    std::string why_not;  ///< where none: a sentence for the report; may be empty
+    enum class By {
+        nothing,
+        loop,   ///< what comes out of the appearance loop at no further cost
+        model,  ///< `model`
+    };
+    By by = By::nothing;
+    PredictionModel model = PredictionModel::transport;
+    std::string why_not;  ///< where nothing: a sentence for the report; may be empty
 };
 
-/// Name of the prediction that comes out of the appearance loop at no further cost.
-inline constexpr const char* loop_prediction = "appearance loop";
-
-/// By `options.predict`: a model's name; none; auto: the default model up to auto_prediction_cm2 of coloured surface,
-/// above that what the appearance loop predicted, if there was one (`looped`). A part of the layers is never predicted,
-/// nor is a job without a report.
-[[nodiscard]] PredictionPlan plan_prediction(const SliceOptions& options, const JobBody& body, bool all_layers,
-                                             bool looped);
+/// The model that was asked for; or none; or, automatic: the default model up to auto_prediction_cm2 of coloured
+/// surface, above that what the appearance loop predicted, if there was one (`looped`). A part of the layers is never
+/// predicted, nor is a job without a report.
+[[nodiscard]] PredictionPlan plan_prediction(const ResolvedJob& job, const JobBody& body, bool all_layers, bool looped);
 
 /// The volume of a job, filled layer by layer from any thread.
 class JobVolume {
@@ -71,8 +73,9 @@ struct JobPrediction {
 /// What the appearance loop itself predicted of the print that it chose; the volume is that print. RGB resins only.
 [[nodiscard]] JobPrediction prediction_of_loop(const JobLoop& loop, optics::ResinVolume volume);
 
-/// Throws what the model throws.
-[[nodiscard]] JobPrediction predict_job(const SliceOptions& options, const std::string& model, const JobBody& body,
-                                        const LoadedResins& resins, optics::ResinVolume volume, Progress& progress);
+/// `known`: the cells of this print; null: they are found here. Throws what the model throws.
+[[nodiscard]] JobPrediction predict_print(const ResolvedJob& job, PredictionModel model, const JobBody& body,
+                                          const LoadedResins& resins, optics::ResinVolume volume,
+                                          const ViewedCells* known, Progress& progress);
 
 }  // namespace voxtone::slicer

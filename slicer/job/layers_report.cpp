@@ -17,6 +17,7 @@
 #include "voxtone/io/pictures/srgb_code.h"
 #include "voxtone/io/report/plot_svg.h"
 #include "voxtone/optics/colour/spectral_colour.h"
+#include "voxtone/slicer/job/report_files.h"
 #include "voxtone/slicer/look/preview.h"
 #include "voxtone/slicer/surface/target_cells.h"
 
@@ -144,6 +145,148 @@ Totals totals_of(const JobLayers& layers) {
     return totals;
 }
 
+/// By what light the figures were found.
+const char* light_sentence(const JobLayers& layers, const Totals& totals) {
+    if (totals.traced)
+        return "What they show was traced by Monte Carlo and what the layered model gets wrong corrected; figures are "
+               "those of the traced light.";
+    if (layers.measured) return "What they show is by the layered model: of measured materials nothing else is known.";
+    return "What they show is by the layered model, which is rough for thin layers (--stack-rounds 1 traces the "
+           "stacks).";
+}
+
+const char* surface_words(const JobLayers& layers) {
+    return layers.measured ? "from measured layers, with the surface that they had when they were measured,"
+                           : "under a smooth surface to air";
+}
+
+std::string search_paragraph(const JobLayers& layers, const LoadedResins& resins, std::size_t clusters,
+                             const Totals& totals) {
+    return fmt::format(
+        "The map asks for {} different profiles; for each the nearest stack of layers was searched and its thicknesses "
+        "refined, {} and over a deep base of {}. {} Distances are weighted root mean squares of the difference in "
+        "Hankel coefficients (which lie between 0 and 1): {:.4f} on average over the map, {:.4f} at most.",
+        clusters, surface_words(layers), resins.entries[static_cast<std::size_t>(resins.core)].name,
+        light_sentence(layers, totals), totals.distance, totals.worst);
+}
+
+std::string correction_paragraph(const Totals& totals) {
+    return fmt::format(
+        "Before it was corrected the traced distance was {:.4f}. The layered model by itself says {:.4f} of the stacks "
+        "that are printed.",
+        totals.uncorrected, totals.modelled);
+}
+
+std::string gamut_paragraph(const Totals& totals) {
+    return fmt::format(
+        "What is wanted lies outside of the gamut of these resins, blocks and thickness: by the layered model no stack "
+        "is nearer than {:.4f}, behind the surface and on average over the map (a proven bound; the least possible of "
+        "each cluster is in the table).",
+        totals.outside);
+}
+
+std::string drawings_paragraph(const JobLayers& layers, std::size_t drawn_clusters) {
+    std::vector<std::string> drawn;
+    for (const DrawnChannel& channel : drawn_channels(layers.map.channels)) drawn.push_back(channel.name);
+    return fmt::format(
+        "Light that comes out per mm2 at a distance from where one unit entered, the {} most frequent clusters: dashed "
+        "as wanted, full as the stack is expected to show; {}. Both are seen through a blur of {:.2g} mm.",
+        drawn_clusters, fmt::join(drawn, ", "), 1.5 * layers.grid.reach_mm() / double(layers.grid.size()));
+}
+
+std::string count_paragraph(const halftone::SearchCount& count) {
+    return fmt::format("The search opened {} partial stacks, put {} aside by their bounds and compared {} whole ones.",
+                       count.visited, count.pruned, count.judged);
+}
+
+/// The totals of all channels, or the first and the last of many.
+std::string totals_text(const halftone::ChannelProfiles& of) {
+    std::vector<std::string> text;
+    for (const auto& channel : of) text.push_back(fmt::format("{:.3f}", channel[0]));
+    return text.size() > 3 ? fmt::format("{} … {}", text.front(), text.back())
+                           : fmt::format("{}", fmt::join(text, " · "));
+}
+
+io::ReportTable cluster_table(const JobLayers& layers, const LoadedResins& resins,
+                              const std::vector<std::size_t>& order) {
+    constexpr std::size_t most_listed = 64;
+    const std::size_t listed = std::min(most_listed, order.size());
+    io::ReportTable table{
+        order.size() > most_listed ? fmt::format("The {} most frequent of {} clusters", most_listed, order.size())
+                                   : "Clusters",
+        {"cluster", "share", "distance", "least possible", "total wanted", "total reached", "layers from the top, mm"},
+        {}};
+    for (std::size_t i = 0; i < listed; ++i) {
+        const ClusterStack& cluster = layers.clusters[order[i]];
+        const double least = cluster.design.outside;
+        table.rows.push_back({fmt::format("{}", order[i]), fmt::format("{:.1f} %", 100 * cluster.share),
+                              fmt::format("{:.4f}", cluster.distance()), least > 0 ? fmt::format("{:.4f}", least) : "",
+                              totals_text(cluster.target), totals_text(cluster.expected()),
+                              stack_text(cluster, resins)});
+    }
+    return table;
+}
+
+/// How near the stacks come to what is wanted.
+io::ReportSection profiles_section(const JobLayers& layers, const LoadedResins& resins) {
+    constexpr std::size_t most_drawn = 9;
+    const std::vector<std::size_t> order = by_share(layers);
+    const std::size_t drawn = std::min(most_drawn, order.size());
+    const Totals totals = totals_of(layers);
+    io::ReportSection section;
+    section.title = "Scattering profiles";
+    section.paragraphs.push_back(search_paragraph(layers, resins, order.size(), totals));
+    if (totals.traced) section.paragraphs.push_back(correction_paragraph(totals));
+    if (totals.outside > 0) section.paragraphs.push_back(gamut_paragraph(totals));
+    section.paragraphs.push_back(drawings_paragraph(layers, drawn));
+    for (std::size_t i = 0; i < drawn; ++i) section.drawings.push_back(profile_drawing(layers, order[i], resins));
+    section.tables.push_back(cluster_table(layers, resins, order));
+    section.paragraphs.push_back(count_paragraph(totals.count));
+    return section;
+}
+
+std::string sequence_paragraph(const JobLayers& layers, const LoadedResins& resins) {
+    std::vector<std::string> sequence;
+    for (const std::size_t material : layers.aligned.material) sequence.push_back(resins.entries[material].role);
+    return fmt::format(
+        "All stacks are parts of one sequence of {} layers from the top, {}; layers that a place does not have are of "
+        "thickness zero there. Depths are interpolated over the map. The deepest stack has {:.2f} mm.",
+        sequence.size(), fmt::join(sequence, " "), layers.wrapped().fields().most_depth_mm());
+}
+
+std::string fit_paragraph(const StackFit& fit) {
+    if (!(fit.thin_share > 0)) return "The body is thick enough for its stacks everywhere.";
+    return fmt::format(
+        "On {:.1f} % of the surface the body is too thin for its stack, by {:.0f} % of the stack's depth on average "
+        "(behind thin walls and beside edges): layers of both sides meet there.",
+        100 * fit.thin_share, 100 * fit.missing_mean);
+}
+
+io::ReportTable surfaces_table(const std::vector<SurfaceFile>& surfaces, const LoadedResins& resins) {
+    io::ReportTable table{"Closed surfaces", {"file", "resin", "triangles", "volume, ml", "its voxels, ml"}, {}};
+    for (const SurfaceFile& surface : surfaces)
+        table.rows.push_back({surface.name, resins.entries[surface.resin].name, fmt::format("{}", surface.triangles),
+                              fmt::format("{:.4f}", surface.mesh_ml), fmt::format("{:.4f}", surface.voxels_ml)});
+    return table;
+}
+
+/// The stacks as they lie in the body.
+io::ReportSection layers_section(const JobLayers& layers, const LoadedResins& resins,
+                                 const std::optional<io::ReportPicture>& cut,
+                                 const std::vector<SurfaceFile>& surfaces) {
+    io::ReportSection section;
+    section.title = "Layers";
+    section.paragraphs = {sequence_paragraph(layers, resins), fit_paragraph(layers.fit)};
+    if (cut) section.pictures.push_back(*cut);
+    if (!surfaces.empty()) section.tables.push_back(surfaces_table(surfaces, resins));
+    return section;
+}
+
+constexpr const char* totals_note =
+    "Total reflectance of the profiles, of light that entered: as the map wants it and as the stacks are expected to "
+    "show it, each place for itself. How light spreads from place to place is what the profiles below show; the "
+    "appearance loop is off. `voxtone predict` on this folder shows the whole print.";
+
 }  // namespace
 
 std::vector<SurfaceFile> write_layer_surfaces(const std::vector<LayerSurface>& surfaces, const LoadedResins& resins,
@@ -170,108 +313,10 @@ std::vector<SurfaceFile> write_layer_surfaces(const std::vector<LayerSurface>& s
 
 void add_layers_report(const JobLayers& layers, const LoadedResins& resins, const std::optional<io::ReportPicture>& cut,
                        const std::vector<SurfaceFile>& surfaces, io::Report& report) {
-    constexpr std::size_t most_drawn = 9, most_listed = 64;
-    const std::vector<std::size_t> order = by_share(layers);
-    const Totals totals = totals_of(layers);
-
-    io::ReportSection profiles;
-    profiles.title = "Scattering profiles";
-    profiles.paragraphs.push_back(fmt::format(
-        "The map asks for {} different profiles; for each the nearest stack of layers was searched and its thicknesses "
-        "refined, {} "
-        "and over a deep base of {}. {} Distances are weighted root mean squares of the difference in Hankel "
-        "coefficients (which lie between 0 "
-        "and 1): {:.4f} on average over the map, {:.4f} at most.",
-        order.size(),
-        layers.measured ? "from measured layers, with the surface that they had when they were measured,"
-                        : "under a smooth surface to air",
-        resins.entries[static_cast<std::size_t>(resins.core)].name,
-        totals.traced     ? "What they show was traced by Monte Carlo and what the layered model gets wrong corrected; "
-                            "figures are those of the traced light."
-        : layers.measured ? "What they show is by the layered model: of measured materials nothing else is known."
-                          : "What they show is by the layered model, which is rough for thin layers (--stack-rounds 1 "
-                            "traces the stacks).",
-        totals.distance, totals.worst));
-    if (totals.traced)
-        profiles.paragraphs.push_back(
-            fmt::format("Before it was corrected the traced distance was {:.4f}. The layered model by itself says "
-                        "{:.4f} of the stacks "
-                        "that are printed.",
-                        totals.uncorrected, totals.modelled));
-    if (totals.outside > 0)
-        profiles.paragraphs.push_back(fmt::format(
-            "What is wanted lies outside of the gamut of these resins, blocks and thickness: by the layered model no "
-            "stack is nearer than {:.4f}, behind the surface and on average over the map (a proven bound; the least "
-            "possible of each "
-            "cluster is in the table).",
-            totals.outside));
-    std::vector<std::string> drawn;
-    for (const DrawnChannel& channel : drawn_channels(layers.map.channels)) drawn.push_back(channel.name);
-    profiles.paragraphs.push_back(
-        fmt::format("Light that comes out per mm2 at a distance from where one unit entered, the {} most frequent "
-                    "clusters: dashed as "
-                    "wanted, full as the stack is expected to show; {}. Both are seen through a blur of {:.2g} mm.",
-                    std::min(most_drawn, order.size()), fmt::join(drawn, ", "),
-                    1.5 * layers.grid.reach_mm() / double(layers.grid.size())));
-    for (std::size_t i = 0; i < std::min(most_drawn, order.size()); ++i)
-        profiles.drawings.push_back(profile_drawing(layers, order[i], resins));
-    io::ReportTable table{
-        order.size() > most_listed ? fmt::format("The {} most frequent of {} clusters", most_listed, order.size())
-                                   : "Clusters",
-        {"cluster", "share", "distance", "least possible", "total wanted", "total reached", "layers from the top, mm"},
-        {}};
-    const auto totals_text = [](const halftone::ChannelProfiles& of) {
-        std::vector<std::string> text;
-        for (const auto& channel : of) text.push_back(fmt::format("{:.3f}", channel[0]));
-        return text.size() > 3 ? fmt::format("{} … {}", text.front(), text.back())
-                               : fmt::format("{}", fmt::join(text, " · "));
-    };
-    for (std::size_t i = 0; i < std::min(most_listed, order.size()); ++i) {
-        const ClusterStack& cluster = layers.clusters[order[i]];
-        table.rows.push_back(
-            {fmt::format("{}", order[i]), fmt::format("{:.1f} %", 100 * cluster.share),
-             fmt::format("{:.4f}", cluster.distance()),
-             cluster.design.outside > 0 ? fmt::format("{:.4f}", cluster.design.outside) : std::string(),
-             totals_text(cluster.target), totals_text(cluster.expected()), stack_text(cluster, resins)});
-    }
-    profiles.tables.push_back(std::move(table));
-    profiles.paragraphs.push_back(
-        fmt::format("The search opened {} partial stacks, put {} aside by their bounds and compared {} whole ones.",
-                    totals.count.visited, totals.count.pruned, totals.count.judged));
-    report.sections.push_back(std::move(profiles));
-
-    io::ReportSection body;
-    body.title = "Layers";
-    std::vector<std::string> sequence;
-    for (const std::size_t material : layers.aligned.material) sequence.push_back(resins.entries[material].role);
-    body.paragraphs.push_back(
-        fmt::format("All stacks are parts of one sequence of {} layers from the top, {}; layers that a place does not "
-                    "have are of thickness zero "
-                    "there. Depths are interpolated over the map. The deepest stack has {:.2f} mm.",
-                    sequence.size(), fmt::join(sequence, " "), layers.wrapped().fields().most_depth_mm()));
-    body.paragraphs.push_back(layers.fit.thin_share > 0
-                                  ? fmt::format("On {:.1f} % of the surface the body is too thin for its stack, by "
-                                                "{:.0f} % of the stack's depth on average (behind thin "
-                                                "walls and beside edges): layers of both sides meet there.",
-                                                100 * layers.fit.thin_share, 100 * layers.fit.missing_mean)
-                                  : std::string("The body is thick enough for its stacks everywhere."));
-    if (cut) body.pictures.push_back(*cut);
-    if (!surfaces.empty()) {
-        io::ReportTable files{"Closed surfaces", {"file", "resin", "triangles", "volume, ml", "its voxels, ml"}, {}};
-        for (const SurfaceFile& surface : surfaces)
-            files.rows.push_back({surface.name, resins.entries[surface.resin].name,
-                                  fmt::format("{}", surface.triangles), fmt::format("{:.4f}", surface.mesh_ml),
-                                  fmt::format("{:.4f}", surface.voxels_ml)});
-        body.tables.push_back(std::move(files));
-    }
-    report.sections.push_back(std::move(body));
+    report.sections.push_back(profiles_section(layers, resins));
+    report.sections.push_back(layers_section(layers, resins, cut, surfaces));
     for (const std::string& warning : layers.warnings) report.warnings.push_back(warning);
-    report.prediction_note =
-        "Total reflectance of the profiles, of light that entered: as the map wants it and as the stacks are expected "
-        "to show it, each place for "
-        "itself. How light spreads from place to place is what the profiles below show; the appearance loop is off. "
-        "`voxtone predict` on this "
-        "folder shows the whole print.";
+    report.prediction_note = totals_note;
 }
 
 void draw_layers_report(const JobLayers& layers, const JobBody& body, io::Report& report,
@@ -305,9 +350,9 @@ void draw_layers_report(const JobLayers& layers, const JobBody& body, io::Report
         }
     }
     if (!body.is_picture) return;
-    io::write_whole_file(folder / "target.png", report.views[0].pictures[0].png);
-    io::write_whole_file(folder / "predicted.png", report.views[0].pictures[1].png);
-    io::write_whole_file(folder / "difference.png", report.views[0].pictures[2].png);
+    io::write_whole_file(folder / report_file::target_png, report.views[0].pictures[0].png);
+    io::write_whole_file(folder / report_file::predicted_png, report.views[0].pictures[1].png);
+    io::write_whole_file(folder / report_file::difference_png, report.views[0].pictures[2].png);
 }
 
 std::string layers_summary(const JobLayers& layers) {

@@ -123,21 +123,22 @@ io::ReportLoop loop_report(const JobLoop& loop, const JobBody& body, const optic
         "filter (Gaussians of S-CIELAB without their negative surround). At limits: cells that their neighbours, or "
         "what lies behind them, keep from their "
         "target; they are asked for the nearest colour that is left.",
-        state.steps.size() - 1, loop.model, loop.cell_um[0], loop.cell_um[1], loop.cell_um[2], loop.result.why_stopped,
+        state.steps.size() - 1, loop.model, loop.cells->seen.cell_um[0], loop.cells->seen.cell_um[1],
+        loop.cells->seen.cell_um[2], loop.result.why_stopped,
         100.0 * double(in) / double(std::max<std::size_t>(1, loop.result.in_gamut.size())));
     constexpr double crop_mm = 4;
     int x = 0, y = 0;
     if (body.is_picture) {
-        const CellGrid grid(loop.surface);
-        const double cell_mm = loop.cell_um[0] * 1e-3;
+        const CellGrid grid(loop.cells->seen.surface);
+        const double cell_mm = loop.cells->seen.cell_um[0] * 1e-3;
         const Square square =
-            most_changed(grid, colour_differences(loop.target, state.open),
-                         colour_differences(loop.target, state.shown), static_cast<int>(crop_mm / cell_mm));
-        report.crops = {magnified(grid, square, loop.target, "target", cell_mm),
+            most_changed(grid, colour_differences(loop.cells->seen.target, state.open),
+                         colour_differences(loop.cells->seen.target, state.shown), static_cast<int>(crop_mm / cell_mm));
+        report.crops = {magnified(grid, square, loop.cells->seen.target, "target", cell_mm),
                         magnified(grid, square, state.open, "open loop", cell_mm),
                         magnified(grid, square, state.shown, "result", cell_mm)};
-        x = (square.x + square.width / 2) * loop.surface.cell_voxels[0];
-        y = (square.y + square.height / 2) * loop.surface.cell_voxels[1];
+        x = (square.x + square.width / 2) * loop.cells->seen.surface.cell_voxels[0];
+        y = (square.y + square.height / 2) * loop.cells->seen.surface.cell_voxels[1];
     } else if (volume) {
         x = volume->size()[0] / 2;
         y = volume->size()[1] / 2;

@@ -10,28 +10,28 @@
 
 namespace voxtone::slicer {
 
-PrintParts::PrintParts(const SliceOptions& options, const JobBody& body, const LoadedResins& resins, double shell_mm)
+PrintParts::PrintParts(const ResolvedJob& job, const JobBody& body, const LoadedResins& resins, double shell_mm)
     : body_(body),
       resins_(resins),
-      seed_(options.seed),
+      seed_(job.seed),
       solid_(*body.solid, body.grid),
       shell_(body.surface, body.grid, shell_mm),
       // Voxels are sampled at their centres: texture details finer than a voxel's footprint would alias.
       surface_colour_(body.model.mesh, std::sqrt(body.grid.pitch_mm.x() * body.grid.pitch_mm.y())) {
-    if (options.keep_thin) thin_.emplace(body.solid, solid_);
+    if (job.keep_thin) thin_.emplace(body.solid, solid_);
 }
 
-PrintParts::PrintParts(const SliceOptions& options, const JobBody& body, const LoadedResins& resins,
-                       const JobColour& colour, const Progress& progress)
-    : PrintParts(options, body, resins, options.depth_mm) {
+PrintParts::PrintParts(const ResolvedJob& job, const JobBody& body, const LoadedResins& resins, const JobColour& colour,
+                       const Progress& progress)
+    : PrintParts(job, body, resins, job.colour.depth_mm) {
     colour_ = &colour;
-    if (options.screen == "blue-noise")
+    if (job.colour.screen == ScreenKind::blue_noise)
         screen_.emplace(std::array{body.grid.pitch_mm.x(), body.grid.pitch_mm.y(), body.grid.pitch_mm.z()}, &progress);
 }
 
-PrintParts::PrintParts(const SliceOptions& options, const JobBody& body, const LoadedResins& resins,
+PrintParts::PrintParts(const ResolvedJob& job, const JobBody& body, const LoadedResins& resins,
                        const WrappedLayers& wrapped)
-    : PrintParts(options, body, resins, wrapped.shell_mm()) {
+    : PrintParts(job, body, resins, wrapped.shell_mm()) {
     wrapped_ = &wrapped;
 }
 

@@ -15,7 +15,7 @@
 #include "voxtone/slicer/job/job_colour.h"
 #include "voxtone/slicer/layers/layer_maker.h"
 #include "voxtone/slicer/layers/wrapped_layers.h"
-#include "voxtone/slicer/options/slice_options.h"
+#include "voxtone/slicer/options/resolved_job.h"
 #include "voxtone/slicer/solid/solid.h"
 #include "voxtone/slicer/solid/thin_features.h"
 #include "voxtone/slicer/surface/surface_colour.h"
@@ -26,11 +26,10 @@ namespace voxtone::slicer {
 class PrintParts {
 public:
     /// The shell by colour. Keeps references to all but the options.
-    PrintParts(const SliceOptions& options, const JobBody& body, const LoadedResins& resins, const JobColour& colour,
+    PrintParts(const ResolvedJob& job, const JobBody& body, const LoadedResins& resins, const JobColour& colour,
                const Progress& progress);
     /// The shell by layers.
-    PrintParts(const SliceOptions& options, const JobBody& body, const LoadedResins& resins,
-               const WrappedLayers& wrapped);
+    PrintParts(const ResolvedJob& job, const JobBody& body, const LoadedResins& resins, const WrappedLayers& wrapped);
     PrintParts(const PrintParts&) = delete;
     PrintParts& operator=(const PrintParts&) = delete;
 
@@ -45,7 +44,7 @@ public:
                         const Progress& progress) const;
 
 private:
-    PrintParts(const SliceOptions& options, const JobBody& body, const LoadedResins& resins, double shell_mm);
+    PrintParts(const ResolvedJob& job, const JobBody& body, const LoadedResins& resins, double shell_mm);
 
     const JobBody& body_;
     const LoadedResins& resins_;

@@ -213,13 +213,6 @@ void fill(SolidMesh& mesh, const std::vector<HoleFill>& fills, RepairReport& rep
 
 }  // namespace
 
-RepairMode parse_repair_mode(std::string_view text) {
-    if (text == "off") return RepairMode::off;
-    if (text == "auto") return RepairMode::automatic;
-    if (text == "wrap") return RepairMode::wrap;
-    throw UsageError(fmt::format("repair \"{}\" is not known; it is off, auto or wrap", text));
-}
-
 RepairedMesh repair_mesh(const io::TexturedMesh& textured, const RepairOptions& options, const Progress* progress) {
     VOXTONE_EXPECT(options.pitch_mm > 0);
     RepairedMesh result;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//
-// The job file: {"format": "voxtone-job", "version": 1, <key>: <value>, ...} with the keys of the option table.
+#include "voxtone/slicer/options/job_file.h"
+
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -10,7 +10,6 @@
 
 #include "voxtone/base/error.h"
 #include "voxtone/io/files/json_keys.h"
-#include "voxtone/slicer/options/slice_options.h"
 
 namespace voxtone::slicer {
 
@@ -51,15 +50,8 @@ std::string option_text(const Json& value, const std::string& where) {
     throw InputError(where + ": a text, a number, true, false or a list of texts is expected");
 }
 
-}  // namespace
-
-std::string job_json(const SliceOptions& options) {
-    Json job{{"format", "voxtone-job"}, {"version", 1}};
-    for (const OptionSpec& spec : slice_option_table()) job[spec.key] = json_value(spec, spec.get(options));
-    return job.dump(2) + "\n";
-}
-
-void read_job(const std::string& path, SliceOptions& options) {
+/// The object of a job file of this version.
+Json parse_job(const std::string& path) {
     std::ifstream file(path);
     if (!file)
         throw FileError(fmt::format("{}: the job file cannot be read; check the path and its permissions", path));
@@ -76,29 +68,51 @@ void read_job(const std::string& path, SliceOptions& options) {
     if (job.value("version", Json()) != 1)
         throw InputError(fmt::format("{}: version {} is unknown to this program, which reads version 1", path,
                                      job.value("version", Json()).dump()));
+    return job;
+}
+
+const OptionSpec& find_option(const std::string& key, const std::string& path) {
     std::vector<std::string> known{"format", "version"};
-    for (const OptionSpec& spec : slice_option_table()) known.push_back(spec.key);
+    for (const OptionSpec& spec : slice_option_table()) {
+        if (spec.key == key) return spec;
+        known.push_back(spec.key);
+    }
+    throw InputError(fmt::format("{}: {}", path, io::unknown_key_message(key, known)));
+}
+
+/// The rest of `text` from `begin` on, seen from the job file's folder. An empty path stays empty: nothing was named.
+void make_relative_to(const std::filesystem::path& folder, std::string& text, std::size_t begin = 0) {
+    const std::string named = text.substr(begin);
+    if (!named.empty() && std::filesystem::path(named).is_relative())
+        text = text.substr(0, begin) + (folder / named).string();
+}
+
+}  // namespace
+
+std::string job_json(const SliceOptions& options) {
+    Json job{{"format", "voxtone-job"}, {"version", 1}};
+    for (const OptionSpec& spec : slice_option_table()) job[spec.key] = json_value(spec, spec.get(options));
+    return job.dump(2) + "\n";
+}
+
+void read_job(const std::string& path, SliceOptions& options) {
+    const Json job = parse_job(path);
     for (const auto& [key, value] : job.items()) {
         if (key == "format" || key == "version") continue;
-        const auto table = slice_option_table();
-        const auto spec = std::find_if(table.begin(), table.end(), [&](const OptionSpec& s) { return s.key == key; });
-        if (spec == table.end()) throw InputError(fmt::format("{}: {}", path, io::unknown_key_message(key, known)));
+        const OptionSpec& spec = find_option(key, path);
         try {
-            spec->set(options, option_text(value, fmt::format("{}: key '{}'", path, key)));
+            spec.set(options, option_text(value, fmt::format("{}: key '{}'", path, key)));
         } catch (const UsageError& error) {
             throw InputError(fmt::format("{}: {}", path, error.what()));
         }
-        // An empty path stays empty: nothing was named.
-        for (const auto& [name, named] : {std::pair{"model", &options.model}, std::pair{"profiles", &options.profiles}})
-            if (key == name && !named->empty() && std::filesystem::path(*named).is_relative())
-                *named = (std::filesystem::path(path).parent_path() / *named).string();
-        if (key == "stack-materials")
-            for (std::string& entry : options.stack_materials)
-                if (const std::size_t at = entry.find('=') + 1;
-                    at > 0 && at < entry.size() && std::filesystem::path(entry.substr(at)).is_relative())
-                    entry =
-                        entry.substr(0, at) + (std::filesystem::path(path).parent_path() / entry.substr(at)).string();
     }
+    const std::filesystem::path folder = std::filesystem::path(path).parent_path();
+    if (job.contains("model")) make_relative_to(folder, options.model);
+    if (job.contains("profiles")) make_relative_to(folder, options.profiles);
+    if (job.contains("stack-materials"))
+        for (std::string& entry : options.stack_materials)
+            if (const std::size_t equals = entry.find('='); equals != std::string::npos)
+                make_relative_to(folder, entry, equals + 1);
 }
 
 }  // namespace voxtone::slicer

@@ -3,42 +3,44 @@
 
 #include <unistd.h>
 
-#include <array>
-
-#include <fmt/core.h>
-#include <fmt/ranges.h>
-
-#include "voxtone/base/error.h"
 #include "voxtone/optics/monte_carlo/monte_carlo.h"
 #include "voxtone/optics/profiles/layered_profile_model.h"
 #include "voxtone/optics/transport/transport.h"
 
 namespace voxtone::slicer {
 
-std::span<const std::string> model_names() {
-    static const std::array<std::string, 3> names{"transport", "monte-carlo", "layered-profile"};
-    return names;
+namespace {
+
+std::unique_ptr<const optics::AppearanceModel> make_transport(const ModelOptions& options) {
+    optics::TransportOptions transport;
+    transport.sweeps = options.sweeps;
+    transport.cell_mm = options.cell_mm;
+    transport.viewing_cells = options.viewing_cells;
+    transport.colour_mm = options.colour_mm;
+    transport.memory_bytes = static_cast<std::size_t>(options.memory_bytes);
+    return std::make_unique<optics::TransportPredictor>(transport);
 }
 
-std::unique_ptr<const optics::AppearanceModel> make_model(const std::string& name, const ModelOptions& options) {
-    if (name == "transport") {
-        optics::TransportOptions transport;
-        transport.sweeps = options.sweeps;
-        transport.cell_mm = options.cell_mm;
-        transport.viewing_cells = options.viewing_cells;
-        transport.colour_mm = options.colour_mm;
-        transport.memory_bytes = static_cast<std::size_t>(options.memory_bytes);
-        return std::make_unique<optics::TransportPredictor>(transport);
+std::unique_ptr<const optics::AppearanceModel> make_monte_carlo(const ModelOptions& options) {
+    optics::MonteCarloOptions tracing;
+    tracing.paths = options.paths;
+    tracing.error = options.error;
+    tracing.seed = options.seed;
+    return std::make_unique<optics::MonteCarlo>(tracing);
+}
+
+}  // namespace
+
+std::unique_ptr<const optics::AppearanceModel> make_model(PredictionModel model, const ModelOptions& options) {
+    switch (model) {
+        case PredictionModel::monte_carlo:
+            return make_monte_carlo(options);
+        case PredictionModel::layered_profile:
+            return std::make_unique<optics::LayeredProfileModel>();
+        case PredictionModel::transport:
+            break;
     }
-    if (name == "monte-carlo") {
-        optics::MonteCarloOptions tracing;
-        tracing.paths = options.paths;
-        tracing.error = options.error;
-        tracing.seed = options.seed;
-        return std::make_unique<optics::MonteCarlo>(tracing);
-    }
-    if (name == "layered-profile") return std::make_unique<optics::LayeredProfileModel>();
-    throw UsageError(fmt::format("--model: '{}' is none of {}", name, fmt::join(model_names(), ", ")));
+    return make_transport(options);
 }
 
 std::uint64_t memory_budget(double gib) {

@@ -3,15 +3,18 @@
 // Appearance models by their names at the command line. Whoever adds a model adds it here and nowhere else.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
-#include <span>
-#include <string>
 
+#include "voxtone/base/named_values.h"
 #include "voxtone/optics/scene/appearance_model.h"
 #include "voxtone/optics/transport/transport.h"
 
 namespace voxtone::slicer {
+
+/// The default first.
+enum class PredictionModel { transport, monte_carlo, layered_profile };
 
 struct ModelOptions {
     double cell_mm = 0.085;      ///< of the viewing grid
@@ -25,18 +28,17 @@ struct ModelOptions {
     std::uint64_t seed = 1;
 };
 
-/// Coloured surface of a print that `slice` predicts without being asked: half a minute on two idle cores of
-/// 2.5 GHz, and 2.5 GB.
-inline constexpr double auto_prediction_cm2 = 10;
-
-/// The default first.
-[[nodiscard]] std::span<const std::string> model_names();
-
-/// Throws UsageError that lists the names.
-[[nodiscard]] std::unique_ptr<const optics::AppearanceModel> make_model(const std::string& name,
+[[nodiscard]] std::unique_ptr<const optics::AppearanceModel> make_model(PredictionModel model,
                                                                         const ModelOptions& options);
 
 /// Bytes of `gib` GiB; 0: half of the machine's memory.
 [[nodiscard]] std::uint64_t memory_budget(double gib);
 
 }  // namespace voxtone::slicer
+
+template <>
+struct voxtone::NamesOf<voxtone::slicer::PredictionModel> {
+    using E = slicer::PredictionModel;
+    static constexpr auto table = std::to_array<Named<E>>(
+        {{E::transport, "transport"}, {E::monte_carlo, "monte-carlo"}, {E::layered_profile, "layered-profile"}});
+};

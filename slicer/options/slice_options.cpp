@@ -2,8 +2,6 @@
 #include "voxtone/slicer/options/slice_options.h"
 
 #include <algorithm>
-#include <charconv>
-#include <cmath>
 #include <set>
 
 #include <fmt/core.h>
@@ -11,40 +9,17 @@
 
 #include "voxtone/base/error.h"
 #include "voxtone/base/units.h"
+#include "voxtone/io/layers/layer_format.h"
+#include "voxtone/slicer/options/auto_limits.h"
 #include "voxtone/slicer/options/model_choice.h"
+#include "voxtone/slicer/options/option_values.h"
+#include "voxtone/slicer/options/option_words.h"
 
 namespace voxtone::slicer {
 
 namespace {
 
 using Kind = OptionSpec::Kind;
-
-std::vector<std::string> split(const std::string& text) {
-    std::vector<std::string> parts;
-    std::size_t begin = 0;
-    while (begin <= text.size()) {
-        const std::size_t end = std::min(text.find(',', begin), text.size());
-        if (end > begin) parts.push_back(text.substr(begin, end - begin));
-        begin = end + 1;
-    }
-    return parts;
-}
-
-template <class Number>
-Number parse_number(const std::string& key, const std::string& text) {
-    Number number{};
-    const auto [rest, status] = std::from_chars(text.data(), text.data() + text.size(), number);
-    bool good = status == std::errc{} && rest == text.data() + text.size() && !text.empty();
-    if constexpr (std::is_floating_point_v<Number>) good = good && std::isfinite(number);
-    if (!good) throw UsageError(fmt::format("--{}: '{}' is not a number", key, text));
-    return number;
-}
-
-bool parse_flag(const std::string& key, const std::string& text) {
-    if (text == "true" || text == "on" || text == "yes" || text == "1") return true;
-    if (text == "false" || text == "off" || text == "no" || text == "0") return false;
-    throw UsageError(fmt::format("--{}: '{}' is neither true nor false", key, text));
-}
 
 OptionSpec spec(std::string key, Kind kind, std::string metavar, std::string group, std::string help,
                 std::vector<std::string> choices = {}) {
@@ -70,7 +45,7 @@ OptionSpec text(OptionSpec s, std::string SliceOptions::*member) {
     s.get = [member](const SliceOptions& o) { return o.*member; };
     s.set = [member, key = s.option, choices = s.choices](SliceOptions& o, const std::string& value) {
         if (!choices.empty() && std::find(choices.begin(), choices.end(), value) == choices.end())
-            throw UsageError(fmt::format("--{}: '{}' is none of {}", key, value, fmt::join(choices, ", ")));
+            refuse_choice(key, value, choices);
         o.*member = value;
     };
     return s;
@@ -79,10 +54,10 @@ OptionSpec text(OptionSpec s, std::string SliceOptions::*member) {
 OptionSpec list(OptionSpec s, std::vector<std::string> SliceOptions::*member) {
     s.get = [member](const SliceOptions& o) { return fmt::format("{}", fmt::join(o.*member, ",")); };
     s.set = [member, key = s.option, choices = s.choices](SliceOptions& o, const std::string& value) {
-        const std::vector<std::string> parts = split(value);
+        const std::vector<std::string> parts = parse_list(value);
         for (const std::string& part : parts)
             if (!choices.empty() && std::find(choices.begin(), choices.end(), part) == choices.end())
-                throw UsageError(fmt::format("--{}: '{}' is none of {}", key, part, fmt::join(choices, ", ")));
+                refuse_choice(key, part, choices);
         if (std::set<std::string>(parts.begin(), parts.end()).size() != parts.size())
             throw UsageError(fmt::format("--{}: '{}' names something twice", key, value));
         o.*member = parts;
@@ -113,12 +88,6 @@ OptionSpec number(OptionSpec s, Number SliceOptions::*member) {
     return s;
 }
 
-std::vector<std::string> models_or_none() {
-    std::vector<std::string> names{"auto", "none"};
-    names.insert(names.end(), model_names().begin(), model_names().end());
-    return names;
-}
-
 std::vector<OptionSpec> make_table() {
     using O = SliceOptions;
     const std::string in = "Input and output", place = "Placement", colour = "Colour", body = "Body",
@@ -131,7 +100,7 @@ std::vector<OptionSpec> make_table() {
         list(spec("formats", Kind::list, "LIST", in,
                   "what to write: png (RGBA stack for Voxel Print), gcvf, tiff or png1 (one per resin and layer), vdb; "
                   "empty: the printer's default",
-                  {"png", "gcvf", "tiff", "png1", "vdb"}),
+                  names_of<io::LayerFormat>()),
              &O::formats),
         flag(spec("overwrite", Kind::flag, "", in, "write into a folder that holds other files too"), &O::overwrite),
         flag(spec("report", Kind::flag, "", in, "write report.html, target and predicted pictures"), &O::report),
@@ -169,15 +138,15 @@ std::vector<OptionSpec> make_table() {
                &O::depth_mm),
         text(spec("screen", Kind::text, "NAME", colour,
                   "halftone screen: blue-noise (position-addressed) or error-diffusion (three-dimensional)",
-                  {"blue-noise", "error-diffusion"}),
+                  names_of<ScreenKind>()),
              &O::screen),
         text(spec("mixing", Kind::text, "HOW", colour,
                   "what the separation takes a mixture to be: voxels of the printer's size, between which light finds "
                   "its way, or ideal (averaged)",
-                  {"voxels", "ideal"}),
+                  names_of<Mixing>()),
              &O::mixing),
         text(spec("backing", Kind::text, "SHEET", colour, "pictures: what lies under the slab: black, white or none",
-                  {"black", "white", "none"}),
+                  names_of<optics::Backing>()),
              &O::backing),
 
         text(spec("iterations", Kind::text, "N", loop,
@@ -190,21 +159,21 @@ std::vector<OptionSpec> make_table() {
                   "relative: the target's white is the white resin; absolute: it is a body that absorbs nothing; "
                   "contrast: relative, and where a "
                   "limit is met the surroundings give way too, so that local contrast is kept",
-                  {"relative", "absolute", "contrast"}),
+                  names_of<halftone::Intent>()),
              &O::intent),
         length(spec("viewing-distance", Kind::length, "LENGTH", loop,
                     "from where the print is looked at: what cannot be seen from there counts less"),
                &O::viewing_distance_mm),
         text(spec("loop-model", Kind::text, "MODEL", loop,
                   "what predicts the print in the loop; monte-carlo is for slabs of a few mm",
-                  {model_names().begin(), model_names().end()}),
+                  names_of<PredictionModel>()),
              &O::loop_model),
         text(spec("loop-method", Kind::text, "NAME", loop,
                   "feedback: each place corrects itself; descent: feedback, then along the gradient of the whole "
                   "print, which is sharper and takes "
                   "twice the time and 1.4 times the memory; auto: descent up to 30 cm2 of coloured surface, feedback "
                   "beyond",
-                  {"auto", "descent", "feedback"}),
+                  names_of<LoopMethod>()),
              &O::loop_method),
         flag(
             spec("resume", Kind::flag, "", loop, "go on with the loop of an interrupted job in the same output folder"),
@@ -214,7 +183,7 @@ std::vector<OptionSpec> make_table() {
                                   "what the surface is to show: colour, or layered-profile: how light spreads, by "
                                   "layers of resin under each point "
                                   "(docs/layered-prints.md); key `arrange` of a job file",
-                                  {"colour", "layered-profile"})),
+                                  names_of<Arrange>())),
              &O::arrange),
         text(spec("profiles", Kind::text, "MAP", profiles, "map of wanted scattering profiles (voxtone-profile-map)"),
              &O::profiles),
@@ -222,7 +191,7 @@ std::vector<OptionSpec> make_table() {
                   "where on a mesh the map lies: uv (texture coordinates; it repeats) or box (projected along the main "
                   "axis of the normal, in mm; "
                   "mirrored beyond its edges); on a picture's slab it lies on the picture",
-                  {"uv", "box"}),
+                  names_of<ProfilePlacement>()),
              &O::profile_placement),
         length(spec("stack-thickness", Kind::length, "LENGTH", profiles, "most thickness of a stack of layers"),
                &O::stack_thickness_mm),
@@ -260,7 +229,7 @@ std::vector<OptionSpec> make_table() {
 
         text(spec("repair", Kind::text, "HOW", body,
                   "broken meshes: off (refuse), auto (close holes; wrap what stays open) or wrap (always)",
-                  {"off", "auto", "wrap"}),
+                  names_of<RepairMode>()),
              &O::repair),
         flag(
             spec("keep-thin", Kind::flag, "", body, "features thinner than a voxel get one voxel instead of vanishing"),
@@ -270,8 +239,8 @@ std::vector<OptionSpec> make_table() {
                   fmt::format("what predicts the print for the report; none: the separation's own model, without "
                               "spreading light; auto: {} for "
                               "up to {:g} cm2 of coloured surface, else none",
-                              model_names()[0], auto_prediction_cm2),
-                  models_or_none()),
+                              name_of(PredictionModel::transport), auto_prediction_cm2),
+                  predict_choices()),
              &O::predict),
         length(spec("predict-cell", Kind::length, "LENGTH", predict, "cells that are predicted and seen as one"),
                &O::predict_cell_mm),
@@ -293,108 +262,10 @@ std::span<const OptionSpec> slice_option_table() {
     return table;
 }
 
-int parse_iterations(const std::string& text) {
-    if (text == "auto") return -1;
-    const int n = parse_number<int>("iterations", text);
-    if (n < 0 || n > 1000) throw UsageError(fmt::format("--iterations {}: must be 0 to 1000, or auto", text));
-    return n;
-}
-
-int parse_stack_rounds(const std::string& text) {
-    if (text == "auto") return -1;
-    const int n = parse_number<int>("stack-rounds", text);
-    if (n < 0 || n > 20) throw UsageError(fmt::format("--stack-rounds {}: must be 0 to 20, or auto", text));
-    return n;
-}
-
-std::vector<StackMaterialFile> parse_stack_materials(const std::vector<std::string>& entries) {
-    std::vector<StackMaterialFile> parsed;
-    for (const std::string& entry : entries) {
-        const std::size_t equals = entry.find('=');
-        if (equals == 0 || equals == std::string::npos || equals + 1 == entry.size())
-            throw UsageError(fmt::format("--stack-materials {}: write ROLE=FILE, such as W=white.json", entry));
-        parsed.push_back({entry.substr(0, equals), entry.substr(equals + 1)});
-        for (std::size_t i = 0; i + 1 < parsed.size(); ++i)
-            if (parsed[i].role == parsed.back().role)
-                throw UsageError(fmt::format("--stack-materials {}: {} is named twice", entry, parsed.back().role));
-    }
-    return parsed;
-}
-
-std::vector<ClearTop> parse_clear_top(const std::vector<std::string>& entries) {
-    std::vector<ClearTop> parsed;
-    for (const std::string& entry : entries) {
-        const std::size_t equals = entry.find('=');
-        if (equals == 0 || equals == std::string::npos)
-            throw UsageError(fmt::format("--clear-top {}: write ROLE=LENGTH, such as T=0.2mm", entry));
-        parsed.push_back({entry.substr(0, equals), parse_length_mm(entry.substr(equals + 1), "--clear-top")});
-        if (!(parsed.back().mm >= 0)) throw UsageError(fmt::format("--clear-top {}: must be 0 or more", entry));
-    }
-    return parsed;
-}
-
-LayerRange parse_layer_range(const std::string& text, int layers) {
-    if (text.empty()) return {0, layers - 1};
-    const std::size_t dash = text.find('-');
-    LayerRange range;
-    range.first = parse_number<int>("layers", text.substr(0, dash));
-    range.last = dash == std::string::npos ? range.first : parse_number<int>("layers", text.substr(dash + 1));
-    if (range.first < 0 || range.last < range.first)
-        throw UsageError(fmt::format("--layers: '{}' is no range; write first-last, such as 0-99", text));
-    if (range.last >= layers)
-        throw InputError(
-            fmt::format("--layers {}: the print has layers 0 to {} only; choose a range within", text, layers - 1));
-    return range;
-}
-
-void validate(const SliceOptions& o) {
-    const auto need = [](bool good, std::string_view key, const std::string& value, std::string_view rule) {
-        if (!good) throw UsageError(fmt::format("--{} {}: {}", key, value, rule));
-    };
-    need(!o.model.empty(), "mesh", "(none)", "name a mesh or a picture");
-    need(!o.out.empty(), "out", "(none)", "name the output folder: -o FOLDER");
-    need(o.scale > 0, "scale", fmt::format("{}", o.scale), "must be above 0");
-    need(o.size_mm >= 0, "size", fmt::format("{}mm", o.size_mm), "must be above 0");
-    need(o.width_mm >= 0, "width", fmt::format("{}mm", o.width_mm), "must be above 0");
-    need(o.thickness_mm > 0, "thickness", fmt::format("{}mm", o.thickness_mm), "must be above 0");
-    need(o.depth_mm > 0 && o.depth_mm <= 10, "depth", fmt::format("{}mm", o.depth_mm),
-         "must be above 0 and at most 10 mm");
-    need(o.predict_cell_mm >= 0.01 && o.predict_cell_mm <= 5, "predict-cell", fmt::format("{}mm", o.predict_cell_mm),
-         "must be 0.01 to 5 mm");
-    (void)parse_iterations(o.iterations);
-    need(o.viewing_distance_mm >= 10 && o.viewing_distance_mm <= 1e5, "viewing-distance",
-         fmt::format("{}mm", o.viewing_distance_mm), "must be 10 mm to 100 m");
-    need(o.memory_gib >= 0, "memory", fmt::format("{}", o.memory_gib),
-         "must be above 0 GiB, or 0 for half of the machine's");
-    need(o.threads >= 0 && o.threads <= 1024, "threads", fmt::format("{}", o.threads), "must be 0 to 1024");
-    if (o.unit != "auto") (void)mm_per_unit(o.unit);
-    if (!o.layered()) {
-        need(o.profiles.empty(), "profiles", o.profiles, "only goes with --model layered-profile");
-        need(o.stack_materials.empty(), "stack-materials", fmt::format("{}", fmt::join(o.stack_materials, ",")),
-             "only goes with --model layered-profile");
-        need(!o.surfaces, "surfaces", "", "only goes with --model layered-profile");
-        return;
-    }
-    need(!o.profiles.empty(), "profiles", "(none)",
-         "--model layered-profile needs a map of profiles (voxtone-profile-map)");
-    need(o.screen == "blue-noise", "screen", o.screen, "layers are dithered by the screen blue-noise only");
-    need(o.stack_thickness_mm > 0 && o.stack_thickness_mm <= 50, "stack-thickness",
-         fmt::format("{}mm", o.stack_thickness_mm), "must be above 0 and at most 50 mm");
-    need(o.stack_steps >= 1 && o.stack_steps <= 4096, "stack-steps", fmt::format("{}", o.stack_steps),
-         "must be 1 to 4096");
-    need(o.stack_blocks >= 1 && o.stack_blocks <= 16, "stack-blocks", fmt::format("{}", o.stack_blocks),
-         "must be 1 to 16");
-    const int rounds = parse_stack_rounds(o.stack_rounds);
-    need(rounds <= 0 || o.stack_materials.empty(), "stack-rounds", o.stack_rounds,
-         "measured materials have no medium that light could be traced through: 0 or auto");
-    (void)parse_stack_materials(o.stack_materials);
-    need(o.dc_weight > 0 && o.dc_weight <= 1e6, "dc-weight", fmt::format("{}", o.dc_weight),
-         "must be above 0 and at most 1e6");
-    need(o.layer_smoothing_mm >= 0 && o.layer_smoothing_mm <= 100, "layer-smoothing",
-         fmt::format("{}mm", o.layer_smoothing_mm), "must be 0 to 100 mm");
-    need(o.surface_cell_mm >= 0.01 && o.surface_cell_mm <= 5, "surface-cell", fmt::format("{}mm", o.surface_cell_mm),
-         "must be 0.01 to 5 mm");
-    (void)parse_clear_top(o.clear_top);
+std::vector<std::string> predict_choices() {
+    std::vector<std::string> choices{std::string(predict_auto), std::string(predict_none)};
+    for (const std::string& model : names_of<PredictionModel>()) choices.push_back(model);
+    return choices;
 }
 
 }  // namespace voxtone::slicer

@@ -13,7 +13,7 @@
 
 namespace voxtone::slicer {
 
-/// One job. Texts stay as the user wrote them until `validate` or the job reads them.
+/// One job as the user wrote it: texts, until `resolve` makes values of them (resolved_job.h).
 struct SliceOptions {
     std::string model;
     std::string out;
@@ -44,8 +44,6 @@ struct SliceOptions {
     double layer_smoothing_mm = 0;
     bool surfaces = false;
     double surface_cell_mm = 0.1;
-    /// Layers of a map of profiles instead of colours.
-    [[nodiscard]] bool layered() const { return arrange == "layered-profile"; }
 
     double depth_mm = 1;
     std::string repair = "auto";
@@ -88,49 +86,9 @@ struct OptionSpec {
 
 [[nodiscard]] std::span<const OptionSpec> slice_option_table();
 
-/// Coloured surface whose resins `slice` rearranges without being asked.
-inline constexpr double auto_loop_cm2 = 30;
-
-/// Rounds of corrected searches; -1: "auto". Throws UsageError.
-[[nodiscard]] int parse_stack_rounds(const std::string& text);
-/// One entry of `stack_materials`. Throws UsageError.
-struct StackMaterialFile {
-    std::string role, file;
-};
-[[nodiscard]] std::vector<StackMaterialFile> parse_stack_materials(const std::vector<std::string>& entries);
-/// Coloured surface up to which `--loop-method auto` goes on downhill after feedback: beyond it the same few iterations
-/// gain as much by feedback alone, in half the time and three quarters of the memory (docs/benchmarks.md, "Bodies").
-inline constexpr double descent_cm2 = 30;
-
-/// Most iterations of the loop; -1: until it stops gaining ("auto"). Throws UsageError.
-[[nodiscard]] int parse_iterations(const std::string& text);
-
-/// How far from the top of any stacking a resin stays.
-struct ClearTop {
-    std::string role;
-    double mm = 0;
-};
-/// Of options.clear_top. Throws UsageError.
-[[nodiscard]] std::vector<ClearTop> parse_clear_top(const std::vector<std::string>& entries);
-
-/// First and last layer that are asked for, inclusive.
-struct LayerRange {
-    int first = 0;
-    int last = -1;
-};
-
-/// `text` "a-b" or "a" within [0, layers); empty: all. Throws InputError.
-[[nodiscard]] LayerRange parse_layer_range(const std::string& text, int layers);
-
-/// Rules between values (a depth above 0, a list without doubles, ...). Throws UsageError naming key, value and rule.
-void validate(const SliceOptions& options);
-
-/// A job file ("voxtone-job") as text, complete: every key with its value.
-[[nodiscard]] std::string job_json(const SliceOptions& options);
-
-/// Reads a job file into `options`: only the keys that it has. Unknown keys are errors that name the nearest known key.
-/// Relative paths of the model, of the map of profiles and of measured materials are relative to the job file. Throws
-/// FileError, InputError.
-void read_job(const std::string& path, SliceOptions& options);
+/// Words of `predict` besides the models' names.
+inline constexpr std::string_view predict_auto = "auto", predict_none = "none";
+/// All that `predict` may be.
+[[nodiscard]] std::vector<std::string> predict_choices();
 
 }  // namespace voxtone::slicer

@@ -20,6 +20,7 @@
 #include "voxtone/slicer/look/prediction_files.h"
 #include "voxtone/slicer/look/preview.h"
 #include "voxtone/slicer/look/surface_prediction.h"
+#include "voxtone/slicer/options/option_values.h"
 #include "voxtone/slicer/predict/stack_volume.h"
 
 namespace voxtone::slicer {
@@ -53,33 +54,39 @@ bool is_flat_box(const optics::ResinVolume& volume) {
     return volume.count()[optics::air] == 0 && size[2] * pitch[2] <= std::min(size[0] * pitch[0], size[1] * pitch[1]);
 }
 
-const char* backing_name(optics::Backing backing) {
-    return backing == optics::Backing::black ? "black" : backing == optics::Backing::white ? "white" : "none";
-}
-
 std::uint64_t surface_bytes(const optics::Surface& surface) {
     return surface.cells.size() * sizeof(optics::SurfaceCell) +
            surface.faces.size() * (sizeof(optics::SurfaceFace) + sizeof(float) * 3);
 }
 
-void expect_files_fit(const PredictOptions& options, bool from_above) {
-    for (const std::string& file : options.files) {
-        const std::string ending = extension(file);
-        if (from_above && (ending == ".glb" || ending == ".ply"))
+/// "auto": nothing.
+std::optional<optics::Backing> backing_or_auto(const std::string& text) {
+    if (text == "auto") return std::nullopt;
+    const auto backing = value_of<optics::Backing>(text);
+    if (!backing) refuse_choice("backing", text, {"auto", "black", "white", "none"});
+    return backing;
+}
+
+void expect_files_fit(const ResolvedPrediction& job, bool from_above) {
+    for (std::size_t i = 0; i < job.kinds.size(); ++i) {
+        const std::string& file = job.asked.files[i];
+        const PredictedFile kind = job.kinds[i];
+        if (from_above && (kind == PredictedFile::glb || kind == PredictedFile::ply))
             throw UsageError(
                 fmt::format("{}: the stack is seen from above as a picture (.png, .exr); for a mesh of its whole "
                             "surface give --view body",
                             file));
-        if (!from_above && ending == ".exr")
+        if (!from_above && kind == PredictedFile::exr)
             throw UsageError(fmt::format(
                 "{}: the stack is seen as a body (.glb, .ply, .png); for a picture from above give --view top", file));
     }
 }
 
-void write_from_above(const PredictOptions& options, const StackVolume& stack, const SurfacePrediction& prediction) {
+void write_from_above(const ResolvedPrediction& job, const StackVolume& stack, const SurfacePrediction& prediction) {
     const auto px_per_mm = picture_px_per_mm(stack.volume, prediction.surface.cell_voxels);
-    for (const std::string& file : options.files) {
-        if (extension(file) == ".exr")
+    for (std::size_t i = 0; i < job.kinds.size(); ++i) {
+        const std::string& file = job.asked.files[i];
+        if (job.kinds[i] == PredictedFile::exr)
             io::write_whole_file(
                 file, io::exr_bytes(top_numbers(stack.volume, stack.resins.channels, prediction), px_per_mm));
         else
@@ -88,33 +95,36 @@ void write_from_above(const PredictOptions& options, const StackVolume& stack, c
     }
 }
 
-void write_body(const PredictOptions& options, const StackVolume& stack, const SurfacePrediction& prediction,
+void write_views(const std::string& file, const io::ColouredMesh& mesh, double cell_mm, const Progress& progress) {
+    std::vector<Eigen::Vector3d> positions;
+    const ColouredSurface surface = mesh_surface(mesh, positions);
+    PreviewOptions drawing;
+    drawing.samples = 3;
+    drawing.px_per_mm = std::min(fitting_scale(surface, all_views(), 640, drawing), 2 / cell_mm);
+    const std::vector<Preview> views = render_views(surface, all_views(), drawing, &progress);
+    io::write_whole_file(
+        file, io::png_bytes(io::encode_transparent(side_by_side(views)), {drawing.px_per_mm, drawing.px_per_mm}));
+}
+
+void write_body(const ResolvedPrediction& job, const StackVolume& stack, const SurfacePrediction& prediction,
                 const Progress& progress) {
     const io::ColouredMesh mesh = body_mesh(stack.volume, stack.corner_mm, prediction);
     if (mesh.triangles.empty())
         throw InputError(fmt::format(
             "{}: the body is not larger than a cell of {:g} mm: it has no surface to show; give a smaller --cell",
-            options.stack, options.cell_mm));
-    std::vector<Eigen::Vector3d> positions;
-    for (const std::string& file : options.files) {
-        const std::string ending = extension(file);
-        if (ending == ".glb") {
+            job.asked.stack, job.asked.cell_mm));
+    for (std::size_t i = 0; i < job.kinds.size(); ++i) {
+        const std::string& file = job.asked.files[i];
+        if (job.kinds[i] == PredictedFile::glb)
             io::write_whole_file(file, io::glb_bytes(mesh, "predicted"));
-        } else if (ending == ".ply") {
+        else if (job.kinds[i] == PredictedFile::ply)
             io::write_whole_file(file, io::ply_bytes(mesh, body_numbers(stack.resins.channels, prediction)));
-        } else {
-            const ColouredSurface surface = mesh_surface(mesh, positions);
-            PreviewOptions drawing;
-            drawing.samples = 3;
-            drawing.px_per_mm = std::min(fitting_scale(surface, all_views(), 640, drawing), 2 / options.cell_mm);
-            const std::vector<Preview> views = render_views(surface, all_views(), drawing, &progress);
-            io::write_whole_file(file, io::png_bytes(io::encode_transparent(side_by_side(views)),
-                                                     {drawing.px_per_mm, drawing.px_per_mm}));
-        }
+        else
+            write_views(file, mesh, job.asked.cell_mm, progress);
     }
 }
 
-struct Figures {
+struct PredictFigures {
     optics::Backing backing{};
     bool from_above = false;
     std::array<double, 3> cell_um{};
@@ -134,17 +144,18 @@ std::array<double, 3> mean_colour(const SurfacePrediction& prediction) {
     return {sum.x(), sum.y(), sum.z()};
 }
 
-PredictResult describe(const PredictOptions& options, const StackVolume& stack, const SurfacePrediction& prediction,
-                       const Figures& f) {
+PredictResult describe(const ResolvedPrediction& job, const StackVolume& stack, const SurfacePrediction& prediction,
+                       const PredictFigures& f) {
+    const PredictOptions& options = job.asked;
     const bool errors = !prediction.standard_error.empty();
     const double seconds = f.read_s + f.surface_s + f.predict_s + f.write_s;
     nlohmann::ordered_json json{{"format", "voxtone-prediction"},
                                 {"version", 1},
                                 {"stack", options.stack},
                                 {"files", options.files},
-                                {"model", options.model},
+                                {"model", name_of(job.model)},
                                 {"view", f.from_above ? "top" : "body"},
-                                {"backing", backing_name(f.backing)},
+                                {"backing", name_of(f.backing)},
                                 {"relative_to", options.absolute ? "entered light" : "white resin"},
                                 {"resins", stack.resins.name},
                                 {"channels", prediction.channels},
@@ -162,32 +173,30 @@ PredictResult describe(const PredictOptions& options, const StackVolume& stack, 
         "{}: {} cells of {:.1f} x {:.1f} x {:.1f} um, {}, {} values, {} under it\n", fmt::join(options.files, ", "),
         prediction.surface.cells.size(), f.cell_um[0], f.cell_um[1], f.cell_um[2],
         f.from_above ? "seen from above" : "the whole surface", options.absolute ? "absolute" : "media-relative",
-        f.backing == optics::Backing::none ? "nothing" : fmt::format("a {} sheet", backing_name(f.backing)));
+        f.backing == optics::Backing::none ? "nothing" : fmt::format("a {} sheet", name_of(f.backing)));
     text += fmt::format("  mean colour (linear sRGB): {:.4f} {:.4f} {:.4f}\n", f.mean[0], f.mean[1], f.mean[2]);
     if (errors)
         text +=
             fmt::format("  standard error of a value: mean {:.4f}, largest {:.4f}\n", f.mean_error, f.largest_error);
-    text += fmt::format("  {} in {:.2f} s ({:.2f} s of them in the model), peak memory {:.0f} MB\n", options.model,
+    text += fmt::format("  {} in {:.2f} s ({:.2f} s of them in the model), peak memory {:.0f} MB\n", name_of(job.model),
                         seconds, f.predict_s, double(peak_memory_bytes()) * 1e-6);
     return {json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace), text};
 }
 
 }  // namespace
 
-void validate(const PredictOptions& o) {
+ResolvedPrediction resolve(const PredictOptions& o) {
     const auto need = [](bool good, std::string_view key, const std::string& value, std::string_view rule) {
         if (!good) throw UsageError(fmt::format("--{} {}: {}", key, value, rule));
     };
-    const auto one_of = [&](std::string_view key, const std::string& value,
-                            std::initializer_list<std::string_view> choices) {
-        if (std::find(choices.begin(), choices.end(), value) == choices.end())
-            throw UsageError(fmt::format("--{}: '{}' is none of {}", key, value, fmt::join(choices, ", ")));
-    };
     need(!o.files.empty(), "out", "(none)", "name a file: -o FILE.png");
+    ResolvedPrediction job;
+    job.asked = o;
     for (const std::string& file : o.files) {
-        const std::string ending = extension(file);
-        need(ending == ".png" || ending == ".exr" || ending == ".glb" || ending == ".ply", "out", file,
+        const auto kind = value_of<PredictedFile>(extension(file));
+        need(kind.has_value(), "out", file,
              "the name says the kind of file: .png or .exr (slab), .glb, .ply or .png (body)");
+        job.kinds.push_back(*kind);
     }
     need(o.cell_mm >= 0.01 && o.cell_mm <= 5, "cell", fmt::format("{}mm", o.cell_mm), "must be 0.01 to 5 mm");
     need(o.quality.paths >= 2 && o.quality.paths <= 1u << 20, "spp", fmt::format("{}", o.quality.paths),
@@ -199,19 +208,21 @@ void validate(const PredictOptions& o) {
     need(o.memory_gib >= 0, "memory", fmt::format("{}", o.memory_gib),
          "must be above 0 GiB, or 0 for half of the machine's");
     need(o.threads >= 0 && o.threads <= 1024, "threads", fmt::format("{}", o.threads), "must be 0 to 1024");
-    one_of("view", o.view, {"auto", "top", "body"});
-    one_of("backing", o.backing, {"auto", "black", "white", "none"});
+    job.view = parse_choice<PredictedView>("view", o.view);
+    job.backing = backing_or_auto(o.backing);
     if (!o.pitch.empty()) (void)parse_pitch_mm(o.pitch);
     for (const std::string& text : o.assign) (void)parse_assignment(text);
-    (void)make_model(o.model, o.quality);
+    job.model = parse_choice<PredictionModel>("model", o.model);
+    job.memory_bytes = memory_budget(o.memory_gib);
+    return job;
 }
 
 PredictResult run_predict_job(const PredictOptions& options, Progress& progress) {
-    validate(options);
+    const ResolvedPrediction job = resolve(options);
     expect_writable(options.files);
     const ThreadLimit threads(static_cast<std::size_t>(options.threads));
-    const std::uint64_t budget = memory_budget(options.memory_gib);
-    Figures figures;
+    const std::uint64_t budget = job.memory_bytes;
+    PredictFigures figures;
     Stopwatch watch;
     // The volume and, for relative values, its white twin are held at once.
     const StackVolume stack = read_stack_volume({.stack = options.stack,
@@ -229,12 +240,11 @@ PredictResult run_predict_job(const PredictOptions& options, Progress& progress)
                         stack.resins.name));
     figures.read_s = watch.lap();
 
-    figures.from_above =
-        options.view == "top" || (options.view == "auto" && (stack.of_picture || is_flat_box(stack.volume)));
-    expect_files_fit(options, figures.from_above);
-    figures.backing = options.backing != "auto"
-                          ? parse_backing(options.backing)
-                          : stack.backing.value_or(figures.from_above ? optics::Backing::black : optics::Backing::none);
+    figures.from_above = job.view == PredictedView::top ||
+                         (job.view == PredictedView::automatic && (stack.of_picture || is_flat_box(stack.volume)));
+    expect_files_fit(job, figures.from_above);
+    const optics::Backing usual = figures.from_above ? optics::Backing::black : optics::Backing::none;
+    figures.backing = job.backing.value_or(stack.backing.value_or(usual));
     const optics::Scene scene{.volume = &stack.volume, .resins = &stack.resins, .backing = figures.backing};
     const auto cell = optics::cell_voxels(stack.volume.pitch_mm(), options.cell_mm);
     for (std::size_t a = 0; a < 3; ++a) figures.cell_um[a] = cell[a] * stack.volume.pitch_mm()[a] * 1e3;
@@ -263,7 +273,7 @@ PredictResult run_predict_job(const PredictOptions& options, Progress& progress)
         quality.cell_mm = options.cell_mm;
         quality.memory_bytes = budget - held;
         if (white) quality.seed = ~quality.seed;
-        return make_model(options.model, quality);
+        return make_model(job.model, quality);
     };
     const SurfacePrediction prediction =
         predict_surface(scene, std::move(surface), maker, options.absolute ? -1 : stack.white, progress);
@@ -271,8 +281,7 @@ PredictResult run_predict_job(const PredictOptions& options, Progress& progress)
     figures.predict_s = watch.lap();
 
     progress.begin_stage("write", 0);
-    figures.from_above ? write_from_above(options, stack, prediction)
-                       : write_body(options, stack, prediction, progress);
+    figures.from_above ? write_from_above(job, stack, prediction) : write_body(job, stack, prediction, progress);
     progress.end_stage();
     figures.write_s = watch.lap();
     figures.mean = mean_colour(prediction);
@@ -280,7 +289,7 @@ PredictResult run_predict_job(const PredictOptions& options, Progress& progress)
         figures.mean_error = std::accumulate(errors.begin(), errors.end(), 0.0) / double(errors.size());
         figures.largest_error = *std::max_element(errors.begin(), errors.end());
     }
-    return describe(options, stack, prediction, figures);
+    return describe(job, stack, prediction, figures);
 }
 
 }  // namespace voxtone::slicer

@@ -3,20 +3,25 @@
 // One prediction from a layer stack to pictures or meshes of what a person will see.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "voxtone/base/named_values.h"
 #include "voxtone/base/progress.h"
+#include "voxtone/optics/scene/backing.h"
 #include "voxtone/slicer/options/model_choice.h"
+#include "voxtone/slicer/options/option_words.h"
 
 namespace voxtone::slicer {
 
-/// Texts stay as the user wrote them until `validate` or the job reads them.
+/// One prediction as the user wrote it: texts, until `resolve` makes values of them.
 struct PredictOptions {
     std::string stack;
     std::vector<std::string> files;  ///< .png, .exr: a slab from above; .png, .glb, .ply: a body
-    std::string model = model_names()[0];
+    std::string model{name_of(PredictionModel::transport)};
     double cell_mm = 0.085;  ///< of the viewing grid; in [0.01, 5]
     ModelOptions quality;
     std::string backing =
@@ -30,8 +35,26 @@ struct PredictOptions {
     int threads = 0;                  ///< 0: one per core
 };
 
+/// A kind of file, by the end of its name.
+enum class PredictedFile {
+    png,  ///< a picture, for the eye
+    exr,  ///< a picture, numbers
+    glb,  ///< a body's vertex colours
+    ply,  ///< with numbers
+};
+
+/// One prediction, checked.
+struct ResolvedPrediction {
+    PredictOptions asked;              ///< for names of files and what is a number already
+    std::vector<PredictedFile> kinds;  ///< of asked.files
+    PredictionModel model = PredictionModel::transport;
+    std::optional<optics::Backing> backing;  ///< nothing: what the job said; else black under slabs, none under bodies
+    PredictedView view = PredictedView::automatic;
+    std::uint64_t memory_bytes = 0;
+};
+
 /// Throws UsageError naming option, value and rule.
-void validate(const PredictOptions& options);
+[[nodiscard]] ResolvedPrediction resolve(const PredictOptions& options);
 
 struct PredictResult {
     std::string json;  ///< one JSON object, "format": "voxtone-prediction"
@@ -42,3 +65,10 @@ struct PredictResult {
 PredictResult run_predict_job(const PredictOptions& options, Progress& progress);
 
 }  // namespace voxtone::slicer
+
+template <>
+struct voxtone::NamesOf<voxtone::slicer::PredictedFile> {
+    using E = slicer::PredictedFile;
+    static constexpr auto table =
+        std::to_array<Named<E>>({{E::png, ".png"}, {E::exr, ".exr"}, {E::glb, ".glb"}, {E::ply, ".ply"}});
+};

@@ -18,7 +18,9 @@
 #include "voxtone/io/models/model_reader.h"
 #include "voxtone/io/profiles/resin_file.h"
 #include "voxtone/slicer/layers/layer_volume.h"
-#include "voxtone/slicer/options/slice_options.h"
+#include "voxtone/slicer/options/job_file.h"
+#include "voxtone/slicer/options/option_values.h"
+#include "voxtone/slicer/options/option_words.h"
 #include "voxtone/slicer/printer/printer.h"
 
 namespace voxtone::slicer {
@@ -130,7 +132,7 @@ std::optional<SliceOptions> job_of(const std::filesystem::path& stack) {
     const auto folder = stack.filename() == "manifest.json" ? stack.parent_path() : stack;
     SliceOptions options;
     try {
-        read_job((folder / "job.json").string(), options);
+        read_job((folder / job_file_name).string(), options);
     } catch (const Error&) {
         return std::nullopt;
     }
@@ -149,7 +151,7 @@ StackVolume read_own(const io::StackReader& stack, const StackVolumeOptions& opt
     if (const auto job = job_of(options.stack)) {
         set_of_job = job->resins;
         result.of_picture = !job->model.empty() && !io::is_model_name(job->model);
-        if (result.of_picture) result.backing = parse_backing(job->backing);
+        if (result.of_picture) result.backing = parse_choice<optics::Backing>("backing", job->backing);
     }
     std::vector<NamedColour> colours{{description.background_rgb, no_material, "the background"}};
     for (const io::StackResin& resin : description.resins)
@@ -341,13 +343,6 @@ StackVolume read_foreign(const io::StackReader& stack, const StackVolumeOptions&
 }
 
 }  // namespace
-
-optics::Backing parse_backing(const std::string& name) {
-    if (name == "black") return optics::Backing::black;
-    if (name == "white") return optics::Backing::white;
-    if (name == "none") return optics::Backing::none;
-    throw UsageError(fmt::format("--backing: '{}' is none of black, white, none", name));
-}
 
 std::array<double, 3> parse_pitch_mm(const std::string& text) {
     std::vector<std::string> parts;

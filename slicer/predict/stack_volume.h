@@ -45,9 +45,6 @@ struct StackVolume {
 /// missing, a pitch that nobody told), ResourceError (more memory than allowed), Cancelled.
 [[nodiscard]] StackVolume read_stack_volume(const StackVolumeOptions& options, Progress& progress);
 
-/// "black", "white" or "none".
-[[nodiscard]] optics::Backing parse_backing(const std::string& name);
-
 /// Three lengths in mm from "42.33,84.67,27um"; a number without a unit has that of the last one, mm if that has none.
 /// Throws UsageError.
 [[nodiscard]] std::array<double, 3> parse_pitch_mm(const std::string& text);

@@ -14,7 +14,7 @@
 #include <Eigen/Core>
 
 #include "voxtone/io/models/mesh.h"
-#include "voxtone/slicer/options/slice_options.h"
+#include "voxtone/slicer/options/placement_options.h"
 #include "voxtone/slicer/printer/voxel_grid.h"
 
 namespace voxtone::slicer {
@@ -26,11 +26,9 @@ struct Placement {
     std::string summary;  ///< one line for the user: unit and size
 };
 
-/// Right-handed rotation from "x90" or "z45,x-30" (degrees, applied in this order). Throws UsageError.
-[[nodiscard]] Eigen::Matrix3d parse_rotation(const std::string& text);
-
-/// Moves, scales and turns the mesh in place. Throws InputError where nothing has an extent.
-Placement place(io::ModelFile& model, const SliceOptions& options);
+/// Moves, scales and turns the mesh in place. `name`: of the model, for messages. Throws InputError where nothing has
+/// an extent.
+Placement place(io::ModelFile& model, const PlacementOptions& options, const std::string& name);
 
 /// Smallest grid of this pitch that holds the box, centred on it; at least one voxel along each axis.
 [[nodiscard]] VoxelGrid grid_around(const Eigen::Vector3d& low_mm, const Eigen::Vector3d& high_mm,

@@ -206,12 +206,16 @@ void read_roles(const ProfileReader& file, PrinterProfile& printer) {
 }
 
 void read_formats(const ProfileReader& file, PrinterProfile& printer) {
-    static const std::vector<std::string> known{"png", "gcvf", "tiff", "png1", "vdb"};
-    printer.formats = file.has("formats") ? file.texts("formats") : std::vector<std::string>{"png"};
-    if (printer.formats.empty()) file.fail("formats", "name at least one");
-    for (const std::string& format : printer.formats)
-        if (std::find(known.begin(), known.end(), format) == known.end())
-            file.fail("formats", fmt::format("'{}' is none of {}", format, fmt::join(known, ", ")));
+    const std::vector<std::string> names = file.has("formats")
+                                               ? file.texts("formats")
+                                               : std::vector<std::string>{std::string(name_of(io::LayerFormat::png))};
+    if (names.empty()) file.fail("formats", "name at least one");
+    for (const std::string& name : names) {
+        const auto format = value_of<io::LayerFormat>(name);
+        if (!format)
+            file.fail("formats", fmt::format("'{}' is none of {}", name, fmt::join(names_of<io::LayerFormat>(), ", ")));
+        printer.formats.push_back(*format);
+    }
 }
 
 void read_unconfirmed(const ProfileReader& file, PrinterProfile& printer) {

@@ -14,6 +14,8 @@
 
 #include <Eigen/Core>
 
+#include "voxtone/io/layers/layer_format.h"
+
 namespace voxtone::slicer {
 
 using Rgb8 = std::array<std::uint8_t, 3>;
@@ -27,7 +29,7 @@ struct PrinterProfile {
     int max_colours = 0;                                 ///< of one stack, besides the background
     int min_layers = 1;
     Rgb8 background_rgb{};
-    std::vector<std::string> formats;                   ///< written by default: png, gcvf, tiff, png1, vdb
+    std::vector<io::LayerFormat> formats;               ///< written by default
     std::vector<std::string> default_roles;             ///< loaded by default; at most max_resins
     std::map<std::string, Rgb8> colours;                ///< bitmap colour of each role
     std::map<std::string, std::string> material_names;  ///< what the printer's software calls the resin of a role

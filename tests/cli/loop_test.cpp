@@ -94,6 +94,11 @@ TEST_CASE("A stopped loop leaves a whole stack, and --resume goes on where it wa
     (void)slicer::run_slice_job(small_slab(folder, "stopped"), stops);
     CHECK(run_program("verify --quiet " + (folder / "stopped")).exit_code == 0);
     REQUIRE(std::filesystem::exists(folder / "stopped/loop.checkpoint"));
+    slicer::SliceOptions other = small_slab(folder, "stopped");
+    other.resume = true;
+    other.depth_mm = 0.5;
+    CHECK_THROWS_AS(slicer::run_slice_job(other, quiet), InputError);
+    CHECK(run_program("verify --quiet " + (folder / "stopped")).exit_code == 0);  // refused, and nothing is lost
     slicer::SliceOptions resumed = small_slab(folder, "stopped");
     resumed.resume = true;
     (void)slicer::run_slice_job(resumed, quiet);

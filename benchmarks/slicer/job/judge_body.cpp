@@ -98,7 +98,8 @@ BodyJudgement judge_body(const slicer::SliceOptions& options, const Effort& effo
     Progress progress;
     const slicer::StackVolume stack = slicer::read_stack_volume({.stack = options.out}, progress);
     VOXTONE_EXPECT(!stack.of_picture && stack.white >= 0 && stack.resins.channels.is_rgb());
-    const slicer::JobBody body = slicer::prepare_body(options, slicer::find_printer(options.printer), progress);
+    const slicer::JobBody body =
+        slicer::prepare_body(slicer::resolve(options), slicer::find_printer(options.printer), progress);
     const optics::Scene scene{.volume = &stack.volume, .resins = &stack.resins};
     const optics::Surface whole = optics::find_surface(
         scene, optics::cell_voxels(stack.volume.pitch_mm(), effort.cell_mm), optics::SurfacePart::all);
@@ -116,7 +117,7 @@ BodyJudgement judge_body(const slicer::SliceOptions& options, const Effort& effo
     j.surface = take_windows(whole, thin, choice, result);
     j.target = slicer::target_of_cells(j.surface, stack.volume.pitch_mm(), body.grid.origin_mm, body.surface,
                                        body.model.mesh, nullptr);
-    map_target(options, 0, j);
+    map_target(options, std::nullopt, j);
 
     const auto start = std::chrono::steady_clock::now();
     const slicer::MeshBoundary boundary(body.surface->positions_mm, body.surface->triangles, body.grid.origin_mm);

@@ -24,13 +24,15 @@ Colours Judgement::print() const {
     return mean;
 }
 
-void map_target(const slicer::SliceOptions& options, double picture_thickness_mm, Judgement& j) {
-    slicer::SliceOptions flat = options;
-    flat.depth_mm = 1;
+void map_target(const slicer::SliceOptions& options, std::optional<double> picture_thickness_mm, Judgement& j) {
+    slicer::ResolvedJob flat = slicer::resolve(options);
+    flat.colour.depth_mm = 1;
+    std::optional<slicer::SlabUnderColour> slab;
+    if (picture_thickness_mm) slab = {*picture_thickness_mm, flat.picture.backing};
     const slicer::PrinterProfile printer = slicer::find_printer(flat.printer);
     const slicer::LoadedResins resins = slicer::load_resins(flat, printer);
     Progress progress;
-    const auto colour = slicer::prepare_colour(flat, resins, printer.pitch_mm(), picture_thickness_mm, progress);
+    const auto colour = slicer::prepare_colour(flat.colour, resins, printer.pitch_mm(), slab, progress);
     j.in_gamut.resize(j.target.size());
     j.mapped.resize(j.target.size());
     parallel_for(0, j.target.size(), 256, [&](std::size_t i) {
@@ -76,7 +78,8 @@ Judgement judge_slab(const slicer::SliceOptions& options, const Effort& effort) 
     VOXTONE_EXPECT(j.surface.cells.size() == j.columns * j.rows);  // a box, in order of y, x
     j.white_share = white_shares(stack, j, cell);
 
-    const slicer::JobBody body = slicer::prepare_body(options, slicer::find_printer(options.printer), progress);
+    const slicer::JobBody body =
+        slicer::prepare_body(slicer::resolve(options), slicer::find_printer(options.printer), progress);
     j.target = slicer::target_of_cells(j.surface, stack.volume.pitch_mm(), body.grid.origin_mm, body.surface,
                                        body.model.mesh, nullptr);
     map_target(options, body.placement.extent_mm.z(), j);

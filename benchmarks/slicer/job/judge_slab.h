@@ -6,6 +6,7 @@
 
 #include <array>
 #include <filesystem>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -41,7 +42,8 @@ struct Effort {
 /// `options`: those that the stack in options.out was made with.
 [[nodiscard]] Judgement judge_slab(const slicer::SliceOptions& options, const Effort& effort);
 
-/// Fills `in_gamut` and `mapped` from the target, by the separation of the job.
-void map_target(const slicer::SliceOptions& options, double picture_thickness_mm, Judgement& j);
+/// Fills `in_gamut` and `mapped` from the target, by the separation of the job; `picture_thickness_mm`: nothing: a
+/// body.
+void map_target(const slicer::SliceOptions& options, std::optional<double> picture_thickness_mm, Judgement& j);
 
 }  // namespace voxtone::loop_benchmark

@@ -13,6 +13,7 @@
 #include "voxtone/base/progress.h"
 #include "voxtone/io/files/whole_file.h"
 #include "voxtone/slicer/job/slice_job.h"
+#include "voxtone/slicer/options/job_file.h"
 
 namespace voxtone::loop_benchmark {
 namespace {

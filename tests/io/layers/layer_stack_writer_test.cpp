@@ -13,6 +13,7 @@
 #include "voxtone/io/files/sha256.h"
 #include "voxtone/io/files/whole_file.h"
 #include "voxtone/io/layers/orient.h"
+#include "voxtone/io/layers/stack_folder.h"
 
 using namespace voxtone;
 using namespace voxtone::io;
@@ -168,6 +169,25 @@ TEST_CASE("an old stack makes room for the new one, whole or not", "[stack]") {
     const auto files = contents(out);
     CHECK(files.size() == 31 + 3 + 1);
     CHECK(files.at("notes.txt") == "mine");
+}
+
+TEST_CASE("whether a folder may be used is asked without a trace", "[stack]") {
+    TemporaryFolder folder;
+    const auto out = folder.path() / "stack";
+    CHECK_NOTHROW(require_usable_folder(out, false));
+    CHECK_FALSE(fs::exists(out));
+    {
+        LayerStackWriter writer(out, description(1));
+        writer.write(0, layer_of(0));
+        (void)writer.finish();
+    }
+    const auto before = contents(out);
+    CHECK_NOTHROW(require_usable_folder(out, false));
+    CHECK(contents(out) == before);
+    write_whole_file(folder.path() / "notes.txt", std::string_view("mine"));
+    CHECK_THROWS_AS(require_usable_folder(folder.path(), false), InputError);
+    CHECK_NOTHROW(require_usable_folder(folder.path(), true));
+    CHECK_THROWS_AS(require_usable_folder(folder.path() / "notes.txt", true), InputError);
 }
 
 TEST_CASE("nothing is written through a link that leads outside", "[stack]") {

@@ -194,6 +194,4 @@ TEST_CASE("Nothing to print is said") {
     m.positions = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}};
     m.triangles = {{0, 1, 2}};
     CHECK_THROWS_AS(repair(m), InputError);
-    CHECK(parse_repair_mode("auto") == RepairMode::automatic);
-    CHECK_THROWS_AS(parse_repair_mode("on"), UsageError);
 }

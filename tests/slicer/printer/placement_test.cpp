@@ -7,6 +7,7 @@
 #include <catch2/catch.hpp>
 
 #include "voxtone/base/error.h"
+#include "voxtone/base/units.h"
 
 using namespace voxtone;
 using namespace voxtone::slicer;
@@ -31,10 +32,10 @@ double signed_volume(const io::TexturedMesh& mesh) {
 }
 
 Placement placed(
-    io::ModelFile& model, const std::function<void(SliceOptions&)>& change = [](SliceOptions&) {}) {
-    SliceOptions options;
+    io::ModelFile& model, const std::function<void(PlacementOptions&)>& change = [](PlacementOptions&) {}) {
+    PlacementOptions options;
     change(options);
-    return place(model, options);
+    return place(model, options, "marker");
 }
 
 }  // namespace
@@ -51,7 +52,9 @@ TEST_CASE("Units: the user's, the file's, else millimetres said to be assumed") 
 
     io::ModelFile overruled = marker();
     overruled.mm_per_file_unit = 1000;
-    const Placement inches = placed(overruled, [](SliceOptions& o) { o.unit = "in", o.scale = 2; });
+    const Placement inches = placed(overruled, [](PlacementOptions& o) {
+        o.unit = FileUnit{"in", mm_per_inch}, o.scale = 2;
+    });
     CHECK_FALSE(inches.unit_assumed);
     CHECK(inches.extent_mm.isApprox(Eigen::Vector3d(50.8, 101.6, 152.4)));
 }
@@ -59,34 +62,24 @@ TEST_CASE("Units: the user's, the file's, else millimetres said to be assumed") 
 TEST_CASE("A size makes the largest extent so long and moves the model to the origin") {
     io::ModelFile model = marker();
     for (auto& p : model.mesh.positions) p += Eigen::Vector3d(10, -20, 30);
-    CHECK(placed(model, [](SliceOptions& o) { o.size_mm = 60; }).extent_mm.isApprox(Eigen::Vector3d(20, 40, 60)));
+    CHECK(placed(model, [](PlacementOptions& o) { o.size_mm = 60; }).extent_mm.isApprox(Eigen::Vector3d(20, 40, 60)));
     CHECK(model.mesh.positions[0].norm() < 1e-12);
     CHECK(model.mesh.positions[3].isApprox(Eigen::Vector3d(0, 0, 60)));
 }
 
-TEST_CASE("Rotations are right-handed, in the order written, and exact at right angles") {
-    CHECK(parse_rotation("z90") * Eigen::Vector3d::UnitX() == Eigen::Vector3d::UnitY());
-    CHECK(parse_rotation("x90") * Eigen::Vector3d::UnitY() == Eigen::Vector3d::UnitZ());
-    CHECK(parse_rotation("y90") * Eigen::Vector3d::UnitZ() == Eigen::Vector3d::UnitX());
-    CHECK(parse_rotation("z90,x90") * Eigen::Vector3d::UnitX() == Eigen::Vector3d::UnitZ());
-    CHECK(parse_rotation("z30").isApprox(
-        Eigen::AngleAxisd(3.14159265358979323846 / 6, Eigen::Vector3d::UnitZ()).toRotationMatrix()));
-    for (const char* bad : {"w90", "z", "z9x", "90", "zinf"}) CHECK_THROWS_AS(parse_rotation(bad), UsageError);
-}
-
 TEST_CASE("Mirrors move the marker's legs and keep the body right side out") {
-    const auto corner_of_right_angle = [](const std::function<void(SliceOptions&)>& change) {
+    const auto corner_of_right_angle = [](const std::function<void(PlacementOptions&)>& change) {
         io::ModelFile model = marker();
         placed(model, change);
         CHECK(signed_volume(model.mesh) == Approx(1));
         return model.mesh.positions[0];
     };
-    CHECK(corner_of_right_angle([](SliceOptions&) {}) == Eigen::Vector3d(0, 0, 0));
-    CHECK(corner_of_right_angle([](SliceOptions& o) { o.flip_x = true; }) == Eigen::Vector3d(1, 0, 0));
-    CHECK(corner_of_right_angle([](SliceOptions& o) { o.flip_y = true; }) == Eigen::Vector3d(0, 2, 0));
-    CHECK(corner_of_right_angle([](SliceOptions& o) { o.flip_x = o.flip_y = true; }) == Eigen::Vector3d(1, 2, 0));
+    CHECK(corner_of_right_angle([](PlacementOptions&) {}) == Eigen::Vector3d(0, 0, 0));
+    CHECK(corner_of_right_angle([](PlacementOptions& o) { o.flip_x = true; }) == Eigen::Vector3d(1, 0, 0));
+    CHECK(corner_of_right_angle([](PlacementOptions& o) { o.flip_y = true; }) == Eigen::Vector3d(0, 2, 0));
+    CHECK(corner_of_right_angle([](PlacementOptions& o) { o.flip_x = o.flip_y = true; }) == Eigen::Vector3d(1, 2, 0));
     io::ModelFile swapped = marker();
-    CHECK(placed(swapped, [](SliceOptions& o) { o.swap_xy = true; }).extent_mm == Eigen::Vector3d(2, 1, 3));
+    CHECK(placed(swapped, [](PlacementOptions& o) { o.swap_xy = true; }).extent_mm == Eigen::Vector3d(2, 1, 3));
     CHECK(signed_volume(swapped.mesh) == Approx(1));
 }
 

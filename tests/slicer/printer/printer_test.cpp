@@ -92,7 +92,7 @@ TEST_CASE("A profile of one's own is read from its path") {
     CHECK_FALSE(printer.flip_x);
     CHECK(printer.material_names.at("W") == "White 1");
     CHECK(std::isinf(printer.tray_mm.x()));
-    CHECK(printer.formats == std::vector<std::string>{"png"});
+    CHECK(printer.formats == std::vector{io::LayerFormat::png});
     CHECK_THROWS_AS(find_printer(path), FileError);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/options/slice_options.h"
+#include "voxtone/slicer/options/job_file.h"
 
 #include <fstream>
 #include <set>
@@ -79,24 +79,6 @@ TEST_CASE("A wrong job file is refused with file, key and what to try") {
     CHECK_THROWS_AS(read_job("/nowhere/job.json", options), FileError);
 }
 
-TEST_CASE("Layer ranges lie within the print") {
-    CHECK(parse_layer_range("", 10).last == 9);
-    CHECK(parse_layer_range("3-5", 10).first == 3);
-    CHECK(parse_layer_range("7", 10).last == 7);
-    CHECK_THROWS_AS(parse_layer_range("5-3", 10), UsageError);
-    CHECK_THROWS_AS(parse_layer_range("a-b", 10), UsageError);
-    CHECK_THROWS_AS(parse_layer_range("3-10", 10), InputError);
-}
-
-TEST_CASE("Rules between values name the key") {
-    SliceOptions options;
-    options.model = "a.obj";
-    options.out = "out";
-    CHECK_NOTHROW(validate(options));
-    options.depth_mm = 0;
-    CHECK_THROWS_WITH(validate(options), Catch::Matchers::Contains("--depth"));
-}
-
 TEST_CASE("On the command line --model is what is arranged, in a job file `model` is the mesh") {
     std::set<std::string> names;
     for (const OptionSpec& spec : slice_option_table()) {
@@ -109,34 +91,11 @@ TEST_CASE("On the command line --model is what is arranged, in a job file `model
     const JobFile job(
         R"({"format": "voxtone-job", "version": 1, "model": "a.obj", "arrange": "layered-profile", "profiles": "maps/b.json"})");
     read_job(job.path(), options);
-    CHECK(options.layered());
+    CHECK(options.arrange == "layered-profile");
     CHECK(options.model == (job.folder.path() / "a.obj").string());
     CHECK(options.profiles == (job.folder.path() / "maps/b.json").string());
     read_job(JobFile(job_json(SliceOptions{})).path(), options);
     CHECK(options.profiles.empty());
     CHECK(failure(R"({"format": "voxtone-job", "version": 1, "arrange": "layers"})")
               .find("none of colour, layered-profile") != std::string::npos);
-}
-
-TEST_CASE("Distances from the top are read by role") {
-    const auto clear = parse_clear_top({"T=0.2mm", "K=100um"});
-    REQUIRE(clear.size() == 2);
-    CHECK(clear[0].role == "T");
-    CHECK(clear[0].mm == Approx(0.2));
-    CHECK(clear[1].mm == Approx(0.1));
-    for (const char* bad : {"T", "=0.2mm", "T=", "T=-1mm", "T=deep"})
-        CHECK_THROWS_AS(parse_clear_top({bad}), UsageError);
-}
-
-TEST_CASE("Rounds of stacks and measured materials are read, and told apart from what is wrong") {
-    CHECK(parse_stack_rounds("auto") == -1);
-    CHECK(parse_stack_rounds("0") == 0);
-    CHECK(parse_stack_rounds("20") == 20);
-    for (const char* wrong : {"21", "-1", "", "1.5", "some"}) CHECK_THROWS_AS(parse_stack_rounds(wrong), UsageError);
-    const auto files = parse_stack_materials({"W=a/white=1.json", "K=black.json"});
-    REQUIRE(files.size() == 2);
-    CHECK(files[0].role == "W");
-    CHECK(files[0].file == "a/white=1.json");
-    for (const char* wrong : {"W", "=a.json", "W="}) CHECK_THROWS_AS(parse_stack_materials({wrong}), UsageError);
-    CHECK_THROWS_AS(parse_stack_materials({"W=a.json", "W=b.json"}), UsageError);
 }

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/slicer/job/colour_print.h"
+
+#include <utility>
+
+#include <fmt/core.h>
+
+#include "voxtone/base/error.h"
+#include "voxtone/base/stopwatch.h"
+#include "voxtone/slicer/job/colour_report.h"
+#include "voxtone/slicer/job/loop_report.h"
+
+namespace voxtone::slicer {
+
+namespace {
+
+std::unique_ptr<const JobColour> separate(const OpenedJob& job, const JobBody& body, double& seconds,
+                                          Progress& progress) {
+    const Stopwatch watch;
+    std::optional<SlabUnderColour> slab;
+    if (body.is_picture) slab = {body.placement.extent_mm.z(), job.options.picture.backing};
+    auto colour = prepare_colour(job.options.colour, job.resins, body.grid.pitch_mm, slab, progress);
+    seconds = watch.total();
+    return colour;
+}
+
+}  // namespace
+
+ColourPrint::ColourPrint(const OpenedJob& job, const JobBody& body, Progress& progress)
+    : job_(job),
+      body_(body),
+      colour_(separate(job, body, separation_s_, progress)),
+      parts_(job.options, body, job.resins, *colour_, progress),
+      loop_plan_(plan_loop(job.options.loop, body, job.resins)) {}
+
+void ColourPrint::print_open_loop(const std::string& why, Progress& progress) {
+    loop_plan_ = {.why_not = fmt::format("The resins were not rearranged: {}.", why)};
+    progress.warn(loop_plan_.why_not);
+}
+
+void ColourPrint::prepare(Progress& progress) {
+    if (!loop_plan_.wanted) {
+        if (!loop_plan_.why_not.empty()) progress.note(loop_plan_.why_not);
+        return;
+    }
+    const Stopwatch watch;
+    try {
+        progress.begin_stage("prepare the loop", 0);
+        auto problem =
+            std::make_unique<const LoopProblem>(job_.options, body_, job_.resins, *colour_, parts_, progress);
+        progress.end_stage();
+        const LoopCheckpoint checkpoint(job_.options.out, job_.options.asked, problem->cells->seen.target);
+        prepared_.emplace(std::move(problem), checkpoint, std::nullopt);
+        if (job_.options.resume) prepared_->before = checkpoint.read(progress);
+    } catch (const ResourceError& error) {
+        prepared_.reset();
+        print_open_loop(error.what(), progress);
+    }
+    loop_s_ = watch.total();
+}
+
+void ColourPrint::rearrange(Progress& progress) {
+    if (!prepared_) return;
+    const Stopwatch watch;
+    try {
+        loop_ = run_job_loop(*prepared_->problem, loop_plan_, prepared_->checkpoint, prepared_->before, progress);
+        loop_->seconds += loop_s_;
+        if (loop_->result.cancelled) {
+            // What was found is printed all the same; the next Ctrl-C ends the program at once.
+            progress.forgive();
+            const halftone::LoopState& state = loop_->result.state;
+            progress.note(fmt::format(
+                "stopped: the layers of the best iteration so far ({}) are written now; Ctrl-C again ends at once",
+                state.steps[state.best].iteration));
+        }
+        if (loop_->result.best) skin_.emplace(loop_->cells->map(), *loop_->result.best, job_.resins.core);
+    } catch (const ResourceError& error) {
+        print_open_loop(error.what(), progress);
+    }
+    prepared_.reset();
+    loop_s_ += watch.total();
+}
+
+LayerSources ColourPrint::sources() const { return parts_.sources(skin_ ? &*skin_ : nullptr); }
+
+void ColourPrint::expect_layers(const LayerRange& range) {
+    const bool all_layers = range.first == 0 && range.last + 1 == body_.grid.size[2];
+    const bool reusable = loop_ && job_.resins.set.channels.wavelengths_nm.empty();
+    prediction_plan_ = plan_prediction(job_.options, body_, all_layers, reusable);
+    // The volume and its white twin are held at once.
+    if (prediction_plan_.by != PredictionPlan::By::nothing)
+        volume_.emplace(body_.grid, job_.options.prediction.memory_bytes / 2);
+}
+
+void ColourPrint::see(int k, const io::LayerRuns& layer) {
+    if (volume_) volume_->add(k, layer);
+}
+
+JobPrediction ColourPrint::predict(optics::ResinVolume volume, Progress& progress) const {
+    if (prediction_plan_.by == PredictionPlan::By::loop) return prediction_of_loop(*loop_, std::move(volume));
+    JobPrediction prediction = predict_print(job_.options, prediction_plan_.model, body_, job_.resins,
+                                             std::move(volume), loop_ ? &loop_->cells->seen : nullptr, progress);
+    if (loop_) prediction.open_loop = loop_->result.state.open;
+    return prediction;
+}
+
+void ColourPrint::look(const io::StackDescription&, Progress& progress) {
+    if (!volume_) return;
+    std::string why_not;
+    try {
+        if (auto whole = volume_->finish())
+            prediction_ = predict(std::move(*whole), progress);
+        else
+            why_not = volume_->why_not();
+    } catch (const ResourceError& error) {
+        why_not = error.what();
+    }
+    volume_.reset();
+    if (prediction_) return;
+    prediction_plan_.why_not = "The print is not predicted: " + why_not + ".";
+    progress.warn(prediction_plan_.why_not);
+}
+
+std::vector<io::ReportStage> ColourPrint::stages_before_layers() const {
+    return {{"separate colours", separation_s_}, {"appearance loop", loop_s_}};
+}
+
+std::vector<io::ReportStage> ColourPrint::stages_after_layers() const {
+    if (!prediction_) return {};
+    return {{"predict", prediction_->seconds}};
+}
+
+void ColourPrint::add_to(io::Report& report) const {
+    add_colour_report({job_, body_, *colour_, parts_.surface_colour(), prediction_}, prediction_plan_.why_not, report);
+    if (loop_) report.loop = loop_report(*loop_, body_, prediction_ ? &prediction_->volume : nullptr, job_.palette());
+    if (!loop_plan_.why_not.empty()) report.warnings.push_back(loop_plan_.why_not);
+}
+
+void ColourPrint::draw(io::Report& report, Progress& progress) const {
+    draw_colour_report({job_, body_, *colour_, parts_.surface_colour(), prediction_}, report, job_.options.out,
+                       progress);
+}
+
+std::string ColourPrint::summary(const io::Report& report) const { return colour_summary(report); }
+
+}  // namespace voxtone::slicer

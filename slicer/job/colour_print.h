@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// A print whose surface shows the model's colours: separation, screen, appearance loop, prediction.
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "voxtone/slicer/job/job_loop.h"
+#include "voxtone/slicer/job/job_prediction.h"
+#include "voxtone/slicer/job/opened_job.h"
+#include "voxtone/slicer/job/print.h"
+#include "voxtone/slicer/job/print_parts.h"
+#include "voxtone/slicer/layers/skin_source.h"
+
+namespace voxtone::slicer {
+
+class ColourPrint final : public Print {
+public:
+    /// Separates the colours. Keeps references to the job and the body.
+    ColourPrint(const OpenedJob& job, const JobBody& body, Progress& progress);
+
+    /// Sets the appearance loop up, and reads the checkpoint to go on from where that was asked for.
+    void prepare(Progress& progress) override;
+    /// Runs the loop. Where memory does not suffice the open loop stays, with a warning.
+    void rearrange(Progress& progress) override;
+    [[nodiscard]] LayerSources sources() const override;
+    void expect_layers(const LayerRange& range) override;
+    void see(int k, const io::LayerRuns& layer) override;
+    /// Predicts the print; where memory does not suffice, not, with a warning.
+    void look(const io::StackDescription& stack, Progress& progress) override;
+    [[nodiscard]] std::vector<io::ReportStage> stages_before_layers() const override;
+    [[nodiscard]] std::vector<io::ReportStage> stages_after_layers() const override;
+    void add_to(io::Report& report) const override;
+    void draw(io::Report& report, Progress& progress) const override;
+    [[nodiscard]] std::string summary(const io::Report& report) const override;
+    [[nodiscard]] std::string written_text() const override { return {}; }
+
+private:
+    /// The loop as it is set up, and where it goes on.
+    struct PreparedLoop {
+        std::unique_ptr<const LoopProblem> problem;
+        LoopCheckpoint checkpoint;
+        std::optional<halftone::LoopState> before;
+    };
+
+    void print_open_loop(const std::string& why, Progress& progress);
+    [[nodiscard]] JobPrediction predict(optics::ResinVolume volume, Progress& progress) const;
+
+    const OpenedJob& job_;
+    const JobBody& body_;
+    double separation_s_ = 0, loop_s_ = 0;
+    std::unique_ptr<const JobColour> colour_;
+    PrintParts parts_;
+    LoopPlan loop_plan_;
+    std::optional<PreparedLoop> prepared_;  ///< until it has run
+    std::optional<JobLoop> loop_;           ///< nothing: the open loop is printed
+    std::optional<SkinSource> skin_;        ///< nothing: the open loop was best
+    PredictionPlan prediction_plan_;
+    std::optional<JobVolume> volume_;  ///< while layers are made that will be predicted
+    std::optional<JobPrediction> prediction_;
+};
+
+}  // namespace voxtone::slicer

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What a report says of colours: how far they were moved into the gamut, what is expected of them, pictures of both.
+//
+// The prediction is that of an appearance model (job_prediction.h). Without one it is the separation's own: every point
+// as if it lay on a wide flat shell of one colour over deep core, which shows what the resins can reach (gamut), not
+// what light does between neighbouring colours, at edges and in thin parts.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "voxtone/base/progress.h"
+#include "voxtone/io/report/report_html.h"
+#include "voxtone/slicer/job/job_body.h"
+#include "voxtone/slicer/job/job_colour.h"
+#include "voxtone/slicer/job/job_prediction.h"
+#include "voxtone/slicer/job/opened_job.h"
+#include "voxtone/slicer/surface/surface_colour.h"
+
+namespace voxtone::slicer {
+
+struct ColourReport {
+    const OpenedJob& job;
+    const JobBody& body;
+    const JobColour& colour;
+    const SurfaceColour& surface_colour;
+    const std::optional<JobPrediction>& prediction;
+};
+
+/// Gamut, prediction and its note, the section on mixtures.
+void add_colour_report(const ColourReport& sources, const std::string& why_not_predicted, io::Report& report);
+
+/// Draws the target, the prediction and, with a model, their difference into the report and writes target.* and
+/// predicted.* into the folder: PNG and EXR for a picture, GLB for a body.
+void draw_colour_report(const ColourReport& sources, io::Report& report, const std::filesystem::path& folder,
+                        Progress& progress);
+
+/// Lines of the job's summary.
+[[nodiscard]] std::string colour_summary(const io::Report& report);
+
+}  // namespace voxtone::slicer

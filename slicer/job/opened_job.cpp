@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/slicer/job/opened_job.h"
+
+#include "voxtone/io/layers/stack_folder.h"
+#include "voxtone/slicer/job/job_layers.h"
+
+namespace voxtone::slicer {
+
+namespace {
+
+void take_width(ResolvedJob& job, const io::ProfileMap& map) {
+    if (!job.is_picture || job.picture.width_mm != 0) return;
+    job.picture.width_mm = job.asked.width_mm = map.width_mm;
+}
+
+}  // namespace
+
+OpenedJob open_job(const SliceOptions& asked) {
+    OpenedJob job{resolve(asked), {}, {}, std::nullopt};
+    check_model(job.options);
+    if (job.options.layered) {
+        job.map = io::read_profile_map(job.options.layered->profiles);
+        take_width(job.options, *job.map);
+    }
+    job.printer = find_printer(job.options.printer);
+    job.resins = load_resins(job.options, job.printer);
+    if (job.map) check_layers(*job.options.layered, *job.map, job.resins);
+    io::require_usable_folder(job.options.out, job.options.overwrite);
+    return job;
+}
+
+std::vector<io::Rgb> OpenedJob::palette() const {
+    std::vector<io::Rgb> palette{printer.background_rgb};
+    for (const io::StackResin& resin : resins.entries) palette.push_back(resin.rgb);
+    return palette;
+}
+
+io::StackOutputs OpenedJob::outputs() const {
+    return io::outputs_for(options.formats.empty() ? printer.formats : options.formats);
+}
+
+io::StackDescription OpenedJob::describe(const VoxelGrid& grid, const LayerRange& range) const {
+    io::StackDescription stack;
+    stack.printer = printer.id;
+    stack.pitch_um = {printer.pitch_um.x(), printer.pitch_um.y(), printer.pitch_um.z()};
+    stack.size_px = {std::uint32_t(grid.size[0]), std::uint32_t(grid.size[1])};
+    stack.layers = std::uint32_t(range.layers());
+    stack.first_layer = std::uint32_t(range.first);
+    stack.origin_mm = {grid.origin_mm.x(), grid.origin_mm.y(), grid.origin_mm.z()};
+    stack.background_rgb = printer.background_rgb;
+    stack.resins = resins.entries;
+    return stack;
+}
+
+}  // namespace voxtone::slicer

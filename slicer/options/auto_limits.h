@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What "auto" goes by: coloured surfaces, in cm2.
+#pragma once
+
+namespace voxtone::slicer {
+
+/// Whose resins `slice` rearranges without being asked.
+inline constexpr double auto_loop_cm2 = 30;
+
+/// Up to which `--loop-method auto` goes on downhill after feedback: beyond it the same few iterations gain as much by
+/// feedback alone, in half the time and three quarters of the memory (docs/benchmarks.md, "Bodies").
+inline constexpr double descent_cm2 = 30;
+
+/// Of a print that `slice` predicts without being asked: half a minute on two idle cores of 2.5 GHz, and 2.5 GB.
+inline constexpr double auto_prediction_cm2 = 10;
+
+}  // namespace voxtone::slicer

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/slicer/options/option_values.h"
+
+#include <algorithm>
+#include <numbers>
+
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+
+#include "voxtone/base/error.h"
+#include "voxtone/base/units.h"
+
+namespace voxtone::slicer {
+
+namespace {
+
+/// Multiples of 90 degrees come out exact, so that an upright box stays upright to the last bit.
+Eigen::Matrix3d axis_rotation(int axis, double degrees) {
+    const double radians = degrees * std::numbers::pi / 180;
+    double c = std::cos(radians), s = std::sin(radians);
+    if (std::fmod(degrees, 90.0) == 0) c = std::round(c), s = std::round(s);
+    Eigen::Matrix3d matrix = Eigen::Matrix3d::Identity();
+    const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+    matrix(u, u) = c, matrix(u, v) = -s, matrix(v, u) = s, matrix(v, v) = c;
+    return matrix;
+}
+
+/// Nothing for "auto".
+std::optional<int> count_or_auto(std::string_view key, const std::string& text, int most) {
+    if (text == "auto") return std::nullopt;
+    const int n = parse_number<int>(key, text);
+    if (n < 0 || n > most) throw UsageError(fmt::format("--{} {}: must be 0 to {}, or auto", key, text, most));
+    return n;
+}
+
+}  // namespace
+
+void refuse_choice(std::string_view key, std::string_view text, const std::vector<std::string>& choices) {
+    throw UsageError(fmt::format("--{}: '{}' is none of {}", key, text, fmt::join(choices, ", ")));
+}
+
+void refuse_number(std::string_view key, std::string_view text) {
+    throw UsageError(fmt::format("--{}: '{}' is not a number", key, text));
+}
+
+bool parse_flag(std::string_view key, std::string_view text) {
+    if (text == "true" || text == "on" || text == "yes" || text == "1") return true;
+    if (text == "false" || text == "off" || text == "no" || text == "0") return false;
+    throw UsageError(fmt::format("--{}: '{}' is neither true nor false", key, text));
+}
+
+std::vector<std::string> parse_list(const std::string& text) {
+    std::vector<std::string> parts;
+    std::size_t begin = 0;
+    while (begin <= text.size()) {
+        const std::size_t end = std::min(text.find(',', begin), text.size());
+        if (end > begin) parts.push_back(text.substr(begin, end - begin));
+        begin = end + 1;
+    }
+    return parts;
+}
+
+std::optional<FileUnit> parse_file_unit(const std::string& text) {
+    if (text == "auto") return std::nullopt;
+    return FileUnit{text, mm_per_unit(text)};
+}
+
+Eigen::Matrix3d parse_rotation(const std::string& text) {
+    Eigen::Matrix3d whole = Eigen::Matrix3d::Identity();
+    for (std::size_t begin = 0; begin < text.size();) {
+        const std::size_t end = std::min(text.find(',', begin), text.size());
+        const int axis = text[begin] == 'x' ? 0 : text[begin] == 'y' ? 1 : text[begin] == 'z' ? 2 : -1;
+        double degrees = 0;
+        const auto [rest, status] = std::from_chars(text.data() + begin + 1, text.data() + end, degrees);
+        if (axis < 0 || status != std::errc{} || rest != text.data() + end || !std::isfinite(degrees))
+            throw UsageError(
+                fmt::format("--rotate: '{}' is no rotation; write an axis and degrees, such as x90 or z45,x-30", text));
+        whole = axis_rotation(axis, degrees) * whole;
+        begin = end + 1;
+    }
+    return whole;
+}
+
+std::optional<int> parse_iterations(const std::string& text) { return count_or_auto("iterations", text, 1000); }
+
+std::optional<int> parse_stack_rounds(const std::string& text) { return count_or_auto("stack-rounds", text, 20); }
+
+std::vector<StackMaterialFile> parse_stack_materials(const std::vector<std::string>& entries) {
+    std::vector<StackMaterialFile> parsed;
+    for (const std::string& entry : entries) {
+        const std::size_t equals = entry.find('=');
+        if (equals == 0 || equals == std::string::npos || equals + 1 == entry.size())
+            throw UsageError(fmt::format("--stack-materials {}: write ROLE=FILE, such as W=white.json", entry));
+        parsed.push_back({entry.substr(0, equals), entry.substr(equals + 1)});
+        for (std::size_t i = 0; i + 1 < parsed.size(); ++i)
+            if (parsed[i].role == parsed.back().role)
+                throw UsageError(fmt::format("--stack-materials {}: {} is named twice", entry, parsed.back().role));
+    }
+    return parsed;
+}
+
+std::vector<ClearTop> parse_clear_top(const std::vector<std::string>& entries) {
+    std::vector<ClearTop> parsed;
+    for (const std::string& entry : entries) {
+        const std::size_t equals = entry.find('=');
+        if (equals == 0 || equals == std::string::npos)
+            throw UsageError(fmt::format("--clear-top {}: write ROLE=LENGTH, such as T=0.2mm", entry));
+        parsed.push_back({entry.substr(0, equals), parse_length_mm(entry.substr(equals + 1), "--clear-top")});
+        if (!(parsed.back().mm >= 0)) throw UsageError(fmt::format("--clear-top {}: must be 0 or more", entry));
+    }
+    return parsed;
+}
+
+std::optional<LayerRange> parse_layer_range(const std::string& text) {
+    if (text.empty()) return std::nullopt;
+    const std::size_t dash = text.find('-');
+    LayerRange range;
+    range.first = parse_number<int>("layers", text.substr(0, dash));
+    range.last = dash == std::string::npos ? range.first : parse_number<int>("layers", text.substr(dash + 1));
+    if (range.first < 0 || range.last < range.first)
+        throw UsageError(fmt::format("--layers: '{}' is no range; write first-last, such as 0-99", text));
+    return range;
+}
+
+LayerRange range_within(const std::optional<LayerRange>& asked, int layers) {
+    if (!asked) return {0, layers - 1};
+    if (asked->last >= layers)
+        throw InputError(fmt::format(
+            "--layers {}: the print has layers 0 to {} only; choose a range within",
+            asked->layers() == 1 ? fmt::format("{}", asked->first) : fmt::format("{}-{}", asked->first, asked->last),
+            layers - 1));
+    return *asked;
+}
+
+}  // namespace voxtone::slicer

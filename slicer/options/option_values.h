@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// From the text of an option to its value. Each throws UsageError that names the option, the text and the rule.
+#pragma once
+
+#include <charconv>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <type_traits>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "voxtone/base/named_values.h"
+#include "voxtone/slicer/options/placement_options.h"
+
+namespace voxtone::slicer {
+
+/// "--KEY: 'TEXT' is none of A, B".
+[[noreturn]] void refuse_choice(std::string_view key, std::string_view text, const std::vector<std::string>& choices);
+/// "--KEY: 'TEXT' is not a number".
+[[noreturn]] void refuse_number(std::string_view key, std::string_view text);
+
+template <class Enum>
+[[nodiscard]] Enum parse_choice(std::string_view key, std::string_view text) {
+    const std::optional<Enum> value = value_of<Enum>(text);
+    if (!value) refuse_choice(key, text, names_of<Enum>());
+    return *value;
+}
+
+/// The whole text; finite.
+template <class Number>
+[[nodiscard]] Number parse_number(std::string_view key, std::string_view text) {
+    Number number{};
+    const auto [rest, status] = std::from_chars(text.data(), text.data() + text.size(), number);
+    bool good = status == std::errc{} && rest == text.data() + text.size() && !text.empty();
+    if constexpr (std::is_floating_point_v<Number>) good = good && std::isfinite(number);
+    if (!good) refuse_number(key, text);
+    return number;
+}
+
+/// "true", "on", "yes", "1" or "false", "off", "no", "0".
+[[nodiscard]] bool parse_flag(std::string_view key, std::string_view text);
+
+/// The parts between commas that are not empty.
+[[nodiscard]] std::vector<std::string> parse_list(const std::string& text);
+
+/// "auto": nothing, the file's own.
+[[nodiscard]] std::optional<FileUnit> parse_file_unit(const std::string& text);
+
+/// Right-handed rotation from "x90" or "z45,x-30" (degrees, applied in this order).
+[[nodiscard]] Eigen::Matrix3d parse_rotation(const std::string& text);
+
+/// Most iterations of the loop, 0 to 1000; "auto": nothing.
+[[nodiscard]] std::optional<int> parse_iterations(const std::string& text);
+
+/// Rounds of corrected searches, 0 to 20; "auto": nothing.
+[[nodiscard]] std::optional<int> parse_stack_rounds(const std::string& text);
+
+/// Measured profile of a resin.
+struct StackMaterialFile {
+    std::string role, file;
+};
+/// "ROLE=FILE" each, no role twice.
+[[nodiscard]] std::vector<StackMaterialFile> parse_stack_materials(const std::vector<std::string>& entries);
+
+/// How far from the top of any stacking a resin stays.
+struct ClearTop {
+    std::string role;
+    double mm = 0;
+};
+/// "ROLE=LENGTH" each.
+[[nodiscard]] std::vector<ClearTop> parse_clear_top(const std::vector<std::string>& entries);
+
+/// First and last layer that are asked for, inclusive.
+struct LayerRange {
+    int first = 0;
+    int last = -1;
+    [[nodiscard]] int layers() const { return last - first + 1; }
+};
+/// "a-b" or "a"; empty: nothing, all layers.
+[[nodiscard]] std::optional<LayerRange> parse_layer_range(const std::string& text);
+/// `asked` in a print of so many layers; nothing: all. Throws InputError where it reaches beyond.
+[[nodiscard]] LayerRange range_within(const std::optional<LayerRange>& asked, int layers);
+
+}  // namespace voxtone::slicer

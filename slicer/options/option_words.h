@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The words among the options: an enum for each, and what a user calls its values.
+#pragma once
+
+#include <array>
+
+#include "voxtone/base/named_values.h"
+#include "voxtone/halftone/loop/appearance_loop.h"
+#include "voxtone/optics/scene/backing.h"
+#include "voxtone/slicer/mesh/mesh_repair.h"
+
+namespace voxtone::slicer {
+
+/// What the surface shows.
+enum class Arrange {
+    colour,           ///< colours of the model, by mixtures of resins
+    layered_profile,  ///< how light spreads, by layers of resin under each point
+};
+
+/// What the separation takes a mixture to look like.
+enum class Mixing {
+    voxels,  ///< voxels of the printer's size, between which light finds its way
+    ideal,   ///< averaged
+};
+
+enum class ScreenKind {
+    blue_noise,       ///< position-addressed
+    error_diffusion,  ///< three-dimensional
+};
+
+/// Where on a mesh a map of profiles lies.
+enum class ProfilePlacement {
+    uv,   ///< by texture coordinates
+    box,  ///< projected along the main axis of the normal
+};
+
+enum class LoopMethod {
+    automatic,  ///< by the size of the coloured surface
+    descent,    ///< feedback, then along the gradient of the whole print
+    feedback,   ///< each place corrects itself
+};
+
+/// What of a stack is predicted.
+enum class PredictedView {
+    automatic,  ///< top for pictures and flat boxes, else body
+    top,        ///< a picture from above
+    body,       ///< the whole surface
+};
+
+}  // namespace voxtone::slicer
+
+namespace voxtone {
+
+template <>
+struct NamesOf<slicer::Arrange> {
+    using E = slicer::Arrange;
+    static constexpr auto table =
+        std::to_array<Named<E>>({{E::colour, "colour"}, {E::layered_profile, "layered-profile"}});
+};
+template <>
+struct NamesOf<slicer::Mixing> {
+    using E = slicer::Mixing;
+    static constexpr auto table = std::to_array<Named<E>>({{E::voxels, "voxels"}, {E::ideal, "ideal"}});
+};
+template <>
+struct NamesOf<slicer::ScreenKind> {
+    using E = slicer::ScreenKind;
+    static constexpr auto table =
+        std::to_array<Named<E>>({{E::blue_noise, "blue-noise"}, {E::error_diffusion, "error-diffusion"}});
+};
+template <>
+struct NamesOf<slicer::ProfilePlacement> {
+    using E = slicer::ProfilePlacement;
+    static constexpr auto table = std::to_array<Named<E>>({{E::uv, "uv"}, {E::box, "box"}});
+};
+template <>
+struct NamesOf<slicer::LoopMethod> {
+    using E = slicer::LoopMethod;
+    static constexpr auto table =
+        std::to_array<Named<E>>({{E::automatic, "auto"}, {E::descent, "descent"}, {E::feedback, "feedback"}});
+};
+template <>
+struct NamesOf<slicer::PredictedView> {
+    using E = slicer::PredictedView;
+    static constexpr auto table = std::to_array<Named<E>>({{E::automatic, "auto"}, {E::top, "top"}, {E::body, "body"}});
+};
+template <>
+struct NamesOf<slicer::RepairMode> {
+    using E = slicer::RepairMode;
+    static constexpr auto table = std::to_array<Named<E>>({{E::off, "off"}, {E::automatic, "auto"}, {E::wrap, "wrap"}});
+};
+template <>
+struct NamesOf<halftone::Intent> {
+    using E = halftone::Intent;
+    static constexpr auto table =
+        std::to_array<Named<E>>({{E::relative, "relative"}, {E::absolute, "absolute"}, {E::contrast, "contrast"}});
+};
+template <>
+struct NamesOf<optics::Backing> {
+    using E = optics::Backing;
+    static constexpr auto table =
+        std::to_array<Named<E>>({{E::black, "black"}, {E::white, "white"}, {E::none, "none"}});
+};
+
+}  // namespace voxtone

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The door of a slice job: what the user wrote (slice_options.h), checked and turned into values, once. Behind it there
+// are enums, lengths in mm, lists and "nothing" for what the job decides by itself; no text is compared again.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "voxtone/io/layers/layer_format.h"
+#include "voxtone/slicer/options/model_choice.h"
+#include "voxtone/slicer/options/option_values.h"
+#include "voxtone/slicer/options/option_words.h"
+#include "voxtone/slicer/options/placement_options.h"
+#include "voxtone/slicer/options/slice_options.h"
+
+namespace voxtone::slicer {
+
+struct PictureOptions {
+    double width_mm = 0;  ///< of the slab; 0: from the picture's own resolution
+    double thickness_mm = 4;
+    optics::Backing backing = optics::Backing::black;  ///< what lies under it
+};
+
+/// Colours, where the surface shows them.
+struct ColourOptions {
+    std::string core = "W";  ///< role of the resin below the shell
+    double depth_mm = 1;     ///< of the shell; in (0, 10]
+    ScreenKind screen = ScreenKind::blue_noise;
+    Mixing mixing = Mixing::voxels;
+};
+
+/// The appearance loop of a colour print.
+struct JobLoopOptions {
+    std::optional<int> iterations;  ///< most; 0: no loop; nothing: until it stops gaining, where the surface is small
+    halftone::Intent intent = halftone::Intent::relative;
+    double viewing_distance_mm = 300;
+    PredictionModel model = PredictionModel::transport;
+    LoopMethod method = LoopMethod::automatic;
+};
+
+/// Layers of a map of profiles, where the surface shows how light spreads.
+struct LayeredOptions {
+    std::string profiles;  ///< file of the map
+    ProfilePlacement placement = ProfilePlacement::uv;
+    std::string base = "K";  ///< role of the resin below the stacks
+    double thickness_mm = 5;
+    std::uint32_t steps = 64, blocks = 6;
+    std::optional<int> rounds;                 ///< of corrected searches; nothing: by the number of clusters
+    std::vector<StackMaterialFile> materials;  ///< measured; empty: resins are computed
+    double dc_weight = 1;
+    std::vector<ClearTop> clear_top;
+    double smoothing_mm = 0;
+    bool surfaces = false;
+    double surface_cell_mm = 0.1;
+};
+
+/// Who predicts the print for the report, and how closely.
+struct JobPredictionOptions {
+    bool automatic = true;                 ///< the size of the surface decides
+    std::optional<PredictionModel> model;  ///< where not automatic; nothing: none
+    double cell_mm = 0.085;                ///< also of the loop
+    std::uint64_t memory_bytes = 0;        ///< most to use, also by the loop
+};
+
+/// One job, checked as far as that can be done without looking at a file.
+struct ResolvedJob {
+    /// What it was resolved from, for those who print it again: job.json, the report's table, the checkpoint's digest.
+    SliceOptions asked;
+
+    std::string model;  ///< file
+    bool is_picture = false;
+    std::filesystem::path out;
+    bool overwrite = false, report = true, resume = false;
+    std::vector<io::LayerFormat> formats;  ///< empty: the printer's
+    std::optional<LayerRange> layers;      ///< nothing: all
+
+    std::string printer;            ///< id or file
+    std::string resins;             ///< set or file
+    std::vector<std::string> load;  ///< roles; empty: what the printer loads by default
+
+    PlacementOptions placement;
+    PictureOptions picture;
+    RepairMode repair = RepairMode::automatic;
+    bool keep_thin = true;
+
+    std::optional<LayeredOptions> layered;  ///< nothing: the surface shows colours
+    ColourOptions colour;
+    JobLoopOptions loop;
+    JobPredictionOptions prediction;
+
+    std::uint64_t seed = 1;
+    int threads = 0;  ///< 0: one per core
+};
+
+/// Throws UsageError that names the key, the value and the rule: for a text that is no value of its option, and for
+/// values that do not go together.
+[[nodiscard]] ResolvedJob resolve(const SliceOptions& asked);
+
+}  // namespace voxtone::slicer

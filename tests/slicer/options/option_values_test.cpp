@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/slicer/options/option_values.h"
+
+#include <Eigen/Geometry>
+#include <catch2/catch.hpp>
+
+#include "voxtone/base/error.h"
+#include "voxtone/slicer/options/model_choice.h"
+#include "voxtone/slicer/options/option_words.h"
+
+using namespace voxtone;
+using namespace voxtone::slicer;
+
+namespace {
+
+template <class Enum>
+void check_round_trip() {
+    for (const Named<Enum>& entry : NamesOf<Enum>::table) {
+        INFO(entry.name);
+        CHECK(parse_choice<Enum>("key", entry.name) == entry.value);
+        CHECK(name_of(entry.value) == entry.name);
+    }
+    CHECK_THROWS_AS(parse_choice<Enum>("key", ""), UsageError);
+    CHECK_THROWS_WITH(parse_choice<Enum>("key", "other"), Catch::Matchers::StartsWith("--key: 'other' is none of "));
+}
+
+}  // namespace
+
+TEST_CASE("Every word among the options is a value, and that value has its name") {
+    check_round_trip<Arrange>();
+    check_round_trip<Mixing>();
+    check_round_trip<ScreenKind>();
+    check_round_trip<ProfilePlacement>();
+    check_round_trip<LoopMethod>();
+    check_round_trip<PredictedView>();
+    check_round_trip<RepairMode>();
+    check_round_trip<halftone::Intent>();
+    check_round_trip<optics::Backing>();
+    check_round_trip<PredictionModel>();
+}
+
+TEST_CASE("Rotations are right-handed, in the order written, and exact at right angles") {
+    CHECK(parse_rotation("z90") * Eigen::Vector3d::UnitX() == Eigen::Vector3d::UnitY());
+    CHECK(parse_rotation("x90") * Eigen::Vector3d::UnitY() == Eigen::Vector3d::UnitZ());
+    CHECK(parse_rotation("y90") * Eigen::Vector3d::UnitZ() == Eigen::Vector3d::UnitX());
+    CHECK(parse_rotation("z90,x90") * Eigen::Vector3d::UnitX() == Eigen::Vector3d::UnitZ());
+    CHECK(parse_rotation("z30").isApprox(
+        Eigen::AngleAxisd(3.14159265358979323846 / 6, Eigen::Vector3d::UnitZ()).toRotationMatrix()));
+    for (const char* bad : {"w90", "z", "z9x", "90", "zinf"}) CHECK_THROWS_AS(parse_rotation(bad), UsageError);
+}
+
+TEST_CASE("Layer ranges lie within the print") {
+    CHECK(range_within(parse_layer_range(""), 10).last == 9);
+    CHECK(range_within(parse_layer_range("3-5"), 10).first == 3);
+    CHECK(range_within(parse_layer_range("7"), 10).last == 7);
+    for (const char* bad : {"5-3", "a-b", "-1", "3-", "3-4-5"}) CHECK_THROWS_AS(parse_layer_range(bad), UsageError);
+    CHECK_THROWS_WITH(range_within(parse_layer_range("3-10"), 10), Catch::Matchers::Contains("--layers 3-10: "));
+    CHECK_THROWS_WITH(range_within(parse_layer_range("10"), 10), Catch::Matchers::Contains("--layers 10: "));
+    CHECK_THROWS_AS(range_within(parse_layer_range("3-10"), 10), InputError);
+}
+
+TEST_CASE("The loop's iterations are a number or its own choice") {
+    CHECK_FALSE(parse_iterations("auto"));
+    CHECK(parse_iterations("0") == 0);
+    CHECK(parse_iterations("1000") == 1000);
+    for (const char* bad : {"-1", "1001", "often", "", "2.5"}) CHECK_THROWS_AS(parse_iterations(bad), UsageError);
+}
+
+TEST_CASE("A unit of the file is named, or the file's own") {
+    CHECK_FALSE(parse_file_unit("auto"));
+    CHECK(parse_file_unit("in")->mm == 25.4);
+    CHECK(parse_file_unit("in")->name == "in");
+    CHECK_THROWS_AS(parse_file_unit("mile"), UsageError);
+}
+
+TEST_CASE("Distances from the top are read by role") {
+    const auto clear = parse_clear_top({"T=0.2mm", "K=100um"});
+    REQUIRE(clear.size() == 2);
+    CHECK(clear[0].role == "T");
+    CHECK(clear[0].mm == Approx(0.2));
+    CHECK(clear[1].mm == Approx(0.1));
+    for (const char* bad : {"T", "=0.2mm", "T=", "T=-1mm", "T=deep"})
+        CHECK_THROWS_AS(parse_clear_top({bad}), UsageError);
+}
+
+TEST_CASE("Rounds of stacks and measured materials are read, and told apart from what is wrong") {
+    CHECK_FALSE(parse_stack_rounds("auto"));
+    CHECK(parse_stack_rounds("0") == 0);
+    CHECK(parse_stack_rounds("20") == 20);
+    for (const char* wrong : {"21", "-1", "", "1.5", "some"}) CHECK_THROWS_AS(parse_stack_rounds(wrong), UsageError);
+    const auto files = parse_stack_materials({"W=a/white=1.json", "K=black.json"});
+    REQUIRE(files.size() == 2);
+    CHECK(files[0].role == "W");
+    CHECK(files[0].file == "a/white=1.json");
+    for (const char* wrong : {"W", "=a.json", "W="}) CHECK_THROWS_AS(parse_stack_materials({wrong}), UsageError);
+    CHECK_THROWS_AS(parse_stack_materials({"W=a.json", "W=b.json"}), UsageError);
+}
