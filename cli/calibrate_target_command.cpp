@@ -76,7 +76,7 @@ calibration::TargetColours preview_colours(const calibration::Target& target, co
                                            const slicer::PrinterProfile& printer) {
     if (set && set->channels.is_rgb()) return calibration::reflected_colours(target, *set);
     std::vector<Eigen::Vector3d> colours;
-    for (const slicer::Rgb8& rgb : printer.display_colours(target.roles))
+    for (const io::Rgb& rgb : printer.display_colours(target.roles))
         colours.emplace_back(io::srgb8_to_linear()[rgb[0]], io::srgb8_to_linear()[rgb[1]],
                              io::srgb8_to_linear()[rgb[2]]);
     return calibration::drawn_colours(target, colours);

@@ -13,10 +13,9 @@
 #include <vector>
 
 #include "voxtone/io/layers/layer_runs.h"
+#include "voxtone/io/layers/rgb.h"
 
 namespace voxtone::io {
-
-using Rgb = std::array<std::uint8_t, 3>;
 
 /// Pixels per metre along columns and rows as PNG's pHYs chunk holds them: 1e6 / pitch_um, to the nearest.
 [[nodiscard]] std::array<std::uint32_t, 2> pixels_per_metre(std::array<double, 2> pitch_um);

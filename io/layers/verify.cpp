@@ -9,7 +9,8 @@
 
 #include "voxtone/base/error.h"
 #include "voxtone/base/parallel.h"
-#include "voxtone/io/files/sha256.h"
+#include "voxtone/io/layers/layer_digest.h"
+#include "voxtone/io/layers/png_layer_encoder.h"
 
 namespace voxtone::io {
 namespace {

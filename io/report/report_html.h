@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-#include "voxtone/io/layers/png_layer_encoder.h"
+#include "voxtone/io/layers/rgb.h"
 
 namespace voxtone::io {
 
