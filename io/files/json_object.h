@@ -58,7 +58,4 @@ private:
     std::shared_ptr<const Node> node_;
 };
 
-/// A string as JSON writes it, quotes included.
-[[nodiscard]] std::string json_text(std::string_view text);
-
 }  // namespace voxtone::io

@@ -11,9 +11,6 @@
 
 namespace voxtone::io {
 
-/// Text that may hold anything, for HTML and SVG.
-[[nodiscard]] std::string html_text(std::string_view text);
-
 struct PlotAxis {
     double from = 0, to = 1;
     bool logarithmic = false;

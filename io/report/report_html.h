@@ -134,7 +134,4 @@ struct Report {
 
 [[nodiscard]] std::string report_html(const Report& report);
 
-/// One JSON object, {"format": "voxtone-report", "version": 1, ...}; pictures are left out.
-[[nodiscard]] std::string report_json(const Report& report);
-
 }  // namespace voxtone::io

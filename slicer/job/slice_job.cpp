@@ -15,6 +15,7 @@
 #include "voxtone/io/layers/layer_stack_writer.h"
 #include "voxtone/io/layers/layer_thumbnail.h"
 #include "voxtone/io/models/model_reader.h"
+#include "voxtone/io/report/report_json.h"
 #include "voxtone/slicer/job/job_body.h"
 #include "voxtone/slicer/job/job_colour.h"
 #include "voxtone/slicer/job/job_layers.h"
