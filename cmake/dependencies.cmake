@@ -35,6 +35,7 @@ endblock()
 if(BUILD_TESTING)
   find_package(Catch2 2.13 CONFIG REQUIRED)
   include(Catch)
+  find_package(valijson REQUIRED)  # proves data/schema
   pkg_check_modules(LIB3MF REQUIRED IMPORTED_TARGET lib3MF)  # a second opinion on 3MF files
 endif()
 if(VOXTONE_BENCHMARKS)
