@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Three ways to show progress to a person: a bar on a terminal, plain lines in a log, warnings only. (For programs
-// there is base/progress_events.h.) All of them write whole pieces of text to a sink, one at a time, from whichever
-// thread reports; text from outside is made harmless first (base/printable.h).
+// Three ways to show progress to a person (programs: base/progress_events.h): a bar, lines in a log, warnings only. All
+// write whole texts to a sink, one at a time, from whichever thread reports, made harmless first (base/printable.h).
+// Why our own: `indicators`, the usual library, is no Debian package, and knows bars alone.
 #pragma once
 
 #include <atomic>

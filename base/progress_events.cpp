@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Writes its JSON by hand: the floor has no JSON library, io/files/json_writer.h lies above it, and an event is one
+// flat object of numbers and of strings that `json_quoted` has made safe.
 #include "voxtone/base/progress_events.h"
 
 #include <cstdio>

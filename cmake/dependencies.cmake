@@ -23,6 +23,8 @@ find_package(PkgConfig REQUIRED)
 pkg_check_modules(OIIO REQUIRED IMPORTED_TARGET OpenImageIO)
 pkg_check_modules(LIBZIP REQUIRED IMPORTED_TARGET libzip)
 pkg_check_modules(LCMS2 REQUIRED IMPORTED_TARGET lcms2)
+pkg_check_modules(NETTLE REQUIRED IMPORTED_TARGET nettle)
+pkg_check_modules(XXHASH REQUIRED IMPORTED_TARGET libxxhash)
 
 # FindOpenVDB sets BUILD_SHARED_LIBS in its caller's scope; the block keeps that in.
 block()
@@ -33,6 +35,7 @@ endblock()
 if(BUILD_TESTING)
   find_package(Catch2 2.13 CONFIG REQUIRED)
   include(Catch)
+  find_package(valijson REQUIRED)  # proves data/schema
   pkg_check_modules(LIB3MF REQUIRED IMPORTED_TARGET lib3MF)  # a second opinion on 3MF files
 endif()
 if(VOXTONE_BENCHMARKS)

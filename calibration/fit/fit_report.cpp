@@ -10,6 +10,7 @@
 #include "voxtone/calibration/fit/fit_text.h"
 #include "voxtone/calibration/fit/resin_coordinates.h"
 #include "voxtone/calibration/patches/patch_file.h"
+#include "voxtone/io/files/markup.h"
 #include "voxtone/io/report/plot_svg.h"
 #include "voxtone/optics/colour/colour.h"
 #include "voxtone/optics/layered/layer_on_base.h"

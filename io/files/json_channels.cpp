@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "voxtone/base/printable.h"
+
 namespace voxtone::io {
 
 namespace {
@@ -17,8 +19,8 @@ constexpr std::size_t most_wavelengths = 256;
 optics::Channels json_channels(const JsonObject& json, std::string_view key) {
     if (json.is_text(key)) {
         if (json.text(key) != "rgb")
-            json.fail(key,
-                      fmt::format("is {}, expected \"rgb\" or a list of wavelengths in nm", json_text(json.text(key))));
+            json.fail(key, fmt::format("is {}, expected \"rgb\" or a list of wavelengths in nm",
+                                       json_quoted(json.text(key))));
         return {};
     }
     optics::Channels channels{json.numbers(key, 0, 1, 1e5)};
@@ -31,8 +33,11 @@ optics::Channels json_channels(const JsonObject& json, std::string_view key) {
     return channels;
 }
 
-std::string channels_json(const optics::Channels& channels) {
-    return channels.is_rgb() ? std::string("\"rgb\"") : fmt::format("[{}]", fmt::join(channels.wavelengths_nm, ", "));
+void write_channels(JsonWriter& json, const optics::Channels& channels) {
+    if (channels.is_rgb())
+        json.value("rgb");
+    else
+        json.value(channels.wavelengths_nm);
 }
 
 }  // namespace voxtone::io

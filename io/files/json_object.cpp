@@ -223,6 +223,4 @@ std::vector<JsonObject> JsonObject::objects(std::string_view key) const {
     return result;
 }
 
-std::string json_text(std::string_view text) { return json(text).dump(-1, ' ', false, json::error_handler_t::replace); }
-
 }  // namespace voxtone::io

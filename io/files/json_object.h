@@ -2,6 +2,9 @@
 //
 // JSON objects as a user writes them (manifests, resin sets, job files): every fault is an InputError that names the
 // file, the key, the value and the rule; a key that is not known is an error that names the nearest one that is.
+//
+// nlohmann-json parses; what it lacks is all that comes after: its exceptions know neither file nor key, and a schema
+// validator says which rule of the schema was broken, not what to write instead. (Schemas: tests/io/files/schema_test.)
 #pragma once
 
 #include <cstddef>
@@ -57,8 +60,5 @@ private:
     explicit JsonObject(std::shared_ptr<const Node> node);
     std::shared_ptr<const Node> node_;
 };
-
-/// A string as JSON writes it, quotes included.
-[[nodiscard]] std::string json_text(std::string_view text);
 
 }  // namespace voxtone::io

@@ -13,7 +13,7 @@ namespace voxtone::io {
 
 namespace {
 
-constexpr std::size_t deepest = 256;
+constexpr std::size_t deepest = 256, longest_reference = 12;
 
 bool blank(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
 bool ends_name(char c) { return blank(c) || c == '/' || c == '>' || c == '=' || c == '<' || c == '"' || c == '\''; }
@@ -147,15 +147,22 @@ std::string_view XmlReader::attribute(std::string_view local_name) const {
     return {};
 }
 
+std::string_view XmlReader::text() const {
+    if (closes_) return {};
+    return text_.substr(at_, std::min(text_.find('<', at_), text_.size()) - at_);
+}
+
 std::string XmlReader::decode(std::string_view value) {
     std::string out;
     for (std::size_t i = 0; i < value.size(); ++i) {
-        const std::size_t end = value[i] == '&' ? value.find(';', i) : std::string_view::npos;
-        if (end == std::string_view::npos) {
+        // Looked for no further than a reference can be long: a value of many ampersands takes no longer than others.
+        const std::size_t length =
+            value[i] == '&' ? value.substr(i + 1, longest_reference + 1).find(';') : std::string_view::npos;
+        if (length == std::string_view::npos) {
             out += value[i];
             continue;
         }
-        const std::string_view entity = value.substr(i + 1, end - i - 1);
+        const std::string_view entity = value.substr(i + 1, length);
         std::uint32_t code = 0;
         if (entity == "amp") code = '&';
         if (entity == "lt") code = '<';
@@ -166,8 +173,12 @@ std::string XmlReader::decode(std::string_view value) {
             std::from_chars(entity.data() + 2, entity.data() + entity.size(), code, 16);
         else if (entity.starts_with("#"))
             std::from_chars(entity.data() + 1, entity.data() + entity.size(), code);
-        if (code) append_utf8(out, code);
-        i = end;
+        if (code == 0) {
+            out += value[i];
+            continue;
+        }
+        append_utf8(out, code);
+        i += length + 1;
     }
     return out;
 }

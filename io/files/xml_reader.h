@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// A pull parser for XML as data files use it: elements and attributes in UTF-8. No DTD is accepted (so no entity can
-// expand), text between elements is passed over. Works in place, in time proportional to the text.
+// A pull parser for XML as data files use it: elements, attributes and plain text in UTF-8. No DTD is accepted (so no
+// entity can expand). Works in place, in time proportional to the text.
+//
+// Why not expat: it calls back, which turns its callers inside out, and hands every attribute of millions of vertices
+// over as a copy that ends in 0; what it has more (DTDs, encodings) is what must be refused here. Why not pugixml: it
+// would hold a model of 2 GB as a tree.
 #pragma once
 
 #include <cstddef>
@@ -36,7 +40,10 @@ public:
     /// Value of the attribute with this name, whatever its prefix; data() == nullptr: none.
     [[nodiscard]] std::string_view attribute(std::string_view local_name) const;
 
-    /// A value with its character references resolved.
+    /// What stands behind the start that was read last, as written, up to the next mark.
+    [[nodiscard]] std::string_view text() const;
+
+    /// A value with its character references resolved; one that is not known stays as it is.
     [[nodiscard]] static std::string decode(std::string_view value);
 
     [[noreturn]] void fail(const std::string& what) const;

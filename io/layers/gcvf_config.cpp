@@ -3,131 +3,104 @@
 
 #include <charconv>
 #include <cmath>
+#include <functional>
+#include <map>
 #include <optional>
 #include <sstream>
 
 #include <fmt/core.h>
 
 #include "voxtone/base/error.h"
+#include "voxtone/io/files/markup.h"
+#include "voxtone/io/files/xml_reader.h"
 
 namespace voxtone::io {
 namespace {
 
-std::string escaped(std::string_view text) {
-    std::string result;
-    for (const char c : text) switch (c) {
-            case '&':
-                result += "&amp;";
-                break;
-            case '<':
-                result += "&lt;";
-                break;
-            case '>':
-                result += "&gt;";
-                break;
-            case '"':
-                result += "&quot;";
-                break;
-            case '\'':
-                result += "&apos;";
-                break;
-            default:
-                result += c;
-        }
-    return result;
-}
+/// Names of elements and the text in them.
+using Elements = std::map<std::string, std::string, std::less<>>;
 
-std::string unescaped(std::string_view text) {
-    constexpr std::array<std::pair<std::string_view, char>, 5> entities = {
-        {{"&amp;", '&'}, {"&lt;", '<'}, {"&gt;", '>'}, {"&quot;", '"'}, {"&apos;", '\''}}};
-    std::string result;
-    while (!text.empty()) {
-        bool found = false;
-        for (const auto& [entity, c] : entities)
-            if (text.starts_with(entity)) {
-                result += c;
-                text.remove_prefix(entity.size());
-                found = true;
-                break;
-            }
-        if (!found) {
-            result += text.front();
-            text.remove_prefix(1);
-        }
-    }
-    return result;
-}
-
-/// Text between <tag> or <tag attributes> and the next </tag>, from `at` on; moves `at` behind it.
-std::optional<std::string_view> element(std::string_view xml, std::string_view tag, std::size_t& at) {
-    while ((at = xml.find('<', at)) != std::string_view::npos) {
-        const std::string_view rest = xml.substr(at + 1);
-        if (rest.starts_with(tag) && rest.size() > tag.size() &&
-            (rest[tag.size()] == '>' || std::isspace(static_cast<unsigned char>(rest[tag.size()])))) {
-            const std::size_t open = xml.find('>', at);
-            if (open == std::string_view::npos) return std::nullopt;
-            const std::size_t close = xml.find(fmt::format("</{}>", tag), open);
-            if (close == std::string_view::npos) return std::nullopt;
-            at = close;
-            return xml.substr(open + 1, close - open - 1);
-        }
-        ++at;
-    }
-    return std::nullopt;
-}
-
-class Reader {
+class ElementReader {
 public:
-    Reader(std::string_view xml, const std::string& source) : xml_(xml), source_(source) {}
+    ElementReader(const Elements& elements, const std::string& source) : elements_(elements), source_(source) {}
 
     [[noreturn]] void fail(std::string_view tag, const std::string& rule) const {
         throw InputError(fmt::format("{}: element <{}>: {}", source_, tag, rule));
     }
-    [[nodiscard]] std::string_view inner(std::string_view tag) const {
-        std::size_t at = 0;
-        const auto found = element(xml_, tag, at);
-        if (!found) fail(tag, "is missing");
-        return *found;
-    }
-    [[nodiscard]] std::string text(std::string_view tag) const {
-        std::string_view t = inner(tag);
-        while (!t.empty() && std::isspace(static_cast<unsigned char>(t.front()))) t.remove_prefix(1);
-        while (!t.empty() && std::isspace(static_cast<unsigned char>(t.back()))) t.remove_suffix(1);
-        return unescaped(t);
+    [[nodiscard]] const std::string& text(std::string_view tag) const {
+        const auto found = elements_.find(tag);
+        if (found == elements_.end()) fail(tag, "is missing");
+        return found->second;
     }
     [[nodiscard]] std::uint64_t integer(std::string_view tag, std::uint64_t least, std::uint64_t most) const {
-        const std::string t = text(tag);
-        std::uint64_t value = 0;
-        const auto [end, error] = std::from_chars(t.data(), t.data() + t.size(), value);
-        if (error != std::errc() || end != t.data() + t.size() || value < least || value > most)
-            fail(tag, fmt::format("holds \"{}\", expected a whole number from {} to {}", t.substr(0, 40), least, most));
-        return value;
+        const auto value = parsed<std::uint64_t>(text(tag));
+        if (!value || *value < least || *value > most)
+            fail(tag, fmt::format("holds \"{}\", expected a whole number from {} to {}", text(tag).substr(0, 40), least,
+                                  most));
+        return *value;
     }
     [[nodiscard]] double number(std::string_view tag, double least, double most) const {
-        const std::string t = text(tag);
-        double value = 0;
-        const auto [end, error] = std::from_chars(t.data(), t.data() + t.size(), value);
-        if (error != std::errc() || end != t.data() + t.size() || !(value >= least && value <= most))
-            fail(tag, fmt::format("holds \"{}\", expected a number from {} to {}", t.substr(0, 40), least, most));
-        return value;
+        const auto value = parsed<double>(text(tag));
+        if (!value || !(*value >= least && *value <= most))
+            fail(tag,
+                 fmt::format("holds \"{}\", expected a number from {} to {}", text(tag).substr(0, 40), least, most));
+        return *value;
     }
     [[nodiscard]] std::array<std::uint8_t, 4> rgba(std::string_view tag) const {
-        const std::string t = text(tag);
-        std::istringstream in(t);
+        std::istringstream in(text(tag));
         std::array<std::uint8_t, 4> result{};
         for (auto& value : result) {
             int v = -1;
             if (!(in >> v) || v < 0 || v > 255)
-                fail(tag, fmt::format("holds \"{}\", expected four numbers from 0 to 255", t.substr(0, 40)));
+                fail(tag, fmt::format("holds \"{}\", expected four numbers from 0 to 255", text(tag).substr(0, 40)));
             value = static_cast<std::uint8_t>(v);
         }
         return result;
     }
 
 private:
-    std::string_view xml_;
+    template <class Number>
+    static std::optional<Number> parsed(const std::string& text) {
+        Number value{};
+        const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+        if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+        return value;
+    }
+
+    const Elements& elements_;
     const std::string& source_;
 };
+
+std::string without_blanks_around(std::string_view text) {
+    constexpr std::string_view blanks = " \t\r\n";
+    const std::size_t first = text.find_first_not_of(blanks);
+    if (first == std::string_view::npos) return {};
+    return XmlReader::decode(text.substr(first, text.find_last_not_of(blanks) - first + 1));
+}
+
+struct GcvfElements {
+    Elements all;                     ///< but those of materials; the first of each name
+    std::vector<Elements> materials;  ///< of each <Material>
+};
+
+GcvfElements read_elements(std::string_view text, const std::string& source) {
+    GcvfElements result;
+    Elements* into = &result.all;
+    XmlReader xml(text, source);
+    for (XmlReader::Event event; (event = xml.next()) != XmlReader::Event::finished;) {
+        const bool material = xml.name() == "Material" && xml.depth() > 1;
+        if (event == XmlReader::Event::end) {
+            if (material) into = &result.all;
+        } else if (material) {
+            if (result.materials.size() >= 255)
+                ElementReader(result.all, source).fail("MaterialList", "has more than 255 materials");
+            into = &result.materials.emplace_back();
+        } else {
+            into->emplace(xml.name(), without_blanks_around(xml.text()));
+        }
+    }
+    return result;
+}
 
 }  // namespace
 
@@ -169,7 +142,7 @@ std::string gcvf_config_text(const GcvfConfig& config) {
         materials += fmt::format(
             "    <Material>\n      <Name>{}</Name>\n      <RGBA>{}</RGBA>\n      <VoxelCount>{}</VoxelCount>\n    "
             "</Material>\n",
-            escaped(material.name), rgba(material.rgba), material.voxels);
+            markup_text(material.name), rgba(material.rgba), material.voxels);
     return fmt::format(
         "<?xml version=\"1.0\" encoding=\"utf-8\"?>\n<GCVF>\n  <Version>2</Version>\n"
         "  <Resolution>\n    <XDpi>{}</XDpi>\n    <YDpi>{}</YDpi>\n    "
@@ -182,11 +155,13 @@ std::string gcvf_config_text(const GcvfConfig& config) {
         "  <CreationMode>MODEL_ONLY</CreationMode>\n  <ImageFilePrefix>{}</ImageFilePrefix>\n"
         "  <MaterialList>\n    <BackGroundMaterialRGBA>{}</BackGroundMaterialRGBA>\n{}  </MaterialList>\n</GCVF>\n",
         config.x_dpi, config.y_dpi, config.slice_thickness_nm, config.width_px, config.height_px, config.start_index,
-        config.slices, escaped(config.prefix), rgba(config.background), materials);
+        config.slices, markup_text(config.prefix), rgba(config.background), materials);
 }
 
 GcvfConfig parse_gcvf_config(std::string_view xml, const std::string& source) {
-    const Reader root(Reader(xml, source).inner("GCVF"), source);
+    const GcvfElements elements = read_elements(xml, source);
+    const ElementReader root(elements.all, source);
+    (void)root.text("GCVF");
     GcvfConfig config;
     config.x_dpi = root.number("XDpi", 0.1, 1e6);
     config.y_dpi = root.number("YDpi", 0.1, 1e6);
@@ -198,12 +173,9 @@ GcvfConfig parse_gcvf_config(std::string_view xml, const std::string& source) {
     config.prefix = root.text("ImageFilePrefix");
     if (config.prefix.size() > 64 || config.prefix.find_first_of("/\\") != std::string::npos)
         root.fail("ImageFilePrefix", "is too long or leads into another folder");
-    const std::string_view list = root.inner("MaterialList");
-    config.background = Reader(list, source).rgba("BackGroundMaterialRGBA");
-    std::size_t at = 0;
-    while (const auto inner = element(list, "Material", at)) {
-        if (config.materials.size() >= 255) root.fail("MaterialList", "has more than 255 materials");
-        const Reader material(*inner, source);
+    config.background = root.rgba("BackGroundMaterialRGBA");
+    for (const Elements& of_one : elements.materials) {
+        const ElementReader material(of_one, source);
         config.materials.push_back(
             {material.text("Name"), material.rgba("RGBA"), material.integer("VoxelCount", 0, std::uint64_t{1} << 62)});
     }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // Prefix codes of deflate (RFC 1951): optimal code lengths under a limit, canonical code words, and the header of a
-// dynamic block that carries them.
+// dynamic block that carries them. Why not zlib or libdeflate: png_layer_encoder.h.
 #pragma once
 
 #include <bit>

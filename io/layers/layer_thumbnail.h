@@ -10,7 +10,7 @@
 #include <span>
 
 #include "voxtone/io/layers/layer_runs.h"
-#include "voxtone/io/layers/png_layer_encoder.h"
+#include "voxtone/io/layers/rgb.h"
 #include "voxtone/io/pictures/picture_writer.h"
 
 namespace voxtone::io {

@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include "voxtone/base/error.h"
+#include "voxtone/base/printable.h"
 #include "voxtone/io/files/json_object.h"
+#include "voxtone/io/files/json_writer.h"
 
 namespace voxtone::io {
 namespace {
@@ -32,13 +34,6 @@ int pattern_digits(const std::string& pattern) {
             return 0;
     if (prefix.starts_with('/') || std::count(prefix.begin(), prefix.end(), '/') > 1) return 0;
     return pattern[percent + 2] - '0';
-}
-
-template <class Numbers>
-std::string list(const Numbers& numbers) {
-    std::string text;
-    for (const auto number : numbers) text += fmt::format("{}{}", text.empty() ? "[" : ", ", number);
-    return text + "]";
 }
 
 Rgb read_rgb(const JsonObject& object, std::string_view key) {
@@ -121,7 +116,7 @@ void StackDescription::validate(std::string_view source) const {
         broken(source, "pattern",
                fmt::format(
                    "is {}, expected something like \"layers/slice_%05d.png\" (letters, digits, _ and -, one folder)",
-                   json_text(pattern)));
+                   json_quoted(pattern)));
     if (std::uint64_t{first_layer} + layers > static_cast<std::uint64_t>(std::llround(std::pow(10.0, digits))))
         broken(source, "pattern", fmt::format("has {} digits, too few for layer {}", digits, first_layer + layers - 1));
     if (resins.empty() || resins.size() >= max_materials)
@@ -131,8 +126,8 @@ void StackDescription::validate(std::string_view source) const {
         if (resins[i].name.empty() || resins[i].role.empty()) broken(source, name, "has an empty name or role");
         if (resins[i].rgb == background_rgb)
             broken(source, name + ".rgb",
-                   fmt::format("is {}, the background's colour, which is not printed: give this resin another colour",
-                               list(resins[i].rgb)));
+                   fmt::format("is [{}], the background's colour, which is not printed: give this resin another colour",
+                               fmt::join(resins[i].rgb, ", ")));
         if (!(resins[i].ml >= 0 && std::isfinite(resins[i].ml))) broken(source, name + ".ml", "is no number from 0 up");
         for (std::size_t j = 0; j < i; ++j) {
             if (resins[j].rgb == resins[i].rgb)
@@ -157,22 +152,22 @@ double millilitres(std::uint64_t voxels, const std::array<double, 3>& pitch_um) 
 
 std::string manifest_text(const StackDescription& stack) {
     stack.validate("manifest");
-    std::string resins;
-    for (const auto& resin : stack.resins)
-        resins += fmt::format("{}\n  {{\"name\": {}, \"role\": {}, \"rgb\": {}, \"voxels\": {}, \"ml\": {}}}",
-                              resins.empty() ? "" : ",", json_text(resin.name), json_text(resin.role), list(resin.rgb),
-                              resin.voxels, resin.ml);
-    return fmt::format(
-        "{{\"format\": \"voxtone-layers\", \"version\": 1,\n"
-        " \"printer\": {}, \"pitch_um\": {},\n"
-        " \"size_px\": {}, \"layers\": {}, \"first_layer\": {}, \"size_mm\": {}, \"origin_mm\": {},\n"
-        " \"pattern\": {}, \"background_rgb\": {},\n"
-        " \"resins\": [{}],\n"
-        " \"orientation\": {{\"flip_x\": {}, \"flip_y\": {}, \"swap_xy\": {}}},\n"
-        " \"content_sha256\": {}}}\n",
-        json_text(stack.printer), list(stack.pitch_um), list(stack.size_px), stack.layers, stack.first_layer,
-        list(stack.size_mm), list(stack.origin_mm), json_text(stack.pattern), list(stack.background_rgb), resins,
-        stack.orientation.flip_x, stack.orientation.flip_y, stack.orientation.swap_xy, json_text(stack.content_sha256));
+    JsonWriter json;
+    json.begin_object().add("format", "voxtone-layers").add("version", 1);
+    json.line().add("printer", stack.printer).add("pitch_um", stack.pitch_um);
+    json.line().add("size_px", stack.size_px).add("layers", stack.layers).add("first_layer", stack.first_layer);
+    json.add("size_mm", stack.size_mm).add("origin_mm", stack.origin_mm);
+    json.line().add("pattern", stack.pattern).add("background_rgb", stack.background_rgb);
+    json.line().key("resins").begin_list();
+    for (const StackResin& resin : stack.resins) {
+        json.line().begin_object().add("name", resin.name).add("role", resin.role).add("rgb", resin.rgb);
+        json.add("voxels", resin.voxels).add("ml", resin.ml).end_object();
+    }
+    json.end_list();
+    json.line().key("orientation").begin_object().add("flip_x", stack.orientation.flip_x);
+    json.add("flip_y", stack.orientation.flip_y).add("swap_xy", stack.orientation.swap_xy).end_object();
+    json.line().add("content_sha256", stack.content_sha256).end_object();
+    return json.text() + "\n";
 }
 
 StackDescription parse_manifest(std::string_view text, std::string source) {

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "voxtone/io/layers/layer_runs.h"
-#include "voxtone/io/layers/png_layer_encoder.h"
+#include "voxtone/io/layers/rgb.h"
 
 namespace voxtone::io {
 
@@ -45,7 +45,7 @@ struct StackDescription {
     Rgb background_rgb{};
     std::vector<StackResin> resins;  ///< material m of a layer is resins[m - 1]
     Orientation orientation;
-    std::string content_sha256;  ///< see sha256.h; 64 hexadecimal digits
+    std::string content_sha256;  ///< see layer_digest.h; 64 hexadecimal digits
 
     friend bool operator==(const StackDescription&, const StackDescription&) = default;
     /// Colours of materials 0, 1, ...: the background, then the resins.

@@ -10,6 +10,7 @@
 
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/error.h"
+#include "voxtone/io/layers/png_layer_encoder.h"
 
 namespace voxtone::io {
 namespace {

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "voxtone/io/layers/layer_runs.h"
-#include "voxtone/io/layers/png_layer_encoder.h"
+#include "voxtone/io/layers/rgb.h"
 
 namespace voxtone::io {
 

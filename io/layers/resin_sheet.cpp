@@ -5,29 +5,10 @@
 
 #include <fmt/core.h>
 
+#include "voxtone/io/files/markup.h"
+
 namespace voxtone::io {
 namespace {
-
-std::string html_escaped(std::string_view text) {
-    std::string result;
-    for (const char c : text) switch (c) {
-            case '&':
-                result += "&amp;";
-                break;
-            case '<':
-                result += "&lt;";
-                break;
-            case '>':
-                result += "&gt;";
-                break;
-            case '"':
-                result += "&quot;";
-                break;
-            default:
-                result += c;
-        }
-    return result;
-}
 
 std::string size_line(const StackDescription& stack) {
     return fmt::format(
@@ -60,7 +41,7 @@ std::string resin_sheet_html(const StackDescription& stack) {
         rows += fmt::format(
             "<tr><td style=\"background:#{0:02x}{1:02x}{2:02x}\"></td><td>{3}</td><td>{4}</td><td>{0}, {1}, {2}</td>"
             "<td>#{0:02x}{1:02x}{2:02x}</td><td class=\"number\">{5:.3f}</td></tr>\n",
-            resin.rgb[0], resin.rgb[1], resin.rgb[2], html_escaped(resin.name), html_escaped(resin.role), resin.ml);
+            resin.rgb[0], resin.rgb[1], resin.rgb[2], html_text(resin.name), html_text(resin.role), resin.ml);
     return fmt::format(
         "<!doctype html>\n<html lang=\"en\"><meta charset=\"utf-8\"><title>Resin assignment</title>\n"
         "<style>body{{font:16px sans-serif;margin:2em}}table{{border-collapse:collapse}}td,th{{border:1px solid #888;"
@@ -71,8 +52,8 @@ std::string resin_sheet_html(const StackDescription& stack) {
         "B</th><th>hex</th><th>ml</th></tr>\n{}</table>\n"
         "<p>Background {}, {}, {}: no material. Support is added by the printer's software and not counted "
         "here.</p>\n</html>\n",
-        html_escaped(stack.printer), html_escaped(size_line(stack)), rows, stack.background_rgb[0],
-        stack.background_rgb[1], stack.background_rgb[2]);
+        html_text(stack.printer), html_text(size_line(stack)), rows, stack.background_rgb[0], stack.background_rgb[1],
+        stack.background_rgb[2]);
 }
 
 }  // namespace voxtone::io

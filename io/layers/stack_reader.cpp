@@ -12,7 +12,7 @@
 #include "voxtone/base/error.h"
 #include "voxtone/base/parallel.h"
 #include "voxtone/io/files/whole_file.h"
-#include "voxtone/io/files/zip_container.h"
+#include "voxtone/io/files/zip_reader.h"
 #include "voxtone/io/layers/stack_folder.h"
 
 namespace voxtone::io {
@@ -101,7 +101,7 @@ struct StackReader::State {
     fs::path root;
     std::optional<StackDescription> description;
     std::optional<GcvfConfig> config;
-    std::unique_ptr<ZipContainer> zip;
+    std::unique_ptr<ZipReader> zip;
     std::vector<std::string> names;    // of layers, bottom first
     std::vector<std::size_t> entries;  // of a container, per layer
     std::vector<std::string> strangers, missing;
@@ -166,7 +166,7 @@ struct StackReader::State {
     }
     void open_gcvf() {
         kind = Kind::gcvf;
-        zip = std::make_unique<ZipContainer>(root);
+        zip = std::make_unique<ZipReader>(root);
         std::map<std::string, std::size_t> index;
         for (std::size_t i = 0; i < zip->names().size(); ++i) index.emplace(zip->names()[i], i);
         const auto config_entry = index.find("ConfigFile.xml");

@@ -9,7 +9,8 @@
 
 #include "voxtone/base/error.h"
 #include "voxtone/base/parallel.h"
-#include "voxtone/io/files/sha256.h"
+#include "voxtone/io/layers/layer_digest.h"
+#include "voxtone/io/layers/png_layer_encoder.h"
 
 namespace voxtone::io {
 namespace {
@@ -162,16 +163,25 @@ void check_names(const StackReader& reader, FaultList& faults) {
     }
 }
 
-}  // namespace
+/// What all layers say together, in their order, so that the report does not depend on the threads.
+struct StackSummary {
+    const StackReader& reader;
+    Announced announced;
+    std::string name;  ///< of the stack, for faults
+    std::vector<LayerResult> layers;
+    std::array<std::uint32_t, 2> resolution{};  ///< pixels per metre as they should be
+    std::map<Rgba, std::size_t> place;          ///< colour -> index into the report's colours
+    bool too_many_colours = false;
 
-StackReport verify_stack(const std::filesystem::path& path, const VerifyRules& rules, Progress* progress) {
-    const StackReader reader(path);
-    StackReport report;
-    report.kind = reader.kind();
-    report.layers = reader.layers();
-    FaultList faults(report, rules.most_named);
-    const Announced stack = announced(reader);
+    [[nodiscard]] const PngHeader* first_header() const {
+        for (const LayerResult& layer : layers)
+            if (layer.header) return &*layer.header;
+        return nullptr;
+    }
+};
 
+void check_parts(const StackSummary& stack, FaultList& faults) {
+    const StackReader& reader = stack.reader;
     for (const auto& name : reader.missing())
         faults.add({"missing-layer", name, "is announced and not there", "slice again or copy the whole folder"});
     if (reader.missing_count() > reader.missing().size())
@@ -184,119 +194,165 @@ StackReport verify_stack(const std::filesystem::path& path, const VerifyRules& r
              leads_out ? "is no part of a stack, and its path leads out of the folder" : "is no part of the stack",
              leads_out ? "do not unpack this container" : "remove it: nothing else may lie beside the layers"});
     }
-    check_names(reader, faults);
-    if (reader.layers() < rules.least_layers)
-        faults.add(
-            {"few-layers", path.filename().string(), fmt::format("has {} layers", reader.layers()),
-             fmt::format("the printer's software wants at least {}: print something higher", rules.least_layers)});
+}
 
-    if (progress) progress->begin_stage("verify", reader.layers(), "layers");
-    std::vector<LayerResult> results(reader.layers());
+void check_least_layers(const StackSummary& stack, std::uint32_t least, FaultList& faults) {
+    if (stack.reader.layers() < least)
+        faults.add({"few-layers", stack.name, fmt::format("has {} layers", stack.reader.layers()),
+                    fmt::format("the printer's software wants at least {}: print something higher", least)});
+}
+
+void look_at_layers(StackSummary& stack, Progress* progress) {
+    const std::uint32_t layers = stack.reader.layers();
+    if (progress) progress->begin_stage("verify", layers, "layers");
+    stack.layers.resize(layers);
     parallel_for(
-        0, reader.layers(), 1,
+        0, layers, 1,
         [&](std::size_t k) {
-            results[k] = check_layer(reader, static_cast<std::uint32_t>(k), stack);
+            stack.layers[k] = check_layer(stack.reader, static_cast<std::uint32_t>(k), stack.announced);
             if (progress) progress->advance();
         },
         progress);
     if (progress) progress->end_stage();
+}
 
-    // Everything from here on goes through the layers in order, so that the report does not depend on the threads.
-    const auto readable =
-        std::find_if(results.begin(), results.end(), [](const auto& r) { return r.header.has_value(); });
-    if (stack.size_px)
-        report.size_px = *stack.size_px;
-    else if (readable != results.end())
-        report.size_px = {readable->header->width_px, readable->header->height_px};
-    std::array<std::uint32_t, 2> resolution{};
-    if (rules.pitch_um)
-        resolution = pixels_per_metre(*rules.pitch_um);
-    else if (stack.pitch_um)
-        resolution = pixels_per_metre(*stack.pitch_um);
-    else if (readable != results.end())
-        resolution = {readable->header->x_per_metre, readable->header->y_per_metre};
-    if (rules.pitch_um && stack.pitch_um && pixels_per_metre(*stack.pitch_um) != resolution)
-        faults.add({"resolution", path.filename().string(),
-                    fmt::format("is made for pixels of {:.3f} x {:.3f} um", (*stack.pitch_um)[0], (*stack.pitch_um)[1]),
+std::array<std::uint32_t, 2> size_of(const StackSummary& stack) {
+    if (stack.announced.size_px) return *stack.announced.size_px;
+    const PngHeader* const header = stack.first_header();
+    return header ? std::array{header->width_px, header->height_px} : std::array<std::uint32_t, 2>{};
+}
+
+std::array<std::uint32_t, 2> resolution_of(const StackSummary& stack, const VerifyRules& rules) {
+    if (rules.pitch_um) return pixels_per_metre(*rules.pitch_um);
+    if (stack.announced.pitch_um) return pixels_per_metre(*stack.announced.pitch_um);
+    const PngHeader* const header = stack.first_header();
+    return header ? std::array{header->x_per_metre, header->y_per_metre} : std::array<std::uint32_t, 2>{};
+}
+
+void check_pitch(const StackSummary& stack, const VerifyRules& rules, FaultList& faults) {
+    const auto& pitch_um = stack.announced.pitch_um;
+    if (rules.pitch_um && pitch_um && pixels_per_metre(*pitch_um) != stack.resolution)
+        faults.add({"resolution", stack.name,
+                    fmt::format("is made for pixels of {:.3f} x {:.3f} um", (*pitch_um)[0], (*pitch_um)[1]),
                     fmt::format("this printer has {:.3f} x {:.3f} um: slice for it", (*rules.pitch_um)[0],
                                 (*rules.pitch_um)[1])});
+}
 
-    std::map<Rgba, std::size_t> place;
-    bool too_many = false, all_digests = !stack.palette.empty() && reader.missing().empty();
-    std::vector<std::uint64_t> digests;
-    for (std::uint32_t k = 0; k < reader.layers(); ++k) {
-        const auto& result = results[k];
-        const std::string& name = reader.layer_name(k);
-        for (const auto& fault : result.faults) faults.add(fault);
-        if (result.header) {
-            const auto& header = *result.header;
-            if (header.width_px != report.size_px[0] || header.height_px != report.size_px[1])
-                faults.add({"size", name,
-                            fmt::format("is {} x {} px, the stack {} x {}", header.width_px, header.height_px,
-                                        report.size_px[0], report.size_px[1]),
-                            "make all layers of one size"});
-            // One dot per metre off is rounding: writers disagree on how to round 600 dpi.
-            auto off = [](std::uint32_t a, std::uint32_t b) { return a > b + 1 || b > a + 1; };
-            if (off(header.x_per_metre, resolution[0]) || off(header.y_per_metre, resolution[1])) {
-                const bool swapped = !off(header.x_per_metre, resolution[1]) && !off(header.y_per_metre, resolution[0]);
-                faults.add({"resolution", name,
-                            header.x_per_metre == 0
-                                ? std::string("does not say its resolution (pHYs)")
-                                : fmt::format("says {:.1f} x {:.1f} dpi", header.x_per_metre * 0.0254,
-                                              header.y_per_metre * 0.0254),
-                            fmt::format("it should be {:.1f} x {:.1f} dpi{}", resolution[0] * 0.0254,
-                                        resolution[1] * 0.0254, swapped ? "; columns and rows are swapped" : "")});
-            }
-        }
-        for (const auto& colour : result.colours) {
-            const auto [found, is_new] = place.emplace(colour.rgba, report.colours.size());
+void check_header(const PngHeader& header, const std::string& layer, const std::array<std::uint32_t, 2>& size_px,
+                  const std::array<std::uint32_t, 2>& resolution, FaultList& faults) {
+    if (header.width_px != size_px[0] || header.height_px != size_px[1])
+        faults.add(
+            {"size", layer,
+             fmt::format("is {} x {} px, the stack {} x {}", header.width_px, header.height_px, size_px[0], size_px[1]),
+             "make all layers of one size"});
+    // One dot per metre off is rounding: writers disagree on how to round 600 dpi.
+    const auto off = [](std::uint32_t a, std::uint32_t b) { return a > b + 1 || b > a + 1; };
+    if (!off(header.x_per_metre, resolution[0]) && !off(header.y_per_metre, resolution[1])) return;
+    const bool swapped = !off(header.x_per_metre, resolution[1]) && !off(header.y_per_metre, resolution[0]);
+    faults.add({"resolution", layer,
+                header.x_per_metre == 0
+                    ? std::string("does not say its resolution (pHYs)")
+                    : fmt::format("says {:.1f} x {:.1f} dpi", header.x_per_metre * 0.0254, header.y_per_metre * 0.0254),
+                fmt::format("it should be {:.1f} x {:.1f} dpi{}", resolution[0] * 0.0254, resolution[1] * 0.0254,
+                            swapped ? "; columns and rows are swapped" : "")});
+}
+
+void check_layers(const StackSummary& stack, const StackReport& report, FaultList& faults) {
+    for (std::uint32_t k = 0; k < stack.reader.layers(); ++k) {
+        const LayerResult& layer = stack.layers[k];
+        for (const auto& fault : layer.faults) faults.add(fault);
+        if (layer.header)
+            check_header(*layer.header, stack.reader.layer_name(k), report.size_px, stack.resolution, faults);
+    }
+}
+
+void count_colours(StackSummary& stack, StackReport& report) {
+    for (const LayerResult& layer : stack.layers) {
+        for (const auto& colour : layer.colours) {
+            const auto [found, is_new] = stack.place.emplace(colour.rgba, report.colours.size());
             if (is_new && report.colours.size() >= LayerScan::most_colours) {
-                place.erase(found);
-                too_many = true;
+                stack.place.erase(found);
+                stack.too_many_colours = true;
                 continue;
             }
             if (is_new) report.colours.push_back({colour.rgba, 0, colour.first_x, colour.first_y});
             report.colours[found->second].pixels += colour.pixels;
         }
-        too_many |= result.other_pixels > 0;
-        report.empty_layers += result.empty;
-        all_digests &= result.digest.has_value();
-        if (result.digest) digests.push_back(*result.digest);
+        stack.too_many_colours |= layer.other_pixels > 0;
+        report.empty_layers += layer.empty;
     }
+}
 
+void check_colours(const StackSummary& stack, std::uint32_t most, const StackReport& report, FaultList& faults) {
+    const Rgb& nothing = stack.announced.background;
     std::size_t colours = 0;
     for (const auto& colour : report.colours)
-        colours += !(colour.rgba[3] == 255 &&
-                     std::equal(stack.background.begin(), stack.background.end(), colour.rgba.begin()));
-    if (colours > rules.most_colours || too_many)
+        colours += !(colour.rgba[3] == 255 && std::equal(nothing.begin(), nothing.end(), colour.rgba.begin()));
+    if (colours > most || stack.too_many_colours)
         faults.add(
-            {"colours", path.filename().string(),
-             fmt::format("has {}{} colours besides the background", too_many ? "more than " : "", colours),
+            {"colours", stack.name,
+             fmt::format("has {}{} colours besides the background", stack.too_many_colours ? "more than " : "",
+                         colours),
              fmt::format("one colour is one resin, and {} fit: use fewer resins, and no antialiasing or lossy pictures",
-                         rules.most_colours)});
-    if (report.empty_layers == reader.layers())
-        faults.add({"empty", path.filename().string(), "has no printed pixel in any layer",
-                    "nothing would be printed: slice again"});
-    else if (report.empty_layers > 0)
-        report.notes.push_back(
-            fmt::format("{} of {} layers are empty (background only)", report.empty_layers, reader.layers()));
+                         most)});
+}
 
-    for (std::size_t r = 0; r < stack.voxels.size(); ++r) {
-        const auto& c = stack.palette[r + 1];
-        const auto found = place.find({c[0], c[1], c[2], 255});
-        const std::uint64_t count = found == place.end() ? 0 : report.colours[found->second].pixels;
-        if (count != stack.voxels[r])
-            faults.add({"count", stack.names[r],
-                        fmt::format("{} voxels were found and {} are announced", count, stack.voxels[r]),
+void check_empty(const StackSummary& stack, StackReport& report, FaultList& faults) {
+    const std::uint32_t layers = stack.reader.layers();
+    if (report.empty_layers == layers)
+        faults.add({"empty", stack.name, "has no printed pixel in any layer", "nothing would be printed: slice again"});
+    else if (report.empty_layers > 0)
+        report.notes.push_back(fmt::format("{} of {} layers are empty (background only)", report.empty_layers, layers));
+}
+
+void check_counts(const StackSummary& stack, const StackReport& report, FaultList& faults) {
+    const Announced& said = stack.announced;
+    for (std::size_t r = 0; r < said.voxels.size(); ++r) {
+        const Rgb& c = said.palette[r + 1];
+        const auto found = stack.place.find({c[0], c[1], c[2], 255});
+        const std::uint64_t count = found == stack.place.end() ? 0 : report.colours[found->second].pixels;
+        if (count != said.voxels[r])
+            faults.add({"count", said.names[r],
+                        fmt::format("{} voxels were found and {} are announced", count, said.voxels[r]),
                         "layers were changed after slicing: slice again"});
     }
-    if (all_digests) {
-        report.content_sha256 = content_sha256(report.size_px[0], report.size_px[1], digests);
-        if (reader.description() && report.content_sha256 != reader.description()->content_sha256)
-            faults.add({"digest", path.filename().string(),
-                        "holds other pixels than the manifest's content_sha256 says",
-                        "layers were changed, swapped or reordered after slicing: slice again"});
+}
+
+void check_digest(const StackSummary& stack, StackReport& report, FaultList& faults) {
+    if (stack.announced.palette.empty() || !stack.reader.missing().empty()) return;
+    std::vector<std::uint64_t> digests;
+    for (const LayerResult& layer : stack.layers) {
+        if (!layer.digest) return;
+        digests.push_back(*layer.digest);
     }
+    report.content_sha256 = content_sha256(report.size_px[0], report.size_px[1], digests);
+    if (stack.reader.description() && report.content_sha256 != stack.reader.description()->content_sha256)
+        faults.add({"digest", stack.name, "holds other pixels than the manifest's content_sha256 says",
+                    "layers were changed, swapped or reordered after slicing: slice again"});
+}
+
+}  // namespace
+
+StackReport verify_stack(const std::filesystem::path& path, const VerifyRules& rules, Progress* progress) {
+    const StackReader reader(path);
+    StackSummary stack{.reader = reader, .announced = announced(reader), .name = path.filename().string()};
+    StackReport report;
+    report.kind = reader.kind();
+    report.layers = reader.layers();
+    FaultList faults(report, rules.most_named);
+    check_parts(stack, faults);
+    check_names(reader, faults);
+    check_least_layers(stack, rules.least_layers, faults);
+    look_at_layers(stack, progress);
+    report.size_px = size_of(stack);
+    stack.resolution = resolution_of(stack, rules);
+    check_pitch(stack, rules, faults);
+    check_layers(stack, report, faults);
+    count_colours(stack, report);
+    check_colours(stack, rules.most_colours, report, faults);
+    check_empty(stack, report, faults);
+    check_counts(stack, report, faults);
+    check_digest(stack, report, faults);
     faults.close();
     return report;
 }

@@ -3,7 +3,9 @@
 // The stack as one sparse OpenVDB volume, grid "resin" of int32: resin r of the list is r + 1, 0 is background and
 // inactive. Voxel (i, j, k) is at origin_mm + pitch (i + 1/2, j + 1/2, k + 1/2) in the model's frame (what the
 // orientation did to the bitmaps is undone): i along +x, j along +y, k along +z. Uniform blocks of 8^3 are tiles, so
-// memory grows with the surface. Not reproducible to the byte: OpenVDB puts a random id into the file's head.
+// memory grows with the surface. The bitmaps are read back for it: layers are made in any order, and a block is seen
+// only with all eight of its layers, which the writer does not keep. Not reproducible to the byte: OpenVDB puts a
+// random id into the file's head.
 #pragma once
 
 #include <filesystem>

@@ -65,7 +65,5 @@ struct ModelParts {
 /// To bytes and back, on one machine. Reading throws InputError when the bytes are cut short.
 [[nodiscard]] std::vector<std::byte> pack(const ModelParts& parts);
 [[nodiscard]] ModelParts unpack_model(std::span<const std::byte> bytes);
-[[nodiscard]] std::vector<std::byte> pack(const DecodedImage& image);
-[[nodiscard]] DecodedImage unpack_image(std::span<const std::byte> bytes);
 
 }  // namespace voxtone::io

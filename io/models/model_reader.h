@@ -27,27 +27,12 @@
 // are checked first. Errors: FileError (cannot be read), InputError (what is wrong with it, and what to try).
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
 
-#include "voxtone/base/progress.h"
+#include "voxtone/io/files/read_options.h"
 #include "voxtone/io/models/mesh.h"
 
 namespace voxtone::io {
-
-struct ReadOptions {
-    bool isolate = true;  ///< parse in a child process; false: in this one, where a hostile file can end the program
-    std::uint64_t memory_bytes = std::uint64_t{4} << 30;  ///< what parsing may take; 0: no limit (sanitizers need that)
-    double timeout_s = 120;                               ///< > 0
-    std::uint64_t max_file_bytes = std::uint64_t{2} << 30;
-    std::uint64_t max_pixels = std::uint64_t{1} << 28;          ///< of one picture
-    std::uint64_t max_unpacked_bytes = std::uint64_t{2} << 30;  ///< of all of a 3MF's parts
-    bool fill_gutters = true;
-    const Progress* progress = nullptr;  ///< asked for cancellation
-};
-
-/// Throws UsageError naming the option that is out of range.
-void validate(const ReadOptions& options);
 
 [[nodiscard]] ModelFile read_model(const std::filesystem::path& path, const ReadOptions& options = {});
 

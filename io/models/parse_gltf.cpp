@@ -17,6 +17,7 @@
 #include <nlohmann/json.hpp>
 
 #include "voxtone/base/error.h"
+#include "voxtone/io/files/base64.h"
 #include "voxtone/io/models/gltf_data.h"
 #include "voxtone/io/models/read_parts.h"
 
@@ -72,28 +73,6 @@ std::uint32_t little_endian(std::span<const std::byte> bytes, std::size_t at) {
     std::uint32_t value = 0;
     std::memcpy(&value, bytes.data() + at, 4);
     return value;
-}
-
-std::vector<std::byte> decode_base64(std::string_view coded) {
-    constexpr std::string_view digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    std::array<std::int8_t, 256> value;
-    value.fill(-1);
-    for (std::size_t i = 0; i < digits.size(); ++i)
-        value[static_cast<unsigned char>(digits[i])] = static_cast<std::int8_t>(i);
-    std::vector<std::byte> bytes;
-    bytes.reserve(coded.size() / 4 * 3);
-    std::uint32_t bits = 0;
-    int have = 0;
-    for (const char c : coded) {
-        const int digit = value[static_cast<unsigned char>(c)];
-        if (digit < 0) continue;  // padding, line ends
-        bits = (bits << 6) | static_cast<std::uint32_t>(digit);
-        have += 6;
-        if (have < 8) continue;
-        have -= 8;
-        bytes.push_back(static_cast<std::byte>((bits >> have) & 0xff));
-    }
-    return bytes;
 }
 
 /// KHR_texture_transform, in glTF's coordinates (v down): translation * rotation * scale. Positive angles turn the
@@ -196,7 +175,7 @@ private:
         const std::size_t comma = uri.find(',');
         if (comma == std::string::npos || uri.rfind(";base64", comma) == std::string::npos)
             fail("a data URI is not in base64");
-        return decode_base64(std::string_view(uri).substr(comma + 1));
+        return base64_bytes(std::string_view(uri).substr(comma + 1));
     }
 
     void read_buffers() {

@@ -10,12 +10,12 @@
 #include <vector>
 
 #include <fmt/core.h>
-#include <fmt/ranges.h>
 
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/error.h"
 #include "voxtone/io/files/json_channels.h"
 #include "voxtone/io/files/json_object.h"
+#include "voxtone/io/files/json_writer.h"
 #include "voxtone/io/files/whole_file.h"
 
 namespace voxtone::io {
@@ -109,12 +109,12 @@ void write_bssrdf(const BssrdfFile& data, const std::filesystem::path& file) {
     VOXTONE_EXPECT(responses.radius >= 1 && responses.radius <= most_radius);
     std::vector<double> noise;
     for (const auto& channel : responses.channels) noise.push_back(channel.noise);
-    const std::string header = fmt::format(
-        "{{\"format\": \"voxtone-bssrdf\", \"version\": 1, \"source\": {}, \"channels\": {},\n \"points\": [{}, {}], "
-        "\"pitch_mm\": {}, "
-        "\"radius\": {}, \"noise\": [{}]}}\n",
-        json_text(data.source), channels_json(data.channels), responses.width, responses.height, responses.pitch_mm,
-        responses.radius, fmt::join(noise, ", "));
+    JsonWriter json;
+    json.begin_object().add("format", "voxtone-bssrdf").add("version", 1).add("source", data.source);
+    write_channels(json.key("channels"), data.channels);
+    json.line().add("points", std::array{responses.width, responses.height}).add("pitch_mm", responses.pitch_mm);
+    json.add("radius", responses.radius).add("noise", noise).end_object();
+    const std::string header = json.text() + "\n";
     VOXTONE_EXPECT(header.size() <= most_header);
     const std::uint64_t size = bssrdf_bytes(data.channels.size(), responses.width, responses.height, responses.radius);
     VOXTONE_EXPECT(size <= most_bssrdf_bytes);

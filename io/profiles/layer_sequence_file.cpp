@@ -6,6 +6,7 @@
 #include "voxtone/base/error.h"
 #include "voxtone/base/units.h"
 #include "voxtone/io/files/json_object.h"
+#include "voxtone/io/files/json_writer.h"
 
 namespace voxtone::io {
 namespace {
@@ -49,16 +50,16 @@ LayerSequence read_layer_sequence(const std::filesystem::path& file) {
 }
 
 std::string layer_sequence_text(const LayerSequence& sequence) {
-    std::string text =
-        fmt::format("{{\"format\": \"voxtone-stack\", \"version\": 1, \"name\": {},\n \"source\": {},\n ",
-                    json_text(sequence.name), json_text(sequence.source));
-    if (!sequence.resins.empty()) text += fmt::format("\"resins\": {}, ", json_text(sequence.resins));
-    text += fmt::format("\"surface\": {}, \"backing\": {},\n \"layers\": [", json_text(sequence.surface),
-                        json_text(sequence.backing));
-    for (std::size_t i = 0; i < sequence.layers.size(); ++i)
-        text += fmt::format("{}\n  {{\"material\": {}, \"mm\": {}}}", i == 0 ? "" : ",",
-                            json_text(sequence.layers[i].material), sequence.layers[i].mm);
-    return text + "]}\n";
+    JsonWriter json;
+    json.begin_object().add("format", "voxtone-stack").add("version", 1).add("name", sequence.name);
+    json.line().add("source", sequence.source).line();
+    if (!sequence.resins.empty()) json.add("resins", sequence.resins);
+    json.add("surface", sequence.surface).add("backing", sequence.backing);
+    json.line().key("layers").begin_list();
+    for (const SequenceLayer& layer : sequence.layers)
+        json.line().begin_object().add("material", layer.material).add("mm", layer.mm).end_object();
+    json.end_list().end_object();
+    return json.text() + "\n";
 }
 
 std::vector<SequenceLayer> parse_layers(std::string_view text) {

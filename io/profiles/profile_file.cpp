@@ -8,6 +8,7 @@
 #include "voxtone/base/contracts.h"
 #include "voxtone/io/files/json_channels.h"
 #include "voxtone/io/files/json_object.h"
+#include "voxtone/io/files/json_writer.h"
 
 namespace voxtone::io {
 namespace {
@@ -68,27 +69,30 @@ ProfileFile profile_from_json(const JsonObject& json) {
     return file;
 }
 
-std::string list_text(const std::vector<double>& values) { return fmt::format("[{}]", fmt::join(values, ", ")); }
+void write_lists(JsonWriter& json, const Lists& lists) {
+    json.begin_list();
+    for (const auto& list : lists) json.line().value(list);
+    json.end_list();
+}
 
-// Of one side, all channels.
-std::string samples_text(const std::vector<optics::RadialSamples>& channels) {
+/// Of one side, all channels.
+void write_samples(JsonWriter& json, const std::vector<optics::RadialSamples>& channels) {
     const optics::RadialSamples& first = channels[0];
     std::vector<double> totals;
-    std::string light, error;
+    Lists light, error;
     for (const auto& samples : channels) {
         VOXTONE_EXPECT(samples.spacing_mm == first.spacing_mm && samples.light.size() == first.light.size() &&
                        samples.error.size() == first.error.size() &&
                        samples.total.has_value() == first.total.has_value());
         if (samples.total) totals.push_back(*samples.total);
-        const char* between = light.empty() ? "\n   " : ",\n   ";
-        light += between + list_text(samples.light);
-        error += between + list_text(samples.error);
+        light.push_back(samples.light);
+        error.push_back(samples.error);
     }
-    std::string text = fmt::format("{{\"spacing_mm\": {}", first.spacing_mm);
-    if (first.total) text += fmt::format(", \"total\": {}", list_text(totals));
-    text += fmt::format(",\n  \"light\": [{}]", light);
-    if (!first.error.empty()) text += fmt::format(",\n  \"error\": [{}]", error);
-    return text + "}";
+    json.begin_object().add("spacing_mm", first.spacing_mm);
+    if (first.total) json.add("total", totals);
+    write_lists(json.line().key("light"), light);
+    if (!first.error.empty()) write_lists(json.line().key("error"), error);
+    json.end_object();
 }
 
 }  // namespace
@@ -101,15 +105,17 @@ ProfileFile read_profile(const std::filesystem::path& file) { return profile_fro
 
 std::string profile_text(const ProfileFile& file) {
     VOXTONE_EXPECT(file.by_channel.size() == file.channels.size());
-    std::string text = fmt::format(
-        "{{\"format\": \"voxtone-profile\", \"version\": 1, \"name\": {},\n \"source\": {},\n \"channels\": {}",
-        json_text(file.name), json_text(file.source), channels_json(file.channels));
     std::vector<optics::RadialSamples> R, T;
     for (const auto& channel : file.by_channel) R.push_back(channel.R), T.push_back(channel.T);
-    if (!file.is_target()) text += fmt::format(", \"thickness_mm\": {}", file.by_channel[0].thickness_mm);
-    text += ",\n \"R\": " + samples_text(R);
-    if (!file.is_target()) text += ",\n \"T\": " + samples_text(T);
-    return text + "}\n";
+    JsonWriter json;
+    json.begin_object().add("format", "voxtone-profile").add("version", 1).add("name", file.name);
+    json.line().add("source", file.source);
+    write_channels(json.line().key("channels"), file.channels);
+    if (!file.is_target()) json.add("thickness_mm", file.by_channel[0].thickness_mm);
+    write_samples(json.line().key("R"), R);
+    if (!file.is_target()) write_samples(json.line().key("T"), T);
+    json.end_object();
+    return json.text() + "\n";
 }
 
 }  // namespace voxtone::io

@@ -2,15 +2,17 @@
 #include "voxtone/io/profiles/profile_map.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <fmt/core.h>
-#include <fmt/ranges.h>
 
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/error.h"
+#include "voxtone/base/printable.h"
 #include "voxtone/io/files/json_channels.h"
 #include "voxtone/io/files/json_object.h"
+#include "voxtone/io/files/json_writer.h"
 #include "voxtone/io/files/whole_file.h"
 #include "voxtone/io/pictures/picture_writer.h"
 #include "voxtone/io/pictures/png_pixels.h"
@@ -30,7 +32,7 @@ std::filesystem::path picture_beside(const JsonObject& json, const std::filesyst
     const std::filesystem::path name(json.text("picture"));
     if (name.empty() || name != name.filename() || name == "." || name == "..")
         json.fail("picture",
-                  fmt::format("is {}, expected the name of a PNG file in the same folder", json_text(name.string())));
+                  fmt::format("is {}, expected the name of a PNG file in the same folder", json_quoted(name.string())));
     return file.parent_path() / name;
 }
 
@@ -93,25 +95,28 @@ void write_profile_map(const ProfileMap& map, const std::filesystem::path& file)
     VOXTONE_EXPECT(map.width_mm > 0 && map.height_mm > 0);
     VOXTONE_EXPECT(std::all_of(map.cluster.begin(), map.cluster.end(), [&](auto i) { return i < map.target.size(); }));
     const optics::RadialSamples& first = map.target.at(0).at(0);
-    std::string clusters;
-    for (const auto& target : map.target) {
-        VOXTONE_EXPECT(target.size() == map.channels.size());
-        std::string channels;
-        for (const optics::RadialSamples& samples : target) {
-            VOXTONE_EXPECT(samples.spacing_mm == first.spacing_mm && samples.light.size() == first.light.size());
-            channels += fmt::format("{}[{}]", channels.empty() ? "" : ",\n   ", fmt::join(samples.light, ", "));
-        }
-        clusters += fmt::format("{}\n  [{}]", clusters.empty() ? "" : ",", channels);
-    }
     std::filesystem::path picture = file;
     picture.replace_extension(".png");
     VOXTONE_EXPECT(picture != file);
     write_whole_file(picture, number_png_bytes(map.width_px, map.height_px, map.cluster));
-    write_whole_file(
-        file, fmt::format("{{\"format\": \"voxtone-profile-map\", \"version\": 1, \"source\": {},\n \"channels\": {}, "
-                          "\"size_mm\": [{}, {}], \"picture\": {},\n \"spacing_mm\": {},\n \"clusters\": [{}]}}\n",
-                          json_text(map.source), channels_json(map.channels), map.width_mm, map.height_mm,
-                          json_text(picture.filename().string()), first.spacing_mm, clusters));
+    JsonWriter json;
+    json.begin_object().add("format", "voxtone-profile-map").add("version", 1).add("source", map.source);
+    write_channels(json.line().key("channels"), map.channels);
+    json.add("size_mm", std::array{map.width_mm, map.height_mm}).add("picture", picture.filename().string());
+    json.line().add("spacing_mm", first.spacing_mm);
+    json.line().key("clusters").begin_list();
+    for (const auto& target : map.target) {
+        VOXTONE_EXPECT(target.size() == map.channels.size());
+        json.line().begin_list();
+        for (const optics::RadialSamples& samples : target) {
+            VOXTONE_EXPECT(samples.spacing_mm == first.spacing_mm && samples.light.size() == first.light.size());
+            if (&samples != &target.front()) json.line();
+            json.value(samples.light);
+        }
+        json.end_list();
+    }
+    json.end_list().end_object();
+    write_whole_file(file, json.text() + "\n");
 }
 
 }  // namespace voxtone::io

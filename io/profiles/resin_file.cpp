@@ -7,8 +7,10 @@
 
 #include "voxtone/base/embedded_file.h"
 #include "voxtone/base/error.h"
+#include "voxtone/base/printable.h"
 #include "voxtone/io/files/json_keys.h"
 #include "voxtone/io/files/json_object.h"
+#include "voxtone/io/files/json_writer.h"
 
 namespace voxtone::embedded {
 std::span<const EmbeddedFile> resins();
@@ -33,7 +35,7 @@ optics::ResinSet resins_from_json(const JsonObject& json, const std::string& sou
         set.channels.wavelengths_nm = channels.numbers("nm", 0, 1, 1e5);
         if (set.channels.wavelengths_nm.empty()) channels.fail("nm", "is empty, expected at least one wavelength");
     } else {
-        channels.fail("kind", fmt::format("is {}, expected \"rgb\" or \"wavelength\"", json_text(kind)));
+        channels.fail("kind", fmt::format("is {}, expected \"rgb\" or \"wavelength\"", json_quoted(kind)));
     }
     set.g = json.number("g", -1, 1);
     set.eta = json.number("eta", 1, 10);
@@ -51,12 +53,6 @@ optics::ResinSet resins_from_json(const JsonObject& json, const std::string& sou
     return set;
 }
 
-std::string list(std::span<const double> numbers) {
-    std::string text;
-    for (const double number : numbers) text += fmt::format("{}{}", text.empty() ? "[" : ", ", number);
-    return text.empty() ? "[]" : text + "]";
-}
-
 }  // namespace
 
 optics::ResinSet parse_resin_set(std::string_view text, std::string source) {
@@ -69,19 +65,19 @@ optics::ResinSet read_resin_set(const std::filesystem::path& file) {
 
 std::string resin_set_text(const optics::ResinSet& set) {
     set.validate();
-    std::string resins;
-    for (const auto& resin : set.resins)
-        resins += fmt::format("{}\n  {{\"name\": {}, \"role\": {}, \"sigma_t_per_mm\": {}, \"albedo\": {}}}",
-                              resins.empty() ? "" : ",", json_text(resin.name), json_text(resin.role),
-                              list(resin.sigma_t_per_mm), list(resin.albedo));
-    const std::string channels = set.channels.is_rgb() ? std::string("{\"kind\": \"rgb\"}")
-                                                       : fmt::format("{{\"kind\": \"wavelength\", \"nm\": {}}}",
-                                                                     list(set.channels.wavelengths_nm));
-    return fmt::format(
-        "{{\"format\": \"voxtone-resins\", \"version\": 1, \"name\": {},\n \"source\": {},\n \"channels\": {}, \"g\": "
-        "{}, "
-        "\"eta\": {},\n \"resins\": [{}]}}\n",
-        json_text(set.name), json_text(set.source), channels, set.g, set.eta, resins);
+    JsonWriter json;
+    json.begin_object().add("format", "voxtone-resins").add("version", 1).add("name", set.name);
+    json.line().add("source", set.source);
+    json.line().key("channels").begin_object().add("kind", set.channels.is_rgb() ? "rgb" : "wavelength");
+    if (!set.channels.is_rgb()) json.add("nm", set.channels.wavelengths_nm);
+    json.end_object().add("g", set.g).add("eta", set.eta);
+    json.line().key("resins").begin_list();
+    for (const optics::Resin& resin : set.resins) {
+        json.line().begin_object().add("name", resin.name).add("role", resin.role);
+        json.add("sigma_t_per_mm", resin.sigma_t_per_mm).add("albedo", resin.albedo).end_object();
+    }
+    json.end_list().end_object();
+    return json.text() + "\n";
 }
 
 std::vector<std::string> known_resin_sets() {

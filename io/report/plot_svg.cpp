@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "voxtone/base/printable.h"
+#include "voxtone/io/files/markup.h"
 
 namespace voxtone::io {
 
@@ -20,29 +20,6 @@ double place(const PlotAxis& axis, double value) {
 }
 
 }  // namespace
-
-std::string html_text(std::string_view text) {
-    std::string out;
-    for (const char c : printable(text)) {
-        switch (c) {
-            case '&':
-                out += "&amp;";
-                break;
-            case '<':
-                out += "&lt;";
-                break;
-            case '>':
-                out += "&gt;";
-                break;
-            case '"':
-                out += "&quot;";
-                break;
-            default:
-                out += c;
-        }
-    }
-    return out;
-}
 
 Plot::Plot(PlotAxis x, PlotAxis y, std::string title, double width, double height)
     : x_(std::move(x)), y_(std::move(y)), title_(std::move(title)), width_(width), height_(height) {}

@@ -2,6 +2,9 @@
 //
 // Small line plots as SVG text: one box, two axes (linear or logarithmic), lines, bands, points with error bars,
 // labels.
+//
+// Why our own: matplot++ is no Debian package, gnuplot-iostream wants gnuplot where the program runs, and a report
+// needs one box with lines in it, as text that stays sharp and weighs a few kB.
 #pragma once
 
 #include <string>
@@ -10,9 +13,6 @@
 #include <vector>
 
 namespace voxtone::io {
-
-/// Text that may hold anything, for HTML and SVG.
-[[nodiscard]] std::string html_text(std::string_view text);
 
 struct PlotAxis {
     double from = 0, to = 1;

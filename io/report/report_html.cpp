@@ -13,6 +13,8 @@
 #include "voxtone/base/embedded_file.h"
 #include "voxtone/base/printable.h"
 #include "voxtone/base/progress_bar.h"
+#include "voxtone/io/files/base64.h"
+#include "voxtone/io/files/markup.h"
 
 namespace voxtone::embedded {
 std::span<const EmbeddedFile> report_assets();
@@ -29,33 +31,6 @@ std::string_view asset(std::string_view name) {
     return {};
 }
 
-/// Text for element content and quoted attributes.
-std::string escaped(std::string_view text) {
-    std::string result;
-    for (const char c : printable(text)) {
-        switch (c) {
-            case '&':
-                result += "&amp;";
-                break;
-            case '<':
-                result += "&lt;";
-                break;
-            case '>':
-                result += "&gt;";
-                break;
-            case '"':
-                result += "&quot;";
-                break;
-            case '\'':
-                result += "&#39;";
-                break;
-            default:
-                result += c;
-        }
-    }
-    return result;
-}
-
 /// JSON inside a script element: no '<' may remain that could end it.
 std::string script_json(std::string_view text) {
     std::string result;
@@ -66,19 +41,6 @@ std::string script_json(std::string_view text) {
             result += c;
     }
     return result;
-}
-
-/// RFC 4648, section 4.
-std::string base64(const std::vector<std::uint8_t>& bytes) {
-    static constexpr std::string_view digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    std::string text;
-    text.reserve((bytes.size() + 2) / 3 * 4);
-    for (std::size_t i = 0; i < bytes.size(); i += 3) {
-        const auto at = [&](std::size_t k) { return i + k < bytes.size() ? std::uint32_t{bytes[i + k]} : 0u; };
-        const std::uint32_t group = at(0) << 16 | at(1) << 8 | at(2);
-        for (std::size_t k = 0; k < 4; ++k) text += i + k > bytes.size() ? '=' : digits[group >> (18 - 6 * k) & 63];
-    }
-    return text;
 }
 
 /// 1 234 567 with narrow no-break spaces.
@@ -126,7 +88,7 @@ std::string stage(const ReportPicture& picture, std::string_view id = "") {
         "height=\"{}\" "
         "src=\"data:image/png;base64,{}\">",
         static_cast<double>(picture.width_px) / picture.height_px, id.empty() ? "" : fmt::format(" id=\"{}\"", id),
-        escaped(picture.caption), picture.width_px, picture.height_px, base64(picture.png));
+        html_text(picture.caption), picture.width_px, picture.height_px, base64(picture.png));
     if (picture.px_per_mm > 0) {
         const double width_mm = picture.width_px / picture.px_per_mm, bar_mm = scale_bar_mm(width_mm);
         html += fmt::format("<div class=\"scale\" style=\"width:{:.3f}%\"></div><span>{:g} mm</span>",
@@ -139,7 +101,7 @@ void add_pictures(std::string& html, const std::vector<ReportPicture>& pictures)
     html += "<div class=\"pictures\">\n";
     for (const ReportPicture& picture : pictures)
         html +=
-            fmt::format("<figure>{}<figcaption>{}</figcaption></figure>\n", stage(picture), escaped(picture.caption));
+            fmt::format("<figure>{}<figcaption>{}</figcaption></figure>\n", stage(picture), html_text(picture.caption));
     html += "</div>\n";
 }
 
@@ -151,8 +113,8 @@ void add_head(std::string& html, const Report& report) {
         "script-src 'unsafe-inline'\">\n<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
         "<title>{} - voxtone</title>\n<style>\n{}</style>\n</head>\n<body>\n<header>\n<h1>{}</h1>\n"
         "<div class=\"soft\">for {} ({})</div>\n</header>\n<main>\n",
-        escaped(report.title), asset("style"), escaped(report.title), escaped(report.printer_name),
-        escaped(report.printer_id));
+        html_text(report.title), asset("style"), html_text(report.title), html_text(report.printer_name),
+        html_text(report.printer_id));
 }
 
 void add_summary(std::string& html, const Report& report) {
@@ -175,7 +137,7 @@ void add_warnings(std::string& html, const Report& report) {
     if (report.warnings.empty()) return;
     html += fmt::format("<section class=\"warnings\">\n<h2>{}</h2>\n<ul>\n",
                         report.warnings.size() == 1 ? "1 warning" : fmt::format("{} warnings", report.warnings.size()));
-    for (const std::string& warning : report.warnings) html += fmt::format("<li>{}</li>\n", escaped(warning));
+    for (const std::string& warning : report.warnings) html += fmt::format("<li>{}</li>\n", html_text(warning));
     html += "</ul>\n</section>\n";
 }
 
@@ -183,12 +145,12 @@ void add_views(std::string& html, const Report& report) {
     if (report.views.empty()) return;
     html += "<section class=\"views\">\n<h2>What to expect</h2>\n<div class=\"tabs\"></div>\n";
     for (const ReportView& view : report.views) {
-        html += fmt::format("<div class=\"view\" data-name=\"{0}\"><h3>{0}</h3>\n", escaped(view.name));
+        html += fmt::format("<div class=\"view\" data-name=\"{0}\"><h3>{0}</h3>\n", html_text(view.name));
         add_pictures(html, view.pictures);
         html += "</div>\n";
     }
     if (!report.prediction_note.empty())
-        html += fmt::format("<p class=\"soft\">{}</p>\n", escaped(report.prediction_note));
+        html += fmt::format("<p class=\"soft\">{}</p>\n", html_text(report.prediction_note));
     html += "</section>\n";
 }
 
@@ -215,14 +177,14 @@ void add_prediction(std::string& html, const Report& report) {
             "style=\"--share:{:.2f}%\"></i></td></tr>\n",
             range, 100 * share, most > 0 ? 100 * share / most : 0);
     }
-    html += fmt::format("</tbody>\n</table></div>\n<p class=\"soft\">{}</p>\n</section>\n", escaped(p.note));
+    html += fmt::format("</tbody>\n</table></div>\n<p class=\"soft\">{}</p>\n</section>\n", html_text(p.note));
 }
 
 void add_loop(std::string& html, const Report& report) {
     if (!report.loop) return;
     const ReportLoop& loop = *report.loop;
     html += "<section>\n<h2>The appearance loop</h2>\n";
-    html += fmt::format("<p class=\"soft\">{}</p>\n", escaped(loop.note));
+    html += fmt::format("<p class=\"soft\">{}</p>\n", html_text(loop.note));
     html +=
         "<div class=\"table\"><table>\n<thead><tr><th>Iteration</th><th class=\"n\">Mean as seen</th><th></th><th "
         "class=\"n\">Median</th>"
@@ -250,7 +212,7 @@ void add_loop(std::string& html, const Report& report) {
     if (!loop.sections.empty()) {
         html += "<h3>A cut through the resins</h3>\n";
         add_pictures(html, loop.sections);
-        html += fmt::format("<p class=\"soft\">{}</p>\n", escaped(loop.sections_note));
+        html += fmt::format("<p class=\"soft\">{}</p>\n", html_text(loop.sections_note));
     }
     html += "</section>\n";
 }
@@ -287,9 +249,10 @@ void add_resins(std::string& html, const Report& report) {
         total_voxels += resin.voxels;
     }
     for (const ReportResin& resin : report.resins) {
-        const std::string material = resin.material_name.empty() || resin.material_name == resin.name
-                                         ? std::string()
-                                         : fmt::format(" <span class=\"soft\">{}</span>", escaped(resin.material_name));
+        const std::string material =
+            resin.material_name.empty() || resin.material_name == resin.name
+                ? std::string()
+                : fmt::format(" <span class=\"soft\">{}</span>", html_text(resin.material_name));
         const double share =
             total_voxels ? 100.0 * static_cast<double>(resin.voxels) / static_cast<double>(total_voxels) : 0;
         html += fmt::format(
@@ -298,7 +261,7 @@ void add_resins(std::string& html, const Report& report) {
             "<td class=\"n wide-only\">{4}</td><td class=\"n\">{5}</td><td class=\"meter wide-only\" title=\"{6:.1f} "
             "%\"><i "
             "style=\"--share:{6:.2f}%\"></i></td></tr>\n",
-            rgb_text(resin.rgb), escaped(resin.name), material, escaped(resin.role), grouped(resin.voxels),
+            rgb_text(resin.rgb), html_text(resin.name), material, html_text(resin.role), grouped(resin.voxels),
             volume_text(resin.ml), share);
     }
     html += fmt::format(
@@ -344,19 +307,19 @@ void add_table(std::string& html, const ReportTable& table) {
             return column >= row.size() || row[column].empty() || is_number(row[column]);
         });
     };
-    if (!table.title.empty()) html += fmt::format("<h3>{}</h3>\n", escaped(table.title));
+    if (!table.title.empty()) html += fmt::format("<h3>{}</h3>\n", html_text(table.title));
     html += "<div class=\"table\"><table>\n";
     if (!table.header.empty()) {
         html += "<thead><tr>";
         for (std::size_t c = 0; c < table.header.size(); ++c)
-            html += fmt::format("<th{}>{}</th>", numeric(c) ? " class=\"n\"" : "", escaped(table.header[c]));
+            html += fmt::format("<th{}>{}</th>", numeric(c) ? " class=\"n\"" : "", html_text(table.header[c]));
         html += "</tr></thead>\n";
     }
     html += "<tbody>\n";
     for (const auto& row : table.rows) {
         html += "<tr>";
         for (std::size_t c = 0; c < row.size(); ++c)
-            html += fmt::format("<td{}>{}</td>", numeric(c) ? " class=\"n\"" : "", escaped(row[c]));
+            html += fmt::format("<td{}>{}</td>", numeric(c) ? " class=\"n\"" : "", html_text(row[c]));
         html += "</tr>\n";
     }
     html += "</tbody>\n</table></div>\n";
@@ -365,14 +328,16 @@ void add_table(std::string& html, const ReportTable& table) {
 void add_drawings(std::string& html, const std::vector<ReportDrawing>& drawings) {
     html += "<div class=\"drawings\">\n";
     for (const ReportDrawing& drawing : drawings)
-        html += fmt::format("<figure>{}<figcaption>{}</figcaption></figure>\n", drawing.svg, escaped(drawing.caption));
+        html +=
+            fmt::format("<figure>{}<figcaption>{}</figcaption></figure>\n", drawing.svg, html_text(drawing.caption));
     html += "</div>\n";
 }
 
 void add_sections(std::string& html, const Report& report) {
     for (const ReportSection& section : report.sections) {
-        html += fmt::format("<section>\n<h2>{}</h2>\n", escaped(section.title));
-        for (const std::string& paragraph : section.paragraphs) html += fmt::format("<p>{}</p>\n", escaped(paragraph));
+        html += fmt::format("<section>\n<h2>{}</h2>\n", html_text(section.title));
+        for (const std::string& paragraph : section.paragraphs)
+            html += fmt::format("<p>{}</p>\n", html_text(paragraph));
         if (!section.pictures.empty()) add_pictures(html, section.pictures);
         if (!section.drawings.empty()) add_drawings(html, section.drawings);
         for (const ReportTable& table : section.tables) add_table(html, table);
@@ -388,7 +353,7 @@ void add_time(std::string& html, const Report& report) {
     for (const ReportStage& stage : report.stages)
         html += fmt::format(
             "<tr><td>{}</td><td class=\"n\">{}</td><td class=\"meter\"><i style=\"--share:{:.2f}%\"></i></td></tr>\n",
-            escaped(stage.name), duration_text(stage.seconds), longest > 0 ? 100 * stage.seconds / longest : 0);
+            html_text(stage.name), duration_text(stage.seconds), longest > 0 ? 100 * stage.seconds / longest : 0);
     html += "</tbody>\n</table></div>\n</section>\n";
 }
 
@@ -396,8 +361,8 @@ void add_job(std::string& html, const Report& report) {
     if (report.job.empty()) return;
     html += "<section>\n<details><summary>The job as it was run</summary>\n<div class=\"table\"><table>\n<tbody>\n";
     for (const auto& [key, value] : report.job)
-        html += fmt::format("<tr><td class=\"key\">{}</td><td class=\"value\">{}</td></tr>\n", escaped(key),
-                            escaped(value));
+        html += fmt::format("<tr><td class=\"key\">{}</td><td class=\"value\">{}</td></tr>\n", html_text(key),
+                            html_text(value));
     html += "</tbody>\n</table></div>\n</details>\n</section>\n";
 }
 
@@ -420,7 +385,7 @@ std::string report_html(const Report& report) {
     html += fmt::format(
         "</main>\n<footer>Made by voxtone {}. Figures for programs: "
         "report.json.</footer>\n<script>\n{}</script>\n</body>\n</html>\n",
-        escaped(report.program_version), asset("script"));
+        html_text(report.program_version), asset("script"));
     return html;
 }
 

@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-#include "voxtone/io/layers/png_layer_encoder.h"
+#include "voxtone/io/layers/rgb.h"
 
 namespace voxtone::io {
 
@@ -133,8 +133,5 @@ struct Report {
 };
 
 [[nodiscard]] std::string report_html(const Report& report);
-
-/// One JSON object, {"format": "voxtone-report", "version": 1, ...}; pictures are left out.
-[[nodiscard]] std::string report_json(const Report& report);
 
 }  // namespace voxtone::io

@@ -1,106 +1,91 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <nlohmann/json.hpp>
+#include "voxtone/io/report/report_json.h"
 
-#include "voxtone/base/printable.h"
-#include "voxtone/io/report/report_html.h"
+#include "voxtone/io/files/json_writer.h"
 
 namespace voxtone::io {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
-
-Json table_json(const ReportTable& table) {
-    Json rows = Json::array();
-    for (const auto& row : table.rows) {
-        Json cells = Json::array();
-        for (const std::string& cell : row) cells.push_back(valid_utf8(cell));
-        rows.push_back(cells);
+void write_resins(JsonWriter& json, const Report& report) {
+    double total_ml = 0;
+    json.line().key("resins").begin_list();
+    for (const ReportResin& resin : report.resins) {
+        json.line().begin_object().add("name", resin.name).add("role", resin.role);
+        json.add("material_name", resin.material_name).add("rgb", resin.rgb);
+        json.add("voxels", resin.voxels).add("ml", resin.ml).end_object();
+        total_ml += resin.ml;
     }
-    Json header = Json::array();
-    for (const std::string& cell : table.header) header.push_back(valid_utf8(cell));
-    return {{"title", valid_utf8(table.title)}, {"header", header}, {"rows", rows}};
+    json.end_list().line().add("resin_ml", total_ml);
 }
 
-Json section_json(const ReportSection& section) {
-    Json result{{"title", valid_utf8(section.title)}, {"text", Json::array()}, {"tables", Json::array()}};
-    for (const std::string& paragraph : section.paragraphs) result["text"].push_back(valid_utf8(paragraph));
-    for (const ReportTable& table : section.tables) result["tables"].push_back(table_json(table));
-    return result;
+void write_gamut(JsonWriter& json, const ReportGamut& gamut) {
+    json.line().key("gamut").begin_object().add("mapped_share", gamut.mapped_share);
+    json.key("de2000").begin_object().add("mean", gamut.mean_de2000).add("p95", gamut.p95_de2000);
+    json.add("max", gamut.max_de2000).end_object().end_object();
+}
+
+void write_prediction(JsonWriter& json, const ReportPrediction& p) {
+    json.line().key("predicted").begin_object().add("model", p.model).add("cell_um", p.cell_um);
+    json.add("cells", p.cells).add("seconds", p.seconds);
+    json.key("de2000").begin_object().add("mean", p.mean_de2000).add("median", p.median_de2000);
+    json.add("p95", p.p95_de2000).add("max", p.max_de2000).key("histogram").begin_list();
+    for (const auto& [edge, share] : p.histogram)
+        json.line().begin_object().add("from", edge).add("share", share).end_object();
+    json.end_list().end_object().end_object();
+}
+
+void write_loop(JsonWriter& json, const ReportLoop& loop) {
+    json.line().key("loop").begin_object().add("best", loop.best).add("seconds", loop.seconds).add("note", loop.note);
+    json.key("iterations").begin_list();
+    for (const ReportIteration& i : loop.iterations) {
+        json.line().begin_object().add("iteration", i.number);
+        json.key("seen_de2000").begin_object().add("mean", i.mean).add("median", i.median).add("p95", i.p95);
+        json.end_object().key("cells_de2000").begin_object().add("mean", i.cells_mean).end_object();
+        json.add("stuck_share", i.stuck_share).add("seconds", i.seconds).end_object();
+    }
+    json.end_list().end_object();
+}
+
+void write_table(JsonWriter& json, const ReportTable& table) {
+    json.line().begin_object().add("title", table.title).add("header", table.header).key("rows").begin_list();
+    for (const auto& row : table.rows) json.line().value(row);
+    json.end_list().end_object();
+}
+
+void write_section(JsonWriter& json, const ReportSection& section) {
+    json.line().begin_object().add("title", section.title).add("text", section.paragraphs);
+    json.key("tables").begin_list();
+    for (const ReportTable& table : section.tables) write_table(json, table);
+    json.end_list().end_object();
 }
 
 }  // namespace
 
 std::string report_json(const Report& report) {
-    Json json{{"format", "voxtone-report"}, {"version", 1}};
-    json["title"] = valid_utf8(report.title);
-    json["program"] = "voxtone " + valid_utf8(report.program_version);
-    json["printer"] = {{"id", valid_utf8(report.printer_id)}, {"name", valid_utf8(report.printer_name)}};
-    json["pitch_um"] = report.pitch_um;
-    json["size_mm"] = report.size_mm;
-    json["size_px"] = {report.size_px[0], report.size_px[1]};
-    json["layers"] = report.size_px[2];
-    json["voxels"] = report.body_voxels;
-    json["resins"] = Json::array();
-    double total_ml = 0;
-    for (const ReportResin& resin : report.resins) {
-        json["resins"].push_back({{"name", valid_utf8(resin.name)},
-                                  {"role", valid_utf8(resin.role)},
-                                  {"material_name", valid_utf8(resin.material_name)},
-                                  {"rgb", resin.rgb},
-                                  {"voxels", resin.voxels},
-                                  {"ml", resin.ml}});
-        total_ml += resin.ml;
-    }
-    json["resin_ml"] = total_ml;
-    if (report.gamut)
-        json["gamut"] = {{"mapped_share", report.gamut->mapped_share},
-                         {"de2000",
-                          {{"mean", report.gamut->mean_de2000},
-                           {"p95", report.gamut->p95_de2000},
-                           {"max", report.gamut->max_de2000}}}};
-    if (report.prediction) {
-        const ReportPrediction& p = *report.prediction;
-        Json histogram = Json::array();
-        for (const auto& [edge, share] : p.histogram) histogram.push_back({{"from", edge}, {"share", share}});
-        json["predicted"] = {{"model", valid_utf8(p.model)},
-                             {"cell_um", p.cell_um},
-                             {"cells", p.cells},
-                             {"seconds", p.seconds},
-                             {"de2000",
-                              {{"mean", p.mean_de2000},
-                               {"median", p.median_de2000},
-                               {"p95", p.p95_de2000},
-                               {"max", p.max_de2000},
-                               {"histogram", histogram}}}};
-    }
-    if (report.loop) {
-        Json iterations = Json::array();
-        for (const ReportIteration& i : report.loop->iterations)
-            iterations.push_back({{"iteration", i.number},
-                                  {"seen_de2000", {{"mean", i.mean}, {"median", i.median}, {"p95", i.p95}}},
-                                  {"cells_de2000", {{"mean", i.cells_mean}}},
-                                  {"stuck_share", i.stuck_share},
-                                  {"seconds", i.seconds}});
-        json["loop"] = {{"best", report.loop->best},
-                        {"seconds", report.loop->seconds},
-                        {"note", valid_utf8(report.loop->note)},
-                        {"iterations", iterations}};
-    }
-    json["warnings"] = Json::array();
-    for (const std::string& warning : report.warnings) json["warnings"].push_back(valid_utf8(warning));
-    json["stages"] = Json::array();
+    JsonWriter json;
+    json.begin_object().add("format", "voxtone-report").add("version", 1);
+    json.line().add("title", report.title).add("program", "voxtone " + report.program_version);
+    json.line().key("printer").begin_object().add("id", report.printer_id).add("name", report.printer_name);
+    json.end_object().line().add("pitch_um", report.pitch_um).add("size_mm", report.size_mm);
+    json.line().key("size_px").begin_list().value(report.size_px[0]).value(report.size_px[1]).end_list();
+    json.add("layers", report.size_px[2]).add("voxels", report.body_voxels);
+    write_resins(json, report);
+    if (report.gamut) write_gamut(json, *report.gamut);
+    if (report.prediction) write_prediction(json, *report.prediction);
+    if (report.loop) write_loop(json, *report.loop);
+    json.line().add("warnings", report.warnings).line().key("stages").begin_list();
     for (const ReportStage& stage : report.stages)
-        json["stages"].push_back({{"name", valid_utf8(stage.name)}, {"seconds", stage.seconds}});
-    json["seconds"] = report.total_seconds;
-    json["peak_memory_bytes"] = report.peak_memory_bytes;
-    json["output_bytes"] = report.output_bytes;
-    if (!report.prediction_note.empty()) json["prediction"] = valid_utf8(report.prediction_note);
-    json["sections"] = Json::array();
-    for (const ReportSection& section : report.sections) json["sections"].push_back(section_json(section));
-    json["job"] = Json::object();
-    for (const auto& [key, value] : report.job) json["job"][valid_utf8(key)] = valid_utf8(value);
-    return json.dump(2) + "\n";
+        json.line().begin_object().add("name", stage.name).add("seconds", stage.seconds).end_object();
+    json.end_list().line().add("seconds", report.total_seconds);
+    json.add("peak_memory_bytes", report.peak_memory_bytes).add("output_bytes", report.output_bytes);
+    if (!report.prediction_note.empty()) json.line().add("prediction", report.prediction_note);
+    json.line().key("sections").begin_list();
+    for (const ReportSection& section : report.sections) write_section(json, section);
+    json.end_list().line().key("job").begin_object();
+    for (const auto& [key, value] : report.job) json.line().add(key, value);
+    json.end_object().end_object();
+    return json.text() + "\n";
 }
 
 }  // namespace voxtone::io

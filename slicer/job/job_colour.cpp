@@ -42,7 +42,7 @@ LoadedResins load_resins(const ResolvedJob& job, const PrinterProfile& printer) 
     if (loaded.core < 0)
         throw InputError(fmt::format("--{} {}: no such resin is loaded; loaded are {}", job.layered ? "base" : "core",
                                      core, fmt::join(roles, ", ")));
-    const std::vector<Rgb8> colours = printer.display_colours(roles);
+    const std::vector<io::Rgb> colours = printer.display_colours(roles);
     for (std::size_t r = 0; r < roles.size(); ++r) {
         io::StackResin entry;
         const auto known = printer.material_names.find(roles[r]);

@@ -11,16 +11,16 @@
 #include <fmt/core.h>
 
 #include "voxtone/base/error.h"
-#include "voxtone/io/files/sha256.h"
 #include "voxtone/io/files/whole_file.h"
+#include "voxtone/io/files/xxh64.h"
 
 namespace voxtone::slicer {
 
 namespace {
 
 // The file: magic, digest of the job, state, digest of all before. Native byte order: it is read where it was written.
-constexpr std::string_view magic = "voxtone-loop 5\n";
-constexpr std::size_t digest_size = 64;
+constexpr std::string_view magic = "voxtone-loop 6\n", any_magic = "voxtone-loop ";  // of any version
+constexpr std::size_t digest_size = sizeof(std::uint64_t);
 constexpr std::array<std::string_view, 9> free_options{"out",    "overwrite",  "report",  "predict", "threads",
                                                        "resume", "iterations", "formats", "layers"};
 
@@ -29,7 +29,7 @@ class Writer {
 public:
     explicit Writer(const std::filesystem::path& file) : out_(file, std::ios::binary) {}
     void raw(const void* data, std::size_t size) {
-        sum_.update({static_cast<const std::uint8_t*>(data), size});
+        sum_.update(data, size);
         out_.write(static_cast<const char*>(data), static_cast<std::streamsize>(size));
     }
     template <class T>
@@ -44,15 +44,15 @@ public:
     }
     /// False where something could not be written.
     [[nodiscard]] bool finish() {
-        const std::string digest = sum_.finish();
-        out_.write(digest.data(), static_cast<std::streamsize>(digest.size()));
+        const std::uint64_t digest = sum_.digest();
+        out_.write(reinterpret_cast<const char*>(&digest), sizeof digest);
         out_.close();
         return !out_.fail();
     }
 
 private:
     std::ofstream out_;
-    io::Sha256 sum_;
+    io::Xxh64 sum_;
 };
 
 struct Reader {
@@ -119,9 +119,14 @@ void state_in(File& file, State& state) {
     file.list(state.shown);
 }
 
-template <class T>
-std::span<const std::uint8_t> bytes_of(std::span<const T> values) {
-    return {reinterpret_cast<const std::uint8_t*>(values.data()), values.size_bytes()};
+std::uint64_t number_at(std::span<const std::uint8_t> bytes) {
+    std::uint64_t number = 0;
+    std::memcpy(&number, bytes.data(), sizeof number);
+    return number;
+}
+
+bool begins_with(std::span<const std::uint8_t> bytes, std::string_view text) {
+    return bytes.size() >= text.size() && std::memcmp(bytes.data(), text.data(), text.size()) == 0;
 }
 
 }  // namespace
@@ -129,20 +134,20 @@ std::span<const std::uint8_t> bytes_of(std::span<const T> values) {
 LoopCheckpoint::LoopCheckpoint(const std::filesystem::path& folder, const SliceOptions& options,
                                std::span<const Eigen::Vector3f> target)
     : file_(folder / "loop.checkpoint"), cells_(target.size()) {
-    io::Sha256 job;
+    io::Xxh64 job;
     for (const OptionSpec& spec : slice_option_table()) {
         if (std::find(free_options.begin(), free_options.end(), spec.key) != free_options.end()) continue;
         const std::string text = spec.key + "=" + spec.get(options) + "\n";
-        job.update(bytes_of(std::span<const char>(text)));
+        job.update(text.data(), text.size());
     }
-    job.update(bytes_of(target));
-    digest_ = job.finish();
+    job.update(target.data(), target.size_bytes());
+    digest_ = job.digest();
 }
 
 void LoopCheckpoint::write(const halftone::LoopState& state) const {
     Writer file(io::part_path(file_));
     file.raw(magic.data(), magic.size());
-    file.raw(digest_.data(), digest_.size());
+    file.raw(&digest_, sizeof digest_);
     state_in(file, state);
     if (!file.finish())
         throw FileError(fmt::format(
@@ -164,11 +169,14 @@ std::optional<halftone::LoopState> LoopCheckpoint::read(Progress& progress) cons
             fmt::format("{}: is not whole, or no checkpoint of this program; remove it and start without --resume",
                         file_.string()));
     };
-    if (all.size() < head + digest_size || std::memcmp(all.data(), magic.data(), magic.size()) != 0) throw broken();
+    if (all.size() >= magic.size() && begins_with(all, any_magic) && !begins_with(all, magic))
+        throw InputError(
+            fmt::format("{}: was written by another version of this program; remove it and start without --resume",
+                        file_.string()));
+    if (!begins_with(all, magic) || all.size() < head + digest_size) throw broken();
     const auto body = all.first(all.size() - digest_size);
-    if (io::sha256(body) != std::string(all.end() - digest_size, all.end())) throw broken();
-    if (std::string(all.begin() + static_cast<std::ptrdiff_t>(magic.size()),
-                    all.begin() + static_cast<std::ptrdiff_t>(head)) != digest_)
+    if (io::xxh64(body) != number_at(all.last(digest_size))) throw broken();
+    if (number_at(all.subspan(magic.size())) != digest_)
         throw InputError(
             fmt::format("{}: belongs to a job with another model or other options; --resume goes on with the same job "
                         "only: give the "

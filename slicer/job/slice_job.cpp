@@ -13,6 +13,7 @@
 #include "voxtone/base/stopwatch.h"
 #include "voxtone/io/files/whole_file.h"
 #include "voxtone/io/layers/layer_stack_writer.h"
+#include "voxtone/io/report/report_json.h"
 #include "voxtone/slicer/job/colour_print.h"
 #include "voxtone/slicer/job/job_body.h"
 #include "voxtone/slicer/job/layered_print.h"

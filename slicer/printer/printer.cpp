@@ -2,22 +2,19 @@
 #include "voxtone/slicer/printer/printer.h"
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
+#include <initializer_list>
 #include <limits>
-#include <optional>
 #include <set>
 
 #include <fmt/core.h>
 #include <fmt/ranges.h>
-#include <nlohmann/json.hpp>
 
 #include "voxtone/base/embedded_file.h"
 #include "voxtone/base/error.h"
 #include "voxtone/halftone/separation/mixture.h"
 #include "voxtone/io/files/json_keys.h"
+#include "voxtone/io/files/json_object.h"
 #include "voxtone/io/layers/layer_runs.h"
 
 namespace voxtone::embedded {
@@ -28,160 +25,85 @@ namespace voxtone::slicer {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 constexpr double um_per_inch = 25400;
 constexpr int most_colours = io::max_materials - 1;
 /// No voxel of a material-jetting printer is near these limits; a figure beyond them is in the wrong unit.
 constexpr double smallest_pitch_um = 1, largest_pitch_um = 1000;
 
-const std::vector<std::string>& known_keys() {
-    static const std::vector<std::string> keys{
-        "format",     "version",        "name",    "dpi",         "layer_um", "pitch_um",       "tray_mm",
-        "max_resins", "max_colours",    "formats", "min_layers",  "colours",  "background_rgb", "default_roles",
-        "flip_x",     "material_names", "flip_y",  "unconfirmed", "swap_xy",  "notes"};
-    return keys;
-}
+const std::initializer_list<std::string_view> known_keys{
+    "format",     "version",        "name",    "dpi",         "layer_um", "pitch_um",       "tray_mm",
+    "max_resins", "max_colours",    "formats", "min_layers",  "colours",  "background_rgb", "default_roles",
+    "flip_x",     "material_names", "flip_y",  "unconfirmed", "swap_xy",  "notes"};
 
 /// Colours for roles that a profile does not name: told apart easily, never black.
-const std::map<std::string, Rgb8>& usual_colours() {
-    static const std::map<std::string, Rgb8> colours{{"C", {0, 150, 200}},   {"M", {205, 25, 110}},
-                                                     {"Y", {250, 215, 30}},  {"K", {30, 30, 30}},
-                                                     {"W", {220, 222, 216}}, {"T", {170, 205, 230}}};
+const std::map<std::string, io::Rgb>& usual_colours() {
+    static const std::map<std::string, io::Rgb> colours{{"C", {0, 150, 200}},   {"M", {205, 25, 110}},
+                                                        {"Y", {250, 215, 30}},  {"K", {30, 30, 30}},
+                                                        {"W", {220, 222, 216}}, {"T", {170, 205, 230}}};
     return colours;
 }
-constexpr std::array<Rgb8, 10> spare_colours{{{230, 110, 20},
-                                              {60, 160, 60},
-                                              {110, 70, 180},
-                                              {150, 90, 50},
-                                              {240, 150, 170},
-                                              {120, 120, 120},
-                                              {20, 70, 120},
-                                              {170, 200, 60},
-                                              {100, 20, 30},
-                                              {60, 200, 180}}};
+constexpr std::array<io::Rgb, 10> spare_colours{{{230, 110, 20},
+                                                 {60, 160, 60},
+                                                 {110, 70, 180},
+                                                 {150, 90, 50},
+                                                 {240, 150, 170},
+                                                 {120, 120, 120},
+                                                 {20, 70, 120},
+                                                 {170, 200, 60},
+                                                 {100, 20, 30},
+                                                 {60, 200, 180}}};
 
-/// Reads the keys of one profile and says what is wrong with them.
-class ProfileReader {
-public:
-    ProfileReader(const Json& json, const std::string& where) : json_(json), where_(where) {}
-
-    [[noreturn]] void fail(const std::string& key, const std::string& rule) const {
-        throw InputError(fmt::format("{}: key '{}': {}", where_, key, rule));
-    }
-    [[nodiscard]] bool has(const char* key) const { return json_.contains(key); }
-
-    [[nodiscard]] const Json& need(const char* key) const {
-        if (!has(key)) fail(key, "is missing, and no printer can be described without it; see data/printers/README.md");
-        return json_.at(key);
-    }
-    [[nodiscard]] std::string text(const char* key) const {
-        const Json& value = need(key);
-        if (!value.is_string() || value.get_ref<const std::string&>().empty())
-            fail(key, "a text is expected, not " + shown(value));
-        return value.get<std::string>();
-    }
-    [[nodiscard]] double number(const char* key, const Json& value, double low, double high) const {
-        if (!value.is_number()) fail(key, "a number is expected, not " + shown(value));
-        const double number = value.get<double>();
-        if (!(number >= low && number <= high)) fail(key, fmt::format("{} is outside [{}, {}]", number, low, high));
-        return number;
-    }
-    [[nodiscard]] int whole(const char* key, int low, int high, int absent) const {
-        if (!has(key)) return absent;
-        const Json& value = json_.at(key);
-        if (!value.is_number_integer()) fail(key, "a whole number is expected, not " + shown(value));
-        return static_cast<int>(number(key, value, low, high));
-    }
-    [[nodiscard]] bool flag(const char* key) const {
-        if (!has(key)) return false;
-        if (!json_.at(key).is_boolean()) fail(key, "true or false is expected, not " + shown(json_.at(key)));
-        return json_.at(key).get<bool>();
-    }
-    [[nodiscard]] std::vector<double> numbers(const char* key, std::size_t count, double low, double high) const {
-        const Json& value = need(key);
-        if (!value.is_array() || value.size() != count)
-            fail(key, fmt::format("{} numbers are expected, not {}", count, shown(value)));
-        std::vector<double> result;
-        for (const Json& item : value) result.push_back(number(key, item, low, high));
-        return result;
-    }
-    [[nodiscard]] std::vector<std::string> texts(const char* key) const {
-        std::vector<std::string> result;
-        if (!has(key)) return result;
-        if (!json_.at(key).is_array()) fail(key, "a list of texts is expected, not " + shown(json_.at(key)));
-        for (const Json& item : json_.at(key)) {
-            if (!item.is_string()) fail(key, "a list of texts is expected; it contains " + shown(item));
-            result.push_back(item.get<std::string>());
-        }
-        return result;
-    }
-    [[nodiscard]] std::map<std::string, std::string> text_map(const char* key) const {
-        std::map<std::string, std::string> result;
-        for (const auto& [name, value] : object(key).items()) {
-            if (!value.is_string()) fail(key, fmt::format("'{}': a text is expected, not {}", name, shown(value)));
-            result[name] = value.get<std::string>();
-        }
-        return result;
-    }
-    [[nodiscard]] Rgb8 rgb(const char* key, const Json& value) const {
-        if (!value.is_array() || value.size() != 3)
-            fail(key, "a colour is three whole numbers from 0 to 255, not " + shown(value));
-        Rgb8 result{};
-        for (std::size_t c = 0; c < 3; ++c) {
-            if (!value[c].is_number_integer())
-                fail(key, "a colour is three whole numbers from 0 to 255, not " + shown(value));
-            result[c] = static_cast<std::uint8_t>(number(key, value[c], 0, 255));
-        }
-        return result;
-    }
-    [[nodiscard]] const Json& object(const char* key) const {
-        static const Json none = Json::object();
-        if (!has(key)) return none;
-        if (!json_.at(key).is_object()) fail(key, "an object {...} is expected, not " + shown(json_.at(key)));
-        return json_.at(key);
-    }
-
-private:
-    static std::string shown(const Json& value) {
-        const std::string text = value.dump(-1, ' ', true, Json::error_handler_t::replace);
-        return text.size() > 60 ? text.substr(0, 60) + "..." : text;
-    }
-    const Json& json_;
-    const std::string& where_;
-};
-
-Json parse_json(std::string_view text, const std::string& where) {
-    try {
-        return Json::parse(text);
-    } catch (const Json::parse_error& error) {
-        const auto end = text.begin() + static_cast<std::ptrdiff_t>(std::min(error.byte, text.size()));
-        throw InputError(fmt::format("{}: not valid JSON in line {}; a comma or a bracket may be missing there", where,
-                                     1 + std::count(text.begin(), end, '\n')));
-    } catch (const Json::out_of_range&) {
-        throw InputError(fmt::format("{}: a number in it is too large for any computer to hold", where));
-    }
+int whole_or(const io::JsonObject& file, std::string_view key, int least, int most, int absent) {
+    if (!file.has(key)) return absent;
+    return static_cast<int>(file.integer(key, static_cast<std::uint64_t>(least), static_cast<std::uint64_t>(most)));
 }
 
-void read_pitch(const ProfileReader& file, PrinterProfile& printer) {
+bool flag(const io::JsonObject& file, std::string_view key) { return file.has(key) && file.boolean(key); }
+
+std::vector<std::string> texts_or(const io::JsonObject& file, std::string_view key, std::vector<std::string> absent) {
+    return file.has(key) ? file.texts(key) : std::move(absent);
+}
+
+std::map<std::string, std::string> text_map(const io::JsonObject& file, std::string_view key) {
+    std::map<std::string, std::string> result;
+    if (!file.has(key)) return result;
+    const io::JsonObject object = file.object(key);
+    for (const std::string& name : object.keys()) result[name] = object.text(name);
+    return result;
+}
+
+io::Rgb read_rgb(const io::JsonObject& file, std::string_view key) {
+    const auto values = file.integers(key, 3, 0, 255);
+    return {static_cast<std::uint8_t>(values[0]), static_cast<std::uint8_t>(values[1]),
+            static_cast<std::uint8_t>(values[2])};
+}
+
+Eigen::Vector3d read_pitch(const io::JsonObject& file) {
     if (file.has("pitch_um")) {
         if (file.has("dpi") || file.has("layer_um"))
             file.fail("pitch_um", "give either pitch_um or dpi and layer_um, not both");
         const std::vector<double> pitch = file.numbers("pitch_um", 3, smallest_pitch_um, largest_pitch_um);
-        printer.pitch_um = {pitch[0], pitch[1], pitch[2]};
-        return;
+        return {pitch[0], pitch[1], pitch[2]};
     }
     if (!file.has("dpi")) file.fail("pitch_um", "is missing: give the voxel size in micrometres, or dpi and layer_um");
     const std::vector<double> dpi =
         file.numbers("dpi", 2, um_per_inch / largest_pitch_um, um_per_inch / smallest_pitch_um);
-    const double layer_um = file.number("layer_um", file.need("layer_um"), smallest_pitch_um, largest_pitch_um);
-    printer.pitch_um = {um_per_inch / dpi[0], um_per_inch / dpi[1], layer_um};
+    const double layer_um = file.number("layer_um", smallest_pitch_um, largest_pitch_um);
+    return {um_per_inch / dpi[0], um_per_inch / dpi[1], layer_um};
 }
 
-void read_colours(const ProfileReader& file, PrinterProfile& printer) {
-    if (file.has("background_rgb")) printer.background_rgb = file.rgb("background_rgb", file.need("background_rgb"));
-    for (const auto& [role, value] : file.object("colours").items()) {
-        const Rgb8 colour = file.rgb("colours", value);
+Eigen::Vector3d read_tray(const io::JsonObject& file) {
+    if (!file.has("tray_mm")) return Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
+    const std::vector<double> tray = file.numbers("tray_mm", 3, 1, 1e5);
+    return {tray[0], tray[1], tray[2]};
+}
+
+void read_colours(const io::JsonObject& file, PrinterProfile& printer) {
+    if (file.has("background_rgb")) printer.background_rgb = read_rgb(file, "background_rgb");
+    if (!file.has("colours")) return;
+    const io::JsonObject colours = file.object("colours");
+    for (const std::string& role : colours.keys()) {
+        const io::Rgb colour = read_rgb(colours, role);
         if (colour == printer.background_rgb)
             file.fail("colours",
                       fmt::format("'{}' has the colour of the background, which means \"print nothing\"", role));
@@ -194,9 +116,8 @@ void read_colours(const ProfileReader& file, PrinterProfile& printer) {
     }
 }
 
-void read_roles(const ProfileReader& file, PrinterProfile& printer) {
-    printer.default_roles =
-        file.has("default_roles") ? file.texts("default_roles") : std::vector<std::string>{"C", "M", "Y", "K", "W"};
+void read_roles(const io::JsonObject& file, PrinterProfile& printer) {
+    printer.default_roles = texts_or(file, "default_roles", {"C", "M", "Y", "K", "W"});
     if (printer.default_roles.empty() || printer.default_roles.size() > static_cast<std::size_t>(printer.max_resins))
         file.fail("default_roles", fmt::format("{} roles, but 1 to {} resins can be loaded",
                                                printer.default_roles.size(), printer.max_resins));
@@ -205,61 +126,55 @@ void read_roles(const ProfileReader& file, PrinterProfile& printer) {
             file.fail("default_roles", fmt::format("'{}' is empty or named twice", role));
 }
 
-void read_formats(const ProfileReader& file, PrinterProfile& printer) {
-    const std::vector<std::string> names = file.has("formats")
-                                               ? file.texts("formats")
-                                               : std::vector<std::string>{std::string(name_of(io::LayerFormat::png))};
-    if (names.empty()) file.fail("formats", "name at least one");
-    for (const std::string& name : names) {
-        const auto format = value_of<io::LayerFormat>(name);
-        if (!format)
-            file.fail("formats", fmt::format("'{}' is none of {}", name, fmt::join(names_of<io::LayerFormat>(), ", ")));
-        printer.formats.push_back(*format);
-    }
+const std::vector<std::string> names = texts_or(file, "formats", {std::string(name_of(io::LayerFormat::png))});
+if (names.empty()) file.fail("formats", "name at least one");
+for (const std::string& name : names) {
+    const auto format = value_of<io::LayerFormat>(name);
+    if (!format)
+        file.fail("formats", fmt::format("'{}' is none of {}", name, fmt::join(names_of<io::LayerFormat>(), ", ")));
+    printer.formats.push_back(*format);
+}
 }
 
-void read_unconfirmed(const ProfileReader& file, PrinterProfile& printer) {
-    printer.unconfirmed = file.text_map("unconfirmed");
+void read_unconfirmed(const io::JsonObject& file, PrinterProfile& printer) {
+    printer.unconfirmed = text_map(file, "unconfirmed");
+    const std::vector<std::string> keys(known_keys.begin(), known_keys.end());
     for (const auto& [key, why] : printer.unconfirmed)
-        if (std::find(known_keys().begin(), known_keys().end(), key) == known_keys().end())
-            file.fail("unconfirmed", io::unknown_key_message(key, known_keys()));
+        if (std::find(keys.begin(), keys.end(), key) == keys.end())
+            file.fail("unconfirmed", io::unknown_key_message(key, keys));
+}
+
+PrinterProfile printer_from_json(const io::JsonObject& file, const std::string& id) {
+    if (!file.has("format") || !file.is_text("format") || file.text("format") != "voxtone-printer")
+        file.fail("format", "is not \"voxtone-printer\": this is not a printer profile");
+    if (file.integer("version", 0, 1000000) != 1)
+        file.fail("version", "is not 1: this program reads version 1 of printer profiles");
+    file.allow_only(known_keys);
+    PrinterProfile printer;
+    printer.id = id;
+    printer.name = file.text("name");
+    if (printer.name.empty()) file.fail("name", "is empty");
+    printer.pitch_um = read_pitch(file);
+    printer.tray_mm = read_tray(file);
+    printer.max_resins = whole_or(file, "max_resins", 1, halftone::max_resins, halftone::max_resins);
+    printer.max_colours = whole_or(file, "max_colours", 1, most_colours, most_colours);
+    printer.min_layers = whole_or(file, "min_layers", 1, 1'000'000, 1);
+    read_colours(file, printer);
+    read_roles(file, printer);
+    read_formats(file, printer);
+    read_unconfirmed(file, printer);
+    printer.material_names = text_map(file, "material_names");
+    printer.flip_x = flag(file, "flip_x");
+    printer.flip_y = flag(file, "flip_y");
+    printer.swap_xy = flag(file, "swap_xy");
+    printer.notes = texts_or(file, "notes", {});
+    return printer;
 }
 
 }  // namespace
 
 PrinterProfile parse_printer(std::string_view json, const std::string& id, const std::string& where) {
-    const Json parsed = parse_json(json, where);
-    if (!parsed.is_object() || parsed.value("format", Json()) != "voxtone-printer")
-        throw InputError(fmt::format("{}: not a printer profile: \"format\": \"voxtone-printer\" is missing", where));
-    if (parsed.value("version", Json()) != 1)
-        throw InputError(fmt::format("{}: key 'version': this program reads version 1 of printer profiles", where));
-    for (const auto& [key, value] : parsed.items())
-        if (std::find(known_keys().begin(), known_keys().end(), key) == known_keys().end())
-            throw InputError(fmt::format("{}: {}", where, io::unknown_key_message(key, known_keys())));
-
-    const ProfileReader file(parsed, where);
-    PrinterProfile printer;
-    printer.id = id;
-    printer.name = file.text("name");
-    read_pitch(file, printer);
-    printer.tray_mm.setConstant(std::numeric_limits<double>::infinity());
-    if (file.has("tray_mm")) {
-        const std::vector<double> tray = file.numbers("tray_mm", 3, 1, 1e5);
-        printer.tray_mm = {tray[0], tray[1], tray[2]};
-    }
-    printer.max_resins = file.whole("max_resins", 1, halftone::max_resins, halftone::max_resins);
-    printer.max_colours = file.whole("max_colours", 1, most_colours, most_colours);
-    printer.min_layers = file.whole("min_layers", 1, 1'000'000, 1);
-    read_colours(file, printer);
-    read_roles(file, printer);
-    read_formats(file, printer);
-    read_unconfirmed(file, printer);
-    printer.material_names = file.text_map("material_names");
-    printer.flip_x = file.flag("flip_x");
-    printer.flip_y = file.flag("flip_y");
-    printer.swap_xy = file.flag("swap_xy");
-    printer.notes = file.texts("notes");
-    return printer;
+    return printer_from_json(io::JsonObject::parse(json, where), id);
 }
 
 std::vector<std::string> PrinterProfile::warnings() const {
@@ -269,16 +184,16 @@ std::vector<std::string> PrinterProfile::warnings() const {
     return sentences;
 }
 
-std::vector<Rgb8> PrinterProfile::display_colours(std::span<const std::string> roles) const {
-    std::vector<Rgb8> result;
-    std::set<Rgb8> taken{background_rgb};
+std::vector<io::Rgb> PrinterProfile::display_colours(std::span<const std::string> roles) const {
+    std::vector<io::Rgb> result;
+    std::set<io::Rgb> taken{background_rgb};
     for (const auto& [role, colour] : colours)
         if (std::find(roles.begin(), roles.end(), role) != roles.end()) taken.insert(colour);
     const auto first_free = [&](const std::string& role) {
         if (const auto usual = usual_colours().find(role);
             usual != usual_colours().end() && !taken.contains(usual->second))
             return usual->second;
-        for (const Rgb8& colour : spare_colours)
+        for (const io::Rgb& colour : spare_colours)
             if (!taken.contains(colour)) return colour;
         throw InputError(fmt::format(
             "printer {}: no bitmap colour is left for role '{}'; give it one under \"colours\" in the profile", id,
@@ -294,12 +209,8 @@ std::vector<Rgb8> PrinterProfile::display_colours(std::span<const std::string> r
 
 PrinterProfile find_printer(const std::string& id_or_path) {
     if (id_or_path.find('/') != std::string::npos || id_or_path.ends_with(".json")) {
-        std::ifstream stream(id_or_path, std::ios::binary);
-        const std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-        if (!stream.is_open() || stream.bad())
-            throw FileError(
-                fmt::format("{}: the printer profile cannot be read; check the path and its permissions", id_or_path));
-        return parse_printer(text, std::filesystem::path(id_or_path).stem().string(), id_or_path);
+        const std::filesystem::path path(id_or_path);
+        return printer_from_json(io::JsonObject::read(path), path.stem().string());
     }
     std::vector<std::string> known;
     for (const EmbeddedFile& file : embedded::printers()) {

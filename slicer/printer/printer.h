@@ -4,8 +4,6 @@
 // data/printers/ are in the program, a user's own is named by its path. Keys: data/printers/README.md.
 #pragma once
 
-#include <array>
-#include <cstdint>
 #include <map>
 #include <span>
 #include <string>
@@ -15,10 +13,9 @@
 #include <Eigen/Core>
 
 #include "voxtone/io/layers/layer_format.h"
+#include "voxtone/io/layers/rgb.h"
 
 namespace voxtone::slicer {
-
-using Rgb8 = std::array<std::uint8_t, 3>;
 
 struct PrinterProfile {
     std::string id;                                      ///< name of the file without folder and extension
@@ -28,10 +25,10 @@ struct PrinterProfile {
     int max_resins = 0;                                  ///< loaded at once
     int max_colours = 0;                                 ///< of one stack, besides the background
     int min_layers = 1;
-    Rgb8 background_rgb{};
+    io::Rgb background_rgb{};
     std::vector<io::LayerFormat> formats;               ///< written by default
     std::vector<std::string> default_roles;             ///< loaded by default; at most max_resins
-    std::map<std::string, Rgb8> colours;                ///< bitmap colour of each role
+    std::map<std::string, io::Rgb> colours;             ///< bitmap colour of each role
     std::map<std::string, std::string> material_names;  ///< what the printer's software calls the resin of a role
     bool flip_x = false, flip_y = false, swap_xy = false;
     std::map<std::string, std::string> unconfirmed;  ///< key of the file -> why the figure is not sure
@@ -43,7 +40,7 @@ struct PrinterProfile {
     [[nodiscard]] std::vector<std::string> warnings() const;
     /// Bitmap colours of these roles, all different and none of them the background: the profile's own where it has
     /// one, else one from a fixed list. Throws InputError on more roles than colours (16).
-    [[nodiscard]] std::vector<Rgb8> display_colours(std::span<const std::string> roles) const;
+    [[nodiscard]] std::vector<io::Rgb> display_colours(std::span<const std::string> roles) const;
 };
 
 /// A profile of the program by its id, or a file by its path (anything with a '/' or ending in ".json").

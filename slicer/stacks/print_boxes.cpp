@@ -30,7 +30,7 @@ io::StackDescription describe(const BoxPrint& print, const PrinterProfile& print
     stack.layers = size[2];
     stack.background_rgb = printer.background_rgb;
     stack.orientation = {printer.flip_x, printer.flip_y, printer.swap_xy};
-    const std::vector<Rgb8> colours = printer.display_colours(print.roles);
+    const std::vector<io::Rgb> colours = printer.display_colours(print.roles);
     for (std::size_t r = 0; r < print.roles.size(); ++r) {
         const auto known = printer.material_names.find(print.roles[r]);
         stack.resins.push_back(

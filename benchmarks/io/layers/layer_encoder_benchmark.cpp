@@ -8,7 +8,7 @@
 #include <png.h>
 
 #include "tests/io/layers/layer_samples.h"
-#include "voxtone/io/files/sha256.h"
+#include "voxtone/io/layers/layer_digest.h"
 #include "voxtone/io/layers/run_matcher.h"
 
 #ifdef VOXTONE_HAVE_LIBDEFLATE

@@ -9,6 +9,7 @@
 
 #include "voxtone/io/files/sha256.h"
 #include "voxtone/io/files/whole_file.h"
+#include "voxtone/io/files/xxh64.h"
 #include "voxtone/optics/monte_carlo/monte_carlo.h"
 
 namespace voxtone::loop_benchmark {

@@ -15,7 +15,7 @@
 #include "tests/io/files/temporary_folder.h"
 #include "voxtone/base/error.h"
 #include "voxtone/io/files/whole_file.h"
-#include "voxtone/io/files/zip_container.h"
+#include "voxtone/io/files/zip_reader.h"
 #include "voxtone/io/layers/gcvf_writer.h"
 #include "voxtone/io/layers/resin_bitmap.h"
 #include "voxtone/io/layers/stack_reader.h"
@@ -141,7 +141,7 @@ TEST_CASE("a GCVF has its parts and is the same every time", "[gcvf]") {
     const auto stack = write_sample_stack(folder.path() / "a", 31, {ResinBitmaps::none, true, false});
     (void)write_sample_stack(folder.path() / "b", 31, {ResinBitmaps::none, true, false});
     CHECK(text_of(folder.path() / "a" / "stack.gcvf") == text_of(folder.path() / "b" / "stack.gcvf"));
-    const ZipContainer zip(folder.path() / "a" / "stack.gcvf");
+    const ZipReader zip(folder.path() / "a" / "stack.gcvf");
     CHECK(zip.names().size() == 31 + 3);
     for (const auto* name : {"ConfigFile.xml", "layer_0.png", "layer_30.png", "Mesh.stl", "MeshBbx.ktn"})
         CHECK(std::find(zip.names().begin(), zip.names().end(), name) != zip.names().end());

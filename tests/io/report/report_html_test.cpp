@@ -9,6 +9,7 @@
 #include <catch2/catch.hpp>
 
 #include "voxtone/io/pictures/picture_writer.h"
+#include "voxtone/io/report/report_json.h"
 
 using namespace voxtone;
 using namespace voxtone::io;

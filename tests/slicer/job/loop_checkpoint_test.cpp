@@ -103,4 +103,9 @@ TEST_CASE("A state of another job or a broken file is refused; free options do n
         write(spoiled);
         CHECK_THROWS(LoopCheckpoint(folder.path(), options, target).read(quiet));
     }
+    std::string older = bytes;
+    older.replace(0, 15, "voxtone-loop 5\n");
+    write(older);
+    CHECK_THROWS_WITH(LoopCheckpoint(folder.path(), options, target).read(quiet),
+                      Catch::Contains("another version of this program; remove it and start without --resume"));
 }

@@ -6,6 +6,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "tests/io/files/schema.h"
 #include "tests/io/files/temporary_folder.h"
 #include "voxtone/base/error.h"
 
@@ -60,6 +61,9 @@ TEST_CASE("A dumped job read back is the same job") {
     SliceOptions back;
     read_job(JobFile(job_json(options)).path(), back);
     CHECK(job_json(back) == job_json(options));
+    CHECK(io::schema_faults("job", job_json(options)) == std::vector<std::string>{});
+    CHECK(io::schema_faults("job", job_json({})) == std::vector<std::string>{});
+    CHECK(io::schema_faults("job", R"({"format": "voxtone-job", "version": 1, "size": "large"})").size() > 0);
 }
 
 TEST_CASE("A wrong job file is refused with file, key and what to try") {

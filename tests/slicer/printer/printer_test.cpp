@@ -56,8 +56,8 @@ TEST_CASE("Every profile in the tree is in the program, and the other way round"
 TEST_CASE("Every profile's colours can be printed") {
     for (const PrinterProfile& printer : list_printers()) {
         INFO(printer.id);
-        const std::vector<Rgb8> colours = printer.display_colours(printer.default_roles);
-        CHECK(std::set<Rgb8>(colours.begin(), colours.end()).size() == printer.default_roles.size());
+        const std::vector<io::Rgb> colours = printer.display_colours(printer.default_roles);
+        CHECK(std::set<io::Rgb>(colours.begin(), colours.end()).size() == printer.default_roles.size());
         CHECK(std::find(colours.begin(), colours.end(), printer.background_rgb) == colours.end());
         CHECK(printer.default_roles.size() <= std::size_t(printer.max_resins));
         CHECK(printer.default_roles.size() <= std::size_t(printer.max_colours));
@@ -71,9 +71,9 @@ TEST_CASE("Roles without a colour get a free one") {
     const PrinterProfile printer =
         parse(profile_with(R"("colours": {"C": [30, 30, 30]}, "background_rgb": [230, 110, 20])"));
     const std::vector<std::string> roles{"K", "C", "varnish", "primer", "W"};  // K's usual colour is taken by C
-    const std::vector<Rgb8> colours = printer.display_colours(roles);
-    CHECK(colours[1] == Rgb8{30, 30, 30});
-    CHECK(std::set<Rgb8>(colours.begin(), colours.end()).size() == roles.size());
+    const std::vector<io::Rgb> colours = printer.display_colours(roles);
+    CHECK(colours[1] == io::Rgb{30, 30, 30});
+    CHECK(std::set<io::Rgb>(colours.begin(), colours.end()).size() == roles.size());
     CHECK(std::find(colours.begin(), colours.end(), printer.background_rgb) == colours.end());
     std::vector<std::string> many;
     for (int i = 0; i < 20; ++i) many.push_back("role" + std::to_string(i));
@@ -114,30 +114,31 @@ TEST_CASE("A wrong profile names file, key and rule") {
     CHECK(fault(profile_with("")).empty());
     CHECK_THAT(fault(profile_with("\"max_resin\": 3")),
                Contains("mine.json: unknown key 'max_resin'; did you mean 'max_resins'?"));
-    CHECK_THAT(fault(profile_with("", "\"name")), Contains("mine.json: key 'name': is missing"));
-    CHECK_THAT(fault(profile_with("", "\"pitch")), Contains("key 'pitch_um': is missing"));
+    CHECK_THAT(fault(profile_with("", "\"name")), Contains("mine.json: key `name`: is missing"));
+    CHECK_THAT(fault(profile_with("", "\"pitch")), Contains("key `pitch_um`: is missing"));
     CHECK_THAT(fault(profile_with("\"dpi\": [600, 300]")), Contains("not both"));
-    CHECK_THAT(fault(profile_with("\"dpi\": [600, 300]", "\"pitch")), Contains("key 'layer_um': is missing"));
+    CHECK_THAT(fault(profile_with("\"dpi\": [600, 300]", "\"pitch")), Contains("key `layer_um`: is missing"));
     CHECK_THAT(fault(profile_with("\"pitch_um\": [0.042, 0.084, 27]", "\"pitch")),
-               Contains("0.042 is outside [1, 1000]"));
+               Contains("0.042, expected numbers from 1 to 1000"));
     CHECK_THAT(fault(profile_with("\"pitch_um\": [40, 50]", "\"pitch")),
-               Contains("3 numbers are expected, not [40,50]"));
-    CHECK_THAT(fault(profile_with("\"max_resins\": 99")), Contains("99 is outside [1, 8]"));
-    CHECK_THAT(fault(profile_with("\"max_resins\": 2.5")), Contains("a whole number is expected, not 2.5"));
-    CHECK_THAT(fault(profile_with("\"max_resins\": 3")), Contains("key 'default_roles': 5 roles, but 1 to 3"));
+               Contains("key `pitch_um`: has 2 entries, expected 3"));
+    CHECK_THAT(fault(profile_with("\"max_resins\": 99")), Contains("99, expected a whole number from 1 to 8"));
+    CHECK_THAT(fault(profile_with("\"max_resins\": 2.5")), Contains("2.5, expected a whole number"));
+    CHECK_THAT(fault(profile_with("\"max_resins\": 3")), Contains("key `default_roles`: 5 roles, but 1 to 3"));
     CHECK_THAT(fault(profile_with("\"default_roles\": [\"C\", \"C\"]")), Contains("'C' is empty or named twice"));
     CHECK_THAT(fault(profile_with("\"colours\": {\"K\": [0, 0, 0]}")),
                Contains("'K' has the colour of the background"));
     CHECK_THAT(fault(profile_with("\"colours\": {\"K\": [1, 2, 3], \"W\": [1, 2, 3]}")),
                Contains("'K' and 'W' share a colour"));
-    CHECK_THAT(fault(profile_with("\"colours\": {\"K\": [0, 0, 256]}")), Contains("256 is outside [0, 255]"));
+    CHECK_THAT(fault(profile_with("\"colours\": {\"K\": [0, 0, 256]}")),
+               Contains("key `colours.K`") && Contains("256"));
     CHECK_THAT(fault(profile_with("\"formats\": [\"bmp\"]")), Contains("'bmp' is none of png, gcvf"));
     CHECK_THAT(fault(profile_with("\"unconfirmed\": {\"pitch\": \"who knows\"}")),
                Contains("did you mean 'pitch_um'?"));
-    CHECK_THAT(fault(profile_with("\"flip_x\": 1")), Contains("true or false is expected"));
+    CHECK_THAT(fault(profile_with("\"flip_x\": 1")), Contains("expected true or false"));
     CHECK_THAT(fault(profile_with("\"tray_mm\": [1e999, 1, 1]")), Contains("mine.json"));
-    CHECK_THAT(fault("{\n\"format\": \"voxtone-printer\",\n\"version\" 1}"), Contains("not valid JSON in line 3"));
-    CHECK_THAT(fault("[]"), Contains("not a printer profile"));
+    CHECK_THAT(fault("{\n\"format\": \"voxtone-printer\",\n\"version\" 1}"), Contains("line 3: this is no valid JSON"));
+    CHECK_THAT(fault("{}"), Contains("not a printer profile"));
     CHECK_THAT(fault(R"({"format": "voxtone-printer", "version": 2})"), Contains("version 1"));
 }
 

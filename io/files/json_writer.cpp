@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/io/files/json_writer.h"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "voxtone/base/contracts.h"
+#include "voxtone/base/printable.h"
+
+namespace voxtone::io {
+
+void JsonWriter::separate() {
+    if (!after_key_ && !first_) text_ += ',';
+    if (on_new_line_)
+        text_.append("\n").append(depth_, ' ');
+    else if (!after_key_ && !first_)
+        text_ += ' ';
+    first_ = after_key_ = on_new_line_ = false;
+}
+
+JsonWriter& JsonWriter::begin(char bracket) {
+    separate();
+    text_ += bracket;
+    ++depth_;
+    first_ = true;
+    return *this;
+}
+
+JsonWriter& JsonWriter::end(char bracket) {
+    VOXTONE_EXPECT(depth_ > 0 && !after_key_);
+    text_ += bracket;
+    --depth_;
+    first_ = on_new_line_ = false;
+    return *this;
+}
+
+JsonWriter& JsonWriter::line() {
+    on_new_line_ = true;
+    return *this;
+}
+
+JsonWriter& JsonWriter::key(std::string_view name) {
+    separate();
+    text_ += json_quoted(name) + ": ";
+    after_key_ = true;
+    return *this;
+}
+
+JsonWriter& JsonWriter::value(std::string_view text) {
+    separate();
+    text_ += json_quoted(text);
+    return *this;
+}
+
+JsonWriter& JsonWriter::value(bool truth) {
+    separate();
+    text_ += truth ? "true" : "false";
+    return *this;
+}
+
+JsonWriter& JsonWriter::value(double number) {
+    separate();
+    text_ += std::isfinite(number) ? fmt::format("{}", number) : "null";
+    return *this;
+}
+
+JsonWriter& JsonWriter::integer(std::int64_t number) {
+    separate();
+    text_ += std::to_string(number);
+    return *this;
+}
+
+JsonWriter& JsonWriter::integer(std::uint64_t number) {
+    separate();
+    text_ += std::to_string(number);
+    return *this;
+}
+
+}  // namespace voxtone::io

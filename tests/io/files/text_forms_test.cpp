@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The ways of writing text into other text: base64, mark-up, JSON; and XML read back.
+#include <limits>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <catch2/catch.hpp>
+
+#include "voxtone/base/error.h"
+#include "voxtone/io/files/base64.h"
+#include "voxtone/io/files/json_writer.h"
+#include "voxtone/io/files/markup.h"
+#include "voxtone/io/files/xml_reader.h"
+
+using namespace voxtone;
+using namespace voxtone::io;
+
+TEST_CASE("Base64 is that of RFC 4648, section 10", "[base64]") {
+    const std::vector<std::pair<std::string, std::string>> known{{"", ""},
+                                                                 {"f", "Zg=="},
+                                                                 {"fo", "Zm8="},
+                                                                 {"foo", "Zm9v"},
+                                                                 {"foob", "Zm9vYg=="},
+                                                                 {"fooba", "Zm9vYmE="},
+                                                                 {"foobar", "Zm9vYmFy"}};
+    for (const auto& [plain, coded] : known) {
+        CHECK(base64({reinterpret_cast<const std::uint8_t*>(plain.data()), plain.size()}) == coded);
+        const auto back = base64_bytes(coded);
+        CHECK(std::string(reinterpret_cast<const char*>(back.data()), back.size()) == plain);
+    }
+    CHECK(base64_bytes("Zm9v\r\nYmFy").size() == 6);
+    CHECK(base64_bytes("/+8=") == std::vector<std::byte>{std::byte{0xff}, std::byte{0xef}});
+}
+
+TEST_CASE("Text cannot end its element or attribute", "[markup]") {
+    CHECK(html_text("a < b & \"c\" > 'd'") == "a &lt; b &amp; &quot;c&quot; &gt; &apos;d&apos;");
+    CHECK(html_text("\x1b[2J\xff") == "?[2J\xEF\xBF\xBD");
+    const std::string any = "\x01 <&>\"' \xff";
+    CHECK(XmlReader::decode(markup_text(any)) == any);
+}
+
+TEST_CASE("JSON comes out in the order and the lines that were asked for", "[json]") {
+    JsonWriter json;
+    json.begin_object().add("a", 1).add("b", std::vector<double>{0.1, 3, 1e-9}).add("none", std::vector<double>{});
+    json.line().key("list").begin_list();
+    for (const char* name : {"x", "y\"\n"}) json.line().begin_object().add("name", name).add("ok", true).end_object();
+    json.end_list().add("last", std::uint64_t{1} << 63).add("least", std::int64_t{-1} << 62);
+    json.add("nan", std::numeric_limits<double>::quiet_NaN()).end_object();
+    CHECK(json.text() ==
+          "{\"a\": 1, \"b\": [0.1, 3, 1e-09], \"none\": [],\n \"list\": [\n  {\"name\": \"x\", \"ok\": true},\n"
+          "  {\"name\": \"y\\\"\\n\", \"ok\": true}], \"last\": 9223372036854775808, "
+          "\"least\": -4611686018427387904, \"nan\": null}");
+}
+
+TEST_CASE("Character references in XML", "[xml]") {
+    CHECK(XmlReader::decode("a&amp;b&#65;&#x0000042;&lt;&unknown;&apos;") == "a&bAB<&unknown;'");
+    CHECK(XmlReader::decode("&#xe9; & &;&") == "\xC3\xA9 & &;&");
+    // No reference is as long as that, so it is text.
+    CHECK(XmlReader::decode("&0123456789abc;") == "&0123456789abc;");
+    // A million of ampersands takes as long as a million of other letters: searched to the end each, it was an hour.
+    const std::string ampersands = std::string(1'000'000, '&') + ";";
+    CHECK(XmlReader::decode(ampersands).size() == ampersands.size());
+}
+
+TEST_CASE("An element's text ends at the next mark", "[xml]") {
+    XmlReader xml("<a> one <b/>two<c>&lt;3</c></a>", "FILE");
+    REQUIRE(xml.next() == XmlReader::Event::start);
+    CHECK(xml.text() == " one ");
+    REQUIRE(xml.next() == XmlReader::Event::start);
+    CHECK(xml.text().empty());
+    REQUIRE(xml.next() == XmlReader::Event::end);
+    REQUIRE(xml.next() == XmlReader::Event::start);
+    CHECK(XmlReader::decode(xml.text()) == "<3");
+    XmlReader open("<a>cut", "FILE");
+    REQUIRE(open.next() == XmlReader::Event::start);
+    CHECK(open.text() == "cut");
+    CHECK_THROWS_AS(open.next(), InputError);
+}
