@@ -10,8 +10,8 @@
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/error.h"
 #include "voxtone/base/parallel.h"
-#include "voxtone/io/layers/layer_digest.h"
 #include "voxtone/io/files/whole_file.h"
+#include "voxtone/io/layers/layer_digest.h"
 #include "voxtone/io/layers/orient.h"
 #include "voxtone/io/layers/stack_folder.h"
 
