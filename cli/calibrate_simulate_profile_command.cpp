@@ -1,100 +1,50 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <filesystem>
 #include <memory>
-#include <string>
+#include <vector>
 
-#include <fmt/format.h>
 #include <CLI/CLI.hpp>
-#include <nlohmann/json.hpp>
 
-#include "voxtone/base/parallel.h"
-#include "voxtone/base/units.h"
-#include "voxtone/calibration/profile/profile_simulation.h"
+#include "voxtone/calibration/profile/profile_simulation_job.h"
 #include "voxtone/cli/calibrate_commands.h"
-#include "voxtone/cli/console.h"
-#include "voxtone/io/files/whole_file.h"
-#include "voxtone/io/profiles/profile_file.h"
-#include "voxtone/io/profiles/resin_file.h"
+#include "voxtone/cli/common_options.h"
 
 namespace voxtone::cli {
 
 namespace {
 
-namespace fs = std::filesystem;
-
 struct CalibrateSimulateProfileArguments {
-    calibration::SpotCamera camera;
-    std::string resins, role, thickness, out, spot = "0.06mm", blur = "0.05mm";
-    std::vector<double> offset{3.3, -2.6};
-    std::uint32_t paths = 1 << 18;
-    int threads = 0;
-    ConsoleOptions console;
+    calibration::ProfileSimulationJob job;
+    std::vector<double> offset;
+    RunOptions run;
 };
 
-void write_series(const calibration::SpotScene& scene, const std::string& name,
-                  const CalibrateSimulateProfileArguments& a, Progress& progress) {
-    progress.begin_stage(name, a.camera.seconds.size(), "exposures");
-    for (std::size_t k = 0; k < a.camera.seconds.size(); ++k) {
-        progress.check_cancelled();
-        for (const bool lit : {true, false}) {
-            const fs::path file = fs::path(a.out) / fmt::format("{}{}-{:02}.exr", name, lit ? "" : "-dark", k + 1);
-            io::write_whole_file(file, io::photograph_bytes(scene.photograph(k, lit).photograph, file.string()));
-        }
-        progress.advance();
-    }
-    progress.end_stage();
+int run(CalibrateSimulateProfileArguments& a) {
+    a.job.camera.offset_px = {a.offset[0], a.offset[1]};
+    return run_on_console(a.run,
+                          [&](Progress& progress) { return calibration::run_profile_simulation(a.job, progress); });
 }
 
-CommandResult simulate(CalibrateSimulateProfileArguments& a, Progress& progress) {
-    const optics::ResinSet set = io::find_resin_set(a.resins);
-    const double thickness = parse_length_mm(a.thickness, "--thickness");
-    a.camera.spot_mm = parse_length_mm(a.spot, "--spot");
-    a.camera.blur_mm = parse_length_mm(a.blur, "--blur");
-    a.camera.offset_px = {a.offset[0], a.offset[1]};
-    a.camera.validate();
-    const calibration::SlabProfiles slab =
-        calibration::slab_profiles(set, a.role, thickness, a.camera.grid(), a.paths, a.camera.seed, &progress);
-    std::error_code error;
-    fs::create_directories(a.out, error);
-    if (error) throw FileError(fmt::format("{}: cannot be made: {}", a.out, error.message()));
-
-    const calibration::SpotScene R(slab.R, a.camera), T(slab.T, a.camera);
-    write_series(R, "reflection", a, progress);
-    write_series(T, "transmission", a, progress);
-    constexpr double spacing_mm = 0.044;
-    const auto samples = static_cast<std::size_t>(a.camera.size_px * a.camera.mm_per_px / 2 / spacing_mm);
-    io::ProfileFile truth{fmt::format("{} {}", set.name, a.role),
-                          "simulated: what the photographs were drawn from, seen through spot, blur and pixel",
-                          {},
-                          {}};
-    for (std::size_t c = 0; c < 3; ++c)
-        truth.by_channel.push_back({thickness, T.truth(c, spacing_mm, samples), R.truth(c, spacing_mm, samples)});
-    const std::string truth_file = (fs::path(a.out) / "truth.json").string();
-    io::write_whole_file(truth_file, io::profile_text(truth));
-    const auto totals = [](const std::array<std::vector<double>, 3>& side) {
-        return fmt::format("{:.6g},{:.6g},{:.6g}", side[0][0], side[1][0], side[2][0]);
-    };
-    const std::string next = fmt::format(
-        "voxtone calibrate profile --reflection {0}/reflection-??.exr --reflection-dark {0}/reflection-dark-??.exr "
-        "--reflectance "
-        "{1} "
-        "--transmission {0}/transmission-??.exr --transmission-dark {0}/transmission-dark-??.exr --transmittance {2} "
-        "--thickness "
-        "{3}mm "
-        "--mm-per-px {4} -o profile.json",
-        a.out, totals(slab.R), totals(slab.T), thickness, a.camera.mm_per_px);
-    const nlohmann::ordered_json json{{"format", "voxtone-calibrate-simulate-profile"},
-                                      {"version", 1},
-                                      {"folder", a.out},
-                                      {"truth", truth_file},
-                                      {"centre_px", {R.centre_px().x(), R.centre_px().y()}},
-                                      {"reflectance", {slab.R[0][0], slab.R[1][0], slab.R[2][0]}},
-                                      {"transmittance", {slab.T[0][0], slab.T[1][0], slab.T[2][0]}},
-                                      {"next", next}};
-    return {json.dump(),
-            fmt::format("{}: {} exposures of {} x {} pixels and as many dark frames of each side; the truth is in "
-                        "{}\nMeasure them: {}\n",
-                        a.out, a.camera.seconds.size(), a.camera.size_px, a.camera.size_px, truth_file, next)};
+void add_camera_options(CLI::App& command, CalibrateSimulateProfileArguments& a) {
+    calibration::SpotCamera& camera = a.job.camera;
+    add_value(command, "--exposures", camera.seconds, "exposure times, seconds, rising")
+        ->type_name("S,S,...")
+        ->delimiter(',');
+    add_value(command, "--size", camera.size_px, "edge of the square pictures, pixels");
+    add_value(command, "--mm-per-px", camera.mm_per_px, "width of a pixel on the slab, mm");
+    a.offset.assign(camera.offset_px.begin(), camera.offset_px.end());
+    add_value(command, "--offset", a.offset, "of the spot from the picture's middle, pixels right and down")
+        ->type_name("X,Y")
+        ->delimiter(',')
+        ->expected(2);
+    a.run.lengths.add(command, "--spot", camera.spot_mm, "radius of the projected pixel and the pinhole");
+    a.run.lengths.add(command, "--blur", camera.blur_mm, "standard deviation of the camera's blur");
+    add_value(command, "--stretch", camera.stretch, "width of the spot over its height; 1: a camera straight above");
+    add_value(command, "--stray", camera.stray, "stray light, part of the light in the middle of the spot");
+    add_value(command, "--peak", camera.peak, "brightest pixel at the shortest exposure, part of full scale");
+    add_value(command, "--full-well", camera.full_well, "electrons at full scale; 0: no noise");
+    add_value(command, "--read-noise", camera.read_noise, "standard deviation, part of full scale");
+    add_value(command, "--black", camera.black, "what the camera writes without light, part of full scale");
+    add_value(command, "--bits", camera.bits, "of a sample");
 }
 
 }  // namespace
@@ -102,55 +52,19 @@ CommandResult simulate(CalibrateSimulateProfileArguments& a, Progress& progress)
 Command add_calibrate_simulate_profile_command(CLI::App& calibrate) {
     auto arguments = std::make_shared<CalibrateSimulateProfileArguments>();
     CalibrateSimulateProfileArguments& a = *arguments;
-    calibration::SpotCamera& o = a.camera;
     CLI::App* command = calibrate.add_subcommand("simulate-profile",
                                                  "Draw the photographs that `calibrate profile` measures, of a slab of "
                                                  "a known resin: a rehearsal without a laboratory");
-    command->add_option("resins", a.resins, "resin set (`voxtone list resins`) or file, RGB")
-        ->type_name("SET|FILE")
-        ->required();
-    command->add_option("role", a.role, "resin of the slab: W, K, ...")->type_name("ROLE")->required();
-    command->add_option("--thickness", a.thickness, "of the slab: 3mm")->type_name("LENGTH")->required();
-    command
-        ->add_option("-o,--out", a.out,
-                     "folder for reflection-NN.exr, transmission-NN.exr, their -dark-NN.exr, truth.json")
-        ->type_name("FOLDER")
-        ->required();
-    const auto number = [&](const char* name, auto& value, const char* help) {
-        command->add_option(name, value, help)->capture_default_str();
-    };
-    command->add_option("--exposures", o.seconds, "exposure times, seconds, rising")
-        ->type_name("S,S,...")
-        ->delimiter(',')
-        ->capture_default_str();
-    number("--size", o.size_px, "edge of the square pictures, pixels");
-    number("--mm-per-px", o.mm_per_px, "width of a pixel on the slab, mm");
-    command->add_option("--offset", a.offset, "of the spot from the picture's middle, pixels right and down")
-        ->type_name("X,Y")
-        ->delimiter(',')
-        ->expected(2)
-        ->capture_default_str();
-    command->add_option("--spot", a.spot, "radius of the projected pixel and the pinhole")
-        ->type_name("LENGTH")
-        ->capture_default_str();
-    command->add_option("--blur", a.blur, "standard deviation of the camera's blur")
-        ->type_name("LENGTH")
-        ->capture_default_str();
-    number("--stretch", o.stretch, "width of the spot over its height; 1: a camera straight above");
-    number("--stray", o.stray, "stray light, part of the light in the middle of the spot");
-    number("--peak", o.peak, "brightest pixel at the shortest exposure, part of full scale");
-    number("--full-well", o.full_well, "electrons at full scale; 0: no noise");
-    number("--read-noise", o.read_noise, "standard deviation, part of full scale");
-    number("--black", o.black, "what the camera writes without light, part of full scale");
-    number("--bits", o.bits, "of a sample");
-    number("--paths", a.paths, "traced per channel");
-    number("--seed", o.seed, "seed of paths and noise");
-    add_threads_option(*command, a.threads);
-    add_console_options(*command, a.console);
-    return [arguments] {
-        const ThreadLimit limit(static_cast<std::size_t>(arguments->threads));
-        return run_on_console(arguments->console, [&](Progress& progress) { return simulate(*arguments, progress); });
-    };
+    add_resins_option(*command, a.job.resins, ", RGB", "resins")->required();
+    command->add_option("role", a.job.role, "resin of the slab: W, K, ...")->type_name("ROLE")->required();
+    a.run.lengths.add_required(*command, "--thickness", a.job.thickness_mm, "of the slab: 3mm");
+    add_out_option(*command, a.job.out, "FOLDER",
+                   "folder for reflection-NN.exr, transmission-NN.exr, their -dark-NN.exr, truth.json");
+    add_camera_options(*command, a);
+    add_value(*command, "--paths", a.job.paths, "traced per channel");
+    add_value(*command, "--seed", a.job.camera.seed, "seed of paths and noise");
+    add_run_options(*command, a.run);
+    return [arguments] { return run(*arguments); };
 }
 
 }  // namespace voxtone::cli

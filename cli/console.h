@@ -5,8 +5,8 @@
 #pragma once
 
 #include <functional>
-#include <string>
 
+#include "voxtone/base/job_result.h"
 #include "voxtone/base/progress.h"
 
 namespace CLI {
@@ -21,18 +21,13 @@ struct ConsoleOptions {
 };
 
 void add_console_options(CLI::App& command, ConsoleOptions& options);
-/// `--threads`, [0, 1024].
-void add_threads_option(CLI::App& command, int& threads);
 
-/// What a verb has to say at its end.
-struct CommandResult {
-    std::string json;  ///< with --json
-    std::string text;  ///< without
-    ExitCode exit_code = ExitCode::done;
-};
+using CommandResult = JobResult;
 
 /// Runs the work under the chosen kind of progress and prints its result. Errors pass through, after an event that
 /// tells them with --json.
-int run_on_console(const ConsoleOptions& options, const std::function<CommandResult(Progress&)>& work);
+int run_on_console(const ConsoleOptions& options, const std::function<JobResult(Progress&)>& work);
+/// The same on this many threads; 0: one per core.
+int run_on_console(const ConsoleOptions& options, int threads, const std::function<JobResult(Progress&)>& work);
 
 }  // namespace voxtone::cli

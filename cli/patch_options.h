@@ -5,27 +5,21 @@
 
 #include <string>
 
-#include "voxtone/base/progress.h"
-#include "voxtone/calibration/patches/patch_model.h"
-#include "voxtone/calibration/patches/patch_table.h"
-
-namespace CLI {
-class App;
-}
+#include "voxtone/calibration/patches/measured_patches.h"
+#include "voxtone/cli/common_options.h"
 
 namespace voxtone::cli {
 
+/// Words that the patch model is made of.
 struct PatchOptions {
-    std::string printer, pitch, base, under = "black";
-    double white = 1;
+    std::string printer, pitch, under = "black";
 };
 
 /// --white, --base, --under, --printer, --pitch.
-void add_patch_options(CLI::App& command, PatchOptions& options);
+void add_patch_options(CLI::App& command, LengthOptions& lengths, PatchOptions& options,
+                       calibration::MeasuredPatchOptions& measured);
 
-/// Reads the table and applies white reference and base; sets what lies under it and the voxels in `model`. Warns where
-/// mixtures would be taken as ideal. Throws UsageError, InputError, FileError.
-[[nodiscard]] calibration::PatchTable read_patches(const std::string& file, const PatchOptions& options,
-                                                   calibration::PatchModelOptions& model, Progress& progress);
+/// Sets what lies under the base and the voxels that mixtures are made of. Throws UsageError, InputError.
+void set_patch_model(const PatchOptions& options, calibration::PatchModelOptions& model);
 
 }  // namespace voxtone::cli

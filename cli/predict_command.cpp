@@ -8,6 +8,7 @@
 
 #include "voxtone/base/units.h"
 #include "voxtone/cli/commands.h"
+#include "voxtone/cli/common_options.h"
 #include "voxtone/cli/console.h"
 #include "voxtone/slicer/predict/predict_job.h"
 
@@ -87,10 +88,7 @@ Command add_predict_command(CLI::App& program) {
                           "under a slab, none under a body")
              ->capture_default_str()});
     group("Resins and foreign stacks",
-          {command
-               ->add_option("--resins", o.resins,
-                            "resin set (`voxtone list resins`) or file; empty: that of the job, else vero-opaque")
-               ->type_name("SET|FILE"),
+          {add_resins_option(*command, o.resins, "; empty: that of the job, else vero-opaque"),
            command
                ->add_option("--assign", o.assign,
                             "foreign stacks: which colour is which resin: \"#00aeef=C,#ec008c=M\"; none: no material")
@@ -105,17 +103,13 @@ Command add_predict_command(CLI::App& program) {
                ->add_option("--pitch", o.pitch,
                             "foreign stacks: voxel size along columns, rows, layers: 42.33,84.67,27um")
                ->type_name("X,Y,Z")});
-    group("Run",
-          {command
-               ->add_option("--memory", o.memory_gib,
-                            "most memory for volume and prediction, GiB; 0: half of the machine's")
-               ->type_name("GIB")
-               ->capture_default_str(),
-           command->add_option("--threads", o.threads, "threads; 0: one per core. The result does not depend on it")
-               ->capture_default_str(),
-           command->add_option("--seed", o.quality.seed, "seed of what is random (monte-carlo)")
-               ->type_name("N")
-               ->capture_default_str()});
+    group("Run", {command
+                      ->add_option("--memory", o.memory_gib,
+                                   "most memory for volume and prediction, GiB; 0: half of the machine's")
+                      ->type_name("GIB")
+                      ->capture_default_str(),
+                  add_threads_option(*command, o.threads),
+                  add_seed_option(*command, o.quality.seed, "seed of what is random (monte-carlo)")});
     add_console_options(*command, arguments->console);
     return [arguments] { return run(*arguments); };
 }

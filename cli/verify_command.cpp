@@ -6,9 +6,8 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "voxtone/base/parallel.h"
 #include "voxtone/cli/commands.h"
-#include "voxtone/cli/console.h"
+#include "voxtone/cli/common_options.h"
 #include "voxtone/io/layers/manifest.h"
 #include "voxtone/io/layers/verify.h"
 #include "voxtone/slicer/printer/printer.h"
@@ -19,8 +18,7 @@ namespace {
 
 struct VerifyArguments {
     std::string stack, printer;
-    int threads = 0;
-    ConsoleOptions console;
+    RunOptions run;
 };
 
 std::string report_json(const io::StackReport& report) {
@@ -63,11 +61,10 @@ io::VerifyRules rules_for(const VerifyArguments& arguments) {
 }
 
 int run(const VerifyArguments& arguments) {
-    const ThreadLimit limit(static_cast<std::size_t>(arguments.threads));
-    return run_on_console(arguments.console, [&](Progress& progress) {
+    return run_on_console(arguments.run, [&](Progress& progress) {
         const io::StackReport report = io::verify_stack(arguments.stack, rules_for(arguments), &progress);
-        return CommandResult{report_json(report), io::report_text(report),
-                             report.passed() ? ExitCode::done : ExitCode::check_failed};
+        return JobResult{report_json(report), io::report_text(report),
+                         report.passed() ? ExitCode::done : ExitCode::check_failed};
     });
 }
 
@@ -85,10 +82,7 @@ Command add_verify_command(CLI::App& program) {
         ->add_option("--printer", arguments->printer,
                      "check against this printer; empty: the one that the manifest names")
         ->type_name("ID|FILE");
-    command->add_option("--threads", arguments->threads, "threads; 0: one per core")
-        ->capture_default_str()
-        ->check(CLI::Range(0, 1024));
-    add_console_options(*command, arguments->console);
+    add_run_options(*command, arguments->run);
     return [arguments] { return run(*arguments); };
 }
 

@@ -35,19 +35,20 @@ function(voxtone_add_floor floor)
   set_property(GLOBAL APPEND PROPERTY VOXTONE_LIBRARIES voxtone_${floor})
 endfunction()
 
-# voxtone_add_room(<floor> <room> [LIGHT] <name>... [ALONE <name>...])
-# <room>/<name>.cpp of the caller's folder go into the floor's library. With VOXTONE_UNITY a room is one unit of compilation,
-# which halves the time for the whole. ALONE: files that are a unit of their own (Highway compiles such a file once for each
-# width of vectors by including it again; templates over types of the file's own warn elsewhere). LIGHT: nothing in the room runs long, so it is optimised less, which takes two
-# thirds of the time to compile.
+# voxtone_add_room(<floor> <room> [LIGHT] [ALONE <name>...] [WITHOUT <name>...])
+# The sources in the folder <room> of the caller go into the floor's library. With VOXTONE_UNITY a room is one unit of
+# compilation, which halves the time for the whole. LIGHT: nothing in the room runs long, so it is optimised less, which takes
+# two thirds of the time to compile. ALONE: files that are a unit of their own (Highway compiles such a file once for each
+# width of vectors by including it again; templates over types of the file's own warn elsewhere). WITHOUT: another target's.
 function(voxtone_add_room floor room)
-  cmake_parse_arguments(ARG "LIGHT" "" "ALONE" ${ARGN})
-  set(names ${ARG_UNPARSED_ARGUMENTS} ${ARG_ALONE})
-  list(TRANSFORM names REPLACE "(.+)" "${room}/\\1.cpp")
+  cmake_parse_arguments(ARG "LIGHT" "" "ALONE;WITHOUT" ${ARGN})
+  file(GLOB sources CONFIGURE_DEPENDS RELATIVE ${CMAKE_CURRENT_SOURCE_DIR} ${room}/*.cpp)
   list(TRANSFORM ARG_ALONE REPLACE "(.+)" "${room}/\\1.cpp")
+  list(TRANSFORM ARG_WITHOUT REPLACE "(.+)" "${room}/\\1.cpp")
+  list(REMOVE_ITEM sources ${ARG_WITHOUT})
   string(REPLACE "/" "_" target voxtone_${floor}_${room})
-  add_library(${target} OBJECT ${names})
-  target_link_libraries(${target} PRIVATE $<TARGET_PROPERTY:voxtone_${floor},LINK_LIBRARIES>)
+  add_library(${target} OBJECT ${sources})
+  target_link_libraries(${target} PRIVATE voxtone_flags $<TARGET_PROPERTY:voxtone_${floor},LINK_LIBRARIES>)
   set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON UNITY_BUILD ${VOXTONE_UNITY} UNITY_BUILD_BATCH_SIZE 0)
   set_source_files_properties(${ARG_ALONE} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
   if(ARG_LIGHT)

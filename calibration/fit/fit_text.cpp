@@ -88,6 +88,30 @@ Json patches_json(const PatchCheck& check, const PatchTable& table) {
     return json;
 }
 
+Json check_object(const PatchCheck& check, const PatchTable& table) {
+    return {{"format", "voxtone-check"}, {"version", 1}, {"patches", patches_json(check, table)}};
+}
+
+Json sweep_array(const std::vector<SweepLine>& lines) {
+    Json json = Json::array();
+    for (const SweepLine& line : lines) {
+        Json entry{{"g", line.g}, {"chi2_per_freedom", line.chi2}};
+        entry.update(differences_json(line.differences));
+        json.push_back(entry);
+    }
+    return json;
+}
+
+Json resin_json(const FittedResin& resin, const optics::Channels& channels) {
+    Json json{{"role", resin.role}, {"channels", Json::array()}};
+    for (std::size_t c = 0; c < channels.size(); ++c)
+        json["channels"].push_back({{"channel", channel_name(channels, c)},
+                                    {"albedo", value_json(resin.albedo[c])},
+                                    {"sigma_t_per_mm", value_json(resin.sigma_t[c])},
+                                    {"reduced_per_mm", value_json(resin.reduced[c])}});
+    return json;
+}
+
 }  // namespace
 
 std::string fit_text(const ResinFit& fit, const PatchTable& table) {
@@ -127,7 +151,7 @@ std::string fit_text(const ResinFit& fit, const PatchTable& table) {
     return text;
 }
 
-std::string fit_json(const ResinFit& fit, const PatchTable& table) {
+std::string fit_json(const ResinFit& fit, const PatchTable& table, const FitExtras& extras) {
     Json json{{"format", "voxtone-fit"}, {"version", 1},           {"g", fit.set.g},
               {"eta", fit.set.eta},      {"seconds", fit.seconds}, {"freedom", fit.freedom}};
     json["channels"] = Json::array();
@@ -136,17 +160,10 @@ std::string fit_json(const ResinFit& fit, const PatchTable& table) {
     json["misfit"] = Json::array();
     for (const std::size_t c : fit.misfit) json["misfit"].push_back(channel_name(table.channels, c));
     json["resins"] = Json::array();
-    for (const FittedResin& resin : fit.resins) {
-        Json entry{{"role", resin.role}};
-        entry["channels"] = Json::array();
-        for (std::size_t c = 0; c < table.channels.size(); ++c)
-            entry["channels"].push_back({{"channel", channel_name(table.channels, c)},
-                                         {"albedo", value_json(resin.albedo[c])},
-                                         {"sigma_t_per_mm", value_json(resin.sigma_t[c])},
-                                         {"reduced_per_mm", value_json(resin.reduced[c])}});
-        json["resins"].push_back(entry);
-    }
+    for (const FittedResin& resin : fit.resins) json["resins"].push_back(resin_json(resin, table.channels));
     json["patches"] = patches_json(fit.patches, table);
+    if (extras.check) json["check"] = check_object(*extras.check, *extras.checked);
+    if (!extras.sweep.empty()) json["g_sweep"] = sweep_array(extras.sweep);
     return dump(json);
 }
 
@@ -155,9 +172,7 @@ std::string check_text(const PatchCheck& check, const PatchTable& table) {
                        worst_patches(check, table));
 }
 
-std::string check_json(const PatchCheck& check, const PatchTable& table) {
-    return dump({{"format", "voxtone-check"}, {"version", 1}, {"patches", patches_json(check, table)}});
-}
+std::string check_json(const PatchCheck& check, const PatchTable& table) { return dump(check_object(check, table)); }
 
 std::string sweep_text(const std::vector<SweepLine>& lines) {
     std::string text = fmt::format("\n{:>6} {:>18} {:>8} {:>8} {:>8} {:>8}\n", "g", "chi2 per freedom", "mean",
@@ -167,16 +182,6 @@ std::string sweep_text(const std::vector<SweepLine>& lines) {
                             line.differences.mean, line.differences.median, line.differences.percentile_95,
                             line.differences.max);
     return text;
-}
-
-std::string sweep_json(const std::vector<SweepLine>& lines) {
-    Json json = Json::array();
-    for (const SweepLine& line : lines) {
-        Json entry{{"g", line.g}, {"chi2_per_freedom", line.chi2}};
-        entry.update(differences_json(line.differences));
-        json.push_back(entry);
-    }
-    return dump(json);
 }
 
 }  // namespace voxtone::calibration

@@ -72,7 +72,7 @@ PatchModel::Bases PatchModel::bases(std::span<const Medium> resins, bool with_de
 
 PatchModel::Mixed PatchModel::mix(const Layer& layer, std::span<const Medium> resins, bool with_derivatives) const {
     Mixed mixed;
-    const bool ideal = options_.pitch_mm[0] == 0 || layer.resins.size() == 1;
+    const bool ideal = options_.ideal_mixtures() || layer.resins.size() == 1;
     if (ideal) {
         for (std::size_t k = 0; k < layer.resins.size(); ++k) {
             const double f = layer.fractions[k];

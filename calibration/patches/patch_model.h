@@ -44,6 +44,7 @@ struct PatchModelOptions {
     UnderBase under = UnderBase::black;
     std::array<double, 3> pitch_mm{};  ///< of the voxels that mixtures are made of; 0: ideal mixtures
     optics::HalftoneConstants dither = random_dither;
+    [[nodiscard]] bool ideal_mixtures() const { return pitch_mm[0] == 0; }
 };
 
 /// The same for all channels and for models of parts of a target: what depends on g and eta alone.

@@ -288,7 +288,7 @@ JobLayers::JobLayers(const SliceOptions& options, io::ProfileMap wanted, const J
     screen_.emplace(std::array{body.grid.pitch_mm.x(), body.grid.pitch_mm.y(), body.grid.pitch_mm.z()}, &progress);
     std::vector<io::Material> printed;
     for (std::size_t r = 0; r < resins.set.resins.size(); ++r) printed.push_back(static_cast<io::Material>(r + 1));
-    wrapped_.emplace(body.surface, body.grid, *fields_, *placement_, *screen_, std::move(printed),
+    wrapped_.emplace(*body.surface, body.grid, *fields_, *placement_, *screen_, std::move(printed),
                      resins.core_material());
     fit = stack_fit(body, *wrapped_, progress);
     if (fit.thin_share > 0)

@@ -44,8 +44,9 @@ LoopPlan plan_loop(const SliceOptions& options, const JobBody& body, const Loade
     if (iterations == 0) return {};
     if (resins.set.resins.size() < 2)
         return {0, "The resins were not rearranged: one resin alone leaves nothing to choose."};
-    if (body.surface.triangles.empty()) return {0, "The resins were not rearranged: the body has no coloured surface."};
-    const double cm2 = coloured_area_mm2(body.surface) / 100;
+    if (body.surface->triangles.empty())
+        return {0, "The resins were not rearranged: the body has no coloured surface."};
+    const double cm2 = coloured_area_mm2(*body.surface) / 100;
     if (options.iterations == "auto" && cm2 > auto_loop_cm2)
         return {
             0,
@@ -59,7 +60,7 @@ LoopPlan plan_loop(const SliceOptions& options, const JobBody& body, const Loade
 JobLoop::JobLoop(const SliceOptions& options, const LoopPlan& plan, const JobBody& body, const LoadedResins& resins,
                  const JobColour& colour, const PrintParts& parts, const std::filesystem::path& folder,
                  Progress& progress)
-    : model(options.loop_model), places_(body.surface, body.grid.origin_mm) {
+    : model(options.loop_model), places_(*body.surface, body.grid.origin_mm) {
     const Stopwatch watch;
     progress.begin_stage("prepare the loop", 0);
     const std::uint64_t memory = memory_budget(options.memory_gib);
@@ -109,7 +110,7 @@ JobLoop::JobLoop(const SliceOptions& options, const LoopPlan& plan, const JobBod
     loop.viewing_distance_mm = options.viewing_distance_mm;
     loop.intent = parse_intent(options.intent);
     loop.descent = options.loop_method == "descent" ||
-                   (options.loop_method == "auto" && coloured_area_mm2(body.surface) <= 100 * descent_cm2);
+                   (options.loop_method == "auto" && coloured_area_mm2(*body.surface) <= 100 * descent_cm2);
     const LoopCheckpoint checkpoint(folder, options, target);
     const std::optional<halftone::LoopState> before = options.resume ? checkpoint.read(progress) : std::nullopt;
     result = halftone::run_appearance_loop(

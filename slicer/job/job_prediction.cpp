@@ -41,7 +41,7 @@ PredictionPlan plan_prediction(const SliceOptions& options, const JobBody& body,
     if (!options.report || options.predict == "none") return {};
     if (!all_layers) return {"", "Only a part of the layers was made: a part is not predicted."};
     if (options.predict != "auto") return {options.predict, ""};
-    const double area_mm2 = coloured_area_mm2(body.surface);
+    const double area_mm2 = coloured_area_mm2(*body.surface);
     if (area_mm2 <= 100 * auto_prediction_cm2) return {model_names()[0], ""};
     if (looped) return {loop_prediction, ""};
     return {"", fmt::format("The coloured surface has {:.0f} cm2; more than {:g} cm2 are not predicted without being "

@@ -262,8 +262,8 @@ SliceResult run_slice_job(const SliceOptions& given, Progress& progress) {
     figures.layers_s = watch.lap();
 
     progress.begin_stage("finish", 0);
-    const auto preview = single_precision(body.solid_mesh.positions_mm);
-    const io::StackDescription& stack = writer.finish({preview, body.solid_mesh.triangles}, &progress);
+    const auto preview = single_precision(body.solid->positions_mm);
+    const io::StackDescription& stack = writer.finish({preview, body.solid->triangles}, &progress);
     io::write_whole_file(writer.folder() / "job.json", job_json(options));
     figures.layer_bytes = writer.bytes_written();
     figures.layers = thumbnails.take();

@@ -19,7 +19,8 @@
 
 #include "voxtone/base/progress.h"
 #include "voxtone/io/models/mesh.h"
-#include "voxtone/slicer/mesh/solid_mesh.h"
+#include "voxtone/slicer/mesh/mesh_diagnosis.h"
+#include "voxtone/slicer/mesh/spatial_index.h"
 
 namespace voxtone::slicer {
 
@@ -31,26 +32,6 @@ enum class RepairMode {
 
 /// "off", "auto", "wrap". Throws UsageError.
 [[nodiscard]] RepairMode parse_repair_mode(std::string_view text);
-
-/// A mesh in numbers. Edges are undirected; a shell is what is joined through edges.
-struct MeshDiagnosis {
-    std::size_t triangles = 0;
-    std::size_t boundary_edges = 0;      ///< with one face
-    std::size_t nonmanifold_edges = 0;   ///< with more than two
-    std::size_t inconsistent_edges = 0;  ///< with two faces that run them the same way
-    std::size_t open_edges = 0;          ///< whose faces do not cancel: where the surface does not enclose
-    std::size_t degenerate_faces = 0;    ///< without area
-    std::size_t duplicate_faces = 0;     ///< with the same corners as an earlier one
-    std::size_t shells = 0;
-    long long crossing_pairs = -1;  ///< of triangles without a common corner; -1: not counted
-    double area_mm2 = 0;
-    double volume_mm3 = 0;  ///< signed; of closed meshes only a volume
-
-    friend bool operator==(const MeshDiagnosis&, const MeshDiagnosis&) = default;
-};
-
-[[nodiscard]] MeshDiagnosis diagnose(const std::vector<Eigen::Vector3d>& positions,
-                                     const std::vector<std::array<std::uint32_t, 3>>& triangles, bool count_crossings);
 
 struct RepairOptions {
     RepairMode mode = RepairMode::automatic;
@@ -75,7 +56,7 @@ struct RepairReport {
 };
 
 struct RepairedMesh {
-    SolidMesh solid;
+    SolidIndex solid;
     /// Triangles of the textured mesh that a wrap stands for in `solid`; their colour counts where they are near it.
     std::vector<std::uint32_t> wrapped_triangles;
     RepairReport report;

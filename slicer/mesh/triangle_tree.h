@@ -28,8 +28,14 @@ public:
 
     /// Keeps references to both; they must live as long as the tree.
     TriangleTree(std::span<const Eigen::Vector3d> positions, std::span<const std::array<std::uint32_t, 3>> triangles);
+    TriangleTree(const TriangleTree&) = delete;
+    TriangleTree& operator=(const TriangleTree&) = delete;
+    TriangleTree(TriangleTree&&) = default;
+    TriangleTree& operator=(TriangleTree&&) = default;
 
     [[nodiscard]] bool empty() const { return triangles_.empty(); }
+    [[nodiscard]] std::span<const Eigen::Vector3d> positions() const { return positions_; }
+    [[nodiscard]] std::span<const std::array<std::uint32_t, 3>> triangles() const { return triangles_; }
     [[nodiscard]] std::array<Eigen::Vector3d, 3> corners(std::uint32_t t) const {
         return {positions_[triangles_[t][0]], positions_[triangles_[t][1]], positions_[triangles_[t][2]]};
     }

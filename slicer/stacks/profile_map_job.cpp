@@ -35,6 +35,47 @@ void check_comparable(const io::BssrdfFile& data, const io::BssrdfFile& check) {
             check.channels.size(), width, height, pitch, radius, channels.size()));
 }
 
+std::vector<ChannelOutcome> outcomes(const optics::PointResponses& responses, const optics::PointResponses* check,
+                                     const ProfileMapResult& result,
+                                     const std::vector<halftone::FactorSummary>& summary, Progress& progress) {
+    std::vector<ChannelOutcome> channels;
+    progress.begin_stage("compare", responses.channels.size(), "channels");
+    for (std::size_t c = 0; c < responses.channels.size(); ++c) {
+        ChannelOutcome& outcome = channels.emplace_back();
+        outcome.factor = summary[c];
+        outcome.factored = halftone::reconstruction_error(responses, c, result.factored);
+        outcome.clustered = halftone::reconstruction_error(responses, c, result.clustered);
+        outcome.beyond_window = optics::share_beyond_window(responses, c);
+        if (check) {
+            outcome.factored_checked = halftone::reconstruction_error(*check, c, result.factored);
+            outcome.clustered_checked = halftone::reconstruction_error(*check, c, result.clustered);
+        }
+        progress.advance();
+    }
+    progress.end_stage();
+    return channels;
+}
+
+io::ProfileMap map_of(const io::BssrdfFile& data, const halftone::ProfileClusters& clusters, double scale) {
+    const optics::PointResponses& responses = data.responses;
+    io::ProfileMap map;
+    map.source = data.source;
+    map.channels = data.channels;
+    map.width_px = responses.width;
+    map.height_px = responses.height;
+    map.width_mm = responses.width * responses.pitch_mm;
+    map.height_mm = responses.height * responses.pitch_mm;
+    map.cluster = clusters.cluster;
+    for (const halftone::ProfileCluster& cluster : clusters.clusters) {
+        auto& target = map.target.emplace_back();
+        for (const auto& P : cluster.P) {
+            target.push_back(halftone::radial_samples(P, responses.radius, responses.pitch_mm));
+            for (double& light : target.back().light) light *= scale;
+        }
+    }
+    return map;
+}
+
 }  // namespace
 
 void ProfileMapOptions::validate() const {
@@ -58,48 +99,16 @@ ProfileMapResult make_profile_map(const io::BssrdfFile& data, const ProfileMapOp
     progress.end_stage();
     result.factor_seconds = watch.lap();
 
-    watch.lap();
     progress.begin_stage("cluster", 0);
     result.clusters = halftone::cluster_profiles(result.factored, options.clusters, &progress);
     progress.end_stage();
     result.clustered = halftone::clustered(result.factored, result.clusters);
     result.cluster_seconds = watch.lap();
 
-    progress.begin_stage("compare", responses.channels.size(), "channels");
-    for (std::size_t c = 0; c < responses.channels.size(); ++c) {
-        result.channels.push_back({summary[c],
-                                   halftone::reconstruction_error(responses, c, result.factored),
-                                   halftone::reconstruction_error(responses, c, result.clustered),
-                                   {},
-                                   {},
-                                   optics::share_beyond_window(responses, c)});
-        if (check) {
-            result.channels.back().factored_checked =
-                halftone::reconstruction_error(check->responses, c, result.factored);
-            result.channels.back().clustered_checked =
-                halftone::reconstruction_error(check->responses, c, result.clustered);
-        }
-        progress.advance();
-    }
-    progress.end_stage();
-
+    result.channels = outcomes(responses, check ? &check->responses : nullptr, result, summary, progress);
     result.brightest = brightest_albedo(result);
     if (options.max_albedo) result.scale = *options.max_albedo / result.brightest;
-    io::ProfileMap& map = result.map;
-    map.source = data.source;
-    map.channels = data.channels;
-    map.width_px = responses.width;
-    map.height_px = responses.height;
-    map.width_mm = responses.width * responses.pitch_mm;
-    map.height_mm = responses.height * responses.pitch_mm;
-    map.cluster = result.clusters.cluster;
-    for (const halftone::ProfileCluster& cluster : result.clusters.clusters) {
-        auto& target = map.target.emplace_back();
-        for (const auto& P : cluster.P) {
-            target.push_back(halftone::radial_samples(P, responses.radius, responses.pitch_mm));
-            for (double& light : target.back().light) light *= result.scale;
-        }
-    }
+    result.map = map_of(data, result.clusters, result.scale);
     return result;
 }
 

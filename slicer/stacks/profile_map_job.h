@@ -13,7 +13,6 @@
 #include "voxtone/halftone/local_profiles/local_profiles.h"
 #include "voxtone/halftone/local_profiles/profile_clusters.h"
 #include "voxtone/halftone/local_profiles/profile_reconstruction.h"
-#include "voxtone/io/pictures/picture_writer.h"
 #include "voxtone/io/profiles/bssrdf_file.h"
 #include "voxtone/io/profiles/profile_map.h"
 
@@ -51,20 +50,5 @@ struct ProfileMapResult {
 /// window or channels differ.
 [[nodiscard]] ProfileMapResult make_profile_map(const io::BssrdfFile& data, const ProfileMapOptions& options,
                                                 Progress& progress, const io::BssrdfFile* check = nullptr);
-
-/// Data, factored, clustered side by side (columns) as the paper's Fig. 7. Rows: albedo in colour; mean distance that
-/// light goes; the response of one point on a logarithmic scale of five decades; both of the channel in the middle,
-/// from black over red and yellow to white. A margin of one window is cut from the first two where enough is left:
-/// light beyond the grid is not known there.
-struct ComparisonPicture {
-    io::Picture8 picture;
-    std::size_t channel = 0, point = 0;          ///< shown
-    double least_mm = 0, most_mm = 0;            ///< black and white of the second row
-    double least_per_mm2 = 0, most_per_mm2 = 0;  ///< and of the third
-};
-
-/// `point`: which response is shown; by default one in the middle.
-[[nodiscard]] ComparisonPicture draw_comparison(const io::BssrdfFile& data, const ProfileMapResult& result,
-                                                std::optional<std::size_t> point = {});
 
 }  // namespace voxtone::slicer

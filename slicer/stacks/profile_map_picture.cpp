@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/slicer/stacks/profile_map_picture.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -7,7 +9,6 @@
 
 #include "voxtone/io/pictures/srgb_code.h"
 #include "voxtone/optics/colour/spectral_colour.h"
-#include "voxtone/slicer/stacks/profile_map_job.h"
 
 namespace voxtone::slicer {
 namespace {
@@ -79,12 +80,49 @@ io::Picture8 lay_out(const std::vector<Panel>& panels) {
     return picture;
 }
 
-/// By channel.
+using Spreads = std::vector<halftone::SpreadImages>;  // by channel
+
 template <class Source>
-std::vector<halftone::SpreadImages> all_spreads(const Source& source, std::size_t channels) {
-    std::vector<halftone::SpreadImages> spreads;
+Spreads all_spreads(const Source& source, std::size_t channels) {
+    Spreads spreads;
     for (std::size_t c = 0; c < channels; ++c) spreads.push_back(halftone::spread_of(source, c));
     return spreads;
+}
+
+/// Albedo as colours of D65.
+Panel albedo_panel(const Cut& cut, const Spreads& spreads, const Eigen::Matrix3Xd& to_srgb) {
+    return cut.panel([&](std::size_t i) {
+        Eigen::VectorXd albedo(static_cast<Eigen::Index>(spreads.size()));
+        for (std::size_t c = 0; c < spreads.size(); ++c) albedo[static_cast<Eigen::Index>(c)] = spreads[c].albedo[i];
+        const Eigen::Vector3d colour = to_srgb * albedo;
+        Code code{};
+        for (std::size_t k = 0; k < 3; ++k)
+            code[k] =
+                io::linear_to_srgb8(static_cast<float>(std::clamp(colour[static_cast<Eigen::Index>(k)], 0.0, 1.0)));
+        return code;
+    });
+}
+
+/// Least and most mean distance, mm, of all but the outermost hundredth of the points.
+std::array<double, 2> width_limits(const Cut& cut, const halftone::SpreadImages& spread) {
+    std::vector<double> widths;
+    (void)cut.panel([&](std::size_t i) { return widths.push_back(spread.width_mm[i]), Code{}; });
+    std::sort(widths.begin(), widths.end());
+    return {widths[widths.size() / 100], widths[widths.size() - 1 - widths.size() / 100]};
+}
+
+/// How far light goes, from black to white between two limits, mm.
+Panel width_panel(const Cut& cut, const halftone::SpreadImages& spread, double least, double most) {
+    const double range = std::max(1e-12, most - least);
+    return cut.panel([&](std::size_t i) { return heat((spread.width_mm[i] - least) / range); });
+}
+
+/// A window of light per mm^2, on a logarithmic scale that ends at `most`.
+Panel response_panel(const std::vector<double>& window, std::uint32_t side, double most) {
+    Panel panel{side, side, {}};
+    for (const double light : window)
+        panel.pixels.push_back(heat(light > 0 ? 1 + std::log10(light / most) / decades : 0));
+    return panel;
 }
 
 }  // namespace
@@ -93,52 +131,29 @@ ComparisonPicture draw_comparison(const io::BssrdfFile& data, const ProfileMapRe
                                   std::optional<std::size_t> point) {
     const optics::PointResponses& responses = data.responses;
     const std::size_t channels = responses.channels.size();
-    const std::array<std::vector<halftone::SpreadImages>, 3> spreads{all_spreads(responses, channels),
-                                                                     all_spreads(result.factored, channels),
-                                                                     all_spreads(result.clustered, channels)};
+    const std::array<Spreads, 3> spreads{all_spreads(responses, channels), all_spreads(result.factored, channels),
+                                         all_spreads(result.clustered, channels)};
     ComparisonPicture drawn;
     drawn.channel = channels / 2;
     drawn.point = point.value_or(std::size_t{responses.height / 2} * responses.width + responses.width / 2);
-    const Cut cut(responses.width, responses.height, responses.radius);
-    std::vector<Panel> panels;
-
-    const Eigen::Matrix3Xd to_srgb = optics::linear_srgb_weights(data.channels.wavelengths_nm);
-    for (const auto& spread : spreads)
-        panels.push_back(cut.panel([&](std::size_t i) {
-            Eigen::VectorXd albedo(static_cast<Eigen::Index>(channels));
-            for (std::size_t c = 0; c < channels; ++c) albedo[static_cast<Eigen::Index>(c)] = spread[c].albedo[i];
-            const Eigen::Vector3d colour = to_srgb * albedo;
-            Code code{};
-            for (std::size_t k = 0; k < 3; ++k)
-                code[k] =
-                    io::linear_to_srgb8(static_cast<float>(std::clamp(colour[static_cast<Eigen::Index>(k)], 0.0, 1.0)));
-            return code;
-        }));
-
-    // Limits that hold all but the outermost hundredth of the data's points.
-    std::vector<double> widths;
-    (void)cut.panel([&](std::size_t i) { return widths.push_back(spreads[0][drawn.channel].width_mm[i]), Code{}; });
-    std::sort(widths.begin(), widths.end());
-    drawn.least_mm = widths[widths.size() / 100];
-    drawn.most_mm = widths[widths.size() - 1 - widths.size() / 100];
-    const double range = std::max(1e-12, drawn.most_mm - drawn.least_mm);
-    for (const auto& spread : spreads)
-        panels.push_back(cut.panel(
-            [&](std::size_t i) { return heat((spread[drawn.channel].width_mm[i] - drawn.least_mm) / range); }));
-
     const std::array<std::vector<double>, 3> windows{
         halftone::response_at(responses, drawn.channel, drawn.point),
         halftone::response_at(result.factored, drawn.channel, drawn.point),
         halftone::response_at(result.clustered, drawn.channel, drawn.point)};
-    const std::uint32_t side = 2 * responses.radius + 1;
+    const Cut cut(responses.width, responses.height, responses.radius);
+    const auto [least_mm, most_mm] = width_limits(cut, spreads[0][drawn.channel]);
+    drawn.least_mm = least_mm;
+    drawn.most_mm = most_mm;
     drawn.most_per_mm2 = *std::max_element(windows[0].begin(), windows[0].end());
     drawn.least_per_mm2 = drawn.most_per_mm2 * std::pow(10, -decades);
-    for (const auto& window : windows) {
-        Panel panel{side, side, {}};
-        for (const double light : window)
-            panel.pixels.push_back(heat(light > 0 ? 1 + std::log10(light / drawn.most_per_mm2) / decades : 0));
-        panels.push_back(std::move(panel));
-    }
+
+    std::vector<Panel> panels;
+    const Eigen::Matrix3Xd to_srgb = optics::linear_srgb_weights(data.channels.wavelengths_nm);
+    for (const Spreads& spread : spreads) panels.push_back(albedo_panel(cut, spread, to_srgb));
+    for (const Spreads& spread : spreads)
+        panels.push_back(width_panel(cut, spread[drawn.channel], drawn.least_mm, drawn.most_mm));
+    for (const auto& window : windows)
+        panels.push_back(response_panel(window, 2 * responses.radius + 1, drawn.most_per_mm2));
     drawn.picture = lay_out(panels);
     return drawn;
 }

@@ -12,17 +12,15 @@
 #include <string>
 #include <vector>
 
+#include "voxtone/base/job_result.h"
 #include "voxtone/base/progress.h"
-#include "voxtone/slicer/stacks/stack_search_job.h"
+#include "voxtone/slicer/stacks/named_stack.h"
 
 namespace voxtone::slicer {
 
 struct StackPredictJob {
     std::string stack;  ///< a stack file (.json), or layers as "W 0.3, K 0.1", top first
-    /// Empty words: what the file says; else vero-opaque, auto, black. Materials are taken from the stack.
-    std::string resins, surface, backing;
-    double reach_mm = 10;
-    std::uint32_t coefficients = 512;
+    NamedStackOptions setting;
     bool check = false;              ///< Monte Carlo beside it
     std::uint32_t paths = 1u << 18;  ///< per layer and channel, >= 2
     std::uint64_t seed = 1;
@@ -30,6 +28,6 @@ struct StackPredictJob {
 };
 
 /// Throws Error (with its exit code).
-[[nodiscard]] StackJobResult run_stack_predict(const StackPredictJob& job, Progress& progress);
+[[nodiscard]] JobResult run_stack_predict(const StackPredictJob& job, Progress& progress);
 
 }  // namespace voxtone::slicer

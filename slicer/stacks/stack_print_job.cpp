@@ -107,20 +107,11 @@ BoxPrint boxes_of(const StackPrintJob& job, const std::vector<Slab>& slabs) {
     return print;
 }
 
-}  // namespace
-
-StackJobResult run_stack_print(const StackPrintJob& job, Progress& progress) {
-    check(job);
-    const PrinterProfile printer = find_printer(job.printer);
-    for (const std::string& warning : printer.warnings()) progress.warn(warning);
-    const std::vector<Slab> slabs = slabs_of(job, printer.pitch_mm().z(), progress);
-    const BoxPrint print = boxes_of(job, slabs);
-    const io::StackDescription stack = print_boxes(print, printer, job.out, job.outputs, job.overwrite, progress);
-
+JobResult result_of(const StackPrintJob& job, const PrinterProfile& printer, const std::vector<Slab>& slabs,
+                    const Eigen::Vector3d& size_mm, const io::StackDescription& stack) {
     nlohmann::ordered_json json_slabs = nlohmann::json::array(), ml = nlohmann::json::object();
-    std::string text =
-        fmt::format("{}: {:.2f} x {:.2f} x {:.3f} mm, {} layers of {:g} um\n", job.out, print.size_mm.x(),
-                    print.size_mm.y(), print.size_mm.z(), stack.layers, printer.pitch_um.z());
+    std::string text = fmt::format("{}: {:.2f} x {:.2f} x {:.3f} mm, {} layers of {:g} um\n", job.out, size_mm.x(),
+                                   size_mm.y(), size_mm.z(), stack.layers, printer.pitch_um.z());
     for (const Slab& slab : slabs) {
         nlohmann::ordered_json layers = nlohmann::json::array();
         for (const io::SequenceLayer& layer : slab.layers)
@@ -140,6 +131,18 @@ StackJobResult run_stack_print(const StackPrintJob& job, Progress& progress) {
                                       {"ml", ml},
                                       {"content_sha256", stack.content_sha256}};
     return {json.dump(), text};
+}
+
+}  // namespace
+
+JobResult run_stack_print(const StackPrintJob& job, Progress& progress) {
+    check(job);
+    const PrinterProfile printer = find_printer(job.printer);
+    for (const std::string& warning : printer.warnings()) progress.warn(warning);
+    const std::vector<Slab> slabs = slabs_of(job, printer.pitch_mm().z(), progress);
+    const BoxPrint print = boxes_of(job, slabs);
+    const io::StackDescription stack = print_boxes(print, printer, job.out, job.outputs, job.overwrite, progress);
+    return result_of(job, printer, slabs, print.size_mm, stack);
 }
 
 }  // namespace voxtone::slicer

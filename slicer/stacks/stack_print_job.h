@@ -10,8 +10,9 @@
 #include <string>
 #include <vector>
 
+#include "voxtone/base/job_result.h"
+#include "voxtone/base/progress.h"
 #include "voxtone/io/layers/layer_stack_writer.h"
-#include "voxtone/slicer/stacks/stack_search_job.h"
 
 namespace voxtone::slicer {
 
@@ -27,6 +28,6 @@ struct StackPrintJob {
 };
 
 /// Throws Error (with its exit code): also for materials that are no resins.
-[[nodiscard]] StackJobResult run_stack_print(const StackPrintJob& job, Progress& progress);
+[[nodiscard]] JobResult run_stack_print(const StackPrintJob& job, Progress& progress);
 
 }  // namespace voxtone::slicer

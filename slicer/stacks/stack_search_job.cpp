@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <set>
-#include <system_error>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -15,6 +14,7 @@
 #include "voxtone/halftone/stacks/stack_design.h"
 #include "voxtone/io/files/whole_file.h"
 #include "voxtone/io/profiles/layer_sequence_file.h"
+#include "voxtone/slicer/stacks/output_files.h"
 #include "voxtone/slicer/stacks/profile_plots.h"
 
 namespace voxtone::slicer {
@@ -39,7 +39,7 @@ void check(const StackSearchJob& job) {
         throw UsageError("stack search: no target; name profile files (voxtone-profile) of what is wanted");
     if (job.rounds < 0 || job.rounds > 20)
         throw UsageError(fmt::format("--rounds: {}; it lies between 0 and 20", job.rounds));
-    if (job.paths < 2) throw UsageError(fmt::format("--paths: {}; at least 2 are needed", job.paths));
+    check_paths(job.paths);
     if (!(job.layer_mm >= 0))
         throw UsageError(fmt::format("--layer: {:g} mm; a printed layer is not thinner than 0", job.layer_mm));
     if (!(job.thickness_mm > 0))
@@ -79,16 +79,10 @@ std::vector<Target> read_targets(const StackSearchJob& job, const StackSetting& 
 }
 
 fs::path output_folder(const StackSearchJob& job, const std::vector<Target>& targets) {
-    const fs::path out(job.out);
-    std::error_code error;
-    fs::create_directories(out, error);
-    if (error) throw FileError(fmt::format("{}: the folder cannot be made: {}", job.out, error.message()));
+    std::vector<std::string> names;
     for (const Target& target : targets)
-        for (const char* ending : {".stack.json", ".svg"})
-            if (!job.overwrite && fs::exists(out / (target.name + ending)))
-                throw InputError(fmt::format("{}: is there already; give another folder, or --overwrite",
-                                             (out / (target.name + ending)).string()));
-    return out;
+        for (const char* ending : {".stack.json", ".svg"}) names.push_back(target.name + ending);
+    return make_folder_for(job.out, names, job.overwrite);
 }
 
 io::LayerSequence sequence_of(const StackSearchJob& job, const StackSetting& setting, const Target& target,
@@ -103,17 +97,11 @@ io::LayerSequence sequence_of(const StackSearchJob& job, const StackSetting& set
     return sequence;
 }
 
-std::vector<std::string> channel_names(const StackSetting& setting) {
-    std::vector<std::string> names;
-    for (std::size_t c = 0; c < setting.channels().size(); ++c) names.push_back(setting.channel_name(c));
-    return names;
-}
-
 std::string drawing(const StackSetting& setting, const Target& target, const StackDesign& design) {
     std::vector<ProfileCurve> curves{{"wanted", "black", target.wanted, false},
                                      {"layers", "#2266dd", design.modelled, true}};
     if (!design.judged.empty()) curves.push_back({"Monte Carlo", "#cc2222", design.judged, true});
-    return profile_plots(setting.grid(), channel_names(setting), {{target.name, std::move(curves)}}, 6);
+    return profile_plots(setting.grid(), setting.channel_names(), {{target.name, std::move(curves)}}, 6);
 }
 
 // Mean of all coefficients over the first: smaller where light spreads wider.
@@ -191,17 +179,20 @@ std::string result_text(const StackSetting& setting, const Target& target, const
     return text + '\n';
 }
 
+/// What the backing reflects through the surface, without a layer between them.
+ChannelProfiles bare_backing(const StackSetting& setting) {
+    ChannelProfiles R = setting.backing_reflection();
+    if (R.empty()) R.assign(setting.channels().size(), std::vector<double>(setting.grid().size(), 0.0));
+    const double s = setting.turned_back();
+    for (auto& channel : R)
+        for (double& value : channel) value = (1 - s) * value / (1 - s * value);
+    return R;
+}
+
 halftone::StackJudge monte_carlo(const StackSearchJob& job, const StackSetting& setting, const Progress& progress) {
     if (!setting.traceable() || job.rounds == 0) return {};
     return [&job, &setting, &progress](std::span<const halftone::StackLayer> layers) -> ChannelProfiles {
-        if (layers.empty()) {  // the backing, seen through the surface
-            ChannelProfiles R = setting.backing_reflection();
-            if (R.empty()) R.assign(setting.channels().size(), std::vector<double>(setting.grid().size(), 0.0));
-            const double s = setting.turned_back();
-            for (auto& channel : R)
-                for (double& value : channel) value = (1 - s) * value / (1 - s * value);
-            return R;
-        }
+        if (layers.empty()) return bare_backing(setting);
         optics::LayerPathOptions tracing{job.paths, job.seed + 10000000};
         return optics::traced_light(*setting.resins(), setting.resin_layers(layers), setting.ends(), setting.grid(),
                                     tracing, &progress)
@@ -209,11 +200,7 @@ halftone::StackJudge monte_carlo(const StackSearchJob& job, const StackSetting& 
     };
 }
 
-}  // namespace
-
-StackJobResult run_stack_search(const StackSearchJob& job, Progress& progress) {
-    check(job);
-    const StackSetting setting(job.setting);
+halftone::StackDesignOptions design_options(const StackSearchJob& job, const StackSetting& setting) {
     halftone::StackDesignOptions options;
     options.search.thickness_mm = job.thickness_mm;
     options.search.steps = job.steps;
@@ -225,6 +212,26 @@ StackJobResult run_stack_search(const StackSearchJob& job, Progress& progress) {
     options.turned_back = setting.turned_back();
     options.layer_mm = job.layer_mm;
     options.rounds = std::max(1, job.rounds);
+    return options;
+}
+
+/// The same judge, which adds up how long it takes.
+halftone::StackJudge timed(const halftone::StackJudge& judge, double& ms) {
+    if (!judge) return {};
+    return [&judge, &ms](std::span<const halftone::StackLayer> layers) {
+        const Stopwatch watch;
+        ChannelProfiles R = judge(layers);
+        ms += 1000 * watch.total();
+        return R;
+    };
+}
+
+}  // namespace
+
+JobResult run_stack_search(const StackSearchJob& job, Progress& progress) {
+    check(job);
+    const StackSetting setting(job.setting);
+    const halftone::StackDesignOptions options = design_options(job, setting);
     const std::vector<Target> targets = read_targets(job, setting, progress);
     const fs::path out = output_folder(job, targets);
     const std::vector<halftone::StackMaterial> materials =
@@ -239,15 +246,8 @@ StackJobResult run_stack_search(const StackSearchJob& job, Progress& progress) {
         progress.check_cancelled();
         const Stopwatch watch;
         Times times;
-        halftone::StackJudge timed;
-        if (judge)
-            timed = [&](std::span<const halftone::StackLayer> layers) {
-                const Stopwatch tracing;
-                ChannelProfiles R = judge(layers);
-                times.monte_carlo_ms += 1000 * tracing.total();
-                return R;
-            };
-        const StackDesign design = halftone::design_stack(search, materials, target.wanted, options, timed);
+        const StackDesign design =
+            halftone::design_stack(search, materials, target.wanted, options, timed(judge, times.monte_carlo_ms));
         times.search_ms = 1000 * watch.total() - times.monte_carlo_ms;
         const io::LayerSequence sequence = sequence_of(job, setting, target, design);
         io::write_whole_file(out / (target.name + ".stack.json"), io::layer_sequence_text(sequence));

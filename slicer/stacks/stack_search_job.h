@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "voxtone/base/job_result.h"
 #include "voxtone/base/progress.h"
 #include "voxtone/halftone/stacks/stack_materials.h"
 #include "voxtone/slicer/stacks/stack_setting.h"
@@ -33,12 +34,7 @@ struct StackSearchJob {
     std::uint64_t seed = 1;
 };
 
-struct StackJobResult {
-    std::string json;  ///< one JSON object
-    std::string text;  ///< for a person
-};
-
 /// Throws Error (with its exit code).
-[[nodiscard]] StackJobResult run_stack_search(const StackSearchJob& job, Progress& progress);
+[[nodiscard]] JobResult run_stack_search(const StackSearchJob& job, Progress& progress);
 
 }  // namespace voxtone::slicer

@@ -187,4 +187,14 @@ std::string StackSetting::channel_name(std::size_t channel) const {
     return fmt::format("{:g} nm", channels_.wavelengths_nm[channel]);
 }
 
+std::vector<std::string> StackSetting::channel_names() const {
+    std::vector<std::string> names;
+    for (std::size_t c = 0; c < channels_.size(); ++c) names.push_back(channel_name(c));
+    return names;
+}
+
+void check_paths(std::uint32_t paths) {
+    if (paths < 2) throw UsageError(fmt::format("--paths: {}; at least 2 are needed", paths));
+}
+
 }  // namespace voxtone::slicer

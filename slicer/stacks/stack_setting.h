@@ -62,6 +62,7 @@ public:
     [[nodiscard]] std::vector<optics::ResinLayer> resin_layers(std::span<const halftone::StackLayer> layers) const;
     /// "R", "G", "B" or the wavelength.
     [[nodiscard]] std::string channel_name(std::size_t channel) const;
+    [[nodiscard]] std::vector<std::string> channel_names() const;
 
 private:
     optics::HankelGrid grid_;
@@ -75,5 +76,8 @@ private:
     halftone::ChannelProfiles backing_reflection_;
     optics::StackEnds ends_;
 };
+
+/// Throws UsageError below two: one path has no standard error.
+void check_paths(std::uint32_t paths);
 
 }  // namespace voxtone::slicer

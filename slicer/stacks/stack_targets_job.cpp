@@ -2,7 +2,6 @@
 #include "voxtone/slicer/stacks/stack_targets_job.h"
 
 #include <filesystem>
-#include <system_error>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -10,7 +9,9 @@
 #include "voxtone/base/error.h"
 #include "voxtone/halftone/stacks/widening_targets.h"
 #include "voxtone/io/files/whole_file.h"
+#include "voxtone/slicer/stacks/output_files.h"
 #include "voxtone/slicer/stacks/profile_plots.h"
+#include "voxtone/slicer/stacks/spread_figures.h"
 
 namespace voxtone::slicer {
 namespace {
@@ -21,7 +22,7 @@ using halftone::ChannelProfiles;
 void check(const StackTargetsJob& job) {
     if (job.count < 1 || job.count > 1000)
         throw UsageError(fmt::format("--count: {}; it lies between 1 and 1000", job.count));
-    if (job.paths < 2) throw UsageError(fmt::format("--paths: {}; at least 2 are needed", job.paths));
+    check_paths(job.paths);
 }
 
 ChannelProfiles reflection(const NamedStack& stack, const StackTargetsJob& job, Progress& progress) {
@@ -51,34 +52,26 @@ std::string target_json(const StackTargetsJob& job, const StackSetting& setting,
     return io::profile_text(file);
 }
 
+std::string target_name(std::size_t t) { return fmt::format("target-{}.json", t + 1); }
+
 fs::path output_folder(const StackTargetsJob& job) {
-    std::error_code error;
-    fs::create_directories(job.out, error);
-    if (error) throw FileError(fmt::format("{}: the folder cannot be made: {}", job.out, error.message()));
-    for (std::uint32_t t = 1; t <= job.count; ++t)
-        if (const fs::path file = fs::path(job.out) / fmt::format("target-{}.json", t);
-            !job.overwrite && fs::exists(file))
-            throw InputError(fmt::format("{}: is there already; give another folder, or --overwrite", file.string()));
-    return job.out;
+    std::vector<std::string> names;
+    for (std::size_t t = 0; t < job.count; ++t) names.push_back(target_name(t));
+    return make_folder_for(job.out, names, job.overwrite);
 }
 
-}  // namespace
-
-StackJobResult run_stack_targets(const StackTargetsJob& job, Progress& progress) {
-    check(job);
-    const NamedStack narrow = read_named_stack(job.narrow, job.stack), wide = read_named_stack(job.wide, job.stack);
-    const StackSetting& setting = narrow.setting;
-    if (setting.channels() != wide.setting.channels())
+void check_comparable(const StackTargetsJob& job, const StackSetting& narrow, const StackSetting& wide) {
+    if (narrow.channels() != wide.channels())
         throw InputError(
             fmt::format("{} and {}: their materials are of other channels; targets lie between stacks of the same",
                         job.narrow, job.wide));
-    if (setting.surface() != wide.setting.surface())
+    if (narrow.surface() != wide.surface())
         throw InputError(fmt::format(
             "{} and {}: one is under a surface to air and one is not; say which with --surface", job.narrow, job.wide));
-    const fs::path out = output_folder(job);
-    progress.begin_stage("trace", 0);
-    const ChannelProfiles from = reflection(narrow, job, progress), to = reflection(wide, job, progress);
-    progress.end_stage();
+}
+
+void warn_of_narrowing(const StackTargetsJob& job, const StackSetting& setting, const ChannelProfiles& from,
+                       const ChannelProfiles& to, Progress& progress) {
     for (std::size_t c = 0; c < from.size(); ++c)
         if (const double near = optics::radius_of_share(setting.grid(), from[c], 0.8),
             far = optics::radius_of_share(setting.grid(), to[c], 0.8);
@@ -87,36 +80,55 @@ StackJobResult run_stack_targets(const StackTargetsJob& job, Progress& progress)
                 fmt::format("channel {}: light spreads less in {} (80 % within {:.2f} mm) than in {} ({:.2f} mm): the "
                             "targets get narrower there",
                             setting.channel_name(c), job.wide, far, job.narrow, near));
-    const std::vector<ChannelProfiles> targets = halftone::widening_targets(from, to, job.count);
+}
 
+void draw(const fs::path& file, const StackSetting& setting, const std::vector<ChannelProfiles>& targets) {
+    std::vector<ProfileRow> rows;
+    for (std::size_t t = 0; t < targets.size(); ++t)
+        rows.push_back({fmt::format("{}", t + 1), {{"wanted", "black", targets[t], false}}});
+    io::write_whole_file(file, profile_plots(setting.grid(), setting.channel_names(), rows, 6));
+}
+
+JobResult result_of(const StackTargetsJob& job, const StackSetting& setting,
+                    const std::vector<ChannelProfiles>& targets) {
     nlohmann::ordered_json files = nlohmann::json::array();
     std::string text;
-    std::vector<ProfileRow> rows;
-    const optics::HankelGrid& grid = setting.grid();
     for (std::size_t t = 0; t < targets.size(); ++t) {
-        const fs::path file = out / fmt::format("target-{}.json", t + 1);
-        io::write_whole_file(file, target_json(job, setting, t, targets[t]));
-        text += file.string() + '\n';
+        const std::string file = (fs::path(job.out) / target_name(t)).string();
+        text += file + '\n';
         nlohmann::ordered_json channels = nlohmann::json::array();
         for (std::size_t c = 0; c < targets[t].size(); ++c) {
-            const std::vector<double>& R = targets[t][c];
-            const double half = optics::radius_of_share(grid, R, 0.5), most = optics::radius_of_share(grid, R, 0.8);
+            const SpreadFigures figures = spread_figures(setting.grid(), targets[t][c]);
             channels.push_back({{"channel", setting.channel_name(c)},
-                                {"total", R[0]},
-                                {"half_within_mm", half},
-                                {"80_percent_within_mm", most}});
-            text += fmt::format("  {}: R {:.4f}, half of it within {:.2f} mm, 80 % within {:.2f} mm\n",
-                                setting.channel_name(c), R[0], half, most);
+                                {"total", figures.total},
+                                {"half_within_mm", figures.half_mm},
+                                {"80_percent_within_mm", figures.most_mm}});
+            text += fmt::format("  {}: {}\n", setting.channel_name(c), spread_text('R', figures));
         }
-        files.push_back({{"file", file.string()}, {"channels", channels}});
-        rows.push_back({fmt::format("{}", t + 1), {{"wanted", "black", targets[t], false}}});
+        files.push_back({{"file", file}, {"channels", channels}});
     }
-    std::vector<std::string> names;
-    for (std::size_t c = 0; c < setting.channels().size(); ++c) names.push_back(setting.channel_name(c));
-    io::write_whole_file(out / "targets.svg", profile_plots(grid, names, rows, 6));
     const nlohmann::ordered_json json{
         {"format", "voxtone-stack-targets"}, {"version", 1}, {"folder", job.out}, {"targets", files}};
     return {json.dump(), text};
+}
+
+}  // namespace
+
+JobResult run_stack_targets(const StackTargetsJob& job, Progress& progress) {
+    check(job);
+    const NamedStack narrow = read_named_stack(job.narrow, job.setting), wide = read_named_stack(job.wide, job.setting);
+    const StackSetting& setting = narrow.setting;
+    check_comparable(job, setting, wide.setting);
+    const fs::path out = output_folder(job);
+    progress.begin_stage("trace", 0);
+    const ChannelProfiles from = reflection(narrow, job, progress), to = reflection(wide, job, progress);
+    progress.end_stage();
+    warn_of_narrowing(job, setting, from, to, progress);
+    const std::vector<ChannelProfiles> targets = halftone::widening_targets(from, to, job.count);
+    for (std::size_t t = 0; t < targets.size(); ++t)
+        io::write_whole_file(out / target_name(t), target_json(job, setting, t, targets[t]));
+    draw(out / "targets.svg", setting, targets);
+    return result_of(job, setting, targets);
 }
 
 }  // namespace voxtone::slicer

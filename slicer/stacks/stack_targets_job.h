@@ -8,14 +8,15 @@
 #include <cstdint>
 #include <string>
 
+#include "voxtone/base/job_result.h"
+#include "voxtone/base/progress.h"
 #include "voxtone/slicer/stacks/named_stack.h"
-#include "voxtone/slicer/stacks/stack_search_job.h"
 
 namespace voxtone::slicer {
 
 struct StackTargetsJob {
     std::string narrow, wide;  ///< stacks, as in named_stack.h
-    NamedStackOptions stack{.coefficients = 128};
+    NamedStackOptions setting{.coefficients = 128};
     std::uint32_t count = 5;         ///< [1, 1000]
     std::uint32_t paths = 1u << 18;  ///< per stack and channel, >= 2
     std::uint64_t seed = 1;
@@ -24,6 +25,6 @@ struct StackTargetsJob {
 };
 
 /// Throws Error (with its exit code).
-[[nodiscard]] StackJobResult run_stack_targets(const StackTargetsJob& job, Progress& progress);
+[[nodiscard]] JobResult run_stack_targets(const StackTargetsJob& job, Progress& progress);
 
 }  // namespace voxtone::slicer

@@ -19,7 +19,9 @@
 #include <functional>
 #include <limits>
 #include <memory>
+#include <span>
 
+#include "voxtone/slicer/mesh/triangle_tree.h"
 #include "voxtone/slicer/printer/voxel_grid.h"
 #include "voxtone/slicer/solid/span_slab.h"
 #include "voxtone/slicer/surface/visible_surface.h"
@@ -44,7 +46,9 @@ struct ShellBlock {
 class SurfaceShell {
 public:
     /// Keeps a reference to `surface`, which must live as long as this. depth_mm >= 0.
-    SurfaceShell(const VisibleSurface& surface, const VoxelGrid& grid, double depth_mm);
+    SurfaceShell(const SurfaceIndex& surface, const VoxelGrid& grid, double depth_mm);
+    /// Of triangles without a source: u and v are 0. Keeps a reference to `tree`.
+    SurfaceShell(const TriangleTree& tree, const VoxelGrid& grid, double depth_mm);
     ~SurfaceShell();
 
     [[nodiscard]] const VoxelGrid& grid() const { return grid_; }
@@ -62,13 +66,18 @@ public:
                         int i_begin = 0, int i_end = std::numeric_limits<int>::max()) const;
 
 private:
-    struct Index;
+    struct Lattice;
+    class RowWalk;
 
-    const VisibleSurface& surface_;
+    SurfaceShell(const TriangleTree& tree, std::span<const std::array<Eigen::Vector2f, 3>> source_uv,
+                 const VoxelGrid& grid, double depth_mm);
+
+    const TriangleTree& tree_;
+    std::span<const std::array<Eigen::Vector2f, 3>> source_uv_;  ///< per triangle, or empty
     VoxelGrid grid_;
     double depth_mm_;
     std::array<int, 3> block_size_;
-    std::unique_ptr<const Index> index_;
+    std::unique_ptr<const Lattice> lattice_;
 };
 
 }  // namespace voxtone::slicer

@@ -8,6 +8,7 @@
 #include "tests/halftone/local_profiles/response_samples.h"
 #include "voxtone/base/error.h"
 #include "voxtone/optics/numerics/hankel.h"
+#include "voxtone/slicer/stacks/profile_map_picture.h"
 
 using namespace voxtone;
 using namespace voxtone::slicer;

@@ -12,6 +12,8 @@
 #include "voxtone/io/profiles/layer_sequence_file.h"
 #include "voxtone/slicer/predict/stack_volume.h"
 #include "voxtone/slicer/stacks/profile_plots.h"
+#include "voxtone/slicer/stacks/stack_dataset_job.h"
+#include "voxtone/slicer/stacks/stack_factor_job.h"
 #include "voxtone/slicer/stacks/stack_predict_job.h"
 #include "voxtone/slicer/stacks/stack_print_job.h"
 #include "voxtone/slicer/stacks/stack_search_job.h"
@@ -87,13 +89,13 @@ TEST_CASE("A stack is predicted, wanted, and found again, from resins and with M
     Progress quiet;
     StackPredictJob predict;
     predict.stack = "W 0.5, K 0.3";
-    predict.surface = "matched";
-    predict.coefficients = 128;
+    predict.setting.surface = "matched";
+    predict.setting.coefficients = 128;
     predict.paths = 1 << 13;
     predict.check = true;
     const std::string target = (bench.folder.path() / "wanted.json").string();
     predict.files = {target, (bench.folder.path() / "wanted.svg").string()};
-    const StackJobResult predicted = run_stack_predict(predict, quiet);
+    const JobResult predicted = run_stack_predict(predict, quiet);
     CHECK(count(predicted.text, "Monte Carlo") == 3);
     CHECK(count(text_of(bench.folder.path() / "wanted.svg"), "<polyline") >=
           12);  // R and T, two curves, three channels
@@ -101,7 +103,7 @@ TEST_CASE("A stack is predicted, wanted, and found again, from resins and with M
     StackSearchJob job = bench.job({target}, {"W", "K"});
     job.setting.surface = "matched";
     job.layer_mm = 0.027;
-    const StackJobResult found = run_stack_search(job, quiet);
+    const JobResult found = run_stack_search(job, quiet);
     CHECK_THAT(found.text, Contains("nodes visited") && Contains("pruned") && Contains("by Monte Carlo"));
     const io::LayerSequence sequence = io::read_layer_sequence(bench.folder.path() / "out/wanted.stack.json");
     CHECK(sequence.surface == "matched");
@@ -134,7 +136,7 @@ TEST_CASE("Measured materials are predicted to be what was measured, and are a t
                       black = bench.put("black.json", falling(0.05, 0.1, 0.2));
     StackPredictJob predict;
     predict.stack = white + " 0.5";
-    predict.coefficients = 32;
+    predict.setting.coefficients = 32;
     CHECK_THAT(run_stack_predict(predict, quiet).text,
                Contains("surface matched") && Contains("R 0.6000") && Contains("T 0.3000"));
     predict.check = true;
@@ -159,7 +161,7 @@ TEST_CASE("Targets that no stack reaches get the nearest one and the distance to
     StackSearchJob job =
         bench.job({bench.put("bright.json", falling(1.0, 0, 0.1)), bench.put("wide.json", falling(0.9, 0, 3))}, {"K"});
     job.rounds = 0;
-    const StackJobResult result = run_stack_search(job, quiet);
+    const JobResult result = run_stack_search(job, quiet);
     CHECK(count(result.text, "outside of the gamut by at least") == 2);
     CHECK(count(result.text, "K ") >= 1);
 }
@@ -225,9 +227,9 @@ TEST_CASE("Targets between two stacks have one albedo and rising width, and are 
     StackTargetsJob job;
     job.narrow = "W 1";
     job.wide = "W 0.2, T 0.5, W 0.3";
-    job.stack.resins = "vero-opaque-clear";
-    job.stack.coefficients = 32;
-    job.stack.reach_mm = 8;
+    job.setting.resins = "vero-opaque-clear";
+    job.setting.coefficients = 32;
+    job.setting.reach_mm = 8;
     job.count = 3;
     job.paths = 1 << 12;
     job.out = (bench.folder.path() / "targets").string();
@@ -275,7 +277,7 @@ TEST_CASE("Stacks are printed side by side, layer by layer, on their base") {
     job.depth_mm = 0.847;  // 10
     job.gap_mm = 0.5;
     job.out = (bench.folder.path() / "print").string();
-    const StackJobResult result = run_stack_print(job, warnings);
+    const JobResult result = run_stack_print(job, warnings);
     CHECK_THAT(result.text, Contains("W 0.108, K 0.054, K 0.594 mm") && Contains("W 0.297, K 0.594 mm"));
     CHECK_THAT(warnings.all, Contains("1 of its 2 layers are thinner than half a printed layer"));
     StackVolumeOptions options;
@@ -339,4 +341,25 @@ TEST_CASE("Profiles are drawn where they are bright enough, one plot a channel a
     CHECK(count(svg, ">wanted<") == 2);
     CHECK_THAT(svg, Contains("one, R") && Contains("two, G"));
     CHECK(count(svg, "<svg") == count(svg, "</svg>"));
+}
+
+TEST_CASE("A data set and its factors are refused by the name of what is wrong, before anything is traced or read") {
+    Progress quiet;
+    StackDatasetJob dataset;
+    dataset.radius = 65;
+    CHECK_THROWS_WITH(run_stack_dataset(dataset, quiet), Contains("radius") && Contains("65"));
+    dataset.radius = 10;
+    dataset.paths = 0;
+    CHECK_THROWS_WITH(run_stack_dataset(dataset, quiet), Contains("paths"));
+    dataset.paths = 1;
+    dataset.slab.width = dataset.slab.height = 4096;
+    dataset.radius = 64;
+    CHECK_THROWS_WITH(run_stack_dataset(dataset, quiet), Contains("--points"));
+
+    StackFactorJob factor;
+    factor.out = "map.txt";
+    CHECK_THROWS_WITH(run_stack_factor(factor, quiet), Contains("map.txt") && Contains(".json"));
+    factor.out = "map.json";
+    factor.map.max_albedo = 1.5;
+    CHECK_THROWS_WITH(run_stack_factor(factor, quiet), Contains("albedo") && Contains("1.5"));
 }

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// `voxtone calibrate check`: how well a set of resins predicts measured patches (calibration/patches/patch_check.h).
+#pragma once
+
+#include <string>
+
+#include "voxtone/base/job_result.h"
+#include "voxtone/calibration/patches/measured_patches.h"
+
+namespace voxtone::calibration {
+
+struct CheckJob {
+    std::string resins;   ///< set or file
+    std::string patches;  ///< file (calibration/patches/patch_file.h)
+    MeasuredPatchOptions measured;
+    PatchModelOptions model;  ///< g and eta are the set's
+};
+
+/// Throws Error (with its exit code).
+[[nodiscard]] JobResult run_check_job(const CheckJob& job, Progress& progress);
+
+}  // namespace voxtone::calibration

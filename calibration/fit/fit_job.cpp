@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/calibration/fit/fit_job.h"
+
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "voxtone/base/error.h"
+#include "voxtone/calibration/fit/fit_report.h"
+#include "voxtone/calibration/fit/fit_text.h"
+#include "voxtone/io/files/whole_file.h"
+#include "voxtone/io/profiles/resin_file.h"
+
+namespace voxtone::calibration {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// OUT.fit.json beside OUT.json.
+fs::path side_file(const fs::path& out) { return fs::path(out).replace_extension(".fit.json"); }
+
+FitOptions options_of(const FitJob& job) {
+    FitOptions options = job.fit;
+    options.name = job.name.empty() ? fs::path(job.out).stem().string() : job.name;
+    return options;
+}
+
+}  // namespace
+
+void FitJob::validate() const {
+    if (patches.empty()) throw UsageError("calibrate fit: no file of measured patches");
+    if (out.empty()) throw UsageError("--out is missing: the resin set to write");
+    calibration::validate(options_of(*this));
+}
+
+JobResult run_fit_job(const FitJob& job, Progress& progress) {
+    job.validate();
+    const FitOptions options = options_of(job);
+    const PatchTable table = read_measured_patches(job.patches, job.measured, options.model, progress);
+    const bool checked = !job.check.empty();
+    const PatchTable others =
+        checked ? read_measured_patches(job.check, job.measured, options.model, progress) : PatchTable{};
+    const ResinFit fit = fit_resins(table, options, &progress);
+    io::write_whole_file(job.out, io::resin_set_text(fit.set));
+    io::write_whole_file(side_file(job.out), fit_json(fit, table) + "\n");
+
+    FitExtras extras;
+    std::string text = fit_text(fit, table);
+    if (checked) {
+        extras.check = check_resins(fit.set, others, options.model);
+        extras.checked = &others;
+        text += fmt::format("\n{}\n{}", job.check, check_text(*extras.check, others));
+    }
+    if (job.g_sweep) {
+        extras.sweep = sweep_g(table, extras.checked, options, progress);
+        text += sweep_text(extras.sweep);
+    }
+    if (!job.report.empty()) io::write_whole_file(job.report, fit_report_html(fit, table, options));
+    text += fmt::format("\nWrote {} and {}\n", job.out, side_file(job.out).string());
+    return {fit_json(fit, table, extras), text};
+}
+
+}  // namespace voxtone::calibration

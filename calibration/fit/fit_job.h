@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// `voxtone calibrate fit`: from a file of patches to a file of resins (calibration/fit/resin_fit.h), with what is known
+// of their errors beside it, a page to look at, a check with other patches and a sweep over g.
+#pragma once
+
+#include <string>
+
+#include "voxtone/base/job_result.h"
+#include "voxtone/calibration/fit/resin_fit.h"
+#include "voxtone/calibration/patches/measured_patches.h"
+
+namespace voxtone::calibration {
+
+struct FitJob {
+    std::string patches;  ///< file (calibration/patches/patch_file.h)
+    MeasuredPatchOptions measured;
+    FitOptions fit;        ///< its name does not count:
+    std::string name;      ///< of the set; empty: that of the file `out`
+    std::string check;     ///< file of other patches to predict with the result; empty: none
+    bool g_sweep = false;  ///< also fit for other g (g_sweep.h)
+    std::string out;       ///< resin set; errors and doubts go beside it, as NAME.fit.json
+    std::string report;    ///< page (fit_report.h); empty: none
+
+    /// Throws UsageError or InputError that names the option, its value and the rule.
+    void validate() const;
+};
+
+/// Throws Error (with its exit code); nothing is written then.
+[[nodiscard]] JobResult run_fit_job(const FitJob& job, Progress& progress);
+
+}  // namespace voxtone::calibration

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/calibration/patches/measured_patches.h"
+
+#include <algorithm>
+
+#include "voxtone/calibration/patches/patch_file.h"
+
+namespace voxtone::calibration {
+
+PatchTable read_measured_patches(const std::string& file, const MeasuredPatchOptions& options,
+                                 const PatchModelOptions& model, Progress& progress) {
+    PatchTable table = read_patches(file);
+    apply_white_reference(table, options.white);
+    if (options.base_mm)
+        for (Patch& patch : table.patches) patch.base_mm = *options.base_mm;
+    const bool mixed = std::ranges::any_of(table.patches, [](const Patch& patch) { return patch.top.size() > 1; });
+    if (mixed && model.ideal_mixtures())
+        progress.warn(
+            "mixtures are taken as ideal; those of a printed target are dithers of voxels, and extinctions come out up "
+            "to a third wrong without them: give --printer or --pitch");
+    return table;
+}
+
+}  // namespace voxtone::calibration

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// A table of patches together with what it does not say of itself, ready for a fit or a check.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "voxtone/base/progress.h"
+#include "voxtone/calibration/patches/patch_model.h"
+#include "voxtone/calibration/patches/patch_table.h"
+
+namespace voxtone::calibration {
+
+struct MeasuredPatchOptions {
+    double white = 1;               ///< reflectance of the white reference that the values were divided by, in (0, 1]
+    std::optional<double> base_mm;  ///< thickness of the base under all squares; none: what the table says
+};
+
+/// Throws InputError, FileError. Warns where `model` takes mixtures as ideal.
+[[nodiscard]] PatchTable read_measured_patches(const std::string& file, const MeasuredPatchOptions& options,
+                                               const PatchModelOptions& model, Progress& progress);
+
+}  // namespace voxtone::calibration

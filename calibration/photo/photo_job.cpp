@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/calibration/photo/photo_job.h"
+
+#include <algorithm>
+#include <filesystem>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "voxtone/base/error.h"
+#include "voxtone/calibration/patches/patch_file.h"
+#include "voxtone/calibration/photo/photo_overlay.h"
+#include "voxtone/calibration/target/target_file.h"
+#include "voxtone/io/files/whole_file.h"
+
+namespace voxtone::calibration {
+namespace {
+
+std::string overlay_name(const PhotoJob& job, std::size_t photo) {
+    const std::filesystem::path base = job.overlay.empty()
+                                           ? std::filesystem::path(job.out).replace_extension().concat("-overlay.png")
+                                           : std::filesystem::path(job.overlay);
+    if (photo == 0) return base.string();
+    return std::filesystem::path(base).replace_extension().concat(fmt::format("-{}.png", photo + 1)).string();
+}
+
+/// All photographs; their pixels are given back, the figures are enough from there on.
+std::vector<PhotoMeasurement> measure_all(const PhotoJob& job, const Target& target, Progress& progress) {
+    const CheckerChart chart = find_checker(job.checker);
+    std::vector<PhotoMeasurement> photos;
+    progress.begin_stage("photographs", job.photos.size(), "photographs");
+    for (std::size_t p = 0; p < job.photos.size(); ++p) {
+        progress.check_cancelled();
+        photos.push_back(measure_photo(io::read_photograph(job.photos[p], &progress), target, chart, job.measure));
+        PhotoMeasurement& photo = photos.back();
+        for (const std::string& warning : photo.warnings) progress.warn(warning);
+        io::write_whole_file(overlay_name(job, p), io::png_bytes(photo_overlay(photo, chart)));
+        photo.photograph.pixels = {};
+        progress.advance();
+    }
+    progress.end_stage();
+    return photos;
+}
+
+/// Of each square: between photographs, or between the blocks of the only one.
+std::vector<Eigen::Vector3d> spreads(const MeasuredTable& measured, const std::vector<PhotoMeasurement>& photos) {
+    if (photos.size() > 1) return measured.spread;
+    std::vector<Eigen::Vector3d> spread;
+    for (const AreaSample& square : photos[0].squares)
+        spread.push_back(photos[0].model.noise(square.middle_px, square.spread));
+    return spread;
+}
+
+std::string table_comment(const PhotoJob& job, const Target& target, const std::vector<Eigen::Vector3d>& spread) {
+    std::string comment = fmt::format("rho(45 -> 0) of {} from {} photograph(s); standard errors beside the values.",
+                                      job.target, job.photos.size());
+    for (std::size_t s = 0; s < spread.size(); ++s)
+        comment +=
+            fmt::format("\n{}: spread {:.5f} {:.5f} {:.5f} {}", square_name(target, s), spread[s][0], spread[s][1],
+                        spread[s][2], job.photos.size() == 1 ? "between its blocks" : "between photographs");
+    return comment;
+}
+
+nlohmann::ordered_json photo_json(const PhotoJob& job, const PhotoMeasurement& photo, std::size_t p) {
+    return {{"photograph", job.photos[p]},
+            {"overlay", overlay_name(job, p)},
+            {"markers", photo.view.markers},
+            {"residual_px", photo.view.residual_px},
+            {"px_per_mm", photo.view.px_per_mm},
+            {"blur_mm", photo.view.blur_mm},
+            {"checker_residual", photo.model.chart_residual()},
+            {"frame_residual", photo.model.frame_residual()}};
+}
+
+std::string photo_text(const PhotoJob& job, const PhotoMeasurement& photo, std::size_t p) {
+    return fmt::format(
+        "{}: {} markers, {:.1f} px/mm, blur {:.2f} mm, checker off by {:.4f}, frame by {:.2f} %; drawn in {}\n",
+        job.photos[p], photo.view.markers, photo.view.px_per_mm, photo.view.blur_mm, photo.model.chart_residual(),
+        100 * photo.model.frame_residual(), overlay_name(job, p));
+}
+
+double worst_error(const PatchTable& table) {
+    double worst = 0;
+    for (const Patch& patch : table.patches)
+        for (const double error : patch.error) worst = std::max(worst, error);
+    return worst;
+}
+
+JobResult result_of(const PhotoJob& job, const std::vector<PhotoMeasurement>& photos, const PatchTable& table,
+                    const std::vector<Eigen::Vector3d>& spread) {
+    double worst_spread = 0;
+    for (const Eigen::Vector3d& of_square : spread) worst_spread = std::max(worst_spread, of_square.maxCoeff());
+    nlohmann::ordered_json list = nlohmann::ordered_json::array();
+    std::string text;
+    for (std::size_t p = 0; p < photos.size(); ++p) {
+        list.push_back(photo_json(job, photos[p], p));
+        text += photo_text(job, photos[p], p);
+    }
+    const nlohmann::ordered_json json{{"format", "voxtone-calibrate-photo"},
+                                      {"version", 1},
+                                      {"patches", job.out},
+                                      {"count", table.patches.size()},
+                                      {"worst_error", worst_error(table)},
+                                      {"worst_spread", worst_spread},
+                                      {"photographs", list}};
+    return {json.dump(), text + fmt::format("{}: {} patches, standard errors up to {:.4f}\n", job.out,
+                                            table.patches.size(), worst_error(table))};
+}
+
+}  // namespace
+
+void PhotoJob::validate() const {
+    if (photos.empty()) throw UsageError("calibrate photo: no photograph");
+    if (!(measure.inner >= 0.1 && measure.inner <= 0.9))
+        throw UsageError(fmt::format("--inner: {:g}; it lies between 0.1 and 0.9 of a square's edge", measure.inner));
+    if (photos.size() > 1 && (measure.corners || measure.checker_corners))
+        throw UsageError("corners given by hand are those of one photograph; measure such photographs one by one");
+}
+
+JobResult run_photo_job(const PhotoJob& job, Progress& progress) {
+    job.validate();
+    const Target target = read_target(job.target);
+    const std::vector<PhotoMeasurement> photos = measure_all(job, target, progress);
+    const MeasuredTable measured = average_photos(photos, target);
+    for (const std::string& warning : measured.warnings) progress.warn(warning);
+    const std::vector<Eigen::Vector3d> spread = spreads(measured, photos);
+    io::write_whole_file(job.out, patch_table_text(measured.table, table_comment(job, target, spread)));
+    return result_of(job, photos, measured.table, spread);
+}
+
+}  // namespace voxtone::calibration

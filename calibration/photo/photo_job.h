@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// `voxtone calibrate photo`: from photographs of one target to its table of patches (photo_measurement.h), with a
+// picture of what was sampled beside each.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "voxtone/base/job_result.h"
+#include "voxtone/base/progress.h"
+#include "voxtone/calibration/photo/photo_measurement.h"
+
+namespace voxtone::calibration {
+
+struct PhotoJob {
+    std::vector<std::string> photos;         ///< one or more; several are averaged
+    std::string target;                      ///< its description (calibration/target/target_file.h)
+    std::string checker = "colorchecker24";  ///< chart beside the target, or its file
+    PhotoMeasureOptions measure;             ///< corners by hand are those of one photograph
+    std::string out;                         ///< table of patches (calibration/patches/patch_file.h)
+    std::string overlay;  ///< picture of what was sampled, the next ones as NAME-2.png, ...; empty: beside the table
+
+    /// Throws UsageError that names the option and the rule it breaks.
+    void validate() const;
+};
+
+/// Throws Error (with its exit code). Warns of what is doubtful.
+[[nodiscard]] JobResult run_photo_job(const PhotoJob& job, Progress& progress);
+
+}  // namespace voxtone::calibration

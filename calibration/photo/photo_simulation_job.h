@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// `voxtone calibrate simulate`: the photograph that a target would give if printed with known resins
+// (photo_simulation.h), as a file.
+#pragma once
+
+#include <string>
+
+#include "voxtone/base/job_result.h"
+#include "voxtone/base/progress.h"
+#include "voxtone/calibration/photo/photo_simulation.h"
+
+namespace voxtone::calibration {
+
+struct PhotoSimulationJob {
+    PhotoOptions photo;
+    std::string target;                      ///< its description (calibration/target/target_file.h)
+    std::string resins = "vero-opaque";      ///< set or file, RGB
+    std::string checker = "colorchecker24";  ///< chart, or its file
+    MixtureKind mixtures = MixtureKind::dithered;
+    bool eight_bits = false;  ///< of sRGB codes instead of 16 linear ones
+    std::string out;          ///< .png, .tif or .exr
+    std::string truth;        ///< table of what the squares truly reflect; empty: none
+
+    /// Throws InputError that names the option and the rule it breaks.
+    void validate() const;
+};
+
+/// Throws Error (with its exit code).
+[[nodiscard]] JobResult run_photo_simulation(const PhotoSimulationJob& job, Progress& progress);
+
+}  // namespace voxtone::calibration

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/calibration/profile/profile_job.h"
+
+#include <filesystem>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "voxtone/base/error.h"
+#include "voxtone/calibration/profile/profile_plot.h"
+#include "voxtone/io/files/whole_file.h"
+#include "voxtone/io/profiles/profile_file.h"
+
+namespace voxtone::calibration {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+void check_side(const ProfileSide& side, const char* total) {
+    if (!side.total) throw UsageError(fmt::format("{} is missing: the measured albedo of red, green and blue", total));
+    if (side.mm_per_px == 0) throw UsageError("--mm-per-px is missing");
+}
+
+MeasuredSide measured(const ProfileJob& job, const ProfileSide& side, const std::string& name, Progress& progress) {
+    ProfileMeasureOptions options = job.measure;
+    options.mm_per_px = side.mm_per_px;
+    progress.begin_stage(name, 0);
+    MeasuredSide result = measure_side({name, side.lit, side.dark, *side.total}, options, &progress);
+    progress.end_stage();
+    for (const std::string& warning : result.warnings) progress.warn(warning);
+    return result;
+}
+
+Json side_json(const MeasuredSide& side) {
+    Json channels = Json::array();
+    for (const RadialProfile& p : side.profile)
+        channels.push_back({{"noise", p.noise},
+                            {"asymmetry", p.asymmetry},
+                            {"scale_error", p.scale_error},
+                            {"missing_px", p.missing}});
+    return {{"centre_px", {side.centre.px.x(), side.centre.px.y()}},
+            {"centre_error_px", {side.centre.error_px.x(), side.centre.error_px.y()}},
+            {"samples", side.profile[0].light.size()},
+            {"seconds", side.seconds},
+            {"step", side.step},
+            {"pixels_by_longest_exposure", side.pixels},
+            {"tail", side.tail},
+            {"channels", channels}};
+}
+
+std::string side_text(const MeasuredSide& side, const char* name) {
+    const std::size_t samples = side.profile[0].light.size();
+    std::string text = fmt::format("{}: centre ({:.3f}, {:.3f}) px, to {:.4f} px; {} samples to {:.2f} mm\n", name,
+                                   side.centre.px.x(), side.centre.px.y(), side.centre.error_px.maxCoeff(), samples,
+                                   static_cast<double>(samples - 1) * side.spacing_mm);
+    text += "  longest exposure that counts, pixels:";
+    for (std::size_t k = 0; k < side.seconds.size(); ++k)
+        text += fmt::format(" {} {}{}", seconds_text(side.seconds[k]), side.pixels[k + 1],
+                            k + 1 < side.seconds.size() ? "," : "\n");
+    constexpr const char* names[] = {"red", "green", "blue"};
+    for (std::size_t c = 0; c < 3; ++c)
+        text +=
+            fmt::format("  {:<5} noise {:.2f} times the camera's, not round {:.2f} %, scale to {:.2f} %\n", names[c],
+                        side.profile[c].noise, 100 * side.profile[c].asymmetry, 100 * side.profile[c].scale_error);
+    return text;
+}
+
+io::ProfileFile file_of(const ProfileJob& job, const MeasuredSide& R, const std::optional<MeasuredSide>& T) {
+    io::ProfileFile file;
+    file.name = job.name.empty() ? fs::path(job.out).stem().string() : job.name;
+    file.source = fmt::format("measured from {} exposures", job.reflection.lit.size() + job.transmission.lit.size());
+    for (std::size_t c = 0; c < 3; ++c) {
+        file.by_channel.push_back({job.thickness_mm.value_or(0), {}, R.samples(c)});
+        if (T) file.by_channel.back().T = T->samples(c);
+    }
+    return file;
+}
+
+}  // namespace
+
+void ProfileJob::validate() const {
+    if (!reflection.given())
+        throw UsageError("--reflection is missing: photographs of the lit point from the side of the light");
+    if (transmission.given() != thickness_mm.has_value())
+        throw UsageError(
+            "a layer has --transmission and --thickness, a target (what is wanted of a surface) has neither; one is "
+            "given");
+    if (thickness_mm && !(*thickness_mm > 0))
+        throw UsageError(fmt::format("--thickness is {} mm; it must be above 0", *thickness_mm));
+    check_side(reflection, "--reflectance");
+    if (!transmission.given()) return;
+    check_side(transmission, "--transmittance");
+    expect_no_light_made(*reflection.total, *transmission.total);
+}
+
+JobResult run_profile_job(const ProfileJob& job, Progress& progress) {
+    job.validate();
+    Json json{{"format", "voxtone-calibrate-profile"}, {"version", 1}, {"profile", job.out}};
+    const MeasuredSide R = measured(job, job.reflection, "reflection", progress);
+    json["R"] = side_json(R);
+    std::string text = side_text(R, "reflection");
+    std::optional<MeasuredSide> T;
+    if (job.transmission.given()) {
+        T = measured(job, job.transmission, "transmission", progress);
+        json["T"] = side_json(*T);
+        text += side_text(*T, "transmission");
+    }
+    if (job.spot_mm) {
+        const double k = blurred_from(*job.spot_mm, 0.1);
+        json["blurred_from_per_mm"] = k;
+        text += fmt::format(
+            "The spot lowers coefficients above {:.2f} cycles per mm (waves shorter than {:.3f} mm) by more than 10 "
+            "%\n",
+            k, 1 / k);
+    }
+    const std::string plot = job.plot.empty() ? fs::path(job.out).replace_extension(".svg").string() : job.plot;
+    const io::ProfileFile file = file_of(job, R, T);
+    io::write_whole_file(job.out, io::profile_text(file));
+    io::write_whole_file(plot, profile_plot(file));
+    json["plot"] = plot;
+    return {json.dump(), text + fmt::format("Wrote {}, drawn in {}\n", job.out, plot)};
+}
+
+}  // namespace voxtone::calibration

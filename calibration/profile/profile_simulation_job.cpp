@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/calibration/profile/profile_simulation_job.h"
+
+#include <filesystem>
+#include <system_error>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "voxtone/base/error.h"
+#include "voxtone/io/files/whole_file.h"
+#include "voxtone/io/profiles/profile_file.h"
+#include "voxtone/io/profiles/resin_file.h"
+
+namespace voxtone::calibration {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double truth_spacing_mm = 0.044;  // that of the paper, as measurements have by default
+
+void make_folder(const fs::path& folder) {
+    std::error_code error;
+    fs::create_directories(folder, error);
+    if (error) throw FileError(fmt::format("{}: cannot be made: {}", folder.string(), error.message()));
+}
+
+/// NAME-01.exr, NAME-dark-01.exr, ...
+void write_series(const SpotScene& scene, const std::string& name, const ProfileSimulationJob& job,
+                  Progress& progress) {
+    progress.begin_stage(name, job.camera.seconds.size(), "exposures");
+    for (std::size_t k = 0; k < job.camera.seconds.size(); ++k) {
+        progress.check_cancelled();
+        for (const bool lit : {true, false}) {
+            const fs::path file = fs::path(job.out) / fmt::format("{}{}-{:02}.exr", name, lit ? "" : "-dark", k + 1);
+            io::write_whole_file(file, io::photograph_bytes(scene.photograph(k, lit).photograph, file.string()));
+        }
+        progress.advance();
+    }
+    progress.end_stage();
+}
+
+io::ProfileFile true_profile(const ProfileSimulationJob& job, const std::string& set, const SpotScene& R,
+                             const SpotScene& T) {
+    const auto samples = static_cast<std::size_t>(job.camera.size_px * job.camera.mm_per_px / 2 / truth_spacing_mm);
+    io::ProfileFile truth{fmt::format("{} {}", set, job.role),
+                          "simulated: what the photographs were drawn from, seen through spot, blur and pixel",
+                          {},
+                          {}};
+    for (std::size_t c = 0; c < 3; ++c)
+        truth.by_channel.push_back(
+            {job.thickness_mm, T.truth(c, truth_spacing_mm, samples), R.truth(c, truth_spacing_mm, samples)});
+    return truth;
+}
+
+/// The command that measures the photographs.
+std::string next_command(const ProfileSimulationJob& job, const SlabProfiles& slab) {
+    const auto totals = [](const std::array<std::vector<double>, 3>& side) {
+        return fmt::format("{:.6g},{:.6g},{:.6g}", side[0][0], side[1][0], side[2][0]);
+    };
+    return fmt::format(
+        "voxtone calibrate profile --reflection {0}/reflection-??.exr --reflection-dark {0}/reflection-dark-??.exr "
+        "--reflectance {1} --transmission {0}/transmission-??.exr --transmission-dark {0}/transmission-dark-??.exr "
+        "--transmittance {2} --thickness {3}mm --mm-per-px {4} -o profile.json",
+        job.out, totals(slab.R), totals(slab.T), job.thickness_mm, job.camera.mm_per_px);
+}
+
+JobResult result_of(const ProfileSimulationJob& job, const SlabProfiles& slab, const Eigen::Vector2d& centre_px,
+                    const std::string& truth_file) {
+    const std::string next = next_command(job, slab);
+    const nlohmann::ordered_json json{{"format", "voxtone-calibrate-simulate-profile"},
+                                      {"version", 1},
+                                      {"folder", job.out},
+                                      {"truth", truth_file},
+                                      {"centre_px", {centre_px.x(), centre_px.y()}},
+                                      {"reflectance", {slab.R[0][0], slab.R[1][0], slab.R[2][0]}},
+                                      {"transmittance", {slab.T[0][0], slab.T[1][0], slab.T[2][0]}},
+                                      {"next", next}};
+    return {json.dump(),
+            fmt::format("{}: {} exposures of {} x {} pixels and as many dark frames of each side; the truth is in "
+                        "{}\nMeasure them: {}\n",
+                        job.out, job.camera.seconds.size(), job.camera.size_px, job.camera.size_px, truth_file, next)};
+}
+
+}  // namespace
+
+void ProfileSimulationJob::validate() const {
+    if (!(thickness_mm > 0))
+        throw InputError(fmt::format("--thickness: the slab is {} mm thick; it must be above 0", thickness_mm));
+    camera.validate();
+}
+
+JobResult run_profile_simulation(const ProfileSimulationJob& job, Progress& progress) {
+    job.validate();
+    const optics::ResinSet set = io::find_resin_set(job.resins);
+    const SlabProfiles slab =
+        slab_profiles(set, job.role, job.thickness_mm, job.camera.grid(), job.paths, job.camera.seed, &progress);
+    make_folder(job.out);
+    const SpotScene R(slab.R, job.camera), T(slab.T, job.camera);
+    write_series(R, "reflection", job, progress);
+    write_series(T, "transmission", job, progress);
+    const std::string truth_file = (fs::path(job.out) / "truth.json").string();
+    io::write_whole_file(truth_file, io::profile_text(true_profile(job, set.name, R, T)));
+    return result_of(job, slab, R.centre_px(), truth_file);
+}
+
+}  // namespace voxtone::calibration

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// `voxtone calibrate target`: a target laid out, printed, described (target_file.h) and drawn. How boxes become layers
+// of a printer is not known here: the caller brings it.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "voxtone/base/job_result.h"
+#include "voxtone/base/progress.h"
+#include "voxtone/calibration/target/target_layout.h"
+#include "voxtone/io/layers/manifest.h"
+
+namespace voxtone::calibration {
+
+struct TargetJob {
+    TargetOptions layout;   ///< for the printer's voxels
+    std::string resin_set;  ///< the resins as far as they are known, or a file of them; empty: nothing is known
+    std::vector<std::array<std::uint8_t, 3>>
+        display_rgb;  ///< sRGB of `layout.roles`, for the picture; contract: as many
+    std::string out;  ///< folder of the stack, for target.json and target.png
+
+    /// Throws UsageError that names what is missing; what is wrong with the layout lay_out_target says.
+    void validate() const;
+};
+
+/// Boxes from (0, 0, 0) to `size_mm` as a printed stack in the job's folder.
+using PrintBoxes = std::function<io::StackDescription(const std::vector<TargetBox>& boxes,
+                                                      const Eigen::Vector3d& size_mm, Progress& progress)>;
+
+/// Throws Error (with its exit code). Warns of a base that light may come through.
+[[nodiscard]] JobResult run_target_job(const TargetJob& job, const PrintBoxes& print, Progress& progress);
+
+}  // namespace voxtone::calibration
