@@ -7,16 +7,10 @@
 
 #include <cstddef>
 
+#include "voxtone/halftone/separation/lattice_view.h"
 #include "voxtone/halftone/separation/mixture.h"
 
 namespace voxtone::halftone {
-
-/// Nodes are even in the cube root of each channel, red fastest.
-struct LatticeView {
-    const float* root;  ///< nodes^3 times max_resins square roots of shares
-    int nodes;          ///< along each axis, in [2, 65]
-    int resins;
-};
 
 /// Shares of one colour, max_resins of them; their sum is near 1. Channels outside [0, 1] are clamped, NaN is 0.
 void lattice_shares(const LatticeView& lattice, float red, float green, float blue, float* shares);

@@ -16,7 +16,8 @@
 #include <cstdint>
 #include <utility>
 
-#include "voxtone/halftone/separation/lattice_lookup.h"
+#include "voxtone/halftone/separation/lattice_view.h"
+#include "voxtone/halftone/separation/mixture.h"
 
 namespace voxtone::halftone {
 

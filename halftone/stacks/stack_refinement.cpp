@@ -132,6 +132,73 @@ Eigen::VectorXd limited_step(const Eigen::MatrixXd& A, const Eigen::VectorXd& g,
     return share * p;
 }
 
+/// InputError where the limits are broken by more than rounding; what is broken by less is let be.
+Limits reachable_limits(std::span<const StackLayer> layers, const Eigen::VectorXd& h, const StackSearchOptions& o) {
+    Limits limits = make_limits(layers, o);
+    const Eigen::VectorXd start = limits.slope * h;
+    if (((start - limits.least).array() < -1e-6).any())
+        throw InputError(fmt::format(
+            "stack refinement: the layers break the limits already: {} mm thick (at most {}), or a material nearer to "
+            "the top than allowed",
+            h.sum(), o.thickness_mm));
+    limits.least = limits.least.cwiseMin(start);
+    return limits;
+}
+
+/// Nielsen's rule: the damping follows how well the model foresees the gain (K. Madsen, H. B. Nielsen, O. Tingleff,
+/// "Methods for non-linear least squares problems", 2nd ed., DTU 2004, Sec. 3.2).
+struct Damping {
+    double value = 1e-3, raise = 2;
+    void after_loss() {
+        value *= raise;
+        raise *= 2;
+    }
+    void after_gain(double gained, double foreseen) {
+        const double trust = 2 * gained / foreseen - 1;
+        value = std::max(value * std::clamp(1 - trust * trust * trust, 1.0 / 3, 2.0), 1e-12);
+        raise = 2;
+    }
+};
+
+/// The floor keeps layers that are hardly seen from running far ahead of what the model knows of them.
+Eigen::MatrixXd damped(const Eigen::MatrixXd& normal, double damping) {
+    Eigen::MatrixXd A = normal;
+    A.diagonal() += damping * normal.diagonal().cwiseMax(1e-2 * normal.diagonal().maxCoeff()) +
+                    Eigen::VectorXd::Constant(normal.rows(), 1e-12 * (normal.trace() + 1e-30));
+    return A;
+}
+
+/// Levenberg and Marquardt's method from h, until five steps in a row gain nothing.
+void minimise(const Refinement& refinement, const Limits& limits, Eigen::VectorXd& h, RefinedStack& refined) {
+    Eigen::VectorXd residual;
+    Eigen::MatrixXd slope;
+    Damping damping;
+    int small_gains = 0;
+    refined.converged = false;
+    refinement.linearise(h, residual, slope);
+    for (int iteration = 0; iteration < most_iterations && !refined.converged; ++iteration) {
+        const Eigen::MatrixXd normal = slope.transpose() * slope;
+        const Eigen::VectorXd g = slope.transpose() * residual;
+        const Eigen::VectorXd p =
+            limited_step(damped(normal, damping.value), g, limits.slope, limits.least - limits.slope * h);
+        const double foreseen = std::max(-2 * g.dot(p) - p.dot(normal * p), 1e-300);
+        const Eigen::VectorXd next = (h + p).cwiseMax(0.0);
+        const double before = refined.distance, distance = refinement.distance(next);
+        if (!(distance < before)) {
+            damping.after_loss();
+            refined.converged = damping.value > 1e12 || (next - h).cwiseAbs().maxCoeff() < 1e-12;
+            continue;
+        }
+        h = next;
+        refined.distance = distance;
+        ++refined.steps;
+        damping.after_gain(before * before - distance * distance, foreseen);
+        refinement.linearise(h, residual, slope);
+        small_gains = before - distance < least_gain ? small_gains + 1 : 0;
+        refined.converged = small_gains == 5;
+    }
+}
+
 void check(std::span<const StackMaterial> materials, std::span<const StackLayer> layers, const ChannelProfiles& target,
            const StackSearchOptions& o) {
     if (materials.empty() || materials[0].empty()) throw InputError("stack refinement: no material; give at least one");
@@ -185,56 +252,7 @@ RefinedStack refine_stack(std::span<const StackMaterial> materials, std::span<co
     refined.distance_before = refined.distance;
     if (present.empty()) return refined;
 
-    Limits limits = make_limits(present, options);
-    const Eigen::VectorXd start = limits.slope * h;
-    if (((start - limits.least).array() < -1e-6).any())
-        throw InputError(fmt::format(
-            "stack refinement: the layers break the limits already: {} mm thick (at most {}), or a material nearer to "
-            "the top than allowed",
-            h.sum(), options.thickness_mm));
-    limits.least = limits.least.cwiseMin(start);
-
-    Eigen::VectorXd residual;
-    Eigen::MatrixXd slope;
-    double damping = 1e-3;
-    double raise = 2;  // Nielsen's rule: damping follows how well the model foresees the gain
-    int small_gains = 0;
-    refined.converged = false;
-    refinement.linearise(h, residual, slope);
-    for (int iteration = 0; iteration < most_iterations; ++iteration) {
-        const Eigen::MatrixXd normal = slope.transpose() * slope;
-        Eigen::MatrixXd A = normal;
-        // The floor keeps layers that are hardly seen from running far ahead of what the model knows of them.
-        A.diagonal() += damping * normal.diagonal().cwiseMax(1e-2 * normal.diagonal().maxCoeff()) +
-                        Eigen::VectorXd::Constant(h.size(), 1e-12 * (normal.trace() + 1e-30));
-        const Eigen::VectorXd g = slope.transpose() * residual;
-        const Eigen::VectorXd p = limited_step(A, g, limits.slope, limits.least - limits.slope * h);
-        const double foreseen = std::max(-2 * g.dot(p) - p.dot(normal * p), 1e-300);
-        const Eigen::VectorXd next = (h + p).cwiseMax(0.0);
-        const double distance = refinement.distance(next);
-        if (!(distance < refined.distance)) {
-            damping *= raise;
-            raise *= 2;
-            if (damping > 1e12 || (next - h).cwiseAbs().maxCoeff() < 1e-12) {
-                refined.converged = true;
-                break;
-            }
-            continue;
-        }
-        const double before = refined.distance, gained = before - distance;
-        h = next;
-        refined.distance = distance;
-        ++refined.steps;
-        const double trust = 2 * (before * before - distance * distance) / foreseen - 1;
-        damping = std::max(damping * std::clamp(1 - trust * trust * trust, 1.0 / 3, 2.0), 1e-12);
-        raise = 2;
-        refinement.linearise(h, residual, slope);
-        small_gains = gained < least_gain ? small_gains + 1 : 0;
-        if (small_gains == 5) {
-            refined.converged = true;
-            break;
-        }
-    }
+    minimise(refinement, reachable_limits(present, h, options), h, refined);
     refined.layers = refinement.stacked(h);
     return refined;
 }

@@ -11,6 +11,7 @@
 #include <hwy/targets.h>
 
 #include "voxtone/base/random.h"
+#include "voxtone/halftone/separation/lattice_lookup.h"
 #include "voxtone/halftone/separation/scalar_lookup.h"
 
 using namespace voxtone;
