@@ -3,13 +3,16 @@
 // From any mesh to a surface that encloses a body (solid_mesh.h), with a diagnosis in numbers.
 //
 // For winding numbers it is enough that the oriented faces form a closed chain, so a mesh that does is left exactly as
-// it is, crossings and non-manifold edges included; only shells that face inward are turned. Anything else is, with
-// `automatic`,
-//   welded (corners nearer than a tenth of a voxel or 1e-5 of the size), freed of faces without area and doubled faces,
-//   oriented alike, and its holes are filled on the vertices that are there, which always gives a closed chain.
+// it is, crossings and non-manifold edges included; only shells that face inward are turned. With `automatic` anything
+// else is welded (corners nearer than a tenth of a voxel or 1e-5 of the size), freed of faces without area and doubled
+// faces, oriented alike, and its holes are filled on the vertices that are there, which always gives a closed chain.
 // Where a large part of the surface consists of loose pieces that such filling would only close upon themselves (a
 // soup), these pieces are wrapped instead: a surface is shrunk onto them from outside (alpha_wrap.h). `wrap` does so
 // with everything.
+//
+// Welding, orienting and filling are own code: those of CGAL's Polygon Mesh Processing work on 2-manifold meshes and
+// split or drop what is none, while a chain may keep crossings and edges with more than two faces, and so the user's
+// triangles and their colours.
 #pragma once
 
 #include <cstdint>
