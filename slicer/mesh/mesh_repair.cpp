@@ -211,6 +211,37 @@ void fill(SolidMesh& mesh, const std::vector<HoleFill>& fills, RepairReport& rep
                                           fills.size() == 1 ? " was" : "s were", report.filled_area_mm2));
 }
 
+// Welds, drops, orients and fills until the chain is closed; wraps what filling would only close upon itself.
+void close_chain(SolidMesh& mesh, const RepairOptions& options, RepairedMesh& result, const Progress* progress) {
+    RepairReport& report = result.report;
+    report.welded_vertices = weld(mesh, std::min(0.1 * options.pitch_mm, 1e-5 * diagonal_mm(mesh)));
+    drop_collapsed(mesh);
+    if (open_edges(mesh.triangles) != 0) drop_duplicates(mesh);
+    report.dropped_faces = report.before.triangles - mesh.triangles.size();
+    report.turned_faces = orient_consistently(mesh.triangles);
+    if (report.welded_vertices + report.dropped_faces + report.turned_faces > 0)
+        report.messages.push_back(
+            fmt::format("The mesh was open at {} edges; {} corners were welded, {} faces dropped, {} faces turned.",
+                        report.before.open_edges, report.welded_vertices, report.dropped_faces, report.turned_faces));
+    std::vector<HoleFill> fills = fill_holes(mesh.positions_mm, mesh.triangles);
+    const std::vector<bool> loose = loose_faces(mesh, fills);
+    if (std::find(loose.begin(), loose.end(), true) != loose.end()) {
+        wrap_faces(mesh, loose, options, result, progress);
+        fills = fill_holes(mesh.positions_mm, mesh.triangles);
+    }
+    fill(mesh, fills, report);
+}
+
+void turn_outward(SolidMesh& mesh, RepairReport& report) {
+    const Shells shells = find_shells(mesh.triangles);
+    const ShellTurns turns = orient_outward(mesh.positions_mm, mesh.triangles, shells);
+    report.turned_shells = turns.turned;
+    report.cavities = turns.cavities;
+    if (turns.turned)
+        report.messages.push_back(fmt::format("{} of {} shells faced inward and {} turned outward.", turns.turned,
+                                              shells.count, turns.turned == 1 ? "was" : "were"));
+}
+
 }  // namespace
 
 RepairedMesh repair_mesh(const io::TexturedMesh& textured, const RepairOptions& options, const Progress* progress) {
@@ -237,34 +268,12 @@ RepairedMesh repair_mesh(const io::TexturedMesh& textured, const RepairOptions& 
     if (options.mode == RepairMode::wrap) {
         wrap_faces(mesh, std::vector<bool>(mesh.triangles.size(), true), options, result, progress);
     } else if (!closed) {
-        report.welded_vertices = weld(mesh, std::min(0.1 * options.pitch_mm, 1e-5 * diagonal_mm(mesh)));
-        drop_collapsed(mesh);
-        if (open_edges(mesh.triangles) != 0) drop_duplicates(mesh);
-        report.dropped_faces = report.before.triangles - mesh.triangles.size();
-        report.turned_faces = orient_consistently(mesh.triangles);
-        if (report.welded_vertices + report.dropped_faces + report.turned_faces > 0)
-            report.messages.push_back(fmt::format(
-                "The mesh was open at {} edges; {} corners were welded, {} faces dropped, {} faces turned.",
-                report.before.open_edges, report.welded_vertices, report.dropped_faces, report.turned_faces));
-        std::vector<HoleFill> fills = fill_holes(mesh.positions_mm, mesh.triangles);
-        const std::vector<bool> loose = loose_faces(mesh, fills);
-        if (std::find(loose.begin(), loose.end(), true) != loose.end()) {
-            wrap_faces(mesh, loose, options, result, progress);
-            fills = fill_holes(mesh.positions_mm, mesh.triangles);
-        }
-        fill(mesh, fills, report);
+        close_chain(mesh, options, result, progress);
     }
     VOXTONE_ENSURE(open_edges(mesh.triangles) == 0);
 
-    if (options.mode != RepairMode::off) {
-        const Shells shells = find_shells(mesh.triangles);
-        const ShellTurns turns = orient_outward(mesh.positions_mm, mesh.triangles, shells);
-        report.turned_shells = turns.turned;
-        report.cavities = turns.cavities;
-        if (turns.turned)
-            report.messages.push_back(fmt::format("{} of {} shells faced inward and {} turned outward.", turns.turned,
-                                                  shells.count, turns.turned == 1 ? "was" : "were"));
-    }
+    if (options.mode != RepairMode::off) turn_outward(mesh, report);
+
     const bool untouched = mesh.triangles == textured.triangles, count_again = !untouched && crossings_count();
     result.solid = untouched && given ? std::move(*given) : SolidIndex(std::move(mesh));
     report.after = untouched ? report.before

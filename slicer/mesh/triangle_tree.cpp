@@ -55,6 +55,11 @@ struct TriangleTree::Bounds {
         return d[0] * d[1] + d[1] * d[2] + d[2] * d[0];
     }
     [[nodiscard]] Vector3f twice_centre() const { return low + high; }
+
+    /// Of a range of triangles.
+    [[nodiscard]] static Bounds of(std::span<const std::uint32_t> range, std::span<const Bounds> bounds);
+    /// Where to cut a range of at least two triangles; reorders it.
+    [[nodiscard]] static std::size_t split(std::span<std::uint32_t> range, std::span<const Bounds> bounds);
 };
 
 TriangleTree::TriangleTree(std::span<const Vector3d> positions, std::span<const std::array<std::uint32_t, 3>> triangles)
@@ -81,71 +86,71 @@ TriangleTree::TriangleTree(std::span<const Vector3d> positions, std::span<const 
     if (!triangles.empty()) build(order, bounds);
 }
 
-std::uint32_t TriangleTree::build(std::span<std::uint32_t> triangles, std::span<const Bounds> bounds) {
-    const auto bounds_of = [&](std::span<const std::uint32_t> range) {
-        Bounds all;
-        for (const std::uint32_t t : range) all.add(bounds[t]);
-        return all;
-    };
-    // Where to cut a range of at least two triangles; reorders it.
-    const auto split = [&](std::span<std::uint32_t> range) {
-        constexpr int bins = 16;
-        Bounds centres;
-        for (const std::uint32_t t : range) centres.add({bounds[t].twice_centre(), bounds[t].twice_centre()});
-        int best_axis = -1, best_bin = 0;
-        float best_cost = std::numeric_limits<float>::infinity();
-        const auto bin_of = [&](std::uint32_t t, int axis) {
-            const float width = centres.high[axis] - centres.low[axis];
-            return std::min(bins - 1, int((bounds[t].twice_centre()[axis] - centres.low[axis]) / width * bins));
-        };
-        for (int axis = 0; axis < 3; ++axis) {
-            if (!(centres.high[axis] > centres.low[axis])) continue;
-            Bounds box[bins];
-            int count[bins] = {};
-            for (const std::uint32_t t : range) {
-                const int b = bin_of(t, axis);
-                box[b].add(bounds[t]);
-                ++count[b];
-            }
-            float right_cost[bins] = {};
-            Bounds right;
-            int n = 0;
-            for (int b = bins - 1; b > 0; --b) {
-                right.add(box[b]);
-                n += count[b];
-                right_cost[b] = n ? right.half_area() * float(n) : 0;
-            }
-            Bounds left;
-            n = 0;
-            for (int b = 1; b < bins; ++b) {
-                left.add(box[b - 1]);
-                n += count[b - 1];
-                if (n == 0 || n == int(range.size())) continue;
-                const float cost = left.half_area() * float(n) + right_cost[b];
-                if (cost < best_cost) best_cost = cost, best_axis = axis, best_bin = b;
-            }
-        }
-        if (best_axis < 0) return range.size() / 2;  // all centres in one place
-        const auto middle = std::partition(range.begin(), range.end(),
-                                           [&](std::uint32_t t) { return bin_of(t, best_axis) < best_bin; });
-        return std::size_t(middle - range.begin());
-    };
+TriangleTree::Bounds TriangleTree::Bounds::of(std::span<const std::uint32_t> range, std::span<const Bounds> bounds) {
+    Bounds all;
+    for (const std::uint32_t t : range) all.add(bounds[t]);
+    return all;
+}
 
+std::size_t TriangleTree::Bounds::split(std::span<std::uint32_t> range, std::span<const Bounds> bounds) {
+    constexpr int bins = 16;
+    Bounds centres;
+    for (const std::uint32_t t : range) centres.add({bounds[t].twice_centre(), bounds[t].twice_centre()});
+    int best_axis = -1, best_bin = 0;
+    float best_cost = std::numeric_limits<float>::infinity();
+    const auto bin_of = [&](std::uint32_t t, int axis) {
+        const float width = centres.high[axis] - centres.low[axis];
+        return std::min(bins - 1, int((bounds[t].twice_centre()[axis] - centres.low[axis]) / width * bins));
+    };
+    for (int axis = 0; axis < 3; ++axis) {
+        if (!(centres.high[axis] > centres.low[axis])) continue;
+        Bounds box[bins];
+        int count[bins] = {};
+        for (const std::uint32_t t : range) {
+            const int b = bin_of(t, axis);
+            box[b].add(bounds[t]);
+            ++count[b];
+        }
+        float right_cost[bins] = {};
+        Bounds right;
+        int n = 0;
+        for (int b = bins - 1; b > 0; --b) {
+            right.add(box[b]);
+            n += count[b];
+            right_cost[b] = n ? right.half_area() * float(n) : 0;
+        }
+        Bounds left;
+        n = 0;
+        for (int b = 1; b < bins; ++b) {
+            left.add(box[b - 1]);
+            n += count[b - 1];
+            if (n == 0 || n == int(range.size())) continue;
+            const float cost = left.half_area() * float(n) + right_cost[b];
+            if (cost < best_cost) best_cost = cost, best_axis = axis, best_bin = b;
+        }
+    }
+    if (best_axis < 0) return range.size() / 2;  // all centres in one place
+    const auto middle =
+        std::partition(range.begin(), range.end(), [&](std::uint32_t t) { return bin_of(t, best_axis) < best_bin; });
+    return std::size_t(middle - range.begin());
+}
+
+std::uint32_t TriangleTree::build(std::span<std::uint32_t> triangles, std::span<const Bounds> bounds) {
     const auto index = static_cast<std::uint32_t>(nodes_.size());
     nodes_.emplace_back();
     std::array<std::span<std::uint32_t>, 4> child{triangles};
-    std::array<Bounds, 4> box{bounds_of(triangles)};
+    std::array<Bounds, 4> box{Bounds::of(triangles, bounds)};
     int children = 1;
     while (children < 4) {
         int widest = -1;
         for (int c = 0; c < children; ++c)
             if (child[c].size() > 1 && (widest < 0 || box[c].half_area() > box[widest].half_area())) widest = c;
         if (widest < 0) break;
-        const std::size_t middle = split(child[widest]);
+        const std::size_t middle = Bounds::split(child[widest], bounds);
         child[children] = child[widest].subspan(middle);
         child[widest] = child[widest].first(middle);
-        box[widest] = bounds_of(child[widest]);
-        box[children] = bounds_of(child[children]);
+        box[widest] = Bounds::of(child[widest], bounds);
+        box[children] = Bounds::of(child[children], bounds);
         ++children;
     }
     for (int c = 0; c < 4; ++c) {

@@ -5,6 +5,10 @@
 //
 // The tree is built by binned surface-area splits (I. Wald, "On fast construction of SAH-based bounding volume
 // hierarchies", 2007) by one thread, so it is the same on every run. Boxes are floats rounded outward.
+//
+// Own code because answers are points in doubles and, of triangles at the same distance, the lowest, whatever the tree
+// looks like: Embree's point query works in floats, CGAL's AABB tree keeps what it meets first. Neither can be asked
+// for the nearest triangles of a whole box (nearest_candidates, which walks half spaces).
 // Coordinates in mm, below 1e5 mm. Threads: const members may be called from any thread.
 #pragma once
 

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <span>
 #include <tuple>
 
 #include <Eigen/Geometry>
@@ -242,6 +244,55 @@ std::vector<Crossing> crossings_between_outside(const FixedMesh& mesh, const Vox
     return found;
 }
 
+// The voxels that plates need: of crossings along one grid line in one gap, sorted, those that leave the body again
+// through faces that look away from each other.
+std::vector<Voxel> find_plates(std::span<const Crossing> crossings, const VoxelGrid& grid,
+                               const std::function<Vector3d(std::uint32_t)>& normal, int k_begin, int k_end) {
+    std::vector<Voxel> plates;
+    for (std::size_t n = 0; n < crossings.size();) {
+        const Crossing& first = crossings[n];
+        double low = first.x, high = first.x;
+        int sum = 0;
+        bool plate = false;  // or the ridge of a thick body, whose sides do not face away from each other
+        std::size_t m = n;
+        for (; m < crossings.size() && crossings[m].key() == first.key(); ++m) {
+            low = std::min(low, crossings[m].x);
+            high = std::max(high, crossings[m].x);
+            sum += crossings[m].step;
+            for (std::size_t before = n; before < m; ++before)
+                plate = plate || normal(crossings[before].triangle).dot(normal(crossings[m].triangle)) < -0.5;
+        }
+        if (plate && sum == 0) {
+            Voxel voxel = first.gap;
+            int& along = voxel[first.axis];
+            along = std::clamp(int(std::floor((low + high) / 2 + 0.5)), along - 1, along);
+            if (along >= 0 && along < grid.size[first.axis] && voxel[2] >= k_begin && voxel[2] < k_end)
+                plates.push_back(voxel);
+        }
+        n = m;
+    }
+    return plates;
+}
+
+// The layers [k_begin, k_end) of the body with some voxels added, which are sorted and each there once.
+void merge(const SpanSlab& body, std::span<const Voxel> added, int k_begin, int k_end, int width, SpanSlab& out) {
+    out.reset(k_begin, k_end, body.rows());
+    auto next = added.begin();
+    for (int k = k_begin; k < k_end; ++k)
+        for (int j = 0; j < body.rows(); ++j) {
+            const auto push_until = [&](int i) {
+                for (; next != added.end() && (*next)[2] == k && (*next)[1] == j && (*next)[0] < i; ++next)
+                    out.push((*next)[0], (*next)[0] + 1);
+            };
+            for (const Span& s : body.row(j, k)) {
+                push_until(s.begin);
+                out.push(s.begin, s.end);
+            }
+            push_until(width);
+            out.end_row();
+        }
+}
+
 }  // namespace
 
 Vector3d ThinFeatures::normal(std::uint32_t triangle) const {
@@ -304,34 +355,13 @@ std::uint64_t ThinFeatures::slab(int k_begin, int k_end, SpanSlab& out) const {
     SpanSlab base;
     solid_.slab(below(3), above(3), base);
     LayerBits body(base, grid.size[0]);
-    std::vector<Voxel> added;
 
     // Plates, two layers farther than asked for, since the wires look around.
     std::vector<Crossing> crossings = crossings_between_outside(solid_.fixed_mesh(), grid, body, below(2), above(2));
     std::sort(crossings.begin(), crossings.end(),
               [](const Crossing& a, const Crossing& b) { return a.key() < b.key(); });
-    for (std::size_t n = 0; n < crossings.size();) {
-        const Crossing& first = crossings[n];
-        double low = first.x, high = first.x;
-        int sum = 0;
-        bool plate = false;  // or the ridge of a thick body, whose sides do not face away from each other
-        std::size_t m = n;
-        for (; m < crossings.size() && crossings[m].key() == first.key(); ++m) {
-            low = std::min(low, crossings[m].x);
-            high = std::max(high, crossings[m].x);
-            sum += crossings[m].step;
-            for (std::size_t before = n; before < m; ++before)
-                plate = plate || normal(crossings[before].triangle).dot(normal(crossings[m].triangle)) < -0.5;
-        }
-        if (plate && sum == 0) {
-            Voxel voxel = first.gap;
-            int& along = voxel[first.axis];
-            along = std::clamp(int(std::floor((low + high) / 2 + 0.5)), along - 1, along);
-            if (along >= 0 && along < grid.size[first.axis] && voxel[2] >= below(2) && voxel[2] < above(2))
-                added.push_back(voxel);
-        }
-        n = m;
-    }
+    std::vector<Voxel> added = find_plates(
+        crossings, grid, [this](std::uint32_t t) { return normal(t); }, below(2), above(2));
     for (const Voxel& v : added) body.set(v);
 
     // Wires and tips. Judged by the body with its plates alone, so that the order of the edges does not matter.
@@ -367,21 +397,7 @@ std::uint64_t ThinFeatures::slab(int k_begin, int k_end, SpanSlab& out) const {
     std::erase_if(added, [&](const Voxel& v) { return v[2] < k_begin || v[2] >= k_end; });
     std::sort(added.begin(), added.end(), in_memory_order);
     added.erase(std::unique(added.begin(), added.end()), added.end());
-    out.reset(k_begin, k_end, grid.size[1]);
-    auto next = added.begin();
-    for (int k = k_begin; k < k_end; ++k)
-        for (int j = 0; j < grid.size[1]; ++j) {
-            const auto push_until = [&](int i) {
-                for (; next != added.end() && (*next)[2] == k && (*next)[1] == j && (*next)[0] < i; ++next)
-                    out.push((*next)[0], (*next)[0] + 1);
-            };
-            for (const Span& s : base.row(j, k)) {
-                push_until(s.begin);
-                out.push(s.begin, s.end);
-            }
-            push_until(grid.size[0]);
-            out.end_row();
-        }
+    merge(base, added, k_begin, k_end, grid.size[0], out);
     return added.size();
 }
 

@@ -28,9 +28,8 @@
 
 namespace voxtone::slicer {
 
-/// A block that has shell voxels. Row r = z * size[1] + y holds the voxels (origin[0] + 0..7, origin[1] + y, origin[2]
-/// + z); voxel l of row r is bit l of `shell[r]` and element r * 8 + l of the lists, which are undefined where the bit
-/// is 0.
+/// A block that has shell voxels. Row r = z * size[1] + y holds the voxels origin + (0..7, y, z); voxel l of row r is
+/// bit l of `shell[r]` and element r * 8 + l of the lists, which are undefined where the bit is 0.
 struct ShellBlock {
     static constexpr int width = 8;
     static constexpr int max_rows = 128;
@@ -59,9 +58,9 @@ public:
     [[nodiscard]] int block_rows() const { return (grid_.size[1] + block_size_[1] - 1) / block_size_[1]; }
     [[nodiscard]] int block_layers() const { return (grid_.size[2] + block_size_[2] - 1) / block_size_[2]; }
 
-    /// Visits the blocks of block row `bj`, block layer `bk` that have shell voxels and touch columns i_begin .. i_end
-    /// - 1, along +x. Voxels of layers that `body` does not hold are left out, so a slab may end anywhere. The block is
-    /// valid during the call only.
+    /// Visits, along +x, the blocks of block row `bj`, block layer `bk` that have shell voxels and touch the columns
+    /// [i_begin, i_end). Voxels of layers that `body` does not hold are left out, so a slab may end anywhere. The block
+    /// is valid during the call only.
     void for_each_block(int bj, int bk, const SpanSlab& body, const std::function<void(const ShellBlock&)>& visit,
                         int i_begin = 0, int i_end = std::numeric_limits<int>::max()) const;
 

@@ -69,7 +69,7 @@ int main(int argc, char** argv) {
     std::printf("%s: %zu triangles, %zu visible, %d x %d x %d = %.3g voxels, blocks of %d x %d x %d\n", path.c_str(),
                 mesh.triangles.size(), surface->triangles.size(), grid.size[0], grid.size[1], grid.size[2],
                 double(grid.voxels()), shell.block_size()[0], shell.block_size()[1], shell.block_size()[2]);
-    std::printf("set-up: repair %.3f s, visible surface %.3f s, solid %.3f s, thin features %.3f s, tree %.3f s\n",
+    std::printf("set-up: repair %.3f s, visible surface %.3f s, solid %.3f s, thin features %.3f s, shell %.3f s\n",
                 repair_s, visible_s, solid_s, thin_s, shell_s);
 
     const std::size_t cores = thread_count();
