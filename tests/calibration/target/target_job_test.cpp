@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/calibration/target/target_job.h"
+
+#include <filesystem>
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include "tests/io/files/temporary_folder.h"
+#include "voxtone/base/error.h"
+#include "voxtone/calibration/target/target_file.h"
+
+using namespace voxtone;
+using namespace voxtone::calibration;
+using Catch::Matchers::Contains;
+
+namespace {
+
+struct Warnings final : Progress {
+    std::string all;
+    void on_warning(const std::string& message) override { all += message + '\n'; }
+};
+
+TargetJob job_in(const std::filesystem::path& folder) {
+    TargetJob job;
+    job.layout.layout = TargetLayout::a;
+    job.layout.roles = {"K", "W"};
+    job.layout.printer = "imagined";
+    job.layout.pitch_um = {42, 84, 27};
+    job.display_rgb = {{0, 0, 0}, {255, 255, 255}};
+    job.out = folder.string();
+    return job;
+}
+
+}  // namespace
+
+TEST_CASE("a target is printed by whoever is asked to, then described and drawn beside the layers") {
+    const io::TemporaryFolder folder;
+    Warnings warnings;
+    std::size_t printed = 0;
+    const auto print = [&](const std::vector<TargetBox>& boxes, const Eigen::Vector3d& size_mm, Progress&) {
+        printed = boxes.size();
+        CHECK((boxes.front().max_mm.array() <= size_mm.array() + 1e-9).all());
+        io::StackDescription stack;
+        stack.layers = 210;
+        return stack;
+    };
+    const JobResult result = run_target_job(job_in(folder.path()), print, warnings);
+    const Target target = read_target(folder.path() / "target.json");
+    CHECK(printed == target_boxes(target).size());
+    CHECK(target.printer == "imagined");
+    CHECK(std::filesystem::exists(folder.path() / "target.png"));
+    CHECK(nlohmann::json::parse(result.json).at("layers") == 210);
+    CHECK_THAT(warnings.all, Contains("may not be opaque"));  // no resins are known
+}
+
+TEST_CASE("a target is refused by the name of what is wrong, before anything is printed") {
+    Warnings warnings;
+    const auto print = [](const std::vector<TargetBox>&, const Eigen::Vector3d&, Progress&) -> io::StackDescription {
+        FAIL("printed");
+        return {};
+    };
+    TargetJob job = job_in({});
+    CHECK_THROWS_WITH(run_target_job(job, print, warnings), Contains("--out"));
+    job.out = "out";
+    job.layout.roles = {"K"};
+    CHECK_THROWS_WITH(run_target_job(job, print, warnings), Contains("--resins"));
+    job.layout.roles = {"K", "W"};
+    job.resin_set = "vero-nothing";
+    CHECK_THROWS_WITH(run_target_job(job, print, warnings), Contains("vero-nothing"));
+}
