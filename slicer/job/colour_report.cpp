@@ -8,10 +8,8 @@
 #include <utility>
 
 #include <fmt/core.h>
-#include <Eigen/Geometry>
 
 #include "voxtone/base/parallel.h"
-#include "voxtone/base/random.h"
 #include "voxtone/io/files/whole_file.h"
 #include "voxtone/io/models/glb_writer.h"
 #include "voxtone/io/pictures/picture_writer.h"
@@ -20,6 +18,7 @@
 #include "voxtone/slicer/look/prediction_files.h"
 #include "voxtone/slicer/look/preview.h"
 #include "voxtone/slicer/look/vertex_colours.h"
+#include "voxtone/slicer/surface/area_samples.h"
 #include "voxtone/slicer/surface/target_cells.h"
 
 namespace voxtone::slicer {
@@ -29,7 +28,7 @@ namespace {
 /// The visible surface with a colour that is a function of the colour that was asked for there.
 template <class Map>
 ColouredSurface coloured(const ColourReport& s, Map map) {
-    const VisibleSurface& surface = s.body.surface;
+    const VisibleSurface& surface = *s.body.surface;
     ColouredSurface out;
     out.positions_mm = surface.positions_mm;
     out.triangles = surface.triangles;
@@ -57,25 +56,14 @@ ColouredSurface separated_surface(const ColourReport& s) {
 io::ReportGamut gamut_figures(const ColourReport& s) {
     constexpr std::size_t samples = 20000;
     constexpr double visible = 1.0;  // CIEDE2000; less is not called mapped
-    const VisibleSurface& surface = s.body.surface;
+    const VisibleSurface& surface = *s.body.surface;
     io::ReportGamut gamut;
     if (surface.triangles.empty()) return gamut;
-    std::vector<double> area_up_to(surface.triangles.size());
-    double area = 0;
-    for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
-        const auto& [a, b, c] = surface.triangles[t];
-        const Eigen::Vector3d &p = surface.positions_mm[a], &q = surface.positions_mm[b], &r = surface.positions_mm[c];
-        area_up_to[t] = area += 0.5 * (q - p).cross(r - p).norm();
-    }
+    const AreaSamples points(surface);
     const ColouredSurface target = target_surface(s);
     std::vector<double> differences(samples);
     parallel_for(0, samples, 256, [&](std::size_t i) {
-        RandomStream random(1, i);
-        const auto found = std::lower_bound(area_up_to.begin(), area_up_to.end(), random.uniform() * area);
-        const auto t =
-            std::uint32_t(std::min<std::ptrdiff_t>(found - area_up_to.begin(), std::ptrdiff_t(area_up_to.size()) - 1));
-        double u = random.uniform(), v = random.uniform();
-        if (u + v > 1) u = 1 - u, v = 1 - v;
+        const auto [t, u, v] = points.at(1, i);
         differences[i] = s.colour.separation.mapping_distance(target.colour(t, float(u), float(v)));
     });
     const auto mapped = std::count_if(differences.begin(), differences.end(), [](double d) { return d > visible; });

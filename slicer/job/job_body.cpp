@@ -2,13 +2,13 @@
 #include "voxtone/slicer/job/job_body.h"
 
 #include <filesystem>
-#include <limits>
 
 #include <fmt/core.h>
 
 #include "voxtone/base/error.h"
 #include "voxtone/base/stopwatch.h"
 #include "voxtone/io/models/model_reader.h"
+#include "voxtone/slicer/mesh/box.h"
 #include "voxtone/slicer/printer/picture_slab.h"
 
 namespace voxtone::slicer {
@@ -74,23 +74,17 @@ JobBody prepare_body(const ResolvedJob& job, const PrinterProfile& printer, Prog
     append(body.warnings, repaired.report.messages);
     progress.end_stage();
 
-    constexpr double infinity = std::numeric_limits<double>::infinity();
-    Eigen::Vector3d low = Eigen::Vector3d::Constant(infinity), high = -low;
-    for (const auto& triangle : repaired.solid.triangles)
-        for (const std::uint32_t corner : triangle) {
-            low = low.cwiseMin(repaired.solid.positions_mm[corner]);
-            high = high.cwiseMax(repaired.solid.positions_mm[corner]);
-        }
-    body.grid = grid_around(low, high, printer.pitch_mm());
+    const Eigen::AlignedBox3d box = bounding_box(repaired.solid->positions_mm, repaired.solid->triangles);
+    body.grid = grid_around(box.min(), box.max(), printer.pitch_mm());
     check_tray(body.grid, printer.tray_mm, body.placement);
 
     progress.begin_stage("find the visible surface", 0);
-    body.surface = body.is_picture
-                       ? picture_surface(body.model.mesh)
-                       : find_visible_surface(body.model.mesh.positions, body.model.mesh.triangles, repaired);
+    body.surface = SurfaceIndex(
+        body.is_picture ? picture_surface(body.model.mesh)
+                        : find_visible_surface(body.model.mesh.positions, body.model.mesh.triangles, repaired));
     progress.end_stage();
     body.repair = std::move(repaired.report);
-    body.solid_mesh = std::move(repaired.solid);
+    body.solid = std::move(repaired.solid);
     return body;
 }
 

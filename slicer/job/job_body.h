@@ -11,7 +11,7 @@
 #include "voxtone/base/progress.h"
 #include "voxtone/io/models/mesh.h"
 #include "voxtone/slicer/mesh/mesh_repair.h"
-#include "voxtone/slicer/mesh/solid_mesh.h"
+#include "voxtone/slicer/mesh/spatial_index.h"
 #include "voxtone/slicer/options/resolved_job.h"
 #include "voxtone/slicer/printer/placement.h"
 #include "voxtone/slicer/printer/printer.h"
@@ -24,9 +24,9 @@ struct JobBody {
     io::ModelFile model;  ///< positions in mm on the tray
     bool is_picture = false;
     Placement placement;
-    SolidMesh solid_mesh;
+    SolidIndex solid;
     RepairReport repair;
-    VisibleSurface surface;
+    SurfaceIndex surface;
     VoxelGrid grid;
     std::vector<std::string> warnings;  ///< of reader, placement and repair
     double read_s = 0;

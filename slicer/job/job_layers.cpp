@@ -312,7 +312,7 @@ JobLayers::JobLayers(DesignedStacks designed, const JobBody& body, const LoadedR
       placement_(std::move(designed.placed.placement)),
       fields_(designed.placed.stacks, aligned),
       screen_(std::array{body.grid.pitch_mm.x(), body.grid.pitch_mm.y(), body.grid.pitch_mm.z()}, &progress),
-      wrapped_(body.surface, body.grid, fields_, placement_, screen_, printed_materials(resins),
+      wrapped_(*body.surface, body.grid, fields_, placement_, screen_, printed_materials(resins),
                resins.core_material()) {
     fit = stack_fit(body, wrapped_, progress);
     warnings = warnings_of(designed.placed, fit);

@@ -56,9 +56,9 @@ LoopPlan plan_loop(const JobLoopOptions& options, const JobBody& body, const Loa
     if (options.iterations == 0) return none("");
     if (resins.set.resins.size() < 2)
         return none("The resins were not rearranged: one resin alone leaves nothing to choose.");
-    if (body.surface.triangles.empty())
+    if (body.surface->triangles.empty())
         return none("The resins were not rearranged: the body has no coloured surface.");
-    const double area_mm2 = coloured_area_mm2(body.surface), cm2 = area_mm2 / 100;
+    const double area_mm2 = coloured_area_mm2(*body.surface), cm2 = area_mm2 / 100;
     if (!options.iterations && cm2 > auto_loop_cm2)
         return none(fmt::format(
             "The resins were not rearranged: the coloured surface has {:.0f} cm2, and more than {:g} cm2 are not "
@@ -74,7 +74,7 @@ LoopPlan plan_loop(const JobLoopOptions& options, const JobBody& body, const Loa
 LoopCells::LoopCells(ViewedCells cells, const JobBody& body, const optics::ResinVolume& volume, double colour_mm)
     : seen(std::move(cells)),
       layers(halftone::skin_layers(colour_mm)),
-      places(body.surface, body.grid.origin_mm),
+      places(*body.surface, body.grid.origin_mm),
       index(seen.surface, volume.pitch_mm()) {}
 
 LoopProblem::LoopProblem(const ResolvedJob& of_job, const JobBody& body, const LoadedResins& of_resins,

@@ -43,7 +43,7 @@ PredictionPlan plan_prediction(const ResolvedJob& job, const JobBody& body, bool
     if (!job.report || (!options.automatic && !options.model)) return {};
     if (!all_layers) return {.why_not = "Only a part of the layers was made: a part is not predicted."};
     if (options.model) return {.by = By::model, .model = *options.model, .why_not = ""};
-    const double area_mm2 = coloured_area_mm2(body.surface);
+    const double area_mm2 = coloured_area_mm2(*body.surface);
     if (area_mm2 <= 100 * auto_prediction_cm2) return {.by = By::model, .why_not = ""};
     if (looped) return {.by = By::loop, .why_not = ""};
     return {.why_not =

@@ -15,6 +15,7 @@
 
 #include "voxtone/base/error.h"
 #include "voxtone/base/parallel.h"
+#include "voxtone/slicer/mesh/box.h"
 #include "voxtone/slicer/printer/placement.h"
 #include "voxtone/slicer/solid/solid.h"
 #include "voxtone/slicer/surface/surface_shell.h"
@@ -65,29 +66,13 @@ private:
     std::vector<Interval> intervals_;
 };
 
-/// The solid as a surface to measure from.
-VisibleSurface solid_surface(const SolidMesh& mesh) {
-    VisibleSurface surface;
-    surface.positions_mm = mesh.positions_mm;
-    surface.triangles = mesh.triangles;
-    surface.source_triangle.assign(mesh.triangles.size(), 0);
-    surface.source_uv.assign(mesh.triangles.size(),
-                             {Eigen::Vector2f::Zero(), Eigen::Vector2f::Zero(), Eigen::Vector2f::Zero()});
-    return surface;
-}
-
 VoxelGrid grid_about(const SolidMesh& mesh, double cell_mm) {
-    Eigen::Vector3d low = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity()), high = -low;
-    for (const auto& triangle : mesh.triangles)
-        for (const std::uint32_t corner : triangle) {
-            low = low.cwiseMin(mesh.positions_mm[corner]);
-            high = high.cwiseMax(mesh.positions_mm[corner]);
-        }
+    const Eigen::AlignedBox3d box = bounding_box(mesh.positions_mm, mesh.triangles);
     const Eigen::Vector3d cell = Eigen::Vector3d::Constant(cell_mm);
-    if (((high - low) / cell_mm + Eigen::Vector3d::Constant(2 * margin + 1)).prod() > std::pow(2.0, 29))
+    if ((box.sizes() / cell_mm + Eigen::Vector3d::Constant(2 * margin + 1)).prod() > std::pow(2.0, 29))
         throw InputError(
             fmt::format("--surface-cell {:g}mm: the body would take more than 2^29 cells; give larger ones", cell_mm));
-    return grid_around(low - margin * cell, high + margin * cell, cell);
+    return grid_around(box.min() - margin * cell, box.max() + margin * cell, cell);
 }
 
 SpanSlab everything(const VoxelGrid& grid, int first, int last) {
@@ -204,15 +189,14 @@ LayerSurface surface_of(const openvdb::FloatGrid& field, const VoxelGrid& grid, 
 std::vector<LayerSurface> layer_surfaces(const JobBody& body, const WrappedLayers& wrapped, double cell_mm,
                                          Progress& progress) {
     openvdb::initialize();
-    const VoxelGrid grid = grid_about(body.solid_mesh, cell_mm);
+    const VoxelGrid grid = grid_about(*body.solid, cell_mm);
     std::set<io::Material> used;
     for (std::size_t l = 0; l <= wrapped.fields().layers(); ++l) used.insert(wrapped.material(l));
     const std::vector<io::Material> materials(used.begin(), used.end());
 
-    const VisibleSurface boundary_surface = solid_surface(body.solid_mesh);
-    const Solid solid(body.solid_mesh, grid);
+    const Solid solid(*body.solid, grid);
     const SurfaceShell visible(body.surface, grid, wrapped.fields().most_depth_mm() + margin * cell_mm),
-        boundary(boundary_surface, grid, margin * cell_mm);
+        boundary(body.solid.tree(), grid, margin * cell_mm);
     const SlabFields slabs(grid, wrapped, materials);
     std::vector<std::vector<openvdb::FloatGrid::Ptr>> parts(std::size_t(visible.block_layers()));
     progress.begin_stage("surfaces", parts.size(), "slabs");

@@ -104,10 +104,10 @@ Eigen::Vector3f total_colour(const optics::Channels& channels, const halftone::C
 /// The surface in one colour for each cluster.
 ColouredSurface by_cluster(const JobLayers& layers, const JobBody& body, std::vector<Eigen::Vector3f> colours) {
     ColouredSurface out;
-    out.positions_mm = body.surface.positions_mm;
-    out.triangles = body.surface.triangles;
+    out.positions_mm = body.surface->positions_mm;
+    out.triangles = body.surface->triangles;
     out.colour = [&layers, &body, colours = std::move(colours)](std::uint32_t t, float u, float v) {
-        const auto& corner = body.surface.source_uv[t];
+        const auto& corner = body.surface->source_uv[t];
         const Eigen::Vector2f at = (1 - u - v) * corner[0] + u * corner[1] + v * corner[2];
         const Eigen::Vector2f place = layers.wrapped().map_point(t, at.x(), at.y());
         return colours[layers.wrapped().fields().stack_at(place.x(), place.y())];

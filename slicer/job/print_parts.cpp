@@ -14,11 +14,11 @@ PrintParts::PrintParts(const ResolvedJob& job, const JobBody& body, const Loaded
     : body_(body),
       resins_(resins),
       seed_(job.seed),
-      solid_(body.solid_mesh, body.grid),
+      solid_(*body.solid, body.grid),
       shell_(body.surface, body.grid, shell_mm),
       // Voxels are sampled at their centres: texture details finer than a voxel's footprint would alias.
       surface_colour_(body.model.mesh, std::sqrt(body.grid.pitch_mm.x() * body.grid.pitch_mm.y())) {
-    if (job.keep_thin) thin_.emplace(body.solid_mesh, solid_);
+    if (job.keep_thin) thin_.emplace(body.solid, solid_);
 }
 
 PrintParts::PrintParts(const ResolvedJob& job, const JobBody& body, const LoadedResins& resins, const JobColour& colour,
@@ -38,7 +38,7 @@ PrintParts::PrintParts(const ResolvedJob& job, const JobBody& body, const Loaded
 LayerSources PrintParts::sources(const SkinSource* skin) const {
     LayerSources sources{.solid = solid_,
                          .thin = thin_ ? &*thin_ : nullptr,
-                         .surface = body_.surface,
+                         .surface = *body_.surface,
                          .shell = shell_,
                          .core = resins_.core_material(),
                          .resins = wrapped_};

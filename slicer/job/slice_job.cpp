@@ -98,9 +98,9 @@ const io::StackDescription& finish_stack(const OpenedJob& job, const JobBody& bo
     const Stopwatch watch;
     progress.begin_stage("finish", 0);
     std::vector<std::array<float, 3>> positions;
-    if (job.outputs().gcvf) positions = single_precision(body.solid_mesh.positions_mm);
+    if (job.outputs().gcvf) positions = single_precision(body.solid->positions_mm);
     io::PreviewMesh preview;
-    if (!positions.empty()) preview = {positions, body.solid_mesh.triangles};
+    if (!positions.empty()) preview = {positions, body.solid->triangles};
     const io::StackDescription& stack = writer.finish(preview, &progress);
     io::write_whole_file(writer.folder() / job_file_name, job_json(job.options.asked));
     figures.layer_bytes = writer.bytes_written();

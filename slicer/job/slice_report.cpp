@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxtone/slicer/job/slice_report.h"
 
-#include <sys/resource.h>
-
 #include <fmt/core.h>
+
+#include "voxtone/base/peak_memory.h"
 
 #ifndef VOXTONE_VERSION
 #error "the build defines the program's version"
@@ -12,12 +12,6 @@
 namespace voxtone::slicer {
 
 namespace {
-
-std::uint64_t peak_memory_bytes() {
-    rusage usage{};
-    getrusage(RUSAGE_SELF, &usage);
-    return std::uint64_t(usage.ru_maxrss) * 1024;
-}
 
 io::ReportSection throughput(const JobBody& body, const io::StackDescription& stack, const JobFigures& f) {
     const double voxels = double(body.grid.size[0]) * body.grid.size[1] * stack.layers;

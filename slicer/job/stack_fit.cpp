@@ -1,42 +1,28 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxtone/slicer/job/stack_fit.h"
 
-#include <algorithm>
 #include <vector>
 
 #include <Eigen/Geometry>
 
 #include "voxtone/base/parallel.h"
-#include "voxtone/base/random.h"
 #include "voxtone/slicer/mesh/triangle_tree.h"
+#include "voxtone/slicer/surface/area_samples.h"
 
 namespace voxtone::slicer {
 
 StackFit stack_fit(const JobBody& body, const WrappedLayers& wrapped, const Progress& progress) {
     constexpr std::size_t samples = 20000;
-    const VisibleSurface& surface = body.surface;
-    std::vector<double> area_up_to;
-    std::vector<Eigen::Vector3d> normals;
-    double area = 0;
-    for (const auto& [a, b, c] : surface.triangles) {
-        const Eigen::Vector3d &p = surface.positions_mm[a], &q = surface.positions_mm[b], &r = surface.positions_mm[c];
-        normals.push_back((q - p).cross(r - p));
-        area_up_to.push_back(area += normals.back().norm());
-        normals.back().normalize();
-    }
-    if (!(area > 0)) return {};
-    const TriangleTree tree(surface.positions_mm, surface.triangles);
+    const VisibleSurface& surface = *body.surface;
+    if (!(coloured_area_mm2(surface) > 0)) return {};
+    const AreaSamples points(surface);
+    const TriangleTree& tree = body.surface.tree();
     const double slack = body.grid.pitch_mm.maxCoeff();
     std::vector<double> missing(samples, 0);
     parallel_for(
         0, samples, 64,
         [&](std::size_t i) {
-            RandomStream random(2, i);
-            const auto found = std::lower_bound(area_up_to.begin(), area_up_to.end(), random.uniform() * area);
-            const auto t = static_cast<std::uint32_t>(
-                std::min<std::ptrdiff_t>(found - area_up_to.begin(), std::ptrdiff_t(area_up_to.size()) - 1));
-            double u = random.uniform(), v = random.uniform();
-            if (u + v > 1) u = 1 - u, v = 1 - v;
+            const auto [t, u, v] = points.at(2, i);
             const auto& corner = surface.source_uv[t];
             const Eigen::Vector2f at = float(1 - u - v) * corner[0] + float(u) * corner[1] + float(v) * corner[2];
             const Eigen::Vector2f place = wrapped.map_point(t, at.x(), at.y());
@@ -45,9 +31,10 @@ StackFit stack_fit(const JobBody& body, const WrappedLayers& wrapped, const Prog
             // A picture's slab has its depth counted from the top only.
             const auto [p0, p1, p2] = tree.corners(t);
             const Eigen::Vector3d p = (1 - u - v) * p0 + u * p1 + v * p2;
+            const Eigen::Vector3d normal = (p1 - p0).cross(p2 - p0).normalized();
             const auto fits = [&](double h) {
                 return body.is_picture ? h <= body.placement.extent_mm.z() + slack
-                                       : tree.nearest(p - h * normals[t], t).distance >= h - slack;
+                                       : tree.nearest(p - h * normal, t).distance >= h - slack;
             };
             if (fits(depth)) return;
             double low = 0, high = depth;

@@ -4,22 +4,11 @@
 // (block_mixtures.h) or the layers of a stack (wrapped_layers.h).
 #pragma once
 
-#include <cstdint>
-
 #include "voxtone/io/layers/layer_runs.h"
+#include "voxtone/slicer/layers/layer_counts.h"
 #include "voxtone/slicer/surface/surface_shell.h"
 
 namespace voxtone::slicer {
-
-/// Counts of one or more slabs of layers.
-struct LayerCounts {
-    std::uint64_t body_voxels = 0;
-    std::uint64_t shell_voxels = 0;
-    std::uint64_t thin_voxels = 0;  ///< added because the feature was thinner than a voxel
-    /// Where the time went, seconds summed over threads.
-    double solid_s = 0, shell_s = 0, colour_s = 0, screen_s = 0, runs_s = 0;
-    LayerCounts& operator+=(const LayerCounts& other);
-};
 
 /// Calls visit(row, lane) for the shell voxels of a block, row by row.
 template <class Visit>

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//
-// Layers by error diffusion. The shell's mixtures of one layer of blocks are kept block by block (they grow with the
-// surface), and laid out in full for one layer at a time, because errors travel across whole layers. Core and air take
-// no part: nothing is owed there.
+#include "voxtone/slicer/layers/diffused_layers.h"
+
 #include <algorithm>
 #include <memory>
 #include <vector>
@@ -10,7 +8,6 @@
 #include "voxtone/base/stopwatch.h"
 #include "voxtone/halftone/screens/error_diffusion.h"
 #include "voxtone/slicer/layers/block_mixtures.h"
-#include "voxtone/slicer/layers/layer_maker.h"
 
 namespace voxtone::slicer {
 
@@ -64,16 +61,16 @@ void push_row(io::LayerRuns& out, int width, std::span<const Span> spans, const 
 
 }  // namespace
 
-LayerCounts LayerMaker::make_diffused(const MixtureSources& by_colour, int slab, int first, int last,
-                                      const LayerSink& sink) const {
-    const VoxelGrid& grid = sources_.solid.grid();
-    const int width = grid.size[0], height = grid.size[1], block_depth = sources_.shell.block_size()[2];
+LayerCounts make_diffused_layers(const LayerSources& sources, const MixtureSources& by_colour, int slab, int first,
+                                 int last, const LayerSink& sink) {
+    const VoxelGrid& grid = sources.solid.grid();
+    const int width = grid.size[0], height = grid.size[1], block_depth = sources.shell.block_size()[2];
     halftone::ErrorDiffusionOptions options;
     options.pitch_mm = {grid.pitch_mm.x(), grid.pitch_mm.y(), grid.pitch_mm.z()};
     options.seed = by_colour.seed;
     halftone::ErrorDiffusion diffusion(width, height, static_cast<int>(by_colour.separation.resins()), options);
     const auto mixtures =
-        std::make_unique<BlockMixtures>(sources_.surface, by_colour.colour, by_colour.separation, by_colour.skin);
+        std::make_unique<BlockMixtures>(sources.surface, by_colour.colour, by_colour.separation, by_colour.skin);
     FullLayer full(width, height);
     io::LayerRuns runs{std::uint32_t(width), std::uint32_t(height)};
     LayerCounts counts;
@@ -85,11 +82,11 @@ LayerCounts LayerMaker::make_diffused(const MixtureSources& by_colour, int slab,
         const int bk = begin / block_depth, end = std::min((bk + 1) * block_depth, last);
         SpanSlab spans;
         LayerCounts of_part;
-        body(begin, end, first, spans, of_part);
+        body_voxels(sources, begin, end, first, spans, of_part);
         of_part.solid_s += watch.lap();
         blocks.clear();
-        for (int bj = 0; bj < sources_.shell.block_rows(); ++bj)
-            sources_.shell.for_each_block(bj, bk, spans, [&](const ShellBlock& block) {
+        for (int bj = 0; bj < sources.shell.block_rows(); ++bj)
+            sources.shell.for_each_block(bj, bk, spans, [&](const ShellBlock& block) {
                 of_part.shell_s += watch.lap();
                 const std::size_t count = mixtures->gather(block);
                 of_part.colour_s += watch.lap();
@@ -110,7 +107,7 @@ LayerCounts LayerMaker::make_diffused(const MixtureSources& by_colour, int slab,
             runs.clear();
             for (int j = height - 1; j >= 0; --j) {
                 const std::size_t row = std::size_t(j) * std::size_t(width);
-                push_row(runs, width, spans.row(j, k), full.shell.data() + row, full.resin.data() + row, sources_.core);
+                push_row(runs, width, spans.row(j, k), full.shell.data() + row, full.resin.data() + row, sources.core);
             }
             of_part.runs_s += watch.lap();
             sink(k, runs);

@@ -9,6 +9,7 @@
 #include "voxtone/base/stopwatch.h"
 #include "voxtone/halftone/screens/error_diffusion.h"
 #include "voxtone/slicer/layers/block_mixtures.h"
+#include "voxtone/slicer/layers/diffused_layers.h"
 
 namespace voxtone::slicer {
 
@@ -92,18 +93,6 @@ bool shows_core_only(const LayerSources& s) {
 
 }  // namespace
 
-LayerCounts& LayerCounts::operator+=(const LayerCounts& other) {
-    body_voxels += other.body_voxels;
-    shell_voxels += other.shell_voxels;
-    thin_voxels += other.thin_voxels;
-    solid_s += other.solid_s;
-    shell_s += other.shell_s;
-    colour_s += other.colour_s;
-    screen_s += other.screen_s;
-    runs_s += other.runs_s;
-    return *this;
-}
-
 LayerMaker::LayerMaker(const LayerSources& sources) : sources_(sources), all_core_(shows_core_only(sources)) {
     VOXTONE_EXPECT(sources.core > 0 && sources.core < no_shell);
     if (const auto* by_colour = std::get_if<MixtureSources>(&sources.resins))
@@ -131,17 +120,7 @@ LayerCounts LayerMaker::make(int slab, int k_begin, int k_end, const LayerSink& 
     const int last = std::min({k_end, (slab + 1) * slab_layers(), sources_.solid.grid().size[2]});
     if (first >= last) return {};
     if (by_blocks() || all_core_) return make_screened(slab, first, last, sink);
-    return make_diffused(std::get<MixtureSources>(sources_.resins), slab, first, last, sink);
-}
-
-void LayerMaker::body(int first, int last, int counted_from, SpanSlab& out, LayerCounts& counts) const {
-    if (sources_.thin) {
-        const std::uint64_t added = sources_.thin->slab(first, last, out);
-        if (last > counted_from) counts.thin_voxels += added;
-    } else {
-        sources_.solid.slab(first, last, out);
-    }
-    for (int k = std::max(first, counted_from); k < last; ++k) counts.body_voxels += out.voxels_of_layer(k);
+    return make_diffused_layers(sources_, std::get<MixtureSources>(sources_.resins), slab, first, last, sink);
 }
 
 LayerCounts LayerMaker::make_screened(int slab, int first, int last, const LayerSink& sink) const {
@@ -149,7 +128,7 @@ LayerCounts LayerMaker::make_screened(int slab, int first, int last, const Layer
     LayerCounts counts;
     Stopwatch watch;
     SpanSlab spans;
-    body(first, last, first, spans, counts);
+    body_voxels(sources_, first, last, first, spans, counts);
     counts.solid_s += watch.lap();
 
     std::vector<io::LayerRuns> layers(std::size_t(last - first),

@@ -10,45 +10,13 @@
 // different slabs at once.
 #pragma once
 
-#include <cstdint>
-#include <functional>
 #include <memory>
-#include <variant>
 
-#include "voxtone/halftone/screens/blue_noise_screen.h"
-#include "voxtone/halftone/separation/separation.h"
-#include "voxtone/io/layers/layer_runs.h"
 #include "voxtone/slicer/layers/block_fill.h"
-#include "voxtone/slicer/layers/skin_source.h"
-#include "voxtone/slicer/layers/wrapped_layers.h"
-#include "voxtone/slicer/solid/solid.h"
-#include "voxtone/slicer/solid/thin_features.h"
-#include "voxtone/slicer/surface/surface_colour.h"
-#include "voxtone/slicer/surface/surface_shell.h"
-#include "voxtone/slicer/surface/visible_surface.h"
+#include "voxtone/slicer/layers/layer_counts.h"
+#include "voxtone/slicer/layers/layer_sources.h"
 
 namespace voxtone::slicer {
-
-/// The shell by colour.
-struct MixtureSources {
-    const SurfaceColour& colour;
-    const halftone::Separation& separation;
-    const halftone::BlueNoiseScreen* screen;  ///< null: error diffusion
-    std::uint64_t seed;                       ///< of error diffusion
-    const SkinSource* skin = nullptr;         ///< the appearance loop's mixtures instead of the separation's
-};
-
-/// What layers are made of; everything must outlive the maker.
-struct LayerSources {
-    const Solid& solid;
-    const ThinFeatures* thin;  ///< null: features thinner than a voxel may vanish
-    const VisibleSurface& surface;
-    const SurfaceShell& shell;
-    io::Material core;                                          ///< material of voxels below the shell
-    std::variant<MixtureSources, const WrappedLayers*> resins;  ///< of the shell
-};
-
-using LayerSink = std::function<void(int k, const io::LayerRuns& layer)>;
 
 class LayerMaker {
 public:
@@ -61,13 +29,9 @@ public:
 
 private:
     LayerCounts make_screened(int slab, int first, int last, const LayerSink& sink) const;
-    LayerCounts make_diffused(const MixtureSources& by_colour, int slab, int first, int last,
-                              const LayerSink& sink) const;
     /// Null: by error diffusion.
     [[nodiscard]] std::unique_ptr<BlockFill> block_fill() const;
     [[nodiscard]] bool by_blocks() const;
-    /// The voxels of [first, last); those from `counted_from` on are counted.
-    void body(int first, int last, int counted_from, SpanSlab& out, LayerCounts& counts) const;
 
     LayerSources sources_;
     bool all_core_;  ///< one colour, and it is that of the core: no voxel needs a look

@@ -3,11 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include <Eigen/Geometry>
 
 #include "voxtone/base/error.h"
+#include "voxtone/slicer/mesh/box.h"
 
 namespace voxtone::slicer {
 
@@ -35,12 +35,8 @@ MapPlacement MapPlacement::by_texture(const io::TexturedMesh& mesh, double map_w
 }
 
 MapPlacement MapPlacement::by_box(const io::TexturedMesh& mesh) {
-    Eigen::Vector3d low = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity()), high = -low;
-    for (const auto& triangle : mesh.triangles)
-        for (const std::uint32_t corner : triangle) {
-            low = low.cwiseMin(mesh.positions[corner]);
-            high = high.cwiseMax(mesh.positions[corner]);
-        }
+    const Eigen::AlignedBox3d box = bounding_box(mesh.positions, mesh.triangles);
+    const Eigen::Vector3d &low = box.min(), &high = box.max();
     MapPlacement placement;
     for (const auto& [a, b, c] : mesh.triangles) {
         const Eigen::Vector3d &p = mesh.positions[a], &q = mesh.positions[b], &r = mesh.positions[c];

@@ -3,11 +3,10 @@
 // Where on a flat map a point of a model's surface lies: for each triangle of the textured mesh an affine function of
 // the place (u, v) in it, in mm of the map from its lower left corner.
 //
-// - By texture coordinates: the unit square is the map, and repeats.
-// - By box: the point is projected along the dominant axis of its triangle's normal, in mm of the print, onto a map
-// that stands
-//   upright and readable on each of the six sides of the model's bounding box, its lower left corner in theirs, and
-//   beyond its edges is mirrored. On triangles that meet where the axis changes the map jumps.
+// By texture coordinates: the unit square is the map, and repeats.
+// By box: the point is projected along the dominant axis of its triangle's normal, in mm of the print, onto a map that
+// stands upright and readable on each of the six sides of the model's bounding box, its lower left corner in theirs,
+// and beyond its edges is mirrored. On triangles that meet where the axis changes the map jumps.
 #pragma once
 
 #include <array>

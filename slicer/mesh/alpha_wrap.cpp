@@ -13,7 +13,8 @@ namespace {
 
 struct TooManyPoints {};
 
-// Watches the shrinking: counts its points and lets the user stop it.
+// Watches the shrinking: counts its points and lets the user stop it. CGAL 5.5 has no other way to stop it, and only
+// this internal visitor to derive from; where a later CGAL renames it, the build fails here and nothing else changes.
 struct Watch : CGAL::Alpha_wraps_3::internal::Wrapping_default_visitor {
     std::size_t points_left = 0;
     const Progress* progress = nullptr;

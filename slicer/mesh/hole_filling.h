@@ -5,10 +5,12 @@
 //
 // Loops of up to 200 vertices get the triangulation of least area (G. Barequet, M. Sharir, "Filling gaps in the
 // boundary of a polyhedron", 1995; cubic time), longer ones are closed ear by ear, the ear with the shortest new edge
-// first.
+// first. Own code because CGAL's triangulate_hole walks the one border that a manifold mesh has at each corner; loops
+// that touch or cross in a corner, and edges that are open by more than one face, it cannot be given.
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 

@@ -5,9 +5,10 @@
 #include <cmath>
 #include <map>
 #include <numbers>
-#include <numeric>
 
 #include <Eigen/Geometry>
+
+#include "voxtone/slicer/mesh/disjoint_sets.h"
 
 namespace voxtone::slicer {
 
@@ -39,32 +40,23 @@ std::size_t open_edges(std::span<const Triangle> triangles) {
 }
 
 Shells find_shells(std::span<const Triangle> triangles) {
-    std::vector<std::uint32_t> parent(triangles.size());
-    std::iota(parent.begin(), parent.end(), 0u);
-    const auto root = [&](std::uint32_t t) {
-        while (parent[t] != t) t = parent[t] = parent[parent[t]];
-        return t;
-    };
-    const auto unite = [&](std::uint32_t a, std::uint32_t b) {
-        a = root(a), b = root(b);
-        if (a != b) parent[std::max(a, b)] = std::min(a, b);
-    };
+    DisjointSets sets(triangles.size());
     const std::vector<EdgeUse> uses = edge_uses(triangles);
     for_each_edge(uses, [&](std::span<const EdgeUse> edge) {
-        if (edge.size() == 2) unite(edge[0].triangle, edge[1].triangle);
+        if (edge.size() == 2) sets.unite(edge[0].triangle, edge[1].triangle);
     });
     // Where more faces meet, those that cancel within their own shell part there; the rest needs each other.
     for_each_edge(uses, [&](std::span<const EdgeUse> edge) {
         if (edge.size() <= 2) return;
         std::map<std::uint32_t, int> sum;
-        for (const EdgeUse& u : edge) sum[root(u.triangle)] += u.sign;
+        for (const EdgeUse& u : edge) sum[sets.root(u.triangle)] += u.sign;
         std::erase_if(sum, [](const auto& s) { return s.second == 0; });
-        for (const auto& s : sum) unite(sum.begin()->first, s.first);
+        for (const auto& s : sum) sets.unite(sum.begin()->first, s.first);
     });
     Shells shells;
     shells.of_triangle.resize(triangles.size());
     for (std::uint32_t t = 0; t < triangles.size(); ++t) {  // a root is the lowest triangle of its shell
-        const std::uint32_t r = root(t);
+        const std::uint32_t r = sets.root(t);
         shells.of_triangle[t] = r == t ? shells.count++ : shells.of_triangle[r];
     }
     return shells;

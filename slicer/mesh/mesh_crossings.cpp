@@ -2,9 +2,11 @@
 #include "voxtone/slicer/mesh/mesh_crossings.h"
 
 #include <algorithm>
+#include <span>
+#include <utility>
 
 #include "voxtone/slicer/mesh/exact_predicates.h"
-#include "voxtone/slicer/mesh/triangle_tree.h"
+#include "voxtone/slicer/mesh/mesh_chain.h"
 
 namespace voxtone::slicer {
 
@@ -14,9 +16,9 @@ namespace {
 
 // visit(a, b) for each pair of triangles whose boxes meet, a < b.
 template <class Visit>
-void for_each_near_pair(const TriangleTree& tree, std::size_t triangles, Visit&& visit) {
+void for_each_near_pair(const TriangleTree& tree, Visit&& visit) {
     std::vector<std::uint32_t> near;
-    for (std::uint32_t t = 0; t < triangles; ++t) {
+    for (std::uint32_t t = 0; t < tree.triangles().size(); ++t) {
         const auto [a, b, c] = tree.corners(t);
         near.clear();
         tree.overlapping(a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c), near);
@@ -40,20 +42,20 @@ std::pair<std::uint32_t, std::uint32_t> far_edge(const Triangle& t, const Triang
 
 }  // namespace
 
-std::size_t count_crossings(std::span<const Vector3d> positions, std::span<const Triangle> triangles) {
-    const TriangleTree tree(positions, triangles);
+std::size_t count_crossings(const TriangleTree& tree) {
+    const std::span<const Triangle> triangles = tree.triangles();
     std::size_t pairs = 0;
-    for_each_near_pair(tree, triangles.size(), [&](std::uint32_t a, std::uint32_t b) {
+    for_each_near_pair(tree, [&](std::uint32_t a, std::uint32_t b) {
         if (common_corners(triangles[a], triangles[b]) == 0) pairs += triangles_meet(tree.corners(a), tree.corners(b));
     });
     return pairs;
 }
 
-std::vector<std::vector<std::uint32_t>> find_crossings(std::span<const Vector3d> positions,
-                                                       std::span<const Triangle> triangles) {
-    const TriangleTree tree(positions, triangles);
+std::vector<std::vector<std::uint32_t>> find_crossings(const TriangleTree& tree) {
+    const std::span<const Vector3d> positions = tree.positions();
+    const std::span<const Triangle> triangles = tree.triangles();
     std::vector<std::vector<std::uint32_t>> crossings(triangles.size());
-    for_each_near_pair(tree, triangles.size(), [&](std::uint32_t a, std::uint32_t b) {
+    for_each_near_pair(tree, [&](std::uint32_t a, std::uint32_t b) {
         const Triangle &s = triangles[a], &t = triangles[b];
         const int common = common_corners(s, t);
         bool cross = false;

@@ -1,24 +1,22 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Where the triangles of a mesh meet beyond the corners and edges that they share.
 #pragma once
 
 #include <cstddef>
-#include <span>
+#include <cstdint>
 #include <vector>
 
-#include <Eigen/Core>
-
-#include "voxtone/slicer/mesh/mesh_chain.h"
+#include "voxtone/slicer/mesh/triangle_tree.h"
 
 namespace voxtone::slicer {
 
 /// Pairs of triangles without a common corner that meet: crossing, touching, or lying in each other (exact predicates).
 /// Triangles without area are left out.
-[[nodiscard]] std::size_t count_crossings(std::span<const Eigen::Vector3d> positions,
-                                          std::span<const Triangle> triangles);
+[[nodiscard]] std::size_t count_crossings(const TriangleTree& tree);
 
 /// Per triangle the triangles that it crosses or touches other than in the corners they share: those of the pairs
 /// above, and those with one common corner that meet beyond it.
-[[nodiscard]] std::vector<std::vector<std::uint32_t>> find_crossings(std::span<const Eigen::Vector3d> positions,
-                                                                     std::span<const Triangle> triangles);
+[[nodiscard]] std::vector<std::vector<std::uint32_t>> find_crossings(const TriangleTree& tree);
 
 }  // namespace voxtone::slicer

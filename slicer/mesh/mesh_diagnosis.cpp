@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/slicer/mesh/mesh_diagnosis.h"
+
 #include <algorithm>
 
 #include <Eigen/Geometry>
 
 #include "voxtone/slicer/mesh/mesh_chain.h"
 #include "voxtone/slicer/mesh/mesh_crossings.h"
-#include "voxtone/slicer/mesh/mesh_repair.h"
 
 namespace voxtone::slicer {
 
 MeshDiagnosis diagnose(const std::vector<Eigen::Vector3d>& positions,
-                       const std::vector<std::array<std::uint32_t, 3>>& triangles, bool count_them) {
+                       const std::vector<std::array<std::uint32_t, 3>>& triangles, const TriangleTree* tree) {
     MeshDiagnosis d;
     d.triangles = triangles.size();
     for_each_edge(edge_uses(triangles), [&](std::span<const EdgeUse> uses) {
@@ -32,7 +33,7 @@ MeshDiagnosis diagnose(const std::vector<Eigen::Vector3d>& positions,
         d.area_mm2 += a;
         d.volume_mm3 += signed_volume(positions, t);
     }
-    if (count_them) d.crossing_pairs = static_cast<long long>(count_crossings(positions, triangles));
+    if (tree) d.crossing_pairs = static_cast<long long>(count_crossings(*tree));
     return d;
 }
 

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Turning faces: so that neighbours agree, and so that shells face outward.
+// Turning faces: so that neighbours agree, and so that shells face outward. Own code because CGAL's orient_polygon_soup
+// doubles the corners where more than two faces meet at an edge, which opens the chain; here such edges stay, and what
+// meets there is turned so that the edge closes.
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 

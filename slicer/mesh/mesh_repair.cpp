@@ -5,13 +5,16 @@
 #include <cmath>
 #include <map>
 #include <numeric>
+#include <optional>
 #include <unordered_map>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/error.h"
 #include "voxtone/slicer/mesh/alpha_wrap.h"
+#include "voxtone/slicer/mesh/box.h"
 #include "voxtone/slicer/mesh/hole_filling.h"
 #include "voxtone/slicer/mesh/mesh_chain.h"
 #include "voxtone/slicer/mesh/mesh_orientation.h"
@@ -22,24 +25,18 @@ using Eigen::Vector3d;
 
 namespace {
 
-struct Box {
-    Vector3d low = Vector3d::Constant(INFINITY), high = Vector3d::Constant(-INFINITY);
-    [[nodiscard]] double diagonal() const { return (high - low).norm(); }
-};
+double diagonal_mm(const SolidMesh& mesh) { return bounding_box(mesh.positions_mm, mesh.triangles).diagonal().norm(); }
 
-Box box_of(const SolidMesh& mesh) {
-    Box box;
-    for (const auto& t : mesh.triangles)
-        for (const std::uint32_t v : t) {
-            box.low = box.low.cwiseMin(mesh.positions_mm[v]);
-            box.high = box.high.cwiseMax(mesh.positions_mm[v]);
-        }
-    return box;
+SolidMesh as_it_came(const io::TexturedMesh& textured) {
+    SolidMesh mesh{textured.positions, textured.triangles, {}};
+    mesh.source_triangle.resize(mesh.triangles.size());
+    std::iota(mesh.source_triangle.begin(), mesh.source_triangle.end(), 0);
+    return mesh;
 }
 
 // Joins vertices nearer than `tolerance` to one that came before. Returns how many went.
 std::size_t weld(SolidMesh& mesh, double tolerance) {
-    const Box box = box_of(mesh);
+    const Vector3d low = bounding_box(mesh.positions_mm, mesh.triangles).min();
     struct Cell {
         std::int64_t x, y, z;
         bool operator==(const Cell&) const = default;
@@ -51,7 +48,7 @@ std::size_t weld(SolidMesh& mesh, double tolerance) {
         }
     };
     const auto cell = [&](const Vector3d& p) {
-        const Vector3d q = ((p - box.low) / tolerance).array().floor();
+        const Vector3d q = ((p - low) / tolerance).array().floor();
         return Cell{std::int64_t(q[0]), std::int64_t(q[1]), std::int64_t(q[2])};
     };
     std::unordered_map<Cell, std::vector<std::uint32_t>, Hash> cells;
@@ -144,9 +141,8 @@ std::vector<bool> loose_faces(const SolidMesh& mesh, const std::vector<HoleFill>
 }
 
 // Replaces the faces marked by a wrap around them.
-void wrap_faces(RepairedMesh& result, const std::vector<bool>& marked, const RepairOptions& options,
+void wrap_faces(SolidMesh& mesh, const std::vector<bool>& marked, const RepairOptions& options, RepairedMesh& result,
                 const Progress* progress) {
-    SolidMesh& mesh = result.solid;
     RepairReport& report = result.report;
     std::vector<Triangle> faces;
     std::vector<bool> keep(mesh.triangles.size());
@@ -159,7 +155,7 @@ void wrap_faces(RepairedMesh& result, const std::vector<bool>& marked, const Rep
     }
     marked_mesh.positions_mm = mesh.positions_mm;
     marked_mesh.triangles = faces;
-    const double diagonal = box_of(marked_mesh).diagonal();
+    const double diagonal = diagonal_mm(marked_mesh);
     double faces_area = 0;
     for (const Triangle& t : faces) faces_area += area(mesh.positions_mm, t);
     // The finer the wrap, the closer; but once it slips through the cracks it lines the surface from inside as well and
@@ -220,17 +216,12 @@ void fill(SolidMesh& mesh, const std::vector<HoleFill>& fills, RepairReport& rep
 RepairedMesh repair_mesh(const io::TexturedMesh& textured, const RepairOptions& options, const Progress* progress) {
     VOXTONE_EXPECT(options.pitch_mm > 0);
     RepairedMesh result;
-    SolidMesh& mesh = result.solid;
     RepairReport& report = result.report;
-    mesh.positions_mm = textured.positions;
-    mesh.triangles = textured.triangles;
-    mesh.source_triangle.resize(mesh.triangles.size());
-    std::iota(mesh.source_triangle.begin(), mesh.source_triangle.end(), 0);
-
-    const auto diagnosis = [&] {
-        return diagnose(mesh.positions_mm, mesh.triangles, mesh.triangles.size() <= options.count_crossings_up_to);
-    };
-    report.before = diagnosis();
+    SolidMesh mesh = as_it_came(textured);
+    const auto crossings_count = [&] { return mesh.triangles.size() <= options.count_crossings_up_to; };
+    std::optional<SolidIndex> given;
+    if (crossings_count()) given.emplace(mesh);
+    report.before = diagnose(mesh.positions_mm, mesh.triangles, given ? &given->tree() : nullptr);
     if (!(report.before.area_mm2 > 0))
         throw InputError("the model has no surface: all its faces are without area, so there is nothing to print");
 
@@ -244,9 +235,9 @@ RepairedMesh repair_mesh(const io::TexturedMesh& textured, const RepairOptions& 
 
     drop_collapsed(mesh);
     if (options.mode == RepairMode::wrap) {
-        wrap_faces(result, std::vector<bool>(mesh.triangles.size(), true), options, progress);
+        wrap_faces(mesh, std::vector<bool>(mesh.triangles.size(), true), options, result, progress);
     } else if (!closed) {
-        report.welded_vertices = weld(mesh, std::min(0.1 * options.pitch_mm, 1e-5 * box_of(mesh).diagonal()));
+        report.welded_vertices = weld(mesh, std::min(0.1 * options.pitch_mm, 1e-5 * diagonal_mm(mesh)));
         drop_collapsed(mesh);
         if (open_edges(mesh.triangles) != 0) drop_duplicates(mesh);
         report.dropped_faces = report.before.triangles - mesh.triangles.size();
@@ -258,7 +249,7 @@ RepairedMesh repair_mesh(const io::TexturedMesh& textured, const RepairOptions& 
         std::vector<HoleFill> fills = fill_holes(mesh.positions_mm, mesh.triangles);
         const std::vector<bool> loose = loose_faces(mesh, fills);
         if (std::find(loose.begin(), loose.end(), true) != loose.end()) {
-            wrap_faces(result, loose, options, progress);
+            wrap_faces(mesh, loose, options, result, progress);
             fills = fill_holes(mesh.positions_mm, mesh.triangles);
         }
         fill(mesh, fills, report);
@@ -274,7 +265,11 @@ RepairedMesh repair_mesh(const io::TexturedMesh& textured, const RepairOptions& 
             report.messages.push_back(fmt::format("{} of {} shells faced inward and {} turned outward.", turns.turned,
                                                   shells.count, turns.turned == 1 ? "was" : "were"));
     }
-    report.after = mesh.triangles == textured.triangles ? report.before : diagnosis();
+    const bool untouched = mesh.triangles == textured.triangles, count_again = !untouched && crossings_count();
+    result.solid = untouched && given ? std::move(*given) : SolidIndex(std::move(mesh));
+    report.after = untouched ? report.before
+                             : diagnose(result.solid->positions_mm, result.solid->triangles,
+                                        count_again ? &result.solid.tree() : nullptr);
     return result;
 }
 

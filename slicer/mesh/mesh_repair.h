@@ -3,13 +3,16 @@
 // From any mesh to a surface that encloses a body (solid_mesh.h), with a diagnosis in numbers.
 //
 // For winding numbers it is enough that the oriented faces form a closed chain, so a mesh that does is left exactly as
-// it is, crossings and non-manifold edges included; only shells that face inward are turned. Anything else is, with
-// `automatic`,
-//   welded (corners nearer than a tenth of a voxel or 1e-5 of the size), freed of faces without area and doubled faces,
-//   oriented alike, and its holes are filled on the vertices that are there, which always gives a closed chain.
+// it is, crossings and non-manifold edges included; only shells that face inward are turned. With `automatic` anything
+// else is welded (corners nearer than a tenth of a voxel or 1e-5 of the size), freed of faces without area and doubled
+// faces, oriented alike, and its holes are filled on the vertices that are there, which always gives a closed chain.
 // Where a large part of the surface consists of loose pieces that such filling would only close upon themselves (a
 // soup), these pieces are wrapped instead: a surface is shrunk onto them from outside (alpha_wrap.h). `wrap` does so
 // with everything.
+//
+// Welding, orienting and filling are own code: those of CGAL's Polygon Mesh Processing work on 2-manifold meshes and
+// split or drop what is none, while a chain may keep crossings and edges with more than two faces, and so the user's
+// triangles and their colours.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +21,8 @@
 
 #include "voxtone/base/progress.h"
 #include "voxtone/io/models/mesh.h"
-#include "voxtone/slicer/mesh/solid_mesh.h"
+#include "voxtone/slicer/mesh/mesh_diagnosis.h"
+#include "voxtone/slicer/mesh/spatial_index.h"
 
 namespace voxtone::slicer {
 
@@ -27,26 +31,6 @@ enum class RepairMode {
     automatic,  ///< as above
     wrap,       ///< everything is wrapped
 };
-
-/// A mesh in numbers. Edges are undirected; a shell is what is joined through edges.
-struct MeshDiagnosis {
-    std::size_t triangles = 0;
-    std::size_t boundary_edges = 0;      ///< with one face
-    std::size_t nonmanifold_edges = 0;   ///< with more than two
-    std::size_t inconsistent_edges = 0;  ///< with two faces that run them the same way
-    std::size_t open_edges = 0;          ///< whose faces do not cancel: where the surface does not enclose
-    std::size_t degenerate_faces = 0;    ///< without area
-    std::size_t duplicate_faces = 0;     ///< with the same corners as an earlier one
-    std::size_t shells = 0;
-    long long crossing_pairs = -1;  ///< of triangles without a common corner; -1: not counted
-    double area_mm2 = 0;
-    double volume_mm3 = 0;  ///< signed; of closed meshes only a volume
-
-    friend bool operator==(const MeshDiagnosis&, const MeshDiagnosis&) = default;
-};
-
-[[nodiscard]] MeshDiagnosis diagnose(const std::vector<Eigen::Vector3d>& positions,
-                                     const std::vector<std::array<std::uint32_t, 3>>& triangles, bool count_crossings);
 
 struct RepairOptions {
     RepairMode mode = RepairMode::automatic;
@@ -71,7 +55,7 @@ struct RepairReport {
 };
 
 struct RepairedMesh {
-    SolidMesh solid;
+    SolidIndex solid;
     /// Triangles of the textured mesh that a wrap stands for in `solid`; their colour counts where they are near it.
     std::vector<std::uint32_t> wrapped_triangles;
     RepairReport report;

@@ -5,6 +5,10 @@
 //
 // The tree is built by binned surface-area splits (I. Wald, "On fast construction of SAH-based bounding volume
 // hierarchies", 2007) by one thread, so it is the same on every run. Boxes are floats rounded outward.
+//
+// Own code because answers are points in doubles and, of triangles at the same distance, the lowest, whatever the tree
+// looks like: Embree's point query works in floats, CGAL's AABB tree keeps what it meets first. Neither can be asked
+// for the nearest triangles of a whole box (nearest_candidates, which walks half spaces).
 // Coordinates in mm, below 1e5 mm. Threads: const members may be called from any thread.
 #pragma once
 
@@ -28,8 +32,14 @@ public:
 
     /// Keeps references to both; they must live as long as the tree.
     TriangleTree(std::span<const Eigen::Vector3d> positions, std::span<const std::array<std::uint32_t, 3>> triangles);
+    TriangleTree(const TriangleTree&) = delete;
+    TriangleTree& operator=(const TriangleTree&) = delete;
+    TriangleTree(TriangleTree&&) = default;
+    TriangleTree& operator=(TriangleTree&&) = default;
 
     [[nodiscard]] bool empty() const { return triangles_.empty(); }
+    [[nodiscard]] std::span<const Eigen::Vector3d> positions() const { return positions_; }
+    [[nodiscard]] std::span<const std::array<std::uint32_t, 3>> triangles() const { return triangles_; }
     [[nodiscard]] std::array<Eigen::Vector3d, 3> corners(std::uint32_t t) const {
         return {positions_[triangles_[t][0]], positions_[triangles_[t][1]], positions_[triangles_[t][2]]};
     }

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxtone/slicer/predict/predict_job.h"
 
-#include <sys/resource.h>
-
 #include <algorithm>
 #include <filesystem>
 #include <numeric>
@@ -14,6 +12,7 @@
 
 #include "voxtone/base/error.h"
 #include "voxtone/base/parallel.h"
+#include "voxtone/base/peak_memory.h"
 #include "voxtone/base/stopwatch.h"
 #include "voxtone/io/files/whole_file.h"
 #include "voxtone/io/models/glb_writer.h"
@@ -34,12 +33,6 @@ std::string extension(const std::string& file) {
     std::string ending = fs::path(file).extension().string();
     for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
     return ending;
-}
-
-std::uint64_t peak_memory_bytes() {
-    rusage usage{};
-    getrusage(RUSAGE_SELF, &usage);
-    return std::uint64_t(usage.ru_maxrss) * 1024;
 }
 
 /// Hours of work must not end with a folder that is not there.

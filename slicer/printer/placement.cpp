@@ -1,32 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxtone/slicer/printer/placement.h"
 
+#include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include <fmt/core.h>
 #include <Eigen/Geometry>
 
 #include "voxtone/base/error.h"
+#include "voxtone/slicer/mesh/box.h"
 
 namespace voxtone::slicer {
 
 namespace {
-
-struct Box {
-    Eigen::Vector3d low = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
-    Eigen::Vector3d high = -low;
-};
-
-Box bounding_box(const io::TexturedMesh& mesh) {
-    Box box;
-    for (const auto& triangle : mesh.triangles)
-        for (const std::uint32_t corner : triangle) {
-            box.low = box.low.cwiseMin(mesh.positions[corner]);
-            box.high = box.high.cwiseMax(mesh.positions[corner]);
-        }
-    return box;
-}
 
 void turn_around(io::TexturedMesh& mesh) {
     for (auto& triangle : mesh.triangles) std::swap(triangle[1], triangle[2]);
@@ -55,14 +41,14 @@ Placement place(io::ModelFile& model, const PlacementOptions& options, const std
     for (Eigen::Vector3d& position : mesh.positions) position = map * position;
     if (map.determinant() < 0) turn_around(mesh);
 
-    Box box = bounding_box(mesh);
-    const double largest = (box.high - box.low).maxCoeff();
+    const Eigen::AlignedBox3d box = bounding_box(mesh.positions, mesh.triangles);
+    const double largest = box.sizes().maxCoeff();
     if (!(largest > 0) || !std::isfinite(largest))
         throw InputError(
             fmt::format("{}: the model has no extent (all its corners are in one place); check the export", name));
     const double factor = options.size_mm > 0 ? options.size_mm / largest : 1.0;
-    for (Eigen::Vector3d& position : mesh.positions) position = (position - box.low) * factor;
-    placement.extent_mm = (box.high - box.low) * factor;
+    for (Eigen::Vector3d& position : mesh.positions) position = (position - box.min()) * factor;
+    placement.extent_mm = box.sizes() * factor;
 
     const std::string unit = model.format == "picture" ? "mm"
                              : placement.unit_assumed  ? "mm assumed (the format has no unit; --unit says otherwise)"

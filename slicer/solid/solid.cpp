@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "voxtone/base/contracts.h"
-#include "voxtone/slicer/mesh/line_crossings.h"
+#include "voxtone/slicer/solid/line_crossings.h"
 
 namespace voxtone::slicer {
 

@@ -15,9 +15,9 @@
 // layers asked for.
 #pragma once
 
-#include "voxtone/slicer/mesh/fixed_mesh.h"
 #include "voxtone/slicer/mesh/solid_mesh.h"
 #include "voxtone/slicer/printer/voxel_grid.h"
+#include "voxtone/slicer/solid/fixed_mesh.h"
 #include "voxtone/slicer/solid/span_slab.h"
 
 namespace voxtone::slicer {

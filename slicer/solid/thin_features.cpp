@@ -9,8 +9,8 @@
 
 #include "voxtone/base/contracts.h"
 #include "voxtone/slicer/mesh/exact_predicates.h"
-#include "voxtone/slicer/mesh/line_crossings.h"
 #include "voxtone/slicer/mesh/mesh_chain.h"
+#include "voxtone/slicer/solid/line_crossings.h"
 
 namespace voxtone::slicer {
 
@@ -250,9 +250,9 @@ Vector3d ThinFeatures::normal(std::uint32_t triangle) const {
     return n.norm() > 0 ? Vector3d(n.normalized()) : Vector3d(Vector3d::Zero());
 }
 
-ThinFeatures::ThinFeatures(const SolidMesh& mesh, const Solid& solid)
-    : mesh_(mesh), solid_(solid), tree_(mesh.positions_mm, mesh.triangles) {
-    for_each_edge(edge_uses(mesh.triangles), [&](std::span<const EdgeUse> uses) {
+ThinFeatures::ThinFeatures(const SolidIndex& mesh, const Solid& solid)
+    : mesh_(*mesh), solid_(solid), tree_(mesh.tree()) {
+    for_each_edge(edge_uses(mesh->triangles), [&](std::span<const EdgeUse> uses) {
         Vector3d inward = Vector3d::Zero();
         for (const EdgeUse& u : uses.first(std::min<std::size_t>(uses.size(), 2))) inward -= normal(u.triangle);
         const double length = inward.norm();

@@ -22,7 +22,7 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/slicer/mesh/triangle_tree.h"
+#include "voxtone/slicer/mesh/spatial_index.h"
 #include "voxtone/slicer/solid/solid.h"
 
 namespace voxtone::slicer {
@@ -30,7 +30,7 @@ namespace voxtone::slicer {
 class ThinFeatures {
 public:
     /// Keeps references to both, `solid` made of `mesh`.
-    ThinFeatures(const SolidMesh& mesh, const Solid& solid);
+    ThinFeatures(const SolidIndex& mesh, const Solid& solid);
 
     /// The layers [k_begin, k_end) of the solid with what is added; returns how many voxels were.
     std::uint64_t slab(int k_begin, int k_end, SpanSlab& out) const;
@@ -46,7 +46,7 @@ private:
 
     const SolidMesh& mesh_;
     const Solid& solid_;
-    TriangleTree tree_;
+    const TriangleTree& tree_;
     std::vector<Edge> edges_;
     std::vector<std::size_t> bucket_begin_;  // edges by bucket of layers
     std::vector<std::uint32_t> bucket_edges_;

@@ -6,11 +6,11 @@
 #include <cstring>
 
 #include "voxtone/base/contracts.h"
-#include "voxtone/slicer/mesh/triangle_tree.h"
 #include "voxtone/slicer/surface/shell_kernel.h"
 
 namespace voxtone::slicer {
 
+using Eigen::Vector2f;
 using Eigen::Vector3d;
 using shell_kernel::LocalTriangle;
 static_assert(ShellBlock::width == shell_kernel::row_voxels && ShellBlock::max_rows == shell_kernel::max_rows);
@@ -20,17 +20,6 @@ namespace {
 // The tree is asked for so many blocks along x at a time.
 constexpr int group = 4;
 
-}  // namespace
-
-struct SurfaceShell::Index {
-    TriangleTree tree;
-    std::array<shell_kernel::BlockPoints, group> points;  // all in the frame of the group
-    Vector3d half, group_half;          // of the boxes that hold the voxel centres of a block, of a group
-    std::array<float, group> centre_x;  // of the blocks, in the group's frame
-};
-
-namespace {
-
 // As long along y and z as eight voxels are along x, as far as the rows allow.
 std::array<int, 3> block_size_for(const Vector3d& pitch) {
     const double width = ShellBlock::width * pitch[0];
@@ -39,176 +28,249 @@ std::array<int, 3> block_size_for(const Vector3d& pitch) {
     return {ShellBlock::width, y, z};
 }
 
-// Bits of the body for the rows of one row of blocks: row r, block b at [r * blocks + b].
-struct Masks {
-    std::size_t blocks;
-    std::vector<std::uint8_t> bits;
-    std::vector<std::uint8_t> occupied;  // per block: any bit
-
-    Masks(std::size_t blocks_, std::size_t rows) : blocks(blocks_), bits(blocks_ * rows, 0), occupied(blocks_, 0) {}
-
-    void add(std::size_t row, Span span) {
-        const auto first = std::size_t(span.begin) / 8, last = std::size_t(span.end - 1) / 8;
-        std::uint8_t* const line = bits.data() + row * blocks;
-        std::memset(occupied.data() + first, 1, last - first + 1);
-        const auto from = std::uint8_t(0xFF << (span.begin % 8)), to = std::uint8_t(0xFF >> (7 - (span.end - 1) % 8));
-        if (first == last) {
-            line[first] |= from & to;
-            return;
-        }
-        line[first] |= from;
-        std::memset(line + first + 1, 0xFF, last - first - 1);
-        line[last] |= to;
-    }
-};
-
 }  // namespace
 
-SurfaceShell::SurfaceShell(const VisibleSurface& surface, const VoxelGrid& grid, double depth_mm)
-    : surface_(surface), grid_(grid), depth_mm_(depth_mm), block_size_(block_size_for(grid.pitch_mm)) {
-    VOXTONE_EXPECT(depth_mm >= 0);
-    VOXTONE_EXPECT(surface.source_triangle.size() == surface.triangles.size() &&
-                   surface.source_uv.size() == surface.triangles.size());
-    const Vector3d& pitch = grid.pitch_mm;
-    const Vector3d half =
-        0.5 * pitch.cwiseProduct(Vector3d(block_size_[0] - 1, block_size_[1] - 1, block_size_[2] - 1));
-    const Vector3d group_half(0.5 * pitch[0] * (8 * group - 1), half[1], half[2]);
-    Index index{TriangleTree(surface.positions_mm, surface.triangles), {}, half, group_half, {}};
+// Where the voxel centres of a block and of a group are, the same everywhere in the grid.
+struct SurfaceShell::Lattice {
+    Lattice(const Vector3d& pitch, const std::array<int, 3>& block_size);
+
+    std::array<shell_kernel::BlockPoints, group> points{};  // all in the frame of the group
+    Vector3d half, group_half;                              // of the boxes that hold them
+    std::array<float, group> centre_x{};                    // of the blocks, in the group's frame
+};
+
+SurfaceShell::Lattice::Lattice(const Vector3d& pitch, const std::array<int, 3>& block_size)
+    : half(0.5 * pitch.cwiseProduct(Vector3d(block_size[0] - 1, block_size[1] - 1, block_size[2] - 1))),
+      group_half(0.5 * pitch[0] * (8 * group - 1), half[1], half[2]) {
     for (std::size_t b = 0; b < group; ++b) {
-        shell_kernel::BlockPoints& points = index.points[b];
-        points.rows = block_size_[1] * block_size_[2];
-        index.centre_x[b] = float((double(b) - (group - 1) / 2.0) * 8 * pitch[0]);
+        points[b].rows = block_size[1] * block_size[2];
+        centre_x[b] = float((double(b) - (group - 1) / 2.0) * 8 * pitch[0]);
         for (int l = 0; l < 8; ++l)
-            points.x[std::size_t(l)] = float((int(8 * b) + l - (8 * group - 1) / 2.0) * pitch[0]);
-        for (int r = 0; r < points.rows; ++r) {
-            points.y[std::size_t(r)] = float((r % block_size_[1] - (block_size_[1] - 1) / 2.0) * pitch[1]);
-            points.z[std::size_t(r)] = float((r / block_size_[1] - (block_size_[2] - 1) / 2.0) * pitch[2]);
+            points[b].x[std::size_t(l)] = float((int(8 * b) + l - (8 * group - 1) / 2.0) * pitch[0]);
+        for (int r = 0; r < points[b].rows; ++r) {
+            points[b].y[std::size_t(r)] = float((r % block_size[1] - (block_size[1] - 1) / 2.0) * pitch[1]);
+            points[b].z[std::size_t(r)] = float((r / block_size[1] - (block_size[2] - 1) / 2.0) * pitch[2]);
         }
     }
-    index_ = std::make_unique<const Index>(std::move(index));
+}
+
+SurfaceShell::SurfaceShell(const SurfaceIndex& surface, const VoxelGrid& grid, double depth_mm)
+    : SurfaceShell(surface.tree(), surface->source_uv, grid, depth_mm) {
+    VOXTONE_EXPECT(surface->source_uv.size() == surface->triangles.size());
+}
+
+SurfaceShell::SurfaceShell(const TriangleTree& tree, const VoxelGrid& grid, double depth_mm)
+    : SurfaceShell(tree, {}, grid, depth_mm) {}
+
+SurfaceShell::SurfaceShell(const TriangleTree& tree, std::span<const std::array<Vector2f, 3>> source_uv,
+                           const VoxelGrid& grid, double depth_mm)
+    : tree_(tree),
+      source_uv_(source_uv),
+      grid_(grid),
+      depth_mm_(depth_mm),
+      block_size_(block_size_for(grid.pitch_mm)),
+      lattice_(std::make_unique<const Lattice>(grid.pitch_mm, block_size_)) {
+    VOXTONE_EXPECT(depth_mm >= 0);
 }
 
 SurfaceShell::~SurfaceShell() = default;
 
+// One row of blocks, walked along +x group by group, with the lists that serve one group after the other.
+class SurfaceShell::RowWalk {
+public:
+    RowWalk(const SurfaceShell& shell, int bj, int bk, const SpanSlab& body, int i_begin, int i_end);
+
+    void walk(const std::function<void(const ShellBlock&)>& visit);
+
+private:
+    // Bits of the body for the rows of one row of blocks: row r, block b at [r * blocks + b].
+    struct Masks {
+        std::size_t blocks;
+        std::vector<std::uint8_t> bits;
+        std::vector<std::uint8_t> occupied;  // per block: any bit
+
+        Masks(std::size_t blocks_, std::size_t rows) : blocks(blocks_), bits(blocks_ * rows, 0), occupied(blocks_, 0) {}
+
+        void add(std::size_t row, Span span) {
+            const auto first = std::size_t(span.begin) / 8, last = std::size_t(span.end - 1) / 8;
+            std::uint8_t* const line = bits.data() + row * blocks;
+            std::memset(occupied.data() + first, 1, last - first + 1);
+            const auto from = std::uint8_t(0xFF << (span.begin % 8)),
+                       to = std::uint8_t(0xFF >> (7 - (span.end - 1) % 8));
+            if (first == last) {
+                line[first] |= from & to;
+                return;
+            }
+            line[first] |= from;
+            std::memset(line + first + 1, 0xFF, last - first - 1);
+            line[last] |= to;
+        }
+    };
+
+    [[nodiscard]] bool wanted(std::size_t block) const;
+    [[nodiscard]] bool comes_near(std::size_t g);
+    void gather_candidates();
+    // b: of the group; block: of the row.
+    [[nodiscard]] bool choose_triangles(std::size_t b);
+    [[nodiscard]] bool find_shell(std::size_t b, std::size_t block);
+    [[nodiscard]] ShellBlock found(std::size_t block) const;
+
+    const SurfaceShell& shell_;
+    const Lattice& lattice_;
+    std::size_t rows_, blocks_;
+    int j0_, k0_, i_begin_, i_end_;
+    Masks masks_;
+    Vector3d first_centre_;
+    double step_;         // from group to group
+    double group_reach_;  // farther than that from the surface all is core
+    float block_reach_;
+
+    // The group last looked at: which it is, where, and what is nearest to its centre.
+    std::size_t group_ = 0;
+    Vector3d centre_;
+    TriangleTree::Nearest nearest_{.distance = 0};
+    std::vector<std::uint32_t> candidates_;
+    std::vector<LocalTriangle> local_;           // per candidate
+    std::vector<std::array<float, 8>> centre2_;  // per candidate, squared distances from the centres of the blocks
+    std::vector<const LocalTriangle*> chosen_;
+    std::vector<std::uint32_t> chosen_id_, triangle_;
+    std::array<std::uint8_t, ShellBlock::max_rows> bits_;
+    std::unique_ptr<shell_kernel::BlockResult> result_ = std::make_unique_for_overwrite<shell_kernel::BlockResult>();
+};
+
+SurfaceShell::RowWalk::RowWalk(const SurfaceShell& shell, int bj, int bk, const SpanSlab& body, int i_begin, int i_end)
+    : shell_(shell),
+      lattice_(*shell.lattice_),
+      rows_(std::size_t(shell.block_size_[1] * shell.block_size_[2])),
+      blocks_(std::size_t((shell.grid_.size[0] + 7) / 8)),
+      j0_(bj * shell.block_size_[1]),
+      k0_(bk * shell.block_size_[2]),
+      i_begin_(i_begin),
+      i_end_(i_end),
+      masks_(blocks_, rows_),
+      first_centre_(shell.grid_.origin_mm + shell.grid_.pitch_mm.cwiseProduct(Vector3d(0.5, j0_ + 0.5, k0_ + 0.5)) +
+                    lattice_.group_half),
+      step_(group * 8 * shell.grid_.pitch_mm[0]),
+      group_reach_(shell.depth_mm_ + lattice_.group_half.norm() + 1e-3),
+      block_reach_(float(shell.depth_mm_ + lattice_.half.norm() + 1e-3)),
+      triangle_(rows_ * 8) {
+    const auto [width, height, depth] = shell.block_size_;
+    for (int z = 0; z < depth; ++z) {
+        const int k = k0_ + z;
+        if (k < body.k_begin() || k >= body.k_end()) continue;
+        for (int y = 0; y < height && j0_ + y < shell.grid_.size[1]; ++y)
+            for (const Span& span : body.row(j0_ + y, k)) masks_.add(std::size_t(z * height + y), span);
+    }
+}
+
+void SurfaceShell::RowWalk::walk(const std::function<void(const ShellBlock&)>& visit) {
+    for (std::size_t g = 0; g * group < blocks_; ++g) {
+        const std::size_t first = g * group, last = std::min(first + group, blocks_);
+        bool any = false;
+        for (std::size_t block = first; block < last; ++block) any = any || wanted(block);
+        if (!any || !comes_near(g)) continue;
+        gather_candidates();
+        for (std::size_t block = first; block < last; ++block)
+            if (wanted(block) && choose_triangles(block - first) && find_shell(block - first, block))
+                visit(found(block));
+    }
+}
+
+bool SurfaceShell::RowWalk::wanted(std::size_t block) const {
+    return masks_.occupied[block] && int(block + 1) * 8 > i_begin_ && int(block) * 8 < i_end_;
+}
+
+bool SurfaceShell::RowWalk::comes_near(std::size_t g) {
+    // The distance changes by no more than the way walked.
+    if (nearest_.distance - double(g - group_) * step_ > group_reach_) return false;
+    group_ = g;
+    centre_ = first_centre_ + Vector3d(double(g) * step_, 0, 0);
+    nearest_ = shell_.tree_.nearest(centre_, nearest_.triangle);
+    return nearest_.distance <= group_reach_;
+}
+
+// Every triangle that may hold the nearest point of any place in the group.
+void SurfaceShell::RowWalk::gather_candidates() {
+    const TriangleTree& tree = shell_.tree_;
+    candidates_.clear();
+    tree.nearest_candidates(centre_ - lattice_.group_half, centre_ + lattice_.group_half, nearest_.point, candidates_);
+    std::sort(candidates_.begin(), candidates_.end());
+    local_.clear();
+    centre2_.resize(candidates_.size());
+    const std::array<Vector2f, 3> no_uv{Vector2f::Zero(), Vector2f::Zero(), Vector2f::Zero()};
+    std::array<float, 8> px{}, py{}, pz{};
+    for (std::size_t b = 0; b < 8; ++b) px[b] = lattice_.centre_x[b % group];
+    for (std::size_t c = 0; c < candidates_.size(); ++c) {
+        const std::uint32_t t = candidates_[c];
+        const auto [p0, p1, p2] = tree.corners(t);
+        local_.push_back(
+            shell_kernel::make_local(p0, p1, p2, shell_.source_uv_.empty() ? no_uv : shell_.source_uv_[t], centre_));
+        shell_kernel::distances2(local_.back(), px.data(), py.data(), pz.data(), centre2_[c].data());
+    }
+}
+
+// The tree's test for one block, with the triangles themselves in the place of their boxes. False: all is core.
+bool SurfaceShell::RowWalk::choose_triangles(std::size_t b) {
+    std::size_t best = 0;
+    for (std::size_t c = 1; c < candidates_.size(); ++c)
+        if (centre2_[c][b] < centre2_[best][b]) best = c;
+    if (centre2_[best][b] > block_reach_ * block_reach_) return false;
+
+    const auto [p0, p1, p2] = shell_.tree_.corners(candidates_[best]);
+    const Vector3d block_centre(lattice_.centre_x[b], 0, 0);
+    const Vector3d w = nearest_weights(centre_ + block_centre, p0, p1, p2);
+    const Vector3d q = w[0] * p0 + w[1] * p1 + w[2] * p2 - centre_;
+    std::array<float, 8> cx, cy, cz, reach2, distance2;
+    for (std::size_t c = 0; c < 8; ++c) {
+        const Vector3d corner =
+            block_centre + lattice_.half.cwiseProduct(Vector3d(c & 1 ? 1 : -1, c & 2 ? 1 : -1, c & 4 ? 1 : -1));
+        cx[c] = float(corner[0]);
+        cy[c] = float(corner[1]);
+        cz[c] = float(corner[2]);
+        reach2[c] = float((corner - q).squaredNorm() * (1 + 2e-5) + 1e-6);
+    }
+    chosen_.clear();
+    chosen_id_.clear();
+    for (std::size_t c = 0; c < candidates_.size(); ++c) {
+        shell_kernel::distances2(local_[c], cx.data(), cy.data(), cz.data(), distance2.data());
+        bool near = false;
+        for (std::size_t n = 0; n < 8; ++n) near = near || distance2[n] <= reach2[n];
+        if (!near) continue;
+        chosen_.push_back(&local_[c]);
+        chosen_id_.push_back(candidates_[c]);
+    }
+    VOXTONE_EXPECT(!chosen_.empty());
+    return true;
+}
+
+// Every voxel of the block against the triangles chosen. False: none is in the shell.
+bool SurfaceShell::RowWalk::find_shell(std::size_t b, std::size_t block) {
+    const shell_kernel::BlockPoints& points = lattice_.points[b];
+    for (std::size_t r = 0; r < rows_; ++r) bits_[r] = masks_.bits[r * blocks_ + block];
+    const float depth2 = float(shell_.depth_mm_ * shell_.depth_mm_);
+    if (!shell_kernel::nearest(chosen_.data(), chosen_.size(), points, depth2, bits_.data(), *result_)) return false;
+    shell_kernel::finish(chosen_.data(), points, bits_.data(), *result_);
+    for (std::size_t r = 0; r < rows_; ++r) {
+        if (!bits_[r]) continue;
+        for (std::size_t l = 0; l < 8; ++l) triangle_[r * 8 + l] = chosen_id_[std::size_t(result_->slot[r * 8 + l])];
+    }
+    return true;
+}
+
+ShellBlock SurfaceShell::RowWalk::found(std::size_t block) const {
+    return {.origin = {int(block * 8), j0_, k0_},
+            .size = shell_.block_size_,
+            .shell = bits_.data(),
+            .distance_mm = result_->distance.data(),
+            .triangle = triangle_.data(),
+            .u = result_->u.data(),
+            .v = result_->v.data()};
+}
+
 void SurfaceShell::for_each_block(int bj, int bk, const SpanSlab& body,
                                   const std::function<void(const ShellBlock&)>& visit, int i_begin, int i_end) const {
     VOXTONE_EXPECT(0 <= bj && bj < block_rows() && 0 <= bk && bk < block_layers() && body.rows() == grid_.size[1]);
-    const TriangleTree& tree = index_->tree;
-    if (tree.empty()) return;
-    const auto rows = std::size_t(block_size_[1] * block_size_[2]);
-    const auto blocks = std::size_t((grid_.size[0] + 7) / 8);
-    const int j0 = bj * block_size_[1], k0 = bk * block_size_[2];
-
-    Masks masks(blocks, rows);
-    for (int z = 0; z < block_size_[2]; ++z) {
-        const int k = k0 + z;
-        if (k < body.k_begin() || k >= body.k_end()) continue;
-        for (int y = 0; y < block_size_[1] && j0 + y < grid_.size[1]; ++y)
-            for (const Span& span : body.row(j0 + y, k)) masks.add(std::size_t(z * block_size_[1] + y), span);
-    }
-
-    const Vector3d half = index_->half, group_half = index_->group_half;
-    // Farther than that from the surface all is core.
-    const double group_reach = depth_mm_ + group_half.norm() + 1e-3;
-    const float block_reach = float(depth_mm_ + half.norm() + 1e-3);
-    const double step = group * 8 * grid_.pitch_mm[0];
-    const Vector3d first_centre =
-        grid_.origin_mm + grid_.pitch_mm.cwiseProduct(Vector3d(0.5, j0 + 0.5, k0 + 0.5)) + group_half;
-    const float depth2 = float(depth_mm_ * depth_mm_);
-
-    std::vector<std::uint32_t> candidates, triangle(rows * 8);
-    std::vector<LocalTriangle> local;
-    std::vector<std::array<float, 8>> centre2;  // per candidate, squared distances from the centres of the blocks
-    std::vector<const LocalTriangle*> chosen;
-    std::vector<std::uint32_t> chosen_id;
-    std::array<std::uint8_t, ShellBlock::max_rows> bits;
-    const auto result = std::make_unique_for_overwrite<shell_kernel::BlockResult>();
-    std::uint32_t guess = TriangleTree::none;
-    std::size_t known_group = 0;
-    double known_distance = 0;
-    for (std::size_t g = 0; g * group < blocks; ++g) {
-        const std::size_t first = g * group, last = std::min(first + group, blocks);
-        if (int(last) * 8 <= i_begin || int(first) * 8 >= i_end) continue;
-        if (std::find(masks.occupied.begin() + std::ptrdiff_t(first), masks.occupied.begin() + std::ptrdiff_t(last),
-                      1) == masks.occupied.begin() + std::ptrdiff_t(last))
-            continue;
-        // The distance changes by no more than the way walked.
-        if (known_distance - double(g - known_group) * step > group_reach) continue;
-        const Vector3d centre = first_centre + Vector3d(double(g) * step, 0, 0);
-        const TriangleTree::Nearest nearest = tree.nearest(centre, guess);
-        guess = nearest.triangle;
-        known_group = g;
-        known_distance = nearest.distance;
-        if (nearest.distance > group_reach) continue;
-
-        candidates.clear();
-        tree.nearest_candidates(centre - group_half, centre + group_half, nearest.point, candidates);
-        std::sort(candidates.begin(), candidates.end());
-        local.clear();
-        centre2.resize(candidates.size());
-        std::array<float, 8> px{}, py{}, pz{};
-        for (std::size_t b = 0; b < 8; ++b) px[b] = index_->centre_x[b % group];
-        for (std::size_t c = 0; c < candidates.size(); ++c) {
-            const std::uint32_t t = candidates[c];
-            const auto [p0, p1, p2] = tree.corners(t);
-            local.push_back(shell_kernel::make_local(p0, p1, p2, surface_.source_uv[t], centre));
-            shell_kernel::distances2(local.back(), px.data(), py.data(), pz.data(), centre2[c].data());
-        }
-
-        for (std::size_t bi = first; bi < last; ++bi) {
-            if (!masks.occupied[bi] || int(bi + 1) * 8 <= i_begin || int(bi) * 8 >= i_end) continue;
-            const std::size_t b = bi - first;
-            std::size_t best = 0;
-            for (std::size_t c = 1; c < candidates.size(); ++c)
-                if (centre2[c][b] < centre2[best][b]) best = c;
-            if (centre2[best][b] > block_reach * block_reach) continue;
-
-            // The tree's test for this block, with the triangles themselves in the place of their boxes.
-            const auto [p0, p1, p2] = tree.corners(candidates[best]);
-            const Vector3d block_centre(index_->centre_x[b], 0, 0);
-            const Vector3d w = nearest_weights(centre + block_centre, p0, p1, p2);
-            const Vector3d q = w[0] * p0 + w[1] * p1 + w[2] * p2 - centre;
-            std::array<float, 8> cx, cy, cz, reach2, distance2;
-            for (std::size_t c = 0; c < 8; ++c) {
-                const Vector3d corner =
-                    block_centre + half.cwiseProduct(Vector3d(c & 1 ? 1 : -1, c & 2 ? 1 : -1, c & 4 ? 1 : -1));
-                cx[c] = float(corner[0]);
-                cy[c] = float(corner[1]);
-                cz[c] = float(corner[2]);
-                reach2[c] = float((corner - q).squaredNorm() * (1 + 2e-5) + 1e-6);
-            }
-            chosen.clear();
-            chosen_id.clear();
-            for (std::size_t c = 0; c < candidates.size(); ++c) {
-                shell_kernel::distances2(local[c], cx.data(), cy.data(), cz.data(), distance2.data());
-                bool near = false;
-                for (std::size_t n = 0; n < 8; ++n) near = near || distance2[n] <= reach2[n];
-                if (!near) continue;
-                chosen.push_back(&local[c]);
-                chosen_id.push_back(candidates[c]);
-            }
-            VOXTONE_EXPECT(!chosen.empty());
-
-            for (std::size_t r = 0; r < rows; ++r) bits[r] = masks.bits[r * blocks + bi];
-            if (!shell_kernel::nearest(chosen.data(), chosen.size(), index_->points[b], depth2, bits.data(), *result))
-                continue;
-            shell_kernel::finish(chosen.data(), index_->points[b], bits.data(), *result);
-            for (std::size_t r = 0; r < rows; ++r) {
-                if (!bits[r]) continue;
-                for (std::size_t l = 0; l < 8; ++l)
-                    triangle[r * 8 + l] = chosen_id[std::size_t(result->slot[r * 8 + l])];
-            }
-            ShellBlock block;
-            block.origin = {int(bi * 8), j0, k0};
-            block.size = block_size_;
-            block.shell = bits.data();
-            block.distance_mm = result->distance.data();
-            block.triangle = triangle.data();
-            block.u = result->u.data();
-            block.v = result->v.data();
-            visit(block);
-        }
-    }
+    if (!tree_.empty()) RowWalk(*this, bj, bk, body, i_begin, i_end).walk(visit);
 }
 
 }  // namespace voxtone::slicer

@@ -19,16 +19,17 @@
 #include <functional>
 #include <limits>
 #include <memory>
+#include <span>
 
+#include "voxtone/slicer/mesh/triangle_tree.h"
 #include "voxtone/slicer/printer/voxel_grid.h"
 #include "voxtone/slicer/solid/span_slab.h"
 #include "voxtone/slicer/surface/visible_surface.h"
 
 namespace voxtone::slicer {
 
-/// A block that has shell voxels. Row r = z * size[1] + y holds the voxels (origin[0] + 0..7, origin[1] + y, origin[2]
-/// + z); voxel l of row r is bit l of `shell[r]` and element r * 8 + l of the lists, which are undefined where the bit
-/// is 0.
+/// A block that has shell voxels. Row r = z * size[1] + y holds the voxels origin + (0..7, y, z); voxel l of row r is
+/// bit l of `shell[r]` and element r * 8 + l of the lists, which are undefined where the bit is 0.
 struct ShellBlock {
     static constexpr int width = 8;
     static constexpr int max_rows = 128;
@@ -44,7 +45,9 @@ struct ShellBlock {
 class SurfaceShell {
 public:
     /// Keeps a reference to `surface`, which must live as long as this. depth_mm >= 0.
-    SurfaceShell(const VisibleSurface& surface, const VoxelGrid& grid, double depth_mm);
+    SurfaceShell(const SurfaceIndex& surface, const VoxelGrid& grid, double depth_mm);
+    /// Of triangles without a source: u and v are 0. Keeps a reference to `tree`.
+    SurfaceShell(const TriangleTree& tree, const VoxelGrid& grid, double depth_mm);
     ~SurfaceShell();
 
     [[nodiscard]] const VoxelGrid& grid() const { return grid_; }
@@ -55,20 +58,25 @@ public:
     [[nodiscard]] int block_rows() const { return (grid_.size[1] + block_size_[1] - 1) / block_size_[1]; }
     [[nodiscard]] int block_layers() const { return (grid_.size[2] + block_size_[2] - 1) / block_size_[2]; }
 
-    /// Visits the blocks of block row `bj`, block layer `bk` that have shell voxels and touch columns i_begin .. i_end
-    /// - 1, along +x. Voxels of layers that `body` does not hold are left out, so a slab may end anywhere. The block is
-    /// valid during the call only.
+    /// Visits, along +x, the blocks of block row `bj`, block layer `bk` that have shell voxels and touch the columns
+    /// [i_begin, i_end). Voxels of layers that `body` does not hold are left out, so a slab may end anywhere. The block
+    /// is valid during the call only.
     void for_each_block(int bj, int bk, const SpanSlab& body, const std::function<void(const ShellBlock&)>& visit,
                         int i_begin = 0, int i_end = std::numeric_limits<int>::max()) const;
 
 private:
-    struct Index;
+    struct Lattice;
+    class RowWalk;
 
-    const VisibleSurface& surface_;
+    SurfaceShell(const TriangleTree& tree, std::span<const std::array<Eigen::Vector2f, 3>> source_uv,
+                 const VoxelGrid& grid, double depth_mm);
+
+    const TriangleTree& tree_;
+    std::span<const std::array<Eigen::Vector2f, 3>> source_uv_;  ///< per triangle, or empty
     VoxelGrid grid_;
     double depth_mm_;
     std::array<int, 3> block_size_;
-    std::unique_ptr<const Index> index_;
+    std::unique_ptr<const Lattice> lattice_;
 };
 
 }  // namespace voxtone::slicer

@@ -20,8 +20,8 @@ constexpr int samples_per_cell = 8;
 /// Colours of the surface points nearest to places.
 class NearestColour {
 public:
-    NearestColour(const VisibleSurface& surface, const io::TexturedMesh& mesh, double sample_spacing_mm)
-        : surface_(surface), tree_(surface.positions_mm, surface.triangles), colour_(mesh, sample_spacing_mm) {}
+    NearestColour(const SurfaceIndex& surface, const io::TexturedMesh& mesh, double sample_spacing_mm)
+        : surface_(*surface), tree_(surface.tree()), colour_(mesh, sample_spacing_mm) {}
 
     /// `guess`: the triangle of a place near by; updated.
     [[nodiscard]] Eigen::Vector3f at(const Eigen::Vector3d& place, std::uint32_t& guess) const {
@@ -36,7 +36,7 @@ public:
 
 private:
     const VisibleSurface& surface_;
-    TriangleTree tree_;
+    const TriangleTree& tree_;
     SurfaceColour colour_;
 };
 
@@ -58,9 +58,9 @@ void for_each_point(const optics::SurfaceFace& face, const std::array<double, 3>
 }  // namespace
 
 std::vector<Eigen::Vector3f> target_of_cells(const optics::Surface& cells, const std::array<double, 3>& pitch_mm,
-                                             const Eigen::Vector3d& corner_mm, const VisibleSurface& surface,
+                                             const Eigen::Vector3d& corner_mm, const SurfaceIndex& surface,
                                              const io::TexturedMesh& mesh, const Progress* progress) {
-    VOXTONE_EXPECT(!surface.triangles.empty());
+    VOXTONE_EXPECT(!surface->triangles.empty());
     const double cell_mm = std::cbrt(cells.cell_voxels[0] * pitch_mm[0] * cells.cell_voxels[1] * pitch_mm[1] *
                                      cells.cell_voxels[2] * pitch_mm[2]);
     const NearestColour colour(surface, mesh, cell_mm / std::sqrt(samples_per_cell));

@@ -25,7 +25,7 @@ namespace voxtone::slicer {
 [[nodiscard]] std::vector<Eigen::Vector3f> target_of_cells(const optics::Surface& cells,
                                                            const std::array<double, 3>& pitch_mm,
                                                            const Eigen::Vector3d& corner_mm,
-                                                           const VisibleSurface& surface, const io::TexturedMesh& mesh,
+                                                           const SurfaceIndex& surface, const io::TexturedMesh& mesh,
                                                            const Progress* progress);
 
 /// CIEDE2000 per cell.

@@ -6,14 +6,16 @@
 #include <functional>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 #include <Eigen/Geometry>
 
 #include "voxtone/base/contracts.h"
+#include "voxtone/slicer/mesh/disjoint_sets.h"
 #include "voxtone/slicer/mesh/exact_predicates.h"
 #include "voxtone/slicer/mesh/mesh_chain.h"
 #include "voxtone/slicer/mesh/mesh_crossings.h"
-#include "voxtone/slicer/mesh/winding_tree.h"
+#include "voxtone/slicer/mesh/winding_number.h"
 
 namespace voxtone::slicer {
 
@@ -49,24 +51,6 @@ struct Piece {
         half[0].uv[d] = half[1].uv[c] = (uv[c] + uv[d]) / 2;
         return half;
     }
-};
-
-class Collector {
-public:
-    explicit Collector(VisibleSurface& out) : out_(out) {}
-    void add(const Piece& p) {
-        const auto first = static_cast<std::uint32_t>(out_.positions_mm.size());
-        out_.positions_mm.insert(out_.positions_mm.end(), p.corner.begin(), p.corner.end());
-        add({first, first + 1, first + 2}, p.uv, p.source);
-    }
-    void add(const Triangle& t, const std::array<Vector2f, 3>& uv, std::uint32_t source) {
-        out_.triangles.push_back(t);
-        out_.source_uv.push_back(uv);
-        out_.source_triangle.push_back(source);
-    }
-
-private:
-    VisibleSurface& out_;
 };
 
 enum class Sight { visible, hidden, mixed };
@@ -106,176 +90,276 @@ std::array<Vector2f, 3> corner_uv(const Triangle& mine, const Triangle& source,
     return uv;
 }
 
+// The surface while it is put together.
+class VisibleParts {
+public:
+    VisibleParts(const std::vector<Vector3d>& positions_mm, const std::vector<Triangle>& source_triangles,
+                 const RepairedMesh& repaired, double piece_mm);
+
+    /// The solid's triangles of the textured mesh, and those that fill holes.
+    void show_solid();
+    /// The triangles of the textured mesh that wraps stand for.
+    void show_wrapped();
+
+    VisibleSurface surface;
+    VisibleSurfaceReport report;
+
+private:
+    static constexpr std::uint32_t nobody = std::numeric_limits<std::uint32_t>::max();
+
+    [[nodiscard]] std::array<Vector3d, 3> places(const Triangle& t) const {
+        return {solid_.positions_mm[t[0]], solid_.positions_mm[t[1]], solid_.positions_mm[t[2]]};
+    }
+    [[nodiscard]] Vector3d normal(std::uint32_t t) const;
+    [[nodiscard]] bool hidden_at(const Vector3d& p, const Vector3d& normal) const;
+
+    void judge_regions();
+    void find_sources_at_corners();
+
+    [[nodiscard]] Sight look_at_crossed(std::uint32_t t, const Vector3d& normal, const Piece& piece) const;
+    Sight find_visible_pieces(std::uint32_t t, const Piece& whole);
+    void count(Sight as_a_whole);
+
+    void show_source(std::uint32_t t);
+    void show_fill(std::uint32_t t);
+    void show_in_corner_colours(const Piece& piece, const Triangle& corners);
+    [[nodiscard]] Vector2f source_uv_at(std::uint32_t corner) const;
+
+    void add(const Triangle& t, const std::array<Vector2f, 3>& uv, std::uint32_t source);
+    void add(const Piece& piece);
+
+    const std::vector<Vector3d>& source_positions_mm_;
+    const std::vector<Triangle>& source_triangles_;
+    const RepairedMesh& repaired_;
+    const SolidMesh& solid_;
+    const TriangleTree& tree_;
+    double piece_mm_;
+    std::vector<std::vector<std::uint32_t>> crossings_;  // per triangle of the solid, by what it is crossed
+    std::vector<Sight> sight_;                           // per triangle that nothing crosses
+    std::vector<std::uint32_t> source_at_corner_;        // per corner a triangle there that has a source, or nobody
+    std::vector<Triangle> wrap_;                         // without a source at any corner
+    std::vector<Piece> pieces_;                          // visible ones of the triangle under work
+};
+
+VisibleParts::VisibleParts(const std::vector<Vector3d>& positions_mm, const std::vector<Triangle>& source_triangles,
+                           const RepairedMesh& repaired, double piece_mm)
+    : source_positions_mm_(positions_mm),
+      source_triangles_(source_triangles),
+      repaired_(repaired),
+      solid_(*repaired.solid),
+      tree_(repaired.solid.tree()),
+      piece_mm_(piece_mm),
+      crossings_(solid_.triangles.size()),
+      sight_(solid_.triangles.size(), Sight::visible) {
+    surface.positions_mm = solid_.positions_mm;
+    const MeshDiagnosis& mesh = repaired.report.after;
+    const bool plain = mesh.shells == 1 && mesh.crossing_pairs == 0 && mesh.nonmanifold_edges == 0;
+    if (!plain) judge_regions();
+    find_sources_at_corners();
+}
+
+Vector3d VisibleParts::normal(std::uint32_t t) const {
+    const auto [a, b, c] = places(solid_.triangles[t]);
+    const Vector3d n = (b - a).cross(c - a);
+    return n.norm() > 0 ? n.normalized() : Vector3d::UnitX();
+}
+
+bool VisibleParts::hidden_at(const Vector3d& p, const Vector3d& normal) const {
+    return winding_number(tree_, p + just_off_mm * normal) != 0 && winding_number(tree_, p - just_off_mm * normal) != 0;
+}
+
+// A region: neighbours through plain edges, as long as no other triangle crosses them. It is hidden or visible as one,
+// and judged at its largest triangle.
+void VisibleParts::judge_regions() {
+    crossings_ = find_crossings(tree_);
+    const auto count = static_cast<std::uint32_t>(solid_.triangles.size());
+    DisjointSets regions(count);
+    for_each_edge(edge_uses(solid_.triangles), [&](std::span<const EdgeUse> edge) {
+        if (edge.size() == 2 && crossings_[edge[0].triangle].empty() && crossings_[edge[1].triangle].empty())
+            regions.unite(edge[0].triangle, edge[1].triangle);
+    });
+    std::vector<std::uint32_t> largest(count);
+    std::iota(largest.begin(), largest.end(), 0u);
+    std::vector<double> areas(count);
+    for (std::uint32_t t = 0; t < count; ++t) {
+        areas[t] = area(solid_.positions_mm, solid_.triangles[t]);
+        std::uint32_t& best = largest[regions.root(t)];
+        if (areas[t] > areas[best]) best = t;
+    }
+    for (std::uint32_t t = 0; t < count; ++t) {
+        if (!crossings_[t].empty()) continue;
+        const std::uint32_t root = regions.root(t), judge = largest[root];
+        if (root != t) {
+            sight_[t] = sight_[root];  // the lowest of its region: judged before
+            continue;
+        }
+        const auto [a, b, c] = places(solid_.triangles[judge]);
+        sight_[t] = hidden_at((a + b + c) / 3, normal(judge)) ? Sight::hidden : Sight::visible;
+    }
+}
+
+void VisibleParts::find_sources_at_corners() {
+    source_at_corner_.assign(solid_.positions_mm.size(), nobody);
+    for (std::uint32_t t = 0; t < solid_.triangles.size(); ++t) {
+        if (solid_.source_triangle[t] < 0) continue;
+        for (const std::uint32_t v : solid_.triangles[t])
+            if (source_at_corner_[v] == nobody) source_at_corner_[v] = t;
+    }
+}
+
+void VisibleParts::show_solid() {
+    for (std::uint32_t t = 0; t < solid_.triangles.size(); ++t) {
+        const Triangle& corners = solid_.triangles[t];
+        if (solid_.source_triangle[t] >= 0)
+            show_source(t);
+        else if (source_at_corner_[corners[0]] != nobody)
+            show_fill(t);
+        else
+            wrap_.push_back(corners);
+    }
+}
+
+Sight VisibleParts::look_at_crossed(std::uint32_t t, const Vector3d& normal, const Piece& piece) const {
+    const bool crossed = std::any_of(crossings_[t].begin(), crossings_[t].end(), [&](std::uint32_t other) {
+        return triangles_meet(piece.corner, places(solid_.triangles[other]));
+    });
+    if (crossed && piece.longest() > piece_mm_) return Sight::mixed;
+    return hidden_at(piece.centre(), normal) ? Sight::hidden : Sight::visible;
+}
+
+// Fills pieces_, with `whole` itself where all of it is visible.
+Sight VisibleParts::find_visible_pieces(std::uint32_t t, const Piece& whole) {
+    pieces_.clear();
+    Sight as_a_whole = sight_[t];
+    if (!crossings_[t].empty()) {
+        const Vector3d n = normal(t);
+        as_a_whole = add_visible(
+            whole, [&](const Piece& piece) { return look_at_crossed(t, n, piece); }, pieces_);
+    } else if (as_a_whole == Sight::visible) {
+        pieces_.push_back(whole);
+    }
+    count(as_a_whole);
+    return as_a_whole;
+}
+
+void VisibleParts::count(Sight as_a_whole) {
+    report.hidden += as_a_whole == Sight::hidden;
+    report.cut += as_a_whole == Sight::mixed;
+}
+
+void VisibleParts::show_source(std::uint32_t t) {
+    const Triangle& corners = solid_.triangles[t];
+    const auto source = std::uint32_t(solid_.source_triangle[t]);
+    const auto uv = corner_uv(corners, source_triangles_[source], solid_.positions_mm, source_positions_mm_);
+    if (find_visible_pieces(t, {places(corners), uv, source}) == Sight::visible)
+        add(corners, uv, source);  // on the corners that are there
+    else
+        for (const Piece& piece : pieces_) add(piece);
+}
+
+void VisibleParts::show_fill(std::uint32_t t) {
+    ++report.patches;
+    const Triangle& corners = solid_.triangles[t];
+    const std::array<Vector2f, 3> of_itself{Vector2f(0, 0), Vector2f(1, 0), Vector2f(0, 1)};
+    find_visible_pieces(t, {places(corners), of_itself, nobody});
+    for (const Piece& piece : pieces_) show_in_corner_colours(piece, corners);
+}
+
+// In six parts, each with the colour of the corner of the fill (`corners`, where piece.uv is (0, 0), (1, 0), (0, 1))
+// that is nearest to it.
+void VisibleParts::show_in_corner_colours(const Piece& piece, const Triangle& corners) {
+    const Vector3d middle = piece.centre();
+    for (int c = 0; c < 3; ++c)
+        for (const int side : {(c + 1) % 3, (c + 2) % 3}) {
+            const Vector2f place = 0.5f * piece.uv[c] + 0.5f * (piece.uv[0] + piece.uv[1] + piece.uv[2]) / 3;
+            const float rest = 1 - place[0] - place[1];
+            const int nearest = rest >= place[0] && rest >= place[1] ? 0 : place[0] >= place[1] ? 1 : 2;
+            Piece part{{piece.corner[c], (piece.corner[c] + piece.corner[side]) / 2, middle}, {}, 0};
+            part.source = std::uint32_t(solid_.source_triangle[source_at_corner_[corners[nearest]]]);
+            part.uv.fill(source_uv_at(corners[nearest]));
+            add(part);
+        }
+}
+
+// Where a corner of the solid lies in the source of the triangle that is known there.
+Vector2f VisibleParts::source_uv_at(std::uint32_t corner) const {
+    const std::uint32_t t = source_at_corner_[corner];
+    const Triangle& mine = solid_.triangles[t];
+    const auto uv = corner_uv(mine, source_triangles_[std::uint32_t(solid_.source_triangle[t])], solid_.positions_mm,
+                              source_positions_mm_);
+    return uv[std::size_t(std::find(mine.begin(), mine.end(), corner) - mine.begin())];
+}
+
+// Whether faces that a wrap replaced are seen: near the wrap, where that is seen.
+class WrapSight {
+public:
+    /// Keeps references to all.
+    WrapSight(const std::vector<Vector3d>& positions_mm, const std::vector<Triangle>& wrap, double reach_mm,
+              const TriangleTree& solid, double piece_mm)
+        : wrap_(positions_mm, wrap), reach_mm_(reach_mm), solid_(solid), piece_mm_(piece_mm) {}
+
+    [[nodiscard]] Sight look_at(const Piece& piece) const {
+        if (piece.longest() > 10 * piece_mm_) return Sight::mixed;
+        const Vector3d centre = piece.centre();
+        int hidden = hidden_at(centre);
+        if (piece.longest() <= piece_mm_) return hidden ? Sight::hidden : Sight::visible;
+        for (const Vector3d& c : piece.corner) hidden += hidden_at(0.9 * c + 0.1 * centre);
+        return hidden == 0 ? Sight::visible : hidden == 4 ? Sight::hidden : Sight::mixed;
+    }
+
+private:
+    [[nodiscard]] bool hidden_at(const Vector3d& p) const {
+        const TriangleTree::Nearest n = wrap_.nearest(p, TriangleTree::none, reach_mm_);
+        if (n.triangle == TriangleTree::none) return true;
+        const Vector3d out_of_wrap = n.distance > 0 ? Vector3d((n.point - p) / n.distance) : Vector3d::UnitX();
+        return winding_number(solid_, n.point + just_off_mm * out_of_wrap) != 0;
+    }
+
+    TriangleTree wrap_;
+    double reach_mm_;
+    const TriangleTree& solid_;
+    double piece_mm_;
+};
+
+void VisibleParts::show_wrapped() {
+    if (wrap_.empty()) return;
+    const double reach_mm = 4 * repaired_.report.wrap_offset_mm;
+    const WrapSight sight(solid_.positions_mm, wrap_, reach_mm, tree_, piece_mm_);
+    for (const std::uint32_t source : repaired_.wrapped_triangles) {
+        const auto& [a, b, c] = source_triangles_[source];
+        const Piece whole{{source_positions_mm_[a], source_positions_mm_[b], source_positions_mm_[c]},
+                          {Vector2f(0, 0), Vector2f(1, 0), Vector2f(0, 1)},
+                          source};
+        pieces_.clear();
+        count(add_visible(
+            whole, [&](const Piece& piece) { return sight.look_at(piece); }, pieces_));
+        for (const Piece& piece : pieces_) add(piece);
+    }
+}
+
+void VisibleParts::add(const Triangle& t, const std::array<Vector2f, 3>& uv, std::uint32_t source) {
+    surface.triangles.push_back(t);
+    surface.source_uv.push_back(uv);
+    surface.source_triangle.push_back(source);
+}
+
+void VisibleParts::add(const Piece& piece) {
+    const auto first = static_cast<std::uint32_t>(surface.positions_mm.size());
+    surface.positions_mm.insert(surface.positions_mm.end(), piece.corner.begin(), piece.corner.end());
+    add({first, first + 1, first + 2}, piece.uv, piece.source);
+}
+
 }  // namespace
 
 VisibleSurface find_visible_surface(const std::vector<Vector3d>& positions_mm,
                                     const std::vector<Triangle>& source_triangles, const RepairedMesh& repaired,
                                     double piece_mm, VisibleSurfaceReport* report) {
-    const SolidMesh& solid = repaired.solid;
-    VOXTONE_EXPECT(piece_mm > 0 && solid.source_triangle.size() == solid.triangles.size());
-    const std::size_t count = solid.triangles.size();
-    VisibleSurface out;
-    out.positions_mm = solid.positions_mm;
-    Collector collect(out);
-    VisibleSurfaceReport seen;
-
-    // What is one with what: neighbours through plain edges, as long as no other triangle crosses them.
-    const bool plain = repaired.report.after.shells == 1 && repaired.report.after.crossing_pairs == 0 &&
-                       repaired.report.after.nonmanifold_edges == 0;
-    std::vector<std::vector<std::uint32_t>> crossings(count);
-    std::vector<std::uint8_t> sight(count, std::uint8_t(Sight::visible));
-    const WindingTree winding(solid.positions_mm, solid.triangles);
-    const auto hidden_at = [&](const Vector3d& p, const Vector3d& normal) {
-        return winding.winding_number(p + just_off_mm * normal) != 0 &&
-               winding.winding_number(p - just_off_mm * normal) != 0;
-    };
-    const auto normal_of = [&](std::uint32_t t) {
-        const auto& [a, b, c] = solid.triangles[t];
-        const Vector3d n =
-            (solid.positions_mm[b] - solid.positions_mm[a]).cross(solid.positions_mm[c] - solid.positions_mm[a]);
-        return Vector3d(n.norm() > 0 ? n.normalized() : Vector3d::UnitX());
-    };
-    if (!plain) {
-        crossings = find_crossings(solid.positions_mm, solid.triangles);
-        std::vector<std::uint32_t> parent(count);
-        std::iota(parent.begin(), parent.end(), 0u);
-        const auto root = [&](std::uint32_t t) {
-            while (parent[t] != t) t = parent[t] = parent[parent[t]];
-            return t;
-        };
-        for_each_edge(edge_uses(solid.triangles), [&](std::span<const EdgeUse> edge) {
-            if (edge.size() != 2 || !crossings[edge[0].triangle].empty() || !crossings[edge[1].triangle].empty())
-                return;
-            const std::uint32_t a = root(edge[0].triangle), b = root(edge[1].triangle);
-            parent[std::max(a, b)] = std::min(a, b);
-        });
-        // Each patch is judged at its largest triangle.
-        std::vector<std::uint32_t> largest(count);
-        std::iota(largest.begin(), largest.end(), 0u);
-        std::vector<double> areas(count);
-        for (std::uint32_t t = 0; t < count; ++t) {
-            areas[t] = area(solid.positions_mm, solid.triangles[t]);
-            std::uint32_t& best = largest[root(t)];
-            if (areas[t] > areas[best]) best = t;
-        }
-        for (std::uint32_t t = 0; t < count; ++t) {
-            if (!crossings[t].empty()) continue;
-            const std::uint32_t judge = largest[root(t)];
-            if (root(t) == t) {
-                const auto& [a, b, c] = solid.triangles[judge];
-                const Vector3d centre = (solid.positions_mm[a] + solid.positions_mm[b] + solid.positions_mm[c]) / 3;
-                sight[t] = std::uint8_t(hidden_at(centre, normal_of(judge)) ? Sight::hidden : Sight::visible);
-            } else {
-                sight[t] = sight[root(t)];  // a root is the lowest of its patch
-            }
-        }
-    }
-
-    // A source triangle at each corner, for the patches.
-    constexpr std::uint32_t nobody = std::numeric_limits<std::uint32_t>::max();
-    std::vector<std::uint32_t> source_at_corner(solid.positions_mm.size(), nobody);
-    for (std::uint32_t t = 0; t < count; ++t)
-        if (solid.source_triangle[t] >= 0)
-            for (const std::uint32_t v : solid.triangles[t])
-                if (source_at_corner[v] == nobody) source_at_corner[v] = t;
-
-    std::vector<Triangle> wrap;
-    std::vector<Piece> pieces;
-    for (std::uint32_t t = 0; t < count; ++t) {
-        const Triangle& corners = solid.triangles[t];
-        Piece whole{
-            {solid.positions_mm[corners[0]], solid.positions_mm[corners[1]], solid.positions_mm[corners[2]]}, {}, 0};
-        const std::int32_t source = solid.source_triangle[t];
-        const bool patch = source < 0;
-        if (patch && source_at_corner[corners[0]] == nobody) {  // of a wrap
-            wrap.push_back(corners);
-            continue;
-        }
-        if (patch) {
-            ++seen.patches;
-            whole.uv = {Vector2f(0, 0), Vector2f(1, 0), Vector2f(0, 1)};  // of itself, for now
-        } else {
-            whole.source = std::uint32_t(source);
-            whole.uv = corner_uv(corners, source_triangles[whole.source], solid.positions_mm, positions_mm);
-        }
-        pieces.clear();
-        Sight as_a_whole = Sight(sight[t]);
-        if (!crossings[t].empty()) {
-            const Vector3d normal = normal_of(t);
-            const auto look = [&](const Piece& piece) {
-                const bool crossed = std::any_of(crossings[t].begin(), crossings[t].end(), [&](std::uint32_t other) {
-                    const auto& [a, b, c] = solid.triangles[other];
-                    return triangles_meet(piece.corner,
-                                          {solid.positions_mm[a], solid.positions_mm[b], solid.positions_mm[c]});
-                });
-                if (crossed && piece.longest() > piece_mm) return Sight::mixed;
-                return hidden_at(piece.centre(), normal) ? Sight::hidden : Sight::visible;
-            };
-            as_a_whole = add_visible(whole, look, pieces);
-        }
-        seen.hidden += as_a_whole == Sight::hidden;
-        seen.cut += as_a_whole == Sight::mixed;
-        if (as_a_whole == Sight::hidden) continue;
-        if (!patch && as_a_whole == Sight::visible) {
-            collect.add(corners, whole.uv, whole.source);
-            continue;
-        }
-        if (as_a_whole == Sight::visible) pieces.assign(1, whole);
-        if (!patch) {
-            for (const Piece& p : pieces) collect.add(p);
-            continue;
-        }
-        // Each piece of a patch takes the colour of the corner nearest to it, in six parts where it is the whole patch.
-        for (const Piece& p : pieces) {
-            const Vector3d middle = p.centre();
-            for (int c = 0; c < 3; ++c)
-                for (const int side : {(c + 1) % 3, (c + 2) % 3}) {
-                    Piece part{{p.corner[c], (p.corner[c] + p.corner[side]) / 2, middle}, {}, 0};
-                    const Vector2f place = 0.5f * p.uv[c] + 0.5f * (p.uv[0] + p.uv[1] + p.uv[2]) / 3;
-                    const float rest = 1 - place[0] - place[1];
-                    const int nearest = rest >= place[0] && rest >= place[1] ? 0 : place[0] >= place[1] ? 1 : 2;
-                    const std::uint32_t neighbour = source_at_corner[corners[nearest]];
-                    part.source = std::uint32_t(solid.source_triangle[neighbour]);
-                    const auto uv = corner_uv(solid.triangles[neighbour], source_triangles[part.source],
-                                              solid.positions_mm, positions_mm);
-                    const auto& n = solid.triangles[neighbour];
-                    part.uv.fill(uv[std::size_t(std::find(n.begin(), n.end(), corners[nearest]) - n.begin())]);
-                    collect.add(part);
-                }
-        }
-    }
-
-    if (!wrap.empty()) {
-        const TriangleTree wrap_tree(solid.positions_mm, wrap);
-        const double reach = 4 * repaired.report.wrap_offset_mm;
-        const auto hidden_point = [&](const Vector3d& p) {
-            const TriangleTree::Nearest n = wrap_tree.nearest(p, TriangleTree::none, reach);
-            if (n.triangle == TriangleTree::none) return true;
-            const Vector3d out_of_wrap = n.distance > 0 ? Vector3d((n.point - p) / n.distance) : Vector3d::UnitX();
-            return winding.winding_number(n.point + just_off_mm * out_of_wrap) != 0;
-        };
-        const auto look = [&](const Piece& piece) {
-            if (piece.longest() > 10 * piece_mm) return Sight::mixed;
-            const Vector3d centre = piece.centre();
-            int hidden = hidden_point(centre);
-            if (piece.longest() <= piece_mm) return hidden ? Sight::hidden : Sight::visible;
-            for (const Vector3d& c : piece.corner) hidden += hidden_point(0.9 * c + 0.1 * centre);
-            return hidden == 0 ? Sight::visible : hidden == 4 ? Sight::hidden : Sight::mixed;
-        };
-        for (const std::uint32_t source : repaired.wrapped_triangles) {
-            const Triangle& corners = source_triangles[source];
-            const Piece whole{{positions_mm[corners[0]], positions_mm[corners[1]], positions_mm[corners[2]]},
-                              {Vector2f(0, 0), Vector2f(1, 0), Vector2f(0, 1)},
-                              source};
-            pieces.clear();
-            const Sight as_a_whole = add_visible(whole, look, pieces);
-            seen.hidden += as_a_whole == Sight::hidden;
-            seen.cut += as_a_whole == Sight::mixed;
-            for (const Piece& p : pieces) collect.add(p);
-        }
-    }
-    if (report) *report = seen;
-    return out;
+    VOXTONE_EXPECT(piece_mm > 0 && repaired.solid->source_triangle.size() == repaired.solid->triangles.size());
+    VisibleParts parts(positions_mm, source_triangles, repaired, piece_mm);
+    parts.show_solid();
+    parts.show_wrapped();
+    if (report) *report = parts.report;
+    return std::move(parts.surface);
 }
 
 double coloured_area_mm2(const VisibleSurface& surface) {

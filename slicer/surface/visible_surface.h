@@ -16,6 +16,7 @@
 #include <Eigen/Core>
 
 #include "voxtone/slicer/mesh/mesh_repair.h"
+#include "voxtone/slicer/mesh/spatial_index.h"
 
 namespace voxtone::slicer {
 
@@ -28,6 +29,9 @@ struct VisibleSurface {
     /// 0 has the rest, 1 - u - v.
     std::vector<std::array<Eigen::Vector2f, 3>> source_uv;
 };
+
+/// The coloured surface and the tree over it; made when the body is.
+using SurfaceIndex = SpatialIndex<VisibleSurface>;
 
 [[nodiscard]] double coloured_area_mm2(const VisibleSurface& surface);
 

@@ -120,11 +120,11 @@ BodyJudgement judge_body(const slicer::SliceOptions& options, const Effort& effo
     map_target(options, std::nullopt, j);
 
     const auto start = std::chrono::steady_clock::now();
-    const slicer::MeshBoundary boundary(body.surface.positions_mm, body.surface.triangles, body.grid.origin_mm);
+    const slicer::MeshBoundary boundary(body.surface->positions_mm, body.surface->triangles, body.grid.origin_mm);
     const std::string digest = volume_digest(stack.volume);
     // The boundary is a function of the model and of how it was placed.
     const std::string boundary_name =
-        fmt::format("{} {} {} triangles", options.model, options.size_mm, body.surface.triangles.size());
+        fmt::format("{} {} {} triangles", options.model, options.size_mm, body.surface->triangles.size());
     std::array<std::vector<float>, 2> value;
     for (std::size_t h = 0; h < 2; ++h)
         value[h] = traced(scene, digest, j.surface, {effort.paths, h + 1, &boundary, boundary_name}, effort.cache);

@@ -55,19 +55,19 @@ int main(int argc, char** argv) {
     RepairOptions options;
     const RepairedMesh repaired = repair_mesh(mesh, options);
     const double repair_s = lap();
-    const VisibleSurface surface = find_visible_surface(mesh.positions, mesh.triangles, repaired);
+    const SurfaceIndex surface(find_visible_surface(mesh.positions, mesh.triangles, repaired));
     const double visible_s = lap();
     VoxelGrid grid;
     grid.pitch_mm = {25.4 / 600, 25.4 / 300, 0.027};
     for (int a = 0; a < 3; ++a) grid.size[a] = int(std::ceil((high - low)[a] * scale / grid.pitch_mm[a]));
-    const Solid solid(repaired.solid, grid);
+    const Solid solid(*repaired.solid, grid);
     const double solid_s = lap();
     const ThinFeatures thin(repaired.solid, solid);
     const double thin_s = lap();
     const SurfaceShell shell(surface, grid, depth_mm);
     const double shell_s = lap();
     std::printf("%s: %zu triangles, %zu visible, %d x %d x %d = %.3g voxels, blocks of %d x %d x %d\n", path.c_str(),
-                mesh.triangles.size(), surface.triangles.size(), grid.size[0], grid.size[1], grid.size[2],
+                mesh.triangles.size(), surface->triangles.size(), grid.size[0], grid.size[1], grid.size[2],
                 double(grid.voxels()), shell.block_size()[0], shell.block_size()[1], shell.block_size()[2]);
     std::printf("set-up: repair %.3f s, visible surface %.3f s, solid %.3f s, thin features %.3f s, tree %.3f s\n",
                 repair_s, visible_s, solid_s, thin_s, shell_s);

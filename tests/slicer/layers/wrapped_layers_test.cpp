@@ -60,7 +60,8 @@ struct Wrapped {
         screen.emplace(std::array{pitch.x(), pitch.y(), pitch.z()});
         wrapped.emplace(surface, grid, *fields, *placement, *screen, std::vector<io::Material>{white, black}, base);
         solid.emplace(mesh, grid);
-        shell.emplace(surface, grid, wrapped->shell_mm());
+        measured.emplace(surface);
+        shell.emplace(*measured, grid, wrapped->shell_mm());
         const LayerMaker maker({*solid, nullptr, surface, *shell, base, &*wrapped});
         voxels.resize(grid.voxels());
         for (int slab = 0; slab * maker.slab_layers() < grid.size[2]; ++slab)
@@ -91,6 +92,7 @@ struct Wrapped {
     std::optional<halftone::BlueNoiseScreen> screen;
     std::optional<WrappedLayers> wrapped;
     std::optional<Solid> solid;
+    std::optional<SurfaceIndex> measured;
     std::optional<SurfaceShell> shell;
     std::vector<io::Material> voxels;
 
@@ -130,8 +132,8 @@ int count(const Wrapped& w, int i, int j, io::Material m) {
 
 JobBody body_of(const Wrapped& w) {
     JobBody body;
-    body.solid_mesh = w.solid_mesh;
-    body.surface = w.surface;
+    body.solid = SolidIndex(w.solid_mesh);
+    body.surface = SurfaceIndex(w.surface);
     body.grid = w.grid;
     return body;
 }
@@ -144,7 +146,7 @@ std::vector<LayerSurface> surfaces_of(const Wrapped& w, double cell_mm) {
 MeshDiagnosis diagnosis_of(const LayerSurface& surface) {
     std::vector<Vector3d> positions;
     for (const Eigen::Vector3f& p : surface.positions_mm) positions.push_back(p.cast<double>());
-    return diagnose(positions, surface.triangles, false);
+    return diagnose(positions, surface.triangles);
 }
 
 }  // namespace

@@ -47,7 +47,7 @@ RepairedMesh repair(const io::TexturedMesh& m, RepairMode mode = RepairMode::aut
     return repair_mesh(m, options);
 }
 
-double volume(const RepairedMesh& r) { return shapes::volume(r.solid); }
+double volume(const RepairedMesh& r) { return shapes::volume(*r.solid); }
 
 const SolidMesh cube = shapes::box({0, 0, 0}, {2, 2, 2});
 
@@ -64,8 +64,8 @@ TEST_CASE("Closed meshes stay as they are, crossings and cavities included") {
     for (const SolidMesh& m : {cube, cavity, overlap, sharing}) {
         for (RepairMode mode : {RepairMode::off, RepairMode::automatic}) {
             const RepairedMesh r = repair(textured(m), mode);
-            CHECK(r.solid.triangles == m.triangles);
-            CHECK(r.solid.source_triangle == m.source_triangle);
+            CHECK(r.solid->triangles == m.triangles);
+            CHECK(r.solid->source_triangle == m.source_triangle);
             CHECK(r.report.messages.empty());
             CHECK(r.report.before == r.report.after);
         }
@@ -125,8 +125,8 @@ TEST_CASE("Holes are filled on the vertices that are there, and fills have no so
     CHECK(r.report.filled_holes == 1);
     CHECK(r.report.filled_area_mm2 == Approx(4));
     CHECK(volume(r) == Approx(20));
-    CHECK(std::count(r.solid.source_triangle.begin(), r.solid.source_triangle.end(), -1) == 2);
-    CHECK(r.solid.positions_mm.size() == open.positions_mm.size());
+    CHECK(std::count(r.solid->source_triangle.begin(), r.solid->source_triangle.end(), -1) == 2);
+    CHECK(r.solid->positions_mm.size() == open.positions_mm.size());
     CHECK(r.report.after.open_edges == 0);
     CHECK_THROWS_AS(repair(textured(open), RepairMode::off), InputError);
     CHECK_THROWS_WITH(repair(textured(open), RepairMode::off), Catch::Contains("4 boundary edges"));
@@ -171,7 +171,7 @@ TEST_CASE("Any set of faces becomes a closed chain") {
         std::vector<Triangle> all = m.triangles;
         for (const HoleFill& f : fills) all.insert(all.end(), f.triangles.begin(), f.triangles.end());
         CHECK(open_edges(all) == 0);
-        CHECK(open_edges(repair(m).solid.triangles) == 0);
+        CHECK(open_edges(repair(m).solid->triangles) == 0);
     }
 }
 

@@ -97,15 +97,15 @@ TEST_CASE("Every model becomes a closed body with a visible surface, or is refus
             RepairOptions options;
             options.pitch_mm = 0.1;
             const RepairedMesh repaired = repair_mesh(mesh, options);
-            CHECK(open_edges(repaired.solid.triangles) == 0);
+            CHECK(open_edges(repaired.solid->triangles) == 0);
             CHECK(repaired.report.after.open_edges == 0);
             if (repaired.report.before.open_edges == 0) {
                 CHECK(repaired.report.filled_holes == 0);
                 CHECK(repaired.report.wrapped_faces == 0);
             }
 
-            const VoxelGrid grid = grid_around(repaired.solid, {0.1, 0.1, 0.1});
-            const Solid solid(repaired.solid, grid);
+            const VoxelGrid grid = grid_around(*repaired.solid, {0.1, 0.1, 0.1});
+            const Solid solid(*repaired.solid, grid);
             std::uint64_t voxels = 0;
             const SpanSlab body = solid.slab(0, grid.size[2]);
             for (int k = 0; k < grid.size[2]; ++k) voxels += body.voxels_of_layer(k);
@@ -142,8 +142,8 @@ TEST_CASE("A sword keeps its thin blade") {
     options.pitch_mm = 0.1;
     for (const double size_mm : {20.0, 30.0}) {
         const RepairedMesh repaired = repair_mesh(read_at(path, size_mm), options);
-        const VoxelGrid grid = grid_around(repaired.solid, {0.1, 0.12, 0.1});
-        const Solid solid(repaired.solid, grid);
+        const VoxelGrid grid = grid_around(*repaired.solid, {0.1, 0.12, 0.1});
+        const Solid solid(*repaired.solid, grid);
         SpanSlab kept;
         const std::uint64_t added = ThinFeatures(repaired.solid, solid).slab(0, grid.size[2], kept);
         CHECK(added > 0);

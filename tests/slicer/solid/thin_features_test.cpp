@@ -59,7 +59,8 @@ struct Thin {
         grid.origin_mm = low;
         for (int a = 0; a < 3; ++a) grid.size[a] = std::max(1, int(std::ceil((high[a] - low[a]) / pitch[a])));
         const Solid solid(mesh, grid);
-        const ThinFeatures thin(mesh, solid);
+        const SolidIndex index(mesh);
+        const ThinFeatures thin(index, solid);
         base = solid.slab(0, grid.size[2]);
         added = thin.slab(0, grid.size[2], kept);
         // Any split gives the same.
@@ -159,7 +160,7 @@ TEST_CASE("A speck smaller than a voxel becomes a voxel") {
         const SolidMesh speck = shapes::moved(shapes::sphere(0.15, 4), at);
         const Solid solid(speck, grid);
         SpanSlab kept;
-        const std::uint64_t added = ThinFeatures(speck, solid).slab(0, 5, kept);
+        const std::uint64_t added = ThinFeatures(SolidIndex(speck), solid).slab(0, 5, kept);
         CHECK(voxels_of(solid.slab(0, 5)).empty());
         CHECK(added >= 1);
         CHECK(parts(voxels_of(kept)) == 1);

@@ -67,7 +67,8 @@ double distance_to(const VisibleSurface& s, std::uint32_t t, const Vector3d& p) 
 // Every voxel of the body against every triangle.
 void check_against_all(const VisibleSurface& surface, const Solid& solid, double depth) {
     const VoxelGrid& grid = solid.grid();
-    const SurfaceShell shell(surface, grid, depth);
+    const SurfaceIndex index(surface);
+    const SurfaceShell shell(index, grid, depth);
     const FoundVoxels found = collect_all(shell, solid);
     const SpanSlab body = solid.slab(0, grid.size[2]);
     std::size_t expected = 0;
@@ -174,7 +175,8 @@ TEST_CASE("The shell of a slab with one coloured face is measured from that face
     grid.pitch_mm = {0.1, 0.1, 0.1};
     grid.size = {40, 30, 20};
     const Solid solid(mesh, grid);
-    const FoundVoxels found = collect_all(SurfaceShell(top, grid, 1.0), solid);
+    const SurfaceIndex index(top);
+    const FoundVoxels found = collect_all(SurfaceShell(index, grid, 1.0), solid);
     CHECK(found.size() == 40 * 30 * 10);
     for (const auto& [voxel, f] : found) {
         REQUIRE(voxel[2] >= 10);
@@ -184,7 +186,7 @@ TEST_CASE("The shell of a slab with one coloured face is measured from that face
 
 TEST_CASE("Shell results do not depend on the walk, the slabs or the instruction set") {
     const SolidMesh mesh = shapes::moved(shapes::torus(1.3, 0.6, 40, 20), shapes::tilt());
-    const VisibleSurface surface = all_of(mesh);
+    const SurfaceIndex surface(all_of(mesh));
     const VoxelGrid grid = grid_around(mesh, j750);
     const Solid solid(mesh, grid);
     const SurfaceShell shell(surface, grid, 0.4);

@@ -54,7 +54,7 @@ TEST_CASE("The target of a cell is the mean colour of the surface next to it, on
 
     const optics::ResinVolume volume = optics::make_resin_volume(size, j750, [](int, int, int) { return 1; });
     const optics::Surface cells = optics::find_surface({&volume, nullptr}, {2, 1, 3}, optics::SurfacePart::all);
-    const auto target = target_of_cells(cells, j750, corner, surface, mesh, nullptr);
+    const auto target = target_of_cells(cells, j750, corner, SurfaceIndex(surface), mesh, nullptr);
     // Facing -x, +x, -y, +y, -z, +z: left, right, front, back, bottom, top.
     const std::array<std::size_t, 6> side_of_facing{4, 5, 2, 3, 0, 1};
     std::size_t wrong = 0, edges = 0;

@@ -6,7 +6,7 @@
 #include "tests/slicer/mesh/shapes.h"
 #include "voxtone/base/random.h"
 #include "voxtone/slicer/mesh/mesh_chain.h"
-#include "voxtone/slicer/mesh/winding_tree.h"
+#include "voxtone/slicer/mesh/winding_number.h"
 
 using namespace voxtone;
 using namespace voxtone::slicer;
@@ -126,11 +126,11 @@ TEST_CASE("Winding numbers by rays agree with solid angles") {
     const SolidMesh mesh =
         shapes::joined(shapes::joined(cube, shapes::moved(shapes::torus(1.3, 0.6, 20, 12), shapes::tilt())),
                        shapes::flipped(shapes::sphere(0.9, 8)));
-    const WindingTree tree(mesh.positions_mm, mesh.triangles);
+    const TriangleTree tree(mesh.positions_mm, mesh.triangles);
     RandomStream random(2, 2);
     for (int n = 0; n < 2000; ++n) {
         Vector3d p = 5 * Vector3d(random.uniform(), random.uniform(), random.uniform()) - Vector3d(2, 2, 2);
         if (n % 4 == 0) p = (p * 4).array().round() / 4 + 1e-3;  // rays along edges and diagonals of the box
-        REQUIRE(tree.winding_number(p) == shapes::winding_number(mesh, p));
+        REQUIRE(winding_number(tree, p) == shapes::winding_number(mesh, p));
     }
 }

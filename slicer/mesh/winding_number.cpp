@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/mesh/winding_tree.h"
+#include "voxtone/slicer/mesh/winding_number.h"
 
 #include <cmath>
 #include <limits>
@@ -37,17 +37,17 @@ std::optional<int> crossing(const Vector3d& p, int axis, const std::array<Vector
 
 }  // namespace
 
-int WindingTree::winding_number(const Vector3d& p) const {
+int winding_number(const TriangleTree& tree, const Vector3d& p) {
     std::vector<std::uint32_t> near;
     std::array<std::optional<int>, 3> seen;
     for (int axis = 0; axis < 3; ++axis) {
         Vector3d end = p;
         end[axis] = std::numeric_limits<double>::infinity();
         near.clear();
-        tree_.overlapping(p, end, near);
+        tree.overlapping(p, end, near);
         seen[axis] = 0;
         for (const std::uint32_t t : near) {
-            const std::optional<int> one = crossing(p, axis, tree_.corners(t));
+            const std::optional<int> one = crossing(p, axis, tree.corners(t));
             if (!one) {
                 seen[axis] = std::nullopt;
                 break;
@@ -57,7 +57,7 @@ int WindingTree::winding_number(const Vector3d& p) const {
         for (int before = 0; before < axis; ++before)
             if (seen[axis] && seen[axis] == seen[before]) return *seen[axis];
     }
-    return static_cast<int>(std::lround(slicer::winding_number(positions_, triangles_, p)));
+    return static_cast<int>(std::lround(winding_number(tree.positions(), tree.triangles(), p)));
 }
 
 }  // namespace voxtone::slicer

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/mesh/fixed_mesh.h"
+#include "voxtone/slicer/solid/fixed_mesh.h"
 
 #include <algorithm>
 #include <cmath>

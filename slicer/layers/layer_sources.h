@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What layers are made of.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <variant>
+
+#include "voxtone/halftone/screens/blue_noise_screen.h"
+#include "voxtone/halftone/separation/separation.h"
+#include "voxtone/io/layers/layer_runs.h"
+#include "voxtone/slicer/layers/layer_counts.h"
+#include "voxtone/slicer/layers/skin_source.h"
+#include "voxtone/slicer/layers/wrapped_layers.h"
+#include "voxtone/slicer/solid/solid.h"
+#include "voxtone/slicer/solid/span_slab.h"
+#include "voxtone/slicer/solid/thin_features.h"
+#include "voxtone/slicer/surface/surface_colour.h"
+#include "voxtone/slicer/surface/surface_shell.h"
+#include "voxtone/slicer/surface/visible_surface.h"
+
+namespace voxtone::slicer {
+
+/// The shell by colour.
+struct MixtureSources {
+    const SurfaceColour& colour;
+    const halftone::Separation& separation;
+    const halftone::BlueNoiseScreen* screen;  ///< null: error diffusion
+    std::uint64_t seed;                       ///< of error diffusion
+    const SkinSource* skin = nullptr;         ///< the appearance loop's mixtures instead of the separation's
+};
+
+/// Everything must outlive the maker of layers.
+struct LayerSources {
+    const Solid& solid;
+    const ThinFeatures* thin;  ///< null: features thinner than a voxel may vanish
+    const VisibleSurface& surface;
+    const SurfaceShell& shell;
+    io::Material core;                                          ///< material of voxels below the shell
+    std::variant<MixtureSources, const WrappedLayers*> resins;  ///< of the shell
+};
+
+/// The body's voxels in the layers [first, last), thin features included; those from `counted_from` on are counted.
+void body_voxels(const LayerSources& sources, int first, int last, int counted_from, SpanSlab& out,
+                 LayerCounts& counts);
+
+/// Takes finished layers, from the bottom up.
+using LayerSink = std::function<void(int k, const io::LayerRuns& layer)>;
+
+}  // namespace voxtone::slicer
