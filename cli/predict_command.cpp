@@ -62,7 +62,8 @@ Command add_predict_command(CLI::App& program) {
                              "white resin (role W)")});
     group(
         "Model",
-        {command->add_option("--model", o.model, fmt::format("[{}]", fmt::join(names_of<slicer::PredictionModel>(), "|")))
+        {command
+             ->add_option("--model", o.model, fmt::format("[{}]", fmt::join(names_of<slicer::PredictionModel>(), "|")))
              ->capture_default_str(),
          command
              ->add_option("--cell", arguments->cell, "what is seen as one: edge of the cells, rounded to whole voxels")

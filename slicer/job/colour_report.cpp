@@ -8,7 +8,6 @@
 #include <utility>
 
 #include <fmt/core.h>
-#include <Eigen/Geometry>
 
 #include "voxtone/base/parallel.h"
 #include "voxtone/io/files/whole_file.h"

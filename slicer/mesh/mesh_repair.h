@@ -32,7 +32,6 @@ enum class RepairMode {
     wrap,       ///< everything is wrapped
 };
 
-
 struct RepairOptions {
     RepairMode mode = RepairMode::automatic;
     double pitch_mm = 0.027;  ///< the smallest of the voxel grid: what is far below it need not be told apart

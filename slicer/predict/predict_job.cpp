@@ -183,6 +183,67 @@ PredictResult describe(const ResolvedPrediction& job, const StackVolume& stack, 
     return {json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace), text};
 }
 
+StackVolume read_stack(const ResolvedPrediction& job, Progress& progress) {
+    const PredictOptions& options = job.asked;
+    // The volume and, for relative values, its white twin are held at once.
+    StackVolume stack = read_stack_volume({.stack = options.stack,
+                                           .resins = options.resins,
+                                           .printer = options.printer,
+                                           .pitch_mm = job.pitch_mm,
+                                           .assign = job.assign,
+                                           .memory_bytes = job.memory_bytes / (options.absolute ? 1 : 2)},
+                                          progress);
+    if (!options.absolute && stack.white < 0)
+        throw InputError(
+            fmt::format("the resin set '{}' has no white (role W) for media-relative values to refer to; name another "
+                        "set with --resins, or give --absolute",
+                        stack.resins.name));
+    return stack;
+}
+
+/// From where it is seen, and over what.
+void look_from(const ResolvedPrediction& job, const StackVolume& stack, PredictFigures& figures) {
+    figures.from_above = job.view == PredictedView::top ||
+                         (job.view == PredictedView::automatic && (stack.of_picture || is_flat_box(stack.volume)));
+    const optics::Backing usual = figures.from_above ? optics::Backing::black : optics::Backing::none;
+    figures.backing = job.backing.value_or(stack.backing.value_or(usual));
+}
+
+optics::Surface find_cells(const optics::Scene& scene, double cell_mm, PredictFigures& figures, Progress& progress) {
+    progress.begin_stage("find the surface", 0);
+    const std::array<double, 3>& pitch_mm = scene.volume->pitch_mm();
+    const auto cell = optics::cell_voxels(pitch_mm, cell_mm);
+    for (std::size_t a = 0; a < 3; ++a) figures.cell_um[a] = cell[a] * pitch_mm[a] * 1e3;
+    optics::Surface surface =
+        optics::find_surface(scene, cell, figures.from_above ? optics::SurfacePart::top : optics::SurfacePart::all);
+    progress.end_stage();
+    return surface;
+}
+
+/// Throws ResourceError where more is held than allowed.
+void note_memory(const optics::ResinVolume& volume, std::size_t cells, std::uint64_t held, std::uint64_t budget,
+                 const PredictFigures& figures, Progress& progress) {
+    const auto& size = volume.size();
+    progress.note(
+        fmt::format("{} x {} x {} voxels and {} surface cells of {:.1f} x {:.1f} x {:.1f} um take {:.0f} MB of the "
+                    "{:.0f} MB allowed (--memory)",
+                    size[0], size[1], size[2], cells, figures.cell_um[0], figures.cell_um[1], figures.cell_um[2],
+                    double(held) * 1e-6, double(budget) * 1e-6));
+    if (held <= budget) return;
+    throw ResourceError(
+        fmt::format("the volume and its surface need {:.2f} GiB, more than the {:.2f} GiB allowed; allow more "
+                    "(--memory), choose larger cells (--cell) or a smaller print",
+                    double(held) / (1 << 30), double(budget) / (1 << 30)));
+}
+
+void add_means(const SurfacePrediction& prediction, PredictFigures& figures) {
+    figures.mean = mean_colour(prediction);
+    const auto& errors = prediction.standard_error;
+    if (errors.empty()) return;
+    figures.mean_error = std::accumulate(errors.begin(), errors.end(), 0.0) / double(errors.size());
+    figures.largest_error = *std::max_element(errors.begin(), errors.end());
+}
+
 }  // namespace
 
 ResolvedPrediction resolve(const PredictOptions& o) {
@@ -210,10 +271,11 @@ ResolvedPrediction resolve(const PredictOptions& o) {
     need(o.threads >= 0 && o.threads <= 1024, "threads", fmt::format("{}", o.threads), "must be 0 to 1024");
     job.view = parse_choice<PredictedView>("view", o.view);
     job.backing = backing_or_auto(o.backing);
-    if (!o.pitch.empty()) (void)parse_pitch_mm(o.pitch);
-    for (const std::string& text : o.assign) (void)parse_assignment(text);
+    if (!o.pitch.empty()) job.pitch_mm = parse_pitch_mm(o.pitch);
+    for (const std::string& text : o.assign) job.assign.push_back(parse_assignment(text));
     job.model = parse_choice<PredictionModel>("model", o.model);
     job.memory_bytes = memory_budget(o.memory_gib);
+    if (job.view != PredictedView::automatic) expect_files_fit(job, job.view == PredictedView::top);
     return job;
 }
 
@@ -221,57 +283,24 @@ PredictResult run_predict_job(const PredictOptions& options, Progress& progress)
     const ResolvedPrediction job = resolve(options);
     expect_writable(options.files);
     const ThreadLimit threads(static_cast<std::size_t>(options.threads));
-    const std::uint64_t budget = job.memory_bytes;
     PredictFigures figures;
     Stopwatch watch;
-    // The volume and, for relative values, its white twin are held at once.
-    const StackVolume stack = read_stack_volume({.stack = options.stack,
-                                                 .resins = options.resins,
-                                                 .printer = options.printer,
-                                                 .pitch = options.pitch,
-                                                 .assign = options.assign,
-                                                 .memory_bytes = budget / (options.absolute ? 1 : 2)},
-                                                progress);
-    if (!options.absolute && stack.white < 0)
-        throw InputError(
-            fmt::format("the resin set '{}' has no white (role W) for media-relative values to refer to; name another "
-                        "set with --resins, "
-                        "or give --absolute",
-                        stack.resins.name));
+    const StackVolume stack = read_stack(job, progress);
     figures.read_s = watch.lap();
 
-    figures.from_above = job.view == PredictedView::top ||
-                         (job.view == PredictedView::automatic && (stack.of_picture || is_flat_box(stack.volume)));
+    look_from(job, stack, figures);
     expect_files_fit(job, figures.from_above);
-    const optics::Backing usual = figures.from_above ? optics::Backing::black : optics::Backing::none;
-    figures.backing = job.backing.value_or(stack.backing.value_or(usual));
     const optics::Scene scene{.volume = &stack.volume, .resins = &stack.resins, .backing = figures.backing};
-    const auto cell = optics::cell_voxels(stack.volume.pitch_mm(), options.cell_mm);
-    for (std::size_t a = 0; a < 3; ++a) figures.cell_um[a] = cell[a] * stack.volume.pitch_mm()[a] * 1e3;
-    progress.begin_stage("find the surface", 0);
-    optics::Surface surface =
-        optics::find_surface(scene, cell, figures.from_above ? optics::SurfacePart::top : optics::SurfacePart::all);
-    progress.end_stage();
+    optics::Surface surface = find_cells(scene, options.cell_mm, figures, progress);
     figures.surface_s = watch.lap();
     const std::uint64_t held = stack.volume.memory_bytes() * (options.absolute ? 1 : 2) + surface_bytes(surface);
-    const auto& size = stack.volume.size();
-    progress.note(
-        fmt::format("{} x {} x {} voxels and {} surface cells of {:.1f} x {:.1f} x {:.1f} um take {:.0f} MB of the "
-                    "{:.0f} MB allowed (--memory)",
-                    size[0], size[1], size[2], surface.cells.size(), figures.cell_um[0], figures.cell_um[1],
-                    figures.cell_um[2], double(held) * 1e-6, double(budget) * 1e-6));
-    if (held > budget)
-        throw ResourceError(
-            fmt::format("the volume and its surface need {:.2f} GiB, more than the {:.2f} GiB allowed; allow more "
-                        "(--memory), choose larger "
-                        "cells (--cell) or a smaller print",
-                        double(held) / (1 << 30), double(budget) / (1 << 30)));
+    note_memory(stack.volume, surface.cells.size(), held, job.memory_bytes, figures, progress);
 
     progress.begin_stage("predict", 0);
     const ModelMaker maker = [&](bool white) {
         ModelOptions quality = options.quality;
         quality.cell_mm = options.cell_mm;
-        quality.memory_bytes = budget - held;
+        quality.memory_bytes = job.memory_bytes - held;
         if (white) quality.seed = ~quality.seed;
         return make_model(job.model, quality);
     };
@@ -284,11 +313,7 @@ PredictResult run_predict_job(const PredictOptions& options, Progress& progress)
     figures.from_above ? write_from_above(job, stack, prediction) : write_body(job, stack, prediction, progress);
     progress.end_stage();
     figures.write_s = watch.lap();
-    figures.mean = mean_colour(prediction);
-    if (const auto& errors = prediction.standard_error; !errors.empty()) {
-        figures.mean_error = std::accumulate(errors.begin(), errors.end(), 0.0) / double(errors.size());
-        figures.largest_error = *std::max_element(errors.begin(), errors.end());
-    }
+    add_means(prediction, figures);
     return describe(job, stack, prediction, figures);
 }
 

@@ -14,6 +14,7 @@
 #include "voxtone/optics/scene/backing.h"
 #include "voxtone/slicer/options/model_choice.h"
 #include "voxtone/slicer/options/option_words.h"
+#include "voxtone/slicer/predict/stack_volume.h"
 
 namespace voxtone::slicer {
 
@@ -45,8 +46,10 @@ enum class PredictedFile {
 
 /// One prediction, checked.
 struct ResolvedPrediction {
-    PredictOptions asked;              ///< for names of files and what is a number already
-    std::vector<PredictedFile> kinds;  ///< of asked.files
+    PredictOptions asked;                           ///< for names of files and what is a number already
+    std::vector<PredictedFile> kinds;               ///< of asked.files
+    std::optional<std::array<double, 3>> pitch_mm;  ///< of foreign stacks
+    std::vector<ColourAssignment> assign;           ///< of foreign stacks
     PredictionModel model = PredictionModel::transport;
     std::optional<optics::Backing> backing;  ///< nothing: what the job said; else black under slabs, none under bodies
     PredictedView view = PredictedView::automatic;

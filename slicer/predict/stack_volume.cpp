@@ -140,7 +140,7 @@ std::optional<SliceOptions> job_of(const std::filesystem::path& stack) {
 }
 
 StackVolume read_own(const io::StackReader& stack, const StackVolumeOptions& options, Progress& progress) {
-    if (!options.assign.empty() || !options.pitch.empty() || !options.printer.empty())
+    if (!options.assign.empty() || options.pitch_mm || !options.printer.empty())
         throw UsageError(fmt::format(
             "{}: has a manifest that says what its colours and sizes are; leave --assign, --pitch and --printer out",
             options.stack));
@@ -202,10 +202,8 @@ std::string role_of_gcvf_material(const std::string& name, const optics::ResinSe
 std::vector<NamedColour> foreign_colours(const io::StackReader& stack, const StackVolumeOptions& options,
                                          const optics::ResinSet& set) {
     std::vector<NamedColour> colours;
-    for (const std::string& text : options.assign) {
-        const ColourAssignment told = parse_assignment(text);
+    for (const ColourAssignment& told : options.assign)
         colours.push_back({told.rgb, told.role, fmt::format("the resin '{}' of --assign", told.role)});
-    }
     const auto add = [&](const io::Rgb& rgb, const std::string& name, const std::string& told) {
         if (std::none_of(colours.begin(), colours.end(), [&](const NamedColour& c) { return c.rgb == rgb; }))
             colours.push_back({rgb, name, told});
@@ -240,7 +238,7 @@ std::vector<NamedColour> foreign_colours(const io::StackReader& stack, const Sta
 }
 
 std::array<double, 3> foreign_pitch_mm(const io::StackReader& stack, const StackVolumeOptions& options) {
-    if (!options.pitch.empty()) return parse_pitch_mm(options.pitch);
+    if (options.pitch_mm) return *options.pitch_mm;
     if (!options.printer.empty()) {
         const Eigen::Vector3d pitch = find_printer(options.printer).pitch_mm();
         return {pitch.x(), pitch.y(), pitch.z()};

@@ -22,13 +22,25 @@
 
 namespace voxtone::slicer {
 
+/// Three lengths in mm from "42.33,84.67,27um"; a number without a unit has that of the last one, mm if that has none.
+/// Throws UsageError.
+[[nodiscard]] std::array<double, 3> parse_pitch_mm(const std::string& text);
+
+/// What a colour of a foreign stack stands for.
+struct ColourAssignment {
+    std::array<std::uint8_t, 3> rgb{};
+    std::string role;  ///< or name of a resin; "none": no material
+};
+/// From "#rrggbb=ROLE". Throws UsageError.
+[[nodiscard]] ColourAssignment parse_assignment(const std::string& text);
+
 struct StackVolumeOptions {
-    std::string stack{};                ///< output folder, folder of PNG layers, GCVF file
-    std::string resins{};               ///< set or file; empty: that of the job that made the stack, else vero-opaque
-    std::string printer{};              ///< foreign stacks: the pitch of this profile
-    std::string pitch{};                ///< foreign stacks: of columns, rows, layers: "42.33,84.67,27um"
-    std::vector<std::string> assign{};  ///< foreign stacks: "#rrggbb=ROLE"; ROLE none: no material
-    std::uint64_t memory_bytes = ~std::uint64_t{0};  ///< the volume may take so much
+    std::string stack{};    ///< output folder, folder of PNG layers, GCVF file
+    std::string resins{};   ///< set or file; empty: that of the job that made the stack, else vero-opaque
+    std::string printer{};  ///< foreign stacks: the pitch of this profile
+    std::optional<std::array<double, 3>> pitch_mm{};  ///< foreign stacks: of columns, rows, layers
+    std::vector<ColourAssignment> assign{};           ///< foreign stacks
+    std::uint64_t memory_bytes = ~std::uint64_t{0};   ///< the volume may take so much
 };
 
 struct StackVolume {
@@ -44,16 +56,5 @@ struct StackVolume {
 /// Throws FileError, InputError (a resin without optical data, a colour without a resin, layers of other sizes or
 /// missing, a pitch that nobody told), ResourceError (more memory than allowed), Cancelled.
 [[nodiscard]] StackVolume read_stack_volume(const StackVolumeOptions& options, Progress& progress);
-
-/// Three lengths in mm from "42.33,84.67,27um"; a number without a unit has that of the last one, mm if that has none.
-/// Throws UsageError.
-[[nodiscard]] std::array<double, 3> parse_pitch_mm(const std::string& text);
-
-/// One entry of `assign`. Throws UsageError.
-struct ColourAssignment {
-    std::array<std::uint8_t, 3> rgb{};
-    std::string role;
-};
-[[nodiscard]] ColourAssignment parse_assignment(const std::string& text);
 
 }  // namespace voxtone::slicer

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxtone/slicer/printer/placement.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/core.h>

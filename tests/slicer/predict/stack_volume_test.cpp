@@ -75,6 +75,12 @@ std::string message(const StackVolumeOptions& options, ExitCode code) {
     return {};
 }
 
+std::vector<ColourAssignment> assigned(const std::vector<std::string>& texts) {
+    std::vector<ColourAssignment> assigned;
+    for (const std::string& text : texts) assigned.push_back(parse_assignment(text));
+    return assigned;
+}
+
 const std::vector<std::string> sample_colours{"#00aeef=C", "#ec008c=m", "#fff200=VeroYellow", "#282828=K", "#dcded8=W"};
 
 }  // namespace
@@ -106,8 +112,10 @@ TEST_CASE("A foreign folder is cropped to its body and has the assigned resins")
         io::write_whole_file(folder.path() / ("layer_" + std::to_string(z + 102) + ".png"),
                              encoder.encode(marker_layer(z, 5, 3, 4)));
     Progress progress;
-    const StackVolume stack = read_stack_volume(
-        {.stack = folder.path().string(), .pitch = "0.05,0.08,0.03mm", .assign = sample_colours}, progress);
+    const StackVolume stack = read_stack_volume({.stack = folder.path().string(),
+                                                 .pitch_mm = parse_pitch_mm("0.05,0.08,0.03mm"),
+                                                 .assign = assigned(sample_colours)},
+                                                progress);
     REQUIRE(stack.volume.size() == std::array<int, 3>{nx, ny, nz});
     CHECK(wrong_voxels(stack) == 0);
     CHECK(stack.volume.pitch_mm() == std::array<double, 3>{0.05, 0.08, 0.03});
@@ -116,13 +124,14 @@ TEST_CASE("A foreign folder is cropped to its body and has the assigned resins")
     CHECK(stack.corner_mm[2] == Approx(2 * 0.03));
     // The printer's profile gives the pitch too.
     const StackVolume of_printer = read_stack_volume(
-        {.stack = folder.path().string(), .printer = "stratasys-j750-hq", .assign = sample_colours}, progress);
+        {.stack = folder.path().string(), .printer = "stratasys-j750-hq", .assign = assigned(sample_colours)},
+        progress);
     CHECK(of_printer.volume.pitch_mm()[2] == Approx(0.014));
     // A colour that is no material leaves holes.
     auto without_cyan = sample_colours;
     without_cyan[0] = "#00aeef=none";
     const StackVolume holes = read_stack_volume(
-        {.stack = folder.path().string(), .printer = "stratasys-j750-hq", .assign = without_cyan}, progress);
+        {.stack = folder.path().string(), .printer = "stratasys-j750-hq", .assign = assigned(without_cyan)}, progress);
     CHECK(wrong_voxels(holes) > 1000);
 }
 
@@ -150,20 +159,19 @@ TEST_CASE("What a stack lacks is said with what to do") {
         "g": 0.4, "eta": 1.5, "resins": [{"name": "White", "role": "W", "sigma_t_per_mm": [6, 9, 24], "albedo": [0.999, 0.999, 0.999]}]})"));
     CHECK_THAT(message({.stack = own, .resins = (folder.path() / "few.json").string()}, ExitCode::invalid_input),
                Contains("VeroCyan") && Contains("no optical data") && Contains("few") && Contains("--resins"));
-    CHECK_THAT(message({.stack = own, .pitch = "1,1,1mm"}, ExitCode::usage), Contains("manifest"));
+    CHECK_THAT(message({.stack = own, .pitch_mm = parse_pitch_mm("1,1,1mm")}, ExitCode::usage), Contains("manifest"));
     CHECK_THAT(message({.stack = layers}, ExitCode::invalid_input), Contains("--pitch") && Contains("--printer"));
     CHECK_THAT(message({.stack = layers, .printer = "stratasys-j750-hm"}, ExitCode::invalid_input),
                Contains("--assign") && Contains("#00aeef=?") && Contains("C, M, Y, K, W"));
     auto some = sample_colours;
     some.pop_back();
-    CHECK_THAT(message({.stack = layers, .printer = "stratasys-j750-hm", .assign = some}, ExitCode::invalid_input),
-               Contains("#dcded8") && Contains("stands for no resin") && Contains("slice_000"));
+    CHECK_THAT(
+        message({.stack = layers, .printer = "stratasys-j750-hm", .assign = assigned(some)}, ExitCode::invalid_input),
+        Contains("#dcded8") && Contains("stands for no resin") && Contains("slice_000"));
     some.push_back("#dcded8=X");
-    CHECK_THAT(message({.stack = layers, .printer = "stratasys-j750-hm", .assign = some}, ExitCode::invalid_input),
-               Contains("'X'") && Contains("--resins"));
-    some.back() = "dcded8=W";
-    CHECK_THAT(message({.stack = layers, .printer = "stratasys-j750-hm", .assign = some}, ExitCode::usage),
-               Contains("#rrggbb=ROLE"));
+    CHECK_THAT(
+        message({.stack = layers, .printer = "stratasys-j750-hm", .assign = assigned(some)}, ExitCode::invalid_input),
+        Contains("'X'") && Contains("--resins"));
     CHECK_THAT(message({.stack = own, .memory_bytes = 1000}, ExitCode::unfinished),
                Contains("GiB") && Contains("--memory"));
     std::filesystem::remove(layers + "/slice_00007.png");
@@ -176,4 +184,11 @@ TEST_CASE("A pitch is three lengths") {
     CHECK_THROWS_AS(parse_pitch_mm("42,84"), UsageError);
     CHECK_THROWS_AS(parse_pitch_mm("42,84,27"), UsageError);  // 42 mm
     CHECK_THROWS_AS(parse_pitch_mm("a,b,c"), UsageError);
+}
+
+TEST_CASE("A colour is assigned by its code") {
+    CHECK(parse_assignment("#00aeef=C").rgb == std::array<std::uint8_t, 3>{0x00, 0xae, 0xef});
+    CHECK(parse_assignment("#00aeef=C").role == "C");
+    for (const char* bad : {"dcded8=W", "#dcded8", "#dcded8=", "#dcde=W", "=W", ""})
+        CHECK_THROWS_WITH(parse_assignment(bad), Contains("#rrggbb=ROLE"));
 }
