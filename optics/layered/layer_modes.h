@@ -23,9 +23,9 @@
 
 #include <Eigen/Core>
 
+#include "voxtone/optics/layered/angular_grid.h"
 #include "voxtone/optics/layered/phase.h"
 #include "voxtone/optics/media/resins.h"
-#include "voxtone/optics/numerics/quadrature.h"
 #include "voxtone/optics/numerics/symmetric_eigen.h"
 
 namespace voxtone::optics {

@@ -14,6 +14,7 @@
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/error.h"
 #include "voxtone/base/parallel.h"
+#include "voxtone/optics/media/mirrored_box.h"
 #include "voxtone/optics/scene/appearance_model.h"
 
 namespace voxtone::optics {
@@ -37,26 +38,6 @@ struct Patch {
     }
     [[nodiscard]] bool solid(int x, int y, int z) const { return *row(x, y, z) != air; }
 };
-
-int reflected(int i, int n) {
-    while (i < 0 || i >= n) i = i < 0 ? -1 - i : 2 * n - 1 - i;
-    return i;
-}
-
-void read_patch(const Scene& scene, Patch& patch) {
-    const ResinVolume& volume = *scene.volume;
-    const auto& e = patch.extent;
-    patch.voxels.resize(static_cast<std::size_t>(e[0]) * static_cast<std::size_t>(e[1]) *
-                        static_cast<std::size_t>(e[2]));
-    volume.copy_box(patch.corner, e, patch.voxels);
-    if (scene.sides != Sides::mirrored) return;
-    std::size_t i = 0;
-    for (int z = patch.corner[2]; z < patch.corner[2] + e[2]; ++z)
-        for (int y = patch.corner[1]; y < patch.corner[1] + e[1]; ++y)
-            for (int x = patch.corner[0]; x < patch.corner[0] + e[0]; ++x, ++i)
-                if (x < 0 || y < 0 || x >= volume.size()[0] || y >= volume.size()[1])
-                    patch.voxels[i] = volume.at(reflected(x, volume.size()[0]), reflected(y, volume.size()[1]), z);
-}
 
 class TileSurface {
 public:
@@ -96,7 +77,7 @@ public:
             patch.corner[a] = corner[a] - margin_[a];
             patch.extent[a] = edge_[a] + 2 * margin_[a];
         }
-        read_patch(scene_, patch);
+        read_box(*scene_.volume, scene_.sides == Sides::mirrored, patch.corner, patch.extent, patch.voxels);
         count_cells(corner, patch);
         for (int z = corner[2]; z < corner[2] + edge_[2]; z += cell_[2])
             for (int y = corner[1]; y < corner[1] + edge_[1]; y += cell_[1])

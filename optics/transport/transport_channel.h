@@ -12,8 +12,8 @@
 #include "voxtone/base/progress.h"
 #include "voxtone/optics/transport/diffusion.h"
 #include "voxtone/optics/transport/optical_grid.h"
-#include "voxtone/optics/transport/transport.h"
 #include "voxtone/optics/transport/transport_medium.h"
+#include "voxtone/optics/transport/transport_options.h"
 #include "voxtone/optics/transport/transport_sweep.h"
 
 namespace voxtone::optics {

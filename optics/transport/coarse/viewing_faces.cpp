@@ -4,7 +4,8 @@
 #include <cmath>
 #include <utility>
 
-#include "voxtone/optics/transport/coarse/viewing_places.h"
+#include "voxtone/optics/transport/coarse/viewing_grid.h"
+#include "voxtone/optics/transport/lattice.h"
 
 namespace voxtone::optics {
 

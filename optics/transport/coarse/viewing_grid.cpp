@@ -8,16 +8,11 @@
 
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/parallel.h"
-#include "voxtone/optics/transport/coarse/viewing_places.h"
+#include "voxtone/optics/media/mirrored_box.h"
+#include "voxtone/optics/transport/lattice.h"
 #include "voxtone/optics/transport/transport_sweep.h"
 
 namespace voxtone::optics {
-namespace {
-
-constexpr std::array<Place, 6> step_of{{{-1, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0}, {0, 0, -1}, {0, 0, 1}}};
-constexpr std::uint8_t not_solid = 64;
-
-}  // namespace
 
 struct ViewingGrid::Builder {
     ViewingGrid& self;

@@ -16,6 +16,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -133,5 +134,15 @@ private:
     std::vector<Donor> donors_;             ///< ascending in `to`
     std::vector<std::uint32_t> donors_of_;  ///< first donor of each transport block, with an end mark
 };
+
+template <class Body>
+void ViewingGrid::each_face(std::uint32_t cell, Body&& body) const {
+    const unsigned bits = grid.outer[cell];
+    if (bits == 0 || bits & not_solid) return;
+    const GridBlock& home = grid.blocks[grid.transport_blocks[cell / 64]];
+    const auto first =
+        static_cast<std::uint32_t>(grid.face_of_cell[static_cast<std::size_t>(home.first_link) + cell % 64]);
+    for (std::uint32_t f = first; f < first + static_cast<std::uint32_t>(std::popcount(bits)); ++f) body(f);
+}
 
 }  // namespace voxtone::optics

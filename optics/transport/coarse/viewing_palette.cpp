@@ -6,7 +6,9 @@
 
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/parallel.h"
-#include "voxtone/optics/transport/coarse/viewing_places.h"
+#include "voxtone/optics/media/mirrored_box.h"
+#include "voxtone/optics/transport/coarse/viewing_grid.h"
+#include "voxtone/optics/transport/lattice.h"
 
 namespace voxtone::optics {
 namespace {

@@ -30,7 +30,7 @@
 #include "voxtone/optics/media/halftone_medium.h"
 #include "voxtone/optics/transport/coarse/viewing_tiles.h"
 #include "voxtone/optics/transport/coarse/viewing_transport.h"
-#include "voxtone/optics/transport/transport.h"
+#include "voxtone/optics/transport/transport_options.h"
 
 namespace voxtone::optics {
 

@@ -20,8 +20,8 @@
 #include "voxtone/base/progress.h"
 #include "voxtone/optics/transport/coarse/viewing_diffusion.h"
 #include "voxtone/optics/transport/coarse/viewing_grid.h"
-#include "voxtone/optics/transport/transport.h"
 #include "voxtone/optics/transport/transport_medium.h"
+#include "voxtone/optics/transport/transport_options.h"
 #include "voxtone/optics/transport/transport_sweep.h"
 
 namespace voxtone::optics {
