@@ -7,6 +7,7 @@
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/error.h"
 #include "voxtone/optics/monte_carlo/directional_paths.h"
+#include "voxtone/optics/monte_carlo/path_entries.h"
 #include "voxtone/optics/monte_carlo/path_packets.h"
 #include "voxtone/optics/monte_carlo/path_rounds.h"
 #include "voxtone/optics/monte_carlo/plain_paths.h"
@@ -162,7 +163,7 @@ Appearance MonteCarlo::predict(const Scene& scene, const Surface& surface, const
 
 Appearance MonteCarlo::predict(const Scene& scene, const Surface& surface, MonteCarloSummary& summary,
                                const Progress* progress) const {
-    expect_resins_for(scene);
+    require_resins(scene);
     const std::size_t channels = scene.resins->channels.size();
     const PathStarts starts(scene, surface, options_.boundary != nullptr);
     if (options_.tracer == PathTracer::plain) {
@@ -189,7 +190,7 @@ Appearance MonteCarlo::predict(const Scene& scene, const Surface& surface, Monte
 
 Appearance MonteCarlo::reflectance_45_0(const Scene& scene, const Surface& surface, MonteCarloSummary& summary,
                                         const Progress* progress) const {
-    expect_resins_for(scene);
+    require_resins(scene);
     expect_flat(scene, surface);
     const std::size_t channels = scene.resins->channels.size();
     const PathStarts starts(scene, surface);

@@ -1,28 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//
-// The surface of a voxel body: exposed faces, grouped into viewing cells, and the smooth surface they stand for.
-//
-// The outward normal at a face is minus the gradient of the occupancy, smoothed by a Gaussian of 0.12 mm cut at 0.3 mm:
-// exact for planes parallel to the axes and, by the symmetry of the kernel, on average for all others. A face that
-// belongs to a flat terrace at least 0.5 mm wide along both of its edges keeps its own direction, so that the edges of
-// a box stay sharp. A face with direction e of a surface with normal n stands for 1 / (|nx| + |ny| + |nz|) of its area.
+#include "voxtone/optics/scene/surface.h"
+
 #include <algorithm>
 #include <cmath>
-#include <string>
 #include <tuple>
 
 #include "voxtone/base/contracts.h"
-#include "voxtone/base/error.h"
 #include "voxtone/base/parallel.h"
 #include "voxtone/optics/media/mirrored_box.h"
-#include "voxtone/optics/scene/appearance_model.h"
 
 namespace voxtone::optics {
 namespace {
 
 constexpr double kernel_sigma_mm = 0.12, kernel_reach_mm = 0.3, terrace_mm = 0.5;
-constexpr std::array<std::array<int, 3>, 6> step_of{
-    {{-1, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0}, {0, 0, -1}, {0, 0, 1}}};
 
 /// A box of voxels with a margin, so that everything about a tile's faces is decided without looking elsewhere.
 struct Patch {
@@ -356,18 +346,6 @@ Surface part_of(const Surface& surface, std::span<const std::uint32_t> cells) {
                                 surface.face_normal.begin() + last);
     }
     return part;
-}
-
-void expect_resins_for(const Scene& scene) {
-    VOXTONE_EXPECT(scene.volume && scene.resins);
-    const auto counts = scene.volume->count();
-    for (std::size_t m = 1; m < counts.size(); ++m)
-        if (counts[m] > 0 && m > scene.resins->resins.size())
-            throw InputError(
-                "the volume has " + std::to_string(counts[m]) + " voxels of material " + std::to_string(m) +
-                ", but the resin set '" + scene.resins->name + "' ends at " +
-                std::to_string(scene.resins->resins.size()) +
-                ": without its absorption and scattering nothing can be predicted; name a set that has it");
 }
 
 }  // namespace voxtone::optics

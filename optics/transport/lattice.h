@@ -12,9 +12,6 @@ namespace voxtone::optics {
 
 using Place = std::array<std::int32_t, 3>;
 
-/// The six neighbours of a place, by Facing.
-inline constexpr std::array<Place, 6> step_of{{{-1, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0}, {0, 0, -1}, {0, 0, 1}}};
-
 /// Index of a place in a box of n.
 inline std::size_t at3(const Place& i, const Place& n) {
     return (static_cast<std::size_t>(i[2]) * static_cast<std::size_t>(n[1]) + static_cast<std::size_t>(i[1])) *

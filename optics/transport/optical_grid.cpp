@@ -586,7 +586,7 @@ OpticalGrid::OpticalGrid(const Scene& scene, const GridOptions& opts)
     : options(opts),
       directions(make_directions(scene.resins->g, scene.resins->eta)),
       pitch_mm(scene.volume->pitch_mm()) {
-    expect_resins_for(scene);
+    require_resins(scene);
     Builder builder{*this, scene, {}, {}};
     palette.resize(scene.resins->resins.size() + 1);
     for (std::size_t m = 1; m < palette.size(); ++m) palette[m].shares = {{static_cast<Material>(m), 1.0f}};

@@ -169,7 +169,7 @@ public:
 
 private:
     friend class GridCensus;
-    friend class ViewingGrid;
+    friend struct ViewingGrid;
     OpticalGrid() = default;
     struct Builder;
 };

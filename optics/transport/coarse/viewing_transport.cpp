@@ -7,34 +7,15 @@
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/parallel.h"
 #include "voxtone/base/stopwatch.h"
+#include "voxtone/optics/transport/coarse/viewing_derivatives.h"
 
 namespace voxtone::optics {
 namespace {
 
 constexpr float least_transport_sigma = 0.2f;  // mm^-1; keeps diffusion finite in clear resin, where it is only a guess
 constexpr std::size_t blocks_per_task = 32;
-constexpr float phi_step = 2.0f / 65535, J_step = 1.0f / 32767;
-constexpr float signed_step = 2 * phi_step, signed_zero = 32768;  // of phi of an adjoint
-
-std::uint16_t signed_code(float v) {
-    return static_cast<std::uint16_t>(std::clamp(v * (1 / signed_step) + (signed_zero + 0.5f), 0.0f, 65535.0f));
-}
-
-std::int16_t J_code(float v) {
-    return static_cast<std::int16_t>(static_cast<int>(std::clamp(v * (1 / J_step), -32767.0f, 32767.0f) + 32768.5f) -
-                                     32768);
-}
 
 }  // namespace
-
-std::uint16_t phi_code(float phi) {
-    return static_cast<std::uint16_t>(std::clamp(phi * (1 / phi_step) + 0.5f, 0.0f, 65535.0f));
-}
-float phi_of(const ViewingField::Code& code) { return phi_step * static_cast<float>(code.phi); }
-Moments moments_of(const ViewingField::Code& code) {
-    return {phi_of(code), J_step * static_cast<float>(code.x), J_step * static_cast<float>(code.y),
-            J_step * static_cast<float>(code.z)};
-}
 
 ViewingTransport::ViewingTransport(const ViewingGrid& viewing, const TransportOptions& options)
     : viewing_(viewing), grid_(viewing.grid), options_(options), diffusion_(viewing) {
@@ -531,6 +512,18 @@ void ViewingTransport::solve(const Media& media, ViewingField& field, int sweeps
     for (const std::uint32_t f : viewing_.open_faces)
         if (grid_.faces[f].kind == FaceKind::light)
             last_change_ = std::max(last_change_, static_cast<double>(std::abs(flux_change_[f]) / furnace_flux(f)));
+}
+
+void ViewingTransport::derivatives(const ViewingField& forward, std::span<float> by_sigma_t,
+                                   std::span<float> by_sigma_s) {
+    VOXTONE_EXPECT(scale_ > 0 && forward.scale == 0 && forward.cells.size() == source_.size());
+    const DerivativeScene scene{viewing_, media_->cells, volume_ * scale_};
+    derivatives_by_moments(scene, forward.cells, source_, by_sigma_t, by_sigma_s);
+    reflect();
+    const std::vector<Octet> in = in_, out = out_;
+    take_light({}, {});
+    load(forward);
+    add_derivatives_at_faces(scene, {out_, in_}, {out, in}, by_sigma_t);
 }
 
 double ViewingTransport::relative_change() const {
