@@ -43,7 +43,8 @@ struct AngularGrid {
                                        double look_weight = 0);
 
 /// Nodes with weight exactly at 45 and 0 degrees in air: `below` trapped ones, then Radau rules of `outer` nodes on
-/// (0, cos 45] and `inner` on (cos 45, 1] in the air cosine. 7 + 5 + 3 gives calibration patches within 6e-6.
+/// (0, cos 45] and `inner` on (cos 45, 1] in the air cosine. 7 + 5 + 3 gives calibration patches within 6e-6. For
+/// tests: another rule with the same views, by which that of looking nodes is checked.
 [[nodiscard]] AngularGrid angular_grid_45_0(double eta, int below, int outer, int inner);
 
 }  // namespace voxtone::optics

@@ -19,6 +19,7 @@ struct Rule {
 [[nodiscard]] Rule gauss_legendre(int n, double a, double b);
 
 /// Radau rule of n >= 1 nodes on (a, b], of which the last is b: exact for polynomials of degree 2n - 2. Golub 1973.
+/// For angular_grid_45_0.
 [[nodiscard]] Rule gauss_radau(int n, double a, double b);
 
 }  // namespace voxtone::optics

@@ -137,8 +137,8 @@ public:
     std::array<double, 3> pitch_mm{};
     std::vector<GridBlock> blocks;       ///< ascending in z, y, x
     std::vector<std::int32_t> block_at;  ///< of each lattice place, -1: air
-    std::vector<std::uint32_t>
-        transport_rows;  ///< first transport block of each row of blocks along x, with an end mark
+    /// First transport block of each row of blocks along x, with an end mark.
+    std::vector<std::uint32_t> transport_rows;
     std::vector<std::uint32_t> transport_blocks;
     std::vector<std::uint16_t> medium;       ///< per cell: index into `palette`; 0 is air
     std::vector<std::uint8_t> outer;         ///< per cell: bit f is set where face f is an outer one; or `not_solid`

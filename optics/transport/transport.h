@@ -20,7 +20,8 @@
 // white still carries light over any distance. What the halo leaves of the difference is stated in docs/predict.md.
 //
 // Gradient: the operator is its own adjoint under reversal of directions, so the adjoint is one more solve, lit through
-// the surface by d(function)/d(appearance).
+// the surface by d(function)/d(appearance). No part of a job asks for it, loops take that of viewing cells
+// (viewing_gradient.h): it is exact direction by direction, and the tests hold it to differences of predictions.
 //
 // Units mm, mm^-1. Range: any resins, any g in (-1, 1), eta >= 1. Errors against Monte Carlo: docs/predict.md. What it
 // cannot see: shadows and second bounces outside the body; sharp caustics in clear resin (64 directions).

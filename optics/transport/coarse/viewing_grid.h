@@ -97,10 +97,10 @@ struct ViewingGrid {
     std::vector<std::uint32_t> ghosts;      ///< core nodes on the cut sides of the window, ascending
     std::vector<std::uint32_t> core_faces;  ///< outer faces that lead into the core
     std::vector<std::uint32_t> open_faces;  ///< the others: to the light, a sheet or a mirror
-    std::vector<std::uint32_t>
-        place_of_face;  ///< of each outer face among the open ones; `into_core` and among the core's
-    std::array<std::vector<std::uint32_t>, 2>
-        blocks_by_parity;  ///< transport blocks whose neighbours are of the other parity
+    /// Of each outer face among the open ones; `into_core` and among the core's.
+    std::vector<std::uint32_t> place_of_face;
+    /// Transport blocks whose neighbours are of the other parity.
+    std::array<std::vector<std::uint32_t>, 2> blocks_by_parity;
 
     /// A cell that is not solid, and the solid one that holds its resin.
     struct Donor {

@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "voxtone/base/progress.h"
+#include "voxtone/optics/transport/coarse/sweep_scratch.h"
 #include "voxtone/optics/transport/coarse/viewing_diffusion.h"
 #include "voxtone/optics/transport/coarse/viewing_field.h"
 #include "voxtone/optics/transport/coarse/viewing_grid.h"
@@ -109,9 +110,8 @@ private:
     std::vector<FaceSums> sums_;                          ///< per law
     std::vector<float> D_, core_D_, eased_, core_eased_;  ///< per medium
     std::vector<Moments> source_;                         ///< per cell: sigma_s phi and 3 g' sigma_s J
-    std::vector<Moments> sum_, other_;    ///< per cell: phi and J of light that runs up, and down; also what follows
-    std::span<BlockStencil<4>> stencil_;  ///< in sum_
-    std::span<float> x_, right_, p_, z_;  ///< in other_
+    SweepScratch scratch_;
+    std::span<float> x_, right_, p_, z_;  ///< per cell, of the diffusion solve: in scratch_
     std::vector<float> core_phi_, core_x_, core_right_, core_p_, core_z_;
     int steps_ = 0;                              ///< of the diffusion solves
     std::vector<Octet> in_, out_;                ///< [open face * 4 + tangential signs]
