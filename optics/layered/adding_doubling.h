@@ -8,15 +8,16 @@
 // A kernel A_ij gives the radiance I_i = sum_j A_ij c_j I_j, in units where a perfect diffuser has A = 1. Layers are
 // matched in index to each other; the refractive surface belongs to what is around the stack (directional.h, slab.h).
 //
-// Range: 0 <= albedo <= 1, any thickness, |g| < 1. Error on given nodes: below 1e-9. What the nodes cost: quadrature.h.
-// Time: some 30 doublings of a dozen N^3 operations a layer; layer_modes.h solves the same equations faster.
+// Range: 0 <= albedo <= 1, any thickness, |g| < 1. Error on given nodes: below 1e-9. What the nodes cost:
+// angular_grid.h. Time: some 30 doublings of a dozen N^3 operations a layer; layer_modes.h solves the same equations
+// faster.
 #pragma once
 
 #include <Eigen/Core>
 
+#include "voxtone/optics/layered/angular_grid.h"
 #include "voxtone/optics/layered/phase.h"
 #include "voxtone/optics/media/resins.h"
-#include "voxtone/optics/numerics/quadrature.h"
 
 namespace voxtone::optics {
 

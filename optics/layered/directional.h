@@ -12,7 +12,7 @@
 #include <Eigen/Core>
 
 #include "voxtone/optics/layered/adding_doubling.h"
-#include "voxtone/optics/numerics/quadrature.h"
+#include "voxtone/optics/layered/angular_grid.h"
 #include "voxtone/optics/scene/backing.h"
 
 namespace voxtone::optics {

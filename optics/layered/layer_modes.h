@@ -23,9 +23,9 @@
 
 #include <Eigen/Core>
 
+#include "voxtone/optics/layered/angular_grid.h"
 #include "voxtone/optics/layered/phase.h"
 #include "voxtone/optics/media/resins.h"
-#include "voxtone/optics/numerics/quadrature.h"
 #include "voxtone/optics/numerics/symmetric_eigen.h"
 
 namespace voxtone::optics {
@@ -71,7 +71,8 @@ public:
     [[nodiscard]] Admittance half_space() const;
     /// The law at the upper side of a layer, given the law at its lower side.
     [[nodiscard]] Admittance over(const Admittance& below, double thickness_mm) const;
-    /// Decay per mm of each mode, ascending; the first is the reciprocal of the diffusion length.
+    /// Decay per mm of each mode, ascending; the first is the reciprocal of the diffusion length. For tests, which know
+    /// that length otherwise.
     [[nodiscard]] OrdinateVector decay_per_mm() const;
     /// Lambda, ascending; W; W^-1; and the optical depth of a mm, without the forward peak of the phase function.
     [[nodiscard]] const OrdinateVector& lambda() const { return lambda_; }

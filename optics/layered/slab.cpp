@@ -6,6 +6,7 @@
 #include <Eigen/LU>
 
 #include "voxtone/optics/layered/directional.h"
+#include "voxtone/optics/numerics/quadrature.h"
 #include "voxtone/optics/scene/fresnel.h"
 
 namespace voxtone::optics {

@@ -7,6 +7,8 @@
 // included (incoherent multiple reflections; the notation of Prahl 1995). All four are shares of the incident flux.
 // Error, tested against converged tables: 8 + 8 directions and 32 terms below 1e-5 for |g| <= 0.5; 16 + 16 directions
 // and 64 terms below 1e-4 for g = 0.875.
+//
+// No part of a job asks for it: published tables are of slabs in air, and adding-doubling is held to them through it.
 #pragma once
 
 #include "voxtone/optics/layered/adding_doubling.h"

@@ -4,11 +4,9 @@
 //
 //   chess   squares: white over black, and a deep translucent body
 //   marble  a light translucent body with darker, warmer veins that run slantwise through it (turbulence of lattice
-//   noise;
-//           K. Perlin, "An image synthesizer", SIGGRAPH 1985)
+//           noise; K. Perlin, "An image synthesizer", SIGGRAPH 1985)
 //   stone   grains, each of one translucency and tint (cells of the nearest seed point; S. Worley, "A cellular texture
-//   basis
-//           function", SIGGRAPH 1996)
+//           basis function", SIGGRAPH 1996)
 //
 // Mixtures are ideal ones of the roles W, K and T (clear), with C, M and Y as tints where the set has them. A slab is a
 // function of the place in mm, so margins go on as the pattern does. Depth counts from the top.

@@ -23,8 +23,11 @@ double henyey_greenstein(double cosine, double g) {
 
 /// Share of diffuse light that the surface lets in.
 double mean_transmittance(double eta) {
-    const AngularGrid grid = angular_grid(eta, 2, 32);
-    return eta * eta * (grid.c * grid.t).sum();  // c is a share of all directions in the resin
+    const Rule cosine = gauss_legendre(32, 0, 1);
+    double sum = 0;
+    for (std::size_t k = 0; k < cosine.x.size(); ++k)
+        sum += 2 * cosine.x[k] * cosine.w[k] * (1 - fresnel_reflectance(cosine.x[k], eta));
+    return sum;
 }
 
 }  // namespace

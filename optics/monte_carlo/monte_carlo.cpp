@@ -2,14 +2,12 @@
 #include "voxtone/optics/monte_carlo/monte_carlo.h"
 
 #include <algorithm>
-#include <cmath>
 #include <vector>
-
-#include <fmt/format.h>
 
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/error.h"
 #include "voxtone/optics/monte_carlo/directional_paths.h"
+#include "voxtone/optics/monte_carlo/path_entries.h"
 #include "voxtone/optics/monte_carlo/path_packets.h"
 #include "voxtone/optics/monte_carlo/path_rounds.h"
 #include "voxtone/optics/monte_carlo/plain_paths.h"
@@ -153,23 +151,6 @@ void expect_flat(const Scene& scene, const Surface& surface) {
 
 }  // namespace
 
-void MonteCarloOptions::validate() const {
-    if (paths < 2)
-        throw InputError(
-            fmt::format("{} paths per cell cannot tell how uncertain their mean is; use at least 2.", paths));
-    if (!(error >= 0 && std::isfinite(error)))
-        throw InputError(
-            fmt::format("A standard error of {} cannot be reached; use a small positive number, 0.005 for "
-                        "half a percent of white, or 0 for a fixed number of paths.",
-                        error));
-    const std::uint32_t most = error > 0 ? std::max(paths, max_paths) : paths;
-    if (most > ~std::uint32_t{0} - first_path)
-        throw InputError(
-            fmt::format("Paths {} to {} + {} are asked for, but a cell has only 2^32; lower the first or "
-                        "the number of paths.",
-                        first_path, first_path, most));
-}
-
 MonteCarlo::MonteCarlo(const MonteCarloOptions& options) : options_(options) {
     options_.validate();
     VOXTONE_EXPECT(options.tracer == PathTracer::packets || !options.boundary);
@@ -182,7 +163,7 @@ Appearance MonteCarlo::predict(const Scene& scene, const Surface& surface, const
 
 Appearance MonteCarlo::predict(const Scene& scene, const Surface& surface, MonteCarloSummary& summary,
                                const Progress* progress) const {
-    expect_resins_for(scene);
+    require_resins(scene);
     const std::size_t channels = scene.resins->channels.size();
     const PathStarts starts(scene, surface, options_.boundary != nullptr);
     if (options_.tracer == PathTracer::plain) {
@@ -209,7 +190,7 @@ Appearance MonteCarlo::predict(const Scene& scene, const Surface& surface, Monte
 
 Appearance MonteCarlo::reflectance_45_0(const Scene& scene, const Surface& surface, MonteCarloSummary& summary,
                                         const Progress* progress) const {
-    expect_resins_for(scene);
+    require_resins(scene);
     expect_flat(scene, surface);
     const std::size_t channels = scene.resins->channels.size();
     const PathStarts starts(scene, surface);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/monte_carlo/path_packets.h"
+#include "voxtone/optics/monte_carlo/path_entries.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "voxtone/optics/monte_carlo/path_entries.cpp"

@@ -65,177 +65,236 @@ private:
         return gather(table, material);
     }
 
+    /// One event of the paths of a row. Inlined, its parts are registers: no address of one may leave `step`.
+    struct Event {
+        Mask alive;
+        Bits draws[4];  ///< free path; angle, or what the surface does; azimuth and roulette; kind of meeting
+        Float u;        ///< the second draw
+        Float at[3], dir[3], low[3], high[3], depth, majorant, weight;
+        Float way, bound[3], voxel[3];  ///< voxel: where the path is, or the one beyond the side
+        Mask forward[3], axis[3];       ///< axis: of the side that is crossed
+        Mask collides, crosses, met;    ///< at its end: a particle, the side of the box, the boundary
+        Mask outside, mirrored;         ///< beyond the side: no volume; its image
+        Mask ends, leaves;              ///< absorbed; gone through the surface
+        bool any_crosses;
+        Int place[3], base, block_index, content, material;
+    };
+
     /// One event of each path of a row. How many lanes found no other path when theirs ended.
     HWY_INLINE std::size_t step(std::size_t row) {
         const Tag d;
+        Event e;
+        load(row, e);
+        walk(row, e);
+        advance(row, e);
+        look_up(row, e);
+        Float next_depth = hn::Max(hn::Sub(e.depth, hn::Mul(e.majorant, e.way)), hn::Zero(d));
+        if (!hn::AllFalse(d, e.collides)) collide(e, next_depth);
+        if (e.any_crosses) cross(row, e);
+        hn::Store(next_depth, d, lanes_.depth.data() + row);
+        hn::Store(e.weight, d, lanes_.weight.data() + row);
+        for (std::size_t a = 0; a < 3; ++a) hn::Store(e.dir[a], d, lanes_.direction[a].data() + row);
+
+        std::size_t lost = 0;
+        if constexpr (bounded) {
+            if (!hn::AllFalse(d, e.met)) lost += leave_or_turn(row, e.met, e.u);
+        }
+        const Mask over = hn::Or(e.ends, e.leaves);
+        if (HWY_LIKELY(hn::AllFalse(d, over))) return lost;
+        const Mask down = hn::And(e.leaves, hn::And(e.axis[2], hn::Lt(e.voxel[2], hn::Zero(d))));
+        return lost + settle(row, e.ends, over, down);
+    }
+
+    HWY_INLINE void load(std::size_t row, Event& e) {
+        const Tag d;
         const IntTag di;
         const BitTag db;
-        const Float zero = hn::Zero(d), one = constant(1);
-        const Mask none = hn::Lt(zero, zero);
-        const Mask alive = hn::RebindMask(d, hn::Ne(hn::Load(di, lanes_.alive.data() + row), hn::Zero(di)));
+        e.alive = hn::RebindMask(d, hn::Ne(hn::Load(di, lanes_.alive.data() + row), hn::Zero(di)));
         Random random{hn::Load(db, lanes_.random[0].data() + row), hn::Load(db, lanes_.random[1].data() + row),
                       hn::Load(db, lanes_.random[2].data() + row), hn::Load(db, lanes_.random[3].data() + row)};
-        const Bits bits_a = random.next(), bits_b = random.next(), bits_c = random.next(), bits_d = random.next();
+        for (Bits& draw : e.draws) draw = random.next();
         hn::Store(random.s0, db, lanes_.random[0].data() + row);
         hn::Store(random.s1, db, lanes_.random[1].data() + row);
         hn::Store(random.s2, db, lanes_.random[2].data() + row);
         hn::Store(random.s3, db, lanes_.random[3].data() + row);
-        const Float u = unit(bits_b);
-
-        // To the particle or the side of the box, what comes first.
-        Float at[3], dir[3], low[3], high[3], bound[3], t[3];
-        Mask forward[3];
+        e.u = unit(e.draws[1]);
         for (std::size_t a = 0; a < 3; ++a) {
-            at[a] = hn::Load(d, lanes_.at[a].data() + row);
-            dir[a] = hn::Load(d, lanes_.direction[a].data() + row);
-            low[a] = hn::Load(d, lanes_.low[a].data() + row);
-            high[a] = hn::Load(d, lanes_.high[a].data() + row);
-            forward[a] = hn::Gt(dir[a], zero);
-            bound[a] = hn::IfThenElse(forward[a], high[a], low[a]);
-            t[a] = hn::Div(hn::Mul(hn::Sub(bound[a], at[a]), constant(scene_.pitch_mm[a])), dir[a]);
+            e.at[a] = hn::Load(d, lanes_.at[a].data() + row);
+            e.dir[a] = hn::Load(d, lanes_.direction[a].data() + row);
+            e.low[a] = hn::Load(d, lanes_.low[a].data() + row);
+            e.high[a] = hn::Load(d, lanes_.high[a].data() + row);
         }
-        const Float depth = hn::Load(d, lanes_.depth.data() + row);
-        const Float majorant = hn::Load(d, lanes_.majorant.data() + row);
+        e.depth = hn::Load(d, lanes_.depth.data() + row);
+        e.majorant = hn::Load(d, lanes_.majorant.data() + row);
+        e.weight = hn::Load(d, lanes_.weight.data() + row);
+        e.ends = e.leaves = e.met = hn::Lt(e.u, hn::Zero(d));  // none
+    }
+
+    /// To the particle, the side of the box or the boundary, what comes first.
+    HWY_INLINE void walk(std::size_t row, Event& e) {
+        const Tag d;
+        const Float zero = hn::Zero(d);
+        Float t[3];
+        for (std::size_t a = 0; a < 3; ++a) {
+            e.forward[a] = hn::Gt(e.dir[a], zero);
+            e.bound[a] = hn::IfThenElse(e.forward[a], e.high[a], e.low[a]);
+            t[a] = hn::Div(hn::Mul(hn::Sub(e.bound[a], e.at[a]), constant(scene_.pitch_mm[a])), e.dir[a]);
+        }
         const Float to_side = hn::Max(hn::Min(hn::Min(t[0], t[1]), t[2]), zero);
-        const Float depth_to_side = hn::Mul(majorant, to_side);
-        Mask collides = hn::Lt(depth, depth_to_side), crosses = hn::Not(collides), met = none;
-        Float way = hn::IfThenElse(collides, hn::Div(depth, majorant), to_side);
+        e.collides = hn::Lt(e.depth, hn::Mul(e.majorant, to_side));
+        e.crosses = hn::Not(e.collides);
+        e.way = hn::IfThenElse(e.collides, hn::Div(e.depth, e.majorant), to_side);
         if constexpr (bounded) {
+            const IntTag di;
             const Mask near =
-                hn::And(alive, hn::RebindMask(d, hn::Ne(hn::Load(di, lanes_.near.data() + row), hn::Zero(di))));
+                hn::And(e.alive, hn::RebindMask(d, hn::Ne(hn::Load(di, lanes_.near.data() + row), hn::Zero(di))));
             if (!hn::AllFalse(d, near)) {
-                met = meet_boundary(row, near, way);
-                collides = hn::AndNot(met, collides);
-                crosses = hn::AndNot(met, crosses);
+                Float way = e.way;
+                e.met = meet_boundary(row, near, way);
+                e.way = way;
+                e.collides = hn::AndNot(e.met, e.collides);
+                e.crosses = hn::AndNot(e.met, e.crosses);
             }
         }
-        Mask axis[3];
-        axis[0] = hn::And(crosses, hn::And(hn::Le(t[0], t[1]), hn::Le(t[0], t[2])));
-        axis[1] = hn::And(hn::AndNot(axis[0], crosses), hn::Le(t[1], t[2]));
-        axis[2] = hn::AndNot(axis[1], hn::AndNot(axis[0], crosses));
+        e.any_crosses = !hn::AllFalse(d, e.crosses);
+        e.axis[0] = hn::And(e.crosses, hn::And(hn::Le(t[0], t[1]), hn::Le(t[0], t[2])));
+        e.axis[1] = hn::And(hn::AndNot(e.axis[0], e.crosses), hn::Le(t[1], t[2]));
+        e.axis[2] = hn::AndNot(e.axis[1], hn::AndNot(e.axis[0], e.crosses));
+    }
 
-        // The voxel of interest: where the path is, or the one beyond the side.
-        Float voxel[3];
-        Mask outside = none, beyond_side = none;
+    /// The paths move; which voxel they are in or about to enter.
+    HWY_INLINE void advance(std::size_t row, Event& e) {
+        const Tag d;
+        const Float zero = hn::Zero(d), one = constant(1);
+        const Mask none = hn::Lt(zero, zero);
+        Mask beyond_side = none;
+        e.outside = none;
         for (std::size_t a = 0; a < 3; ++a) {
-            const Float moved = hn::Add(at[a], hn::Mul(hn::Mul(dir[a], way), constant(1 / scene_.pitch_mm[a])));
-            at[a] = hn::IfThenElse(axis[a], bound[a], hn::Min(hn::Max(moved, low[a]), high[a]));
-            hn::Store(at[a], d, lanes_.at[a].data() + row);
-            voxel[a] = hn::Min(hn::Floor(at[a]), hn::Sub(high[a], one));
-            voxel[a] =
-                hn::IfThenElse(axis[a], hn::Sub(bound[a], hn::IfThenElseZero(hn::Not(forward[a]), one)), voxel[a]);
-            const Mask out = hn::And(axis[a], hn::Or(hn::Lt(voxel[a], zero),
-                                                     hn::Ge(voxel[a], constant(static_cast<float>(scene_.size[a])))));
-            outside = hn::Or(outside, out);
+            const Float moved = hn::Add(e.at[a], hn::Mul(hn::Mul(e.dir[a], e.way), constant(1 / scene_.pitch_mm[a])));
+            e.at[a] = hn::IfThenElse(e.axis[a], e.bound[a], hn::Min(hn::Max(moved, e.low[a]), e.high[a]));
+            hn::Store(e.at[a], d, lanes_.at[a].data() + row);
+            const Float inside = hn::Min(hn::Floor(e.at[a]), hn::Sub(e.high[a], one));
+            const Float beyond = hn::Sub(e.bound[a], hn::IfThenElseZero(hn::Not(e.forward[a]), one));
+            e.voxel[a] = hn::IfThenElse(e.axis[a], beyond, inside);
+            const Float size = constant(static_cast<float>(scene_.size[a]));
+            const Mask out = hn::And(e.axis[a], hn::Or(hn::Lt(e.voxel[a], zero), hn::Ge(e.voxel[a], size)));
+            e.outside = hn::Or(e.outside, out);
             if (a < 2) beyond_side = hn::Or(beyond_side, out);
         }
-        Mask mirrored = none;
-        if (scene_.sides == Sides::mirrored) mirrored = beyond_side;
+        e.mirrored = none;
+        if (scene_.sides == Sides::mirrored) e.mirrored = beyond_side;
+    }
 
-        Int i[3], block[3];
+    /// What that voxel holds (path_volume.h).
+    HWY_INLINE void look_up(std::size_t row, Event& e) {
+        const IntTag di;
+        Int block[3];
         for (std::size_t a = 0; a < 3; ++a) {
-            i[a] = hn::ConvertTo(di, voxel[a]);
-            block[a] = hn::ShiftRight<4>(i[a]);
+            e.place[a] = hn::ConvertTo(di, e.voxel[a]);
+            block[a] = hn::ShiftRight<4>(e.place[a]);
         }
-        Int base = hn::Load(di, lanes_.base.data() + row), block_index = hn::Zero(di);
-        const bool any_crosses = !hn::AllFalse(d, crosses);
-        if (any_crosses) {
-            block_index = hn::Add(hn::Mul(hn::Add(hn::Mul(block[2], hn::Set(di, scene_.blocks[1])), block[1]),
-                                          hn::Set(di, scene_.blocks[0])),
-                                  block[0]);
-            block_index = hn::IfThenZeroElse(hn::RebindMask(di, outside), block_index);
-            const Int there = hn::GatherIndex(di, reinterpret_cast<const std::int32_t*>(scene_.base), block_index);
-            base = hn::IfThenElse(hn::RebindMask(di, crosses), there, base);
+        e.base = hn::Load(di, lanes_.base.data() + row);
+        e.block_index = hn::Zero(di);
+        if (e.any_crosses) {
+            const Int index = hn::Add(hn::Mul(hn::Add(hn::Mul(block[2], hn::Set(di, scene_.blocks[1])), block[1]),
+                                              hn::Set(di, scene_.blocks[0])),
+                                      block[0]);
+            e.block_index = hn::IfThenZeroElse(hn::RebindMask(di, e.outside), index);
+            const Int there = hn::GatherIndex(di, reinterpret_cast<const std::int32_t*>(scene_.base), e.block_index);
+            e.base = hn::IfThenElse(hn::RebindMask(di, e.crosses), there, e.base);
         }
         // What is outside is as the first entry says: air. A block of one material needs no look.
-        Int content = hn::IfThenZeroElse(hn::RebindMask(di, outside), base);
-        const auto several = hn::Gt(content, hn::Set(di, 255));
+        e.content = hn::IfThenZeroElse(hn::RebindMask(di, e.outside), e.base);
+        const auto several = hn::Gt(e.content, hn::Set(di, 255));
         if (hn::AllFalse(di, several)) {
-            content = hn::Or(content, hn::Set(di, 4 << 8));
+            e.content = hn::Or(e.content, hn::Set(di, 4 << 8));
         } else {
             const Int fifteen = hn::Set(di, 15);
-            const Int local = hn::Add(hn::ShiftLeft<8>(hn::And(i[2], fifteen)),
-                                      hn::Add(hn::ShiftLeft<4>(hn::And(i[1], fifteen)), hn::And(i[0], fifteen)));
-            const Int entry = hn::Add(content, hn::IfThenElseZero(several, local));
-            content =
+            const Int local =
+                hn::Add(hn::ShiftLeft<8>(hn::And(e.place[2], fifteen)),
+                        hn::Add(hn::ShiftLeft<4>(hn::And(e.place[1], fifteen)), hn::And(e.place[0], fifteen)));
+            const Int entry = hn::Add(e.content, hn::IfThenElseZero(several, local));
+            e.content =
                 hn::GatherOffset(di, reinterpret_cast<const std::int32_t*>(scene_.voxels), hn::ShiftLeft<1>(entry));
         }
-        const Int material = hn::And(content, hn::Set(di, 255));
+        e.material = hn::And(e.content, hn::Set(di, 255));
+    }
 
-        Float weight = hn::Load(d, lanes_.weight.data() + row);
-        Mask ends = none, leaves = none;
-        Float next_depth = hn::Max(hn::Sub(depth, hn::Mul(majorant, way)), zero);
+    /// Particles: real ones absorb and scatter, the majorant's others do nothing. Russian roulette by weight.
+    HWY_INLINE void collide(Event& e, Float& next_depth) const {
+        const Tag d;
+        const IntTag di;
+        const Float sigma_t = of_material(scene_.sigma_t.data(), e.material);
+        const Mask real = hn::And(e.collides, hn::Lt(hn::Mul(unit(e.draws[3]), e.majorant), sigma_t));
+        next_depth = hn::IfThenElse(e.collides, exponential(e.draws[0]), next_depth);
+        e.weight = hn::IfThenElse(real, hn::Mul(e.weight, of_material(scene_.albedo.data(), e.material)), e.weight);
+        const Float least = constant(scene_.roulette_weight);
+        const Mask faint = hn::And(real, hn::Lt(e.weight, least));
+        const Float chance =
+            hn::Mul(hn::ConvertTo(d, hn::And(hn::BitCast(di, e.draws[2]), hn::Set(di, 0xffff))), constant(0x1p-16f));
+        const Mask survives = hn::Lt(hn::Mul(hn::Add(chance, constant(0x1p-17f)), least), e.weight);
+        e.ends = hn::And(hn::AndNot(survives, faint), e.alive);
+        e.weight = hn::IfThenElse(e.ends, hn::Zero(d), hn::IfThenElse(faint, least, e.weight));
+        scatter(e.u, hn::ShiftRight<16>(e.draws[2]), real, e.dir);
+    }
 
-        if (!hn::AllFalse(d, collides)) {
-            const Mask real = hn::And(
-                collides, hn::Lt(hn::Mul(unit(bits_d), majorant), of_material(scene_.sigma_t.data(), material)));
-            next_depth = hn::IfThenElse(collides, exponential(bits_a), next_depth);
-            weight = hn::IfThenElse(real, hn::Mul(weight, of_material(scene_.albedo.data(), material)), weight);
-            const Mask faint = hn::And(real, hn::Lt(weight, constant(scene_.roulette_weight)));
-            const Float chance =
-                hn::Mul(hn::ConvertTo(d, hn::And(hn::BitCast(di, bits_c), hn::Set(di, 0xffff))), constant(0x1p-16f));
-            const Mask survives =
-                hn::Lt(hn::Mul(hn::Add(chance, constant(0x1p-17f)), constant(scene_.roulette_weight)), weight);
-            ends = hn::And(hn::AndNot(survives, faint), alive);
-            weight = hn::IfThenElse(ends, zero, hn::IfThenElse(faint, constant(scene_.roulette_weight), weight));
-            scatter(u, hn::ShiftRight<16>(bits_c), real, dir);
+    /// The side of the box: another box, the surface, or a mirror.
+    HWY_INLINE void cross(std::size_t row, Event& e) {
+        const Tag d;
+        const IntTag di;
+        const Mask goes_on = hn::AndNot(e.mirrored, e.crosses);
+        const Mask surface = hn::And(goes_on, hn::RebindMask(d, hn::Eq(e.material, hn::Zero(di))));
+        enter_box(row, e, hn::AndNot(surface, goes_on));
+        Mask turns = e.mirrored;
+        if (!hn::AllFalse(d, surface)) {
+            const Float cosine =
+                hn::Abs(hn::IfThenElse(e.axis[0], e.dir[0], hn::IfThenElse(e.axis[1], e.dir[1], e.dir[2])));
+            const Mask reflected = hn::And(surface, hn::Lt(e.u, internal_reflectance(cosine, scene_.eta)));
+            turns = hn::Or(turns, reflected);
+            e.leaves = hn::And(hn::AndNot(reflected, surface), e.alive);
         }
-        if (any_crosses) {
-            const Mask surface =
-                hn::And(hn::AndNot(mirrored, crosses), hn::RebindMask(d, hn::Eq(material, hn::Zero(di))));
-            const Mask enters = hn::AndNot(surface, hn::AndNot(mirrored, crosses));
-            const Int side = hn::Shl(hn::Set(di, 1), hn::And(hn::ShiftRight<8>(content), hn::Set(di, 15)));
-            for (std::size_t a = 0; a < 3; ++a) {
-                const Int first = hn::AndNot(hn::Sub(side, hn::Set(di, 1)), i[a]);
-                const Int last = hn::Min(hn::Add(first, side), hn::Set(di, scene_.size[a]));
-                hn::Store(hn::IfThenElse(enters, hn::ConvertTo(d, first), low[a]), d, lanes_.low[a].data() + row);
-                hn::Store(hn::IfThenElse(enters, hn::ConvertTo(d, last), high[a]), d, lanes_.high[a].data() + row);
-            }
-            const Int old_base = hn::Load(di, lanes_.base.data() + row);
-            hn::Store(hn::IfThenElse(hn::RebindMask(di, enters), base, old_base), di, lanes_.base.data() + row);
-            hn::Store(hn::IfThenElse(enters, gather(scene_.majorant, block_index), majorant), d,
-                      lanes_.majorant.data() + row);
+        count_meetings(row, e, hn::Or(surface, e.mirrored));
+        for (std::size_t a = 0; a < 3; ++a)
+            e.dir[a] = hn::IfThenElse(hn::And(turns, e.axis[a]), hn::Neg(e.dir[a]), e.dir[a]);
+    }
 
-            if constexpr (bounded) {
-                const Int near = hn::And(content, hn::Set(di, boundary_is_near));
-                const Int old_near = hn::Load(di, lanes_.near.data() + row);
-                hn::Store(hn::IfThenElse(hn::RebindMask(di, enters), near, old_near), di, lanes_.near.data() + row);
-            }
-
-            Mask turns = mirrored;
-            if (!hn::AllFalse(d, surface)) {
-                const Float cosine = hn::Abs(hn::IfThenElse(axis[0], dir[0], hn::IfThenElse(axis[1], dir[1], dir[2])));
-                const Mask reflected = hn::And(surface, hn::Lt(u, internal_reflectance(cosine, scene_.eta)));
-                turns = hn::Or(turns, reflected);
-                leaves = hn::And(hn::AndNot(reflected, surface), alive);
-            }
-            const Mask meets = hn::Or(surface, mirrored);
-            const Int meetings = hn::Add(hn::Load(di, lanes_.meetings.data() + row),
-                                         hn::IfThenElseZero(hn::RebindMask(di, meets), hn::Set(di, 1)));
-            hn::Store(meetings, di, lanes_.meetings.data() + row);
-            const Int allowed = hn::Load(di, lanes_.meetings_allowed.data() + row);
-            const auto spent = hn::And(hn::Eq(meetings, allowed), hn::RebindMask(di, meets));
-            const Mask many = hn::RebindMask(d, spent);
-            hn::Store(hn::IfThenElse(spent, hn::Add(allowed, hn::ShiftRight<1>(allowed)), allowed), di,
-                      lanes_.meetings_allowed.data() + row);
-            const Mask stops = hn::And(many, hn::Lt(unit(bits_d), constant(0.5f)));
-            weight = hn::IfThenElse(many, hn::IfThenElse(stops, zero, hn::Add(weight, weight)), weight);
-            ends = hn::Or(ends, hn::And(stops, alive));
-            for (std::size_t a = 0; a < 3; ++a)
-                dir[a] = hn::IfThenElse(hn::And(turns, axis[a]), hn::Neg(dir[a]), dir[a]);
+    HWY_INLINE void enter_box(std::size_t row, Event& e, Mask enters) {
+        const Tag d;
+        const IntTag di;
+        const Int side = hn::Shl(hn::Set(di, 1), hn::And(hn::ShiftRight<8>(e.content), hn::Set(di, 15)));
+        for (std::size_t a = 0; a < 3; ++a) {
+            const Int first = hn::AndNot(hn::Sub(side, hn::Set(di, 1)), e.place[a]);
+            const Int last = hn::Min(hn::Add(first, side), hn::Set(di, scene_.size[a]));
+            hn::Store(hn::IfThenElse(enters, hn::ConvertTo(d, first), e.low[a]), d, lanes_.low[a].data() + row);
+            hn::Store(hn::IfThenElse(enters, hn::ConvertTo(d, last), e.high[a]), d, lanes_.high[a].data() + row);
         }
-        hn::Store(next_depth, d, lanes_.depth.data() + row);
-        hn::Store(weight, d, lanes_.weight.data() + row);
-        for (std::size_t a = 0; a < 3; ++a) hn::Store(dir[a], d, lanes_.direction[a].data() + row);
-
-        std::size_t lost = 0;
+        const Int old_base = hn::Load(di, lanes_.base.data() + row);
+        hn::Store(hn::IfThenElse(hn::RebindMask(di, enters), e.base, old_base), di, lanes_.base.data() + row);
+        hn::Store(hn::IfThenElse(enters, gather(scene_.majorant, e.block_index), e.majorant), d,
+                  lanes_.majorant.data() + row);
         if constexpr (bounded) {
-            if (!hn::AllFalse(d, met)) lost += leave_or_turn(row, met, u);
+            const Int near = hn::And(e.content, hn::Set(di, boundary_is_near));
+            const Int old_near = hn::Load(di, lanes_.near.data() + row);
+            hn::Store(hn::IfThenElse(hn::RebindMask(di, enters), near, old_near), di, lanes_.near.data() + row);
         }
-        const Mask over = hn::Or(ends, leaves);
-        if (HWY_LIKELY(hn::AllFalse(d, over))) return lost;
-        const Mask down = hn::And(leaves, hn::And(axis[2], hn::Lt(voxel[2], zero)));
-        return lost + settle(row, ends, over, down);
+    }
+
+    /// Russian roulette by order: Patience, in vector code.
+    HWY_INLINE void count_meetings(std::size_t row, Event& e, Mask meets) {
+        const Tag d;
+        const IntTag di;
+        const Int meetings = hn::Add(hn::Load(di, lanes_.meetings.data() + row),
+                                     hn::IfThenElseZero(hn::RebindMask(di, meets), hn::Set(di, 1)));
+        hn::Store(meetings, di, lanes_.meetings.data() + row);
+        const Int allowed = hn::Load(di, lanes_.meetings_allowed.data() + row);
+        const auto spent = hn::And(hn::Eq(meetings, allowed), hn::RebindMask(di, meets));
+        const Mask many = hn::RebindMask(d, spent);
+        hn::Store(hn::IfThenElse(spent, hn::Add(allowed, hn::ShiftRight<1>(allowed)), allowed), di,
+                  lanes_.meetings_allowed.data() + row);
+        const Mask stops = hn::And(many, hn::Lt(unit(e.draws[3]), constant(0.5f)));
+        const Float played = hn::IfThenElse(stops, hn::Zero(d), hn::Add(e.weight, e.weight));
+        e.weight = hn::IfThenElse(many, played, e.weight);
+        e.ends = hn::Or(e.ends, hn::And(stops, e.alive));
     }
 
     [[nodiscard]] std::array<float, 3> place(std::size_t lane) const {

@@ -17,22 +17,6 @@
 
 namespace voxtone::optics {
 
-/// Paths about to enter: their addresses in, what chance decides at their start out. A place on a face is (u, v) along
-/// the axes that follow the normal's, the direction likewise.
-struct Entries {
-    static constexpr std::size_t most = 64;
-    template <class T>
-    using Row = std::array<T, most>;
-    alignas(64) std::array<Row<std::uint32_t>, 4> random{};  ///< in: path, channel, cell; out: the generators' states
-    alignas(64) Row<float> face{};                           ///< which of the cell's faces, in [0, 1)
-    alignas(64) Row<float> u{}, v{};                         ///< in [0, 1)
-    alignas(64) Row<float> inward{}, along_u{}, along_v{};   ///< of diffuse light that the surface let in
-    alignas(64) Row<float> depth{};                          ///< of the first free path
-};
-
-/// Fills all of `entries`.
-void draw_entries(std::uint64_t seed, double eta, Entries& entries);
-
 /// A path just inside the surface.
 struct PathStart {
     std::array<float, 3> at{};         ///< in voxels from the path volume's corner; at the face exactly

@@ -12,8 +12,8 @@
 //   weight           times the albedo at every scattering; below `roulette_weight` the path survives with probability
 //                    weight / roulette_weight and goes on with that weight: unbiased
 //   bounces          no cap. After 4096, 6144, 9216 ... meetings with the surface the path survives with probability
-//   1/2
-//                    and twice its weight (unbiased), so that light trapped by total reflection in clear resin ends too
+//                    1/2 and twice its weight (unbiased), so that light trapped by total reflection in clear resin ends
+//                    too
 //   surface          reflected with the Fresnel reflectance, else it leaves. Light that left never comes back, but from
 //                    a white sheet: there it enters again at the same place as diffuse light that is let in
 #pragma once

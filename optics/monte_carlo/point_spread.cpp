@@ -6,6 +6,7 @@
 
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/parallel.h"
+#include "voxtone/optics/monte_carlo/path_entries.h"
 #include "voxtone/optics/monte_carlo/path_packets.h"
 #include "voxtone/optics/monte_carlo/path_rounds.h"
 #include "voxtone/optics/monte_carlo/plain_paths.h"

@@ -7,6 +7,9 @@
 // Every unit of light that the surface let in is diffuse, as everywhere here. Of `total`, light[i] left at the top
 // between edges_mm[i] and edges_mm[i + 1] of its entry; what went farther is counted in the last ring. Mirrored sides
 // fold far light back: keep the entries as far from the sides as light is to be told apart.
+//
+// No part of a job asks for it: it is the judge of printed voxels where profiles of layers (optics/profiles) are
+// compared with what their screened print does (benchmarks/slicer/stacks/widening_experiment.cpp).
 #pragma once
 
 #include <array>

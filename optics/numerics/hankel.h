@@ -38,7 +38,8 @@ public:
     /// say the same.
     [[nodiscard]] std::span<const double> radii() const { return radii_; }
 
-    /// From samples at `radii`: the coefficients whose series goes through them.
+    /// From samples at `radii`: the coefficients whose series goes through them. The other half of the transform; the
+    /// tree has its profiles as rings or as waves, so that only tests ask for it.
     [[nodiscard]] std::vector<double> from_radii(std::span<const double> f) const;
     /// From samples at 0, spacing, 2 spacing, ... mm, straight lines between them and nothing beyond the last: the
     /// exact integral of that (to 1e-12). May go beyond the reach. Contract: at least two samples.

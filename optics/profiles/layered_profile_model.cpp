@@ -247,7 +247,7 @@ LayeredProfileModel::LayeredProfileModel(const LayeredProfileOptions& options) :
 }
 
 Appearance LayeredProfileModel::predict(const Scene& scene, const Surface& surface, const Progress* progress) const {
-    expect_resins_for(scene);
+    require_resins(scene);
     const ResinSet& set = *scene.resins;
     Appearance appearance;
     appearance.channels = set.channels.size();

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "voxtone/optics/media/mirrored_box.h"
+
 namespace voxtone::optics {
 namespace {
 
@@ -70,10 +72,7 @@ Material WalkInwards::at(const std::array<double, 3>& from, const std::array<flo
         voxel[a] = static_cast<int>(std::floor((from[a] - depth * normal[a]) / volume_.pitch_mm()[a]));
     below = voxel[2] < 0;
     if (scene_.sides == Sides::mirrored)
-        for (std::size_t a = 0; a < 2; ++a) {
-            const int n = volume_.size()[a];
-            while (voxel[a] < 0 || voxel[a] >= n) voxel[a] = voxel[a] < 0 ? -1 - voxel[a] : 2 * n - 1 - voxel[a];
-        }
+        for (std::size_t a = 0; a < 2; ++a) voxel[a] = reflected(voxel[a], volume_.size()[a]);
     return volume_.at(voxel[0], voxel[1], voxel[2]);
 }
 

@@ -8,7 +8,7 @@
 
 #include "voxtone/base/contracts.h"
 #include "voxtone/optics/layered/adding_doubling.h"
-#include "voxtone/optics/numerics/quadrature.h"
+#include "voxtone/optics/layered/angular_grid.h"
 
 namespace voxtone::optics {
 namespace {

@@ -2,19 +2,13 @@
 //
 // What a person sees of a volume of resins: the question that every forward model answers.
 //
-// The scene. The body floats in uniform diffuse white light that reaches every point of its surface alike; light that
-// leaves is gone (no shadow, no second bounce between parts of a body that is not convex). Its lowest faces, those on
-// the plane z = 0 of the volume, may lie on a sheet (`backing`) with a film of air between; then no light reaches
-// them from outside but what the sheet sends back. With `sides` mirrored the four vertical faces of the volume's box
-// reflect everything: the pattern goes on for ever, for plane-parallel problems.
-//
 // Appearance of a surface cell, per channel: flux that leaves through its part of the refractive surface / flux that
 // entered there; the first reflection left out; exactly 1 for a body that absorbs nothing. Media-relative values divide
 // by the appearance of the same body all of white resin at the same place.
 #pragma once
 
 #include <array>
-#include <cstdint>
+#include <cstddef>
 #include <functional>
 #include <memory>
 #include <span>
@@ -22,75 +16,10 @@
 
 #include "voxtone/base/progress.h"
 #include "voxtone/optics/media/resin_volume.h"
-#include "voxtone/optics/media/resins.h"
-#include "voxtone/optics/scene/backing.h"
+#include "voxtone/optics/scene/scene.h"
+#include "voxtone/optics/scene/surface.h"
 
 namespace voxtone::optics {
-
-enum class Sides {
-    open,      ///< where the volume ends the body ends, and is lit
-    mirrored,  ///< the x and y borders of the volume's box are perfect mirrors
-};
-
-/// Everything that decides what is seen. The volume and the resins must outlive the scene.
-struct Scene {
-    const ResinVolume* volume = nullptr;
-    const ResinSet* resins = nullptr;  ///< material m of the volume is resins[m - 1]
-    Backing backing = Backing::none;   ///< under the faces on the plane z = 0
-    Sides sides = Sides::open;
-};
-
-/// Which way a voxel's face looks; `axis = direction / 2`, odd ones look along the positive axis.
-enum class Facing : std::uint8_t { minus_x, plus_x, minus_y, plus_y, minus_z, plus_z };
-
-/// A voxel's face between resin and air.
-struct SurfaceFace {
-    std::array<std::int32_t, 3> voxel{};  ///< the solid side
-    Facing facing{};
-};
-
-/// A piece of surface that is seen as one: the exposed faces of the voxels of one cell of the viewing grid.
-struct SurfaceCell {
-    std::array<std::int32_t, 3> cell{};  ///< place in the viewing grid: voxel / cell size
-    std::uint32_t first_face = 0, faces = 0;
-    std::array<float, 3> centre_mm{};  ///< of the faces
-    std::array<float, 3> normal{};     ///< outward, unit length: of the smooth surface that the staircase stands for
-    float area_mm2 = 0;                ///< of that surface
-};
-
-/// Surface cells, in order of z, y, x of the viewing grid, and their faces.
-struct Surface {
-    std::array<int, 3> cell_voxels{};
-    std::vector<SurfaceCell> cells;
-    std::vector<SurfaceFace> faces;
-    std::vector<std::array<float, 3>> face_normal;  ///< per face: of the smooth surface
-};
-
-enum class SurfacePart {
-    all,  ///< every face that sees light
-    top,  ///< the uppermost face of each column, looking up, as a picture on a slab is looked at; normals are +z
-};
-
-/// Voxels per viewing cell that come nearest to cubes of `cell_mm`; J750 and 0.085 mm: 2 x 1 x 3.
-[[nodiscard]] std::array<int, 3> cell_voxels(const std::array<double, 3>& pitch_mm, double cell_mm);
-
-/// A box of voxels: the first and one past the last along each axis.
-struct VoxelBox {
-    std::array<int, 3> begin{}, end{};
-    [[nodiscard]] bool holds(const std::array<int, 3>& voxel) const {
-        for (std::size_t a = 0; a < 3; ++a)
-            if (voxel[a] < begin[a] || voxel[a] >= end[a]) return false;
-        return true;
-    }
-};
-
-/// The surface of a scene's volume. Faces on a sheet and on mirrored sides do not count.
-[[nodiscard]] Surface find_surface(const Scene& scene, const std::array<int, 3>& cell_voxels, SurfacePart part);
-/// All of it inside a box, and perhaps some around.
-[[nodiscard]] Surface find_surface_near(const Scene& scene, const std::array<int, 3>& cell_voxels, const VoxelBox& box);
-
-/// The cells of a surface that are listed, with their faces.
-[[nodiscard]] Surface part_of(const Surface& surface, std::span<const std::uint32_t> cells);
 
 /// What a model says of a surface: value[cell * channels + channel].
 struct Appearance {
@@ -142,8 +71,5 @@ public:
     [[nodiscard]] virtual std::unique_ptr<AppearanceSequence> sequence(const Scene& scene,
                                                                        const Surface& surface) const;
 };
-
-/// Throws InputError that names the first material that has no resin in the set.
-void expect_resins_for(const Scene& scene);
 
 }  // namespace voxtone::optics

@@ -1,27 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//
-// The surface of a voxel body: exposed faces, grouped into viewing cells, and the smooth surface they stand for.
-//
-// The outward normal at a face is minus the gradient of the occupancy, smoothed by a Gaussian of 0.12 mm cut at 0.3 mm:
-// exact for planes parallel to the axes and, by the symmetry of the kernel, on average for all others. A face that
-// belongs to a flat terrace at least 0.5 mm wide along both of its edges keeps its own direction, so that the edges of
-// a box stay sharp. A face with direction e of a surface with normal n stands for 1 / (|nx| + |ny| + |nz|) of its area.
+#include "voxtone/optics/scene/surface.h"
+
 #include <algorithm>
 #include <cmath>
-#include <string>
 #include <tuple>
 
 #include "voxtone/base/contracts.h"
-#include "voxtone/base/error.h"
 #include "voxtone/base/parallel.h"
-#include "voxtone/optics/scene/appearance_model.h"
+#include "voxtone/optics/media/mirrored_box.h"
 
 namespace voxtone::optics {
 namespace {
 
 constexpr double kernel_sigma_mm = 0.12, kernel_reach_mm = 0.3, terrace_mm = 0.5;
-constexpr std::array<std::array<int, 3>, 6> step_of{
-    {{-1, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0}, {0, 0, -1}, {0, 0, 1}}};
 
 /// A box of voxels with a margin, so that everything about a tile's faces is decided without looking elsewhere.
 struct Patch {
@@ -37,26 +28,6 @@ struct Patch {
     }
     [[nodiscard]] bool solid(int x, int y, int z) const { return *row(x, y, z) != air; }
 };
-
-int reflected(int i, int n) {
-    while (i < 0 || i >= n) i = i < 0 ? -1 - i : 2 * n - 1 - i;
-    return i;
-}
-
-void read_patch(const Scene& scene, Patch& patch) {
-    const ResinVolume& volume = *scene.volume;
-    const auto& e = patch.extent;
-    patch.voxels.resize(static_cast<std::size_t>(e[0]) * static_cast<std::size_t>(e[1]) *
-                        static_cast<std::size_t>(e[2]));
-    volume.copy_box(patch.corner, e, patch.voxels);
-    if (scene.sides != Sides::mirrored) return;
-    std::size_t i = 0;
-    for (int z = patch.corner[2]; z < patch.corner[2] + e[2]; ++z)
-        for (int y = patch.corner[1]; y < patch.corner[1] + e[1]; ++y)
-            for (int x = patch.corner[0]; x < patch.corner[0] + e[0]; ++x, ++i)
-                if (x < 0 || y < 0 || x >= volume.size()[0] || y >= volume.size()[1])
-                    patch.voxels[i] = volume.at(reflected(x, volume.size()[0]), reflected(y, volume.size()[1]), z);
-}
 
 class TileSurface {
 public:
@@ -96,7 +67,7 @@ public:
             patch.corner[a] = corner[a] - margin_[a];
             patch.extent[a] = edge_[a] + 2 * margin_[a];
         }
-        read_patch(scene_, patch);
+        read_box(*scene_.volume, scene_.sides == Sides::mirrored, patch.corner, patch.extent, patch.voxels);
         count_cells(corner, patch);
         for (int z = corner[2]; z < corner[2] + edge_[2]; z += cell_[2])
             for (int y = corner[1]; y < corner[1] + edge_[1]; y += cell_[1])
@@ -375,18 +346,6 @@ Surface part_of(const Surface& surface, std::span<const std::uint32_t> cells) {
                                 surface.face_normal.begin() + last);
     }
     return part;
-}
-
-void expect_resins_for(const Scene& scene) {
-    VOXTONE_EXPECT(scene.volume && scene.resins);
-    const auto counts = scene.volume->count();
-    for (std::size_t m = 1; m < counts.size(); ++m)
-        if (counts[m] > 0 && m > scene.resins->resins.size())
-            throw InputError(
-                "the volume has " + std::to_string(counts[m]) + " voxels of material " + std::to_string(m) +
-                ", but the resin set '" + scene.resins->name + "' ends at " +
-                std::to_string(scene.resins->resins.size()) +
-                ": without its absorption and scattering nothing can be predicted; name a set that has it");
 }
 
 }  // namespace voxtone::optics

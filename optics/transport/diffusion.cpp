@@ -5,12 +5,12 @@
 #include <cmath>
 
 #include "voxtone/base/contracts.h"
+#include "voxtone/optics/transport/lattice.h"
 
 namespace voxtone::optics {
 namespace {
 
 using Index = std::uint32_t;
-using Place = std::array<std::int32_t, 3>;  // of a node: block, or group of blocks
 
 using Contact = DiffusionPlan::Contact;
 
@@ -35,6 +35,98 @@ void make_rows(std::size_t nodes, std::span<const Contact> contacts, DiffusionPl
     }
 }
 
+using Centres = std::vector<std::array<float, 3>>;
+
+/// Numbers the parents of a level's nodes, groups of `group` viewing cells along each axis, in the order of z, y, x;
+/// their centres are the means of their children's.
+Centres group_nodes(const Centres& centre, int group, DiffusionPlan::Level& fine) {
+    struct Key {
+        Place at;  // of the group
+        Index node;
+    };
+    const std::size_t n = centre.size();
+    std::vector<Key> keys(n);
+    for (std::size_t i = 0; i < n; ++i) {
+        for (std::size_t a = 0; a < 3; ++a) keys[i].at[a] = static_cast<std::int32_t>(centre[i][a]) / group;
+        keys[i].node = static_cast<Index>(i);
+    }
+    std::stable_sort(keys.begin(), keys.end(), [](const Key& p, const Key& q) {
+        return std::array{p.at[2], p.at[1], p.at[0]} < std::array{q.at[2], q.at[1], q.at[0]};
+    });
+    fine.parent.resize(n);
+    Centres coarse;
+    std::vector<float> children;
+    for (std::size_t i = 0; i < n; ++i) {
+        if (i == 0 || keys[i].at != keys[i - 1].at) {
+            coarse.push_back({});
+            children.push_back(0);
+        }
+        fine.parent[keys[i].node] = static_cast<Index>(coarse.size() - 1);
+        for (std::size_t a = 0; a < 3; ++a) coarse.back()[a] += centre[keys[i].node][a];
+        ++children.back();
+    }
+    for (std::size_t i = 0; i < coarse.size(); ++i)
+        for (float& v : coarse[i]) v /= children[i];
+    return coarse;
+}
+
+/// A contact between parents, and the row entry of the finer level that it comes from.
+using Link = std::pair<Contact, Index>;
+
+/// Sorted; of each contact of the finer level one.
+std::vector<Link> links_between_parents(const DiffusionPlan::Level& fine) {
+    std::vector<Link> links;
+    for (Index i = 0; i < fine.nodes(); ++i)
+        for (Index e = fine.row[i]; e < fine.row[i + 1]; ++e) {
+            const Index p = fine.parent[i], q = fine.parent[fine.column[e]];
+            if (p < q) links.push_back({{p, q}, e});
+        }
+    std::sort(links.begin(), links.end());
+    return links;
+}
+
+/// Distance between the ends of a finer contact / between those of the coarse one, along the line of centres; 1 at
+/// most.
+float distance_ratio(const DiffusionPlan::Level& fine, const Centres& centre, const Centres& coarse_centre,
+                     const Link& link) {
+    const auto& [pair, entry] = link;
+    const Index j = fine.column[entry];
+    const auto i = static_cast<Index>(std::upper_bound(fine.row.begin(), fine.row.end(), entry) - fine.row.begin() - 1);
+    double fine_distance = 0, coarse_distance = 0;
+    for (std::size_t a = 0; a < 3; ++a) {
+        fine_distance += std::pow(centre[i][a] - centre[j][a], 2);
+        coarse_distance += std::pow(coarse_centre[pair.a][a] - coarse_centre[pair.b][a], 2);
+    }
+    return static_cast<float>(std::min(1.0, std::sqrt(fine_distance / coarse_distance)));
+}
+
+/// The level of the parents: contacts between them, each once, and where each finer one is gathered. `twin`: the entry
+/// of the same contact in the other row.
+DiffusionPlan::Level coarse_level(const DiffusionPlan::Level& fine, const Centres& centre, const Centres& coarse_centre,
+                                  std::vector<Index>& twin) {
+    const std::vector<Link> links = links_between_parents(fine);
+    std::vector<Contact> contacts;
+    for (const auto& [pair, entry] : links)
+        if (contacts.empty() || contacts.back() != pair) contacts.push_back(pair);
+    DiffusionPlan::Level level;
+    std::vector<Index> ab, ba;
+    make_rows(coarse_centre.size(), contacts, level, ab, ba);
+    level.gathered.assign(fine.column.size(), DiffusionPlan::none);
+    level.ratio.assign(fine.column.size(), 0);
+    std::size_t at = 0;
+    for (const Link& link : links) {
+        while (contacts[at] != link.first) ++at;
+        level.gathered[link.second] = ab[at];
+        level.ratio[link.second] = distance_ratio(fine, centre, coarse_centre, link);
+    }
+    twin.resize(level.column.size());
+    for (std::size_t i = 0; i < contacts.size(); ++i) {
+        twin[ab[i]] = ba[i];
+        twin[ba[i]] = ab[i];
+    }
+    return level;
+}
+
 }  // namespace
 
 DiffusionPlan::DiffusionPlan(const OpticalGrid& grid) {
@@ -55,84 +147,16 @@ DiffusionPlan::DiffusionPlan(std::vector<std::array<float, 3>> centre, std::span
 }
 
 void DiffusionPlan::gather_levels(std::vector<std::array<float, 3>> centre) {
-    // Groups: edge of the group in viewing cells doubles from level to level, 2, 4 (a block), 8, ...
-    int group = 2;
-    while (levels.back().nodes() > 32 && group < 4096) {
+    // The edge of the groups in viewing cells doubles from level to level: 2, 4 (a block), 8 ...
+    for (int group = 2; levels.back().nodes() > 32 && group < 4096; group *= 2) {
         Level& fine = levels.back();
-        const std::size_t n = fine.nodes();
-        // Parents are numbered in the order in which their first child comes.
-        struct Key {
-            Place at;
-            Index node;
-        };
-        std::vector<Key> keys(n);
-        for (std::size_t i = 0; i < n; ++i) {
-            for (std::size_t a = 0; a < 3; ++a) keys[i].at[a] = static_cast<std::int32_t>(centre[i][a]) / group;
-            keys[i].node = static_cast<Index>(i);
-        }
-        std::stable_sort(keys.begin(), keys.end(), [](const Key& p, const Key& q) {
-            return std::array{p.at[2], p.at[1], p.at[0]} < std::array{q.at[2], q.at[1], q.at[0]};
-        });
-        fine.parent.resize(n);
-        std::vector<std::array<float, 3>> coarse_centre;
-        std::vector<float> children;
-        for (std::size_t i = 0; i < n; ++i) {
-            if (i == 0 || keys[i].at != keys[i - 1].at) {
-                coarse_centre.push_back({});
-                children.push_back(0);
-            }
-            fine.parent[keys[i].node] = static_cast<Index>(coarse_centre.size() - 1);
-            for (std::size_t a = 0; a < 3; ++a) coarse_centre.back()[a] += centre[keys[i].node][a];
-            ++children.back();
-        }
-        for (std::size_t i = 0; i < coarse_centre.size(); ++i)
-            for (float& v : coarse_centre[i]) v /= children[i];
-        group *= 2;
-        if (coarse_centre.size() == n && group <= 8) {  // nothing to gather yet
+        Centres coarse_centre = group_nodes(centre, group, fine);
+        if (coarse_centre.size() == centre.size() && group <= 4) {  // nothing to gather yet
             fine.parent.clear();
             continue;
         }
-        // Contacts between parents, each once; every contact of the finer level knows where it is gathered.
-        std::vector<std::pair<Contact, Index>> links;
-        for (Index i = 0; i < n; ++i)
-            for (Index e = fine.row[i]; e < fine.row[i + 1]; ++e) {
-                const Index j = fine.column[e];
-                const Index p = fine.parent[i], q = fine.parent[j];
-                if (p < q) links.push_back({{p, q}, e});
-            }
-        std::sort(links.begin(), links.end());
-        std::vector<Contact> coarse;
-        for (const auto& [pair, entry] : links)
-            if (coarse.empty() || coarse.back() != pair) coarse.push_back(pair);
-        Level next;
-        std::vector<Index> ab, ba;
-        make_rows(coarse_centre.size(), coarse, next, ab, ba);
-        next.gathered.assign(fine.column.size(), none);
-        next.ratio.assign(fine.column.size(), 0);
-        std::size_t at = 0;
-        for (const auto& [pair, entry] : links) {
-            while (coarse[at] != pair) ++at;
-            next.gathered[entry] = static_cast<Index>(at);
-            // entry belongs to node i with parent p; the distance ratio is taken along the line of centres
-            const Index j = fine.column[entry];
-            const Index i =
-                static_cast<Index>(std::upper_bound(fine.row.begin(), fine.row.end(), entry) - fine.row.begin() - 1);
-            double fine_distance = 0, coarse_distance = 0;
-            for (std::size_t a = 0; a < 3; ++a) {
-                fine_distance += std::pow(centre[i][a] - centre[j][a], 2);
-                coarse_distance += std::pow(coarse_centre[pair.a][a] - coarse_centre[pair.b][a], 2);
-            }
-            next.ratio[entry] = static_cast<float>(std::min(1.0, std::sqrt(fine_distance / coarse_distance)));
-        }
-        // Entries of both directions of a coarse contact.
-        for (Index& g : next.gathered)
-            if (g != none) g = ab[g];
-        std::vector<Index> twin(next.column.size());
-        for (std::size_t i = 0; i < coarse.size(); ++i) {
-            twin[ab[i]] = ba[i];
-            twin[ba[i]] = ab[i];
-        }
-        next.parent.clear();
+        std::vector<Index> twin;
+        Level next = coarse_level(fine, centre, coarse_centre, twin);
         twins.push_back(std::move(twin));
         levels.push_back(std::move(next));
         centre = std::move(coarse_centre);

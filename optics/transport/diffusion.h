@@ -8,6 +8,10 @@
 // area A between half edges h:  c = A / (h_i / D_i + h_j / D_j),  and l_i what is absorbed in the node and leaves
 // through outer faces. Lengths in mm; phi is a mean radiance.
 //
+// A face that lets the share T of diffuse light through has the half-range condition of Marshak 1947 (Phys. Rev.
+// 71:443), with one T for phi and for J; Haskell et al. 1994 (J. Opt. Soc. Am. A 11:2727) have a reflectance of its own
+// for each. In corrections of a sweep the difference converges away; at nodes of the core that border on air it stays.
+//
 // Multigrid: nodes are gathered to 8 a block, 1 a block, then 2 x 2 x 2 blocks and so on; coarse conductances are sums
 // of those of the contacts between, times the ratio of the distances (what rediscretising gives); symmetric
 // Gauss-Seidel before and after. Work and memory are linear in the number of nodes. Deterministic.

@@ -6,6 +6,9 @@
 // cell wide and deep is changed from the core's resin to another, all across; the figure is the distance from the line
 // beyond which no channel of the appearance changes by more than the tolerance. One cell of the line alone is felt less
 // far. The slab is 24 mm long: nothing farther than that is looked for.
+//
+// No part of a job asks for it: it is for whoever has to choose how far to look (halos, the reach of a change) for
+// other resins, and a test that the predictor carries light as far as it should.
 #pragma once
 
 #include <array>

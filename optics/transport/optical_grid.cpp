@@ -9,30 +9,9 @@
 
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/parallel.h"
+#include "voxtone/optics/transport/lattice.h"
 
 namespace voxtone::optics {
-namespace {
-
-constexpr std::array<std::array<int, 3>, 6> step_of{
-    {{-1, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0}, {0, 0, -1}, {0, 0, 1}}};
-constexpr std::uint8_t not_solid = 64;
-
-std::size_t at3(const std::array<int, 3>& i, const std::array<int, 3>& n) {
-    return (static_cast<std::size_t>(i[2]) * static_cast<std::size_t>(n[1]) + static_cast<std::size_t>(i[1])) *
-               static_cast<std::size_t>(n[0]) +
-           static_cast<std::size_t>(i[0]);
-}
-std::size_t product(const std::array<int, 3>& n) {
-    return static_cast<std::size_t>(n[0]) * static_cast<std::size_t>(n[1]) * static_cast<std::size_t>(n[2]);
-}
-template <class Body>
-void for_each(const std::array<int, 3>& n, Body&& body) {
-    for (int z = 0; z < n[2]; ++z)
-        for (int y = 0; y < n[1]; ++y)
-            for (int x = 0; x < n[0]; ++x) body(std::array<int, 3>{x, y, z});
-}
-
-}  // namespace
 
 struct OpticalGrid::Builder {
     OpticalGrid& grid;
@@ -607,7 +586,7 @@ OpticalGrid::OpticalGrid(const Scene& scene, const GridOptions& opts)
     : options(opts),
       directions(make_directions(scene.resins->g, scene.resins->eta)),
       pitch_mm(scene.volume->pitch_mm()) {
-    expect_resins_for(scene);
+    require_resins(scene);
     Builder builder{*this, scene, {}, {}};
     palette.resize(scene.resins->resins.size() + 1);
     for (std::size_t m = 1; m < palette.size(); ++m) palette[m].shares = {{static_cast<Material>(m), 1.0f}};

@@ -27,6 +27,9 @@
 
 namespace voxtone::optics {
 
+/// Bit 6 of OpticalGrid::outer.
+inline constexpr std::uint8_t not_solid = 64;
+
 struct GridOptions {
     std::array<int, 3> view_voxels{2, 1, 3};  ///< voxels per viewing cell
     std::array<int, 3> skin_voxels{1, 1, 1};  ///< voxels per skin cell; divides view_voxels
@@ -134,11 +137,11 @@ public:
     std::array<double, 3> pitch_mm{};
     std::vector<GridBlock> blocks;       ///< ascending in z, y, x
     std::vector<std::int32_t> block_at;  ///< of each lattice place, -1: air
-    std::vector<std::uint32_t>
-        transport_rows;  ///< first transport block of each row of blocks along x, with an end mark
+    /// First transport block of each row of blocks along x, with an end mark.
+    std::vector<std::uint32_t> transport_rows;
     std::vector<std::uint32_t> transport_blocks;
     std::vector<std::uint16_t> medium;       ///< per cell: index into `palette`; 0 is air
-    std::vector<std::uint8_t> outer;         ///< per cell: bit f is set where face f is an outer one; bit 6: not solid
+    std::vector<std::uint8_t> outer;         ///< per cell: bit f is set where face f is an outer one; or `not_solid`
     std::vector<std::int32_t> face_of_cell;  ///< first outer face of a cell, per cell of blocks that have any
     std::vector<OuterFace> faces;            ///< those of a cell in order of `Facing`
     std::vector<FaceLaw> laws;               ///< of faces; 0 lets nothing through
@@ -166,7 +169,7 @@ public:
 
 private:
     friend class GridCensus;
-    friend class ViewingGrid;
+    friend struct ViewingGrid;
     OpticalGrid() = default;
     struct Builder;
 };

@@ -20,7 +20,8 @@
 // white still carries light over any distance. What the halo leaves of the difference is stated in docs/predict.md.
 //
 // Gradient: the operator is its own adjoint under reversal of directions, so the adjoint is one more solve, lit through
-// the surface by d(function)/d(appearance).
+// the surface by d(function)/d(appearance). No part of a job asks for it, loops take that of viewing cells
+// (viewing_gradient.h): it is exact direction by direction, and the tests hold it to differences of predictions.
 //
 // Units mm, mm^-1. Range: any resins, any g in (-1, 1), eta >= 1. Errors against Monte Carlo: docs/predict.md. What it
 // cannot see: shadows and second bounces outside the body; sharp caustics in clear resin (64 directions).
@@ -35,41 +36,9 @@
 
 #include "voxtone/optics/scene/appearance_model.h"
 #include "voxtone/optics/transport/optical_grid.h"
+#include "voxtone/optics/transport/transport_options.h"
 
 namespace voxtone::optics {
-
-struct TransportOptions {
-    int sweeps = 3;              ///< >= 1
-    double cell_mm = 0.085;      ///< viewing cell: sets the cells of the margin and of diffusion
-    bool voxel_skin = true;      ///< skin cells of one voxel; false: of one viewing cell
-    bool viewing_cells = false;  ///< the whole prediction on viewing cells (viewing_sequence.h), ten times as fast
-    double colour_mm = 0.8;      ///< with them: how deep below the surface colour is expected to come and go
-    int next_sweeps = 2;         ///< with them: of the later predictions of a sequence, >= 1
-    double next_change =
-        0.01;  ///< with them: a later prediction sweeps no more where the last sweep changed less of what is
-               ///< seen in a channel; of its adjoint ten times as much. 0: always `next_sweeps`
-    std::size_t tile_cells =
-        250'000;                ///< with them: most surface cells that are predicted at once (viewing_tiles.h), >= 1
-    int tile_halo = 3;          ///< with them: blocks around a tile that it transports light in, >= 1
-    double finest_mm = 0.0425;  ///< skin voxels are cut along axes where they are longer; 0: never
-    int margin_blocks = 2;      ///< rings of 4 viewing cells of transport below the skin, >= 0
-    double start_tolerance = 0.05;      ///< of the first diffusion solve
-    double correction_tolerance = 0.3;  ///< of those after each sweep
-    double ease = 0.55;            ///< keeps the corrections stable: viewing cells added to D per optical depth of one
-    double piece_mm = 0;           ///< edge of the pieces that a body is predicted in; 0: as large as memory allows
-    double halo_mm = 5;            ///< how far around a piece light is transported in full; diffusion beyond
-    std::size_t memory_bytes = 0;  ///< most to use; 0: no limit
-};
-
-/// What a prediction did and took.
-struct TransportSummary {
-    std::size_t skin_cells = 0, margin_cells = 0, nodes = 0, memory_bytes = 0;
-    std::size_t pieces = 0;
-    double grid_s = 0, diffusion_s = 0, sweep_s = 0, total_s = 0;
-    int diffusion_steps = 0;  ///< of all channels
-    std::vector<double>
-        last_change;  ///< per channel: largest change of a face's appearance by the last sweep's correction
-};
 
 /// Derivative of a function of the appearance with respect to the resin fractions of every transport cell, all
 /// fractions taken as free (a change that keeps their sum is a difference of two entries).

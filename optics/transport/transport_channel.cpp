@@ -102,15 +102,27 @@ void TransportChannel::for_each_cell(Body&& body) const {
     });
 }
 
-void TransportChannel::make_diffusion() {
-    const std::size_t n = grid_.nodes.size();
-    const auto linear = static_cast<float>(grid_.directions.linear);
-    std::vector<float> transport(n), loss(n);
-    sigma_a_.resize(n);
-    D_.resize(n);
+std::array<double, 3> TransportChannel::view_mm() const {
     std::array<double, 3> view{};
     for (std::size_t a = 0; a < 3; ++a) view[a] = grid_.pitch_mm[a] * grid_.options.view_voxels[a];
-    const double view_volume = view[0] * view[1] * view[2];
+    return view;
+}
+
+void TransportChannel::make_diffusion() {
+    find_node_media();
+    find_face_exchange();
+    find_exit_exchange();
+    find_conductances();
+}
+
+/// sigma_a_ and D_ of the nodes, and what they lose by absorption.
+void TransportChannel::find_node_media() {
+    const std::size_t n = grid_.nodes.size();
+    const auto linear = static_cast<float>(grid_.directions.linear);
+    std::vector<float> transport(n);
+    sigma_a_.resize(n);
+    D_.resize(n);
+    loss_.resize(n);
     parallel_for(0, grid_.blocks.size(), 64, [&](std::size_t b) {
         const GridBlock& block = grid_.blocks[b];
         if (block.kind == BlockKind::core) {
@@ -142,12 +154,19 @@ void TransportChannel::make_diffusion() {
             transport[node++] = extinct[place] / count[place];
         }
     });
+    const auto view = view_mm();
+    const double view_volume = view[0] * view[1] * view[2];
     for (std::size_t i = 0; i < n; ++i) {
         D_[i] = static_cast<float>(1 / (3 * std::max<double>(transport[i], least_transport_sigma)));
         const double edge = grid_.nodes[i].edge_cells;
-        loss[i] = static_cast<float>(sigma_a_[i] * view_volume * edge * edge * edge * grid_.nodes[i].solid_share);
+        loss_[i] = static_cast<float>(sigma_a_[i] * view_volume * edge * edge * edge * grid_.nodes[i].solid_share);
     }
-    // Outer faces: J = (T phi / 4 - S) / (1 - T / 2 + T h / (4 D)), S the current that comes in (Marshak's condition).
+}
+
+/// Outer faces: J = (T phi / 4 - S) / (1 - T / 2 + T h / (4 D)), S the current that comes in (Marshak's condition,
+/// 1947, at a face that lets the share T of diffuse light through).
+void TransportChannel::find_face_exchange() {
+    const auto view = view_mm();
     face_loss_.resize(grid_.faces.size());
     face_gain_.resize(grid_.faces.size());
     for (std::size_t f = 0; f < grid_.faces.size(); ++f) {
@@ -159,8 +178,14 @@ void TransportChannel::make_diffusion() {
         const double below = 1 - T / 2 + T * h / (4 * D_[face.node]);
         face_loss_[f] = static_cast<float>(face.area_mm2 * T / 4 / below);
         face_gain_[f] = static_cast<float>(face.area_mm2 / below);
-        loss[face.node] += face_loss_[f];
+        loss_[face.node] += face_loss_[f];
     }
+}
+
+/// The same where a node of the core borders on air or a sheet.
+void TransportChannel::find_exit_exchange() {
+    const auto view = view_mm();
+    const double view_volume = view[0] * view[1] * view[2];
     exit_gain_.resize(grid_.exits.size());
     exit_loss_.resize(grid_.exits.size());
     for (std::size_t i = 0; i < grid_.exits.size(); ++i) {
@@ -171,12 +196,19 @@ void TransportChannel::make_diffusion() {
         const double below = 1 - T / 2 + T * h / (4 * D_[exit.node]);
         exit_loss_[i] = static_cast<float>(exit.area_mm2 * T / 4 / below);
         exit_gain_[i] = exit.kind == FaceKind::light ? exit_loss_[i] : 0;  // in comes T / 4 of radiance 1
-        loss[exit.node] += exit_loss_[i];
+        loss_[exit.node] += exit_loss_[i];
     }
-    // A contact of area A lies half a node's thickness V / A from its centre, half an edge at most.
-    conductance_.resize(grid_.contacts.size());
-    std::vector<float> eased(grid_.contacts.size());
+}
+
+/// A contact of area A lies half a node's thickness V / A from its centre, half an edge at most. Those of the
+/// corrections are eased: diffusion on cells as thick as a free path overshoots and the iteration would grow; D is
+/// widened by the optical depth.
+void TransportChannel::find_conductances() {
+    const auto view = view_mm();
+    const double view_volume = view[0] * view[1] * view[2];
     const double widest = *std::max_element(view.begin(), view.end());
+    conductance_.resize(grid_.contacts.size());
+    eased_.resize(grid_.contacts.size());
     for (std::size_t i = 0; i < conductance_.size(); ++i) {
         const NodeContact& c = grid_.contacts[i];
         const auto half = [&](std::uint32_t node) {
@@ -185,28 +217,16 @@ void TransportChannel::make_diffusion() {
                                   view_volume * edge * edge * edge * grid_.nodes[node].solid_share / c.area_mm2);
         };
         const double a = half(c.a), b = half(c.b);
-        // Diffusion on cells as thick as a free path overshoots and the iteration would grow: widened by the optical
-        // depth.
         const auto more = [&](std::uint32_t node) {
             return widest * std::min(0.75, options_.ease * widest / (3 * D_[node]));
         };
         conductance_[i] = static_cast<float>(c.area_mm2 / (a / D_[c.a] + b / D_[c.b]));
-        eased[i] = static_cast<float>(c.area_mm2 / (a / (D_[c.a] + more(c.a)) + b / (D_[c.b] + more(c.b))));
-    }
-    eased_ = std::move(eased);
-    loss_ = std::move(loss);
-    core_conductance_.assign(grid_.faces.size(), 0.0f);
-    for (std::size_t f = 0; f < grid_.faces.size(); ++f) {
-        const OuterFace& face = grid_.faces[f];
-        if (face.kind != FaceKind::core) continue;
-        const double h = 0.5 * view[static_cast<std::size_t>(face.facing) / 2];
-        core_conductance_[f] = static_cast<float>(1 / (h * grid_.nodes[face.node].edge_cells / D_[face.node] +
-                                                       h * grid_.nodes[face.beyond].edge_cells / D_[face.beyond]));
+        eased_[i] = static_cast<float>(c.area_mm2 / (a / (D_[c.a] + more(c.a)) + b / (D_[c.b] + more(c.b))));
     }
 }
 
-/// J of every node: half of what flows through the faces on either side. `light`: current that comes in per area where
-/// not empty (start), else none does (correction).
+/// J of every node: half of what flows through the faces on either side. `incoming`: current that comes in per area
+/// (start); empty: none does (correction).
 void TransportChannel::currents(std::span<const float> phi, std::span<const float> incoming,
                                 std::vector<Moments>& out) const {
     out.assign(grid_.nodes.size(), {});
@@ -229,7 +249,7 @@ void TransportChannel::currents(std::span<const float> phi, std::span<const floa
     for (std::size_t f = 0; f < grid_.faces.size(); ++f) {
         const OuterFace& face = grid_.faces[f];
         if (face.kind == FaceKind::core) continue;
-        const float flow = face_loss_[f] * phi[face.node] - face_gain_[f] * incoming[f];
+        const float flow = face_loss_[f] * phi[face.node] - (incoming.empty() ? 0.0f : face_gain_[f] * incoming[f]);
         add(face.node, static_cast<std::size_t>(face.facing) / 2, static_cast<int>(face.facing) % 2 ? flow : -flow);
     }
     for (std::size_t i = 0; i < out.size(); ++i) out[i].phi = phi[i];
@@ -255,12 +275,6 @@ void TransportChannel::start() {
     in_.assign(grid_.faces.size() * 4, {});
     out_.assign(grid_.faces.size() * 4, {});
     pooled_.assign(grid_.regions * 64, 0.0f);
-    core_current_.assign(grid_.faces.size(), 0.0f);
-    for (std::size_t f = 0; f < grid_.faces.size(); ++f) {
-        const OuterFace& face = grid_.faces[f];
-        if (face.kind == FaceKind::core)
-            core_current_[f] = core_conductance_[f] * (phi_[face.node] - phi_[face.beyond]);
-    }
 }
 
 /// Adds delta_moments_, spread linearly over each node, to the moments of the cells and to what leaves through the
@@ -433,16 +447,13 @@ void TransportChannel::correct() {
             for (std::size_t slot = 0; slot < 4; ++slot)
                 sum += sum8(w, face.kind == FaceKind::core ? out_[f * 4 + slot] : returned(block, f, slot)) -
                        sum8(w, in_[f * 4 + slot]);
-            if (face.kind == FaceKind::core) {
-                core_current_[f] = sum;
+            if (face.kind == FaceKind::core)
                 right[face.beyond] += sum * face.area_mm2;
-            } else {
+            else
                 right[face.node] += face_gain_[f] * sum;
-            }
         }
     }
-    std::array<double, 3> view{};
-    for (std::size_t a = 0; a < 3; ++a) view[a] = grid_.pitch_mm[a] * grid_.options.view_voxels[a];
+    const auto view = view_mm();
     const double view_volume = view[0] * view[1] * view[2];
     const auto in_core = [&](std::uint32_t node) {
         return grid_.blocks[grid_.node_block[node]].kind == BlockKind::core;
@@ -464,13 +475,8 @@ void TransportChannel::correct() {
         right[grid_.exits[i].node] += (lit_evenly_ ? exit_gain_[i] : 0) - exit_loss_[i] * phi_[grid_.exits[i].node];
     std::vector<float> delta(n, 0.0f);
     steps_ += diffusion_->solve(right, delta, options_.correction_tolerance, 30);
-    currents(delta, std::vector<float>(grid_.faces.size(), 0.0f), delta_moments_);
+    currents(delta, {}, delta_moments_);
     for (std::size_t i = 0; i < n; ++i) phi_[i] += delta[i];
-    for (std::size_t f = 0; f < grid_.faces.size(); ++f) {
-        const OuterFace& face = grid_.faces[f];
-        if (face.kind == FaceKind::core)
-            core_current_[f] += core_conductance_[f] * (delta[face.node] - delta[face.beyond]);
-    }
 }
 
 void TransportChannel::solve(std::span<const float> light, TransportSummary& summary, const Progress* progress) {
@@ -506,9 +512,9 @@ void TransportChannel::solve(std::span<const float> light, TransportSummary& sum
 std::size_t TransportChannel::memory_bytes() const {
     const auto of = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
     return of(sigma_a_) + of(D_) + of(conductance_) + of(face_loss_) + of(face_gain_) + of(exit_loss_) +
-           of(exit_gain_) + of(core_conductance_) + of(light_) + of(phi_) + of(delta_moments_) + of(core_current_) +
-           of(source_) + of(sum_) + of(other_sum_) + of(in_) + of(out_) + of(pooled_) + of(flux_) + of(flux_change_) +
-           of(eased_) + of(loss_) + diffusion_->memory_bytes();
+           of(exit_gain_) + of(light_) + of(phi_) + of(delta_moments_) + of(source_) + of(sum_) + of(other_sum_) +
+           of(in_) + of(out_) + of(pooled_) + of(flux_) + of(flux_change_) + of(eased_) + of(loss_) +
+           diffusion_->memory_bytes();
 }
 
 TransportChannel::Field TransportChannel::take_field() { return {std::move(source_), std::move(in_)}; }

@@ -12,8 +12,8 @@
 #include "voxtone/base/progress.h"
 #include "voxtone/optics/transport/diffusion.h"
 #include "voxtone/optics/transport/optical_grid.h"
-#include "voxtone/optics/transport/transport.h"
 #include "voxtone/optics/transport/transport_medium.h"
+#include "voxtone/optics/transport/transport_options.h"
 #include "voxtone/optics/transport/transport_sweep.h"
 
 namespace voxtone::optics {
@@ -53,7 +53,12 @@ private:
     struct CellGeometry;
     [[nodiscard]] CellGeometry geometry(BlockKind kind) const;
     [[nodiscard]] FaceSums face_sums(std::size_t face) const;
+    [[nodiscard]] std::array<double, 3> view_mm() const;  ///< edges of a viewing cell
     void make_diffusion();
+    void find_node_media();
+    void find_face_exchange();
+    void find_exit_exchange();
+    void find_conductances();
     void start();
     void enter();
     void sweep();
@@ -72,16 +77,14 @@ private:
     std::array<Octet, 3> flux_weight_;  ///< w |Omega_a|
     std::vector<float> sigma_a_, D_;    ///< per node
     std::vector<float> conductance_;    ///< per contact
-    std::vector<float> face_loss_,
-        face_gain_;  ///< per face: into the node's loss; right side per unit of incoming current
+    /// Per face: into the node's loss; right side per unit of incoming current.
+    std::vector<float> face_loss_, face_gain_;
     std::vector<float> exit_loss_, exit_gain_;  ///< per exit of a core node
     std::vector<float> eased_, loss_;           ///< conductances of the corrections, losses of the nodes
     std::unique_ptr<Diffusion> diffusion_;      ///< of the start, then of the corrections
-    std::vector<float> core_conductance_;       ///< per face to the core, per area
     std::vector<float> light_;                  ///< per face: radiance that comes from outside
     std::vector<float> phi_;                    ///< per node; kept up to date in the core
     std::vector<Moments> delta_moments_;        ///< per node: phi and J of the last correction
-    std::vector<float> core_current_;           ///< per face to the core: net current into it
     std::vector<Moments> source_;               ///< per cell: sigma_s phi and 3 g' sigma_s J
     std::vector<Moments> sum_, other_sum_;      ///< per cell: phi and J of light that runs up, and down
     std::vector<Octet> in_, out_;               ///< [face * 4 + tangential signs]

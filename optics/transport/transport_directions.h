@@ -8,8 +8,8 @@
 // psi_d. Moments: sum w = 1, sum w Omega Omega^T = I / 3, half-range flux along z 1/4, all exact.
 //
 // Scattering is Henyey-Greenstein cut after its linear term with the forward peak taken as not scattered
-// (delta-Eddington): f = g^2, g' = g / (1 + g), sigma_s* = sigma_s (1 - f), and the source in direction Omega is
-// sigma_s* (phi + 3 g' Omega . J).
+// (delta-Eddington: Joseph, Wiscombe and Weinman 1976, J. Atmos. Sci. 33:2452): f = g^2, g' = g / (1 + g), sigma_s* =
+// sigma_s (1 - f), and the source in direction Omega is sigma_s* (phi + 3 g' Omega . J).
 //
 // The surface. A staircase of faces e stands for a smooth surface with outward normal n. Of the light of direction
 // Omega that leaves through faces of the staircase, sum_e |n . e| (Omega . e)+ per true area, only Omega . n crosses

@@ -259,7 +259,7 @@ void sweep_block(const SweepJob& job, const Octant& o, const MediaWays& media_wa
             for (int kx = 0, x = o.back[0] ? ways.nx - 1 : 0; kx < ways.nx; ++kx, x += step) {
                 const int cell = row + x;
                 const unsigned bits = outer[cell];
-                if (bits & 64u) continue;
+                if (bits & not_solid) continue;
                 const auto first_face = static_cast<std::size_t>(links[cell]);
                 const auto face_of = [&](unsigned bit) {
                     return first_face + static_cast<unsigned>(__builtin_popcount(bits & ((1u << bit) - 1)));

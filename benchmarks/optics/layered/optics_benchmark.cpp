@@ -6,10 +6,12 @@
 #include <vector>
 
 #include <benchmark/benchmark.h>
+#include <Eigen/Eigenvalues>
 
 #include "voxtone/base/parallel.h"
 #include "voxtone/optics/layered/layered_appearance.h"
 #include "voxtone/optics/layered/shell_appearance.h"
+#include "voxtone/optics/numerics/symmetric_eigen.h"
 
 namespace {
 
@@ -53,6 +55,38 @@ void modes_of_one_medium(benchmark::State& state) {
     }
 }
 BENCHMARK(modes_of_one_medium)->Arg(8)->Arg(10)->Arg(15)->Arg(24)->Unit(benchmark::kMicrosecond);
+
+/// The matrix that LayerModes takes apart: of the same size and with the same grading, K = L^T E L.
+OrdinateMatrix modes_matrix(int nodes) {
+    OrdinateMatrix K(nodes, nodes);
+    for (int i = 0; i < nodes; ++i)
+        for (int j = 0; j < nodes; ++j) {
+            const double nu_i = (i + 1.0) / nodes, nu_j = (j + 1.0) / nodes;
+            K(i, j) = (i == j ? 1 / (nu_i * nu_i) : 0) - 0.9 / (nodes * nu_i * nu_j);
+        }
+    return K;
+}
+
+void symmetric_eigen_here(benchmark::State& state) {
+    OrdinateMatrix K = modes_matrix(static_cast<int>(state.range(0)));
+    for (auto _ : state) {
+        K(0, 0) += 1e-9;
+        benchmark::DoNotOptimize(symmetric_eigen(K));
+    }
+}
+BENCHMARK(symmetric_eigen_here)->Arg(8)->Arg(10)->Arg(15)->Arg(24)->Unit(benchmark::kMicrosecond);
+
+// Eigen's solver on the same type, of at most max_ordinates rows: it allocates no memory either.
+void symmetric_eigen_of_Eigen(benchmark::State& state) {
+    OrdinateMatrix K = modes_matrix(static_cast<int>(state.range(0)));
+    Eigen::SelfAdjointEigenSolver<OrdinateMatrix> solver;
+    for (auto _ : state) {
+        K(0, 0) += 1e-9;
+        solver.compute(K);
+        benchmark::DoNotOptimize(solver.eigenvectors().data());
+    }
+}
+BENCHMARK(symmetric_eigen_of_Eigen)->Arg(8)->Arg(10)->Arg(15)->Arg(24)->Unit(benchmark::kMicrosecond);
 
 void shell_table(benchmark::State& state) {
     const ThreadLimit limit(static_cast<std::size_t>(state.range(0)));

@@ -11,9 +11,8 @@
 //   mean, 95 %, max      of dE(P, M), CIEDE2000, the noise of M included
 //   noise                mean of dE(M1, M2) / 2: what M's noise alone would make of the mean
 //   rms                  sqrt of the mean of dE(P, M)^2 - dE(M1, M2)^2 / 4. With |.| the metric of CIEDE2000 at M this
-//   is the
-//                        mean of <P - M1, P - M2>, the product of the two differences: unbiased and free of noise, as
-//                        M1 and M2 are independent. The mean error without noise is not larger.
+//                        is the mean of <P - M1, P - M2>, the product of the two differences: unbiased and free of
+//                        noise, as M1 and M2 are independent. The mean error without noise is not larger.
 //   mean without noise   mean * rms / (rms with noise): right where error and noise are distributed alike, too large
 //                        where the error sits in few cells
 //   bias                 mean of L*(P) - L*(M)
@@ -32,8 +31,8 @@ struct Comparison {
     double mean = 0, percentile_95 = 0, max = 0, bias = 0;
     double noise = 0, rms = 0, mean_without_noise = 0;
     std::array<double, 3> channel_bias{};  ///< mean of P - M
-    std::array<double, 3>
-        white_bias{};               ///< of the mean of the white, as a share of it: what media-relative colour hides
+    /// Of the mean of the white, as a share of it: what media-relative colour hides.
+    std::array<double, 3> white_bias{};
     std::size_t cells = 0;          ///< of the surface
     std::size_t optical_cells = 0;  ///< of transport
     double area_mm2 = 0;

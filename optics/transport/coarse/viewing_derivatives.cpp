@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <vector>
+#include "voxtone/optics/transport/coarse/viewing_derivatives.h"
 
-#include "voxtone/base/contracts.h"
+#include <algorithm>
+#include <cmath>
+
 #include "voxtone/base/parallel.h"
-#include "voxtone/optics/transport/coarse/viewing_transport.h"
 
 namespace voxtone::optics {
 namespace {
@@ -62,45 +60,48 @@ struct FaceDirections {
 
 }  // namespace
 
-void ViewingTransport::derivatives(const ViewingField& forward, std::span<float> by_sigma_t,
-                                   std::span<float> by_sigma_s) {
-    VOXTONE_EXPECT(scale_ > 0 && forward.scale == 0 && forward.cells.size() == source_.size());
-    const auto linear = static_cast<float>(grid_.directions.linear);
-    const float V = volume_ * scale_;
-    parallel_ranges(0, source_.size(), 1 << 14, [&](std::size_t begin, std::size_t end) {
+void derivatives_by_moments(const DerivativeScene& scene, std::span<const ViewingField::Code> forward,
+                            std::span<const Moments> adjoint, std::span<float> by_sigma_t,
+                            std::span<float> by_sigma_s) {
+    const OpticalGrid& grid = scene.viewing.grid;
+    const auto linear = static_cast<float>(grid.directions.linear);
+    const float V = scene.scaled_volume;
+    parallel_ranges(0, adjoint.size(), 1 << 14, [&](std::size_t begin, std::size_t end) {
         for (std::size_t cell = begin; cell < end; ++cell) {
             by_sigma_t[cell] = by_sigma_s[cell] = 0;
-            if (grid_.medium[cell] == 0) continue;
-            const Moments a = moments_of(forward.cells[cell]);
-            const Moments& b = source_[cell];  // sigma_s phi and 3 g' sigma_s J
-            const float share = 1 / media_->cells[grid_.medium[cell]].sigma_s;
+            if (grid.medium[cell] == 0) continue;
+            const Moments a = moments_of(forward[cell]);
+            const Moments& b = adjoint[cell];
+            const float share = 1 / scene.media[grid.medium[cell]].sigma_s;
             const float phi2 = a.phi * b.phi * share,
                         J2 = linear != 0 ? (a.x * b.x + a.y * b.y + a.z * b.z) * share / (3 * linear) : 0;
             by_sigma_t[cell] = -V * (phi2 - 3 * J2);
             by_sigma_s[cell] = V * (phi2 - 3 * linear * J2);
         }
     });
-    // What there is beyond phi and J in the cells at the surface: as much as its faces say, each for itself.
-    reflect();
-    const std::vector<Octet> in = in_, out = out_;
-    take_light({}, {});
-    load(forward);
-    const DirectionSet& set = grid_.directions;
-    parallel_for(0, grid_.transport_blocks.size(), 32, [&](std::size_t t) {
-        const GridBlock& block = grid_.blocks[grid_.transport_blocks[t]];
+}
+
+void add_derivatives_at_faces(const DerivativeScene& scene, const LightOnFaces& forward, const LightOnFaces& adjoint,
+                              std::span<float> by_sigma_t) {
+    const OpticalGrid& grid = scene.viewing.grid;
+    const DirectionSet& set = grid.directions;
+    const auto edge = grid.edge_mm(BlockKind::skin);
+    const float V = scene.scaled_volume;
+    parallel_for(0, grid.transport_blocks.size(), 32, [&](std::size_t t) {
+        const GridBlock& block = grid.blocks[grid.transport_blocks[t]];
         std::array<float, 64> sum{}, faces{};
         for (std::size_t f = block.first_face; f < block.first_face + block.faces; ++f) {
-            const OuterFace& face = grid_.faces[f];
+            const OuterFace& face = grid.faces[f];
             if (face.kind == FaceKind::core || face.kind == FaceKind::mirror) continue;
             const std::size_t axis = static_cast<std::size_t>(face.facing) / 2;
             const FaceDirections directions{set.weight, set.cosine[axis], set.cosine[axis == 0 ? 1 : 0],
                                             set.cosine[axis == 2 ? 1 : 2]};
-            const float depth = 0.5f * edge_[axis] * media_->cells[grid_.medium[face.cell]].sigma_t;
+            const float depth = 0.5f * static_cast<float>(edge[axis]) * scene.media[grid.medium[face.cell]].sigma_t;
             Octet fade;
             for (std::size_t d = 0; d < 8; ++d) fade.v[d] = std::exp(-depth / directions.normal.v[d]);
-            const std::size_t at = 4 * std::size_t{viewing_.place_of_face[f]};
-            const FaceLight a = directions.rest(&out_[at], &in_[at], fade),
-                            b = directions.rest(&out[at], &in[at], fade);
+            const std::size_t at = 4 * std::size_t{scene.viewing.place_of_face[f]};
+            const FaceLight a = directions.rest(&forward.out[at], &forward.in[at], fade),
+                            b = directions.rest(&adjoint.out[at], &adjoint.in[at], fade);
             FaceDirections::each([&](std::size_t s, std::size_t d) {
                 sum[face.cell % 64] +=
                     set.weight.v[d] * (a.out[s].v[d] * b.in[s ^ 3].v[d] + a.in[s].v[d] * b.out[s ^ 3].v[d]);

@@ -245,12 +245,21 @@ ViewingDiffusion::ViewingDiffusion(const ViewingGrid& viewing) : grid_(viewing) 
 void ViewingDiffusion::prepare(std::span<const float> D_of_medium, std::span<const float> D_of_core,
                                std::span<const float> cell_loss, std::span<const float> core_loss,
                                std::span<BlockStencil<4>> blocks) {
+    VOXTONE_EXPECT(blocks.size() == neighbour_.size());
+    make_fine(D_of_medium, D_of_core, cell_loss, blocks);
+    fine_ = blocks;
+    make_middle(cell_loss);
+    close_middle();
+    make_coarse(D_of_core, core_loss);
+}
+
+/// Equations of the cells.
+void ViewingDiffusion::make_fine(std::span<const float> D_of_medium, std::span<const float> D_of_core,
+                                 std::span<const float> cell_loss, std::span<BlockStencil<4>> blocks) {
     const OpticalGrid& grid = grid_.grid;
-    const std::size_t n = grid.transport_blocks.size();
-    VOXTONE_EXPECT(blocks.size() == n);
     const auto D_at = [&](std::size_t cell) { return D_of_medium[grid.medium[cell]]; };
     const auto core_D = [&](std::uint32_t core) { return D_of_core[grid.blocks[grid_.core_block[core]].medium]; };
-    parallel_for(0, n, stencils_per_task, [&](std::size_t t) {
+    parallel_for(0, neighbour_.size(), stencils_per_task, [&](std::size_t t) {
         constexpr int m = 6;
         Patch<4> D;
         gather<4>(D, t, neighbour_[t], side_of_[t], sides_, D_at, [](std::uint32_t) { return 0.0f; });
@@ -286,10 +295,12 @@ void ViewingDiffusion::prepare(std::span<const float> D_of_medium, std::span<con
         }
         find_diagonal<4>(block, low, cell_loss.data() + 64 * t);
     });
-    fine_ = blocks;
-    // Eight a block: sums of conductances times the ratio of the distances.
-    parallel_for(0, n, stencils_per_task, [&](std::size_t t) {
-        const BlockStencil<4>& cells = blocks[t];
+}
+
+/// Eight nodes a block: sums of conductances times the ratio of the distances, towards +x, +y, +z and the core.
+void ViewingDiffusion::make_middle(std::span<const float> cell_loss) {
+    parallel_for(0, neighbour_.size(), stencils_per_task, [&](std::size_t t) {
+        const BlockStencil<4>& cells = fine_[t];
         BlockStencil<2>& to = middle_[t];
         for (int k = 0; k < 2; ++k)
             for (int j = 0; j < 2; ++j)
@@ -323,7 +334,11 @@ void ViewingDiffusion::prepare(std::span<const float> D_of_medium, std::span<con
                         sum += fine_side_[16 * s + static_cast<std::size_t>(4 * (2 * j + b) + 2 * i + a)];
                 middle_side_[4 * s + static_cast<std::size_t>(2 * j + i)] = sum * (2.5f / 3);
             }
-    parallel_for(0, n, stencils_per_task, [&](std::size_t t) {
+}
+
+/// Their conductances towards -x, -y, -z, from the neighbours, and their diagonal.
+void ViewingDiffusion::close_middle() {
+    parallel_for(0, neighbour_.size(), stencils_per_task, [&](std::size_t t) {
         LowSides<2>& low = middle_low_[t];
         const auto take = [&](std::size_t f, float* to, auto of_block) {
             for (int j = 0; j < 2; ++j)
@@ -340,7 +355,13 @@ void ViewingDiffusion::prepare(std::span<const float> D_of_medium, std::span<con
         take(4, low.z, [](const BlockStencil<2>& b) { return b.z; });
         find_diagonal<2>(middle_[t], low, middle_loss_.data() + 8 * t);
     });
-    // Blocks.
+}
+
+/// One node a block, and those of the core.
+void ViewingDiffusion::make_coarse(std::span<const float> D_of_core, std::span<const float> core_loss) {
+    const OpticalGrid& grid = grid_.grid;
+    const std::size_t n = neighbour_.size();
+    const auto core_D = [&](std::uint32_t core) { return D_of_core[grid.blocks[grid_.core_block[core]].medium]; };
     std::vector<float> conductance, loss(n + core_loss.size());
     for (std::size_t t = 0; t < n; ++t) {
         for (std::size_t i = 0; i < 8; ++i) loss[t] += middle_loss_[8 * t + i];

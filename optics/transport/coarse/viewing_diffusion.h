@@ -83,6 +83,11 @@ private:
     };
     template <int n>
     struct Level;
+    void make_fine(std::span<const float> D_of_medium, std::span<const float> D_of_core,
+                   std::span<const float> cell_loss, std::span<BlockStencil<4>> blocks);
+    void make_middle(std::span<const float> cell_loss);
+    void close_middle();
+    void make_coarse(std::span<const float> D_of_core, std::span<const float> core_loss);
     /// x = about the solution for b, by one V-cycle from 0.
     void cycle(Vector b, Vector x);
     template <int n>

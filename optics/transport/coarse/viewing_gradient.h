@@ -58,8 +58,8 @@ private:
     std::vector<std::array<std::uint16_t, 2>> by_medium_;  ///< [cell * channels + channel]: by sigma_t, sigma_s
     /// Of each mixture: a row for each of its layers; of one resin `alone`, for those along each axis.
     std::vector<std::uint32_t> first_row_;
-    std::vector<std::array<float, 2>>
-        table_;  ///< [(row * resins + resin) * channels + channel]: d (sigma_t, sigma_s) / d share
+    /// [(row * resins + resin) * channels + channel]: d (sigma_t, sigma_s) / d share.
+    std::vector<std::array<float, 2>> table_;
 };
 
 }  // namespace voxtone::optics

@@ -16,6 +16,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -45,28 +46,9 @@ struct ViewingWindow {
     std::array<bool, 6> cut{};
 };
 
-class ViewingGrid {
-public:
-    /// `also`: blocks of the window that get transport cells besides, empty or one byte per place. `asked`: the surface
-    /// below which colour is expected to come and go, null: all of it. Throws InputError for a material without a
-    /// resin.
-    ViewingGrid(const Scene& scene, const std::array<int, 3>& view_voxels, double colour_mm,
-                std::span<const std::uint8_t> also = {});
-    ViewingGrid(const Scene& scene, const std::array<int, 3>& view_voxels, double colour_mm,
-                std::span<const std::uint8_t> also, const ViewingWindow& window, const Surface* asked = nullptr);
-
-    /// Takes the resins of a volume of the same shape. False, and nothing done, where a block without transport cells
-    /// has got other materials; those are marked in `wanted`, one byte per place of the lattice.
-    [[nodiscard]] bool fill(const ResinVolume& volume, std::vector<std::uint8_t>& wanted);
-
-    /// Which outer faces stand for each cell of a surface: entries first[i] .. first[i + 1] - 1; `share` is the area of
-    /// voxel faces seen there / the area of the face. A cell without entries has no face of the staircase near.
-    struct Seen {
-        std::vector<std::uint32_t> first, face;
-        std::vector<float> share;
-        std::vector<std::uint32_t> cell;  ///< the solid cell nearest to each surface cell
-    };
-    [[nodiscard]] Seen see(const Surface& surface) const;
+/// Made by viewing_grid_builder.h.
+struct ViewingGrid {
+    ViewingGrid() = default;
 
     /// The solid transport cell in which a voxel counts (cell -1: none), in which of its layers, and its share of the
     /// cell's volume.
@@ -77,6 +59,19 @@ public:
     };
     [[nodiscard]] Home home_of(const std::array<int, 3>& voxel) const;
 
+    /// The solid transport cell at a place of the viewing grid, or -1.
+    [[nodiscard]] std::int64_t cell_of(const std::array<std::int32_t, 3>& at) const;
+    /// The outer faces of a cell.
+    template <class Body>
+    void each_face(std::uint32_t cell, Body&& body) const;
+    /// The lowest voxel of a block.
+    [[nodiscard]] std::array<std::int32_t, 3> corner_of(const GridBlock& block) const;
+    [[nodiscard]] bool is_ghost(const std::array<std::int32_t, 3>& block) const {
+        for (std::size_t a = 0; a < 3; ++a)
+            if ((window.cut[2 * a] && block[a] == 0) || (window.cut[2 * a + 1] && block[a] == grid.lattice[a] - 1))
+                return true;
+        return false;
+    }
     [[nodiscard]] std::size_t cells() const { return grid.medium.size(); }
     [[nodiscard]] std::size_t memory_bytes() const;
     /// Frees what the vectors hold in reserve.
@@ -102,36 +97,31 @@ public:
     std::vector<std::uint32_t> ghosts;      ///< core nodes on the cut sides of the window, ascending
     std::vector<std::uint32_t> core_faces;  ///< outer faces that lead into the core
     std::vector<std::uint32_t> open_faces;  ///< the others: to the light, a sheet or a mirror
-    std::vector<std::uint32_t>
-        place_of_face;  ///< of each outer face among the open ones; `into_core` and among the core's
-    std::array<std::vector<std::uint32_t>, 2>
-        blocks_by_parity;  ///< transport blocks whose neighbours are of the other parity
+    /// Of each outer face among the open ones; `into_core` and among the core's.
+    std::vector<std::uint32_t> place_of_face;
+    /// Transport blocks whose neighbours are of the other parity.
+    std::array<std::vector<std::uint32_t>, 2> blocks_by_parity;
 
-private:
+    /// A cell that is not solid, and the solid one that holds its resin.
     struct Donor {
         std::uint32_t to;                  ///< cell
-        std::array<std::int32_t, 3> from;  ///< lowest voxel of a cell that is not solid
+        std::array<std::int32_t, 3> from;  ///< its lowest voxel
     };
-    struct Builder;
-    /// The solid transport cell at a place of the viewing grid, or -1.
-    [[nodiscard]] std::int64_t cell_of(const std::array<std::int32_t, 3>& at) const;
-    template <class Body>
-    void each_face(std::uint32_t cell, Body&& body) const;
-    void take_palette(const ResinVolume& volume, bool coarse, bool& full);
-    [[nodiscard]] std::array<std::int32_t, 3> corner_of(const GridBlock& block) const;
-
-    [[nodiscard]] bool is_ghost(const std::array<std::int32_t, 3>& block) const {
-        for (std::size_t a = 0; a < 3; ++a)
-            if ((window.cut[2 * a] && block[a] == 0) || (window.cut[2 * a + 1] && block[a] == grid.lattice[a] - 1))
-                return true;
-        return false;
-    }
-
-    bool mirrored_ = false;
-    std::array<int, 3> size_{};             ///< of the volume
-    std::vector<std::uint8_t> towards_;     ///< of each transport block: the facing of the surface near it
-    std::vector<Donor> donors_;             ///< ascending in `to`
-    std::vector<std::uint32_t> donors_of_;  ///< first donor of each transport block, with an end mark
+    bool mirrored = false;
+    std::array<int, 3> size{};             ///< of the volume
+    std::vector<std::uint8_t> towards;     ///< of each transport block: the facing of the surface near it
+    std::vector<Donor> donors;             ///< ascending in `to`
+    std::vector<std::uint32_t> donors_of;  ///< first donor of each transport block, with an end mark
 };
+
+template <class Body>
+void ViewingGrid::each_face(std::uint32_t cell, Body&& body) const {
+    const unsigned bits = grid.outer[cell];
+    if (bits == 0 || bits & not_solid) return;
+    const GridBlock& home = grid.blocks[grid.transport_blocks[cell / 64]];
+    const auto first =
+        static_cast<std::uint32_t>(grid.face_of_cell[static_cast<std::size_t>(home.first_link) + cell % 64]);
+    for (std::uint32_t f = first; f < first + static_cast<std::uint32_t>(std::popcount(bits)); ++f) body(f);
+}
 
 }  // namespace voxtone::optics

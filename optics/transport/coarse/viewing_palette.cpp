@@ -1,18 +1,21 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//
-// What the cells of a viewing grid hold.
+#include "voxtone/optics/transport/coarse/viewing_palette.h"
+
 #include <algorithm>
+#include <array>
 #include <unordered_map>
+#include <utility>
 
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/parallel.h"
-#include "voxtone/optics/transport/coarse/viewing_places.h"
+#include "voxtone/optics/media/mirrored_box.h"
+#include "voxtone/optics/transport/lattice.h"
 
 namespace voxtone::optics {
 namespace {
 
 /// Sum of count * constant: as good as unique for a mixture, and one addition a voxel.
-std::array<std::uint64_t, 256> mixture_codes() {
+constexpr std::array<std::uint64_t, 256> mixture_codes() {
     std::array<std::uint64_t, 256> code{};
     std::uint64_t state = 0x9e3779b97f4a7c15u;
     for (std::size_t m = 1; m < code.size(); ++m) {  // splitmix64
@@ -23,44 +26,7 @@ std::array<std::uint64_t, 256> mixture_codes() {
     }
     return code;
 }
-
-}  // namespace
-
-bool ViewingGrid::fill(const ResinVolume& volume, std::vector<std::uint8_t>& wanted) {
-    VOXTONE_EXPECT(volume.pitch_mm() == grid.pitch_mm);
-    wanted.assign(grid.block_at.size(), 0);
-    const Place extent{4 * grid.options.view_voxels[0], 4 * grid.options.view_voxels[1],
-                       4 * grid.options.view_voxels[2]};
-    bool same = true;
-    for (const std::uint32_t b : core_block) {
-        GridBlock& block = grid.blocks[b];
-        if (is_ghost(block.at)) continue;
-        const Place corner = corner_of(block);
-        int material = volume.uniform_material(corner, extent);
-        if (material != block.medium && material < 0) {
-            std::vector<Material> box;
-            read_box(volume, mirrored_, corner, extent, box);
-            material = std::all_of(box.begin(), box.end(), [&](Material m) { return m == box[0]; }) ? box[0] : -1;
-        }
-        if (material > 0) {
-            block.medium = static_cast<std::uint16_t>(material);
-            continue;
-        }
-        same = false;
-        wanted[at3(block.at, grid.lattice)] = 1;
-    }
-    if (!same) return false;
-    bool full = false;
-    take_palette(volume, false, full);
-    if (full) {
-        full = false;
-        take_palette(volume, true, full);
-        VOXTONE_ENSURE(!full);
-    }
-    return true;
-}
-
-namespace {
+constexpr std::array<std::uint64_t, 256> code_of = mixture_codes();
 
 /// Counts of materials in the layers of a cell.
 struct Counts {
@@ -109,154 +75,263 @@ struct Counts {
     }
 };
 
+/// Numbers different compositions in the order in which they are first met.
+class CompositionTable {
+public:
+    struct Entry {
+        std::uint64_t key;
+        std::uint8_t axis;
+        Counts counts;
+    };
+    explicit CompositionTable(std::uint16_t first_number = 0) : first_(first_number) {}
+    /// The number of the composition with this key, whose counts are asked for where it is new; 0 where there are too
+    /// many.
+    template <class Make>
+    std::uint16_t intern(std::uint64_t key, std::uint8_t axis, Make&& counts) {
+        if (const auto found = known_.find(key); found != known_.end()) return found->second;
+        const std::size_t number = first_ + entries_.size();
+        if (number >= 65535) {
+            overflowed_ = true;
+            return 0;
+        }
+        known_.emplace(key, static_cast<std::uint16_t>(number));
+        entries_.push_back({key, axis, counts()});
+        return static_cast<std::uint16_t>(number);
+    }
+    [[nodiscard]] bool overflowed() const { return overflowed_; }
+    [[nodiscard]] std::vector<Entry>& entries() { return entries_; }
+
+private:
+    std::unordered_map<std::uint64_t, std::uint16_t> known_;
+    std::vector<Entry> entries_;
+    std::size_t first_;
+    bool overflowed_ = false;
+};
+
+/// The voxels that count in a solid cell: its own and those of cells that gave it their resin, with their layers.
+class CellVoxels {
+public:
+    CellVoxels(const ViewingGrid& viewing, const ResinVolume& volume)
+        : viewing_(viewing), volume_(volume), view_(viewing.grid.options.view_voxels) {
+        for (std::size_t a = 0; a < 3; ++a) extent_[a] = 4 * view_[a];
+    }
+    void enter_block(std::size_t t) {
+        block_ = &viewing_.grid.blocks[viewing_.grid.transport_blocks[t]];
+        corner_ = viewing_.corner_of(*block_);
+        axis_ = static_cast<std::size_t>(viewing_.towards[t] / 2);
+        plus_ = viewing_.towards[t] % 2 == 1;
+        first_donor_ = end_donor_ = viewing_.donors_of[t];
+        last_donor_ = viewing_.donors_of[t + 1];
+        read_box(volume_, viewing_.mirrored, corner_, extent_, box_);
+    }
+    /// Solid cells of a block are to come in the order of their places.
+    void enter_cell(const Place& at) {
+        at_ = at;
+        const std::size_t cell = block_->first_cell + place_in_block(at[0], at[1], at[2]);
+        first_donor_ = end_donor_;
+        while (end_donor_ < last_donor_ && viewing_.donors[end_donor_].to == cell) ++end_donor_;
+    }
+    [[nodiscard]] std::size_t axis() const { return axis_; }
+
+    /// body(material or air, layer).
+    template <class Body>
+    void each(Body&& body) {
+        for_each(view_, [&](const Place& in) {
+            const Place voxel{at_[0] * view_[0] + in[0], at_[1] * view_[1] + in[1], at_[2] * view_[2] + in[2]};
+            body(box_[at3(voxel, extent_)], layer_of(in[axis_]));
+        });
+        for (std::uint32_t d = first_donor_; d < end_donor_; ++d) {
+            const Place& from = viewing_.donors[d].from;
+            read_box(volume_, viewing_.mirrored, from, view_, donor_);
+            const int before = from[axis_] - corner_[axis_] - at_[axis_] * view_[axis_];
+            std::size_t k = 0;
+            for_each(view_, [&](const Place& in) { body(donor_[k++], layer_of(before + in[axis_])); });
+        }
+    }
+
+private:
+    [[nodiscard]] int layer_of(int along) const {
+        const int layers = view_[axis_], layer = std::clamp(along, 0, layers - 1);
+        return plus_ ? layers - 1 - layer : layer;
+    }
+
+    const ViewingGrid& viewing_;
+    const ResinVolume& volume_;
+    Place view_, extent_{}, corner_{}, at_{};
+    const GridBlock* block_ = nullptr;
+    std::size_t axis_ = 2;
+    bool plus_ = true;
+    std::uint32_t first_donor_ = 0, end_donor_ = 0, last_donor_ = 0;
+    std::vector<Material> box_, donor_;
+};
+
+/// Gives every cell of the grid the number of its composition, and the grid the list of these.
+class CompositionFinder {
+public:
+    /// `rounded`: to eighths, without layers.
+    CompositionFinder(ViewingGrid& viewing, const ResinVolume& volume, bool rounded)
+        : viewing_(viewing),
+          grid_(viewing.grid),
+          volume_(volume),
+          rounded_(rounded),
+          in_cell_(static_cast<int>(product(viewing.grid.options.view_voxels))) {}
+
+    /// False where there are too many different ones; the numbers of the cells are of no use then.
+    [[nodiscard]] bool run() {
+        const std::size_t ranges = (grid_.transport_blocks.size() + range - 1) / range;
+        std::vector<CompositionTable> tables(ranges);
+        parallel_for(0, ranges, 1, [&](std::size_t r) {
+            CellVoxels voxels(viewing_, volume_);
+            for (std::size_t t = r * range; t < end_of(r); ++t) number_block(t, voxels, tables[r]);
+        });
+        return make_common(tables);
+    }
+
+private:
+    static constexpr std::size_t range = 256;  // of blocks, which number their compositions for themselves at first
+    [[nodiscard]] std::size_t end_of(std::size_t r) const {
+        return std::min(grid_.transport_blocks.size(), (r + 1) * range);
+    }
+
+    void number_block(std::size_t t, CellVoxels& voxels, CompositionTable& table) {
+        const GridBlock& block = grid_.blocks[grid_.transport_blocks[t]];
+        const Place& view = grid_.options.view_voxels;
+        const int only =
+            volume_.uniform_material(viewing_.corner_of(block), Place{4 * view[0], 4 * view[1], 4 * view[2]});
+        std::uint16_t* const number = grid_.medium.data() + block.first_cell;
+        if (only > 0 && viewing_.donors_of[t] == viewing_.donors_of[t + 1]) {
+            std::fill_n(number, 64, number_of_one(static_cast<Material>(only), table));
+            return;
+        }
+        voxels.enter_block(t);
+        for_each({4, 4, 4}, [&](const Place& at) {
+            const std::size_t place = place_in_block(at[0], at[1], at[2]);
+            if (!(block.node_mask >> place & 1)) return;
+            voxels.enter_cell(at);
+            number[place] = rounded_ ? rounded_number(voxels, table) : exact_number(voxels, table);
+        });
+    }
+
+    [[nodiscard]] std::uint16_t number_of_one(Material only, CompositionTable& table) const {
+        return table.intern(static_cast<std::uint64_t>(in_cell_) * code_of[only], 2, [&] {
+            return Counts{{{only, 0, rounded_ ? 8 : in_cell_}}};
+        });
+    }
+
+    [[nodiscard]] std::uint16_t exact_number(CellVoxels& voxels, CompositionTable& table) const {
+        std::uint64_t key = 0;
+        bool several = false;
+        Material first = air;
+        voxels.each([&](Material m, int layer) {
+            if (m == air) return;
+            several |= first != air && m != first;
+            first = m;
+            key += code_of[m] * code_of[static_cast<std::size_t>(255 - layer)];
+        });
+        if (several) {
+            key = key * 31 + voxels.axis() + 1;
+        } else {  // no layers in a cell of one resin
+            key = 0;
+            voxels.each([&](Material m, int) { key += code_of[m]; });
+        }
+        return table.intern(key, static_cast<std::uint8_t>(voxels.axis()), [&] {
+            Counts found;
+            voxels.each([&](Material m, int layer) {
+                if (m != air) found.add(m, several ? layer : 0);
+            });
+            found.sort();
+            return found;
+        });
+    }
+
+    [[nodiscard]] std::uint16_t rounded_number(CellVoxels& voxels, CompositionTable& table) const {
+        Counts counts;
+        voxels.each([&](Material m, int) {
+            if (m != air) counts.add(m, 0);
+        });
+        counts.round_to_eighths(in_cell_);
+        std::uint64_t key = 1;
+        for (const Counts::Count& c : counts.counts) key += static_cast<std::uint64_t>(c.n) * code_of[c.material];
+        return table.intern(key, 2, [&] { return counts; });
+    }
+
+    /// From the numbers of each range to those of the grid; 0 is air.
+    [[nodiscard]] bool make_common(std::vector<CompositionTable>& tables) {
+        CompositionTable all(1);
+        std::vector<std::vector<std::uint16_t>> common(tables.size());
+        for (std::size_t r = 0; r < tables.size(); ++r) {
+            if (tables[r].overflowed()) return false;
+            for (CompositionTable::Entry& entry : tables[r].entries())
+                common[r].push_back(all.intern(entry.key, entry.axis, [&] { return std::move(entry.counts); }));
+            if (all.overflowed()) return false;
+            tables[r] = CompositionTable();
+        }
+        list_mixtures(all);
+        parallel_for(0, tables.size(), 1, [&](std::size_t r) {
+            for (std::size_t t = r * range; t < end_of(r); ++t) {
+                const GridBlock& block = grid_.blocks[grid_.transport_blocks[t]];
+                for (std::size_t place = 0; place < 64; ++place) {
+                    std::uint16_t& number = grid_.medium[block.first_cell + place];
+                    number = block.node_mask >> place & 1 ? common[r][number] : std::uint16_t{0};
+                }
+            }
+        });
+        return true;
+    }
+
+    void list_mixtures(CompositionTable& all) {
+        const auto whole = static_cast<float>(rounded_ ? 8 : in_cell_);
+        viewing_.mixtures.assign(1, {});
+        for (const CompositionTable::Entry& entry : all.entries()) {
+            ViewingGrid::Mixture& mixture = viewing_.mixtures.emplace_back();
+            mixture.axis = entry.axis;
+            for (const Counts::Count& c : entry.counts.counts)
+                mixture.holds.push_back({c.material, c.layer, static_cast<float>(c.n) / whole});
+        }
+        grid_.palette.assign(viewing_.mixtures.size(), {});
+    }
+
+    ViewingGrid& viewing_;
+    OpticalGrid& grid_;
+    const ResinVolume& volume_;
+    bool rounded_;
+    int in_cell_;
+};
+
+/// The material of a block, -1 where there are several, air or not.
+int only_material(const ViewingGrid& viewing, const ResinVolume& volume, const GridBlock& block) {
+    const Place& view = viewing.grid.options.view_voxels;
+    const Place corner = viewing.corner_of(block), extent{4 * view[0], 4 * view[1], 4 * view[2]};
+    const int material = volume.uniform_material(corner, extent);
+    if (material == block.medium || material >= 0) return material;
+    std::vector<Material> box;
+    read_box(volume, viewing.mirrored, corner, extent, box);
+    return std::all_of(box.begin(), box.end(), [&](Material m) { return m == box[0]; }) ? box[0] : -1;
+}
+
 }  // namespace
 
-void ViewingGrid::take_palette(const ResinVolume& volume, bool coarse, bool& full) {
-    static const std::array<std::uint64_t, 256> code = mixture_codes();
-    const Place view = grid.options.view_voxels, extent{4 * view[0], 4 * view[1], 4 * view[2]};
-    const int in_cell = view[0] * view[1] * view[2];
-    // Ranges of blocks number their mixtures for themselves; then the numbers are made common.
-    constexpr std::size_t range = 256;
-    struct Part {
-        std::unordered_map<std::uint64_t, std::uint16_t> known;
-        struct New {
-            std::uint64_t key;
-            std::uint8_t axis;
-            Counts counts;
-        };
-        std::vector<New> mixtures;
-        bool full = false;
-    };
-    const std::size_t n = grid.transport_blocks.size(), ranges = (n + range - 1) / range;
-    std::vector<Part> parts(ranges);
-    parallel_for(0, ranges, 1, [&](std::size_t r) {
-        Part& part = parts[r];
-        std::vector<Material> box, donor;
-        const auto number = [&](std::uint64_t key, std::uint8_t axis, auto&& counts) -> std::uint16_t {
-            if (const auto found = part.known.find(key); found != part.known.end()) return found->second;
-            if (part.mixtures.size() >= 65535) {
-                part.full = true;
-                return 0;
-            }
-            const auto index = static_cast<std::uint16_t>(part.mixtures.size());
-            part.known.emplace(key, index);
-            part.mixtures.push_back({key, axis, counts()});
-            return index;
-        };
-        for (std::size_t i = r * range; i < std::min(n, (r + 1) * range); ++i) {
-            const GridBlock& block = grid.blocks[grid.transport_blocks[i]];
-            const Place corner = corner_of(block);
-            const int only = volume.uniform_material(corner, extent);
-            std::uint16_t* const medium = grid.medium.data() + block.first_cell;
-            if (only > 0 && donors_of_[i] == donors_of_[i + 1]) {
-                const std::uint16_t index =
-                    number(static_cast<std::uint64_t>(in_cell) * code[static_cast<std::size_t>(only)], 2, [&] {
-                        return Counts{{{static_cast<Material>(only), 0, coarse ? 8 : in_cell}}};
-                    });
-                std::fill_n(medium, 64, index);
-                continue;
-            }
-            const auto axis = static_cast<std::size_t>(towards_[i] / 2);
-            const bool plus = towards_[i] % 2 == 1;
-            const int layers = view[axis];
-            read_box(volume, mirrored_, corner, extent, box);
-            std::uint32_t next_donor = donors_of_[i];
-            for_each({4, 4, 4}, [&](const Place& at) {
-                const std::size_t place = place_in_block(at[0], at[1], at[2]);
-                if (!(block.node_mask >> place & 1)) return;
-                // Every voxel of the cell and of what is given to it, with its layer.
-                const auto layer_of = [&](int along) {
-                    const int layer = std::clamp(along, 0, layers - 1);
-                    return plus ? layers - 1 - layer : layer;
-                };
-                const std::uint32_t first_donor = next_donor;
-                const auto each_voxel = [&](auto&& body) {
-                    for_each(view, [&](const Place& in) {
-                        body(box[at3({at[0] * view[0] + in[0], at[1] * view[1] + in[1], at[2] * view[2] + in[2]},
-                                     extent)],
-                             layer_of(in[axis]));
-                    });
-                    for (next_donor = first_donor;
-                         next_donor < donors_of_[i + 1] && donors_[next_donor].to == block.first_cell + place;
-                         ++next_donor) {
-                        const Place& from = donors_[next_donor].from;
-                        read_box(volume, mirrored_, from, view, donor);
-                        const int before = from[axis] - corner[axis] - at[axis] * view[axis];
-                        std::size_t k = 0;
-                        for_each(view, [&](const Place& in) { body(donor[k++], layer_of(before + in[axis])); });
-                    }
-                };
-                std::uint64_t key = 0;
-                bool several = false;
-                Material first = air;
-                each_voxel([&](Material m, int layer) {
-                    if (m == air) return;
-                    several |= first != air && m != first;
-                    first = m;
-                    key += code[m] * code[static_cast<std::size_t>(255 - layer)];
-                });
-                if (!several) {  // no layers in a cell of one resin
-                    key = 0;
-                    each_voxel([&](Material m, int) { key += code[m]; });
-                } else {
-                    key = key * 31 + axis + 1;
-                }
-                const auto counts = [&] {
-                    Counts found;
-                    each_voxel([&](Material m, int layer) {
-                        if (m != air) found.add(m, several ? layer : 0);
-                    });
-                    if (coarse) found.round_to_eighths(in_cell);
-                    found.sort();
-                    return found;
-                };
-                if (coarse) {
-                    const Counts rounded = counts();
-                    key = 1;
-                    for (const Counts::Count& c : rounded.counts)
-                        key += static_cast<std::uint64_t>(c.n) * code[c.material];
-                    medium[place] = number(key, 2, [&] { return rounded; });
-                } else {
-                    medium[place] = number(key, static_cast<std::uint8_t>(axis), counts);
-                }
-            });
+bool fill(ViewingGrid& viewing, const ResinVolume& volume, std::vector<std::uint8_t>& wanted) {
+    OpticalGrid& grid = viewing.grid;
+    VOXTONE_EXPECT(volume.pitch_mm() == grid.pitch_mm);
+    wanted.assign(grid.block_at.size(), 0);
+    bool same = true;
+    for (const std::uint32_t b : viewing.core_block) {
+        GridBlock& block = grid.blocks[b];
+        if (viewing.is_ghost(block.at)) continue;
+        if (const int material = only_material(viewing, volume, block); material > 0) {
+            block.medium = static_cast<std::uint16_t>(material);
+        } else {
+            same = false;
+            wanted[at3(block.at, grid.lattice)] = 1;
         }
-    });
-    mixtures.assign(1, {});
-    grid.palette.assign(1, {});
-    std::unordered_map<std::uint64_t, std::uint16_t> known;
-    std::vector<std::vector<std::uint16_t>> common(ranges);
-    const auto whole = static_cast<float>(coarse ? 8 : in_cell);
-    for (std::size_t r = 0; r < ranges; ++r) {
-        full |= parts[r].full;
-        for (const typename Part::New& fresh_one : parts[r].mixtures) {
-            const auto [found, fresh] = known.try_emplace(fresh_one.key, static_cast<std::uint16_t>(mixtures.size()));
-            if (fresh) {
-                if (mixtures.size() == 65535) {
-                    full = true;
-                    return;
-                }
-                Mixture mixture;
-                mixture.axis = fresh_one.axis;
-                for (const Counts::Count& c : fresh_one.counts.counts)
-                    mixture.holds.push_back({c.material, c.layer, static_cast<float>(c.n) / whole});
-                mixtures.push_back(std::move(mixture));
-            }
-            common[r].push_back(found->second);
-        }
-        parts[r] = {};
     }
-    if (full) return;
-    grid.palette.resize(mixtures.size());
-    parallel_for(0, ranges, 1, [&](std::size_t r) {
-        for (std::size_t i = r * range; i < std::min(n, (r + 1) * range); ++i) {
-            const GridBlock& block = grid.blocks[grid.transport_blocks[i]];
-            for (std::size_t place = 0; place < 64; ++place) {
-                std::uint16_t& medium = grid.medium[block.first_cell + place];
-                medium = block.node_mask >> place & 1 ? common[r][medium] : std::uint16_t{0};
-            }
-        }
-    });
+    if (!same) return false;
+    if (!CompositionFinder(viewing, volume, false).run()) {
+        const bool fits = CompositionFinder(viewing, volume, true).run();
+        VOXTONE_ENSURE(fits);
+    }
+    return true;
 }
 
 }  // namespace voxtone::optics

@@ -11,6 +11,8 @@
 #include "voxtone/base/stopwatch.h"
 #include "voxtone/optics/transport/coarse/seen_medium.h"
 #include "voxtone/optics/transport/coarse/viewing_gradient.h"
+#include "voxtone/optics/transport/coarse/viewing_grid_builder.h"
+#include "voxtone/optics/transport/coarse/viewing_palette.h"
 
 namespace voxtone::optics {
 namespace {
@@ -75,11 +77,11 @@ std::size_t ViewingSequence::Shape::memory_bytes() const {
 
 std::unique_ptr<ViewingSequence::Shape> ViewingSequence::shape_of(const Tile& tile) const {
     auto shape = std::make_unique<Shape>();
-    shape->grid =
-        std::make_unique<ViewingGrid>(scene_, view_voxels_, options_.colour_mm, tile.also, tile.window, &surface_);
+    shape->grid = std::make_unique<ViewingGrid>(
+        make_viewing_grid(scene_, view_voxels_, options_.colour_mm, tile.also, tile.window, &surface_));
     ViewingGrid& grid = *shape->grid;
     grid.shrink();
-    shape->seen = grid.see(tiles_.size() == 1 ? surface_ : part_of(surface_, tile.near));
+    shape->seen = see(grid, tiles_.size() == 1 ? surface_ : part_of(surface_, tile.near));
     const auto place_of = [&](std::uint32_t block) {
         std::array<int, 3> at = grid.grid.blocks[block].at;
         for (std::size_t a = 0; a < 3; ++a) at[a] += tile.window.begin[a];
@@ -157,7 +159,7 @@ void ViewingSequence::look_at(std::size_t index) {
     if (tile.shape->filled == volume_) return;
     const Stopwatch watch;
     std::vector<std::uint8_t> wanted;
-    if (!tile.shape->grid->fill(*volume_, wanted)) {
+    if (!fill(*tile.shape->grid, *volume_, wanted)) {
         tile.also.resize(wanted.size(), 0);
         for (std::size_t i = 0; i < wanted.size(); ++i) tile.also[i] |= wanted[i];
         make_anew(index);
@@ -180,7 +182,7 @@ void ViewingSequence::make_anew(std::size_t index) {
     carry_over(*was->grid, tile.light);
     tile.adjoint.assign(channels(), {});
     std::vector<std::uint8_t> wanted;
-    const bool filled = tile.shape->grid->fill(*volume_, wanted);
+    const bool filled = fill(*tile.shape->grid, *volume_, wanted);
     VOXTONE_ENSURE(filled);
 }
 
@@ -289,7 +291,7 @@ Appearance ViewingSequence::next(const ResinVolume& volume, const Progress* prog
     VOXTONE_EXPECT(volume.size() == scene_.volume->size());
     Scene scene = scene_;
     scene.volume = &volume;
-    expect_resins_for(scene);
+    require_resins(scene);
     volume_ = &volume;
     for (Tile& tile : tiles_)
         if (tile.shape) tile.shape->filled = nullptr;
@@ -315,7 +317,7 @@ Appearance ViewingSequence::next(const ResinVolume& volume, const Progress* prog
 
 void ViewingSequence::read_appearance(std::size_t channel, Appearance& to) const {
     const ViewingTransport& transport = *transport_;
-    const ViewingGrid::Seen& seen = live().seen;
+    const ViewingFaces& seen = live().seen;
     const Tile& tile = tiles_[live_];
     const auto flux = transport.flux();
     std::size_t own = 0;
@@ -336,7 +338,7 @@ void ViewingSequence::read_appearance(std::size_t channel, Appearance& to) const
 }
 
 std::vector<float> ViewingSequence::light_of(std::span<const float> by_value, std::size_t channel) const {
-    const ViewingGrid::Seen& seen = live().seen;
+    const ViewingFaces& seen = live().seen;
     const Tile& tile = tiles_[live_];
     std::vector<float> light(live().grid->grid.faces.size(), 0.0f);
     for (std::size_t k = 0; k < tile.near.size(); ++k) {

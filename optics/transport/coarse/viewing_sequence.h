@@ -28,9 +28,10 @@
 #include <vector>
 
 #include "voxtone/optics/media/halftone_medium.h"
+#include "voxtone/optics/transport/coarse/viewing_faces.h"
 #include "voxtone/optics/transport/coarse/viewing_tiles.h"
 #include "voxtone/optics/transport/coarse/viewing_transport.h"
-#include "voxtone/optics/transport/transport.h"
+#include "voxtone/optics/transport/transport_options.h"
 
 namespace voxtone::optics {
 
@@ -53,7 +54,7 @@ private:
     struct Shape {
         const ResinVolume* filled = nullptr;  ///< whose resins the grid has
         std::unique_ptr<ViewingGrid> grid;
-        ViewingGrid::Seen seen;
+        ViewingFaces seen;
         std::vector<std::uint32_t> hears;                            ///< places of the grid's ghosts among all
         std::vector<std::pair<std::uint32_t, std::uint32_t>> tells;  ///< own blocks that are others' ghosts, and these
         [[nodiscard]] std::size_t memory_bytes() const;

@@ -7,37 +7,18 @@
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/parallel.h"
 #include "voxtone/base/stopwatch.h"
+#include "voxtone/optics/transport/coarse/viewing_derivatives.h"
 
 namespace voxtone::optics {
 namespace {
 
 constexpr float least_transport_sigma = 0.2f;  // mm^-1; keeps diffusion finite in clear resin, where it is only a guess
 constexpr std::size_t blocks_per_task = 32;
-constexpr float phi_step = 2.0f / 65535, J_step = 1.0f / 32767;
-constexpr float signed_step = 2 * phi_step, signed_zero = 32768;  // of phi of an adjoint
-
-std::uint16_t signed_code(float v) {
-    return static_cast<std::uint16_t>(std::clamp(v * (1 / signed_step) + (signed_zero + 0.5f), 0.0f, 65535.0f));
-}
-
-std::int16_t J_code(float v) {
-    return static_cast<std::int16_t>(static_cast<int>(std::clamp(v * (1 / J_step), -32767.0f, 32767.0f) + 32768.5f) -
-                                     32768);
-}
 
 }  // namespace
 
-std::uint16_t phi_code(float phi) {
-    return static_cast<std::uint16_t>(std::clamp(phi * (1 / phi_step) + 0.5f, 0.0f, 65535.0f));
-}
-float phi_of(const ViewingField::Code& code) { return phi_step * static_cast<float>(code.phi); }
-Moments moments_of(const ViewingField::Code& code) {
-    return {phi_of(code), J_step * static_cast<float>(code.x), J_step * static_cast<float>(code.y),
-            J_step * static_cast<float>(code.z)};
-}
-
 ViewingTransport::ViewingTransport(const ViewingGrid& viewing, const TransportOptions& options)
-    : viewing_(viewing), grid_(viewing.grid), options_(options), diffusion_(viewing) {
+    : viewing_(viewing), grid_(viewing.grid), options_(options), diffusion_(viewing), scratch_(viewing.cells()) {
     const auto edge = grid_.edge_mm(BlockKind::skin);
     for (std::size_t a = 0; a < 3; ++a) {
         edge_[a] = static_cast<float>(edge[a]);
@@ -47,14 +28,10 @@ ViewingTransport::ViewingTransport(const ViewingGrid& viewing, const TransportOp
     volume_ = edge_[0] * edge_[1] * edge_[2];
     const std::size_t cells = viewing.cells(), faces = grid_.faces.size();
     source_.resize(cells);
-    sum_.resize(cells);
-    other_.resize(cells);
-    static_assert(sizeof(BlockStencil<4>) == 64 * sizeof(Moments));
-    stencil_ = {reinterpret_cast<BlockStencil<4>*>(sum_.data()), cells / 64};
-    x_ = {reinterpret_cast<float*>(other_.data()), cells};
-    right_ = {reinterpret_cast<float*>(other_.data()) + cells, cells};
-    p_ = {reinterpret_cast<float*>(other_.data()) + 2 * cells, cells};
-    z_ = {reinterpret_cast<float*>(other_.data()) + 3 * cells, cells};
+    x_ = scratch_.vector(0);
+    right_ = scratch_.vector(1);
+    p_ = scratch_.vector(2);
+    z_ = scratch_.vector(3);
     core_phi_.resize(viewing.core_block.size());
     core_x_.resize(core_phi_.size());
     core_right_.resize(core_phi_.size());
@@ -154,7 +131,7 @@ void ViewingTransport::make_equations(const std::vector<float>& D, const std::ve
                     diffusion_.core_contact(2, widest, widest));
         for (const std::uint32_t ghost : viewing_.ghosts) core_x_[ghost] = held;
     }
-    diffusion_.prepare(D, core_D, x_, core_x_, stencil_);
+    diffusion_.prepare(D, core_D, x_, core_x_, scratch_.equations());
     std::fill(x_.begin(), x_.end(), 0.0f);
     std::fill(core_x_.begin(), core_x_.end(), 0.0f);
 }
@@ -414,18 +391,16 @@ Octet ViewingTransport::returned(const Pool& pool, std::size_t face, std::size_t
 
 void ViewingTransport::sweep() {
     parallel_for(0, 2, 1, [&](std::size_t half) {
-        SweepJob job{&grid_,
-                     {media_->cells, media_->cells},
-                     source_,
-                     half == 0 ? std::span<Moments>(sum_) : std::span<Moments>(other_),
-                     in_,
-                     out_,
-                     {},
-                     {},
-                     viewing_.place_of_face,
-                     core_in_,
-                     static_cast<float>(viewing_theta),
-                     core_out_};
+        const SweepJob job{.grid = &grid_,
+                           .media = {media_->cells, media_->cells},
+                           .source = source_,
+                           .sum = half == 0 ? scratch_.up() : scratch_.down(),
+                           .in = in_,
+                           .out = out_,
+                           .place = viewing_.place_of_face,
+                           .core_in = core_in_,
+                           .theta = static_cast<float>(viewing_theta),
+                           .core_out = core_out_};
         std::fill(job.sum.begin(), job.sum.end(), Moments{});
         sweep_half(job, half == 1);
     });
@@ -434,18 +409,19 @@ void ViewingTransport::sweep() {
 /// The diffusion correction, into x_ and core_x_, from what the sweep changed; source_ becomes the sweep's moments.
 void ViewingTransport::correct() {
     const auto g_linear = static_cast<float>(grid_.directions.linear);
+    const std::span<Moments> up = scratch_.up(), down = scratch_.down();
     parallel_ranges(0, source_.size(), 1 << 14, [&](std::size_t begin, std::size_t end) {
         for (std::size_t cell = begin; cell < end; ++cell) {
-            const Moments &p = sum_[cell], &q = other_[cell];
+            const Moments &p = up[cell], &q = down[cell];
             const float sigma_s = media_->cells[grid_.medium[cell]].sigma_s, linear = 3 * g_linear * sigma_s;
             const Moments now{sigma_s * (p.phi + q.phi), linear * (p.x + q.x), linear * (p.y + q.y),
                               linear * (p.z + q.z)};
-            sum_[cell].phi = volume_ * (now.phi - source_[cell].phi);
+            up[cell].phi = volume_ * (now.phi - source_[cell].phi);
             source_[cell] = now;
         }
     });
     parallel_ranges(0, source_.size(), 1 << 14, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t cell = begin; cell < end; ++cell) right_[cell] = sum_[cell].phi;
+        for (std::size_t cell = begin; cell < end; ++cell) right_[cell] = up[cell].phi;
     });
     // What the surface will send back, and what the core got and gave.
     parallel_for(0, grid_.transport_blocks.size(), blocks_per_task, [&](std::size_t t) {
@@ -533,6 +509,18 @@ void ViewingTransport::solve(const Media& media, ViewingField& field, int sweeps
             last_change_ = std::max(last_change_, static_cast<double>(std::abs(flux_change_[f]) / furnace_flux(f)));
 }
 
+void ViewingTransport::derivatives(const ViewingField& forward, std::span<float> by_sigma_t,
+                                   std::span<float> by_sigma_s) {
+    VOXTONE_EXPECT(scale_ > 0 && forward.scale == 0 && forward.cells.size() == source_.size());
+    const DerivativeScene scene{viewing_, media_->cells, volume_ * scale_};
+    derivatives_by_moments(scene, forward.cells, source_, by_sigma_t, by_sigma_s);
+    reflect();
+    const std::vector<Octet> in = in_, out = out_;
+    take_light({}, {});
+    load(forward);
+    add_derivatives_at_faces(scene, {out_, in_}, {out, in}, by_sigma_t);
+}
+
 double ViewingTransport::relative_change() const {
     double change = 0, all = 0;
     for (const std::uint32_t f : viewing_.open_faces)
@@ -561,7 +549,7 @@ void ViewingTransport::take_light(std::span<const float> light, std::span<const 
 
 std::size_t ViewingTransport::memory_bytes() const {
     const auto of = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
-    return of(source_) + of(sum_) + of(other_) + of(core_phi_) + of(core_x_) + of(core_right_) + of(in_) + of(out_) +
+    return of(source_) + scratch_.memory_bytes() + of(core_phi_) + of(core_x_) + of(core_right_) + of(in_) + of(out_) +
            of(core_in_) + of(core_out_) + of(light_) + of(flux_) + of(flux_change_) + diffusion_.memory_bytes();
 }
 

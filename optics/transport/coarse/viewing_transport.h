@@ -18,33 +18,15 @@
 #include <vector>
 
 #include "voxtone/base/progress.h"
+#include "voxtone/optics/transport/coarse/sweep_scratch.h"
 #include "voxtone/optics/transport/coarse/viewing_diffusion.h"
+#include "voxtone/optics/transport/coarse/viewing_field.h"
 #include "voxtone/optics/transport/coarse/viewing_grid.h"
-#include "voxtone/optics/transport/transport.h"
 #include "voxtone/optics/transport/transport_medium.h"
+#include "voxtone/optics/transport/transport_options.h"
 #include "voxtone/optics/transport/transport_sweep.h"
 
 namespace voxtone::optics {
-
-/// One channel's light between two predictions; of an adjoint, which has both signs, in coarser steps of its `scale`.
-struct ViewingField {
-    struct Code {
-        std::uint16_t phi = 0;
-        std::int16_t x = 0, y = 0, z = 0;
-    };
-    std::vector<Code> cells;
-    std::vector<float> core;
-    std::vector<std::uint16_t> out;  ///< 32 for each open face
-    float scale = 0;                 ///< of an adjoint: radiance that stands for 1; 0: of light 1 everywhere
-    [[nodiscard]] std::size_t memory_bytes() const {
-        return cells.capacity() * sizeof(Code) + 4 * core.capacity() + 2 * out.capacity();
-    }
-};
-
-/// Steps of the codes: phi to 2, J to 1.
-[[nodiscard]] std::uint16_t phi_code(float phi);
-[[nodiscard]] float phi_of(const ViewingField::Code& code);
-[[nodiscard]] Moments moments_of(const ViewingField::Code& code);
 
 /// Weight of the differences (transport_sweep.h): on cells as thick as these an edge would show ripples with 1; of 1,
 /// 0.85 and 0.7 this one is nearest to Monte Carlo.
@@ -128,9 +110,8 @@ private:
     std::vector<FaceSums> sums_;                          ///< per law
     std::vector<float> D_, core_D_, eased_, core_eased_;  ///< per medium
     std::vector<Moments> source_;                         ///< per cell: sigma_s phi and 3 g' sigma_s J
-    std::vector<Moments> sum_, other_;    ///< per cell: phi and J of light that runs up, and down; also what follows
-    std::span<BlockStencil<4>> stencil_;  ///< in sum_
-    std::span<float> x_, right_, p_, z_;  ///< in other_
+    SweepScratch scratch_;
+    std::span<float> x_, right_, p_, z_;  ///< per cell, of the diffusion solve: in scratch_
     std::vector<float> core_phi_, core_x_, core_right_, core_p_, core_z_;
     int steps_ = 0;                              ///< of the diffusion solves
     std::vector<Octet> in_, out_;                ///< [open face * 4 + tangential signs]

@@ -8,6 +8,7 @@
 #include "voxtone/base/random.h"
 #include "voxtone/optics/transport/coarse/seen_medium.h"
 #include "voxtone/optics/transport/coarse/viewing_sequence.h"
+#include "voxtone/optics/transport/transport.h"
 
 using namespace voxtone::optics;
 

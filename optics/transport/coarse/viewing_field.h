@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Light of a viewing grid as it is kept between two predictions: phi and J of each cell in 16 bits each.
+//
+// Of light 1 everywhere phi has steps of 2 / 65535 from 0 to 2 and J of 1 / 32767 from -1 to 1; what lies outside is
+// clipped. Of an adjoint, which has both signs, phi has twice these steps, from -2 to 2, and all is in units of the
+// field's scale.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "voxtone/optics/transport/transport_sweep.h"
+
+namespace voxtone::optics {
+
+/// One channel's light between two predictions; of an adjoint, which has both signs, in coarser steps of its `scale`.
+struct ViewingField {
+    struct Code {
+        std::uint16_t phi = 0;
+        std::int16_t x = 0, y = 0, z = 0;
+    };
+    std::vector<Code> cells;
+    std::vector<float> core;
+    std::vector<std::uint16_t> out;  ///< 32 for each open face
+    float scale = 0;                 ///< of an adjoint: radiance that stands for 1; 0: of light 1 everywhere
+    [[nodiscard]] std::size_t memory_bytes() const {
+        return cells.capacity() * sizeof(Code) + 4 * core.capacity() + 2 * out.capacity();
+    }
+};
+
+inline constexpr float phi_step = 2.0f / 65535, J_step = 1.0f / 32767;
+inline constexpr float signed_step = 2 * phi_step, signed_zero = 32768;  ///< of phi of an adjoint
+
+[[nodiscard]] inline std::uint16_t phi_code(float phi) {
+    return static_cast<std::uint16_t>(std::clamp(phi * (1 / phi_step) + 0.5f, 0.0f, 65535.0f));
+}
+[[nodiscard]] inline std::uint16_t signed_code(float phi) {
+    return static_cast<std::uint16_t>(std::clamp(phi * (1 / signed_step) + (signed_zero + 0.5f), 0.0f, 65535.0f));
+}
+[[nodiscard]] inline std::int16_t J_code(float J) {
+    return static_cast<std::int16_t>(static_cast<int>(std::clamp(J * (1 / J_step), -32767.0f, 32767.0f) + 32768.5f) -
+                                     32768);
+}
+[[nodiscard]] inline float phi_of(const ViewingField::Code& code) { return phi_step * static_cast<float>(code.phi); }
+[[nodiscard]] inline Moments moments_of(const ViewingField::Code& code) {
+    return {phi_of(code), J_step * static_cast<float>(code.x), J_step * static_cast<float>(code.y),
+            J_step * static_cast<float>(code.z)};
+}
+
+}  // namespace voxtone::optics

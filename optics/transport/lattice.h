@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Places in boxes: of voxels, of cells, of blocks of 4 x 4 x 4 cells. x runs fastest, then y, then z. For the .cpp
+// files of this room alone.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+namespace voxtone::optics {
+
+using Place = std::array<std::int32_t, 3>;
+
+/// Index of a place in a box of n.
+inline std::size_t at3(const Place& i, const Place& n) {
+    return (static_cast<std::size_t>(i[2]) * static_cast<std::size_t>(n[1]) + static_cast<std::size_t>(i[1])) *
+               static_cast<std::size_t>(n[0]) +
+           static_cast<std::size_t>(i[0]);
+}
+inline std::size_t product(const Place& n) {
+    return static_cast<std::size_t>(n[0]) * static_cast<std::size_t>(n[1]) * static_cast<std::size_t>(n[2]);
+}
+template <class Body>
+void for_each(const Place& n, Body&& body) {
+    for (int z = 0; z < n[2]; ++z)
+        for (int y = 0; y < n[1]; ++y)
+            for (int x = 0; x < n[0]; ++x) body(Place{x, y, z});
+}
+/// Index of a cell in its block.
+inline std::size_t place_in_block(int x, int y, int z) { return static_cast<std::size_t>((z * 4 + y) * 4 + x); }
+
+}  // namespace voxtone::optics

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What the fast predictor (transport.h) can be told, and what it tells of its work.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+namespace voxtone::optics {
+
+struct TransportOptions {
+    int sweeps = 3;              ///< >= 1
+    double cell_mm = 0.085;      ///< viewing cell: sets the cells of the margin and of diffusion
+    bool voxel_skin = true;      ///< skin cells of one voxel; false: of one viewing cell
+    bool viewing_cells = false;  ///< the whole prediction on viewing cells (viewing_sequence.h), ten times as fast
+    double colour_mm = 0.8;      ///< with them: how deep below the surface colour is expected to come and go
+    int next_sweeps = 2;         ///< with them: of the later predictions of a sequence, >= 1
+    /// With them: a later prediction sweeps no more where the last sweep changed less of what is seen in a channel; of
+    /// its adjoint ten times as much. 0: always `next_sweeps`.
+    double next_change = 0.01;
+    std::size_t tile_cells = 250'000;   ///< with them: most surface cells predicted at once (viewing_tiles.h), >= 1
+    int tile_halo = 3;                  ///< with them: blocks around a tile that it transports light in, >= 1
+    double finest_mm = 0.0425;          ///< skin voxels are cut along axes where they are longer; 0: never
+    int margin_blocks = 2;              ///< rings of 4 viewing cells of transport below the skin, >= 0
+    double start_tolerance = 0.05;      ///< of the first diffusion solve
+    double correction_tolerance = 0.3;  ///< of those after each sweep
+    /// Keeps the corrections stable on cells as thick as a free path: viewing cells added to D per optical depth of
+    /// one, 0.75 at most (artificial diffusion; the form is that of Zhu et al. 2016, "An optimally diffusive coarse
+    /// mesh finite difference method to accelerate neutron transport calculations", Ann. Nucl. Energy 95:116). 0.55 is
+    /// this iteration's own number, not a value of their polynomial.
+    double ease = 0.55;
+    double piece_mm = 0;           ///< edge of the pieces that a body is predicted in; 0: as large as memory allows
+    double halo_mm = 5;            ///< how far around a piece light is transported in full; diffusion beyond
+    std::size_t memory_bytes = 0;  ///< most to use; 0: no limit
+};
+
+/// What a prediction did and took.
+struct TransportSummary {
+    std::size_t skin_cells = 0, margin_cells = 0, nodes = 0, memory_bytes = 0;
+    std::size_t pieces = 0;
+    double grid_s = 0, diffusion_s = 0, sweep_s = 0, total_s = 0;
+    int diffusion_steps = 0;  ///< of all channels
+    /// Per channel: largest change of a face's appearance by the last sweep's correction.
+    std::vector<double> last_change;
+};
+
+}  // namespace voxtone::optics
