@@ -7,15 +7,13 @@
 
 #include "voxtone/base/error.h"
 #include "voxtone/cli/calibrate_commands.h"
+#include "voxtone/cli/calibrate_program.h"
 #include "voxtone/cli/commands.h"
 
 namespace voxtone::cli {
 
 Command add_calibrate_command(CLI::App& program) {
-    CLI::App* command =
-        program.add_subcommand("calibrate",
-                               "Find the resins' albedo and extinction from one printed and photographed (or measured) "
-                               "target, or measure how light spreads in a slab");
+    CLI::App* command = program.add_subcommand("calibrate", calibrate_description);
     command->require_subcommand(1);
     auto steps = std::make_shared<std::vector<std::pair<CLI::App*, Command>>>();
     const auto add = [&](const char* name, Command step) {

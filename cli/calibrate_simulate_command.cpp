@@ -13,6 +13,7 @@
 #include "voxtone/calibration/target/target_file.h"
 #include "voxtone/cli/calibrate_commands.h"
 #include "voxtone/cli/console.h"
+#include "voxtone/io/codecs/photograph_writer.h"
 #include "voxtone/io/files/whole_file.h"
 #include "voxtone/io/profiles/resin_file.h"
 

@@ -12,6 +12,7 @@
 #include "voxtone/calibration/profile/profile_simulation.h"
 #include "voxtone/cli/calibrate_commands.h"
 #include "voxtone/cli/console.h"
+#include "voxtone/io/codecs/photograph_writer.h"
 #include "voxtone/io/files/whole_file.h"
 #include "voxtone/io/profiles/profile_file.h"
 #include "voxtone/io/profiles/resin_file.h"

@@ -21,6 +21,7 @@ find_package(hwy CONFIG REQUIRED)
 find_package(OpenCV 4.6 REQUIRED COMPONENTS core imgproc calib3d aruco mcc)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(OIIO REQUIRED IMPORTED_TARGET OpenImageIO)
+pkg_check_modules(OPENEXR REQUIRED IMPORTED_TARGET OpenEXR)
 pkg_check_modules(LIBZIP REQUIRED IMPORTED_TARGET libzip)
 pkg_check_modules(LCMS2 REQUIRED IMPORTED_TARGET lcms2)
 

@@ -8,7 +8,11 @@ set(allowed_halftone "halftone;optics;base")
 set(allowed_slicer "slicer;halftone;io;optics;base")
 set(allowed_cli "cli;slicer;halftone;calibration;io;optics;base")
 # Libraries that stay in .cpp files: no public header may include them.
-set(private_libraries "nlohmann/|openvdb/|embree3/|CGAL/|opencv2/|ceres/|OpenImageIO/|assimp/|Model/COM|zip.h|png.h|tiffio.h")
+set(private_libraries "nlohmann/|openvdb/|embree3/|CGAL/|opencv2/|ceres/|OpenImageIO/|OpenEXR/|assimp/|lcms2.h|Model/COM|zip.h|png.h|tiffio.h")
+
+# Libraries that take long to load, and the only folders that may use them: voxtone itself must link none of these.
+set(slow_libraries "OpenImageIO/|assimp/|lcms2.h|opencv2/|ceres/")
+set(slow_folders "/(io/codecs|calibration)/")
 
 set(faults 0)
 foreach(floor base optics io calibration halftone slicer cli)
@@ -23,6 +27,10 @@ foreach(floor base optics io calibration halftone slicer cli)
         endif()
       elseif(line MATCHES "\"" AND NOT line MATCHES "\"voxtone/|foreach_target.h")
         message(SEND_ERROR "${source}: write the whole path, \"voxtone/...\": ${line}")
+        math(EXPR faults "${faults}+1")
+      endif()
+      if(line MATCHES "[<\"](${slow_libraries})" AND NOT source MATCHES "${slow_folders}")
+        message(SEND_ERROR "${source}: voxtone would load this library at every start: ${line}")
         math(EXPR faults "${faults}+1")
       endif()
       if(source MATCHES "\\.h$" AND line MATCHES "[<\"](${private_libraries})")

@@ -1,110 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxtone/io/models/model_parts.h"
 
-#include <cstring>
-#include <type_traits>
+#include <fmt/format.h>
 
 #include "voxtone/base/error.h"
+#include "voxtone/io/files/packing.h"
 
 namespace voxtone::io {
-
-namespace {
-
-class Writer {
-public:
-    template <class... Values>
-    void operator()(const Values&... values) {
-        (put(values), ...);
-    }
-    std::vector<std::byte> bytes;
-
-private:
-    template <class Value>
-    static constexpr bool is_plain = std::is_arithmetic_v<Value> || std::is_enum_v<Value>;
-
-    void raw(const void* data, std::size_t size) {
-        const std::size_t at = bytes.size();
-        bytes.resize(at + size);
-        if (size) std::memcpy(bytes.data() + at, data, size);
-    }
-    template <class Value>
-    void put(const Value& value) requires(is_plain<Value>) {
-        raw(&value, sizeof value);
-    }
-    void put(const Eigen::Vector3f& value) { raw(value.data(), sizeof value); }
-    void put(const std::string& text) {
-        put(std::uint64_t{text.size()});
-        raw(text.data(), text.size());
-    }
-    template <class Value>
-    void put(const std::vector<Value>& values) {
-        put(std::uint64_t{values.size()});
-        if constexpr (requires(Writer & w) { describe(w, values.front()); } || std::is_same_v<Value, std::string>) {
-            for (const Value& value : values) put(value);
-        } else {
-            raw(values.data(), values.size() * sizeof(Value));
-        }
-    }
-    template <class Value>
-    void put(const Value& value) requires requires(Writer& w) {
-        describe(w, value);
-    }
-    { describe(*this, value); }
-};
-
-class Reader {
-public:
-    explicit Reader(std::span<const std::byte> bytes) : bytes_(bytes) {}
-    template <class... Values>
-    void operator()(Values&... values) {
-        (get(values), ...);
-    }
-
-private:
-    template <class Value>
-    static constexpr bool is_plain = std::is_arithmetic_v<Value> || std::is_enum_v<Value>;
-
-    void raw(void* data, std::size_t size) {
-        if (size > bytes_.size()) throw InputError("the parsed model arrived cut short");
-        if (size) std::memcpy(data, bytes_.data(), size);
-        bytes_ = bytes_.subspan(size);
-    }
-    /// A count of things of at least `size` bytes each.
-    std::size_t count(std::size_t size) {
-        std::uint64_t n = 0;
-        get(n);
-        if (n > bytes_.size() / size) throw InputError("the parsed model arrived cut short");
-        return static_cast<std::size_t>(n);
-    }
-    template <class Value>
-    void get(Value& value) requires(is_plain<Value>) {
-        raw(&value, sizeof value);
-    }
-    void get(Eigen::Vector3f& value) { raw(value.data(), sizeof value); }
-    void get(std::string& text) {
-        text.resize(count(1));
-        raw(text.data(), text.size());
-    }
-    template <class Value>
-    void get(std::vector<Value>& values) {
-        if constexpr (requires(Reader & r) { describe(r, values.front()); } || std::is_same_v<Value, std::string>) {
-            values.resize(count(1));
-            for (Value& value : values) get(value);
-        } else {
-            values.resize(count(sizeof(Value)));
-            raw(values.data(), values.size() * sizeof(Value));
-        }
-    }
-    template <class Value>
-    void get(Value& value) requires requires(Reader& r) {
-        describe(r, value);
-    }
-    { describe(*this, value); }
-
-    std::span<const std::byte> bytes_;
-};
-
-}  // namespace
 
 template <class Stream, class Material>
 requires std::is_same_v<std::remove_const_t<Material>, PartMaterial>
@@ -126,29 +28,48 @@ void describe(Stream& stream, Parts& p) {
            p.corner_rgba, p.materials, p.images, p.image_names, p.warnings);
 }
 
-std::vector<std::byte> pack(const ModelParts& parts) {
-    Writer writer;
-    describe(writer, parts);
-    return std::move(writer.bytes);
+namespace {
+
+void expect(bool holds, const char* what) {
+    if (!holds) throw InputError(fmt::format("what the reader left is no model: {}", what));
 }
 
+void check(const DecodedImage& image) {
+    const TexelImage& texels = image.texels;
+    const std::uint64_t pixels = std::uint64_t{texels.width_px} * texels.height_px;
+    expect(pixels > 0 && pixels <= (std::uint64_t{1} << 60), "a picture without pixels");
+    expect(texels.srgb8.empty() != texels.linear16.empty(), "a picture of two depths");
+    expect(texels.srgb8.size() + texels.linear16.size() == 4 * pixels, "a picture of another size than it says");
+}
+
+bool is_wrap(Wrap wrap) { return wrap <= Wrap::decal; }
+
+/// What finish_model takes for granted; it looks at indices and values itself.
+void check(const ModelParts& parts) {
+    expect(parts.material_of_triangle.size() == parts.triangles.size(), "triangles without a material");
+    expect(parts.corner_uv.size() <= parts.triangles.size(), "texture coordinates without a triangle");
+    expect(parts.corner_rgba.size() <= parts.triangles.size(), "colours without a triangle");
+    expect(parts.image_names.size() == parts.images.size(), "pictures without a name");
+    for (const DecodedImage& image : parts.images) check(image);
+    for (const PartMaterial& material : parts.materials)
+        expect(is_wrap(material.wrap_u) && is_wrap(material.wrap_v), "a texture laid down in an unknown way");
+}
+
+}  // namespace
+
+std::vector<std::byte> pack(const ModelParts& parts) { return packed(parts); }
+
 ModelParts unpack_model(std::span<const std::byte> bytes) {
-    ModelParts parts;
-    Reader reader(bytes);
-    describe(reader, parts);
+    auto parts = unpacked<ModelParts>(bytes);
+    check(parts);
     return parts;
 }
 
-std::vector<std::byte> pack(const DecodedImage& image) {
-    Writer writer;
-    describe(writer, image);
-    return std::move(writer.bytes);
-}
+std::vector<std::byte> pack(const DecodedImage& image) { return packed(image); }
 
 DecodedImage unpack_image(std::span<const std::byte> bytes) {
-    DecodedImage image;
-    Reader reader(bytes);
-    describe(reader, image);
+    auto image = unpacked<DecodedImage>(bytes);
+    check(image);
     return image;
 }
 

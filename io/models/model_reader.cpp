@@ -7,13 +7,22 @@
 #include <fmt/format.h>
 
 #include "voxtone/base/error.h"
-#include "voxtone/io/files/isolate.h"
-#include "voxtone/io/models/read_parts.h"
+#include "voxtone/io/files/file_reader.h"
+#include "voxtone/io/models/finish_model.h"
+#include "voxtone/io/models/model_parts.h"
 #include "voxtone/io/pictures/picture.h"
 
 namespace voxtone::io {
 
 namespace {
+
+std::unique_ptr<IsolatedProgram> start(ReadKind kind, const std::filesystem::path& path, const ReadOptions& options) {
+    return start_reader(path.filename().string(),
+                        {kind, path.string(), options.max_file_bytes, options.max_pixels, options.max_unpacked_bytes},
+                        {.memory_bytes = options.memory_bytes, .timeout_s = options.timeout_s});
+}
+
+}  // namespace
 
 std::string extension_of(const std::filesystem::path& path) {
     std::string extension = path.extension().string();
@@ -22,20 +31,6 @@ std::string extension_of(const std::filesystem::path& path) {
                    [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
     return extension;
 }
-
-ModelParts parse(const std::filesystem::path& path, const ReadOptions& options) {
-    const std::string extension = extension_of(path);
-    ParseContext context(path, options);
-    if (extension == "3mf") return parse_3mf(context);
-    if (extension == "gltf" || extension == "glb") return parse_gltf(context);
-    return parse_with_assimp(context, extension);
-}
-
-IsolationLimits limits_of(const ReadOptions& options) {
-    return {.memory_bytes = built_with_address_sanitizer() ? 0 : options.memory_bytes, .timeout_s = options.timeout_s};
-}
-
-}  // namespace
 
 void validate(const ReadOptions& options) {
     if (!(options.timeout_s > 0) || !std::isfinite(options.timeout_s))
@@ -51,32 +46,36 @@ bool is_model_name(const std::filesystem::path& path) {
            extension == "glb" || extension == "3mf";
 }
 
-ModelFile read_model(const std::filesystem::path& path, const ReadOptions& options) {
+ModelReading::ModelReading(const std::filesystem::path& path, const ReadOptions& options)
+    : name_(path.filename().string()), options_(options) {
     validate(options);
-    const std::string name = path.filename().string();
     if (!is_model_name(path))
         throw InputError(
-            fmt::format("{} is no model of a known kind; OBJ, PLY, STL, glTF, GLB and 3MF can be read", name));
-    ModelParts parts;
-    if (options.isolate)
-        parts = unpack_model(run_isolated(
-            name, limits_of(options), [&] { return pack(parse(path, options)); }, options.progress));
-    else
-        parts = parse(path, options);
-    return finish_model(std::move(parts), name, options);
+            fmt::format("{} is no model of a known kind; OBJ, PLY, STL, glTF, GLB and 3MF can be read", name_));
+    reader_ = start(ReadKind::model, path, options);
+}
+
+ModelReading::ModelReading(ModelReading&&) noexcept = default;
+ModelReading& ModelReading::operator=(ModelReading&&) noexcept = default;
+ModelReading::~ModelReading() = default;
+
+ModelFile ModelReading::finish() {
+    ModelParts parts = unpack_model(reader_->result(options_.progress));
+    reader_.reset();
+    return finish_model(std::move(parts), name_, options_.fill_gutters);
+}
+
+ModelFile read_model(const std::filesystem::path& path, const ReadOptions& options) {
+    return ModelReading(path, options).finish();
 }
 
 Picture read_picture(const std::filesystem::path& path, const ReadOptions& options) {
     validate(options);
-    const std::string name = path.filename().string();
-    const auto decode = [&] {
-        return decode_image(read_bytes(path, options.max_file_bytes), name,
-                            {.max_pixels = options.max_pixels, .turn_upright = true});
-    };
-    DecodedImage image = options.isolate
-                             ? unpack_image(run_isolated(
-                                   name, limits_of(options), [&] { return pack(decode()); }, options.progress))
-                             : decode();
+    return finish_picture(unpack_image(start(ReadKind::picture, path, options)->result(options.progress)),
+                          path.filename().string());
+}
+
+Picture finish_picture(DecodedImage image, const std::string& name) {
     Picture picture;
     picture.width_px = image.texels.width_px;
     picture.height_px = image.texels.height_px;

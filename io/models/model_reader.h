@@ -15,7 +15,7 @@
 //   the material is colour. Alpha counts only where alphaMode is MASK or BLEND. Node transforms are applied; skins stay
 //   as stored (their bind pose), animations are left aside. The axes are turned from y up to z up: (x, y, z) -> (x, -z,
 //   y).
-// - 3MF: see io/read_3mf.h.
+// - 3MF: the core specification with materials and properties; see io/codecs/threemf_part.h.
 // In all but glTF the axes stay as they are. Alpha is composed over white, with a warning where it is used. Where no
 // triangle of the model uses a texture's texel, the nearest used one is put (io/models/texel_coverage.h).
 //
@@ -23,20 +23,23 @@
 // are one vertex.
 //
 // A file is taken for hostile: it is parsed, and its pictures decoded, in a child process with a budget of memory and
-// time (io/files/isolate.h); names in it are followed only inside its folder (io/models/side_files.h); declared sizes
+// time (io/files/isolate.h); names in it are followed only inside its folder (io/codecs/side_files.h); declared sizes
 // are checked first. Errors: FileError (cannot be read), InputError (what is wrong with it, and what to try).
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
+#include <string>
 
 #include "voxtone/base/progress.h"
 #include "voxtone/io/models/mesh.h"
 
 namespace voxtone::io {
 
+class IsolatedProgram;
+
 struct ReadOptions {
-    bool isolate = true;  ///< parse in a child process; false: in this one, where a hostile file can end the program
     std::uint64_t memory_bytes = std::uint64_t{4} << 30;  ///< what parsing may take; 0: no limit (sanitizers need that)
     double timeout_s = 120;                               ///< > 0
     std::uint64_t max_file_bytes = std::uint64_t{2} << 30;
@@ -51,6 +54,25 @@ void validate(const ReadOptions& options);
 
 [[nodiscard]] ModelFile read_model(const std::filesystem::path& path, const ReadOptions& options = {});
 
+/// A model that is read beside other work: the reader starts with the object, and stops with it.
+class ModelReading {
+public:
+    /// Throws InputError (no name of a model), UsageError, FileError (the reader is missing), ResourceError.
+    explicit ModelReading(const std::filesystem::path& path, const ReadOptions& options = {});
+    ModelReading(ModelReading&&) noexcept;
+    ModelReading& operator=(ModelReading&&) noexcept;
+    ~ModelReading();
+    /// Waits for the model; to be asked once. Throws as read_model.
+    [[nodiscard]] ModelFile finish();
+
+private:
+    std::string name_;
+    ReadOptions options_;
+    std::unique_ptr<IsolatedProgram> reader_;
+};
+
+/// "obj" of "A.OBJ"; empty where there is none.
+[[nodiscard]] std::string extension_of(const std::filesystem::path& path);
 /// Whether the name ends as that of a model (.obj .ply .stl .gltf .glb .3mf, any case).
 [[nodiscard]] bool is_model_name(const std::filesystem::path& path);
 

@@ -17,8 +17,8 @@
 #include <nlohmann/json.hpp>
 
 #include "voxtone/base/error.h"
-#include "voxtone/io/models/gltf_data.h"
-#include "voxtone/io/models/read_parts.h"
+#include "voxtone/io/codecs/gltf_data.h"
+#include "voxtone/io/codecs/read_parts.h"
 
 namespace voxtone::io {
 

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/io/files/file_reader.h"
+
+#include <fmt/format.h>
+
+#include "voxtone/base/error.h"
+#include "voxtone/io/files/helper_program.h"
+#include "voxtone/io/files/packing.h"
+
+namespace voxtone::io {
+
+namespace {
+
+const std::string protocol = "voxtone-read 1, voxtone " VOXTONE_VERSION;
+
+}  // namespace
+
+std::vector<std::byte> pack(const ReadRequest& r) {
+    Packer packer;
+    packer(protocol, r.kind, r.path, r.max_file_bytes, r.max_pixels, r.max_unpacked_bytes);
+    return std::move(packer.bytes);
+}
+
+ReadRequest unpack_request(std::span<const std::byte> bytes) {
+    Unpacker unpacker(bytes);
+    std::string asked;
+    unpacker(asked);
+    if (asked != protocol)
+        throw ResourceError(fmt::format(
+            "voxtone-read is of another version ({}) than the program that asks it ({}); install voxtone again",
+            protocol, asked));
+    ReadRequest r;
+    unpacker(r.kind, r.path, r.max_file_bytes, r.max_pixels, r.max_unpacked_bytes);
+    unpacker.expect_end();
+    return r;
+}
+
+std::unique_ptr<IsolatedProgram> start_reader(const std::string& what, const ReadRequest& request,
+                                              IsolationLimits limits) {
+    if (built_with_address_sanitizer()) limits.memory_bytes = 0;
+    return std::make_unique<IsolatedProgram>(what, find_helper("voxtone-read"), pack(request), limits);
+}
+
+}  // namespace voxtone::io

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Values to bytes and back, for what crosses the wall between the process that reads files and the one that prints.
+// The bytes are those of this machine and this build.
+//
+// A type is packed by a function `describe(stream, value)` beside it that calls `stream(field, field...)`; numbers,
+// enums, strings, vectors of any of these and of plain structs need none. Unpacking believes nothing but the types: it
+// throws InputError when the bytes are cut short, and takes no more than some ten times their size of memory.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <span>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "voxtone/base/error.h"
+
+namespace voxtone::io {
+
+class Packer {
+public:
+    template <class... Values>
+    void operator()(const Values&... values) {
+        (put(values), ...);
+    }
+    std::vector<std::byte> bytes;
+
+private:
+    template <class Value>
+    static constexpr bool is_plain = std::is_arithmetic_v<Value> || std::is_enum_v<Value>;
+
+    void raw(const void* data, std::size_t size) {
+        const std::size_t at = bytes.size();
+        bytes.resize(at + size);
+        if (size) std::memcpy(bytes.data() + at, data, size);
+    }
+    template <class Value>
+    void put(const Value& value) requires(is_plain<Value>) {
+        raw(&value, sizeof value);
+    }
+    void put(const Eigen::Vector3f& value) { raw(value.data(), sizeof value); }
+    void put(const std::string& text) {
+        put(std::uint64_t{text.size()});
+        raw(text.data(), text.size());
+    }
+    template <class Value>
+    void put(const std::vector<Value>& values) {
+        put(std::uint64_t{values.size()});
+        if constexpr (requires(Packer & p) { describe(p, values.front()); } || std::is_same_v<Value, std::string>) {
+            for (const Value& value : values) put(value);
+        } else {
+            raw(values.data(), values.size() * sizeof(Value));
+        }
+    }
+    template <class Value>
+    void put(const Value& value) requires requires(Packer& p) {
+        describe(p, value);
+    }
+    { describe(*this, value); }
+};
+
+class Unpacker {
+public:
+    explicit Unpacker(std::span<const std::byte> bytes) : bytes_(bytes) {}
+    void expect_end() const {
+        if (!bytes_.empty()) throw InputError("what the reader left has bytes behind its end");
+    }
+    template <class... Values>
+    void operator()(Values&... values) {
+        (get(values), ...);
+    }
+
+private:
+    template <class Value>
+    static constexpr bool is_plain = std::is_arithmetic_v<Value> || std::is_enum_v<Value>;
+
+    static constexpr std::size_t least_bytes = 8;  ///< of a packed string or described struct: a count, a number
+
+    void raw(void* data, std::size_t size) {
+        if (size > bytes_.size()) throw InputError("what the reader left is cut short");
+        if (size) std::memcpy(data, bytes_.data(), size);
+        bytes_ = bytes_.subspan(size);
+    }
+    /// A count of things of at least `size` bytes each.
+    std::size_t count(std::size_t size) {
+        std::uint64_t n = 0;
+        get(n);
+        if (n > bytes_.size() / size) throw InputError("what the reader left is cut short");
+        return static_cast<std::size_t>(n);
+    }
+    template <class Value>
+    void get(Value& value) requires(is_plain<Value>) {
+        raw(&value, sizeof value);
+    }
+    void get(bool& value) {
+        std::uint8_t byte = 0;  // a bool may hold nothing but 0 and 1
+        get(byte);
+        value = byte != 0;
+    }
+    void get(Eigen::Vector3f& value) { raw(value.data(), sizeof value); }
+    void get(std::string& text) {
+        text.resize(count(1));
+        raw(text.data(), text.size());
+    }
+    template <class Value>
+    void get(std::vector<Value>& values) {
+        if constexpr (requires(Unpacker & u) { describe(u, values.front()); } || std::is_same_v<Value, std::string>) {
+            values.resize(count(least_bytes));
+            for (Value& value : values) get(value);
+        } else {
+            values.resize(count(sizeof(Value)));
+            raw(values.data(), values.size() * sizeof(Value));
+        }
+    }
+    template <class Value>
+    void get(Value& value) requires requires(Unpacker& u) {
+        describe(u, value);
+    }
+    { describe(*this, value); }
+
+    std::span<const std::byte> bytes_;
+};
+
+template <class Value>
+[[nodiscard]] std::vector<std::byte> packed(const Value& value) {
+    Packer packer;
+    packer(value);
+    return std::move(packer.bytes);
+}
+
+/// Throws InputError when the bytes are not those of such a value, as far as that can be told.
+template <class Value>
+[[nodiscard]] Value unpacked(std::span<const std::byte> bytes) {
+    Unpacker unpacker(bytes);
+    Value value;
+    unpacker(value);
+    unpacker.expect_end();
+    return value;
+}
+
+}  // namespace voxtone::io
