@@ -1,32 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <cerrno>
-#include <cstring>
-#include <fstream>
-
 #include <fmt/format.h>
 
 #include "voxtone/base/error.h"
 #include "voxtone/io/codecs/read_parts.h"
 
 namespace voxtone::io {
-
-std::vector<std::byte> read_bytes(const std::filesystem::path& path, std::uint64_t max_bytes) {
-    std::error_code error;
-    if (!std::filesystem::exists(path, error))
-        throw FileError(fmt::format("{} does not exist; check the path", path.string()));
-    if (!std::filesystem::is_regular_file(path, error)) throw FileError(fmt::format("{} is not a file", path.string()));
-    std::ifstream file(path, std::ios::binary);
-    if (!file) throw FileError(fmt::format("{} cannot be opened ({})", path.string(), std::strerror(errno)));
-    const std::uintmax_t size = std::filesystem::file_size(path, error);
-    if (error) throw FileError(fmt::format("{} cannot be read ({})", path.string(), error.message()));
-    if (size > max_bytes)
-        throw InputError(fmt::format("{} has {} bytes, more than the {} allowed", path.string(), size, max_bytes));
-    std::vector<std::byte> bytes(size);
-    file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size));
-    if (static_cast<std::uintmax_t>(file.gcount()) != size)
-        throw FileError(fmt::format("{} cannot be read to its end", path.string()));
-    return bytes;
-}
 
 ParseContext::ParseContext(const std::filesystem::path& path, const ReadOptions& options)
     : name_(path.filename().string()),

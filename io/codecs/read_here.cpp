@@ -7,6 +7,7 @@
 #include "voxtone/io/codecs/read_parts.h"
 #include "voxtone/io/files/file_reader.h"
 #include "voxtone/io/models/finish_model.h"
+#include "voxtone/io/pictures/packed_image.h"
 
 namespace voxtone::io {
 

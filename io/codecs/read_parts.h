@@ -9,9 +9,11 @@
 #include <span>
 #include <string>
 
+#include "voxtone/io/codecs/decode_image.h"
 #include "voxtone/io/codecs/side_files.h"
+#include "voxtone/io/files/read_bytes.h"
+#include "voxtone/io/files/read_options.h"
 #include "voxtone/io/models/model_parts.h"
-#include "voxtone/io/models/model_reader.h"
 
 namespace voxtone::io {
 
@@ -42,9 +44,6 @@ private:
     std::vector<std::byte> bytes_;
     std::map<std::string, std::int32_t> images_;
 };
-
-/// The whole file; throws FileError, and InputError when it is larger than `max_bytes`.
-[[nodiscard]] std::vector<std::byte> read_bytes(const std::filesystem::path& path, std::uint64_t max_bytes);
 
 /// OBJ, PLY and STL through assimp. `extension`: "obj", "ply" or "stl".
 [[nodiscard]] ModelParts parse_with_assimp(ParseContext& context, const std::string& extension);

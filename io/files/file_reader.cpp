@@ -5,7 +5,7 @@
 
 #include "voxtone/base/error.h"
 #include "voxtone/io/files/helper_program.h"
-#include "voxtone/io/files/packing.h"
+#include "voxtone/io/files/packed_values.h"
 
 namespace voxtone::io {
 
@@ -16,23 +16,30 @@ const std::string protocol = "voxtone-read 1, voxtone " VOXTONE_VERSION;
 }  // namespace
 
 std::vector<std::byte> pack(const ReadRequest& r) {
-    Packer packer;
-    packer(protocol, r.kind, r.path, r.max_file_bytes, r.max_pixels, r.max_unpacked_bytes);
-    return std::move(packer.bytes);
+    PackedWriter writer;
+    writer(protocol, r.kind, r.path, r.max_file_bytes, r.max_pixels, r.max_unpacked_bytes);
+    return std::move(writer.bytes);
 }
 
 ReadRequest unpack_request(std::span<const std::byte> bytes) {
-    Unpacker unpacker(bytes);
+    PackedReader reader(bytes);
     std::string asked;
-    unpacker(asked);
+    reader(asked);
     if (asked != protocol)
         throw ResourceError(fmt::format(
             "voxtone-read is of another version ({}) than the program that asks it ({}); install voxtone again",
             protocol, asked));
     ReadRequest r;
-    unpacker(r.kind, r.path, r.max_file_bytes, r.max_pixels, r.max_unpacked_bytes);
-    unpacker.expect_end();
+    reader(r.kind, r.path, r.max_file_bytes, r.max_pixels, r.max_unpacked_bytes);
+    reader.expect_end();
     return r;
+}
+
+std::unique_ptr<IsolatedProgram> start_reader(ReadKind kind, const std::filesystem::path& path,
+                                              const ReadOptions& options) {
+    return start_reader(path.filename().string(),
+                        {kind, path.string(), options.max_file_bytes, options.max_pixels, options.max_unpacked_bytes},
+                        isolation_limits(options));
 }
 
 std::unique_ptr<IsolatedProgram> start_reader(const std::string& what, const ReadRequest& request,

@@ -6,12 +6,14 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "voxtone/io/files/isolate.h"
+#include "voxtone/io/files/read_options.h"
 
 namespace voxtone::io {
 
@@ -31,6 +33,9 @@ struct ReadRequest {
 /// Throws ResourceError when another version of voxtone asks: the two would not understand each other.
 [[nodiscard]] ReadRequest unpack_request(std::span<const std::byte> bytes);
 
+/// Starts the program for a model or picture.
+[[nodiscard]] std::unique_ptr<IsolatedProgram> start_reader(ReadKind kind, const std::filesystem::path& path,
+                                                            const ReadOptions& options);
 /// Starts the program. `what` names the file in messages. Throws FileError (the program is missing), ResourceError.
 [[nodiscard]] std::unique_ptr<IsolatedProgram> start_reader(const std::string& what, const ReadRequest& request,
                                                             IsolationLimits limits);

@@ -47,17 +47,19 @@ int moved_up(int fd) {
 
 int memory_file(const char* name) { return moved_up(memfd_create(name, MFD_CLOEXEC)); }
 
-bool write_request(int fd, const isolation::RequestHead& head, std::span<const std::byte> request) {
-    std::vector<std::byte> bytes(sizeof head + request.size());
-    std::memcpy(bytes.data(), &head, sizeof head);
-    std::copy(request.begin(), request.end(), bytes.begin() + sizeof head);
-    for (std::size_t done = 0; done < bytes.size();) {
-        const ssize_t written = pwrite(fd, bytes.data() + done, bytes.size() - done, static_cast<off_t>(done));
+bool write_at(int fd, std::size_t at, const void* data, std::size_t size) {
+    for (std::size_t done = 0; done < size;) {
+        const ssize_t written =
+            pwrite(fd, static_cast<const char*>(data) + done, size - done, static_cast<off_t>(at + done));
         if (written < 0 && errno == EINTR) continue;
         if (written <= 0) return false;
         done += static_cast<std::size_t>(written);
     }
     return true;
+}
+
+bool write_request(int fd, const isolation::RequestHead& head, std::span<const std::byte> request) {
+    return write_at(fd, 0, &head, sizeof head) && write_at(fd, sizeof head, request.data(), request.size());
 }
 
 // Between fork and exec only what is safe in a signal handler may be called: the child of a program with threads.

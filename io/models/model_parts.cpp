@@ -4,7 +4,8 @@
 #include <fmt/format.h>
 
 #include "voxtone/base/error.h"
-#include "voxtone/io/files/packing.h"
+#include "voxtone/io/files/packed_values.h"
+#include "voxtone/io/pictures/packed_image.h"
 
 namespace voxtone::io {
 
@@ -12,13 +13,6 @@ template <class Stream, class Material>
 requires std::is_same_v<std::remove_const_t<Material>, PartMaterial>
 void describe(Stream& stream, Material& m) {
     stream(m.name, m.rgb, m.alpha, m.opaque, m.under, m.image, m.wrap_u, m.wrap_v, m.nearest);
-}
-
-template <class Stream, class Image>
-requires std::is_same_v<std::remove_const_t<Image>, DecodedImage>
-void describe(Stream& stream, Image& i) {
-    stream(i.texels.width_px, i.texels.height_px, i.texels.srgb8, i.texels.linear16, i.dpi_x, i.dpi_y, i.has_alpha,
-           i.warnings);
 }
 
 template <class Stream, class Parts>
@@ -34,14 +28,6 @@ void expect(bool holds, const char* what) {
     if (!holds) throw InputError(fmt::format("what the reader left is no model: {}", what));
 }
 
-void check(const DecodedImage& image) {
-    const TexelImage& texels = image.texels;
-    const std::uint64_t pixels = std::uint64_t{texels.width_px} * texels.height_px;
-    expect(pixels > 0 && pixels <= (std::uint64_t{1} << 60), "a picture without pixels");
-    expect(texels.srgb8.empty() != texels.linear16.empty(), "a picture of two depths");
-    expect(texels.srgb8.size() + texels.linear16.size() == 4 * pixels, "a picture of another size than it says");
-}
-
 bool is_wrap(Wrap wrap) { return wrap <= Wrap::decal; }
 
 /// What finish_model takes for granted; it looks at indices and values itself.
@@ -50,7 +36,7 @@ void check(const ModelParts& parts) {
     expect(parts.corner_uv.size() <= parts.triangles.size(), "texture coordinates without a triangle");
     expect(parts.corner_rgba.size() <= parts.triangles.size(), "colours without a triangle");
     expect(parts.image_names.size() == parts.images.size(), "pictures without a name");
-    for (const DecodedImage& image : parts.images) check(image);
+    for (const DecodedImage& image : parts.images) check_decoded(image);
     for (const PartMaterial& material : parts.materials)
         expect(is_wrap(material.wrap_u) && is_wrap(material.wrap_v), "a texture laid down in an unknown way");
 }
@@ -63,14 +49,6 @@ ModelParts unpack_model(std::span<const std::byte> bytes) {
     auto parts = unpacked<ModelParts>(bytes);
     check(parts);
     return parts;
-}
-
-std::vector<std::byte> pack(const DecodedImage& image) { return packed(image); }
-
-DecodedImage unpack_image(std::span<const std::byte> bytes) {
-    auto image = unpacked<DecodedImage>(bytes);
-    check(image);
-    return image;
 }
 
 }  // namespace voxtone::io

@@ -66,7 +66,5 @@ struct ModelParts {
 /// cut short, or are no model or picture whose parts fit together.
 [[nodiscard]] std::vector<std::byte> pack(const ModelParts& parts);
 [[nodiscard]] ModelParts unpack_model(std::span<const std::byte> bytes);
-[[nodiscard]] std::vector<std::byte> pack(const DecodedImage& image);
-[[nodiscard]] DecodedImage unpack_image(std::span<const std::byte> bytes);
 
 }  // namespace voxtone::io

@@ -27,49 +27,15 @@
 // are checked first. Errors: FileError (cannot be read), InputError (what is wrong with it, and what to try).
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
-#include <memory>
 #include <string>
 
-#include "voxtone/base/progress.h"
+#include "voxtone/io/files/read_options.h"
 #include "voxtone/io/models/mesh.h"
 
 namespace voxtone::io {
 
-class IsolatedProgram;
-
-struct ReadOptions {
-    std::uint64_t memory_bytes = std::uint64_t{4} << 30;  ///< what parsing may take; 0: no limit (sanitizers need that)
-    double timeout_s = 120;                               ///< > 0
-    std::uint64_t max_file_bytes = std::uint64_t{2} << 30;
-    std::uint64_t max_pixels = std::uint64_t{1} << 28;          ///< of one picture
-    std::uint64_t max_unpacked_bytes = std::uint64_t{2} << 30;  ///< of all of a 3MF's parts
-    bool fill_gutters = true;
-    const Progress* progress = nullptr;  ///< asked for cancellation
-};
-
-/// Throws UsageError naming the option that is out of range.
-void validate(const ReadOptions& options);
-
 [[nodiscard]] ModelFile read_model(const std::filesystem::path& path, const ReadOptions& options = {});
-
-/// A model that is read beside other work: the reader starts with the object, and stops with it.
-class ModelReading {
-public:
-    /// Throws InputError (no name of a model), UsageError, FileError (the reader is missing), ResourceError.
-    explicit ModelReading(const std::filesystem::path& path, const ReadOptions& options = {});
-    ModelReading(ModelReading&&) noexcept;
-    ModelReading& operator=(ModelReading&&) noexcept;
-    ~ModelReading();
-    /// Waits for the model; to be asked once. Throws as read_model.
-    [[nodiscard]] ModelFile finish();
-
-private:
-    std::string name_;
-    ReadOptions options_;
-    std::unique_ptr<IsolatedProgram> reader_;
-};
 
 /// "obj" of "A.OBJ"; empty where there is none.
 [[nodiscard]] std::string extension_of(const std::filesystem::path& path);

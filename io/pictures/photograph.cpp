@@ -7,7 +7,7 @@
 
 #include "voxtone/base/error.h"
 #include "voxtone/io/files/file_reader.h"
-#include "voxtone/io/files/packing.h"
+#include "voxtone/io/files/packed_values.h"
 #include "voxtone/io/pictures/srgb_code.h"
 
 namespace voxtone::io {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/io/models/model_reader.h"
+#include "voxtone/io/files/read_options.h"
 #include "voxtone/io/pictures/decoded_image.h"
 #include "voxtone/io/pictures/texture.h"
 

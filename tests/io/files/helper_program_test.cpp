@@ -10,7 +10,7 @@
 #include "tests/io/files/temporary_folder.h"
 #include "voxtone/base/error.h"
 #include "voxtone/io/files/file_reader.h"
-#include "voxtone/io/files/packing.h"
+#include "voxtone/io/files/packed_values.h"
 #include "voxtone/io/models/model_reader.h"
 
 using namespace voxtone;

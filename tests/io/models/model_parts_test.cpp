@@ -8,6 +8,7 @@
 #include "voxtone/base/error.h"
 #include "voxtone/base/random.h"
 #include "voxtone/io/models/finish_model.h"
+#include "voxtone/io/pictures/packed_image.h"
 
 using namespace voxtone;
 using namespace voxtone::io;

@@ -23,7 +23,7 @@
 
 namespace voxtone::io {
 
-class Packer {
+class PackedWriter {
 public:
     template <class... Values>
     void operator()(const Values&... values) {
@@ -52,22 +52,23 @@ private:
     template <class Value>
     void put(const std::vector<Value>& values) {
         put(std::uint64_t{values.size()});
-        if constexpr (requires(Packer & p) { describe(p, values.front()); } || std::is_same_v<Value, std::string>) {
+        if constexpr (requires(PackedWriter & w) { describe(w, values.front()); } ||
+                      std::is_same_v<Value, std::string>) {
             for (const Value& value : values) put(value);
         } else {
             raw(values.data(), values.size() * sizeof(Value));
         }
     }
     template <class Value>
-    void put(const Value& value) requires requires(Packer& p) {
-        describe(p, value);
+    void put(const Value& value) requires requires(PackedWriter& w) {
+        describe(w, value);
     }
     { describe(*this, value); }
 };
 
-class Unpacker {
+class PackedReader {
 public:
-    explicit Unpacker(std::span<const std::byte> bytes) : bytes_(bytes) {}
+    explicit PackedReader(std::span<const std::byte> bytes) : bytes_(bytes) {}
     void expect_end() const {
         if (!bytes_.empty()) throw InputError("what the reader left has bytes behind its end");
     }
@@ -110,7 +111,8 @@ private:
     }
     template <class Value>
     void get(std::vector<Value>& values) {
-        if constexpr (requires(Unpacker & u) { describe(u, values.front()); } || std::is_same_v<Value, std::string>) {
+        if constexpr (requires(PackedReader & r) { describe(r, values.front()); } ||
+                      std::is_same_v<Value, std::string>) {
             values.resize(count(least_bytes));
             for (Value& value : values) get(value);
         } else {
@@ -119,8 +121,8 @@ private:
         }
     }
     template <class Value>
-    void get(Value& value) requires requires(Unpacker& u) {
-        describe(u, value);
+    void get(Value& value) requires requires(PackedReader& r) {
+        describe(r, value);
     }
     { describe(*this, value); }
 
@@ -129,18 +131,18 @@ private:
 
 template <class Value>
 [[nodiscard]] std::vector<std::byte> packed(const Value& value) {
-    Packer packer;
-    packer(value);
-    return std::move(packer.bytes);
+    PackedWriter writer;
+    writer(value);
+    return std::move(writer.bytes);
 }
 
 /// Throws InputError when the bytes are not those of such a value, as far as that can be told.
 template <class Value>
 [[nodiscard]] Value unpacked(std::span<const std::byte> bytes) {
-    Unpacker unpacker(bytes);
+    PackedReader reader(bytes);
     Value value;
-    unpacker(value);
-    unpacker.expect_end();
+    reader(value);
+    reader.expect_end();
     return value;
 }
 
