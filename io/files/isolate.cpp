@@ -90,8 +90,10 @@ void silence() {
     if (!built_with_address_sanitizer()) dup2(null, STDERR_FILENO);
 }
 
-[[noreturn]] void become(const char* program, int request, int result, int lifeline, const IsolationLimits& limits) {
+[[noreturn]] void become(const char* program, int request, int result, int lifeline, const IsolationLimits& limits,
+                         pid_t parent) {
     prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (getppid() != parent) _exit(127);  // it ended before it could be listened to
     set_signals();
     limit(RLIMIT_CORE, 0);
     limit(RLIMIT_CPU, static_cast<std::uint64_t>(std::ceil(limits.timeout_s)) + 1);
@@ -179,11 +181,12 @@ IsolatedProgram::IsolatedProgram(std::string what, const std::filesystem::path& 
     alive_.reset(ends[0]);
     const FileDescriptor lifeline(moved_up(ends[1]));
     const std::string path = program_.string();
+    const pid_t parent = getpid();
     pid_ = fork();
     if (pid_ < 0)
         throw ResourceError(
             fmt::format("{} cannot be read: no process can be started ({})", what_, std::strerror(errno)));
-    if (pid_ == 0) become(path.c_str(), asked.get(), result_.get(), lifeline.get(), limits_);
+    if (pid_ == 0) become(path.c_str(), asked.get(), result_.get(), lifeline.get(), limits_, parent);
 }
 
 IsolatedProgram::~IsolatedProgram() {
