@@ -1,64 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <exception>
-#include <new>
-#include <utility>
-#include <vector>
-
-#include <fmt/core.h>
-#include <CLI/CLI.hpp>
-
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/error.h"
+#include "voxtone/cli/calibrate_program.h"
 #include "voxtone/cli/commands.h"
-
-namespace {
-
-using voxtone::ExitCode;
-
-int report(ExitCode code, const std::string& message) {
-    fmt::print(stderr, "voxtone: {}\n", message);
-    return static_cast<int>(code);
-}
-
-int run(int argc, char** argv) {
-    CLI::App program(
-        "voxtone turns textured models and pictures into layer bitmaps for full-colour material-jetting printers.\n"
-        "Exit codes: 0 done; 1 a bug; 2 usage; 3 invalid input or job; 4 a file could not be read or written;\n"
-        "5 could not finish (memory, cancelled); 6 a check found faults.",
-        "voxtone");
-    program.set_version_flag("--version", "voxtone " VOXTONE_VERSION);
-    program.require_subcommand(1);
-    std::vector<std::pair<std::string, voxtone::cli::Command>> commands;
-    commands.emplace_back("slice", voxtone::cli::add_slice_command(program));
-    commands.emplace_back("predict", voxtone::cli::add_predict_command(program));
-    commands.emplace_back("verify", voxtone::cli::add_verify_command(program));
-    commands.emplace_back("calibrate", voxtone::cli::add_calibrate_command(program));
-    commands.emplace_back("stack", voxtone::cli::add_stack_command(program));
-    commands.emplace_back("list", voxtone::cli::add_list_command(program));
-    try {
-        program.parse(argc, argv);
-    } catch (const CLI::ParseError& error) {
-        // Help and version come as "errors" with exit code 0.
-        return program.exit(error) == 0 ? 0 : static_cast<int>(ExitCode::usage);
-    }
-    for (const auto& [name, command] : commands)
-        if (program.got_subcommand(name)) return command();
-    return static_cast<int>(ExitCode::usage);
-}
-
-}  // namespace
+#include "voxtone/cli/program.h"
 
 int main(int argc, char** argv) {
-    try {
-        return run(argc, argv);
-    } catch (const voxtone::Error& error) {
-        return report(error.exit_code(), error.what());
-    } catch (const std::bad_alloc&) {
-        return report(ExitCode::unfinished,
-                      "out of memory; use a smaller --size, fewer --threads or a machine with more memory");
-    } catch (const voxtone::ContractViolation& error) {
-        return report(ExitCode::bug, fmt::format("a bug of ours, please report it: {}", error.what()));
-    } catch (const std::exception& error) {
-        return report(ExitCode::bug, fmt::format("an unexpected failure, please report it: {}", error.what()));
-    }
+    using namespace voxtone::cli;
+    if (asks_for_calibrate(argc, argv)) return guarded([&]() -> int { become_calibrate_program(argv); });
+    return run_program(argc, argv,
+                       {{"slice", add_slice_command},
+                        {"predict", add_predict_command},
+                        {"verify", add_verify_command},
+                        {"calibrate", add_calibrate_mention},
+                        {"stack", add_stack_command},
+                        {"list", add_list_command}});
 }

@@ -9,4 +9,5 @@ configure_package_config_file(cmake/voxtone-config.cmake.in voxtone-config.cmake
                               INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/voxtone)
 write_basic_package_version_file(voxtone-config-version.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/voxtone-config.cmake ${CMAKE_CURRENT_BINARY_DIR}/voxtone-config-version.cmake
+              cmake/libraries.cmake
         DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/voxtone)

@@ -57,6 +57,16 @@ function(voxtone_add_room floor room)
   target_sources(voxtone_${floor} PRIVATE $<TARGET_OBJECTS:${target}>)
 endfunction()
 
+# voxtone_add_helper(<name> <file>...)
+# A program that `voxtone` runs when it is needed (io/files/helper_program.h): it loads libraries that most runs do without.
+set(VOXTONE_BUILT_HELPERS ${PROJECT_BINARY_DIR}/bin)
+function(voxtone_add_helper name)
+  add_executable(${name} ${ARGN})
+  target_link_libraries(${name} PRIVATE voxtone_flags)
+  set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${VOXTONE_BUILT_HELPERS})
+  install(TARGETS ${name} RUNTIME DESTINATION ${CMAKE_INSTALL_LIBEXECDIR}/voxtone)
+endfunction()
+
 # voxtone_add_test(<name> LABELS <label>... LIBRARIES <target>... SOURCES <file>...)
 # Catch2 tests, one ctest per TEST_CASE. Labels: unit (seconds), statistical, corpus, app.
 function(voxtone_add_test name)
@@ -67,5 +77,8 @@ function(voxtone_add_test name)
   target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)
   target_compile_definitions(${name} PRIVATE VOXTONE_TEST_DATA="${PROJECT_SOURCE_DIR}/tests/data"
                                              VOXTONE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+  if(ARG_LIBRARIES MATCHES "voxtone::(io|calibration|slicer)")
+    add_dependencies(${name} voxtone-read)  # which reads their models and pictures
+  endif()
   catch_discover_tests(${name} TEST_PREFIX "${name}: " PROPERTIES LABELS "${ARG_LABELS}")
 endfunction()

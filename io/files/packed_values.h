@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Plain values to bytes and back on one machine, from the process that parses a file to the one that prints. A struct
-// takes part by a template `describe(stream, value)` beside it that hands all of its members to `stream`.
+// Values to bytes and back, for what crosses the wall between the process that reads files and the one that prints.
+// The bytes are those of this machine and this build.
+//
+// A type is packed by a function `describe(stream, value)` beside it that calls `stream(field, field...)`; numbers,
+// enums, strings, vectors of any of these and of plain structs need none. Unpacking believes nothing but the types: it
+// throws InputError when the bytes are cut short, and takes no more than some ten times their size of memory.
 #pragma once
 
 #include <cstddef>
@@ -10,6 +14,7 @@
 #include <span>
 #include <string>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -61,10 +66,12 @@ private:
     { describe(*this, value); }
 };
 
-/// Throws InputError where the bytes are cut short.
 class PackedReader {
 public:
     explicit PackedReader(std::span<const std::byte> bytes) : bytes_(bytes) {}
+    void expect_end() const {
+        if (!bytes_.empty()) throw InputError("what the reader left has bytes behind its end");
+    }
     template <class... Values>
     void operator()(Values&... values) {
         (get(values), ...);
@@ -74,8 +81,10 @@ private:
     template <class Value>
     static constexpr bool is_plain = std::is_arithmetic_v<Value> || std::is_enum_v<Value>;
 
+    static constexpr std::size_t least_bytes = 8;  ///< of a packed string or described struct: a count, a number
+
     void raw(void* data, std::size_t size) {
-        if (size > bytes_.size()) throw InputError("what was parsed arrived cut short");
+        if (size > bytes_.size()) throw InputError("what the reader left is cut short");
         if (size) std::memcpy(data, bytes_.data(), size);
         bytes_ = bytes_.subspan(size);
     }
@@ -83,12 +92,17 @@ private:
     std::size_t count(std::size_t size) {
         std::uint64_t n = 0;
         get(n);
-        if (n > bytes_.size() / size) throw InputError("what was parsed arrived cut short");
+        if (n > bytes_.size() / size) throw InputError("what the reader left is cut short");
         return static_cast<std::size_t>(n);
     }
     template <class Value>
     void get(Value& value) requires(is_plain<Value>) {
         raw(&value, sizeof value);
+    }
+    void get(bool& value) {
+        std::uint8_t byte = 0;  // a bool may hold nothing but 0 and 1
+        get(byte);
+        value = byte != 0;
     }
     void get(Eigen::Vector3f& value) { raw(value.data(), sizeof value); }
     void get(std::string& text) {
@@ -99,7 +113,7 @@ private:
     void get(std::vector<Value>& values) {
         if constexpr (requires(PackedReader & r) { describe(r, values.front()); } ||
                       std::is_same_v<Value, std::string>) {
-            values.resize(count(1));
+            values.resize(count(least_bytes));
             for (Value& value : values) get(value);
         } else {
             values.resize(count(sizeof(Value)));
@@ -114,5 +128,22 @@ private:
 
     std::span<const std::byte> bytes_;
 };
+
+template <class Value>
+[[nodiscard]] std::vector<std::byte> packed(const Value& value) {
+    PackedWriter writer;
+    writer(value);
+    return std::move(writer.bytes);
+}
+
+/// Throws InputError when the bytes are not those of such a value, as far as that can be told.
+template <class Value>
+[[nodiscard]] Value unpacked(std::span<const std::byte> bytes) {
+    PackedReader reader(bytes);
+    Value value;
+    reader(value);
+    reader.expect_end();
+    return value;
+}
 
 }  // namespace voxtone::io

@@ -18,7 +18,7 @@ void validate(const ReadOptions& options) {
 }
 
 IsolationLimits isolation_limits(const ReadOptions& options) {
-    return {.memory_bytes = built_with_address_sanitizer() ? 0 : options.memory_bytes, .timeout_s = options.timeout_s};
+    return {.memory_bytes = options.memory_bytes, .timeout_s = options.timeout_s};
 }
 
 }  // namespace voxtone::io

@@ -11,7 +11,6 @@
 namespace voxtone::io {
 
 struct ReadOptions {
-    bool isolate = true;  ///< parse in a child process; false: in this one, where a hostile file can end the program
     std::uint64_t memory_bytes = std::uint64_t{4} << 30;  ///< what parsing may take; 0: no limit (sanitizers need that)
     double timeout_s = 120;                               ///< > 0
     std::uint64_t max_file_bytes = std::uint64_t{2} << 30;
@@ -24,7 +23,7 @@ struct ReadOptions {
 /// Throws UsageError naming the option that is out of range.
 void validate(const ReadOptions& options);
 
-/// Of the process that parses.
+/// Of the program that parses.
 [[nodiscard]] IsolationLimits isolation_limits(const ReadOptions& options);
 
 }  // namespace voxtone::io

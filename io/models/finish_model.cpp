@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//
-// From the plain parts of a parsed file to a checked mesh with textures that can be sampled.
+#include "voxtone/io/models/finish_model.h"
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -9,7 +9,6 @@
 #include <fmt/format.h>
 
 #include "voxtone/base/error.h"
-#include "voxtone/io/models/read_parts.h"
 #include "voxtone/io/models/texel_coverage.h"
 #include "voxtone/io/models/weld.h"
 
@@ -69,8 +68,8 @@ struct Variant {
 
 class Finisher {
 public:
-    Finisher(ModelParts parts, const std::string& name, const ReadOptions& options)
-        : parts_(std::move(parts)), name_(name), options_(options) {}
+    Finisher(ModelParts parts, const std::string& name, bool fill_gutters)
+        : parts_(std::move(parts)), name_(name), fill_gutters_(fill_gutters) {}
 
     ModelFile finish() {
         check(parts_, name_);
@@ -168,7 +167,7 @@ private:
     std::shared_ptr<const MipPyramid> prepare(const Variant& variant) {
         const auto index = static_cast<std::size_t>(variant.image);
         TexelImage texels = parts_.images[index].texels;
-        if (options_.fill_gutters) fill_gutters(texels, coverage_[index]);
+        if (fill_gutters_) fill_gutters(texels, coverage_[index]);
         if (variant.transparent)
             compose_over(texels, {variant.under[0], variant.under[1], variant.under[2]},
                          {variant.tint[0], variant.tint[1], variant.tint[2]}, variant.tint[3]);
@@ -208,7 +207,7 @@ private:
 
     ModelParts parts_;
     const std::string& name_;
-    const ReadOptions& options_;
+    bool fill_gutters_;
     TexturedMesh mesh_;
     std::vector<TexelCoverage> coverage_;
     std::vector<bool> used_material_;
@@ -217,8 +216,8 @@ private:
 
 }  // namespace
 
-ModelFile finish_model(ModelParts parts, const std::string& name, const ReadOptions& options) {
-    return Finisher(std::move(parts), name, options).finish();
+ModelFile finish_model(ModelParts parts, const std::string& name, bool fill_gutters) {
+    return Finisher(std::move(parts), name, fill_gutters).finish();
 }
 
 }  // namespace voxtone::io

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxtone/io/models/model_parts.h"
 
-#include <type_traits>
+#include <fmt/format.h>
 
+#include "voxtone/base/error.h"
 #include "voxtone/io/files/packed_values.h"
 #include "voxtone/io/pictures/packed_image.h"
 
@@ -21,16 +22,32 @@ void describe(Stream& stream, Parts& p) {
            p.corner_rgba, p.materials, p.images, p.image_names, p.warnings);
 }
 
-std::vector<std::byte> pack(const ModelParts& parts) {
-    PackedWriter writer;
-    describe(writer, parts);
-    return std::move(writer.bytes);
+namespace {
+
+void expect(bool holds, const char* what) {
+    if (!holds) throw InputError(fmt::format("what the reader left is no model: {}", what));
 }
 
+bool is_wrap(Wrap wrap) { return wrap <= Wrap::decal; }
+
+/// What finish_model takes for granted; it looks at indices and values itself.
+void check(const ModelParts& parts) {
+    expect(parts.material_of_triangle.size() == parts.triangles.size(), "triangles without a material");
+    expect(parts.corner_uv.size() <= parts.triangles.size(), "texture coordinates without a triangle");
+    expect(parts.corner_rgba.size() <= parts.triangles.size(), "colours without a triangle");
+    expect(parts.image_names.size() == parts.images.size(), "pictures without a name");
+    for (const DecodedImage& image : parts.images) check_decoded(image);
+    for (const PartMaterial& material : parts.materials)
+        expect(is_wrap(material.wrap_u) && is_wrap(material.wrap_v), "a texture laid down in an unknown way");
+}
+
+}  // namespace
+
+std::vector<std::byte> pack(const ModelParts& parts) { return packed(parts); }
+
 ModelParts unpack_model(std::span<const std::byte> bytes) {
-    ModelParts parts;
-    PackedReader reader(bytes);
-    describe(reader, parts);
+    auto parts = unpacked<ModelParts>(bytes);
+    check(parts);
     return parts;
 }
 

@@ -14,7 +14,7 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/io/pictures/decode_image.h"
+#include "voxtone/io/pictures/decoded_image.h"
 #include "voxtone/io/pictures/texture.h"
 
 namespace voxtone::io {
@@ -62,7 +62,8 @@ struct ModelParts {
     }
 };
 
-/// To bytes and back, on one machine. Reading throws InputError when the bytes are cut short.
+/// To bytes and back, on one machine. What comes back is not believed: unpacking throws InputError when the bytes are
+/// cut short, or are no model or picture whose parts fit together.
 [[nodiscard]] std::vector<std::byte> pack(const ModelParts& parts);
 [[nodiscard]] ModelParts unpack_model(std::span<const std::byte> bytes);
 

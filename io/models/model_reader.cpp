@@ -6,12 +6,11 @@
 #include <fmt/format.h>
 
 #include "voxtone/base/error.h"
-#include "voxtone/io/files/isolate.h"
-#include "voxtone/io/models/read_parts.h"
+#include "voxtone/io/files/file_reader.h"
+#include "voxtone/io/models/finish_model.h"
+#include "voxtone/io/models/model_parts.h"
 
 namespace voxtone::io {
-
-namespace {
 
 std::string extension_of(const std::filesystem::path& path) {
     std::string extension = path.extension().string();
@@ -20,16 +19,6 @@ std::string extension_of(const std::filesystem::path& path) {
                    [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
     return extension;
 }
-
-ModelParts parse(const std::filesystem::path& path, const ReadOptions& options) {
-    const std::string extension = extension_of(path);
-    ParseContext context(path, options);
-    if (extension == "3mf") return parse_3mf(context);
-    if (extension == "gltf" || extension == "glb") return parse_gltf(context);
-    return parse_with_assimp(context, extension);
-}
-
-}  // namespace
 
 bool is_model_name(const std::filesystem::path& path) {
     const std::string extension = extension_of(path);
@@ -43,13 +32,8 @@ ModelFile read_model(const std::filesystem::path& path, const ReadOptions& optio
     if (!is_model_name(path))
         throw InputError(
             fmt::format("{} is no model of a known kind; OBJ, PLY, STL, glTF, GLB and 3MF can be read", name));
-    ModelParts parts;
-    if (options.isolate)
-        parts = unpack_model(run_isolated(
-            name, isolation_limits(options), [&] { return pack(parse(path, options)); }, options.progress));
-    else
-        parts = parse(path, options);
-    return finish_model(std::move(parts), name, options);
+    ModelParts parts = unpack_model(start_reader(ReadKind::model, path, options)->result(options.progress));
+    return finish_model(std::move(parts), name, options.fill_gutters);
 }
 
 }  // namespace voxtone::io

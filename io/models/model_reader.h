@@ -15,7 +15,7 @@
 //   the material is colour. Alpha counts only where alphaMode is MASK or BLEND. Node transforms are applied; skins stay
 //   as stored (their bind pose), animations are left aside. The axes are turned from y up to z up: (x, y, z) -> (x, -z,
 //   y).
-// - 3MF: see io/read_3mf.h.
+// - 3MF: the core specification with materials and properties; see io/codecs/threemf_part.h.
 // In all but glTF the axes stay as they are. Alpha is composed over white, with a warning where it is used. Where no
 // triangle of the model uses a texture's texel, the nearest used one is put (io/models/texel_coverage.h).
 //
@@ -23,11 +23,12 @@
 // are one vertex.
 //
 // A file is taken for hostile: it is parsed, and its pictures decoded, in a child process with a budget of memory and
-// time (io/files/isolate.h); names in it are followed only inside its folder (io/models/side_files.h); declared sizes
+// time (io/files/isolate.h); names in it are followed only inside its folder (io/codecs/side_files.h); declared sizes
 // are checked first. Errors: FileError (cannot be read), InputError (what is wrong with it, and what to try).
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "voxtone/io/files/read_options.h"
 #include "voxtone/io/models/mesh.h"
@@ -36,6 +37,8 @@ namespace voxtone::io {
 
 [[nodiscard]] ModelFile read_model(const std::filesystem::path& path, const ReadOptions& options = {});
 
+/// "obj" of "A.OBJ"; empty where there is none.
+[[nodiscard]] std::string extension_of(const std::filesystem::path& path);
 /// Whether the name ends as that of a model (.obj .ply .stl .gltf .glb .3mf, any case).
 [[nodiscard]] bool is_model_name(const std::filesystem::path& path);
 

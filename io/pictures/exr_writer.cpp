@@ -1,16 +1,58 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxtone/io/pictures/exr_writer.h"
 
-#include <OpenImageIO/filesystem.h>
-#include <OpenImageIO/imageio.h>
-
 #include <algorithm>
-#include <stdexcept>
+#include <cstring>
+
+#include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfFrameBuffer.h>
+#include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfIO.h>
+#include <OpenEXR/ImfOutputFile.h>
+#include <OpenEXR/ImfStandardAttributes.h>
+#include <OpenEXR/ImfStringAttribute.h>
 
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/units.h"
 
 namespace voxtone::io {
+
+namespace {
+
+class MemoryStream : public Imf::OStream {
+public:
+    MemoryStream() : OStream("picture.exr") {}
+    void write(const char* data, int size) override {
+        const std::size_t end = at_ + static_cast<std::size_t>(size);
+        if (end > bytes_.size()) bytes_.resize(end);
+        if (size > 0) std::memcpy(bytes_.data() + at_, data, static_cast<std::size_t>(size));
+        at_ = end;
+    }
+    std::uint64_t tellp() override { return at_; }
+    void seekp(std::uint64_t at) override { at_ = static_cast<std::size_t>(at); }
+    [[nodiscard]] std::vector<std::uint8_t> take() { return std::move(bytes_); }
+
+private:
+    std::vector<std::uint8_t> bytes_;
+    std::size_t at_ = 0;
+};
+
+/// Without its channels.
+Imf::Header header_of(const NumberPicture& picture, std::array<double, 2> px_per_mm) {
+    Imf::Header header(static_cast<int>(picture.width_px), static_cast<int>(picture.height_px));
+    header.compression() = Imf::ZIP_COMPRESSION;
+    // No date, for the same picture would have other bytes each time; but some readers look for one.
+    Imf::addCapDate(header, "0000:00:00 00:00:00");
+    Imf::addChromaticities(header, {{0.64f, 0.33f}, {0.30f, 0.60f}, {0.15f, 0.06f}, {0.3127f, 0.3290f}});  // sRGB, D65
+    if (px_per_mm[0] > 0 && px_per_mm[1] > 0) {
+        Imf::addXDensity(header, static_cast<float>(px_per_mm[0] * mm_per_inch));
+        header.insert("ResolutionUnit", Imf::StringAttribute("in"));
+        header.pixelAspectRatio() = static_cast<float>(px_per_mm[1] / px_per_mm[0]);
+    }
+    return header;
+}
+
+}  // namespace
 
 std::vector<std::uint8_t> exr_bytes(const LinearPicture& picture, std::array<double, 2> px_per_mm) {
     NumberPicture numbers{picture.width_px, picture.height_px, {"R", "G", "B", "A"}, {}};
@@ -25,31 +67,23 @@ std::vector<std::uint8_t> exr_bytes(const NumberPicture& picture, std::array<dou
     VOXTONE_EXPECT(picture.width_px >= 1 && picture.height_px >= 1 && !picture.names.empty());
     VOXTONE_EXPECT(picture.values.size() == std::size_t{picture.width_px} * picture.height_px * picture.names.size());
 
-    OIIO::ImageSpec spec(static_cast<int>(picture.width_px), static_cast<int>(picture.height_px),
-                         static_cast<int>(picture.names.size()), OIIO::TypeDesc::FLOAT);
-    spec.channelnames.assign(picture.names.begin(), picture.names.end());
-    const auto alpha = std::find(picture.names.begin(), picture.names.end(), "A");
-    spec.alpha_channel = alpha == picture.names.end() ? -1 : static_cast<int>(alpha - picture.names.begin());
-    spec.attribute("compression", "zip");
-    spec.attribute("oiio:ColorSpace", "Linear");
-    // Without a date of ours the library writes that of the clock, and the same picture would have other bytes each
-    // time.
-    spec.attribute("DateTime", "0000:00:00 00:00:00");
-    static constexpr float srgb_primaries_and_d65[8] = {0.64f, 0.33f, 0.30f, 0.60f, 0.15f, 0.06f, 0.3127f, 0.3290f};
-    spec.attribute("chromaticities", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8), srgb_primaries_and_d65);
-    if (px_per_mm[0] > 0 && px_per_mm[1] > 0) {
-        spec.attribute("XResolution", static_cast<float>(px_per_mm[0] * mm_per_inch));
-        spec.attribute("YResolution", static_cast<float>(px_per_mm[1] * mm_per_inch));
-        spec.attribute("ResolutionUnit", "in");
-        spec.attribute("PixelAspectRatio", static_cast<float>(px_per_mm[1] / px_per_mm[0]));
+    Imf::Header header = header_of(picture, px_per_mm);
+    Imf::FrameBuffer frame;
+    const std::size_t pixel_bytes = picture.names.size() * sizeof(float);
+    for (std::size_t c = 0; c < picture.names.size(); ++c) {
+        header.channels().insert(picture.names[c], Imf::Channel(Imf::FLOAT));
+        // OpenEXR reads through a pointer that it calls writable.
+        char* const first = reinterpret_cast<char*>(const_cast<float*>(picture.values.data() + c));
+        frame.insert(picture.names[c], Imf::Slice(Imf::FLOAT, first, pixel_bytes, pixel_bytes * picture.width_px));
     }
-    std::vector<unsigned char> bytes;
-    OIIO::Filesystem::IOVecOutput memory(bytes);
-    const auto output = OIIO::ImageOutput::create("picture.exr", &memory);
-    if (!output || !output->open("picture.exr", spec) ||
-        !output->write_image(OIIO::TypeDesc::FLOAT, picture.values.data()) || !output->close())
-        throw std::logic_error("OpenEXR: " + (output ? output->geterror() : OIIO::geterror()));
-    return bytes;
+    MemoryStream memory;
+    {
+        constexpr int in_this_thread = 0;
+        Imf::OutputFile file(memory, header, in_this_thread);
+        file.setFrameBuffer(frame);
+        file.writePixels(static_cast<int>(picture.height_px));
+    }  // which writes the table of lines
+    return memory.take();
 }
 
 }  // namespace voxtone::io

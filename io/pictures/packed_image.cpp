@@ -1,20 +1,25 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxtone/io/pictures/packed_image.h"
 
+#include "voxtone/base/error.h"
 #include "voxtone/io/files/packed_values.h"
 
 namespace voxtone::io {
 
-std::vector<std::byte> pack(const DecodedImage& image) {
-    PackedWriter writer;
-    describe(writer, image);
-    return std::move(writer.bytes);
+void check_decoded(const DecodedImage& image) {
+    const TexelImage& texels = image.texels;
+    constexpr std::uint64_t most = std::uint64_t{1} << 60;
+    const std::uint64_t pixels = std::uint64_t{texels.width_px} * texels.height_px;
+    if (pixels == 0 || pixels > most || texels.srgb8.empty() == texels.linear16.empty() ||
+        texels.srgb8.size() + texels.linear16.size() != 4 * pixels)
+        throw InputError("what the reader left is no picture: its size is not that of its pixels");
 }
 
+std::vector<std::byte> pack(const DecodedImage& image) { return packed(image); }
+
 DecodedImage unpack_image(std::span<const std::byte> bytes) {
-    DecodedImage image;
-    PackedReader reader(bytes);
-    describe(reader, image);
+    auto image = unpacked<DecodedImage>(bytes);
+    check_decoded(image);
     return image;
 }
 

@@ -8,7 +8,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "voxtone/io/pictures/decode_image.h"
+#include "voxtone/io/pictures/decoded_image.h"
 
 namespace voxtone::io {
 
@@ -19,8 +19,11 @@ void describe(Stream& stream, Image& i) {
            i.warnings);
 }
 
+/// Throws InputError when the picture's size is not that of its texels: what comes from the reader is not believed.
+void check_decoded(const DecodedImage& image);
+
 [[nodiscard]] std::vector<std::byte> pack(const DecodedImage& image);
-/// Throws InputError when the bytes are cut short.
+/// Throws InputError when the bytes are cut short, or are no picture.
 [[nodiscard]] DecodedImage unpack_image(std::span<const std::byte> bytes);
 
 }  // namespace voxtone::io

@@ -5,8 +5,10 @@
 // rounded to 16 bits, clamped or converted by a profile.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -34,15 +36,16 @@ struct Photograph {
     [[nodiscard]] std::size_t index(std::uint32_t x, std::uint32_t y) const { return std::size_t{y} * width_px + x; }
 };
 
-/// Reads in a child process (isolate.h); the EXIF orientation is not applied. Throws FileError, InputError, Cancelled.
+/// Reads by another program (io/files/isolate.h); the EXIF orientation is not applied. Throws FileError, InputError,
+/// Cancelled.
 [[nodiscard]] Photograph read_photograph(const std::filesystem::path& file, const Progress* progress = nullptr);
 
 /// sRGB codes become linear light.
 void make_linear(Photograph& photograph);
 
-/// The bytes of a file of the kind that the name's extension tells: .png or .tif (16 bits, linear; a PNG says so, TIFF
-/// has no word for it), .exr (float). The time of exposure is written to .exr. With `bits` 8: .png of sRGB codes.
-/// Throws UsageError for other extensions.
-[[nodiscard]] std::vector<std::uint8_t> photograph_bytes(const Photograph& photograph, const std::string& file_name);
+/// To bytes and back, on one machine; samples that are not finite come back as 0. Unpacking throws InputError when the
+/// bytes are no photograph.
+[[nodiscard]] std::vector<std::byte> pack(const Photograph& photograph);
+[[nodiscard]] Photograph unpack_photograph(std::span<const std::byte> bytes);
 
 }  // namespace voxtone::io

@@ -3,24 +3,18 @@
 
 #include <fmt/format.h>
 
-#include "voxtone/io/files/isolate.h"
-#include "voxtone/io/files/read_bytes.h"
-#include "voxtone/io/pictures/decode_image.h"
+#include "voxtone/io/files/file_reader.h"
 #include "voxtone/io/pictures/packed_image.h"
 
 namespace voxtone::io {
 
 Picture read_picture(const std::filesystem::path& path, const ReadOptions& options) {
     validate(options);
-    const std::string name = path.filename().string();
-    const auto decode = [&] {
-        return decode_image(read_bytes(path, options.max_file_bytes), name,
-                            {.max_pixels = options.max_pixels, .turn_upright = true});
-    };
-    DecodedImage image = options.isolate
-                             ? unpack_image(run_isolated(
-                                   name, isolation_limits(options), [&] { return pack(decode()); }, options.progress))
-                             : decode();
+    return finish_picture(unpack_image(start_reader(ReadKind::picture, path, options)->result(options.progress)),
+                          path.filename().string());
+}
+
+Picture finish_picture(DecodedImage image, const std::string& name) {
     Picture picture;
     picture.width_px = image.texels.width_px;
     picture.height_px = image.texels.height_px;

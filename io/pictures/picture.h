@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "voxtone/io/files/read_options.h"
+#include "voxtone/io/pictures/decoded_image.h"
 #include "voxtone/io/pictures/texture.h"
 
 namespace voxtone::io {
@@ -22,5 +23,8 @@ struct Picture {
 
 /// Under the same walls as `read_model`. Throws FileError, InputError.
 [[nodiscard]] Picture read_picture(const std::filesystem::path& path, const ReadOptions& options = {});
+
+/// A decoded picture, composed over white. `name` is for the warning of that.
+[[nodiscard]] Picture finish_picture(DecodedImage image, const std::string& name);
 
 }  // namespace voxtone::io

@@ -7,6 +7,7 @@
 #include "voxtone/base/error.h"
 #include "voxtone/calibration/profile/exposure_merge.h"
 #include "voxtone/calibration/profile/exposure_series.h"
+#include "voxtone/io/codecs/photograph_writer.h"
 #include "voxtone/io/files/whole_file.h"
 
 using namespace voxtone;

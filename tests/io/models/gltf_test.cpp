@@ -5,6 +5,7 @@
 
 #include "model_samples.h"
 #include "voxtone/base/error.h"
+#include "voxtone/io/codecs/read_here.h"
 #include "voxtone/io/models/model_reader.h"
 #include "voxtone/io/pictures/texture.h"
 #include "voxtone/optics/colour/colour.h"
@@ -52,9 +53,7 @@ ModelFile read(const std::string& bytes, const Files& others = {}) {
     const Folder folder;
     Files files{{"a.glb", bytes}};
     files.insert(files.end(), others.begin(), others.end());
-    ReadOptions options;
-    options.isolate = false;
-    return read_model(folder.write(files), options);
+    return read_model_here(folder.write(files));
 }
 
 std::string warnings(const ModelFile& file) {

@@ -5,9 +5,10 @@
 #include <catch2/catch.hpp>
 
 #include "model_samples.h"
+#include "tests/io/files/in_child.h"
 #include "voxtone/base/error.h"
 #include "voxtone/base/random.h"
-#include "voxtone/io/files/isolate.h"
+#include "voxtone/io/codecs/read_here.h"
 #include "voxtone/io/models/model_reader.h"
 
 using namespace voxtone;
@@ -33,17 +34,14 @@ void try_changes(const Folder& folder, const Files& files, std::size_t first, st
     const std::string name = files.front().first;
     for (std::size_t begin = first; begin < last; begin += batch) {
         const std::size_t end = std::min(begin + batch, last);
-        const IsolationLimits limits{.memory_bytes = built_with_address_sanitizer() ? 0 : std::uint64_t{1} << 30,
-                                     .timeout_s = 20};
         try {
-            const std::vector<std::byte> outcome = run_isolated(name, limits, [&] {
+            const std::vector<std::byte> outcome = in_child([&] {
                 std::vector<std::byte> results;
                 ReadOptions options;
-                options.isolate = false;
                 options.max_pixels = 1 << 20;
                 for (std::size_t i = begin; i < end; ++i) {
                     try {
-                        (void)read_model(folder.write(change(i)), options);
+                        (void)read_model_here(folder.write(change(i)), options);
                         results.push_back(std::byte{1});
                     } catch (const InputError&) {
                         results.push_back(std::byte{0});
@@ -54,7 +52,7 @@ void try_changes(const Folder& folder, const Files& files, std::size_t first, st
                 return results;
             });
             for (const std::byte result : outcome) ++(result == std::byte{1} ? tally.models : tally.refused);
-        } catch (const InputError& error) {
+        } catch (const ChildDied& error) {
             if (end - begin > 1) {
                 try_changes(folder, files, begin, end, 1, change, tally);
                 continue;

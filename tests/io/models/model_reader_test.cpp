@@ -7,7 +7,8 @@
 
 #include "model_samples.h"
 #include "voxtone/base/error.h"
-#include "voxtone/io/models/mtl_library.h"
+#include "voxtone/io/codecs/mtl_library.h"
+#include "voxtone/io/codecs/read_here.h"
 #include "voxtone/io/pictures/texture.h"
 #include "voxtone/optics/colour/colour.h"
 
@@ -43,11 +44,7 @@ double volume(const TexturedMesh& mesh) {
 }
 
 /// In this process: what is being tested here is the reading, not the wall around it.
-ModelFile read(const Folder& folder, const Files& files) {
-    ReadOptions options;
-    options.isolate = false;
-    return read_model(folder.write(files), options);
-}
+ModelFile read(const Folder& folder, const Files& files) { return read_model_here(folder.write(files)); }
 
 std::string warnings(const ModelFile& file) {
     std::string all;

@@ -8,6 +8,7 @@
 
 #include "tests/io/files/temporary_folder.h"
 #include "voxtone/base/error.h"
+#include "voxtone/io/codecs/photograph_writer.h"
 #include "voxtone/io/files/whole_file.h"
 
 using namespace voxtone;

@@ -6,11 +6,12 @@
 #include <tiffio.h>
 #include <catch2/catch.hpp>
 
+#include "tests/io/files/in_child.h"
 #include "tests/io/models/model_samples.h"
 #include "voxtone/base/error.h"
-#include "voxtone/io/files/isolate.h"
-#include "voxtone/io/pictures/decode_image.h"
-#include "voxtone/io/pictures/icc_to_srgb.h"
+#include "voxtone/io/codecs/decode_image.h"
+#include "voxtone/io/codecs/icc_to_srgb.h"
+#include "voxtone/io/codecs/read_here.h"
 #include "voxtone/optics/colour/colour.h"
 
 using namespace voxtone;
@@ -54,12 +55,10 @@ std::string made_tiff(const Folder& folder, int orientation, bool floats, float 
 
 TEST_CASE("pictures") {
     const Folder folder;
-    ReadOptions options;
-    options.isolate = false;
     SECTION("PNG of 8 and 16 bits, with its resolution") {
         for (const bool deep : {false, true}) {
             const Picture picture =
-                read_picture(folder.write({{"a.png", png(2, 1, {255, 128, 0, 255, 10, 20, 30, 255}, deep)}}), options);
+                read_picture_here(folder.write({{"a.png", png(2, 1, {255, 128, 0, 255, 10, 20, 30, 255}, deep)}}));
             CHECK(picture.width_px == 2);
             CHECK(picture.height_px == 1);
             CHECK(picture.dpi_x == Approx(300).margin(0.01));
@@ -71,18 +70,18 @@ TEST_CASE("pictures") {
     }
     SECTION("alpha is straight, and composed over white") {
         for (const bool deep : {false, true}) {
-            const Picture picture = read_picture(folder.write({{"a.png", png(1, 1, {255, 0, 0, 51}, deep)}}), options);
+            const Picture picture = read_picture_here(folder.write({{"a.png", png(1, 1, {255, 0, 0, 51}, deep)}}));
             CHECK(near(picture.texture->sample(0.5f, 0.5f), {1, 0.8f, 0.8f}, 4e-3f));
             REQUIRE(picture.warnings.size() == 1);
             CHECK_THAT(picture.warnings[0], Contains("white"));
         }
     }
     SECTION("floats are linear, too bright ones are said") {
-        const Picture picture = read_picture(made_tiff(folder, 1, true, 0.01f), options);
+        const Picture picture = read_picture_here(made_tiff(folder, 1, true, 0.01f));
         CHECK(near(picture.texture->sample(0.5f / 3, 0.75f), {0.1f, 0, 0}, 2e-5f));
         CHECK(picture.dpi_x == Approx(254));
         CHECK(picture.dpi_y == Approx(508));
-        const Picture bright = read_picture(made_tiff(folder, 1, true, 0.1f), options);
+        const Picture bright = read_picture_here(made_tiff(folder, 1, true, 0.1f));
         CHECK(near(bright.texture->sample(0.5f, 0.25f), {1, 0, 0}));
         REQUIRE(bright.warnings.size() == 1);
         CHECK_THAT(bright.warnings[0], Contains("clamped"));
@@ -102,7 +101,7 @@ TEST_CASE("pictures") {
                               {6, false, 1, 0, 1, 1},
                               {7, false, 1, 2, 1, 1},
                               {8, false, 0, 2, 0, 1}}) {
-            const Picture picture = read_picture(made_tiff(folder, c.orientation, true, 0.01f), options);
+            const Picture picture = read_picture_here(made_tiff(folder, c.orientation, true, 0.01f));
             CHECK(picture.width_px == (c.wide ? 3 : 2));
             const auto at = [&](int x, int y) {
                 return picture.texture
@@ -162,10 +161,10 @@ TEST_CASE("pictures") {
         CHECK_THROWS_WITH(decode_image(bytes_of(bomb), "bomb.png"), Contains("65535 x 65535"));
         CHECK_THROWS_WITH(decode_image(bytes_of(four_colours()), "a.png", {.max_pixels = 3}), Contains("2 x 2"));
         CHECK_THROWS_WITH(decode_image(bytes_of("nonsense"), "a.png"), Contains("known kind"));
-        CHECK_THROWS_AS(read_picture(folder.path() / "gone.png", options), FileError);
+        CHECK_THROWS_AS(read_picture_here(folder.path() / "gone.png"), FileError);
         const std::string whole = png(9, 9, std::vector<std::uint8_t>(9 * 9 * 4, 200));
         // All in one child, whose standard error libpng may fill. The last chunk, IEND, is empty.
-        const std::vector<std::byte> refused = run_isolated("cut.png", {.memory_bytes = 0}, [&] {
+        const std::vector<std::byte> refused = test::in_child([&] {
             std::vector<std::byte> outcome;
             for (std::size_t length = 0; length < whole.size() - 12; ++length) {
                 try {

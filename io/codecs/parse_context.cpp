@@ -2,7 +2,7 @@
 #include <fmt/format.h>
 
 #include "voxtone/base/error.h"
-#include "voxtone/io/models/read_parts.h"
+#include "voxtone/io/codecs/read_parts.h"
 
 namespace voxtone::io {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/models/threemf_part.h"
+#include "voxtone/io/codecs/threemf_part.h"
 
 #include <charconv>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/pictures/icc_to_srgb.h"
+#include "voxtone/io/codecs/icc_to_srgb.h"
 
 #include <algorithm>
 #include <array>
@@ -7,8 +7,6 @@
 #include <memory>
 
 #include <lcms2.h>
-
-#include "voxtone/base/parallel.h"
 
 namespace voxtone::io {
 
@@ -53,12 +51,12 @@ std::string convert(std::span<const std::uint8_t> bytes, std::span<Value> rgba, 
     if (distance_from_identity(probe.get()) <= 2) return {};
     const Transform transform = make(type);
     if (!transform) return "its ICC profile cannot be converted; its colours were taken as sRGB";
-    constexpr std::size_t chunk = 1 << 16;
-    parallel_for(0, (rgba.size() / 4 + chunk - 1) / chunk, 1, [&](std::size_t i) {
-        const std::size_t first = i * chunk, count = std::min(chunk, rgba.size() / 4 - first);
-        cmsDoTransform(transform.get(), rgba.data() + 4 * first, rgba.data() + 4 * first,
-                       static_cast<cmsUInt32Number>(count));
-    });
+    constexpr std::size_t chunk = 1 << 16;  // pixels; their number may not fit what the library counts in
+    for (std::size_t first = 0; first < rgba.size() / 4; first += chunk) {
+        Value* const pixels = rgba.data() + 4 * first;
+        cmsDoTransform(transform.get(), pixels, pixels,
+                       static_cast<cmsUInt32Number>(std::min(chunk, rgba.size() / 4 - first)));
+    }
     return {};
 }
 

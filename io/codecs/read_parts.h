@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// The parsers behind `read_model`, one per format. They run inside the child process; all throw InputError.
+// The parsers behind `read_model`, one per format. They run in voxtone-read; all throw InputError.
 #pragma once
 
 #include <cstddef>
@@ -9,11 +9,11 @@
 #include <span>
 #include <string>
 
+#include "voxtone/io/codecs/decode_image.h"
+#include "voxtone/io/codecs/side_files.h"
 #include "voxtone/io/files/read_bytes.h"
 #include "voxtone/io/files/read_options.h"
-#include "voxtone/io/models/mesh.h"
 #include "voxtone/io/models/model_parts.h"
-#include "voxtone/io/models/side_files.h"
 
 namespace voxtone::io {
 
@@ -49,8 +49,5 @@ private:
 [[nodiscard]] ModelParts parse_with_assimp(ParseContext& context, const std::string& extension);
 [[nodiscard]] ModelParts parse_gltf(ParseContext& context);
 [[nodiscard]] ModelParts parse_3mf(ParseContext& context);
-
-/// Checks indices and values, welds positions, prepares textures.
-[[nodiscard]] ModelFile finish_model(ModelParts parts, const std::string& name, const ReadOptions& options);
 
 }  // namespace voxtone::io

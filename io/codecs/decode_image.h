@@ -12,9 +12,8 @@
 #include <cstdint>
 #include <span>
 #include <string>
-#include <vector>
 
-#include "voxtone/io/pictures/texel_image.h"
+#include "voxtone/io/pictures/decoded_image.h"
 
 namespace voxtone::io {
 
@@ -22,13 +21,6 @@ struct DecodeOptions {
     std::uint64_t max_pixels = std::uint64_t{1} << 28;  ///< more are refused; in [1, 2^32]
     bool use_profile = true;    ///< false: samples are sRGB whatever the file says (glTF demands it)
     bool turn_upright = false;  ///< apply the EXIF orientation (photographs; textures are laid down as stored)
-};
-
-struct DecodedImage {
-    TexelImage texels;
-    double dpi_x = 0, dpi_y = 0;  ///< 0: not in the file
-    bool has_alpha = false;       ///< some pixel is not opaque
-    std::vector<std::string> warnings;
 };
 
 /// `name` is for messages (and tells TGA). Throws InputError saying what is wrong with the picture.

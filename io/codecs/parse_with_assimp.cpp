@@ -20,10 +20,10 @@
 #include <assimp/Importer.hpp>
 
 #include "voxtone/base/error.h"
-#include "voxtone/io/models/mtl_library.h"
-#include "voxtone/io/models/ply_header.h"
-#include "voxtone/io/models/read_parts.h"
-#include "voxtone/io/models/stl_header.h"
+#include "voxtone/io/codecs/mtl_library.h"
+#include "voxtone/io/codecs/ply_header.h"
+#include "voxtone/io/codecs/read_parts.h"
+#include "voxtone/io/codecs/stl_header.h"
 
 namespace voxtone::io {
 

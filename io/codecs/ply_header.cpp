@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/models/ply_header.h"
+#include "voxtone/io/codecs/ply_header.h"
 
 #include <algorithm>
 #include <cstdint>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/models/side_files.h"
+#include "voxtone/io/codecs/side_files.h"
 
 #include <algorithm>
 #include <system_error>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/models/gltf_data.h"
+#include "voxtone/io/codecs/gltf_data.h"
 
 #include <algorithm>
 #include <cstring>

@@ -14,9 +14,9 @@
 #include <fmt/format.h>
 
 #include "voxtone/base/error.h"
+#include "voxtone/io/codecs/read_parts.h"
+#include "voxtone/io/codecs/threemf_part.h"
 #include "voxtone/io/files/zip_reader.h"
-#include "voxtone/io/models/read_parts.h"
-#include "voxtone/io/models/threemf_part.h"
 
 namespace voxtone::io {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/models/stl_header.h"
+#include "voxtone/io/codecs/stl_header.h"
 
 #include <algorithm>
 #include <cstdint>

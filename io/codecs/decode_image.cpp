@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/pictures/decode_image.h"
+#include "voxtone/io/codecs/decode_image.h"
 
 #include <sys/mman.h>
 #include <unistd.h>
@@ -14,7 +14,8 @@
 #include <fmt/format.h>
 
 #include "voxtone/base/error.h"
-#include "voxtone/io/pictures/icc_to_srgb.h"
+#include "voxtone/io/codecs/icc_to_srgb.h"
+#include "voxtone/io/codecs/no_threads.h"
 
 namespace voxtone::io {
 
@@ -313,9 +314,7 @@ DecodedImage decode_image(std::span<const std::byte> bytes, const std::string& n
             "{} is no picture of a known kind (PNG, JPEG, TIFF, BMP, TGA, GIF, WebP, EXR, HDR, PNM); save it "
             "as PNG",
             name));
-    // A reader of pictures must not leave threads behind: the caller may be a forked child.
-    OIIO::attribute("threads", 1);
-    OIIO::attribute("exr_threads", -1);
+    use_no_threads();
     try {
         const std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::create(format);
         if (!input)

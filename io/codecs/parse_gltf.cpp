@@ -17,9 +17,9 @@
 #include <nlohmann/json.hpp>
 
 #include "voxtone/base/error.h"
+#include "voxtone/io/codecs/gltf_data.h"
+#include "voxtone/io/codecs/read_parts.h"
 #include "voxtone/io/files/base64.h"
-#include "voxtone/io/models/gltf_data.h"
-#include "voxtone/io/models/read_parts.h"
 
 namespace voxtone::io {
 

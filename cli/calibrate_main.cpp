@@ -1,0 +1,10 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// voxtone-calibrate: what `voxtone calibrate` becomes (cli/calibrate_program.h), with the same command line.
+#include "voxtone/cli/commands.h"
+#include "voxtone/cli/program.h"
+
+int main(int argc, char** argv) {
+    using namespace voxtone::cli;
+    return run_program(argc, argv, {{"calibrate", add_calibrate_command}});
+}

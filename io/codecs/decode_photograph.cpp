@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/io/codecs/decode_photograph.h"
+
+#include <cstring>
+#include <memory>
+
+#include <OpenImageIO/imageio.h>
+#include <fmt/format.h>
+
+#include "voxtone/base/error.h"
+#include "voxtone/io/codecs/no_threads.h"
+
+namespace voxtone::io {
+
+namespace {
+
+constexpr std::uint64_t most_pixels = std::uint64_t{1} << 28;
+constexpr const char* raw_format = "raw";
+
+SampleCoding coding_of(const OIIO::ImageSpec& spec) {
+    const std::string space = spec.get_string_attribute("oiio:ColorSpace");
+    if (OIIO::Strutil::iequals(space, "linear") || OIIO::Strutil::iequals(space, "lin_srgb") ||
+        spec.format.is_floating_point())
+        return SampleCoding::linear;
+    return spec.format.size() == 1 ? SampleCoding::srgb : SampleCoding::unknown;
+}
+
+/// No white balance of the file's own, no curve, no brightening, no conversion of colours: the checker does all that.
+void ask_for_sensor_values(OIIO::ImageSpec& config) {
+    config.attribute("raw:ColorSpace", "raw");
+    config.attribute("raw:auto_bright", 0);
+    config.attribute("raw:use_camera_wb", 0);
+    config.attribute("raw:use_auto_wb", 0);
+    config.attribute("raw:HighlightMode", 0);
+    config.attribute("raw:adjust_maximum_thr", 0.0f);
+    constexpr float as_counted[4] = {1, 1, 1, 1};
+    config.attribute("raw:user_mul", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 4), as_counted);
+}
+
+}  // namespace
+
+Photograph decode_photograph(const std::filesystem::path& file) {
+    use_no_threads();
+    OIIO::ImageSpec config;
+    config.attribute("oiio:UnassociatedAlpha", 1);
+    ask_for_sensor_values(config);
+    const std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::open(file.string(), &config);
+    if (!input)
+        throw InputError(fmt::format(
+            "the photograph {} cannot be read ({}); give a 16-bit TIFF or PNG, an EXR, or a camera's RAW file",
+            file.string(), OIIO::geterror()));
+    const OIIO::ImageSpec& spec = input->spec();
+    if (spec.width <= 0 || spec.height <= 0 || spec.depth > 1 ||
+        std::uint64_t(spec.width) * std::uint64_t(spec.height) > most_pixels)
+        throw InputError(fmt::format(
+            "the photograph {} declares an impossible size ({} x {} pixels); it is damaged or larger than {} pixels",
+            file.string(), spec.width, spec.height, most_pixels));
+    if (spec.nchannels < 3)
+        throw InputError(fmt::format("the photograph {} has {} channel(s); red, green and blue are needed",
+                                     file.string(), spec.nchannels));
+    const bool raw = std::strcmp(input->format_name(), raw_format) == 0;
+    Photograph photograph{file.filename().string(),
+                          std::uint32_t(spec.width),
+                          std::uint32_t(spec.height),
+                          raw ? SampleCoding::linear : coding_of(spec),
+                          int(8 * spec.format.size()),
+                          {},
+                          spec.get_float_attribute("ExposureTime", 0)};
+    photograph.pixels.resize(std::size_t(spec.width) * std::size_t(spec.height));
+    if (!input->read_image(0, 0, 0, 3, OIIO::TypeDesc::FLOAT, photograph.pixels.data()))
+        throw InputError(fmt::format("the photograph {} cannot be decoded ({}); it is damaged or cut short",
+                                     file.string(), input->geterror()));
+    return photograph;
+}
+
+}  // namespace voxtone::io

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/io/files/file_reader.h"
+
+#include <fmt/format.h>
+
+#include "voxtone/base/error.h"
+#include "voxtone/io/files/helper_program.h"
+#include "voxtone/io/files/packed_values.h"
+
+namespace voxtone::io {
+
+namespace {
+
+const std::string protocol = "voxtone-read 1, voxtone " VOXTONE_VERSION;
+
+}  // namespace
+
+std::vector<std::byte> pack(const ReadRequest& r) {
+    PackedWriter writer;
+    writer(protocol, r.kind, r.path, r.max_file_bytes, r.max_pixels, r.max_unpacked_bytes);
+    return std::move(writer.bytes);
+}
+
+ReadRequest unpack_request(std::span<const std::byte> bytes) {
+    PackedReader reader(bytes);
+    std::string asked;
+    reader(asked);
+    if (asked != protocol)
+        throw ResourceError(fmt::format(
+            "voxtone-read is of another version ({}) than the program that asks it ({}); install voxtone again",
+            protocol, asked));
+    ReadRequest r;
+    reader(r.kind, r.path, r.max_file_bytes, r.max_pixels, r.max_unpacked_bytes);
+    reader.expect_end();
+    return r;
+}
+
+std::unique_ptr<IsolatedProgram> start_reader(ReadKind kind, const std::filesystem::path& path,
+                                              const ReadOptions& options) {
+    return start_reader(path.filename().string(),
+                        {kind, path.string(), options.max_file_bytes, options.max_pixels, options.max_unpacked_bytes},
+                        isolation_limits(options));
+}
+
+std::unique_ptr<IsolatedProgram> start_reader(const std::string& what, const ReadRequest& request,
+                                              IsolationLimits limits) {
+    if (built_with_address_sanitizer()) limits.memory_bytes = 0;
+    return std::make_unique<IsolatedProgram>(what, find_helper("voxtone-read"), pack(request), limits);
+}
+
+}  // namespace voxtone::io

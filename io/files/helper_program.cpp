@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/io/files/helper_program.h"
+
+#include <unistd.h>
+
+#include <cstdlib>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "voxtone/base/error.h"
+
+namespace voxtone::io {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+std::vector<fs::path> helper_folders() {
+    if (const char* only = std::getenv(helpers_variable); only && *only) return {only};
+    std::vector<fs::path> folders;
+    std::error_code error;
+    if (const fs::path program = fs::read_symlink("/proc/self/exe", error); !error)
+        folders = {program.parent_path().parent_path() / "libexec" / "voxtone", program.parent_path()};
+    folders.emplace_back(VOXTONE_INSTALLED_HELPERS);
+    folders.emplace_back(VOXTONE_BUILT_HELPERS);
+    return folders;
+}
+
+}  // namespace
+
+fs::path find_helper(const std::string& name) {
+    std::vector<std::string> places;
+    for (const fs::path& folder : helper_folders()) {
+        std::error_code error;
+        if (fs::path program = folder / name; fs::is_regular_file(program, error) && access(program.c_str(), X_OK) == 0)
+            return program;
+        places.push_back(folder.string());
+    }
+    throw FileError(
+        fmt::format("{}, a program that belongs to voxtone, is not in {}; install voxtone again, or name the folder "
+                    "that holds it in {}",
+                    name, fmt::join(places, ", "), helpers_variable));
+}
+
+}  // namespace voxtone::io

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// A picture as its decoder leaves it (io/codecs/decode_image.h).
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "voxtone/io/pictures/texel_image.h"
+
+namespace voxtone::io {
+
+struct DecodedImage {
+    TexelImage texels;
+    double dpi_x = 0, dpi_y = 0;  ///< 0: not in the file
+    bool has_alpha = false;       ///< some pixel is not opaque
+    std::vector<std::string> warnings;
+};
+
+}  // namespace voxtone::io
