@@ -8,6 +8,7 @@
 
 #include "voxtone/calibration/patches/patch_file.h"
 #include "voxtone/calibration/target/target_file.h"
+#include "voxtone/io/codecs/photograph_writer.h"
 #include "voxtone/io/files/whole_file.h"
 #include "voxtone/io/profiles/resin_file.h"
 

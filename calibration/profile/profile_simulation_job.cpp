@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "voxtone/base/error.h"
+#include "voxtone/io/codecs/photograph_writer.h"
 #include "voxtone/io/files/whole_file.h"
 #include "voxtone/io/profiles/profile_file.h"
 #include "voxtone/io/profiles/resin_file.h"

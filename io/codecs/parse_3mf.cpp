@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//
-// 3MF packages: build items, components and transforms laid out; properties of triangles resolved to colours and
-// textures.
-//
-// Why not lib3mf (Debian 12 has 1.8.1): it has no composites and no multiproperties, reads no beam lattice, so that its
-// loss could not even be told, and believes sizes. It is the second opinion in the tests.
+#include "voxtone/io/codecs/parse_3mf.h"
+
 #include <cmath>
 #include <map>
 #include <set>
@@ -14,7 +10,6 @@
 #include <fmt/format.h>
 
 #include "voxtone/base/error.h"
-#include "voxtone/io/codecs/read_parts.h"
 #include "voxtone/io/codecs/threemf_part.h"
 #include "voxtone/io/files/zip_reader.h"
 

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/io/codecs/parse_context.h"
+
 #include <fmt/format.h>
 
 #include "voxtone/base/error.h"
-#include "voxtone/io/codecs/read_parts.h"
 
 namespace voxtone::io {
 

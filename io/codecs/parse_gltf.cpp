@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//
-// glTF 2.0 and GLB: scene, nodes, triangles, base colours. Read here and not by a library, because the libraries at
-// hand lose or rewrite what decides the colour (texture transforms, alpha modes, the second set of coordinates) and do
-// not say what they left out. Based on: Khronos Group, "glTF 2.0 Specification", version 2.0.1, 2021; extension
-// KHR_texture_transform.
+#include "voxtone/io/codecs/parse_gltf.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -18,7 +15,6 @@
 
 #include "voxtone/base/error.h"
 #include "voxtone/io/codecs/gltf_data.h"
-#include "voxtone/io/codecs/read_parts.h"
 #include "voxtone/io/files/base64.h"
 
 namespace voxtone::io {

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//
-// OBJ, PLY and STL. assimp gives geometry, texture coordinates and vertex colours; what is colour beside them is read
-// here: material libraries (assimp knows few options and invents defaults), the header of PLY (types, declared sizes)
-// and the attribute words of STL.
+#include "voxtone/io/codecs/parse_with_assimp.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -22,7 +20,6 @@
 #include "voxtone/base/error.h"
 #include "voxtone/io/codecs/mtl_library.h"
 #include "voxtone/io/codecs/ply_header.h"
-#include "voxtone/io/codecs/read_parts.h"
 #include "voxtone/io/codecs/stl_header.h"
 
 namespace voxtone::io {

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/io/models/fill_gutters.h"
+
 #include <cstdint>
 #include <vector>
 
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/parallel.h"
-#include "voxtone/io/models/texel_coverage.h"
 
 namespace voxtone::io {
 

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "voxtone/base/error.h"
+#include "voxtone/io/models/fill_gutters.h"
 #include "voxtone/io/models/texel_coverage.h"
 #include "voxtone/io/models/weld.h"
 

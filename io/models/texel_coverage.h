@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Which texels of a picture the triangles of a mesh use, and the filling of the others.
-//
-// Between the islands of an atlas lies a background (black, often). Bilinear taps and minification at an island's
-// border would pull it in as dark seams. So texels that no triangle uses take the value of the nearest used texel
-// before the levels are made.
+// Which texels of a picture the triangles of a mesh use.
 //
 // A texel is used when a triangle covers its centre: whoever painted the atlas painted those, whereas texels that are
 // merely touched may already hold background. Triangles thinner than a texel, or that cover no centre at all (palettes:
@@ -43,12 +39,5 @@ private:
     bool full_ = false;
     std::size_t marked_ = 0, marked_total_ = 0;
 };
-
-/// Gives every unused texel the colour and alpha of the used texel with the nearest centre (Euclidean, in texels).
-/// Nothing changes when no texel is used.
-///
-/// Based on: A. Meijster, J. Roerdink, W. Hesselink, "A general algorithm for computing distance transforms in linear
-/// time", 2000: nearest in the column first, then the lower envelope of parabolas along each row; exact.
-void fill_gutters(TexelImage& image, const TexelCoverage& coverage);
 
 }  // namespace voxtone::io

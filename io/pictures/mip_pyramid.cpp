@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/io/pictures/mip_pyramid.h"
+
 //
 // Levels by exact area averages. A level of even size averages pairs. Of an odd size 2k + 1 it has k texels, each of
 // which covers 2 + 1/k texels of the level above: three taps with weights (k - i, k, i + 1) / (2k + 1).
@@ -7,7 +9,6 @@
 
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/parallel.h"
-#include "voxtone/io/pictures/texture.h"
 
 namespace voxtone::io {
 

@@ -5,14 +5,8 @@
 // Texel (i, j) of level 0 has its centre at u = (i + 1/2) / width, v = 1 - (j + 1/2) / height: (0, 0) is the bottom
 // left corner. A sample is bilinear within a level and a linear blend of the two nearest levels:
 //   sample(u, v, lod) = (1 - t) B_k(u, v) + t B_{k+1}(u, v),  k = floor(lod), t = lod - k,
-// all in linear light. A level is the area average of the level above it, also where sizes are odd, so that every level
-// has the mean of level 0 (within its rounding: half an 8-bit sRGB code for 8-bit pictures, 2^-17 for deeper ones).
-// Samples lie in [0, 1]. What the filter cannot see: direction. It is isotropic, so a texture that is squeezed in one
-// direction is blurred in the other (see `lod`).
-//
-// Texels are kept as 16-bit linear light, of 8-bit pictures too: decoding sRGB codes by table took more than half of
-// the time of a sample. The rounding is 2^-17, a fortieth of the step between the two darkest 8-bit codes. Memory: 8
-// bytes a texel, times 4/3 for the levels.
+// all in linear light, over the levels of mip_pyramid.h. Samples lie in [0, 1]. What the filter cannot see: direction.
+// It is isotropic, so a texture that is squeezed in one direction is blurred in the other (see `lod`).
 #pragma once
 
 #include <array>
@@ -23,35 +17,13 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/io/pictures/texel_image.h"
+#include "voxtone/io/pictures/mip_pyramid.h"
 
 namespace voxtone::io {
 
 /// What lies outside [0, 1]: the picture again, mirrored, its last texel, or nothing (a sample there is white, the
 /// neutral factor).
 enum class Wrap : std::uint8_t { repeat, mirror, clamp, decal };
-
-/// The levels of one picture; shared by textures that lay it down differently.
-class MipPyramid {
-public:
-    struct Level {
-        std::uint32_t width, height;
-        std::size_t first;  // texel
-    };
-    /// Alpha is not looked at: compose before.
-    explicit MipPyramid(TexelImage image);
-
-    [[nodiscard]] const std::vector<Level>& levels() const { return levels_; }
-    /// Four values a texel, R, G, B and one that is not used; 65535 is 1.
-    [[nodiscard]] const std::uint16_t* linear16(const Level& level) const { return linear16_.data() + 4 * level.first; }
-
-private:
-    void keep_linear();
-
-    std::vector<Level> levels_;
-    std::vector<std::uint8_t> srgb8_;  // of 8-bit pictures, only while the levels are made
-    std::vector<std::uint16_t> linear16_;
-};
 
 /// Immutable; every member may be called from any thread.
 class Texture {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// The parsers behind `read_model`, one per format. They run in voxtone-read; all throw InputError.
+// What the parsers of models share: the bytes of the model, the files beside it, the pictures read so far. They run in
+// voxtone-read; all throw InputError.
 #pragma once
 
 #include <cstddef>
@@ -44,10 +45,5 @@ private:
     std::vector<std::byte> bytes_;
     std::map<std::string, std::int32_t> images_;
 };
-
-/// OBJ, PLY and STL through assimp. `extension`: "obj", "ply" or "stl".
-[[nodiscard]] ModelParts parse_with_assimp(ParseContext& context, const std::string& extension);
-[[nodiscard]] ModelParts parse_gltf(ParseContext& context);
-[[nodiscard]] ModelParts parse_3mf(ParseContext& context);
 
 }  // namespace voxtone::io
