@@ -21,7 +21,7 @@ std::size_t index_of(std::vector<T>& list, const T& value) {
     return list.size() - 1;
 }
 
-// One channel of a few resins as a set, for HalftoneMedium.
+// One channel of a few resins as a set, for EffectiveMedium.
 optics::ResinSet one_channel(std::span<const Medium> resins, const PatchModelOptions& options) {
     optics::ResinSet set;
     set.channels.wavelengths_nm = {500};
@@ -85,8 +85,8 @@ PatchModel::Mixed PatchModel::mix(const Layer& layer, std::span<const Medium> re
     std::vector<Medium> parts;
     for (const std::size_t r : layer.resins) parts.push_back(resins[r]);
     const auto effective = [&] {
-        return optics::HalftoneMedium(one_channel(parts, options_), options_.pitch_mm, optics::SeenFrom::above,
-                                      options_.dither)(layer.fractions, 0);
+        return optics::EffectiveMedium(one_channel(parts, options_), options_.pitch_mm, optics::SeenFrom::above,
+                                       options_.dither)(layer.fractions, 0);
     };
     mixed.medium = effective();
     if (!with_derivatives) return mixed;

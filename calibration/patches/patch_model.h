@@ -5,7 +5,7 @@
 //
 // A patch is a layer of a mixture upon a base (optics/layered/layer_on_base.h). Squares of one mixture and thickness
 // share the modes of their layer, squares on one base share its law. Mixtures are ideal (Iser, Rittig, Wilkie 2025, Eq.
-// 7) or, where the pitch of the voxels is given, halftones (optics/media/halftone_medium.h). A base of unknown
+// 7) or, where the pitch of the voxels is given, halftones (optics/media/effective_medium.h). A base of unknown
 // thickness has no end; one of known thickness ends at what is `under` it.
 //
 // Units mm, mm^-1. Error of rho with the 15 directions used: 1e-6 for patches of 0.675 mm. Time: docs/benchmarks.md.
@@ -22,7 +22,7 @@
 
 #include "voxtone/calibration/patches/patch_table.h"
 #include "voxtone/optics/layered/layer_on_base.h"
-#include "voxtone/optics/media/halftone_medium.h"
+#include "voxtone/optics/media/effective_medium.h"
 
 namespace voxtone::calibration {
 
@@ -33,17 +33,17 @@ enum class UnderBase {
 };
 
 /// A target's mixtures are dithered by a random choice per voxel, whose lumps are larger than those of the blue-noise
-/// screen that HalftoneMedium's constants belong to: k_0 and k_1 are 1.25 times theirs. The factor is fitted to Monte
+/// screen that EffectiveMedium's constants belong to: k_0 and k_1 are 1.25 times theirs. The factor is fitted to Monte
 /// Carlo of the dithers of target B (Vero, J750) and holds for other resins and shares:
 /// benchmarks/calibration/printed_target.
-inline constexpr optics::HalftoneConstants random_dither{.k_0 = 0.7125, .k_1 = 0.5};
+inline constexpr optics::EffectiveMediumConstants random_dither{.k_0 = 0.7125, .k_1 = 0.5};
 
 struct PatchModelOptions {
     double g = 0.4;
     double eta = 1.5;
     UnderBase under = UnderBase::black;
     std::array<double, 3> pitch_mm{};  ///< of the voxels that mixtures are made of; 0: ideal mixtures
-    optics::HalftoneConstants dither = random_dither;
+    optics::EffectiveMediumConstants dither = random_dither;
     [[nodiscard]] bool ideal_mixtures() const { return pitch_mm[0] == 0; }
 };
 

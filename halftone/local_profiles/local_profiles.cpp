@@ -29,7 +29,7 @@ constexpr double counts_without_noise = 1e12;
 
 class Problem {
 public:
-    Problem(const optics::PointResponses& responses, const optics::ChannelResponses& data, double curvature)
+    Problem(const optics::SampledBssrdf& responses, const optics::ChannelResponses& data, double curvature)
         : grid_{responses.width, responses.height},
           rings_(profile_rings(responses.radius)),
           points_(grid_.points()),
@@ -214,7 +214,7 @@ private:
     }
 
     /// Counts and pairs by point and knot: all that is taken from the data.
-    void count(const optics::PointResponses& responses, const optics::ChannelResponses& data) {
+    void count(const optics::SampledBssrdf& responses, const optics::ChannelResponses& data) {
         counts_.assign(size(), 0.0);
         pairs_ = counts_;
         const auto offsets = optics::half_window(responses.radius);
@@ -310,7 +310,7 @@ void LocalProfileOptions::validate() const {
                         max_steps, max_iterations));
 }
 
-LocalProfiles factor_responses(const optics::PointResponses& responses, const LocalProfileOptions& options,
+LocalProfiles factor_responses(const optics::SampledBssrdf& responses, const LocalProfileOptions& options,
                                std::vector<FactorSummary>& summary, Progress* progress) {
     options.validate();
     LocalProfiles profiles{{responses.width, responses.height}, responses.radius, responses.pitch_mm, {}};

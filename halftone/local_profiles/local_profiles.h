@@ -34,7 +34,7 @@
 
 #include "voxtone/base/progress.h"
 #include "voxtone/halftone/local_profiles/profile_rings.h"
-#include "voxtone/optics/monte_carlo/point_responses.h"
+#include "voxtone/optics/monte_carlo/sampled_bssrdf.h"
 
 namespace voxtone::halftone {
 
@@ -67,8 +67,7 @@ struct FactorSummary {
 };
 
 /// Throws InputError where a channel holds no light at all. `progress` advances once a channel.
-[[nodiscard]] LocalProfiles factor_responses(const optics::PointResponses& responses,
-                                             const LocalProfileOptions& options, std::vector<FactorSummary>& summary,
-                                             Progress* progress = nullptr);
+[[nodiscard]] LocalProfiles factor_responses(const optics::SampledBssrdf& responses, const LocalProfileOptions& options,
+                                             std::vector<FactorSummary>& summary, Progress* progress = nullptr);
 
 }  // namespace voxtone::halftone

@@ -68,7 +68,7 @@ void for_window(const PointGrid& grid, std::span<const ProfileRing> rings, std::
 
 }  // namespace
 
-ReconstructionError reconstruction_error(const optics::PointResponses& responses, std::size_t channel,
+ReconstructionError reconstruction_error(const optics::SampledBssrdf& responses, std::size_t channel,
                                          const LocalProfiles& profiles) {
     const auto rings = profile_rings(profiles.radius);
     const auto roots = roots_by_ring(profiles, channel, rings);
@@ -143,7 +143,7 @@ std::vector<double> response_at(const LocalProfiles& profiles, std::size_t chann
     return window;
 }
 
-std::vector<double> response_at(const optics::PointResponses& responses, std::size_t channel, std::size_t point) {
+std::vector<double> response_at(const optics::SampledBssrdf& responses, std::size_t channel, std::size_t point) {
     const auto offsets = optics::half_window(responses.radius);
     const auto& pairs = responses.channels.at(channel).pairs;
     const std::size_t side = 2 * std::size_t{responses.radius} + 1;
@@ -180,7 +180,7 @@ SpreadImages spread_of(const LocalProfiles& profiles, std::size_t channel) {
     return spread_from(moments, profiles.pitch_mm * profiles.pitch_mm, profiles.pitch_mm);
 }
 
-SpreadImages spread_of(const optics::PointResponses& responses, std::size_t channel) {
+SpreadImages spread_of(const optics::SampledBssrdf& responses, std::size_t channel) {
     const auto offsets = optics::half_window(responses.radius);
     const auto& pairs = responses.channels.at(channel).pairs;
     const int width = static_cast<int>(responses.width), height = static_cast<int>(responses.height);

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "voxtone/halftone/local_profiles/local_profiles.h"
-#include "voxtone/optics/monte_carlo/point_responses.h"
+#include "voxtone/optics/monte_carlo/sampled_bssrdf.h"
 #include "voxtone/optics/profiles/measured_profile.h"
 
 namespace voxtone::halftone {
@@ -26,13 +26,13 @@ struct ReconstructionError {
            largest_albedo_error = 0;  ///< root mean square and largest, over points: light within the window
 };
 
-[[nodiscard]] ReconstructionError reconstruction_error(const optics::PointResponses& responses, std::size_t channel,
+[[nodiscard]] ReconstructionError reconstruction_error(const optics::SampledBssrdf& responses, std::size_t channel,
                                                        const LocalProfiles& profiles);
 
 /// R'(x, x + offset) of one channel for a window around a point: (2 radius + 1)^2 values, rows from the top; 0 outside
 /// of the window and the grid. And the same of the data.
 [[nodiscard]] std::vector<double> response_at(const LocalProfiles& profiles, std::size_t channel, std::size_t point);
-[[nodiscard]] std::vector<double> response_at(const optics::PointResponses& responses, std::size_t channel,
+[[nodiscard]] std::vector<double> response_at(const optics::SampledBssrdf& responses, std::size_t channel,
                                               std::size_t point);
 
 /// Light and mean distance that it goes, by point.
@@ -42,7 +42,7 @@ struct SpreadImages {
 };
 /// Of R' in the grid: what is seen of the surface. And the same of the data.
 [[nodiscard]] SpreadImages spread_of(const LocalProfiles& profiles, std::size_t channel);
-[[nodiscard]] SpreadImages spread_of(const optics::PointResponses& responses, std::size_t channel);
+[[nodiscard]] SpreadImages spread_of(const optics::SampledBssrdf& responses, std::size_t channel);
 
 /// The light of an endless surface of one profile within the window, of one unit that entered, by knot: each ring's is
 /// shared between its two knots. P: by knot.

@@ -11,7 +11,7 @@
 #include <span>
 #include <vector>
 
-#include "voxtone/optics/monte_carlo/point_responses.h"
+#include "voxtone/optics/monte_carlo/sampled_bssrdf.h"
 
 namespace voxtone::halftone {
 

@@ -85,11 +85,11 @@ private:
 };
 
 /// Marks the cells whose target the resins can show; all where none is.
-std::vector<char> cells_in_gamut(const SurfaceFirst& recipes, std::span<const Eigen::Vector3f> target) {
+std::vector<char> cells_in_gamut(const MinimalDepthSeparation& recipes, std::span<const Eigen::Vector3f> target) {
     constexpr double visible = 1;  // CIEDE2000
     std::vector<char> in(target.size());
     parallel_for(0, target.size(), 256,
-                 [&](std::size_t i) { in[i] = recipes.deepest().mapping_distance(target[i]) < visible; });
+                 [&](std::size_t i) { in[i] = recipes.deepest().gamut_distance(target[i]) < visible; });
     if (std::find(in.begin(), in.end(), 1) == in.end()) std::fill(in.begin(), in.end(), 1);
     return in;
 }
@@ -195,7 +195,7 @@ private:
     const LoopOptions& options_;
     Progress& progress_;
     const LoopListener& listener_;
-    const SurfaceFirst& recipes_;
+    const MinimalDepthSeparation& recipes_;
     const int most_;
     std::vector<char> in_gamut_;
     std::optional<EyeFilter> wide_;
@@ -231,7 +231,7 @@ LoopRun::LoopRun(const LoopTask& task, const LoopOptions& options, Progress& pro
       error_(*task.surface, task.target, in_gamut_, options.viewing_distance_mm),
       sequence_(task.model->sequence(task.scene, *task.surface)),
       around_(*task.surface),
-      has_gradient_(options.descent && task.by_mixtures) {
+      has_gradient_(options.descent && task.mixture_gradient) {
     progress_.begin_stage("appearance loop", static_cast<std::uint64_t>(most_) + 1, "predictions");
     prepare_misfit();
 }
@@ -266,7 +266,7 @@ void LoopRun::prepare_misfit() {
 void LoopRun::predict_open_loop() {
     predict(task_.open_loop(), LoopMethod::open_loop);
     state_.open = state_.shown = rgb_;
-    state_.drive = state_.start_drive = target_;
+    state_.control = state_.start_control = target_;
     correct_control();
     if (listener_) listener_(state_);
 }
@@ -294,16 +294,16 @@ void LoopRun::iterate() {
 /// Prints the control colours, and decides what comes next: another correction, the target itself, or the descent.
 void LoopRun::feedback_step() {
     const double least = least_mean(state_.steps), least_by_feedback = least_mean(state_.steps, LoopMethod::feedback);
-    const SkinMixtures mixtures = mixtures_of(recipes_, state_.drive);
+    const SkinMixtures mixtures = mixtures_of(recipes_, state_.control);
     predict(task_.realise(mixtures), LoopMethod::feedback);
     keep_if_best(mixtures);
     const bool best_by_feedback = last_mean() < least_by_feedback;
-    if (best_by_feedback) state_.start_drive = state_.drive;
+    if (best_by_feedback) state_.start_control = state_.control;
     if (has_gradient_ && iterations_made() < most_) {
         const bool no_good = state_.steps[1].seen.mean >= worthwhile * state_.steps[0].seen.mean;
         if (no_good && iterations_made() == 1) {
             // Pages of type are better off without feedback, dark pictures are not: look at both.
-            state_.drive = target_;
+            state_.control = target_;
             return;
         }
         const bool gained = last_mean() < worthwhile * least;
@@ -315,7 +315,7 @@ void LoopRun::feedback_step() {
 
 /// The gradient is at hand if the last print was the one to start from.
 void LoopRun::begin_descent_from_best_control(bool last_was_best) {
-    state_.descent = begin_descent(mixtures_of(recipes_, state_.start_drive),
+    state_.descent = begin_descent(mixtures_of(recipes_, state_.start_control),
                                    first_rates(least_mean(state_.steps, LoopMethod::feedback)));
     if (last_was_best) has_gradient_ = move_downhill();
     if (!has_gradient_) state_.descent = {};
@@ -340,7 +340,7 @@ void LoopRun::predict(optics::ResinVolume volume, LoopMethod method) {
     step.method = method;
     step.cells = error_.of_cells(rgb_);
     step.seen = error_.as_seen(rgb_);
-    step.stuck_share = saturated_share_;
+    step.saturated_share = saturated_share_;
     step.seconds = watch_.lap();
     state_.steps.push_back(step);
     progress_.note(report_line(state_, most_));
@@ -358,18 +358,18 @@ void LoopRun::correct_control() {
     Colours relaxed(rgb_.size());
     const std::size_t saturated = feed_back(
         target_, rgb_, [this](const Eigen::Vector3f& rgb) { return into_gamut(rgb); },
-        {.gain = feedback_gain(state_.steps)}, state_.drive, relaxed);
+        {.gain = feedback_gain(state_.steps)}, state_.control, relaxed);
     saturated_share_ = rgb_.empty() ? 0 : double(saturated) / double(rgb_.size());
 }
 
 /// One step of the descent from the last print. False where the model has no gradient.
 bool LoopRun::move_downhill() {
     const std::vector<float> seed = relative_.adjoint((*misfit_)(rgb_).by_colour);
-    std::vector<float> by_mixtures = task_.by_mixtures(
+    std::vector<float> mixture_gradient = task_.mixture_gradient(
         [&](const LoopTask::GradientVisitor& visit) { return sequence_->gradient(seed, visit, &progress_); });
-    if (by_mixtures.empty()) return false;
+    if (mixture_gradient.empty()) return false;
     descend(
-        std::move(by_mixtures), {}, [this](Colours& values) { around_.smooth(values); }, state_.descent);
+        std::move(mixture_gradient), {}, [this](Colours& values) { around_.smooth(values); }, state_.descent);
     return true;
 }
 
@@ -389,7 +389,7 @@ LoopResult LoopRun::finish() {
 
 }  // namespace
 
-SkinMixtures mixtures_of(const SurfaceFirst& recipes, std::span<const Eigen::Vector3f> control) {
+SkinMixtures mixtures_of(const MinimalDepthSeparation& recipes, std::span<const Eigen::Vector3f> control) {
     SkinMixtures skin(control.size(), recipes.layers().size(), recipes.resins());
     parallel_for(0, control.size(), 256, [&](std::size_t i) { recipes.separate(control[i], skin.cell(i)); });
     return skin;

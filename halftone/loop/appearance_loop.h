@@ -6,11 +6,11 @@
 //   (Iser, Rittig, Wilkie 2025, Fig. 2; Elek et al. 2017; Sumin et al. 2019)
 //
 // The unknowns are mixtures by surface cell and depth (skin.h). The first steps make them surface first
-// (surface_first.h) from one colour per cell, its control colour, by residual_feedback.h: most of the way for the price
-// of a prediction each, while they gain. Where the model has a gradient, mixture_descent.h goes on from the best of
-// these, for the price of a little more than two: it weighs what cells do to each other. Its steps swing a little about
-// where they lead to, so the last of all iterations is their running mean. docs/benchmarks.md compares the two. What is
-// predicted are the voxels themselves, as the screen laid them: its error is fed back like any other. Any
+// (minimal_depth_separation.h) from one colour per cell, its control colour, by residual_feedback.h: most of the way
+// for the price of a prediction each, while they gain. Where the model has a gradient, mixture_descent.h goes on from
+// the best of these, for the price of a little more than two: it weighs what cells do to each other. Its steps swing a
+// little about where they lead to, so the last of all iterations is their running mean. docs/benchmarks.md compares the
+// two. What is predicted are the voxels themselves, as the screen laid them: its error is fed back like any other. Any
 // AppearanceModel serves.
 //
 // Before the first step targets are mapped into the gamut of the resins on a thick body (the separation's mapping: hue
@@ -38,9 +38,9 @@
 #include <Eigen/Core>
 
 #include "voxtone/base/progress.h"
+#include "voxtone/halftone/loop/minimal_depth_separation.h"
 #include "voxtone/halftone/loop/mixture_descent.h"
 #include "voxtone/halftone/loop/skin.h"
-#include "voxtone/halftone/loop/surface_first.h"
 #include "voxtone/optics/colour/colour.h"
 #include "voxtone/optics/scene/appearance_model.h"
 
@@ -67,14 +67,14 @@ struct LoopTask {
     optics::Scene scene;  ///< its volume is the shape, all of the white resin: what media-relative values refer to
     std::function<optics::ResinVolume()> open_loop;  ///< the print that the loop begins with
     const optics::Surface* surface = nullptr;
-    const SurfaceFirst* recipes = nullptr;
+    const MinimalDepthSeparation* recipes = nullptr;
     std::span<const Eigen::Vector3f> target;  ///< linear sRGB per surface cell
     /// The print of these mixtures: same size and shape as the scene's volume.
     std::function<optics::ResinVolume(const SkinMixtures&)> realise;
     using GradientVisitor = optics::AppearanceSequence::GradientVisitor;
     /// The gradient by voxels that `visit_all` hands over, summed over those of each cell and layer: as
     /// SkinMixtures::all. Empty where that says that there is none.
-    std::function<std::vector<float>(const std::function<bool(const GradientVisitor&)>& visit_all)> by_mixtures;
+    std::function<std::vector<float>(const std::function<bool(const GradientVisitor&)>& visit_all)> mixture_gradient;
 };
 
 /// What made an iterate; the characters are those of checkpoints.
@@ -90,17 +90,17 @@ struct LoopStep {
     LoopMethod method = LoopMethod::open_loop;
     optics::DifferenceSummary seen;   ///< after the eye filter
     optics::DifferenceSummary cells;  ///< as they are
-    double stuck_share = 0;           ///< of the cells, at their limits, in the step that made this iterate
+    double saturated_share = 0;       ///< of the cells, at their limits, in the step that made this iterate
     double seconds = 0;               ///< of distributing and predicting
 };
 
 /// Enough to go on later.
 struct LoopState {
     std::vector<LoopStep> steps;
-    std::size_t best = 0;                      ///< index into steps; 0: the open loop
-    std::vector<Eigen::Vector3f> drive;        ///< of the next iterate, per cell, while there is feedback
-    std::vector<Eigen::Vector3f> start_drive;  ///< of the best iterate by feedback: where descent starts
-    DescentState descent;                      ///< without cells until it begins
+    std::size_t best = 0;                        ///< index into steps; 0: the open loop
+    std::vector<Eigen::Vector3f> control;        ///< of the next iterate, per cell, while there is feedback
+    std::vector<Eigen::Vector3f> start_control;  ///< of the best iterate by feedback: where descent starts
+    DescentState descent;                        ///< without cells until it begins
     SkinMixtures recent;         ///< running mean of what it printed, the last step for a half; without cells before
     SkinMixtures best_mixtures;  ///< without cells: the open loop
     std::vector<Eigen::Vector3f> open, shown;  ///< predicted colours of the open loop and of the best iterate
@@ -123,6 +123,6 @@ using LoopListener = std::function<void(const LoopState&)>;
                                              const LoopListener& listener = {}, const LoopState* resume = nullptr);
 
 /// Mixtures of every cell for these control colours.
-[[nodiscard]] SkinMixtures mixtures_of(const SurfaceFirst& recipes, std::span<const Eigen::Vector3f> control);
+[[nodiscard]] SkinMixtures mixtures_of(const MinimalDepthSeparation& recipes, std::span<const Eigen::Vector3f> control);
 
 }  // namespace voxtone::halftone

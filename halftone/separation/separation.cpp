@@ -105,7 +105,7 @@ std::vector<double> Separation::fractions(const Eigen::Vector3f& rgb) const {
 
 Eigen::Vector3d Separation::predicted(const Eigen::Vector3f& rgb) const { return colour_.rgb(fractions(rgb)); }
 
-double Separation::mapping_distance(const Eigen::Vector3f& rgb) const {
+double Separation::gamut_distance(const Eigen::Vector3f& rgb) const {
     return optics::ciede2000(optics::lab_from_linear_srgb(rgb.cast<double>().cwiseMax(0).cwiseMin(1)),
                              optics::lab_from_linear_srgb(predicted(rgb)));
 }

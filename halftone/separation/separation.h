@@ -67,7 +67,7 @@ public:
     [[nodiscard]] Eigen::Vector3d predicted(const Eigen::Vector3f& rgb) const;
     /// CIEDE2000 between the target and `predicted(rgb)`: how far the colour had to be moved (and, in gamut, the error
     /// of the interpolation).
-    [[nodiscard]] double mapping_distance(const Eigen::Vector3f& rgb) const;
+    [[nodiscard]] double gamut_distance(const Eigen::Vector3f& rgb) const;
 
 private:
     struct alignas(32) Node {

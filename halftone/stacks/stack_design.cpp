@@ -4,7 +4,7 @@
 #include "voxtone/base/contracts.h"
 #include "voxtone/halftone/stacks/stack_refinement.h"
 #include "voxtone/halftone/stacks/whole_layers.h"
-#include "voxtone/optics/profiles/surfaced_reflection.h"
+#include "voxtone/optics/profiles/saunderson.h"
 
 namespace voxtone::halftone {
 namespace {

@@ -6,7 +6,7 @@
 // The search (stack_search.h) stacks index-matched layers. What the print shows differs: a surface turns light back,
 // light between layers is not diffuse, layers have other thicknesses than those they are known at. So its target is
 // corrected. With g(seen) = seen / (1 - s + s seen) what lies behind a surface that turns back s
-// (surfaced_reflection.h),
+// (saunderson.h),
 //
 //   target_0 = g(wanted),   target_n+1 = g(wanted) + R_model(stack_n) - g(R_judged(stack_n))
 //

@@ -76,7 +76,7 @@ BssrdfFile read_bssrdf(const std::filesystem::path& file) {
     BssrdfFile data;
     if (json.has("source")) data.source = json.text("source");
     data.channels = json_channels(json, "channels");
-    optics::PointResponses& responses = data.responses;
+    optics::SampledBssrdf& responses = data.responses;
     const auto points = json.integers("points", 2, 1, most_side);
     responses.width = static_cast<std::uint32_t>(points[0]);
     responses.height = static_cast<std::uint32_t>(points[1]);
@@ -102,7 +102,7 @@ BssrdfFile read_bssrdf(const std::filesystem::path& file) {
 }
 
 void write_bssrdf(const BssrdfFile& data, const std::filesystem::path& file) {
-    const optics::PointResponses& responses = data.responses;
+    const optics::SampledBssrdf& responses = data.responses;
     VOXTONE_EXPECT(responses.channels.size() == data.channels.size());
     VOXTONE_EXPECT(responses.width >= 1 && responses.width <= most_side && responses.height >= 1 &&
                    responses.height <= most_side);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Data sets of heterogeneous scattering (optics/monte_carlo/point_responses.h) as files, measured or computed (format
+// Data sets of heterogeneous scattering (optics/monte_carlo/sampled_bssrdf.h) as files, measured or computed (format
 // "voxtone-bssrdf").
 //
 //   8 bytes    "VTBSSRDF"
@@ -26,14 +26,14 @@
 #include <string>
 
 #include "voxtone/optics/media/resins.h"
-#include "voxtone/optics/monte_carlo/point_responses.h"
+#include "voxtone/optics/monte_carlo/sampled_bssrdf.h"
 
 namespace voxtone::io {
 
 struct BssrdfFile {
     std::string source;
     optics::Channels channels;
-    optics::PointResponses responses;
+    optics::SampledBssrdf responses;
 };
 
 /// Bytes behind the header.

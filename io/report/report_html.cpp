@@ -201,7 +201,7 @@ void add_loop(std::string& html, const Report& report) {
             "class=\"n\">{:.2f}</td>"
             "<td class=\"n\">{:.2f}</td><td class=\"n wide-only\">{:.2f}</td><td class=\"n wide-only\">{:.1f} %</td>"
             "<td class=\"n wide-only\">{}</td></tr>\n",
-            name, i.mean, most > 0 ? 100 * i.mean / most : 0, i.median, i.p95, i.cells_mean, 100 * i.stuck_share,
+            name, i.mean, most > 0 ? 100 * i.mean / most : 0, i.median, i.p95, i.cells_mean, 100 * i.saturated_share,
             duration_text(i.seconds));
     }
     html += "</tbody>\n</table></div>\n";

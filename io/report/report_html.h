@@ -74,7 +74,7 @@ struct ReportIteration {
     int number = 0;                        ///< 0: the open loop
     double mean = 0, median = 0, p95 = 0;  ///< as seen from the viewing distance
     double cells_mean = 0;                 ///< cell by cell
-    double stuck_share = 0;                ///< of the cells, at their limits, in [0, 1]
+    double saturated_share = 0;            ///< of the cells, at their limits, in [0, 1]
     double seconds = 0;
 };
 

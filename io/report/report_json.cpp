@@ -42,7 +42,7 @@ void write_loop(JsonWriter& json, const ReportLoop& loop) {
         json.line().begin_object().add("iteration", i.number);
         json.key("seen_de2000").begin_object().add("mean", i.mean).add("median", i.median).add("p95", i.p95);
         json.end_object().key("cells_de2000").begin_object().add("mean", i.cells_mean).end_object();
-        json.add("stuck_share", i.stuck_share).add("seconds", i.seconds).end_object();
+        json.add("stuck_share", i.saturated_share).add("seconds", i.seconds).end_object();
     }
     json.end_list().end_object();
 }

@@ -52,7 +52,7 @@ struct ShellAppearance::Tables {
     ShellGeometry geometry;
     double inverse_absorption_scale, inverse_scattering_scale;  // mm
     std::vector<BicubicTable> tables;                           // per channel
-    HalftoneMedium medium;
+    EffectiveMedium medium;
     std::vector<double> white;  // per channel
 
     Tables(const ResinSet& resins, const ShellGeometry& shell);
@@ -73,7 +73,7 @@ struct ShellAppearance::Tables {
     // Value and gradient, both times `factor`.
     double with_gradient(std::span<const double> fractions, std::size_t channel, double factor,
                          std::span<double> gradient) const {
-        const HalftoneMedium::Point at = medium.at(fractions, channel);
+        const EffectiveMedium::Point at = medium.at(fractions, channel);
         const double x = 1 + std::max(at.medium.sigma_a, 0.0) * inverse_absorption_scale,
                      y = 1 + std::max(at.medium.sigma_s, 0.0) * inverse_scattering_scale;
         const BicubicTable::Value value = tables[channel].with_gradient(std::log(x), std::log(y));

@@ -13,8 +13,8 @@
 //
 //   A_c(f) = table_c( ln(1 + sigma_a / s_a), ln(1 + sigma_s / s_s) )
 //
-// sigma_a and sigma_s are those of the mixture: of a halftone of voxels where their pitch is given (halftone_medium.h),
-// else their averages (Iser, Rittig, Wilkie 2025, Eq. 7).
+// sigma_a and sigma_s are those of the mixture: of a halftone of voxels where their pitch is given
+// (effective_medium.h), else their averages (Iser, Rittig, Wilkie 2025, Eq. 7).
 //
 // Range: fractions in [0, 1] that sum to 1 (anything in the box of absorption and scattering that the resins span;
 // outside it the value at the edge holds). Error against adding-doubling for cores that scatter: below 1e-4 in
@@ -32,7 +32,7 @@
 #include <span>
 #include <vector>
 
-#include "voxtone/optics/media/halftone_medium.h"
+#include "voxtone/optics/media/effective_medium.h"
 #include "voxtone/optics/media/resins.h"
 #include "voxtone/optics/scene/backing.h"
 

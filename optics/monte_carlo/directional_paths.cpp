@@ -75,7 +75,7 @@ double DirectionalPaths::estimate(const Surface& surface, const PathStarts& star
         return to_light;
     };
     double sum = 0, weight = 1;
-    Patience patience;
+    RouletteByOrder patience;
     for (;;) {
         double depth = -std::log1p(-random.uniform());
         for (;;) {
@@ -91,7 +91,7 @@ double DirectionalPaths::estimate(const Surface& surface, const PathStarts& star
             ray.d = entering_light(2, 1.0, walk_.eta(), random);
         }
         weight *= optics.albedo[ray.material];
-        if (!survives_faintness(weight, roulette_weight_, random)) return sum;
+        if (!survives_roulette_by_weight(weight, roulette_weight_, random)) return sum;
         // Downward, as rarely as it is faint, for the light that the lower surface reflected.
         const bool down = random.uniform() < R_45_;
         const Ray to_light = ask(down ? -nu_ : nu_);

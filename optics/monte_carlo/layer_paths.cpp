@@ -7,8 +7,8 @@
 
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/parallel.h"
-#include "voxtone/optics/monte_carlo/path_rounds.h"
-#include "voxtone/optics/monte_carlo/plain_paths.h"
+#include "voxtone/optics/monte_carlo/adaptive_sampling.h"
+#include "voxtone/optics/monte_carlo/scalar_paths.h"
 #include "voxtone/optics/monte_carlo/voxel_walk.h"
 
 namespace voxtone::optics {
@@ -43,7 +43,7 @@ public:
         double x = 0, y = 0, z = 0, weight = 1;
         std::size_t layer = 0;
         bool direct = true;
-        Patience patience;
+        RouletteByOrder patience;
         for (;;) {
             double depth = -std::log1p(-random.uniform());
             for (;;) {
@@ -83,7 +83,7 @@ public:
             }
             direct = false;
             weight *= scene_.layers[layer].medium.albedo();
-            if (!survives_faintness(weight, default_roulette_weight, random)) return {};
+            if (!survives_roulette_by_weight(weight, default_roulette_weight, random)) return {};
             turn_henyey_greenstein(d, scene_.g, random);
         }
     }

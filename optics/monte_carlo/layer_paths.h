@@ -5,7 +5,7 @@
 //
 // Layers are endless, of one refractive index and one phase function; air may lie beyond smooth surfaces at the top and
 // at the bottom, or a diffuse sheet may be glued to the bottom (what it sends back is lambertian; T is what it keeps).
-// Paths enter at one point of the top from diffuse light that the surface lets in and are those of plain_paths.h: free
+// Paths enter at one point of the top from diffuse light that the surface lets in and are those of scalar_paths.h: free
 // paths by optical depth, Henyey-Greenstein, the weight times the albedo at every scattering, roulette below
 // `default_roulette_weight`. What leaves is counted by its distance in rings: as many units of 2^-32, so that the sums
 // have the same bits for any number of threads. Light that entered is 1.

@@ -6,11 +6,11 @@
 
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/error.h"
+#include "voxtone/optics/monte_carlo/adaptive_sampling.h"
 #include "voxtone/optics/monte_carlo/directional_paths.h"
 #include "voxtone/optics/monte_carlo/path_entries.h"
 #include "voxtone/optics/monte_carlo/path_packets.h"
-#include "voxtone/optics/monte_carlo/path_rounds.h"
-#include "voxtone/optics/monte_carlo/plain_paths.h"
+#include "voxtone/optics/monte_carlo/scalar_paths.h"
 
 namespace voxtone::optics {
 namespace {
@@ -166,8 +166,8 @@ Appearance MonteCarlo::predict(const Scene& scene, const Surface& surface, Monte
     require_resins(scene);
     const std::size_t channels = scene.resins->channels.size();
     const PathStarts starts(scene, surface, options_.boundary != nullptr);
-    if (options_.tracer == PathTracer::plain) {
-        const PlainPaths paths(scene);
+    if (options_.tracer == PathTracer::scalar) {
+        const ScalarPaths paths(scene);
         const auto trace = [&](std::size_t, std::span<const Share> shares, std::span<Tally> tallies) {
             trace_one_by_one(surface, channels, options_, shares, tallies,
                              [&](std::size_t cell, std::size_t channel, PathRandom& random) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // The reference: appearance by volumetric path tracing through the voxels of resins. Everything that the scene says is
-// simulated as it is (plain_paths.h): Henyey-Greenstein scattering, refraction and total reflection at the surface,
+// simulated as it is (scalar_paths.h): Henyey-Greenstein scattering, refraction and total reflection at the surface,
 // finite bodies, backing. The only error is noise, and its size stands beside every value.
 //
 // Noise: the standard error falls with the square root of the number of paths; a value of 0.5 has about 0.4 per path.

@@ -11,7 +11,7 @@ namespace voxtone::optics {
 
 enum class PathTracer {
     packets,  ///< vector code: path_packets.h
-    plain,    ///< its definition, path by path, in double precision: plain_paths.h
+    scalar,   ///< its definition, path by path, in double precision: scalar_paths.h
 };
 
 struct MonteCarloOptions {

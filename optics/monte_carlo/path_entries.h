@@ -2,7 +2,7 @@
 //
 // How light enters, many paths at once, in vector code: the place on the surface, the direction of diffuse light that
 // the refractive surface let in, and the first free path, each path by its address (path_random.h). The scalar
-// reference is PlainPaths (plain_paths.h). Run-time dispatch; the same bits on every machine.
+// reference is ScalarPaths (scalar_paths.h). Run-time dispatch; the same bits on every machine.
 #pragma once
 
 #include <array>

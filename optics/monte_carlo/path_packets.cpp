@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "voxtone/optics/monte_carlo/plain_paths.h"
+#include "voxtone/optics/monte_carlo/scalar_paths.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "voxtone/optics/monte_carlo/path_packets.cpp"
@@ -279,7 +279,7 @@ private:
         }
     }
 
-    /// Russian roulette by order: Patience, in vector code.
+    /// Russian roulette by order: RouletteByOrder, in vector code.
     HWY_INLINE void count_meetings(std::size_t row, Event& e, Mask meets) {
         const Tag d;
         const IntTag di;
@@ -484,7 +484,7 @@ private:
         lanes_.majorant[lane] = scene_.majorant[b];
         lanes_.weight[lane] = 1;
         lanes_.meetings[lane] = 0;
-        lanes_.meetings_allowed[lane] = static_cast<std::int32_t>(Patience().allowed);
+        lanes_.meetings_allowed[lane] = static_cast<std::int32_t>(RouletteByOrder().allowed);
         lanes_.tag[lane] = start.tag;
         lanes_.depth[lane] = start.depth;
         for (std::size_t k = 0; k < 4; ++k) lanes_.random[k][lane] = start.random[k];

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Many light paths at once through the voxels of a volume: the vector twin of plain_paths.h, the same physics with free
-// paths drawn as path_volume.h says, in single precision.
+// Many light paths at once through the voxels of a volume: the vector twin of scalar_paths.h, the same physics with
+// free paths drawn as path_volume.h says, in single precision.
 //
 // Every lane of a packet carries its own path and does one event at a time: it meets a particle, or the side of its
 // box. A path that ends makes room for the next. What a path does is a function of its start alone, never of the lane,

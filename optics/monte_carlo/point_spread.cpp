@@ -6,10 +6,10 @@
 
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/parallel.h"
+#include "voxtone/optics/monte_carlo/adaptive_sampling.h"
 #include "voxtone/optics/monte_carlo/path_entries.h"
 #include "voxtone/optics/monte_carlo/path_packets.h"
-#include "voxtone/optics/monte_carlo/path_rounds.h"
-#include "voxtone/optics/monte_carlo/plain_paths.h"
+#include "voxtone/optics/monte_carlo/scalar_paths.h"
 #include "voxtone/optics/monte_carlo/voxel_walk.h"
 
 namespace voxtone::optics {

@@ -6,11 +6,11 @@
 
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/parallel.h"
+#include "voxtone/optics/profiles/bounded_table.h"
+#include "voxtone/optics/profiles/column_sampling.h"
+#include "voxtone/optics/profiles/lateral_transport.h"
 #include "voxtone/optics/profiles/layer_profile.h"
-#include "voxtone/optics/profiles/layers_under.h"
-#include "voxtone/optics/profiles/sideways_light.h"
-#include "voxtone/optics/profiles/surfaced_reflection.h"
-#include "voxtone/optics/profiles/surfaced_table.h"
+#include "voxtone/optics/profiles/saunderson.h"
 
 namespace voxtone::optics {
 namespace {
@@ -115,24 +115,24 @@ struct Seen {
 
 class Stacked {
 public:
-    Stacked(const std::vector<Coefficients>& coefficients, const SurfacedTable& surfaced, double surfaced_mm,
+    Stacked(const std::vector<Coefficients>& coefficients, const BoundedTable& bounded, double bounded_mm,
             double turned_back, std::size_t channels)
         : coefficients_(coefficients),
-          surfaced_(surfaced),
-          surfaced_mm_(surfaced_mm),
+          bounded_(bounded),
+          bounded_mm_(bounded_mm),
           turned_back_(turned_back),
           channels_(channels) {}
 
-    [[nodiscard]] Seen seen(const LayersUnder& column, std::size_t channel) const {
+    [[nodiscard]] Seen seen(const MaterialColumn& column, std::size_t channel) const {
         if (column.steps.empty()) return {};
         const bool ends = column.end != LayersEnd::endless;
-        const double most_mm = std::min(surfaced_mm_, ends ? 0.5 * column.mm : column.mm);
+        const double most_mm = std::min(bounded_mm_, ends ? 0.5 * column.mm : column.mm);
         const double top_mm = first_layer(column, most_mm, false);
         const double bottom_from = column.mm - (ends ? first_layer(column, most_mm, true) : 0);
         Coefficients top, bottom, last;
         Totals middle;
         double above = 0;
-        for (const LayersUnder::Step& step : column.steps) {
+        for (const MaterialColumn::Step& step : column.steps) {
             last = mixture(column, step, channel);
             const double below = above + step.mm;
             const double in_top = std::clamp(top_mm - above, 0.0, step.mm),
@@ -143,9 +143,9 @@ public:
             if (rest > 1e-9) middle = upon(middle, homogeneous(last, rest));
             above = below;
         }
-        const SurfacedTotals first = surfaced_.at(top.sigma_a, top.sigma_s);
+        const BoundedTotals first = bounded_.at(top.sigma_a, top.sigma_s);
         if (!ends) return {through(first, upon(middle, {half_space(last), 0, 0}).R_top), 0};
-        const SurfacedTotals other = surfaced_.at(bottom.sigma_a, bottom.sigma_s);
+        const BoundedTotals other = bounded_.at(bottom.sigma_a, bottom.sigma_s);
         double R_other = other.R_bottom;
         if (column.end == LayersEnd::white_sheet) R_other += other.T_up * other.T_down / (1 - other.R_top);
         const double under = upon(middle, {R_other, 0, 0}).R_top, R = through(first, under);
@@ -156,7 +156,7 @@ public:
     }
 
     // R of the same layers without the surface, in waves of light, in parts of their total.
-    [[nodiscard]] Waves shape(const LayersUnder& column, std::size_t channel) const {
+    [[nodiscard]] Waves shape(const MaterialColumn& column, std::size_t channel) const {
         constexpr float least = 1e-3F;  // deeper down is seen twice as little
         WaveTotals all;
         Coefficients last;
@@ -178,11 +178,11 @@ private:
     // How thick the layer next to the surface is (from behind: next to the other one), most_mm at most: up to where the
     // mixture above and as much below it differ most, if they differ by three quarters or more; voxels of a halftone do
     // not, taken together.
-    [[nodiscard]] double first_layer(const LayersUnder& column, double most_mm, bool from_behind) const {
+    [[nodiscard]] double first_layer(const MaterialColumn& column, double most_mm, bool from_behind) const {
         constexpr std::size_t fewest = 2;
         constexpr float border = 0.75F;
         const std::size_t n = column.steps.size(), materials = coefficients_.size() / channels_;
-        const auto step = [&](std::size_t i) -> const LayersUnder::Step& {
+        const auto step = [&](std::size_t i) -> const MaterialColumn::Step& {
             return column.steps[from_behind ? n - 1 - i : i];
         };
         double mm = 0, best_mm = most_mm;
@@ -205,14 +205,14 @@ private:
         return best_mm;
     }
 
-    [[nodiscard]] bool alike(const LayersUnder& column, std::size_t a, std::size_t b) const {
+    [[nodiscard]] bool alike(const MaterialColumn& column, std::size_t a, std::size_t b) const {
         const auto materials = static_cast<std::ptrdiff_t>(coefficients_.size() / channels_);
         const auto of = column.shares.begin() + static_cast<std::ptrdiff_t>(column.steps[a].first);
         return a == b || std::equal(of, of + materials,
                                     column.shares.begin() + static_cast<std::ptrdiff_t>(column.steps[b].first));
     }
 
-    [[nodiscard]] Coefficients mixture(const LayersUnder& column, const LayersUnder::Step& step,
+    [[nodiscard]] Coefficients mixture(const MaterialColumn& column, const MaterialColumn::Step& step,
                                        std::size_t channel) const {
         Coefficients mixed;
         const std::size_t materials = coefficients_.size() / channels_;
@@ -223,13 +223,13 @@ private:
     }
 
     // Through the surface layer, of what reflects R below it.
-    static double through(const SurfacedTotals& first, double R) {
+    static double through(const BoundedTotals& first, double R) {
         return first.R_top + first.T_down * R * first.T_up / (1 - first.R_bottom * R);
     }
 
     const std::vector<Coefficients>& coefficients_;
-    const SurfacedTable& surfaced_;
-    double surfaced_mm_, turned_back_;
+    const BoundedTable& bounded_;
+    double bounded_mm_, turned_back_;
     std::size_t channels_;
 };
 
@@ -243,7 +243,7 @@ double largest_depth(const ResinSet& set, double mm) {
 }  // namespace
 
 LayeredProfileModel::LayeredProfileModel(const LayeredProfileOptions& options) : options_(options) {
-    VOXTONE_EXPECT(options.known_mm > 0 && options.surfaced_mm > 0);
+    VOXTONE_EXPECT(options.known_mm > 0 && options.bounded_mm > 0);
 }
 
 Appearance LayeredProfileModel::predict(const Scene& scene, const Surface& surface, const Progress* progress) const {
@@ -253,15 +253,15 @@ Appearance LayeredProfileModel::predict(const Scene& scene, const Surface& surfa
     appearance.channels = set.channels.size();
     appearance.value.resize(surface.cells.size() * appearance.channels);
     const std::vector<Coefficients> coefficients = coefficients_of(set, options_.known_mm);
-    const SurfacedTable surfaced(set.g, set.eta, largest_depth(set, options_.surfaced_mm), progress);
-    const double turned_back = turned_back_share(set.eta);
-    const WalkInwards walk(scene);
-    const Stacked stacked(coefficients, surfaced, options_.surfaced_mm, turned_back, appearance.channels);
+    const BoundedTable bounded(set.g, set.eta, largest_depth(set, options_.bounded_mm), progress);
+    const double turned_back = internal_diffuse_reflectance(set.eta);
+    const ColumnSampler walk(scene);
+    const Stacked stacked(coefficients, bounded, options_.bounded_mm, turned_back, appearance.channels);
     std::vector<GaussianWeights> profiles(options_.sideways ? appearance.value.size() : 0);
     parallel_ranges(
         0, surface.cells.size(), 256,
         [&](std::size_t first, std::size_t last) {
-            LayersUnder column;
+            MaterialColumn column;
             for (std::size_t cell = first; cell < last; ++cell) {
                 walk.under(surface, surface.cells[cell], column);
                 for (std::size_t c = 0; c < appearance.channels; ++c) {
@@ -277,7 +277,7 @@ Appearance LayeredProfileModel::predict(const Scene& scene, const Surface& surfa
         progress);
     if (!options_.sideways) return appearance;
     const std::vector<float> R =
-        with_sideways_light(surface_points(surface), profiles, appearance.channels, turned_back);
+        with_lateral_transport(surface_points(surface), profiles, appearance.channels, turned_back);
     for (std::size_t i = 0; i < R.size(); ++i) appearance.value[i] = std::min(1.0F, appearance.value[i] + R[i]);
     return appearance;
 }

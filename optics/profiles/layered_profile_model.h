@@ -3,10 +3,10 @@
 // The layered profiles of Hasan et al. 2010 as an appearance model: the layers under each surface cell, stacked, and
 // the light that goes sideways between cells.
 //
-// What a walk inwards from a cell meets is a mixture for every depth (layers_under.h). A mixture has one K and one S
+// What a walk inwards from a cell meets is a mixture for every depth (column_sampling.h). A mixture has one K and one S
 // per channel: those of its resins (Kubelka and Munk's, known at `known_mm`: layer_profile.h) by volume. Its total
-// reflectance is that of its stack, k = 0. The layer next to a surface, `surfaced_mm` of it at most, is solved together
-// with the surface in all directions (surfaced_totals), because light that a surface lets in is not diffuse. The walk
+// reflectance is that of its stack, k = 0. The layer next to a surface, `bounded_mm` of it at most, is solved together
+// with the surface in all directions (bounded_totals), because light that a surface lets in is not diffuse. The walk
 // ends on the other side of thin parts: a surface again, where light leaves, and where the same light enters if it lies
 // open; a sheet under the faces on the plane z = 0 sends back nothing or everything.
 //
@@ -17,7 +17,7 @@
 //
 // which is diffusion for long waves and free flight for short ones. The same stack without its surface gives the shape
 // of the local profile, its total the height; profiles are exchanged between cells by Eq. 7, with the bounces under the
-// surface (sideways_light.h).
+// surface (lateral_transport.h).
 //
 // Error: docs/stack-search.md. A surface that is the same everywhere shows the total of its stack.
 //
@@ -37,9 +37,9 @@
 namespace voxtone::optics {
 
 struct LayeredProfileOptions {
-    double known_mm = 0.3;     ///< thickness at which resins are known, > 0
-    double surfaced_mm = 0.4;  ///< solved together with the surface; thinner where the body is; > 0
-    bool sideways = true;      ///< false: a cell sees its own layers alone
+    double known_mm = 0.3;    ///< thickness at which resins are known, > 0
+    double bounded_mm = 0.4;  ///< solved together with the surface; thinner where the body is; > 0
+    bool sideways = true;     ///< false: a cell sees its own layers alone
 };
 
 class LayeredProfileModel final : public AppearanceModel {

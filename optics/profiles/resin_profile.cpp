@@ -73,7 +73,7 @@ DiffuseTotals diffuse_totals(const LayerScene& scene) {
 }
 
 // Solved in all directions: of light that the surface let in, and of diffuse light from below.
-SurfacedTotals surfaced_totals(const Medium& medium, double g, double eta, double thickness_mm, int of_directions) {
+BoundedTotals bounded_totals(const Medium& medium, double g, double eta, double thickness_mm, int of_directions) {
     const AddingDoubling solver(angular_grid(eta, of_directions / 2, of_directions / 2), g, terms);
     const LayerResponse layer = solver.layer(medium, thickness_mm);
     const AngularGrid& at = solver.grid();
@@ -109,9 +109,9 @@ ResinProfile resin_profile(const Medium& medium, double g, double thickness_mm, 
     return profile;
 }
 
-LayerProfile surfaced_layer(const Medium& medium, double g, double eta, double thickness_mm, const HankelGrid& grid,
-                            const LayerPathOptions& options, const Progress* progress) {
-    const SurfacedTotals totals = surfaced_totals(medium, g, eta, thickness_mm);
+LayerProfile bounded_layer(const Medium& medium, double g, double eta, double thickness_mm, const HankelGrid& grid,
+                           const LayerPathOptions& options, const Progress* progress) {
+    const BoundedTotals totals = bounded_totals(medium, g, eta, thickness_mm);
     const TracedProfile above = trace_layers({{{medium, thickness_mm}}, g, eta, 1}, grid, options, progress);
     LayerPathOptions other = options;
     other.seed += 1;

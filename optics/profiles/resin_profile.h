@@ -11,7 +11,7 @@
 //
 // Refractive surfaces come in two ways. `smooth_surface` is a layer of its own: diffuse light from within is turned
 // back in part (0.596 where eta is 1.5) where it meets it. That is rough, because light that a surface lets in is not
-// diffuse but runs within 42 degrees of the normal. `surfaced_layer` is a resin layer together with the surface above
+// diffuse but runs within 42 degrees of the normal. `bounded_layer` is a resin layer together with the surface above
 // it, solved as one; only what passes below it is taken as diffuse. R of a stack under either is what the predictors of
 // voxtone call appearance: light that leaves / light that was let in, without the mirror reflection; 1 for a body that
 // absorbs nothing.
@@ -37,15 +37,15 @@ struct DiffuseTotals {
 
 /// Of a homogeneous layer under a smooth surface to air, index-matched below. Downwards, one unit is the light that the
 /// surface let in; upwards, diffuse light from below.
-struct SurfacedTotals {
+struct BoundedTotals {
     double R_top = 0, T_down = 0;
     double R_bottom = 0, T_up = 0;
 };
 
 /// By adding-doubling with that many directions, a multiple of 4. T_up = (1 - s) T_down, s as in smooth_surface
 /// (reciprocity).
-[[nodiscard]] SurfacedTotals surfaced_totals(const Medium& medium, double g, double eta, double thickness_mm,
-                                             int directions = 32);
+[[nodiscard]] BoundedTotals bounded_totals(const Medium& medium, double g, double eta, double thickness_mm,
+                                           int directions = 32);
 
 struct ResinProfile {
     double thickness_mm = 0;
@@ -60,9 +60,9 @@ struct ResinProfile {
 
 /// A homogeneous layer with a smooth surface to air above it, index-matched below. Totals are exact, spread is traced.
 /// T is the root of the way in times the way out: T of a stack is right where there is a surface on both sides.
-[[nodiscard]] LayerProfile surfaced_layer(const Medium& medium, double g, double eta, double thickness_mm,
-                                          const HankelGrid& grid, const LayerPathOptions& options = {},
-                                          const Progress* progress = nullptr);
+[[nodiscard]] LayerProfile bounded_layer(const Medium& medium, double g, double eta, double thickness_mm,
+                                         const HankelGrid& grid, const LayerPathOptions& options = {},
+                                         const Progress* progress = nullptr);
 
 /// A smooth surface between air above and resin of index eta >= 1 below; turned over it is one below a stack. With
 /// R_bottom = integral of 2 nu r(nu) dnu, T^2 = 1 - R_bottom; R_top = 0, what is mirrored is not counted. Since T

@@ -5,7 +5,7 @@
 
 #include "voxtone/base/contracts.h"
 #include "voxtone/optics/profiles/resin_profile.h"
-#include "voxtone/optics/profiles/surfaced_reflection.h"
+#include "voxtone/optics/profiles/saunderson.h"
 
 namespace voxtone::optics {
 namespace {
@@ -31,9 +31,9 @@ LayerProfile between_ends(const ResinSet& set, std::span<const ResinLayer> layer
         const LayerPathOptions own = seeded(options, channel, i);
         const bool first = i == 0, last = i + 1 == layers.size();
         if (first && ends.eta_top > 1)
-            all = surfaced_layer(medium, set.g, ends.eta_top, mm, grid, own, progress);
+            all = bounded_layer(medium, set.g, ends.eta_top, mm, grid, own, progress);
         else if (last && ends.eta_bottom > 1)
-            all = stack(all, turned_over(surfaced_layer(medium, set.g, ends.eta_bottom, mm, grid, own, progress)));
+            all = stack(all, turned_over(bounded_layer(medium, set.g, ends.eta_bottom, mm, grid, own, progress)));
         else
             all = stack(all, resin_profile(medium, set.g, mm, grid, own, progress).layer().of_thickness(mm));
     }
@@ -48,8 +48,9 @@ LayerProfile between_ends(const ResinSet& set, std::span<const ResinLayer> layer
 StackLight layered_light(const ResinSet& set, std::span<const ResinLayer> layers, const StackEnds& ends,
                          const HankelGrid& grid, const LayerPathOptions& options, const Progress* progress) {
     check(set, layers, ends);
-    // T of a surfaced layer is the root of the way in times the way out; they differ by the factor 1 - s.
-    const double way_in = std::sqrt((1 - turned_back_share(ends.eta_bottom)) / (1 - turned_back_share(ends.eta_top)));
+    // T of a bounded layer is the root of the way in times the way out; they differ by the factor 1 - s.
+    const double way_in = std::sqrt((1 - internal_diffuse_reflectance(ends.eta_bottom)) /
+                                    (1 - internal_diffuse_reflectance(ends.eta_top)));
     StackLight light;
     for (std::size_t c = 0; c < set.channels.size(); ++c) {
         const LayerProfile all = between_ends(set, layers, c, ends, grid, options, progress);

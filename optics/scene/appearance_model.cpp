@@ -22,7 +22,7 @@ private:
 
 }  // namespace
 
-bool AppearanceSequence::gradient(std::span<const float> /*by_value*/, const GradientVisitor& /*visit*/,
+bool AppearanceSequence::gradient(std::span<const float> /*adjoint_seed*/, const GradientVisitor& /*visit*/,
                                   const Progress* /*progress*/) {
     return false;
 }

@@ -55,7 +55,7 @@ public:
     /// At the last prediction, of a function F with these d F / d value (as Appearance::value): handed over box by box,
     /// which together hold every voxel once. False, and nothing visited, where the model has none or not the memory for
     /// it.
-    [[nodiscard]] virtual bool gradient(std::span<const float> by_value, const GradientVisitor& visit,
+    [[nodiscard]] virtual bool gradient(std::span<const float> adjoint_seed, const GradientVisitor& visit,
                                         const Progress* progress = nullptr);
 };
 

@@ -322,7 +322,7 @@ struct SeenFaces {
     }
     /// d F / d flux of every face from d F / d value.
     [[nodiscard]] std::vector<float> light(const TransportChannel& channel, std::size_t faces, std::size_t c,
-                                           std::size_t channels, std::span<const float> by_value) const {
+                                           std::size_t channels, std::span<const float> adjoint_seed) const {
         std::vector<float> light(faces, 0.0f);
         for (std::size_t i = 0; i < surface.cells.size(); ++i) {
             const SurfaceCell& cell = surface.cells[i];
@@ -332,7 +332,7 @@ struct SeenFaces {
             for (std::size_t f = cell.first_face; f < cell.first_face + cell.faces; ++f)
                 if (face[f] >= 0)
                     light[static_cast<std::size_t>(face[f])] +=
-                        static_cast<float>(by_value[i * channels + c] / entering);
+                        static_cast<float>(adjoint_seed[i * channels + c] / entering);
         }
         return light;
     }
@@ -413,15 +413,15 @@ Appearance TransportPredictor::solve(const Scene& scene, const Surface& surface,
         if (derivative) fields[c] = channel.take_field();
     }
     if (derivative) {
-        std::vector<float> by_value(appearance.value.size(), 0.0f), by_sigma_t, by_sigma_s;
-        (*derivative)(appearance, by_value);
+        std::vector<float> adjoint_seed(appearance.value.size(), 0.0f), by_sigma_t, by_sigma_s;
+        (*derivative)(appearance, adjoint_seed);
         const std::size_t resins = scene.resins->resins.size();
         gradient->grid = held;
         gradient->resins = resins;
         gradient->by_fraction.assign(grid.medium.size() * resins, 0.0f);
         for (std::size_t c = 0; c < channels; ++c) {
             TransportChannel channel = channel_of(c);
-            channel.solve(seen.light(channel, grid.faces.size(), c, channels, by_value), summary, progress);
+            channel.solve(seen.light(channel, grid.faces.size(), c, channels, adjoint_seed), summary, progress);
             channel.derivatives(fields[c], channel.take_field(), by_sigma_t, by_sigma_s);
             fields[c] = {};
             const std::array by_fraction{medium_derivatives(*media_of[0], *scene.resins, grid.palette, c),

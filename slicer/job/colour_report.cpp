@@ -64,7 +64,7 @@ io::ReportGamut gamut_figures(const ColourReport& s) {
     std::vector<double> differences(samples);
     parallel_for(0, samples, 256, [&](std::size_t i) {
         const auto [t, u, v] = points.at(1, i);
-        differences[i] = s.colour.separation.mapping_distance(target.colour(t, float(u), float(v)));
+        differences[i] = s.colour.separation.gamut_distance(target.colour(t, float(u), float(v)));
     });
     const auto mapped = std::count_if(differences.begin(), differences.end(), [](double d) { return d > visible; });
     const optics::DifferenceSummary summary = optics::summarize(differences);

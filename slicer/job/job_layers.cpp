@@ -15,7 +15,7 @@
 #include "voxtone/halftone/stacks/shortened_stack.h"
 #include "voxtone/halftone/stacks/stack_materials.h"
 #include "voxtone/optics/profiles/resin_stack.h"
-#include "voxtone/optics/profiles/surfaced_reflection.h"
+#include "voxtone/optics/profiles/saunderson.h"
 #include "voxtone/slicer/stacks/stack_setting.h"
 
 namespace voxtone::slicer {
@@ -93,7 +93,7 @@ struct Materials {
 Materials computed_materials(const optics::ResinSet& set, double most_mm, const optics::HankelGrid& grid,
                              Progress& progress) {
     progress.begin_stage("profiles of the resins", set.resins.size(), "resins");
-    Materials made{{}, optics::turned_back_share(set.eta), true};
+    Materials made{{}, optics::internal_diffuse_reflectance(set.eta), true};
     for (std::size_t r = 0; r < set.resins.size(); ++r) {
         std::vector<double> known_mm;
         for (std::size_t c = 0; c < set.channels.size(); ++c)

@@ -23,17 +23,17 @@ optics::ResinVolume shape_of(const PrintParts& parts, const LoadedResins& resins
                           static_cast<optics::Material>((white >= 0 ? white : resins.core) + 1));
 }
 
-std::unique_ptr<const halftone::SurfaceFirst> make_recipes(const optics::ResinSet& resins,
-                                                           const optics::ShellGeometry& shell,
-                                                           const halftone::SkinLayers& layers,
-                                                           const Progress& progress) {
+std::unique_ptr<const halftone::MinimalDepthSeparation> make_recipes(const optics::ResinSet& resins,
+                                                                     const optics::ShellGeometry& shell,
+                                                                     const halftone::SkinLayers& layers,
+                                                                     const Progress& progress) {
     optics::ShellGeometry below = shell;
     below.core_mm += shell.shell_mm - layers.depth_mm();
     halftone::SeparationOptions separation;
     separation.wavelengths_nm = resins.channels.wavelengths_nm;
     constexpr int nodes = 33;
     separation.nodes = nodes;
-    return std::make_unique<const halftone::SurfaceFirst>(resins, below, layers, separation, &progress);
+    return std::make_unique<const halftone::MinimalDepthSeparation>(resins, below, layers, separation, &progress);
 }
 
 std::unique_ptr<const optics::AppearanceModel> loop_model(const ResolvedJob& job, double colour_mm,
@@ -111,7 +111,7 @@ JobLoop run_job_loop(const LoopProblem& problem, const LoopPlan& plan, const Loo
         const SkinSource skin(map, mixtures, problem.resins.core);
         return print(&skin);
     };
-    task.by_mixtures = [&](const auto& visit_all) {
+    task.mixture_gradient = [&](const auto& visit_all) {
         return skin_gradient(problem.parts, map, cells.seen.surface.cells.size(), problem.resins.set.resins.size(),
                              visit_all, progress);
     };

@@ -18,7 +18,7 @@
 
 #include "voxtone/base/progress.h"
 #include "voxtone/halftone/loop/appearance_loop.h"
-#include "voxtone/halftone/loop/surface_first.h"
+#include "voxtone/halftone/loop/minimal_depth_separation.h"
 #include "voxtone/slicer/job/job_body.h"
 #include "voxtone/slicer/job/job_colour.h"
 #include "voxtone/slicer/job/loop_checkpoint.h"
@@ -70,7 +70,7 @@ public:
     const optics::ResinVolume shape;  ///< of one resin throughout, which takes little memory
     const optics::Scene scene;
     const std::shared_ptr<const LoopCells> cells;
-    const std::unique_ptr<const halftone::SurfaceFirst> recipes;
+    const std::unique_ptr<const halftone::MinimalDepthSeparation> recipes;
 };
 
 /// What came out.

@@ -104,8 +104,8 @@ void state_in(File& file, State& state) {
     file.raw(&best, sizeof best);
     if constexpr (!std::is_const_v<State>) state.best = static_cast<std::size_t>(best);
     file.list(state.steps);
-    file.list(state.drive);
-    file.list(state.start_drive);
+    file.list(state.control);
+    file.list(state.start_control);
     mixtures_in(file, state.best_mixtures);
     mixtures_in(file, state.descent.mixtures);
     file.list(state.descent.momentum);
@@ -196,7 +196,7 @@ std::optional<halftone::LoopState> LoopCheckpoint::read(Progress& progress) cons
                d.rate.size() == cells * parts && d.divisor.size() == stepped && d.fall.size() == stepped * parts;
     };
     if (!file.good || !file.bytes.empty() || state.steps.empty() || state.best >= state.steps.size() ||
-        !fits(state.drive, false) || !fits(state.start_drive, true) || !descent_fits(state.descent) ||
+        !fits(state.control, false) || !fits(state.start_control, true) || !descent_fits(state.descent) ||
         (state.descent.mixtures.cells() != 0 && state.descent.mixtures.cells() != cells_) ||
         (state.recent.cells() != 0 && state.recent.cells() != cells_) ||
         (state.best > 0 && state.best_mixtures.cells() != cells_) || !fits(state.open, false) ||

@@ -111,7 +111,7 @@ io::ReportLoop loop_report(const JobLoop& loop, const JobBody& body, const optic
     io::ReportLoop report;
     for (const halftone::LoopStep& step : state.steps)
         report.iterations.push_back({step.iteration, step.seen.mean, step.seen.median, step.seen.percentile_95,
-                                     step.cells.mean, step.stuck_share, step.seconds});
+                                     step.cells.mean, step.saturated_share, step.seconds});
     report.best = state.steps[state.best].iteration;
     report.seconds = loop.seconds;
     const auto in = std::count(loop.result.in_gamut.begin(), loop.result.in_gamut.end(), 1);

@@ -35,7 +35,7 @@ void check_comparable(const io::BssrdfFile& data, const io::BssrdfFile& check) {
             check.channels.size(), width, height, pitch, radius, channels.size()));
 }
 
-std::vector<ChannelOutcome> outcomes(const optics::PointResponses& responses, const optics::PointResponses* check,
+std::vector<ChannelOutcome> outcomes(const optics::SampledBssrdf& responses, const optics::SampledBssrdf* check,
                                      const ProfileMapResult& result,
                                      const std::vector<halftone::FactorSummary>& summary, Progress& progress) {
     std::vector<ChannelOutcome> channels;
@@ -57,7 +57,7 @@ std::vector<ChannelOutcome> outcomes(const optics::PointResponses& responses, co
 }
 
 io::ProfileMap map_of(const io::BssrdfFile& data, const halftone::ProfileClusters& clusters, double scale) {
-    const optics::PointResponses& responses = data.responses;
+    const optics::SampledBssrdf& responses = data.responses;
     io::ProfileMap map;
     map.source = data.source;
     map.channels = data.channels;
@@ -90,7 +90,7 @@ ProfileMapResult make_profile_map(const io::BssrdfFile& data, const ProfileMapOp
                                   const io::BssrdfFile* check) {
     options.validate();
     if (check) check_comparable(data, *check);
-    const optics::PointResponses& responses = data.responses;
+    const optics::SampledBssrdf& responses = data.responses;
     ProfileMapResult result;
     Stopwatch watch;
     std::vector<halftone::FactorSummary> summary;

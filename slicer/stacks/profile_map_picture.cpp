@@ -129,7 +129,7 @@ Panel response_panel(const std::vector<double>& window, std::uint32_t side, doub
 
 ComparisonPicture draw_comparison(const io::BssrdfFile& data, const ProfileMapResult& result,
                                   std::optional<std::size_t> point) {
-    const optics::PointResponses& responses = data.responses;
+    const optics::SampledBssrdf& responses = data.responses;
     const std::size_t channels = responses.channels.size();
     const std::array<Spreads, 3> spreads{all_spreads(responses, channels), all_spreads(result.factored, channels),
                                          all_spreads(result.clustered, channels)};

@@ -11,7 +11,7 @@
 #include "voxtone/base/stopwatch.h"
 #include "voxtone/io/profiles/bssrdf_file.h"
 #include "voxtone/io/profiles/resin_file.h"
-#include "voxtone/optics/monte_carlo/point_responses.h"
+#include "voxtone/optics/monte_carlo/sampled_bssrdf.h"
 
 namespace voxtone::slicer {
 namespace {
@@ -25,7 +25,7 @@ optics::SlabOptions slab_of(const StackDatasetJob& job) {
     return slab;
 }
 
-optics::PointResponseOptions tracing_of(const StackDatasetJob& job) {
+optics::SampledBssrdfOptions tracing_of(const StackDatasetJob& job) {
     return {job.slab.width, job.slab.height, job.radius + beyond_window,
             job.radius,     job.paths,       job.path_seed.value_or(job.slab.seed)};
 }
@@ -61,17 +61,17 @@ std::string source_of(const StackDatasetJob& job, const optics::ResinSet& set) {
         job.matched ? ", no refractive surface" : "");
 }
 
-optics::PointResponses trace(const StackDatasetJob& job, const optics::ResinSet& set, Progress& progress) {
+optics::SampledBssrdf trace(const StackDatasetJob& job, const optics::ResinSet& set, Progress& progress) {
     const optics::MixtureSlab slab = optics::make_slab(set, slab_of(job));
     progress.begin_stage("trace", set.channels.size() * std::uint64_t{job.slab.width} * job.slab.height, "points");
-    optics::PointResponses responses = optics::trace_point_responses(
+    optics::SampledBssrdf responses = optics::trace_bssrdf(
         {&slab.volume, &slab.mixtures, optics::Backing::black, optics::Sides::mirrored}, tracing_of(job), &progress);
     progress.end_stage();
     return responses;
 }
 
 /// Mean over the points, of each channel.
-std::vector<double> mean_albedo(const optics::PointResponses& responses) {
+std::vector<double> mean_albedo(const optics::SampledBssrdf& responses) {
     std::vector<double> albedo;
     for (const auto& channel : responses.channels)
         albedo.push_back(std::accumulate(channel.total.begin(), channel.total.end(), 0.0) /
@@ -79,14 +79,14 @@ std::vector<double> mean_albedo(const optics::PointResponses& responses) {
     return albedo;
 }
 
-std::vector<double> beyond_windows(const optics::PointResponses& responses) {
+std::vector<double> beyond_windows(const optics::SampledBssrdf& responses) {
     std::vector<double> beyond;
     for (std::size_t c = 0; c < responses.channels.size(); ++c)
         beyond.push_back(optics::share_beyond_window(responses, c));
     return beyond;
 }
 
-JobResult result_of(const StackDatasetJob& job, const optics::PointResponses& responses, std::uint64_t bytes,
+JobResult result_of(const StackDatasetJob& job, const optics::SampledBssrdf& responses, std::uint64_t bytes,
                     double seconds) {
     const std::vector<double> albedo = mean_albedo(responses), beyond = beyond_windows(responses);
     const nlohmann::ordered_json json{{"format", "voxtone-stack-dataset"},

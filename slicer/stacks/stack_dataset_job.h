@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // `voxtone stack dataset`: a data set of heterogeneous scattering, traced through a slab of a known pattern
-// (optics/media/slab_patterns.h, optics/monte_carlo/point_responses.h), for `stack factor` and where nothing is
+// (optics/media/slab_patterns.h, optics/monte_carlo/sampled_bssrdf.h), for `stack factor` and where nothing is
 // measured.
 #pragma once
 

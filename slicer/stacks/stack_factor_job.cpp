@@ -22,7 +22,7 @@ std::string colour_name(const optics::Channels& channels, std::size_t c) {
     return channels.is_rgb() ? std::string(rgb[c]) : fmt::format("{} nm", channels.wavelengths_nm[c]);
 }
 
-std::optional<std::size_t> drawn_point(const StackFactorJob& job, const optics::PointResponses& responses) {
+std::optional<std::size_t> drawn_point(const StackFactorJob& job, const optics::SampledBssrdf& responses) {
     if (!job.point) return std::nullopt;
     const auto [x, y] = *job.point;
     if (x >= responses.width || y >= responses.height)
@@ -31,7 +31,7 @@ std::optional<std::size_t> drawn_point(const StackFactorJob& job, const optics::
     return std::size_t{y} * responses.width + x;
 }
 
-void warn_of(const ChannelOutcome& outcome, const std::string& channel, const optics::PointResponses& responses,
+void warn_of(const ChannelOutcome& outcome, const std::string& channel, const optics::SampledBssrdf& responses,
              Progress& progress) {
     if (!outcome.factor.converged)
         progress.warn(

@@ -9,7 +9,7 @@
 
 #include "voxtone/halftone/stacks/stack_materials.h"
 #include "voxtone/io/profiles/resin_file.h"
-#include "voxtone/optics/profiles/surfaced_reflection.h"
+#include "voxtone/optics/profiles/saunderson.h"
 
 namespace voxtone::slicer {
 namespace {
@@ -105,7 +105,7 @@ StackSetting::StackSetting(const StackSettingOptions& given)
         ends_.eta_top = eta;
     else if (surface_ != "matched")
         throw UsageError(fmt::format("--surface: '{}' is none of auto, air, matched", surface_));
-    turned_back_ = surface_ == "air" ? optics::turned_back_share(eta) : 0;
+    turned_back_ = surface_ == "air" ? optics::internal_diffuse_reflectance(eta) : 0;
 
     const auto everywhere = [&](double share) {
         return halftone::ChannelProfiles(channels_.size(), std::vector<double>(grid_.size(), share));
@@ -114,7 +114,7 @@ StackSetting::StackSetting(const StackSettingOptions& given)
         backing_reflection_ = everywhere(1);
         ends_.sheet = 1;
     } else if (backing_ == "air") {
-        backing_reflection_ = everywhere(optics::turned_back_share(eta));
+        backing_reflection_ = everywhere(optics::internal_diffuse_reflectance(eta));
         ends_.eta_bottom = eta;
     } else if (is_file(backing_)) {
         const io::ProfileFile profile = io::read_profile(backing_);

@@ -2,9 +2,9 @@
 //
 // Target B as it is printed: mixtures are random dithers of voxels (J750 High Mix, 42 x 85 x 27 um) on 5 mm of resin,
 // with air and a black sheet under it. Monte Carlo of those voxels is the measurement; the fit is made with mixtures
-// taken as ideal (Eq. 7), and as halftones (optics/media/halftone_medium.h). Pure squares have no voxels to see and are
-// exact. With "others": mixtures of 5, 25 and 50 % of other resins, which the dither's constants have not seen; no fit.
-// Run: build/release/benchmarks/printed_target [PATHS per value [others]]
+// taken as ideal (Eq. 7), and as halftones (optics/media/effective_medium.h). Pure squares have no voxels to see and
+// are exact. With "others": mixtures of 5, 25 and 50 % of other resins, which the dither's constants have not seen; no
+// fit. Run: build/release/benchmarks/printed_target [PATHS per value [others]]
 #include <chrono>
 #include <cmath>
 #include <cstdlib>

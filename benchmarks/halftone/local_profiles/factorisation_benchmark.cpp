@@ -33,7 +33,7 @@ int main(int argc, char** argv) {
     const double counts = argc > 2 ? std::atof(argv[2]) : 400;
     const ThreadLimit limit(static_cast<std::size_t>(argc > 3 ? std::atoi(argv[3]) : 0));
     const LocalProfiles truth = testing::wandering_profiles({side, side}, 10, 3);
-    const optics::PointResponses data = testing::separable_responses(truth, counts, 1);
+    const optics::SampledBssrdf data = testing::separable_responses(truth, counts, 1);
 
     double begin = seconds();
     std::vector<FactorSummary> summary;

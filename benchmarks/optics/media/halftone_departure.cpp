@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // The departure of halftones from ideal mixtures: measured by Monte Carlo over random resins, and the constants of
-// optics::HalftoneMedium fitted to it.
+// optics::EffectiveMedium fitted to it.
 //
 // Each patch has 2 to 5 resins in random shares and 12 channels; in each every resin has a random sigma_t (0.5 to 40
 // per mm, even in its logarithm) and albedo (two in five even in [0, 1], else 1 - 10^-4u), so 12 measurements per
@@ -16,12 +16,12 @@
 #include <Eigen/Dense>
 
 #include "tests/halftone/screens/halftone_patch.h"
-#include "voxtone/optics/media/halftone_medium.h"
+#include "voxtone/optics/media/effective_medium.h"
 
 namespace {
 
 using namespace voxtone;
-using Constants = optics::HalftoneConstants;
+using Constants = optics::EffectiveMediumConstants;
 
 constexpr std::size_t channels = 12;
 constexpr double white_s = 20, white_a = 0.01;
@@ -145,7 +145,7 @@ std::vector<double> differences(const std::vector<Sample>& samples, const AnyShe
                                 const std::array<double, 3>& pitch_mm, const Constants& constants) {
     std::vector<double> out;
     for (const Sample& s : samples) {
-        const optics::HalftoneMedium medium(s.resins, pitch_mm, optics::SeenFrom::above, constants);
+        const optics::EffectiveMedium medium(s.resins, pitch_mm, optics::SeenFrom::above, constants);
         out.push_back(lightness(shell(medium(s.fractions, 0))) - lightness(s.seen));
     }
     return out;

@@ -37,10 +37,10 @@ void paths_per_second(benchmark::State& state, int layers, MaterialOf&& material
     const ResinVolume volume = make_resin_volume({96, 48, layers}, j750, material_of);
     const Scene scene{&volume, &set, Backing::black, Sides::mirrored};
     const Surface surface = find_surface(scene, {2, 1, 3}, SurfacePart::top);
-    const auto tracer = state.range(0) == 0 ? PathTracer::packets : PathTracer::plain;
+    const auto tracer = state.range(0) == 0 ? PathTracer::packets : PathTracer::scalar;
     MonteCarloSummary summary;
     std::uint64_t paths = 0;
-    MonteCarloOptions options{.paths = tracer == PathTracer::plain ? 4u : 16u, .tracer = tracer};
+    MonteCarloOptions options{.paths = tracer == PathTracer::scalar ? 4u : 16u, .tracer = tracer};
     const auto start = std::chrono::steady_clock::now();
     for (auto _ : state) {
         benchmark::DoNotOptimize(MonteCarlo(options).predict(scene, surface, summary));

@@ -47,14 +47,14 @@ struct Bench {
     }
 
     /// The first and the last layer together with their surfaces.
-    LayerProfile with_surfaced_layers(const LayerScene& scene) const {
-        const auto surfaced = [&](const PlainLayer& of) {
-            return surfaced_layer(of.medium, scene.g, scene.eta_top, of.thickness_mm, grid(), options);
+    LayerProfile with_bounded_layers(const LayerScene& scene) const {
+        const auto bounded = [&](const PlainLayer& of) {
+            return bounded_layer(of.medium, scene.g, scene.eta_top, of.thickness_mm, grid(), options);
         };
-        LayerProfile all = surfaced(scene.layers.front());
+        LayerProfile all = bounded(scene.layers.front());
         for (std::size_t i = 1; i + 1 < scene.layers.size(); ++i)
             all = stack(all, known.at(key(scene.layers[i], scene.g)));
-        return stack(all, turned_over(surfaced(scene.layers.back())));
+        return stack(all, turned_over(bounded(scene.layers.back())));
     }
 
     static std::array<double, 4> key(const PlainLayer& of, double g) {
@@ -153,7 +153,7 @@ int main(int argc, char** argv) {
     for (const Stack& stack : stacks) in_air.push_back(traced(scene_of(stack, 0.4, 1.5), bench.options));
     header("Between smooth surfaces to air, index 1.5: the first and the last layer made together with their surfaces");
     for (std::size_t i = 0; i < stacks.size(); ++i)
-        row(name_of(stacks[i]), in_air[i], bench.with_surfaced_layers(scene_of(stacks[i], 0.4, 1.5)));
+        row(name_of(stacks[i]), in_air[i], bench.with_bounded_layers(scene_of(stacks[i], 0.4, 1.5)));
     header("Between smooth surfaces to air, index 1.5: the surfaces as layers of their own");
     for (std::size_t i = 0; i < stacks.size(); ++i)
         row(name_of(stacks[i]), in_air[i], bench.predicted(scene_of(stacks[i], 0.4, 1.5)));

@@ -36,7 +36,7 @@ void map_target(const slicer::SliceOptions& options, std::optional<double> pictu
     j.in_gamut.resize(j.target.size());
     j.mapped.resize(j.target.size());
     parallel_for(0, j.target.size(), 256, [&](std::size_t i) {
-        j.in_gamut[i] = colour->separation.mapping_distance(j.target[i]) < 1;
+        j.in_gamut[i] = colour->separation.gamut_distance(j.target[i]) < 1;
         j.mapped[i] = j.in_gamut[i] ? j.target[i] : colour->separation.predicted(j.target[i]).cast<float>().eval();
     });
 }

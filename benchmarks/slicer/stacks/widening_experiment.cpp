@@ -34,7 +34,7 @@
 #include "voxtone/optics/media/resin_volume.h"
 #include "voxtone/optics/monte_carlo/point_spread.h"
 #include "voxtone/optics/profiles/resin_stack.h"
-#include "voxtone/optics/profiles/surfaced_reflection.h"
+#include "voxtone/optics/profiles/saunderson.h"
 #include "voxtone/slicer/stacks/print_boxes.h"
 #include "voxtone/slicer/stacks/profile_plots.h"
 
@@ -225,7 +225,7 @@ int main(int argc, char** argv) {
         materials.push_back(halftone::resin_material(set, m, known, grid, tracing));
     }
     options.search.clear_top_mm = {0, 0, 0.2};
-    options.turned_back = optics::turned_back_share(set.eta);
+    options.turned_back = optics::internal_diffuse_reflectance(set.eta);
     options.layer_mm = layer_mm;
     options.rounds = 3;
     options.search.dc_weight = dc_weight;

@@ -70,7 +70,7 @@ void SeenMedium::derivatives(const ViewingGrid::Mixture& mixture, std::size_t ch
         }
         for (double& f : fractions) f /= all;
     }
-    const HalftoneMedium::Point point = halftone.at(fractions, channel);
+    const EffectiveMedium::Point point = halftone.at(fractions, channel);
     halftone.gradient(point, channel, 1, 0, by_absorption);
     halftone.gradient(point, channel, 0, 1, by_scattering);
     double mean_a = 0, mean_s = 0;

@@ -9,20 +9,20 @@
 //   w_l = exp(-1.6 kappa l h),   f_r = sum_l s_rl w_l / sum_rl s_rl w_l,   medium = (sum_rl s_rl) H(f),
 //
 // s_rl the share of the cell's volume that resin r has in layer l, h the thickness of a layer, H the medium of the
-// halftone (halftone_medium.h). It takes a quarter off the error of photographs (docs/benchmarks.md).
+// halftone (effective_medium.h). It takes a quarter off the error of photographs (docs/benchmarks.md).
 #pragma once
 
 #include <array>
 #include <cstddef>
 #include <span>
 
-#include "voxtone/optics/media/halftone_medium.h"
+#include "voxtone/optics/media/effective_medium.h"
 #include "voxtone/optics/transport/coarse/viewing_grid.h"
 
 namespace voxtone::optics {
 
 struct SeenMedium {
-    const HalftoneMedium& halftone;
+    const EffectiveMedium& halftone;
     const ResinSet& resins;
     std::array<double, 3> pitch_mm{};
 

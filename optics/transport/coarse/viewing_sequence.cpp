@@ -258,11 +258,11 @@ ViewingTransport::Media ViewingSequence::media(std::size_t channel) const {
 
 template <class Done>
 void ViewingSequence::solve(Fields Tile::*fields, GhostLight& ghosts, bool hear, Effort effort,
-                            std::span<const float> by_value, const Progress* progress, Done&& done) {
+                            std::span<const float> adjoint_seed, const Progress* progress, Done&& done) {
     std::vector<float> around, light;
     for (std::size_t c = 0; c < channels(); ++c) {
         const ViewingTransport::Media in = media(c);
-        if (!by_value.empty()) light = light_of(by_value, c);
+        if (!adjoint_seed.empty()) light = light_of(adjoint_seed, c);
         around.clear();
         if (hear)
             for (const std::uint32_t place : live().hears) around.push_back(ghosts[c][place]);
@@ -274,7 +274,7 @@ void ViewingSequence::solve(Fields Tile::*fields, GhostLight& ghosts, bool hear,
     }
 }
 
-void ViewingSequence::begin(Fields Tile::*fields, GhostLight& ghosts, std::span<const float> by_value,
+void ViewingSequence::begin(Fields Tile::*fields, GhostLight& ghosts, std::span<const float> adjoint_seed,
                             const Progress* progress) {
     ghosts.assign(channels(), std::vector<float>(ghost_places_.size()));
     if (tiles_.size() == 1) return;
@@ -282,7 +282,7 @@ void ViewingSequence::begin(Fields Tile::*fields, GhostLight& ghosts, std::span<
         for (std::size_t t = 0; t < tiles_.size(); ++t) {
             look_at(t);
             (tiles_[t].*fields).assign(channels(), {});
-            solve(fields, ghosts, round > 0, {0, 0}, by_value, progress, [](std::size_t) {});
+            solve(fields, ghosts, round > 0, {0, 0}, adjoint_seed, progress, [](std::size_t) {});
         }
 }
 
@@ -337,7 +337,7 @@ void ViewingSequence::read_appearance(std::size_t channel, Appearance& to) const
     VOXTONE_ENSURE(own == tile.cells.size());
 }
 
-std::vector<float> ViewingSequence::light_of(std::span<const float> by_value, std::size_t channel) const {
+std::vector<float> ViewingSequence::light_of(std::span<const float> adjoint_seed, std::size_t channel) const {
     const ViewingFaces& seen = live().seen;
     const Tile& tile = tiles_[live_];
     std::vector<float> light(live().grid->grid.faces.size(), 0.0f);
@@ -346,15 +346,15 @@ std::vector<float> ViewingSequence::light_of(std::span<const float> by_value, st
         for (std::uint32_t e = seen.first[k]; e < seen.first[k + 1]; ++e)
             furnace += seen.share[e] * transport_->furnace_flux(seen.face[e]);
         for (std::uint32_t e = seen.first[k]; furnace > 0 && e < seen.first[k + 1]; ++e)
-            light[seen.face[e]] += by_value[tile.near[k] * channels() + channel] * seen.share[e] / furnace;
+            light[seen.face[e]] += adjoint_seed[tile.near[k] * channels() + channel] * seen.share[e] / furnace;
     }
     return light;
 }
 
-bool ViewingSequence::gradient(std::span<const float> by_value, const GradientVisitor& visit,
+bool ViewingSequence::gradient(std::span<const float> adjoint_seed, const GradientVisitor& visit,
                                const Progress* progress) {
     const Stopwatch watch;
-    VOXTONE_EXPECT(by_value.size() == surface_.cells.size() * channels());
+    VOXTONE_EXPECT(adjoint_seed.size() == surface_.cells.size() * channels());
     VOXTONE_EXPECT(volume_ != nullptr);
     // Fields of both lights, the derivatives, and copies of the light on the faces.
     std::size_t fields = 0, most = 0;
@@ -366,7 +366,7 @@ bool ViewingSequence::gradient(std::span<const float> by_value, const GradientVi
     const std::size_t needed = most + 2 * channels() * fields;
     if (options_.memory_bytes > 0 && needed > options_.memory_bytes) return false;
     const bool first = ghost_adjoint_.empty();
-    if (first) begin(&Tile::adjoint, ghost_adjoint_, by_value, progress);
+    if (first) begin(&Tile::adjoint, ghost_adjoint_, adjoint_seed, progress);
     // Backwards: the tile that was looked at last is still at hand.
     for (std::size_t t = tiles_.size(); t-- > 0;) {
         look_at(t);
@@ -379,7 +379,7 @@ bool ViewingSequence::gradient(std::span<const float> by_value, const GradientVi
         std::vector<float> by_sigma_t(live().grid->cells()), by_sigma_s(live().grid->cells());
         const bool anew = first || tile.adjoint[0].cells.empty();
         solve(&Tile::adjoint, ghost_adjoint_, true,
-              anew ? Effort{options_.sweeps, 0} : Effort{options_.next_sweeps, 10 * options_.next_change}, by_value,
+              anew ? Effort{options_.sweeps, 0} : Effort{options_.next_sweeps, 10 * options_.next_change}, adjoint_seed,
               progress, [&](std::size_t c) {
                   transport_->derivatives(tile.light[c], by_sigma_t, by_sigma_s);
                   gradient.add(c, *media_of, seen, by_sigma_t, by_sigma_s);

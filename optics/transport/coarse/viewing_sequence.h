@@ -14,8 +14,8 @@
 // to tile as the predictions go on (Schwarz's alternating method). The first prediction goes over the tiles
 // `first_rounds` times with diffusion alone before it sweeps.
 //
-// Media are those of the halftone (halftone_medium.h) of each cell's voxels, seen from above where the surface looks up
-// and from all sides else; where in a cell a resin lies is seen too (seen_medium.h).
+// Media are those of the halftone (effective_medium.h) of each cell's voxels, seen from above where the surface looks
+// up and from all sides else; where in a cell a resin lies is seen too (seen_medium.h).
 //
 // Memory: grid and equations of one tile, 24 bytes a viewing cell for its light, as much again for the adjoint; about
 // 30 bytes a cell for the grids that are kept.
@@ -27,7 +27,7 @@
 #include <utility>
 #include <vector>
 
-#include "voxtone/optics/media/halftone_medium.h"
+#include "voxtone/optics/media/effective_medium.h"
 #include "voxtone/optics/transport/coarse/viewing_faces.h"
 #include "voxtone/optics/transport/coarse/viewing_tiles.h"
 #include "voxtone/optics/transport/coarse/viewing_transport.h"
@@ -42,7 +42,7 @@ public:
     [[nodiscard]] Appearance next(const ResinVolume& volume, const Progress* progress = nullptr) override;
     /// Of viewing_gradient.h, box by box of the tiles. The adjoint light of each channel is kept for the next one:
     /// `sweeps` the first time, then `next_sweeps`. Contract: there was a prediction.
-    [[nodiscard]] bool gradient(std::span<const float> by_value, const GradientVisitor& visit,
+    [[nodiscard]] bool gradient(std::span<const float> adjoint_seed, const GradientVisitor& visit,
                                 const Progress* progress = nullptr) override;
     /// Of the predictions so far; times of all, cells of the grids now.
     [[nodiscard]] const TransportSummary& summary() const { return summary_; }
@@ -92,12 +92,12 @@ private:
     /// Solves all channels of the live tile, with the light of its neighbours where it is to `hear` it, and tells them
     /// its own; `done` is called after each channel.
     template <class Done>
-    void solve(Fields Tile::*fields, GhostLight& ghosts, bool hear, Effort effort, std::span<const float> by_value,
+    void solve(Fields Tile::*fields, GhostLight& ghosts, bool hear, Effort effort, std::span<const float> adjoint_seed,
                const Progress* progress, Done&& done);
     /// For the first time: diffusion alone, until light has come around.
-    void begin(Fields Tile::*fields, GhostLight& ghosts, std::span<const float> by_value, const Progress* progress);
+    void begin(Fields Tile::*fields, GhostLight& ghosts, std::span<const float> adjoint_seed, const Progress* progress);
     /// Light that stands for d F / d value.
-    [[nodiscard]] std::vector<float> light_of(std::span<const float> by_value, std::size_t channel) const;
+    [[nodiscard]] std::vector<float> light_of(std::span<const float> adjoint_seed, std::size_t channel) const;
     void read_appearance(std::size_t channel, Appearance& to) const;
     [[nodiscard]] std::size_t field_bytes() const;
     void count_memory(std::size_t besides);
@@ -107,7 +107,7 @@ private:
     TransportOptions options_;
     std::array<int, 3> view_voxels_;
     BlockLattice lattice_;
-    HalftoneMedium halftone_;
+    EffectiveMedium halftone_;
     std::vector<Tile> tiles_;
     std::vector<std::uint64_t> ghost_places_;  ///< in the lattice of the body, ascending
     GhostLight ghost_light_, ghost_adjoint_;

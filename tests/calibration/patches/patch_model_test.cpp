@@ -107,7 +107,7 @@ TEST_CASE("Where the pitch is known a mixture is the halftone's medium, a pure r
     PatchTable table;
     table.patches = {{{{"W", 0.5}, {"Y", 0.5}}, "W", 0.675, 0, {}, {}, {}}, {{{"Y", 1}}, "W", 0.675, 0, {}, {}, {}}};
     const auto rho = PatchModel(table.patches, roles, options).rho(media(set, 2));
-    const Medium mixed = optics::HalftoneMedium(set, options.pitch_mm, optics::SeenFrom::above, random_dither)(
+    const Medium mixed = optics::EffectiveMedium(set, options.pitch_mm, optics::SeenFrom::above, random_dither)(
         std::vector{0.0, 0.0, 0.5, 0.0, 0.5}, 2);
     const auto plan = patch_plan(options);
     const optics::OrdinateBase white(*plan, set.resins[4].medium(2), false);

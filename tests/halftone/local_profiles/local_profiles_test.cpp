@@ -18,7 +18,7 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-LocalProfiles factored(const optics::PointResponses& data, const LocalProfileOptions& options = {}) {
+LocalProfiles factored(const optics::SampledBssrdf& data, const LocalProfileOptions& options = {}) {
     std::vector<FactorSummary> summary;
     LocalProfiles profiles = factor_responses(data, options, summary);
     for (const FactorSummary& channel : summary) CHECK(channel.converged);

@@ -36,7 +36,7 @@ Moments moments_of(std::span<const double> P, std::uint32_t radius, double pitch
 }  // namespace
 
 TEST_CASE("A homogeneous slab has one profile everywhere, and it is that of its layer") {
-    const optics::PointResponseOptions options{
+    const optics::SampledBssrdfOptions options{
         .width = 28, .height = 24, .margin = 30, .radius = 6, .paths = 1500, .seed = 11};
     optics::ResinSet set;
     set.channels.wavelengths_nm = {550};
@@ -44,8 +44,7 @@ TEST_CASE("A homogeneous slab has one profile everywhere, and it is that of its 
     set.resins = {{"one", "W", {6}, {0.99}}};
     const optics::ResinVolume volume =
         optics::make_resin_volume({88, 84, 6}, {0.3, 0.3, 0.25}, [](int, int, int) { return 1; });
-    const auto data =
-        optics::trace_point_responses({&volume, &set, optics::Backing::black, optics::Sides::mirrored}, options);
+    const auto data = optics::trace_bssrdf({&volume, &set, optics::Backing::black, optics::Sides::mirrored}, options);
     std::vector<FactorSummary> summary;
     const LocalProfiles found = factor_responses(data, {}, summary);
 
@@ -86,10 +85,10 @@ TEST_CASE("Light stays what it is through factors and clusters of a slab of marb
     optics::SlabOptions slab_options;
     slab_options.width = slab_options.height = 24;
     const auto slab = optics::make_slab(set, slab_options);
-    const optics::PointResponseOptions options{
+    const optics::SampledBssrdfOptions options{
         .width = 24, .height = 24, .margin = 12, .radius = 5, .paths = 400, .seed = 1};
-    const auto data = optics::trace_point_responses(
-        {&slab.volume, &slab.mixtures, optics::Backing::black, optics::Sides::mirrored}, options);
+    const auto data =
+        optics::trace_bssrdf({&slab.volume, &slab.mixtures, optics::Backing::black, optics::Sides::mirrored}, options);
     std::vector<FactorSummary> summary;
     const LocalProfiles found = factor_responses(data, {}, summary);
     ClusterOptions few;

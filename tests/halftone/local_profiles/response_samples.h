@@ -49,9 +49,9 @@ inline double poisson(RandomStream& random, double mean) {
 }
 
 /// Eq. 7; counts > 0: with the noise of that many counts where P is 1, else without noise.
-inline optics::PointResponses separable_responses(const LocalProfiles& profiles, double counts, std::uint64_t seed) {
+inline optics::SampledBssrdf separable_responses(const LocalProfiles& profiles, double counts, std::uint64_t seed) {
     const PointGrid grid = profiles.grid;
-    optics::PointResponses responses{grid.width, grid.height, profiles.radius, profiles.pitch_mm, {}};
+    optics::SampledBssrdf responses{grid.width, grid.height, profiles.radius, profiles.pitch_mm, {}};
     const auto offsets = optics::half_window(profiles.radius);
     const auto rings = profile_rings(profiles.radius);
     const std::size_t points = grid.points();

@@ -206,7 +206,7 @@ TEST_CASE("A resumed loop goes on to the same bits", "[loop]") {
     REQUIRE(states.size() >= 3);
     const LoopResult resumed = run(slab, model, target, options, quiet, {}, &states[2]);
     REQUIRE(resumed.state.steps.size() == whole.state.steps.size());
-    CHECK(resumed.state.drive == whole.state.drive);
+    CHECK(resumed.state.control == whole.state.control);
     CHECK(std::ranges::equal(resumed.state.best_mixtures.all(), whole.state.best_mixtures.all()));
     CHECK(resumed.state.best == whole.state.best);
 }
@@ -221,7 +221,7 @@ TEST_CASE("The same bits for one thread and five", "[loop]") {
     std::vector<std::vector<Eigen::Vector3f>> controls;
     for (const std::size_t threads : {1u, 5u}) {
         const ThreadLimit limit(threads);
-        controls.push_back(run(slab, model, target, options, quiet).state.drive);
+        controls.push_back(run(slab, model, target, options, quiet).state.control);
     }
     CHECK(controls[0] == controls[1]);
 }

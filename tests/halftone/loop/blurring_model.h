@@ -36,7 +36,7 @@ struct SmallSlab {
         geometry.backing = optics::Backing::black;
         halftone::SeparationOptions options;
         options.nodes = 17;
-        recipes = std::make_unique<const halftone::SurfaceFirst>(resins, geometry, skin, options);
+        recipes = std::make_unique<const halftone::MinimalDepthSeparation>(resins, geometry, skin, options);
     }
     /// Surface cells are in order of y, x.
     [[nodiscard]] optics::ResinVolume print(const halftone::SkinMixtures& mixtures) const {
@@ -71,7 +71,7 @@ struct SmallSlab {
     optics::ResinVolume plain;
     optics::Scene scene;
     optics::Surface surface;
-    std::unique_ptr<const halftone::SurfaceFirst> recipes;
+    std::unique_ptr<const halftone::MinimalDepthSeparation> recipes;
 };
 
 /// Each cell shows 1 - the share of voxels of other resins than white in its column's upper voxels, blurred: weight

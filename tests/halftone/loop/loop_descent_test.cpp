@@ -37,9 +37,9 @@ public:
                 now.volume = &volume;
                 return model_.predict(now, surface_, progress);
             }
-            [[nodiscard]] bool gradient(std::span<const float> by_value, const GradientVisitor&,
+            [[nodiscard]] bool gradient(std::span<const float> adjoint_seed, const GradientVisitor&,
                                         const Progress*) override {
-                model_.by_value.assign(by_value.begin(), by_value.end());
+                model_.adjoint_seed.assign(adjoint_seed.begin(), adjoint_seed.end());
                 return true;
             }
 
@@ -50,8 +50,8 @@ public:
         };
         return std::make_unique<Sequence>(*this, scene, surface);
     }
-    /// As LoopTask::by_mixtures, at the mixtures that were printed last. Cells are in order of y, x.
-    [[nodiscard]] std::vector<float> by_mixtures(const SkinMixtures& printed, std::size_t white) const {
+    /// As LoopTask::mixture_gradient, at the mixtures that were printed last. Cells are in order of y, x.
+    [[nodiscard]] std::vector<float> mixture_gradient(const SkinMixtures& printed, std::size_t white) const {
         std::vector<float> out(printed.all().size(), 0.0f);
         const std::array<float, 4> share{4 / 16.0f, 4 / 16.0f, 7 / 16.0f, 1 / 16.0f};  // of the upper 16 voxels, about
         for (int y = 0; y < n; ++y)
@@ -61,10 +61,10 @@ public:
                 };
                 float by_light = 0;
                 for (std::size_t c = 0; c < 3; ++c)
-                    by_light += (1 - spread_) * by_value[of_cell(x, y) + c] +
+                    by_light += (1 - spread_) * adjoint_seed[of_cell(x, y) + c] +
                                 spread_ / 4 *
-                                    (by_value[of_cell(x - 1, y) + c] + by_value[of_cell(x + 1, y) + c] +
-                                     by_value[of_cell(x, y - 1) + c] + by_value[of_cell(x, y + 1) + c]);
+                                    (adjoint_seed[of_cell(x - 1, y) + c] + adjoint_seed[of_cell(x + 1, y) + c] +
+                                     adjoint_seed[of_cell(x, y - 1) + c] + adjoint_seed[of_cell(x, y + 1) + c]);
                 const std::size_t cell = static_cast<std::size_t>(y * n + x);
                 float w = 0;
                 for (std::size_t l = 0; l < share.size(); ++l)
@@ -74,7 +74,7 @@ public:
             }
         return out;
     }
-    mutable std::vector<float> by_value;
+    mutable std::vector<float> adjoint_seed;
 
 private:
     BlurringModel blur_;
@@ -93,9 +93,9 @@ struct Run {
             printed.push_back(mixtures);
             return slab.print(mixtures);
         };
-        task.by_mixtures = [this](const std::function<bool(const LoopTask::GradientVisitor&)>& visit_all) {
+        task.mixture_gradient = [this](const std::function<bool(const LoopTask::GradientVisitor&)>& visit_all) {
             if (!visit_all([](const optics::ResinGradient&, const optics::VoxelBox&) {})) return std::vector<float>{};
-            return model.by_mixtures(printed.back(), static_cast<std::size_t>(slab.white));
+            return model.mixture_gradient(printed.back(), static_cast<std::size_t>(slab.white));
         };
         Progress quiet;
         result = run_appearance_loop(task, {.iterations = iterations, .viewing_distance_mm = 50}, quiet,
@@ -125,9 +125,9 @@ TEST_CASE("Where feedback makes things worse, the loop starts downhill from the 
     CHECK(steps[1].seen.mean > steps[0].seen.mean);
     CHECK(steps[2].seen.mean < 0.97 * steps[1].seen.mean);
     // The second print was that of the target itself, mapped into the gamut of black and white resin.
-    CHECK(run.states[1].drive != run.states[0].drive);
-    CHECK(run.result.state.start_drive == run.states[1].drive);
-    CHECK(run.result.state.start_drive[0].x() == Approx(run.target[0].x()).margin(0.05));
+    CHECK(run.states[1].control != run.states[0].control);
+    CHECK(run.result.state.start_control == run.states[1].control);
+    CHECK(run.result.state.start_control[0].x() == Approx(run.target[0].x()).margin(0.05));
     CHECK(steps[run.result.state.best].method == LoopMethod::descent);
     CHECK(steps[run.result.state.best].seen.mean < 0.5 * steps[0].seen.mean);
 }
@@ -138,7 +138,7 @@ TEST_CASE("Where feedback helps, the loop starts downhill from it", "[loop]") {
     CHECK(run.methods().substr(0, 3) == "off");
     CHECK(run.methods().back() == 'd');
     CHECK(steps[1].seen.mean < 0.97 * steps[0].seen.mean);
-    CHECK(run.result.state.start_drive != run.target);
+    CHECK(run.result.state.start_control != run.target);
 }
 
 TEST_CASE("The last iteration prints the running mean of the descent, those before it their own", "[loop]") {

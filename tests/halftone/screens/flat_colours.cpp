@@ -120,7 +120,7 @@ FlatColours measure_flat_colours(const FlatCase& the, std::uint32_t paths) {
         FlatColour colour;
         colour.rgb = rgb;
         colour.difference = optics::ciede2000(seen, asked);
-        colour.lookup = separation.mapping_distance(rgb.cast<float>());
+        colour.lookup = separation.gamut_distance(rgb.cast<float>());
         // The halves' difference has twice the error of their mean.
         colour.noise = 0.5 * optics::ciede2000(lab_of(one, one, white), lab_of(two, two, white));
         colour.lab_difference = seen - asked;

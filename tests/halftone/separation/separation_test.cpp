@@ -124,7 +124,7 @@ TEST_CASE("White is white resin exactly, for every set") {
         const Separation separation(appearance);
         const auto core = static_cast<std::size_t>(set.find("W"));
         CHECK(separation.fractions({1, 1, 1})[core] == 1.0);
-        CHECK(separation.mapping_distance({1, 1, 1}) < 0.01);  // the error of the appearance's table
+        CHECK(separation.gamut_distance({1, 1, 1}) < 0.01);  // the error of the appearance's table
         const float one = 1;
         CumulativeMixture mixture;
         separation.mixtures(&one, &one, &one, 1, &mixture);
@@ -139,7 +139,7 @@ TEST_CASE("A set of one resin gives that resin") {
     const optics::ShellAppearance appearance = appearance_of(set);
     const Separation separation(appearance);
     CHECK(separation.fractions({0.2f, 0.9f, 0.0f}) == std::vector<double>{1.0});
-    CHECK(separation.mapping_distance({0, 0, 0}) > 50);
+    CHECK(separation.gamut_distance({0, 0, 0}) > 50);
 }
 
 TEST_CASE("Clear resin stays out of white and grey") {
@@ -164,7 +164,7 @@ TEST_CASE("Colours out of gamut keep their hue") {
                     return value - value * saturation * std::max(0.0, std::min({k, 4 - k, 1.0}));
                 };
                 const Eigen::Vector3f target = from_srgb(channel(5), channel(3), channel(1));
-                const double distance = separation.mapping_distance(target);
+                const double distance = separation.gamut_distance(target);
                 farthest = std::max(farthest, distance);
                 if (distance < 3) continue;
                 const Eigen::Vector3d asked = optics::oklab_from_linear_srgb(target.cast<double>());
@@ -276,7 +276,7 @@ TEST_CASE("A spectral set is separated by the colour of its spectrum under D65")
         const Eigen::Vector3d target = colour.rgb(random_mixture(random, 5, 4, n % 2 == 1));
         // sRGB does not hold all colours of spectra.
         if (target.minCoeff() < 0 || target.maxCoeff() > 1) continue;
-        differences.push_back(separation.mapping_distance(target.cast<float>()));
+        differences.push_back(separation.gamut_distance(target.cast<float>()));
     }
     REQUIRE(differences.size() > 300);
     const auto summary = optics::summarize(differences);

@@ -11,7 +11,7 @@
 #include "voxtone/halftone/stacks/stack_materials.h"
 #include "voxtone/halftone/stacks/whole_layers.h"
 #include "voxtone/optics/profiles/resin_profile.h"
-#include "voxtone/optics/profiles/surfaced_reflection.h"
+#include "voxtone/optics/profiles/saunderson.h"
 
 using namespace voxtone;
 using namespace voxtone::halftone;
@@ -103,7 +103,7 @@ TEST_CASE("Without a judge a design is the search, refined, behind the surface")
     RandomStream random(79, 0);
     const std::vector<StackMaterial> materials = random_materials(random, 3, 1, coefficients);
     const std::vector<StackLayer> truth{{0, 0.3}, {2, 0.7}};
-    const double s = optics::turned_back_share(1.5);
+    const double s = optics::internal_diffuse_reflectance(1.5);
     ChannelProfiles wanted = stack_reflection(materials, truth, {});
     for (double& value : wanted[0]) value = optics::seen_through_surface(value, s);
     StackDesignOptions options;
@@ -123,7 +123,7 @@ TEST_CASE("A judge corrects what the model does not know, and never makes the st
     for (std::uint64_t trial = 0; trial < 8; ++trial) {
         RandomStream random(80, trial);
         const std::vector<StackMaterial> materials = random_materials(random, 3, 2, coefficients);
-        const double s = optics::turned_back_share(1.5);
+        const double s = optics::internal_diffuse_reflectance(1.5);
         const StackJudge judge = [&](std::span<const StackLayer> layers) { return other_world(materials, layers, s); };
         const std::vector<StackLayer> truth{{trial % 3, 0.2}, {(trial + 1) % 3, 0.4}, {(trial + 2) % 3, 0.5}};
         const ChannelProfiles wanted = judge(truth);

@@ -150,7 +150,7 @@ TEST_CASE("Packets trace what the plain loop traces") {
         const Surface surface = find_surface(scene, {8, 4, 12}, SurfacePart::all);
         const Appearance packets = MonteCarlo({.paths = 3000}).predict(scene, surface);
         const Appearance plain =
-            MonteCarlo({.paths = 3000, .seed = 9, .tracer = PathTracer::plain}).predict(scene, surface);
+            MonteCarlo({.paths = 3000, .seed = 9, .tracer = PathTracer::scalar}).predict(scene, surface);
         double sum = 0, variance = 0, sum_of_squares = 0, total = 0;
         int n = 0;
         for (std::size_t i = 0; i < plain.value.size(); ++i) {

@@ -63,7 +63,7 @@ TEST_CASE("Light trapped in clear resin comes out or is ended without bias") {
     set.resins.push_back({"white", "W", {200}, {1}});
     const ResinVolume volume = make_resin_volume(
         {96, 48, 4}, slab_pitch_mm, [](int x, int y, int z) { return x == 40 && y == 20 && z == 2 ? 2 : 1; });
-    for (const PathTracer tracer : {PathTracer::packets, PathTracer::plain}) {
+    for (const PathTracer tracer : {PathTracer::packets, PathTracer::scalar}) {
         const Scene scene{&volume, &set, Backing::none, Sides::mirrored};
         Surface surface = find_surface(scene, {1, 1, 4}, SurfacePart::top);
         surface.cells = {surface.cells[20 * 96 + 40]};  // over the speck

@@ -9,7 +9,7 @@
 #include "tests/optics/transport/slab_scene.h"
 #include "voxtone/base/error.h"
 #include "voxtone/base/parallel.h"
-#include "voxtone/optics/profiles/surfaced_table.h"
+#include "voxtone/optics/profiles/bounded_table.h"
 
 using namespace voxtone::optics;
 using namespace voxtone::optics::testing;
@@ -28,19 +28,19 @@ Material material(const ResinSet& set, const char* role) { return static_cast<Ma
 
 }  // namespace
 
-TEST_CASE("The table of surfaced layers is what it was made from, and keeps energy") {
-    const SurfacedTable table(0.4, 1.5, 10);
+TEST_CASE("The table of bounded layers is what it was made from, and keeps energy") {
+    const BoundedTable table(0.4, 1.5, 10);
     for (const double tau : {0.02, 0.3, 1.7, 6.1, 9.5})
         for (const double albedo : {0.05, 0.6, 0.97, 0.9997, 1.0}) {
             INFO(tau << " " << albedo);
-            const SurfacedTotals exact = surfaced_totals({tau * (1 - albedo), tau * albedo}, 0.4, 1.5, 1.0);
-            const SurfacedTotals at = table.at(tau * (1 - albedo), tau * albedo);
+            const BoundedTotals exact = bounded_totals({tau * (1 - albedo), tau * albedo}, 0.4, 1.5, 1.0);
+            const BoundedTotals at = table.at(tau * (1 - albedo), tau * albedo);
             CHECK(at.R_top == Approx(exact.R_top).margin(1e-3));
             CHECK(at.T_down == Approx(exact.T_down).margin(1e-3));
             CHECK(at.R_bottom == Approx(exact.R_bottom).margin(1e-3));
             CHECK(at.T_up == Approx(exact.T_up).margin(1e-3));
         }
-    const SurfacedTotals clear = table.at(0, 3);
+    const BoundedTotals clear = table.at(0, 3);
     CHECK(clear.R_top + clear.T_down == Approx(1).margin(1e-12));
     CHECK(clear.R_bottom + clear.T_up == Approx(1).margin(1e-12));
 }

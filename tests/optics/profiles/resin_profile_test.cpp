@@ -183,7 +183,7 @@ TEST_CASE("A layer under its surface has the totals that are traced, in and out"
     const HankelGrid grid(10, 32);
     const LayerPathOptions options{1 << 18, 21};
     for (const auto& [of, mm] : {std::pair{medium(10, 0.97), 0.3}, {medium(4, 0.5), 0.2}, {medium(6, 1), 1.0}}) {
-        const LayerProfile layer = surfaced_layer(of, 0.4, 1.5, mm, grid, {1024, 1});
+        const LayerProfile layer = bounded_layer(of, 0.4, 1.5, mm, grid, {1024, 1});
         const TracedProfile above = trace_layers({{{of, mm}}, 0.4, 1.5, 1}, grid, options);
         const TracedProfile below = trace_layers({{{of, mm}}, 0.4, 1, 1.5}, grid, options);
         const double let_out = 1 - smooth_surface(1.5, 1).R_bottom[0];
@@ -196,11 +196,11 @@ TEST_CASE("A layer under its surface has the totals that are traced, in and out"
         CHECK(std::abs(layer.T[0] - std::sqrt(let_out) * T_down) < largest_z * T_error);
         CHECK(std::abs(layer.T[0] - T_up / std::sqrt(let_out)) < largest_z * T_error * 2);
         // A layer under a surface of index 1.4 is another.
-        const LayerProfile other = surfaced_layer(of, 0.4, 1.4, mm, grid, {1024, 1});
+        const LayerProfile other = bounded_layer(of, 0.4, 1.4, mm, grid, {1024, 1});
         CHECK(std::abs(other.R_bottom[0] - below.R.total) > largest_z * below.R.standard_error);
     }
     // Without refraction it is the resin's own profile.
-    const LayerProfile plain = surfaced_layer(medium(10, 0.97), 0.4, 1.0, 0.3, grid, {1024, 1});
+    const LayerProfile plain = bounded_layer(medium(10, 0.97), 0.4, 1.0, 0.3, grid, {1024, 1});
     const ResinProfile own = resin_profile(medium(10, 0.97), 0.4, 0.3, grid, {1024, 1});
     CHECK(plain.R_top[0] == Approx(own.R[0]).margin(1e-9));
     CHECK(plain.R_bottom[0] == Approx(own.R[0]).margin(1e-9));
@@ -260,7 +260,7 @@ TEST_CASE("A layer under a surface: nothing is lost without absorption, and the 
     for (const Medium& medium : {Medium{0, 3}, Medium{0.5, 3}, Medium{4, 0.5}})
         for (const double mm : {0.05, 0.5, 2.0}) {
             INFO(medium.sigma_a << " " << medium.sigma_s << " " << mm);
-            const SurfacedTotals at = surfaced_totals(medium, 0.4, 1.5, mm);
+            const BoundedTotals at = bounded_totals(medium, 0.4, 1.5, mm);
             CHECK(at.T_up == Approx((1 - s) * at.T_down).margin(2e-4));
             const double down = at.R_top + at.T_down, up = at.R_bottom + at.T_up;
             if (medium.sigma_a == 0) {
@@ -270,7 +270,7 @@ TEST_CASE("A layer under a surface: nothing is lost without absorption, and the 
                 CHECK(down < 1);
                 CHECK(up < 1);
             }
-            const SurfacedTotals fewer = surfaced_totals(medium, 0.4, 1.5, mm, 16);
+            const BoundedTotals fewer = bounded_totals(medium, 0.4, 1.5, mm, 16);
             CHECK(fewer.R_top == Approx(at.R_top).margin(2e-4));
         }
 }

@@ -8,7 +8,7 @@
 #include "voxtone/base/random.h"
 #include "voxtone/optics/layered/layered_appearance.h"
 #include "voxtone/optics/layered/shell_appearance.h"
-#include "voxtone/optics/transport/influence.h"
+#include "voxtone/optics/transport/interaction_radius.h"
 #include "voxtone/optics/transport/transport.h"
 #include "voxtone/optics/transport/transport_directions.h"
 #include "voxtone/optics/transport/transport_medium.h"
@@ -264,10 +264,10 @@ TEST_CASE("A prediction too large for the memory allowed says what it would need
 TEST_CASE("A change is felt the farther the smaller the tolerance, and farther in white than in black") {
     const ResinSet set = vero_opaque();
     const auto white = static_cast<std::size_t>(set.find("W")), black = static_cast<std::size_t>(set.find("K"));
-    const double coarse = influence_radius(set, j750, white, black, 1e-2),
-                 fine = influence_radius(set, j750, white, black, 1e-4);
+    const double coarse = interaction_radius(set, j750, white, black, 1e-2),
+                 fine = interaction_radius(set, j750, white, black, 1e-4);
     CHECK(coarse > 0.1);
     CHECK(fine > 1.5 * coarse);
     CHECK(fine < 20);
-    CHECK(influence_radius(set, j750, black, white, 1e-2) < coarse);
+    CHECK(interaction_radius(set, j750, black, white, 1e-2) < coarse);
 }

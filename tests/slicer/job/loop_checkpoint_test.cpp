@@ -20,7 +20,7 @@ halftone::LoopState some_state(std::size_t cells) {
     state.steps.resize(3);
     state.steps[1].seen.mean = 1.25;
     state.best = 1;
-    for (auto* list : {&state.drive, &state.open, &state.shown, &state.start_drive})
+    for (auto* list : {&state.control, &state.open, &state.shown, &state.start_control})
         for (std::size_t i = 0; i < cells; ++i) list->push_back(Eigen::Vector3f(float(i), 0.5f, -1));
     state.best_mixtures = halftone::SkinMixtures(cells, 4, 5);
     for (std::size_t at = 0; at < state.best_mixtures.all().size(); at += 5) state.best_mixtures.all()[at] = 0.25f;
@@ -51,8 +51,8 @@ TEST_CASE("A loop's state comes back as it was", "[loop]") {
     REQUIRE(back);
     CHECK(back->best == 1);
     CHECK(back->steps[1].seen.mean == 1.25);
-    CHECK(back->drive == state.drive);
-    CHECK(back->start_drive == state.start_drive);
+    CHECK(back->control == state.control);
+    CHECK(back->start_control == state.start_control);
     CHECK(std::ranges::equal(back->best_mixtures.all(), state.best_mixtures.all()));
     CHECK(std::ranges::equal(back->descent.mixtures.all(), state.descent.mixtures.all()));
     CHECK(std::ranges::equal(back->recent.all(), state.recent.all()));

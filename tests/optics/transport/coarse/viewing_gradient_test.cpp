@@ -85,7 +85,7 @@ double distance(const Appearance& seen) {
         sum += 0.5 * std::pow(static_cast<double>(seen.value[i]) - target(i), 2);
     return sum;
 }
-std::vector<float> by_value(const Appearance& seen) {
+std::vector<float> adjoint_seed(const Appearance& seen) {
     std::vector<float> out(seen.value.size());
     for (std::size_t i = 0; i < out.size(); ++i) out[i] = seen.value[i] - static_cast<float>(target(i));
     return out;
@@ -95,7 +95,7 @@ std::vector<float> by_value(const Appearance& seen) {
 
 TEST_CASE("The derivatives of a seen medium agree with finite differences") {
     const ResinSet resins = vero_opaque();
-    const HalftoneMedium halftone(resins, j750);
+    const EffectiveMedium halftone(resins, j750);
     const SeenMedium seen{halftone, resins, j750};
     // The weights of the layers are fixed: layers alike have the same mixture, so that the mean, which decides on them,
     // may move.
@@ -132,7 +132,7 @@ TEST_CASE("The gradient on viewing cells agrees with the difference that other r
     const ResinVolume volume = body.volume();
     const Surface surface = body.surface(volume);
     ViewingSequence sequence(body.scene(volume), surface, on_viewing_cells(8));
-    const std::vector<float> weight = by_value(sequence.next(volume));
+    const std::vector<float> weight = adjoint_seed(sequence.next(volume));
     const auto F = [&](const Appearance& seen) {
         double sum = 0;
         for (std::size_t i = 0; i < weight.size(); ++i)
@@ -193,7 +193,7 @@ TEST_CASE("A step against the gradient brings what is seen nearer to its target"
         int resin;
     };
     std::vector<Gain> gains;
-    REQUIRE(sequence.gradient(by_value(seen), [&](const ResinGradient& gradient, const VoxelBox& box) {
+    REQUIRE(sequence.gradient(adjoint_seed(seen), [&](const ResinGradient& gradient, const VoxelBox& box) {
         body.for_each_voxel([&](int x, int y, int z) {
             const int m = volume.at(x, y, z);
             if (m == 0 || !box.holds({x, y, z}) || body.depth(x, y, z) > 0.4) return;
@@ -242,7 +242,7 @@ TEST_CASE("Any number of threads gives the same gradient, and predictions do not
             const Appearance seen = sequence.next(volume);
             last = seen.value;
             if (!with_gradient) continue;
-            REQUIRE(sequence.gradient(by_value(seen), [&](const ResinGradient& gradient, const VoxelBox& box) {
+            REQUIRE(sequence.gradient(adjoint_seed(seen), [&](const ResinGradient& gradient, const VoxelBox& box) {
                 body.for_each_voxel([&](int x, int y, int z) {
                     if (z % 3 != 0 || !box.holds({x, y, z})) return;
                     std::array<float, 5> all{};

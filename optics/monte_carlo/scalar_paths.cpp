@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/monte_carlo/plain_paths.h"
+#include "voxtone/optics/monte_carlo/scalar_paths.h"
 
 #include <algorithm>
 #include <cmath>
@@ -39,22 +39,22 @@ std::size_t PathStarts::face_at(const SurfaceCell& cell, double u) const {
     return static_cast<std::size_t>(std::upper_bound(first, first + cell.faces - 1, u) - share_.begin());
 }
 
-bool Patience::survives(double& weight, PathRandom& random) {
+bool RouletteByOrder::survives(double& weight, PathRandom& random) {
     if (meetings < allowed) return true;
     allowed += allowed / 2;
     weight *= 2;
     return random.uniform() < 0.5;
 }
 
-bool survives_faintness(double& weight, double roulette_weight, PathRandom& random) {
+bool survives_roulette_by_weight(double& weight, double roulette_weight, PathRandom& random) {
     if (weight >= roulette_weight) return true;
     if (random.uniform() * roulette_weight >= weight) return false;
     weight = roulette_weight;
     return true;
 }
 
-double PlainPaths::weight(const Surface& surface, const PathStarts& starts, std::size_t cell, std::size_t channel,
-                          PathRandom& random) const {
+double ScalarPaths::weight(const Surface& surface, const PathStarts& starts, std::size_t cell, std::size_t channel,
+                           PathRandom& random) const {
     const VoxelWalk::Optics& optics = walk_.optics(channel);
     const SurfaceFace& face = surface.faces[starts.face_at(surface.cells[cell], random.uniform())];
     const double u = random.uniform(), v = random.uniform();
@@ -63,7 +63,7 @@ double PlainPaths::weight(const Surface& surface, const PathStarts& starts, std:
     ray.d = entering_light(static_cast<std::size_t>(facing / 2), facing % 2 == 1 ? -1.0 : 1.0, walk_.eta(), random);
 
     double weight = 1;
-    Patience patience;
+    RouletteByOrder patience;
     for (;;) {
         double depth = -std::log1p(-random.uniform());
         for (;;) {
@@ -79,7 +79,7 @@ double PlainPaths::weight(const Surface& surface, const PathStarts& starts, std:
             ray.d = entering_light(2, 1.0, walk_.eta(), random);
         }
         weight *= optics.albedo[ray.material];
-        if (!survives_faintness(weight, roulette_weight_, random)) return 0;
+        if (!survives_roulette_by_weight(weight, roulette_weight_, random)) return 0;
         walk_.scatter(ray.d, random);
     }
 }

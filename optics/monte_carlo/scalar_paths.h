@@ -33,7 +33,7 @@ inline constexpr double default_roulette_weight = 0.1;
 /// How many surfaces and mirrors a path may meet before Russian roulette with probability 1/2. The interval grows by
 /// half each time: slower than the weight, so that the work for light that never comes out is bounded on average; fast
 /// enough that the spread of the weights stays finite where it comes out late.
-struct Patience {
+struct RouletteByOrder {
     std::uint32_t meetings = 0, allowed = 4096;
     /// False where the path ends. Exact on average.
     [[nodiscard]] bool survives(double& weight, PathRandom& random);
@@ -52,9 +52,9 @@ private:
 };
 
 /// All that a path needs to know; lives as long as the scene.
-class PlainPaths {
+class ScalarPaths {
 public:
-    explicit PlainPaths(const Scene& scene, double roulette_weight = default_roulette_weight)
+    explicit ScalarPaths(const Scene& scene, double roulette_weight = default_roulette_weight)
         : walk_(scene), backing_(scene.backing), roulette_weight_(roulette_weight) {}
 
     /// The weight of the path that these random numbers make, from this cell.
@@ -68,6 +68,6 @@ private:
 };
 
 /// Russian roulette below the roulette weight: false where the path ends.
-[[nodiscard]] bool survives_faintness(double& weight, double roulette_weight, PathRandom& random);
+[[nodiscard]] bool survives_roulette_by_weight(double& weight, double roulette_weight, PathRandom& random);
 
 }  // namespace voxtone::optics

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Layers under a smooth surface (surfaced_totals, resin_profile.h) for many mixtures: a table over optical depth and
+// Layers under a smooth surface (bounded_totals, resin_profile.h) for many mixtures: a table over optical depth and
 // albedo.
 //
 // Axes sqrt(tau) and sqrt(1 - albedo): along them reflection grows without kinks (for deep layers it is 1 - c sqrt(1 -
@@ -14,12 +14,12 @@
 
 namespace voxtone::optics {
 
-class SurfacedTable {
+class BoundedTable {
 public:
     /// For optical depths up to most_tau > 0.
-    SurfacedTable(double g, double eta, double most_tau, const Progress* progress = nullptr);
+    BoundedTable(double g, double eta, double most_tau, const Progress* progress = nullptr);
     /// Of a layer that absorbs and scatters this much on the way straight through: sigma_a h and sigma_s h.
-    [[nodiscard]] SurfacedTotals at(double absorption, double scattering) const;
+    [[nodiscard]] BoundedTotals at(double absorption, double scattering) const;
 
 private:
     double turned_back_;

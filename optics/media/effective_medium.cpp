@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/media/halftone_medium.h"
+#include "voxtone/optics/media/effective_medium.h"
 
 #include <algorithm>
 #include <cmath>
@@ -16,8 +16,8 @@ constexpr double q = 1.75;
 
 }  // namespace
 
-HalftoneMedium::HalftoneMedium(const ResinSet& resins, const std::array<double, 3>& pitch_mm, SeenFrom seen,
-                               const HalftoneConstants& constants)
+EffectiveMedium::EffectiveMedium(const ResinSet& resins, const std::array<double, 3>& pitch_mm, SeenFrom seen,
+                                 const EffectiveMediumConstants& constants)
     : resins_(resins.resins.size()), k_0_(constants.k_0), k_1_(constants.k_1) {
     const auto [least, most] = std::minmax_element(pitch_mm.begin(), pitch_mm.end());
     VOXTONE_EXPECT(*least > 0 || (*least == 0 && *most == 0));
@@ -42,11 +42,11 @@ HalftoneMedium::HalftoneMedium(const ResinSet& resins, const std::array<double, 
         }
 }
 
-Medium HalftoneMedium::operator()(std::span<const double> f, std::size_t channel) const {
+Medium EffectiveMedium::operator()(std::span<const double> f, std::size_t channel) const {
     return at(f, channel).medium;
 }
 
-HalftoneMedium::Point HalftoneMedium::at(std::span<const double> f, std::size_t channel) const {
+EffectiveMedium::Point EffectiveMedium::at(std::span<const double> f, std::size_t channel) const {
     VOXTONE_EXPECT(f.size() == resins_);
     const std::span<const Constants> of = constants(channel);
     Point p;
@@ -77,8 +77,8 @@ HalftoneMedium::Point HalftoneMedium::at(std::span<const double> f, std::size_t 
     return p;
 }
 
-void HalftoneMedium::gradient(const Point& p, std::size_t channel, double by_absorption, double by_scattering,
-                              std::span<double> out) const {
+void EffectiveMedium::gradient(const Point& p, std::size_t channel, double by_absorption, double by_scattering,
+                               std::span<double> out) const {
     VOXTONE_EXPECT(out.size() == resins_);
     const std::span<const Constants> of = constants(channel);
     if (ideal()) {
@@ -97,7 +97,7 @@ void HalftoneMedium::gradient(const Point& p, std::size_t channel, double by_abs
     }
 }
 
-Medium HalftoneMedium::bound(std::size_t channel) const {
+Medium EffectiveMedium::bound(std::size_t channel) const {
     Medium most;
     double t = 0, u = 0;
     for (const Constants& resin : constants(channel)) {

@@ -23,6 +23,6 @@ namespace voxtone::optics {
 }
 
 /// Share of diffuse light from within that is turned back: 0.596 where eta is 1.5; 0 where eta is 1.
-[[nodiscard]] double turned_back_share(double eta);
+[[nodiscard]] double internal_diffuse_reflectance(double eta);
 
 }  // namespace voxtone::optics

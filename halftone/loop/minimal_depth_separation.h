@@ -26,12 +26,13 @@
 
 namespace voxtone::halftone {
 
-class SurfaceFirst {
+class MinimalDepthSeparation {
 public:
     /// `geometry`: of a skin as deep as all layers; its shell_mm is not read. `core_mm` is the thickness below the
     /// deepest skin where it is finite. Throws as ShellAppearance and Separation do.
-    SurfaceFirst(const optics::ResinSet& resins, const optics::ShellGeometry& geometry, const SkinLayers& layers,
-                 const SeparationOptions& options, const Progress* progress = nullptr, double tolerance = 1);
+    MinimalDepthSeparation(const optics::ResinSet& resins, const optics::ShellGeometry& geometry,
+                           const SkinLayers& layers, const SeparationOptions& options,
+                           const Progress* progress = nullptr, double tolerance = 1);
 
     [[nodiscard]] const SkinLayers& layers() const { return layers_; }
     [[nodiscard]] std::size_t resins() const { return resins_; }

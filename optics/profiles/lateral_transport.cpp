@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/profiles/sideways_light.h"
+#include "voxtone/optics/profiles/lateral_transport.h"
 
 #include <algorithm>
 #include <array>
@@ -101,8 +101,9 @@ std::vector<float> light_down(const Exchange& exchange, float s) {
 
 }  // namespace
 
-std::vector<float> with_sideways_light(std::span<const SurfacePoint> points, std::span<const GaussianWeights> weights,
-                                       std::size_t channels, double turned_back) {
+std::vector<float> with_lateral_transport(std::span<const SurfacePoint> points,
+                                          std::span<const GaussianWeights> weights, std::size_t channels,
+                                          double turned_back) {
     VOXTONE_EXPECT(weights.size() == points.size() * channels && turned_back >= 0 && turned_back < 1);
     std::vector<float> seen(weights.size());
     if (points.empty()) return seen;

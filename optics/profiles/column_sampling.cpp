@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/profiles/layers_under.h"
+#include "voxtone/optics/profiles/column_sampling.h"
 
 #include <algorithm>
 #include <cmath>
@@ -15,12 +15,12 @@ constexpr std::size_t most_walks = 16;
 
 }  // namespace
 
-WalkInwards::WalkInwards(const Scene& scene)
+ColumnSampler::ColumnSampler(const Scene& scene)
     : scene_(scene), volume_(*scene.volume), materials_(scene.resins->resins.size() + 1) {
     step_mm_ = *std::min_element(volume_.pitch_mm().begin(), volume_.pitch_mm().end());
 }
 
-void WalkInwards::under(const Surface& surface, const SurfaceCell& cell, LayersUnder& layers) const {
+void ColumnSampler::under(const Surface& surface, const SurfaceCell& cell, MaterialColumn& layers) const {
     layers.steps.clear();
     layers.shares.clear();
     layers.mm = 0;
@@ -57,7 +57,7 @@ void WalkInwards::under(const Surface& surface, const SurfaceCell& cell, LayersU
     }
 }
 
-std::array<double, 3> WalkInwards::centre(const SurfaceFace& face) const {
+std::array<double, 3> ColumnSampler::centre(const SurfaceFace& face) const {
     std::array<double, 3> place{};
     for (std::size_t a = 0; a < 3; ++a) place[a] = (face.voxel[a] + 0.5) * volume_.pitch_mm()[a];
     const auto axis = static_cast<std::size_t>(face.facing) / 2;
@@ -65,8 +65,8 @@ std::array<double, 3> WalkInwards::centre(const SurfaceFace& face) const {
     return place;
 }
 
-Material WalkInwards::at(const std::array<double, 3>& from, const std::array<float, 3>& normal, double depth,
-                         bool& below) const {
+Material ColumnSampler::at(const std::array<double, 3>& from, const std::array<float, 3>& normal, double depth,
+                           bool& below) const {
     std::array<int, 3> voxel{};
     for (std::size_t a = 0; a < 3; ++a)
         voxel[a] = static_cast<int>(std::floor((from[a] - depth * normal[a]) / volume_.pitch_mm()[a]));
@@ -76,7 +76,7 @@ Material WalkInwards::at(const std::array<double, 3>& from, const std::array<flo
     return volume_.at(voxel[0], voxel[1], voxel[2]);
 }
 
-LayersEnd WalkInwards::end(bool on_plane) const {
+LayersEnd ColumnSampler::end(bool on_plane) const {
     if (!on_plane || scene_.backing == Backing::none) return LayersEnd::open;
     return scene_.backing == Backing::white ? LayersEnd::white_sheet : LayersEnd::black_sheet;
 }

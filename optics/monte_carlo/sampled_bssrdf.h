@@ -39,7 +39,7 @@ struct ChannelResponses {
 };
 
 /// Rows from the top (y away from the observer runs up, as in a resin volume: row 0 has the largest y).
-struct PointResponses {
+struct SampledBssrdf {
     std::uint32_t width = 0, height = 0;  ///< points
     std::uint32_t radius = 0;             ///< of the window, in points
     double pitch_mm = 0;
@@ -50,13 +50,13 @@ struct PointResponses {
 };
 
 /// By point: the light that leaves within the window and the grid, of one unit that entered.
-[[nodiscard]] std::vector<double> light_within_window(const PointResponses& responses, std::size_t channel);
+[[nodiscard]] std::vector<double> light_within_window(const SampledBssrdf& responses, std::size_t channel);
 
 /// Of all light from points whose window lies within the grid, the share that leaves beyond the window; 0 where there
 /// are none.
-[[nodiscard]] double share_beyond_window(const PointResponses& responses, std::size_t channel);
+[[nodiscard]] double share_beyond_window(const SampledBssrdf& responses, std::size_t channel);
 
-struct PointResponseOptions {
+struct SampledBssrdfOptions {
     std::uint32_t width = 64, height = 64;  ///< points: columns of voxels, one each
     std::uint32_t margin = 12;              ///< columns around them that are no points
     std::uint32_t radius = 10;
@@ -67,7 +67,7 @@ struct PointResponseOptions {
 /// Traced through the volume (path_packets.h): all that the scene says is simulated as it is, the error is noise. Paths
 /// from both points of a pair count for it. Columns are squares; the top is flat and all resin: contract. The same bits
 /// for any number of threads. `progress` advances by points, channel by channel.
-[[nodiscard]] PointResponses trace_point_responses(const Scene& scene, const PointResponseOptions& options,
-                                                   Progress* progress = nullptr);
+[[nodiscard]] SampledBssrdf trace_bssrdf(const Scene& scene, const SampledBssrdfOptions& options,
+                                         Progress* progress = nullptr);
 
 }  // namespace voxtone::optics

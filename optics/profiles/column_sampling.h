@@ -18,7 +18,7 @@ namespace voxtone::optics {
 /// What the last step borders on: more of the same, air, or air and a sheet under the faces on the plane z = 0.
 enum class LayersEnd { endless, open, black_sheet, white_sheet };
 
-struct LayersUnder {
+struct MaterialColumn {
     struct Step {
         double mm = 0;
         std::size_t first = 0;  ///< of its shares
@@ -30,10 +30,10 @@ struct LayersUnder {
 };
 
 /// The scene must outlive it.
-class WalkInwards {
+class ColumnSampler {
 public:
-    explicit WalkInwards(const Scene& scene);
-    void under(const Surface& surface, const SurfaceCell& cell, LayersUnder& layers) const;
+    explicit ColumnSampler(const Scene& scene);
+    void under(const Surface& surface, const SurfaceCell& cell, MaterialColumn& layers) const;
 
 private:
     [[nodiscard]] std::array<double, 3> centre(const SurfaceFace& face) const;

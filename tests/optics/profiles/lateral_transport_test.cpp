@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/profiles/sideways_light.h"
+#include "voxtone/optics/profiles/lateral_transport.h"
 
 #include <catch2/catch.hpp>
 
@@ -43,7 +43,7 @@ TEST_CASE("A surface that is the same everywhere shows its total, through the su
     for (const double s : {0.0, 0.596}) {
         std::vector<GaussianWeights> weights;
         for (std::size_t i = 0; i < points.size(); ++i) weights.insert(weights.end(), {white, dark, none, all});
-        const std::vector<float> seen = with_sideways_light(points, weights, 4, s);
+        const std::vector<float> seen = with_lateral_transport(points, weights, 4, s);
         for (std::size_t i = 0; i < points.size(); ++i) {
             CHECK(seen[4 * i] == Approx((1 - s) * 0.97 / (1 - 0.97 * s)).epsilon(1e-5));
             CHECK(seen[4 * i + 1] == Approx((1 - s) * 0.01 / (1 - 0.01 * s)).epsilon(1e-5));
@@ -51,7 +51,7 @@ TEST_CASE("A surface that is the same everywhere shows its total, through the su
             CHECK(seen[4 * i + 3] == Approx(1).epsilon(1e-5));
         }
     }
-    CHECK(with_sideways_light({}, {}, 3, 0.5).empty());
+    CHECK(with_lateral_transport({}, {}, 3, 0.5).empty());
 }
 
 TEST_CASE("An edge is blurred as the exact sum of responses says, where filters lie on one base") {
@@ -61,7 +61,7 @@ TEST_CASE("An edge is blurred as the exact sum of responses says, where filters 
         const double u = gaussian_widths_mm()[j];
         std::vector<GaussianWeights> weights;
         for (const SurfacePoint& p : points) weights.push_back(one(j, p.at[0] < 6 ? 0.9F : 0.1F));
-        const std::vector<float> seen = with_sideways_light(points, weights, 1, 0);
+        const std::vector<float> seen = with_lateral_transport(points, weights, 1, 0);
         double square = 0;
         for (std::size_t i = 0; i < points.size(); ++i) {
             const double x = static_cast<double>(points[i].at[0]) - 6, other = std::sqrt(0.09),
@@ -88,7 +88,7 @@ TEST_CASE("Light turned back by the surface goes sideways again: the solution ob
     std::vector<GaussianWeights> weights;
     for (int y = 0; y < ny; ++y)
         for (int x = 0; x < nx; ++x) weights.push_back(one(6, static_cast<float>((x + y) % 2 == 0 ? a : b)));
-    const std::vector<float> seen = with_sideways_light(points, weights, 1, s);
+    const std::vector<float> seen = with_lateral_transport(points, weights, 1, s);
     // d = 1 + s root(w) m, m = mean(root(w) d)
     const double roots = 0.5 * (std::sqrt(a) + std::sqrt(b)), m = roots / (1 - s * 0.5 * (a + b));
     for (int y = 0; y < ny; ++y)
@@ -107,8 +107,8 @@ TEST_CASE("No place shows more light than there is, and any number of threads th
         weights[i][j] = 0.5F;
         weights[i][profile_gaussians - 1 - j] += 0.5F;
     }
-    const std::vector<float> many = with_sideways_light(points, weights, 3, 0.596);
+    const std::vector<float> many = with_lateral_transport(points, weights, 3, 0.596);
     for (const float value : many) CHECK((value >= 0 && value <= 1));
     const voxtone::ThreadLimit limit(1);
-    CHECK(with_sideways_light(points, weights, 3, 0.596) == many);
+    CHECK(with_lateral_transport(points, weights, 3, 0.596) == many);
 }

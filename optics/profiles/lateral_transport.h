@@ -38,8 +38,8 @@ namespace voxtone::optics {
 
 /// `weights[point * channels + channel]`, >= 0, at most 1 in all for each; 0 <= turned_back < 1. Answers in the same
 /// order. Same bits for any number of threads.
-[[nodiscard]] std::vector<float> with_sideways_light(std::span<const SurfacePoint> points,
-                                                     std::span<const GaussianWeights> weights, std::size_t channels,
-                                                     double turned_back);
+[[nodiscard]] std::vector<float> with_lateral_transport(std::span<const SurfacePoint> points,
+                                                        std::span<const GaussianWeights> weights, std::size_t channels,
+                                                        double turned_back);
 
 }  // namespace voxtone::optics

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/profiles/surfaced_table.h"
+#include "voxtone/optics/profiles/bounded_table.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/parallel.h"
-#include "voxtone/optics/profiles/surfaced_reflection.h"
+#include "voxtone/optics/profiles/saunderson.h"
 
 namespace voxtone::optics {
 namespace {
@@ -15,8 +15,8 @@ constexpr int samples = 33, table_directions = 16;
 
 }  // namespace
 
-SurfacedTable::SurfacedTable(double g, double eta, double most_tau, const Progress* progress)
-    : turned_back_(turned_back_share(eta)) {
+BoundedTable::BoundedTable(double g, double eta, double most_tau, const Progress* progress)
+    : turned_back_(internal_diffuse_reflectance(eta)) {
     VOXTONE_EXPECT(most_tau > 0 && std::isfinite(most_tau));
     Eigen::MatrixXd R_top(samples, samples), lost_down(samples, samples), R_bottom(samples, samples);
     const double most_x = std::sqrt(most_tau);
@@ -27,8 +27,8 @@ SurfacedTable::SurfacedTable(double g, double eta, double most_tau, const Progre
             const double x = most_x * static_cast<double>(i) / (samples - 1),
                          y = static_cast<double>(j) / (samples - 1);
             const double tau = x * x;
-            SurfacedTotals at{0, 1, turned_back_, 1 - turned_back_};  // no layer
-            if (tau > 0) at = surfaced_totals({tau * y * y, tau * (1 - y * y)}, g, eta, 1.0, table_directions);
+            BoundedTotals at{0, 1, turned_back_, 1 - turned_back_};  // no layer
+            if (tau > 0) at = bounded_totals({tau * y * y, tau * (1 - y * y)}, g, eta, 1.0, table_directions);
             R_top(i, j) = at.R_top;
             R_bottom(i, j) = at.R_bottom;
             lost_down(i, j) = y > 0 ? 1 - at.T_down / (1 - at.R_top) : 0;
@@ -39,10 +39,10 @@ SurfacedTable::SurfacedTable(double g, double eta, double most_tau, const Progre
     R_bottom_ = BicubicTable(R_bottom, most_x, 1);
 }
 
-SurfacedTotals SurfacedTable::at(double absorption, double scattering) const {
+BoundedTotals BoundedTable::at(double absorption, double scattering) const {
     const double tau = absorption + scattering;
     const double x = std::sqrt(tau), y = tau > 0 ? std::sqrt(std::clamp(absorption / tau, 0.0, 1.0)) : 0;
-    SurfacedTotals at;
+    BoundedTotals at;
     at.R_top = std::clamp(R_top_(x, y), 0.0, 1.0);
     at.T_down = (1 - at.R_top) * (1 - std::clamp(lost_down_(x, y), 0.0, 1.0));
     at.T_up = (1 - turned_back_) * at.T_down;

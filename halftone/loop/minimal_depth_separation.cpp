@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/halftone/loop/surface_first.h"
+#include "voxtone/halftone/loop/minimal_depth_separation.h"
 
 #include <algorithm>
 #include <array>
@@ -21,9 +21,9 @@ float share_within(double excess, double tolerance) {
 
 }  // namespace
 
-SurfaceFirst::SurfaceFirst(const optics::ResinSet& resins, const optics::ShellGeometry& geometry,
-                           const SkinLayers& layers, const SeparationOptions& options, const Progress* progress,
-                           double tolerance)
+MinimalDepthSeparation::MinimalDepthSeparation(const optics::ResinSet& resins, const optics::ShellGeometry& geometry,
+                                               const SkinLayers& layers, const SeparationOptions& options,
+                                               const Progress* progress, double tolerance)
     : layers_(layers), resins_(resins.resins.size()), core_(static_cast<std::size_t>(geometry.core_resin)) {
     VOXTONE_EXPECT(layers.size() >= 2 && tolerance > 0);
     for (std::size_t l = 1; l < layers.size(); ++l) {
@@ -42,10 +42,10 @@ SurfaceFirst::SurfaceFirst(const optics::ResinSet& resins, const optics::ShellGe
             };
             for (std::size_t red = 0; red < nodes; ++red) {
                 const Eigen::Vector3f rgb(coordinate(red), coordinate(row % nodes), coordinate(row / nodes));
-                const double least = deepest().mapping_distance(rgb);
+                const double least = deepest().gamut_distance(rgb);
                 float left = 1, *const weight = weight_.data() + (row * nodes + red) * skins_.size();
                 for (std::size_t s = 0; s + 1 < skins_.size(); ++s) {
-                    weight[s] = left * share_within(skins_[s]->separation.mapping_distance(rgb) - least, tolerance);
+                    weight[s] = left * share_within(skins_[s]->separation.gamut_distance(rgb) - least, tolerance);
                     left -= weight[s];
                 }
                 weight[skins_.size() - 1] = left;
@@ -54,7 +54,7 @@ SurfaceFirst::SurfaceFirst(const optics::ResinSet& resins, const optics::ShellGe
         progress);
 }
 
-const float* SurfaceFirst::weights(const Eigen::Vector3f& rgb) const {
+const float* MinimalDepthSeparation::weights(const Eigen::Vector3f& rgb) const {
     std::size_t at = 0;
     for (int c = 2; c >= 0; --c)
         at = at * nodes + static_cast<std::size_t>(
@@ -62,7 +62,7 @@ const float* SurfaceFirst::weights(const Eigen::Vector3f& rgb) const {
     return weight_.data() + at * skins_.size();
 }
 
-void SurfaceFirst::separate(const Eigen::Vector3f& rgb, std::span<float> fractions) const {
+void MinimalDepthSeparation::separate(const Eigen::Vector3f& rgb, std::span<float> fractions) const {
     VOXTONE_EXPECT(fractions.size() == layers_.size() * resins_);
     std::fill(fractions.begin(), fractions.end(), 0.0f);
     const float* const weight = weights(rgb);
@@ -84,8 +84,8 @@ void SurfaceFirst::separate(const Eigen::Vector3f& rgb, std::span<float> fractio
     }
 }
 
-Eigen::Vector3f SurfaceFirst::into_gamut(const Eigen::Vector3f& rgb) const {
-    const double distance = deepest().mapping_distance(rgb);
+Eigen::Vector3f MinimalDepthSeparation::into_gamut(const Eigen::Vector3f& rgb) const {
+    const double distance = deepest().gamut_distance(rgb);
     const auto moved = static_cast<float>(std::clamp(distance - 1, 0.0, 1.0));
     if (moved <= 0) return rgb;
     return rgb + moved * (deepest().predicted(rgb).cast<float>() - rgb);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/media/halftone_medium.h"
+#include "voxtone/optics/media/effective_medium.h"
 
 #include <algorithm>
 #include <cmath>
@@ -46,7 +46,7 @@ ResinSet random_resins(std::uint64_t seed, std::size_t count) {
 
 TEST_CASE("Without voxels, or with voxels of vanishing size, mixtures are ideal") {
     const ResinSet set = vero_opaque();
-    const HalftoneMedium none(set, {0, 0, 0}), tiny(set, {4e-8, 8e-8, 3e-8}), voxels(set, j750);
+    const EffectiveMedium none(set, {0, 0, 0}), tiny(set, {4e-8, 8e-8, 3e-8}), voxels(set, j750);
     CHECK(none.ideal());
     RandomStream random(1, 2);
     double largest = 0;
@@ -70,7 +70,7 @@ TEST_CASE("A resin alone, or beside its equals, is itself; equal resins may be t
     ResinSet set = random_resins(5, 4);
     set.resins[2].sigma_t_per_mm = set.resins[0].sigma_t_per_mm;
     set.resins[2].albedo = set.resins[0].albedo;
-    const HalftoneMedium voxels(set, j750);
+    const EffectiveMedium voxels(set, j750);
     for (std::size_t c = 0; c < 3; ++c) {
         const Medium alone = set.resins[0].medium(c);
         for (const std::vector<double>& f : {std::vector<double>{1, 0, 0, 0}, {0.3, 0, 0.7, 0}}) {
@@ -90,23 +90,23 @@ TEST_CASE("A body seen from all sides lies between its views along the axes; cub
     const std::array<double, 3> cube{0.04, 0.04, 0.04};
     for (std::size_t c = 0; c < 3; ++c) {
         const auto along = [&](std::size_t up) {
-            return HalftoneMedium(set, {j750[(up + 1) % 3], j750[(up + 2) % 3], j750[up]})(f, c);
+            return EffectiveMedium(set, {j750[(up + 1) % 3], j750[(up + 2) % 3], j750[up]})(f, c);
         };
         const Medium x = along(0), y = along(1), z = along(2),
-                     all = HalftoneMedium(set, j750, SeenFrom::all_sides)(f, c);
+                     all = EffectiveMedium(set, j750, SeenFrom::all_sides)(f, c);
         CHECK(all.sigma_a > std::min({x.sigma_a, y.sigma_a, z.sigma_a}));
         CHECK(all.sigma_a < std::max({x.sigma_a, y.sigma_a, z.sigma_a}));
         CHECK(all.sigma_s > std::min({x.sigma_s, y.sigma_s, z.sigma_s}));
         CHECK(all.sigma_s < std::max({x.sigma_s, y.sigma_s, z.sigma_s}));
-        CHECK(HalftoneMedium(set, cube, SeenFrom::all_sides)(f, c).sigma_s ==
-              Approx(HalftoneMedium(set, cube)(f, c).sigma_s).epsilon(1e-12));
+        CHECK(EffectiveMedium(set, cube, SeenFrom::all_sides)(f, c).sigma_s ==
+              Approx(EffectiveMedium(set, cube)(f, c).sigma_s).epsilon(1e-12));
     }
 }
 
 TEST_CASE("Resins that absorb nothing make a medium that absorbs nothing") {
     ResinSet set = vero_opaque();
     for (Resin& resin : set.resins) resin.albedo = {1, 1, 1};
-    const HalftoneMedium voxels(set, j750);
+    const EffectiveMedium voxels(set, j750);
     const std::vector<double> f{0.1, 0.2, 0.3, 0.15, 0.25};
     for (std::size_t c = 0; c < 3; ++c) CHECK(voxels(f, c).sigma_a == 0);
 }
@@ -115,12 +115,12 @@ TEST_CASE("The effective medium's derivatives are its slopes, and its bound hold
     const ResinSet set = random_resins(7, 5);
     for (const std::array<double, 3>& pitch :
          {j750, std::array<double, 3>{0.085, 0.085, 0.019}, {0.05, 0.05, 0.05}, {0, 0, 0}}) {
-        const HalftoneMedium medium(set, pitch);
+        const EffectiveMedium medium(set, pitch);
         RandomStream random(3, 4);
         for (int trial = 0; trial < 40; ++trial) {
             const std::vector<double> f = random_fractions(random, 5);
             for (std::size_t c = 0; c < 3; ++c) {
-                const HalftoneMedium::Point at = medium.at(f, c);
+                const EffectiveMedium::Point at = medium.at(f, c);
                 CHECK(at.medium.sigma_a <= medium.bound(c).sigma_a);
                 CHECK(at.medium.sigma_s <= medium.bound(c).sigma_s);
                 std::vector<double> by_a(5), by_s(5);

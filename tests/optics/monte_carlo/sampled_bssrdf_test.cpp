@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/monte_carlo/point_responses.h"
+#include "voxtone/optics/monte_carlo/sampled_bssrdf.h"
 
 #include <cmath>
 #include <numbers>
@@ -23,7 +23,7 @@ struct Slab {
     [[nodiscard]] Scene scene() const { return {&volume, &set, Backing::black, Sides::mirrored}; }
 };
 
-Slab homogeneous(const PointResponseOptions& options, double sigma_t, double albedo, double eta) {
+Slab homogeneous(const SampledBssrdfOptions& options, double sigma_t, double albedo, double eta) {
     Slab slab;
     slab.set.channels.wavelengths_nm = {550};
     slab.set.eta = eta;
@@ -63,10 +63,10 @@ TEST_CASE("A half window holds one of each two opposite offsets") {
 TEST_CASE("Responses of a homogeneous slab are the profile that its layer has") {
     // The same slab twice: voxels with packets of paths, and as a plane layer traced path by path. Cells of a whole
     // grid are pooled by offset; each pooled value is held against its standard error.
-    const PointResponseOptions options{.width = 24, .height = 20, .margin = 30, .radius = 4, .paths = 800, .seed = 3};
+    const SampledBssrdfOptions options{.width = 24, .height = 20, .margin = 30, .radius = 4, .paths = 800, .seed = 3};
     for (const double eta : {1.0, 1.5}) {
         const Slab slab = homogeneous(options, 5, 0.98, eta);
-        const PointResponses responses = trace_point_responses(slab.scene(), options);
+        const SampledBssrdf responses = trace_bssrdf(slab.scene(), options);
         const LayerScene scene{{{slab.set.resins[0].medium(0), 1.0}}, slab.set.g, eta, eta};
         const TracedProfile profile = trace_layers(scene, HankelGrid(8, 64), {.paths = 1 << 19});
         const auto offsets = half_window(options.radius);
@@ -99,9 +99,9 @@ TEST_CASE("Responses of a homogeneous slab are the profile that its layer has") 
 }
 
 TEST_CASE("The comparison of responses and layers tells a slab from one that absorbs a little more") {
-    const PointResponseOptions options{.width = 24, .height = 20, .margin = 30, .radius = 4, .paths = 800, .seed = 3};
+    const SampledBssrdfOptions options{.width = 24, .height = 20, .margin = 30, .radius = 4, .paths = 800, .seed = 3};
     const auto light_of = [&](double albedo) {
-        const PointResponses responses = trace_point_responses(homogeneous(options, 5, albedo, 1.0).scene(), options);
+        const SampledBssrdf responses = trace_bssrdf(homogeneous(options, 5, albedo, 1.0).scene(), options);
         double sum = 0;
         for (const float total : responses.channels[0].total) sum += total;
         return sum / static_cast<double>(responses.points());
@@ -113,8 +113,8 @@ TEST_CASE("The comparison of responses and layers tells a slab from one that abs
 }
 
 TEST_CASE("Noise of responses is what the data set says it is") {
-    const PointResponseOptions options{.width = 32, .height = 32, .margin = 6, .radius = 2, .paths = 400, .seed = 5};
-    const PointResponses responses = trace_point_responses(homogeneous(options, 6, 0.99, 1.5).scene(), options);
+    const SampledBssrdfOptions options{.width = 32, .height = 32, .margin = 6, .radius = 2, .paths = 400, .seed = 5};
+    const SampledBssrdf responses = trace_bssrdf(homogeneous(options, 6, 0.99, 1.5).scene(), options);
     const ChannelResponses& data = responses.channels[0];
     for (const std::size_t s : {0u, 1u, 5u}) {
         double sum = 0, squares = 0, n = 0;
@@ -130,10 +130,10 @@ TEST_CASE("Noise of responses is what the data set says it is") {
 }
 
 TEST_CASE("No more light leaves a point's window than leaves altogether, and none is lost without absorption") {
-    const PointResponseOptions options{.width = 8, .height = 8, .margin = 12, .radius = 6, .paths = 100, .seed = 2};
+    const SampledBssrdfOptions options{.width = 8, .height = 8, .margin = 12, .radius = 6, .paths = 100, .seed = 2};
     const Slab slab = homogeneous(options, 8, 1.0, 1.5);
     const Scene closed{&slab.volume, &slab.set, Backing::white, Sides::mirrored};
-    const PointResponses responses = trace_point_responses(closed, options);
+    const SampledBssrdf responses = trace_bssrdf(closed, options);
     for (const float total : responses.channels[0].total) CHECK(total == 1.0f);  // a white sheet sends all back up
     const auto within = light_within_window(responses, 0);
     double sum = 0;
@@ -146,18 +146,18 @@ TEST_CASE("Responses have the same bits for any number of threads") {
     const ResinSet set = vero_opaque();
     ResinSet clear = set;
     clear.resins.push_back({"clear", "T", {0, 0, 0}, {1, 1, 1}});
-    const PointResponseOptions options{.width = 9, .height = 7, .margin = 5, .radius = 3, .paths = 50, .seed = 4};
+    const SampledBssrdfOptions options{.width = 9, .height = 7, .margin = 5, .radius = 3, .paths = 50, .seed = 4};
     SlabOptions slab_options;
     slab_options.width = 9, slab_options.height = 7, slab_options.margin = 5;
     const MixtureSlab slab = make_slab(clear, slab_options);
     const Scene scene{&slab.volume, &slab.mixtures, Backing::black, Sides::mirrored};
-    std::vector<PointResponses> results;
+    std::vector<SampledBssrdf> results;
     for (const std::size_t threads : {1u, 2u, 5u}) {
         const ThreadLimit limit(threads);
-        results.push_back(trace_point_responses(scene, options));
+        results.push_back(trace_bssrdf(scene, options));
     }
     REQUIRE(results[0].channels.size() == 3);
-    for (const PointResponses& other : results)
+    for (const SampledBssrdf& other : results)
         for (std::size_t c = 0; c < 3; ++c) {
             CHECK(other.channels[c].pairs == results[0].channels[c].pairs);
             CHECK(other.channels[c].total == results[0].channels[c].total);
@@ -166,7 +166,7 @@ TEST_CASE("Responses have the same bits for any number of threads") {
 }
 
 TEST_CASE("Light that a window cannot hold is said") {
-    PointResponses responses{5, 5, 1, 0.5, {}};
+    SampledBssrdf responses{5, 5, 1, 0.5, {}};
     ChannelResponses data;
     data.pairs.assign(3 * 25, 0.4f);  // 5 cells of 0.25 mm2: half of the light within the window
     data.total.assign(25, 1.0f);

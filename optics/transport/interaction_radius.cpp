@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/transport/influence.h"
+#include "voxtone/optics/transport/interaction_radius.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,8 +9,8 @@
 
 namespace voxtone::optics {
 
-double influence_radius(const ResinSet& resins, const std::array<double, 3>& pitch_mm, std::size_t core,
-                        std::size_t changed, double tolerance) {
+double interaction_radius(const ResinSet& resins, const std::array<double, 3>& pitch_mm, std::size_t core,
+                          std::size_t changed, double tolerance) {
     VOXTONE_EXPECT(core < resins.resins.size() && changed < resins.resins.size() && tolerance > 0);
     constexpr double long_mm = 24, thick_mm = 3.2;
     TransportOptions options;
@@ -38,11 +38,11 @@ double influence_radius(const ResinSet& resins, const std::array<double, 3>& pit
     return radius;
 }
 
-double influence_radius(const ResinSet& resins, const std::array<double, 3>& pitch_mm, std::size_t core,
-                        double tolerance) {
+double interaction_radius(const ResinSet& resins, const std::array<double, 3>& pitch_mm, std::size_t core,
+                          double tolerance) {
     double radius = 0;
     for (std::size_t r = 0; r < resins.resins.size(); ++r)
-        if (r != core) radius = std::max(radius, influence_radius(resins, pitch_mm, core, r, tolerance));
+        if (r != core) radius = std::max(radius, interaction_radius(resins, pitch_mm, core, r, tolerance));
     return radius;
 }
 

@@ -47,16 +47,16 @@ namespace voxtone::optics {
 /// mean of the three axes is taken.
 enum class SeenFrom { above, all_sides };
 
-struct HalftoneConstants {
+struct EffectiveMediumConstants {
     double k_0 = 0.57, k_1 = 0.40, a = 0.40, b_1 = 0.95, h_0 = 0.16;
 };
 
-class HalftoneMedium {
+class EffectiveMedium {
 public:
-    HalftoneMedium() = default;
+    EffectiveMedium() = default;
     /// Pitch of the voxels, mm; all 0: ideal mixtures, Eq. 7. Contract: all above 0 or all 0.
-    HalftoneMedium(const ResinSet& resins, const std::array<double, 3>& pitch_mm, SeenFrom seen = SeenFrom::above,
-                   const HalftoneConstants& constants = {});
+    EffectiveMedium(const ResinSet& resins, const std::array<double, 3>& pitch_mm, SeenFrom seen = SeenFrom::above,
+                    const EffectiveMediumConstants& constants = {});
 
     /// `fractions`: one per resin; they need not sum to 1 exactly.
     [[nodiscard]] Medium operator()(std::span<const double> fractions, std::size_t channel) const;

@@ -19,11 +19,11 @@ namespace voxtone::optics {
 
 /// In mm; 0 where even the line itself changes by less. `core` and `changed` are indices into the set; tolerance > 0 in
 /// units of appearance. Time: a tenth of a second or so.
-[[nodiscard]] double influence_radius(const ResinSet& resins, const std::array<double, 3>& pitch_mm, std::size_t core,
-                                      std::size_t changed, double tolerance);
+[[nodiscard]] double interaction_radius(const ResinSet& resins, const std::array<double, 3>& pitch_mm, std::size_t core,
+                                        std::size_t changed, double tolerance);
 
 /// The largest over all resins of the set on this core.
-[[nodiscard]] double influence_radius(const ResinSet& resins, const std::array<double, 3>& pitch_mm, std::size_t core,
-                                      double tolerance);
+[[nodiscard]] double interaction_radius(const ResinSet& resins, const std::array<double, 3>& pitch_mm, std::size_t core,
+                                        double tolerance);
 
 }  // namespace voxtone::optics

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/profiles/layers_under.h"
+#include "voxtone/optics/profiles/column_sampling.h"
 
 #include <catch2/catch.hpp>
 
@@ -18,15 +18,15 @@ TEST_CASE("Under a cell lie the layers of the volume, as shares and in order, up
         const Scene scene{&volume, &set, backing, Sides::mirrored};
         const Surface surface = find_surface(scene, {4, 2, 1}, SurfacePart::top);
         REQUIRE(surface.cells.size() == 1);
-        LayersUnder layers;
-        WalkInwards(scene).under(surface, surface.cells[0], layers);
+        MaterialColumn layers;
+        ColumnSampler(scene).under(surface, surface.cells[0], layers);
         REQUIRE(layers.steps.size() == 10);
         CHECK(layers.mm == Approx(0.5));
         CHECK(layers.end == (backing == Backing::none    ? LayersEnd::open
                              : backing == Backing::black ? LayersEnd::black_sheet
                                                          : LayersEnd::white_sheet));
         for (std::size_t i = 0; i < 10; ++i) {
-            const LayersUnder::Step& step = layers.steps[i];
+            const MaterialColumn::Step& step = layers.steps[i];
             CHECK(step.mm == Approx(0.05));
             CHECK(layers.shares[step.first + 1] == (i < 4 ? 0.5F : 0));
             CHECK(layers.shares[step.first + 2] == (i < 4 ? 0.5F : 1));
@@ -40,8 +40,8 @@ TEST_CASE("Deep bodies are endless, and their steps grow with the depth") {
         make_resin_volume({2, 2, 400}, {0.05, 0.05, 0.05}, [](int, int, int) { return Material{1}; });
     const Scene scene{&volume, &set, Backing::black, Sides::mirrored};
     const Surface surface = find_surface(scene, {2, 2, 1}, SurfacePart::top);
-    LayersUnder layers;
-    WalkInwards(scene).under(surface, surface.cells[0], layers);
+    MaterialColumn layers;
+    ColumnSampler(scene).under(surface, surface.cells[0], layers);
     CHECK(layers.end == LayersEnd::endless);
     CHECK(layers.mm >= 15);
     CHECK(layers.mm < 16);

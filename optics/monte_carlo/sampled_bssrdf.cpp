@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/monte_carlo/point_responses.h"
+#include "voxtone/optics/monte_carlo/sampled_bssrdf.h"
 
 #include <algorithm>
 #include <atomic>
@@ -7,10 +7,10 @@
 
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/parallel.h"
+#include "voxtone/optics/monte_carlo/adaptive_sampling.h"
 #include "voxtone/optics/monte_carlo/path_entries.h"
 #include "voxtone/optics/monte_carlo/path_packets.h"
-#include "voxtone/optics/monte_carlo/path_rounds.h"
-#include "voxtone/optics/monte_carlo/plain_paths.h"
+#include "voxtone/optics/monte_carlo/scalar_paths.h"
 #include "voxtone/optics/monte_carlo/voxel_walk.h"
 #include "voxtone/optics/scene/boundary.h"
 
@@ -53,7 +53,7 @@ private:
 /// The paths of points [first, end).
 class PointPaths : public PathSource {
 public:
-    PointPaths(const Scene& scene, const PointResponseOptions& options, const WindowIndex& window, std::size_t channel,
+    PointPaths(const Scene& scene, const SampledBssrdfOptions& options, const WindowIndex& window, std::size_t channel,
                std::size_t first, std::size_t end, Sums& sums)
         : scene_(scene), options_(options), window_(window), channel_(channel), point_(first), end_(end), sums_(sums) {}
 
@@ -127,7 +127,7 @@ private:
     }
 
     const Scene& scene_;
-    const PointResponseOptions& options_;
+    const SampledBssrdfOptions& options_;
     const WindowIndex& window_;
     std::size_t channel_, point_, end_;
     std::uint32_t path_ = 0;
@@ -165,7 +165,7 @@ std::vector<PointOffset> half_window(std::uint32_t radius) {
     return offsets;
 }
 
-std::vector<double> light_within_window(const PointResponses& responses, std::size_t channel) {
+std::vector<double> light_within_window(const SampledBssrdf& responses, std::size_t channel) {
     const auto offsets = half_window(responses.radius);
     const ChannelResponses& data = responses.channels.at(channel);
     const auto width = static_cast<int>(responses.width), height = static_cast<int>(responses.height);
@@ -182,7 +182,7 @@ std::vector<double> light_within_window(const PointResponses& responses, std::si
     return light;
 }
 
-double share_beyond_window(const PointResponses& responses, std::size_t channel) {
+double share_beyond_window(const SampledBssrdf& responses, std::size_t channel) {
     const std::vector<double> within = light_within_window(responses, channel);
     const auto& total = responses.channels.at(channel).total;
     double light = 0, near = 0;
@@ -194,7 +194,7 @@ double share_beyond_window(const PointResponses& responses, std::size_t channel)
     return light > 0 ? 1 - near / light : 0;
 }
 
-PointResponses trace_point_responses(const Scene& scene, const PointResponseOptions& options, Progress* progress) {
+SampledBssrdf trace_bssrdf(const Scene& scene, const SampledBssrdfOptions& options, Progress* progress) {
     const auto& size = scene.volume->size();
     const auto& pitch = scene.volume->pitch_mm();
     VOXTONE_EXPECT(options.width >= 1 && options.height >= 1 && options.paths >= 1 && pitch[0] == pitch[1]);
@@ -204,7 +204,7 @@ PointResponses trace_point_responses(const Scene& scene, const PointResponseOpti
     scene.volume->copy_box({0, 0, size[2] - 1}, {size[0], size[1], 1}, top);
     for (const Material material : top) VOXTONE_EXPECT(material != air);
 
-    PointResponses responses{options.width, options.height, options.radius, pitch[0], {}};
+    SampledBssrdf responses{options.width, options.height, options.radius, pitch[0], {}};
     const PathVolume volume(scene);
     const WindowIndex window(options.radius);
     const std::size_t points = responses.points(), tasks = (points + points_per_task - 1) / points_per_task;

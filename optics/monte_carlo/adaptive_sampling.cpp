@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/monte_carlo/path_rounds.h"
+#include "voxtone/optics/monte_carlo/adaptive_sampling.h"
 
 #include <algorithm>
 #include <cmath>
