@@ -8,32 +8,33 @@
 namespace voxtone::optics {
 namespace {
 
-constexpr int n = profile_gaussians;
+constexpr int lobes = profile_gaussians;
 constexpr double narrowest_mm = 0.05, widest_mm = 5;
 constexpr double longest_wave = 0.25, shortest_wave = 40;  // rad/mm
 constexpr double smoothness = 5e-4;
 constexpr int sweeps = 24;
 
-using Weights = Eigen::Matrix<float, n, 1>;
+using Weights = Eigen::Matrix<float, lobes, 1>;
 
 struct Fit {
-    Eigen::Matrix<float, n, profile_waves> right_side;
-    Eigen::Matrix<float, n, n> normal, inverse;
+    Eigen::Matrix<float, lobes, profile_waves> right_side;
+    Eigen::Matrix<float, lobes, lobes> normal, inverse;
 };
 
 const Fit& fit() {
     static const Fit made = [] {
-        Eigen::Matrix<double, profile_waves, n> transform;
+        Eigen::Matrix<double, profile_waves, lobes> transform;
         for (int i = 0; i < profile_waves; ++i)
-            for (int j = 0; j < n; ++j) {
+            for (int j = 0; j < lobes; ++j) {
                 const double phase =
                     0.5 * static_cast<double>(wave_numbers()[i]) * gaussian_widths_mm()[static_cast<std::size_t>(j)];
                 transform(i, j) = std::exp(-phase * phase);
             }
         // Third differences; nothing lies beyond the ends.
-        Eigen::Matrix<double, n + 3, n> rough = Eigen::Matrix<double, n + 3, n>::Zero();
-        for (int j = 0; j < n; ++j) rough(j, j) = 1, rough(j + 1, j) = -3, rough(j + 2, j) = 3, rough(j + 3, j) = -1;
-        const Eigen::Matrix<double, n, n> normal =
+        Eigen::Matrix<double, lobes + 3, lobes> rough = Eigen::Matrix<double, lobes + 3, lobes>::Zero();
+        for (int j = 0; j < lobes; ++j)
+            rough(j, j) = 1, rough(j + 1, j) = -3, rough(j + 2, j) = 3, rough(j + 3, j) = -1;
+        const Eigen::Matrix<double, lobes, lobes> normal =
             transform.transpose() * transform + smoothness * rough.transpose() * rough;
         return Fit{transform.transpose().cast<float>(), normal.cast<float>(), normal.inverse().cast<float>()};
     }();
@@ -73,9 +74,10 @@ GaussianWeights gaussian_weights(const Waves& profile) {
     const Weights b = by.right_side * (profile / total).matrix();
     Weights w = (by.inverse * b).cwiseMax(0);
     for (int sweep = 0; sweep < sweeps; ++sweep)
-        for (int j = 0; j < n; ++j) w[j] = std::max(0.0F, w[j] + (b[j] - by.normal.col(j).dot(w)) / by.normal(j, j));
+        for (int j = 0; j < lobes; ++j)
+            w[j] = std::max(0.0F, w[j] + (b[j] - by.normal.col(j).dot(w)) / by.normal(j, j));
     const float scale = total / w.sum();
-    for (int j = 0; j < n; ++j) weights[static_cast<std::size_t>(j)] = scale * w[j];
+    for (int j = 0; j < lobes; ++j) weights[static_cast<std::size_t>(j)] = scale * w[j];
     return weights;
 }
 
