@@ -126,14 +126,15 @@ void read_roles(const io::JsonObject& file, PrinterProfile& printer) {
             file.fail("default_roles", fmt::format("'{}' is empty or named twice", role));
 }
 
-const std::vector<std::string> names = texts_or(file, "formats", {std::string(name_of(io::LayerFormat::png))});
-if (names.empty()) file.fail("formats", "name at least one");
-for (const std::string& name : names) {
-    const auto format = value_of<io::LayerFormat>(name);
-    if (!format)
-        file.fail("formats", fmt::format("'{}' is none of {}", name, fmt::join(names_of<io::LayerFormat>(), ", ")));
-    printer.formats.push_back(*format);
-}
+void read_formats(const io::JsonObject& file, PrinterProfile& printer) {
+    const std::vector<std::string> names = texts_or(file, "formats", {std::string(name_of(io::LayerFormat::png))});
+    if (names.empty()) file.fail("formats", "name at least one");
+    for (const std::string& name : names) {
+        const auto format = value_of<io::LayerFormat>(name);
+        if (!format)
+            file.fail("formats", fmt::format("'{}' is none of {}", name, fmt::join(names_of<io::LayerFormat>(), ", ")));
+        printer.formats.push_back(*format);
+    }
 }
 
 void read_unconfirmed(const io::JsonObject& file, PrinterProfile& printer) {
