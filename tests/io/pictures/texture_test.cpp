@@ -7,6 +7,7 @@
 #include <catch2/catch.hpp>
 
 #include "voxtone/base/random.h"
+#include "voxtone/io/models/fill_gutters.h"
 #include "voxtone/io/models/texel_coverage.h"
 #include "voxtone/optics/colour/colour.h"
 
