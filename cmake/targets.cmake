@@ -67,6 +67,16 @@ function(voxtone_add_helper name)
   install(TARGETS ${name} RUNTIME DESTINATION ${CMAKE_INSTALL_LIBEXECDIR}/voxtone)
 endfunction()
 
+# voxtone_add_module(<name> <file>...)
+# <name>.so, loaded when it is needed (io/files/module_function.h). It holds copies of our code, which stay its own.
+function(voxtone_add_module name)
+  add_library(${name} MODULE ${ARGN})
+  target_link_libraries(${name} PRIVATE voxtone_flags)
+  target_link_options(${name} PRIVATE -Wl,--exclude-libs,ALL)
+  set_target_properties(${name} PROPERTIES PREFIX "" SUFFIX .so LIBRARY_OUTPUT_DIRECTORY ${VOXTONE_BUILT_HELPERS})
+  install(TARGETS ${name} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBEXECDIR}/voxtone)
+endfunction()
+
 # voxtone_add_test(<name> LABELS <label>... LIBRARIES <target>... SOURCES <file>...)
 # Catch2 tests, one ctest per TEST_CASE. Labels: unit (seconds), statistical, corpus, app.
 function(voxtone_add_test name)
@@ -78,7 +88,7 @@ function(voxtone_add_test name)
   target_compile_definitions(${name} PRIVATE VOXTONE_TEST_DATA="${PROJECT_SOURCE_DIR}/tests/data"
                                              VOXTONE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
   if(ARG_LIBRARIES MATCHES "voxtone::(io|calibration|slicer)")
-    add_dependencies(${name} voxtone-read)  # which reads their models and pictures
+    add_dependencies(${name} voxtone-read voxtone-vdb voxtone-layer-surfaces)
   endif()
   catch_discover_tests(${name} TEST_PREFIX "${name}: " PROPERTIES LABELS "${ARG_LABELS}")
 endfunction()

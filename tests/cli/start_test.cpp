@@ -36,8 +36,8 @@ Outcome run_with_helpers_in(const std::string& folder, const std::string& argume
     return outcome;
 }
 
-constexpr const char* slow_libraries[] = {"assimp",   "OpenImageIO", "opencv",   "ceres",
-                                          "liblcms2", "libcholmod",  "liblapack"};
+constexpr const char* slow_libraries[] = {"assimp",   "OpenImageIO", "opencv",    "ceres",
+                                          "liblcms2", "libcholmod",  "liblapack", "openvdb"};
 
 }  // namespace
 

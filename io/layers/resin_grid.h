@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// volume_vdb.h by OpenVDB: the source of the module voxtone-vdb.so.
+#pragma once
+
+#include <filesystem>
+
+#include "voxtone/base/progress.h"
+#include "voxtone/io/layers/manifest.h"
+
+namespace voxtone::io {
+
+void write_resin_grid(const std::filesystem::path& file, const StackDescription& stack,
+                      const std::filesystem::path& folder, Progress* progress);
+
+}  // namespace voxtone::io
+
+/// The module's door.
+extern "C" void voxtone_write_resin_grid(const std::filesystem::path& file, const voxtone::io::StackDescription& stack,
+                                         const std::filesystem::path& folder, voxtone::Progress* progress);
