@@ -168,9 +168,9 @@ struct StackSummary {
     const StackReader& reader;
     Announced announced;
     std::string name;  ///< of the stack, for faults
-    std::vector<LayerResult> layers;
+    std::vector<LayerResult> layers{};
     std::array<std::uint32_t, 2> resolution{};  ///< pixels per metre as they should be
-    std::map<Rgba, std::size_t> place;          ///< colour -> index into the report's colours
+    std::map<Rgba, std::size_t> place{};        ///< colour -> index into the report's colours
     bool too_many_colours = false;
 
     [[nodiscard]] const PngHeader* first_header() const {

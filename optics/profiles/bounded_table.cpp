@@ -11,21 +11,23 @@
 namespace voxtone::optics {
 namespace {
 
-constexpr int samples = 33, table_directions = 16;
+constexpr int table_samples = 33, table_directions = 16;
 
 }  // namespace
 
 BoundedTable::BoundedTable(double g, double eta, double most_tau, const Progress* progress)
     : turned_back_(internal_diffuse_reflectance(eta)) {
     VOXTONE_EXPECT(most_tau > 0 && std::isfinite(most_tau));
-    Eigen::MatrixXd R_top(samples, samples), lost_down(samples, samples), R_bottom(samples, samples);
+    Eigen::MatrixXd R_top(table_samples, table_samples), lost_down(table_samples, table_samples),
+        R_bottom(table_samples, table_samples);
     const double most_x = std::sqrt(most_tau);
     parallel_for(
-        0, samples * samples, 1,
+        0, table_samples * table_samples, 1,
         [&](std::size_t sample) {
-            const auto i = static_cast<Eigen::Index>(sample) / samples, j = static_cast<Eigen::Index>(sample) % samples;
-            const double x = most_x * static_cast<double>(i) / (samples - 1),
-                         y = static_cast<double>(j) / (samples - 1);
+            const auto i = static_cast<Eigen::Index>(sample) / table_samples,
+                       j = static_cast<Eigen::Index>(sample) % table_samples;
+            const double x = most_x * static_cast<double>(i) / (table_samples - 1),
+                         y = static_cast<double>(j) / (table_samples - 1);
             const double tau = x * x;
             BoundedTotals at{0, 1, turned_back_, 1 - turned_back_};  // no layer
             if (tau > 0) at = bounded_totals({tau * y * y, tau * (1 - y * y)}, g, eta, 1.0, table_directions);

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double width = 260, height = 200, step_x = width + 68 + 8, step_y = height + 64 + 8;
 constexpr double faintest = 1e-5, brightest = 10;
-constexpr int points = 160;
+constexpr int plot_points = 160;
 
 std::vector<double> marks_up_to(double most) {
     const double step = most > 6 ? 2 : most > 3 ? 1 : 0.5;
@@ -31,8 +31,8 @@ void draw(io::Plot& plot, const optics::HankelGrid& grid, const ProfileCurve& cu
         if (part.size() > 1) plot.line(part, curve.colour, 1.5, curve.dashed);
         part.clear();
     };
-    for (int i = 0; i <= points; ++i) {
-        const double r = most_mm * i / points, light = grid.profile(soft, r);
+    for (int i = 0; i <= plot_points; ++i) {
+        const double r = most_mm * i / plot_points, light = grid.profile(soft, r);
         if (light > faintest)
             part.emplace_back(r, light);
         else

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double blur_mm = 0.05;
 constexpr double least_share = 0.01;  // of a cell's faces of one facing: fainter ones are left out
-constexpr int reach = 2;              // cells around that are looked at
+constexpr int cells_around = 2;       // cells around that are looked at
 
 /// Looks for the faces of one surface cell after the other.
 class FaceFinder {
@@ -117,7 +117,7 @@ private:
     void take_nearest(const SurfaceCell& cell) {
         std::array<Nearest, 6> nearest{};
         Nearest solid, any;
-        for (int r = 1; r <= reach; ++r) {
+        for (int r = 1; r <= cells_around; ++r) {
             each_cell_near(r, [&](const Place& at, std::int64_t there) {
                 solid.take(distance2(cell, at, -1), there);
                 viewing_.each_face(static_cast<std::uint32_t>(there), [&](std::uint32_t f) {
