@@ -22,8 +22,6 @@ struct ConsoleOptions {
 
 void add_console_options(CLI::App& command, ConsoleOptions& options);
 
-using CommandResult = JobResult;
-
 /// Runs the work under the chosen kind of progress and prints its result. Errors pass through, after an event that
 /// tells them with --json.
 int run_on_console(const ConsoleOptions& options, const std::function<JobResult(Progress&)>& work);

@@ -26,7 +26,7 @@ int run(PredictArguments& arguments) {
     arguments.options.cell_mm = parse_length_mm(arguments.cell, "--cell");
     return run_on_console(arguments.console, [&](Progress& progress) {
         slicer::PredictResult result = slicer::run_predict_job(arguments.options, progress);
-        return CommandResult{std::move(result.json), std::move(result.text)};
+        return JobResult{std::move(result.json), std::move(result.text)};
     });
 }
 

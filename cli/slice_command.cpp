@@ -76,7 +76,7 @@ int run(const SliceArguments& arguments) {
     const slicer::SliceOptions options = options_of(arguments);
     return run_on_console(arguments.console, [&](Progress& progress) {
         slicer::SliceResult result = slicer::run_slice_job(options, progress);
-        return CommandResult{std::move(result.json), std::move(result.summary)};
+        return JobResult{std::move(result.json), std::move(result.summary)};
     });
 }
 
