@@ -37,7 +37,7 @@ std::string profile_json(const StackSetting& setting, const io::LayerSequence& s
     io::ProfileFile file;
     file.name = sequence.name;
     file.source = fmt::format("voxtone stack predict, layer profiles of {} mm; surface {}, backing {}",
-                              io::layers_text(sequence.layers), setting.surface(), setting.backing());
+                              io::layers_text(sequence.layers), setting.surface_name(), setting.backing_name());
     file.channels = setting.channels();
     double mm = 0;
     for (const io::SequenceLayer& layer : sequence.layers) mm += layer.mm;
@@ -84,8 +84,8 @@ JobResult result_of(const NamedStack& stack, const Prediction& prediction) {
     const StackSetting& setting = stack.setting;
     const std::string layers = io::layers_text(stack.sequence.layers);
     nlohmann::ordered_json channels = nlohmann::json::array();
-    std::string text =
-        fmt::format("{} mm, top first; surface {}, backing {}\n", layers, setting.surface(), setting.backing());
+    std::string text = fmt::format("{} mm, top first; surface {}, backing {}\n", layers, setting.surface_name(),
+                                   setting.backing_name());
     for (std::size_t c = 0; c < setting.channels().size(); ++c) {
         channels.push_back(
             {{"channel", setting.channel_name(c)}, {"layers", light_json(setting, prediction.layers, c)}});
@@ -97,8 +97,8 @@ JobResult result_of(const NamedStack& stack, const Prediction& prediction) {
     const nlohmann::ordered_json json{{"format", "voxtone-stack-prediction"},
                                       {"version", 1},
                                       {"stack", layers},
-                                      {"surface", setting.surface()},
-                                      {"backing", setting.backing()},
+                                      {"surface", setting.surface_name()},
+                                      {"backing", setting.backing_name()},
                                       {"channels", channels}};
     return {json.dump(), text};
 }

@@ -91,8 +91,8 @@ io::LayerSequence sequence_of(const StackSearchJob& job, const StackSetting& set
     sequence.name = target.name;
     sequence.source = "voxtone stack search " + target.file;
     if (setting.resins()) sequence.resins = job.setting.resins;
-    sequence.surface = setting.surface();
-    sequence.backing = setting.backing();
+    sequence.surface = setting.surface_name();
+    sequence.backing = setting.backing_name();
     for (const auto& [material, mm] : design.layers) sequence.layers.push_back({setting.names()[material], mm});
     return sequence;
 }
@@ -260,8 +260,8 @@ JobResult run_stack_search(const StackSearchJob& job, Progress& progress) {
     const nlohmann::ordered_json json{{"format", "voxtone-stack-search"},
                                       {"version", 1},
                                       {"folder", job.out},
-                                      {"surface", setting.surface()},
-                                      {"backing", setting.backing()},
+                                      {"surface", setting.surface_name()},
+                                      {"backing", setting.backing_name()},
                                       {"stackings", search.stackings()},
                                       {"results", results}};
     return {json.dump(), text};

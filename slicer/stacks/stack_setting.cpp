@@ -75,13 +75,39 @@ StackSettingOptions checked(StackSettingOptions options) {
     return options;
 }
 
+StackSurface surface_of(const std::string& word) {
+    if (const auto surface = value_of<StackSurface>(word)) return *surface;
+    throw UsageError(fmt::format("--surface: '{}' is none of {}", word, fmt::join(names_of<StackSurface>(), ", ")));
+}
+
+StackBacking backing_of(const std::string& word) {
+    if (const auto backing = value_of<StackBacking>(word)) return *backing;
+    if (is_file(word)) return StackBacking::profile;
+    throw UsageError(fmt::format("--backing: '{}' is none of {} and no profile file (.json)", word,
+                                 fmt::join(names_of<StackBacking>(), ", ")));
+}
+
+halftone::ChannelProfiles backing_profile(const std::string& file, const optics::Channels& channels,
+                                          const optics::HankelGrid& grid) {
+    const io::ProfileFile profile = io::read_profile(file);
+    expect_same(profile.channels, file, channels, "the materials");
+    halftone::ChannelProfiles reflection;
+    optics::MeasuredSummary ignored;
+    for (const auto& channel : profile.by_channel) {
+        reflection.push_back(optics::measured_reflection(channel.R, grid, ignored));
+        for (double& value : reflection.back()) value = std::clamp(value, 0.0, 1.0);
+    }
+    return reflection;
+}
+
 }  // namespace
 
 StackSetting::StackSetting(const StackSettingOptions& given)
     : grid_(checked(given).reach_mm, given.coefficients),
       names_(given.materials),
-      surface_(given.surface),
-      backing_(given.backing) {
+      surface_(surface_of(given.surface)),
+      backing_(backing_of(given.backing)),
+      backing_file_(backing_ == StackBacking::profile ? given.backing : "") {
     const auto files = std::count_if(names_.begin(), names_.end(), is_file);
     if (files == 0) {
         set_ = io::find_resin_set(given.resins).subset(names_);
@@ -99,36 +125,37 @@ StackSetting::StackSetting(const StackSettingOptions& given)
         channels_ = files_[0].channels;
     }
 
-    const double eta = set_ ? set_->eta : usual_eta;
-    if (surface_ == "auto") surface_ = set_ ? "air" : "matched";
-    if (surface_ == "air")
-        ends_.eta_top = eta;
-    else if (surface_ != "matched")
-        throw UsageError(fmt::format("--surface: '{}' is none of auto, air, matched", surface_));
-    turned_back_ = surface_ == "air" ? optics::internal_diffuse_reflectance(eta) : 0;
+    if (surface_ == StackSurface::automatic) surface_ = set_ ? StackSurface::air : StackSurface::matched;
+    put_between(set_ ? set_->eta : usual_eta);
+}
 
+void StackSetting::put_between(double eta) {
+    if (surface_ == StackSurface::air) {
+        ends_.eta_top = eta;
+        turned_back_ = optics::internal_diffuse_reflectance(eta);
+    }
     const auto everywhere = [&](double share) {
         return halftone::ChannelProfiles(channels_.size(), std::vector<double>(grid_.size(), share));
     };
-    if (backing_ == "white") {
-        backing_reflection_ = everywhere(1);
-        ends_.sheet = 1;
-    } else if (backing_ == "air") {
-        backing_reflection_ = everywhere(optics::internal_diffuse_reflectance(eta));
-        ends_.eta_bottom = eta;
-    } else if (is_file(backing_)) {
-        const io::ProfileFile profile = io::read_profile(backing_);
-        expect_same(profile.channels, backing_, channels_, "the materials");
-        measured_backing_ = true;
-        optics::MeasuredSummary ignored;
-        for (const auto& channel : profile.by_channel) {
-            backing_reflection_.push_back(optics::measured_reflection(channel.R, grid_, ignored));
-            for (double& value : backing_reflection_.back()) value = std::clamp(value, 0.0, 1.0);
-        }
-    } else if (backing_ != "black") {
-        throw UsageError(
-            fmt::format("--backing: '{}' is none of black, white, air and no profile file (.json)", backing_));
+    switch (backing_) {
+        case StackBacking::black:
+            break;
+        case StackBacking::white:
+            backing_reflection_ = everywhere(1);
+            ends_.sheet = 1;
+            break;
+        case StackBacking::air:
+            backing_reflection_ = everywhere(optics::internal_diffuse_reflectance(eta));
+            ends_.eta_bottom = eta;
+            break;
+        case StackBacking::profile:
+            backing_reflection_ = backing_profile(backing_file_, channels_, grid_);
+            break;
     }
+}
+
+std::string StackSetting::backing_name() const {
+    return backing_ == StackBacking::profile ? backing_file_ : std::string(name_of(backing_));
 }
 
 std::vector<halftone::StackMaterial> StackSetting::materials(double known_mm, double most_mm,

@@ -3,17 +3,16 @@
 // What stacks are made of and what they border on, from what a user writes: the part that `stack search` and `stack
 // predict` have in common.
 //
-// Materials are roles of a resin set or files of measured profiles, never both. Surface: "air" (smooth, to air above),
-// "matched" (none), "auto" (air for resins, matched for measured profiles, which were measured with whatever surface
-// they have). Backing, in contact with the lowest layer: "black", "white" (sends all back where it arrives), "air" (a
-// smooth surface), or the file of a profile whose R is meant.
+// Materials are roles of a resin set or files of measured profiles, never both.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "voxtone/base/named_values.h"
 #include "voxtone/base/progress.h"
 #include "voxtone/halftone/stacks/stack_search.h"
 #include "voxtone/io/profiles/profile_file.h"
@@ -22,12 +21,27 @@
 
 namespace voxtone::slicer {
 
+/// What lies above a stack.
+enum class StackSurface {
+    automatic,  ///< air for resins, matched for measured profiles, which were measured with whatever surface they have
+    air,        ///< smooth, to air
+    matched,    ///< none
+};
+
+/// What the lowest layer is in contact with.
+enum class StackBacking {
+    black,
+    white,    ///< sends all light back where it arrives
+    air,      ///< a smooth surface
+    profile,  ///< what reflects as the R of a profile file: its name stands for the word
+};
+
 struct StackSettingOptions {
     std::vector<std::string> materials;
     std::string resins = "vero-opaque";
-    std::string surface = "auto", backing = "black";
-    double reach_mm = 10;             ///< of the grid, in [0.1, 1000]
-    std::uint32_t coefficients = 64;  ///< in [4, 1024]
+    std::string surface = "auto", backing = "black";  ///< words, or the file of the backing's profile (.json)
+    double reach_mm = 10;                             ///< of the grid, in [0.1, 1000]
+    std::uint32_t coefficients = 64;                  ///< in [4, 1024]
 };
 
 class StackSetting {
@@ -39,8 +53,11 @@ public:
     [[nodiscard]] const optics::HankelGrid& grid() const { return grid_; }
     [[nodiscard]] const optics::Channels& channels() const { return channels_; }
     [[nodiscard]] const std::vector<std::string>& names() const { return names_; }
-    [[nodiscard]] const std::string& surface() const { return surface_; }
-    [[nodiscard]] const std::string& backing() const { return backing_; }
+    /// Never automatic.
+    [[nodiscard]] StackSurface surface() const { return surface_; }
+    [[nodiscard]] std::string surface_name() const { return std::string(name_of(surface_)); }
+    /// A word, or the file of a profile.
+    [[nodiscard]] std::string backing_name() const;
     /// Of resins, resin m being material m; absent for measured profiles.
     [[nodiscard]] const std::optional<optics::ResinSet>& resins() const { return set_; }
     /// Share of diffuse light that the surface above turns back.
@@ -48,7 +65,7 @@ public:
     /// What the backing reflects; empty: black.
     [[nodiscard]] const halftone::ChannelProfiles& backing_reflection() const { return backing_reflection_; }
     /// Whether light can be traced through a stack: of resins, on a backing that is no measured profile.
-    [[nodiscard]] bool traceable() const { return set_ && !measured_backing_; }
+    [[nodiscard]] bool traceable() const { return set_ && backing_ != StackBacking::profile; }
     [[nodiscard]] const optics::StackEnds& ends() const { return ends_; }
 
     /// Profiles of all materials. Resins are known at this thickness, 0: at the one that fits stacks of `most_mm` best.
@@ -68,16 +85,35 @@ private:
     optics::HankelGrid grid_;
     optics::Channels channels_;
     std::vector<std::string> names_;
-    std::string surface_, backing_;
+    StackSurface surface_;
+    StackBacking backing_;
+    std::string backing_file_;
     std::optional<optics::ResinSet> set_;
     std::vector<io::ProfileFile> files_;
     double turned_back_ = 0;
-    bool measured_backing_ = false;
     halftone::ChannelProfiles backing_reflection_;
     optics::StackEnds ends_;
+
+    void put_between(double eta);
 };
 
 /// Throws UsageError below two: one path has no standard error.
 void check_paths(std::uint32_t paths);
 
 }  // namespace voxtone::slicer
+
+namespace voxtone {
+
+template <>
+struct NamesOf<slicer::StackSurface> {
+    using E = slicer::StackSurface;
+    static constexpr auto table =
+        std::to_array<Named<E>>({{E::automatic, "auto"}, {E::air, "air"}, {E::matched, "matched"}});
+};
+template <>
+struct NamesOf<slicer::StackBacking> {
+    using E = slicer::StackBacking;
+    static constexpr auto table = std::to_array<Named<E>>({{E::black, "black"}, {E::white, "white"}, {E::air, "air"}});
+};
+
+}  // namespace voxtone

@@ -45,7 +45,7 @@ std::string target_json(const StackTargetsJob& job, const StackSetting& setting,
     file.name = fmt::format("target {} of {}", t + 1, job.count);
     file.source =
         fmt::format("voxtone stack targets: one albedo, from the width of {} to that of {}; surface {}, backing {}",
-                    job.narrow, job.wide, setting.surface(), setting.backing());
+                    job.narrow, job.wide, setting.surface_name(), setting.backing_name());
     file.channels = setting.channels();
     for (const std::vector<double>& channel : R)
         file.by_channel.push_back({0, {}, profile_samples(setting.grid(), channel)});

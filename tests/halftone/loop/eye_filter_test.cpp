@@ -111,7 +111,6 @@ TEST_CASE("the amplitude of a grating falls by the transfer function of the Gaus
     // the signal is nothing at these frequencies and whose mean is nothing anywhere.
     const optics::Surface surface = plate(24, 14, 0.0847);
     const EyeFilter eye(surface, distance_mm);
-    double worst = 0;
     for (std::size_t channel = 0; channel < 3; ++channel)
         for (const double cycles_per_mm : {0.25, 0.5, 1.0, 2.0, 3.0}) {
             const double k = 2 * std::numbers::pi * cycles_per_mm;
@@ -130,11 +129,8 @@ TEST_CASE("the amplitude of a grating falls by the transfer function of the Gaus
             const double wanted = eye_transfer(channel, cycles_per_mm * mm_per_degree);
             CAPTURE(channel, cycles_per_mm, in_phase / count, wanted);
             CHECK(std::abs(in_phase / count - wanted) < 0.015);
-            worst = std::max(worst, std::abs(in_phase / count - wanted));
             if (cycles_per_mm == 1.0 && channel == 0) CHECK(std::abs(in_phase / count - 1.08 * wanted) > 0.015);
         }
-    INFO("worst " << worst);
-    CHECK(worst > 0);
 }
 
 TEST_CASE("from very near everything is seen, from very far only the mean", "[eye_filter]") {

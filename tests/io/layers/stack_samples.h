@@ -4,9 +4,13 @@
 #pragma once
 
 #include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
 
 #include "layer_samples.h"
 #include "voxtone/io/layers/layer_stack_writer.h"
+#include "voxtone/io/layers/verify.h"
 
 namespace voxtone::io {
 
@@ -52,6 +56,19 @@ inline StackDescription write_sample_stack(const std::filesystem::path& out, std
     LayerStackWriter writer(out, sample_description(layers), outputs);
     for (std::uint32_t k = 0; k < layers; ++k) writer.write(k, sample_layer(k));
     return writer.finish();
+}
+
+/// Whether a fault of this rule is reported in these words.
+inline bool has(const StackReport& report, const std::string& rule, const std::string& words = "") {
+    for (const auto& fault : report.faults)
+        if (fault.rule == rule && (fault.where + fault.what + fault.remedy).find(words) != std::string::npos)
+            return true;
+    return false;
+}
+
+inline std::string bytes_of(const std::filesystem::path& file) {
+    std::ifstream in(file, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
 }
 
 }  // namespace voxtone::io

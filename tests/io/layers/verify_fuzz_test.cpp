@@ -17,22 +17,6 @@ using namespace voxtone::io;
 using Catch::Contains;
 namespace fs = std::filesystem;
 
-namespace {
-
-bool has(const StackReport& report, const std::string& rule, const std::string& words = "") {
-    for (const auto& fault : report.faults)
-        if (fault.rule == rule && (fault.where + fault.what + fault.remedy).find(words) != std::string::npos)
-            return true;
-    return false;
-}
-
-std::string bytes_of(const fs::path& file) {
-    std::ifstream in(file, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), {}};
-}
-
-}  // namespace
-
 TEST_CASE("a layer cut anywhere is a fault, never a crash", "[verify][fuzz]") {
     const PngLayerEncoder encoder(sample_description(1).palette(), {42.333, 84.667});
     const auto whole = encoder.encode(sample_layer(1, 40, 12));

@@ -21,18 +21,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-bool has(const StackReport& report, const std::string& rule, const std::string& words = "") {
-    for (const auto& fault : report.faults)
-        if (fault.rule == rule && (fault.where + fault.what + fault.remedy).find(words) != std::string::npos)
-            return true;
-    return false;
-}
-
-std::string bytes_of(const fs::path& file) {
-    std::ifstream in(file, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), {}};
-}
-
 void write_png_with_libpng(const fs::path& file, std::uint32_t w, std::uint32_t h, int format,
                            const std::vector<std::uint8_t>& pixels) {
     png_image image{};

@@ -14,6 +14,7 @@
 #include <assimp/Importer.hpp>
 #include <catch2/catch.hpp>
 
+#include "tests/outcomes.h"
 #include "voxtone/base/error.h"
 #include "voxtone/io/models/model_reader.h"
 #include "voxtone/io/pictures/picture.h"
@@ -30,7 +31,7 @@ const fs::path models = fs::path(VOXTONE_SOURCE_DIR) / ".." / "shared" / "models
 
 bool here() {
     if (fs::exists(models / "INDEX.md")) return true;
-    WARN("skipped: there is no folder " << models.string());
+    test::skip("the model corpus is not beside the tree");
     return false;
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxtone/optics/profiles/layered_profile_model.h"
+#include "tests/outcomes.h"
 
 #include <catch2/catch.hpp>
 
@@ -155,6 +156,7 @@ TEST_CASE(
     const std::vector<float> seen =
         LayeredProfileModel().predict(scene, find_surface(scene, {4, 2, 6}, SurfacePart::top)).value;
     const auto [least, most] = std::minmax_element(seen.begin(), seen.end());
-    CHECK(*least == Approx(0.86).margin(0.005));
+    WANTED(*least > 0.99);
+    CHECK(*least > 0.855);
     CHECK(*most <= 1);
 }

