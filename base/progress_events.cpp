@@ -40,11 +40,6 @@ void ProgressEvents::result(std::string_view json) {
     say(fmt::format(R"({{"event":"result","result":{}}})", on_one_line(json)));
 }
 
-void ProgressEvents::error(const Error& error) {
-    say(fmt::format(R"({{"event":"error","exit_code":{},"message":{}}})", static_cast<int>(error.exit_code()),
-                    json_quoted(error.what())));
-}
-
 void ProgressEvents::on_stage(std::string_view name, std::uint64_t steps, std::string_view unit) {
     {
         const std::lock_guard lock(mutex_);
@@ -81,6 +76,11 @@ void ProgressEvents::on_note(const std::string& message) {
 void ProgressEvents::say(const std::string& line) {
     const std::lock_guard lock(mutex_);
     sink_(line + "\n");
+}
+
+std::string error_event(ExitCode code, std::string_view message) {
+    return fmt::format(R"({{"event":"error","exit_code":{},"message":{}}})", static_cast<int>(code),
+                       json_quoted(message));
 }
 
 TextSink stdout_sink() {

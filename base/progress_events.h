@@ -6,7 +6,7 @@
 //   {"event":"stage","stage":"layers","state":"end","done":3920,"seconds":64.80}
 //   {"event":"warning","message":"..."}   {"event":"note","message":"..."}
 //   {"event":"result","result":{...}}     once, the last line
-//   {"event":"error","exit_code":3,"message":"..."}   instead of a result
+//   {"event":"error","exit_code":3,"message":"..."}   instead of a result, whatever failed
 #pragma once
 
 #include <atomic>
@@ -24,7 +24,6 @@ public:
 
     /// `json` is one valid JSON value; line breaks in it are taken out.
     void result(std::string_view json);
-    void error(const Error& error);
 
 private:
     void on_stage(std::string_view name, std::uint64_t steps, std::string_view unit) override;
@@ -40,6 +39,9 @@ private:
     Stage stage_;
     std::atomic<double> next_event_s_{0};
 };
+
+/// {"event":"error",...}, without a line break.
+[[nodiscard]] std::string error_event(ExitCode code, std::string_view message);
 
 [[nodiscard]] TextSink stdout_sink();
 

@@ -33,6 +33,15 @@ std::string_view trimmed(std::string_view text) {
 
 }  // namespace
 
+std::string with_decimal_point(std::string_view text) {
+    const std::size_t comma = text.find(',');
+    const auto is_digit = [&](std::size_t i) { return i < text.size() && text[i] >= '0' && text[i] <= '9'; };
+    if (comma == std::string_view::npos || comma == 0 || !is_digit(comma - 1) || !is_digit(comma + 1)) return {};
+    std::string point(text);
+    point[comma] = '.';
+    return point;
+}
+
 double mm_per_unit(std::string_view unit) {
     for (const auto& [name, mm] : known_units)
         if (name == unit) return mm;
@@ -46,6 +55,9 @@ double parse_length_mm(std::string_view text, std::string_view what) {
     if (status != std::errc{} || !std::isfinite(number))
         throw UsageError(
             fmt::format("{}: '{}' is not a length; write a number with a unit, such as 60mm or 2.5in", what, text));
+    if (const std::string point = with_decimal_point(whole); !point.empty())
+        throw UsageError(
+            fmt::format("{}: '{}' has a comma, which may part thousands or decimals; write {}", what, text, point));
     const std::string_view unit = trimmed({rest, static_cast<std::size_t>(whole.data() + whole.size() - rest)});
     try {
         return unit.empty() ? number : number * mm_per_unit(unit);

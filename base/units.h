@@ -4,6 +4,7 @@
 // writes ("60mm", "2.5 in") into native units.
 #pragma once
 
+#include <string>
 #include <string_view>
 
 namespace voxtone {
@@ -12,6 +13,10 @@ inline constexpr double mm_per_inch = 25.4;  // exact by definition (1959)
 
 /// Millimetres in one `unit`: um, mm, cm, m, in (inch), ft (foot). Throws UsageError naming the known units.
 [[nodiscard]] double mm_per_unit(std::string_view unit);
+
+/// "10.5mm" for "10,5mm"; empty for a text without a comma between digits. For messages: a comma is not understood, for
+/// "1,000mm" might be a metre.
+[[nodiscard]] std::string with_decimal_point(std::string_view text);
 
 /// A length in mm from a number with an optional unit ("60", "60mm", "6 cm", "2.5in"); a bare number is in mm.
 /// `what` names the option in the error. Throws UsageError.

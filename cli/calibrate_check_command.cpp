@@ -5,6 +5,7 @@
 
 #include "voxtone/calibration/fit/check_job.h"
 #include "voxtone/cli/calibrate_commands.h"
+#include "voxtone/cli/help.h"
 #include "voxtone/cli/patch_options.h"
 
 namespace voxtone::cli {
@@ -35,6 +36,7 @@ Command add_calibrate_check_command(CLI::App& calibrate) {
     command->add_option("patches", a.job.patches, "CSV of measured patches")->required()->type_name("FILE");
     add_patch_options(*command, a.run.lengths, a.patches, a.job.measured);
     add_run_options(*command, a.run);
+    add_example(*command, "my-resins.json other-patches.csv");
     return [arguments] { return run(*arguments); };
 }
 

@@ -5,6 +5,7 @@
 
 #include "voxtone/calibration/fit/fit_job.h"
 #include "voxtone/cli/calibrate_commands.h"
+#include "voxtone/cli/help.h"
 #include "voxtone/cli/patch_options.h"
 
 namespace voxtone::cli {
@@ -59,6 +60,7 @@ Command add_calibrate_fit_command(CLI::App& calibrate) {
         "--g-sweep", a.job.g_sweep,
         "also fit for g from -0.9 to 0.9 and print how well each explains the patches (of --check, if given)");
     add_run_options(*command, a.run);
+    add_example(*command, "patches.csv --resins C,M,Y,K,W -o my-resins.json --report my-resins.html");
     return [arguments] { return run(*arguments); };
 }
 

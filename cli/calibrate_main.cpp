@@ -6,5 +6,5 @@
 
 int main(int argc, char** argv) {
     using namespace voxtone::cli;
-    return run_program(argc, argv, {{"calibrate", add_calibrate_command}});
+    return run_program(command_words(argc, argv), {{"calibrate", add_calibrate_command}}, false);
 }

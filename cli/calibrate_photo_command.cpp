@@ -10,6 +10,7 @@
 #include "voxtone/calibration/photo/photo_job.h"
 #include "voxtone/cli/calibrate_commands.h"
 #include "voxtone/cli/common_options.h"
+#include "voxtone/cli/help.h"
 
 namespace voxtone::cli {
 
@@ -73,6 +74,7 @@ Command add_calibrate_photo_command(CLI::App& calibrate) {
     command->add_option("--overlay", a.job.overlay, "picture of what was sampled; empty: beside the table")
         ->type_name("FILE");
     add_run_options(*command, a.run);
+    add_example(*command, "front.tif turned.tif --target target/target.json -o patches.csv");
     return [arguments] { return run(*arguments); };
 }
 

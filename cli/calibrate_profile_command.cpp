@@ -8,6 +8,7 @@
 #include "voxtone/calibration/profile/profile_job.h"
 #include "voxtone/cli/calibrate_commands.h"
 #include "voxtone/cli/common_options.h"
+#include "voxtone/cli/help.h"
 
 namespace voxtone::cli {
 
@@ -93,8 +94,7 @@ Command add_calibrate_profile_command(CLI::App& calibrate) {
         "profile",
         "Measure how light spreads in a slab: photographs of a lit point become a scattering profile.\n"
         "Each series runs from short to long and has a dark frame (projector black, pinhole covered) of the same time "
-        "for every\n"
-        "exposure. How long they are is read from the files (EXIF), or given as FILE@SECONDS: spot.tif@0.5, "
+        "for every exposure. How long they are is read from the files (EXIF), or given as FILE@SECONDS: spot.tif@0.5, "
         "spot.tif@1/15.");
     add_side_options(*command, a);
     add_out_option(*command, a.job.out, "FILE", "profile to write (.json)");
@@ -108,6 +108,9 @@ Command add_calibrate_profile_command(CLI::App& calibrate) {
                       "radius of the projected pixel or pinhole: prints which waves it blurs");
     add_camera_options(*command, a.job.measure);
     add_run_options(*command, a.run);
+    add_example(*command,
+                "--reflection r-01.tif r-02.tif --reflection-dark rd-01.tif rd-02.tif --reflectance 0.87,0.91,0.91 "
+                "--mm-per-px 0.04 -o white.json");
     return [arguments] { return run(*arguments); };
 }
 

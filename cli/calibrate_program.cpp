@@ -5,7 +5,8 @@
 
 #include <cerrno>
 #include <cstring>
-#include <string_view>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
@@ -15,12 +16,19 @@
 
 namespace voxtone::cli {
 
-bool asks_for_calibrate(int argc, char* const* argv) { return argc > 1 && std::string_view(argv[1]) == "calibrate"; }
+bool is_for_calibrate(const Words& words) {
+    const std::size_t verb = !words.empty() && words[0] == "complete" ? 1 : 0;
+    return words.size() > verb && words[verb] == "calibrate" && (verb == 0 || words.size() > 2);
+}
 
-void become_calibrate_program(char* const* argv) {
-    const std::string program = io::find_helper("voxtone-calibrate").string();
-    execv(program.c_str(), argv);
-    throw FileError(fmt::format("{} cannot be run ({}); install voxtone again", program, std::strerror(errno)));
+void become_calibrate_program(const char* program, Words words) {
+    const std::string file = io::find_helper("voxtone-calibrate").string();
+    std::string name = program;
+    std::vector<char*> argv{name.data()};
+    for (std::string& word : words) argv.push_back(word.data());
+    argv.push_back(nullptr);
+    execv(file.c_str(), argv.data());
+    throw FileError(fmt::format("{} cannot be run ({}); install voxtone again", file, std::strerror(errno)));
 }
 
 Command add_calibrate_mention(CLI::App& program) {

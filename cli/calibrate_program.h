@@ -5,6 +5,7 @@
 #pragma once
 
 #include "voxtone/cli/commands.h"
+#include "voxtone/cli/words.h"
 
 namespace voxtone::cli {
 
@@ -13,10 +14,12 @@ inline constexpr const char* calibrate_description =
     "Find the resins' albedo and extinction from one printed and photographed (or measured) target, or measure how "
     "light spreads in a slab";
 
-[[nodiscard]] bool asks_for_calibrate(int argc, char* const* argv);
+/// Also of words to be completed (cli/completion.h).
+[[nodiscard]] bool is_for_calibrate(const Words& words);
 
-/// With the same command line. Returns only by FileError: the program is missing or cannot be run.
-[[noreturn]] void become_calibrate_program(char* const* argv);
+/// With these words; `program`: what this one was called by. Returns only by FileError: the program is missing or
+/// cannot be run.
+[[noreturn]] void become_calibrate_program(const char* program, Words words);
 
 /// For `voxtone --help`.
 Command add_calibrate_mention(CLI::App& program);

@@ -7,6 +7,7 @@
 #include "voxtone/calibration/photo/photo_simulation_job.h"
 #include "voxtone/cli/calibrate_commands.h"
 #include "voxtone/cli/common_options.h"
+#include "voxtone/cli/help.h"
 
 namespace voxtone::cli {
 
@@ -86,6 +87,7 @@ Command add_calibrate_simulate_command(CLI::App& calibrate) {
     add_camera_options(*command, a.job.photo, a.white_balance);
     add_dirt_options(*command, a.job.photo);
     add_run_options(*command, a.run);
+    add_example(*command, "target/target.json -o rehearsal.tif");
     return [arguments] { return run(*arguments); };
 }
 

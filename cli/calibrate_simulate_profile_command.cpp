@@ -7,6 +7,7 @@
 #include "voxtone/calibration/profile/profile_simulation_job.h"
 #include "voxtone/cli/calibrate_commands.h"
 #include "voxtone/cli/common_options.h"
+#include "voxtone/cli/help.h"
 
 namespace voxtone::cli {
 
@@ -64,6 +65,7 @@ Command add_calibrate_simulate_profile_command(CLI::App& calibrate) {
     add_value(*command, "--paths", a.job.paths, "traced per channel");
     add_value(*command, "--seed", a.job.camera.seed, "seed of paths and noise");
     add_run_options(*command, a.run);
+    add_example(*command, "vero-opaque W --thickness 3mm -o white");
     return [arguments] { return run(*arguments); };
 }
 

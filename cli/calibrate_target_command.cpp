@@ -10,6 +10,8 @@
 #include "voxtone/calibration/target/target_job.h"
 #include "voxtone/cli/calibrate_commands.h"
 #include "voxtone/cli/common_options.h"
+#include "voxtone/cli/help.h"
+#include "voxtone/io/profiles/resin_file.h"
 #include "voxtone/slicer/stacks/print_boxes.h"
 
 namespace voxtone::cli {
@@ -24,6 +26,17 @@ struct CalibrateTargetArguments {
     io::StackOutputs outputs;
     RunOptions run;
 };
+
+/// Roles as the known resins have them, where they differ in capitals alone; words of the user's own stay.
+void write_roles_as_known(calibration::TargetJob& job) {
+    const optics::ResinSet known = io::find_resin_set(job.resin_set.empty() ? "vero-opaque-clear" : job.resin_set);
+    const auto write = [&](std::string& role) {
+        if (const int found = known.find(role); found >= 0) role = known.resins[std::size_t(found)].role;
+    };
+    for (std::string& role : job.layout.roles) write(role);
+    write(job.layout.light);
+    write(job.layout.dark);
+}
 
 void set_printer(const slicer::PrinterProfile& printer, calibration::TargetJob& job) {
     job.layout.printer = printer.id;
@@ -44,6 +57,7 @@ slicer::BoxPrint box_print(const CalibrateTargetArguments& a, const std::vector<
 JobResult make_target(CalibrateTargetArguments& a, Progress& progress) {
     const slicer::PrinterProfile printer = slicer::find_printer(a.printer);
     for (const std::string& warning : printer.warnings()) progress.warn(warning);
+    write_roles_as_known(a.job);
     set_printer(printer, a.job);
     const auto print = [&](const auto& boxes, const Eigen::Vector3d& size_mm, Progress& to) {
         return slicer::print_boxes(box_print(a, boxes, size_mm), printer, a.job.out, a.outputs, a.overwrite, to);
@@ -94,6 +108,7 @@ Command add_calibrate_target_command(CLI::App& calibrate) {
     add_count(*command, "--seed", a.seed, "seed of the dither");
     command->add_flag("--gcvf", a.outputs.gcvf, "write a GCVF container too");
     add_run_options(*command, a.run);
+    add_example(*command, "--resins C,M,Y,K,W --resin-set vero-opaque -o target");
     return [arguments] { return run(*arguments); };
 }
 

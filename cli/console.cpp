@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxtone/cli/console.h"
 
+#include <cstdio>
 #include <memory>
 
-#include <fmt/core.h>
 #include <CLI/CLI.hpp>
 
 #include "voxtone/base/cancel_on_signal.h"
 #include "voxtone/base/parallel.h"
+#include "voxtone/base/printable.h"
 #include "voxtone/base/progress_bar.h"
 #include "voxtone/base/progress_events.h"
 
@@ -18,22 +19,17 @@ namespace {
 JobResult run_with_events(const std::function<JobResult(Progress&)>& work) {
     ProgressEvents events(stdout_sink(), steady_seconds());
     const CancelOnSignal cancel_on_signal(events);
-    try {
-        JobResult result = work(events);
-        events.result(result.json);
-        return result;
-    } catch (const Error& error) {
-        events.error(error);
-        throw;
-    }
+    JobResult result = work(events);
+    events.result(result.json);
+    return result;
 }
 
 JobResult run_with_text(bool quiet, const std::function<JobResult(Progress&)>& work) {
     const std::unique_ptr<Progress> progress = make_console_progress(quiet);
     const CancelOnSignal cancel_on_signal(*progress);
     JobResult result = work(*progress);
-    fmt::print("{}", result.text);
-    if (!result.text.empty() && result.text.back() != '\n') fmt::print("\n");
+    print_out(printable(result.text));
+    if (!result.text.empty() && result.text.back() != '\n') print_out("\n");
     return result;
 }
 
@@ -43,6 +39,8 @@ void add_console_options(CLI::App& command, ConsoleOptions& options) {
     command.add_flag("--json", options.json, "events and the result as one JSON object a line on stdout")->group("Run");
     command.add_flag("--quiet", options.quiet, "no progress, warnings only")->group("Run");
 }
+
+void print_out(std::string_view text) { std::fwrite(text.data(), 1, text.size(), stdout); }
 
 int run_on_console(const ConsoleOptions& options, const std::function<JobResult(Progress&)>& work) {
     const JobResult result = options.json ? run_with_events(work) : run_with_text(options.quiet, work);

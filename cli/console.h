@@ -5,6 +5,7 @@
 #pragma once
 
 #include <functional>
+#include <string_view>
 
 #include "voxtone/base/job_result.h"
 #include "voxtone/base/progress.h"
@@ -22,8 +23,10 @@ struct ConsoleOptions {
 
 void add_console_options(CLI::App& command, ConsoleOptions& options);
 
-/// Runs the work under the chosen kind of progress and prints its result. Errors pass through, after an event that
-/// tells them with --json.
+/// To stdout. That it took all is asked once, at the program's end (cli/program.h).
+void print_out(std::string_view text);
+
+/// Runs the work under the chosen kind of progress and prints its result. Errors pass through.
 int run_on_console(const ConsoleOptions& options, const std::function<JobResult(Progress&)>& work);
 /// The same on this many threads; 0: one per core.
 int run_on_console(const ConsoleOptions& options, int threads, const std::function<JobResult(Progress&)>& work);

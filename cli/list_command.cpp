@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <fmt/core.h>
 #include <fmt/ranges.h>
@@ -8,6 +9,8 @@
 #include <nlohmann/json.hpp>
 
 #include "voxtone/cli/commands.h"
+#include "voxtone/cli/console.h"
+#include "voxtone/cli/help.h"
 #include "voxtone/io/profiles/resin_file.h"
 #include "voxtone/slicer/printer/printer.h"
 
@@ -20,46 +23,67 @@ struct ListArguments {
     bool json = false;
 };
 
-void list_printers(bool json) {
-    nlohmann::ordered_json list = nlohmann::ordered_json::array();
-    for (const slicer::PrinterProfile& p : slicer::list_printers()) {
-        if (json) {
-            nlohmann::ordered_json entry{{"id", p.id},
-                                         {"name", p.name},
-                                         {"pitch_um", {p.pitch_um.x(), p.pitch_um.y(), p.pitch_um.z()}},
-                                         {"max_resins", p.max_resins},
-                                         {"default_roles", p.default_roles},
-                                         {"formats", names_of(p.formats)},
-                                         {"warnings", p.warnings()}};
-            if (p.tray_mm.allFinite()) entry["tray_mm"] = {p.tray_mm.x(), p.tray_mm.y(), p.tray_mm.z()};
-            list.push_back(std::move(entry));
-            continue;
-        }
-        fmt::print("{:<20} {}\n", p.id, p.name);
-        fmt::print("{:<20} voxel {:.3f} x {:.3f} x {:.3f} um; {} resins at once, {} by default; writes {}\n", "",
-                   p.pitch_um.x(), p.pitch_um.y(), p.pitch_um.z(), p.max_resins, fmt::join(p.default_roles, ","),
-                   fmt::join(names_of(p.formats), ", "));
-        for (const std::string& warning : p.warnings()) fmt::print("{:<20} {}\n", "", warning);
-    }
-    if (json) fmt::print("{}\n", list.dump());
+using Json = nlohmann::ordered_json;
+
+Json printer_json(const slicer::PrinterProfile& p) {
+    Json entry{{"id", p.id},
+               {"name", p.name},
+               {"pitch_um", {p.pitch_um.x(), p.pitch_um.y(), p.pitch_um.z()}},
+               {"max_resins", p.max_resins},
+               {"min_layers", p.min_layers},
+               {"default_roles", p.default_roles},
+               {"formats", names_of(p.formats)},
+               {"warnings", p.warnings()}};
+    if (p.tray_mm.allFinite()) entry["tray_mm"] = {p.tray_mm.x(), p.tray_mm.y(), p.tray_mm.z()};
+    return entry;
 }
 
-void list_resins(bool json) {
-    nlohmann::ordered_json list = nlohmann::ordered_json::array();
-    for (const std::string& name : io::known_resin_sets()) {
-        const optics::ResinSet set = io::find_resin_set(name);
-        if (json) {
-            nlohmann::ordered_json resins = nlohmann::ordered_json::array();
-            for (const optics::Resin& resin : set.resins)
-                resins.push_back({{"name", resin.name}, {"role", resin.role}});
-            list.push_back(
-                {{"name", set.name}, {"source", set.source}, {"channels", set.channels.size()}, {"resins", resins}});
-            continue;
-        }
-        fmt::print("{:<20} {}\n", set.name, set.source);
-        for (const optics::Resin& resin : set.resins) fmt::print("{:<20} {:<3} {}\n", "", resin.role, resin.name);
+/// A line under the name of what is listed.
+std::string detail(const std::string& text) { return fmt::format("{:<20} {}\n", "", text); }
+
+std::string tray_text(const slicer::PrinterProfile& p) {
+    if (!p.tray_mm.allFinite()) return "tray of any size";
+    return fmt::format("tray {:g} x {:g} x {:g} mm", p.tray_mm.x(), p.tray_mm.y(), p.tray_mm.z());
+}
+
+std::string printer_text(const slicer::PrinterProfile& p) {
+    std::string text = fmt::format("{:<20} {}\n", p.id, p.name);
+    text += detail(fmt::format(
+        "{}; voxel {:.3f} x {:.3f} x {:.3f} um; {}", tray_text(p), p.pitch_um.x(), p.pitch_um.y(), p.pitch_um.z(),
+        p.min_layers > 1 ? fmt::format("no fewer than {} layers", p.min_layers) : std::string("any number of layers")));
+    text += detail(fmt::format("{} resins at once, {} by default; writes {}", p.max_resins,
+                               fmt::join(p.default_roles, ","), fmt::join(names_of(p.formats), ", ")));
+    for (const std::string& warning : p.warnings()) text += detail(warning);
+    return text;
+}
+
+Json resin_set_json(const optics::ResinSet& set) {
+    Json resins = Json::array();
+    for (const optics::Resin& resin : set.resins) resins.push_back({{"name", resin.name}, {"role", resin.role}});
+    return {{"name", set.name}, {"source", set.source}, {"channels", set.channels.size()}, {"resins", resins}};
+}
+
+std::string resin_set_text(const optics::ResinSet& set) {
+    std::string text = fmt::format("{:<20} {}\n", set.name, set.source);
+    for (const optics::Resin& resin : set.resins) text += detail(fmt::format("{:<3} {}", resin.role, resin.name));
+    return text;
+}
+
+std::vector<optics::ResinSet> resin_sets() {
+    std::vector<optics::ResinSet> sets;
+    for (const std::string& name : io::known_resin_sets()) sets.push_back(io::find_resin_set(name));
+    return sets;
+}
+
+template <class Entries, class AsJson, class AsText>
+void print_list(const Entries& entries, bool json, AsJson as_json, AsText as_text) {
+    Json list = Json::array();
+    std::string text;
+    for (const auto& entry : entries) {
+        list.push_back(as_json(entry));
+        text += as_text(entry);
     }
-    if (json) fmt::print("{}\n", list.dump());
+    print_out(json ? list.dump() + "\n" : text);
 }
 
 }  // namespace
@@ -71,8 +95,12 @@ Command add_list_command(CLI::App& program) {
         ->required()
         ->check(CLI::IsMember({"printers", "resins"}));
     command->add_flag("--json", arguments->json, "one JSON array instead of text");
+    add_example(*command, "printers");
     return [arguments] {
-        arguments->what == "printers" ? list_printers(arguments->json) : list_resins(arguments->json);
+        if (arguments->what == "printers")
+            print_list(slicer::list_printers(), arguments->json, printer_json, printer_text);
+        else
+            print_list(resin_sets(), arguments->json, resin_set_json, resin_set_text);
         return 0;
     };
 }

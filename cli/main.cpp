@@ -5,12 +5,14 @@
 
 int main(int argc, char** argv) {
     using namespace voxtone::cli;
-    if (asks_for_calibrate(argc, argv)) return guarded([&]() -> int { become_calibrate_program(argv); });
-    return run_program(argc, argv,
+    const Words words = command_words(argc, argv);
+    if (is_for_calibrate(words)) return guarded(words, [&]() -> int { become_calibrate_program(argv[0], words); });
+    return run_program(words,
                        {{"slice", add_slice_command},
                         {"predict", add_predict_command},
                         {"verify", add_verify_command},
                         {"calibrate", add_calibrate_mention},
                         {"stack", add_stack_command},
-                        {"list", add_list_command}});
+                        {"list", add_list_command}},
+                       true);
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <memory>
 #include <string>
+#include <utility>
 
 #include <fmt/core.h>
 #include <fmt/ranges.h>
@@ -10,6 +11,7 @@
 #include "voxtone/cli/commands.h"
 #include "voxtone/cli/common_options.h"
 #include "voxtone/cli/console.h"
+#include "voxtone/cli/help.h"
 #include "voxtone/slicer/predict/predict_job.h"
 
 namespace voxtone::cli {
@@ -17,12 +19,23 @@ namespace voxtone::cli {
 namespace {
 
 struct PredictArguments {
+    const CLI::App* command = nullptr;
     slicer::PredictOptions options;
     std::string cell = "0.085mm";
     ConsoleOptions console;
 };
 
+/// An option of another model than the chosen one would be ignored.
+void check_scope(const PredictArguments& a) {
+    using Model = slicer::PredictionModel;
+    for (const auto& [option, model] : {std::pair{"--sweeps", Model::transport}, std::pair{"--spp", Model::monte_carlo},
+                                        std::pair{"--error", Model::monte_carlo}})
+        if (a.command->count(option) > 0 && a.options.model != name_of(model))
+            throw UsageError(fmt::format("{} would be ignored: it only goes with --model {}", option, name_of(model)));
+}
+
 int run(PredictArguments& arguments) {
+    check_scope(arguments);
     arguments.options.cell_mm = parse_length_mm(arguments.cell, "--cell");
     return run_on_console(arguments.console, [&](Progress& progress) {
         slicer::PredictResult result = slicer::run_predict_job(arguments.options, progress);
@@ -37,6 +50,7 @@ Command add_predict_command(CLI::App& program) {
     slicer::PredictOptions& o = arguments->options;
     CLI::App* command =
         program.add_subcommand("predict", "Predict what the print of a layer stack, ours or anyone's, will look like");
+    arguments->command = command;
     const auto group = [&](const char* name, std::initializer_list<CLI::Option*> options) {
         for (CLI::Option* option : options) option->group(name);
     };
@@ -112,6 +126,7 @@ Command add_predict_command(CLI::App& program) {
                   add_threads_option(*command, o.threads),
                   add_seed_option(*command, o.quality.seed, "seed of what is random (monte-carlo)")});
     add_console_options(*command, arguments->console);
+    add_example(*command, "out/cow -o predicted.glb");
     return [arguments] { return run(*arguments); };
 }
 

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
 #include <map>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <fmt/core.h>
 #include <fmt/ranges.h>
@@ -9,8 +11,10 @@
 
 #include "voxtone/cli/commands.h"
 #include "voxtone/cli/console.h"
+#include "voxtone/cli/help.h"
 #include "voxtone/slicer/job/slice_job.h"
 #include "voxtone/slicer/options/job_file.h"
+#include "voxtone/slicer/options/option_scope.h"
 #include "voxtone/slicer/options/slice_options.h"
 
 namespace voxtone::cli {
@@ -58,19 +62,23 @@ void add_options(CLI::App& command, SliceArguments& arguments) {
 
 slicer::SliceOptions options_of(const SliceArguments& arguments) {
     slicer::SliceOptions options;
+    std::vector<std::string> named;
     if (!arguments.job.empty()) slicer::read_job(arguments.job, options);
     for (const slicer::OptionSpec& spec : slicer::slice_option_table()) {
         if (arguments.options.at(spec.key)->count() == 0) continue;
         spec.set(options, spec.kind == slicer::OptionSpec::Kind::flag
                               ? (arguments.flags.at(spec.key) ? "true" : "false")
                               : arguments.values.at(spec.key));
+        named.push_back(spec.key);
     }
+    if (std::any_of(named.begin(), named.end(), slicer::decides_scope)) options.named.clear();
+    options.named.insert(options.named.end(), named.begin(), named.end());
     return options;
 }
 
 int run(const SliceArguments& arguments) {
     if (arguments.dump_default) {
-        fmt::print("{}", slicer::job_json(slicer::SliceOptions{}));
+        print_out(slicer::job_json(slicer::SliceOptions{}));
         return 0;
     }
     const slicer::SliceOptions options = options_of(arguments);
@@ -87,6 +95,7 @@ Command add_slice_command(CLI::App& program) {
     CLI::App* command =
         program.add_subcommand("slice", "Slice a textured mesh or a picture into a printable layer stack");
     add_options(*command, *arguments);
+    add_example(*command, "cow.obj --size 60mm -o out/cow");
     return [arguments] { return run(*arguments); };
 }
 

@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 
 #include "voxtone/cli/common_options.h"
+#include "voxtone/cli/help.h"
 #include "voxtone/cli/stack_commands.h"
 #include "voxtone/slicer/stacks/stack_dataset_job.h"
 
@@ -73,6 +74,7 @@ Command add_stack_dataset_command(CLI::App& stack) {
     command->add_option("--path-seed", a.job.path_seed, "seed of the paths alone: the same slab seen once more")
         ->type_name("N");
     add_run_options(*command, a.run);
+    add_example(*command, "marble -o marble.bssrdf");
     return [arguments] { return run(*arguments); };
 }
 

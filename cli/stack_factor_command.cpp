@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 
 #include "voxtone/cli/common_options.h"
+#include "voxtone/cli/help.h"
 #include "voxtone/cli/stack_commands.h"
 #include "voxtone/slicer/stacks/stack_factor_job.h"
 
@@ -63,6 +64,7 @@ Command add_stack_factor_command(CLI::App& stack) {
         ->expected(2);
     add_seed_option(*command, a.job.map.clusters.seed, "seed of the clusters");
     add_run_options(*command, a.run);
+    add_example(*command, "marble.bssrdf --clusters 16 -o vein.json");
     return [arguments] { return run(*arguments); };
 }
 

@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "voxtone/cli/help.h"
 #include "voxtone/cli/stack_commands.h"
 #include "voxtone/cli/stack_options.h"
 #include "voxtone/slicer/stacks/stack_predict_job.h"
@@ -39,6 +40,7 @@ Command add_stack_predict_command(CLI::App& stack) {
     add_detail_options(*command, arguments->run.lengths, job.setting.reach_mm, job.setting.coefficients);
     add_tracing_options(*command, job.paths, job.seed);
     add_run_options(*command, arguments->run);
+    add_example(*command, "\"W 0.3, K 0.1\" -o spread.json");
     return [arguments] { return run(*arguments); };
 }
 

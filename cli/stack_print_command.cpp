@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "voxtone/cli/help.h"
 #include "voxtone/cli/stack_commands.h"
 #include "voxtone/cli/stack_options.h"
 #include "voxtone/slicer/stacks/stack_print_job.h"
@@ -43,6 +44,7 @@ Command add_stack_print_command(CLI::App& stack) {
         ->type_name("ROLE=LENGTH");
     command->add_flag("--gcvf", job.outputs.gcvf, "write a GCVF container too");
     add_run_options(*command, arguments->run);
+    add_example(*command, "\"W 0.3, K 0.1\" -o out/slab");
     return [arguments] { return run(*arguments); };
 }
 

@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "voxtone/cli/help.h"
 #include "voxtone/cli/stack_commands.h"
 #include "voxtone/cli/stack_options.h"
 #include "voxtone/slicer/stacks/stack_search_job.h"
@@ -69,6 +70,7 @@ Command add_stack_search_command(CLI::App& stack) {
     add_detail_options(*command, lengths, job.setting.reach_mm, job.setting.coefficients);
     add_tracing_options(*command, job.paths, job.seed);
     add_run_options(*command, arguments->run);
+    add_example(*command, "wanted.json --materials W,K -o found");
     return [arguments] { return run(*arguments); };
 }
 

@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "voxtone/cli/help.h"
 #include "voxtone/cli/stack_commands.h"
 #include "voxtone/cli/stack_options.h"
 #include "voxtone/slicer/stacks/stack_targets_job.h"
@@ -42,6 +43,7 @@ Command add_stack_targets_command(CLI::App& stack) {
     add_detail_options(*command, arguments->run.lengths, job.setting.reach_mm, job.setting.coefficients);
     add_tracing_options(*command, job.paths, job.seed);
     add_run_options(*command, arguments->run);
+    add_example(*command, "\"W 4\" \"W 0.2, T 0.8, W 3\" --resins vero-opaque-clear -o targets");
     return [arguments] { return run(*arguments); };
 }
 

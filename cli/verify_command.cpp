@@ -8,6 +8,7 @@
 
 #include "voxtone/cli/commands.h"
 #include "voxtone/cli/common_options.h"
+#include "voxtone/cli/help.h"
 #include "voxtone/io/layers/manifest.h"
 #include "voxtone/io/layers/verify.h"
 #include "voxtone/slicer/printer/printer.h"
@@ -83,6 +84,7 @@ Command add_verify_command(CLI::App& program) {
                      "check against this printer; empty: the one that the manifest names")
         ->type_name("ID|FILE");
     add_run_options(*command, arguments->run);
+    add_example(*command, "out/cow");
     return [arguments] { return run(*arguments); };
 }
 

@@ -1,8 +1,10 @@
+# Two components: `program` (voxtone, its helpers, manual, completion, data) and `development` (libraries, headers).
 get_property(libraries GLOBAL PROPERTY VOXTONE_LIBRARIES)
-install(TARGETS ${libraries} EXPORT voxtone-targets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
-install(DIRECTORY base optics io calibration halftone slicer DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/voxtone FILES_MATCHING PATTERN "*.h")
-install(DIRECTORY data/ DESTINATION ${CMAKE_INSTALL_DATADIR}/voxtone)
-install(EXPORT voxtone-targets NAMESPACE voxtone:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/voxtone)
+install(TARGETS ${libraries} EXPORT voxtone-targets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development)
+install(DIRECTORY base optics io calibration halftone slicer DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/voxtone COMPONENT development
+        FILES_MATCHING PATTERN "*.h")
+install(DIRECTORY data/ DESTINATION ${CMAKE_INSTALL_DATADIR}/voxtone COMPONENT program PATTERN completion EXCLUDE)
+install(EXPORT voxtone-targets NAMESPACE voxtone:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/voxtone COMPONENT development)
 
 include(CMakePackageConfigHelpers)
 configure_package_config_file(cmake/voxtone-config.cmake.in voxtone-config.cmake
@@ -10,4 +12,4 @@ configure_package_config_file(cmake/voxtone-config.cmake.in voxtone-config.cmake
 write_basic_package_version_file(voxtone-config-version.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/voxtone-config.cmake ${CMAKE_CURRENT_BINARY_DIR}/voxtone-config-version.cmake
               cmake/libraries.cmake
-        DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/voxtone)
+        DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/voxtone COMPONENT development)

@@ -19,6 +19,11 @@ std::string roles_of(const ResinSet& set) {
     return roles;
 }
 
+bool same_letters(std::string_view a, std::string_view b) {
+    const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; };
+    return std::equal(a.begin(), a.end(), b.begin(), b.end(), [&](char x, char y) { return lower(x) == lower(y); });
+}
+
 std::string channel_name(const Channels& channels, std::size_t channel) {
     if (channels.is_rgb()) return std::string(1, "RGB"[channel]);
     return fmt::format("{} nm", channels.wavelengths_nm[channel]);
@@ -63,10 +68,14 @@ Medium Resin::medium(std::size_t channel) const {
     return {sigma_t_per_mm[channel] - sigma_s, sigma_s};
 }
 
+/// Users write roles in capitals or not: one that differs in them alone is meant, if it is one.
 int ResinSet::find(std::string_view role) const {
-    const auto found =
-        std::find_if(resins.begin(), resins.end(), [&](const Resin& resin) { return resin.role == role; });
-    return found == resins.end() ? -1 : static_cast<int>(found - resins.begin());
+    int like = -1;
+    for (std::size_t r = 0; r < resins.size(); ++r) {
+        if (resins[r].role == role) return static_cast<int>(r);
+        if (same_letters(resins[r].role, role)) like = like == -1 ? static_cast<int>(r) : -2;
+    }
+    return std::max(like, -1);
 }
 
 ResinSet ResinSet::subset(std::span<const std::string> roles) const {
@@ -78,7 +87,9 @@ ResinSet ResinSet::subset(std::span<const std::string> roles) const {
             throw InputError(
                 fmt::format("Resin set \"{}\" has no resin with role \"{}\"; it has {}.", name, role, roles_of(*this)));
         }
-        if (chosen.find(role) >= 0) {
+        const std::string& found = resins[static_cast<std::size_t>(index)].role;
+        const auto is_found = [&](const Resin& resin) { return resin.role == found; };
+        if (std::any_of(chosen.resins.begin(), chosen.resins.end(), is_found)) {
             throw InputError(fmt::format("Resin \"{}\" is asked for twice; name each resin once.", role));
         }
         chosen.resins.push_back(resins[static_cast<std::size_t>(index)]);

@@ -45,8 +45,6 @@ VisibleSurface picture_surface(const io::TexturedMesh& mesh) {
 void check_model(const ResolvedJob& job) {
     if (std::error_code none; std::filesystem::is_directory(job.model, none))
         throw InputError(fmt::format("{}: a folder, not a model; name the file itself", job.model));
-    if (job.is_picture && job.placement.size_mm > 0)
-        throw UsageError("--size does not go with a picture; give --width and --thickness");
 }
 
 JobBody prepare_body(const ResolvedJob& job, const PrinterProfile& printer, Progress& progress) {
@@ -57,6 +55,7 @@ JobBody prepare_body(const ResolvedJob& job, const PrinterProfile& printer, Prog
     body.model = read_input(job, progress);
     append(body.warnings, body.model.warnings);
     body.placement = place(body.model, job.placement, job.model);
+    check_extent(body.placement, printer.pitch_mm(), printer.tray_mm);
     if (!body.model.has_colour) body.warnings.push_back("the model has no colour: it is printed white");
     constexpr double smallest_plausible_mm = 2;
     if (!body.is_picture && body.placement.extent_mm.maxCoeff() < smallest_plausible_mm)

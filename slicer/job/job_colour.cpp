@@ -31,12 +31,13 @@ std::vector<std::string> roles_to_load(const ResolvedJob& job, const PrinterProf
 LoadedResins load_resins(const ResolvedJob& job, const PrinterProfile& printer) {
     LoadedResins loaded;
     const optics::ResinSet all = io::find_resin_set(job.resins);
-    const std::vector<std::string> roles = roles_to_load(job, printer, all);
+    std::vector<std::string> roles = roles_to_load(job, printer, all);
     const int most = std::min(printer.max_resins, halftone::max_resins);
     if (static_cast<int>(roles.size()) > most)
         throw InputError(fmt::format("--load {}: {} resins, but {} carries {} at once; leave some out",
                                      fmt::join(roles, ","), roles.size(), printer.id, most));
     loaded.set = all.subset(roles);
+    for (std::size_t r = 0; r < roles.size(); ++r) roles[r] = loaded.set.resins[r].role;
     const std::string& core = job.layered ? job.layered->base : job.colour.core;
     loaded.core = loaded.set.find(core);
     if (loaded.core < 0)

@@ -46,8 +46,9 @@ std::vector<std::string> material_files(const LayeredOptions& options, const Loa
                 file));
     std::vector<std::string> files;
     for (const optics::Resin& resin : resins.set.resins) {
-        const auto found = std::find_if(named.begin(), named.end(),
-                                        [&](const StackMaterialFile& entry) { return entry.role == resin.role; });
+        const auto found = std::find_if(named.begin(), named.end(), [&](const StackMaterialFile& entry) {
+            return resins.set.find(entry.role) == resins.set.find(resin.role);
+        });
         if (found == named.end())
             throw InputError(
                 fmt::format("--stack-materials: the loaded resin {} has no profile; a stack is made of one kind, "

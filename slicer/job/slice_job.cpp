@@ -148,7 +148,6 @@ SliceResult run_slice_job(const SliceOptions& asked, Progress& progress) {
     if (job.options.report) thumbnails.emplace(range.first, range.layers(), body.grid, job.palette());
     write_layers(*print, range, writer, thumbnails, figures, progress);
     const io::StackDescription& stack = finish_stack(job, body, writer, figures, progress);
-    figures.stack_s = watch.total();
 
     print->look(stack, progress);
     progress.begin_stage("report", 0);
@@ -156,7 +155,7 @@ SliceResult run_slice_job(const SliceOptions& asked, Progress& progress) {
     if (thumbnails) report.layers = thumbnails->take();
     std::string json = write_report(job, *print, report, watch, progress);
     progress.end_stage();
-    return {std::move(json), summary_text(*print, report, figures, writer.folder())};
+    return {std::move(json), summary_text(*print, report, watch.total(), job.options.report, writer.folder())};
 }
 
 }  // namespace voxtone::slicer

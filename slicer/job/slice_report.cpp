@@ -4,6 +4,8 @@
 #include <fmt/core.h>
 
 #include "voxtone/base/peak_memory.h"
+#include "voxtone/base/progress_bar.h"
+#include "voxtone/slicer/job/report_files.h"
 
 #ifndef VOXTONE_VERSION
 #error "the build defines the program's version"
@@ -89,6 +91,16 @@ std::vector<std::string> warnings_of(const OpenedJob& job, const JobBody& body, 
     return warnings;
 }
 
+/// Where most of the time went: " (appearance loop 43 s, predict 27 s)".
+std::string longest_stages(const std::vector<io::ReportStage>& stages, double total_s) {
+    constexpr double worth_telling = 0.15;  // of the total
+    std::string text;
+    for (const io::ReportStage& stage : stages)
+        if (stage.seconds > worth_telling * total_s)
+            text += fmt::format("{}{} {}", text.empty() ? "" : ", ", stage.name, duration_text(stage.seconds));
+    return text.empty() ? text : " (" + text + ")";
+}
+
 }  // namespace
 
 io::Report make_report(const OpenedJob& job, const JobBody& body, const io::StackDescription& stack, const Print& print,
@@ -109,7 +121,7 @@ io::Report make_report(const OpenedJob& job, const JobBody& body, const io::Stac
     return report;
 }
 
-std::string summary_text(const Print& print, const io::Report& report, const JobFigures& f,
+std::string summary_text(const Print& print, const io::Report& report, double total_s, bool has_report,
                          const std::filesystem::path& folder) {
     std::string text = fmt::format("{}: {:.2f} x {:.2f} x {:.2f} mm, {} x {} px, {} layers of {:g} um\n",
                                    folder.string(), report.size_mm[0], report.size_mm[1], report.size_mm[2],
@@ -117,10 +129,11 @@ std::string summary_text(const Print& print, const io::Report& report, const Job
     for (const io::ReportResin& resin : report.resins)
         text += fmt::format("  {:<3} {:<16} {:9.3f} ml\n", resin.role, resin.name, resin.ml);
     text += print.summary(report);
-    const double voxels = double(report.size_px[0]) * report.size_px[1] * report.size_px[2];
-    text += fmt::format("  {:.3g} voxels in {:.2f} s ({:.0f} million/s), peak memory {:.0f} MB\n", voxels, f.stack_s,
-                        voxels / f.stack_s * 1e-6, double(report.peak_memory_bytes) * 1e-6);
-    return text + print.written_text();
+    text += fmt::format("  done in {}{}; peak memory {:.0f} MB\n", duration_text(total_s),
+                        longest_stages(report.stages, total_s), double(report.peak_memory_bytes) * 1e-6);
+    text += print.written_text();
+    if (has_report) text += fmt::format("  report: {}\n", (folder / report_file::page).string());
+    return text;
 }
 
 }  // namespace voxtone::slicer

@@ -19,7 +19,6 @@ namespace voxtone::slicer {
 /// What was measured while the job ran.
 struct JobFigures {
     double read_s = 0, repair_s = 0, layers_s = 0, finish_s = 0;
-    double stack_s = 0;   ///< from the beginning until the stack was whole
     double encode_s = 0;  ///< summed over threads, like those of `counts`
     LayerCounts counts;
     std::uint64_t layer_bytes = 0;
@@ -29,8 +28,8 @@ struct JobFigures {
 [[nodiscard]] io::Report make_report(const OpenedJob& job, const JobBody& body, const io::StackDescription& stack,
                                      const Print& print, const JobFigures& figures);
 
-/// A few lines for a person.
-[[nodiscard]] std::string summary_text(const Print& print, const io::Report& report, const JobFigures& figures,
+/// A few lines for a person. `total_s`: of the whole job; `has_report`: the page was written too.
+[[nodiscard]] std::string summary_text(const Print& print, const io::Report& report, double total_s, bool has_report,
                                        const std::filesystem::path& folder);
 
 }  // namespace voxtone::slicer

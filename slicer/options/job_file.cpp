@@ -102,6 +102,7 @@ void read_job(const std::string& path, SliceOptions& options) {
         const OptionSpec& spec = find_option(key, path);
         try {
             spec.set(options, option_text(value, fmt::format("{}: key '{}'", path, key)));
+            if (spec.get(options) != spec.get(SliceOptions{})) options.named.push_back(key);
         } catch (const UsageError& error) {
             throw InputError(fmt::format("{}: {}", path, error.what()));
         }

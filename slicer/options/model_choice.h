@@ -31,7 +31,10 @@ struct ModelOptions {
 [[nodiscard]] std::unique_ptr<const optics::AppearanceModel> make_model(PredictionModel model,
                                                                         const ModelOptions& options);
 
-/// Bytes of `gib` GiB; 0: half of the machine's memory.
+/// What --memory may ask for: a petabyte is a slip of the keyboard.
+inline constexpr double most_memory_gib = 1 << 20;
+
+/// Bytes of `gib` GiB, at most most_memory_gib; 0: half of the machine's memory.
 [[nodiscard]] std::uint64_t memory_budget(double gib);
 
 }  // namespace voxtone::slicer

@@ -40,7 +40,9 @@ void refuse_choice(std::string_view key, std::string_view text, const std::vecto
 }
 
 void refuse_number(std::string_view key, std::string_view text) {
-    throw UsageError(fmt::format("--{}: '{}' is not a number", key, text));
+    const std::string point = with_decimal_point(text);
+    throw UsageError(fmt::format("--{}: '{}' is not a number{}", key, text,
+                                 point.empty() ? "" : "; decimals stand behind a point: " + point));
 }
 
 bool parse_flag(std::string_view key, std::string_view text) {

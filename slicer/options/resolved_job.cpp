@@ -8,6 +8,7 @@
 
 #include "voxtone/base/error.h"
 #include "voxtone/io/models/model_reader.h"
+#include "voxtone/slicer/options/option_scope.h"
 
 namespace voxtone::slicer {
 
@@ -31,7 +32,7 @@ void check_common(const SliceOptions& o) {
          "must be 0.01 to 5 mm");
     need(o.viewing_distance_mm >= 10 && o.viewing_distance_mm <= 1e5, "viewing-distance", mm(o.viewing_distance_mm),
          "must be 10 mm to 100 m");
-    need(o.memory_gib >= 0, "memory", fmt::format("{}", o.memory_gib),
+    need(o.memory_gib >= 0 && o.memory_gib <= most_memory_gib, "memory", fmt::format("{}", o.memory_gib),
          "must be above 0 GiB, or 0 for half of the machine's");
     need(o.threads >= 0 && o.threads <= 1024, "threads", fmt::format("{}", o.threads), "must be 0 to 1024");
 }
@@ -117,6 +118,7 @@ ResolvedJob resolve(const SliceOptions& o) {
     job.asked = o;
     job.model = o.model;
     job.is_picture = !io::is_model_name(o.model);
+    check_scope(o, job.is_picture);
     job.out = o.out;
     job.overwrite = o.overwrite;
     job.report = o.report;

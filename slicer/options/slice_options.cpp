@@ -113,7 +113,8 @@ std::vector<OptionSpec> make_table() {
         length(
             spec("size", Kind::length, "LENGTH", place, "scale so that the largest extent is this; 0: leave the size"),
             &O::size_mm),
-        number(spec("scale", Kind::number, "FACTOR", place, "scale by this factor (before --size)"), &O::scale),
+        number(spec("scale", Kind::number, "FACTOR", place, "scale by this factor; does not go with --size"),
+               &O::scale),
         text(spec("rotate", Kind::text, "AXES", place,
                   "turn about the axes in this order, degrees, right-handed: x90 or z45,x-30"),
              &O::rotate),

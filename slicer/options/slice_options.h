@@ -67,6 +67,10 @@ struct SliceOptions {
     double predict_cell_mm = 0.085;
     double memory_gib = 0;  ///< of the prediction; 0: half of the machine's
     int threads = 0;
+
+    /// Keys that the user set, on the command line or in a job file to something else than the default: what of them
+    /// would be ignored is refused (option_scope.h).
+    std::vector<std::string> named;
 };
 
 /// One entry of the table.

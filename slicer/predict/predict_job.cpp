@@ -266,7 +266,7 @@ ResolvedPrediction resolve(const PredictOptions& o) {
          "must be 0 (none wanted) or below 1");
     need(o.quality.sweeps >= 1 && o.quality.sweeps <= 100, "sweeps", fmt::format("{}", o.quality.sweeps),
          "must be 1 to 100");
-    need(o.memory_gib >= 0, "memory", fmt::format("{}", o.memory_gib),
+    need(o.memory_gib >= 0 && o.memory_gib <= most_memory_gib, "memory", fmt::format("{}", o.memory_gib),
          "must be above 0 GiB, or 0 for half of the machine's");
     need(o.threads >= 0 && o.threads <= 1024, "threads", fmt::format("{}", o.threads), "must be 0 to 1024");
     job.view = parse_choice<PredictedView>("view", o.view);

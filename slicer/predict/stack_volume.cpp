@@ -360,6 +360,11 @@ std::array<double, 3> parse_pitch_mm(const std::string& text) {
     for (std::size_t a = 0; a < 3; ++a) {
         if (unit_at(parts[a]) == parts[a].size()) parts[a] += unit;
         pitch[a] = parse_length_mm(parts[a], "--pitch");
+        if (unit.empty() && pitch[a] > 1)
+            throw UsageError(
+                fmt::format("--pitch: '{}' has no unit, and {} mm is no voxel; if these are um, add um: "
+                            "--pitch {}um",
+                            text, parts[a], text));
         if (!(pitch[a] >= 1e-3 && pitch[a] <= 1))
             throw UsageError(fmt::format("--pitch: '{}' is {:g} mm; a voxel is 0.001 to 1 mm wide", text, pitch[a]));
     }

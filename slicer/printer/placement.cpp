@@ -20,6 +20,24 @@ void turn_around(io::TexturedMesh& mesh) {
     for (auto& rgb : mesh.corner_rgb) std::swap(rgb[1], rgb[2]);
 }
 
+/// What decides how large the print is.
+std::string size_options(const Placement& placement) {
+    return placement.is_picture ? "Give another --width or --thickness"
+                                : "Give the right --unit, or a --size, or turn it with --rotate";
+}
+
+[[noreturn]] void refuse_for_tray(const Eigen::Vector3d& size_mm, const Eigen::Vector3d& tray_mm, int axis,
+                                  const Placement& placement) {
+    const std::string unit = placement.is_picture     ? ""
+                             : placement.unit_assumed ? " (mm was assumed)"
+                                                      : fmt::format(" ({:g} mm per unit)", placement.mm_per_file_unit);
+    throw InputError(fmt::format(
+        "the model is {:.4g} x {:.4g} x {:.4g} mm{} and the printer's tray {:.4g} x {:.4g} x {:.4g} mm: too large "
+        "along {}. {}",
+        size_mm.x(), size_mm.y(), size_mm.z(), unit, tray_mm.x(), tray_mm.y(), tray_mm.z(), "xyz"[axis],
+        size_options(placement)));
+}
+
 }  // namespace
 
 Placement place(io::ModelFile& model, const PlacementOptions& options, const std::string& name) {
@@ -41,9 +59,12 @@ Placement place(io::ModelFile& model, const PlacementOptions& options, const std
     for (Eigen::Vector3d& position : mesh.positions) position = map * position;
     if (map.determinant() < 0) turn_around(mesh);
 
+    placement.is_picture = model.format == "picture";
     const Eigen::AlignedBox3d box = bounding_box(mesh.positions, mesh.triangles);
     const double largest = box.sizes().maxCoeff();
-    if (!(largest > 0) || !std::isfinite(largest))
+    if (!std::isfinite(largest))
+        throw InputError(fmt::format("{}: the model is larger than any number. {}", name, size_options(placement)));
+    if (!(largest > 0))
         throw InputError(
             fmt::format("{}: the model has no extent (all its corners are in one place); check the export", name));
     const double factor = options.size_mm > 0 ? options.size_mm / largest : 1.0;
@@ -58,6 +79,19 @@ Placement place(io::ModelFile& model, const PlacementOptions& options, const std
                                     placement.extent_mm.y(), placement.extent_mm.z(),
                                     options.size_mm > 0 ? fmt::format(" (scaled to {:.6g} mm)", options.size_mm) : "");
     return placement;
+}
+
+void check_extent(const Placement& placement, const Eigen::Vector3d& pitch_mm, const Eigen::Vector3d& tray_mm) {
+    constexpr double largest_mm = 1e4;
+    const Eigen::Vector3d& extent = placement.extent_mm;
+    const Eigen::Vector3d room = tray_mm.cwiseMin(largest_mm);
+    for (int axis = 0; axis < 3; ++axis)
+        if (extent[axis] > room[axis] * (1 + 1e-9)) refuse_for_tray(extent, room, axis, placement);
+    if (extent.maxCoeff() < pitch_mm.maxCoeff())
+        throw InputError(fmt::format(
+            "the model is {:.3g} x {:.3g} x {:.3g} mm, less than one voxel of the printer ({:.3g} x {:.3g} x {:.3g} "
+            "mm): nothing of it could be printed. {}",
+            extent.x(), extent.y(), extent.z(), pitch_mm.x(), pitch_mm.y(), pitch_mm.z(), size_options(placement)));
 }
 
 VoxelGrid grid_around(const Eigen::Vector3d& low_mm, const Eigen::Vector3d& high_mm, const Eigen::Vector3d& pitch_mm) {
@@ -80,14 +114,7 @@ VoxelGrid grid_around(const Eigen::Vector3d& low_mm, const Eigen::Vector3d& high
 void check_tray(const VoxelGrid& grid, const Eigen::Vector3d& tray_mm, const Placement& placement) {
     const Eigen::Vector3d size = grid.pitch_mm.cwiseProduct(Eigen::Vector3d(grid.size[0], grid.size[1], grid.size[2]));
     for (int axis = 0; axis < 3; ++axis)
-        if (size[axis] > tray_mm[axis])
-            throw InputError(fmt::format(
-                "the model is {:.4g} x {:.4g} x {:.4g} mm and the printer's tray {:.4g} x {:.4g} x {:.4g} mm ({}): too "
-                "large along {}. "
-                "Give the right --unit, or a --size, or turn it with --rotate",
-                size.x(), size.y(), size.z(), tray_mm.x(), tray_mm.y(), tray_mm.z(),
-                placement.unit_assumed ? "mm was assumed" : fmt::format("{:g} mm per unit", placement.mm_per_file_unit),
-                "xyz"[axis]));
+        if (size[axis] > tray_mm[axis]) refuse_for_tray(size, tray_mm, axis, placement);
 }
 
 }  // namespace voxtone::slicer

@@ -23,12 +23,17 @@ struct Placement {
     double mm_per_file_unit = 1;
     bool unit_assumed = false;  ///< the format has no unit and the user gave none
     Eigen::Vector3d extent_mm = Eigen::Vector3d::Zero();
+    bool is_picture = false;
     std::string summary;  ///< one line for the user: unit and size
 };
 
 /// Moves, scales and turns the mesh in place. `name`: of the model, for messages. Throws InputError where nothing has
 /// an extent.
 Placement place(io::ModelFile& model, const PlacementOptions& options, const std::string& name);
+
+/// Throws InputError for a model smaller than a voxel or larger than the tray (10 m where it has no end), with the size
+/// that would do: before anything is done with such numbers.
+void check_extent(const Placement& placement, const Eigen::Vector3d& pitch_mm, const Eigen::Vector3d& tray_mm);
 
 /// Smallest grid of this pitch that holds the box, centred on it; at least one voxel along each axis.
 [[nodiscard]] VoxelGrid grid_around(const Eigen::Vector3d& low_mm, const Eigen::Vector3d& high_mm,

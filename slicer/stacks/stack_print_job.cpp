@@ -71,11 +71,13 @@ std::vector<Slab> slabs_of(const StackPrintJob& job, double layer_mm, Progress& 
         const optics::ResinSet set = io::find_resin_set(sequence.resins);
         Slab slab{sequence.name, rounded(sequence, layer_mm, progress)};
         if (base) slab.layers.push_back({base->material, std::max(1.0, std::round(base->mm / layer_mm)) * layer_mm});
-        for (const io::SequenceLayer& layer : slab.layers) {
-            if (set.find(layer.material) < 0)
+        for (io::SequenceLayer& layer : slab.layers) {
+            const int resin = set.find(layer.material);
+            if (resin < 0)
                 throw InputError(
                     fmt::format("{}: the resin set {} has no resin of the role {}; say which set has one with --resins",
                                 stack, set.name, layer.material));
+            layer.material = set.resins[static_cast<std::size_t>(resin)].role;
             slab.height_mm += layer.mm;
         }
         slab.left_mm = static_cast<double>(slabs.size()) * (job.width_mm + job.gap_mm);

@@ -22,7 +22,7 @@ TEST_CASE("Events are one JSON object a line") {
     now_s += 1;
     events.end_stage();
     events.result("{\n  \"layers\": 40,\n\t\"name\": \"a  b\"\n}\n");
-    events.error(InputError("no triangles"));
+    text += error_event(ExitCode::invalid_input, "no triangles") + "\n";
     CHECK(text == R"({"event":"stage","stage":"lay\"ers\n","state":"begin","steps":40,"unit":"layers"})"
                   "\n"
                   R"({"event":"progress","stage":"lay\"ers\n","done":20,"steps":40,"seconds":1.05})"

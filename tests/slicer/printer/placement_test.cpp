@@ -94,6 +94,28 @@ TEST_CASE("A grid holds its box, centred, with no voxel to spare") {
     CHECK(flat.origin_mm.y() + flat.size[1] * pitch.y() >= 2);
 }
 
+TEST_CASE("Sizes that no voxel or no tray holds are refused before they are worked with") {
+    const Eigen::Vector3d pitch(0.04, 0.08, 0.03), tray(490, 390, 200), endless = Eigen::Vector3d::Constant(INFINITY);
+    const auto refused = [&](double mm, const Eigen::Vector3d& room, bool is_picture) {
+        Placement placement;
+        placement.extent_mm = Eigen::Vector3d(mm, mm / 2, mm / 4);
+        placement.is_picture = is_picture;
+        try {
+            check_extent(placement, pitch, room);
+        } catch (const InputError& error) {
+            return std::string(error.what());
+        }
+        return std::string();
+    };
+    CHECK(refused(10, tray, false).empty());
+    CHECK(refused(0.09, tray, false).empty());
+    CHECK(refused(490, tray, false).empty());
+    CHECK_THAT(refused(0.01, tray, false), Contains("less than one voxel") && Contains("--size"));
+    CHECK_THAT(refused(1e30, tray, false), Contains("too large along x") && Contains("--unit"));
+    CHECK_THAT(refused(1e30, endless, false), Contains("too large along x"));
+    CHECK_THAT(refused(1e5, tray, true), Contains("--width") && !Contains("--size") && !Contains("--rotate"));
+}
+
 TEST_CASE("A model too large for the tray is refused with what to try") {
     const VoxelGrid grid = grid_around({0, 0, 0}, {600, 10, 10}, {0.1, 0.1, 0.1});
     CHECK_NOTHROW(check_tray(grid, {600.0001, 390, 200}, {}));
