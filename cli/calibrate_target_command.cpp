@@ -11,6 +11,7 @@
 #include "voxtone/cli/calibrate_commands.h"
 #include "voxtone/cli/common_options.h"
 #include "voxtone/cli/help.h"
+#include "voxtone/cli/option_text.h"
 #include "voxtone/io/profiles/resin_file.h"
 #include "voxtone/slicer/stacks/print_boxes.h"
 
@@ -75,12 +76,14 @@ void add_layout_options(CLI::App& command, calibration::TargetOptions& layout, L
         ->type_name("ROLE");
     add_value(command, "--dark", layout.dark, "role of the resin of the dark half and of the markers")
         ->type_name("ROLE");
-    lengths.add(command, "--square", layout.square_mm, "edge of a square");
-    lengths.add(command, "--top", layout.top_mm, "thickness of the squares, rounded to whole layers");
-    lengths.add(command, "--base", layout.base_mm, "thickness of the base under them, rounded up to whole layers");
-    lengths.add(command, "--gap", layout.gap_mm, "between squares");
-    lengths.add(command, "--marker", layout.marker_mm, "edge of a marker");
-    lengths.add(command, "--quiet-zone", layout.quiet_mm, "light around a marker");
+    lengths.add(command, "--square", layout.square_mm, "edge of a square")->group(fine_tuning);
+    lengths.add(command, "--top", layout.top_mm, "thickness of the squares, rounded to whole layers")
+        ->group(fine_tuning);
+    lengths.add(command, "--base", layout.base_mm, "thickness of the base under them, rounded up to whole layers")
+        ->group(fine_tuning);
+    lengths.add(command, "--gap", layout.gap_mm, "between squares")->group(fine_tuning);
+    lengths.add(command, "--marker", layout.marker_mm, "edge of a marker")->group(fine_tuning);
+    lengths.add(command, "--quiet-zone", layout.quiet_mm, "light around a marker")->group(fine_tuning);
 }
 
 }  // namespace
@@ -105,7 +108,7 @@ Command add_calibrate_target_command(CLI::App& calibrate) {
             "resins as far as they are known already: says whether the base is opaque, and colours the picture")
         ->type_name("SET|FILE");
     add_layout_options(*command, a.job.layout, a.run.lengths);
-    add_count(*command, "--seed", a.seed, "seed of the dither");
+    add_count(*command, "--seed", a.seed, "seed of the dither")->group(fine_tuning);
     command->add_flag("--gcvf", a.outputs.gcvf, "write a GCVF container too");
     add_run_options(*command, a.run);
     add_example(*command, "--resins C,M,Y,K,W --resin-set vero-opaque -o target");

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxtone/cli/console.h"
 
-#include <cstdio>
 #include <memory>
 
 #include <CLI/CLI.hpp>
@@ -11,6 +10,7 @@
 #include "voxtone/base/printable.h"
 #include "voxtone/base/progress_bar.h"
 #include "voxtone/base/progress_events.h"
+#include "voxtone/cli/outcome.h"
 
 namespace voxtone::cli {
 
@@ -39,8 +39,6 @@ void add_console_options(CLI::App& command, ConsoleOptions& options) {
     command.add_flag("--json", options.json, "events and the result as one JSON object a line on stdout")->group("Run");
     command.add_flag("--quiet", options.quiet, "no progress, warnings only")->group("Run");
 }
-
-void print_out(std::string_view text) { std::fwrite(text.data(), 1, text.size(), stdout); }
 
 int run_on_console(const ConsoleOptions& options, const std::function<JobResult(Progress&)>& work) {
     const JobResult result = options.json ? run_with_events(work) : run_with_text(options.quiet, work);

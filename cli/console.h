@@ -5,7 +5,6 @@
 #pragma once
 
 #include <functional>
-#include <string_view>
 
 #include "voxtone/base/job_result.h"
 #include "voxtone/base/progress.h"
@@ -22,9 +21,6 @@ struct ConsoleOptions {
 };
 
 void add_console_options(CLI::App& command, ConsoleOptions& options);
-
-/// To stdout. That it took all is asked once, at the program's end (cli/program.h).
-void print_out(std::string_view text);
 
 /// Runs the work under the chosen kind of progress and prints its result. Errors pass through.
 int run_on_console(const ConsoleOptions& options, const std::function<JobResult(Progress&)>& work);

@@ -9,8 +9,8 @@
 #include <nlohmann/json.hpp>
 
 #include "voxtone/cli/commands.h"
-#include "voxtone/cli/console.h"
 #include "voxtone/cli/help.h"
+#include "voxtone/cli/outcome.h"
 #include "voxtone/io/profiles/resin_file.h"
 #include "voxtone/slicer/printer/printer.h"
 

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxtone/cli/calibrate_program.h"
 #include "voxtone/cli/commands.h"
+#include "voxtone/cli/outcome.h"
 #include "voxtone/cli/program.h"
 
 int main(int argc, char** argv) {
     using namespace voxtone::cli;
     const Words words = command_words(argc, argv);
-    if (is_for_calibrate(words)) return guarded(words, [&]() -> int { become_calibrate_program(argv[0], words); });
+    if (is_for_calibrate(words))
+        return guarded(asks_for_json(words), [&]() -> int { become_calibrate_program(argv[0], words); });
     return run_program(words,
                        {{"slice", add_slice_command},
                         {"predict", add_predict_command},

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// What the programs of the command line are: verbs, parsed, run, and their errors told with the exit code of their
-// kind: on stderr in one sentence, and with --json as an event on stdout as well.
+// What the programs of the command line are: verbs, parsed and run (how that ends: cli/outcome.h).
 #pragma once
 
-#include <functional>
 #include <vector>
 
 #include "voxtone/cli/commands.h"
@@ -20,9 +18,5 @@ struct Verb {
 /// The exit code. Two words that users are not told of come before the verbs: `complete WORD...` prints what may stand
 /// next (cli/completion.h), `manual FOLDER` writes the pages of the verbs, and of the program where it is `whole`.
 int run_program(const Words& words, const std::vector<Verb>& verbs, bool whole);
-
-/// The work's exit code, or that of its error, which is told; 75 where all went well but stdout did not take the
-/// result.
-int guarded(const Words& words, const std::function<int()>& work);
 
 }  // namespace voxtone::cli

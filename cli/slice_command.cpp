@@ -12,6 +12,7 @@
 #include "voxtone/cli/commands.h"
 #include "voxtone/cli/console.h"
 #include "voxtone/cli/help.h"
+#include "voxtone/cli/outcome.h"
 #include "voxtone/slicer/job/slice_job.h"
 #include "voxtone/slicer/options/job_file.h"
 #include "voxtone/slicer/options/option_scope.h"

@@ -135,7 +135,7 @@ void check_words(const CLI::App& program, const Words& words) {
 
 std::string usage_message(const CLI::App& program, const CLI::ParseError& error) {
     const CLI::App& command = parsed_command(program);
-    const std::vector<std::string> extras = command.remaining();
+    const std::vector<std::string> extras = program.remaining(true);
     for (const std::string& word : extras)
         if (is_option_word(word) && word != "--") return unknown_option(command, word);
     if (error.get_name() == "ExtrasError" && !extras.empty()) return one_too_many(command, extras.front());

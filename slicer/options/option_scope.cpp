@@ -2,6 +2,7 @@
 #include "voxtone/slicer/options/option_scope.h"
 
 #include <algorithm>
+#include <array>
 #include <initializer_list>
 
 #include <fmt/core.h>
@@ -12,8 +13,8 @@ namespace voxtone::slicer {
 
 namespace {
 
-constexpr std::initializer_list<std::string_view> deciding_keys{"model",  "arrange",  "iterations", "predict",
-                                                                "report", "surfaces", "size"};
+constexpr std::array<std::string_view, 7> deciding_keys{"model",  "arrange",  "iterations", "predict",
+                                                        "report", "surfaces", "size"};
 
 const OptionSpec& spec_of(std::string_view key) {
     const auto table = slice_option_table();

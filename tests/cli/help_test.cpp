@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// --help, the manual and the shells' completion are made from one table of options.
+#include <cstdlib>
+#include <filesystem>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <sys/wait.h>
+#include <catch2/catch.hpp>
+
+#include "run_program.h"
+
+using namespace voxtone::test;
+using Catch::Matchers::Contains;
+
+namespace {
+
+const std::vector<std::string> every_command{"slice",
+                                             "predict",
+                                             "verify",
+                                             "list",
+                                             "stack dataset",
+                                             "stack factor",
+                                             "stack predict",
+                                             "stack print",
+                                             "stack search",
+                                             "stack targets",
+                                             "calibrate check",
+                                             "calibrate fit",
+                                             "calibrate photo",
+                                             "calibrate profile",
+                                             "calibrate simulate",
+                                             "calibrate simulate-profile",
+                                             "calibrate target"};
+
+int run_shell(const std::string& command) {
+    const int status = std::system(command.c_str());
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+bool is_here(const std::string& program) { return run_shell("command -v " + program + " >/dev/null 2>&1") == 0; }
+
+/// "--size" and so on, as they begin the lines of a help text.
+std::vector<std::string> option_words(const std::string& help) {
+    std::vector<std::string> words;
+    std::istringstream lines(help);
+    for (std::string line; std::getline(lines, line);)
+        if (line.starts_with("  -")) {
+            const std::size_t begin = line.find("--");
+            words.push_back(line.substr(begin, line.find_first_of(", \n", begin) - begin));
+        }
+    return words;
+}
+
+std::string without_roff(std::string text) {
+    for (std::size_t i = text.find("\\-"); i != std::string::npos; i = text.find("\\-", i)) text.erase(i, 1);
+    return text;
+}
+
+}  // namespace
+
+TEST_CASE("Every help says in words what its options are, and ends with a command line that parses") {
+    const Folder empty("example");
+    for (const std::string& command : every_command) {
+        INFO(command);
+        const std::string help = run_program(command + " --help").out;
+        for (const char* raw : {"{false}", "{true}", "REQUIRED", "INT", "UINT", ":FILE"})
+            CHECK_THAT(help, !Contains(raw));
+        const std::string mark = "Example:\n  voxtone ";
+        const std::size_t begin = help.find(mark);
+        REQUIRE(begin != std::string::npos);
+        const std::string line =
+            help.substr(begin + mark.size(), help.find('\n', begin + mark.size()) - begin - mark.size());
+        CHECK(line.starts_with(command + " "));
+        if (command == "list" || command.starts_with("stack dataset") || command == "calibrate simulate-profile" ||
+            command == "calibrate target" || command == "stack predict" || command == "stack targets" ||
+            command == "stack print")
+            continue;  // these would do their work
+        const int code =
+            run_shell("cd '" + empty.path().string() + "' && " + VOXTONE_PROGRAM + " " + line + " >/dev/null 2>&1");
+        CHECK(code != 2);
+        CHECK(code > 0);  // the files are not there
+    }
+}
+
+TEST_CASE("Options that few need are behind --help-all") {
+    const std::string help = run_program("slice --help").out, all = run_program("slice --help-all").out;
+    CHECK_THAT(help, !Contains("--stack-blocks") && Contains("slice --help-all") && Contains("Layered profiles"));
+    CHECK_THAT(all, Contains("--stack-blocks") && Contains("--size"));
+    CHECK_THAT(run_program("--help-all").out, Contains("voxtone stack search") && Contains("--max-blocks"));
+}
+
+TEST_CASE("list printers shows what refuses jobs") {
+    const std::string text = run_program("list printers").out;
+    CHECK_THAT(text, Contains("tray 490 x 390 x 200 mm") && Contains("no fewer than 30 layers") &&
+                         Contains("6 resins at once") && Contains("3 resins at once"));
+}
+
+TEST_CASE("Roles are understood in any case") {
+    const Folder folder("roles");
+    folder.write("marker.obj", marker_obj());
+    const auto slice = [&](const std::string& options, const std::string& out) {
+        const Outcome outcome = run_program("slice --quiet --no-report --iterations 0 --layers 0-9 " +
+                                            (folder / "marker.obj") + " " + options + " -o " + (folder / out));
+        INFO(outcome.err);
+        CHECK(outcome.exit_code == 0);
+    };
+    slice("--load C,M,Y,K,W --core W", "upper");
+    slice("--load c,m,y,k,w --core w", "lower");
+    CHECK(read_tree(std::filesystem::path(folder / "upper") / "layers") ==
+          read_tree(std::filesystem::path(folder / "lower") / "layers"));
+    CHECK(read_file(folder / "upper/manifest.json") == read_file(folder / "lower/manifest.json"));
+    CHECK(run_program("slice --load c,C " + (folder / "marker.obj") + " -o " + (folder / "twice")).exit_code == 3);
+}
+
+TEST_CASE("The summary names the report and the time of the whole job") {
+    const Folder folder("summary");
+    folder.write("marker.obj", marker_obj());
+    const Outcome outcome = run_program("slice --quiet --iterations 0 --predict none " + (folder / "marker.obj") +
+                                        " -o " + (folder / "out"));
+    REQUIRE(outcome.exit_code == 0);
+    CHECK_THAT(outcome.out, Contains("report: " + (folder / "out/report.html")) && Contains("done in "));
+}
+
+TEST_CASE("Manual pages hold every option, and man finds nothing wrong with them") {
+    const Folder folder("manual");
+    REQUIRE(run_program("manual " + folder.path().string()).exit_code == 0);
+    const std::string calibrate = std::filesystem::path(VOXTONE_PROGRAM).parent_path() / "voxtone-calibrate";
+    REQUIRE(run_shell(calibrate + " manual " + folder.path().string()) == 0);
+    CHECK(read_tree(folder.path()).size() == 7);
+    for (const std::string verb : {"slice", "predict", "verify", "list", "stack", "calibrate"}) {
+        const std::string page = without_roff(read_file(folder / ("voxtone-" + verb + ".1")));
+        const std::vector<std::string> options = option_words(run_program(verb + " --help-all").out);
+        CHECK(options.size() >= 3);
+        for (const std::string& option : options) CHECK_THAT(page, Contains(option));
+    }
+    if (!is_here("man")) {
+        WARN("SKIPPED: man is not here");
+        return;
+    }
+    for (const auto& [name, text] : read_tree(folder.path())) {
+        INFO(name);
+        const std::string page = folder / name, told = folder / "told";
+        CHECK(run_shell("LC_ALL=C.UTF-8 MANROFFSEQ= man --warnings -E UTF-8 -l -Tutf8 -Z '" + page +
+                        "' >/dev/null 2>'" + told + "'") == 0);
+        CHECK(read_file(told).empty());
+    }
+}
+
+TEST_CASE("The program says what may stand next") {
+    const auto words = [](const std::string& line) { return run_program("complete " + line).out; };
+    CHECK(words("sl") == "slice\n");
+    CHECK(words("stack se") == "search\n");
+    CHECK(words("calibrate phot") == "photo\n");
+    CHECK(words("slice --thr") == "--threads\n");
+    CHECK(words("slice --intent ''") == "relative\nabsolute\ncontrast\n");
+    CHECK(words("slice --printer stratasys-j5") == "stratasys-j55\n");
+    CHECK_THAT(words("predict --resins ''"), Contains("vero-opaque\n"));
+    CHECK(words("list ''") == "printers\nresins\n");
+    CHECK(words("slice co").empty());  // files
+    CHECK(words("slice --size ''").empty());
+}
+
+TEST_CASE("bash completes with it") {
+    if (!is_here("bash")) {
+        WARN("SKIPPED: bash is not here");
+        return;
+    }
+    const std::string script = VOXTONE_SOURCE_DIR "/data/completion/voxtone.bash";
+    CHECK(run_shell("bash -n '" + script + "'") == 0);
+    const Folder folder("bash");
+    folder.write("try.sh", "source '" + script +
+                               "'\nCOMP_WORDS=('" VOXTONE_PROGRAM
+                               "' slice --pri)\nCOMP_CWORD=2\n_voxtone\n"
+                               "echo \"${COMPREPLY[*]}\"\ncomplete -p voxtone\n");
+    REQUIRE(run_shell("bash '" + (folder / "try.sh") + "' >'" + (folder / "out") + "'") == 0);
+    CHECK_THAT(read_file(folder / "out"), Contains("--printer\n") && Contains("-F _voxtone voxtone"));
+}

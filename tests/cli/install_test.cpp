@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// `cmake --install` makes a program that runs from anywhere, with all that belongs to it.
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+
+#include <sys/wait.h>
+#include <catch2/catch.hpp>
+
+#include "run_program.h"
+
+using namespace voxtone::test;
+using Catch::Matchers::Contains;
+
+namespace {
+
+int run_in(const std::filesystem::path& folder, const std::string& command) {
+    const std::string line = "cd '" + folder.string() + "' && " + command + " >out.txt 2>err.txt";
+    const int status = std::system(line.c_str());
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+}  // namespace
+
+TEST_CASE("The installed program runs from elsewhere, with its helpers, manual and completion") {
+    const Folder folder("install"), elsewhere("elsewhere");
+    const std::filesystem::path prefix = folder.path() / "usr";
+    REQUIRE(run_in(folder.path(), VOXTONE_CMAKE " --install '" VOXTONE_BUILD_DIR "' --component program --prefix '" +
+                                      prefix.string() + "'") == 0);
+    for (const char* file :
+         {"bin/voxtone", "libexec/voxtone/voxtone-read", "libexec/voxtone/voxtone-calibrate",
+          "libexec/voxtone/voxtone-vdb.so", "share/man/man1/voxtone.1", "share/man/man1/voxtone-slice.1",
+          "share/man/man1/voxtone-calibrate.1", "share/bash-completion/completions/voxtone",
+          "share/zsh/site-functions/_voxtone", "share/voxtone/schema/job.schema.json"}) {
+        INFO(file);
+        CHECK(std::filesystem::exists(prefix / file));
+    }
+    elsewhere.write("marker.obj", marker_obj());
+    const std::string voxtone =
+        "env -u VOXTONE_HELPERS PATH='" + (prefix / "bin").string() + ":/usr/bin:/bin' voxtone ";
+    CHECK(run_in(elsewhere.path(), voxtone + "slice marker.obj --iterations 0 --predict none --quiet -o print") == 0);
+    INFO(read_file(elsewhere / "err.txt"));
+    CHECK(std::filesystem::exists(elsewhere / "print/manifest.json"));
+    CHECK(run_in(elsewhere.path(), voxtone + "verify print") == 0);
+    CHECK(run_in(elsewhere.path(), voxtone + "calibrate --help") == 0);
+    CHECK_THAT(read_file(elsewhere / "out.txt"), Contains("voxtone calibrate"));
+}

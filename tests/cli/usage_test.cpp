@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What the program says to command lines that it cannot follow, and that every failure is told in the same voice.
+#include <cstdlib>
+#include <string>
+
+#include <fmt/core.h>
+#include <sys/wait.h>
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include "run_program.h"
+
+using namespace voxtone::test;
+using Catch::Matchers::Contains;
+
+namespace {
+
+void refused(const std::string& arguments, int exit_code, const std::string& words) {
+    INFO(arguments);
+    const Outcome outcome = run_program(arguments);
+    CHECK(outcome.exit_code == exit_code);
+    CHECK_THAT(outcome.err, Contains(words));
+    CHECK_THAT(outcome.err, !Contains("bug of ours"));
+}
+
+/// The last line of stdout, as an event.
+nlohmann::json last_event(const std::string& out) {
+    REQUIRE(!out.empty());
+    const std::size_t before = out.find_last_of('\n', out.size() - 2);
+    return nlohmann::json::parse(out.substr(before == std::string::npos ? 0 : before + 1));
+}
+
+}  // namespace
+
+TEST_CASE("Unknown verbs, steps and options are answered with the nearest known one") {
+    refused("slcie model.obj", 2, "did you mean 'slice'?");
+    refused("stack serch", 2, "did you mean 'search'?");
+    refused("calibrate phtoo", 2, "did you mean 'photo'?");
+    refused("cows", 2, "there are slice, predict");
+    refused("slice model.obj --sise 10mm -o out", 2, "did you mean '--size'?");
+    refused("slice model.obj --sise=10mm -o out", 2, "did you mean '--size'?");
+    refused("predict out --ouptut x.png", 2, "--ouptut: `voxtone predict` has no such option");
+    refused("stack search --materiels W,K", 2, "did you mean '--materials'?");
+    refused("slice a.obj b.obj -o out", 2, "'b.obj' is one word too many");
+    refused("verify", 2, "stack is required");
+    refused("stack", 2, "wants a verb: dataset");
+    refused("", 2, "wants a verb: slice");
+}
+
+TEST_CASE("help is a verb, -o= is -o, and an option is no value of another") {
+    const Outcome help = run_program("help slice");
+    CHECK(help.exit_code == 0);
+    CHECK(help.out == run_program("slice --help").out);
+    CHECK(run_program("help calibrate photo").out == run_program("calibrate photo --help").out);
+    CHECK(run_program("help").exit_code == 0);
+    refused("help cows", 2, "'cows' is no verb");
+    refused("slice model.obj -o --json", 2, "-o: its value is missing, for '--json' is an option");
+    const Folder folder("short");
+    folder.write("marker.obj", marker_obj());
+    CHECK(
+        run_program("slice --quiet --iterations 0 --no-report " + (folder / "marker.obj") + " -o=" + (folder / "-out"))
+            .exit_code == 0);
+    CHECK(std::filesystem::exists(folder / "-out/manifest.json"));
+}
+
+TEST_CASE("A decimal comma and a missing unit are explained") {
+    refused("slice model.obj -o out --size 10,5mm", 2, "write 10.5mm");
+    refused("slice model.obj -o out --scale 0,5", 2, "decimals stand behind a point: 0.5");
+    refused("predict out -o x.png --cell 0,2mm", 2, "write 0.2mm");
+    refused("predict out -o x.png --error 0,1", 2, "decimals stand behind a point: 0.1");
+    refused("predict layers -o x.png --pitch 42.33,84.67,27", 2, "add um");
+}
+
+TEST_CASE("Sizes beyond every printer and below every voxel are refused in a sentence") {
+    const Folder folder("sizes");
+    folder.write("marker.obj", marker_obj());
+    folder.write("dot.ppm", "P6 2 2 255\n" + std::string(12, 'x'));
+    const std::string mesh = "slice --quiet " + (folder / "marker.obj") + " -o " + (folder / "out");
+    for (const char* size : {"--size 200m", "--size 1e30", "--scale 1e30", "--size 1e9mm", "--unit m --scale 1e9"})
+        refused(fmt::format("{} {}", mesh, size), 3, "too large along x");
+    for (const char* size : {"--size 0.01mm", "--scale 1e-30", "--size 1um"})
+        refused(fmt::format("{} {}", mesh, size), 3, "less than one voxel");
+    refused(mesh + " --scale 1e300 --unit m", 3, "the model is");
+    CHECK_FALSE(std::filesystem::exists(folder / "out"));
+}
+
+TEST_CASE("An option that would be ignored is refused") {
+    const Folder folder("scope");
+    folder.write("marker.obj", marker_obj());
+    const std::string mesh = "slice " + (folder / "marker.obj") + " -o " + (folder / "out") + " ";
+    for (const char* option : {"--width 10mm", "--thickness 4mm", "--backing black"})
+        refused(mesh + option, 2, "would be ignored: ");
+    refused("slice photo.png -o out --size 10mm", 2, "give --width");
+    refused("slice photo.png -o out --unit cm", 2, "--unit cm would be ignored");
+    refused(mesh + "--size 10mm --scale 2", 2, "--scale 2 would be ignored");
+    refused(mesh + "--stack-steps 64", 2, "only goes with --model layered-profile");
+    refused(mesh + "--iterations 0 --intent relative", 2, "--intent relative would be ignored");
+    refused(mesh + "--iterations 0 --resume", 2, "--iterations 0 leaves the appearance loop out");
+    refused(mesh + "--no-report --predict transport", 2, "--predict transport would be ignored");
+    refused(mesh + "--iterations 0 --predict none --predict-cell 1mm", 2, "neither a loop nor a prediction");
+    refused(mesh + "--model layered-profile --profiles x.json --depth 1mm", 2, "only goes with --model colour");
+    refused("predict out -o x.png --model monte-carlo --sweeps 3", 2, "only goes with --model transport");
+    refused("predict out -o x.png --spp 64", 2, "only goes with --model monte-carlo");
+    CHECK_FALSE(std::filesystem::exists(folder / "out"));
+    // A job file is looked at likewise, unless the command line changes what its options are for.
+    folder.write("job.json", R"({"format": "voxtone-job", "version": 1, "model": "marker.obj", "iterations": "0",
+        "intent": "contrast", "report": false})");
+    refused("slice --job " + (folder / "job.json") + " -o " + (folder / "out"), 2, "--intent contrast");
+    CHECK(run_program("slice --quiet --iterations 0 --job " + (folder / "job.json") + " -o " + (folder / "out"))
+              .exit_code == 0);
+}
+
+TEST_CASE("With --json every failure is an event that carries the exit code") {
+    const Folder folder("events");
+    folder.write("empty.obj", "");
+    folder.write("job.json", "{");
+    for (const std::string& arguments :
+         {std::string("slcie --json"), std::string("slice --json --sise 3"), std::string("predict --json"),
+          std::string("slice --json x.obj -o out --size 1,5mm"), std::string("list --json cows"),
+          "slice --json " + (folder / "nothing.obj") + " -o " + (folder / "out"),
+          "slice --json " + (folder / "empty.obj") + " -o " + (folder / "out"),
+          "slice --json --job " + (folder / "job.json"), "verify --json " + (folder / "nothing"),
+          std::string("predict --json nothing -o x.png --cell 9mm"), std::string("calibrate --json"),
+          std::string("calibrate photo --json"), std::string("stack print --json --depth")}) {
+        INFO(arguments);
+        const Outcome outcome = run_program(arguments);
+        CHECK(outcome.exit_code > 1);
+        const auto event = last_event(outcome.out);
+        CHECK(event.at("event") == "error");
+        CHECK(event.at("exit_code") == outcome.exit_code);
+        CHECK(outcome.err == "voxtone: " + event.at("message").get<std::string>() + "\n");
+    }
+    CHECK(run_program("slice --sise 3").out.empty());
+}
+
+TEST_CASE("A stdout that takes nothing is noticed") {
+    const Folder folder("full");
+    const auto run_into_full = [&](const std::string& arguments) {
+        const std::string command =
+            std::string(VOXTONE_PROGRAM) + " " + arguments + " >/dev/full 2>'" + (folder / "err") + "'";
+        const int status = std::system(command.c_str());
+        return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+    };
+    if (!std::filesystem::exists("/dev/full")) {
+        WARN("SKIPPED: /dev/full is not here");
+        return;
+    }
+    for (const char* arguments :
+         {"list printers", "list resins --json", "slice --dump-default", "slice --help-all", "--version"}) {
+        INFO(arguments);
+        CHECK(run_into_full(arguments) == 75);
+        CHECK_THAT(read_file(folder / "err"), Contains("stdout could not be written"));
+    }
+    CHECK(run_into_full("slcie --json") == 2);
+}
+
+TEST_CASE("Bytes of the user move no cursor") {
+    for (const char* arguments :
+         {"slice \"$(printf 'a\\033[31m.obj')\" -o out", "\"$(printf 's\\033[2Jlice')\"",
+          "slice --printer \"$(printf 'p\\033[31m')\" a.obj -o out", "verify \"$(printf '\\033]0;x')\""}) {
+        const Outcome outcome = run_program(arguments);
+        INFO(outcome.err);
+        CHECK(outcome.exit_code > 1);
+        CHECK_THAT(outcome.err, Contains("?") && !Contains("\033"));
+    }
+}
