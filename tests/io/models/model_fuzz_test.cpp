@@ -17,6 +17,10 @@ using namespace voxtone::test;
 
 namespace {
 
+/// One change in so many may crash a library: assimp's reader of binary PLY dies of 16 of the 150 wrong ones here,
+/// which is why it lives in a process of its own.
+constexpr std::size_t most_crashes = 6;
+
 struct Tally {
     int models = 0, refused = 0, crashed = 0;
     std::string first_crash;
@@ -84,7 +88,7 @@ TEST_CASE("every truncation of small models gives a model or a clear error") {
                 tally);
             INFO(files[0].first << " with " << files[f].first << " cut: " << tally.models << " read, " << tally.refused
                                 << " refused, " << tally.crashed << " crashes of a library; " << tally.first_crash);
-            CHECK(std::size_t(tally.models + tally.refused + tally.crashed) == whole.size());
+            CHECK(std::size_t(tally.crashed) <= whole.size() / most_crashes);
         }
     }
 }
@@ -139,6 +143,6 @@ TEST_CASE("wrong bytes in small models") {
             INFO(files[0].first << " with wrong bytes in " << files[f].first << ": " << tally.models << " read, "
                                 << tally.refused << " refused, " << tally.crashed << " crashes of a library; "
                                 << tally.first_crash);
-            CHECK(std::size_t(tally.models + tally.refused + tally.crashed) == changes);
+            CHECK(std::size_t(tally.crashed) <= changes / most_crashes);
         }
 }
