@@ -103,8 +103,11 @@ std::vector<MtlMaterial> parse_mtl(std::string_view text) {
                 material.kd = Eigen::Vector3f(values[0], values[1], values[2]).cwiseMax(0).cwiseMin(1);
         } else if (key == "d" || key == "tr") {
             if (line.starts_with("-halo")) next_word(line);
-            if (const std::vector<float> values = numbers(line); !values.empty())
-                material.opacity = std::clamp(key == "d" ? values[0] : 1 - values[0], 0.0f, 1.0f);
+            const std::vector<float> values = numbers(line);
+            // Tr has no standard (MeshLab writes 1 for opaque, others 0): where d is there too, d counts.
+            if (values.empty() || (key == "tr" && material.has_dissolve)) continue;
+            material.has_dissolve |= key == "d";
+            material.opacity = std::clamp(key == "d" ? values[0] : 1 - values[0], 0.0f, 1.0f);
         } else if (key == "map_kd") {
             parse_map(line, material);
         } else if (key == "map_d") {

@@ -16,8 +16,9 @@ namespace voxtone::io {
 struct MtlMaterial {
     std::string name;
     std::optional<Eigen::Vector3f> kd;  ///< sRGB codes in [0, 1]
-    float opacity = 1;
-    std::string map_kd;  ///< empty: none
+    float opacity = 1;                  ///< d where it is given, else 1 - Tr
+    bool has_dissolve = false;          ///< d is given
+    std::string map_kd;                 ///< empty: none
     Eigen::Vector2f map_offset = Eigen::Vector2f::Zero(), map_scale = Eigen::Vector2f::Ones();
     bool map_clamp = false;
     bool has_opacity_map = false;

@@ -40,7 +40,7 @@ struct Corner {
 Eigen::Vector4f lay_over(const Eigen::Vector4f& below, const Eigen::Vector4f& layer, bool multiply) {
     if (multiply) return below.cwiseProduct(layer);
     const float alpha = layer.w() + below.w() * (1 - layer.w());
-    if (alpha <= 0) return Eigen::Vector4f::Zero();
+    if (alpha <= 0) return {layer.x(), layer.y(), layer.z(), 0};  // kept: see finish_model on what nothing is seen of
     const Eigen::Vector3f rgb = (layer.head<3>() * layer.w() + below.head<3>() * below.w() * (1 - layer.w())) / alpha;
     return {rgb.x(), rgb.y(), rgb.z(), alpha};
 }
@@ -79,6 +79,7 @@ private:
     void warn(std::string warning) { parts_.warnings.push_back(std::move(warning)); }
     /// A kind of loss, said once however often it occurs.
     void lose(const std::string& warning) { ++losses_[warning]; }
+    void lose_colour(const std::string& warning) { ++colour_losses_[warning]; }
 
     [[noreturn]] void fail(const std::string& what) const {
         throw InputError(fmt::format("{} is no valid 3MF file: {}; export it again", context_.name(), what));
@@ -103,7 +104,7 @@ private:
             lose(fmt::format("{} has a beam lattice, which cannot be read: its beams are LOST. Export it as a mesh",
                              context_.name()));
         if (part.has_painting)
-            lose(
+            lose_colour(
                 fmt::format("{} has colours painted in a slicer, in a form of that program's own: they are LOST. "
                             "Export the model with colour groups "
                             "or as OBJ or GLB",
@@ -166,7 +167,7 @@ private:
                          std::array<std::uint32_t, 3> p) {
         const auto group = part.groups.find(pid);
         if (group == part.groups.end())
-            return lose(
+            return lose_colour(
                 fmt::format("{}: triangles use the property group {}, which does not exist: their colours are LOST",
                             context_.name(), pid));
         // Base materials and their composites have no gradients: the first corner's holds for all.
@@ -208,8 +209,8 @@ private:
         const auto index = static_cast<std::uint32_t>(parts_.materials.size());
         PartMaterial material;
         if (const auto found = part.textures.find(id); found == part.textures.end()) {
-            lose(
-                fmt::format("{} uses the texture {}, which does not exist: its colours are LOST", context_.name(), id));
+            parts_.lose_texture(fmt::format("{} uses the texture {}, which does not exist: its colours are LOST.",
+                                            context_.name(), id));
         } else {
             const ThreemfTexture& texture = found->second;
             material.name = texture.path;
@@ -220,8 +221,8 @@ private:
             if (const auto picture = picture_of(texture.path))
                 material.image = context_.add_image_bytes(parts_, texture.path, *picture, context_.decode_options());
             else
-                lose(fmt::format("The texture '{}' that {} names is not in it: its colours are LOST", texture.path,
-                                 context_.name()));
+                parts_.lose_texture(fmt::format("The texture '{}' that {} names is not in it: its colours are LOST.",
+                                                texture.path, context_.name()));
         }
         parts_.materials.push_back(material);
         return materials_[key] = index;
@@ -262,8 +263,8 @@ private:
                 corner = stack(part, group, group.values[p], level);
                 break;
             case Kind::unknown:
-                lose(fmt::format("{} has properties of the kind '{}', which cannot be read: they are LOST",
-                                 context_.name(), group.element));
+                lose_colour(fmt::format("{} has properties of the kind '{}', which cannot be read: they are LOST",
+                                        context_.name(), group.element));
                 break;
         }
         return corner;
@@ -318,13 +319,13 @@ private:
             }
         }
         if (textures > 1)
-            lose(
+            lose_colour(
                 fmt::format("{} lays several textures over each other (multiproperties); only the topmost is kept, the "
                             "colours of the others are "
                             "LOST. Bake them into one texture",
                             context_.name()));
         if (colour_over_texture)
-            lose(
+            lose_colour(
                 fmt::format("{} lays a colour over a texture (multiproperties); it is taken under it instead. Bake "
                             "them into one texture",
                             context_.name()));
@@ -332,8 +333,11 @@ private:
     }
 
     void report() {
-        for (const auto& [what, times] : losses_)
-            warn(times > 1 ? fmt::format("{} ({} times).", what, times) : what + ".");
+        const auto sentence = [](const std::string& what, std::size_t times) {
+            return times > 1 ? fmt::format("{} ({} times).", what, times) : what + ".";
+        };
+        for (const auto& [what, times] : losses_) warn(sentence(what, times));
+        for (const auto& [what, times] : colour_losses_) parts_.lose_colour(sentence(what, times));
     }
 
     ParseContext& context_;
@@ -341,7 +345,7 @@ private:
     ModelParts parts_;
     std::map<std::string, ThreemfPart> model_parts_;
     std::map<std::tuple<std::string, std::uint32_t, std::array<float, 4>>, std::uint32_t> materials_;
-    std::map<std::string, std::size_t> losses_;
+    std::map<std::string, std::size_t> losses_, colour_losses_;
     std::size_t instances_ = 0;
 };
 

@@ -28,7 +28,7 @@ std::int32_t ParseContext::add_image_file(ModelParts& parts, const std::string& 
     if (const auto known = images_.find(file); known != images_.end()) return known->second;
     const auto path = files_.find(file);
     if (!path) {
-        parts.warnings.push_back(
+        parts.lose_texture(
             fmt::format("The texture '{}' that {} names was not found beside the model: its colours are LOST and "
                         "the material's own colour is used. Put the file into the model's folder.",
                         file, name_));
@@ -38,7 +38,7 @@ std::int32_t ParseContext::add_image_file(ModelParts& parts, const std::string& 
     try {
         bytes = read_bytes(*path, options_.max_file_bytes);
     } catch (const Error& error) {
-        parts.warnings.push_back(
+        parts.lose_texture(
             fmt::format("The texture '{}' could not be read ({}): its colours are LOST and the material's own "
                         "colour is used.",
                         file, error.what()));
@@ -53,7 +53,7 @@ std::int32_t ParseContext::add_image_bytes(ModelParts& parts, const std::string&
     try {
         return add(parts, key, decode_image(bytes, "'" + key + "'", decode));
     } catch (const InputError& error) {
-        parts.warnings.push_back(
+        parts.lose_texture(
             fmt::format("A texture could not be used: {}. Its colours are LOST and the material's own colour is used.",
                         error.what()));
         return images_[key] = -1;

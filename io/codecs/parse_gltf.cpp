@@ -266,10 +266,9 @@ private:
         if (const Json& webp = object(extensions, "EXT_texture_webp"); !webp.empty())
             source = integer(webp, "source", source);
         if (source == -1) {
-            warn(
+            parts_.lose_texture(
                 fmt::format("The texture of the material '{}' is in a form that cannot be read ({}): its colours are "
-                            "LOST. Export it with PNG "
-                            "or JPEG textures.",
+                            "LOST. Export it with PNG or JPEG textures.",
                             material.name, extensions.empty() ? "no image" : extensions.begin().key()));
             return;
         }
@@ -418,7 +417,7 @@ private:
             if (accessor != -1)
                 uv = data_.floats(accessor, 2);
             else
-                warn(
+                parts_.lose_colour(
                     fmt::format("In {}, {} has a texture but no coordinates TEXCOORD_{}: its corner (0, 0) was taken "
                                 "everywhere, colours are LOST.",
                                 context_.name(), what, lay.set));

@@ -6,7 +6,6 @@
 #include <cstring>
 #include <map>
 #include <optional>
-#include <set>
 
 #include <assimp/config.h>
 #include <assimp/material.h>
@@ -19,6 +18,7 @@
 
 #include "voxtone/base/error.h"
 #include "voxtone/io/codecs/mtl_library.h"
+#include "voxtone/io/codecs/ply_faces.h"
 #include "voxtone/io/codecs/ply_header.h"
 #include "voxtone/io/codecs/stl_header.h"
 
@@ -78,7 +78,7 @@ private:
         if (file.starts_with(model_.substr(0, model_.rfind('.')))) return nullptr;
         const auto path = context_.files().find(file);
         if (!path) {
-            parts_.warnings.push_back(
+            parts_.lose_texture(
                 fmt::format("The material library '{}' that {} names was not found beside the model: its colours "
                             "and textures are LOST. Put the file into the model's folder.",
                             file, context_.name()));
@@ -98,6 +98,7 @@ private:
     std::string model_;
 };
 
+bool has_colour(const MtlMaterial& m) { return !m.map_kd.empty() || (m.kd && m.kd->minCoeff() < 0.9f); }
 float spread(const Eigen::Vector3f& rgb) { return rgb.maxCoeff() - rgb.minCoeff(); }
 
 /// How the texture coordinates of a material are moved: uv * scale + offset.
@@ -112,11 +113,9 @@ public:
     ModelParts parse() {
         parts_.format = extension_ == "obj" ? "OBJ" : extension_ == "ply" ? "PLY" : "STL";
         if (extension_ == "ply") ply_ = read_ply_header(context_.bytes(), context_.name());
-        if (ply_ && ply_->face_colours)
-            parts_.warnings.push_back(
-                fmt::format("{} has colours per face; they are LOST. Export it with vertex colours, or as OBJ or GLB.",
-                            context_.name()));
-        if (extension_ == "stl") check_stl(context_.bytes(), context_.name(), parts_.warnings);
+        if (ply_ && (ply_->face_colours || ply_->corner_coordinates))
+            faces_ = read_ply_faces(context_.bytes(), *ply_, context_.name());
+        if (extension_ == "stl") check_stl(context_.bytes(), context_.name(), parts_.lost_colours);
         const std::string virtual_name = "voxtone model." + extension_;
         auto* files = new ModelFiles(context_, parts_, virtual_name);  // owned by the importer
         Assimp::Importer importer;
@@ -130,6 +129,7 @@ public:
         if (!scene) throw InputError(fmt::format("the polygons of {} cannot be triangulated", context_.name()));
         make_materials(*scene, files->materials);
         for (unsigned m = 0; m < scene->mNumMeshes; ++m) add_mesh(*scene->mMeshes[m]);
+        if (scene->mNumMeshes == 1) lay_ply_faces();
         if (parts_.triangles.size() < expected)
             parts_.warnings.push_back(
                 fmt::format("{} of the {} triangles of polygons in {} could not be made (corners on one line, or "
@@ -167,13 +167,19 @@ private:
     void make_materials(const aiScene& scene, const std::map<std::string, MtlMaterial>& library) {
         parts_.materials.resize(std::max(scene.mNumMaterials, 1u));
         transforms_.resize(parts_.materials.size());
-        std::set<std::string> missing;
+        std::size_t used = 0;
         for (unsigned m = 0; m < scene.mNumMaterials; ++m) {
             aiString name;
             scene.mMaterials[m]->Get(AI_MATKEY_NAME, name);
             parts_.materials[m].name = name.C_Str();
-            if (const auto found = library.find(name.C_Str()); found != library.end()) use(found->second, m);
+            if (const auto found = library.find(name.C_Str()); found != library.end()) use(found->second, m), ++used;
         }
+        if (used == 0 &&
+            std::any_of(library.begin(), library.end(), [](const auto& m) { return has_colour(m.second); }))
+            parts_.lose_colour(fmt::format(
+                "{} uses none of the materials in its library: their colours are LOST. Look at the names behind usemtl "
+                "and newmtl, or export it again.",
+                context_.name()));
         if (ply_ && !ply_->texture_file.empty()) {
             parts_.has_colour = true;
             parts_.materials[0].image = context_.add_image_file(parts_, ply_->texture_file, context_.decode_options());
@@ -239,10 +245,46 @@ private:
         }
     }
 
+    /// Colours of faces count where they are all that tells places apart.
+    bool face_colours_count() {
+        if (faces_.rgba.empty()) return false;
+        parts_.has_colour = true;
+        const auto differ = [&](const auto& corners) { return corners != parts_.corner_rgba[0]; };
+        const bool vertices_differ =
+            std::any_of(parts_.corner_rgba.begin(), parts_.corner_rgba.end(), differ) ||
+            (!parts_.corner_rgba.empty() && (parts_.corner_rgba[0][0] != parts_.corner_rgba[0][1] ||
+                                             parts_.corner_rgba[0][0] != parts_.corner_rgba[0][2]));
+        if (vertices_differ && faces_.has_several_colours())
+            parts_.warnings.push_back(fmt::format(
+                "{} has colours of vertices and of faces; those of the vertices are printed.", context_.name()));
+        return !vertices_differ && (parts_.corner_rgba.empty() || faces_.has_several_colours());
+    }
+
+    /// Triangles come in the order of the faces that they were cut from, and have their corners.
+    void lay_ply_faces() {
+        const bool colours = face_colours_count();
+        std::size_t face = 0;
+        for (std::size_t t = 0; t < parts_.triangles.size(); ++t) {
+            const std::array<std::uint32_t, 3>& corners = parts_.triangles[t];
+            while (face < faces_.size() && !faces_.has_corners(face, corners)) ++face;
+            if (face == faces_.size()) break;
+            if (colours) parts_.set_rgba(t, {faces_.rgba[face], faces_.rgba[face], faces_.rgba[face]});
+            if (!faces_.uv.empty())
+                parts_.set_uv(t, {faces_.uv_at(face, corners[0]), faces_.uv_at(face, corners[1]),
+                                  faces_.uv_at(face, corners[2])});
+        }
+        if (face == faces_.size() && faces_.size() > 0)
+            parts_.lose_colour(fmt::format(
+                "{} has faces that could not be matched with their colours or texture coordinates; from the first of "
+                "them on these are LOST. Export it with colours per vertex, or as OBJ or GLB.",
+                context_.name()));
+    }
+
     ParseContext& context_;
     std::string extension_;
     ModelParts parts_;
     std::optional<PlyHeader> ply_;
+    PlyFaces faces_;  // of a PLY file where they have more to say than assimp hands on
     std::vector<AssimpUv> transforms_;
     std::size_t points_and_lines_ = 0;
 };

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <sstream>
 #include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -14,67 +15,100 @@ namespace voxtone::io {
 
 namespace {
 
-bool is_float(const std::string& type) {
-    return type == "float" || type == "float32" || type == "double" || type == "float64";
+PlyType type_of(const std::string& word, const std::string& name) {
+    static constexpr std::pair<std::string_view, PlyType> types[] = {
+        {"char", PlyType::int8},      {"int8", PlyType::int8},       {"uchar", PlyType::uint8},
+        {"uint8", PlyType::uint8},    {"short", PlyType::int16},     {"int16", PlyType::int16},
+        {"ushort", PlyType::uint16},  {"uint16", PlyType::uint16},   {"int", PlyType::int32},
+        {"int32", PlyType::int32},    {"uint", PlyType::uint32},     {"uint32", PlyType::uint32},
+        {"float", PlyType::float32},  {"float32", PlyType::float32}, {"double", PlyType::float64},
+        {"float64", PlyType::float64}};
+    for (const auto& [known, type] : types)
+        if (word == known) return type;
+    throw InputError(
+        fmt::format("{}: the header has a property of the unknown type '{}'; export it again", name, word));
 }
 
-std::uint64_t bytes_of(const std::string& type) {
-    if (type == "double" || type == "float64") return 8;
-    if (type == "int" || type == "int32" || type == "uint" || type == "uint32" || type == "float" || type == "float32")
-        return 4;
-    if (type == "short" || type == "int16" || type == "ushort" || type == "uint16") return 2;
-    return 1;
+/// A property by its words after "property".
+PlyProperty property_of(std::istringstream& words, const std::string& type, const std::string& name) {
+    PlyProperty property;
+    if (type == "list") {
+        std::string count, item;
+        words >> count >> item;
+        property.is_list = true;
+        property.count_type = type_of(count, name);
+        property.type = type_of(item, name);
+    } else {
+        property.type = type_of(type, name);
+    }
+    words >> property.name;
+    return property;
 }
 
-struct Element {
-    std::string name;
-    std::uint64_t count = 0, min_bytes = 0, properties = 0;  // min_bytes: of one binary item, empty lists
-};
+void note_colour(PlyHeader& header, const PlyElement& element, const PlyProperty& property) {
+    if (ply_colour_channel(property.name) == 0 && element.name == "vertex")
+        header.integer_colours = !is_float(property.type);
+    if (element.name != "face") return;
+    header.face_colours |= ply_colour_channel(property.name) == 0 && !property.is_list;
+    header.corner_coordinates |= property.name == "texcoord" && property.is_list;
+}
+
+/// Of one item, with empty lists.
+std::uint64_t least_bytes(const PlyElement& element, bool ascii) {
+    if (ascii) return 2 * element.properties.size();  // a digit and a blank each
+    std::uint64_t bytes = 0;
+    for (const PlyProperty& p : element.properties) bytes += bytes_of(p.is_list ? p.count_type : p.type);
+    return bytes;
+}
 
 }  // namespace
+
+int ply_colour_channel(const std::string& property) {
+    static constexpr std::string_view names[4][3] = {{"red", "diffuse_red", "r"},
+                                                     {"green", "diffuse_green", "g"},
+                                                     {"blue", "diffuse_blue", "b"},
+                                                     {"alpha", "diffuse_alpha", "a"}};
+    for (int channel = 0; channel < 4; ++channel)
+        if (std::find(std::begin(names[channel]), std::end(names[channel]), property) != std::end(names[channel]))
+            return channel;
+    return -1;
+}
 
 PlyHeader read_ply_header(std::span<const std::byte> bytes, const std::string& name) {
     const std::string_view text(reinterpret_cast<const char*>(bytes.data()),
                                 std::min<std::size_t>(bytes.size(), 1 << 20));
-    const std::size_t end = text.find("end_header");
+    constexpr std::string_view last = "end_header";
+    const std::size_t end = text.find(last);
     if (!text.starts_with("ply") || end == std::string_view::npos)
         throw InputError(fmt::format("{} is no PLY file or its header is cut short", name));
     std::istringstream lines{std::string(text.substr(0, end))};
     PlyHeader header;
-    std::vector<Element> elements;
-    bool ascii = false;
+    header.bytes = std::min(text.find('\n', end), text.size() - 1) + 1;
     for (std::string line; std::getline(lines, line);) {
         if (!line.empty() && line.back() == '\r') line.pop_back();
         std::istringstream words(line);
-        std::string key, second, third;
+        std::string key, second;
         words >> key >> second;
-        if (key == "format") ascii = second == "ascii";
-        if (key == "comment" && second == "TextureFile") {
+        if (key == "format") {
+            header.encoding = second == "ascii"               ? PlyHeader::Encoding::ascii
+                              : second == "binary_big_endian" ? PlyHeader::Encoding::big_endian
+                                                              : PlyHeader::Encoding::little_endian;
+        } else if (key == "comment" && second == "TextureFile") {
             std::getline(words >> std::ws, header.texture_file);
         } else if (key == "element") {
-            Element element{second};
+            PlyElement element{second, 0, {}};
             if (!(words >> element.count))
                 throw InputError(fmt::format("{}: the line '{}' of the header has no number", name, line));
-            elements.push_back(element);
-        } else if (key == "property" && !elements.empty()) {
-            Element& element = elements.back();
-            ++element.properties;
-            if (second == "list") {
-                words >> third;
-                element.min_bytes += bytes_of(third);
-                continue;
-            }
-            element.min_bytes += bytes_of(second);
-            words >> third;
-            if (third == "red" || third == "diffuse_red" || third == "r") {
-                if (element.name == "vertex") header.integer_colours = !is_float(second);
-                if (element.name == "face") header.face_colours = true;
-            }
+            header.elements.push_back(std::move(element));
+        } else if (key == "property" && !header.elements.empty()) {
+            PlyElement& element = header.elements.back();
+            element.properties.push_back(property_of(words, second, name));
+            note_colour(header, element, element.properties.back());
         }
     }
     std::uint64_t left = bytes.size() - end;
-    for (const Element& element : elements) {
-        const std::uint64_t least = ascii ? 2 * element.properties : element.min_bytes;  // a digit and a blank
+    for (const PlyElement& element : header.elements) {
+        const std::uint64_t least = least_bytes(element, header.encoding == PlyHeader::Encoding::ascii);
         if (least == 0) continue;
         if (element.count > left / least)
             throw InputError(

@@ -5,19 +5,49 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <string>
 #include <vector>
 
 namespace voxtone::io {
 
+enum class PlyType : std::uint8_t { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
+
+[[nodiscard]] constexpr std::size_t bytes_of(PlyType type) {
+    constexpr std::size_t bytes[] = {1, 1, 2, 2, 4, 4, 4, 8};
+    return bytes[static_cast<std::size_t>(type)];
+}
+[[nodiscard]] constexpr bool is_float(PlyType type) { return type >= PlyType::float32; }
+
+struct PlyProperty {
+    std::string name;
+    PlyType type = PlyType::uint8;  ///< of its value; of a list's items
+    bool is_list = false;
+    PlyType count_type = PlyType::uint8;  ///< of a list's length
+};
+
+struct PlyElement {
+    std::string name;
+    std::uint64_t count = 0;
+    std::vector<PlyProperty> properties;
+};
+
 struct PlyHeader {
+    enum class Encoding { ascii, little_endian, big_endian };
+    Encoding encoding = Encoding::ascii;
+    std::vector<PlyElement> elements;
+    std::size_t bytes = 0;        ///< of the header; items begin behind it
     bool integer_colours = true;  ///< vertex colours are sRGB codes; false: floats, linear
     bool face_colours = false;
-    std::string texture_file;  ///< `comment TextureFile NAME`
+    bool corner_coordinates = false;  ///< texture coordinates of each face's corners
+    std::string texture_file;         ///< `comment TextureFile NAME`
 };
 
 /// Throws InputError on a header that is no PLY or declares more than the file can hold.
 [[nodiscard]] PlyHeader read_ply_header(std::span<const std::byte> bytes, const std::string& name);
+
+/// 0 to 3 for red, green, blue, alpha by the names that programs give them; -1: no colour.
+[[nodiscard]] int ply_colour_channel(const std::string& property);
 
 }  // namespace voxtone::io

@@ -4,6 +4,7 @@
 #include "voxtone/base/error.h"
 #include "voxtone/io/codecs/decode_image.h"
 #include "voxtone/io/codecs/decode_photograph.h"
+#include "voxtone/io/codecs/given_texture.h"
 #include "voxtone/io/codecs/parse_3mf.h"
 #include "voxtone/io/codecs/parse_gltf.h"
 #include "voxtone/io/codecs/parse_with_assimp.h"
@@ -18,9 +19,11 @@ namespace {
 ModelParts parse_model(const std::filesystem::path& path, const ReadOptions& options) {
     const std::string extension = extension_of(path);
     ParseContext context(path, options);
-    if (extension == "3mf") return parse_3mf(context);
-    if (extension == "gltf" || extension == "glb") return parse_gltf(context);
-    return parse_with_assimp(context, extension);
+    ModelParts parts = extension == "3mf"                          ? parse_3mf(context)
+                       : extension == "gltf" || extension == "glb" ? parse_gltf(context)
+                                                                   : parse_with_assimp(context, extension);
+    if (!options.texture.empty()) lay_given_texture(parts, context, options.texture);
+    return parts;
 }
 
 DecodedImage decode_picture(const std::filesystem::path& path, const ReadOptions& options) {
@@ -41,6 +44,7 @@ Picture read_picture_here(const std::filesystem::path& path, const ReadOptions& 
 std::vector<std::byte> answer(std::span<const std::byte> bytes) {
     const ReadRequest request = unpack_request(bytes);
     ReadOptions options;
+    options.texture = request.texture;
     options.max_file_bytes = request.max_file_bytes;
     options.max_pixels = request.max_pixels;
     options.max_unpacked_bytes = request.max_unpacked_bytes;

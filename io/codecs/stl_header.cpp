@@ -12,7 +12,7 @@
 
 namespace voxtone::io {
 
-void check_stl(std::span<const std::byte> bytes, const std::string& name, std::vector<std::string>& warnings) {
+void check_stl(std::span<const std::byte> bytes, const std::string& name, std::vector<std::string>& lost_colours) {
     constexpr std::size_t header = 84, facet = 50;
     const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
     std::uint32_t count = 0;
@@ -37,7 +37,7 @@ void check_stl(std::span<const std::byte> bytes, const std::string& name, std::v
     }
     const bool magics = text.substr(0, 80).find("COLOR=") != std::string_view::npos;
     if (magics || (coloured && !plain && (differ || coloured < count)))
-        warnings.push_back(fmt::format(
+        lost_colours.push_back(fmt::format(
             "{} seems to hold facet colours ({} style); STL has no standard for them and they are LOST. Export the "
             "model as 3MF, OBJ, PLY or GLB to keep its colours.",
             name, magics ? "Magics" : "VisCAM"));

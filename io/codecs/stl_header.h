@@ -11,9 +11,9 @@
 
 namespace voxtone::io {
 
-/// Throws InputError when a binary file is shorter than it declares. Appends a warning when the attribute words look
+/// Throws InputError when a binary file is shorter than it declares. Appends a sentence when the attribute words look
 /// like colours of VisCAM (bit 15 set wherever a word is not zero, more than one word) or Magics ("COLOR=" in the
 /// header). Words that are all the same, such as 0x2020 (blanks), are no colour.
-void check_stl(std::span<const std::byte> bytes, const std::string& name, std::vector<std::string>& warnings);
+void check_stl(std::span<const std::byte> bytes, const std::string& name, std::vector<std::string>& lost_colours);
 
 }  // namespace voxtone::io

@@ -11,13 +11,13 @@ namespace voxtone::io {
 
 namespace {
 
-const std::string protocol = "voxtone-read 1, voxtone " VOXTONE_VERSION;
+const std::string protocol = "voxtone-read 2, voxtone " VOXTONE_VERSION;
 
 }  // namespace
 
 std::vector<std::byte> pack(const ReadRequest& r) {
     PackedWriter writer;
-    writer(protocol, r.kind, r.path, r.max_file_bytes, r.max_pixels, r.max_unpacked_bytes);
+    writer(protocol, r.kind, r.path, r.max_file_bytes, r.max_pixels, r.max_unpacked_bytes, r.texture);
     return std::move(writer.bytes);
 }
 
@@ -30,7 +30,7 @@ ReadRequest unpack_request(std::span<const std::byte> bytes) {
             "voxtone-read is of another version ({}) than the program that asks it ({}); install voxtone again",
             protocol, asked));
     ReadRequest r;
-    reader(r.kind, r.path, r.max_file_bytes, r.max_pixels, r.max_unpacked_bytes);
+    reader(r.kind, r.path, r.max_file_bytes, r.max_pixels, r.max_unpacked_bytes, r.texture);
     reader.expect_end();
     return r;
 }
@@ -38,7 +38,8 @@ ReadRequest unpack_request(std::span<const std::byte> bytes) {
 std::unique_ptr<IsolatedProgram> start_reader(ReadKind kind, const std::filesystem::path& path,
                                               const ReadOptions& options) {
     return start_reader(path.filename().string(),
-                        {kind, path.string(), options.max_file_bytes, options.max_pixels, options.max_unpacked_bytes},
+                        {kind, path.string(), options.max_file_bytes, options.max_pixels, options.max_unpacked_bytes,
+                         options.texture.string()},
                         isolation_limits(options));
 }
 

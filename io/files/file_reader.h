@@ -27,6 +27,7 @@ struct ReadRequest {
     ReadKind kind = ReadKind::model;
     std::string path;
     std::uint64_t max_file_bytes = 0, max_pixels = 0, max_unpacked_bytes = 0;  ///< as ReadOptions has them
+    std::string texture{};                                                     ///< given to a model; empty: none
 };
 
 [[nodiscard]] std::vector<std::byte> pack(const ReadRequest& request);

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 
 #include "voxtone/base/progress.h"
 #include "voxtone/io/files/isolate.h"
@@ -17,6 +18,7 @@ struct ReadOptions {
     std::uint64_t max_pixels = std::uint64_t{1} << 28;          ///< of one picture
     std::uint64_t max_unpacked_bytes = std::uint64_t{2} << 30;  ///< of all of a 3MF's parts
     bool fill_gutters = true;
+    std::filesystem::path texture;       ///< of a model: laid on what has coordinates and no picture; empty: none
     const Progress* progress = nullptr;  ///< asked for cancellation
 };
 

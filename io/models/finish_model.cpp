@@ -58,6 +58,13 @@ void check(ModelParts& parts, const std::string& name) {
                                  {Eigen::Vector4f::Ones(), Eigen::Vector4f::Ones(), Eigen::Vector4f::Ones()});
 }
 
+/// Below one step of eight bits nothing is seen of a colour.
+constexpr float least_seen_alpha = 1 / 255.0f;
+
+/// As near as makes no difference on a print: within one in L*.
+bool is_white(const Eigen::Vector3f& linear_rgb) { return linear_rgb.minCoeff() > 0.97f; }
+bool is_black(const Eigen::Vector3f& linear_rgb) { return linear_rgb.maxCoeff() <= 0; }
+
 /// What tells one prepared picture from another.
 struct Variant {
     std::int32_t image;
@@ -77,10 +84,14 @@ public:
         weld_positions(parts_.positions, parts_.triangles);
         drop_unusable_images();
         cover();
+        ModelFile file;
+        file.wants_colour = parts_.has_colour && some_colour_is_not_white();
+        keep_invisible_colours();
         make_materials();
         compose_corners();
         report_transparency();
-        ModelFile file;
+        file.lost_colour = lost_colour();
+        if (!file.lost_colour.empty()) parts_.warnings.push_back(file.lost_colour);
         file.format = parts_.format;
         file.mm_per_file_unit = parts_.mm_per_file_unit;
         file.has_colour = parts_.has_colour;
@@ -101,7 +112,7 @@ private:
         for (PartMaterial& material : parts_.materials) {
             if (material.image >= static_cast<std::int32_t>(parts_.images.size())) material.image = -1;
             if (material.image < 0 || !parts_.corner_uv.empty()) continue;
-            parts_.warnings.push_back(fmt::format(
+            parts_.lose_colour(fmt::format(
                 "{} has the texture {} but no texture coordinates, so that it cannot be laid on the surface: "
                 "its colours are LOST.",
                 name_, parts_.image_names[static_cast<std::size_t>(material.image)]));
@@ -122,6 +133,78 @@ private:
                 coverage_[static_cast<std::size_t>(material.image)].add(parts_.corner_uv[t], material.wrap_u,
                                                                         material.wrap_v);
         }
+    }
+
+    bool some_colour_is_not_white() const {
+        for (const PartMaterial& material : parts_.materials)
+            if (!is_white(material.rgb)) return true;
+        for (const auto& corners : parts_.corner_rgba)
+            for (const Eigen::Vector4f& rgba : corners)
+                if (!is_white(rgba.head<3>()) && (rgba.w() >= least_seen_alpha || !is_black(rgba.head<3>())))
+                    return true;
+        for (const DecodedImage& image : parts_.images)
+            for (std::size_t i = 0; i < image.texels.pixels(); ++i)
+                if (image.texels.alpha(i) >= least_seen_alpha && !is_white(image.texels.rgb(i))) return true;
+        return false;
+    }
+
+    /// What is transparent as a whole was not meant to be: a print of nothing is white.
+    void keep_invisible_colours() {
+        for (std::size_t m = 0; m < parts_.materials.size(); ++m) {
+            PartMaterial& material = parts_.materials[m];
+            if (!used_material_[m] || material.opaque || material.alpha >= least_seen_alpha) continue;
+            material.alpha = 1;
+            invisible_.push_back(fmt::format("the material '{}'", material.name));
+        }
+        for (std::size_t image = 0; image < parts_.images.size(); ++image) {
+            if (!parts_.images[image].has_alpha || !is_invisible(image)) continue;
+            TexelImage& texels = parts_.images[image].texels;
+            for (std::size_t i = 0; i < texels.pixels(); ++i) texels.set_opaque(i);
+            parts_.images[image].has_alpha = false;
+            invisible_.push_back(fmt::format("the texture {}", parts_.image_names[image]));
+        }
+        keep_invisible_corners();
+    }
+
+    /// Of a texture: has colour wherever it is used, and none of it would be seen. What it lies on is white: another
+    /// colour below is shown by a transparent picture.
+    bool is_invisible(std::size_t image) const {
+        bool shows_below = true, used = false;
+        for (std::size_t m = 0; m < parts_.materials.size(); ++m) {
+            if (!used_material_[m] || parts_.materials[m].image != static_cast<std::int32_t>(image)) continue;
+            used = true;
+            if (parts_.materials[m].opaque || parts_.materials[m].under != Eigen::Vector3f::Ones()) return false;
+        }
+        if (!used) return false;
+        const TexelImage& texels = parts_.images[image].texels;
+        for (std::size_t i = 0; i < texels.pixels(); ++i) {
+            if (!coverage_[image].used(i)) continue;
+            if (texels.alpha(i) >= least_seen_alpha) return false;
+            shows_below = shows_below && is_black(texels.rgb(i));
+        }
+        return !shows_below;
+    }
+
+    /// Where no corner would be seen, alpha is not in use, and black is a colour too; else transparent black is what
+    /// corners without a colour have.
+    void keep_invisible_corners() {
+        const auto counts = [&](std::size_t t) { return !parts_.materials[parts_.material_of_triangle[t]].opaque; };
+        bool some_seen = false, some_colour = false;
+        for (std::size_t t = 0; t < parts_.corner_rgba.size(); ++t)
+            for (const Eigen::Vector4f& rgba : parts_.corner_rgba[t]) {
+                const bool invisible = rgba.w() < least_seen_alpha;
+                some_seen |= !invisible;
+                some_colour |= invisible && counts(t) && !is_black(rgba.head<3>());
+            }
+        if (!some_colour) return;
+        std::size_t kept = 0;
+        for (std::size_t t = 0; t < parts_.corner_rgba.size(); ++t)
+            for (Eigen::Vector4f& rgba : parts_.corner_rgba[t]) {
+                if (!counts(t) || !(rgba.w() < least_seen_alpha) || (some_seen && is_black(rgba.head<3>()))) continue;
+                rgba.w() = 1;
+                ++kept;
+            }
+        invisible_.push_back(fmt::format("the colours of {} corners", kept));
     }
 
     /// Pixels in use that are not opaque.
@@ -199,11 +282,32 @@ private:
     }
 
     void report_transparency() {
+        if (!invisible_.empty())
+            parts_.warnings.push_back(fmt::format(
+                "{} has colours that are fully transparent ({}), so that nothing of them would be seen; they were "
+                "taken to be opaque{}.",
+                name_, first_few(invisible_, ", "),
+                parts_.format == "OBJ" ? " (some programs write 'Tr 1' in a material library and mean that)" : ""));
         if (transparent_materials_ == 0 && transparent_corners_ == 0) return;
         parts_.warnings.push_back(
             fmt::format("{} has transparent colours ({} materials, {} vertex colours); a print is opaque, so they were "
                         "laid over white.",
                         name_, transparent_materials_, transparent_corners_));
+    }
+
+    /// All that is lost, said once: in up to three sentences.
+    std::string lost_colour() const {
+        std::vector<std::string> all = parts_.lost_colours;
+        all.insert(all.end(), parts_.lost_textures.begin(), parts_.lost_textures.end());
+        return first_few(all, " ");
+    }
+
+    static std::string first_few(const std::vector<std::string>& all, const char* between) {
+        constexpr std::size_t most = 3;
+        std::string text;
+        for (std::size_t i = 0; i < std::min(all.size(), most); ++i) text += (i ? between : "") + all[i];
+        if (all.size() > most) text += fmt::format("{}and {} more", between, all.size() - most);
+        return text;
     }
 
     ModelParts parts_;
@@ -213,6 +317,7 @@ private:
     std::vector<TexelCoverage> coverage_;
     std::vector<bool> used_material_;
     std::size_t transparent_materials_ = 0, transparent_corners_ = 0;
+    std::vector<std::string> invisible_;  // what was fully transparent and was taken to be opaque
 };
 
 }  // namespace

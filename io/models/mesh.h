@@ -40,7 +40,9 @@ struct ModelFile {
     std::string format;                 ///< "OBJ", "3MF", ...
     double mm_per_file_unit = 0;        ///< from the file; 0 where the format has no unit
     bool has_colour = false;            ///< any texture, vertex or material colour in the file
+    bool wants_colour = false;          ///< ... and some of it is not white
     std::vector<std::string> warnings;  ///< what was in the file and cannot be carried, in whole sentences
+    std::string lost_colour;            ///< that of them which tells of lost colours; empty: none is lost
 };
 
 }  // namespace voxtone::io

@@ -4,12 +4,14 @@
 // between the process that parses and the one that prints; `finish_model` makes a ModelFile of it.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -43,6 +45,12 @@ struct ModelParts {
     std::vector<DecodedImage> images;
     std::vector<std::string> image_names;
     std::vector<std::string> warnings;
+    /// What is in the file and will not be seen on the print, in whole sentences: colours, and textures by name, which
+    /// a picture that the user gives may stand in for.
+    std::vector<std::string> lost_colours, lost_textures;
+
+    void lose_colour(std::string sentence) { say_once(lost_colours, std::move(sentence)); }
+    void lose_texture(std::string sentence) { say_once(lost_textures, std::move(sentence)); }
 
     /// Appends a triangle without attributes; returns its index.
     std::size_t add_triangle(const std::array<std::uint32_t, 3>& corners, std::uint32_t material) {
@@ -59,6 +67,11 @@ struct ModelParts {
         corner_rgba.resize(triangles.size(),
                            {Eigen::Vector4f::Ones(), Eigen::Vector4f::Ones(), Eigen::Vector4f::Ones()});
         corner_rgba[t] = rgba;
+    }
+
+private:
+    static void say_once(std::vector<std::string>& said, std::string sentence) {
+        if (std::find(said.begin(), said.end(), sentence) == said.end()) said.push_back(std::move(sentence));
     }
 };
 

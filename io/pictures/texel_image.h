@@ -35,6 +35,13 @@ struct TexelImage {
         return is_8_bit() ? srgb8[4 * i + 3] / 255.0f : linear16[4 * i + 3] / 65535.0f;
     }
 
+    void set_opaque(std::size_t i) {
+        if (is_8_bit())
+            srgb8[4 * i + 3] = 255;
+        else
+            linear16[4 * i + 3] = 65535;
+    }
+
     /// Sets an opaque pixel from linear RGB in [0, 1].
     void set(std::size_t i, const Eigen::Vector3f& rgb) {
         for (int c = 0; c < 3; ++c) {
@@ -43,10 +50,7 @@ struct TexelImage {
             else
                 linear16[4 * i + c] = static_cast<std::uint16_t>(rgb[c] * 65535.0f + 0.5f);
         }
-        if (is_8_bit())
-            srgb8[4 * i + 3] = 255;
-        else
-            linear16[4 * i + 3] = 65535;
+        set_opaque(i);
     }
 };
 

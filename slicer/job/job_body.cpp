@@ -10,6 +10,8 @@
 #include "voxtone/io/models/model_reader.h"
 #include "voxtone/slicer/mesh/box.h"
 #include "voxtone/slicer/printer/picture_slab.h"
+#include "voxtone/slicer/printer/up_axis.h"
+#include "voxtone/slicer/surface/white_surface.h"
 
 namespace voxtone::slicer {
 
@@ -22,6 +24,7 @@ void append(std::vector<std::string>& to, const std::vector<std::string>& from) 
 io::ModelFile read_input(const ResolvedJob& job, const Progress& progress) {
     io::ReadOptions reading;
     reading.progress = &progress;
+    if (!job.is_picture) reading.texture = job.texture;
     if (!job.is_picture) return io::read_model(job.model, reading);
     return make_picture_slab(io::read_picture(job.model, reading), job.picture.width_mm, job.picture.thickness_mm)
         .model;
@@ -40,6 +43,22 @@ VisibleSurface picture_surface(const io::TexturedMesh& mesh) {
     return surface;
 }
 
+/// With --strict what is lost or white ends the job before time is spent on it.
+void refuse_lost_colour(const ResolvedJob& job, const io::ModelFile& model) {
+    if (!job.strict || job.layered || model.lost_colour.empty()) return;
+    throw InputError(fmt::format("--strict: {} Without --strict the model is printed as it is.", model.lost_colour));
+}
+
+void look_for_colour(const ResolvedJob& job, JobBody& body) {
+    if (job.layered || !body.model.wants_colour || !is_all_white(body.model.mesh, *body.surface)) return;
+    const std::string what = fmt::format(
+        "{} has colours, but none of them is on its surface, so that it comes out all white; look at its materials and "
+        "its texture coordinates in a mesh editor",
+        job.model);
+    if (job.strict) throw InputError("--strict: " + what);
+    body.warnings.push_back(what);
+}
+
 }  // namespace
 
 void check_model(const ResolvedJob& job) {
@@ -54,6 +73,13 @@ JobBody prepare_body(const ResolvedJob& job, const PrinterProfile& printer, Prog
     body.is_picture = job.is_picture;
     body.model = read_input(job, progress);
     append(body.warnings, body.model.warnings);
+    refuse_lost_colour(job, body.model);
+    const bool turned = job.placement.rotation != Eigen::Matrix3d::Identity();
+    if (body.model.format == "OBJ" && !turned && looks_y_up(body.model.mesh.positions))
+        body.notes.push_back(fmt::format(
+            "{} stands on its y axis, as most OBJ files do, and a printer's z axis points up: it is printed "
+            "lying. To stand it up: --rotate x90",
+            job.model));
     body.placement = place(body.model, job.placement, job.model);
     check_extent(body.placement, printer.pitch_mm(), printer.tray_mm);
     if (!body.model.has_colour) body.warnings.push_back("the model has no colour: it is printed white");
@@ -81,6 +107,7 @@ JobBody prepare_body(const ResolvedJob& job, const PrinterProfile& printer, Prog
     body.surface = SurfaceIndex(
         body.is_picture ? picture_surface(body.model.mesh)
                         : find_visible_surface(body.model.mesh.positions, body.model.mesh.triangles, repaired));
+    look_for_colour(job, body);
     progress.end_stage();
     body.repair = std::move(repaired.report);
     body.solid = std::move(repaired.solid);

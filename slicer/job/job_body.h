@@ -29,6 +29,7 @@ struct JobBody {
     SurfaceIndex surface;
     VoxelGrid grid;
     std::vector<std::string> warnings;  ///< of reader, placement and repair
+    std::vector<std::string> notes;     ///< what may be worth a thought
     double read_s = 0;
 };
 

@@ -109,6 +109,7 @@ void read_job(const std::string& path, SliceOptions& options) {
     }
     const std::filesystem::path folder = std::filesystem::path(path).parent_path();
     if (job.contains("model")) make_relative_to(folder, options.model);
+    if (job.contains("texture")) make_relative_to(folder, options.texture);
     if (job.contains("profiles")) make_relative_to(folder, options.profiles);
     if (job.contains("stack-materials"))
         for (std::string& entry : options.stack_materials)

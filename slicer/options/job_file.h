@@ -17,8 +17,8 @@ inline constexpr std::string_view job_file_name = "job.json";
 [[nodiscard]] std::string job_json(const SliceOptions& options);
 
 /// Reads a job file into `options`: only the keys that it has. Unknown keys are errors that name the nearest known key.
-/// Relative paths of the model, of the map of profiles and of measured materials are relative to the job file. Throws
-/// FileError, InputError.
+/// Relative paths of the model and its texture, of the map of profiles and of measured materials are relative to the
+/// job file. Throws FileError, InputError.
 void read_job(const std::string& path, SliceOptions& options);
 
 }  // namespace voxtone::slicer

@@ -33,6 +33,7 @@ void idle(const SliceOptions& o, bool here, std::initializer_list<std::string_vi
 
 void check_scope_of_shape(const SliceOptions& o, bool is_picture) {
     idle(o, is_picture, {"size"}, "a picture has no --size; give --width and --thickness");
+    idle(o, is_picture, {"texture"}, "it is for meshes; a picture is its own texture");
     idle(o, is_picture, {"unit"}, "it is the unit of a mesh's numbers; a picture is as wide as --width says");
     idle(o, is_picture, {"profile-placement"}, "on a picture's slab the map lies on the picture");
     idle(o, !is_picture, {"width", "thickness"}, "it is for pictures; --size scales a mesh");

@@ -117,12 +117,14 @@ ResolvedJob resolve(const SliceOptions& o) {
     ResolvedJob job;
     job.asked = o;
     job.model = o.model;
+    job.texture = o.texture;
     job.is_picture = !io::is_model_name(o.model);
     check_scope(o, job.is_picture);
     job.out = o.out;
     job.overwrite = o.overwrite;
     job.report = o.report;
     job.resume = o.resume;
+    job.strict = o.strict;
     job.formats = formats_of(o);
     job.layers = parse_layer_range(o.layers);
     job.printer = o.printer;

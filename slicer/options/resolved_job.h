@@ -71,10 +71,12 @@ struct ResolvedJob {
     /// What it was resolved from, for those who print it again: job.json, the report's table, the checkpoint's digest.
     SliceOptions asked;
 
-    std::string model;  ///< file
+    std::string model;    ///< file
+    std::string texture;  ///< file, for a mesh without pictures of its own; empty: none
     bool is_picture = false;
     std::filesystem::path out;
     bool overwrite = false, report = true, resume = false;
+    bool strict = false;                   ///< what needs a look first is an error, not a warning
     std::vector<io::LayerFormat> formats;  ///< empty: the printer's
     std::optional<LayerRange> layers;      ///< nothing: all
 

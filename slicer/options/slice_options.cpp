@@ -129,6 +129,10 @@ std::vector<OptionSpec> make_table() {
         text(spec("layers", Kind::text, "A-B", place, "only these layers, counted from 0 at the bottom; empty: all"),
              &O::layers),
 
+        text(spec("texture", Kind::text, "FILE", colour,
+                  "picture for a mesh that has texture coordinates and no picture for them; those that the mesh has "
+                  "stay; empty: none"),
+             &O::texture),
         text(spec("resins", Kind::text, "SET|FILE", colour, "resin set; see `voxtone list resins`"), &O::resins),
         list(spec("load", Kind::list, "ROLES", colour,
                   "resins that are loaded, by role (C,M,Y,K,W); empty: the printer's default"),
@@ -250,6 +254,10 @@ std::vector<OptionSpec> make_table() {
                     "machine's"),
                &O::memory_gib),
 
+        flag(spec("strict", Kind::flag, "", run,
+                  "do not print what needs a look first: stop with exit code 3 where colours of the model are lost, or "
+                  "where it would come out all white though it has colours"),
+             &O::strict),
         number(spec("threads", Kind::number, "N", run, "threads; 0: one per core. The result does not depend on it"),
                &O::threads),
         number(spec("seed", Kind::number, "N", run, "seed of what is random (error diffusion)"), &O::seed),

@@ -29,6 +29,7 @@ struct SliceOptions {
     bool flip_x = false, flip_y = false, swap_xy = false;
     double width_mm = 0;  ///< pictures: 0 asks for it
     double thickness_mm = 4;
+    std::string texture;  ///< file; empty: the mesh's own
     std::string backing = "black";
 
     std::string arrange = "colour";  ///< what is arranged: colour, or layers of the map's profiles (see job_layers.h)
@@ -62,6 +63,7 @@ struct SliceOptions {
 
     std::vector<std::string> formats;  ///< empty: the printer's default
     bool overwrite = false;
+    bool strict = false;
     bool report = true;
     std::string predict = "auto";  ///< model of the prediction in the report; see job_prediction.h
     double predict_cell_mm = 0.085;

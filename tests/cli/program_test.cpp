@@ -70,6 +70,40 @@ TEST_CASE("Missing and invalid inputs have their own exit codes and one clear se
     CHECK(read_tree(folder / "mine").size() == 1);
 }
 
+TEST_CASE("Colour that is lost is said once; with --strict it ends the job with 3") {
+    const Folder folder("lost");
+    const std::string corners = "v 0 0 0\nv 5 0 0\nv 0 5 0\nv 0 0 5\n", faces = "f 1 3 2\nf 1 2 4\nf 1 4 3\n";
+    const std::string options = " --layers 0-1 --iterations 0 --predict none --no-report -o ";
+    folder.write("torn.obj", "mtllib gone.mtl\n" + corners + "usemtl red\n" + faces + "usemtl blue\nf 2 3 4\n");
+    const Outcome lost = run_program("slice --quiet " + (folder / "torn.obj") + options + (folder / "a"));
+    CHECK(lost.exit_code == 0);
+    CHECK_THAT(lost.err, Contains("gone.mtl"));
+    CHECK(lost.err.find("gone.mtl") == lost.err.rfind("gone.mtl"));
+    const Outcome refused = run_program("slice --strict --quiet " + (folder / "torn.obj") + options + (folder / "b"));
+    CHECK(refused.exit_code == 3);
+    CHECK_THAT(refused.err, Contains("gone.mtl") && Contains("--strict"));
+    CHECK_FALSE(std::filesystem::exists(folder / "b"));
+
+    // A model with colours of which nothing is on its outside.
+    folder.write("m.mtl", "newmtl red\nKd 1 0 0\nnewmtl white\nKd 1 1 1\n");
+    std::string inner =
+        "v 0.5 0.5 0.5\nv 1 0.5 0.5\nv 0.5 1 0.5\nv 0.5 0.5 1\nusemtl red\nf 5 7 6\nf 5 6 8\nf 5 8 7\nf 6 7 8\n";
+    folder.write("hidden.obj", "mtllib m.mtl\n" + corners + "usemtl white\n" + faces + "f 2 3 4\n" + inner);
+    const Outcome white = run_program("slice --quiet " + (folder / "hidden.obj") + options + (folder / "c"));
+    CHECK(white.exit_code == 0);
+    CHECK_THAT(white.err, Contains("all white"));
+    CHECK(run_program("slice --strict --quiet " + (folder / "hidden.obj") + options + (folder / "d")).exit_code == 3);
+    // What has no colour at all is not to blame, and what shows some is fine.
+    folder.write("plain.obj", corners + faces + "f 2 3 4\n");
+    CHECK(run_program("slice --strict --quiet " + (folder / "plain.obj") + options + (folder / "e")).exit_code == 0);
+    folder.write("red.obj", "mtllib m.mtl\n" + corners + "usemtl white\n" + faces + "usemtl red\nf 2 3 4\n");
+    const Outcome red = run_program("slice --strict --quiet " + (folder / "red.obj") + options + (folder / "f"));
+    CHECK(red.exit_code == 0);
+    CHECK(red.err.find("white") == std::string::npos);
+    // Pictures are textures already.
+    CHECK(run_program("slice p.png --texture q.png -o " + (folder / "g")).exit_code == 2);
+}
+
 TEST_CASE("With --json: events and one result, one JSON object a line") {
     const Folder folder("json");
     folder.write("marker.obj", marker_obj());

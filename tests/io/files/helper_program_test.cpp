@@ -83,13 +83,14 @@ TEST_CASE("a reader that is missing, silent, or of another kind is told") {
 }
 
 TEST_CASE("requests come through as they were made, from the same version only") {
-    const ReadRequest asked{ReadKind::picture, "a/b c.png", 1, 2, 3};
+    const ReadRequest asked{ReadKind::picture, "a/b c.png", 1, 2, 3, "t.png"};
     const ReadRequest heard = unpack_request(pack(asked));
     CHECK(heard.kind == asked.kind);
     CHECK(heard.path == asked.path);
     CHECK(heard.max_file_bytes == 1);
     CHECK(heard.max_pixels == 2);
     CHECK(heard.max_unpacked_bytes == 3);
+    CHECK(heard.texture == "t.png");
     CHECK_THROWS_WITH(unpack_request(packed(std::string("voxtone-read 0"))), Contains("another version"));
     const std::vector<std::byte> whole = pack(asked);
     for (std::size_t size = 0; size < whole.size(); ++size)

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxtone/io/models/model_reader.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 #include <Eigen/Geometry>
 #include <catch2/catch.hpp>
@@ -108,6 +110,89 @@ TEST_CASE("OBJ models") {
         CHECK_THAT(warnings(read(folder, {{"a.obj", "mtllib a.mtl\n" + square + "usemtl m\nf 1 2 3\n"},
                                           {"t.png", four_colours()}})),
                    Contains("no texture coordinates"));
+    }
+    SECTION("what is lost is said once, and apart from other warnings") {
+        const std::string faces = "usemtl m\nf 1/1 2/2 3/3\nusemtl n\nf 1/1 3/3 4/4\n";
+        const ModelFile file = read(folder, {{"a.obj", "mtllib gone.mtl\nmtllib gone.mtl\n" + square + faces}});
+        CHECK(std::count(file.warnings.begin(), file.warnings.end(), file.lost_colour) == 1);
+        CHECK_THAT(file.lost_colour, Contains("gone.mtl"));
+        CHECK(file.lost_colour.find("gone.mtl") == file.lost_colour.rfind("gone.mtl"));
+        CHECK(file.warnings.size() == 1);
+        const ModelFile many =
+            read(folder,
+                 {{"a.obj", "mtllib a.mtl\n" + square + faces + "usemtl o\nf 1/1 2/2 4/4\nusemtl p\nf 2/2 3/3 4/4\n"},
+                  {"a.mtl",
+                   "newmtl m\nmap_Kd 1.png\nnewmtl n\nmap_Kd 2.png\nnewmtl o\nmap_Kd 3.png\nnewmtl p\n"
+                   "map_Kd 4.png\n"}});
+        CHECK(many.warnings.size() == 1);
+        CHECK_THAT(many.lost_colour, Contains("1.png") && Contains("3.png") && Contains("and 1 more"));
+        CHECK(read(folder, {{"b.obj", square + "f 1 2 3\n"}}).lost_colour.empty());
+    }
+    SECTION("a material that is transparent as a whole keeps its colour") {
+        const auto one = [&](const std::string& material) {
+            return read(folder, {{"a.obj", "mtllib a.mtl\n" + square + "usemtl m\nf 1/1 2/2 3/3\n"},
+                                 {"a.mtl", "newmtl m\n" + material},
+                                 {"t.png", four_colours()}});
+        };
+        for (const std::string transparency : {"Tr 1\n", "d 0\n", "d 0.001\n"}) {
+            const ModelFile painted = one("Kd 1 0 0\n" + transparency), pictured = one(transparency + "map_Kd t.png\n");
+            CHECK(near(corner_colour(painted.mesh, 0, 0), {1, 0, 0}));
+            CHECK(near(corner_colour(pictured.mesh, 0, 0), {0, 0, 1}));
+            CHECK_THAT(warnings(painted), Contains("'m'") && Contains("taken to be opaque"));
+            CHECK_THAT(warnings(pictured), Contains("'m'") && Contains("taken to be opaque"));
+            CHECK(painted.lost_colour.empty());
+            CHECK(painted.wants_colour);
+        }
+        // Half transparent is laid over white, as before; d counts more than Tr, wherever it stands.
+        CHECK(near(corner_colour(one("Kd 1 0 0\nd 0.5\n").mesh, 0, 0), {1, 0.5f, 0.5f}));
+        for (const std::string both : {"Tr 1\nd 1\n", "d 1\nTr 1\n"}) {
+            const ModelFile file = one("Kd 1 0 0\n" + both);
+            CHECK(near(corner_colour(file.mesh, 0, 0), {1, 0, 0}));
+            CHECK(file.warnings.empty());
+        }
+    }
+    SECTION("materials that the faces do not name are lost colours") {
+        const ModelFile file = read(folder, {{"a.obj", "mtllib a.mtl\n" + square + "usemtl other\nf 1 2 3\n"},
+                                             {"a.mtl", "newmtl m\nKd 1 0 0\n"}});
+        CHECK_THAT(file.lost_colour, Contains("none of the materials"));
+        CHECK(read(folder, {{"a.obj", "mtllib a.mtl\n" + square + "usemtl other\nf 1 2 3\n"},
+                            {"a.mtl", "newmtl m\nKd 1 1 1\n"}})
+                  .lost_colour.empty());
+    }
+    SECTION("a texture is given to what has coordinates and no picture") {
+        const auto with_texture = [&](const Files& files, const std::string& texture = "given.png") {
+            ReadOptions options;
+            const std::filesystem::path model = folder.write(files);
+            options.texture = folder.write({{texture, four_colours()}});
+            return read_model_here(model, options);
+        };
+        const std::string faces = "usemtl m\nf 1/1 2/2 3/3\n";
+        const ModelFile bare = with_texture({{"a.obj", square + "f 1/1 2/2 3/3\n"}});
+        CHECK(near(corner_colour(bare.mesh, 0, 0), {0, 0, 1}));
+        CHECK(near(corner_colour(bare.mesh, 0, 2), {0, 1, 0}));
+        CHECK(bare.has_colour);
+        CHECK(bare.warnings.empty());
+        // In the place of one that is missing, and of the material's colour, even where that is transparent.
+        const ModelFile missing = with_texture(
+            {{"a.obj", "mtllib a.mtl\n" + square + faces}, {"a.mtl", "newmtl m\nKd 1 0 0\nd 0\nmap_Kd gone.png\n"}});
+        CHECK(near(corner_colour(missing.mesh, 0, 0), {0, 0, 1}));
+        CHECK(missing.lost_colour.empty());
+        CHECK(missing.warnings.empty());
+        // A picture of the file's own stays.
+        const std::string two = faces + "usemtl n\nf 1/1 3/3 4/4\n";
+        const ModelFile half = with_texture({{"a.obj", "mtllib a.mtl\n" + square + two},
+                                             {"a.mtl", "newmtl m\nmap_Kd t.png\nnewmtl n\nKd 1 0 0\n"},
+                                             {"t.png", png(1, 1, {0, 0, 0, 255})}});
+        CHECK(near(corner_colour(half.mesh, 0, 0), {0, 0, 0}));
+        CHECK(near(corner_colour(half.mesh, 1, 0), {0, 0, 1}));
+        CHECK_THROWS_WITH(with_texture({{"a.obj", "mtllib a.mtl\n" + square + faces},
+                                        {"a.mtl", "newmtl m\nmap_Kd t.png\n"},
+                                        {"t.png", four_colours()}}),
+                          Contains("of its own"));
+        CHECK_THROWS_WITH(with_texture({{"a.obj", square + "f 1 2 3\n"}}), Contains("no texture coordinates"));
+        ReadOptions nothing;
+        nothing.texture = folder.path() / "nothing.png";
+        CHECK_THROWS_AS(read_model_here(folder.write({{"a.obj", square + "f 1/1 2/2 3/3\n"}}), nothing), FileError);
     }
     SECTION("textures outside the folder are not read") {
         Folder inner;
@@ -226,6 +311,92 @@ TEST_CASE("PLY and STL models") {
         CHECK_THAT(warnings(read(folder, {{"c.stl", stl("COLOR=\1\2\3\4", {0, 0}, 2)}})), Contains("Magics"));
         CHECK(read(folder, {{"c.stl", stl("", {0x2020, 0x2020}, 2)}}).warnings.empty());
         CHECK_THROWS_WITH(read(folder, {{"c.stl", stl("", {0, 0}, 0x10000000)}}), Contains("cut short"));
+    }
+}
+
+TEST_CASE("PLY faces have colours and texture coordinates of their own") {
+    const Folder folder;
+    const std::string vertices = "property float x\nproperty float y\nproperty float z\n",
+                      face_list = "property list uchar int vertex_indices\n";
+    const std::string rgb = "property uchar red\nproperty uchar green\nproperty uchar blue\n";
+    SECTION("colours, where polygons are cut into triangles") {
+        const std::string text = "ply\nformat ascii 1.0\nelement vertex 5\n" + vertices + "element face 2\n" +
+                                 face_list + rgb +
+                                 "end_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n2 0 1\n4 0 1 2 3 255 0 0\n3 1 4 2 0 128 0\n";
+        const ModelFile file = read(folder, {{"a.ply", text}});
+        REQUIRE(file.mesh.triangles.size() == 3);
+        CHECK(file.has_colour);
+        CHECK(file.wants_colour);
+        CHECK(file.lost_colour.empty());
+        for (std::size_t c = 0; c < 3; ++c) {
+            CHECK(near(corner_colour(file.mesh, 0, c), {1, 0, 0}));
+            CHECK(near(corner_colour(file.mesh, 1, c), {1, 0, 0}));
+            CHECK(near(corner_colour(file.mesh, 2, c), {0, linear(128 / 255.0), 0}));
+        }
+        CHECK_THROWS_AS(read(folder, {{"a.ply", text.substr(0, text.size() - 8)}}), InputError);
+    }
+    SECTION("binary, both byte orders, floats; behind another element with a list") {
+        const auto bytes = [&](auto value, bool big) {
+            std::string raw_value = raw(std::vector{value});
+            if (big) std::reverse(raw_value.begin(), raw_value.end());
+            return raw_value;
+        };
+        for (const bool big : {false, true}) {
+            std::string text = "ply\nformat binary_" + std::string(big ? "big" : "little") +
+                               "_endian 1.0\nelement vertex 3\n" + vertices + "element face 1\n" + face_list +
+                               "property float red\nproperty float green\nproperty float blue\nend_header\n";
+            for (const float x : {0.f, 0.f, 0.f, 1.f, 0.f, 0.f, 0.f, 1.f, 0.f}) text += bytes(x, big);
+            text += '\3';
+            for (const std::int32_t v : {0, 1, 2}) text += bytes(v, big);
+            for (const float x : {0.25f, 0.5f, 0.f}) text += bytes(x, big);
+            const ModelFile file = read(folder, {{"b.ply", text}});
+            for (std::size_t c = 0; c < 3; ++c) CHECK(near(corner_colour(file.mesh, 0, c), {0.25f, 0.5f, 0}));
+        }
+    }
+    SECTION("colours of vertices stay where they differ, and give way where they are all alike") {
+        const auto both = [&](const std::string& second_vertex) {
+            return read(folder,
+                        {{"c.ply", "ply\nformat ascii 1.0\nelement vertex 4\n" + vertices + rgb + "element face 2\n" +
+                                       face_list + rgb + "end_header\n0 0 0 255 255 255\n1 0 0 " + second_vertex +
+                                       "\n0 1 0 255 255 255\n1 1 0 255 255 255\n3 0 1 2 255 0 0\n3 1 3 2 0 0 255\n"}});
+        };
+        const ModelFile alike = both("255 255 255"), differ = both("0 255 0");
+        CHECK(near(corner_colour(alike.mesh, 0, 1), {1, 0, 0}));
+        CHECK(near(corner_colour(alike.mesh, 1, 0), {0, 0, 1}));
+        CHECK(alike.warnings.empty());
+        CHECK(near(corner_colour(differ.mesh, 0, 1), {0, 1, 0}));
+        CHECK_THAT(warnings(differ), Contains("of vertices and of faces"));
+    }
+    SECTION("coordinates: two faces at one edge may tear there") {
+        const ModelFile file =
+            read(folder,
+                 {{"d.ply", "ply\nformat ascii 1.0\ncomment TextureFile t.png\nelement vertex 4\n" + vertices +
+                                "element face 2\n" + face_list +
+                                "property list uchar float texcoord\nend_header\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n"
+                                "3 0 1 2 6 0.25 0.25 0.25 0.25 0.25 0.25\n3 1 3 2 6 0.75 0.25 0.25 0.75 0.75 0.75\n"},
+                  {"t.png", four_colours()}});
+        for (std::size_t c = 0; c < 3; ++c) CHECK(near(corner_colour(file.mesh, 0, c), {0, 0, 1}));
+        CHECK(near(corner_colour(file.mesh, 1, 0), {1, 1, 1}));
+        CHECK(near(corner_colour(file.mesh, 1, 1), {1, 0, 0}));
+        CHECK(near(corner_colour(file.mesh, 1, 2), {0, 1, 0}));
+    }
+    SECTION("what is transparent keeps its colour; transparent black is no colour") {
+        const std::string head = "ply\nformat ascii 1.0\nelement vertex 3\n" + vertices + rgb +
+                                 "property uchar alpha\nelement face 1\n" + face_list + "end_header\n";
+        const ModelFile some =
+            read(folder, {{"e.ply", head + "0 0 0 255 0 0 0\n1 0 0 0 0 0 0\n0 1 0 0 255 0 255\n3 0 1 2\n"}});
+        CHECK(near(corner_colour(some.mesh, 0, 0), {1, 0, 0}));
+        CHECK(near(corner_colour(some.mesh, 0, 1), {1, 1, 1}));
+        CHECK(near(corner_colour(some.mesh, 0, 2), {0, 1, 0}));
+        CHECK_THAT(warnings(some), Contains("1 corners") && Contains("taken to be opaque"));
+        const ModelFile all =
+            read(folder, {{"e.ply", head + "0 0 0 255 0 0 0\n1 0 0 0 0 0 0\n0 1 0 0 255 0 0\n3 0 1 2\n"}});
+        CHECK(near(corner_colour(all.mesh, 0, 1), {0, 0, 0}));
+        CHECK(near(corner_colour(all.mesh, 0, 2), {0, 1, 0}));
+        const ModelFile none =
+            read(folder, {{"e.ply", head + "0 0 0 0 0 0 0\n1 0 0 0 0 0 0\n0 1 0 0 0 0 0\n3 0 1 2\n"}});
+        for (std::size_t c = 0; c < 3; ++c) CHECK(near(corner_colour(none.mesh, 0, c), {1, 1, 1}));
+        CHECK_FALSE(none.wants_colour);
     }
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxtone/slicer/printer/placement.h"
 
+#include <cmath>
 #include <functional>
 
 #include <Eigen/Geometry>
@@ -8,6 +9,7 @@
 
 #include "voxtone/base/error.h"
 #include "voxtone/base/units.h"
+#include "voxtone/slicer/printer/up_axis.h"
 
 using namespace voxtone;
 using namespace voxtone::slicer;
@@ -126,4 +128,33 @@ TEST_CASE("A model too large for the tray is refused with what to try") {
         CHECK_THAT(error.what(), Catch::Matchers::Contains("--size"));
     }
     CHECK_THROWS_AS(grid_around({0, 0, 0}, {1e12, 1, 1}, {0.1, 0.1, 0.1}), InputError);
+}
+
+TEST_CASE("A model that stands on its y axis is told from one that stands on z, on both, or on neither",
+          "[placement]") {
+    using Eigen::Vector3d;
+    // Four feet below a bar: a table of 4 x 3 x 2 with its legs along one axis.
+    const auto table = [](int up) {
+        std::vector<Vector3d> points;
+        for (const double a : {0.0, 0.3, 3.7, 4.0})
+            for (const double b : {0.0, 0.3, 2.7, 3.0}) points.push_back({a, b, 0});
+        for (const double a : {1.8, 2.2})
+            for (const double b : {1.3, 1.7}) points.push_back({a, b, 2});
+        for (Vector3d& p : points)
+            for (int turn = 0; turn < (up + 1) % 3; ++turn) p = Vector3d(p.z(), p.x(), p.y());
+        return points;
+    };
+    CHECK(looks_y_up(table(1)));
+    CHECK_FALSE(looks_y_up(table(2)));
+    CHECK_FALSE(looks_y_up(table(0)));
+    std::vector<Vector3d> cube, ball;
+    for (int c = 0; c < 8; ++c) cube.push_back({double(c & 1), double(c >> 1 & 1), double(c >> 2)});
+    for (int i = 0; i < 2000; ++i) {
+        const double z = 1 - (2 * i + 1) / 2000.0, turn = 2.399963 * i, r = std::sqrt(1 - z * z);
+        ball.push_back({r * std::cos(turn), r * std::sin(turn), z});
+    }
+    CHECK_FALSE(looks_y_up(cube));
+    CHECK_FALSE(looks_y_up(ball));
+    CHECK_FALSE(looks_y_up({}));
+    CHECK_FALSE(looks_y_up(std::vector<Vector3d>{{1, 2, 3}}));
 }

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Which way up a model was drawn, guessed from what it would stand on. OBJ files do not say; most modelling programs
+// write them with y up, printers take z for up.
+#pragma once
+
+#include <span>
+
+#include <Eigen/Core>
+
+namespace voxtone::slicer {
+
+/// True where the model stands well on its lowest y and not on its lowest z: the outline of its lowest fiftieth covers
+/// at least a fifth of its bounding rectangle there, and two and a half times as much as that of the other. Bodies
+/// that stand on both (a cube) or on neither (a ball) give false.
+[[nodiscard]] bool looks_y_up(std::span<const Eigen::Vector3d> positions);
+
+}  // namespace voxtone::slicer
