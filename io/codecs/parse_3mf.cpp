@@ -1,15 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxtone/io/codecs/parse_3mf.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <set>
+#include <span>
 #include <string_view>
 #include <tuple>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "voxtone/base/error.h"
+#include "voxtone/io/codecs/texture_baker.h"
 #include "voxtone/io/codecs/threemf_part.h"
 #include "voxtone/io/files/zip_reader.h"
 
@@ -35,15 +39,6 @@ struct Corner {
     Eigen::Vector2f uv = Eigen::Vector2f::Zero();
     std::uint32_t texture = no_property;  // texture2d on top of the colour
 };
-
-/// A layer over what lies below: "mix" by its alpha, or "multiply".
-Eigen::Vector4f lay_over(const Eigen::Vector4f& below, const Eigen::Vector4f& layer, bool multiply) {
-    if (multiply) return below.cwiseProduct(layer);
-    const float alpha = layer.w() + below.w() * (1 - layer.w());
-    if (alpha <= 0) return {layer.x(), layer.y(), layer.z(), 0};  // kept: see finish_model on what nothing is seen of
-    const Eigen::Vector3f rgb = (layer.head<3>() * layer.w() + below.head<3>() * below.w() * (1 - layer.w())) / alpha;
-    return {rgb.x(), rgb.y(), rgb.z(), alpha};
-}
 
 class ThreemfParser {
 public:
@@ -71,6 +66,7 @@ public:
                     add_object(root, {id, {}, Eigen::Affine3d::Identity()}, Eigen::Affine3d::Identity(), 0);
         }
         for (const ThreemfReference& item : part.items) add_object(root, item, Eigen::Affine3d::Identity(), 0);
+        lay_baked();
         report();
         return std::move(parts_);
     }
@@ -173,6 +169,7 @@ private:
         // Base materials and their composites have no gradients: the first corner's holds for all.
         using Kind = ThreemfGroup::Kind;
         if (group->second.kind == Kind::base_materials || group->second.kind == Kind::composites) p[1] = p[2] = p[0];
+        if (group->second.kind == Kind::multi && bake(t, layers_of(part, group->second, p))) return;
         std::array<Corner, 3> corner;
         for (int c = 0; c < 3; ++c) corner[c] = resolve(part, group->second, p[c], 0);
         if (group->second.kind == Kind::unknown) return;
@@ -181,6 +178,77 @@ private:
         if (corner[0].rgba != Eigen::Vector4f::Ones() || corner[1].rgba != Eigen::Vector4f::Ones() ||
             corner[2].rgba != Eigen::Vector4f::Ones())
             parts_.set_rgba(t, {corner[0].rgba, corner[1].rgba, corner[2].rgba});
+    }
+
+    /// Layers of a multiproperty over a triangle, from the bottom up.
+    std::vector<BakedLayer> layers_of(const ThreemfPart& part, const ThreemfGroup& group,
+                                      const std::array<std::uint32_t, 3>& p) {
+        std::vector<BakedLayer> layers;
+        for (std::size_t member = 0; member < group.members.size(); ++member) {
+            BakedLayer layer;
+            bool is_there = true;
+            layer.multiply = member > 0 && member - 1 < group.multiply.size() && group.multiply[member - 1];
+            for (int c = 0; c < 3; ++c) {
+                if (p[c] >= group.values.size())
+                    fail(fmt::format("a triangle uses item {} of a {}, which has {}", p[c], group.element,
+                                     group.values.size()));
+                const Corner corner = member_at(part, group, member, group.values[p[c]]);
+                layer.uv[c] = corner.uv;
+                layer.rgba[c] = corner.rgba;
+                if (corner.texture == no_property) continue;
+                layer.image = picture_index(part, corner.texture);
+                is_there = layer.image >= 0;
+                if (!is_there) continue;
+                const ThreemfTexture& texture = part.textures.find(corner.texture)->second;
+                layer.wrap_u = texture.wrap_u;
+                layer.wrap_v = texture.wrap_v;
+            }
+            if (is_there) layers.push_back(layer);
+        }
+        return layers;
+    }
+
+    /// One picture of them all, where neither the topmost texture nor the colours alone would do.
+    bool bake(std::size_t t, const std::vector<BakedLayer>& layers) {
+        if (!need_baking(layers)) return false;
+        const auto patch = baker_.bake(layers, parts_.images);
+        if (!patch) return false;
+        parts_.has_colour = true;
+        baked_.push_back({t, *patch});
+        return true;
+    }
+
+    bool need_baking(const std::vector<BakedLayer>& layers) const {
+        const auto is_picture = [](const BakedLayer& layer) { return layer.image >= 0; };
+        const auto first = std::find_if(layers.begin(), layers.end(), is_picture);
+        if (first == layers.end()) return false;
+        if (first + 1 != layers.end()) return true;  // something lies over it
+        const bool shows_below = first->multiply || parts_.images[static_cast<std::size_t>(first->image)].has_alpha;
+        const auto is_gradient = [](const BakedLayer& layer) {
+            return layer.rgba[0] != layer.rgba[1] || layer.rgba[0] != layer.rgba[2];
+        };
+        return first != layers.begin() && shows_below &&
+               (first->multiply || std::any_of(layers.begin(), first, is_gradient));
+    }
+
+    /// The pages are pictures like others; before, nobody knows how high they are.
+    void lay_baked() {
+        std::vector<std::array<Eigen::Vector2f, 3>> uv;
+        for (const auto& [t, patch] : baked_) uv.push_back(baker_.uv_of(patch));
+        const auto first_material = static_cast<std::uint32_t>(parts_.materials.size());
+        for (DecodedImage& page : baker_.take_pages()) {
+            PartMaterial& material = parts_.materials.emplace_back();
+            material.name = "(layers)";
+            material.image = static_cast<std::int32_t>(parts_.images.size());
+            material.wrap_u = material.wrap_v = Wrap::clamp;
+            parts_.images.push_back(std::move(page));
+            parts_.image_names.emplace_back("(layers)");
+        }
+        for (std::size_t n = 0; n < baked_.size(); ++n) {
+            const auto& [t, patch] = baked_[n];
+            parts_.material_of_triangle[t] = first_material + static_cast<std::uint32_t>(patch.page);
+            parts_.set_uv(t, uv[n]);
+        }
     }
 
     void lay_texture(const std::string& path, const ThreemfPart& part, std::size_t t,
@@ -208,24 +276,35 @@ private:
         if (const auto known = materials_.find(key); known != materials_.end()) return known->second;
         const auto index = static_cast<std::uint32_t>(parts_.materials.size());
         PartMaterial material;
-        if (const auto found = part.textures.find(id); found == part.textures.end()) {
-            parts_.lose_texture(fmt::format("{} uses the texture {}, which does not exist: its colours are LOST.",
-                                            context_.name(), id));
-        } else {
+        material.image = picture_index(part, id);
+        if (const auto found = part.textures.find(id); found != part.textures.end()) {
             const ThreemfTexture& texture = found->second;
             material.name = texture.path;
             material.wrap_u = texture.wrap_u;
             material.wrap_v = texture.wrap_v;
             material.nearest = texture.nearest;
             material.under = under.head<3>() * under.w() + Eigen::Vector3f::Constant(1 - under.w());
-            if (const auto picture = picture_of(texture.path))
-                material.image = context_.add_image_bytes(parts_, texture.path, *picture, context_.decode_options());
-            else
-                parts_.lose_texture(fmt::format("The texture '{}' that {} names is not in it: its colours are LOST.",
-                                                texture.path, context_.name()));
         }
         parts_.materials.push_back(material);
         return materials_[key] = index;
+    }
+
+    /// Of a texture2d; -1, and said, where there is none.
+    std::int32_t picture_index(const ThreemfPart& part, std::uint32_t id) {
+        const auto found = part.textures.find(id);
+        if (found == part.textures.end()) {
+            parts_.lose_texture(fmt::format("{} uses the texture {}, which does not exist: its colours are LOST.",
+                                            context_.name(), id));
+            return -1;
+        }
+        const std::string& path = found->second.path;
+        if (const auto known = pictures_.find(path); known != pictures_.end()) return known->second;
+        const auto picture = picture_of(path);
+        if (!picture)
+            parts_.lose_texture(fmt::format("The texture '{}' that {} names is not in it: its colours are LOST.", path,
+                                            context_.name()));
+        return pictures_[path] =
+                   picture ? context_.add_image_bytes(parts_, path, *picture, context_.decode_options()) : -1;
     }
 
     std::optional<std::vector<std::byte>> picture_of(const std::string& path) const {
@@ -290,6 +369,17 @@ private:
         return total > 0 ? Eigen::Vector4f(sum / static_cast<float>(total)) : Eigen::Vector4f(Eigen::Vector4f::Ones());
     }
 
+    /// What member `i` of a multiproperty means at a corner.
+    Corner member_at(const ThreemfPart& part, const ThreemfGroup& group, std::size_t i,
+                     std::span<const double> indices) {
+        const auto member = part.groups.find(group.members[i]);
+        if (member == part.groups.end())
+            fail(fmt::format("a multiproperty uses the group {}, which does not exist", group.members[i]));
+        const double index = i < indices.size() ? indices[i] : 0;
+        if (!(index >= 0 && index < 4e9)) fail("a multiproperty has an index that is no index");
+        return resolve(part, member->second, static_cast<std::uint32_t>(index), 1);
+    }
+
     /// Layers of a multiproperty from the bottom up: colours as the specification says; of textures the topmost is
     /// kept.
     Corner stack(const ThreemfPart& part, const ThreemfGroup& group, const std::vector<double>& indices, int level) {
@@ -298,12 +388,7 @@ private:
         int textures = 0;
         bool colour_over_texture = false;
         for (std::size_t i = 0; i < group.members.size(); ++i) {
-            const auto member = part.groups.find(group.members[i]);
-            if (member == part.groups.end())
-                fail(fmt::format("a multiproperty uses the group {}, which does not exist", group.members[i]));
-            const double index = i < indices.size() ? indices[i] : 0;
-            if (!(index >= 0 && index < 4e9)) fail("a multiproperty has an index that is no index");
-            const Corner layer = resolve(part, member->second, static_cast<std::uint32_t>(index), level + 1);
+            const Corner layer = member_at(part, group, i, indices);
             const bool multiply = i > 0 && i - 1 < group.multiply.size() && group.multiply[i - 1];
             if (layer.texture != no_property) {
                 ++textures;
@@ -319,11 +404,10 @@ private:
             }
         }
         if (textures > 1)
-            lose_colour(
-                fmt::format("{} lays several textures over each other (multiproperties); only the topmost is kept, the "
-                            "colours of the others are "
-                            "LOST. Bake them into one texture",
-                            context_.name()));
+            lose_colour(fmt::format(
+                "{} lays several textures over each other (multiproperties), more than can be made into one; only "
+                "the topmost is kept there, the colours of the others are LOST. Bake them into one texture",
+                context_.name()));
         if (colour_over_texture)
             lose_colour(
                 fmt::format("{} lays a colour over a texture (multiproperties); it is taken under it instead. Bake "
@@ -345,6 +429,9 @@ private:
     ModelParts parts_;
     std::map<std::string, ThreemfPart> model_parts_;
     std::map<std::tuple<std::string, std::uint32_t, std::array<float, 4>>, std::uint32_t> materials_;
+    std::map<std::string, std::int32_t> pictures_;  // by path
+    TextureBaker baker_;
+    std::vector<std::pair<std::size_t, TextureBaker::Patch>> baked_;  // triangles and their patches
     std::map<std::string, std::size_t> losses_, colour_losses_;
     std::size_t instances_ = 0;
 };

@@ -8,16 +8,26 @@
 //   the MTL note says so: exporters leave grey defaults there (0.64, 0.8) beside finished photographs, and people
 //   expect the colours of the picture. A Kd that is no grey and was not applied is reported. Vertex colours (v x y z r
 //   g b) are sRGB.
-// - PLY: vertex colours of integers are sRGB codes, of floats linear; `comment TextureFile`. Face colours are reported.
-// - STL: none. Attribute words that look like the colours of VisCAM or Magics are reported.
+// - PLY: vertex colours of integers are sRGB codes, of floats linear; face colours in the same way, where the colours of
+//   vertices are absent or all alike; `comment TextureFile`, coordinates of vertices or of each face's corners.
+// - STL: none. Attribute words that look like the colours of VisCAM or Magics are lost, which is said.
 // - glTF: baseColorFactor (linear) * COLOR_0 (linear) * baseColorTexture (sRGB) with KHR_texture_transform; nothing
 // else of
 //   the material is colour. Alpha counts only where alphaMode is MASK or BLEND. Node transforms are applied; skins stay
 //   as stored (their bind pose), animations are left aside. The axes are turned from y up to z up: (x, y, z) -> (x, -z,
 //   y).
 // - 3MF: the core specification with materials and properties; see io/codecs/threemf_part.h.
-// In all but glTF the axes stay as they are. Alpha is composed over white, with a warning where it is used. Where no
-// triangle of the model uses a texture's texel, the nearest used one is put (io/models/texel_coverage.h).
+//   Layers of textures and colours over each other (multiproperties) are made into one picture, triangle by triangle.
+// In all but glTF the axes stay as they are. Where no triangle of the model uses a texture's texel, the nearest used one
+// is put (io/models/texel_coverage.h).
+//
+// Alpha is composed over white, with a warning where it is used. What is transparent as a whole is not: a material, a
+// texture or corners of alpha 0 (Tr 1 in a library of MeshLab means opaque) would vanish, so they are taken to be
+// opaque, with a warning. Corners of transparent black beside others that are seen have no colour: white.
+//
+// A picture may be given (ReadOptions::texture) to a mesh that has texture coordinates; it is laid, as it is, on what
+// has no picture of its own or one that is missing. Colours that are in the file and will not be seen on the print are
+// ModelFile::lost_colour, one warning.
 //
 // Points and lines are left aside with a warning; polygons are triangulated; degenerate faces are kept. Equal positions
 // are one vertex.

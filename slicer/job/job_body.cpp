@@ -103,10 +103,11 @@ JobBody prepare_body(const ResolvedJob& job, const PrinterProfile& printer, Prog
     body.grid = grid_around(box.min(), box.max(), printer.pitch_mm());
     check_tray(body.grid, printer.tray_mm, body.placement);
 
-    progress.begin_stage("find the visible surface", 0);
-    body.surface = SurfaceIndex(
-        body.is_picture ? picture_surface(body.model.mesh)
-                        : find_visible_surface(body.model.mesh.positions, body.model.mesh.triangles, repaired));
+    progress.begin_stage("find the visible surface", 2 * repaired.solid->triangles.size(), "steps");
+    body.surface =
+        SurfaceIndex(body.is_picture ? picture_surface(body.model.mesh)
+                                     : find_visible_surface(body.model.mesh.positions, body.model.mesh.triangles,
+                                                            repaired, {}, nullptr, &progress));
     look_for_colour(job, body);
     progress.end_stage();
     body.repair = std::move(repaired.report);

@@ -8,6 +8,8 @@
 
 #include <Eigen/Geometry>
 
+#include "voxtone/base/parallel.h"
+
 namespace voxtone::slicer {
 
 using Eigen::Vector3d;
@@ -31,12 +33,11 @@ std::vector<std::vector<std::uint32_t>> open_loops(std::span<const Triangle> tri
 
     // At every vertex as many arcs leave as arrive, so a walk can only end in a loop; a vertex met again closes one.
     std::vector<std::vector<std::uint32_t>> loops;
-    std::unordered_map<std::uint32_t, std::size_t> place;
-    std::vector<std::uint32_t> path;
+    std::unordered_map<std::uint32_t, std::size_t> place;  // of the path's vertices; emptied one by one, since to clear
+    std::vector<std::uint32_t> path;                       // it takes as long as the longest path so far
     for (std::size_t a = 0; a < arcs.size(); ++a) {
         if (used[a]) continue;
         path.assign(1, arcs[a].first);
-        place.clear();
         place[arcs[a].first] = 0;
         while (!path.empty()) {
             std::size_t& next = first_arc[path.back()];
@@ -55,6 +56,7 @@ std::vector<std::vector<std::uint32_t>> open_loops(std::span<const Triangle> tri
             path.resize(met->second + 1);
             if (loop.size() > 2) loops.push_back(std::move(loop));
         }
+        for (const std::uint32_t vertex : path) place.erase(vertex);
     }
     return loops;
 }
@@ -130,17 +132,19 @@ void fill_by_ears(std::span<const Vector3d> positions, HoleFill& hole) {
 
 }  // namespace
 
-std::vector<HoleFill> fill_holes(std::span<const Vector3d> positions, std::span<const Triangle> triangles) {
+std::vector<HoleFill> fill_holes(std::span<const Vector3d> positions, std::span<const Triangle> triangles,
+                                 const Progress* progress) {
     std::vector<HoleFill> fills;
-    for (auto& loop : open_loops(triangles)) {
-        HoleFill fill;
-        fill.loop = std::move(loop);
-        if (fill.loop.size() <= cubic_limit)
-            fill_least_area(positions, fill);
-        else
-            fill_by_ears(positions, fill);
-        fills.push_back(std::move(fill));
-    }
+    for (auto& loop : open_loops(triangles)) fills.emplace_back().loop = std::move(loop);
+    parallel_for(
+        0, fills.size(), 1,
+        [&](std::size_t f) {
+            if (fills[f].loop.size() <= cubic_limit)
+                fill_least_area(positions, fills[f]);
+            else
+                fill_by_ears(positions, fills[f]);
+        },
+        progress);
     return fills;
 }
 

@@ -16,6 +16,7 @@
 
 #include <Eigen/Core>
 
+#include "voxtone/base/progress.h"
 #include "voxtone/slicer/mesh/mesh_chain.h"
 
 namespace voxtone::slicer {
@@ -27,6 +28,6 @@ struct HoleFill {
 };
 
 [[nodiscard]] std::vector<HoleFill> fill_holes(std::span<const Eigen::Vector3d> positions,
-                                               std::span<const Triangle> triangles);
+                                               std::span<const Triangle> triangles, const Progress* progress = nullptr);
 
 }  // namespace voxtone::slicer

@@ -10,8 +10,22 @@
 
 namespace voxtone::slicer {
 
+namespace {
+
+long long crossing_pairs(const TriangleTree& tree, const Progress* progress) {
+    WorkBudget work(WorkBudget::for_triangles(tree.triangles().size()), progress);
+    try {
+        return static_cast<long long>(count_crossings(tree, work));
+    } catch (const WorkExceeded&) {
+        return -1;
+    }
+}
+
+}  // namespace
+
 MeshDiagnosis diagnose(const std::vector<Eigen::Vector3d>& positions,
-                       const std::vector<std::array<std::uint32_t, 3>>& triangles, const TriangleTree* tree) {
+                       const std::vector<std::array<std::uint32_t, 3>>& triangles, const TriangleTree* tree,
+                       const Progress* progress) {
     MeshDiagnosis d;
     d.triangles = triangles.size();
     for_each_edge(edge_uses(triangles), [&](std::span<const EdgeUse> uses) {
@@ -33,7 +47,7 @@ MeshDiagnosis diagnose(const std::vector<Eigen::Vector3d>& positions,
         d.area_mm2 += a;
         d.volume_mm3 += signed_volume(positions, t);
     }
-    if (tree) d.crossing_pairs = static_cast<long long>(count_crossings(*tree));
+    if (tree) d.crossing_pairs = crossing_pairs(*tree, progress);
     return d;
 }
 

@@ -10,6 +10,7 @@
 
 #include <Eigen/Core>
 
+#include "voxtone/base/progress.h"
 #include "voxtone/slicer/mesh/triangle_tree.h"
 
 namespace voxtone::slicer {
@@ -24,7 +25,7 @@ struct MeshDiagnosis {
     std::size_t degenerate_faces = 0;    ///< without area
     std::size_t duplicate_faces = 0;     ///< with the same corners as an earlier one
     std::size_t shells = 0;
-    long long crossing_pairs = -1;  ///< of triangles without a common corner; -1: not counted
+    long long crossing_pairs = -1;  ///< of triangles without a common corner; -1: not counted, or too many to count
     double area_mm2 = 0;
     double volume_mm3 = 0;  ///< signed; of closed meshes only a volume
 
@@ -34,6 +35,6 @@ struct MeshDiagnosis {
 /// `tree`: over this mesh, to count crossings with; null: they are not counted.
 [[nodiscard]] MeshDiagnosis diagnose(const std::vector<Eigen::Vector3d>& positions,
                                      const std::vector<std::array<std::uint32_t, 3>>& triangles,
-                                     const TriangleTree* tree = nullptr);
+                                     const TriangleTree* tree = nullptr, const Progress* progress = nullptr);
 
 }  // namespace voxtone::slicer

@@ -6,7 +6,13 @@
 #include <cstdlib>
 #include <map>
 
+#include <fmt/format.h>
 #include <Eigen/Geometry>
+
+#include "voxtone/base/error.h"
+#include "voxtone/base/parallel.h"
+#include "voxtone/slicer/mesh/triangle_tree.h"
+#include "voxtone/slicer/mesh/work_budget.h"
 
 namespace voxtone::slicer {
 
@@ -75,11 +81,7 @@ Patches find_patches(std::size_t triangles, std::span<const EdgeUse> uses) {
 // An edge where more than two faces meet, as the sum over its patches.
 struct Junction {
     std::map<std::uint32_t, int> sum_of_patch;
-    [[nodiscard]] int sum() const {
-        int s = 0;
-        for (const auto& [p, n] : sum_of_patch) s += n;
-        return s;
-    }
+    int sum = 0;
 };
 
 // Which patches to turn as a whole: each while that closes more at the junctions than it opens.
@@ -91,8 +93,10 @@ std::vector<bool> close_junctions(const Patches& patches, std::span<const EdgeUs
         Junction junction;
         for (const EdgeUse& u : edge)
             junction.sum_of_patch[patches.of_triangle[u.triangle]] += patches.turned[u.triangle] ? -u.sign : u.sign;
-        for (const auto& [p, n] : junction.sum_of_patch)
+        for (const auto& [p, n] : junction.sum_of_patch) {
+            junction.sum += n;
             if (n != 0) junctions_of_patch[p].push_back(junctions.size());
+        }
         junctions.push_back(std::move(junction));
     });
     std::vector<bool> turn(patches.count, false);
@@ -100,12 +104,14 @@ std::vector<bool> close_junctions(const Patches& patches, std::span<const EdgeUs
         bool changed = false;
         for (const auto& [p, edges] : junctions_of_patch) {
             long gain = 0;
-            for (const std::size_t j : edges) {
-                const int sum = junctions[j].sum();
-                gain += std::abs(sum) - std::abs(sum - 2 * junctions[j].sum_of_patch[p]);
-            }
+            for (const std::size_t j : edges)
+                gain += std::abs(junctions[j].sum) - std::abs(junctions[j].sum - 2 * junctions[j].sum_of_patch[p]);
             if (gain <= 0) continue;
-            for (const std::size_t j : edges) junctions[j].sum_of_patch[p] *= -1;
+            for (const std::size_t j : edges) {
+                int& mine = junctions[j].sum_of_patch[p];
+                junctions[j].sum -= 2 * mine;
+                mine = -mine;
+            }
             turn[p] = !turn[p];
             changed = true;
         }
@@ -138,16 +144,73 @@ std::vector<Shell> take_apart(std::span<const Vector3d> positions, std::span<con
     return apart;
 }
 
-// a lies inside b when b winds around points of a that are not on b.
-bool lies_inside(const Shell& a, const Shell& b, std::span<const Vector3d> positions) {
-    if (std::abs(b.volume) <= std::abs(a.volume) || !b.box.contains(a.box)) return false;
-    const std::size_t samples = std::min<std::size_t>(a.triangles.size(), 5);
-    for (std::size_t n = 0; n < samples; ++n) {
-        const Triangle& t = a.triangles[n * a.triangles.size() / samples];
-        const Vector3d p = (positions[t[0]] + positions[t[1]] + positions[t[2]]) / 3;
-        if (std::abs(std::lround(winding_number(positions, b.triangles, p))) == 0) return false;
+// Which shells lie inside which. Only those whose boxes hold another's are looked at, through a tree over the boxes.
+class ShellNesting {
+public:
+    ShellNesting(std::span<const Vector3d> positions, std::span<const Shell> shells, WorkBudget& work)
+        : positions_(positions), shells_(shells), work_(work), tree_(corners_of_boxes(shells), diagonals(shells)) {}
+
+    /// Whether a lies inside one of the shells that `counts` says.
+    template <class Counts>
+    [[nodiscard]] bool lies_inside_any(std::size_t a, Counts&& counts) const {
+        std::vector<std::uint32_t> near;
+        tree_.overlapping(shells_[a].box.min(), shells_[a].box.max(), near);
+        work_.spend(near.size() + 1);
+        return std::any_of(near.begin(), near.end(),
+                           [&](std::uint32_t b) { return b != a && counts(b) && lies_inside(shells_[a], shells_[b]); });
     }
-    return true;
+
+private:
+    /// The boxes as triangles from corner to corner, which is all of them that a tree looks at here.
+    std::span<const Vector3d> corners_of_boxes(std::span<const Shell> shells) {
+        for (const Shell& s : shells) {
+            corners_.push_back(s.box.min());
+            corners_.push_back(s.box.max());
+        }
+        return corners_;
+    }
+    std::span<const Triangle> diagonals(std::span<const Shell> shells) {
+        for (std::uint32_t s = 0; s < shells.size(); ++s) diagonals_.push_back({2 * s, 2 * s + 1, 2 * s + 1});
+        return diagonals_;
+    }
+
+    /// a lies inside b when b winds around points of a that are not on b.
+    bool lies_inside(const Shell& a, const Shell& b) const {
+        if (std::abs(b.volume) <= std::abs(a.volume) || !b.box.contains(a.box)) return false;
+        const std::size_t samples = std::min<std::size_t>(a.triangles.size(), 5);
+        for (std::size_t n = 0; n < samples; ++n) {
+            const Triangle& t = a.triangles[n * a.triangles.size() / samples];
+            const Vector3d p = (positions_[t[0]] + positions_[t[1]] + positions_[t[2]]) / 3;
+            work_.spend(4 * b.triangles.size());
+            if (std::abs(std::lround(winding_number(positions_, b.triangles, p))) == 0) return false;
+        }
+        return true;
+    }
+
+    std::span<const Vector3d> positions_;
+    std::span<const Shell> shells_;
+    WorkBudget& work_;
+    std::vector<Vector3d> corners_;
+    std::vector<Triangle> diagonals_;
+    TriangleTree tree_;
+};
+
+/// Shells of negative volume that are no cavities, and what was drawn inside out with them.
+std::vector<std::uint8_t> shells_to_turn(std::span<const Vector3d> positions, std::span<const Shell> shells,
+                                         WorkBudget& work) {
+    std::vector<std::uint8_t> turn(shells.size(), 0);
+    const auto is_negative = [](const Shell& s) { return s.volume < 0; };
+    if (std::none_of(shells.begin(), shells.end(), is_negative)) return turn;
+    const ShellNesting nesting(positions, shells, work);
+    parallel_for(0, shells.size(), 16, [&](std::size_t a) {
+        turn[a] = is_negative(shells[a]) && !nesting.lies_inside_any(a, [](std::size_t) { return true; });
+    });
+    if (std::find(turn.begin(), turn.end(), 1) == turn.end()) return turn;
+    std::vector<std::uint8_t> with_it(shells.size(), 0);
+    parallel_for(0, shells.size(), 16, [&](std::size_t b) {
+        with_it[b] = turn[b] || nesting.lies_inside_any(b, [&](std::size_t a) { return turn[a] != 0; });
+    });
+    return with_it;
 }
 
 }  // namespace
@@ -165,21 +228,18 @@ std::size_t orient_consistently(std::span<Triangle> triangles) {
     return turned;
 }
 
-ShellTurns orient_outward(std::span<const Vector3d> positions, std::span<Triangle> triangles, const Shells& shells) {
+ShellTurns orient_outward(std::span<const Vector3d> positions, std::span<Triangle> triangles, const Shells& shells,
+                          const Progress* progress, std::uint64_t most_steps) {
     const std::vector<Shell> shell = take_apart(positions, triangles, shells);
-    const auto inside = [&](std::size_t a, std::size_t b) {
-        return a != b && lies_inside(shell[a], shell[b], positions);
-    };
-    std::vector<bool> turn(shell.size(), false);
-    for (std::size_t a = 0; a < shell.size(); ++a) {
-        if (!(shell[a].volume < 0)) continue;
-        bool cavity = false;
-        for (std::size_t b = 0; b < shell.size() && !cavity; ++b) cavity = inside(a, b);
-        if (cavity) continue;
-        turn[a] = true;
-        // What lies inside an inverted shell was drawn inside out with it.
-        for (std::size_t b = 0; b < shell.size(); ++b)
-            if (inside(b, a)) turn[b] = true;
+    WorkBudget work(most_steps ? most_steps : WorkBudget::for_triangles(triangles.size()), progress);
+    std::vector<std::uint8_t> turn;
+    try {
+        turn = shells_to_turn(positions, shell, work);
+    } catch (const WorkExceeded&) {
+        throw InputError(fmt::format(
+            "the model's {} shells lie inside one another so often that it cannot be told which of them are "
+            "cavities; unite them in a mesh editor (boolean union)",
+            shell.size()));
     }
     ShellTurns result;
     result.turned_triangle.assign(triangles.size(), 0);

@@ -12,6 +12,7 @@
 
 #include <Eigen/Core>
 
+#include "voxtone/base/progress.h"
 #include "voxtone/slicer/mesh/mesh_chain.h"
 
 namespace voxtone::slicer {
@@ -27,8 +28,9 @@ struct ShellTurns {
     std::vector<std::uint8_t> turned_triangle;
 };
 /// Turns shells of negative volume outward, and with each the shells inside it; a shell of negative volume inside
-/// another shell is a cavity and stays. The mesh is a closed chain.
+/// another shell is a cavity and stays. The mesh is a closed chain. Throws InputError where shells lie inside one
+/// another by the thousand: the work is bounded (work_budget.h; `most_steps` 0: by the number of triangles).
 ShellTurns orient_outward(std::span<const Eigen::Vector3d> positions, std::span<Triangle> triangles,
-                          const Shells& shells);
+                          const Shells& shells, const Progress* progress = nullptr, std::uint64_t most_steps = 0);
 
 }  // namespace voxtone::slicer

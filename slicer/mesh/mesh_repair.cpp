@@ -223,18 +223,18 @@ void close_chain(SolidMesh& mesh, const RepairOptions& options, RepairedMesh& re
         report.messages.push_back(
             fmt::format("The mesh was open at {} edges; {} corners were welded, {} faces dropped, {} faces turned.",
                         report.before.open_edges, report.welded_vertices, report.dropped_faces, report.turned_faces));
-    std::vector<HoleFill> fills = fill_holes(mesh.positions_mm, mesh.triangles);
+    std::vector<HoleFill> fills = fill_holes(mesh.positions_mm, mesh.triangles, progress);
     const std::vector<bool> loose = loose_faces(mesh, fills);
     if (std::find(loose.begin(), loose.end(), true) != loose.end()) {
         wrap_faces(mesh, loose, options, result, progress);
-        fills = fill_holes(mesh.positions_mm, mesh.triangles);
+        fills = fill_holes(mesh.positions_mm, mesh.triangles, progress);
     }
     fill(mesh, fills, report);
 }
 
-void turn_outward(SolidMesh& mesh, RepairReport& report) {
+void turn_outward(SolidMesh& mesh, RepairReport& report, const Progress* progress) {
     const Shells shells = find_shells(mesh.triangles);
-    const ShellTurns turns = orient_outward(mesh.positions_mm, mesh.triangles, shells);
+    const ShellTurns turns = orient_outward(mesh.positions_mm, mesh.triangles, shells, progress);
     report.turned_shells = turns.turned;
     report.cavities = turns.cavities;
     if (turns.turned)
@@ -252,7 +252,7 @@ RepairedMesh repair_mesh(const io::TexturedMesh& textured, const RepairOptions& 
     const auto crossings_count = [&] { return mesh.triangles.size() <= options.count_crossings_up_to; };
     std::optional<SolidIndex> given;
     if (crossings_count()) given.emplace(mesh);
-    report.before = diagnose(mesh.positions_mm, mesh.triangles, given ? &given->tree() : nullptr);
+    report.before = diagnose(mesh.positions_mm, mesh.triangles, given ? &given->tree() : nullptr, progress);
     if (!(report.before.area_mm2 > 0))
         throw InputError("the model has no surface: all its faces are without area, so there is nothing to print");
 
@@ -272,13 +272,13 @@ RepairedMesh repair_mesh(const io::TexturedMesh& textured, const RepairOptions& 
     }
     VOXTONE_ENSURE(open_edges(mesh.triangles) == 0);
 
-    if (options.mode != RepairMode::off) turn_outward(mesh, report);
+    if (options.mode != RepairMode::off) turn_outward(mesh, report, progress);
 
     const bool untouched = mesh.triangles == textured.triangles, count_again = !untouched && crossings_count();
     result.solid = untouched && given ? std::move(*given) : SolidIndex(std::move(mesh));
     report.after = untouched ? report.before
                              : diagnose(result.solid->positions_mm, result.solid->triangles,
-                                        count_again ? &result.solid.tree() : nullptr);
+                                        count_again ? &result.solid.tree() : nullptr, progress);
     return result;
 }
 

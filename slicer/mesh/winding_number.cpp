@@ -37,7 +37,7 @@ std::optional<int> crossing(const Vector3d& p, int axis, const std::array<Vector
 
 }  // namespace
 
-int winding_number(const TriangleTree& tree, const Vector3d& p) {
+int winding_number(const TriangleTree& tree, const Vector3d& p, WorkBudget* work) {
     std::vector<std::uint32_t> near;
     std::array<std::optional<int>, 3> seen;
     for (int axis = 0; axis < 3; ++axis) {
@@ -45,6 +45,7 @@ int winding_number(const TriangleTree& tree, const Vector3d& p) {
         end[axis] = std::numeric_limits<double>::infinity();
         near.clear();
         tree.overlapping(p, end, near);
+        if (work) work->spend(near.size() + 1);
         seen[axis] = 0;
         for (const std::uint32_t t : near) {
             const std::optional<int> one = crossing(p, axis, tree.corners(t));
@@ -57,6 +58,7 @@ int winding_number(const TriangleTree& tree, const Vector3d& p) {
         for (int before = 0; before < axis; ++before)
             if (seen[axis] && seen[axis] == seen[before]) return *seen[axis];
     }
+    if (work) work->spend(4 * tree.triangles().size());
     return static_cast<int>(std::lround(winding_number(tree.positions(), tree.triangles(), p)));
 }
 

@@ -10,10 +10,12 @@
 #include <Eigen/Core>
 
 #include "voxtone/slicer/mesh/triangle_tree.h"
+#include "voxtone/slicer/mesh/work_budget.h"
 
 namespace voxtone::slicer {
 
-/// Of the triangles of a tree; may be called from any thread.
-[[nodiscard]] int winding_number(const TriangleTree& tree, const Eigen::Vector3d& p);
+/// Of the triangles of a tree; may be called from any thread. `work`: what looking at triangles is spent from, where
+/// that is to be bounded; WorkExceeded is thrown then.
+[[nodiscard]] int winding_number(const TriangleTree& tree, const Eigen::Vector3d& p, WorkBudget* work = nullptr);
 
 }  // namespace voxtone::slicer

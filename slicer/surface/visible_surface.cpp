@@ -2,15 +2,20 @@
 #include "voxtone/slicer/surface/visible_surface.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <functional>
 #include <limits>
 #include <numeric>
+#include <unordered_map>
 #include <utility>
 
+#include <fmt/format.h>
 #include <Eigen/Geometry>
 
 #include "voxtone/base/contracts.h"
+#include "voxtone/base/error.h"
+#include "voxtone/base/parallel.h"
 #include "voxtone/slicer/mesh/disjoint_sets.h"
 #include "voxtone/slicer/mesh/exact_predicates.h"
 #include "voxtone/slicer/mesh/mesh_chain.h"
@@ -25,6 +30,7 @@ using Eigen::Vector3d;
 namespace {
 
 constexpr double just_off_mm = 1e-5;  // how far beside the surface its sides are looked at
+constexpr int most_doublings = 8;     // of the pieces' size, where a finer cut takes too much work
 
 // A triangle or a part of one.
 struct Piece {
@@ -90,11 +96,36 @@ std::array<Vector2f, 3> corner_uv(const Triangle& mine, const Triangle& source,
     return uv;
 }
 
+[[noreturn]] void refuse_heap(std::size_t triangles) {
+    throw InputError(
+        fmt::format("the model's {} triangles lie on or across one another so often that it cannot be worked out in "
+                    "bounded time what is seen of them; unite its parts (boolean union) and remove doubled faces in a "
+                    "mesh editor",
+                    triangles));
+}
+
+// A share of a stage's steps, spread over tasks.
+class StepShare {
+public:
+    StepShare(Progress* progress, std::uint64_t steps, std::uint64_t tasks)
+        : progress_(progress), steps_(steps), tasks_(std::max<std::uint64_t>(tasks, 1)) {}
+    /// One task is done; those beyond the last are passed over.
+    void advance() {
+        const std::uint64_t done = ++done_;
+        if (progress_ && done <= tasks_) progress_->advance(steps_ * done / tasks_ - steps_ * (done - 1) / tasks_);
+    }
+
+private:
+    Progress* progress_;
+    std::uint64_t steps_, tasks_;
+    std::atomic<std::uint64_t> done_{0};
+};
+
 // The surface while it is put together.
 class VisibleParts {
 public:
     VisibleParts(const std::vector<Vector3d>& positions_mm, const std::vector<Triangle>& source_triangles,
-                 const RepairedMesh& repaired, double piece_mm);
+                 const RepairedMesh& repaired, const VisibleSurfaceOptions& options, Progress* progress);
 
     /// The solid's triangles of the textured mesh, and those that fill holes.
     void show_solid();
@@ -111,13 +142,33 @@ private:
         return {solid_.positions_mm[t[0]], solid_.positions_mm[t[1]], solid_.positions_mm[t[2]]};
     }
     [[nodiscard]] Vector3d normal(std::uint32_t t) const;
-    [[nodiscard]] bool hidden_at(const Vector3d& p, const Vector3d& normal) const;
+    [[nodiscard]] bool hidden_at(const Vector3d& p, const Vector3d& normal, WorkBudget& work) const;
 
-    void judge_regions();
+    [[nodiscard]] std::uint64_t most_steps() const {
+        return options_.most_steps ? options_.most_steps : WorkBudget::for_triangles(solid_.triangles.size());
+    }
+    void judge_regions(WorkBudget& work);
     void find_sources_at_corners();
 
-    [[nodiscard]] Sight look_at_crossed(std::uint32_t t, const Vector3d& normal, const Piece& piece) const;
-    Sight find_visible_pieces(std::uint32_t t, const Piece& whole);
+    // A triangle that others cross, cut up.
+    struct Cut {
+        Sight as_a_whole = Sight::visible;
+        std::vector<Piece> visible;
+    };
+    [[nodiscard]] std::vector<std::uint32_t> crossed_triangles() const;
+    void cut_crossed();
+    [[nodiscard]] Cut cut(std::uint32_t t, double piece_mm, WorkBudget& work) const;
+    [[nodiscard]] Sight look_at_crossed(std::uint32_t t, const Vector3d& normal, const Piece& piece, double piece_mm,
+                                        WorkBudget& work) const;
+    template <class TryWith>
+    void try_with_coarser_pieces(TryWith&& try_with);
+
+    [[nodiscard]] bool is_source(std::uint32_t t) const { return solid_.source_triangle[t] >= 0; }
+    [[nodiscard]] bool is_fill(std::uint32_t t) const {
+        return !is_source(t) && source_at_corner_[solid_.triangles[t][0]] != nobody;
+    }
+    [[nodiscard]] Piece whole_piece(std::uint32_t t) const;
+    Sight find_visible_pieces(std::uint32_t t);
     void count(Sight as_a_whole);
 
     void show_source(std::uint32_t t);
@@ -133,29 +184,39 @@ private:
     const RepairedMesh& repaired_;
     const SolidMesh& solid_;
     const TriangleTree& tree_;
-    double piece_mm_;
+    VisibleSurfaceOptions options_;
+    Progress* progress_;
     std::vector<std::vector<std::uint32_t>> crossings_;  // per triangle of the solid, by what it is crossed
     std::vector<Sight> sight_;                           // per triangle that nothing crosses
+    std::unordered_map<std::uint32_t, Cut> cuts_;        // of the others
     std::vector<std::uint32_t> source_at_corner_;        // per corner a triangle there that has a source, or nobody
     std::vector<Triangle> wrap_;                         // without a source at any corner
     std::vector<Piece> pieces_;                          // visible ones of the triangle under work
 };
 
 VisibleParts::VisibleParts(const std::vector<Vector3d>& positions_mm, const std::vector<Triangle>& source_triangles,
-                           const RepairedMesh& repaired, double piece_mm)
+                           const RepairedMesh& repaired, const VisibleSurfaceOptions& options, Progress* progress)
     : source_positions_mm_(positions_mm),
       source_triangles_(source_triangles),
       repaired_(repaired),
       solid_(*repaired.solid),
       tree_(repaired.solid.tree()),
-      piece_mm_(piece_mm),
+      options_(options),
+      progress_(progress),
       crossings_(solid_.triangles.size()),
       sight_(solid_.triangles.size(), Sight::visible) {
     surface.positions_mm = solid_.positions_mm;
     const MeshDiagnosis& mesh = repaired.report.after;
     const bool plain = mesh.shells == 1 && mesh.crossing_pairs == 0 && mesh.nonmanifold_edges == 0;
-    if (!plain) judge_regions();
     find_sources_at_corners();
+    if (plain) return;
+    WorkBudget work(most_steps(), progress_);
+    try {
+        judge_regions(work);
+    } catch (const WorkExceeded&) {
+        refuse_heap(solid_.triangles.size());
+    }
+    cut_crossed();
 }
 
 Vector3d VisibleParts::normal(std::uint32_t t) const {
@@ -164,14 +225,15 @@ Vector3d VisibleParts::normal(std::uint32_t t) const {
     return n.norm() > 0 ? n.normalized() : Vector3d::UnitX();
 }
 
-bool VisibleParts::hidden_at(const Vector3d& p, const Vector3d& normal) const {
-    return winding_number(tree_, p + just_off_mm * normal) != 0 && winding_number(tree_, p - just_off_mm * normal) != 0;
+bool VisibleParts::hidden_at(const Vector3d& p, const Vector3d& normal, WorkBudget& work) const {
+    return winding_number(tree_, p + just_off_mm * normal, &work) != 0 &&
+           winding_number(tree_, p - just_off_mm * normal, &work) != 0;
 }
 
 // A region: neighbours through plain edges, as long as no other triangle crosses them. It is hidden or visible as one,
 // and judged at its largest triangle.
-void VisibleParts::judge_regions() {
-    crossings_ = find_crossings(tree_);
+void VisibleParts::judge_regions(WorkBudget& work) {
+    crossings_ = find_crossings(tree_, work, progress_);
     const auto count = static_cast<std::uint32_t>(solid_.triangles.size());
     DisjointSets regions(count);
     for_each_edge(edge_uses(solid_.triangles), [&](std::span<const EdgeUse> edge) {
@@ -181,21 +243,73 @@ void VisibleParts::judge_regions() {
     std::vector<std::uint32_t> largest(count);
     std::iota(largest.begin(), largest.end(), 0u);
     std::vector<double> areas(count);
+    std::vector<std::uint32_t> root_of(count), roots;
     for (std::uint32_t t = 0; t < count; ++t) {
+        root_of[t] = regions.root(t);
+        if (root_of[t] == t && crossings_[t].empty()) roots.push_back(t);
         areas[t] = area(solid_.positions_mm, solid_.triangles[t]);
-        std::uint32_t& best = largest[regions.root(t)];
+        std::uint32_t& best = largest[root_of[t]];
         if (areas[t] > areas[best]) best = t;
     }
-    for (std::uint32_t t = 0; t < count; ++t) {
-        if (!crossings_[t].empty()) continue;
-        const std::uint32_t root = regions.root(t), judge = largest[root];
-        if (root != t) {
-            sight_[t] = sight_[root];  // the lowest of its region: judged before
-            continue;
-        }
+    StepShare share(progress_, count / 2, roots.size());
+    parallel_for(0, roots.size(), 4, [&](std::size_t r) {
+        const std::uint32_t judge = largest[roots[r]];
         const auto [a, b, c] = places(solid_.triangles[judge]);
-        sight_[t] = hidden_at((a + b + c) / 3, normal(judge)) ? Sight::hidden : Sight::visible;
+        sight_[roots[r]] = hidden_at((a + b + c) / 3, normal(judge), work) ? Sight::hidden : Sight::visible;
+        share.advance();
+    });
+    for (std::uint32_t t = 0; t < count; ++t)
+        if (crossings_[t].empty()) sight_[t] = sight_[root_of[t]];
+}
+
+std::vector<std::uint32_t> VisibleParts::crossed_triangles() const {
+    std::vector<std::uint32_t> crossed;
+    for (std::uint32_t t = 0; t < crossings_.size(); ++t)
+        if (!crossings_[t].empty() && (is_source(t) || is_fill(t))) crossed.push_back(t);
+    return crossed;
+}
+
+// Calls try_with(size of pieces, work) with pieces twice as large while the work exceeds its bounds.
+template <class TryWith>
+void VisibleParts::try_with_coarser_pieces(TryWith&& try_with) {
+    double piece_mm = options_.piece_mm;
+    for (int doublings = 0; doublings <= most_doublings; ++doublings, piece_mm *= 2) {
+        WorkBudget work(most_steps(), progress_);
+        try {
+            try_with(piece_mm, work);
+            if (doublings > 0 && progress_)
+                progress_->warn(
+                    fmt::format("The model's parts lie in one another so often that the edges of what is seen of them "
+                                "are {:.2g} mm rough. Unite them in a mesh editor if that shows.",
+                                piece_mm));
+            return;
+        } catch (const WorkExceeded&) {
+        }
     }
+    refuse_heap(solid_.triangles.size());
+}
+
+void VisibleParts::cut_crossed() {
+    const std::vector<std::uint32_t> crossed = crossed_triangles();
+    std::vector<Cut> cuts(crossed.size());
+    StepShare share(progress_, solid_.triangles.size() - solid_.triangles.size() / 2, crossed.size());
+    try_with_coarser_pieces([&](double piece_mm, WorkBudget& work) {
+        parallel_for(0, crossed.size(), 4, [&](std::size_t n) {
+            cuts[n] = cut(crossed[n], piece_mm, work);
+            share.advance();
+        });
+    });
+    cuts_.reserve(crossed.size());
+    for (std::size_t n = 0; n < crossed.size(); ++n) cuts_.emplace(crossed[n], std::move(cuts[n]));
+}
+
+VisibleParts::Cut VisibleParts::cut(std::uint32_t t, double piece_mm, WorkBudget& work) const {
+    Cut result;
+    const Vector3d n = normal(t);
+    result.as_a_whole = add_visible(
+        whole_piece(t), [&](const Piece& piece) { return look_at_crossed(t, n, piece, piece_mm, work); },
+        result.visible);
+    return result;
 }
 
 void VisibleParts::find_sources_at_corners() {
@@ -210,33 +324,43 @@ void VisibleParts::find_sources_at_corners() {
 void VisibleParts::show_solid() {
     for (std::uint32_t t = 0; t < solid_.triangles.size(); ++t) {
         const Triangle& corners = solid_.triangles[t];
-        if (solid_.source_triangle[t] >= 0)
+        if (progress_ && t % 4096 == 0) progress_->check_cancelled();
+        if (is_source(t))
             show_source(t);
-        else if (source_at_corner_[corners[0]] != nobody)
+        else if (is_fill(t))
             show_fill(t);
         else
             wrap_.push_back(corners);
     }
 }
 
-Sight VisibleParts::look_at_crossed(std::uint32_t t, const Vector3d& normal, const Piece& piece) const {
+Piece VisibleParts::whole_piece(std::uint32_t t) const {
+    const Triangle& corners = solid_.triangles[t];
+    if (!is_source(t)) return {places(corners), {Vector2f(0, 0), Vector2f(1, 0), Vector2f(0, 1)}, nobody};
+    const auto source = std::uint32_t(solid_.source_triangle[t]);
+    return {places(corners), corner_uv(corners, source_triangles_[source], solid_.positions_mm, source_positions_mm_),
+            source};
+}
+
+Sight VisibleParts::look_at_crossed(std::uint32_t t, const Vector3d& normal, const Piece& piece, double piece_mm,
+                                    WorkBudget& work) const {
+    work.spend(WorkBudget::exact_test + 4 * crossings_[t].size());
     const bool crossed = std::any_of(crossings_[t].begin(), crossings_[t].end(), [&](std::uint32_t other) {
         return triangles_meet(piece.corner, places(solid_.triangles[other]));
     });
-    if (crossed && piece.longest() > piece_mm_) return Sight::mixed;
-    return hidden_at(piece.centre(), normal) ? Sight::hidden : Sight::visible;
+    if (crossed && piece.longest() > piece_mm) return Sight::mixed;
+    return hidden_at(piece.centre(), normal, work) ? Sight::hidden : Sight::visible;
 }
 
-// Fills pieces_, with `whole` itself where all of it is visible.
-Sight VisibleParts::find_visible_pieces(std::uint32_t t, const Piece& whole) {
+// Fills pieces_, with the whole triangle itself where all of it is visible.
+Sight VisibleParts::find_visible_pieces(std::uint32_t t) {
     pieces_.clear();
     Sight as_a_whole = sight_[t];
-    if (!crossings_[t].empty()) {
-        const Vector3d n = normal(t);
-        as_a_whole = add_visible(
-            whole, [&](const Piece& piece) { return look_at_crossed(t, n, piece); }, pieces_);
+    if (const auto cut = cuts_.find(t); cut != cuts_.end()) {
+        as_a_whole = cut->second.as_a_whole;
+        pieces_ = std::move(cut->second.visible);
     } else if (as_a_whole == Sight::visible) {
-        pieces_.push_back(whole);
+        pieces_.push_back(whole_piece(t));
     }
     count(as_a_whole);
     return as_a_whole;
@@ -248,21 +372,16 @@ void VisibleParts::count(Sight as_a_whole) {
 }
 
 void VisibleParts::show_source(std::uint32_t t) {
-    const Triangle& corners = solid_.triangles[t];
-    const auto source = std::uint32_t(solid_.source_triangle[t]);
-    const auto uv = corner_uv(corners, source_triangles_[source], solid_.positions_mm, source_positions_mm_);
-    if (find_visible_pieces(t, {places(corners), uv, source}) == Sight::visible)
-        add(corners, uv, source);  // on the corners that are there
+    if (find_visible_pieces(t) == Sight::visible)
+        add(solid_.triangles[t], pieces_[0].uv, pieces_[0].source);  // on the corners that are there
     else
         for (const Piece& piece : pieces_) add(piece);
 }
 
 void VisibleParts::show_fill(std::uint32_t t) {
     ++report.patches;
-    const Triangle& corners = solid_.triangles[t];
-    const std::array<Vector2f, 3> of_itself{Vector2f(0, 0), Vector2f(1, 0), Vector2f(0, 1)};
-    find_visible_pieces(t, {places(corners), of_itself, nobody});
-    for (const Piece& piece : pieces_) show_in_corner_colours(piece, corners);
+    find_visible_pieces(t);
+    for (const Piece& piece : pieces_) show_in_corner_colours(piece, solid_.triangles[t]);
 }
 
 // In six parts, each with the colour of the corner of the fill (`corners`, where piece.uv is (0, 0), (1, 0), (0, 1))
@@ -295,45 +414,52 @@ class WrapSight {
 public:
     /// Keeps references to all.
     WrapSight(const std::vector<Vector3d>& positions_mm, const std::vector<Triangle>& wrap, double reach_mm,
-              const TriangleTree& solid, double piece_mm)
-        : wrap_(positions_mm, wrap), reach_mm_(reach_mm), solid_(solid), piece_mm_(piece_mm) {}
+              const TriangleTree& solid)
+        : wrap_(positions_mm, wrap), reach_mm_(reach_mm), solid_(solid) {}
 
-    [[nodiscard]] Sight look_at(const Piece& piece) const {
-        if (piece.longest() > 10 * piece_mm_) return Sight::mixed;
+    [[nodiscard]] Sight look_at(const Piece& piece, double piece_mm, WorkBudget& work) const {
+        if (piece.longest() > 10 * piece_mm) return Sight::mixed;
         const Vector3d centre = piece.centre();
-        int hidden = hidden_at(centre);
-        if (piece.longest() <= piece_mm_) return hidden ? Sight::hidden : Sight::visible;
-        for (const Vector3d& c : piece.corner) hidden += hidden_at(0.9 * c + 0.1 * centre);
+        int hidden = hidden_at(centre, work);
+        if (piece.longest() <= piece_mm) return hidden ? Sight::hidden : Sight::visible;
+        for (const Vector3d& c : piece.corner) hidden += hidden_at(0.9 * c + 0.1 * centre, work);
         return hidden == 0 ? Sight::visible : hidden == 4 ? Sight::hidden : Sight::mixed;
     }
 
 private:
-    [[nodiscard]] bool hidden_at(const Vector3d& p) const {
+    [[nodiscard]] bool hidden_at(const Vector3d& p, WorkBudget& work) const {
+        work.spend(WorkBudget::exact_test);
         const TriangleTree::Nearest n = wrap_.nearest(p, TriangleTree::none, reach_mm_);
         if (n.triangle == TriangleTree::none) return true;
         const Vector3d out_of_wrap = n.distance > 0 ? Vector3d((n.point - p) / n.distance) : Vector3d::UnitX();
-        return winding_number(solid_, n.point + just_off_mm * out_of_wrap) != 0;
+        return winding_number(solid_, n.point + just_off_mm * out_of_wrap, &work) != 0;
     }
 
     TriangleTree wrap_;
     double reach_mm_;
     const TriangleTree& solid_;
-    double piece_mm_;
 };
 
 void VisibleParts::show_wrapped() {
     if (wrap_.empty()) return;
     const double reach_mm = 4 * repaired_.report.wrap_offset_mm;
-    const WrapSight sight(solid_.positions_mm, wrap_, reach_mm, tree_, piece_mm_);
-    for (const std::uint32_t source : repaired_.wrapped_triangles) {
-        const auto& [a, b, c] = source_triangles_[source];
-        const Piece whole{{source_positions_mm_[a], source_positions_mm_[b], source_positions_mm_[c]},
-                          {Vector2f(0, 0), Vector2f(1, 0), Vector2f(0, 1)},
-                          source};
-        pieces_.clear();
-        count(add_visible(
-            whole, [&](const Piece& piece) { return sight.look_at(piece); }, pieces_));
-        for (const Piece& piece : pieces_) add(piece);
+    const WrapSight sight(solid_.positions_mm, wrap_, reach_mm, tree_);
+    std::vector<Cut> cuts(repaired_.wrapped_triangles.size());
+    try_with_coarser_pieces([&](double piece_mm, WorkBudget& work) {
+        parallel_for(0, cuts.size(), 4, [&](std::size_t n) {
+            const std::uint32_t source = repaired_.wrapped_triangles[n];
+            const auto& [a, b, c] = source_triangles_[source];
+            const Piece whole{{source_positions_mm_[a], source_positions_mm_[b], source_positions_mm_[c]},
+                              {Vector2f(0, 0), Vector2f(1, 0), Vector2f(0, 1)},
+                              source};
+            cuts[n].visible.clear();
+            cuts[n].as_a_whole = add_visible(
+                whole, [&](const Piece& piece) { return sight.look_at(piece, piece_mm, work); }, cuts[n].visible);
+        });
+    });
+    for (const Cut& cut : cuts) {
+        count(cut.as_a_whole);
+        for (const Piece& piece : cut.visible) add(piece);
     }
 }
 
@@ -353,9 +479,10 @@ void VisibleParts::add(const Piece& piece) {
 
 VisibleSurface find_visible_surface(const std::vector<Vector3d>& positions_mm,
                                     const std::vector<Triangle>& source_triangles, const RepairedMesh& repaired,
-                                    double piece_mm, VisibleSurfaceReport* report) {
-    VOXTONE_EXPECT(piece_mm > 0 && repaired.solid->source_triangle.size() == repaired.solid->triangles.size());
-    VisibleParts parts(positions_mm, source_triangles, repaired, piece_mm);
+                                    const VisibleSurfaceOptions& options, VisibleSurfaceReport* report,
+                                    Progress* progress) {
+    VOXTONE_EXPECT(options.piece_mm > 0 && repaired.solid->source_triangle.size() == repaired.solid->triangles.size());
+    VisibleParts parts(positions_mm, source_triangles, repaired, options, progress);
     parts.show_solid();
     parts.show_wrapped();
     if (report) *report = parts.report;

@@ -15,6 +15,7 @@
 
 #include <Eigen/Core>
 
+#include "voxtone/base/progress.h"
 #include "voxtone/slicer/mesh/mesh_repair.h"
 #include "voxtone/slicer/mesh/spatial_index.h"
 
@@ -35,6 +36,11 @@ using SurfaceIndex = SpatialIndex<VisibleSurface>;
 
 [[nodiscard]] double coloured_area_mm2(const VisibleSurface& surface);
 
+struct VisibleSurfaceOptions {
+    double piece_mm = 0.1;         ///< > 0
+    std::uint64_t most_steps = 0;  ///< of work (mesh/work_budget.h), for each of its parts; 0: by the triangles
+};
+
 struct VisibleSurfaceReport {
     std::size_t hidden = 0;   ///< triangles of the solid that are hidden as a whole
     std::size_t cut = 0;      ///< triangles of which a part is hidden
@@ -44,9 +50,13 @@ struct VisibleSurfaceReport {
 /// `positions_mm` and `triangles` are those of the textured mesh that was repaired.
 /// Patches that fill holes take their colours from the corners; wraps leave colour and depth to the faces they stand
 /// for, where these are within a few offsets of the wrap.
+/// The work is bounded (mesh/work_budget.h): where triangles lie in one another by the thousand pieces grow, with a
+/// warning, and at last InputError is thrown. `progress` advances by at most two steps for each triangle of the solid.
+/// Throws Cancelled.
 [[nodiscard]] VisibleSurface find_visible_surface(const std::vector<Eigen::Vector3d>& positions_mm,
                                                   const std::vector<std::array<std::uint32_t, 3>>& triangles,
-                                                  const RepairedMesh& repaired, double piece_mm = 0.1,
-                                                  VisibleSurfaceReport* report = nullptr);
+                                                  const RepairedMesh& repaired,
+                                                  const VisibleSurfaceOptions& options = {},
+                                                  VisibleSurfaceReport* report = nullptr, Progress* progress = nullptr);
 
 }  // namespace voxtone::slicer

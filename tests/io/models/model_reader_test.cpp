@@ -2,6 +2,8 @@
 #include "voxtone/io/models/model_reader.h"
 
 #include <algorithm>
+#include <tuple>
+#include <vector>
 
 #include <fmt/format.h>
 #include <Eigen/Geometry>
@@ -480,7 +482,7 @@ TEST_CASE("3MF models") {
         CHECK(near(corner_colour(textured(R"(tilestyleu="none")", "7").mesh, 0, 1), {1, 1, 1}));
         CHECK(near(corner_colour(textured("", "0.75").mesh, 1, 1), {1, 1, 1}));  // the other triangles have no colour
     }
-    SECTION("a transparent texture over a colour; several textures are reported") {
+    SECTION("a transparent texture over a colour; several layers are made into one picture") {
         const std::string resources =
             R"(<q:colorgroup id="1"><q:color color="#FF0000"/></q:colorgroup><q:texture2d id="3" path="/3D/t.png" contenttype="image/png"/>)"
             R"(<q:texture2dgroup id="4" texid="3"><q:tex2coord u="0.25" v="0.25"/></q:texture2dgroup>)"
@@ -491,11 +493,40 @@ TEST_CASE("3MF models") {
                       object(R"(id="2" pid="5" pindex="0")", 1),
                   R"(<item objectid="2"/>)", picture);
         CHECK(near(corner_colour(file.mesh, 0, 0), {0.8f, 0, 0.2f}, 5e-3f));
-        const ModelFile two = read3(
-            resources + R"(<q:multiproperties id="5" pids="1 4 6"><q:multi pindices="0 0 0"/></q:multiproperties>)" +
-                object(R"(id="2" pid="5" pindex="0")", 1),
-            R"(<item objectid="2"/>)", picture);
-        CHECK_THAT(warnings(two), Contains("multiproperties") && Contains("LOST"));
+        const auto layers = [&](const std::string& attributes, const std::string& indices) {
+            return read3(resources + "<q:multiproperties id=\"5\" " + attributes + "><q:multi pindices=\"" + indices +
+                             "\"/></q:multiproperties>" + object(R"(id="2" pid="5" pindex="0")", 1),
+                         R"(<item objectid="2"/>)", picture);
+        };
+        // Red, the blue fifth over it, and black over both; the other way round; red over the black; red times black.
+        const std::vector<std::tuple<std::string, std::string, Vector3f>> cases{
+            {R"(pids="1 4 6")", "0 0 0", {0, 0, 0}},
+            {R"(pids="1 6 4")", "0 0 0", {0, 0, 0.2f}},
+            {R"(pids="6 1")", "0 0", {1, 0, 0}},
+            {R"(pids="1 6" blendmethods="multiply")", "0 0", {0, 0, 0}},
+            {R"(pids="1 4" blendmethods="multiply")", "0 0", {0.8f, 0.8f, 0.8f}}};
+        for (const auto& [attributes, indices, colour] : cases) {
+            INFO(attributes);
+            const ModelFile several = layers(attributes, indices);
+            CHECK(several.lost_colour.empty());
+            CHECK(several.has_colour);
+            for (std::size_t t = 0; t < 4; ++t)
+                for (std::size_t c = 0; c < 3; ++c) CHECK(near(corner_colour(several.mesh, t, c), colour, 6e-3f));
+        }
+    }
+    SECTION("each layer of several has coordinates of its own") {
+        const std::string resources =
+            R"(<q:texture2d id="3" path="/3D/t.png" contenttype="image/png"/><q:texture2d id="7" path="/3D/o.png" contenttype="image/png"/>)"
+            R"(<q:texture2dgroup id="4" texid="3"><q:tex2coord u="0.25" v="0.25"/><q:tex2coord u="0.75" v="0.25"/><q:tex2coord u="0.25" v="0.75"/></q:texture2dgroup>)"
+            R"(<q:texture2dgroup id="6" texid="7"><q:tex2coord u="0.1" v="0.9"/></q:texture2dgroup>)"
+            R"(<q:multiproperties id="5" pids="4 6"><q:multi pindices="0 0"/><q:multi pindices="1 0"/><q:multi pindices="2 0"/></q:multiproperties>)";
+        const ModelFile file =
+            read3(resources + object(R"(id="2" pid="5" pindex="0")", 1, {R"(pid="5" p1="0" p2="1" p3="2")"}),
+                  R"(<item objectid="2"/>)", {{"3D/t.png", four_colours()}, {"3D/o.png", png(1, 1, {0, 0, 0, 0})}});
+        CHECK(near(corner_colour(file.mesh, 0, 0), {0, 0, 1}, 0.15f));
+        CHECK(near(corner_colour(file.mesh, 0, 1), {1, 1, 1}, 0.15f));
+        CHECK(near(corner_colour(file.mesh, 0, 2), {1, 0, 0}, 0.15f));
+        CHECK(file.warnings.empty());
     }
     SECTION("parts in other files, supports, slicer paint, a missing texture") {
         const std::string other =

@@ -2,6 +2,7 @@
 #include "voxtone/slicer/mesh/mesh_repair.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <catch2/catch.hpp>
 
@@ -10,6 +11,7 @@
 #include "voxtone/base/random.h"
 #include "voxtone/slicer/mesh/hole_filling.h"
 #include "voxtone/slicer/mesh/mesh_chain.h"
+#include "voxtone/slicer/mesh/mesh_orientation.h"
 
 using namespace voxtone;
 using namespace voxtone::slicer;
@@ -194,4 +196,41 @@ TEST_CASE("Nothing to print is said") {
     m.positions = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}};
     m.triangles = {{0, 1, 2}};
     CHECK_THROWS_AS(repair(m), InputError);
+}
+
+// Cases that take all pairs where sums are not kept: at these sizes hours, so that ctest's time limit finds them.
+
+TEST_CASE("An edge with a hundred thousand faces is oriented in time", "[bounds]") {
+    const std::uint32_t faces = 100'000;
+    std::vector<Triangle> fan;
+    for (std::uint32_t f = 0; f < faces; ++f) fan.push_back(f % 3 == 0 ? Triangle{0, 1, f + 2} : Triangle{1, 0, f + 2});
+    const std::size_t turned = orient_consistently(fan);
+    CHECK(turned > 0);
+    // As many one way as the other at the common edge.
+    long sum = 0;
+    for (const EdgeUse& use : edge_uses(fan))
+        if (use.low == 0 && use.high == 1) sum += use.sign;
+    CHECK(sum == 0);
+}
+
+TEST_CASE("A large hole beside very many small ones is filled in time", "[bounds]") {
+    // A fan of 200,000 triangles around a point, open at its rim, and 50,000 triangles alone.
+    const std::uint32_t rim = 200'000, alone = 50'000;
+    std::vector<Vector3d> positions{Vector3d(0, 0, 1)};
+    std::vector<Triangle> triangles;
+    for (std::uint32_t n = 0; n < rim; ++n) {
+        const double a = 2 * 3.14159265358979 * n / rim;
+        positions.emplace_back(100 * std::cos(a), 100 * std::sin(a), 0);
+        triangles.push_back({0, 1 + n, 1 + (n + 1) % rim});
+    }
+    for (std::uint32_t n = 0; n < alone; ++n) {
+        const auto first = std::uint32_t(positions.size());
+        for (const Vector3d& corner : {Vector3d(0, 0, 0), Vector3d(1, 0, 0), Vector3d(0, 1, 0)})
+            positions.push_back(corner + Vector3d(0, 0, 2 + n));
+        triangles.push_back({first, first + 1, first + 2});
+    }
+    const std::vector<HoleFill> fills = fill_holes(positions, triangles);
+    CHECK(fills.size() == alone + 1);
+    for (const HoleFill& fill : fills) triangles.insert(triangles.end(), fill.triangles.begin(), fill.triangles.end());
+    CHECK(open_edges(triangles) == 0);
 }

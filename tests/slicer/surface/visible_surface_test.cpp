@@ -1,11 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxtone/slicer/surface/visible_surface.h"
 
+#include <algorithm>
+#include <string>
+
 #include <catch2/catch.hpp>
 
 #include "tests/slicer/mesh/shapes.h"
+#include "voxtone/base/error.h"
 #include "voxtone/base/random.h"
 #include "voxtone/slicer/mesh/mesh_chain.h"
+#include "voxtone/slicer/mesh/mesh_crossings.h"
+#include "voxtone/slicer/mesh/mesh_orientation.h"
 #include "voxtone/slicer/mesh/winding_number.h"
 
 using namespace voxtone;
@@ -26,7 +32,7 @@ struct Seen {
         RepairOptions options;
         options.mode = mode;
         repaired = repair_mesh(mesh, options);
-        surface = find_visible_surface(mesh.positions, mesh.triangles, repaired, 0.05, &report);
+        surface = find_visible_surface(mesh.positions, mesh.triangles, repaired, {.piece_mm = 0.05}, &report);
     }
     [[nodiscard]] double area() const {
         double sum = 0;
@@ -133,4 +139,136 @@ TEST_CASE("Winding numbers by rays agree with solid angles") {
         if (n % 4 == 0) p = (p * 4).array().round() / 4 + 1e-3;  // rays along edges and diagonals of the box
         REQUIRE(winding_number(tree, p) == shapes::winding_number(mesh, p));
     }
+}
+
+namespace {
+
+// Boxes around one point, each a little larger than the last: `count` shells that all lie in one another.
+SolidMesh nested_boxes(int count) {
+    SolidMesh all = cube;
+    for (int n = 1; n < count; ++n)
+        all = shapes::joined(all, shapes::box(-0.01 * n * Vector3d::Ones(), (2 + 0.01 * n) * Vector3d::Ones()));
+    return all;
+}
+
+// Boxes that cross each other, all of them.
+SolidMesh crossing_boxes(int count) {
+    SolidMesh all = cube;
+    for (int n = 1; n < count; ++n)
+        all = shapes::joined(all, shapes::moved(cube, Vector3d(0.013 * n, 0.017 * n, 0.011 * n)));
+    return all;
+}
+
+// Steps that the search for crossings takes.
+std::uint64_t crossing_work(const SolidMesh& mesh) {
+    const TriangleTree tree(mesh.positions_mm, mesh.triangles);
+    WorkBudget work(std::uint64_t{1} << 60);
+    (void)find_crossings(tree, work);
+    return work.spent();
+}
+
+struct Listener : Progress {
+    std::vector<std::string> warnings;
+    std::uint64_t steps = 0;
+
+protected:
+    void on_warning(const std::string& message) override { warnings.push_back(message); }
+    void on_advance(std::uint64_t done) override { steps = std::max(steps, done); }
+};
+
+RepairedMesh repaired_of(const SolidMesh& mesh, io::TexturedMesh& textured) {
+    textured.positions = mesh.positions_mm;
+    textured.triangles = mesh.triangles;
+    RepairOptions options;
+    options.count_crossings_up_to = 0;
+    return repair_mesh(textured, options);
+}
+
+}  // namespace
+
+TEST_CASE("The search for crossings grows with the mesh, and with all pairs only in a heap", "[bounds]") {
+    // Four times as many triangles of a smooth body: about four times the work.
+    const double smooth = double(crossing_work(shapes::sphere(10, 40))) / double(crossing_work(shapes::sphere(10, 20)));
+    CHECK(smooth < 6);
+    // Twice as many triangles in one place: four times; that is what the budget is for.
+    const SolidMesh heap = crossing_boxes(40), twice = crossing_boxes(80);
+    CHECK(double(crossing_work(twice)) / double(crossing_work(heap)) > 3);
+    const TriangleTree tree(twice.positions_mm, twice.triangles);
+    WorkBudget little(10'000), enough(crossing_work(twice));
+    CHECK_THROWS_AS(find_crossings(tree, little), WorkExceeded);
+    CHECK_THROWS_AS(count_crossings(tree, little), WorkExceeded);
+    CHECK(little.spent() < 10'000 + twice.triangles.size() * 20);  // stopped there, and not much later
+    CHECK_NOTHROW(find_crossings(tree, enough));
+}
+
+TEST_CASE("Crossings are mutual and in order", "[bounds]") {
+    const SolidMesh mesh = crossing_boxes(6);
+    const TriangleTree tree(mesh.positions_mm, mesh.triangles);
+    WorkBudget work(1'000'000);
+    const auto crossings = find_crossings(tree, work);
+    std::size_t pairs = 0;
+    for (std::uint32_t t = 0; t < crossings.size(); ++t) {
+        CHECK(std::is_sorted(crossings[t].begin(), crossings[t].end()));
+        for (const std::uint32_t other : crossings[t]) {
+            CHECK(std::binary_search(crossings[other].begin(), crossings[other].end(), t));
+            ++pairs;
+        }
+    }
+    CHECK(pairs > 0);
+    CHECK(pairs == 2 * count_crossings(tree, work));  // no two of these boxes share a corner
+}
+
+TEST_CASE("A heap of triangles is cut coarsely, and at last refused, in a sentence", "[bounds]") {
+    io::TexturedMesh textured;
+    const SolidMesh heap = crossing_boxes(40);
+    const RepairedMesh repaired = repaired_of(heap, textured);
+    Listener listener;
+    const auto find = [&](std::uint64_t most_steps) {
+        listener.warnings.clear();
+        return find_visible_surface(textured.positions, textured.triangles, repaired,
+                                    {.piece_mm = 0.02, .most_steps = most_steps}, nullptr, &listener);
+    };
+    const VisibleSurface fine = find(0);
+    CHECK(listener.warnings.empty());
+    CHECK(listener.steps <= 2 * repaired.solid->triangles.size());
+    CHECK(listener.steps > repaired.solid->triangles.size());
+    const VisibleSurface coarse = find(2 * crossing_work(heap) + 1'000'000);
+    REQUIRE(listener.warnings.size() == 1);
+    CHECK_THAT(listener.warnings[0], Catch::Contains("mm rough"));
+    CHECK(coarse.triangles.size() < fine.triangles.size());
+    CHECK(coloured_area_mm2(coarse) == Approx(coloured_area_mm2(fine)).epsilon(0.25));
+    CHECK_THROWS_AS(find(1000), InputError);
+    CHECK_THROWS_WITH(find(1000), Catch::Contains("lie on or across one another") && Catch::Contains("unite"));
+}
+
+TEST_CASE("What is bounded can be stopped", "[bounds]") {
+    io::TexturedMesh textured;
+    const RepairedMesh repaired = repaired_of(crossing_boxes(5), textured);
+    Progress cancelled;
+    cancelled.cancel();
+    CHECK_THROWS_AS(find_visible_surface(textured.positions, textured.triangles, repaired, {}, nullptr, &cancelled),
+                    Cancelled);
+    // Already in the count of crossings of the repair.
+    CHECK_THROWS_AS(repair_mesh(textured, {}, &cancelled), Cancelled);
+    SolidMesh inward = shapes::flipped(nested_boxes(5));
+    const Shells shells = find_shells(inward.triangles);
+    CHECK_THROWS_AS(orient_outward(inward.positions_mm, inward.triangles, shells, &cancelled), Cancelled);
+}
+
+TEST_CASE("Shells in shells: turned as a whole, and refused where there are too many to tell", "[bounds]") {
+    SolidMesh inward = shapes::flipped(nested_boxes(30));
+    const Shells shells = find_shells(inward.triangles);
+    REQUIRE(shells.count == 30);
+    std::vector<Triangle> triangles = inward.triangles;
+    const ShellTurns turns = orient_outward(inward.positions_mm, triangles, shells);
+    CHECK(turns.turned == 30);
+    CHECK(turns.cavities == 0);
+    CHECK_THROWS_WITH(orient_outward(inward.positions_mm, inward.triangles, shells, nullptr, 1000),
+                      Catch::Contains("cavities") && Catch::Contains("unite"));
+    // Far from one another none is asked about another, so little work does.
+    SolidMesh apart = cube;
+    for (int n = 1; n < 200; ++n) apart = shapes::joined(apart, shapes::moved(cube, Vector3d(3.0 * n, 0, 0)));
+    apart = shapes::flipped(apart);
+    CHECK(orient_outward(apart.positions_mm, apart.triangles, find_shells(apart.triangles), nullptr, 1000).turned ==
+          200);
 }
