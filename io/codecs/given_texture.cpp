@@ -17,7 +17,8 @@ void lay_given_texture(ModelParts& parts, ParseContext& context, const std::file
             "{} has no texture coordinates, so that --texture {} cannot be laid on it; unwrap it in a mesh editor",
             context.name(), name));
     std::vector<bool> takes_it(parts.materials.size());
-    for (std::size_t m = 0; m < takes_it.size(); ++m) takes_it[m] = parts.materials[m].image < 0;
+    for (const std::uint32_t m : parts.material_of_triangle)
+        if (m < takes_it.size()) takes_it[m] = parts.materials[m].image < 0;
     if (std::find(takes_it.begin(), takes_it.end(), true) == takes_it.end())
         throw InputError(fmt::format(
             "{} has textures of its own, which --texture {} does not replace; leave it out, or change them in the file",
@@ -36,7 +37,8 @@ void lay_given_texture(ModelParts& parts, ParseContext& context, const std::file
         parts.materials[m].alpha = 1;
     }
     for (std::size_t t = 0; t < std::min(parts.corner_rgba.size(), parts.material_of_triangle.size()); ++t)
-        if (takes_it[parts.material_of_triangle[t]]) parts.corner_rgba[t].fill(Eigen::Vector4f::Ones());
+        if (parts.material_of_triangle[t] < takes_it.size() && takes_it[parts.material_of_triangle[t]])
+            parts.corner_rgba[t].fill(Eigen::Vector4f::Ones());
     parts.has_colour = true;
     parts.lost_textures.clear();
 }

@@ -128,6 +128,7 @@ public:
         scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
         if (!scene) throw InputError(fmt::format("the polygons of {} cannot be triangulated", context_.name()));
         make_materials(*scene, files->materials);
+        look_for_library(*scene, files->materials);
         for (unsigned m = 0; m < scene->mNumMeshes; ++m) add_mesh(*scene->mMeshes[m]);
         if (scene->mNumMeshes == 1) lay_ply_faces();
         if (parts_.triangles.size() < expected)
@@ -167,24 +168,31 @@ private:
     void make_materials(const aiScene& scene, const std::map<std::string, MtlMaterial>& library) {
         parts_.materials.resize(std::max(scene.mNumMaterials, 1u));
         transforms_.resize(parts_.materials.size());
-        std::size_t used = 0;
         for (unsigned m = 0; m < scene.mNumMaterials; ++m) {
             aiString name;
             scene.mMaterials[m]->Get(AI_MATKEY_NAME, name);
             parts_.materials[m].name = name.C_Str();
-            if (const auto found = library.find(name.C_Str()); found != library.end()) use(found->second, m), ++used;
+            if (const auto found = library.find(name.C_Str()); found != library.end()) use(found->second, m);
         }
-        if (used == 0 &&
-            std::any_of(library.begin(), library.end(), [](const auto& m) { return has_colour(m.second); }))
-            parts_.lose_colour(fmt::format(
-                "{} uses none of the materials in its library: their colours are LOST. Look at the names behind usemtl "
-                "and newmtl, or export it again.",
-                context_.name()));
         if (ply_ && !ply_->texture_file.empty()) {
             parts_.has_colour = true;
             parts_.materials[0].image = context_.add_image_file(parts_, ply_->texture_file, context_.decode_options());
             for (PartMaterial& material : parts_.materials) material.image = parts_.materials[0].image;
         }
+    }
+
+    /// A library of which nothing is used: its colours were meant for something.
+    void look_for_library(const aiScene& scene, const std::map<std::string, MtlMaterial>& library) {
+        for (unsigned m = 0; m < scene.mNumMeshes; ++m) {
+            aiString name;
+            scene.mMaterials[scene.mMeshes[m]->mMaterialIndex]->Get(AI_MATKEY_NAME, name);
+            if (library.contains(name.C_Str())) return;
+        }
+        if (std::any_of(library.begin(), library.end(), [](const auto& m) { return has_colour(m.second); }))
+            parts_.lose_colour(fmt::format(
+                "{} uses none of the materials in its library: their colours are LOST. Look at the names behind usemtl "
+                "and newmtl, or export it again.",
+                context_.name()));
     }
 
     void use(const MtlMaterial& mtl, std::size_t m) {

@@ -95,6 +95,7 @@ PlyHeader read_ply_header(std::span<const std::byte> bytes, const std::string& n
                                                               : PlyHeader::Encoding::little_endian;
         } else if (key == "comment" && second == "TextureFile") {
             std::getline(words >> std::ws, header.texture_file);
+            header.texture_file.erase(header.texture_file.find_last_not_of(" \t") + 1);  // some leave one there
         } else if (key == "element") {
             PlyElement element{second, 0, {}};
             if (!(words >> element.count))

@@ -372,7 +372,7 @@ TEST_CASE("PLY faces have colours and texture coordinates of their own") {
     SECTION("coordinates: two faces at one edge may tear there") {
         const ModelFile file =
             read(folder,
-                 {{"d.ply", "ply\nformat ascii 1.0\ncomment TextureFile t.png\nelement vertex 4\n" + vertices +
+                 {{"d.ply", "ply\nformat ascii 1.0\ncomment TextureFile   t.png \nelement vertex 4\n" + vertices +
                                 "element face 2\n" + face_list +
                                 "property list uchar float texcoord\nend_header\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n"
                                 "3 0 1 2 6 0.25 0.25 0.25 0.25 0.25 0.25\n3 1 3 2 6 0.75 0.25 0.25 0.75 0.75 0.75\n"},
@@ -516,7 +516,8 @@ TEST_CASE("3MF models") {
     }
     SECTION("each layer of several has coordinates of its own") {
         const std::string resources =
-            R"(<q:texture2d id="3" path="/3D/t.png" contenttype="image/png"/><q:texture2d id="7" path="/3D/o.png" contenttype="image/png"/>)"
+            R"(<q:texture2d id="3" path="/3D/t.png" contenttype="image/png" tilestyleu="clamp" tilestylev="clamp"/>)"
+            R"(<q:texture2d id="7" path="/3D/o.png" contenttype="image/png"/>)"
             R"(<q:texture2dgroup id="4" texid="3"><q:tex2coord u="0.25" v="0.25"/><q:tex2coord u="0.75" v="0.25"/><q:tex2coord u="0.25" v="0.75"/></q:texture2dgroup>)"
             R"(<q:texture2dgroup id="6" texid="7"><q:tex2coord u="0.1" v="0.9"/></q:texture2dgroup>)"
             R"(<q:multiproperties id="5" pids="4 6"><q:multi pindices="0 0"/><q:multi pindices="1 0"/><q:multi pindices="2 0"/></q:multiproperties>)";
