@@ -58,7 +58,7 @@ void check_scope_of_colour(const SliceOptions& o) {
 void check_scope_of_layers(const SliceOptions& o) {
     constexpr std::string_view why = "it only goes with --model colour";
     idle(o, true,
-         {"core", "depth", "mixing", "intent", "viewing-distance", "loop-model", "loop-method", "resume",
+         {"texture", "core", "depth", "mixing", "intent", "viewing-distance", "loop-model", "loop-method", "resume",
           "predict-cell"},
          why);
     idle(o, o.iterations != "0", {"iterations"}, why);
