@@ -8,8 +8,8 @@
 //   the MTL note says so: exporters leave grey defaults there (0.64, 0.8) beside finished photographs, and people
 //   expect the colours of the picture. A Kd that is no grey and was not applied is reported. Vertex colours (v x y z r
 //   g b) are sRGB.
-// - PLY: vertex colours of integers are sRGB codes, of floats linear; face colours in the same way, where the colours of
-//   vertices are absent or all alike; `comment TextureFile`, coordinates of vertices or of each face's corners.
+// - PLY: vertex colours of integers are sRGB codes, of floats linear; face colours in the same way, where vertices have
+//   none or are all alike; `comment TextureFile`, coordinates of vertices or of each face's corners.
 // - STL: none. Attribute words that look like the colours of VisCAM or Magics are lost, which is said.
 // - glTF: baseColorFactor (linear) * COLOR_0 (linear) * baseColorTexture (sRGB) with KHR_texture_transform; nothing
 // else of
@@ -18,8 +18,8 @@
 //   y).
 // - 3MF: the core specification with materials and properties; see io/codecs/threemf_part.h.
 //   Layers of textures and colours over each other (multiproperties) are made into one picture, triangle by triangle.
-// In all but glTF the axes stay as they are. Where no triangle of the model uses a texture's texel, the nearest used one
-// is put (io/models/texel_coverage.h).
+// In all but glTF the axes stay as they are. Where no triangle of the model uses a texture's texel, the nearest used
+// one is put (io/models/texel_coverage.h).
 //
 // Alpha is composed over white, with a warning where it is used. What is transparent as a whole is not: a material, a
 // texture or corners of alpha 0 (Tr 1 in a library of MeshLab means opaque) would vanish, so they are taken to be
