@@ -113,15 +113,32 @@ std::string duration_text(double seconds) {
 }
 
 ProgressBar::ProgressBar(TextSink sink, SecondsClock clock, Look look)
-    : sink_(std::move(sink)), clock_(std::move(clock)), look_(std::move(look)) {}
+    : sink_(std::move(sink)), clock_(std::move(clock)), look_(std::move(look)) {
+    constexpr double period_s = 0.5;
+    if (look_.ticks) ticker_.emplace(period_s, [this] { tick(); });
+}
 
 ProgressBar::~ProgressBar() {
+    ticker_.reset();
     if (on_screen_) sink_(erase_line);
+}
+
+void ProgressBar::tick() {
+    const std::lock_guard lock(mutex_);
+    if (!in_stage_) return;
+    shown_ = std::max(shown_, done());
+    say("");
+}
+
+void ProgressBar::expect(std::vector<ExpectedStage> stages) {
+    const std::lock_guard lock(mutex_);
+    outlook_.expect(std::move(stages));
 }
 
 void ProgressBar::on_stage(std::string_view name, std::uint64_t steps, std::string_view unit) {
     const std::lock_guard lock(mutex_);
     stage_ = {printable(name), steps, printable(unit), clock_()};
+    outlook_.begin(name, stage_.began_s);
     shown_ = 0;
     in_stage_ = true;
     next_draw_s_ = stage_.began_s + seconds_between_drawings;
@@ -141,6 +158,7 @@ void ProgressBar::on_advance(std::uint64_t done) {
 void ProgressBar::on_stage_end() {
     const std::lock_guard lock(mutex_);
     in_stage_ = false;
+    outlook_.end(clock_());
     say(ending(stage_, done(), clock_() - stage_.began_s));
 }
 
@@ -163,15 +181,24 @@ void ProgressBar::say(std::string_view text) {
     sink_(piece);
 }
 
+/// What is left of the job, else of the stage, else how long the stage has taken.
+std::string ProgressBar::time_text() {
+    const double now_s = clock_(), elapsed_s = now_s - stage_.began_s;
+    std::string left = time_left_text(stage_, shown_, elapsed_s);
+    if (const auto job = outlook_.seconds_left(share_done(stage_, shown_), now_s)) left = left_text(*job);
+    const bool counts = stage_.steps > 0 && shown_ > 0;
+    if (left.empty()) return duration_text(elapsed_s);
+    return counts ? left : duration_text(elapsed_s) + "  " + left;
+}
+
 /// As much of name, bar, count, rate and time left as the terminal is wide for, in this order of importance:
 /// name, percentage, time left, count, bar, rate.
-std::string ProgressBar::drawing() const {
+std::string ProgressBar::drawing() {
     const int columns = look_.columns() - 1;  // the last column would wrap on some terminals
     const double elapsed_s = clock_() - stage_.began_s;
     const double share = share_done(stage_, shown_);
     const std::string percent = stage_.steps ? fmt::format("  {:3.0f} %", std::floor(share * 100)) : "";
-    const std::string left = time_left_text(stage_, shown_, elapsed_s);
-    const std::string time = "  " + (left.empty() ? duration_text(elapsed_s) : left);
+    const std::string time = "  " + time_text();
     const std::string count = shown_ || stage_.steps ? "  " + count_text(stage_, shown_) : "";
     const std::string rate = shown_ && elapsed_s >= seconds_before_estimate
                                  ? "  " + rate_text(static_cast<double>(shown_) / elapsed_s)
@@ -191,40 +218,76 @@ std::string ProgressBar::drawing() const {
            (with_time ? time : "");
 }
 
-ProgressLines::ProgressLines(TextSink sink, SecondsClock clock) : sink_(std::move(sink)), clock_(std::move(clock)) {}
+ProgressLines::ProgressLines(TextSink sink, SecondsClock clock, bool ticks)
+    : sink_(std::move(sink)), clock_(std::move(clock)), said_s_(clock_()) {
+    constexpr double period_s = 1;
+    if (ticks) ticker_.emplace(period_s, [this] { tick(); });
+}
+
+void ProgressLines::tick() {
+    constexpr double longest_silence_s = 19.5;
+    const std::lock_guard lock(mutex_);
+    const double now_s = clock_();
+    if (!in_stage_ || now_s - said_s_ < longest_silence_s) return;
+    say(fmt::format("{}{} after {}{}\n", stage_.name, stage_.steps ? ": " + count_text(stage_, done()) : "",
+                    duration_text(now_s - stage_.began_s), time_text(now_s)));
+}
+
+void ProgressLines::expect(std::vector<ExpectedStage> stages) {
+    const std::lock_guard lock(mutex_);
+    outlook_.expect(std::move(stages));
+}
 
 void ProgressLines::on_stage(std::string_view name, std::uint64_t steps, std::string_view unit) {
     const std::lock_guard lock(mutex_);
     stage_ = {printable(name), steps, printable(unit), clock_()};
+    outlook_.begin(name, stage_.began_s);
+    in_stage_ = true;
     next_line_ = std::max<std::uint64_t>(1, (steps + 9) / 10);
-    sink_(steps ? fmt::format("{}: {} {}\n", stage_.name, steps, stage_.unit) : fmt::format("{} ...\n", stage_.name));
 }
 
 void ProgressLines::on_advance(std::uint64_t done) {
+    constexpr double shortest_pause_s = 2;
     if (done < next_line_.load(std::memory_order_relaxed)) return;
     const std::lock_guard lock(mutex_);
     if (stage_.steps == 0 || done < next_line_ || done >= stage_.steps) return;
     const std::uint64_t tenth = done * 10 / stage_.steps;
     next_line_ = ((tenth + 1) * stage_.steps + 9) / 10;
-    const double elapsed_s = clock_() - stage_.began_s;
-    const std::string left = time_left_text(stage_, done, elapsed_s);
-    sink_(fmt::format("{}: {} % ({}) after {}{}\n", stage_.name, tenth * 10, count_text(stage_, done),
-                      duration_text(elapsed_s), left.empty() ? left : ", " + left));
+    const double now_s = clock_();
+    if (now_s - std::max(said_s_, stage_.began_s) < shortest_pause_s) return;
+    say(fmt::format("{}: {} % ({}) after {}{}\n", stage_.name, tenth * 10, count_text(stage_, done),
+                    duration_text(now_s - stage_.began_s), time_text(now_s)));
 }
 
 void ProgressLines::on_stage_end() {
+    constexpr double worth_a_line_s = 1;
     const std::lock_guard lock(mutex_);
-    sink_(ending(stage_, done(), clock_() - stage_.began_s));
+    const double now_s = clock_(), elapsed_s = now_s - stage_.began_s;
+    in_stage_ = false;
+    outlook_.end(now_s);
+    if (elapsed_s >= worth_a_line_s) say(ending(stage_, done(), elapsed_s));
 }
 
 void ProgressLines::on_warning(const std::string& message) {
     const std::lock_guard lock(mutex_);
-    sink_("warning: " + printable(message) + "\n");
+    say("warning: " + printable(message) + "\n");
 }
 
 void ProgressLines::on_note(const std::string& message) {
     const std::lock_guard lock(mutex_);
-    sink_(printable(message) + "\n");
+    say(printable(message) + "\n");
+}
+
+void ProgressLines::say(const std::string& text) {
+    said_s_ = clock_();
+    sink_(text);
+}
+
+/// ", about 2 min left", of the job, else of the stage.
+std::string ProgressLines::time_text(double now_s) {
+    std::string left = time_left_text(stage_, done(), now_s - stage_.began_s);
+    if (const auto job = outlook_.seconds_left(share_done(stage_, done()), now_s)) left = left_text(*job);
+    return left.empty() ? left : ", " + left;
 }
 
 ProgressQuiet::ProgressQuiet(TextSink sink) : sink_(std::move(sink)) {}
@@ -240,8 +303,8 @@ std::unique_ptr<Progress> make_console_progress(bool quiet) {
     const bool can_move_cursor = terminal && std::string_view(terminal) != "dumb";
     if (isatty(STDERR_FILENO) && can_move_cursor)
         return std::make_unique<ProgressBar>(stderr_sink(), steady_seconds(),
-                                             ProgressBar::Look{terminal_columns, locale_is_utf8()});
-    return std::make_unique<ProgressLines>(stderr_sink(), steady_seconds());
+                                             ProgressBar::Look{terminal_columns, locale_is_utf8(), true});
+    return std::make_unique<ProgressLines>(stderr_sink(), steady_seconds(), true);
 }
 
 }  // namespace voxtone

@@ -10,10 +10,13 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <string_view>
 
+#include "voxtone/base/job_outlook.h"
 #include "voxtone/base/progress.h"
+#include "voxtone/base/ticker.h"
 
 namespace voxtone {
 
@@ -36,16 +39,23 @@ struct Stage {
 /// "4.2 s", "3 min 05 s", "2 h 07 min".
 [[nodiscard]] std::string duration_text(double seconds);
 
-/// A bar that is redrawn in place at most ten times a second, and one line per stage when it is done:
+/// A bar that is redrawn in place at most ten times a second, twice a second while nothing is reported, and one line
+/// per stage when it is done:
 ///     layers  [=========>          ]  47 %  1842/3920 layers  61/s  34 s left
-class ProgressBar final : public Progress {
+/// The time left is that of the whole job where its stages are expected (base/job_outlook.h): "about 2 min left".
+class ProgressBar final : public Progress, public ShowsOutlook {
 public:
     struct Look {
         std::function<int()> columns;  ///< width of the terminal now
         bool unicode = false;          ///< draw with block characters
+        bool ticks = false;            ///< also while nothing is reported
     };
     ProgressBar(TextSink sink, SecondsClock clock, Look look);
     ~ProgressBar() override;
+
+    /// Draws anew, as a clock's tick does.
+    void tick();
+    void expect(std::vector<ExpectedStage> stages) override;
 
 private:
     void on_stage(std::string_view name, std::uint64_t steps, std::string_view unit) override;
@@ -54,22 +64,30 @@ private:
     void on_warning(const std::string& message) override;
     void on_note(const std::string& message) override;
     void say(std::string_view text);
-    [[nodiscard]] std::string drawing() const;
+    [[nodiscard]] std::string time_text();
+    [[nodiscard]] std::string drawing();
 
     TextSink sink_;
     SecondsClock clock_;
     Look look_;
     std::mutex mutex_;
     Stage stage_;
+    JobOutlook outlook_;
     std::uint64_t shown_ = 0;  ///< steps done as drawn
     bool in_stage_ = false, on_screen_ = false;
     std::atomic<double> next_draw_s_{0};
+    std::optional<Ticker> ticker_;  ///< last: it uses the others
 };
 
-/// Lines for a log: the start and the end of each stage and every tenth of it.
-class ProgressLines final : public Progress {
+/// Lines for a log, as few as tell that the work goes on: tenths of a stage and its end, nothing of what takes less
+/// than a second, no two tenths within two seconds, and a sign of life every 20 s (some schedulers end silent jobs).
+class ProgressLines final : public Progress, public ShowsOutlook {
 public:
-    ProgressLines(TextSink sink, SecondsClock clock);
+    ProgressLines(TextSink sink, SecondsClock clock, bool ticks = false);
+
+    /// Says something if nothing was said for 20 s.
+    void tick();
+    void expect(std::vector<ExpectedStage> stages) override;
 
 private:
     void on_stage(std::string_view name, std::uint64_t steps, std::string_view unit) override;
@@ -81,8 +99,15 @@ private:
     TextSink sink_;
     SecondsClock clock_;
     std::mutex mutex_;
+    void say(const std::string& text);
+    [[nodiscard]] std::string time_text(double now_s);
+
     Stage stage_;
+    JobOutlook outlook_;
+    bool in_stage_ = false;
+    double said_s_ = 0;
     std::atomic<std::uint64_t> next_line_{0};  ///< steps that make the next tenth
+    std::optional<Ticker> ticker_;             ///< last: it uses the others
 };
 
 /// Warnings only.

@@ -4,6 +4,7 @@
 // flat object of numbers and of strings that `json_quoted` has made safe.
 #include "voxtone/base/progress_events.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <utility>
 
@@ -34,7 +35,23 @@ std::string on_one_line(std::string_view json) {
 
 }  // namespace
 
-ProgressEvents::ProgressEvents(TextSink sink, SecondsClock clock) : sink_(std::move(sink)), clock_(std::move(clock)) {}
+ProgressEvents::ProgressEvents(TextSink sink, SecondsClock clock, bool ticks)
+    : sink_(std::move(sink)), clock_(std::move(clock)) {
+    constexpr double period_s = 0.5;
+    if (ticks) ticker_.emplace(period_s, [this] { tick(); });
+}
+
+void ProgressEvents::tick() {
+    constexpr double silence_s = 0.9;  // so that ticks of half a second tell every second
+    const std::lock_guard lock(mutex_);
+    const double now_s = clock_();
+    if (in_stage_ && now_s >= next_event_s_ + silence_s - seconds_between_events) tell_progress(done(), now_s);
+}
+
+void ProgressEvents::expect(std::vector<ExpectedStage> stages) {
+    const std::lock_guard lock(mutex_);
+    outlook_.expect(std::move(stages));
+}
 
 void ProgressEvents::result(std::string_view json) {
     say(fmt::format(R"({{"event":"result","result":{}}})", on_one_line(json)));
@@ -44,6 +61,8 @@ void ProgressEvents::on_stage(std::string_view name, std::uint64_t steps, std::s
     {
         const std::lock_guard lock(mutex_);
         stage_ = {json_quoted(name), steps, json_quoted(unit), clock_()};
+        outlook_.begin(name, stage_.began_s);
+        in_stage_ = true;
         next_event_s_ = stage_.began_s + seconds_between_events;
     }
     say(fmt::format(R"({{"event":"stage","stage":{},"state":"begin","steps":{},"unit":{}}})", stage_.name, steps,
@@ -55,12 +74,24 @@ void ProgressEvents::on_advance(std::uint64_t done) {
     if (now_s < next_event_s_.load(std::memory_order_relaxed)) return;
     const std::unique_lock lock(mutex_, std::try_to_lock);
     if (!lock || now_s < next_event_s_) return;
+    tell_progress(done, now_s);
+}
+
+void ProgressEvents::tell_progress(std::uint64_t done, double now_s) {
     next_event_s_ = now_s + seconds_between_events;
-    sink_(fmt::format("{{\"event\":\"progress\",\"stage\":{},\"done\":{},\"steps\":{},\"seconds\":{:.2f}}}\n",
-                      stage_.name, done, stage_.steps, now_s - stage_.began_s));
+    const double share = stage_.steps ? std::min(1.0, double(done) / double(stage_.steps)) : 0;
+    const std::optional<double> left_s = outlook_.seconds_left(share, now_s);
+    sink_(fmt::format("{{\"event\":\"progress\",\"stage\":{},\"done\":{},\"steps\":{},\"seconds\":{:.2f}{}}}\n",
+                      stage_.name, done, stage_.steps, now_s - stage_.began_s,
+                      left_s ? fmt::format(",\"job_seconds_left\":{:.0f}", *left_s) : ""));
 }
 
 void ProgressEvents::on_stage_end() {
+    {
+        const std::lock_guard lock(mutex_);
+        in_stage_ = false;
+        outlook_.end(clock_());
+    }
     say(fmt::format(R"({{"event":"stage","stage":{},"state":"end","done":{},"seconds":{:.2f}}})", stage_.name, done(),
                     clock_() - stage_.began_s));
 }

@@ -2,7 +2,8 @@
 //
 // Progress for programs: one JSON object per line (NDJSON), each with an "event":
 //   {"event":"stage","stage":"layers","state":"begin","steps":3920,"unit":"layers"}   ("steps" 0: unknown)
-//   {"event":"progress","stage":"layers","done":1842,"steps":3920,"seconds":30.21}    at most ten a second
+//   {"event":"progress","stage":"layers","done":1842,"steps":3920,"seconds":30.21,"job_seconds_left":95}
+//     at most ten a second, at least one; "job_seconds_left" where the job's stages are known
 //   {"event":"stage","stage":"layers","state":"end","done":3920,"seconds":64.80}
 //   {"event":"warning","message":"..."}   {"event":"note","message":"..."}
 //   {"event":"result","result":{...}}     once, the last line
@@ -18,12 +19,17 @@
 
 namespace voxtone {
 
-class ProgressEvents final : public Progress {
+class ProgressEvents final : public Progress, public ShowsOutlook {
 public:
-    ProgressEvents(TextSink sink, SecondsClock clock);
+    ProgressEvents(TextSink sink, SecondsClock clock, bool ticks = false);
+
+    /// Tells how far the stage is, unless that was told within the last second.
+    void tick();
 
     /// `json` is one valid JSON value; line breaks in it are taken out.
     void result(std::string_view json);
+
+    void expect(std::vector<ExpectedStage> stages) override;
 
 private:
     void on_stage(std::string_view name, std::uint64_t steps, std::string_view unit) override;
@@ -32,12 +38,16 @@ private:
     void on_warning(const std::string& message) override;
     void on_note(const std::string& message) override;
     void say(const std::string& line);
+    void tell_progress(std::uint64_t done, double now_s);
 
     TextSink sink_;
     SecondsClock clock_;
     std::mutex mutex_;
     Stage stage_;
+    JobOutlook outlook_;
+    bool in_stage_ = false;
     std::atomic<double> next_event_s_{0};
+    std::optional<Ticker> ticker_;  ///< last: it uses the others
 };
 
 /// {"event":"error",...}, without a line break.

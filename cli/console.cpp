@@ -17,7 +17,7 @@ namespace voxtone::cli {
 namespace {
 
 JobResult run_with_events(const std::function<JobResult(Progress&)>& work) {
-    ProgressEvents events(stdout_sink(), steady_seconds());
+    ProgressEvents events(stdout_sink(), steady_seconds(), true);
     const CancelOnSignal cancel_on_signal(events);
     JobResult result = work(events);
     events.result(result.json);

@@ -138,9 +138,10 @@ std::string usage_message(const CLI::App& program, const CLI::ParseError& error)
     const std::vector<std::string> extras = program.remaining(true);
     for (const std::string& word : extras)
         if (is_option_word(word) && word != "--") return unknown_option(command, word);
-    if (error.get_name() == "ExtrasError" && !extras.empty()) return one_too_many(command, extras.front());
+    if (dynamic_cast<const CLI::ExtrasError*>(&error) && !extras.empty()) return one_too_many(command, extras.front());
     std::string message = error.what();
-    if (const std::string point = with_decimal_point(message); error.get_name() == "ConversionError" && !point.empty())
+    if (const std::string point = with_decimal_point(message);
+        dynamic_cast<const CLI::ConversionError*>(&error) && !point.empty())
         message += " (decimals stand behind a point: " + point.substr(point.rfind(' ') + 1) + ")";
     return fmt::format("{}; `{} --help` tells more", message, full_name(command));
 }

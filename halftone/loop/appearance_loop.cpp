@@ -151,14 +151,12 @@ const char* name_of(LoopMethod method) {
     return "descent";
 }
 
-std::string report_line(const LoopState& state, int most) {
+std::string report_line(const LoopState& state) {
     const LoopStep& step = state.steps.back();
-    const double left_s = std::max(0, most - step.iteration) * step.seconds;
     return fmt::format(
-        "iteration {} ({}): mean error as seen {:.2f}, median {:.2f} (open loop {:.2f}, {:.2f}), {:.1f} s; at most "
-        "{:.0f} s left",
+        "iteration {} ({}): mean error as seen {:.2f}, median {:.2f} (open loop {:.2f}, {:.2f}), {:.1f} s",
         step.iteration, name_of(step.method), step.seen.mean, step.seen.median, state.steps.front().seen.mean,
-        state.steps.front().seen.median, step.seconds, left_s);
+        state.steps.front().seen.median, step.seconds);
 }
 
 /// A loop while it runs: what one task keeps, the print that was predicted last, and the state that grows.
@@ -343,7 +341,7 @@ void LoopRun::predict(optics::ResinVolume volume, LoopMethod method) {
     step.saturated_share = saturated_share_;
     step.seconds = watch_.lap();
     state_.steps.push_back(step);
-    progress_.note(report_line(state_, most_));
+    progress_.note(report_line(state_));
     progress_.advance();
 }
 

@@ -16,6 +16,7 @@
 #include "voxtone/io/report/report_json.h"
 #include "voxtone/slicer/job/colour_print.h"
 #include "voxtone/slicer/job/job_body.h"
+#include "voxtone/slicer/job/job_stages.h"
 #include "voxtone/slicer/job/layered_print.h"
 #include "voxtone/slicer/job/opened_job.h"
 #include "voxtone/slicer/job/report_files.h"
@@ -138,6 +139,7 @@ SliceResult run_slice_job(const SliceOptions& asked, Progress& progress) {
     for (const std::string& warning : job.printer.warnings()) progress.warn(warning);
     const JobBody body = read_body(job, figures, progress);
     const LayerRange range = range_within(job.options.layers, body.grid.size[2]);
+    expect_stages(progress, expected_stages(job, body, range));
     const std::unique_ptr<Print> print = make_print(job, body, progress);
     print->prepare(progress);
 

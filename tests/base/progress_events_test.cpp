@@ -21,6 +21,15 @@ TEST_CASE("Events are one JSON object a line") {
     events.advance(20);  // too soon after the last
     now_s += 1;
     events.end_stage();
+    now_s += 5;
+    events.tick();  // between stages
+    events.expect({{"predict", 30}});
+    events.begin_stage("predict", 0);
+    now_s += 0.5;
+    events.tick();  // too early
+    now_s += 0.5;
+    events.tick();
+    events.end_stage();
     events.result("{\n  \"layers\": 40,\n\t\"name\": \"a  b\"\n}\n");
     text += error_event(ExitCode::invalid_input, "no triangles") + "\n";
     CHECK(text == R"({"event":"stage","stage":"lay\"ers\n","state":"begin","steps":40,"unit":"layers"})"
@@ -32,6 +41,12 @@ TEST_CASE("Events are one JSON object a line") {
                   R"({"event":"note","message":"n"})"
                   "\n"
                   R"({"event":"stage","stage":"lay\"ers\n","state":"end","done":40,"seconds":2.05})"
+                  "\n"
+                  R"({"event":"stage","stage":"predict","state":"begin","steps":0,"unit":"steps"})"
+                  "\n"
+                  R"({"event":"progress","stage":"predict","done":0,"steps":0,"seconds":1.00,"job_seconds_left":29})"
+                  "\n"
+                  R"({"event":"stage","stage":"predict","state":"end","done":0,"seconds":1.00})"
                   "\n"
                   R"({"event":"result","result":{"layers": 40,"name": "a  b"}})"
                   "\n"

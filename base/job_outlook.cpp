@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/base/job_outlook.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <utility>
+
+#include <fmt/core.h>
+
+namespace voxtone {
+
+void expect_stages(Progress& progress, std::vector<ExpectedStage> stages) {
+    if (auto* const shows = dynamic_cast<ShowsOutlook*>(&progress)) shows->expect(std::move(stages));
+}
+
+void JobOutlook::expect(std::vector<ExpectedStage> stages) { to_come_ = std::move(stages); }
+
+/// Stages that were expected before this one are over or were left out.
+void JobOutlook::begin(std::string_view stage, double now_s) {
+    began_s_ = reached_s_ = now_s;
+    share_ = 0;
+    running_ = true;
+    expected_s_ = 0;
+    const auto found =
+        std::find_if(to_come_.begin(), to_come_.end(), [&](const ExpectedStage& one) { return one.name == stage; });
+    if (found == to_come_.end()) return;
+    expected_s_ = found->seconds;
+    to_come_.erase(to_come_.begin(), found + 1);
+}
+
+void JobOutlook::end(double now_s) {
+    if (running_ && expected_s_ > 0) {
+        over_expected_s_ += expected_s_;
+        over_taken_s_ += now_s - began_s_;
+    }
+    running_ = false;
+    expected_s_ = 0;
+}
+
+double JobOutlook::pace() const {
+    constexpr double weight_of_one_s = 1;
+    return (over_taken_s_ + weight_of_one_s) / (over_expected_s_ + weight_of_one_s);
+}
+
+double JobOutlook::left_of_stage(double now_s) const {
+    constexpr double least_share = 0.02, longer = 0.1;
+    if (!running_) return 0;
+    const double taken_s = now_s - began_s_;
+    if (share_ >= least_share) {
+        const double left_s = (reached_s_ - began_s_) * (1 - share_) / share_;
+        return std::max(left_s - (now_s - reached_s_), longer * left_s);
+    }
+    // One that takes longer than expected is taken to be near its end, but never at it.
+    return std::max(expected_s_ * pace() - taken_s, expected_s_ > 0 ? longer * taken_s : 0.0);
+}
+
+std::optional<double> JobOutlook::seconds_left(double share, double now_s) {
+    if (to_come_.empty() && expected_s_ == 0) return std::nullopt;
+    if (running_ && share > share_) {
+        share_ = share;
+        reached_s_ = now_s;
+    }
+    double later_s = 0;
+    for (const ExpectedStage& stage : to_come_) later_s += stage.seconds;
+    return left_of_stage(now_s) + later_s * pace();
+}
+
+std::string left_text(double seconds) {
+    const auto rounded = [&](double unit) { return static_cast<std::uint64_t>(std::round(seconds / unit)); };
+    if (!(seconds < 1e9)) return "long";
+    if (seconds < 20) return fmt::format("about {} s left", std::max<std::uint64_t>(1, rounded(1)));
+    if (seconds < 90) return fmt::format("about {} s left", rounded(5) * 5);
+    if (seconds < 5400) return fmt::format("about {} min left", rounded(60));
+    return fmt::format("about {:.1f} h left", std::round(seconds / 360) / 10);
+}
+
+}  // namespace voxtone

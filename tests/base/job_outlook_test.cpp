@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/base/job_outlook.h"
+
+#include <catch2/catch.hpp>
+
+using namespace voxtone;
+
+TEST_CASE("What is left of a job is what is left of its stage and the stages to come") {
+    JobOutlook outlook;
+    CHECK_FALSE(outlook.seconds_left(0, 0));
+    outlook.expect({{"loop", 40}, {"layers", 2}, {"predict", 20}});
+    CHECK(*outlook.seconds_left(0, 0) == Approx(62));
+    outlook.begin("loop", 100);
+    CHECK(*outlook.seconds_left(0, 110) == Approx(30 + 22));     // not a step yet: as expected
+    CHECK(*outlook.seconds_left(0.25, 120) == Approx(60 + 22));  // its steps say that it takes 80 s
+    CHECK(*outlook.seconds_left(0.25, 130) == Approx(50 + 22));  // and no step since
+    outlook.end(181);                                            // 81 s for 40: all is half as fast
+    CHECK(*outlook.seconds_left(0, 181) == Approx(22 * 2.0));
+    outlook.begin("checkpoint", 181);  // nobody expected it
+    CHECK(*outlook.seconds_left(0, 200) == Approx(22 * 2.0));
+    outlook.end(201);
+    outlook.begin("predict", 201);  // layers were left out
+    CHECK(*outlook.seconds_left(0, 211) == Approx(30));
+    CHECK(*outlook.seconds_left(0, 301) == Approx(10));  // longer than expected: near its end, never at it
+    outlook.end(310);
+    CHECK_FALSE(outlook.seconds_left(0, 310));
+}
+
+TEST_CASE("The time left is written coarsely") {
+    CHECK(left_text(0) == "about 1 s left");
+    CHECK(left_text(12.2) == "about 12 s left");
+    CHECK(left_text(41) == "about 40 s left");
+    CHECK(left_text(100) == "about 2 min left");
+    CHECK(left_text(7200) == "about 2.0 h left");
+}
