@@ -5,7 +5,6 @@
 #include <atomic>
 #include <cerrno>
 #include <csignal>
-#include <cstddef>
 #include <string_view>
 
 #include <unistd.h>
@@ -16,21 +15,28 @@ namespace voxtone {
 
 namespace {
 
-constexpr std::array<int, 2> signals{SIGINT, SIGTERM};
+constexpr std::array<int, 3> signals{SIGINT, SIGTERM, SIGUSR1};
 std::atomic<Progress*> target{nullptr};
-static_assert(std::atomic<Progress*>::is_always_lock_free);  // what a signal handler may touch
-std::array<struct sigaction, signals.size()> before{};
+std::atomic<int> first_signal{0};
+// What a signal handler may touch.
+static_assert(std::atomic<Progress*>::is_always_lock_free && std::atomic<int>::is_always_lock_free);
+
+void set_handler(int number, void (*handler)(int)) {
+    struct sigaction action {};
+    action.sa_handler = handler;
+    action.sa_flags = SA_RESTART;
+    sigemptyset(&action.sa_mask);
+    sigaction(number, &action, nullptr);
+}
 
 /// Calls nothing but functions that are safe in a signal handler (POSIX.1-2017, 2.4.3).
-void on_signal(int) {
+void on_signal(int number) {
     const int saved_errno = errno;
+    int none = 0;
+    const bool first = first_signal.compare_exchange_strong(none, number);
     if (Progress* progress = target.load()) progress->cancel();
-    for (const int number : signals) {
-        struct sigaction usual {};
-        usual.sa_handler = SIG_DFL;
-        sigaction(number, &usual, nullptr);
-    }
-    if (isatty(STDERR_FILENO)) {
+    set_handler(SIGINT, SIG_DFL);
+    if (first && isatty(STDERR_FILENO)) {
         constexpr std::string_view text = "\nstopping; Ctrl-C again stops at once\n";
         [[maybe_unused]] const auto written = write(STDERR_FILENO, text.data(), text.size());
     }
@@ -39,23 +45,25 @@ void on_signal(int) {
 
 }  // namespace
 
-CancelOnSignal::CancelOnSignal(Progress& progress) {
-    Progress* nobody = nullptr;
-    VOXTONE_EXPECT(target.compare_exchange_strong(nobody, &progress));
-    for (std::size_t i = 0; i < signals.size(); ++i) {
-        sigaction(signals[i], nullptr, &before[i]);
-        if (before[i].sa_handler == SIG_IGN) continue;
-        struct sigaction action {};
-        action.sa_handler = on_signal;
-        action.sa_flags = SA_RESTART;
-        sigemptyset(&action.sa_mask);
-        sigaction(signals[i], &action, nullptr);
+void catch_stop_signals() {
+    for (const int number : signals) {
+        struct sigaction before {};
+        sigaction(number, nullptr, &before);
+        if (before.sa_handler != SIG_IGN) set_handler(number, on_signal);
     }
 }
 
-CancelOnSignal::~CancelOnSignal() {
-    for (std::size_t i = 0; i < signals.size(); ++i) sigaction(signals[i], &before[i], nullptr);
-    target = nullptr;
+ExitCode stop_code() {
+    const int number = first_signal;
+    return number == 0 ? ExitCode::done : number == SIGINT ? ExitCode::unfinished : exit_stopped;
 }
+
+CancelOnSignal::CancelOnSignal(Progress& progress) {
+    Progress* nobody = nullptr;
+    VOXTONE_EXPECT(target.compare_exchange_strong(nobody, &progress));
+    if (first_signal != 0) progress.cancel();
+}
+
+CancelOnSignal::~CancelOnSignal() { target = nullptr; }
 
 }  // namespace voxtone

@@ -1,15 +1,26 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Ctrl-C stops cleanly: while it lives, the first SIGINT or SIGTERM asks the work to stop (`Progress::cancel`), so that
-// no half-written file is left; the second ends the program at once. A signal that was ignored at the start (nohup)
-// stays so.
+// Requests to stop that come as signals. SIGINT is a user who wants an end (Ctrl-C, exit code 5); SIGTERM and SIGUSR1
+// come from what runs the program, which wants it saved to run it again (exit code 85). The first of them asks the work
+// to stop (`Progress::cancel`), so that no half-written file is left; a Ctrl-C after it ends the program at once, more
+// of the others change nothing: schedulers send them twice.
 #pragma once
 
+#include "voxtone/base/error.h"
 #include "voxtone/base/progress.h"
 
 namespace voxtone {
 
-/// One at a time in a program.
+/// From here on to the program's end; the first thing in `main`, so that no signal comes too early. One that comes
+/// before there is work is kept for it. Signals that were ignored at the start (nohup) stay so.
+void catch_stop_signals();
+
+/// stopped on request, progress saved: run it again (HTCondor's checkpoint_exit_code).
+inline constexpr auto exit_stopped = static_cast<ExitCode>(85);
+/// What the first signal that was caught asks for: unfinished (Ctrl-C) or exit_stopped; done: none came.
+[[nodiscard]] ExitCode stop_code();
+
+/// While it lives the signals that were caught stop this work: also one that came before. One at a time in a program.
 class CancelOnSignal {
 public:
     explicit CancelOnSignal(Progress& progress);

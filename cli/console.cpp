@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxtone/cli/console.h"
 
+#include <chrono>
 #include <memory>
+#include <string>
 
 #include <CLI/CLI.hpp>
 
@@ -10,24 +12,44 @@
 #include "voxtone/base/printable.h"
 #include "voxtone/base/progress_bar.h"
 #include "voxtone/base/progress_events.h"
+#include "voxtone/base/stop_deadline.h"
 #include "voxtone/cli/outcome.h"
 
 namespace voxtone::cli {
 
 namespace {
 
+/// How a stop is told: why, and how to go on.
+Error stopped() {
+    const bool again = stop_code() == exit_stopped;
+    const std::string why = again ? "stopped on request" : "cancelled", advice = stop_advice();
+    return {again ? exit_stopped : ExitCode::unfinished, !advice.empty() ? why + "; " + advice
+                                                         : again         ? why + "; run the same command again"
+                                                                         : why};
+}
+
+/// Ends within a second of a request to stop, also where the work does not look at it.
+JobResult work_until_stopped(const std::function<JobResult(Progress&)>& work, Progress& progress, bool json) {
+    const CancelOnSignal cancel_on_signal(progress);
+    constexpr std::chrono::milliseconds grace(800);
+    const StopDeadline deadline(progress, grace, [json] { return guarded(json, []() -> int { throw stopped(); }); });
+    try {
+        return work(progress);
+    } catch (const Cancelled&) {
+        throw stopped();
+    }
+}
+
 JobResult run_with_events(const std::function<JobResult(Progress&)>& work) {
     ProgressEvents events(stdout_sink(), steady_seconds(), true);
-    const CancelOnSignal cancel_on_signal(events);
-    JobResult result = work(events);
+    JobResult result = work_until_stopped(work, events, true);
     events.result(result.json);
     return result;
 }
 
 JobResult run_with_text(bool quiet, const std::function<JobResult(Progress&)>& work) {
     const std::unique_ptr<Progress> progress = make_console_progress(quiet);
-    const CancelOnSignal cancel_on_signal(*progress);
-    JobResult result = work(*progress);
+    JobResult result = work_until_stopped(work, *progress, false);
     print_out(printable(result.text));
     if (!result.text.empty() && result.text.back() != '\n') print_out("\n");
     return result;

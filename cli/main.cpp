@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/base/cancel_on_signal.h"
 #include "voxtone/cli/calibrate_program.h"
 #include "voxtone/cli/commands.h"
 #include "voxtone/cli/outcome.h"
@@ -6,6 +7,7 @@
 
 int main(int argc, char** argv) {
     using namespace voxtone::cli;
+    voxtone::catch_stop_signals();
     const Words words = command_words(argc, argv);
     if (is_for_calibrate(words))
         return guarded(asks_for_json(words), [&]() -> int { become_calibrate_program(argv[0], words); });

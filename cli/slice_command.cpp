@@ -53,10 +53,14 @@ void add_options(CLI::App& command, SliceArguments& arguments) {
         option->group(spec.group);
         arguments.options[spec.key] = option;
     }
-    command.add_option("--job", arguments.job, "read options from this job file; the command line wins")
+    command
+        .add_option("--job", arguments.job,
+                    "read options from this job file; the command line wins. Paths in it are seen from its folder")
         ->type_name("FILE")
         ->group("Run");
-    command.add_flag("--dump-default", arguments.dump_default, "print a complete job file with every default and stop")
+    command
+        .add_flag("--dump-default", arguments.dump_default,
+                  "print a complete job file, with the options given and every default, and stop")
         ->group("Run");
     add_console_options(command, arguments.console);
 }
@@ -78,11 +82,11 @@ slicer::SliceOptions options_of(const SliceArguments& arguments) {
 }
 
 int run(const SliceArguments& arguments) {
+    const slicer::SliceOptions options = options_of(arguments);
     if (arguments.dump_default) {
-        print_out(slicer::job_json(slicer::SliceOptions{}));
+        print_out(slicer::job_json(options));
         return 0;
     }
-    const slicer::SliceOptions options = options_of(arguments);
     return run_on_console(arguments.console, [&](Progress& progress) {
         slicer::SliceResult result = slicer::run_slice_job(options, progress);
         return JobResult{std::move(result.json), std::move(result.summary)};

@@ -10,6 +10,7 @@
 #include <fmt/core.h>
 
 #include "voxtone/base/contracts.h"
+#include "voxtone/base/error.h"
 #include "voxtone/base/parallel.h"
 #include "voxtone/base/stopwatch.h"
 #include "voxtone/halftone/loop/eye_filter.h"
@@ -165,13 +166,17 @@ public:
     LoopRun(const LoopTask& task, const LoopOptions& options, Progress& progress, const LoopListener& listener);
 
     void predict_open_loop();
-    void resume(const LoopState& state) { state_ = state; }
+    void resume(ResumedLoop from);
     /// Until all iterations are made, or nothing is gained any more, or the work is cancelled.
     void iterate();
     [[nodiscard]] LoopResult finish();
 
 private:
     [[nodiscard]] int iterations_made() const { return static_cast<int>(state_.steps.size()) - 1; }
+    [[nodiscard]] bool has_gradient() const { return descent_wanted_ && state_.has_gradient; }
+    void tell() const {
+        if (listener_) listener_(state_, *sequence_);
+    }
     [[nodiscard]] bool descending() const { return state_.descent.mixtures.cells() != 0; }
     [[nodiscard]] double last_mean() const { return state_.steps.back().seen.mean; }
     [[nodiscard]] Eigen::Vector3f into_gamut(const Eigen::Vector3f& rgb) const { return recipes_.into_gamut(rgb); }
@@ -204,13 +209,12 @@ private:
     const std::unique_ptr<optics::AppearanceSequence> sequence_;
     Neighbourhood around_;
     std::optional<MisfitFunction> misfit_;
-    bool has_gradient_;  ///< and it is wanted: what comes after feedback is descent
+    const bool descent_wanted_;  ///< after feedback, where the model has a gradient
     Stopwatch watch_;
 
     LoopState state_;
     Colours rgb_;                ///< of the last print
     optics::ResinVolume print_;  ///< the sequence looks at it again for the gradient
-    double saturated_share_ = 0;
     bool cancelled_ = false;
     std::string why_stopped_;
 };
@@ -229,8 +233,7 @@ LoopRun::LoopRun(const LoopTask& task, const LoopOptions& options, Progress& pro
       error_(*task.surface, task.target, in_gamut_, options.viewing_distance_mm),
       sequence_(task.model->sequence(task.scene, *task.surface)),
       around_(*task.surface),
-      has_gradient_(options.descent && task.mixture_gradient) {
-    progress_.begin_stage("appearance loop", static_cast<std::uint64_t>(most_) + 1, "predictions");
+      descent_wanted_(options.descent && task.mixture_gradient) {
     prepare_misfit();
 }
 
@@ -251,7 +254,7 @@ std::vector<float> LoopRun::appearance_of_white() const {
 }
 
 void LoopRun::prepare_misfit() {
-    if (!has_gradient_) {
+    if (!descent_wanted_) {
         wide_.reset();
         return;
     }
@@ -262,27 +265,34 @@ void LoopRun::prepare_misfit() {
 }
 
 void LoopRun::predict_open_loop() {
+    progress_.begin_stage("appearance loop", static_cast<std::uint64_t>(most_) + 1, "predictions");
     predict(task_.open_loop(), LoopMethod::open_loop);
     state_.open = state_.shown = rgb_;
     state_.control = state_.start_control = target_;
     correct_control();
-    if (listener_) listener_(state_);
+    tell();
+}
+
+void LoopRun::resume(ResumedLoop from) {
+    if (!sequence_->read_state(from.sequence))
+        throw InputError("the saved state of the appearance loop does not fit its model: begin anew with --overwrite");
+    state_ = std::move(from.state);
+    progress_.begin_stage("appearance loop", static_cast<std::uint64_t>(std::max(0, most_ - iterations_made())),
+                          "predictions");
 }
 
 void LoopRun::iterate() {
     why_stopped_ = "all iterations were made";
     try {
-        while (iterations_made() < most_) {
+        // A resumed loop may have been at its end already.
+        while (!gains_no_more() && iterations_made() < most_) {
             if (descending())
                 descent_step();
             else
                 feedback_step();
-            if (gains_no_more()) {
-                why_stopped_ = "it stopped gaining";
-                return;
-            }
-            if (listener_) listener_(state_);
+            tell();
         }
+        if (gains_no_more()) why_stopped_ = "it stopped gaining";
     } catch (const Cancelled&) {
         cancelled_ = true;
         why_stopped_ = "it was stopped";
@@ -297,7 +307,7 @@ void LoopRun::feedback_step() {
     keep_if_best(mixtures);
     const bool best_by_feedback = last_mean() < least_by_feedback;
     if (best_by_feedback) state_.start_control = state_.control;
-    if (has_gradient_ && iterations_made() < most_) {
+    if (has_gradient() && iterations_made() < most_) {
         const bool no_good = state_.steps[1].seen.mean >= worthwhile * state_.steps[0].seen.mean;
         if (no_good && iterations_made() == 1) {
             // Pages of type are better off without feedback, dark pictures are not: look at both.
@@ -315,8 +325,8 @@ void LoopRun::feedback_step() {
 void LoopRun::begin_descent_from_best_control(bool last_was_best) {
     state_.descent = begin_descent(mixtures_of(recipes_, state_.start_control),
                                    first_rates(least_mean(state_.steps, LoopMethod::feedback)));
-    if (last_was_best) has_gradient_ = move_downhill();
-    if (!has_gradient_) state_.descent = {};
+    if (last_was_best) state_.has_gradient = move_downhill();
+    if (!state_.has_gradient) state_.descent = {};
 }
 
 /// Prints where the descent has come to, the last time the running mean, and moves on.
@@ -326,8 +336,8 @@ void LoopRun::descent_step() {
     if (iterations_made() + 1 == most_) mixtures = state_.recent;
     predict(task_.realise(mixtures), LoopMethod::descent);
     keep_if_best(mixtures);
-    has_gradient_ = move_downhill();
-    if (!has_gradient_) state_.descent = {};
+    state_.has_gradient = move_downhill();
+    if (!state_.has_gradient) state_.descent = {};
 }
 
 void LoopRun::predict(optics::ResinVolume volume, LoopMethod method) {
@@ -338,7 +348,7 @@ void LoopRun::predict(optics::ResinVolume volume, LoopMethod method) {
     step.method = method;
     step.cells = error_.of_cells(rgb_);
     step.seen = error_.as_seen(rgb_);
-    step.saturated_share = saturated_share_;
+    step.saturated_share = state_.saturated_share;
     step.seconds = watch_.lap();
     state_.steps.push_back(step);
     progress_.note(report_line(state_));
@@ -357,7 +367,7 @@ void LoopRun::correct_control() {
     const std::size_t saturated = feed_back(
         target_, rgb_, [this](const Eigen::Vector3f& rgb) { return into_gamut(rgb); },
         {.gain = feedback_gain(state_.steps)}, state_.control, relaxed);
-    saturated_share_ = rgb_.empty() ? 0 : double(saturated) / double(rgb_.size());
+    state_.saturated_share = rgb_.empty() ? 0 : double(saturated) / double(rgb_.size());
 }
 
 /// One step of the descent from the last print. False where the model has no gradient.
@@ -373,7 +383,7 @@ bool LoopRun::move_downhill() {
 
 /// Only a loop without a limit stops by itself, and not while a descent may still follow.
 bool LoopRun::gains_no_more() const {
-    const bool last_method = state_.steps.back().method == LoopMethod::descent || !has_gradient_;
+    const bool last_method = state_.steps.back().method == LoopMethod::descent || !has_gradient();
     return options_.iterations < 0 && last_method && stopped_gaining(state_.steps);
 }
 
@@ -394,13 +404,13 @@ SkinMixtures mixtures_of(const MinimalDepthSeparation& recipes, std::span<const 
 }
 
 LoopResult run_appearance_loop(const LoopTask& task, const LoopOptions& options, Progress& progress,
-                               const LoopListener& listener, const LoopState* resume) {
+                               const LoopListener& listener, std::optional<ResumedLoop> resume) {
     VOXTONE_EXPECT(task.model && task.scene.volume && task.surface && task.recipes && task.open_loop && task.realise);
     VOXTONE_EXPECT(task.target.size() == task.surface->cells.size());
     expect_finite(task.target);
     LoopRun run(task, options, progress, listener);
     if (resume)
-        run.resume(*resume);
+        run.resume(std::move(*resume));
     else
         run.predict_open_loop();
     run.iterate();

@@ -24,8 +24,7 @@
 //
 // Stops after `iterations`, or when five steps in a row (three of feedback where there is no gradient) did not improve
 // the best mean by 1 %, or when it is cancelled: then with the best iterate so far. Same bits for any number of
-// threads; a resumed loop gives them too where the model keeps nothing between predictions (the transport sequence
-// does: nearly the same print then).
+// threads, and for a loop that was interrupted and resumed any number of times.
 #pragma once
 
 #include <cstddef>
@@ -94,7 +93,7 @@ struct LoopStep {
     double seconds = 0;               ///< of distributing and predicting
 };
 
-/// Enough to go on later.
+/// With what the model's sequence keeps (AppearanceSequence::write_state) enough to go on later, to the same bits.
 struct LoopState {
     std::vector<LoopStep> steps;
     std::size_t best = 0;                        ///< index into steps; 0: the open loop
@@ -104,6 +103,14 @@ struct LoopState {
     SkinMixtures recent;         ///< running mean of what it printed, the last step for a half; without cells before
     SkinMixtures best_mixtures;  ///< without cells: the open loop
     std::vector<Eigen::Vector3f> open, shown;  ///< predicted colours of the open loop and of the best iterate
+    double saturated_share = 0;                ///< LoopStep::saturated_share of the next iterate
+    bool has_gradient = true;                  ///< false once the model said that it has none
+};
+
+/// A state to go on from, and what the sequence kept then.
+struct ResumedLoop {
+    LoopState state;
+    std::vector<std::byte> sequence;
 };
 
 struct LoopResult {
@@ -116,11 +123,14 @@ struct LoopResult {
 };
 
 /// After each iteration, with all that is needed to go on.
-using LoopListener = std::function<void(const LoopState&)>;
+using LoopListener = std::function<void(const LoopState&, const optics::AppearanceSequence&)>;
 
-/// `resume`: a state of the same task. Throws what the model throws; Cancelled only before the open loop was predicted.
+/// `resume`: of the same task; where it has made as many iterations as are asked for, or more, the best of them comes
+/// out. Throws what the model throws, InputError for a state that the model cannot use; Cancelled only before the open
+/// loop was predicted.
 [[nodiscard]] LoopResult run_appearance_loop(const LoopTask& task, const LoopOptions& options, Progress& progress,
-                                             const LoopListener& listener = {}, const LoopState* resume = nullptr);
+                                             const LoopListener& listener = {},
+                                             std::optional<ResumedLoop> resume = std::nullopt);
 
 /// Mixtures of every cell for these control colours.
 [[nodiscard]] SkinMixtures mixtures_of(const MinimalDepthSeparation& recipes, std::span<const Eigen::Vector3f> control);

@@ -4,15 +4,29 @@
 #include <fmt/format.h>
 
 #include "voxtone/base/error.h"
+#include "voxtone/io/files/sha256.h"
 
 namespace voxtone::io {
 
 ParseContext::ParseContext(const std::filesystem::path& path, const ReadOptions& options)
     : name_(path.filename().string()),
       options_(options),
+      folder_(path.parent_path().empty() ? "." : path.parent_path()),
       files_(path),
       bytes_(read_bytes(path, options.max_file_bytes)) {
     if (bytes_.empty()) throw InputError(fmt::format("{} is empty", name_));
+}
+
+std::optional<std::vector<std::byte>> ParseContext::read_side_file(const std::string& name) {
+    const auto path = files_.find(name);
+    if (!path) {
+        side_files_.push_back({name, {}});
+        return std::nullopt;
+    }
+    std::vector<std::byte> bytes = read_bytes(*path, options_.max_file_bytes);
+    side_files_.push_back({path->lexically_relative(folder_).generic_string(),
+                           sha256({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()})});
+    return bytes;
 }
 
 std::int32_t ParseContext::add(ModelParts& parts, const std::string& key, DecodedImage image) {
@@ -26,17 +40,9 @@ std::int32_t ParseContext::add(ModelParts& parts, const std::string& key, Decode
 
 std::int32_t ParseContext::add_image_file(ModelParts& parts, const std::string& file, const DecodeOptions& decode) {
     if (const auto known = images_.find(file); known != images_.end()) return known->second;
-    const auto path = files_.find(file);
-    if (!path) {
-        parts.lose_texture(
-            fmt::format("The texture '{}' that {} names was not found beside the model: its colours are LOST and "
-                        "the material's own colour is used. Put the file into the model's folder.",
-                        file, name_));
-        return images_[file] = -1;
-    }
-    std::vector<std::byte> bytes;
+    std::optional<std::vector<std::byte>> bytes;
     try {
-        bytes = read_bytes(*path, options_.max_file_bytes);
+        bytes = read_side_file(file);
     } catch (const Error& error) {
         parts.lose_texture(
             fmt::format("The texture '{}' could not be read ({}): its colours are LOST and the material's own "
@@ -44,7 +50,14 @@ std::int32_t ParseContext::add_image_file(ModelParts& parts, const std::string& 
                         file, error.what()));
         return images_[file] = -1;
     }
-    return add_image_bytes(parts, file, bytes, decode);
+    if (!bytes) {
+        parts.lose_texture(
+            fmt::format("The texture '{}' that {} names was not found beside the model: its colours are LOST and "
+                        "the material's own colour is used. Put the file into the model's folder.",
+                        file, name_));
+        return images_[file] = -1;
+    }
+    return add_image_bytes(parts, file, *bytes, decode);
 }
 
 std::int32_t ParseContext::add_image_bytes(ModelParts& parts, const std::string& key, std::span<const std::byte> bytes,

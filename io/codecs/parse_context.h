@@ -7,8 +7,10 @@
 #include <cstddef>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "voxtone/io/codecs/decode_image.h"
 #include "voxtone/io/codecs/side_files.h"
@@ -26,7 +28,12 @@ public:
     [[nodiscard]] const std::string& name() const { return name_; }  ///< the file's name, for messages
     [[nodiscard]] std::span<const std::byte> bytes() const { return bytes_; }
     [[nodiscard]] const ReadOptions& options() const { return options_; }
-    [[nodiscard]] SideFiles& files() { return files_; }
+    /// The bytes of a file that the model names; nothing where there is none. Throws FileError, InputError.
+    [[nodiscard]] std::optional<std::vector<std::byte>> read_side_file(const std::string& name);
+    /// All that were asked for, with what was read of them.
+    [[nodiscard]] const std::vector<SideFile>& side_files() const { return side_files_; }
+    /// What was taken instead of what the model named, in whole sentences.
+    [[nodiscard]] const std::vector<std::string>& side_file_warnings() const { return files_.warnings(); }
 
     /// Decodes a picture into parts.images; -1, with a warning that names it, when it is missing or damaged. `key`
     /// tells pictures apart: each is decoded once.
@@ -41,7 +48,9 @@ private:
 
     std::string name_;
     const ReadOptions& options_;
+    std::filesystem::path folder_;
     SideFiles files_;
+    std::vector<SideFile> side_files_;
     std::vector<std::byte> bytes_;
     std::map<std::string, std::int32_t> images_;
 };

@@ -186,12 +186,12 @@ private:
             } else if (auto inside = data_uri(uri)) {
                 bytes = std::move(*inside);
             } else {
-                const auto path = context_.files().find(decode_uri(uri));
-                if (!path)
+                auto beside = context_.read_side_file(decode_uri(uri));
+                if (!beside)
                     throw InputError(fmt::format(
                         "the file '{}', which holds the geometry of {}, was not found beside it; put it there", uri,
                         context_.name()));
-                bytes = read_bytes(*path, context_.options().max_file_bytes);
+                bytes = std::move(*beside);
             }
             if (length < 0 || static_cast<std::uint64_t>(length) > bytes.size())
                 fail(fmt::format("buffer {} declares {} bytes and has {}: it is cut short", b, length, bytes.size()));
@@ -469,7 +469,7 @@ private:
                              array(root_, "animations").size()));
         if (morph_targets_)
             warn(fmt::format("{} has morph targets; the shape without them is taken.", context_.name()));
-        for (const std::string& warning : context_.files().warnings()) warn(warning);
+        for (const std::string& warning : context_.side_file_warnings()) warn(warning);
     }
 
     ParseContext& context_;

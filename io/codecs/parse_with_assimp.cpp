@@ -76,17 +76,16 @@ private:
     Assimp::IOStream* open_library(const std::string& file) {
         // assimp tries MODEL.mtl when a library is missing; its made-up name leads nowhere.
         if (file.starts_with(model_.substr(0, model_.rfind('.')))) return nullptr;
-        const auto path = context_.files().find(file);
-        if (!path) {
+        const auto bytes = context_.read_side_file(file);
+        if (!bytes) {
             parts_.lose_texture(
                 fmt::format("The material library '{}' that {} names was not found beside the model: its colours "
                             "and textures are LOST. Put the file into the model's folder.",
                             file, context_.name()));
             return nullptr;
         }
-        const std::vector<std::byte> bytes = read_bytes(*path, context_.options().max_file_bytes);
         std::string names;
-        for (MtlMaterial& material : parse_mtl({reinterpret_cast<const char*>(bytes.data()), bytes.size()})) {
+        for (MtlMaterial& material : parse_mtl({reinterpret_cast<const char*>(bytes->data()), bytes->size()})) {
             names += "newmtl " + material.name + "\n";
             materials.emplace(material.name, std::move(material));
         }
@@ -139,7 +138,7 @@ public:
         if (points_and_lines_)
             parts_.warnings.push_back(fmt::format("{} has {} points or lines; they have no volume and are left aside.",
                                                   context_.name(), points_and_lines_));
-        for (const std::string& warning : context_.files().warnings()) parts_.warnings.push_back(warning);
+        for (const std::string& warning : context_.side_file_warnings()) parts_.warnings.push_back(warning);
         return std::move(parts_);
     }
 

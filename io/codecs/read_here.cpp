@@ -23,6 +23,7 @@ ModelParts parse_model(const std::filesystem::path& path, const ReadOptions& opt
                        : extension == "gltf" || extension == "glb" ? parse_gltf(context)
                                                                    : parse_with_assimp(context, extension);
     if (!options.texture.empty()) lay_given_texture(parts, context, options.texture);
+    parts.side_files = context.side_files();
     return parts;
 }
 

@@ -15,11 +15,16 @@ void describe(Stream& stream, Material& m) {
     stream(m.name, m.rgb, m.alpha, m.opaque, m.under, m.image, m.wrap_u, m.wrap_v, m.nearest);
 }
 
+template <class Stream, class File>
+requires std::is_same_v<std::remove_const_t<File>, SideFile>
+void describe(Stream& stream, File& f) { stream(f.name, f.sha256); }
+
 template <class Stream, class Parts>
 requires std::is_same_v<std::remove_const_t<Parts>, ModelParts>
 void describe(Stream& stream, Parts& p) {
     stream(p.format, p.mm_per_file_unit, p.has_colour, p.positions, p.triangles, p.material_of_triangle, p.corner_uv,
-           p.corner_rgba, p.materials, p.images, p.image_names, p.warnings, p.lost_colours, p.lost_textures);
+           p.corner_rgba, p.materials, p.images, p.image_names, p.warnings, p.lost_colours, p.lost_textures,
+           p.side_files);
 }
 
 namespace {

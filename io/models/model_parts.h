@@ -16,6 +16,7 @@
 
 #include <Eigen/Core>
 
+#include "voxtone/io/models/side_file.h"
 #include "voxtone/io/pictures/decoded_image.h"
 #include "voxtone/io/pictures/texture.h"
 
@@ -45,6 +46,7 @@ struct ModelParts {
     std::vector<DecodedImage> images;
     std::vector<std::string> image_names;
     std::vector<std::string> warnings;
+    std::vector<SideFile> side_files;
     /// What is in the file and will not be seen on the print, in whole sentences: colours, and textures by name, which
     /// a picture that the user gives may stand in for.
     std::vector<std::string> lost_colours, lost_textures;

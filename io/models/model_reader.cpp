@@ -27,12 +27,18 @@ bool is_model_name(const std::filesystem::path& path) {
 }
 
 ModelFile read_model(const std::filesystem::path& path, const ReadOptions& options) {
+    std::vector<SideFile> side_files;
+    return read_model(path, options, side_files);
+}
+
+ModelFile read_model(const std::filesystem::path& path, const ReadOptions& options, std::vector<SideFile>& side_files) {
     validate(options);
     const std::string name = path.filename().string();
     if (!is_model_name(path))
         throw InputError(
             fmt::format("{} is no model of a known kind; OBJ, PLY, STL, glTF, GLB and 3MF can be read", name));
     ModelParts parts = unpack_model(start_reader(ReadKind::model, path, options)->result(options.progress));
+    side_files.insert(side_files.end(), parts.side_files.begin(), parts.side_files.end());
     return finish_model(std::move(parts), name, options.fill_gutters);
 }
 

@@ -39,13 +39,18 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "voxtone/io/files/read_options.h"
 #include "voxtone/io/models/mesh.h"
+#include "voxtone/io/models/side_file.h"
 
 namespace voxtone::io {
 
 [[nodiscard]] ModelFile read_model(const std::filesystem::path& path, const ReadOptions& options = {});
+/// Adds the files beside it that were looked for, with what was read of them.
+[[nodiscard]] ModelFile read_model(const std::filesystem::path& path, const ReadOptions& options,
+                                   std::vector<SideFile>& side_files);
 
 /// "obj" of "A.OBJ"; empty where there is none.
 [[nodiscard]] std::string extension_of(const std::filesystem::path& path);

@@ -77,6 +77,7 @@ ProfileMap read_profile_map(const std::filesystem::path& file) {
     map.target = targets_of(json, map.channels.size());
 
     const std::filesystem::path picture_file = picture_beside(json, file);
+    map.picture = picture_file.filename().string();
     GreyPicture picture = read_grey_png(read_whole_file(picture_file, most_picture_bytes), picture_file.string());
     map.width_px = picture.width_px;
     map.height_px = picture.height_px;

@@ -23,6 +23,7 @@ namespace voxtone::io {
 
 struct ProfileMap {
     std::string source;
+    std::string picture;  ///< name of the PNG that the clusters were read from, in the map's folder
     optics::Channels channels;
     double width_mm = 0, height_mm = 0;
     std::uint32_t width_px = 0, height_px = 0;

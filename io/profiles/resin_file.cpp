@@ -86,9 +86,15 @@ std::vector<std::string> known_resin_sets() {
     return names;
 }
 
-optics::ResinSet find_resin_set(const std::string& name_or_file) {
+std::optional<std::string_view> known_resin_set_text(std::string_view name) {
     for (const auto& file : embedded::resins())
-        if (file.name == name_or_file) return parse_resin_set(file.text, fmt::format("resin set {}", file.name));
+        if (file.name == name) return file.text;
+    return std::nullopt;
+}
+
+optics::ResinSet find_resin_set(const std::string& name_or_file) {
+    if (const auto text = known_resin_set_text(name_or_file))
+        return parse_resin_set(*text, fmt::format("resin set {}", name_or_file));
     if (std::filesystem::exists(name_or_file)) return read_resin_set(name_or_file);
     std::string names;
     for (const auto& name : known_resin_sets()) names += (names.empty() ? "" : ", ") + name;

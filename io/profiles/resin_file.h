@@ -4,6 +4,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -21,6 +22,8 @@ namespace voxtone::io {
 
 /// Names of the sets that come with the program.
 [[nodiscard]] std::vector<std::string> known_resin_sets();
+/// The JSON of a set that comes with the program; nothing for other names.
+[[nodiscard]] std::optional<std::string_view> known_resin_set_text(std::string_view name);
 /// A set that comes with the program by its name, or one from a file. Throws InputError naming the sets there are.
 [[nodiscard]] optics::ResinSet find_resin_set(const std::string& name_or_file);
 

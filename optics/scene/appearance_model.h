@@ -47,6 +47,13 @@ public:
 class AppearanceSequence {
 public:
     virtual ~AppearanceSequence() = default;
+
+    /// Hands over, piece by piece, all that the next prediction and gradient take from those before: with it a sequence
+    /// of the same scene goes on to the same bits. Nothing where each prediction is made anew. Bytes of this machine.
+    using StateSink = std::function<void(std::span<const std::byte>)>;
+    virtual void write_state(const StateSink& /*sink*/) const {}
+    /// Before the first prediction. False, with the sequence of no use any more, where the bytes are not such a state.
+    [[nodiscard]] virtual bool read_state(std::span<const std::byte> state) { return state.empty(); }
     /// `volume` has the size, pitch and air of the scene's that the sequence was made for, and lives until the next
     /// prediction.
     [[nodiscard]] virtual Appearance next(const ResinVolume& volume, const Progress* progress = nullptr) = 0;

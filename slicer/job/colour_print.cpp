@@ -26,12 +26,13 @@ std::unique_ptr<const JobColour> separate(const OpenedJob& job, const JobBody& b
 
 }  // namespace
 
-ColourPrint::ColourPrint(const OpenedJob& job, const JobBody& body, Progress& progress)
+ColourPrint::ColourPrint(const OpenedJob& job, const JobBody& body, const JobIdentity& identity, Progress& progress)
     : job_(job),
       body_(body),
+      identity_(identity),
       colour_(separate(job, body, separation_s_, progress)),
       parts_(job.options, body, job.resins, *colour_, progress),
-      loop_plan_(plan_loop(job.options.loop, body, job.resins)) {}
+      loop_plan_(plan_loop(job.options.loop, job.options.resume, body, job.resins)) {}
 
 void ColourPrint::print_open_loop(const std::string& why, Progress& progress) {
     loop_plan_ = {.why_not = fmt::format("The resins were not rearranged: {}.", why)};
@@ -49,10 +50,15 @@ void ColourPrint::prepare(Progress& progress) {
         auto problem =
             std::make_unique<const LoopProblem>(job_.options, body_, job_.resins, *colour_, parts_, progress);
         progress.end_stage();
-        const LoopCheckpoint checkpoint(job_.options.out, job_.options.asked, problem->cells->seen.target);
+        const LoopCheckpoint checkpoint(job_.options.out, identity_.loop, problem->cells->seen.target);
         prepared_.emplace(std::move(problem), checkpoint, std::nullopt);
-        if (job_.options.resume) prepared_->before = checkpoint.read(progress);
+        if (job_.options.resume)
+            prepared_->before = checkpoint.read(progress);
+        else if (checkpoint.exists())
+            progress.note("--overwrite: the saved state of an interrupted appearance loop is thrown away");
+        if (loop_plan_.iterations == 0 && !prepared_->before) prepared_.reset();
     } catch (const ResourceError& error) {
+        if (job_.options.resume) throw;  // what is saved is not given up
         prepared_.reset();
         print_open_loop(error.what(), progress);
     }
@@ -63,18 +69,12 @@ void ColourPrint::rearrange(Progress& progress) {
     if (!prepared_) return;
     const Stopwatch watch;
     try {
-        loop_ = run_job_loop(*prepared_->problem, loop_plan_, prepared_->checkpoint, prepared_->before, progress);
+        loop_ = run_job_loop(*prepared_->problem, loop_plan_, prepared_->checkpoint, std::move(prepared_->before),
+                             progress);
         loop_->seconds += loop_s_;
-        if (loop_->result.cancelled) {
-            // What was found is printed all the same; the next Ctrl-C ends the program at once.
-            progress.forgive();
-            const halftone::LoopState& state = loop_->result.state;
-            progress.note(fmt::format(
-                "stopped: the layers of the best iteration so far ({}) are written now; Ctrl-C again ends at once",
-                state.steps[state.best].iteration));
-        }
         if (loop_->result.best) skin_.emplace(loop_->cells->map(), *loop_->result.best, job_.resins.core);
     } catch (const ResourceError& error) {
+        if (job_.options.resume) throw;
         print_open_loop(error.what(), progress);
     }
     prepared_.reset();

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 
+#include "voxtone/slicer/job/job_identity.h"
 #include "voxtone/slicer/job/job_loop.h"
 #include "voxtone/slicer/job/job_prediction.h"
 #include "voxtone/slicer/job/opened_job.h"
@@ -17,8 +18,8 @@ namespace voxtone::slicer {
 
 class ColourPrint final : public Print {
 public:
-    /// Separates the colours. Keeps references to the job and the body.
-    ColourPrint(const OpenedJob& job, const JobBody& body, Progress& progress);
+    /// Separates the colours. Keeps references to the job, the body and the identity.
+    ColourPrint(const OpenedJob& job, const JobBody& body, const JobIdentity& identity, Progress& progress);
 
     /// Sets the appearance loop up, and reads the checkpoint to go on from where that was asked for.
     void prepare(Progress& progress) override;
@@ -41,7 +42,7 @@ private:
     struct PreparedLoop {
         std::unique_ptr<const LoopProblem> problem;
         LoopCheckpoint checkpoint;
-        std::optional<halftone::LoopState> before;
+        std::optional<halftone::ResumedLoop> before;
     };
 
     void print_open_loop(const std::string& why, Progress& progress);
@@ -49,6 +50,7 @@ private:
 
     const OpenedJob& job_;
     const JobBody& body_;
+    const JobIdentity& identity_;
     double separation_s_ = 0, loop_s_ = 0;
     std::unique_ptr<const JobColour> colour_;
     PrintParts parts_;

@@ -21,11 +21,11 @@ void append(std::vector<std::string>& to, const std::vector<std::string>& from) 
     to.insert(to.end(), from.begin(), from.end());
 }
 
-io::ModelFile read_input(const ResolvedJob& job, const Progress& progress) {
+io::ModelFile read_input(const ResolvedJob& job, std::vector<io::SideFile>& side_files, const Progress& progress) {
     io::ReadOptions reading;
     reading.progress = &progress;
     if (!job.is_picture) reading.texture = job.texture;
-    if (!job.is_picture) return io::read_model(job.model, reading);
+    if (!job.is_picture) return io::read_model(job.model, reading, side_files);
     return make_picture_slab(io::read_picture(job.model, reading), job.picture.width_mm, job.picture.thickness_mm)
         .model;
 }
@@ -71,7 +71,7 @@ JobBody prepare_body(const ResolvedJob& job, const PrinterProfile& printer, Prog
     const Stopwatch watch;
     progress.begin_stage("read model", 0);
     body.is_picture = job.is_picture;
-    body.model = read_input(job, progress);
+    body.model = read_input(job, body.side_files, progress);
     append(body.warnings, body.model.warnings);
     refuse_lost_colour(job, body.model);
     const bool turned = job.placement.rotation != Eigen::Matrix3d::Identity();

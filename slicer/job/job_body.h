@@ -10,6 +10,7 @@
 
 #include "voxtone/base/progress.h"
 #include "voxtone/io/models/mesh.h"
+#include "voxtone/io/models/side_file.h"
 #include "voxtone/slicer/mesh/mesh_repair.h"
 #include "voxtone/slicer/mesh/spatial_index.h"
 #include "voxtone/slicer/options/resolved_job.h"
@@ -21,7 +22,8 @@
 namespace voxtone::slicer {
 
 struct JobBody {
-    io::ModelFile model;  ///< positions in mm on the tray
+    std::vector<io::SideFile> side_files;  ///< that reading the model looked for beside it
+    io::ModelFile model;                   ///< positions in mm on the tray
     bool is_picture = false;
     Placement placement;
     SolidIndex solid;

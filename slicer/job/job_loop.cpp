@@ -5,6 +5,8 @@
 
 #include <fmt/core.h>
 
+#include "voxtone/base/error.h"
+#include "voxtone/base/stop_deadline.h"
 #include "voxtone/base/stopwatch.h"
 #include "voxtone/slicer/job/skin_gradient.h"
 #include "voxtone/slicer/options/auto_limits.h"
@@ -49,11 +51,36 @@ std::unique_ptr<const optics::AppearanceModel> loop_model(const ResolvedJob& job
     return make_model(job.loop.model, quality);
 }
 
+/// Keeps the state of the loop after each iteration; a state that cannot be written is no reason to stop.
+class CheckpointKeeper {
+public:
+    CheckpointKeeper(const LoopCheckpoint& checkpoint, Progress& progress)
+        : checkpoint_(checkpoint), progress_(progress) {}
+    void operator()(const halftone::LoopState& state, const optics::AppearanceSequence& sequence) {
+        try {
+            checkpoint_.write(state, sequence);
+            set_stop_advice(
+                fmt::format("the appearance loop is saved in {}: the same command with --resume goes on, with --resume "
+                            "--iterations 0 it prints the best that there is",
+                            checkpoint_.file().string()));
+        } catch (const FileError& error) {
+            if (std::exchange(warned_, true)) return;
+            progress_.warn(fmt::format("{} The loop goes on, but if it is interrupted it cannot be resumed from here",
+                                       error.what()));
+        }
+    }
+
+private:
+    const LoopCheckpoint& checkpoint_;
+    Progress& progress_;
+    bool warned_ = false;
+};
+
 }  // namespace
 
-LoopPlan plan_loop(const JobLoopOptions& options, const JobBody& body, const LoadedResins& resins) {
+LoopPlan plan_loop(const JobLoopOptions& options, bool resume, const JobBody& body, const LoadedResins& resins) {
     const auto none = [](std::string why_not) { return LoopPlan{.why_not = std::move(why_not)}; };
-    if (options.iterations == 0) return none("");
+    if (options.iterations == 0 && !resume) return none("");
     if (resins.set.resins.size() < 2)
         return none("The resins were not rearranged: one resin alone leaves nothing to choose.");
     if (body.surface->triangles.empty())
@@ -90,7 +117,7 @@ LoopProblem::LoopProblem(const ResolvedJob& of_job, const JobBody& body, const L
       recipes(make_recipes(resins.set, colour.appearance.geometry(), cells->layers, progress)) {}
 
 JobLoop run_job_loop(const LoopProblem& problem, const LoopPlan& plan, const LoopCheckpoint& checkpoint,
-                     const std::optional<halftone::LoopState>& before, Progress& progress) {
+                     std::optional<halftone::ResumedLoop> before, Progress& progress) {
     const Stopwatch watch;
     const ResolvedJob& job = problem.job;
     const LoopCells& cells = *problem.cells;
@@ -122,10 +149,9 @@ JobLoop run_job_loop(const LoopProblem& problem, const LoopPlan& plan, const Loo
     options.descent = plan.descent;
 
     JobLoop loop{std::string(name_of(job.loop.model)), problem.cells, {}, 0};
-    loop.result = halftone::run_appearance_loop(
-        task, options, progress, [&](const halftone::LoopState& state) { checkpoint.write(state); },
-        before ? &*before : nullptr);
-    if (!loop.result.cancelled) checkpoint.remove();
+    loop.result = halftone::run_appearance_loop(task, options, progress, CheckpointKeeper(checkpoint, progress),
+                                                std::move(before));
+    if (loop.result.cancelled) throw Cancelled();
     loop.seconds = watch.total();
     return loop;
 }

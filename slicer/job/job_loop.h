@@ -37,7 +37,9 @@ struct LoopPlan {
     std::string why_not;  ///< where it is not wanted: a sentence, or empty where none is due
 };
 
-[[nodiscard]] LoopPlan plan_loop(const JobLoopOptions& options, const JobBody& body, const LoadedResins& resins);
+/// `resume`: with no iterations too, what an interrupted loop has found is looked at.
+[[nodiscard]] LoopPlan plan_loop(const JobLoopOptions& options, bool resume, const JobBody& body,
+                                 const LoadedResins& resins);
 
 /// Where the unknowns of the loop lie: the cells of the surface, the layers below them, and the way there from a voxel.
 /// What the loop finds refers to it. Stays where it was made.
@@ -81,9 +83,10 @@ struct JobLoop {
     double seconds = 0;
 };
 
-/// Goes on after `before` where there is one; keeps the checkpoint as long as it is not done. A request to stop ends it
-/// with the best that was found: `result.cancelled`. Throws ResourceError.
+/// Goes on after `before` where there is one. Writes the checkpoint after each iteration; where it cannot be written
+/// the loop goes on, with a warning; says how to go on to who stops it (set_stop_advice). Throws ResourceError,
+/// Cancelled.
 [[nodiscard]] JobLoop run_job_loop(const LoopProblem& problem, const LoopPlan& plan, const LoopCheckpoint& checkpoint,
-                                   const std::optional<halftone::LoopState>& before, Progress& progress);
+                                   std::optional<halftone::ResumedLoop> before, Progress& progress);
 
 }  // namespace voxtone::slicer

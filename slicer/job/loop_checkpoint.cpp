@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxtone/slicer/job/loop_checkpoint.h"
 
-#include <algorithm>
 #include <array>
 #include <cstring>
 #include <fstream>
@@ -18,11 +17,11 @@ namespace voxtone::slicer {
 
 namespace {
 
-// The file: magic, digest of the job, state, digest of all before. Native byte order: it is read where it was written.
-constexpr std::string_view magic = "voxtone-loop 6\n", any_magic = "voxtone-loop ";  // of any version
+// The file: magic, digest of the job, state, what the sequence keeps, digest of all before. Native byte order: it is
+// read where it was written.
+constexpr std::string_view magic = "voxtone-loop 7\n", any_magic = "voxtone-loop ";  // of any version
 constexpr std::size_t digest_size = sizeof(std::uint64_t);
-constexpr std::array<std::string_view, 9> free_options{"out",    "overwrite",  "report",  "predict", "threads",
-                                                       "resume", "iterations", "formats", "layers"};
+constexpr std::string_view checkpoint_name = "loop.checkpoint";
 
 /// Writes and digests as it goes: a state of a large body is not held twice.
 class Writer {
@@ -96,6 +95,19 @@ void mixtures_in(Reader& file, halftone::SkinMixtures& mixtures) {
     if (file.good) mixtures = halftone::SkinMixtures(shape[0], shape[1], std::move(fractions));
 }
 
+template <class Value>
+void value_in(Writer& file, const Value& value) {
+    file.raw(&value, sizeof value);
+}
+
+void value_in(Reader& file, double& value) { file.raw(&value, sizeof value); }
+
+void value_in(Reader& file, bool& value) {
+    std::uint8_t byte = 0;  // a bool may hold nothing but 0 and 1
+    file.raw(&byte, sizeof byte);
+    value = byte != 0;
+}
+
 /// Every part of a state, in the file's order, for reading and writing alike.
 template <class File, class State>
 void state_in(File& file, State& state) {
@@ -117,6 +129,8 @@ void state_in(File& file, State& state) {
     mixtures_in(file, state.recent);
     file.list(state.open);
     file.list(state.shown);
+    value_in(file, state.saturated_share);
+    value_in(file, state.has_gradient);
 }
 
 std::uint64_t number_at(std::span<const std::uint8_t> bytes) {
@@ -131,31 +145,45 @@ bool begins_with(std::span<const std::uint8_t> bytes, std::string_view text) {
 
 }  // namespace
 
-LoopCheckpoint::LoopCheckpoint(const std::filesystem::path& folder, const SliceOptions& options,
+LoopCheckpoint::LoopCheckpoint(const std::filesystem::path& folder, std::string_view loop_identity,
                                std::span<const Eigen::Vector3f> target)
-    : file_(folder / "loop.checkpoint"), cells_(target.size()) {
+    : file_(folder / checkpoint_name), cells_(target.size()) {
     io::Xxh64 job;
-    for (const OptionSpec& spec : slice_option_table()) {
-        if (std::find(free_options.begin(), free_options.end(), spec.key) != free_options.end()) continue;
-        const std::string text = spec.key + "=" + spec.get(options) + "\n";
-        job.update(text.data(), text.size());
-    }
+    job.update(loop_identity.data(), loop_identity.size());
     job.update(target.data(), target.size_bytes());
     digest_ = job.digest();
 }
 
-void LoopCheckpoint::write(const halftone::LoopState& state) const {
-    Writer file(io::part_path(file_));
+void LoopCheckpoint::refuse_loss(const std::filesystem::path& folder, bool resume, bool overwrite) {
+    std::error_code none;
+    if (resume || overwrite || !std::filesystem::exists(folder / checkpoint_name, none)) return;
+    throw InputError(fmt::format(
+        "{} holds the state of an interrupted appearance loop ({}), which this job would throw away: go on with it "
+        "(--resume), or begin anew (--overwrite)",
+        folder.string(), checkpoint_name));
+}
+
+bool LoopCheckpoint::exists() const {
+    std::error_code none;
+    return std::filesystem::exists(file_, none);
+}
+
+void LoopCheckpoint::write(const halftone::LoopState& state, const optics::AppearanceSequence& sequence) const {
+    const std::filesystem::path part = io::part_path(file_);
+    Writer file(part);
     file.raw(magic.data(), magic.size());
     file.raw(&digest_, sizeof digest_);
     state_in(file, state);
-    if (!file.finish())
-        throw FileError(fmt::format(
-            "{}: cannot be written; is the disk full? Free some space, or write to another folder", file_.string()));
+    sequence.write_state([&file](std::span<const std::byte> bytes) { file.raw(bytes.data(), bytes.size()); });
+    if (!file.finish()) {
+        std::error_code not_there;
+        std::filesystem::remove(part, not_there);
+        throw FileError(fmt::format("{}: cannot be written; is the disk full?", file_.string()));
+    }
     io::finish_part(file_);
 }
 
-std::optional<halftone::LoopState> LoopCheckpoint::read(Progress& progress) const {
+std::optional<halftone::ResumedLoop> LoopCheckpoint::read(Progress& progress) const {
     if (!std::filesystem::exists(file_)) {
         progress.note("--resume: there is no loop.checkpoint in the output folder; the loop begins at its start");
         return std::nullopt;
@@ -166,23 +194,24 @@ std::optional<halftone::LoopState> LoopCheckpoint::read(Progress& progress) cons
     const std::size_t head = magic.size() + digest_size;
     const auto broken = [&] {
         return FileError(
-            fmt::format("{}: is not whole, or no checkpoint of this program; remove it and start without --resume",
+            fmt::format("{}: is not whole, or no checkpoint of this program; start without --resume, with --overwrite",
                         file_.string()));
     };
     if (all.size() >= magic.size() && begins_with(all, any_magic) && !begins_with(all, magic))
         throw InputError(
-            fmt::format("{}: was written by another version of this program; remove it and start without --resume",
+            fmt::format("{}: was written by another version of this program; start without --resume, with --overwrite",
                         file_.string()));
     if (!begins_with(all, magic) || all.size() < head + digest_size) throw broken();
     const auto body = all.first(all.size() - digest_size);
     if (io::xxh64(body) != number_at(all.last(digest_size))) throw broken();
     if (number_at(all.subspan(magic.size())) != digest_)
         throw InputError(
-            fmt::format("{}: belongs to a job with another model or other options; --resume goes on with the same job "
-                        "only: give the "
-                        "same options, or remove the file and start anew",
+            fmt::format("{}: belongs to a job with other options, or with inputs (model, textures, resins, printer) "
+                        "that held something else; --resume goes on with the same job only: give the same options and "
+                        "inputs, or start anew with --overwrite",
                         file_.string()));
-    halftone::LoopState state;
+    halftone::ResumedLoop loop;
+    halftone::LoopState& state = loop.state;
     Reader file{body.subspan(head)};
     state_in(file, state);
     const auto fits = [&](const auto& list, bool may_lack) {
@@ -195,20 +224,22 @@ std::optional<halftone::LoopState> LoopCheckpoint::read(Progress& progress) cons
                (d.shared.empty() || d.shared.size() == d.momentum.size()) && d.scale.size() == cells &&
                d.rate.size() == cells * parts && d.divisor.size() == stepped && d.fall.size() == stepped * parts;
     };
-    if (!file.good || !file.bytes.empty() || state.steps.empty() || state.best >= state.steps.size() ||
-        !fits(state.control, false) || !fits(state.start_control, true) || !descent_fits(state.descent) ||
+    if (!file.good || state.steps.empty() || state.best >= state.steps.size() || !fits(state.control, false) ||
+        !fits(state.start_control, true) || !descent_fits(state.descent) ||
         (state.descent.mixtures.cells() != 0 && state.descent.mixtures.cells() != cells_) ||
         (state.recent.cells() != 0 && state.recent.cells() != cells_) ||
         (state.best > 0 && state.best_mixtures.cells() != cells_) || !fits(state.open, false) ||
         !fits(state.shown, false))
         throw broken();
+    const auto rest = std::as_bytes(file.bytes);
+    loop.sequence.assign(rest.begin(), rest.end());
     progress.note(fmt::format("--resume: going on after iteration {}", state.steps.back().iteration));
-    return state;
+    return loop;
 }
 
-void LoopCheckpoint::remove() const {
+void LoopCheckpoint::remove_from(const std::filesystem::path& folder) {
     std::error_code not_there;
-    std::filesystem::remove(file_, not_there);
+    std::filesystem::remove(folder / checkpoint_name, not_there);
 }
 
 }  // namespace voxtone::slicer

@@ -1,36 +1,45 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// The state of an appearance loop on disk, so that an interrupted job can go on: OUT/loop.checkpoint, written after
-// each iteration under a temporary name and renamed, removed when the loop is done.
+// The state of an appearance loop on disk, so that an interrupted job can go on to the same bits: OUT/loop.checkpoint,
+// written after each iteration under a temporary name and renamed, removed when the job is done. With the light that
+// the predictor keeps it has some 200 bytes for each surface cell and 50 for each cell that light is followed through.
 //
-// A state belongs to one job: options that decide its result (all but threads, iterations, report and the like) and the
-// target of every cell are part of a digest in the file, and another job's state is refused. Digests are XXH64: nobody
-// gains by a forged state, and it must cost nothing beside the iteration.
+// A state belongs to one job: the job's identity as far as it matters to the loop (job_identity.h: what the inputs
+// hold, not their names; not --iterations) and the target of every cell are part of a digest in the file, and another
+// job's state is refused. Digests are XXH64: nobody gains by a forged state, and it must cost nothing beside the
+// iteration.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <span>
+#include <string_view>
 
 #include <Eigen/Core>
 
 #include "voxtone/base/progress.h"
 #include "voxtone/halftone/loop/appearance_loop.h"
-#include "voxtone/slicer/options/slice_options.h"
 
 namespace voxtone::slicer {
 
 class LoopCheckpoint {
 public:
-    LoopCheckpoint(const std::filesystem::path& folder, const SliceOptions& options,
+    /// `loop_identity`: JobIdentity::loop.
+    LoopCheckpoint(const std::filesystem::path& folder, std::string_view loop_identity,
                    std::span<const Eigen::Vector3f> target);
 
-    /// Throws FileError.
-    void write(const halftone::LoopState& state) const;
+    /// Throws FileError; what was written before stays then.
+    void write(const halftone::LoopState& state, const optics::AppearanceSequence& sequence) const;
     /// Nothing, with a note, where there is none. Throws InputError for one of another job, FileError for a broken one.
-    [[nodiscard]] std::optional<halftone::LoopState> read(Progress& progress) const;
-    void remove() const;
+    [[nodiscard]] std::optional<halftone::ResumedLoop> read(Progress& progress) const;
+    [[nodiscard]] bool exists() const;
+    [[nodiscard]] const std::filesystem::path& file() const { return file_; }
+
+    /// Throws InputError where `folder` holds the state of an interrupted loop that this job would throw away.
+    static void refuse_loss(const std::filesystem::path& folder, bool resume, bool overwrite);
+    /// Once the job is done.
+    static void remove_from(const std::filesystem::path& folder);
 
 private:
     std::filesystem::path file_;

@@ -3,6 +3,7 @@
 
 #include "voxtone/io/layers/stack_folder.h"
 #include "voxtone/slicer/job/job_layers.h"
+#include "voxtone/slicer/job/loop_checkpoint.h"
 
 namespace voxtone::slicer {
 
@@ -26,6 +27,7 @@ OpenedJob open_job(const SliceOptions& asked) {
     job.resins = load_resins(job.options, job.printer);
     if (job.map) check_layers(*job.options.layered, *job.map, job.resins);
     io::require_usable_folder(job.options.out, job.options.overwrite);
+    LoopCheckpoint::refuse_loss(job.options.out, job.options.resume, job.options.overwrite);
     return job;
 }
 

@@ -10,14 +10,17 @@
 #include <vector>
 
 #include "voxtone/base/parallel.h"
+#include "voxtone/base/stop_deadline.h"
 #include "voxtone/base/stopwatch.h"
 #include "voxtone/io/files/whole_file.h"
 #include "voxtone/io/layers/layer_stack_writer.h"
 #include "voxtone/io/report/report_json.h"
 #include "voxtone/slicer/job/colour_print.h"
 #include "voxtone/slicer/job/job_body.h"
+#include "voxtone/slicer/job/job_identity.h"
 #include "voxtone/slicer/job/job_stages.h"
 #include "voxtone/slicer/job/layered_print.h"
+#include "voxtone/slicer/job/loop_checkpoint.h"
 #include "voxtone/slicer/job/opened_job.h"
 #include "voxtone/slicer/job/report_files.h"
 #include "voxtone/slicer/job/slice_report.h"
@@ -42,9 +45,17 @@ JobBody read_body(const OpenedJob& job, JobFigures& figures, Progress& progress)
     return body;
 }
 
-std::unique_ptr<Print> make_print(const OpenedJob& job, const JobBody& body, Progress& progress) {
+JobIdentity identify_said(const OpenedJob& job, const JobBody& body, Progress& progress) {
+    JobIdentity identity = identify(job, body.side_files, &progress);
+    for (const std::string& changed : changed_inputs(job.options.asked.recorded_inputs, identity.inputs))
+        progress.warn(changed);
+    return identity;
+}
+
+std::unique_ptr<Print> make_print(const OpenedJob& job, const JobBody& body, const JobIdentity& identity,
+                                  Progress& progress) {
     if (job.options.layered) return std::make_unique<LayeredPrint>(job, body, progress);
-    return std::make_unique<ColourPrint>(job, body, progress);
+    return std::make_unique<ColourPrint>(job, body, identity, progress);
 }
 
 /// Reports of an earlier job in this folder do not describe this one.
@@ -96,8 +107,8 @@ std::vector<std::array<float, 3>> single_precision(const std::vector<Eigen::Vect
     return out;
 }
 
-const io::StackDescription& finish_stack(const OpenedJob& job, const JobBody& body, io::LayerStackWriter& writer,
-                                         JobFigures& figures, Progress& progress) {
+const io::StackDescription& finish_stack(const OpenedJob& job, const JobBody& body, const JobIdentity& identity,
+                                         io::LayerStackWriter& writer, JobFigures& figures, Progress& progress) {
     const Stopwatch watch;
     progress.begin_stage("finish", 0);
     std::vector<std::array<float, 3>> positions;
@@ -105,7 +116,8 @@ const io::StackDescription& finish_stack(const OpenedJob& job, const JobBody& bo
     io::PreviewMesh preview;
     if (!positions.empty()) preview = {positions, body.solid->triangles};
     const io::StackDescription& stack = writer.finish(preview, &progress);
-    io::write_whole_file(writer.folder() / job_file_name, job_json(job.options.asked));
+    io::write_whole_file(writer.folder() / job_file_name,
+                         job_record(job.options.asked, identity.inputs, job.options.out));
     figures.layer_bytes = writer.bytes_written();
     progress.end_stage();
     figures.finish_s = watch.total();
@@ -138,9 +150,10 @@ SliceResult run_slice_job(const SliceOptions& asked, Progress& progress) {
     const ThreadLimit threads(static_cast<std::size_t>(job.options.threads));
     for (const std::string& warning : job.printer.warnings()) progress.warn(warning);
     const JobBody body = read_body(job, figures, progress);
+    const JobIdentity identity = identify_said(job, body, progress);
     const LayerRange range = range_within(job.options.layers, body.grid.size[2]);
     expect_stages(progress, expected_stages(job, body, range));
-    const std::unique_ptr<Print> print = make_print(job, body, progress);
+    const std::unique_ptr<Print> print = make_print(job, body, identity, progress);
     print->prepare(progress);
 
     // ... and from here on the output folder is this job's.
@@ -150,7 +163,9 @@ SliceResult run_slice_job(const SliceOptions& asked, Progress& progress) {
     std::optional<Thumbnails> thumbnails;
     if (job.options.report) thumbnails.emplace(range.first, range.layers(), body.grid, job.palette());
     write_layers(*print, range, writer, thumbnails, figures, progress);
-    const io::StackDescription& stack = finish_stack(job, body, writer, figures, progress);
+    const io::StackDescription& stack = finish_stack(job, body, identity, writer, figures, progress);
+    LoopCheckpoint::remove_from(job.options.out);
+    set_stop_advice({});
 
     print->look(stack, progress);
     progress.begin_stage("report", 0);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxtone/slicer/options/job_file.h"
 
-#include <filesystem>
 #include <fstream>
 #include <sstream>
 
@@ -10,12 +9,14 @@
 
 #include "voxtone/base/error.h"
 #include "voxtone/io/files/json_keys.h"
+#include "voxtone/io/profiles/resin_file.h"
 
 namespace voxtone::slicer {
 
 namespace {
 
 using Json = nlohmann::ordered_json;
+namespace fs = std::filesystem;
 
 Json json_value(const OptionSpec& spec, const std::string& value) {
     switch (spec.kind) {
@@ -72,7 +73,7 @@ Json parse_job(const std::string& path) {
 }
 
 const OptionSpec& find_option(const std::string& key, const std::string& path) {
-    std::vector<std::string> known{"format", "version"};
+    std::vector<std::string> known{"format", "version", "inputs"};
     for (const OptionSpec& spec : slice_option_table()) {
         if (spec.key == key) return spec;
         known.push_back(spec.key);
@@ -80,25 +81,100 @@ const OptionSpec& find_option(const std::string& key, const std::string& path) {
     throw InputError(fmt::format("{}: {}", path, io::unknown_key_message(key, known)));
 }
 
-/// The rest of `text` from `begin` on, seen from the job file's folder. An empty path stays empty: nothing was named.
-void make_relative_to(const std::filesystem::path& folder, std::string& text, std::size_t begin = 0) {
-    const std::string named = text.substr(begin);
-    if (!named.empty() && std::filesystem::path(named).is_relative())
-        text = text.substr(0, begin) + (folder / named).string();
+/// Whether the text is that of a file, and not of something that comes with the program; seen from `folder`.
+bool is_file_name(const std::string& text, const fs::path& folder) {
+    if (text.find('/') != std::string::npos || text.ends_with(".json")) return true;
+    std::error_code none;
+    return !io::known_resin_set_text(text) && fs::is_regular_file(folder / text, none);
 }
+
+/// Every path that the options of `keys` name becomes `place(path)`; paths are seen from `folder`.
+template <class Wanted, class Place>
+void replace_paths(SliceOptions& options, const fs::path& folder, Wanted&& wanted, Place&& place) {
+    for (const OptionSpec& spec : slice_option_table()) {
+        if (spec.names == OptionSpec::Names::nothing || !wanted(spec.key)) continue;
+        if (spec.names == OptionSpec::Names::inputs_by_role) {
+            for (std::string& entry : options.stack_materials)
+                if (const std::size_t equals = entry.find('='); equals != std::string::npos)
+                    entry = entry.substr(0, equals + 1) + place(entry.substr(equals + 1));
+            continue;
+        }
+        const std::string text = spec.get(options);
+        if (text.empty()) continue;  // nothing was named
+        if (spec.names == OptionSpec::Names::input_or_known && !is_file_name(text, folder)) continue;
+        spec.set(options, place(text));
+    }
+}
+
+/// Seen from the folder, without "." and the like.
+std::string path_from(const fs::path& folder, const std::string& text) {
+    const fs::path path = (folder / text).lexically_normal();
+    return (path.has_filename() ? path : path.parent_path()).string();
+}
+
+/// As the folder sees it, with a '/' in it: no word of the program's own has one.
+std::string path_within(const fs::path& folder, const std::string& text) {
+    const std::string path = fs::proximate(text, folder).string();
+    return path.find('/') == std::string::npos && path != "." ? "./" + path : path;
+}
+
+Json options_json(const SliceOptions& options) {
+    Json job{{"format", "voxtone-job"}, {"version", 1}};
+    for (const OptionSpec& spec : slice_option_table()) job[spec.key] = json_value(spec, spec.get(options));
+    return job;
+}
+
+std::string text_of(const Json& job) { return job.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; }
+
+JobInput input_of(const Json& entry, const std::string& path, const fs::path& folder) {
+    const auto refuse = [&](const std::string& rule) {
+        throw InputError(fmt::format("{}: key 'inputs': {}", path, rule));
+    };
+    if (!entry.is_object()) refuse("a list of objects is expected");
+    JobInput input;
+    for (const auto& [key, value] : entry.items()) {
+        std::string* const to = key == "input"    ? &input.key
+                                : key == "file"   ? &input.file
+                                : key == "sha256" ? &input.sha256
+                                                  : nullptr;
+        if (!to) refuse(io::unknown_key_message(key, std::vector<std::string>{"input", "file", "sha256"}));
+        if (!value.is_string()) refuse(fmt::format("'{}' is no text", key));
+        *to = value.get<std::string>();
+    }
+    if (input.key.empty()) refuse("an entry does not say which 'input' it is");
+    if (!input.file.empty()) input.file = path_from(folder, input.file);
+    return input;
+}
+
+constexpr auto every_key = [](const std::string&) { return true; };
 
 }  // namespace
 
 std::string job_json(const SliceOptions& options) {
-    Json job{{"format", "voxtone-job"}, {"version", 1}};
-    for (const OptionSpec& spec : slice_option_table()) job[spec.key] = json_value(spec, spec.get(options));
-    return job.dump(2) + "\n";
+    SliceOptions anywhere = options;
+    replace_paths(anywhere, fs::path(), every_key,
+                  [](const std::string& text) { return path_from(fs::current_path(), text); });
+    return text_of(options_json(anywhere));
+}
+
+std::string job_record(const SliceOptions& options, std::span<const JobInput> inputs, const fs::path& folder) {
+    SliceOptions left = options;
+    left.overwrite = left.resume = false;
+    replace_paths(left, fs::path(), every_key, [&](const std::string& text) { return path_within(folder, text); });
+    Json job = options_json(left), list = Json::array();
+    for (const JobInput& input : inputs) {
+        Json& entry = list.emplace_back(Json{{"input", input.key}});
+        if (!input.file.empty()) entry["file"] = path_within(folder, input.file);
+        if (!input.sha256.empty()) entry["sha256"] = input.sha256;
+    }
+    job["inputs"] = std::move(list);
+    return text_of(job);
 }
 
 void read_job(const std::string& path, SliceOptions& options) {
     const Json job = parse_job(path);
     for (const auto& [key, value] : job.items()) {
-        if (key == "format" || key == "version") continue;
+        if (key == "format" || key == "version" || key == "inputs") continue;
         const OptionSpec& spec = find_option(key, path);
         try {
             spec.set(options, option_text(value, fmt::format("{}: key '{}'", path, key)));
@@ -107,14 +183,15 @@ void read_job(const std::string& path, SliceOptions& options) {
             throw InputError(fmt::format("{}: {}", path, error.what()));
         }
     }
-    const std::filesystem::path folder = std::filesystem::path(path).parent_path();
-    if (job.contains("model")) make_relative_to(folder, options.model);
-    if (job.contains("texture")) make_relative_to(folder, options.texture);
-    if (job.contains("profiles")) make_relative_to(folder, options.profiles);
-    if (job.contains("stack-materials"))
-        for (std::string& entry : options.stack_materials)
-            if (const std::size_t equals = entry.find('='); equals != std::string::npos)
-                make_relative_to(folder, entry, equals + 1);
+    const fs::path folder = fs::path(path).parent_path();
+    replace_paths(
+        options, folder, [&](const std::string& key) { return job.contains(key); },
+        [&](const std::string& text) { return path_from(folder, text); });
+    if (!job.contains("inputs")) return;
+    if (!job["inputs"].is_array())
+        throw InputError(fmt::format("{}: key 'inputs': a list of objects is expected", path));
+    options.recorded_inputs.clear();
+    for (const Json& entry : job["inputs"]) options.recorded_inputs.push_back(input_of(entry, path, folder));
 }
 
 }  // namespace voxtone::slicer

@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// The job file: {"format": "voxtone-job", "version": 1, <key>: <value>, ...} with the keys of the option table.
+// The job file: {"format": "voxtone-job", "version": 1, <key>: <value>, ...} with the keys of the option table. One
+// that a job left has also "inputs": [{"input": "model", "file": "../spot.obj", "sha256": "..."}, ...]; without "file"
+// it came with the program, without "sha256" it was not there.
 #pragma once
 
+#include <filesystem>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -13,12 +17,15 @@ namespace voxtone::slicer {
 /// What `slice` calls the one that it leaves beside its layers.
 inline constexpr std::string_view job_file_name = "job.json";
 
-/// A job file as text, complete: every key with its value.
+/// A job file as text, complete: every key with its value. Paths are made absolute, so that it may lie anywhere.
 [[nodiscard]] std::string job_json(const SliceOptions& options);
+/// The job file that a job leaves in `folder`, beside what it made: paths relative to that folder, the SHA-256 of every
+/// input, and neither --overwrite nor --resume, which were said to that run alone.
+[[nodiscard]] std::string job_record(const SliceOptions& options, std::span<const JobInput> inputs,
+                                     const std::filesystem::path& folder);
 
 /// Reads a job file into `options`: only the keys that it has. Unknown keys are errors that name the nearest known key.
-/// Relative paths of the model and its texture, of the map of profiles and of measured materials are relative to the
-/// job file. Throws FileError, InputError.
+/// All relative paths in it are relative to the job file. Throws FileError, InputError.
 void read_job(const std::string& path, SliceOptions& options);
 
 }  // namespace voxtone::slicer

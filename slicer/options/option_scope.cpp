@@ -46,7 +46,7 @@ void check_scope_of_colour(const SliceOptions& o) {
          {"profile-placement", "stack-thickness", "stack-steps", "stack-blocks", "stack-rounds", "dc-weight",
           "clear-top", "base", "layer-smoothing", "surface-cell"},
          "it only goes with --model layered-profile");
-    const bool looped = o.iterations != "0";
+    const bool looped = o.iterations != "0" || o.resume;  // what a loop has found may be printed
     idle(o, !looped, {"intent", "viewing-distance", "loop-model", "loop-method", "resume"},
          "--iterations 0 leaves the appearance loop out");
     const bool predicted = o.predict != predict_none && o.report;

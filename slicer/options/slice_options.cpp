@@ -88,25 +88,39 @@ OptionSpec number(OptionSpec s, Number SliceOptions::*member) {
     return s;
 }
 
+OptionSpec names(OptionSpec::Names what, OptionSpec s) {
+    s.names = what;
+    return s;
+}
+
+OptionSpec of_the_run(OptionSpec s) {
+    s.of_the_run = true;
+    return s;
+}
+
 std::vector<OptionSpec> make_table() {
+    using enum OptionSpec::Names;
     using O = SliceOptions;
     const std::string in = "Input and output", place = "Placement", colour = "Colour", body = "Body",
                       loop = "Appearance loop", profiles = "Layered profiles", predict = "Prediction", run = "Run";
     return {
-        text(called("mesh",
-                    spec("model", Kind::text, "FILE", in, "textured mesh (OBJ, PLY, STL, glTF, GLB, 3MF) or picture")),
-             &O::model),
-        text(spec("out", Kind::text, "FOLDER", in, "output folder; nothing is written outside it"), &O::out),
+        names(input, text(called("mesh", spec("model", Kind::text, "FILE", in,
+                                              "textured mesh (OBJ, PLY, STL, glTF, GLB, 3MF) or picture")),
+                          &O::model)),
+        names(output,
+              text(spec("out", Kind::text, "FOLDER", in, "output folder; nothing is written outside it"), &O::out)),
         list(spec("formats", Kind::list, "LIST", in,
                   "what to write: png (RGBA stack for Voxel Print), gcvf, tiff or png1 (one per resin and layer), vdb; "
                   "empty: the printer's default",
                   names_of<io::LayerFormat>()),
              &O::formats),
-        flag(spec("overwrite", Kind::flag, "", in, "write into a folder that holds other files too"), &O::overwrite),
+        of_the_run(flag(spec("overwrite", Kind::flag, "", in, "write into a folder that holds other files too"),
+                        &O::overwrite)),
         flag(spec("report", Kind::flag, "", in, "write report.html, target and predicted pictures"), &O::report),
 
-        text(spec("printer", Kind::text, "ID|FILE", place, "printer profile; see `voxtone list printers`"),
-             &O::printer),
+        names(input_or_known,
+              text(spec("printer", Kind::text, "ID|FILE", place, "printer profile; see `voxtone list printers`"),
+                   &O::printer)),
         text(spec("unit", Kind::text, "UNIT", place,
                   "unit of the model's numbers: um, mm, cm, m, in, ft, or auto (the file's own; mm where it has none)"),
              &O::unit),
@@ -129,11 +143,12 @@ std::vector<OptionSpec> make_table() {
         text(spec("layers", Kind::text, "A-B", place, "only these layers, counted from 0 at the bottom; empty: all"),
              &O::layers),
 
-        text(spec("texture", Kind::text, "FILE", colour,
-                  "picture for a mesh that has texture coordinates and no picture for them; those that the mesh has "
-                  "stay; empty: none"),
-             &O::texture),
-        text(spec("resins", Kind::text, "SET|FILE", colour, "resin set; see `voxtone list resins`"), &O::resins),
+        names(input, text(spec("texture", Kind::text, "FILE", colour,
+                               "picture for a mesh that has texture coordinates and no picture for them; those that "
+                               "the mesh has stay; empty: none"),
+                          &O::texture)),
+        names(input_or_known,
+              text(spec("resins", Kind::text, "SET|FILE", colour, "resin set; see `voxtone list resins`"), &O::resins)),
         list(spec("load", Kind::list, "ROLES", colour,
                   "resins that are loaded, by role (C,M,Y,K,W); empty: the printer's default"),
              &O::load),
@@ -180,9 +195,10 @@ std::vector<OptionSpec> make_table() {
                   "beyond",
                   names_of<LoopMethod>()),
              &O::loop_method),
-        flag(
-            spec("resume", Kind::flag, "", loop, "go on with the loop of an interrupted job in the same output folder"),
-            &O::resume),
+        of_the_run(flag(spec("resume", Kind::flag, "", loop,
+                             "go on with the loop of an interrupted job in the same output folder; with fewer "
+                             "--iterations than it has made it prints the best of them"),
+                        &O::resume)),
 
         text(called("model", spec("arrange", Kind::text, "NAME", profiles,
                                   "what the surface is to show: colour, or layered-profile: how light spreads, by "
@@ -190,8 +206,9 @@ std::vector<OptionSpec> make_table() {
                                   "(docs/layered-prints.md); key `arrange` of a job file",
                                   names_of<Arrange>())),
              &O::arrange),
-        text(spec("profiles", Kind::text, "MAP", profiles, "map of wanted scattering profiles (voxtone-profile-map)"),
-             &O::profiles),
+        names(input, text(spec("profiles", Kind::text, "MAP", profiles,
+                               "map of wanted scattering profiles (voxtone-profile-map)"),
+                          &O::profiles)),
         text(spec("profile-placement", Kind::text, "HOW", profiles,
                   "where on a mesh the map lies: uv (texture coordinates; it repeats) or box (projected along the main "
                   "axis of the normal, in mm; "
@@ -211,10 +228,11 @@ std::vector<OptionSpec> make_table() {
                   "the model alone; a round takes some ten seconds of one core for each cluster; auto: 1 for up to 16 "
                   "clusters of resins, else 0"),
              &O::stack_rounds),
-        list(spec("stack-materials", Kind::list, "ROLE=FILE", profiles,
-                  "measured profiles (voxtone-profile) of the loaded resins in the place of computed ones: "
-                  "W=white.json,K=black.json; all or none"),
-             &O::stack_materials),
+        names(inputs_by_role,
+              list(spec("stack-materials", Kind::list, "ROLE=FILE", profiles,
+                        "measured profiles (voxtone-profile) of the loaded resins in the place of computed ones: "
+                        "W=white.json,K=black.json; all or none"),
+                   &O::stack_materials)),
         number(spec("dc-weight", Kind::number, "W", profiles,
                     "weight of the total reflectance against the profile's shape"),
                &O::dc_weight),
@@ -249,17 +267,18 @@ std::vector<OptionSpec> make_table() {
              &O::predict),
         length(spec("predict-cell", Kind::length, "LENGTH", predict, "cells that are predicted and seen as one"),
                &O::predict_cell_mm),
-        number(spec("memory", Kind::number, "GIB", predict,
-                    "most memory for the prediction; a print that needs more is printed without it; 0: half of the "
-                    "machine's"),
-               &O::memory_gib),
+        of_the_run(number(spec("memory", Kind::number, "GIB", predict,
+                               "most memory for the prediction; a print that needs more is printed without it; 0: half "
+                               "of the machine's"),
+                          &O::memory_gib)),
 
-        flag(spec("strict", Kind::flag, "", run,
-                  "do not print what needs a look first: stop with exit code 3 where colours of the model are lost, or "
-                  "where it would come out all white though it has colours"),
-             &O::strict),
-        number(spec("threads", Kind::number, "N", run, "threads; 0: one per core. The result does not depend on it"),
-               &O::threads),
+        of_the_run(flag(spec("strict", Kind::flag, "", run,
+                             "do not print what needs a look first: stop with exit code 3 where colours of the model "
+                             "are lost, or where it would come out all white though it has colours"),
+                        &O::strict)),
+        of_the_run(number(
+            spec("threads", Kind::number, "N", run, "threads; 0: one per core. The result does not depend on it"),
+            &O::threads)),
         number(spec("seed", Kind::number, "N", run, "seed of what is random (error diffusion)"), &O::seed),
     };
 }

@@ -11,6 +11,8 @@
 #include <string_view>
 #include <vector>
 
+#include "voxtone/slicer/options/job_input.h"
+
 namespace voxtone::slicer {
 
 /// One job as the user wrote it: texts, until `resolve` makes values of them (resolved_job.h).
@@ -73,11 +75,16 @@ struct SliceOptions {
     /// Keys that the user set, on the command line or in a job file to something else than the default: what of them
     /// would be ignored is refused (option_scope.h).
     std::vector<std::string> named;
+
+    /// What the inputs held when the job file was written that these options come from; empty where it does not say.
+    std::vector<JobInput> recorded_inputs;
 };
 
 /// One entry of the table.
 struct OptionSpec {
     enum class Kind { text, list, number, length, flag };
+    /// What its text is the name of.
+    enum class Names { nothing, input, input_or_known, inputs_by_role, output };
     std::string key;     ///< key of the job file
     std::string option;  ///< `--option` of the command line; that of the mesh may also stand alone
     Kind kind;
@@ -88,6 +95,8 @@ struct OptionSpec {
     std::function<std::string(const SliceOptions&)> get;
     /// Throws UsageError that names the key, the value and the rule.
     std::function<void(SliceOptions&, const std::string&)> set;
+    Names names = Names::nothing;
+    bool of_the_run = false;  ///< decides how the work is done, and not what it makes
 };
 
 [[nodiscard]] std::span<const OptionSpec> slice_option_table();

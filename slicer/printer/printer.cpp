@@ -208,6 +208,12 @@ std::vector<io::Rgb> PrinterProfile::display_colours(std::span<const std::string
     return result;
 }
 
+std::optional<std::string_view> known_printer_text(std::string_view id) {
+    for (const EmbeddedFile& file : embedded::printers())
+        if (file.name == id) return file.text;
+    return std::nullopt;
+}
+
 PrinterProfile find_printer(const std::string& id_or_path) {
     if (id_or_path.find('/') != std::string::npos || id_or_path.ends_with(".json")) {
         const std::filesystem::path path(id_or_path);

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -43,6 +44,8 @@ struct PrinterProfile {
     [[nodiscard]] std::vector<io::Rgb> display_colours(std::span<const std::string> roles) const;
 };
 
+/// The JSON of a profile that comes with the program; nothing for other ids.
+[[nodiscard]] std::optional<std::string_view> known_printer_text(std::string_view id);
 /// A profile of the program by its id, or a file by its path (anything with a '/' or ending in ".json").
 /// Throws InputError (unknown id: names the known ones; a wrong file: file, key, rule), FileError.
 [[nodiscard]] PrinterProfile find_printer(const std::string& id_or_path);

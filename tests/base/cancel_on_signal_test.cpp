@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxtone/base/cancel_on_signal.h"
 
+#include <chrono>
 #include <csignal>
 
 #include <sys/wait.h>
@@ -9,17 +10,20 @@
 #include <catch2/catch.hpp>
 
 #include "voxtone/base/contracts.h"
+#include "voxtone/base/stop_deadline.h"
 
 using namespace voxtone;
 
 namespace {
+
+constexpr auto stop_signals = {SIGINT, SIGTERM, SIGUSR1};
 
 /// Runs `child` in a process of its own; gives back its exit code, or minus the signal that ended it.
 template <class Child>
 int status_of(Child child) {
     const pid_t pid = fork();
     if (pid == 0) {
-        for (const int number : {SIGINT, SIGTERM}) std::signal(number, SIG_DFL);  // not the test program's own handlers
+        for (const int number : stop_signals) std::signal(number, SIG_DFL);  // not the test program's own handlers
         child();
         _exit(99);
     }
@@ -30,47 +34,86 @@ int status_of(Child child) {
 
 }  // namespace
 
-TEST_CASE("The first signal asks the work to stop") {
-    for (const int number : {SIGINT, SIGTERM})
+TEST_CASE("The first signal asks the work to stop, and says why") {
+    for (const int number : stop_signals)
         CHECK(status_of([number] {
+                  catch_stop_signals();
                   Progress progress;
                   const CancelOnSignal cancel(progress);
                   if (progress.cancelled()) _exit(1);
                   std::raise(number);
-                  _exit(progress.cancelled() ? 5 : 2);
-              }) == 5);
+                  _exit(progress.cancelled() ? static_cast<int>(stop_code()) : 2);
+              }) == (number == SIGINT ? 5 : 85));
 }
 
-TEST_CASE("The second signal ends the program, whichever of the two it is") {
-    CHECK(status_of([] {
-              Progress progress;
-              const CancelOnSignal cancel(progress);
-              std::raise(SIGINT);
-              std::raise(SIGINT);
-          }) == -SIGINT);
-    CHECK(status_of([] {
-              Progress progress;
-              const CancelOnSignal cancel(progress);
-              std::raise(SIGTERM);
-              std::raise(SIGINT);
-          }) == -SIGINT);
-}
-
-TEST_CASE("Signals are as before when the work is over, and ignored ones stay ignored") {
-    CHECK(status_of([] {
-              {
+TEST_CASE("A signal that comes before there is work stops it when it begins") {
+    for (const int number : stop_signals)
+        CHECK(status_of([number] {
+                  catch_stop_signals();
+                  std::raise(number);
                   Progress progress;
                   const CancelOnSignal cancel(progress);
-              }
-              std::raise(SIGINT);
-          }) == -SIGINT);
+                  _exit(progress.cancelled() ? static_cast<int>(stop_code()) : 2);
+              }) == (number == SIGINT ? 5 : 85));
+}
+
+TEST_CASE("A second Ctrl-C ends the program, a second SIGTERM or SIGUSR1 changes nothing") {
+    for (const int first : stop_signals)
+        CHECK(status_of([first] {
+                  catch_stop_signals();
+                  Progress progress;
+                  const CancelOnSignal cancel(progress);
+                  std::raise(first);
+                  std::raise(SIGINT);
+              }) == -SIGINT);
+    for (const int first : stop_signals)
+        for (const int second : {SIGTERM, SIGUSR1})
+            CHECK(status_of([first, second] {
+                      catch_stop_signals();
+                      Progress progress;
+                      const CancelOnSignal cancel(progress);
+                      std::raise(first);
+                      std::raise(second);
+                      _exit(static_cast<int>(stop_code()));
+                  }) == (first == SIGINT ? 5 : 85));
+}
+
+TEST_CASE("Ignored signals stay ignored, and work that is over is not touched") {
+    for (const int number : stop_signals)
+        CHECK(status_of([number] {
+                  std::signal(number, SIG_IGN);
+                  catch_stop_signals();
+                  Progress progress;
+                  const CancelOnSignal cancel(progress);
+                  std::raise(number);
+                  _exit(progress.cancelled() ? 1 : 7);
+              }) == 7);
     CHECK(status_of([] {
-              std::signal(SIGINT, SIG_IGN);
+              catch_stop_signals();
               Progress progress;
-              const CancelOnSignal cancel(progress);
-              std::raise(SIGINT);
+              { const CancelOnSignal cancel(progress); }
+              std::raise(SIGTERM);
               _exit(progress.cancelled() ? 1 : 7);
           }) == 7);
+}
+
+TEST_CASE("Work that does not look whether it was stopped is left where it stands") {
+    CHECK(status_of([] {
+              Progress progress;
+              const StopDeadline deadline(progress, std::chrono::milliseconds(40), [] { return 85; });
+              progress.cancel();
+              for (;;) pause();
+          }) == 85);
+    // Work that ends by itself is not, and neither is what nobody asked to stop.
+    for (const bool stop : {true, false})
+        CHECK(status_of([stop] {
+                  {
+                      Progress progress;
+                      const StopDeadline deadline(progress, std::chrono::hours(1), [] { return 85; });
+                      if (stop) progress.cancel();
+                  }
+                  _exit(7);
+              }) == 7);
 }
 
 TEST_CASE("Two at once are a mistake") {

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <catch2/catch.hpp>
 
+#include <csignal>
 #include <filesystem>
 
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
 #include "run_program.h"
+#include "voxtone/base/error.h"
 #include "voxtone/slicer/job/slice_job.h"
 
 using namespace voxtone;
@@ -84,35 +86,107 @@ TEST_CASE("Without iterations the open loop is printed, and nothing is said of a
               .exit_code == 2);
 }
 
-// The predictor keeps its light from print to print and a resumed loop starts without it: nearly the same print, not
-// the same bits.
-TEST_CASE("A stopped loop leaves a whole stack, and --resume goes on where it was") {
+TEST_CASE("A loop that was stopped and resumed makes the same print, bit by bit") {
     const Folder folder("resume");
     Progress quiet;
-    (void)slicer::run_slice_job(small_slab(folder, "whole"), quiet);
+    const auto layers = [&](const std::string& out) {
+        return read_tree(std::filesystem::path(folder / out) / "layers");
+    };
+    const auto errors = [&](const std::string& out) {
+        std::vector<double> means;
+        for (const auto& step : json_of((folder / out) + "/report.json").at("loop").at("iterations"))
+            means.push_back(step.at("seen_de2000").at("mean"));
+        return means;
+    };
+    const auto run = [&](slicer::SliceOptions options, const std::string& method, Progress& progress) {
+        options.loop_method = method;
+        (void)slicer::run_slice_job(options, progress);
+    };
+    for (const std::string method : {"descent", "feedback"}) {
+        const std::string whole = "whole-" + method;
+        run(small_slab(folder, whole), method, quiet);
+        // After the open loop, before descent takes over, in the middle of either.
+        for (const int predictions : method == "descent" ? std::vector{1, 2, 3, 5} : std::vector{1, 3}) {
+            CAPTURE(method, predictions);
+            const std::string out = fmt::format("{}-{}", method, predictions);
+            StopsAfter stops(predictions);
+            CHECK_THROWS_AS(run(small_slab(folder, out), method, stops), Cancelled);
+            REQUIRE(std::filesystem::exists(folder / out + "/loop.checkpoint"));
+            slicer::SliceOptions resumed = small_slab(folder, out);
+            resumed.resume = true;
+            run(resumed, method, quiet);
+            CHECK(errors(out) == errors(whole));
+            CHECK(layers(out) == layers(whole));
+            CHECK_FALSE(std::filesystem::exists(folder / out + "/loop.checkpoint"));
+        }
+    }
+}
+
+TEST_CASE("An interrupted loop is not thrown away, not taken for another job's, and printed when that is asked for") {
+    const Folder folder("stopped");
+    Progress quiet;
     StopsAfter stops(3);
-    (void)slicer::run_slice_job(small_slab(folder, "stopped"), stops);
-    CHECK(run_program("verify --quiet " + (folder / "stopped")).exit_code == 0);
-    REQUIRE(std::filesystem::exists(folder / "stopped/loop.checkpoint"));
-    slicer::SliceOptions other = small_slab(folder, "stopped");
+    CHECK_THROWS_AS(slicer::run_slice_job(small_slab(folder, "out"), stops), Cancelled);
+    CHECK_THROWS_AS(slicer::run_slice_job(small_slab(folder, "out"), quiet), InputError);
+    slicer::SliceOptions other = small_slab(folder, "out");
     other.resume = true;
     other.depth_mm = 0.5;
     CHECK_THROWS_AS(slicer::run_slice_job(other, quiet), InputError);
-    CHECK(run_program("verify --quiet " + (folder / "stopped")).exit_code == 0);  // refused, and nothing is lost
-    slicer::SliceOptions resumed = small_slab(folder, "stopped");
-    resumed.resume = true;
-    (void)slicer::run_slice_job(resumed, quiet);
-    CHECK(run_program("verify --quiet " + (folder / "stopped")).exit_code == 0);
-    const auto iterations = [&](const std::string& out) {
-        return json_of((folder / out) + "/report.json").at("loop").at("iterations");
-    };
-    const nlohmann::json whole = iterations("whole"), gone_on = iterations("stopped");
-    REQUIRE(gone_on.size() == whole.size());
-    for (std::size_t i = 0; i < whole.size(); ++i) {
-        const double there = whole[i]["seen_de2000"]["mean"], here = gone_on[i]["seen_de2000"]["mean"];
-        CHECK(here == Approx(there).epsilon(i < 3 ? 1e-9 : 0.05));
+    // A resin set of the same name that says something else.
+    std::string resins = read_file(std::string(VOXTONE_SOURCE_DIR) + "/data/resins/vero-opaque.json");
+    folder.write("mine.json", resins);
+    other = small_slab(folder, "out");
+    other.resume = true;
+    other.resins = folder / "mine.json";
+    other.iterations.assign(1, '0');
+    other.threads = 1;
+    const std::size_t at = resins.find("\"g\": 0.4");
+    REQUIRE(at != std::string::npos);
+    resins[at + 7] = '3';
+    folder.write("mine.json", resins);
+    CHECK_THROWS_AS(slicer::run_slice_job(other, quiet), InputError);
+    // The set of the program in a file of another name is the same job; no more iterations are made.
+    folder.write("mine.json", read_file(std::string(VOXTONE_SOURCE_DIR) + "/data/resins/vero-opaque.json"));
+    (void)slicer::run_slice_job(other, quiet);
+    CHECK(run_program("verify --quiet " + (folder / "out")).exit_code == 0);
+    CHECK(json_of(folder / "out/report.json").at("loop").at("iterations").size() == 3);
+    CHECK_FALSE(std::filesystem::exists(folder / "out/loop.checkpoint"));
+}
+
+TEST_CASE("A state that cannot be saved is warned about once, and the job goes on") {
+    const Folder folder("unsaved");
+    class Listens final : public Progress {
+    public:
+        int warned = 0;
+
+    private:
+        void on_warning(const std::string& message) override {
+            warned += message.find("loop.checkpoint") != std::string::npos;
+        }
+    } progress;
+    // A folder in the place of the file.
+    std::filesystem::create_directories(folder / "out/loop.checkpoint/there");
+    slicer::SliceOptions options = small_slab(folder, "out");
+    options.overwrite = true;
+    options.iterations.assign(1, '2');
+    (void)slicer::run_slice_job(options, progress);
+    CHECK(progress.warned == 1);
+    CHECK(run_program("verify --quiet " + (folder / "out")).exit_code == 0);
+}
+
+TEST_CASE("A scheduler's SIGTERM in the loop leaves with 85 and a state to go on from, Ctrl-C with 5") {
+    const Folder folder("signalled");
+    for (const auto& [signal, code] : {std::pair(SIGTERM, 85), std::pair(SIGINT, 5)}) {
+        const std::string slice = fmt::format("slice --json --iterations 3 {} --width 2.4mm --thickness 1mm -o {}",
+                                              picture, folder / fmt::format("out{}", code));
+        const Outcome outcome = run_and_signal(slice, "iteration 1 ", signal);
+        INFO(outcome.out << outcome.err);
+        CHECK(outcome.exit_code == code);
+        CHECK_THAT(outcome.err, Catch::Contains("with --resume goes on"));
+        const Outcome again = run_program(slice + " --resume");
+        CHECK(again.exit_code == 0);
+        CHECK_THAT(again.out, Catch::Contains("going on after iteration"));
     }
-    CHECK_FALSE(std::filesystem::exists(folder / "stopped/loop.checkpoint"));
 }
 
 TEST_CASE("Where there is nothing to rearrange the job says so and goes on") {

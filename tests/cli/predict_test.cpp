@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <cmath>
+#include <csignal>
 
 #include <fmt/core.h>
 #include <png.h>
+
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
@@ -142,9 +144,9 @@ TEST_CASE("An all white slab is white") {
 
 TEST_CASE("Ctrl-C stops a prediction with 5 and leaves no file") {
     const Folder folder("stop");
-    const Outcome outcome = run_program(
-        fmt::format("predict --quiet --model monte-carlo --spp 20000 {} -o {}", marked_stack(folder), folder / "p.png"),
-        1500);
+    const Outcome outcome = run_and_signal(
+        fmt::format("predict --json --model monte-carlo --spp 20000 {} -o {}", marked_stack(folder), folder / "p.png"),
+        "\"stage\":\"predict", SIGINT);
     CHECK(outcome.exit_code == 5);
     CHECK_THAT(outcome.err, Contains("cancelled"));
     for (const auto& entry : std::filesystem::directory_iterator(folder.path()))

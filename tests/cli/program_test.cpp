@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <csignal>
+
+#include <fmt/core.h>
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
@@ -126,14 +129,60 @@ TEST_CASE("With --json: events and one result, one JSON object a line") {
     CHECK(stages >= 3);
 }
 
-TEST_CASE("Ctrl-C stops with 5 and leaves nothing that looks whole") {
+TEST_CASE("Ctrl-C stops with 5, SIGTERM and SIGUSR1 with 85, and nothing is left that looks whole") {
     const Folder folder("cancel");
     folder.write("box.obj", ramp_box_obj(60, 60, 30));
-    const Outcome outcome = run_program("slice --quiet " + (folder / "box.obj") + " -o " + (folder / "out"), 1500);
-    CHECK(outcome.exit_code == 5);
-    CHECK_THAT(outcome.err, Contains("cancelled"));
-    CHECK_FALSE(std::filesystem::exists(folder / "out/manifest.json"));
-    CHECK(run_program("verify " + (folder / "out")).exit_code != 0);
+    const std::string slice = "slice --json --iterations 0 --predict none " + (folder / "box.obj") + " -o ";
+    for (const auto& [signal, code] : {std::pair(SIGINT, 5), std::pair(SIGTERM, 85), std::pair(SIGUSR1, 85)})
+        for (const char* const stage : {"read model", "layers"}) {
+            const std::string out = folder / fmt::format("out-{}", signal);
+            const Outcome outcome = run_and_signal(slice + out, fmt::format("\"stage\":\"{}\"", stage), signal);
+            INFO(outcome.out << outcome.err);
+            CHECK(outcome.exit_code == code);
+            CHECK_THAT(outcome.err, Contains(signal == SIGINT ? "cancelled" : "run the same command again"));
+            CHECK_FALSE(std::filesystem::exists(out + "/manifest.json"));
+            CHECK(run_program("verify " + out).exit_code != 0);
+        }
+}
+
+TEST_CASE("A job that left job.json runs again from anywhere, and says what has changed") {
+    const Folder folder("again");
+    std::filesystem::create_directories(folder / "desk/models");
+    folder.write("desk/models/box.obj", "mtllib box.mtl\nusemtl red\n" + marker_obj());
+    folder.write("desk/models/box.mtl", "newmtl red\nKd 0.5 0.1 0.1\n");
+    const std::string quick = " --iterations 0 --predict none --no-report ";
+    // Relative paths, seen from where the command is given.
+    const std::string here = std::filesystem::current_path().string();
+    std::filesystem::current_path(folder / "desk");
+    const int first = run_program("slice --quiet --size 3mm models/box.obj -o prints/out" + quick).exit_code;
+    std::filesystem::current_path(here);
+    REQUIRE(first == 0);
+    const auto digest = [&](const std::string& out) {
+        return nlohmann::json::parse(read_file(folder / (out + "/manifest.json")))
+            .at("content_sha256")
+            .get<std::string>();
+    };
+    const std::string again = "slice --job " + (folder / "moved/prints/out/job.json") + " -o ";
+    std::filesystem::rename(folder / "desk", folder / "moved");
+    const Outcome same = run_program(again + (folder / "same"));
+    INFO(same.err);
+    CHECK(same.exit_code == 0);
+    CHECK(same.err.find("SHA-256") == std::string::npos);
+    CHECK(digest("same") == digest("moved/prints/out"));
+
+    folder.write("moved/models/box.mtl", "newmtl red\nKd 0.1 0.1 0.5\n");
+    const Outcome changed = run_program(again + (folder / "changed"));
+    CHECK(changed.exit_code == 0);
+    CHECK_THAT(changed.err, Contains("box.mtl") && Contains("SHA-256"));
+    CHECK(digest("changed") != digest("same"));
+}
+
+TEST_CASE("--dump-default takes the options given") {
+    const auto job = nlohmann::json::parse(run_program("slice --dump-default --size 6cm --load K,W a.obj").out);
+    CHECK(job.at("size") == "60mm");
+    CHECK(job.at("load") == nlohmann::json{"K", "W"});
+    CHECK(job.at("model") == (std::filesystem::current_path() / "a.obj").string());
+    CHECK(run_program("slice --dump-default --screen lines").exit_code == 2);
 }
 
 TEST_CASE("list names the printers and the resin sets") {

@@ -27,7 +27,11 @@ std::string read_file(const fs::path& path) {
     return bytes.str();
 }
 
-Outcome run_program(const std::string& arguments, int interrupt_after_ms) {
+namespace {
+
+/// `meanwhile(child, stdout)` is called while it runs.
+template <class Meanwhile>
+Outcome run(const std::string& arguments, Meanwhile&& meanwhile) {
     const Folder folder("outcome");
     const std::string command =
         fmt::format("exec {} {} >'{}' 2>'{}'", VOXTONE_PROGRAM, arguments, folder / "out", folder / "err");
@@ -37,10 +41,7 @@ Outcome run_program(const std::string& arguments, int interrupt_after_ms) {
         execl("/bin/sh", "sh", "-c", command.c_str(), static_cast<char*>(nullptr));
         _exit(127);
     }
-    if (interrupt_after_ms >= 0) {
-        std::this_thread::sleep_for(std::chrono::milliseconds(interrupt_after_ms));
-        kill(child, SIGINT);
-    }
+    meanwhile(child, folder / "out");
     int status = 0;
     waitpid(child, &status, 0);
     Outcome outcome;
@@ -48,6 +49,24 @@ Outcome run_program(const std::string& arguments, int interrupt_after_ms) {
     outcome.out = read_file(folder / "out");
     outcome.err = read_file(folder / "err");
     return outcome;
+}
+
+}  // namespace
+
+Outcome run_program(const std::string& arguments) {
+    return run(arguments, [](pid_t, const std::string&) {});
+}
+
+Outcome run_and_signal(const std::string& arguments, const std::string& said, int signal) {
+    return run(arguments, [&](pid_t child, const std::string& out) {
+        siginfo_t ended{};
+        while (read_file(out).find(said) == std::string::npos) {
+            if (waitid(P_PID, static_cast<id_t>(child), &ended, WEXITED | WNOHANG | WNOWAIT) == 0 && ended.si_pid != 0)
+                return;
+            std::this_thread::sleep_for(std::chrono::milliseconds(5));
+        }
+        kill(child, signal);
+    });
 }
 
 Folder::Folder(const std::string& name) {

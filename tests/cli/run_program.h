@@ -16,8 +16,11 @@ struct Outcome {
     std::string out, err;
 };
 
-/// `arguments` as a shell reads them. With `interrupt_after_ms` >= 0 the program gets SIGINT that long after its start.
-Outcome run_program(const std::string& arguments, int interrupt_after_ms = -1);
+/// `arguments` as a shell reads them.
+Outcome run_program(const std::string& arguments);
+/// Sends the signal once the program has said `said` on stdout: an event of --json. It ends before that at its own
+/// risk.
+Outcome run_and_signal(const std::string& arguments, const std::string& said, int signal);
 
 /// An empty folder of its own for this test, removed at the end.
 class Folder {

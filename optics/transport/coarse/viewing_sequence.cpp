@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <string>
+#include <type_traits>
 
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/error.h"
@@ -28,6 +30,46 @@ bool looks_up(const Surface& surface) {
     }
     return up > 0.9 * all;
 }
+
+/// Plain values and lists of them as bytes.
+struct StateWriter {
+    const AppearanceSequence::StateSink& sink;
+    template <class Value>
+    void value(const Value& of) const {
+        sink(std::as_bytes(std::span(&of, 1)));
+    }
+    template <class Value>
+    void list(const std::vector<Value>& values) const {
+        value(std::uint64_t{values.size()});
+        sink(std::as_bytes(std::span(values)));
+    }
+};
+
+/// And back; `good` while the bytes suffice.
+struct StateReader {
+    std::span<const std::byte> bytes;
+    bool good = true;
+    void raw(void* to, std::size_t size) {
+        good = good && size <= bytes.size();
+        if (!good) return;
+        if (size > 0) std::memcpy(to, bytes.data(), size);
+        bytes = bytes.subspan(size);
+    }
+    template <class Value>
+    void value(Value& of) {
+        static_assert(std::is_trivially_copyable_v<Value>);
+        raw(&of, sizeof of);
+    }
+    template <class Value>
+    void list(std::vector<Value>& values) {
+        std::uint64_t count = 0;
+        value(count);
+        good = good && count <= bytes.size() / sizeof(Value);
+        if (!good) return;
+        values.resize(count);
+        raw(values.data(), count * sizeof(Value));
+    }
+};
 
 }  // namespace
 
@@ -389,6 +431,54 @@ bool ViewingSequence::gradient(std::span<const float> adjoint_seed, const Gradie
     }
     summary_.total_s += watch.total();
     return true;
+}
+
+template <class Stream, class Sequence>
+void ViewingSequence::state_in(Stream& stream, Sequence& sequence) {
+    for (auto& tile : sequence.tiles_) {
+        stream.list(tile.also);
+        stream.value(tile.trimmed);
+        for (auto* const fields : {&tile.light, &tile.adjoint})
+            for (auto& field : *fields) {
+                stream.list(field.cells);
+                stream.list(field.core);
+                stream.list(field.out);
+                stream.value(field.scale);
+            }
+    }
+    for (auto* const ghosts : {&sequence.ghost_light_, &sequence.ghost_adjoint_}) {
+        auto channels = static_cast<std::uint64_t>(ghosts->size());
+        stream.value(channels);
+        if constexpr (!std::is_const_v<Sequence>)
+            if (channels == 0 || channels == sequence.channels()) ghosts->resize(channels);
+        for (auto& light : *ghosts) stream.list(light);
+    }
+}
+
+void ViewingSequence::write_state(const StateSink& sink) const {
+    StateWriter writer{sink};
+    state_in(writer, *this);
+}
+
+bool ViewingSequence::read_state(std::span<const std::byte> state) {
+    StateReader reader{state};
+    state_in(reader, *this);
+    // Grids are made anew, with the blocks that these tiles have cells in.
+    transport_.reset();
+    for (Tile& tile : tiles_) tile.shape.reset();
+    return reader.good && reader.bytes.empty() && fits(ghost_light_) && fits(ghost_adjoint_) &&
+           std::all_of(tiles_.begin(), tiles_.end(), [this](const Tile& tile) { return fits(tile); });
+}
+
+bool ViewingSequence::fits(const Tile& tile) const {
+    std::size_t blocks = 1;
+    for (std::size_t a = 0; a < 3; ++a) blocks *= static_cast<std::size_t>(tile.window.end[a] - tile.window.begin[a]);
+    return tile.also.empty() || tile.also.size() == blocks;
+}
+
+bool ViewingSequence::fits(const GhostLight& ghosts) const {
+    return std::all_of(ghosts.begin(), ghosts.end(),
+                       [this](const auto& light) { return light.size() == ghost_places_.size(); });
 }
 
 std::size_t ViewingSequence::field_bytes() const {

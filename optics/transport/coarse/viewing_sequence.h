@@ -22,8 +22,10 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -44,6 +46,10 @@ public:
     /// `sweeps` the first time, then `next_sweeps`. Contract: there was a prediction.
     [[nodiscard]] bool gradient(std::span<const float> adjoint_seed, const GradientVisitor& visit,
                                 const Progress* progress = nullptr) override;
+    /// The light of all tiles and what is between them, and where their grids have become deeper: some 50 bytes a
+    /// viewing cell.
+    void write_state(const StateSink& sink) const override;
+    [[nodiscard]] bool read_state(std::span<const std::byte> state) override;
     /// Of the predictions so far; times of all, cells of the grids now.
     [[nodiscard]] const TransportSummary& summary() const { return summary_; }
 
@@ -69,6 +75,11 @@ private:
     /// phi at the ghosts of all tiles, [channel][ghost]; empty before the first prediction or gradient.
     using GhostLight = std::vector<std::vector<float>>;
     [[nodiscard]] std::size_t channels() const { return scene_.resins->channels.size(); }
+    /// Every part of what is kept between predictions, in one order for reading and writing.
+    template <class Stream, class Sequence>
+    static void state_in(Stream& stream, Sequence& sequence);
+    [[nodiscard]] bool fits(const Tile& tile) const;
+    [[nodiscard]] bool fits(const GhostLight& ghosts) const;
     void list_ghosts();
     /// Makes it live, with the resins of the last volume.
     void look_at(std::size_t tile);

@@ -480,6 +480,9 @@ void ViewingTransport::solve(const Media& media, ViewingField& field, int sweeps
     media_ = &media;
     take_light(light, ghost_phi);
     VOXTONE_EXPECT(field.cells.empty() || (field.scale > 0) == (scale_ > 0));
+    VOXTONE_EXPECT(field.cells.empty() ||
+                   (field.cells.size() == viewing_.cells() && field.core.size() == viewing_.core_block.size() &&
+                    field.out.size() == 32 * viewing_.open_faces.size()));
     Stopwatch watch;
     prepare();
     std::fill(flux_.begin(), flux_.end(), 0.0f);

@@ -41,9 +41,9 @@ private:
 
 LoopResult run(SmallSlab& slab, const BlurringModel& model, std::span<const Eigen::Vector3f> target,
                const LoopOptions& options, Progress& progress, const LoopListener& listener = {},
-               const LoopState* resume = nullptr) {
+               std::optional<ResumedLoop> resume = std::nullopt) {
     const optics::ResinVolume open = slab.print(mixtures_of(*slab.recipes, target));
-    return run_appearance_loop(slab.task(model, open, target), options, progress, listener, resume);
+    return run_appearance_loop(slab.task(model, open, target), options, progress, listener, std::move(resume));
 }
 
 }  // namespace
@@ -204,7 +204,7 @@ TEST_CASE("A resumed loop goes on to the same bits", "[loop]") {
     const LoopResult whole =
         run(slab, model, target, options, quiet, [&](const LoopState& state) { states.push_back(state); });
     REQUIRE(states.size() >= 3);
-    const LoopResult resumed = run(slab, model, target, options, quiet, {}, &states[2]);
+    const LoopResult resumed = run(slab, model, target, options, quiet, {}, ResumedLoop{states[2], {}});
     REQUIRE(resumed.state.steps.size() == whole.state.steps.size());
     CHECK(resumed.state.control == whole.state.control);
     CHECK(std::ranges::equal(resumed.state.best_mixtures.all(), whole.state.best_mixtures.all()));

@@ -33,22 +33,38 @@ halftone::LoopState some_state(std::size_t cells) {
     state.descent.divisor.assign(cells, 2.5f);
     state.descent.fall.assign(6 * cells, 1.5f);  // five resins and the own part
     state.descent.rate[1] = 0.125f;
+    state.saturated_share = 0.125;
+    state.has_gradient = false;
     return state;
 }
+
+/// A sequence that keeps so many bytes from prediction to prediction.
+class Keeps final : public optics::AppearanceSequence {
+public:
+    explicit Keeps(std::size_t bytes = 5) : kept(bytes, std::byte{7}) {}
+    [[nodiscard]] optics::Appearance next(const optics::ResinVolume&, const Progress*) override { return {}; }
+    void write_state(const StateSink& sink) const override { sink(kept); }
+    std::vector<std::byte> kept;
+};
+
+const std::string a_job(64, 'a'), another_job(64, 'b');
 
 }  // namespace
 
 TEST_CASE("A loop's state comes back as it was", "[loop]") {
     const io::TemporaryFolder folder;
     const std::vector<Eigen::Vector3f> target(6, Eigen::Vector3f::Constant(0.5f));
-    const SliceOptions options;
-    const LoopCheckpoint checkpoint(folder.path(), options, target);
+    const LoopCheckpoint checkpoint(folder.path(), a_job, target);
     Progress quiet;
     CHECK_FALSE(checkpoint.read(quiet));
     const halftone::LoopState state = some_state(6);
-    checkpoint.write(state);
-    const auto back = checkpoint.read(quiet);
-    REQUIRE(back);
+    checkpoint.write(state, Keeps());
+    const auto loop = checkpoint.read(quiet);
+    REQUIRE(loop);
+    CHECK(loop->sequence == Keeps().kept);
+    const halftone::LoopState* const back = &loop->state;
+    CHECK(back->saturated_share == 0.125);
+    CHECK_FALSE(back->has_gradient);
     CHECK(back->best == 1);
     CHECK(back->steps[1].seen.mean == 1.25);
     CHECK(back->control == state.control);
@@ -62,27 +78,38 @@ TEST_CASE("A loop's state comes back as it was", "[loop]") {
     CHECK(back->descent.fall == state.descent.fall);
     CHECK(back->descent.rate == state.descent.rate);
     CHECK_FALSE(std::filesystem::exists(folder.path() / ".loop.checkpoint.part"));
-    checkpoint.remove();
+    LoopCheckpoint::remove_from(folder.path());
     CHECK_FALSE(checkpoint.read(quiet));
 }
 
-TEST_CASE("A state of another job or a broken file is refused; free options do not matter", "[loop]") {
+TEST_CASE("A job that would throw a saved state away is refused, unless it says so", "[loop]") {
+    const io::TemporaryFolder folder;
+    const std::vector<Eigen::Vector3f> target(6, Eigen::Vector3f::Constant(0.5f));
+    CHECK_NOTHROW(LoopCheckpoint::refuse_loss(folder.path(), false, false));
+    LoopCheckpoint(folder.path(), a_job, target).write(some_state(6), Keeps());
+    CHECK_THROWS_WITH(LoopCheckpoint::refuse_loss(folder.path(), false, false),
+                      Catch::Contains("--resume") && Catch::Contains("--overwrite"));
+    CHECK_NOTHROW(LoopCheckpoint::refuse_loss(folder.path(), true, false));
+    CHECK_NOTHROW(LoopCheckpoint::refuse_loss(folder.path(), false, true));
+}
+
+TEST_CASE("A state that cannot be written is said", "[loop]") {
+    const io::TemporaryFolder folder;
+    const std::vector<Eigen::Vector3f> target(6, Eigen::Vector3f::Constant(0.5f));
+    const LoopCheckpoint checkpoint(folder.path() / "not-there", a_job, target);
+    CHECK_THROWS_AS(checkpoint.write(some_state(6), Keeps()), FileError);
+}
+
+TEST_CASE("A state of another job or a broken file is refused", "[loop]") {
     const io::TemporaryFolder folder;
     const std::vector<Eigen::Vector3f> target(6, Eigen::Vector3f::Constant(0.5f));
     Progress quiet;
-    SliceOptions options;
-    LoopCheckpoint(folder.path(), options, target).write(some_state(6));
-
-    SliceOptions other = options;
-    other.threads = 3;
-    other.iterations.assign(1, '9');  // a literal here trips a warning of GCC 12
-    other.resume = true;
-    CHECK(LoopCheckpoint(folder.path(), other, target).read(quiet));
-    other.depth_mm = 0.5;
-    CHECK_THROWS_AS(LoopCheckpoint(folder.path(), other, target).read(quiet), InputError);
+    LoopCheckpoint(folder.path(), a_job, target).write(some_state(6), Keeps());
+    CHECK(LoopCheckpoint(folder.path(), a_job, target).read(quiet));
+    CHECK_THROWS_AS(LoopCheckpoint(folder.path(), another_job, target).read(quiet), InputError);
     auto moved = target;
     moved[2].x() = 0.25f;
-    CHECK_THROWS_AS(LoopCheckpoint(folder.path(), options, moved).read(quiet), InputError);
+    CHECK_THROWS_AS(LoopCheckpoint(folder.path(), a_job, moved).read(quiet), InputError);
 
     // Cut anywhere, or with one byte changed, it is no checkpoint.
     const std::filesystem::path file = folder.path() / "loop.checkpoint";
@@ -95,17 +122,17 @@ TEST_CASE("A state of another job or a broken file is refused; free options do n
     };
     for (std::size_t cut = 0; cut < size; cut += 37) {
         write(std::string(bytes.data(), cut));
-        CHECK_THROWS_AS(LoopCheckpoint(folder.path(), options, target).read(quiet), FileError);
+        CHECK_THROWS_AS(LoopCheckpoint(folder.path(), a_job, target).read(quiet), FileError);
     }
     for (std::size_t at = 0; at < size; at += 101) {
         std::string spoiled = bytes;
         spoiled[at] = static_cast<char>(spoiled[at] ^ 0x40);
         write(spoiled);
-        CHECK_THROWS(LoopCheckpoint(folder.path(), options, target).read(quiet));
+        CHECK_THROWS(LoopCheckpoint(folder.path(), a_job, target).read(quiet));
     }
     std::string older = bytes;
-    older.replace(0, 15, "voxtone-loop 5\n");
+    older.replace(0, 15, "voxtone-loop 6\n");
     write(older);
-    CHECK_THROWS_WITH(LoopCheckpoint(folder.path(), options, target).read(quiet),
-                      Catch::Contains("another version of this program; remove it and start without --resume"));
+    CHECK_THROWS_WITH(LoopCheckpoint(folder.path(), a_job, target).read(quiet),
+                      Catch::Contains("another version of this program"));
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxtone/slicer/options/job_file.h"
 
+#include <filesystem>
 #include <fstream>
 #include <set>
 
@@ -61,9 +62,69 @@ TEST_CASE("A dumped job read back is the same job") {
     SliceOptions back;
     read_job(JobFile(job_json(options)).path(), back);
     CHECK(job_json(back) == job_json(options));
+    CHECK(back.out == (std::filesystem::current_path() / "out").string());
     CHECK(io::schema_faults("job", job_json(options)) == std::vector<std::string>{});
     CHECK(io::schema_faults("job", job_json({})) == std::vector<std::string>{});
     CHECK(io::schema_faults("job", R"({"format": "voxtone-job", "version": 1, "size": "large"})").size() > 0);
+}
+
+TEST_CASE("What a job leaves is seen from its folder, and what was said to that run alone is left out") {
+    const io::TemporaryFolder desk;
+    const auto at = [&](const std::string& name) { return (desk.path() / name).string(); };
+    std::ofstream(at("grey")) << "{}";
+    SliceOptions options;
+    options.model = at("models/a.obj");
+    options.out = at("prints/out");
+    options.printer = at("mine.json");
+    options.resins = at("grey");
+    options.profiles = at("prints/out/map.json");
+    options.stack_materials = {"W=" + at("white.json")};
+    options.overwrite = options.resume = true;
+    const std::string digest(64, 'a');
+    const std::string record = job_record(
+        options,
+        std::vector<JobInput>{
+            {"model", at("models/a.obj"), digest}, {"resins", "", digest}, {"model:b.png", at("models/b.png"), ""}},
+        at("prints/out"));
+    CHECK(io::schema_faults("job", record) == std::vector<std::string>{});
+    using Catch::Matchers::Contains;
+    CHECK_THAT(record, Contains("\"model\": \"../../models/a.obj\"") && Contains("\"out\": \".\"") &&
+                           Contains("\"printer\": \"../../mine.json\"") && Contains("\"resins\": \"../../grey\"") &&
+                           Contains("\"profiles\": \"./map.json\"") && Contains("W=../../white.json"));
+    // Read from another place, where all of it went.
+    std::filesystem::create_directories(desk.path() / "far/prints/out");
+    std::ofstream(at("far/prints/out/job.json")) << record;
+    SliceOptions back;
+    read_job(at("far/prints/out/job.json"), back);
+    CHECK(back.model == at("far/models/a.obj"));
+    CHECK(back.out == at("far/prints/out"));
+    CHECK(back.printer == at("far/mine.json"));
+    CHECK(back.resins == at("far/grey"));
+    CHECK(back.profiles == at("far/prints/out/map.json"));
+    CHECK(back.stack_materials == std::vector<std::string>{"W=" + at("far/white.json")});
+    CHECK_FALSE(back.overwrite);
+    CHECK_FALSE(back.resume);
+    REQUIRE(back.recorded_inputs.size() == 3);
+    CHECK(back.recorded_inputs[0].file == at("far/models/a.obj"));
+    CHECK(back.recorded_inputs[0].sha256 == digest);
+    CHECK(back.recorded_inputs[1].file.empty());
+    CHECK(back.recorded_inputs[2].sha256.empty());
+}
+
+TEST_CASE("Words of the program's own are no paths") {
+    SliceOptions options;
+    const JobFile job(
+        R"({"format": "voxtone-job", "version": 1, "printer": "stratasys-j55", "resins": "vero-opaque", "out": "o"})");
+    read_job(job.path(), options);
+    CHECK(options.printer == "stratasys-j55");
+    CHECK(options.resins == "vero-opaque");
+    CHECK(options.out == (job.folder.path() / "o").string());
+    CHECK_THAT(failure(R"({"format": "voxtone-job", "version": 1, "inputs": {}})"),
+               Catch::Matchers::Contains("inputs"));
+    CHECK_THAT(failure(R"({"format": "voxtone-job", "version": 1, "inputs": [{"file": "a"}]})"),
+               Catch::Matchers::Contains("which 'input'"));
+    CHECK_THAT(failure(R"({"format": "voxtone-job", "version": 1, "inputs": [{"input": "model", "sha": "a"}]})"),
+               Catch::Matchers::Contains("sha256"));
 }
 
 TEST_CASE("A wrong job file is refused with file, key and what to try") {
