@@ -199,26 +199,6 @@ private:
     const Progress& progress_;
 };
 
-/// The prediction is a mesh of its own, one vertex per cell; the map of differences too.
-void draw_predicted_body(const ColourReport& s, const JobPrediction& p, io::Report& report,
-                         const std::filesystem::path& folder, const Progress& progress) {
-    const ColouredSurface target = target_surface(s);
-    const Eigen::Vector3d& origin = s.body.grid.origin_mm;
-    io::ColouredMesh cells = body_mesh(p.volume, {origin.x(), origin.y(), origin.z()}, p.predicted);
-    std::vector<Eigen::Vector3d> positions;
-    Views views(target, s, report, progress);
-    views.add("target", target);
-    views.add("predicted", mesh_surface(cells, positions));
-    io::write_whole_file(folder / report_file::predicted_glb, io::glb_bytes(cells, "predicted"));
-    cells.rgb = difference_colours(p.difference);
-    views.add(difference_caption, mesh_surface(cells, positions));
-    if (!p.open_loop.empty()) {
-        cells.rgb = p.open_loop;
-        views.add("open loop: without the appearance loop", mesh_surface(cells, positions));
-    }
-    write_body_colours(target, folder / report_file::target_glb, "target", progress);
-}
-
 /// Without a prediction: what the separation says.
 void draw_separated(const ColourReport& s, io::Report& report, const std::filesystem::path& folder,
                     const Progress& progress) {
@@ -233,6 +213,28 @@ void draw_separated(const ColourReport& s, io::Report& report, const std::filesy
         write_body_colours(target, folder / report_file::target_glb, "target", progress);
         write_body_colours(predicted, folder / report_file::predicted_glb, "predicted", progress);
     }
+}
+
+/// The prediction is a mesh of its own, one vertex per cell; the map of differences too. A body of a few voxels has too
+/// few cells for one.
+void draw_predicted_body(const ColourReport& s, const JobPrediction& p, io::Report& report,
+                         const std::filesystem::path& folder, const Progress& progress) {
+    const Eigen::Vector3d& origin = s.body.grid.origin_mm;
+    io::ColouredMesh cells = body_mesh(p.volume, {origin.x(), origin.y(), origin.z()}, p.predicted);
+    if (cells.triangles.empty()) return draw_separated(s, report, folder, progress);
+    const ColouredSurface target = target_surface(s);
+    std::vector<Eigen::Vector3d> positions;
+    Views views(target, s, report, progress);
+    views.add("target", target);
+    views.add("predicted", mesh_surface(cells, positions));
+    io::write_whole_file(folder / report_file::predicted_glb, io::glb_bytes(cells, "predicted"));
+    cells.rgb = difference_colours(p.difference);
+    views.add(difference_caption, mesh_surface(cells, positions));
+    if (!p.open_loop.empty()) {
+        cells.rgb = p.open_loop;
+        views.add("open loop: without the appearance loop", mesh_surface(cells, positions));
+    }
+    write_body_colours(target, folder / report_file::target_glb, "target", progress);
 }
 
 constexpr const char* separation_note =

@@ -87,7 +87,9 @@ void check_extent(const Placement& placement, const Eigen::Vector3d& pitch_mm, c
     const Eigen::Vector3d room = tray_mm.cwiseMin(largest_mm);
     for (int axis = 0; axis < 3; ++axis)
         if (extent[axis] > room[axis] * (1 + 1e-9)) refuse_for_tray(extent, room, axis, placement);
-    if (extent.maxCoeff() < pitch_mm.maxCoeff())
+    // A picture's slab has a thickness of its own: its width says how large it is.
+    const double largest_extent = placement.is_picture ? extent.head<2>().maxCoeff() : extent.maxCoeff();
+    if (largest_extent < pitch_mm.maxCoeff())
         throw InputError(fmt::format(
             "the model is {:.3g} x {:.3g} x {:.3g} mm, less than one voxel of the printer ({:.3g} x {:.3g} x {:.3g} "
             "mm): nothing of it could be printed. {}",

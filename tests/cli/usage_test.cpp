@@ -75,14 +75,19 @@ TEST_CASE("A decimal comma and a missing unit are explained") {
 TEST_CASE("Sizes beyond every printer and below every voxel are refused in a sentence") {
     const Folder folder("sizes");
     folder.write("marker.obj", marker_obj());
-    folder.write("dot.ppm", "P6 2 2 255\n" + std::string(12, 'x'));
     const std::string mesh = "slice --quiet " + (folder / "marker.obj") + " -o " + (folder / "out");
     for (const char* size : {"--size 200m", "--size 1e30", "--scale 1e30", "--size 1e9mm", "--unit m --scale 1e9"})
         refused(fmt::format("{} {}", mesh, size), 3, "too large along x");
     for (const char* size : {"--size 0.01mm", "--scale 1e-30", "--size 1um"})
         refused(fmt::format("{} {}", mesh, size), 3, "less than one voxel");
     refused(mesh + " --scale 1e300 --unit m", 3, "the model is");
+    const std::string picture =
+        "slice --quiet " VOXTONE_SOURCE_DIR "/examples/models/spot/spot_texture.png -o " + (folder / "out");
+    refused(picture + " --width 1e7mm", 3, "Give another --width");
+    refused(picture + " --width 0.01mm", 3, "less than one voxel");
     CHECK_FALSE(std::filesystem::exists(folder / "out"));
+    // Two voxels have no surface of cells to draw, and no other fault.
+    CHECK(run_program(mesh + " --printer generic --size 0.1mm").exit_code == 0);
 }
 
 TEST_CASE("An option that would be ignored is refused") {
