@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstring>
 #include <memory>
+#include <new>
 
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
@@ -57,7 +58,7 @@ public:
     explicit MemoryFile(std::span<const std::byte> bytes) : fd_(memfd_create("picture", MFD_CLOEXEC)) {
         for (std::size_t done = 0; fd_ >= 0 && done < bytes.size();) {
             const ssize_t written = write(fd_, bytes.data() + done, bytes.size() - done);
-            if (written <= 0) throw ResourceError("there is not enough memory to hold a picture");
+            if (written <= 0) throw std::bad_alloc();
             done += static_cast<std::size_t>(written);
         }
     }
@@ -341,7 +342,7 @@ DecodedImage decode_image(std::span<const std::byte> bytes, const std::string& n
     } catch (const Error&) {
         throw;
     } catch (const std::bad_alloc&) {
-        throw InputError(fmt::format("the picture {} needs more memory than is allowed; scale it down", name));
+        throw;  // the file's colours are not lost for that: the whole is read again with more
     } catch (const std::exception& error) {
         throw InputError(fmt::format("the picture {} cannot be read ({}); it is damaged", name, error.what()));
     }

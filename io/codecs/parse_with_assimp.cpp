@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <exception>
 #include <map>
+#include <new>
 #include <optional>
 
 #include <assimp/config.h>
@@ -105,6 +107,17 @@ struct AssimpUv {
     Eigen::Vector2f scale = Eigen::Vector2f::Ones(), offset = Eigen::Vector2f::Zero();
 };
 
+/// assimp makes words of all that it catches; for lack of memory the file is not to blame.
+void rethrow_lack_of_memory(const Assimp::Importer& importer) {
+    if (!importer.GetException()) return;
+    try {
+        std::rethrow_exception(importer.GetException());
+    } catch (const std::bad_alloc&) {
+        throw;
+    } catch (...) {  // its words are told by the caller
+    }
+}
+
 class AssimpParser {
 public:
     AssimpParser(ParseContext& context, const std::string& extension) : context_(context), extension_(extension) {}
@@ -120,11 +133,13 @@ public:
         Assimp::Importer importer;
         importer.SetIOHandler(files);
         const aiScene* scene = importer.ReadFile(virtual_name, 0);
+        rethrow_lack_of_memory(importer);
         if (!scene)
             throw InputError(
                 fmt::format("{} is no valid {} file ({})", context_.name(), parts_.format, importer.GetErrorString()));
         const std::size_t expected = check(*scene);
         scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
+        rethrow_lack_of_memory(importer);
         if (!scene) throw InputError(fmt::format("the polygons of {} cannot be triangulated", context_.name()));
         make_materials(*scene, files->materials);
         look_for_library(*scene, files->materials);

@@ -57,6 +57,15 @@ std::optional<fs::path> entry(const fs::path& folder, const std::string& part) {
     return best;
 }
 
+/// Where links lead in the end.
+bool lies_below(const fs::path& file, const fs::path& folder) {
+    std::error_code error;
+    const fs::path end = fs::canonical(file, error);
+    if (error) return false;
+    const fs::path from = end.lexically_relative(fs::canonical(folder, error));
+    return !error && !from.empty() && *from.begin() != "..";
+}
+
 }  // namespace
 
 SideFiles::SideFiles(const fs::path& model) : folder_(model.parent_path()), model_(model.filename().string()) {
@@ -80,6 +89,13 @@ std::optional<fs::path> SideFiles::find(std::string_view name) {
         exact += (exact.empty() ? "" : "/") + part;
     }
     if (!is_file(path)) return result;
+    if (!lies_below(path, folder_)) {
+        warnings_.push_back(
+            fmt::format("{} names the file '{}', which is a link that leads out of the model's folder and is not "
+                        "followed; copy the file itself there.",
+                        model_, name));
+        return result;
+    }
     result = path;
     const std::string taken = path.lexically_relative(folder_).generic_string();
     if (leaves)

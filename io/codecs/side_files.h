@@ -3,7 +3,8 @@
 // Files that a model names (textures, material libraries, buffers), looked up beside the model and nowhere else.
 //
 // A model comes from anywhere, so a name in it is not trusted: absolute paths, drive letters and `..` are not followed;
-// only the last part of such a name is looked for, in the model's own folder. Backslashes count as slashes. Where the
+// only the last part of such a name is looked for, in the model's own folder. A link that leads out of it is not
+// followed. Backslashes count as slashes. Where the
 // exact name does not exist, a name that differs only in upper and lower case is taken. What was done instead of what
 // the file asked for is said in a warning.
 #pragma once

@@ -6,6 +6,7 @@
 #include "voxtone/base/error.h"
 #include "voxtone/io/files/helper_program.h"
 #include "voxtone/io/files/packed_values.h"
+#include "voxtone/io/files/sandbox.h"
 
 namespace voxtone::io {
 
@@ -46,7 +47,20 @@ std::unique_ptr<IsolatedProgram> start_reader(ReadKind kind, const std::filesyst
 std::unique_ptr<IsolatedProgram> start_reader(const std::string& what, const ReadRequest& request,
                                               IsolationLimits limits) {
     if (built_with_address_sanitizer()) limits.memory_bytes = 0;
+    const std::filesystem::path path(request.path);
+    limits.readable = {request.path};
+    if (request.kind == ReadKind::model)  // textures, libraries of materials, buffers: beside it
+        limits.readable.push_back(path.has_parent_path() ? path.parent_path().string() : ".");
+    if (!request.texture.empty()) limits.readable.push_back(request.texture);
     return std::make_unique<IsolatedProgram>(what, find_helper("voxtone-read"), pack(request), limits);
+}
+
+std::vector<std::byte> read_guarded(IsolatedProgram& reader, const Progress* progress,
+                                    std::vector<std::string>& warnings) {
+    std::vector<std::byte> bytes = reader.result(progress);
+    if (std::string note = missing_walls_note(reader.missing_walls()); !note.empty())
+        warnings.push_back(std::move(note));
+    return bytes;
 }
 
 }  // namespace voxtone::io

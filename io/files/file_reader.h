@@ -37,8 +37,13 @@ struct ReadRequest {
 /// Starts the program for a model or picture.
 [[nodiscard]] std::unique_ptr<IsolatedProgram> start_reader(ReadKind kind, const std::filesystem::path& path,
                                                             const ReadOptions& options);
-/// Starts the program. `what` names the file in messages. Throws FileError (the program is missing), ResourceError.
+/// Starts the program, which may read the file and, of a model, what lies in its folder. `what` names the file in
+/// messages. Throws FileError (the program is missing), TryAgain.
 [[nodiscard]] std::unique_ptr<IsolatedProgram> start_reader(const std::string& what, const ReadRequest& request,
                                                             IsolationLimits limits);
+
+/// What it answers; where the system lacks a wall around it, a warning says so.
+[[nodiscard]] std::vector<std::byte> read_guarded(IsolatedProgram& reader, const Progress* progress,
+                                                  std::vector<std::string>& warnings);
 
 }  // namespace voxtone::io

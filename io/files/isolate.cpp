@@ -6,6 +6,7 @@
 #include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
@@ -13,15 +14,17 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cmath>
+#include <chrono>
 #include <csignal>
 #include <cstring>
+#include <ctime>
 #include <utility>
 
 #include <fmt/format.h>
 
-#include "voxtone/base/error.h"
+#include "voxtone/base/try_again.h"
 #include "voxtone/io/files/isolate_protocol.h"
+#include "voxtone/io/files/packed_values.h"
 
 #if defined(__SANITIZE_ADDRESS__)
 #define VOXTONE_ADDRESS_SANITIZER 1
@@ -38,7 +41,7 @@ using isolation::Outcome;
 /// Above the numbers that the program will know its files by, so that none is covered before it was moved.
 int moved_up(int fd) {
     if (fd < 0) return fd;
-    const int up = fcntl(fd, F_DUPFD_CLOEXEC, isolation::lifeline_fd + 1);
+    const int up = fcntl(fd, F_DUPFD_CLOEXEC, isolation::line_fd + 1);
     const int why = errno;
     close(fd);
     errno = why;
@@ -58,8 +61,15 @@ bool write_at(int fd, std::size_t at, const void* data, std::size_t size) {
     return true;
 }
 
-bool write_request(int fd, const isolation::RequestHead& head, std::span<const std::byte> request) {
-    return write_at(fd, 0, &head, sizeof head) && write_at(fd, sizeof head, request.data(), request.size());
+/// Replaces what is in the file.
+bool fill(int fd, std::span<const std::byte> bytes) {
+    return ftruncate(fd, 0) == 0 && write_at(fd, 0, bytes.data(), bytes.size());
+}
+
+/// The longest answer: what the program could hold at all.
+std::uint64_t most_result_bytes(const IsolationLimits& limits) {
+    constexpr std::uint64_t unlimited = std::uint64_t{64} << 30;
+    return limits.memory_bytes ? limits.memory_bytes : unlimited;
 }
 
 // Between fork and exec only what is safe in a signal handler may be called: the child of a program with threads.
@@ -72,9 +82,10 @@ void limit(int resource, std::uint64_t value) {
     setrlimit(static_cast<__rlimit_resource>(resource), &r);
 }
 
-/// A stop is the parent's to handle, which kills the child; a crash is a crash.
+/// A stop is the parent's to handle, which kills the child; a file that grows too long is an error of writing; a crash
+/// is a crash.
 void set_signals() {
-    for (const int signal : {SIGINT, SIGTERM, SIGUSR1}) std::signal(signal, SIG_IGN);
+    for (const int signal : {SIGINT, SIGTERM, SIGUSR1, SIGXFSZ}) std::signal(signal, SIG_IGN);
     for (const int signal : {SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGILL, SIGPIPE}) std::signal(signal, SIG_DFL);
     sigset_t none;
     sigemptyset(&none);
@@ -90,25 +101,24 @@ void silence() {
     if (!built_with_address_sanitizer()) dup2(null, STDERR_FILENO);
 }
 
-[[noreturn]] void become(const char* program, int request, int result, int lifeline, const IsolationLimits& limits,
+[[noreturn]] void become(const char* program, int request, int result, int line, const IsolationLimits& limits,
                          pid_t parent) {
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (getppid() != parent) _exit(127);  // it ended before it could be listened to
     set_signals();
     limit(RLIMIT_CORE, 0);
-    limit(RLIMIT_CPU, static_cast<std::uint64_t>(std::ceil(limits.timeout_s)) + 1);
     if (limits.memory_bytes) limit(RLIMIT_AS, isolation::loading_bytes + limits.memory_bytes);
     silence();
     dup2(request, isolation::request_fd);
     dup2(result, isolation::result_fd);
-    dup2(lifeline, isolation::lifeline_fd);
+    dup2(line, isolation::line_fd);
 #ifdef SYS_close_range
-    syscall(SYS_close_range, isolation::lifeline_fd + 1, ~0u, 4u /* CLOSE_RANGE_CLOEXEC */);
+    syscall(SYS_close_range, isolation::line_fd + 1, ~0u, 4u /* CLOSE_RANGE_CLOEXEC */);
 #endif
     char* const arguments[] = {const_cast<char*>(program), nullptr};
     execv(program, arguments);
     const unsigned char head[isolation::head_bytes] = {static_cast<unsigned char>(Outcome::not_started),
-                                                       static_cast<unsigned char>(errno)};
+                                                       static_cast<unsigned char>(errno), 0};
     [[maybe_unused]] const ssize_t written = write(isolation::result_fd, head, sizeof head);
     _exit(127);
 }
@@ -124,13 +134,14 @@ std::vector<std::byte> fetch(int fd, std::size_t at, std::size_t size, const std
     for (std::size_t done = 0; done < size;) {
         const ssize_t got = pread(fd, bytes.data() + done, size - done, static_cast<off_t>(at + done));
         if (got < 0 && errno == EINTR) continue;
-        if (got <= 0) throw ResourceError(fmt::format("the parsed contents of {} cannot be fetched", what));
+        if (got <= 0) throw InputError(fmt::format("what the reader of {} left was taken away again", what));
         done += static_cast<std::size_t>(got);
     }
     return bytes;
 }
 
 [[noreturn]] void throw_again(ExitCode code, const std::string& text) {
+    if (code == exit_try_again) throw TryAgain(text);
     switch (code) {
         case ExitCode::invalid_input:
             throw InputError(text);
@@ -145,15 +156,11 @@ std::vector<std::byte> fetch(int fd, std::size_t at, std::size_t size, const std
     }
 }
 
-[[noreturn]] void tell_crash(const std::string& what, int status) {
-    const std::string how = WIFSIGNALED(status)
-                                ? fmt::format("signal {}, {}", WTERMSIG(status), strsignal(WTERMSIG(status)))
-                                : fmt::format("exit code {}", WEXITSTATUS(status));
-    throw InputError(fmt::format(
-        "{} made its reader crash ({}), or run out of memory; the file is damaged, or hits a fault of the library "
-        "that reads it: open it in a mesh editor and export it again",
-        what, how));
+std::string allow_more(const IsolationLimits& limits) {
+    return limits.more.empty() ? std::string() : fmt::format("allow more with {}, or ", limits.more);
 }
+
+constexpr const char* another_copy = "open it in a program that made it or a mesh editor and export it again";
 
 }  // namespace
 
@@ -169,24 +176,25 @@ IsolatedProgram::IsolatedProgram(std::string what, const std::filesystem::path& 
     : what_(std::move(what)),
       program_(program),
       limits_(limits),
-      deadline_(std::chrono::steady_clock::now() + std::chrono::duration_cast<std::chrono::steady_clock::duration>(
-                                                       std::chrono::duration<double>(limits.timeout_s))),
+      request_(memory_file("request")),
       result_(memory_file("result")) {
-    const FileDescriptor asked(memory_file("request"));
+    const isolation::Orders orders{
+        limits.memory_bytes, most_result_bytes(limits), limits.readable, {request.begin(), request.end()}};
     int ends[2] = {-1, -1};
-    if (result_.get() < 0 || asked.get() < 0 || !write_request(asked.get(), {limits.memory_bytes}, request) ||
-        pipe2(ends, O_CLOEXEC) != 0)
-        throw ResourceError(
-            fmt::format("{} cannot be read: no file descriptor is left ({})", what_, std::strerror(errno)));
-    alive_.reset(ends[0]);
-    const FileDescriptor lifeline(moved_up(ends[1]));
+    if (request_.get() < 0 || result_.get() < 0 || !fill(request_.get(), packed(orders)) ||
+        socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0)
+        throw TryAgain(fmt::format("{} cannot be read: the system gives no file descriptor or memory ({}); try again",
+                                   what_, std::strerror(errno)));
+    line_.reset(ends[0]);
+    const FileDescriptor far_end(moved_up(ends[1]));
     const std::string path = program_.string();
     const pid_t parent = getpid();
     pid_ = fork();
     if (pid_ < 0)
-        throw ResourceError(
-            fmt::format("{} cannot be read: no process can be started ({})", what_, std::strerror(errno)));
-    if (pid_ == 0) become(path.c_str(), asked.get(), result_.get(), lifeline.get(), limits_, parent);
+        throw TryAgain(fmt::format("{} cannot be read: the system starts no process ({}); try again", what_,
+                                   std::strerror(errno)));
+    if (pid_ == 0) become(path.c_str(), request_.get(), result_.get(), far_end.get(), limits_, parent);
+    wake();
 }
 
 IsolatedProgram::~IsolatedProgram() {
@@ -203,35 +211,109 @@ int IsolatedProgram::reap() {
     return status;
 }
 
-void IsolatedProgram::wait_for_end(const Progress* progress) const {
-    for (;;) {
-        const auto left =
-            std::chrono::duration_cast<std::chrono::milliseconds>(deadline_ - std::chrono::steady_clock::now()).count();
-        pollfd waiting{alive_.get(), POLLIN, 0};
-        const int ended = poll(&waiting, 1, static_cast<int>(std::clamp<long long>(left + 1, 0, 100)));
-        if (progress) progress->check_cancelled();
-        if (ended > 0) return;
-        if (left <= 0)
-            throw InputError(fmt::format(
-                "reading {} took longer than {:g} s and was stopped; the file is damaged or made to hang readers: "
-                "open it in a mesh editor and export it again",
-                what_, limits_.timeout_s));
+/// Says that a request is there. A program that has ended is found out about by who waits for its answer.
+void IsolatedProgram::wake() const {
+    const char byte = 1;
+    while (send(line_.get(), &byte, 1, MSG_NOSIGNAL) < 0 && errno == EINTR) {
     }
 }
 
-std::vector<std::byte> IsolatedProgram::result(const Progress* progress) {
-    wait_for_end(progress);
+void IsolatedProgram::ask(std::span<const std::byte> request) {
+    began_s_ = processor_s();
+    if (!fill(request_.get(), request))
+        throw TryAgain(
+            fmt::format("{} cannot be read: the system gives no memory ({}); try again", what_, std::strerror(errno)));
+    wake();
+}
+
+double IsolatedProgram::processor_s() const {
+    clockid_t clock{};
+    timespec spent{};
+    if (pid_ <= 0 || clock_getcpuclockid(pid_, &clock) != 0 || clock_gettime(clock, &spent) != 0) return began_s_;
+    return double(spent.tv_sec) + 1e-9 * double(spent.tv_nsec);
+}
+
+bool IsolatedProgram::wait_for_answer(const Progress* progress) const {
+    constexpr double patience = 10;  // a machine may have ten times as much to do as it has processors
+    const auto start = std::chrono::steady_clock::now();
+    for (;;) {
+        pollfd waiting{line_.get(), POLLIN, 0};
+        const int ready = poll(&waiting, 1, 100);
+        if (progress) progress->check_cancelled();
+        char byte = 0;
+        if (ready > 0) return recv(line_.get(), &byte, 1, 0) == 1;
+        if (processor_s() - began_s_ > limits_.timeout_s)
+            throw ResourceError(fmt::format(
+                "reading {} takes more than the {:g} s of processor time that it may; it is very large, or made to "
+                "hang readers: {}{}",
+                what_, limits_.timeout_s, allow_more(limits_), another_copy));
+        const std::chrono::duration<double> waited = std::chrono::steady_clock::now() - start;
+        if (waited.count() > patience * limits_.timeout_s)
+            throw TryAgain(fmt::format(
+                "reading {} was given up after {:g} s, most of them spent waiting for the machine or its disk; nothing "
+                "is known to be wrong with the file: try again when there is less to do",
+                what_, waited.count()));
+    }
+}
+
+void IsolatedProgram::tell_no_memory(bool outside) const {
+    if (outside)
+        throw TryAgain(fmt::format(
+            "reading {} needs more memory than the address space that this process is limited to (`ulimit -v`, or a "
+            "scheduler's limit); nothing is known to be wrong with the file: try again with a higher limit",
+            what_));
+    throw ResourceError(fmt::format(
+        "reading {} needs more than the {} of memory that it may take; it is very large, or made to fill the memory: "
+        "{}make it smaller",
+        what_, human(limits_.memory_bytes), allow_more(limits_)));
+}
+
+/// It has ended without an answer: why?
+void IsolatedProgram::tell_end() {
     const int status = reap();
     struct stat about {};
     fstat(result_.get(), &about);
-    const auto size = static_cast<std::size_t>(about.st_size);
-    if (size < isolation::head_bytes) tell_crash(what_, status);
+    if (about.st_size == static_cast<off_t>(isolation::head_bytes)) {
+        const std::vector<std::byte> head = fetch(result_.get(), 0, isolation::head_bytes, what_);
+        if (static_cast<Outcome>(head[0]) == Outcome::not_started) {
+            const int why = std::to_integer<int>(head[1]);
+            const std::string text =
+                fmt::format("{} cannot be read: {} cannot be run ({})", what_, program_.string(), std::strerror(why));
+            if (why == ENOMEM || why == EAGAIN) throw TryAgain(text + "; try again");
+            throw FileError(text + "; install voxtone again");
+        }
+    }
+    if (WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL)
+        throw TryAgain(fmt::format(
+            "the program that reads {} was killed by the system or another program, most likely because the machine's "
+            "memory was used up; nothing is known to be wrong with the file: try again with more memory free",
+            what_));
+    // The loader of programs cannot map the libraries: it says so where nobody listens and leaves with 127.
+    rlimit space{};
+    getrlimit(RLIMIT_AS, &space);
+    if (space.rlim_cur < isolation::loading_bytes) tell_no_memory(true);
+    const std::string how = WIFSIGNALED(status)
+                                ? fmt::format("signal {}, {}", WTERMSIG(status), strsignal(WTERMSIG(status)))
+                                : fmt::format("exit code {}", WEXITSTATUS(status));
+    throw InputError(
+        fmt::format("{} made its reader crash ({}); the file is damaged, or hits a fault of the library that reads "
+                    "it: {}",
+                    what_, how, another_copy));
+}
+
+std::vector<std::byte> IsolatedProgram::take_answer() {
+    struct stat about {};
+    fstat(result_.get(), &about);
+    const auto size = static_cast<std::uint64_t>(about.st_size);
+    if (size < isolation::head_bytes || size > isolation::head_bytes + most_result_bytes(limits_))
+        throw InputError(
+            fmt::format("what the reader of {} left ({} bytes) is no answer; {}", what_, size, another_copy));
     const std::vector<std::byte> head = fetch(result_.get(), 0, isolation::head_bytes, what_);
+    missing_walls_ = std::to_integer<std::uint8_t>(head[2]);
     const auto outcome = static_cast<Outcome>(head[0]);
-    if (outcome == Outcome::not_started)
-        throw FileError(fmt::format("{} cannot be read: {} cannot be run ({}); install voxtone again", what_,
-                                    program_.string(), std::strerror(std::to_integer<int>(head[1]))));
-    if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) tell_crash(what_, status);
+    constexpr std::uint64_t longest_message = 1 << 16;
+    if (outcome != Outcome::result && size > longest_message)
+        throw InputError(fmt::format("what the reader of {} left is no answer; {}", what_, another_copy));
     std::vector<std::byte> bytes = fetch(result_.get(), isolation::head_bytes, size - isolation::head_bytes, what_);
     const auto text = [&] { return std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()); };
     switch (outcome) {
@@ -240,16 +322,17 @@ std::vector<std::byte> IsolatedProgram::result(const Progress* progress) {
         case Outcome::error:
             throw_again(static_cast<ExitCode>(head[1]), text());
         case Outcome::no_memory:
-            throw InputError(fmt::format(
-                "reading {} needs more than the {} of memory it may take; the file is damaged or too large: reduce its "
-                "triangles or textures",
-                what_, human(limits_.memory_bytes)));
+            tell_no_memory(head[1] != std::byte{0});
         case Outcome::unknown:
-            throw InputError(
-                fmt::format("{} cannot be read ({}); open it in a mesh editor and export it again", what_, text()));
+            throw InputError(fmt::format("{} cannot be read ({}); {}", what_, text(), another_copy));
         default:
-            tell_crash(what_, status);
+            throw InputError(fmt::format("what the reader of {} left is no answer; {}", what_, another_copy));
     }
+}
+
+std::vector<std::byte> IsolatedProgram::result(const Progress* progress) {
+    if (!wait_for_answer(progress)) tell_end();
+    return take_answer();
 }
 
 std::vector<std::byte> run_isolated(const std::string& what, const std::filesystem::path& program,

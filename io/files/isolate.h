@@ -1,17 +1,23 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Untrusted data in the hands of a program of its own, with a budget of memory and time.
+// Untrusted data in the hands of a program of its own, with a budget of memory and time, behind walls.
 //
-// Parsers (ours and other people's) may crash, hang or eat memory on a file made to do so. In another process that
-// costs an error message and not the job; in another program the parsers' libraries cost nothing where no file is read.
-// The program is given a request (bytes) in one memory file and leaves its result (bytes) in another; its end is
-// io/files/serve_isolated.h. What its work throws as `Error` is thrown again here with its exit code; everything else
-// that can happen to it (a signal, no memory, no time) becomes an InputError that says so.
+// Parsers (ours and other people's) may crash, hang or eat memory on a file made to do so, or be taken over by it. In
+// another process that costs an error message and not the job; in another program the parsers' libraries cost nothing
+// where no file is read. The program is given requests (bytes) and leaves results (bytes) in memory files; its end is
+// io/files/serve_isolated.h, which raises the walls of io/files/sandbox.h before it looks at the first request. What
+// comes back is believed in nothing: its size is looked at before memory is taken, its contents by who unpacks it.
+//
+// What its work throws as `Error` is thrown again here with its exit code. Everything else that can happen is told
+// apart: a crash of its own is the file's fault (InputError), a limit that was given is reached (ResourceError), a
+// condition of the machine stood in the way (TryAgain): killed from outside, less memory than was given, no answer in
+// any time.
 //
 // The limits hold from its first instruction: they are set between fork and exec. That of memory is on address space
 // (RLIMIT_AS): `memory_bytes` above what the program has mapped when its libraries are loaded, and at most
-// `loading_bytes` more before. A sanitizer's shadow memory is larger than any budget, so it must be 0 (none) there. The
-// program inherits no open file, and ends when the thread that started it ends.
+// `loading_bytes` more before. A sanitizer's shadow memory is larger than any budget, so it must be 0 (none) there.
+// That of time is on time of the processor, so that a busy machine fails no file. The program inherits no open file,
+// and ends when the thread that started it ends.
 #pragma once
 
 #include <sys/types.h>
@@ -23,30 +29,37 @@
 #include <string>
 #include <vector>
 
-#include <chrono>
-
 #include "voxtone/base/progress.h"
 
 namespace voxtone::io {
 
 struct IsolationLimits {
     std::uint64_t memory_bytes = std::uint64_t{4} << 30;  ///< 0: no limit
-    double timeout_s = 120;                               ///< wall clock, from the start; > 0
+    double timeout_s = 120;  ///< of the processor, for one request; > 0. Waiting ends after ten times that.
+    std::vector<std::string> readable = {};  ///< files, and folders with all below them, that it may read; no other
+    std::string more = {};  ///< for messages: how the user allows more ("--read-memory"), if there is a way
 };
 
-/// A program at work on a request. It works on its own until its result is asked for; without that it is killed.
+/// A program at work on requests, one at a time. It works on its own until an answer is asked for; its end is that of
+/// this object.
 class IsolatedProgram {
 public:
-    /// Starts it. `what` names the file in messages ("spot.obj"). Throws ResourceError when no process can be made,
-    /// FileError when the program cannot be run.
+    /// Starts it on a first request. `what` names the file in messages ("spot.obj"). Throws TryAgain when no process
+    /// can be made, FileError when the program cannot be run.
     IsolatedProgram(std::string what, const std::filesystem::path& program, std::span<const std::byte> request,
                     const IsolationLimits& limits);
     IsolatedProgram(const IsolatedProgram&) = delete;
     IsolatedProgram& operator=(const IsolatedProgram&) = delete;
     ~IsolatedProgram();
 
-    /// Waits for what it leaves; to be asked once. Throws Error, InputError, FileError, ResourceError, Cancelled.
+    /// Waits for the answer to the request; to be asked once for each. Throws Error, InputError, FileError,
+    /// ResourceError, TryAgain, Cancelled; after all but what its work threw the program is of no more use.
     [[nodiscard]] std::vector<std::byte> result(const Progress* progress = nullptr);
+    /// The next request, when the last one was answered.
+    void ask(std::span<const std::byte> request);
+
+    /// MissingWall bits (io/files/sandbox.h), known with the first answer.
+    [[nodiscard]] std::uint8_t missing_walls() const { return missing_walls_; }
 
 private:
     class FileDescriptor {
@@ -62,16 +75,23 @@ private:
         int fd_;
     };
 
-    void wait_for_end(const Progress* progress) const;
+    void wake() const;
+    [[nodiscard]] double processor_s() const;
+    /// Whether it has answered; false: it has ended.
+    [[nodiscard]] bool wait_for_answer(const Progress* progress) const;
+    std::vector<std::byte> take_answer();
+    [[noreturn]] void tell_end();
+    [[noreturn]] void tell_no_memory(bool outside) const;
     int reap();
 
     std::string what_;
     std::filesystem::path program_;
     IsolationLimits limits_;
-    std::chrono::steady_clock::time_point deadline_;
-    FileDescriptor result_;
-    FileDescriptor alive_{-1};  ///< the program holds the writing end as long as it lives
+    FileDescriptor request_, result_;
+    FileDescriptor line_{-1};
     pid_t pid_ = -1;
+    double began_s_ = 0;  ///< time of the processor that was spent before this request
+    std::uint8_t missing_walls_ = 0;
 };
 
 /// The program's whole life: start, wait, result.

@@ -8,6 +8,7 @@
 // throws InputError when the bytes are cut short, and takes no more than some ten times their size of memory.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -45,6 +46,10 @@ private:
         raw(&value, sizeof value);
     }
     void put(const Eigen::Vector3f& value) { raw(value.data(), sizeof value); }
+    template <class Value, std::size_t n>
+    void put(const std::array<Value, n>& values) requires(is_plain<Value>) {
+        raw(values.data(), sizeof values);
+    }
     void put(const std::string& text) {
         put(std::uint64_t{text.size()});
         raw(text.data(), text.size());
@@ -62,6 +67,42 @@ private:
     template <class Value>
     void put(const Value& value) requires requires(PackedWriter& w) {
         describe(w, value);
+    }
+    { describe(*this, value); }
+};
+
+/// How many bytes PackedWriter makes of values.
+class PackedSize {
+public:
+    template <class... Values>
+    void operator()(const Values&... values) {
+        (add(values), ...);
+    }
+    std::size_t bytes = 0;
+
+private:
+    template <class Value>
+    void add(const Value& value) requires(std::is_arithmetic_v<Value> || std::is_enum_v<Value>) {
+        bytes += sizeof value;
+    }
+    void add(const Eigen::Vector3f& value) { bytes += sizeof value; }
+    template <class Value, std::size_t n>
+    void add(const std::array<Value, n>& values) requires(std::is_arithmetic_v<Value>) {
+        bytes += sizeof values;
+    }
+    void add(const std::string& text) { bytes += sizeof(std::uint64_t) + text.size(); }
+    template <class Value>
+    void add(const std::vector<Value>& values) {
+        bytes += sizeof(std::uint64_t);
+        if constexpr (requires(PackedSize & s) { describe(s, values.front()); } || std::is_same_v<Value, std::string>) {
+            for (const Value& value : values) add(value);
+        } else {
+            bytes += values.size() * sizeof(Value);
+        }
+    }
+    template <class Value>
+    void add(const Value& value) requires requires(PackedSize& s) {
+        describe(s, value);
     }
     { describe(*this, value); }
 };
@@ -105,6 +146,10 @@ private:
         value = byte != 0;
     }
     void get(Eigen::Vector3f& value) { raw(value.data(), sizeof value); }
+    template <class Value, std::size_t n>
+    void get(std::array<Value, n>& values) requires(is_plain<Value>) {
+        raw(values.data(), sizeof values);
+    }
     void get(std::string& text) {
         text.resize(count(1));
         raw(text.data(), text.size());
@@ -131,7 +176,10 @@ private:
 
 template <class Value>
 [[nodiscard]] std::vector<std::byte> packed(const Value& value) {
+    PackedSize size;
+    size(value);
     PackedWriter writer;
+    writer.bytes.reserve(size.bytes);  // pictures are large: growing would hold one twice
     writer(value);
     return std::move(writer.bytes);
 }

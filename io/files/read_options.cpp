@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxtone/io/files/read_options.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
 #include "voxtone/base/error.h"
+#include "voxtone/base/machine_memory.h"
 
 namespace voxtone::io {
+
+std::uint64_t default_read_memory() { return std::min(resident_memory_bytes() / 2, std::uint64_t{8} << 30); }
 
 void validate(const ReadOptions& options) {
     if (!(options.timeout_s > 0) || !std::isfinite(options.timeout_s))
@@ -18,7 +22,7 @@ void validate(const ReadOptions& options) {
 }
 
 IsolationLimits isolation_limits(const ReadOptions& options) {
-    return {.memory_bytes = options.memory_bytes, .timeout_s = options.timeout_s};
+    return {.memory_bytes = options.memory_bytes, .timeout_s = options.timeout_s, .more = options.more};
 }
 
 }  // namespace voxtone::io

@@ -5,20 +5,27 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <string>
 
 #include "voxtone/base/progress.h"
 #include "voxtone/io/files/isolate.h"
 
 namespace voxtone::io {
 
+/// Half of the memory that there is for this process (base/machine_memory.h), 8 GiB at most; a limit of address space
+/// is its own, and is told as such: the largest picture that is allowed, 16,384 x 16,384 RGBA, takes 2.1 GiB at 8 bits
+/// and 4.2 at 16.
+[[nodiscard]] std::uint64_t default_read_memory();
+
 struct ReadOptions {
-    std::uint64_t memory_bytes = std::uint64_t{4} << 30;  ///< what parsing may take; 0: no limit (sanitizers need that)
-    double timeout_s = 120;                               ///< > 0
+    std::uint64_t memory_bytes = default_read_memory();  ///< what parsing may take; 0: no limit (sanitizers need that)
+    double timeout_s = 120;                              ///< of the processor; > 0
     std::uint64_t max_file_bytes = std::uint64_t{2} << 30;
     std::uint64_t max_pixels = std::uint64_t{1} << 28;          ///< of one picture
     std::uint64_t max_unpacked_bytes = std::uint64_t{2} << 30;  ///< of all of a 3MF's parts
     bool fill_gutters = true;
     std::filesystem::path texture;       ///< of a model: laid on what has coordinates and no picture; empty: none
+    std::string more = {};               ///< for messages: how the user allows more, if there is a way
     const Progress* progress = nullptr;  ///< asked for cancellation
 };
 

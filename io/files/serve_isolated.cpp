@@ -1,18 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxtone/io/files/serve_isolated.h"
 
-#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
-#include <cstdio>
 #include <cstring>
 #include <new>
+#include <optional>
 
 #include "voxtone/base/error.h"
 #include "voxtone/io/files/isolate_protocol.h"
+#include "voxtone/io/files/packed_values.h"
+#include "voxtone/io/files/sandbox.h"
 
 namespace voxtone::io {
 
@@ -20,15 +21,9 @@ namespace {
 
 using namespace isolation;
 
-std::uint64_t mapped_bytes() {
-    std::uint64_t pages = 0;
-    if (std::FILE* file = std::fopen("/proc/self/statm", "r")) {
-        unsigned long long value = 0;
-        if (std::fscanf(file, "%llu", &value) == 1) pages = value;
-        std::fclose(file);
-    }
-    return pages * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
-}
+using Work = std::function<std::vector<std::byte>(std::span<const std::byte>)>;
+
+std::uint8_t missing_walls = 0;
 
 bool write_all(int fd, const void* data, std::size_t size) {
     const char* at = static_cast<const char*>(data);
@@ -54,51 +49,62 @@ bool read_all(int fd, void* data, std::size_t size) {
     return true;
 }
 
-void leave(Outcome outcome, int code, const void* data, std::size_t size) {
-    const unsigned char head[head_bytes] = {static_cast<unsigned char>(outcome), static_cast<unsigned char>(code)};
-    if (write_all(result_fd, head, head_bytes) && write_all(result_fd, data, size)) return;
-    const unsigned char full[head_bytes] = {static_cast<unsigned char>(Outcome::no_memory), 0};  // the file ran out
-    if (ftruncate(result_fd, 0) == 0 && lseek(result_fd, 0, SEEK_SET) == 0) write_all(result_fd, full, head_bytes);
+bool write_answer(Outcome outcome, int code, const void* data, std::size_t size) {
+    const unsigned char head[head_bytes] = {static_cast<unsigned char>(outcome), static_cast<unsigned char>(code),
+                                            missing_walls};
+    return ftruncate(result_fd, 0) == 0 && lseek(result_fd, 0, SEEK_SET) == 0 &&
+           write_all(result_fd, head, head_bytes) && write_all(result_fd, data, size);
 }
 
-void limit_memory(std::uint64_t bytes) {
-    rlimit limit{};
-    if (bytes == 0 || getrlimit(RLIMIT_AS, &limit) != 0) return;
-    limit.rlim_cur = limit.rlim_max = std::min<rlim_t>(limit.rlim_max, mapped_bytes() + bytes);
-    setrlimit(RLIMIT_AS, &limit);
+/// Leaves an answer and says so.
+void leave(Outcome outcome, int code = 0, const void* data = nullptr, std::size_t size = 0) {
+    if (!write_answer(outcome, code, data, size)) write_answer(Outcome::no_memory, 0, nullptr, 0);  // the file ran out
+    const char byte = 1;
+    write_all(line_fd, &byte, 1);
 }
 
-/// The walls that stand only once the libraries are loaded; a filter of system calls has its place here.
-void confine(const RequestHead& head) { limit_memory(head.memory_bytes); }
+void leave(Outcome outcome, int code, const char* text) { leave(outcome, code, text, std::strlen(text)); }
 
-/// Nothing when there is none: the program was not started by `IsolatedProgram`.
-bool read_request(RequestHead& head, std::vector<std::byte>& request) {
+/// Waits for a request. Nothing when no more is to come.
+std::optional<std::vector<std::byte>> next_request() {
+    char byte = 0;
     struct stat about {};
-    if (fstat(request_fd, &about) != 0 || !S_ISREG(about.st_mode)) return false;
-    if (static_cast<std::uint64_t>(about.st_size) < sizeof head || !read_all(request_fd, &head, sizeof head))
-        return false;
-    request.resize(static_cast<std::size_t>(about.st_size) - sizeof head);
-    return read_all(request_fd, request.data(), request.size());
+    if (!read_all(line_fd, &byte, 1) || fstat(request_fd, &about) != 0 || lseek(request_fd, 0, SEEK_SET) != 0)
+        return std::nullopt;
+    std::vector<std::byte> request(static_cast<std::size_t>(about.st_size));
+    if (!read_all(request_fd, request.data(), request.size())) return std::nullopt;
+    return request;
 }
 
-}  // namespace
-
-void serve_isolated(const std::function<std::vector<std::byte>(std::span<const std::byte>)>& work) {
-    RequestHead head{};
-    std::vector<std::byte> request;
-    if (!read_request(head, request)) return;
-    confine(head);
+void answer_one(const Work& work, std::span<const std::byte> request) {
     try {
         const std::vector<std::byte> bytes = work(request);
         leave(Outcome::result, 0, bytes.data(), bytes.size());
     } catch (const Error& error) {
-        leave(Outcome::error, static_cast<int>(error.exit_code()), error.what(), std::strlen(error.what()));
+        leave(Outcome::error, static_cast<int>(error.exit_code()), error.what());
     } catch (const std::bad_alloc&) {
-        leave(Outcome::no_memory, 0, nullptr, 0);
+        leave(Outcome::no_memory, memory_was_limited_outside());
     } catch (const std::exception& error) {
-        leave(Outcome::unknown, 0, error.what(), std::strlen(error.what()));
+        leave(Outcome::unknown, 0, error.what());
     } catch (...) {
-        leave(Outcome::unknown, 0, nullptr, 0);
+        leave(Outcome::unknown);
+    }
+}
+
+bool was_started_by_hand() {
+    struct stat about {};
+    return fstat(request_fd, &about) != 0 || !S_ISREG(about.st_mode);
+}
+
+}  // namespace
+
+void serve_isolated(const Work& work) {
+    if (was_started_by_hand()) return;
+    if (const auto first = next_request()) {
+        const auto orders = unpacked<Orders>(*first);
+        missing_walls = raise_walls(orders.readable, {orders.memory_bytes, head_bytes + orders.result_bytes});
+        answer_one(work, orders.request);
+        while (const auto request = next_request()) answer_one(work, *request);
     }
     _exit(0);  // past the destructors of a hundred libraries
 }

@@ -10,8 +10,9 @@
 
 namespace voxtone::io {
 
-/// Lowers the limit of memory to what was asked for, does the work on the request, leaves its result (or the error that
-/// it threw) and ends the process. Returns only when it was started by hand and has no request.
+/// Raises the walls (io/files/sandbox.h), then does the work on one request after the other and leaves each result (or
+/// the error that it threw), until no more is to come; then it ends the process. Returns only when it was started by
+/// hand. The process must have no other thread: it would stay outside the walls.
 void serve_isolated(const std::function<std::vector<std::byte>(std::span<const std::byte> request)>& work);
 
 }  // namespace voxtone::io

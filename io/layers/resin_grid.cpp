@@ -13,8 +13,8 @@
 #include "voxtone/base/error.h"
 #include "voxtone/base/parallel.h"
 #include "voxtone/io/files/whole_file.h"
+#include "voxtone/io/layers/layer_scan.h"
 #include "voxtone/io/layers/orient.h"
-#include "voxtone/io/layers/stack_reader.h"
 
 namespace voxtone::io {
 namespace {

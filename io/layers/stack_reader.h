@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // Opens a layer stack: a folder of ours (with manifest.json), anybody's folder of PNG files, or a GCVF container.
-// Layers are read one at a time, in any order, from any thread; memory is one layer's file and its runs.
+// Layers are read one at a time, in any order, from any thread; memory is one layer's runs.
+//
+// A stack is taken for hostile, as a model is: its files are parsed by programs of their own, one for each thread that
+// asks at the same time, which may read nothing but the stack (io/files/isolate.h).
 #pragma once
 
 #include <cstdint>
@@ -12,52 +15,16 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/io/layers/gcvf_config.h"
-#include "voxtone/io/layers/layer_runs.h"
-#include "voxtone/io/layers/manifest.h"
-#include "voxtone/io/pictures/png_pixels.h"
+#include "voxtone/io/layers/stack_service.h"
 
 namespace voxtone::io {
 
-using Rgba = std::array<std::uint8_t, 4>;
-
-/// A colour of a layer, how many pixels have it and where the first one is.
-struct ColourCount {
-    Rgba rgba{};
-    std::uint64_t pixels = 0;
-    std::uint32_t first_x = 0, first_y = 0;
-};
-
-/// What is in one layer's bitmap.
-struct LayerScan {
-    PngHeader header;
-    /// In order of appearance, at most `most_colours`; what has another colour is in `other_pixels`.
-    std::vector<ColourCount> colours;
-    std::uint64_t other_pixels = 0;
-    /// The layer in materials of the palette; absent where a pixel has none of its colours or an alpha other than 255.
-    std::optional<LayerRuns> runs;
-
-    static constexpr std::size_t most_colours = 256;
-};
-
-/// Decodes one layer. With an empty palette there are no runs. Throws InputError beginning with `source`.
-[[nodiscard]] LayerScan scan_layer(std::span<const std::uint8_t> file, const std::string& source,
-                                   std::span<const Rgb> palette);
-
-/// A name of the form STEM DIGITS .png
-struct SliceName {
-    std::string stem;
-    std::uint64_t number = 0;
-    int digits = 0;
-};
-/// Nothing where the name is of another form (the extension in any case, at most 18 digits).
-[[nodiscard]] std::optional<SliceName> parse_slice_name(const std::string& file_name);
-
 class StackReader {
 public:
-    enum class Kind { voxtone, folder, gcvf };
+    using Kind = StackKind;
 
-    /// Throws FileError, InputError: nothing there, no layer in it, a manifest or container that cannot be understood.
+    /// Throws FileError, InputError: nothing there, no layer in it, a manifest or container that cannot be understood;
+    /// TryAgain.
     explicit StackReader(const std::filesystem::path& path);
     ~StackReader();
     StackReader(StackReader&&) noexcept;
@@ -77,8 +44,11 @@ public:
     /// them.
     [[nodiscard]] const std::vector<std::string>& missing() const;
     [[nodiscard]] std::uint64_t missing_count() const;
-    /// The bytes of a layer's file, 256 MiB at most. Throws FileError, InputError.
-    [[nodiscard]] std::vector<std::uint8_t> bytes(std::uint32_t index) const;
+    /// What the system lacks of the walls around the program that reads; empty: nothing.
+    [[nodiscard]] const std::string& note() const;
+    /// What is in a layer's file, with runs in materials of the palette; a fault of the file is in it. Throws
+    /// InputError where the file makes its reader crash, ResourceError, TryAgain.
+    [[nodiscard]] LayerLook look(std::uint32_t index, std::span<const Rgb> palette) const;
     /// A layer in materials of the palette. Throws InputError where it has another colour.
     [[nodiscard]] LayerRuns read(std::uint32_t index, std::span<const Rgb> palette) const;
     /// The palette that is given by manifest or container; else the colours that are found in all layers, the

@@ -35,7 +35,7 @@ public:
         for (const auto& [rule, count] : counts_)
             if (count > most_named_) {
                 const auto last = std::find_if(report_.faults.rbegin(), report_.faults.rend(),
-                                               [&](const auto& f) { return f.rule == rule; });
+                                               [&name = rule](const auto& f) { return f.rule == name; });
                 report_.faults.insert(last.base(), {rule, "", fmt::format("and {} more", count - most_named_), ""});
             }
     }
@@ -101,12 +101,13 @@ LayerResult check_layer(const StackReader& reader, std::uint32_t index, const An
     LayerResult result;
     const std::string& name = reader.layer_name(index);
     try {
-        const auto bytes = reader.bytes(index);
-        result.header = read_png_header(bytes, name);
-        if (result.header->bit_depth != 8 || result.header->colour_type != 6)
+        LayerLook look = reader.look(index, stack.palette);
+        result.header = look.header;
+        if (look.header && (look.header->bit_depth != 8 || result.header->colour_type != 6))
             result.faults.push_back({"colour-type", name, fmt::format("is {}", png_kind(*result.header)),
                                      "save it as 8-bit RGBA (colour type 6); the printer's software refuses others"});
-        auto scan = scan_layer(bytes, name, stack.palette);
+        if (!look.fault.empty()) throw InputError(look.fault);
+        LayerScan& scan = look.scan;
         result.colours = std::move(scan.colours);
         result.other_pixels = scan.other_pixels;
         if (scan.runs) result.digest = layer_digest(*scan.runs);
@@ -128,7 +129,7 @@ LayerResult check_layer(const StackReader& reader, std::uint32_t index, const An
                                  colour.pixels, shown(colour.rgba), colour.first_x, colour.first_y),
                      "give them a resin's colour; one stray colour is enough to be refused (\"too many colors\")"});
         }
-    } catch (const Error& error) {
+    } catch (const InputError& error) {
         result.faults.push_back({"unreadable", name, error.what(), "make this layer again"});
     }
     return result;
@@ -339,6 +340,7 @@ StackReport verify_stack(const std::filesystem::path& path, const VerifyRules& r
     StackReport report;
     report.kind = reader.kind();
     report.layers = reader.layers();
+    if (!reader.note().empty()) report.notes.push_back(reader.note());
     FaultList faults(report, rules.most_named);
     check_parts(stack, faults);
     check_names(reader, faults);

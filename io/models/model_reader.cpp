@@ -37,7 +37,10 @@ ModelFile read_model(const std::filesystem::path& path, const ReadOptions& optio
     if (!is_model_name(path))
         throw InputError(
             fmt::format("{} is no model of a known kind; OBJ, PLY, STL, glTF, GLB and 3MF can be read", name));
-    ModelParts parts = unpack_model(start_reader(ReadKind::model, path, options)->result(options.progress));
+    std::vector<std::string> warnings;
+    ModelParts parts =
+        unpack_model(read_guarded(*start_reader(ReadKind::model, path, options), options.progress, warnings));
+    parts.warnings.insert(parts.warnings.begin(), warnings.begin(), warnings.end());
     side_files.insert(side_files.end(), parts.side_files.begin(), parts.side_files.end());
     return finish_model(std::move(parts), name, options.fill_gutters);
 }

@@ -10,8 +10,11 @@ namespace voxtone::io {
 
 Picture read_picture(const std::filesystem::path& path, const ReadOptions& options) {
     validate(options);
-    return finish_picture(unpack_image(start_reader(ReadKind::picture, path, options)->result(options.progress)),
-                          path.filename().string());
+    std::vector<std::string> warnings;
+    DecodedImage image =
+        unpack_image(read_guarded(*start_reader(ReadKind::picture, path, options), options.progress, warnings));
+    image.warnings.insert(image.warnings.begin(), warnings.begin(), warnings.end());
+    return finish_picture(std::move(image), path.filename().string());
 }
 
 Picture finish_picture(DecodedImage image, const std::string& name) {

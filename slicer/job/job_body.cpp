@@ -22,7 +22,7 @@ void append(std::vector<std::string>& to, const std::vector<std::string>& from) 
 }
 
 io::ModelFile read_input(const ResolvedJob& job, std::vector<io::SideFile>& side_files, const Progress& progress) {
-    io::ReadOptions reading;
+    io::ReadOptions reading = job.reading;
     reading.progress = &progress;
     if (!job.is_picture) reading.texture = job.texture;
     if (!job.is_picture) return io::read_model(job.model, reading, side_files);

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxtone/slicer/options/model_choice.h"
 
-#include <unistd.h>
-
+#include "voxtone/base/machine_memory.h"
 #include "voxtone/optics/monte_carlo/monte_carlo.h"
 #include "voxtone/optics/profiles/layered_profile_model.h"
 #include "voxtone/optics/transport/transport.h"
@@ -45,7 +44,7 @@ std::unique_ptr<const optics::AppearanceModel> make_model(PredictionModel model,
 
 std::uint64_t memory_budget(double gib) {
     if (gib > 0) return static_cast<std::uint64_t>(gib * double(1 << 30));
-    return static_cast<std::uint64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<std::uint64_t>(sysconf(_SC_PAGE_SIZE)) / 2;
+    return machine_memory_bytes() / 2;
 }
 
 }  // namespace voxtone::slicer

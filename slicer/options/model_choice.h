@@ -34,7 +34,8 @@ struct ModelOptions {
 /// What --memory may ask for: a petabyte is a slip of the keyboard.
 inline constexpr double most_memory_gib = 1 << 20;
 
-/// Bytes of `gib` GiB, at most most_memory_gib; 0: half of the machine's memory.
+/// Bytes of `gib` GiB, at most most_memory_gib; 0: half of what there is for this process
+/// (base/machine_memory.h).
 [[nodiscard]] std::uint64_t memory_budget(double gib);
 
 }  // namespace voxtone::slicer

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxtone/slicer/options/resolved_job.h"
 
+#include <algorithm>
+#include <cmath>
 #include <string_view>
 
 #include <fmt/core.h>
@@ -34,6 +36,14 @@ void check_common(const SliceOptions& o) {
          "must be 10 mm to 100 m");
     need(o.memory_gib >= 0 && o.memory_gib <= most_memory_gib, "memory", fmt::format("{}", o.memory_gib),
          "must be above 0 GiB, or 0 for half of the machine's");
+    need(o.read_memory_gib >= 0 && o.read_memory_gib <= 1e6, "read-memory", fmt::format("{}", o.read_memory_gib),
+         "must be above 0 GiB, or 0 for half of the machine's");
+    need(o.read_time_s > 0 && o.read_time_s <= 1e6, "read-time", fmt::format("{}", o.read_time_s),
+         "must be above 0 and at most 1e6 s");
+    need(o.read_size_gib > 0 && o.read_size_gib <= 1024, "read-size", fmt::format("{}", o.read_size_gib),
+         "must be above 0 and at most 1024 GiB");
+    need(o.read_megapixels > 0 && o.read_megapixels <= 4294, "read-pixels", fmt::format("{}", o.read_megapixels),
+         "must be above 0 and at most 4294 million");
     need(o.threads >= 0 && o.threads <= 1024, "threads", fmt::format("{}", o.threads), "must be 0 to 1024");
 }
 
@@ -74,6 +84,17 @@ PlacementOptions placement_of(const SliceOptions& o) {
             .flip_x = o.flip_x,
             .flip_y = o.flip_y,
             .swap_xy = o.swap_xy};
+}
+
+io::ReadOptions reading_of(const SliceOptions& o) {
+    constexpr double gib = 1 << 30;
+    io::ReadOptions reading;
+    if (o.read_memory_gib > 0) reading.memory_bytes = static_cast<std::uint64_t>(o.read_memory_gib * gib);
+    reading.timeout_s = o.read_time_s;
+    reading.max_file_bytes = reading.max_unpacked_bytes = static_cast<std::uint64_t>(o.read_size_gib * gib);
+    reading.max_pixels = static_cast<std::uint64_t>(std::max(1.0, std::round(o.read_megapixels * 1e6)));
+    reading.more = "--read-memory, --read-time";
+    return reading;
 }
 
 LayeredOptions layered_of(const SliceOptions& o) {
@@ -140,6 +161,7 @@ ResolvedJob resolve(const SliceOptions& o) {
                 o.viewing_distance_mm, parse_choice<PredictionModel>("loop-model", o.loop_model),
                 parse_choice<LoopMethod>("loop-method", o.loop_method)};
     job.prediction = prediction_of(o);
+    job.reading = reading_of(o);
     job.seed = o.seed;
     job.threads = o.threads;
     if (parse_choice<Arrange>("model", o.arrange) == Arrange::colour) {

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "voxtone/io/files/read_options.h"
 #include "voxtone/io/layers/layer_format.h"
 #include "voxtone/slicer/options/model_choice.h"
 #include "voxtone/slicer/options/option_values.h"
@@ -93,6 +94,8 @@ struct ResolvedJob {
     ColourOptions colour;
     JobLoopOptions loop;
     JobPredictionOptions prediction;
+
+    io::ReadOptions reading;  ///< limits of reading the model
 
     std::uint64_t seed = 1;
     int threads = 0;  ///< 0: one per core

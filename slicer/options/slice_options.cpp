@@ -102,7 +102,8 @@ std::vector<OptionSpec> make_table() {
     using enum OptionSpec::Names;
     using O = SliceOptions;
     const std::string in = "Input and output", place = "Placement", colour = "Colour", body = "Body",
-                      loop = "Appearance loop", profiles = "Layered profiles", predict = "Prediction", run = "Run";
+                      reading = "Limits of reading", loop = "Appearance loop", profiles = "Layered profiles",
+                      predict = "Prediction", run = "Run";
     return {
         names(input, text(called("mesh", spec("model", Kind::text, "FILE", in,
                                               "textured mesh (OBJ, PLY, STL, glTF, GLB, 3MF) or picture")),
@@ -271,6 +272,19 @@ std::vector<OptionSpec> make_table() {
                                "most memory for the prediction; a print that needs more is printed without it; 0: half "
                                "of the machine's"),
                           &O::memory_gib)),
+
+        of_the_run(number(spec("read-memory", Kind::number, "GIB", reading,
+                               "most memory for the program that reads the model and its pictures; 0: half of the "
+                               "machine's, 8 at most"),
+                          &O::read_memory_gib)),
+        of_the_run(number(spec("read-time", Kind::number, "S", reading, "most time of the processor for it, s"),
+                          &O::read_time_s)),
+        of_the_run(number(spec("read-size", Kind::number, "GIB", reading,
+                               "largest file that is read; also what all parts of a 3MF may unpack to"),
+                          &O::read_size_gib)),
+        of_the_run(number(spec("read-pixels", Kind::number, "MP", reading,
+                               "largest picture or texture, million pixels; 268.4 are 16384 x 16384"),
+                          &O::read_megapixels)),
 
         of_the_run(flag(spec("strict", Kind::flag, "", run,
                              "do not print what needs a look first: stop with exit code 3 where colours of the model "

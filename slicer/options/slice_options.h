@@ -72,6 +72,11 @@ struct SliceOptions {
     double memory_gib = 0;  ///< of the prediction; 0: half of the machine's
     int threads = 0;
 
+    double read_memory_gib = 0;  ///< of the program that reads the model; 0: half of the machine's, 8 at most
+    double read_time_s = 120;    ///< of the processor
+    double read_size_gib = 2;    ///< of a file, and of all parts of a 3MF
+    double read_megapixels = 268.435456;
+
     /// Keys that the user set, on the command line or in a job file to something else than the default: what of them
     /// would be ignored is refused (option_scope.h).
     std::vector<std::string> named;

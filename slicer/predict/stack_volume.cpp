@@ -266,7 +266,9 @@ LayerWindow find_body(const io::StackReader& stack, const Assignment& assignment
         0, stack.layers(), 1,
         [&](std::size_t k) {
             const auto index = static_cast<std::uint32_t>(k);
-            const io::LayerScan scan = io::scan_layer(stack.bytes(index), stack.layer_name(index), assignment.palette);
+            const io::LayerLook look = stack.look(index, assignment.palette);
+            if (!look.fault.empty()) throw InputError(look.fault);
+            const io::LayerScan& scan = look.scan;
             if (!scan.runs) {
                 for (const io::ColourCount& colour : scan.colours)
                     if (const io::Rgb rgb{colour.rgba[0], colour.rgba[1], colour.rgba[2]};

@@ -8,7 +8,7 @@
 #include <catch2/catch.hpp>
 
 #include "tests/io/files/temporary_folder.h"
-#include "voxtone/base/error.h"
+#include "voxtone/base/try_again.h"
 #include "voxtone/io/files/file_reader.h"
 #include "voxtone/io/files/packed_values.h"
 #include "voxtone/io/models/model_reader.h"
@@ -76,8 +76,11 @@ TEST_CASE("a reader that is missing, silent, or of another kind is told") {
     write_program(folder.path() / "voxtone-read", "#!/bin/sh\nexit 0\n");
     CHECK_THROWS_WITH(read_model(model), Contains("a.stl") && Contains("crash"));
     write_program(folder.path() / "voxtone-read", "#!/bin/sh\nkill -9 $$\n");
-    CHECK_THROWS_WITH(read_model(model), Contains("signal 9"));
-    write_program(folder.path() / "voxtone-read", "#!/bin/sh\nprintf '\\001\\000nonsense' >&4\n");
+    CHECK_THROWS_AS(read_model(model), TryAgain);
+    write_program(folder.path() / "voxtone-read", "#!/bin/sh\nkill -SEGV $$\n");
+    CHECK_THROWS_WITH(read_model(model), Contains("signal 11"));
+    write_program(folder.path() / "voxtone-read",
+                  "#!/bin/sh\nprintf '\\001\\000\\000nonsense' >&4\nprintf x >&5\nexec sleep 1\n");
     CHECK_THROWS_AS(read_model(model), InputError);
     CHECK_THROWS_WITH(read_model(model), Contains("what the reader left"));
 }

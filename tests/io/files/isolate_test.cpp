@@ -11,7 +11,7 @@
 #include <catch2/catch.hpp>
 
 #include "tests/io/files/temporary_folder.h"
-#include "voxtone/base/error.h"
+#include "voxtone/base/try_again.h"
 
 using namespace voxtone;
 using namespace voxtone::io;
@@ -57,17 +57,39 @@ TEST_CASE("work in another program") {
         CHECK_THROWS_WITH(ask("die"), Contains("test.obj") && Contains("crash"));
         CHECK_THROWS_WITH(ask("leave"), Contains("exit code 3"));
         const auto start = std::chrono::steady_clock::now();
-        CHECK_THROWS_WITH(ask("spin", {.timeout_s = 0.2}), Contains("0.2 s"));
+        CHECK_THROWS_WITH(ask("spin", {.timeout_s = 0.2}), Contains("0.2 s of processor time"));
+        CHECK_THROWS_AS(ask("spin", {.timeout_s = 0.2}), ResourceError);
         CHECK(std::chrono::steady_clock::now() - start < std::chrono::seconds(5));
         if (!built_with_address_sanitizer()) {
             CHECK_THROWS_WITH(ask("abort"), Contains("signal 6"));
-            CHECK_THROWS_WITH(ask("hoard", {.memory_bytes = std::uint64_t{64} << 20}), Contains("64 MB"));
+            const IsolationLimits small{.memory_bytes = std::uint64_t{64} << 20, .more = "--read-memory"};
+            CHECK_THROWS_WITH(ask("hoard", small), Contains("64 MB") && Contains("--read-memory"));
+            CHECK_THROWS_AS(ask("hoard", small), ResourceError);
+            CHECK_THROWS_AS(ask("make 100000000", small), ResourceError);
         }
     }
     SECTION("what it leaves is not believed") {
         CHECK_THROWS_WITH(ask("leave garbage"), Contains("test.obj") && Contains("crash"));
         CHECK_THROWS_AS(ask("leave garbage"), InputError);
         CHECK_THROWS_AS(ask("leave a byte"), InputError);
+        CHECK_THROWS_WITH(ask("leave nonsense"), Contains("test.obj") && Contains("no answer"));
+    }
+    SECTION("what the machine does to it is not the file's fault") {
+        CHECK_THROWS_AS(ask("die of memory"), TryAgain);
+        CHECK_THROWS_WITH(ask("die of memory"), Contains("nothing is known to be wrong with the file"));
+        const auto start = std::chrono::steady_clock::now();
+        CHECK_THROWS_AS(ask("pause", {.timeout_s = 0.05}), TryAgain);  // no time of the processor goes by
+        CHECK(std::chrono::steady_clock::now() - start > std::chrono::milliseconds(500));
+    }
+    SECTION("one after the other") {
+        IsolatedProgram program("test.obj", MISBEHAVING_PROGRAM, bytes_of("first"), {.memory_bytes = 0});
+        CHECK(text_of(program.result()) == "first");
+        program.ask(bytes_of("a longer second"));
+        CHECK(text_of(program.result()) == "a longer second");
+        program.ask(bytes_of("input error"));
+        CHECK_THROWS_AS(program.result(), InputError);
+        program.ask(bytes_of("x"));
+        CHECK(text_of(program.result()) == "x");
     }
     SECTION("what it says is not heard") { CHECK(text_of(ask("chatter")) == "chatter"); }
     SECTION("the user's wish to stop ends it") {

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/io/files/taken_program.h"
 #include "voxtone/base/error.h"
 #include "voxtone/io/files/isolate_protocol.h"
 #include "voxtone/io/files/serve_isolated.h"
@@ -35,7 +36,7 @@ Bytes numbered(std::size_t size) {
 std::string open_files() {
     std::string open;
     for (int fd = 0; fd < 64; ++fd)
-        if (fd != io::isolation::request_fd && fd != io::isolation::result_fd && fd != io::isolation::lifeline_fd &&
+        if (fd != io::isolation::request_fd && fd != io::isolation::result_fd && fd != io::isolation::line_fd &&
             lseek(fd, 0, SEEK_CUR) >= 0)
             open += std::to_string(fd) + " ";
     return open;
@@ -47,6 +48,14 @@ std::string open_files() {
     _exit(0);
 }
 
+/// Says that there is an answer, where there is none.
+[[noreturn]] void answer_nonsense() {
+    const std::string garbage(40, '\x7e');
+    [[maybe_unused]] auto written = write(io::isolation::result_fd, garbage.data(), garbage.size());
+    written = write(io::isolation::line_fd, "x", 1);
+    for (;;) pause();
+}
+
 Bytes misbehave(std::span<const std::byte> request) {
     const std::string wish(reinterpret_cast<const char*>(request.data()), request.size());
     if (wish.starts_with("make ")) return numbered(std::stoul(wish.substr(5)));
@@ -55,11 +64,13 @@ Bytes misbehave(std::span<const std::byte> request) {
     if (wish == "file error") throw FileError("gone");
     if (wish == "resource error") throw ResourceError("full");
     if (wish == "exception") throw std::runtime_error("a library says so");
-    if (wish == "die") std::raise(SIGKILL);
+    if (wish == "die") std::raise(SIGSEGV);
+    if (wish == "die of memory") std::raise(SIGKILL);  // as the kernel ends who takes too much
     if (wish == "abort") std::abort();
     if (wish == "leave") _exit(3);
     if (wish == "leave garbage") leave_garbage(40);
     if (wish == "leave a byte") leave_garbage(1);
+    if (wish == "leave nonsense") answer_nonsense();
     if (wish == "open files") return bytes_of(open_files());
     if (wish == "pause")
         for (;;) pause();
@@ -75,6 +86,7 @@ Bytes misbehave(std::span<const std::byte> request) {
             std::puts("nobody listens");
             std::fputs("nobody listens\n", stderr);
         }
+    if (const std::string outcome = test::attempt(wish); !outcome.empty()) return bytes_of(outcome);
     return bytes_of(wish);
 }
 

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/io/layers/layer_scan.h"
+
+#include <cstring>
+#include <map>
+
+namespace voxtone::io {
+namespace {
+
+std::uint32_t word(const Rgba& c) {
+    return std::uint32_t{c[0]} << 24 | std::uint32_t{c[1]} << 16 | std::uint32_t{c[2]} << 8 | c[3];
+}
+
+}  // namespace
+
+LayerScan scan_layer(std::span<const std::uint8_t> file, const std::string& source, std::span<const Rgb> palette) {
+    LayerScan scan;
+    const PngHeader claimed = read_png_header(file, source);
+    if (!palette.empty()) scan.runs.emplace(claimed.width_px, claimed.height_px);
+    std::map<std::uint32_t, std::size_t> place;  // colour -> index into scan.colours
+    std::map<std::uint32_t, Material> material;
+    for (std::size_t m = palette.size(); m-- > 0;)
+        material[word({palette[m][0], palette[m][1], palette[m][2], 255})] = static_cast<Material>(m);
+
+    // What is known of the colour of the run before: halftones change between few colours, so a small memory of them
+    // pays.
+    struct Known {
+        std::uint32_t colour = 0;
+        std::size_t place = 0;
+        int material = -1;
+        bool set = false;
+    };
+    std::array<Known, 16> memory;
+    scan.header = read_png(file, source, [&](std::uint32_t y, std::span<const std::uint8_t> rgba) {
+        const auto width = static_cast<std::uint32_t>(rgba.size() / 4);
+        for (std::uint32_t x = 0; x < width;) {
+            const std::uint8_t* const first = rgba.data() + std::size_t{4} * x;
+            std::uint32_t end = x + 1;
+            while (end < width && std::memcmp(rgba.data() + std::size_t{4} * end, first, 4) == 0) ++end;
+            const Rgba colour = {first[0], first[1], first[2], first[3]};
+            const std::uint32_t w = word(colour);
+            Known& known = memory[(w * 0x9E3779B1u) >> 28];
+            if (!known.set || known.colour != w) {
+                known = {w, LayerScan::most_colours, -1, true};
+                if (const auto found = material.find(w); found != material.end()) known.material = found->second;
+                if (const auto found = place.find(w); found != place.end()) {
+                    known.place = found->second;
+                } else if (scan.colours.size() < LayerScan::most_colours) {
+                    known.place = place[w] = scan.colours.size();
+                    scan.colours.push_back({colour, 0, x, y});
+                }
+            }
+            if (known.place < LayerScan::most_colours)
+                scan.colours[known.place].pixels += end - x;
+            else
+                scan.other_pixels += end - x;
+            if (known.material < 0)
+                scan.runs.reset();
+            else if (scan.runs)
+                scan.runs->push(end - x, static_cast<Material>(known.material));
+            x = end;
+        }
+        if (scan.runs) scan.runs->end_row();
+    });
+    return scan;
+}
+
+}  // namespace voxtone::io

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What is in the bitmap of one layer: its colours, and the layer as runs where all of them are known. The bitmap is
+// decoded in this process.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "voxtone/io/layers/layer_runs.h"
+#include "voxtone/io/layers/rgb.h"
+#include "voxtone/io/pictures/png_pixels.h"
+
+namespace voxtone::io {
+
+using Rgba = std::array<std::uint8_t, 4>;
+
+/// A colour of a layer, how many pixels have it and where the first one is.
+struct ColourCount {
+    Rgba rgba{};
+    std::uint64_t pixels = 0;
+    std::uint32_t first_x = 0, first_y = 0;
+};
+
+/// What is in one layer's bitmap.
+struct LayerScan {
+    PngHeader header;
+    /// In order of appearance, at most `most_colours`; what has another colour is in `other_pixels`.
+    std::vector<ColourCount> colours;
+    std::uint64_t other_pixels = 0;
+    /// The layer in materials of the palette; absent where a pixel has none of its colours or an alpha other than 255.
+    std::optional<LayerRuns> runs;
+
+    static constexpr std::size_t most_colours = 256;
+};
+
+/// Decodes one layer. With an empty palette there are no runs. Throws InputError beginning with `source`.
+[[nodiscard]] LayerScan scan_layer(std::span<const std::uint8_t> file, const std::string& source,
+                                   std::span<const Rgb> palette);
+
+}  // namespace voxtone::io

@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/io/layers/stack_files.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <system_error>
+
+#include <fmt/core.h>
+
+#include "voxtone/base/error.h"
+#include "voxtone/io/files/whole_file.h"
+#include "voxtone/io/layers/stack_folder.h"
+
+namespace voxtone::io {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::uint64_t most_layer_bytes = std::uint64_t{256} << 20;
+constexpr std::uint64_t most_layers = 1'000'000;
+constexpr std::uint64_t most_missing = 1000;  // kept by name
+
+}  // namespace
+
+std::optional<SliceName> parse_slice_name(const std::string& file_name) {
+    if (file_name.size() < 5) return std::nullopt;
+    std::string extension = file_name.substr(file_name.size() - 4);
+    std::transform(extension.begin(), extension.end(), extension.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    if (extension != ".png" || file_name.front() == '.') return std::nullopt;
+    const std::string base = file_name.substr(0, file_name.size() - 4);
+    std::size_t begin = base.size();
+    while (begin > 0 && base[begin - 1] >= '0' && base[begin - 1] <= '9') --begin;
+    const std::size_t digits = base.size() - begin;
+    if (digits == 0 || digits > 18) return std::nullopt;
+    return SliceName{base.substr(0, begin), std::stoull(base.substr(begin)), static_cast<int>(digits)};
+}
+
+/// Slices of a folder by number; what is no slice of the most frequent stem is a stranger.
+void StackFiles::list_folder(const fs::path& folder, const std::string& prefix) {
+    std::map<std::string, std::vector<std::pair<std::uint64_t, std::string>>> stems;
+    std::vector<std::string> others;
+    for (const auto& entry : fs::directory_iterator(folder)) {
+        const std::string name = entry.path().filename().string();
+        const auto slice = entry.is_regular_file() ? parse_slice_name(name) : std::nullopt;
+        if (slice && slice->number < most_layers)
+            stems[slice->stem].push_back({slice->number, name});
+        else
+            others.push_back(name);
+    }
+    if (stems.empty())
+        throw InputError(fmt::format("{}: holds no layer: expected files like slice_00000.png", folder.string()));
+    auto most = std::max_element(stems.begin(), stems.end(),
+                                 [](const auto& a, const auto& b) { return a.second.size() < b.second.size(); });
+    std::sort(most->second.begin(), most->second.end());
+    for (const auto& [number, name] : most->second) listing_.names.push_back(prefix + name);
+    for (const auto& [stem, slices] : stems)
+        if (stem != most->first)
+            for (const auto& slice : slices) others.push_back(slice.second);
+    std::sort(others.begin(), others.end());
+    for (const auto& name : others) listing_.strangers.push_back(prefix + name);
+}
+
+void StackFiles::open_ours() {
+    listing_.kind = StackKind::voxtone;
+    listing_.description = read_manifest(root_ / manifest_name);
+    const fs::path folder = (root_ / listing_.description->layer_path(0)).parent_path();
+    if (!fs::is_directory(folder))
+        throw InputError(fmt::format("{}: the folder with the layers is not there", folder.string()));
+    // The manifest says which layers there are; the folder, what else lies there.
+    const fs::path inner = fs::path(listing_.description->layer_path(0)).parent_path();
+    const std::string prefix = inner.empty() ? std::string() : inner.string() + "/";
+    std::set<std::string> there;
+    for (const auto& entry : fs::directory_iterator(folder)) {
+        const std::string name = entry.path().filename().string();
+        if (entry.is_regular_file())
+            there.insert(name);
+        else if (!prefix.empty())
+            listing_.strangers.push_back(prefix + name);
+    }
+    for (std::uint32_t k = 0; k < listing_.description->layers; ++k) {
+        const std::string name = listing_.description->layer_path(k);
+        if (there.erase(fs::path(name).filename().string()))
+            listing_.names.push_back(name);
+        else
+            add_missing(name);
+    }
+    for (const auto& name : there)
+        if (!prefix.empty() || parse_slice_name(name)) listing_.strangers.push_back(prefix + name);
+    std::sort(listing_.strangers.begin(), listing_.strangers.end());
+    if (listing_.names.empty())
+        throw InputError(fmt::format("{}: holds none of the layers that the manifest names", folder.string()));
+}
+
+void StackFiles::add_missing(const std::string& name) {
+    if (++listing_.missing_count <= most_missing) listing_.missing.push_back(name);
+}
+
+void StackFiles::open_gcvf() {
+    listing_.kind = StackKind::gcvf;
+    zip_ = std::make_unique<ZipReader>(root_);
+    std::map<std::string, std::size_t> index;
+    for (std::size_t i = 0; i < zip_->names().size(); ++i) index.emplace(zip_->names()[i], i);
+    const auto config_entry = index.find("ConfigFile.xml");
+    if (config_entry == index.end())
+        throw InputError(fmt::format("{}: has no ConfigFile.xml at its root: it is no GCVF container", root_.string()));
+    const auto xml = zip_->read(config_entry->second, 16 << 20);
+    listing_.gcvf =
+        parse_gcvf_config({reinterpret_cast<const char*>(xml.data()), xml.size()}, root_.string() + ": ConfigFile.xml");
+    index.erase(config_entry);
+    index.erase("Mesh.stl");
+    index.erase("MeshBbx.ktn");
+    for (std::uint32_t k = 0; k < listing_.gcvf->slices; ++k) {
+        const std::string name =
+            fmt::format("{}{}.png", listing_.gcvf->prefix, std::uint64_t{listing_.gcvf->start_index} + k);
+        if (const auto found = index.find(name); found != index.end()) {
+            listing_.names.push_back(name);
+            entries_.push_back(found->second);
+            index.erase(found);
+        } else {
+            add_missing(name);
+        }
+    }
+    for (const auto& [name, i] : index) listing_.strangers.push_back(name);
+    if (listing_.names.empty())
+        throw InputError(fmt::format("{}: holds none of the layers that ConfigFile.xml names", root_.string()));
+}
+
+StackFiles::StackFiles(const fs::path& path) : root_(path) {
+    try {
+        if (!fs::exists(path)) throw FileError(fmt::format("{}: is not there", path.string()));
+        if (!fs::is_directory(path)) {
+            if (path.filename() == fs::path(manifest_name)) {
+                root_ = path.parent_path();
+                open_ours();
+            } else {
+                open_gcvf();
+            }
+        } else if (fs::exists(path / manifest_name)) {
+            open_ours();
+        } else if (fs::exists(path / unfinished_name)) {
+            throw InputError(
+                fmt::format("{}: is a stack whose making was stopped: it is not whole; slice again", path.string()));
+        } else {
+            list_folder(path, "");
+        }
+    } catch (const fs::filesystem_error& error) {
+        throw FileError(fmt::format("{}: cannot be read ({})", path.string(), error.what()));
+    }
+}
+
+std::vector<std::uint8_t> StackFiles::bytes(std::uint32_t index) const {
+    if (zip_) return zip_->read(entries_.at(index), most_layer_bytes);
+    return read_whole_file(root_ / listing_.names.at(index), most_layer_bytes);
+}
+
+}  // namespace voxtone::io

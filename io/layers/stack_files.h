@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// A layer stack as it lies on the disk: a folder of ours (with manifest.json), anybody's folder of PNG files, or a GCVF
+// container. All is parsed in this process: what voxtone-read-stack does for io/layers/stack_reader.h behind its walls.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "voxtone/io/files/zip_reader.h"
+#include "voxtone/io/layers/gcvf_config.h"
+#include "voxtone/io/layers/manifest.h"
+
+namespace voxtone::io {
+
+/// A name of the form STEM DIGITS .png
+struct SliceName {
+    std::string stem;
+    std::uint64_t number = 0;
+    int digits = 0;
+};
+/// Nothing where the name is of another form (the extension in any case, at most 18 digits).
+[[nodiscard]] std::optional<SliceName> parse_slice_name(const std::string& file_name);
+
+enum class StackKind : std::uint8_t { voxtone, folder, gcvf };
+
+/// What there is in a stack.
+struct StackListing {
+    StackKind kind = StackKind::folder;
+    std::optional<StackDescription> description;  ///< of a stack of ours
+    std::optional<GcvfConfig> gcvf;               ///< of a container
+    std::vector<std::string> names;               ///< of layers, bottom first
+    std::vector<std::string> strangers;           ///< what lies beside the layers and should not
+    std::vector<std::string> missing;             ///< announced and not there: the first thousand by name
+    std::uint64_t missing_count = 0;              ///< all of them
+};
+
+class StackFiles {
+public:
+    /// Throws FileError, InputError: nothing there, no layer in it, a manifest or container that cannot be understood.
+    explicit StackFiles(const std::filesystem::path& path);
+
+    [[nodiscard]] const StackListing& listing() const { return listing_; }
+    /// The bytes of a layer's file, 256 MiB at most. From any thread. Throws FileError, InputError.
+    [[nodiscard]] std::vector<std::uint8_t> bytes(std::uint32_t index) const;
+
+private:
+    void list_folder(const std::filesystem::path& folder, const std::string& prefix);
+    void open_ours();
+    void open_gcvf();
+    void add_missing(const std::string& name);
+
+    std::filesystem::path root_;
+    StackListing listing_;
+    std::unique_ptr<ZipReader> zip_;
+    std::vector<std::size_t> entries_;  // of a container, per layer
+};
+
+}  // namespace voxtone::io

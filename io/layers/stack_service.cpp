@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/io/layers/stack_service.h"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "voxtone/base/error.h"
+#include "voxtone/io/files/packed_values.h"
+
+namespace voxtone::io {
+
+namespace {
+
+const std::string stack_protocol = "voxtone-read-stack 1, voxtone " VOXTONE_VERSION;
+
+template <class Value, class Plain>
+concept is_a = std::is_same_v<std::remove_const_t<Value>, Plain>;
+
+struct PackedHeader {
+    std::uint8_t there = 0;
+    PngHeader png;
+};
+
+/// A layer's runs, row by row.
+struct PackedRuns {
+    std::uint32_t width_px = 0, height_px = 0;
+    std::vector<std::uint32_t> runs_of_row;
+    std::vector<Run> runs;
+};
+
+PackedRuns packed_runs(const LayerRuns& layer) {
+    PackedRuns packed{layer.width_px(), layer.height_px(), {}, {}};
+    for (std::uint32_t y = 0; y < layer.rows(); ++y) {
+        const auto row = layer.row(y);
+        packed.runs_of_row.push_back(static_cast<std::uint32_t>(row.size()));
+        packed.runs.insert(packed.runs.end(), row.begin(), row.end());
+    }
+    return packed;
+}
+
+void expect_stack(bool holds, const char* what) {
+    if (!holds) throw InputError(fmt::format("what the reader of the stack left is no answer: {}", what));
+}
+
+LayerRuns checked_runs(const PackedRuns& packed, std::size_t materials) {
+    constexpr std::uint32_t most_px = 65535;
+    expect_stack(packed.width_px >= 1 && packed.width_px <= most_px && packed.height_px >= 1 &&
+                     packed.height_px <= most_px && packed.runs_of_row.size() == packed.height_px,
+                 "a layer of an impossible size");
+    LayerRuns layer(packed.width_px, packed.height_px);
+    std::span<const Run> left = packed.runs;
+    for (const std::uint32_t count : packed.runs_of_row) {
+        expect_stack(count <= left.size(), "a row without its runs");
+        std::uint64_t length = 0;
+        for (const Run run : left.first(count)) {
+            expect_stack(run.length > 0 && run.material < materials, "a run of no resin");
+            length += run.length;
+        }
+        expect_stack(length == packed.width_px, "a row of another width");
+        for (const Run run : left.first(count)) layer.push(run.length, static_cast<Material>(run.material));
+        layer.end_row();
+        left = left.subspan(count);
+    }
+    expect_stack(left.empty(), "runs without a row");
+    return layer;
+}
+
+void check_config(const GcvfConfig& config) {
+    expect_stack(config.x_dpi >= 0.1 && config.x_dpi <= 1e6 && config.y_dpi >= 0.1 && config.y_dpi <= 1e6,
+                 "a container of an impossible resolution");
+    expect_stack(config.width_px >= 1 && config.width_px <= 65535 && config.height_px >= 1 && config.height_px <= 65535,
+                 "a container of an impossible size");
+    expect_stack(config.materials.size() <= 255, "too many materials");
+}
+
+}  // namespace
+
+template <class Stream, is_a<StackResin> Resin>
+void describe(Stream& stream, Resin& r) {
+    stream(r.name, r.role, r.rgb, r.voxels, r.ml);
+}
+template <class Stream, is_a<StackDescription> Description>
+void describe(Stream& stream, Description& d) {
+    stream(d.printer, d.pitch_um, d.size_px, d.layers, d.first_layer, d.size_mm, d.origin_mm, d.pattern,
+           d.background_rgb, d.resins, d.orientation.flip_x, d.orientation.flip_y, d.orientation.swap_xy,
+           d.content_sha256);
+}
+template <class Stream, is_a<GcvfMaterial> Value>
+void describe(Stream& stream, Value& m) {
+    stream(m.name, m.rgba, m.voxels);
+}
+template <class Stream, is_a<GcvfConfig> Config>
+void describe(Stream& stream, Config& c) {
+    stream(c.x_dpi, c.y_dpi, c.slice_thickness_nm, c.width_px, c.height_px, c.start_index, c.slices, c.prefix,
+           c.background, c.materials);
+}
+template <class Stream, is_a<PackedHeader> Header>
+void describe(Stream& stream, Header& h) {
+    stream(h.there, h.png.width_px, h.png.height_px, h.png.bit_depth, h.png.colour_type, h.png.interlaced,
+           h.png.x_per_metre, h.png.y_per_metre);
+}
+template <class Stream, is_a<PackedRuns> Runs>
+void describe(Stream& stream, Runs& r) {
+    stream(r.width_px, r.height_px, r.runs_of_row, r.runs);
+}
+template <class Stream, is_a<LayerRequest> Request>
+void describe(Stream& stream, Request& r) {
+    stream(r.index, r.palette);
+}
+
+namespace {
+
+std::vector<std::byte> pack_listing(const StackListing& listing) {
+    PackedWriter writer;
+    writer(listing.kind, listing.names, listing.strangers, listing.missing, listing.missing_count);
+    if (listing.description) writer(*listing.description);
+    if (listing.gcvf) writer(*listing.gcvf);
+    return std::move(writer.bytes);
+}
+
+std::vector<std::byte> pack_look(const LayerLook& look) {
+    PackedWriter writer;
+    writer(PackedHeader{look.header.has_value(), look.header.value_or(PngHeader{})}, look.fault, look.scan.colours,
+           look.scan.other_pixels, look.scan.runs.has_value());
+    if (look.scan.runs) writer(packed_runs(*look.scan.runs));
+    return std::move(writer.bytes);
+}
+
+LayerLook look_at(const StackFiles& stack, const LayerRequest& request) {
+    LayerLook look;
+    const std::string& name = stack.listing().names[request.index];
+    try {
+        const auto bytes = stack.bytes(request.index);
+        look.header = read_png_header(bytes, name);
+        look.scan = scan_layer(bytes, name, request.palette);
+    } catch (const Error& error) {
+        look.fault = error.what();
+        look.scan = {};
+    }
+    return look;
+}
+
+}  // namespace
+
+std::vector<std::byte> pack_stack_request(const std::filesystem::path& path) {
+    PackedWriter writer;
+    writer(stack_protocol, path.string());
+    return std::move(writer.bytes);
+}
+
+std::vector<std::byte> pack(const LayerRequest& request) { return packed(request); }
+
+StackListing unpack_listing(std::span<const std::byte> bytes) {
+    PackedReader reader(bytes);
+    StackListing listing;
+    reader(listing.kind, listing.names, listing.strangers, listing.missing, listing.missing_count);
+    expect_stack(listing.kind <= StackKind::gcvf, "a stack of an unknown kind");
+    expect_stack(!listing.names.empty() && listing.names.size() <= 1'000'000, "an impossible number of layers");
+    expect_stack(listing.missing_count >= listing.missing.size(), "layers are missing and are not counted");
+    const std::uint64_t layers = listing.names.size() + listing.missing_count;
+    if (listing.kind == StackKind::voxtone) {
+        reader(listing.description.emplace());
+        expect_stack(layers == listing.description->layers, "layers that are not those of the manifest");
+        listing.description->validate("what the reader of the stack left");
+    }
+    if (listing.kind == StackKind::gcvf) {
+        reader(listing.gcvf.emplace());
+        expect_stack(layers == listing.gcvf->slices, "layers that are not those of the container");
+        check_config(*listing.gcvf);
+    }
+    reader.expect_end();
+    return listing;
+}
+
+LayerLook unpack_look(std::span<const std::byte> bytes, std::size_t colours) {
+    PackedReader reader(bytes);
+    LayerLook look;
+    PackedHeader header;
+    bool has_runs = false;
+    reader(header, look.fault, look.scan.colours, look.scan.other_pixels, has_runs);
+    if (header.there) look.header = look.scan.header = header.png;
+    expect_stack(header.there || !look.fault.empty(), "a layer without a header");
+    expect_stack(look.scan.colours.size() <= LayerScan::most_colours, "too many colours");
+    if (has_runs) {
+        PackedRuns runs;
+        reader(runs);
+        look.scan.runs = checked_runs(runs, std::min<std::size_t>(colours, max_materials));
+    }
+    reader.expect_end();
+    return look;
+}
+
+std::vector<std::byte> StackService::answer(std::span<const std::byte> request) {
+    if (!stack_) {
+        PackedReader reader(request);
+        std::string asked, path;
+        reader(asked, path);
+        if (asked != stack_protocol)
+            throw ResourceError(fmt::format(
+                "voxtone-read-stack is of another version ({}) than the program that asks it ({}); install voxtone "
+                "again",
+                stack_protocol, asked));
+        stack_ = std::make_unique<const StackFiles>(path);
+        return pack_listing(stack_->listing());
+    }
+    const auto layer = unpacked<LayerRequest>(request);
+    if (layer.index >= stack_->listing().names.size()) throw InputError("a layer was asked for that is not there");
+    return pack_look(look_at(*stack_, layer));
+}
+
+}  // namespace voxtone::io

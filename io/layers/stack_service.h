@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What crosses the wall between the program that reads a layer stack (voxtone-read-stack) and the one that asks it
+// (io/layers/stack_reader.h): first a listing, then layer after layer. Nothing that comes back is believed: unpacking
+// throws InputError where its parts do not fit together.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "voxtone/io/layers/layer_scan.h"
+#include "voxtone/io/layers/stack_files.h"
+
+namespace voxtone::io {
+
+/// A layer looked at, as far as it can be read.
+struct LayerLook {
+    std::optional<PngHeader> header;
+    std::string fault;  ///< why it cannot be read whole; empty: it can, and `scan` is there
+    LayerScan scan;
+};
+
+struct LayerRequest {
+    std::uint32_t index = 0;
+    std::vector<Rgb> palette;
+};
+
+[[nodiscard]] std::vector<std::byte> pack_stack_request(const std::filesystem::path& path);
+[[nodiscard]] std::vector<std::byte> pack(const LayerRequest& request);
+[[nodiscard]] StackListing unpack_listing(std::span<const std::byte> bytes);
+/// Of a request with so many colours.
+[[nodiscard]] LayerLook unpack_look(std::span<const std::byte> bytes, std::size_t colours);
+
+/// The answers: the first request names the stack, each other one a layer. Throws FileError, InputError; what is wrong
+/// with one layer's file is in its look.
+class StackService {
+public:
+    [[nodiscard]] std::vector<std::byte> answer(std::span<const std::byte> request);
+
+private:
+    std::unique_ptr<const StackFiles> stack_;
+};
+
+}  // namespace voxtone::io

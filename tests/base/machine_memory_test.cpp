@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/base/machine_memory.h"
+
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <limits>
+
+#include <catch2/catch.hpp>
+
+using namespace voxtone;
+namespace fs = std::filesystem;
+
+namespace {
+
+struct Groups {
+    fs::path folder = fs::temp_directory_path() / ("voxtone-cgroup-" + std::to_string(getpid()));
+    Groups() { fs::create_directories(folder); }
+    Groups(const Groups&) = delete;
+    Groups& operator=(const Groups&) = delete;
+    ~Groups() { fs::remove_all(folder); }
+    void write(const fs::path& file, const std::string& text) const {
+        fs::create_directories((folder / file).parent_path());
+        std::ofstream(folder / file) << text << '\n';
+    }
+    [[nodiscard]] std::uint64_t memory() const { return cgroup_memory_bytes(folder / "self", folder / "mount"); }
+};
+
+}  // namespace
+
+TEST_CASE("the memory of control groups", "[memory]") {
+    const Groups groups;
+    constexpr std::uint64_t none = std::numeric_limits<std::uint64_t>::max();
+    SECTION("version 2: the least of a group and those above it") {
+        groups.write("self", "0::/jobs/one/step");
+        CHECK(groups.memory() == none);
+        groups.write("mount/jobs/one/step/memory.max", "max");
+        CHECK(groups.memory() == none);
+        groups.write("mount/jobs/memory.max", "3000000000");
+        CHECK(groups.memory() == 3000000000);
+        groups.write("mount/jobs/one/memory.max", "2000000000");
+        CHECK(groups.memory() == 2000000000);
+        groups.write("mount/other/memory.max", "5");
+        CHECK(groups.memory() == 2000000000);
+    }
+    SECTION("version 2 in a container, where the mount is the group") {
+        groups.write("self", "0::/");
+        groups.write("mount/memory.max", "1000000000");
+        CHECK(groups.memory() == 1000000000);
+    }
+    SECTION("version 1 among other controllers") {
+        groups.write("self", "9:name=systemd:/\n5:cpu,cpuacct:/a\n4:memory:/jobs/7\n0::/");
+        groups.write("mount/memory/jobs/7/memory.limit_in_bytes", "9223372036854771712");
+        groups.write("mount/memory/jobs/memory.limit_in_bytes", "4000000000");
+        CHECK(groups.memory() == 4000000000);
+    }
+}
+
+TEST_CASE("a shell's limit of address space is a limit of memory", "[memory]") {
+    const std::uint64_t before = machine_memory_bytes();
+    CHECK(before > 0);
+    const pid_t child = fork();
+    if (child == 0) {
+        const rlimit limit{before / 2, before / 2};
+        _exit(setrlimit(RLIMIT_AS, &limit) == 0 && machine_memory_bytes() == before / 2 ? 0 : 1);
+    }
+    int status = -1;
+    waitpid(child, &status, 0);
+    CHECK(status == 0);
+}

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/io/files/read_options.h"
+
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <fstream>
+
+#include <catch2/catch.hpp>
+
+#include "tests/io/files/temporary_folder.h"
+#include "tests/outcomes.h"
+#include "voxtone/base/try_again.h"
+#include "voxtone/io/files/whole_file.h"
+#include "voxtone/io/models/model_reader.h"
+#include "voxtone/io/pictures/picture.h"
+#include "voxtone/io/pictures/picture_writer.h"
+
+using namespace voxtone;
+using namespace voxtone::io;
+using Catch::Contains;
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::uint64_t mib = 1 << 20;
+
+void write_square(const fs::path& file, std::uint32_t side_px) {
+    Picture8 picture{side_px, side_px, 4, std::vector<std::uint8_t>(std::size_t{4} * side_px * side_px, 200)};
+    write_whole_file(file, png_bytes(picture));
+}
+
+fs::path write_textured(const fs::path& folder, std::uint32_t side_px) {
+    write_square(folder / "a.png", side_px);
+    std::ofstream(folder / "a.mtl") << "newmtl m\nmap_Kd a.png\n";
+    std::ofstream(folder / "a.obj") << "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl m\n"
+                                       "f 1/1 2/2 3/3\n";
+    return folder / "a.obj";
+}
+
+/// The exit code of what reading throws in a process whose address space is limited.
+int read_with_address_space(const fs::path& model, std::uint64_t bytes) {
+    const pid_t child = fork();
+    if (child == 0) {
+        const rlimit limit{bytes, bytes};
+        int code = 0;
+        try {
+            setrlimit(RLIMIT_AS, &limit);
+            (void)read_model(model);
+        } catch (const Error& error) {
+            code = static_cast<int>(error.exit_code());
+        } catch (...) {
+            code = 1;
+        }
+        _exit(code);
+    }
+    int status = 0;
+    waitpid(child, &status, 0);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+}  // namespace
+
+TEST_CASE("the largest texture fits what its reader may take", "[limits]") {
+    if (built_with_address_sanitizer()) return test::skip("a sanitizer's memory cannot be limited");
+    const TemporaryFolder folder;
+    ReadOptions options;
+    CHECK(options.max_pixels == std::uint64_t{16384} * 16384);
+    // The pixels twice (decoded, and on their way out) and what a decoder needs besides, which does not grow with them.
+    write_square(folder.path() / "a.png", 4096);
+    options.memory_bytes = (2 * 64 + 24) * mib;
+    CHECK(read_picture(folder.path() / "a.png", options).width_px == 4096);
+}
+
+TEST_CASE("lack of memory is no fault of the file, and no loss of its colours", "[limits]") {
+    if (built_with_address_sanitizer()) return test::skip("a sanitizer's memory cannot be limited");
+    const TemporaryFolder folder;
+    const fs::path model = write_textured(folder.path(), 4096);
+    SECTION("a limit that was given") {
+        ReadOptions options;
+        options.memory_bytes = 48 * mib;
+        options.more = "--read-memory";
+        CHECK_THROWS_AS(read_model(model, options), ResourceError);
+        CHECK_THROWS_WITH(read_model(model, options), Contains("48 MB") && Contains("--read-memory"));
+    }
+    SECTION("a limit of the machine, of which the reader has enough to start or not even that") {
+        for (const std::uint64_t space : {100 * mib, 488 * mib}) {
+            INFO(space / mib << " MiB");
+            CHECK(read_with_address_space(model, space) == static_cast<int>(exit_try_again));
+        }
+    }
+    SECTION("enough") { CHECK(read_model(model).mesh.triangles.size() == 1); }
+}

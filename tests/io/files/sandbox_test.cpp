@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/io/files/sandbox.h"
+
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include <catch2/catch.hpp>
+
+#include "tests/io/files/taken_program.h"
+#include "tests/io/files/temporary_folder.h"
+#include "tests/outcomes.h"
+#include "voxtone/base/error.h"
+#include "voxtone/io/files/isolate.h"
+
+using namespace voxtone;
+using namespace voxtone::io;
+using Catch::Contains;
+namespace fs = std::filesystem;
+
+namespace {
+
+/// The program that does what it is asked, allowed to read one folder.
+class Taken {
+public:
+    explicit Taken(const fs::path& readable)
+        : program_("a.obj", MISBEHAVING_PROGRAM, {},
+                   {.memory_bytes = built_with_address_sanitizer() ? 0 : std::uint64_t{256} << 20,
+                    .readable = {readable.string()}}) {
+        (void)program_.result();
+    }
+    std::string answer(const std::string& wish) {
+        program_.ask(std::as_bytes(std::span(wish)));
+        const auto bytes = program_.result();
+        return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+    }
+    std::uint8_t missing_walls() const { return program_.missing_walls(); }
+
+private:
+    IsolatedProgram program_;
+};
+
+struct Files {
+    TemporaryFolder folder;
+    fs::path inside = folder.path() / "inside", beside = folder.path() / "beside";
+    Files() {
+        fs::create_directories(inside / "deep");
+        fs::create_directories(beside);
+        for (const auto& file : {inside / "a.obj", inside / "deep" / "b.png", beside / "secret"})
+            std::ofstream(file) << "contents";
+        fs::create_symlink(beside / "secret", inside / "leads-out");
+    }
+};
+
+/// Those wishes of `tried` that are done in a process without walls: the others prove nothing here.
+bool done_without_walls(const std::string& wish) {
+    const pid_t child = fork();
+    if (child == 0) _exit(test::attempt(wish) == "done" ? 1 : 0);
+    int status = 0;
+    waitpid(child, &status, 0);
+    return WIFEXITED(status) && WEXITSTATUS(status) == 1;
+}
+
+}  // namespace
+
+TEST_CASE("a taken reader can change no file", "[sandbox]") {
+    Files files;
+    Taken taken(files.inside);
+    if (taken.missing_walls() & no_call_filter) {
+        test::skip("no seccomp on this system");
+        return;
+    }
+    int proven = 0;
+    for (const char* what : test::attempts_on_files) {
+        const fs::path file = files.inside / "a.obj";
+        const std::string wish = what + (" " + file.string());
+        INFO(what);
+        CHECK_THAT(taken.answer(wish), Contains("refused"));
+        CHECK(fs::file_size(file) == 8);
+        CHECK_FALSE(fs::exists(file.string() + ".new"));
+        proven += done_without_walls(wish);
+        fs::remove_all(file.string() + ".new");
+        std::ofstream(file) << "contents";
+    }
+    CHECK(proven >= 9);  // of 15; some need rights that not every machine gives
+}
+
+TEST_CASE("a taken reader reaches nothing else", "[sandbox]") {
+    Files files;
+    Taken taken(files.inside);
+    if (taken.missing_walls() & no_call_filter) {
+        test::skip("no seccomp on this system");
+        return;
+    }
+    int proven = 0;
+    for (const char* what : test::attempts) {
+        INFO(what);
+        CHECK_THAT(taken.answer(what), Contains("refused"));
+        // Without walls one ends the test and the other stops it.
+        if (what != std::string("exec") && what != std::string("trace")) proven += done_without_walls(what);
+    }
+    CHECK(proven >= 8);
+}
+
+TEST_CASE("a reader reads what it was given and nothing else", "[sandbox]") {
+    Files files;
+    Taken taken(files.inside);
+    CHECK(taken.answer("read " + (files.inside / "a.obj").string()) == "done");
+    CHECK(taken.answer("read " + (files.inside / "deep" / "b.png").string()) == "done");
+    CHECK(taken.answer("list " + files.inside.string()) == "done");
+    if (taken.missing_walls() & no_file_filter) {
+        test::skip("no Landlock on this system");
+        return;
+    }
+    for (const fs::path& path : {files.beside / "secret", files.inside / "leads-out", fs::path("/etc/passwd"),
+                                 fs::path("/proc/self/environ"), files.inside / ".." / "beside" / "secret"}) {
+        INFO(path.string());
+        CHECK_THAT(taken.answer("read " + path.string()), Contains("refused"));
+    }
+    CHECK_THAT(taken.answer("list " + files.beside.string()), Contains("refused"));
+    CHECK_THAT(taken.answer("list /"), Contains("refused"));
+}
+
+TEST_CASE("one file alone can be given", "[sandbox]") {
+    Files files;
+    Taken taken(files.inside / "a.obj");
+    CHECK(taken.answer("read " + (files.inside / "a.obj").string()) == "done");
+    if (taken.missing_walls() & no_file_filter) {
+        test::skip("no Landlock on this system");
+        return;
+    }
+    CHECK_THAT(taken.answer("read " + (files.inside / "deep" / "b.png").string()), Contains("refused"));
+}
+
+TEST_CASE("missing walls are told in words", "[sandbox]") {
+    CHECK(missing_walls_note(0).empty());
+    CHECK_THAT(missing_walls_note(no_call_filter), Contains("seccomp") && !Contains("Landlock"));
+    CHECK_THAT(missing_walls_note(no_file_filter), Contains("Landlock") && !Contains("seccomp"));
+    CHECK_THAT(missing_walls_note(no_call_filter | no_file_filter), Contains("seccomp and Landlock"));
+}
