@@ -13,6 +13,7 @@
 
 using namespace voxtone;
 using namespace voxtone::slicer;
+using Catch::Contains;
 
 namespace {
 
