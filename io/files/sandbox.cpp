@@ -156,9 +156,9 @@ bool filter_calls() {
 std::uint8_t raise_walls(std::span<const std::string> readable, const WallLimits& limits) {
     prctl(PR_SET_DUMPABLE, 0);  // no other process of the same user looks in, and no core is left
     std::uint8_t missing = 0;
+    set_limits(limits);  // first: what is mapped already is read from a file
     const bool for_good = prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) == 0;
     if (!for_good || !filter_files(readable)) missing |= no_file_filter;
-    set_limits(limits);
     if (!for_good || !filter_calls()) missing |= no_call_filter;
     return missing;
 }
