@@ -41,7 +41,8 @@ void write_roles_as_known(calibration::TargetJob& job) {
 
 void set_printer(const slicer::PrinterProfile& printer, calibration::TargetJob& job) {
     job.layout.printer = printer.id;
-    job.layout.pitch_um = {printer.pitch_um.x(), printer.pitch_um.y(), printer.pitch_um.z()};
+    const Eigen::Vector3d pitch_um = printer.sliced_pitch_um();
+    job.layout.pitch_um = {pitch_um.x(), pitch_um.y(), pitch_um.z()};
     job.display_rgb = printer.display_colours(job.layout.roles);
 }
 

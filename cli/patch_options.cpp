@@ -36,7 +36,7 @@ void set_patch_model(const PatchOptions& options, calibration::PatchModelOptions
         throw UsageError("--printer and --pitch both give the voxel's size; give one of them");
     if (!options.pitch.empty()) model.pitch_mm = slicer::parse_pitch_mm(options.pitch);
     if (!options.printer.empty()) {
-        const auto pitch = slicer::find_printer(options.printer).pitch_mm();
+        const auto pitch = slicer::find_printer(options.printer).sliced_pitch_mm();
         model.pitch_mm = {pitch.x(), pitch.y(), pitch.z()};
     }
     model.under = options.under == "air" ? calibration::UnderBase::air : calibration::UnderBase::black;

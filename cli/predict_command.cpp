@@ -111,8 +111,10 @@ Command add_predict_command(CLI::App& program) {
                ->delimiter(',')
                ->allow_extra_args(false),
            command
-               ->add_option("--printer", o.printer,
-                            "foreign stacks: voxel size of this printer (`voxtone list printers`)")
+               ->add_option(
+                   "--printer", o.printer,
+                   "foreign stacks: voxel size of this printer (`voxtone list printers`), and how its bitmaps lie "
+                   "(flip_x, flip_y, swap_xy of its profile)")
                ->type_name("ID|FILE"),
            command
                ->add_option("--pitch", o.pitch,

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <vector>
 
+#include <fmt/core.h>
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
@@ -10,6 +13,7 @@
 #include "voxtone/cli/common_options.h"
 #include "voxtone/cli/help.h"
 #include "voxtone/io/layers/manifest.h"
+#include "voxtone/io/layers/stack_folder.h"
 #include "voxtone/io/layers/verify.h"
 #include "voxtone/slicer/printer/printer.h"
 
@@ -23,15 +27,11 @@ struct VerifyArguments {
 };
 
 std::string report_json(const io::StackReport& report) {
-    nlohmann::ordered_json json{{"format", "voxtone-verify"},
-                                {"version", 1},
-                                {"passed", report.passed()},
-                                {"layers", report.layers},
-                                {"size_px", report.size_px},
-                                {"empty_layers", report.empty_layers},
-                                {"content_sha256", report.content_sha256},
-                                {"fault_count", report.fault_count},
-                                {"notes", report.notes}};
+    nlohmann::ordered_json json{{"format", "voxtone-verify"},          {"version", 1},
+                                {"passed", report.passed()},           {"layers", report.layers},
+                                {"size_px", report.size_px},           {"printer", report.printer},
+                                {"empty_layers", report.empty_layers}, {"content_sha256", report.content_sha256},
+                                {"fault_count", report.fault_count},   {"notes", report.notes}};
     json["faults"] = nlohmann::ordered_json::array();
     for (const io::StackFault& fault : report.faults)
         json["faults"].push_back(
@@ -39,26 +39,37 @@ std::string report_json(const io::StackReport& report) {
     return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
-/// What the printer accepts: that of --printer, else that of the manifest, else what all printers of the family accept.
-io::VerifyRules rules_for(const VerifyArguments& arguments) {
+io::VerifyRules rules_of(const slicer::PrinterProfile& printer) {
     io::VerifyRules rules;
-    std::string id = arguments.printer;
-    const auto manifest = std::filesystem::path(arguments.stack) / "manifest.json";
-    if (id.empty() && std::filesystem::exists(manifest)) {
-        // A broken manifest or a user's own profile: `verify_stack` says so, or the common rules hold.
-        try {
-            id = io::read_manifest(manifest).printer;
-            (void)slicer::find_printer(id);
-        } catch (const Error&) {
-            return rules;
-        }
-    }
-    if (id.empty()) return rules;
-    const slicer::PrinterProfile printer = slicer::find_printer(id);
+    rules.printer = printer.id;
     rules.most_colours = static_cast<std::uint32_t>(printer.max_colours);
     rules.least_layers = static_cast<std::uint32_t>(printer.min_layers);
-    if (!arguments.printer.empty()) rules.pitch_um = {printer.pitch_um.x(), printer.pitch_um.y()};
+    rules.pitch_um = {printer.pitch_um.x(), printer.pitch_um.y()};
     return rules;
+}
+
+/// What the printer accepts: that of --printer, else that of the manifest, else what all printers of the family accept.
+io::VerifyRules rules_for(const VerifyArguments& arguments) {
+    if (!arguments.printer.empty()) return rules_of(slicer::find_printer(arguments.printer));
+    io::VerifyRules usual;
+    const auto manifest = std::filesystem::path(arguments.stack) / io::manifest_name;
+    if (!std::filesystem::exists(manifest)) return usual;
+    std::string id;
+    try {
+        id = io::read_manifest(manifest).printer;
+    } catch (const Error&) {
+        return usual;  // `verify_stack` says what is wrong with it
+    }
+    const std::vector<slicer::PrinterProfile> known = slicer::list_printers();
+    const auto found = std::find_if(known.begin(), known.end(), [&](const auto& printer) { return printer.id == id; });
+    if (found != known.end()) return rules_of(*found);
+    usual.most_colours = io::max_materials - 1;
+    usual.least_layers = 1;
+    usual.notes.push_back(fmt::format(
+        "the printer of the manifest, '{}', is not known here: its voxel size, number of colours and fewest "
+        "layers were not checked; name its profile with --printer FILE.json",
+        id));
+    return usual;
 }
 
 int run(const VerifyArguments& arguments) {

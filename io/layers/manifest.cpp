@@ -10,11 +10,13 @@
 #include "voxtone/base/printable.h"
 #include "voxtone/io/files/json_object.h"
 #include "voxtone/io/files/json_writer.h"
+#include "voxtone/io/files/sha256.h"
 
 namespace voxtone::io {
 namespace {
 
 constexpr double most_um = 1e5, most_mm = 1e6;
+constexpr std::string_view seal_key = "manifest_sha256";
 
 [[noreturn]] void broken(std::string_view source, std::string_view key, const std::string& rule) {
     throw InputError(fmt::format("{}: key `{}`: {}", source, key, rule));
@@ -49,7 +51,7 @@ std::array<double, 3> read_three(const JsonObject& object, std::string_view key,
 
 StackDescription from_json(const JsonObject& json, std::string_view source) {
     json.allow_only({"format", "version", "printer", "pitch_um", "size_px", "layers", "first_layer", "size_mm",
-                     "origin_mm", "pattern", "background_rgb", "resins", "orientation", "content_sha256"});
+                     "origin_mm", "pattern", "background_rgb", "resins", "orientation", "content_sha256", seal_key});
     if (json.text("format") != "voxtone-layers")
         json.fail("format", "is not \"voxtone-layers\": this is no manifest of a layer stack");
     if (json.integer("version", 0, 1000000) != 1)
@@ -150,8 +152,10 @@ double millilitres(std::uint64_t voxels, const std::array<double, 3>& pitch_um) 
     return static_cast<double>(voxels) * pitch_um[0] * pitch_um[1] * pitch_um[2] * 1e-12;  // 1 ml = 1e12 um^3
 }
 
-std::string manifest_text(const StackDescription& stack) {
-    stack.validate("manifest");
+namespace {
+
+/// With the digest of what it says, or without for that digest.
+std::string text_of(const StackDescription& stack, const std::string& seal) {
     JsonWriter json;
     json.begin_object().add("format", "voxtone-layers").add("version", 1);
     json.line().add("printer", stack.printer).add("pitch_um", stack.pitch_um);
@@ -166,8 +170,22 @@ std::string manifest_text(const StackDescription& stack) {
     json.end_list();
     json.line().key("orientation").begin_object().add("flip_x", stack.orientation.flip_x);
     json.add("flip_y", stack.orientation.flip_y).add("swap_xy", stack.orientation.swap_xy).end_object();
-    json.line().add("content_sha256", stack.content_sha256).end_object();
+    json.line().add("content_sha256", stack.content_sha256);
+    if (!seal.empty()) json.line().add(seal_key, seal);
+    json.end_object();
     return json.text() + "\n";
+}
+
+std::string seal_of(const StackDescription& stack) {
+    const std::string text = text_of(stack, "");
+    return sha256({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+}
+
+}  // namespace
+
+std::string manifest_text(const StackDescription& stack) {
+    stack.validate("manifest");
+    return text_of(stack, seal_of(stack));
 }
 
 StackDescription parse_manifest(std::string_view text, std::string source) {
@@ -176,6 +194,12 @@ StackDescription parse_manifest(std::string_view text, std::string source) {
 
 StackDescription read_manifest(const std::filesystem::path& file) {
     return from_json(JsonObject::read(file), file.string());
+}
+
+ManifestSeal seal_of_manifest(const std::filesystem::path& file) {
+    const JsonObject json = JsonObject::read(file);
+    if (!json.has(seal_key)) return ManifestSeal::none;
+    return json.text(seal_key) == seal_of(from_json(json, file.string())) ? ManifestSeal::whole : ManifestSeal::broken;
 }
 
 }  // namespace voxtone::io

@@ -62,10 +62,20 @@ struct StackDescription {
 /// Millilitres in so many voxels of this pitch.
 [[nodiscard]] double millilitres(std::uint64_t voxels, const std::array<double, 3>& pitch_um);
 
+/// Ends with the key `manifest_sha256`: SHA-256 of the text without it. It binds the names and roles of resins to their
+/// colours, which the bitmaps alone do not: swapped there, the wrong resins are loaded.
 [[nodiscard]] std::string manifest_text(const StackDescription& stack);
 /// Throws InputError naming key and rule.
 [[nodiscard]] StackDescription parse_manifest(std::string_view text, std::string source);
 /// Throws FileError, InputError.
 [[nodiscard]] StackDescription read_manifest(const std::filesystem::path& file);
+
+enum class ManifestSeal {
+    none,    ///< of a program before 0.2, or somebody's own: nothing binds it
+    whole,   ///< its values are those that were written, however they are set out now
+    broken,  ///< a value was changed since
+};
+/// Of a manifest that can be read. Throws FileError, InputError.
+[[nodiscard]] ManifestSeal seal_of_manifest(const std::filesystem::path& file);
 
 }  // namespace voxtone::io

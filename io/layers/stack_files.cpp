@@ -49,6 +49,11 @@ void StackFiles::list_folder(const fs::path& folder, const std::string& prefix) 
         else
             others.push_back(name);
     }
+    if (stems.empty() && fs::is_directory(folder / "layers"))
+        throw InputError(
+            fmt::format("{}: has a folder of layers and no {}, which says what their colours mean: copy the whole "
+                        "stack, slice again, or name {} for bitmaps of another program",
+                        folder.string(), manifest_name, (folder / "layers").string()));
     if (stems.empty())
         throw InputError(fmt::format("{}: holds no layer: expected files like slice_00000.png", folder.string()));
     auto most = std::max_element(stems.begin(), stems.end(),
@@ -66,19 +71,18 @@ void StackFiles::open_ours() {
     listing_.kind = StackKind::voxtone;
     listing_.description = read_manifest(root_ / manifest_name);
     const fs::path folder = (root_ / listing_.description->layer_path(0)).parent_path();
-    if (!fs::is_directory(folder))
-        throw InputError(fmt::format("{}: the folder with the layers is not there", folder.string()));
     // The manifest says which layers there are; the folder, what else lies there.
     const fs::path inner = fs::path(listing_.description->layer_path(0)).parent_path();
     const std::string prefix = inner.empty() ? std::string() : inner.string() + "/";
     std::set<std::string> there;
-    for (const auto& entry : fs::directory_iterator(folder)) {
-        const std::string name = entry.path().filename().string();
-        if (entry.is_regular_file())
-            there.insert(name);
-        else if (!prefix.empty())
-            listing_.strangers.push_back(prefix + name);
-    }
+    if (fs::is_directory(folder))
+        for (const auto& entry : fs::directory_iterator(folder)) {
+            const std::string name = entry.path().filename().string();
+            if (entry.is_regular_file())
+                there.insert(name);
+            else if (!prefix.empty())
+                listing_.strangers.push_back(prefix + name);
+        }
     for (std::uint32_t k = 0; k < listing_.description->layers; ++k) {
         const std::string name = listing_.description->layer_path(k);
         if (there.erase(fs::path(name).filename().string()))
@@ -89,8 +93,6 @@ void StackFiles::open_ours() {
     for (const auto& name : there)
         if (!prefix.empty() || parse_slice_name(name)) listing_.strangers.push_back(prefix + name);
     std::sort(listing_.strangers.begin(), listing_.strangers.end());
-    if (listing_.names.empty())
-        throw InputError(fmt::format("{}: holds none of the layers that the manifest names", folder.string()));
 }
 
 void StackFiles::add_missing(const std::string& name) {
@@ -123,8 +125,6 @@ void StackFiles::open_gcvf() {
         }
     }
     for (const auto& [name, i] : index) listing_.strangers.push_back(name);
-    if (listing_.names.empty())
-        throw InputError(fmt::format("{}: holds none of the layers that ConfigFile.xml names", root_.string()));
 }
 
 StackFiles::StackFiles(const fs::path& path) : root_(path) {

@@ -7,13 +7,18 @@
 
 #include <fmt/core.h>
 
+#include "voxtone/base/counted.h"
 #include "voxtone/base/error.h"
 #include "voxtone/base/parallel.h"
+#include "voxtone/io/files/whole_file.h"
 #include "voxtone/io/layers/layer_digest.h"
 #include "voxtone/io/layers/png_layer_encoder.h"
+#include "voxtone/io/layers/stack_folder.h"
 
 namespace voxtone::io {
 namespace {
+
+namespace fs = std::filesystem;
 
 /// Names the first faults of every rule and counts the others.
 class FaultList {
@@ -29,9 +34,13 @@ public:
         report_.fault_count += more;
         counts_[rule] += more;
     }
+    /// Causes first: `rules` is in their order.
     void close() {
+        const auto rank = [](const StackFault& fault) {
+            return std::find(rules.begin(), rules.end(), fault.rule) - rules.begin();
+        };
         std::stable_sort(report_.faults.begin(), report_.faults.end(),
-                         [](const auto& a, const auto& b) { return a.rule < b.rule; });
+                         [&](const auto& a, const auto& b) { return rank(a) < rank(b); });
         for (const auto& [rule, count] : counts_)
             if (count > most_named_) {
                 const auto last = std::find_if(report_.faults.rbegin(), report_.faults.rend(),
@@ -41,10 +50,19 @@ public:
     }
 
 private:
+    static constexpr std::array<std::string_view, 19> rules{
+        "unfinished", "container", "manifest",    "no-layers", "missing-layer", "unreadable", "stranger",
+        "numbering",  "size",      "colour-type", "alpha",     "stray-colour",  "colours",    "resolution",
+        "few-layers", "empty",     "digest",      "count",     "sheet"};
     StackReport& report_;
     std::size_t most_named_;
     std::map<std::string, std::uint64_t> counts_;
 };
+
+/// What a message says behind the name that it begins with.
+std::string without_name(const std::string& message, const std::string& name) {
+    return message.starts_with(name + ": ") ? message.substr(name.size() + 2) : message;
+}
 
 struct LayerResult {
     std::vector<StackFault> faults;
@@ -130,7 +148,7 @@ LayerResult check_layer(const StackReader& reader, std::uint32_t index, const An
                      "give them a resin's colour; one stray colour is enough to be refused (\"too many colors\")"});
         }
     } catch (const InputError& error) {
-        result.faults.push_back({"unreadable", name, error.what(), "make this layer again"});
+        result.faults.push_back({"unreadable", name, without_name(error.what(), name), "slice again or copy it again"});
     }
     return result;
 }
@@ -157,8 +175,8 @@ void check_names(const StackReader& reader, FaultList& faults) {
                         "remove the layer that does not belong"});
         else if (before && name->number != before->number + 1)
             faults.add({"numbering", reader.layer_name(k),
-                        fmt::format("follows number {}: {} numbers are missing", before->number,
-                                    name->number - before->number - 1),
+                        fmt::format("follows number {}: {} missing between them", before->number,
+                                    counted(name->number - before->number - 1, "number")),
                         "add the missing layers or number them without gaps"});
         before = name;
     }
@@ -198,9 +216,13 @@ void check_parts(const StackSummary& stack, FaultList& faults) {
 }
 
 void check_least_layers(const StackSummary& stack, std::uint32_t least, FaultList& faults) {
-    if (stack.reader.layers() < least)
-        faults.add({"few-layers", stack.name, fmt::format("has {} layers", stack.reader.layers()),
-                    fmt::format("the printer's software wants at least {}: print something higher", least)});
+    // Those that are missing are named elsewhere.
+    const std::uint64_t layers = stack.reader.layers() + stack.reader.missing_count();
+    if (layers < least)
+        faults.add({"few-layers", stack.name, "has " + counted(layers, "layer"),
+                    fmt::format("the printer's software wants at least {}: print something higher, and all of its "
+                                "layers if these are a part",
+                                least)});
 }
 
 void look_at_layers(StackSummary& stack, Progress* progress) {
@@ -300,10 +322,17 @@ void check_colours(const StackSummary& stack, std::uint32_t most, const StackRep
 
 void check_empty(const StackSummary& stack, StackReport& report, FaultList& faults) {
     const std::uint32_t layers = stack.reader.layers();
+    if (layers == 0) return;
     if (report.empty_layers == layers)
         faults.add({"empty", stack.name, "has no printed pixel in any layer", "nothing would be printed: slice again"});
     else if (report.empty_layers > 0)
         report.notes.push_back(fmt::format("{} of {} layers are empty (background only)", report.empty_layers, layers));
+}
+
+/// Whether every announced layer was read, and all of its colours are resins: only then can counts and digests agree.
+bool all_layers_known(const StackSummary& stack) {
+    return stack.reader.missing_count() == 0 && std::all_of(stack.layers.begin(), stack.layers.end(),
+                                                            [](const LayerResult& l) { return l.digest.has_value(); });
 }
 
 void check_counts(const StackSummary& stack, const StackReport& report, FaultList& faults) {
@@ -320,28 +349,91 @@ void check_counts(const StackSummary& stack, const StackReport& report, FaultLis
 }
 
 void check_digest(const StackSummary& stack, StackReport& report, FaultList& faults) {
-    if (stack.announced.palette.empty() || !stack.reader.missing().empty()) return;
     std::vector<std::uint64_t> digests;
-    for (const LayerResult& layer : stack.layers) {
-        if (!layer.digest) return;
-        digests.push_back(*layer.digest);
-    }
+    for (const LayerResult& layer : stack.layers) digests.push_back(*layer.digest);
     report.content_sha256 = content_sha256(report.size_px[0], report.size_px[1], digests);
     if (stack.reader.description() && report.content_sha256 != stack.reader.description()->content_sha256)
         faults.add({"digest", stack.name, "holds other pixels than the manifest's content_sha256 says",
                     "layers were changed, swapped or reordered after slicing: slice again"});
 }
 
-}  // namespace
+/// Counts and digest, which follow from the layers.
+void check_contents(const StackSummary& stack, StackReport& report, FaultList& faults) {
+    if (stack.announced.palette.empty()) return;
+    if (!all_layers_known(stack)) {
+        report.notes.emplace_back(
+            "voxel counts and digest were not compared: not every layer is there, can be read and has resins' colours "
+            "only");
+        return;
+    }
+    check_counts(stack, report, faults);
+    check_digest(stack, report, faults);
+}
 
-StackReport verify_stack(const std::filesystem::path& path, const VerifyRules& rules, Progress* progress) {
-    const StackReader reader(path);
+fs::path manifest_in(const fs::path& stack) {
+    return stack.filename() == fs::path(manifest_name) ? stack : stack / manifest_name;
+}
+
+/// The digest over the manifest binds names and roles to colours: nothing else sees two resins that changed places.
+void check_seal(const fs::path& path, StackReport& report, FaultList& faults) {
+    switch (seal_of_manifest(manifest_in(path))) {
+        case ManifestSeal::whole:
+            return;
+        case ManifestSeal::none:
+            report.notes.emplace_back(
+                "the manifest has no digest of its own (manifest_sha256): that its names and roles of resins belong to "
+                "their colours was not checked");
+            return;
+        case ManifestSeal::broken:
+            faults.add({"manifest", std::string(manifest_name), "was changed after it was written (manifest_sha256)",
+                        "do not load resins by its names and roles; copy the original or slice again"});
+    }
+}
+
+/// The sheet in the operator's hand: a line for each resin with its role and the code of its colour.
+void check_sheet(const fs::path& path, const StackDescription& stack, FaultList& faults) {
+    const fs::path file = manifest_in(path).parent_path() / sheet_text_name;
+    if (!fs::exists(file)) return;
+    const auto bytes = read_whole_file(file, std::uint64_t{1} << 20);
+    const std::string text(bytes.begin(), bytes.end());
+    for (const StackResin& resin : stack.resins) {
+        const std::string code = fmt::format("#{:02x}{:02x}{:02x}", resin.rgb[0], resin.rgb[1], resin.rgb[2]);
+        const std::size_t at = text.find(code);
+        const std::size_t begin = at == std::string::npos ? 0 : text.rfind('\n', at) + 1;
+        if (at == std::string::npos || !text.substr(begin, at - begin).starts_with(resin.name + " "))
+            faults.add({"sheet", std::string(sheet_text_name),
+                        fmt::format("does not say that {} is {}, as the manifest does", code, resin.name),
+                        "assign resins by the manifest, or slice again"});
+    }
+}
+
+/// There is no stack to look into.
+StackReport unopened(const fs::path& path, const std::string& why) {
+    StackReport report;
+    const bool is_folder = fs::is_directory(path);
+    const auto rule = !is_folder ? path.filename() == fs::path(manifest_name) ? "manifest" : "container"
+                      : fs::exists(path / manifest_name)   ? "manifest"
+                      : fs::exists(path / unfinished_name) ? "unfinished"
+                      : fs::is_directory(path / "layers")  ? "manifest"
+                                                           : "no-layers";
+    report.faults.push_back({rule, path.string(), without_name(why, path.string()), ""});
+    report.fault_count = 1;
+    return report;
+}
+
+/// All checks, in an order that does not matter: `FaultList::close` sorts.
+StackReport verify_opened(const fs::path& path, const StackReader& reader, const VerifyRules& rules,
+                          Progress* progress) {
     StackSummary stack{.reader = reader, .announced = announced(reader), .name = path.filename().string()};
     StackReport report;
     report.kind = reader.kind();
     report.layers = reader.layers();
     if (!reader.note().empty()) report.notes.push_back(reader.note());
     FaultList faults(report, rules.most_named);
+    if (reader.kind() == StackReader::Kind::voxtone) {
+        check_seal(path, report, faults);
+        check_sheet(path, *reader.description(), faults);
+    }
     check_parts(stack, faults);
     check_names(reader, faults);
     check_least_layers(stack, rules.least_layers, faults);
@@ -353,9 +445,24 @@ StackReport verify_stack(const std::filesystem::path& path, const VerifyRules& r
     count_colours(stack, report);
     check_colours(stack, rules.most_colours, report, faults);
     check_empty(stack, report, faults);
-    check_counts(stack, report, faults);
-    check_digest(stack, report, faults);
+    check_contents(stack, report, faults);
     faults.close();
+    return report;
+}
+
+}  // namespace
+
+StackReport verify_stack(const fs::path& path, const VerifyRules& rules, Progress* progress) {
+    std::optional<StackReader> reader;
+    StackReport report;
+    try {
+        reader.emplace(path);
+    } catch (const InputError& error) {
+        report = unopened(path, error.what());
+    }
+    if (reader) report = verify_opened(path, *reader, rules, progress);
+    report.printer = rules.printer;
+    report.notes.insert(report.notes.end(), rules.notes.begin(), rules.notes.end());
     return report;
 }
 
@@ -363,17 +470,17 @@ std::string report_text(const StackReport& report) {
     const char* kind = report.kind == StackReader::Kind::voxtone ? "voxtone stack"
                        : report.kind == StackReader::Kind::gcvf  ? "GCVF container"
                                                                  : "folder of layers";
-    std::string text = fmt::format("{}: {} layers of {} x {} px, {} colours\n", kind, report.layers, report.size_px[0],
-                                   report.size_px[1], report.colours.size());
+    std::string text;
+    if (report.layers > 0)
+        text = fmt::format("{}: {} of {} x {} px, {}; checked for {}\n", kind, counted(report.layers, "layer"),
+                           report.size_px[0], report.size_px[1], counted(report.colours.size(), "colour"),
+                           report.printer.empty() ? "what printers of this kind usually take" : report.printer);
     for (const auto& note : report.notes) text += fmt::format("note: {}\n", note);
     for (const auto& fault : report.faults) {
-        if (fault.where.empty())
-            text += fmt::format("fault [{}] {}\n", fault.rule, fault.what);
-        else
-            text += fmt::format("fault [{}] {}: {}; {}\n", fault.rule, fault.where, fault.what, fault.remedy);
+        text += fmt::format("fault [{}] {}{}{}", fault.rule, fault.where, fault.where.empty() ? "" : ": ", fault.what);
+        text += fault.remedy.empty() ? "\n" : fmt::format("; {}\n", fault.remedy);
     }
-    text += report.passed() ? "passed\n" : fmt::format("{} faults\n", report.fault_count);
-    return text;
+    return text + (report.passed() ? "passed" : counted(report.fault_count, "fault")) + "\n";
 }
 
 }  // namespace voxtone::io

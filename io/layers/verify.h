@@ -2,8 +2,9 @@
 //
 // Checks a layer stack as the printer's software would before it takes it: kind, size and numbering of the bitmaps,
 // number of colours, stray colours, transparency, resolution, and for our own stacks and GCVF containers the counts and
-// the digest that they announce. Every fault is named with its place and what to do; repeats are counted. What it
-// cannot see: whether the resins are loaded, and whether the body is what was meant.
+// the digest that they announce, the manifest's own, and the sheet that resins are assigned by. Every fault is named
+// with its place and what to do; repeats are counted. What it cannot see: whether the resins are loaded, and whether
+// the body is what was meant.
 #pragma once
 
 #include <array>
@@ -23,6 +24,10 @@ struct VerifyRules {
     std::uint32_t least_layers = 30;
     /// Of columns and rows; absent: that of the manifest or container, else only that all layers say the same.
     std::optional<std::array<double, 2>> pitch_um;
+    /// Whose these are, for the report ("stratasys-j750-hm"); empty: nobody's, they are usual ones.
+    std::string printer;
+    /// What else there is to say of the rules: what could not be checked, and why.
+    std::vector<std::string> notes;
     /// Faults of one kind that are named; the rest are counted.
     std::size_t most_named = 5;
 };
@@ -42,15 +47,17 @@ struct StackReport {
     std::vector<ColourCount> colours;
     std::uint64_t empty_layers = 0;  ///< nothing but background
     std::string content_sha256;  ///< as it was found; empty where a palette is missing or a layer has a stray colour
-    std::vector<StackFault> faults;  ///< named ones, by rule and layer
+    std::vector<StackFault> faults;  ///< named ones: causes before what follows from them, then by layer
     std::uint64_t fault_count = 0;   ///< all of them
+    std::string printer;             ///< whose rules were checked; empty: usual ones
     std::vector<std::string> notes;  ///< worth knowing, no faults
 
     [[nodiscard]] bool passed() const { return fault_count == 0; }
 };
 
-/// Does not stop at the first fault. Throws FileError and InputError only where there is no stack that could be looked
-/// into.
+/// Does not stop at the first fault, and does not name what only follows from another one (counts and digests of layers
+/// that cannot be read). A folder or file in which there is no whole stack is a fault too: `manifest`, `unfinished`,
+/// `no-layers`, `container`. Throws FileError where `path` is not there or not to be read.
 [[nodiscard]] StackReport verify_stack(const std::filesystem::path& path, const VerifyRules& rules = {},
                                        Progress* progress = nullptr);
 

@@ -105,7 +105,7 @@ private:
 };
 
 [[noreturn]] void fail(const std::string& name, const Source& source) {
-    throw InputError(fmt::format("{}: is no PNG file that can be read whole ({}); it may be cut short: make it again",
+    throw InputError(fmt::format("{}: is no PNG file that can be read whole ({}); it may be cut short",
                                  name, source.fault[0] ? source.fault : "out of memory"));
 }
 

@@ -76,7 +76,7 @@ io::ReportGamut gamut_figures(const ColourReport& s) {
 }
 
 io::ReportSection mixtures_section(const ColourReport& s) {
-    const Eigen::Vector3d& um = s.job.printer.pitch_um;
+    const Eigen::Vector3d um = s.job.printer.sliced_pitch_um();
     io::ReportSection section;
     section.title = "Mixtures";
     section.paragraphs.push_back(
@@ -181,7 +181,7 @@ public:
         options_.px_per_mm =
             std::min(fitting_scale(target, views_, s.body.is_picture ? 1000 : 640, options_), 1 / 0.085);
         // The colours are filtered to the printer's resolution, which a small picture of a large body undersamples.
-        options_.colour_per_sample = 1 / options_.px_per_mm > 1.5 * s.job.printer.pitch_um[1] * 1e-3;
+        options_.colour_per_sample = 1 / options_.px_per_mm > 1.5 * s.body.grid.pitch_mm.y();
         for (const View view : views_) report_.views.push_back({view_name(view), {}});
     }
 

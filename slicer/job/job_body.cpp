@@ -94,14 +94,14 @@ JobBody prepare_body(const ResolvedJob& job, const PrinterProfile& printer, Prog
     progress.begin_stage("repair mesh", 0);
     RepairOptions repairing;
     repairing.mode = job.repair;
-    repairing.pitch_mm = printer.pitch_mm().minCoeff();
+    repairing.pitch_mm = printer.sliced_pitch_mm().minCoeff();
     RepairedMesh repaired = repair_mesh(body.model.mesh, repairing, &progress);
     append(body.warnings, repaired.report.messages);
     progress.end_stage();
 
     const Eigen::AlignedBox3d box = bounding_box(repaired.solid->positions_mm, repaired.solid->triangles);
-    body.grid = grid_around(box.min(), box.max(), printer.pitch_mm());
-    check_tray(body.grid, printer.tray_mm, body.placement);
+    body.grid = grid_around(box.min(), box.max(), printer.sliced_pitch_mm());
+    check_tray(body.grid, printer.sliced_tray_mm(), body.placement);
 
     progress.begin_stage("find the visible surface", 2 * repaired.solid->triangles.size(), "steps");
     body.surface =

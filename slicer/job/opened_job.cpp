@@ -42,14 +42,10 @@ io::StackOutputs OpenedJob::outputs() const {
 }
 
 io::StackDescription OpenedJob::describe(const VoxelGrid& grid, const LayerRange& range) const {
-    io::StackDescription stack;
-    stack.printer = printer.id;
-    stack.pitch_um = {printer.pitch_um.x(), printer.pitch_um.y(), printer.pitch_um.z()};
-    stack.size_px = {std::uint32_t(grid.size[0]), std::uint32_t(grid.size[1])};
-    stack.layers = std::uint32_t(range.layers());
+    io::StackDescription stack =
+        printer.describe({std::uint32_t(grid.size[0]), std::uint32_t(grid.size[1]), std::uint32_t(range.layers())});
     stack.first_layer = std::uint32_t(range.first);
     stack.origin_mm = {grid.origin_mm.x(), grid.origin_mm.y(), grid.origin_mm.z()};
-    stack.background_rgb = printer.background_rgb;
     stack.resins = resins.entries;
     return stack;
 }

@@ -21,6 +21,7 @@
 #include "voxtone/slicer/options/job_file.h"
 #include "voxtone/slicer/options/option_values.h"
 #include "voxtone/slicer/options/option_words.h"
+#include "voxtone/slicer/predict/swapped_colours.h"
 #include "voxtone/slicer/printer/printer.h"
 
 namespace voxtone::slicer {
@@ -29,8 +30,6 @@ namespace {
 
 constexpr const char* no_material = "none";
 using Materials = std::array<optics::Material, io::max_materials>;
-
-std::string hex(const io::Rgb& c) { return fmt::format("#{:02x}{:02x}{:02x}", c[0], c[1], c[2]); }
 
 /// A colour of the bitmaps and what it stands for.
 struct NamedColour {
@@ -84,7 +83,7 @@ Assignment assign(const std::vector<NamedColour>& colours, const optics::ResinSe
         if (std::find(result.palette.begin(), result.palette.end(), colour.rgb) != result.palette.end())
             throw InputError(
                 fmt::format("{}: the colour {} stands for two things, the second is {}; give each colour one resin",
-                            stack, hex(colour.rgb), colour.told));
+                            stack, hex_code(colour.rgb), colour.told));
         result.palette.push_back(colour.rgb);
         if (colour.name == no_material) continue;
         const int resin = find_resin(set, colour.name);
@@ -223,13 +222,13 @@ std::vector<NamedColour> foreign_colours(const io::StackReader& stack, const Sta
                 throw InputError(fmt::format(
                     "{}: nothing is known of its material '{}'; say which resin of the set '{}' it is ({}): --assign "
                     "\"{}=W\"",
-                    options.stack, material.name, set.name, roles_of(set), hex(rgb)));
+                    options.stack, material.name, set.name, roles_of(set), hex_code(rgb)));
             }
         }
     } else if (options.assign.empty()) {
         std::vector<std::string> found;
         for (const io::Rgb& rgb : stack.palette())
-            if (rgb != background) found.push_back(hex(rgb) + "=?");
+            if (rgb != background) found.push_back(hex_code(rgb) + "=?");
         throw InputError(fmt::format(
             "{}: nothing says which resin its colours are; say it, with roles of the set '{}' ({}): --assign \"{}\"",
             options.stack, set.name, roles_of(set), fmt::join(found, ",")));
@@ -237,10 +236,11 @@ std::vector<NamedColour> foreign_colours(const io::StackReader& stack, const Sta
     return colours;
 }
 
-std::array<double, 3> foreign_pitch_mm(const io::StackReader& stack, const StackVolumeOptions& options) {
+std::array<double, 3> foreign_pitch_mm(const io::StackReader& stack, const StackVolumeOptions& options,
+                                       const std::optional<PrinterProfile>& printer) {
     if (options.pitch_mm) return *options.pitch_mm;
-    if (!options.printer.empty()) {
-        const Eigen::Vector3d pitch = find_printer(options.printer).pitch_mm();
+    if (printer) {
+        const Eigen::Vector3d pitch = printer->pitch_um * 1e-3;
         return {pitch.x(), pitch.y(), pitch.z()};
     }
     if (stack.gcvf()) {
@@ -254,21 +254,44 @@ std::array<double, 3> foreign_pitch_mm(const io::StackReader& stack, const Stack
         options.stack));
 }
 
-/// The smallest window that holds every voxel with a resin; also checks every layer's size and colours.
-LayerWindow find_body(const io::StackReader& stack, const Assignment& assignment, const std::string& name,
-                      Progress& progress) {
+/// How the bitmaps lie, and what is printed with their pixels.
+struct BitmapFrame {
+    std::array<double, 3> pitch_mm{};  ///< along the model's x, y, z
+    io::Orientation orientation;
+};
+
+/// The printer that was named mirrors what it prints, so its bitmaps are mirrored.
+BitmapFrame foreign_frame(const io::StackReader& stack, const StackVolumeOptions& options) {
+    std::optional<PrinterProfile> printer;
+    if (!options.printer.empty()) printer = find_printer(options.printer);
+    BitmapFrame frame{foreign_pitch_mm(stack, options, printer), {}};
+    if (printer) frame.orientation = printer->orientation;
+    if (frame.orientation.swap_xy) std::swap(frame.pitch_mm[0], frame.pitch_mm[1]);
+    return frame;
+}
+
+/// What was found of a foreign stack before its volume is made.
+struct ForeignBody {
+    LayerWindow window;                                     ///< the smallest that holds every voxel with a resin
+    std::array<std::uint64_t, io::max_materials> pixels{};  ///< of each colour of the palette
+};
+
+/// Also checks every layer's size and colours.
+ForeignBody find_body(const io::StackReader& stack, const Assignment& assignment, const io::Orientation& orientation,
+                      const std::string& name, Progress& progress) {
     constexpr int big = std::numeric_limits<int>::max();
     std::array<int, 3> low{big, big, big}, high{-1, -1, -1};
     std::array<int, 2> size{};
+    ForeignBody body;
     std::mutex mutex;
     progress.begin_stage("find the body", stack.layers(), "layers");
     parallel_for(
         0, stack.layers(), 1,
         [&](std::size_t k) {
             const auto index = static_cast<std::uint32_t>(k);
-            const io::LayerLook look = stack.look(index, assignment.palette);
+            io::LayerLook look = stack.look(index, assignment.palette);
             if (!look.fault.empty()) throw InputError(look.fault);
-            const io::LayerScan& scan = look.scan;
+            io::LayerScan& scan = look.scan;
             if (!scan.runs) {
                 for (const io::ColourCount& colour : scan.colours)
                     if (const io::Rgb rgb{colour.rgba[0], colour.rgba[1], colour.rgba[2]};
@@ -278,14 +301,15 @@ LayerWindow find_body(const io::StackReader& stack, const Assignment& assignment
                             fmt::format("{}: {} has {} pixels of {} (alpha {}), the first in column {}, row {}, which "
                                         "stands for no "
                                         "resin; say what it is: --assign \"{}=W\" (or =none)",
-                                        name, stack.layer_name(index), colour.pixels, hex(rgb), colour.rgba[3],
-                                        colour.first_x, colour.first_y, hex(rgb)));
+                                        name, stack.layer_name(index), colour.pixels, hex_code(rgb), colour.rgba[3],
+                                        colour.first_x, colour.first_y, hex_code(rgb)));
                 throw InputError(fmt::format("{}: {} has more than {} colours; a layer has one per resin", name,
                                              stack.layer_name(index), io::LayerScan::most_colours));
             }
-            const io::LayerRuns& layer = *scan.runs;
+            const io::LayerRuns layer = io::as_sliced(std::move(*scan.runs), orientation);
             const int width = static_cast<int>(layer.width_px()), height = static_cast<int>(layer.height_px());
             std::array<int, 2> lowest{big, big}, highest{-1, -1};
+            std::array<std::uint64_t, io::max_materials> pixels{};
             for (int row = 0; row < height; ++row) {
                 int x = 0;
                 for (const io::Run run : layer.row(static_cast<std::uint32_t>(row))) {
@@ -295,9 +319,11 @@ LayerWindow find_body(const io::StackReader& stack, const Assignment& assignment
                         highest = {std::max(highest[0], x + run.length), std::max(highest[1], y + 1)};
                     }
                     x += run.length;
+                    pixels[run.material] += run.length;
                 }
             }
             const std::scoped_lock lock(mutex);
+            for (std::size_t m = 0; m < pixels.size(); ++m) body.pixels[m] += pixels[m];
             if (size[0] == 0) size = {width, height};
             if (size[0] != width || size[1] != height)
                 refuse_size(name + ": " + stack.layer_name(index), layer.width_px(), layer.height_px(), size);
@@ -315,21 +341,46 @@ LayerWindow find_body(const io::StackReader& stack, const Assignment& assignment
     if (high[0] < 0)
         throw InputError(
             fmt::format("{}: no layer has a voxel of any resin: there is nothing to predict; check --assign", name));
-    return {low, {high[0] - low[0], high[1] - low[1], high[2] - low[2]}};
+    body.window = {low, {high[0] - low[0], high[1] - low[1], high[2] - low[2]}};
+    return body;
+}
+
+void warn_of_swaps(const StackVolumeOptions& options, const optics::ResinSet& set, Progress& progress) {
+    std::vector<ToldColour> told;
+    for (const ColourAssignment& colour : options.assign)
+        if (const int resin = find_resin(set, colour.role); resin >= 0)
+            told.push_back({colour.rgb, colour.role, set.resins[static_cast<std::size_t>(resin)].role});
+    for (const std::string& doubt : swapped_colours(told)) progress.warn("--assign " + doubt);
+}
+
+void warn_of_absent(const StackVolumeOptions& options, const Assignment& assignment, const ForeignBody& body,
+                    Progress& progress) {
+    for (const ColourAssignment& told : options.assign) {
+        const auto at = std::find(assignment.palette.begin(), assignment.palette.end(), told.rgb);
+        if (at != assignment.palette.end() &&
+            body.pixels[static_cast<std::size_t>(at - assignment.palette.begin())] == 0)
+            progress.warn(fmt::format("--assign \"{}={}\": no pixel of {} has this colour; is it the right one?",
+                                      hex_code(told.rgb), told.role, options.stack));
+    }
 }
 
 StackVolume read_foreign(const io::StackReader& stack, const StackVolumeOptions& options, Progress& progress) {
     expect_all_layers(stack, options.stack);
-    const std::array<double, 3> pitch_mm = foreign_pitch_mm(stack, options);
+    const BitmapFrame frame = foreign_frame(stack, options);
+    const std::array<double, 3>& pitch_mm = frame.pitch_mm;
     const optics::ResinSet set = resin_set(options, "");
     Assignment assignment = assign(foreign_colours(stack, options, set), set, options.stack);
-    const LayerWindow window = find_body(stack, assignment, options.stack, progress);
+    warn_of_swaps(options, set, progress);
+    const ForeignBody body = find_body(stack, assignment, frame.orientation, options.stack, progress);
+    warn_of_absent(options, assignment, body, progress);
+    const LayerWindow& window = body.window;
     LayerVolume volume(window, pitch_mm, assignment.material_of, options.memory_bytes);
     progress.begin_stage("read layers", static_cast<std::uint64_t>(window.size[2]), "layers");
     parallel_for(
         static_cast<std::size_t>(window.corner[2]), static_cast<std::size_t>(window.corner[2] + window.size[2]), 1,
         [&](std::size_t k) {
-            volume.add(static_cast<int>(k), stack.read(static_cast<std::uint32_t>(k), assignment.palette));
+            volume.add(static_cast<int>(k),
+                       io::as_sliced(stack.read(static_cast<std::uint32_t>(k), assignment.palette), frame.orientation));
             progress.advance();
         },
         &progress);

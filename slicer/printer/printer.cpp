@@ -165,14 +165,18 @@ PrinterProfile printer_from_json(const io::JsonObject& file, const std::string& 
     read_formats(file, printer);
     read_unconfirmed(file, printer);
     printer.material_names = text_map(file, "material_names");
-    printer.flip_x = flag(file, "flip_x");
-    printer.flip_y = flag(file, "flip_y");
-    printer.swap_xy = flag(file, "swap_xy");
+    printer.orientation = {flag(file, "flip_x"), flag(file, "flip_y"), flag(file, "swap_xy")};
     printer.notes = texts_or(file, "notes", {});
     return printer;
 }
 
 }  // namespace
+
+std::optional<io::Rgb> usual_colour(const std::string& role) {
+    const auto found = usual_colours().find(role);
+    if (found == usual_colours().end()) return std::nullopt;
+    return found->second;
+}
 
 PrinterProfile parse_printer(std::string_view json, const std::string& id, const std::string& where) {
     return printer_from_json(io::JsonObject::parse(json, where), id);
@@ -183,6 +187,18 @@ std::vector<std::string> PrinterProfile::warnings() const {
     for (const auto& [key, why] : unconfirmed)
         sentences.push_back(fmt::format("Printer {}: {} is not confirmed ({}).", id, key, why));
     return sentences;
+}
+
+io::StackDescription PrinterProfile::describe(const std::array<std::uint32_t, 3>& voxels) const {
+    const Eigen::Vector3d pitch = sliced_pitch_um();
+    io::StackDescription stack;
+    stack.printer = id;
+    stack.pitch_um = {pitch.x(), pitch.y(), pitch.z()};
+    stack.size_px = {voxels[0], voxels[1]};
+    stack.layers = voxels[2];
+    stack.background_rgb = background_rgb;
+    stack.orientation = orientation;
+    return stack;
 }
 
 std::vector<io::Rgb> PrinterProfile::display_colours(std::span<const std::string> roles) const {

@@ -2,18 +2,26 @@
 //
 // Printer profiles: voxel size, tray, and what the printer's software accepts. A profile is a JSON file; those in
 // data/printers/ are in the program, a user's own is named by its path. Keys: data/printers/README.md.
+//
+// A profile speaks of the bitmaps and of the tray. Where the printer wants bitmaps mirrored or swapped (`orientation`),
+// a print is made in the model's frame, with the voxels and the tray as they lie there (`sliced_...`), and whoever
+// writes its layers turns them (`describe`): every verb that prints gets both from here.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include "voxtone/io/layers/layer_format.h"
+#include "voxtone/io/layers/manifest.h"
 #include "voxtone/io/layers/rgb.h"
 
 namespace voxtone::slicer {
@@ -21,8 +29,8 @@ namespace voxtone::slicer {
 struct PrinterProfile {
     std::string id;                                      ///< name of the file without folder and extension
     std::string name;                                    ///< for people
-    Eigen::Vector3d pitch_um = Eigen::Vector3d::Zero();  ///< voxel size along x, y, z; from dpi as 25400 / dpi
-    Eigen::Vector3d tray_mm = Eigen::Vector3d::Zero();   ///< largest body along x, y, z; infinite when not given
+    Eigen::Vector3d pitch_um = Eigen::Vector3d::Zero();  ///< voxel: column, row, layer; from dpi as 25400 / dpi
+    Eigen::Vector3d tray_mm = Eigen::Vector3d::Zero();   ///< along columns, rows, layers; infinite when not given
     int max_resins = 0;                                  ///< loaded at once
     int max_colours = 0;                                 ///< of one stack, besides the background
     int min_layers = 1;
@@ -31,18 +39,33 @@ struct PrinterProfile {
     std::vector<std::string> default_roles;             ///< loaded by default; at most max_resins
     std::map<std::string, io::Rgb> colours;             ///< bitmap colour of each role
     std::map<std::string, std::string> material_names;  ///< what the printer's software calls the resin of a role
-    bool flip_x = false, flip_y = false, swap_xy = false;
-    std::map<std::string, std::string> unconfirmed;  ///< key of the file -> why the figure is not sure
+    io::Orientation orientation;                        ///< what is done to bitmaps of the model's frame
+    std::map<std::string, std::string> unconfirmed;     ///< key of the file -> why the figure is not sure
     std::vector<std::string> notes;
 
-    [[nodiscard]] Eigen::Vector3d pitch_mm() const { return pitch_um * 1e-3; }
+    /// Voxel size and largest body along the model's x, y, z: with swapped bitmaps x lies along their rows.
+    [[nodiscard]] Eigen::Vector3d sliced_pitch_um() const { return as_sliced(pitch_um); }
+    [[nodiscard]] Eigen::Vector3d sliced_pitch_mm() const { return sliced_pitch_um() * 1e-3; }
+    [[nodiscard]] Eigen::Vector3d sliced_tray_mm() const { return as_sliced(tray_mm); }
+    /// A stack of so many voxels along the model's x, y, z, as `io::LayerStackWriter` wants it; without resins.
+    [[nodiscard]] io::StackDescription describe(const std::array<std::uint32_t, 3>& voxels) const;
     [[nodiscard]] bool confirmed(const std::string& key) const { return !unconfirmed.contains(key); }
     /// One sentence per figure that is not sure, for the user to read before printing.
     [[nodiscard]] std::vector<std::string> warnings() const;
     /// Bitmap colours of these roles, all different and none of them the background: the profile's own where it has
     /// one, else one from a fixed list. Throws InputError on more roles than colours (16).
     [[nodiscard]] std::vector<io::Rgb> display_colours(std::span<const std::string> roles) const;
+
+private:
+    [[nodiscard]] Eigen::Vector3d as_sliced(Eigen::Vector3d v) const {
+        if (orientation.swap_xy) std::swap(v.x(), v.y());
+        return v;
+    }
 };
+
+/// The bitmap colour of a role where no profile says otherwise, which looks like its resin; nothing for a role of the
+/// user's own.
+[[nodiscard]] std::optional<io::Rgb> usual_colour(const std::string& role);
 
 /// The JSON of a profile that comes with the program; nothing for other ids.
 [[nodiscard]] std::optional<std::string_view> known_printer_text(std::string_view id);

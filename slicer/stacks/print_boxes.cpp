@@ -23,13 +23,7 @@ std::uint32_t first_voxel(double mm, double pitch_um, std::uint32_t size) {
 
 io::StackDescription describe(const BoxPrint& print, const PrinterProfile& printer,
                               const std::array<std::uint32_t, 3>& size) {
-    io::StackDescription stack;
-    stack.printer = printer.id;
-    stack.pitch_um = {printer.pitch_um.x(), printer.pitch_um.y(), printer.pitch_um.z()};
-    stack.size_px = {size[0], size[1]};
-    stack.layers = size[2];
-    stack.background_rgb = printer.background_rgb;
-    stack.orientation = {printer.flip_x, printer.flip_y, printer.swap_xy};
+    io::StackDescription stack = printer.describe(size);
     const std::vector<io::Rgb> colours = printer.display_colours(print.roles);
     for (std::size_t r = 0; r < print.roles.size(); ++r) {
         const auto known = printer.material_names.find(print.roles[r]);
@@ -44,13 +38,14 @@ void check(const BoxPrint& print, const PrinterProfile& printer, const std::arra
         throw InputError(
             fmt::format("{} resins ({}), but {} carries {} at once; leave some out and print a second target for them",
                         print.roles.size(), fmt::join(print.roles, ", "), printer.id, printer.max_resins));
+    const Eigen::Vector3d tray_mm = printer.sliced_tray_mm();
     for (int axis = 0; axis < 3; ++axis)
-        if (print.size_mm[axis] > printer.tray_mm[axis])
+        if (print.size_mm[axis] > tray_mm[axis])
             throw InputError(
                 fmt::format("the print is {:.1f} x {:.1f} x {:.1f} mm, larger than the tray of {} ({:.0f} x {:.0f} x "
                             "{:.0f} mm); make it smaller",
-                            print.size_mm.x(), print.size_mm.y(), print.size_mm.z(), printer.id, printer.tray_mm.x(),
-                            printer.tray_mm.y(), printer.tray_mm.z()));
+                            print.size_mm.x(), print.size_mm.y(), print.size_mm.z(), printer.id, tray_mm.x(),
+                            tray_mm.y(), tray_mm.z()));
     if (static_cast<int>(size[2]) < printer.min_layers)
         throw InputError(fmt::format("the print has {} layers, but {} takes no fewer than {}; make it thicker", size[2],
                                      printer.id, printer.min_layers));
@@ -120,7 +115,7 @@ io::LayerRuns BoxLayers::layer(std::uint32_t k) const {
 
 io::StackDescription print_boxes(const BoxPrint& print, const PrinterProfile& printer, const std::filesystem::path& out,
                                  const io::StackOutputs& outputs, bool overwrite, Progress& progress) {
-    const BoxLayers layers(print.boxes, print.size_mm, printer.pitch_um, print.seed);
+    const BoxLayers layers(print.boxes, print.size_mm, printer.sliced_pitch_um(), print.seed);
     check(print, printer, layers.size());
     io::LayerStackWriter writer(out, describe(print, printer, layers.size()), outputs, overwrite);
     progress.begin_stage("layers", layers.size()[2], "layers");

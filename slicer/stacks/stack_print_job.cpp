@@ -141,7 +141,7 @@ JobResult run_stack_print(const StackPrintJob& job, Progress& progress) {
     check(job);
     const PrinterProfile printer = find_printer(job.printer);
     for (const std::string& warning : printer.warnings()) progress.warn(warning);
-    const std::vector<Slab> slabs = slabs_of(job, printer.pitch_mm().z(), progress);
+    const std::vector<Slab> slabs = slabs_of(job, printer.sliced_pitch_mm().z(), progress);
     const BoxPrint print = boxes_of(job, slabs);
     const io::StackDescription stack = print_boxes(print, printer, job.out, job.outputs, job.overwrite, progress);
     return result_of(job, printer, slabs, print.size_mm, stack);

@@ -137,6 +137,22 @@ TEST_CASE("verify finds what was spoiled, by name, with exit code 6") {
     CHECK(cut.exit_code == 6);
     CHECK_THAT(cut.out + cut.err, Catch::Matchers::Contains("slice_00030"));
     CHECK(run_program("verify " + (folder / "nothing")).exit_code == 4);
+
+    REQUIRE(run_program(slice).exit_code == 0);
+    CHECK_THAT(run_program("verify " + (folder / "out")).out,
+               Catch::Matchers::Contains("checked for stratasys-j750-hm"));
+    std::string manifest_text = read_file(folder.path() / "out/manifest.json");
+    const std::size_t printer = manifest_text.find("stratasys-j750-hm");
+    folder.write("out/manifest.json", manifest_text.replace(printer, 17, "foo"));
+    const Outcome unknown = run_program("verify " + (folder / "out"));
+    CHECK(unknown.exit_code == 6);
+    CHECK_THAT(unknown.out + unknown.err, Catch::Matchers::Contains("'foo', is not known here"));
+    folder.write("out/manifest.json", "{");
+    CHECK(run_program("verify " + (folder / "out")).exit_code == 6);
+    std::filesystem::remove(folder.path() / "out/manifest.json");
+    const Outcome without = run_program("verify " + (folder / "out"));
+    CHECK(without.exit_code == 6);
+    CHECK_THAT(without.out + without.err, Catch::Matchers::Contains("no manifest.json"));
 }
 
 TEST_CASE("A picture becomes a slab with its colours on top, upright") {

@@ -32,7 +32,7 @@ void map_target(const slicer::SliceOptions& options, std::optional<double> pictu
     const slicer::PrinterProfile printer = slicer::find_printer(flat.printer);
     const slicer::LoadedResins resins = slicer::load_resins(flat, printer);
     Progress progress;
-    const auto colour = slicer::prepare_colour(flat.colour, resins, printer.pitch_mm(), slab, progress);
+    const auto colour = slicer::prepare_colour(flat.colour, resins, printer.sliced_pitch_mm(), slab, progress);
     j.in_gamut.resize(j.target.size());
     j.mapped.resize(j.target.size());
     parallel_for(0, j.target.size(), 256, [&](std::size_t i) {

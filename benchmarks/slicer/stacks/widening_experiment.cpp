@@ -119,10 +119,11 @@ InVoxels seen_in_voxels(const optics::ResinSet& set, const optics::HankelGrid& g
             boxes.push_back({{0, 0, top}, {side_mm, side_mm, top + layer->thickness_mm}, shares});
             top += layer->thickness_mm;
         }
-        const slicer::BoxLayers print(boxes, {side_mm, side_mm, top}, printer.pitch_um, 8);
+        const slicer::BoxLayers print(boxes, {side_mm, side_mm, top}, printer.sliced_pitch_um(), 8);
         const auto [width, depth, height] = print.size();
-        optics::ResinVolumeBuilder builder({int(width), int(depth), int(height)},
-                                           {printer.pitch_mm().x(), printer.pitch_mm().y(), printer.pitch_mm().z()});
+        optics::ResinVolumeBuilder builder(
+            {int(width), int(depth), int(height)},
+            {printer.sliced_pitch_mm().x(), printer.sliced_pitch_mm().y(), printer.sliced_pitch_mm().z()});
         std::vector<optics::Material> voxels(std::size_t{width} * depth);
         for (std::uint32_t k = 0; k < height; ++k) {
             const io::LayerRuns runs = print.layer(k);

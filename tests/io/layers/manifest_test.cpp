@@ -38,6 +38,7 @@ std::string replaced(std::string text, const std::string& from, const std::strin
 TEST_CASE("a manifest survives writing and reading", "[manifest]") {
     const auto stack = sample();
     CHECK(parse_manifest(manifest_text(stack), "m") == stack);
+    CHECK(manifest_text(parse_manifest(manifest_text(stack), "m")) == manifest_text(stack));
     CHECK(stack.layer_path(7) == "layers/slice_00007.png");
     CHECK(stack_size_mm(stack)[0] == Approx(60.03).margin(0.005));
     CHECK(stack_size_mm(stack)[2] == Approx(105.84));

@@ -169,7 +169,7 @@ TEST_CASE("a foreign folder is judged by itself", "[verify]") {
     fs::rename(out / name(4, 3), out / "part4.png");
     CHECK(has(verify_stack(out), "numbering", "digits"));
     fs::remove(out / "part4.png");
-    CHECK(has(verify_stack(out), "numbering", "1 numbers are missing"));
+    CHECK(has(verify_stack(out), "numbering", "1 number missing"));
     write_whole_file(out / name(4, 3), encoder.encode(sample_layer(4)));
     fs::copy(out / name(4, 3), out / "Other000.png");
     CHECK(has(verify_stack(out), "stranger", "Other000"));
@@ -196,13 +196,91 @@ TEST_CASE("a foreign folder is judged by itself", "[verify]") {
 TEST_CASE("what is no stack is an error that says so", "[verify]") {
     TemporaryFolder folder;
     CHECK_THROWS_AS(verify_stack(folder.path() / "nowhere"), FileError);
-    CHECK_THROWS_AS(verify_stack(folder.path()), InputError);
+    CHECK(has(verify_stack(folder.path()), "no-layers", "holds no layer"));
     write_whole_file(folder.path() / "x.gcvf", std::string_view("PK no zip"));
-    CHECK_THROWS_AS(verify_stack(folder.path() / "x.gcvf"), InputError);
+    CHECK(has(verify_stack(folder.path() / "x.gcvf"), "container", "no ZIP"));
     const auto out = folder.path() / "half";
     {
         LayerStackWriter writer(out, sample_description(3));
         writer.write(0, sample_layer(0));
     }
-    CHECK_THROWS_WITH(verify_stack(out), Contains("stopped"));
+    CHECK(has(verify_stack(out), "unfinished", "stopped"));
+    CHECK(verify_stack(out).fault_count == 1);
+}
+
+TEST_CASE("a manifest that is gone, broken or changed is a fault of the stack", "[verify]") {
+    TemporaryFolder folder;
+    const auto out = folder.path() / "stack", manifest = out / "manifest.json";
+    (void)write_sample_stack(out, 40);
+    const std::string good = bytes_of(manifest);
+    const auto changed = [&](const std::string& from, const std::string& to) {
+        std::string text = good;
+        for (std::size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size())
+            text.replace(at, from.size(), to);
+        REQUIRE(text != good);
+        write_whole_file(manifest, text);
+        return verify_stack(out);
+    };
+    // Set out otherwise it still says the same.
+    CHECK(changed("\n", " ").passed());
+    CHECK(has(changed("stratasys-j750-hm", "foo"), "manifest", "was changed"));
+    CHECK(has(changed("\"role\": \"C\"", "\"role\": \"M2\""), "manifest", "was changed"));
+    CHECK(has(changed("\"flip_x\": false", "\"flip_x\": true"), "manifest", "was changed"));
+    // Names of cyan and magenta exchanged: the operator would load the wrong resins.
+    (void)changed("VeroCyan", "Vero?");
+    std::string text = good;
+    text.replace(text.find("VeroCyan"), 8, "Vero____");
+    text.replace(text.find("VeroMagenta"), 11, "VeroCyan");
+    text.replace(text.find("Vero____"), 8, "VeroMagenta");
+    write_whole_file(manifest, text);
+    CHECK(has(verify_stack(out), "manifest", "names and roles"));
+    // Without its seal nothing says so, and that is said.
+    write_whole_file(manifest, good.substr(0, good.find(",\n \"manifest_sha256\"")) + "}\n");
+    const auto unsealed = verify_stack(out);
+    INFO(report_text(unsealed));
+    CHECK(unsealed.passed());
+    CHECK_THAT(report_text(unsealed), Contains("was not checked"));
+
+    const auto broken = changed("{\"format\"", "{{");
+    CHECK(has(broken, "manifest"));
+    CHECK(broken.fault_count == 1);
+    CHECK_THAT(report_text(broken), Contains("1 fault\n"));
+    fs::remove(manifest);
+    CHECK(has(verify_stack(out), "manifest", "manifest.json, which says what their colours mean"));
+    write_whole_file(manifest, good);
+    fs::remove_all(out / "layers");
+    const auto gone = verify_stack(out);
+    CHECK(gone.faults.front().rule == "missing-layer");
+    CHECK(gone.fault_count == 40);
+}
+
+TEST_CASE("the sheet that resins are assigned by says what the manifest says", "[verify]") {
+    TemporaryFolder folder;
+    const auto out = folder.path() / "stack";
+    (void)write_sample_stack(out, 40);
+    std::string text = bytes_of(out / "resin-assignment.txt");
+    text.replace(text.find("VeroCyan"), 8, "VeroClay");
+    write_whole_file(out / "resin-assignment.txt", text);
+    const auto report = verify_stack(out);
+    CHECK(has(report, "sheet", "VeroCyan"));
+    CHECK(report.fault_count == 1);
+}
+
+TEST_CASE("a cause is named before what follows from it, and in words that are said once", "[verify]") {
+    TemporaryFolder folder;
+    const auto out = folder.path() / "stack";
+    (void)write_sample_stack(out, 40);
+    write_whole_file(slice(out, 5), bytes_of(slice(out, 5)).substr(0, 100));
+    const auto report = verify_stack(out);
+    INFO(report_text(report));
+    CHECK(report.fault_count == 1);
+    CHECK(report.faults.front().rule == "unreadable");
+    CHECK(report.faults.front().what.find("slice_00005") == std::string::npos);
+    CHECK_THAT(report_text(report), Contains("were not compared"));
+    (void)write_sample_stack(out, 40);
+    // Recoloured: counts are the consequence of other pixels.
+    write_whole_file(slice(out, 5), bytes_of(slice(out, 6)));
+    const auto other = verify_stack(out);
+    CHECK(other.faults.front().rule == "digest");
+    CHECK(has(other, "count"));
 }

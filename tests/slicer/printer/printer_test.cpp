@@ -34,7 +34,7 @@ TEST_CASE("The J750's pitch is the exact fraction of an inch") {
     CHECK(printer.pitch_um.y() == 25400.0 / 300);
     CHECK(printer.pitch_um.z() == 27);
     CHECK(printer.pitch_um.y() == 2 * printer.pitch_um.x());
-    CHECK(std::abs(printer.pitch_mm().x() * 600 - 25.4) < 1e-14);
+    CHECK(std::abs(printer.sliced_pitch_mm().x() * 600 - 25.4) < 1e-14);
     CHECK(printer.tray_mm == Eigen::Vector3d(490, 390, 200));
     CHECK(printer.max_colours == 6);
     CHECK(printer.min_layers == 30);
@@ -88,8 +88,8 @@ TEST_CASE("A profile of one's own is read from its path") {
     std::remove(path.c_str());
     CHECK(printer.id == "voxtone_printer_test_mine");
     CHECK(printer.pitch_um == Eigen::Vector3d(40, 50, 20));
-    CHECK(printer.flip_y);
-    CHECK_FALSE(printer.flip_x);
+    CHECK(printer.orientation.flip_y);
+    CHECK_FALSE(printer.orientation.flip_x);
     CHECK(printer.material_names.at("W") == "White 1");
     CHECK(std::isinf(printer.tray_mm.x()));
     CHECK(printer.formats == std::vector{io::LayerFormat::png});
