@@ -80,7 +80,9 @@ Command add_predict_command(CLI::App& program) {
              ->add_option("--model", o.model, fmt::format("[{}]", fmt::join(names_of<slicer::PredictionModel>(), "|")))
              ->capture_default_str(),
          command
-             ->add_option("--cell", arguments->cell, "what is seen as one: edge of the cells, rounded to whole voxels")
+             ->add_option("--cell", arguments->cell,
+                          "what is seen as one: edge of the cells, rounded to whole voxels; from twice the default on "
+                          "transport takes a quick look: ten times as fast, up to 2 CIEDE2000 off in fine patterns")
              ->type_name("LENGTH")
              ->capture_default_str(),
          command

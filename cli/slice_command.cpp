@@ -89,7 +89,7 @@ int run(const SliceArguments& arguments) {
     }
     return run_on_console(arguments.console, [&](Progress& progress) {
         slicer::SliceResult result = slicer::run_slice_job(options, progress);
-        return JobResult{std::move(result.json), std::move(result.summary)};
+        return JobResult{std::move(result.json), std::move(result.summary), result.exit_code};
     });
 }
 

@@ -156,7 +156,7 @@ StackListing unpack_listing(std::span<const std::byte> bytes) {
     StackListing listing;
     reader(listing.kind, listing.names, listing.strangers, listing.missing, listing.missing_count);
     expect_stack(listing.kind <= StackKind::gcvf, "a stack of an unknown kind");
-    expect_stack(!listing.names.empty() && listing.names.size() <= 1'000'000, "an impossible number of layers");
+    expect_stack(listing.names.size() <= 1'000'000, "an impossible number of layers");
     expect_stack(listing.missing_count >= listing.missing.size(), "layers are missing and are not counted");
     const std::uint64_t layers = listing.names.size() + listing.missing_count;
     if (listing.kind == StackKind::voxtone) {

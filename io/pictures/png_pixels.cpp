@@ -105,8 +105,8 @@ private:
 };
 
 [[noreturn]] void fail(const std::string& name, const Source& source) {
-    throw InputError(fmt::format("{}: is no PNG file that can be read whole ({}); it may be cut short",
-                                 name, source.fault[0] ? source.fault : "out of memory"));
+    throw InputError(fmt::format("{}: is no PNG file that can be read whole ({}); it may be cut short", name,
+                                 source.fault[0] ? source.fault : "out of memory"));
 }
 
 PngHeader checked_header(PngDecoder& decoder, Source& source, const std::string& name) {

@@ -11,6 +11,7 @@
 
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/embedded_file.h"
+#include "voxtone/base/named_values.h"
 #include "voxtone/base/printable.h"
 #include "voxtone/base/progress_bar.h"
 #include "voxtone/io/files/base64.h"
@@ -133,6 +134,37 @@ void add_summary(std::string& html, const Report& report) {
     html += "</dl>\n";
 }
 
+/// The headline: one sentence, one figure with its meaning.
+void add_verdict(std::string& html, const Report& report) {
+    if (!report.verdict) return;
+    const ReportVerdict& v = *report.verdict;
+    html += fmt::format("<section class=\"verdict {}\">\n<h2>Will it look as asked?</h2>\n<p>{}</p>\n",
+                        name_of(v.level), html_text(v.sentence));
+    if (v.seen_mean) {
+        html += "<dl class=\"cards\">\n";
+        add_card(html, "Difference as seen", fmt::format("{:.1f}", *v.seen_mean),
+                 fmt::format("CIEDE2000, mean over the coloured surface, seen from {:g} mm; up to {:g} is good, above "
+                             "{:g} bad; 0.8 is just visible side by side",
+                             v.viewing_distance_mm, v.good_up_to, v.bad_above));
+        html += "</dl>\n";
+    }
+    if (!v.causes.empty()) {
+        html += fmt::format(
+            "<p class=\"soft\">{:.0f} % of the surface differs by more than {:g}. Of that, by area and "
+            "difference: ",
+            100 * v.off_share, v.good_up_to);
+        for (std::size_t i = 0; i < v.causes.size(); ++i)
+            html += fmt::format("{}{} {:.0f} %", i ? ", " : "", html_text(v.causes[i].name), 100 * v.causes[i].share);
+        html += ".</p>\n";
+    }
+    if (!v.advice.empty()) {
+        html += "<p>What to try:</p>\n<ul>\n";
+        for (const std::string& advice : v.advice) html += fmt::format("<li>{}</li>\n", html_text(advice));
+        html += "</ul>\n";
+    }
+    html += "</section>\n";
+}
+
 void add_warnings(std::string& html, const Report& report) {
     if (report.warnings.empty()) return;
     html += fmt::format("<section class=\"warnings\">\n<h2>{}</h2>\n<ul>\n",
@@ -157,7 +189,7 @@ void add_views(std::string& html, const Report& report) {
 void add_prediction(std::string& html, const Report& report) {
     if (!report.prediction) return;
     const ReportPrediction& p = *report.prediction;
-    html += "<section>\n<h2>Predicted against asked for</h2>\n<dl class=\"cards\">\n";
+    html += "<section>\n<h2>Predicted against asked for, cell by cell</h2>\n<dl class=\"cards\">\n";
     add_card(html, "Mean difference", fmt::format("{:.2f}", p.mean_de2000), "CIEDE2000");
     add_card(html, "Median", fmt::format("{:.2f}", p.median_de2000), "CIEDE2000");
     add_card(html, "95th percentile", fmt::format("{:.2f}", p.p95_de2000), "CIEDE2000");
@@ -371,6 +403,7 @@ void add_job(std::string& html, const Report& report) {
 std::string report_html(const Report& report) {
     std::string html;
     add_head(html, report);
+    add_verdict(html, report);
     add_summary(html, report);
     add_warnings(html, report);
     add_views(html, report);

@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "voxtone/base/named_values.h"
 #include "voxtone/io/layers/rgb.h"
 
 namespace voxtone::io {
@@ -48,6 +49,29 @@ struct ReportResin {
 struct ReportStage {
     std::string name;
     double seconds = 0;
+};
+
+enum class VerdictLevel {
+    unknown,  ///< nothing was predicted
+    good,
+    fair,
+    bad,
+};
+
+/// What a print's user wants to know first. Figures are CIEDE2000 over the whole coloured surface, by area.
+struct ReportVerdict {
+    VerdictLevel level = VerdictLevel::unknown;
+    std::string sentence;                       ///< will it look as asked; if not, why, and what to try
+    std::optional<double> seen_mean, seen_p95;  ///< the headline and its tail: as seen from the viewing distance
+    double viewing_distance_mm = 0;
+    double good_up_to = 0, bad_above = 0;  ///< means
+    double off_share = 0;                  ///< of the surface: differs by more than `good_up_to`
+    struct Cause {
+        std::string name;
+        double share = 0;  ///< of all that is off, by area and difference
+    };
+    std::vector<Cause> causes;        ///< the largest first
+    std::vector<std::string> advice;  ///< what to try, the best first
 };
 
 /// How the target was brought into what the loaded resins can show.
@@ -122,6 +146,7 @@ struct Report {
     double total_seconds = 0;         ///< of the whole job
     std::uint64_t peak_memory_bytes = 0;
     std::uint64_t output_bytes = 0;
+    std::optional<ReportVerdict> verdict;  ///< of a print that shows colours
     std::optional<ReportGamut> gamut;
     std::optional<ReportPrediction> prediction;
     std::optional<ReportLoop> loop;
@@ -135,3 +160,10 @@ struct Report {
 [[nodiscard]] std::string report_html(const Report& report);
 
 }  // namespace voxtone::io
+
+template <>
+struct voxtone::NamesOf<voxtone::io::VerdictLevel> {
+    using Level = io::VerdictLevel;
+    static constexpr auto table = std::to_array<Named<Level>>(
+        {{Level::unknown, "unknown"}, {Level::good, "good"}, {Level::fair, "fair"}, {Level::bad, "bad"}});
+};

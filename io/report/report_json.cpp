@@ -19,6 +19,20 @@ void write_resins(JsonWriter& json, const Report& report) {
     json.end_list().line().add("resin_ml", total_ml);
 }
 
+void write_verdict(JsonWriter& json, const ReportVerdict& verdict) {
+    json.line().key("verdict").begin_object().add("level", name_of(verdict.level)).add("sentence", verdict.sentence);
+    if (verdict.seen_mean) {
+        json.line().key("seen_de2000").begin_object().add("mean", *verdict.seen_mean);
+        json.add("p95", verdict.seen_p95.value_or(*verdict.seen_mean)).end_object();
+        json.add("viewing_distance_mm", verdict.viewing_distance_mm).add("off_share", verdict.off_share);
+    }
+    json.line().add("good_up_to", verdict.good_up_to).add("bad_above", verdict.bad_above);
+    json.key("causes").begin_list();
+    for (const ReportVerdict::Cause& cause : verdict.causes)
+        json.begin_object().add("cause", cause.name).add("share", cause.share).end_object();
+    json.end_list().line().add("advice", verdict.advice).end_object();
+}
+
 void write_gamut(JsonWriter& json, const ReportGamut& gamut) {
     json.line().key("gamut").begin_object().add("mapped_share", gamut.mapped_share);
     json.key("de2000").begin_object().add("mean", gamut.mean_de2000).add("p95", gamut.p95_de2000);
@@ -71,6 +85,7 @@ std::string report_json(const Report& report) {
     json.line().key("size_px").begin_list().value(report.size_px[0]).value(report.size_px[1]).end_list();
     json.add("layers", report.size_px[2]).add("voxels", report.body_voxels);
     write_resins(json, report);
+    if (report.verdict) write_verdict(json, *report.verdict);
     if (report.gamut) write_gamut(json, *report.gamut);
     if (report.prediction) write_prediction(json, *report.prediction);
     if (report.loop) write_loop(json, *report.loop);

@@ -9,6 +9,7 @@
 #include "voxtone/base/stopwatch.h"
 #include "voxtone/slicer/job/colour_report.h"
 #include "voxtone/slicer/job/loop_report.h"
+#include "voxtone/slicer/job/verdict.h"
 
 namespace voxtone::slicer {
 
@@ -17,11 +18,14 @@ namespace {
 std::unique_ptr<const JobColour> separate(const OpenedJob& job, const JobBody& body, double& seconds,
                                           Progress& progress) {
     const Stopwatch watch;
-    std::optional<SlabUnderColour> slab;
-    if (body.is_picture) slab = {body.placement.extent_mm.z(), job.options.picture.backing};
-    auto colour = prepare_colour(job.options.colour, job.resins, body.grid.pitch_mm, slab, progress);
+    auto colour = prepare_colour(job.options.colour, job.resins, body.grid.pitch_mm,
+                                 slab_under_colour(job.options, body), progress);
     seconds = watch.total();
     return colour;
+}
+
+bool asks_for_white(const SurfaceColour& asked) {
+    return asked.constant() && asked.at(0, 0, 0) == Eigen::Vector3f::Ones();
 }
 
 }  // namespace
@@ -32,7 +36,14 @@ ColourPrint::ColourPrint(const OpenedJob& job, const JobBody& body, const JobIde
       identity_(identity),
       colour_(separate(job, body, separation_s_, progress)),
       parts_(job.options, body, job.resins, *colour_, progress),
-      loop_plan_(plan_loop(job.options.loop, job.options.resume, body, job.resins)) {}
+      all_white_(asks_for_white(parts_.surface_colour()) &&
+                 job.resins.set.resins[std::size_t(job.resins.core)].role == "W"),
+      loop_plan_(plan_loop(job.options.loop, job.options.resume, body, job.resins)) {
+    if (all_white_ && loop_plan_.wanted && !job.options.loop.iterations)
+        loop_plan_ = {.why_not =
+                          "The model is white all over and the print all of white resin: there is nothing to "
+                          "rearrange and nothing to predict."};
+}
 
 void ColourPrint::print_open_loop(const std::string& why, Progress& progress) {
     loop_plan_ = {.why_not = fmt::format("The resins were not rearranged: {}.", why)};
@@ -87,6 +98,9 @@ void ColourPrint::expect_layers(const LayerRange& range) {
     const bool all_layers = range.first == 0 && range.last + 1 == body_.grid.size[2];
     const bool reusable = loop_ && job_.resins.set.channels.wavelengths_nm.empty();
     prediction_plan_ = plan_prediction(job_.options, body_, all_layers, reusable);
+    // White beside white: the answer is known.
+    if (all_white_ && job_.options.prediction.automatic && prediction_plan_.by == PredictionPlan::By::model)
+        prediction_plan_ = {.why_not = "The print is all of white resin: it is as white as was asked for everywhere."};
     // The volume and its white twin are held at once.
     if (prediction_plan_.by != PredictionPlan::By::nothing)
         volume_.emplace(body_.grid, job_.options.prediction.memory_bytes / 2);
@@ -133,7 +147,9 @@ std::vector<io::ReportStage> ColourPrint::stages_after_layers() const {
 void ColourPrint::add_to(io::Report& report) const {
     add_colour_report({job_, body_, *colour_, parts_.surface_colour(), prediction_}, prediction_plan_.why_not, report);
     if (loop_) report.loop = loop_report(*loop_, body_, prediction_ ? &prediction_->volume : nullptr, job_.palette());
-    if (!loop_plan_.why_not.empty()) report.warnings.push_back(loop_plan_.why_not);
+    report.verdict = judge(
+        {job_, body_, *colour_, prediction_, prediction_plan_.why_not, *report.gamut, loop_.has_value(), all_white_});
+    if (!loop_plan_.why_not.empty() && !all_white_) report.warnings.push_back(loop_plan_.why_not);
 }
 
 void ColourPrint::draw(io::Report& report, Progress& progress) const {

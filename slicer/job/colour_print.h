@@ -54,6 +54,7 @@ private:
     double separation_s_ = 0, loop_s_ = 0;
     std::unique_ptr<const JobColour> colour_;
     PrintParts parts_;
+    bool all_white_;  ///< asked for everywhere, and printed
     LoopPlan loop_plan_;
     std::optional<PreparedLoop> prepared_;  ///< until it has run
     std::optional<JobLoop> loop_;           ///< nothing: the open loop is printed

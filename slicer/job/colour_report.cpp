@@ -79,6 +79,7 @@ io::ReportSection mixtures_section(const ColourReport& s) {
     const Eigen::Vector3d um = s.job.printer.sliced_pitch_um();
     io::ReportSection section;
     section.title = "Mixtures";
+    if (!s.job.why_these_resins.empty()) section.paragraphs.push_back(s.job.why_these_resins);
     section.paragraphs.push_back(
         s.job.options.colour.mixing == Mixing::voxels
             ? fmt::format("Colours were separated for what voxels of {:.1f} x {:.1f} x {:.1f} um look like: light that "
@@ -267,17 +268,20 @@ void draw_colour_report(const ColourReport& s, io::Report& report, const std::fi
 
 std::string colour_summary(const io::Report& report) {
     std::string text;
-    if (report.gamut)
-        text += fmt::format(
-            "  colours moved into the gamut: {:.1f} % of the surface; CIEDE2000 mean {:.2f}, 95 % {:.2f}, max {:.2f}\n",
-            100 * report.gamut->mapped_share, report.gamut->mean_de2000, report.gamut->p95_de2000,
-            report.gamut->max_de2000);
+    if (report.verdict) text += fmt::format("  {}\n", report.verdict->sentence);
     if (report.prediction)
         text += fmt::format(
-            "  predicted against asked for: CIEDE2000 mean {:.2f}, median {:.2f}, 95 % {:.2f}, max {:.2f} (cells of "
-            "{:.0f} um, {:.2f} s)\n",
+            "  cell by cell, before the eye blurs them: CIEDE2000 mean {:.2f}, median {:.2f}, 95 % {:.2f}, max {:.2f} "
+            "(cells of {:.0f} um, {:.2f} s)\n",
             report.prediction->mean_de2000, report.prediction->median_de2000, report.prediction->p95_de2000,
             report.prediction->max_de2000, report.prediction->cell_um[0], report.prediction->seconds);
+    if (report.gamut)
+        text += fmt::format(
+            "  out of the resins' reach, on a thick body: {:.1f} % of the surface; moved by CIEDE2000 mean {:.2f}, 95 "
+            "% "
+            "{:.2f}, max {:.2f}\n",
+            100 * report.gamut->mapped_share, report.gamut->mean_de2000, report.gamut->p95_de2000,
+            report.gamut->max_de2000);
     return text;
 }
 

@@ -81,7 +81,7 @@ JobBody prepare_body(const ResolvedJob& job, const PrinterProfile& printer, Prog
             "lying. To stand it up: --rotate x90",
             job.model));
     body.placement = place(body.model, job.placement, job.model);
-    check_extent(body.placement, printer.pitch_mm(), printer.tray_mm);
+    check_extent(body.placement, printer.sliced_pitch_mm(), printer.sliced_tray_mm());
     if (!body.model.has_colour) body.warnings.push_back("the model has no colour: it is printed white");
     constexpr double smallest_plausible_mm = 2;
     if (!body.is_picture && body.placement.extent_mm.maxCoeff() < smallest_plausible_mm)

@@ -28,14 +28,14 @@ std::vector<std::string> roles_to_load(const ResolvedJob& job, const PrinterProf
 
 }  // namespace
 
-LoadedResins load_resins(const ResolvedJob& job, const PrinterProfile& printer) {
+int most_resins(const PrinterProfile& printer) { return std::min(printer.max_resins, halftone::max_resins); }
+
+LoadedResins load_roles(const ResolvedJob& job, const PrinterProfile& printer, const optics::ResinSet& all,
+                        std::vector<std::string> roles) {
     LoadedResins loaded;
-    const optics::ResinSet all = io::find_resin_set(job.resins);
-    std::vector<std::string> roles = roles_to_load(job, printer, all);
-    const int most = std::min(printer.max_resins, halftone::max_resins);
-    if (static_cast<int>(roles.size()) > most)
+    if (static_cast<int>(roles.size()) > most_resins(printer))
         throw InputError(fmt::format("--load {}: {} resins, but {} carries {} at once; leave some out",
-                                     fmt::join(roles, ","), roles.size(), printer.id, most));
+                                     fmt::join(roles, ","), roles.size(), printer.id, most_resins(printer)));
     loaded.set = all.subset(roles);
     for (std::size_t r = 0; r < roles.size(); ++r) roles[r] = loaded.set.resins[r].role;
     const std::string& core = job.layered ? job.layered->base : job.colour.core;
@@ -55,24 +55,39 @@ LoadedResins load_resins(const ResolvedJob& job, const PrinterProfile& printer) 
     return loaded;
 }
 
-std::unique_ptr<const JobColour> prepare_colour(const ColourOptions& options, const LoadedResins& resins,
-                                                const Eigen::Vector3d& pitch_mm,
-                                                const std::optional<SlabUnderColour>& slab, Progress& progress) {
-    progress.begin_stage("separate colours", 0);
+LoadedResins load_resins(const ResolvedJob& job, const PrinterProfile& printer) {
+    const optics::ResinSet all = io::find_resin_set(job.resins);
+    return load_roles(job, printer, all, roles_to_load(job, printer, all));
+}
+
+std::optional<SlabUnderColour> slab_under_colour(const ResolvedJob& job, const JobBody& body) {
+    if (!body.is_picture) return std::nullopt;
+    return SlabUnderColour{body.placement.extent_mm.z(), job.picture.backing};
+}
+
+optics::ShellGeometry shell_geometry(const ColourOptions& options, const LoadedResins& resins,
+                                     const Eigen::Vector3d& pitch_mm, const std::optional<SlabUnderColour>& slab) {
     optics::ShellGeometry geometry;
     geometry.shell_mm = options.depth_mm;
     if (options.mixing == Mixing::voxels) geometry.pitch_mm = {pitch_mm.x(), pitch_mm.y(), pitch_mm.z()};
     geometry.core_resin = resins.core;
     geometry.white_resin = resins.set.find("W");  // -1, the core, where no white is loaded
     geometry.seen = optics::SeenFrom::all_sides;
-    if (slab) {
-        geometry.seen = optics::SeenFrom::above;
-        geometry.shell_mm = std::min(options.depth_mm, slab->thickness_mm);
-        // A slab that is colour all through has no core; the model wants one: a nanometre of it is nothing to light.
-        constexpr double no_core_mm = 1e-6;
-        geometry.core_mm = std::max(slab->thickness_mm - geometry.shell_mm, no_core_mm);
-        geometry.backing = slab->backing;
-    }
+    if (!slab) return geometry;
+    geometry.seen = optics::SeenFrom::above;
+    geometry.shell_mm = std::min(options.depth_mm, slab->thickness_mm);
+    // A slab that is colour all through has no core; the model wants one: a nanometre of it is nothing to light.
+    constexpr double no_core_mm = 1e-6;
+    geometry.core_mm = std::max(slab->thickness_mm - geometry.shell_mm, no_core_mm);
+    geometry.backing = slab->backing;
+    return geometry;
+}
+
+std::unique_ptr<const JobColour> prepare_colour(const ColourOptions& options, const LoadedResins& resins,
+                                                const Eigen::Vector3d& pitch_mm,
+                                                const std::optional<SlabUnderColour>& slab, Progress& progress) {
+    progress.begin_stage("separate colours", 0);
+    const optics::ShellGeometry geometry = shell_geometry(options, resins, pitch_mm, slab);
     auto colour = std::make_unique<const JobColour>(resins.set, geometry, &progress);
     progress.end_stage();
     return colour;

@@ -17,6 +17,7 @@
 #include "voxtone/io/layers/manifest.h"
 #include "voxtone/optics/layered/shell_appearance.h"
 #include "voxtone/optics/media/resins.h"
+#include "voxtone/slicer/job/job_body.h"
 #include "voxtone/slicer/options/resolved_job.h"
 #include "voxtone/slicer/printer/printer.h"
 
@@ -29,8 +30,15 @@ struct LoadedResins {
     [[nodiscard]] io::Material core_material() const { return static_cast<io::Material>(core + 1); }
 };
 
-/// The resins of `job.resins` that `job.load` names (or the printer's default, of those the set has).
-/// Throws InputError: unknown set or role, more than the printer carries, the core resin not loaded.
+/// What the printer carries at once, as far as a separation can mix it.
+[[nodiscard]] int most_resins(const PrinterProfile& printer);
+
+/// These of a set's resins. Throws InputError: unknown role, more than the printer carries, the core resin not among
+/// them.
+[[nodiscard]] LoadedResins load_roles(const ResolvedJob& job, const PrinterProfile& printer,
+                                      const optics::ResinSet& all, std::vector<std::string> roles);
+/// The resins of `job.resins` that `job.load` names (or the printer's default, of those the set has). Throws the same,
+/// and for an unknown set.
 [[nodiscard]] LoadedResins load_resins(const ResolvedJob& job, const PrinterProfile& printer);
 
 /// Stays where it was made: the separation refers to the appearance.
@@ -56,6 +64,14 @@ struct SlabUnderColour {
     double thickness_mm = 0;
     optics::Backing backing = optics::Backing::black;
 };
+
+/// Nothing for a body.
+[[nodiscard]] std::optional<SlabUnderColour> slab_under_colour(const ResolvedJob& job, const JobBody& body);
+
+/// The shell that colours are separated for.
+[[nodiscard]] optics::ShellGeometry shell_geometry(const ColourOptions& options, const LoadedResins& resins,
+                                                   const Eigen::Vector3d& pitch_mm,
+                                                   const std::optional<SlabUnderColour>& slab);
 
 /// `slab`: nothing: a body taken to be thick. `pitch_mm`: of the print's voxels.
 [[nodiscard]] std::unique_ptr<const JobColour> prepare_colour(const ColourOptions& options, const LoadedResins& resins,

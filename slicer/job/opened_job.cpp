@@ -17,7 +17,7 @@ void take_width(ResolvedJob& job, const io::ProfileMap& map) {
 }  // namespace
 
 OpenedJob open_job(const SliceOptions& asked) {
-    OpenedJob job{resolve(asked), {}, {}, std::nullopt};
+    OpenedJob job{resolve(asked), {}, {}, std::nullopt, {}};
     check_model(job.options);
     if (job.options.layered) {
         job.map = io::read_profile_map(job.options.layered->profiles);
@@ -29,6 +29,11 @@ OpenedJob open_job(const SliceOptions& asked) {
     io::require_usable_folder(job.options.out, job.options.overwrite);
     LoopCheckpoint::refuse_loss(job.options.out, job.options.resume, job.options.overwrite);
     return job;
+}
+
+void OpenedJob::load(const std::vector<std::string>& roles) {
+    options.load = roles;
+    resins = load_resins(options, printer);
 }
 
 std::vector<io::Rgb> OpenedJob::palette() const {

@@ -21,6 +21,10 @@ struct OpenedJob {
     PrinterProfile printer;
     LoadedResins resins;
     std::optional<io::ProfileMap> map;  ///< of layered prints
+    std::string why_these_resins;       ///< where they were chosen for the model (resin_choice.h)
+
+    /// Loads these instead. What was asked for stays as it was: the same job chooses the same again.
+    void load(const std::vector<std::string>& roles);
 
     /// Background and resins, as the bitmaps colour them.
     [[nodiscard]] std::vector<io::Rgb> palette() const;

@@ -23,6 +23,7 @@
 #include "voxtone/slicer/job/loop_checkpoint.h"
 #include "voxtone/slicer/job/opened_job.h"
 #include "voxtone/slicer/job/report_files.h"
+#include "voxtone/slicer/job/resin_choice.h"
 #include "voxtone/slicer/job/slice_report.h"
 #include "voxtone/slicer/layers/layer_maker.h"
 #include "voxtone/slicer/look/thumbnails.h"
@@ -43,6 +44,14 @@ JobBody read_body(const OpenedJob& job, JobFigures& figures, Progress& progress)
     figures.read_s = body.read_s;
     figures.repair_s = watch.total() - body.read_s;
     return body;
+}
+
+void load_best_resins(OpenedJob& job, const JobBody& body, Progress& progress) {
+    const auto choice = choose_resins(job, body, progress);
+    if (!choice) return;
+    job.load(choice->roles);
+    job.why_these_resins = choice->why;
+    progress.note(choice->why);
 }
 
 JobIdentity identify_said(const OpenedJob& job, const JobBody& body, Progress& progress) {
@@ -146,11 +155,12 @@ SliceResult run_slice_job(const SliceOptions& asked, Progress& progress) {
     const Stopwatch watch;
     JobFigures figures;
     // All that can refuse the job, from what costs nothing to what costs most ...
-    const OpenedJob job = open_job(asked);
+    OpenedJob job = open_job(asked);
     const ThreadLimit threads(static_cast<std::size_t>(job.options.threads));
     for (const std::string& warning : job.printer.warnings()) progress.warn(warning);
     const JobBody body = read_body(job, figures, progress);
     const JobIdentity identity = identify_said(job, body, progress);
+    load_best_resins(job, body, progress);
     const LayerRange range = range_within(job.options.layers, body.grid.size[2]);
     expect_stages(progress, expected_stages(job, body, range));
     const std::unique_ptr<Print> print = make_print(job, body, identity, progress);
@@ -173,7 +183,9 @@ SliceResult run_slice_job(const SliceOptions& asked, Progress& progress) {
     if (thumbnails) report.layers = thumbnails->take();
     std::string json = write_report(job, *print, report, watch, progress);
     progress.end_stage();
-    return {std::move(json), summary_text(*print, report, watch.total(), job.options.report, writer.folder())};
+    const bool bad = report.verdict && report.verdict->level == io::VerdictLevel::bad;
+    return {std::move(json), summary_text(*print, report, watch.total(), job.options.report, writer.folder()),
+            bad && job.options.strict ? ExitCode::check_failed : ExitCode::done};
 }
 
 }  // namespace voxtone::slicer

@@ -5,6 +5,7 @@
 
 #include <string>
 
+#include "voxtone/base/error.h"
 #include "voxtone/base/progress.h"
 #include "voxtone/slicer/options/slice_options.h"
 
@@ -13,6 +14,8 @@ namespace voxtone::slicer {
 struct SliceResult {
     std::string json;     ///< report.json: one JSON object
     std::string summary;  ///< a few lines for a person
+    /// Of a whole stack: with `strict`, check_failed where it will not look as asked.
+    ExitCode exit_code = ExitCode::done;
 };
 
 /// Runs the job. Throws Error (with its exit code): nothing that looks whole is left in the output folder then.

@@ -34,6 +34,9 @@ void check_common(const SliceOptions& o) {
          "must be 0.01 to 5 mm");
     need(o.viewing_distance_mm >= 10 && o.viewing_distance_mm <= 1e5, "viewing-distance", mm(o.viewing_distance_mm),
          "must be 10 mm to 100 m");
+    need(o.verdict_good > 0, "verdict-good", fmt::format("{}", o.verdict_good), "must be above 0");
+    need(o.verdict_bad >= o.verdict_good, "verdict-bad", fmt::format("{}", o.verdict_bad),
+         "must not be below --verdict-good");
     need(o.memory_gib >= 0 && o.memory_gib <= most_memory_gib, "memory", fmt::format("{}", o.memory_gib),
          "must be above 0 GiB, or 0 for half of the machine's");
     need(o.read_memory_gib >= 0 && o.read_memory_gib <= 1e6, "read-memory", fmt::format("{}", o.read_memory_gib),
@@ -162,6 +165,7 @@ ResolvedJob resolve(const SliceOptions& o) {
                 parse_choice<LoopMethod>("loop-method", o.loop_method)};
     job.prediction = prediction_of(o);
     job.reading = reading_of(o);
+    job.verdict = {o.verdict_good, o.verdict_bad};
     job.seed = o.seed;
     job.threads = o.threads;
     if (parse_choice<Arrange>("model", o.arrange) == Arrange::colour) {

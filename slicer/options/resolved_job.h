@@ -67,6 +67,14 @@ struct JobPredictionOptions {
     std::uint64_t memory_bytes = 0;        ///< most to use, also by the loop
 };
 
+/// When a print is said to look as asked: means of CIEDE2000 over its coloured surface as seen.
+struct VerdictLimits {
+    /// What ISO 12647-7:2016 allows a contract proof on average.
+    double good = 2.5;
+    /// Above 5 two colours are taken for different ones (Mokrzycki, Tatol 2011, Machine Graphics & Vision 20:383).
+    double bad = 5;
+};
+
 /// One job, checked as far as that can be done without looking at a file.
 struct ResolvedJob {
     /// What it was resolved from, for those who print it again: job.json, the report's table, the checkpoint's digest.
@@ -94,6 +102,7 @@ struct ResolvedJob {
     ColourOptions colour;
     JobLoopOptions loop;
     JobPredictionOptions prediction;
+    VerdictLimits verdict;
 
     io::ReadOptions reading;  ///< limits of reading the model
 

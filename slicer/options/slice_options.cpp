@@ -268,6 +268,15 @@ std::vector<OptionSpec> make_table() {
              &O::predict),
         length(spec("predict-cell", Kind::length, "LENGTH", predict, "cells that are predicted and seen as one"),
                &O::predict_cell_mm),
+        number(spec("verdict-good", Kind::number, "DE", predict,
+                    "the print looks as asked where the mean difference as seen from the viewing distance is not above "
+                    "this, CIEDE2000; a contract proof may have 2.5 (ISO 12647-7)"),
+               &O::verdict_good),
+        number(
+            spec("verdict-bad", Kind::number, "DE", predict,
+                 "and does not where it is above this: colours are taken for others; with --strict that is exit code "
+                 "6, and the stack is there"),
+            &O::verdict_bad),
         of_the_run(number(spec("memory", Kind::number, "GIB", predict,
                                "most memory for the prediction; a print that needs more is printed without it; 0: half "
                                "of the machine's"),
@@ -286,10 +295,12 @@ std::vector<OptionSpec> make_table() {
                                "largest picture or texture, million pixels; 268.4 are 16384 x 16384"),
                           &O::read_megapixels)),
 
-        of_the_run(flag(spec("strict", Kind::flag, "", run,
-                             "do not print what needs a look first: stop with exit code 3 where colours of the model "
-                             "are lost, or where it would come out all white though it has colours"),
-                        &O::strict)),
+        of_the_run(
+            flag(spec("strict", Kind::flag, "", run,
+                      "do not print what needs a look first: stop with exit code 3 where colours of the model "
+                      "are lost, or where it would come out all white though it has colours; leave with exit code 6 "
+                      "where the finished print will not look as asked (--verdict-bad)"),
+                 &O::strict)),
         of_the_run(number(
             spec("threads", Kind::number, "N", run, "threads; 0: one per core. The result does not depend on it"),
             &O::threads)),

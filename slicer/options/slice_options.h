@@ -69,7 +69,8 @@ struct SliceOptions {
     bool report = true;
     std::string predict = "auto";  ///< model of the prediction in the report; see job_prediction.h
     double predict_cell_mm = 0.085;
-    double memory_gib = 0;  ///< of the prediction; 0: half of the machine's
+    double verdict_good = 2.5, verdict_bad = 5;  ///< CIEDE2000; see VerdictLimits
+    double memory_gib = 0;                       ///< of the prediction; 0: half of the machine's
     int threads = 0;
 
     double read_memory_gib = 0;  ///< of the program that reads the model; 0: half of the machine's, 8 at most

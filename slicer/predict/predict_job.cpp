@@ -17,6 +17,7 @@
 #include "voxtone/io/files/whole_file.h"
 #include "voxtone/io/models/glb_writer.h"
 #include "voxtone/io/models/ply_writer.h"
+#include "voxtone/slicer/look/coarse_cells.h"
 #include "voxtone/slicer/look/prediction_files.h"
 #include "voxtone/slicer/look/preview.h"
 #include "voxtone/slicer/look/surface_prediction.h"
@@ -209,15 +210,29 @@ void look_from(const ResolvedPrediction& job, const StackVolume& stack, PredictF
     figures.backing = job.backing.value_or(stack.backing.value_or(usual));
 }
 
-optics::Surface find_cells(const optics::Scene& scene, double cell_mm, PredictFigures& figures, Progress& progress) {
+/// The cells that are predicted, and those that they are averaged over where they are not the same.
+struct PredictedCells {
+    optics::Surface surface;
+    std::optional<optics::Surface> averaged_over;
+};
+
+PredictedCells find_cells(const optics::Scene& scene, const ResolvedPrediction& job, PredictFigures& figures,
+                          Progress& progress) {
     progress.begin_stage("find the surface", 0);
     const std::array<double, 3>& pitch_mm = scene.volume->pitch_mm();
-    const auto cell = optics::cell_voxels(pitch_mm, cell_mm);
+    const auto part = figures.from_above ? optics::SurfacePart::top : optics::SurfacePart::all;
+    std::optional<CoarseCells> coarse;
+    if (job.model == PredictionModel::transport) coarse = coarse_cells(pitch_mm, job.asked.cell_mm);
+    const auto cell = coarse ? coarse->coarse : optics::cell_voxels(pitch_mm, job.asked.cell_mm);
     for (std::size_t a = 0; a < 3; ++a) figures.cell_um[a] = cell[a] * pitch_mm[a] * 1e3;
-    optics::Surface surface =
-        optics::find_surface(scene, cell, figures.from_above ? optics::SurfacePart::top : optics::SurfacePart::all);
+    PredictedCells cells;
+    cells.surface = optics::find_surface(scene, cell, part);
+    if (coarse) {
+        cells.averaged_over = std::move(cells.surface);
+        cells.surface = optics::find_surface(scene, coarse->eye, part);
+    }
     progress.end_stage();
-    return surface;
+    return cells;
 }
 
 /// Throws ResourceError where more is held than allowed.
@@ -291,21 +306,24 @@ PredictResult run_predict_job(const PredictOptions& options, Progress& progress)
     look_from(job, stack, figures);
     expect_files_fit(job, figures.from_above);
     const optics::Scene scene{.volume = &stack.volume, .resins = &stack.resins, .backing = figures.backing};
-    optics::Surface surface = find_cells(scene, options.cell_mm, figures, progress);
+    PredictedCells cells = find_cells(scene, job, figures, progress);
+    const bool quick = cells.averaged_over.has_value();
     figures.surface_s = watch.lap();
-    const std::uint64_t held = stack.volume.memory_bytes() * (options.absolute ? 1 : 2) + surface_bytes(surface);
-    note_memory(stack.volume, surface.cells.size(), held, job.memory_bytes, figures, progress);
+    const std::uint64_t held = stack.volume.memory_bytes() * (options.absolute ? 1 : 2) + surface_bytes(cells.surface);
+    note_memory(stack.volume, cells.surface.cells.size(), held, job.memory_bytes, figures, progress);
 
     progress.begin_stage("predict", 0);
     const ModelMaker maker = [&](bool white) {
         ModelOptions quality = options.quality;
-        quality.cell_mm = options.cell_mm;
+        quality.cell_mm = quick ? eye_cell_mm : options.cell_mm;
+        quality.viewing_cells = quick;
         quality.memory_bytes = job.memory_bytes - held;
         if (white) quality.seed = ~quality.seed;
         return make_model(job.model, quality);
     };
-    const SurfacePrediction prediction =
-        predict_surface(scene, std::move(surface), maker, options.absolute ? -1 : stack.white, progress);
+    SurfacePrediction prediction =
+        predict_surface(scene, std::move(cells.surface), maker, options.absolute ? -1 : stack.white, progress);
+    if (quick) prediction = averaged(prediction, std::move(*cells.averaged_over));
     progress.end_stage();
     figures.predict_s = watch.lap();
 

@@ -240,3 +240,17 @@ TEST_CASE("Targets without any colour in the gamut, and of one colour", "[loop]"
     const LoopResult flat = run(slab, model, grey, options, quiet);
     CHECK(flat.state.steps[flat.state.best].seen.mean < 0.7 * flat.state.steps[0].seen.mean);
 }
+
+TEST_CASE("A loop that has nothing visible to gain stops, unless it was told how often to go on", "[loop]") {
+    SmallSlab slab(n, black_and_white());
+    const BlurringModel model(n, static_cast<int>(slab.white) + 1, 0.5f);
+    const std::vector<Eigen::Vector3f> white(std::size_t{n} * n, Eigen::Vector3f::Ones());
+    Progress progress;
+    const LoopResult free = run(slab, model, white, {}, progress);
+    CHECK(free.state.steps.size() == 1);
+    CHECK(free.why_stopped.find("cannot be seen") != std::string::npos);
+    CHECK_FALSE(free.best);
+    CHECK(run(slab, model, white, {.iterations = 2}, progress).state.steps.size() == 3);
+    // What is far off goes on.
+    CHECK(run(slab, model, stripes(0.05f, 0.9f), {}, progress).state.steps.size() > 1);
+}

@@ -125,6 +125,8 @@ TEST_CASE("A bad value is refused, its key named") {
         {"iterations", [](SliceOptions& o) { o.iterations = "often"; }},
         {"viewing-distance", [](SliceOptions& o) { o.viewing_distance_mm = 1; }},
         {"memory", [](SliceOptions& o) { o.memory_gib = -1; }},
+        {"verdict-good", [](SliceOptions& o) { o.verdict_good = 0; }},
+        {"verdict-bad", [](SliceOptions& o) { o.verdict_bad = 1; }},
         {"threads", [](SliceOptions& o) { o.threads = 2000; }},
         {"unit", [](SliceOptions& o) { o.unit = "mile"; }},
         {"rotate", [](SliceOptions& o) { o.rotate = "w90"; }},

@@ -1,0 +1,255 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/slicer/job/verdict.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+
+#include "voxtone/halftone/loop/eye_filter.h"
+#include "voxtone/slicer/job/resin_choice.h"
+#include "voxtone/slicer/surface/target_cells.h"
+
+namespace voxtone::slicer {
+
+namespace {
+
+constexpr double much_of_the_surface = 0.1;  // above `bad`: what is so large is seen at once
+
+enum Cause : std::size_t { gamut, thin_wall, neighbours, causes };
+constexpr std::array<const char*, causes> cause_names{"colours out of the resins' reach", "thin walls",
+                                                      "light between neighbouring colours and at edges"};
+
+/// What is off, by cause.
+struct Losses {
+    std::array<double, causes> weight{};  ///< area times difference
+    double off_mm2 = 0, bad_mm2 = 0, area_mm2 = 0;
+    /// Of the thin walls: the median, by weight, and the cell of a wall no thicker that is most off.
+    double thickness_mm = 0;
+    Eigen::Vector3d place_mm = Eigen::Vector3d::Zero();
+
+    [[nodiscard]] double all() const { return weight[gamut] + weight[thin_wall] + weight[neighbours]; }
+    [[nodiscard]] double share(Cause cause) const { return all() > 0 ? weight[cause] / all() : 0; }
+    [[nodiscard]] Cause main() const {
+        return static_cast<Cause>(std::max_element(weight.begin(), weight.end()) - weight.begin());
+    }
+};
+
+struct ThinCell {
+    double thickness_mm, weight;
+    Eigen::Vector3d centre_mm;
+};
+
+/// Corners are longer to cross than the wall that they end, so the thickness is that of the middle.
+void describe_walls(std::vector<ThinCell> cells, Losses& losses) {
+    if (cells.empty()) return;
+    std::stable_sort(cells.begin(), cells.end(),
+                     [](const ThinCell& a, const ThinCell& b) { return a.thickness_mm < b.thickness_mm; });
+    double sum = 0, worst = 0;
+    for (const ThinCell& cell : cells) {
+        if (cell.weight > worst) {
+            worst = cell.weight;
+            losses.place_mm = cell.centre_mm;
+        }
+        losses.thickness_mm = cell.thickness_mm;
+        sum += cell.weight;
+        if (sum >= losses.weight[thin_wall] / 2) return;
+    }
+}
+
+std::vector<double> seen_differences(const VerdictSources& s, const JobPrediction& p) {
+    const halftone::EyeFilter eye(p.predicted.surface, s.job.options.loop.viewing_distance_mm,
+                                  halftone::EyeSurround::none);
+    return colour_differences(eye.filter(p.target), eye.filter(p.predicted.rgb));
+}
+
+Losses losses_of(const VerdictSources& s, const JobPrediction& p, const std::vector<double>& difference) {
+    const VerdictLimits& limits = s.job.options.verdict;
+    const double thin_mm = 2 * s.job.options.colour.depth_mm;
+    Losses losses;
+    std::vector<ThinCell> thin;
+    for (std::size_t i = 0; i < difference.size(); ++i) {
+        const optics::SurfaceCell& cell = p.predicted.surface.cells[i];
+        const double area = cell.area_mm2, d = difference[i], weight = area * d;
+        losses.area_mm2 += area;
+        if (d > limits.bad) losses.bad_mm2 += area;
+        if (d <= limits.good) continue;
+        losses.off_mm2 += area;
+        if (s.colour.separation.gamut_distance(p.target[i]) >= d / 2) {
+            losses.weight[gamut] += weight;
+            continue;
+        }
+        const Eigen::Vector3d centre(cell.centre_mm[0], cell.centre_mm[1], cell.centre_mm[2]);
+        const double wall =
+            wall_thickness_mm(p.volume, centre, {cell.normal[0], cell.normal[1], cell.normal[2]}, thin_mm);
+        losses.weight[wall < thin_mm ? thin_wall : neighbours] += weight;
+        if (wall < thin_mm) thin.push_back({wall, weight, centre});
+    }
+    describe_walls(std::move(thin), losses);
+    return losses;
+}
+
+io::VerdictLevel level_of(double mean, double bad_share, const VerdictLimits& limits) {
+    if (mean > limits.bad) return io::VerdictLevel::bad;
+    return mean > limits.good || bad_share > much_of_the_surface ? io::VerdictLevel::fair : io::VerdictLevel::good;
+}
+
+const char* opening(io::VerdictLevel level) {
+    switch (level) {
+        case io::VerdictLevel::good:
+            return "It will look as asked";
+        case io::VerdictLevel::fair:
+            return "It will look much as asked, with differences that are seen";
+        case io::VerdictLevel::bad:
+            return "It will not look as asked";
+        case io::VerdictLevel::unknown:
+            break;
+    }
+    return "How it will look was not predicted";
+}
+
+std::string why(Cause cause, const Losses& losses) {
+    if (cause == thin_wall)
+        return fmt::format(
+            "light passes through thin walls ({:.1f} mm at x {:.1f}, y {:.1f}, z {:.1f} mm of the print)",
+            losses.thickness_mm, losses.place_mm.x(), losses.place_mm.y(), losses.place_mm.z());
+    if (cause == gamut) return "the loaded resins cannot show these colours";
+    return "light spreads between neighbouring colours and at edges";
+}
+
+std::string advice_on_gamut(const VerdictSources& s) {
+    const auto resin = most_helpful_resin(s.job, s.body);
+    if (!resin) return "choose colours that are less saturated or less dark: no other resin of the set would help much";
+    if (!resin->has_slot)
+        return fmt::format(
+            "print it where {} can be loaded too, in another mode or on another printer: colours out of reach go from "
+            "{:.1f} to {:.1f} CIEDE2000 then",
+            resin->role, resin->now_de2000, resin->mean_de2000);
+    return fmt::format("load {} too (--load): colours out of reach go from {:.1f} to {:.1f} CIEDE2000 then",
+                       resin->role, resin->now_de2000, resin->mean_de2000);
+}
+
+std::string advice_on(Cause cause, const VerdictSources& s) {
+    if (cause == gamut) return advice_on_gamut(s);
+    if (cause == thin_wall)
+        return fmt::format("make these walls at least {:g} mm thick, or print it larger ({})",
+                           2 * s.job.options.colour.depth_mm, s.body.is_picture ? "--thickness" : "--size");
+    return s.job.options.loop.intent == halftone::Intent::contrast
+               ? "print it larger: details are blurred over half a millimetre whatever their size"
+               : "print it larger, or give local contrast the preference (--intent contrast)";
+}
+
+void add_causes(const Losses& losses, io::ReportVerdict& verdict) {
+    for (const Cause cause : {gamut, thin_wall, neighbours})
+        if (losses.share(cause) >= 0.005) verdict.causes.push_back({cause_names[cause], losses.share(cause)});
+    std::stable_sort(verdict.causes.begin(), verdict.causes.end(),
+                     [](const auto& a, const auto& b) { return a.share > b.share; });
+}
+
+void add_advice(const VerdictSources& s, const Losses& losses, io::ReportVerdict& verdict) {
+    constexpr double worth_a_word = 0.2;
+    if (!s.looped && losses.share(gamut) < 1 - worth_a_word)
+        verdict.advice.emplace_back(
+            "let the resins be rearranged (--iterations 8, or auto): that makes up for much of "
+            "the light that spreads and passes");
+    for (const io::ReportVerdict::Cause& named : verdict.causes)
+        for (const Cause cause : {gamut, thin_wall, neighbours})
+            if (named.name == cause_names[cause] && named.share >= worth_a_word)
+                verdict.advice.push_back(advice_on(cause, s));
+}
+
+void judge_prediction(const VerdictSources& s, const JobPrediction& p, io::ReportVerdict& verdict) {
+    const std::vector<double> difference = seen_differences(s, p);
+    const optics::DifferenceSummary seen = summarize_by_area(p.predicted.surface, difference);
+    const Losses losses = losses_of(s, p, difference);
+    verdict.seen_mean = seen.mean;
+    verdict.seen_p95 = seen.percentile_95;
+    verdict.off_share = losses.area_mm2 > 0 ? losses.off_mm2 / losses.area_mm2 : 0;
+    verdict.level =
+        level_of(seen.mean, losses.area_mm2 > 0 ? losses.bad_mm2 / losses.area_mm2 : 0, s.job.options.verdict);
+    verdict.sentence = fmt::format(
+        "{}: seen from {:g} mm it differs by {:.1f} CIEDE2000 on average (up to {:g} is good, "
+        "above {:g} bad)",
+        opening(verdict.level), verdict.viewing_distance_mm, seen.mean, verdict.good_up_to, verdict.bad_above);
+    if (verdict.level == io::VerdictLevel::good) {
+        verdict.sentence += ".";
+        return;
+    }
+    add_causes(losses, verdict);
+    add_advice(s, losses, verdict);
+    if (!verdict.causes.empty())
+        verdict.sentence +=
+            fmt::format(", {} because {}", losses.share(losses.main()) > 0.9 ? "nearly all of it" : "mostly",
+                        why(losses.main(), losses));
+    if (!verdict.advice.empty()) verdict.sentence += fmt::format("; try this: {}", verdict.advice.front());
+    verdict.sentence += ".";
+}
+
+/// What is out of reach is known without a prediction; thin walls and neighbours are not.
+void judge_gamut(const VerdictSources& s, io::ReportVerdict& verdict) {
+    if (s.gamut.mean_de2000 > s.job.options.verdict.bad) verdict.level = io::VerdictLevel::bad;
+    std::string reason = s.why_not_predicted.empty() ? "it was not asked for (--predict)" : s.why_not_predicted;
+    if (reason.ends_with(".")) reason.pop_back();
+    const std::string reach = fmt::format(
+        "the loaded resins cannot show {:.0f} % of its colours, which are moved by {:.1f} CIEDE2000 on "
+        "average over the surface",
+        100 * s.gamut.mapped_share, s.gamut.mean_de2000);
+    if (verdict.level == io::VerdictLevel::bad) {
+        verdict.causes.push_back({cause_names[gamut], 1});
+        verdict.advice.push_back(advice_on_gamut(s));
+        verdict.sentence =
+            fmt::format("{}: {} (above {:g} is bad); try this: {}. Light in it was not predicted: {}.",
+                        opening(verdict.level), reach, verdict.bad_above, verdict.advice.front(), reason);
+    } else {
+        verdict.sentence = fmt::format("{}: {}; {}.", opening(verdict.level), reason, reach);
+    }
+}
+
+}  // namespace
+
+double wall_thickness_mm(const optics::ResinVolume& volume, const Eigen::Vector3d& from_mm,
+                         const Eigen::Vector3d& normal, double most_mm) {
+    const auto& pitch = volume.pitch_mm();
+    const auto& size = volume.size();
+    const double step = 0.5 * std::min({pitch[0], pitch[1], pitch[2]});
+    const double voxel = std::max({pitch[0], pitch[1], pitch[2]});
+    const auto solid = [&](double depth) {
+        std::array<int, 3> at{};
+        for (std::size_t a = 0; a < 3; ++a) {
+            const auto axis = static_cast<Eigen::Index>(a);
+            at[a] = static_cast<int>(std::floor((from_mm[axis] - depth * normal[axis]) / pitch[a]));
+            if (at[a] < 0 || at[a] >= size[a]) return false;
+        }
+        return volume.at(at[0], at[1], at[2]) != optics::air;
+    };
+    // The centre of a cell's faces may lie a little outside of the staircase, or in a notch of it.
+    double depth = step;
+    while (depth < voxel && !solid(depth)) depth += step;
+    while (depth < most_mm && solid(depth)) depth += step;
+    return std::min(depth, most_mm);
+}
+
+io::ReportVerdict judge(const VerdictSources& s) {
+    io::ReportVerdict verdict;
+    verdict.viewing_distance_mm = s.job.options.loop.viewing_distance_mm;
+    verdict.good_up_to = s.job.options.verdict.good;
+    verdict.bad_above = s.job.options.verdict.bad;
+    if (s.prediction) {
+        judge_prediction(s, *s.prediction, verdict);
+    } else if (s.all_white) {
+        verdict.level = io::VerdictLevel::good;
+        verdict.sentence = fmt::format(
+            "{}: white everywhere, and all of white resin, so that there was nothing to rearrange and nothing to "
+            "predict.",
+            opening(verdict.level));
+    } else {
+        judge_gamut(s, verdict);
+    }
+    return verdict;
+}
+
+}  // namespace voxtone::slicer

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Will the print look as asked, and if not, why, and what to try: one sentence and one figure.
+//
+// The figure is the mean CIEDE2000 between what is predicted and what was asked for, both after the eye filter
+// (halftone/loop/eye_filter.h, at the viewing distance), over the whole coloured surface by area: colours that the
+// resins cannot reach count, as they do for whoever looks at it. Good and bad are options (VerdictLimits). Where more
+// than a tenth of the surface is above `bad`, a good mean is called fair at best.
+//
+// Why: each cell that is off by more than `good` counts with area times difference for the first of
+//   - out of gamut: the thick body's separation alone is off by half of the cell's difference or more;
+//   - thin walls: going inward along the normal the body ends within two shell depths, so that there is no core behind
+//     the colour, and light passes, or the other side's colour shows;
+//   - neighbours' light: all else. Light spreads between neighbouring colours, at edges and in corners.
+// It is a count by rules, no analysis of what each alone would do: two causes in one cell count as the first.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "voxtone/io/report/report_html.h"
+#include "voxtone/slicer/job/job_body.h"
+#include "voxtone/slicer/job/job_colour.h"
+#include "voxtone/slicer/job/job_prediction.h"
+#include "voxtone/slicer/job/opened_job.h"
+
+namespace voxtone::slicer {
+
+struct VerdictSources {
+    const OpenedJob& job;
+    const JobBody& body;
+    const JobColour& colour;
+    const std::optional<JobPrediction>& prediction;
+    const std::string& why_not_predicted;  ///< a sentence, or empty
+    const io::ReportGamut& gamut;
+    bool looped = false;     ///< the resins were rearranged
+    bool all_white = false;  ///< white was asked for everywhere, and white resin is printed
+};
+
+[[nodiscard]] io::ReportVerdict judge(const VerdictSources& sources);
+
+/// How much body there is behind a point of its surface: from `from_mm` along `-normal` (unit length) to the first air,
+/// at most `most_mm`. Steps of half a voxel.
+[[nodiscard]] double wall_thickness_mm(const optics::ResinVolume& volume, const Eigen::Vector3d& from_mm,
+                                       const Eigen::Vector3d& normal, double most_mm);
+
+}  // namespace voxtone::slicer

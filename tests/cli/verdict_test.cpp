@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <filesystem>
+#include <regex>
+
+#include <fmt/core.h>
+#include <nlohmann/json.hpp>
+
+#include "run_program.h"
+#include "tests/io/files/schema.h"
+
+using namespace voxtone;
+using namespace voxtone::test;
+using Catch::Matchers::Contains;
+
+namespace {
+
+nlohmann::json report_in(const Folder& folder) {
+    return nlohmann::json::parse(read_file(folder.path() / "out/report.json"));
+}
+
+std::string white_box() { return std::regex_replace(ramp_box_obj(5, 4, 4), std::regex("(0 0.5 0|0.6 0 0)\n"), "\n"); }
+
+bool has_stage(const nlohmann::json& report, const std::string& name) {
+    return std::any_of(report["stages"].begin(), report["stages"].end(),
+                       [&](const auto& s) { return s["name"] == name; });
+}
+
+}  // namespace
+
+TEST_CASE("White everywhere needs no loop and no prediction, and looks as asked") {
+    const Folder folder("white");
+    folder.write("white.obj", white_box());
+    const std::string slice = "slice --quiet --overwrite " + folder / "white.obj" + " -o " + folder / "out";
+    const Outcome quick = run_program(slice);
+    REQUIRE(quick.exit_code == 0);
+    CHECK_THAT(quick.out, Contains("nothing to rearrange and nothing to predict"));
+    const auto report = report_in(folder);
+    CHECK(report["verdict"]["level"] == "good");
+    CHECK_FALSE(report.contains("loop"));
+    CHECK_FALSE(has_stage(report, "predict"));
+    CHECK_THAT(read_file(folder.path() / "out/report.html"), Contains("Will it look as asked?"));
+    // What is asked for is done all the same.
+    REQUIRE(run_program(slice + " --iterations 1 --predict transport").exit_code == 0);
+    const auto asked = report_in(folder);
+    CHECK(asked["loop"]["iterations"].size() == 2);
+    CHECK(has_stage(asked, "predict"));
+    CHECK(asked["verdict"]["level"] == "good");
+    CHECK(double(asked["verdict"]["seen_de2000"]["mean"]) < 0.1);
+}
+
+TEST_CASE("A thin wall gets its word, limits are the user's, and --strict makes them count") {
+    const Folder folder("thin");
+    folder.write("plate.obj", ramp_box_obj(6, 0.5, 5));
+    const std::string slice =
+        "slice --quiet --overwrite --iterations 0 " + folder / "plate.obj" + " -o " + folder / "out ";
+    const Outcome plain = run_program(slice);
+    REQUIRE(plain.exit_code == 0);
+    const auto verdict = report_in(folder)["verdict"];
+    INFO(verdict.dump(1));
+    CHECK(verdict["level"] == "bad");
+    CHECK(io::schema_faults("report", read_file(folder.path() / "out/report.json")).empty());
+    CHECK(verdict["causes"][0]["cause"] == "thin walls");
+    const std::string sentence = verdict["sentence"];
+    CHECK_THAT(sentence, Contains("will not look as asked") && Contains("0.5 mm at x") && Contains("try this"));
+    CHECK_THAT(plain.out, Contains(sentence));
+    std::string page = read_file(folder.path() / "out/report.html");
+    CHECK_THAT(page, Contains("thin walls"));
+    // The stack is there and whole.
+    CHECK(run_program(slice + "--strict").exit_code == 6);
+    CHECK(run_program("verify " + folder / "out").exit_code == 0);
+    CHECK(run_program(slice + "--strict --verdict-bad 90").exit_code == 0);
+    CHECK(report_in(folder)["verdict"]["level"] == "fair");
+    CHECK(run_program(slice + "--strict --verdict-good 80 --verdict-bad 90").exit_code == 0);
+    CHECK(run_program(slice + "--verdict-good 6").exit_code == 2);
+}
+
+TEST_CASE("A printer with few slots is loaded with the resins that the model needs") {
+    const Folder folder("slots");
+    folder.write("ramp.obj", ramp_box_obj(6, 5, 4));  // red to green: black and one hue are not enough
+    const std::string slice = "slice --quiet --overwrite --iterations 0 --predict none --printer stratasys-j750-hs " +
+                              folder / "ramp.obj" + " -o " + folder / "out ";
+    const auto roles = [&] {
+        std::string names;
+        for (const auto& resin : report_in(folder)["resins"]) names += resin["role"].get<std::string>();
+        return names;
+    };
+    REQUIRE(run_program(slice + "--load M,K,W").exit_code == 0);
+    CHECK(roles() == "MKW");
+    const auto usual = report_in(folder);
+    CHECK_THAT(std::string(usual["verdict"]["sentence"]), Contains("cannot show"));
+    REQUIRE(run_program(slice).exit_code == 0);
+    const auto chosen = report_in(folder);
+    CHECK(roles().size() == 3);
+    CHECK(roles() != "MKW");
+    CHECK(double(chosen["gamut"]["de2000"]["mean"]) < 0.8 * double(usual["gamut"]["de2000"]["mean"]));
+    CHECK_THAT(chosen["sections"].dump(), Contains("show this model's colours best"));
+    // Where all of the set's resins have a slot, nothing is chosen.
+    REQUIRE(run_program("slice --quiet --overwrite --iterations 0 --predict none " + folder / "ramp.obj" + " -o " +
+                        folder / "out")
+                .exit_code == 0);
+    CHECK(roles() == "CMYKW");
+}
+
+TEST_CASE("A quick look in coarse cells is quicker, and sees the same colours") {
+    const Folder folder("quick");
+    folder.write("ramp.obj", ramp_box_obj(8, 6, 4));
+    REQUIRE(run_program("slice --quiet --iterations 0 --no-report " + folder / "ramp.obj" + " -o " + folder / "out")
+                .exit_code == 0);
+    const auto predict = [&](const std::string& cell) {
+        const Outcome outcome = run_program("predict --quiet --json --view body --cell " + cell + " " + folder / "out" +
+                                            " -o " + folder / ("p" + cell + ".glb"));
+        INFO(outcome.err);
+        REQUIRE(outcome.exit_code == 0);
+        const auto at = outcome.out.rfind("{\"event\":\"result\"");
+        REQUIRE(at != std::string::npos);
+        return nlohmann::json::parse(outcome.out.substr(at))["result"];
+    };
+    const auto fine = predict("0.085mm"), coarse = predict("0.34mm"), coarser = predict("0.68mm");
+    CHECK(int(coarse["cells"]) * 8 < int(fine["cells"]));
+    CHECK(int(coarser["cells"]) < int(coarse["cells"]));
+    for (std::size_t c = 0; c < 3; ++c) {
+        CHECK(double(coarse["mean_rgb"][c]) == Approx(double(fine["mean_rgb"][c])).margin(0.02));
+        CHECK(double(coarser["mean_rgb"][c]) == Approx(double(coarse["mean_rgb"][c])).margin(0.005));
+    }
+    // Ten times as quick where nothing else runs: less than half says as much.
+    CHECK(double(coarse["seconds"]["predict"]) < 0.5 * double(fine["seconds"]["predict"]));
+}
