@@ -315,7 +315,8 @@ JobLayers::JobLayers(DesignedStacks designed, const JobBody& body, const LoadedR
       screen_(std::array{body.grid.pitch_mm.x(), body.grid.pitch_mm.y(), body.grid.pitch_mm.z()}, &progress),
       wrapped_(*body.surface, body.grid, fields_, placement_, screen_, printed_materials(resins),
                resins.core_material()) {
-    fit = stack_fit(body, wrapped_, progress);
+    fit = stack_fit(body.surface, body.grid,
+                    body.is_picture ? std::optional(body.placement.extent_mm.z()) : std::nullopt, wrapped_, progress);
     warnings = warnings_of(designed.placed, fit);
 }
 

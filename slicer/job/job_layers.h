@@ -25,8 +25,8 @@
 #include "voxtone/optics/numerics/hankel.h"
 #include "voxtone/slicer/job/job_body.h"
 #include "voxtone/slicer/job/job_colour.h"
-#include "voxtone/slicer/job/stack_fit.h"
 #include "voxtone/slicer/layers/map_placement.h"
+#include "voxtone/slicer/layers/stack_fit.h"
 #include "voxtone/slicer/layers/wrapped_layers.h"
 #include "voxtone/slicer/options/resolved_job.h"
 

@@ -9,8 +9,8 @@
 #include "tests/slicer/mesh/shapes.h"
 #include "voxtone/base/error.h"
 #include "voxtone/slicer/job/layer_surfaces.h"
-#include "voxtone/slicer/job/stack_fit.h"
 #include "voxtone/slicer/layers/layer_maker.h"
+#include "voxtone/slicer/layers/stack_fit.h"
 #include "voxtone/slicer/look/upright_cut.h"
 #include "voxtone/slicer/mesh/mesh_repair.h"
 #include "voxtone/slicer/printer/placement.h"
@@ -297,7 +297,10 @@ TEST_CASE("Closed surfaces leave nothing where a layer has thickness zero, and a
 TEST_CASE("The share of the surface without room for its stack is that of its edges, and of thin walls") {
     const auto fit_of = [](const SolidMesh& mesh, const std::vector<Stack>& stacks) {
         const Wrapped w(mesh, pitch, stacks);
-        return stack_fit(body_of(w), *w.wrapped, Progress());
+        const JobBody body = body_of(w);
+        return stack_fit(body.surface, body.grid,
+                         body.is_picture ? std::optional(body.placement.extent_mm.z()) : std::nullopt, *w.wrapped,
+                         Progress());
     };
     const std::vector<Stack> deep{{{0, 0.5}, {1, 0.5}}};
     CHECK(fit_of(shapes::sphere(3, 40), deep).thin_share == 0);

@@ -7,9 +7,12 @@
 // thin walls and beside sharp edges, where the layers of both sides meet.
 #pragma once
 
+#include <optional>
+
 #include "voxtone/base/progress.h"
-#include "voxtone/slicer/job/job_body.h"
 #include "voxtone/slicer/layers/wrapped_layers.h"
+#include "voxtone/slicer/printer/voxel_grid.h"
+#include "voxtone/slicer/surface/visible_surface.h"
 
 namespace voxtone::slicer {
 
@@ -18,6 +21,8 @@ struct StackFit {
     double missing_mean = 0;  ///< there: mean share of the stack's depth that is not there
 };
 
-[[nodiscard]] StackFit stack_fit(const JobBody& body, const WrappedLayers& wrapped, const Progress& progress);
+/// `slab_mm`: thickness of a picture's slab; nothing: a body.
+[[nodiscard]] StackFit stack_fit(const SurfaceIndex& coloured, const VoxelGrid& grid, std::optional<double> slab_mm,
+                                 const WrappedLayers& wrapped, const Progress& progress);
 
 }  // namespace voxtone::slicer

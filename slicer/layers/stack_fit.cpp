@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/job/stack_fit.h"
+#include "voxtone/slicer/layers/stack_fit.h"
 
 #include <vector>
 
@@ -11,13 +11,14 @@
 
 namespace voxtone::slicer {
 
-StackFit stack_fit(const JobBody& body, const WrappedLayers& wrapped, const Progress& progress) {
+StackFit stack_fit(const SurfaceIndex& coloured, const VoxelGrid& grid, std::optional<double> slab_mm,
+                   const WrappedLayers& wrapped, const Progress& progress) {
     constexpr std::size_t samples = 20000;
-    const VisibleSurface& surface = *body.surface;
+    const VisibleSurface& surface = *coloured;
     if (!(coloured_area_mm2(surface) > 0)) return {};
     const AreaSamples points(surface);
-    const TriangleTree& tree = body.surface.tree();
-    const double slack = body.grid.pitch_mm.maxCoeff();
+    const TriangleTree& tree = coloured.tree();
+    const double slack = grid.pitch_mm.maxCoeff();
     std::vector<double> missing(samples, 0);
     parallel_for(
         0, samples, 64,
@@ -33,8 +34,7 @@ StackFit stack_fit(const JobBody& body, const WrappedLayers& wrapped, const Prog
             const Eigen::Vector3d p = (1 - u - v) * p0 + u * p1 + v * p2;
             const Eigen::Vector3d normal = (p1 - p0).cross(p2 - p0).normalized();
             const auto fits = [&](double h) {
-                return body.is_picture ? h <= body.placement.extent_mm.z() + slack
-                                       : tree.nearest(p - h * normal, t).distance >= h - slack;
+                return slab_mm ? h <= *slab_mm + slack : tree.nearest(p - h * normal, t).distance >= h - slack;
             };
             if (fits(depth)) return;
             double low = 0, high = depth;
