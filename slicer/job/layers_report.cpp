@@ -17,8 +17,8 @@
 #include "voxtone/io/pictures/srgb_code.h"
 #include "voxtone/io/report/plot_svg.h"
 #include "voxtone/optics/colour/spectral_colour.h"
-#include "voxtone/slicer/job/report_files.h"
 #include "voxtone/slicer/look/preview.h"
+#include "voxtone/slicer/look/report_files.h"
 #include "voxtone/slicer/surface/target_cells.h"
 
 namespace voxtone::slicer {

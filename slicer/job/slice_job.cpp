@@ -22,10 +22,10 @@
 #include "voxtone/slicer/job/layered_print.h"
 #include "voxtone/slicer/job/loop_checkpoint.h"
 #include "voxtone/slicer/job/opened_job.h"
-#include "voxtone/slicer/job/report_files.h"
 #include "voxtone/slicer/job/resin_choice.h"
 #include "voxtone/slicer/job/slice_report.h"
 #include "voxtone/slicer/layers/layer_maker.h"
+#include "voxtone/slicer/look/report_files.h"
 #include "voxtone/slicer/look/thumbnails.h"
 #include "voxtone/slicer/options/job_file.h"
 

@@ -5,7 +5,7 @@
 
 #include "voxtone/base/peak_memory.h"
 #include "voxtone/base/progress_bar.h"
-#include "voxtone/slicer/job/report_files.h"
+#include "voxtone/slicer/look/report_files.h"
 
 #ifndef VOXTONE_VERSION
 #error "the build defines the program's version"
