@@ -202,7 +202,7 @@ TEST_CASE("A resumed loop goes on to the same bits", "[loop]") {
     const auto target = stripes(0.2f, 0.6f);
     std::vector<LoopState> states;
     const LoopResult whole =
-        run(slab, model, target, options, quiet, [&](const LoopState& state) { states.push_back(state); });
+        run(slab, model, target, options, quiet, [&](const LoopState& state, const auto&) { states.push_back(state); });
     REQUIRE(states.size() >= 3);
     const LoopResult resumed = run(slab, model, target, options, quiet, {}, ResumedLoop{states[2], {}});
     REQUIRE(resumed.state.steps.size() == whole.state.steps.size());
