@@ -33,6 +33,7 @@ struct Desk {
         SliceOptions options;
         options.model = *this / "model.obj";
         options.out = *this / "out";
+        options.overwrite = true;  // a lone job.json makes no stack of a folder
         return options;
     }
     [[nodiscard]] JobIdentity identity(const SliceOptions& options) const {
@@ -114,6 +115,7 @@ TEST_CASE("A folder's job.json tells whether its stack is of this very job") {
     read_job(desk / "moved/out/job.json", recorded);
     CHECK(recorded.model == desk / "moved/model.obj");
     CHECK(recorded.out == desk / "moved/out");
+    recorded.overwrite = true;
     CHECK(is_same_job(desk / "moved/out", open_job(recorded)));
 
     desk.write("moved/skin.png", "blue");
@@ -139,6 +141,7 @@ TEST_CASE("Inputs that changed since the job file was written are named, others 
     desk.leave_record(desk.options());
     SliceOptions again;
     read_job(desk / "out/job.json", again);
+    again.overwrite = true;
     REQUIRE(again.recorded_inputs.size() == 4);  // model, texture, printer, resins
     CHECK(changed_inputs(again.recorded_inputs, desk.identity(again).inputs).empty());
     desk.write("skin.png", "blue");

@@ -113,10 +113,11 @@ TEST_CASE("Sizes that no voxel or no tray holds are refused before they are work
     CHECK(refused(10, tray, false).empty());
     CHECK(refused(0.09, tray, false).empty());
     CHECK(refused(490, tray, false).empty());
-    CHECK_THAT(refused(0.01, tray, false), Contains("less than one voxel") && Contains("--size"));
-    CHECK_THAT(refused(1e30, tray, false), Contains("too large along x") && Contains("--unit"));
-    CHECK_THAT(refused(1e30, endless, false), Contains("too large along x"));
-    CHECK_THAT(refused(1e5, tray, true), Contains("--width") && !Contains("--size") && !Contains("--rotate"));
+    CHECK_THAT(refused(0.01, tray, false), Catch::Contains("less than one voxel") && Catch::Contains("--size"));
+    CHECK_THAT(refused(1e30, tray, false), Catch::Contains("too large along x") && Catch::Contains("--unit"));
+    CHECK_THAT(refused(1e30, endless, false), Catch::Contains("too large along x"));
+    CHECK_THAT(refused(1e5, tray, true),
+               Catch::Contains("--width") && !Catch::Contains("--size") && !Catch::Contains("--rotate"));
 }
 
 TEST_CASE("A model too large for the tray is refused with what to try") {
