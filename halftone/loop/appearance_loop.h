@@ -122,6 +122,7 @@ struct LoopResult {
     bool cancelled = false;
     std::string why_stopped;
     std::optional<SkinMixtures> best;  ///< nothing: the open loop was best
+    std::vector<std::string> remarks;  ///< of the model, on the best iterate (Appearance::remarks)
 };
 
 /// After each iteration, with all that is needed to go on.

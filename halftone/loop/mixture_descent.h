@@ -39,9 +39,9 @@
 
 namespace voxtone::halftone {
 
-/// Rates are without unit: exponents per unit of d. The figures were chosen on the middle 10 mm of img_kodim23,
-/// img_astronaut, img_marble, img_hubble, a page of type and a Siemens star, 20 mm wide (12 iterations;
-/// docs/benchmarks.md, "What the descent looks at").
+/// Rates are without unit: exponents per unit of d. The figures were chosen on the fitting set (benchmarks/sets.json,
+/// without the colour checker and the gratings): `appearance_loop_benchmark slabs --crop 10x10 --set iterations=12`
+/// (docs/benchmarks.md, "What the descent looks at").
 struct DescentOptions {
     /// rate_o: of the first step far from the target, and the most it may become.
     float own_rate = 0.36f, most_own_rate = 0.5f;

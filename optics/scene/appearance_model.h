@@ -5,6 +5,12 @@
 // Appearance of a surface cell, per channel: flux that leaves through its part of the refractive surface / flux that
 // entered there; the first reflection left out; exactly 1 for a body that absorbs nothing. Media-relative values divide
 // by the appearance of the same body all of white resin at the same place.
+//
+// What is taken for granted. The surface is smooth and refracts by Fresnel's equations, unpolarised, with one index for
+// all resins; there are no surfaces between resins. Light comes from all sides and is seen from all sides (flux / flux,
+// bi-hemispherical). Colours of Vero slabs relative to white differ from those seen at 45:0 by CIEDE2000 0.78 (1.14 at
+// most), and by 0.75 (1.26) where the index is 0.05 off (tests/optics/layered/assumptions_test.cpp); what roughness
+// does is in no model here. More: docs/predict.md. A model may answer a little below 0 in the dark.
 #pragma once
 
 #include <array>
@@ -12,6 +18,7 @@
 #include <functional>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "voxtone/base/progress.h"
@@ -26,6 +33,7 @@ struct Appearance {
     std::size_t channels = 0;
     std::vector<float> value;
     std::vector<float> standard_error;  ///< one sigma, same shape; empty where the model draws no random numbers
+    std::vector<std::string> remarks;   ///< what a reader of these values should know: sentences without a full stop
 };
 
 /// Derivative of a function F of the appearance with respect to what voxels are filled with.

@@ -332,6 +332,15 @@ Surface find_surface_near(const Scene& scene, const std::array<int, 3>& cell, co
     return surface;
 }
 
+SeenFrom seen_from(const Surface& surface) {
+    double along_z = 0, all = 0;
+    for (const SurfaceCell& cell : surface.cells) {
+        along_z += static_cast<double>(cell.area_mm2 * std::abs(cell.normal[2]));
+        all += static_cast<double>(cell.area_mm2);
+    }
+    return along_z > 0.9 * all ? SeenFrom::above : SeenFrom::all_sides;
+}
+
 Surface part_of(const Surface& surface, std::span<const std::uint32_t> cells) {
     Surface part;
     part.cell_voxels = surface.cell_voxels;

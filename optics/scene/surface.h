@@ -13,6 +13,7 @@
 #include <span>
 #include <vector>
 
+#include "voxtone/optics/media/effective_medium.h"
 #include "voxtone/optics/scene/scene.h"
 
 namespace voxtone::optics {
@@ -69,6 +70,10 @@ struct VoxelBox {
 [[nodiscard]] Surface find_surface(const Scene& scene, const std::array<int, 3>& cell_voxels, SurfacePart part);
 /// All of it inside a box, and perhaps some around.
 [[nodiscard]] Surface find_surface_near(const Scene& scene, const std::array<int, 3>& cell_voxels, const VoxelBox& box);
+
+/// Which way light falls on the voxels under a surface: from above where nine tenths of its area look along z, whether
+/// up or down.
+[[nodiscard]] SeenFrom seen_from(const Surface& surface);
 
 /// The cells of a surface that are listed, with their faces.
 [[nodiscard]] Surface part_of(const Surface& surface, std::span<const std::uint32_t> cells);

@@ -17,7 +17,9 @@ struct OpticalGrid::Builder {
     OpticalGrid& grid;
     const Scene& scene;
     std::array<int, 3> block_voxels{};
-    std::map<std::vector<std::pair<Material, int>>, std::uint16_t> mixtures;
+    using Counts = std::vector<std::pair<Material, int>>;
+    using Numbers = std::map<Counts, std::uint32_t>;
+    Numbers mixtures, core_mixtures;  // of the two palettes
 
     [[nodiscard]] std::array<int, 3> corner_of(const std::array<int, 3>& block) const {
         std::array<int, 3> corner{};
@@ -169,19 +171,45 @@ struct OpticalGrid::Builder {
         for (const std::size_t here : found) ring[here] = static_cast<std::uint8_t>(r);
     }
 
-    std::uint16_t intern(std::vector<std::pair<Material, int>> counts) {
-        std::sort(counts.begin(), counts.end());
-        const auto found = mixtures.find(counts);
-        if (found != mixtures.end()) return found->second;
+    static PaletteEntry entry_of(const Counts& counts) {
         int all = 0;
         for (const auto& [m, n] : counts) all += n;
         PaletteEntry entry;
         for (const auto& [m, n] : counts) entry.shares.emplace_back(m, static_cast<float>(n) / static_cast<float>(all));
-        VOXTONE_EXPECT(grid.palette.size() < 65535);
-        const auto index = static_cast<std::uint16_t>(grid.palette.size());
-        grid.palette.push_back(std::move(entry));
-        mixtures.emplace(std::move(counts), index);
-        return index;
+        return entry;
+    }
+
+    /// Sum of the differences of all shares.
+    static float distance(const PaletteEntry& a, const PaletteEntry& b) {
+        float sum = 0;
+        auto i = a.shares.begin(), j = b.shares.begin();
+        while (i != a.shares.end() || j != b.shares.end()) {
+            if (j == b.shares.end() || (i != a.shares.end() && i->first < j->first))
+                sum += (i++)->second;
+            else if (i == a.shares.end() || j->first < i->first)
+                sum += (j++)->second;
+            else
+                sum += std::abs((i++)->second - (j++)->second);
+        }
+        return sum;
+    }
+
+    /// The number of a mixture; in a full palette that of the nearest one.
+    static std::uint32_t intern(Counts counts, Numbers& numbers, std::vector<PaletteEntry>& palette, std::size_t most) {
+        std::sort(counts.begin(), counts.end());
+        if (const auto found = numbers.find(counts); found != numbers.end()) return found->second;
+        PaletteEntry entry = entry_of(counts);
+        auto number = static_cast<std::uint32_t>(palette.size());
+        if (palette.size() < most) {
+            palette.push_back(std::move(entry));
+        } else {
+            const auto nearest = std::min_element(
+                palette.begin() + 1, palette.end(),
+                [&](const PaletteEntry& a, const PaletteEntry& b) { return distance(a, entry) < distance(b, entry); });
+            number = static_cast<std::uint32_t>(nearest - palette.begin());
+        }
+        numbers.emplace(std::move(counts), number);
+        return number;
     }
 
     /// Media of the skin cells of a block with a margin of one cell; 0 where a cell is less than half solid.
@@ -205,7 +233,7 @@ struct OpticalGrid::Builder {
                 medium = voxels[at3(low, extent)];
                 return;
             }
-            std::vector<std::pair<Material, int>> counts;
+            Counts counts;
             int solid = 0;
             for_each(cell, [&](const std::array<int, 3>& in) {
                 const Material m = voxels[at3({low[0] + in[0], low[1] + in[1], low[2] + in[2]}, extent)];
@@ -219,7 +247,9 @@ struct OpticalGrid::Builder {
                     ++same->second;
             });
             if (2 * solid < in_cell) return;
-            medium = counts.size() == 1 ? counts[0].first : intern(counts);
+            medium = counts.size() == 1 ? counts[0].first
+                                        : static_cast<std::uint16_t>(intern(std::move(counts), mixtures, grid.palette,
+                                                                            grid.options.most_mixtures));
         });
         return media;
     }
@@ -233,9 +263,10 @@ struct OpticalGrid::Builder {
             VOXTONE_EXPECT(grid.medium.size() + product(cells) < std::numeric_limits<std::uint32_t>::max());
             const auto edge = grid.edge_mm(block.kind);
             const std::array<int, 3> padded{cells[0] + 2, cells[1] + 2, cells[2] + 2};
-            std::vector<std::uint16_t> media = block.kind == BlockKind::skin
-                                                   ? skin_media(block, cells)
-                                                   : std::vector<std::uint16_t>(product(padded), block.medium);
+            std::vector<std::uint16_t> media =
+                block.kind == BlockKind::skin
+                    ? skin_media(block, cells)
+                    : std::vector<std::uint16_t>(product(padded), static_cast<std::uint16_t>(block.medium));
             const std::array<int, 3> corner = corner_of({block.at[0], block.at[1], block.at[2]});
             std::size_t outer_cells = 0;
             for_each(cells, [&](const std::array<int, 3>& at) {
@@ -249,7 +280,7 @@ struct OpticalGrid::Builder {
                 outer_cells += medium != 0 && outer != 0;
             });
             number_nodes(block, cells, media, padded);
-            if (outer_cells > 0) list_faces(block, cells, voxels, corner, edge);
+            if (outer_cells > 0) list_faces(block, cells, voxels, corner, edge, media, padded);
         }
     }
 
@@ -323,7 +354,7 @@ struct OpticalGrid::Builder {
             scene.volume->copy_box({corner[0] - 1, corner[1] - 1, corner[2] - 1}, extent, voxels);
             for (std::size_t a = 0; a < 2; ++a) mirror_border(voxels, corner, extent, a);
         }
-        std::vector<std::pair<Material, int>> counts;
+        Counts counts;
         const float edge = 4.0f / static_cast<float>(n);
         int place = 0;
         for_each({n, n, n}, [&](const std::array<int, 3>& at) {
@@ -384,7 +415,10 @@ struct OpticalGrid::Builder {
             if (area > 0) grid.exits.push_back({number, FaceKind::light, area});
         });
         if (!whole)
-            block.medium = counts.empty() ? std::uint16_t{0} : counts.size() == 1 ? counts[0].first : intern(counts);
+            block.medium = counts.empty()       ? 0
+                           : counts.size() == 1 ? counts[0].first
+                                                : intern(std::move(counts), core_mixtures, grid.core_palette,
+                                                         std::numeric_limits<std::uint32_t>::max());
     }
 
     /// Voxels beyond a mirrored border are those before it.
@@ -401,7 +435,8 @@ struct OpticalGrid::Builder {
     }
 
     void list_faces(GridBlock& block, const std::array<int, 3>& cells, const std::array<int, 3>& voxels,
-                    const std::array<int, 3>& corner, const std::array<double, 3>& edge) {
+                    const std::array<int, 3>& corner, const std::array<double, 3>& edge,
+                    const std::vector<std::uint16_t>& media, const std::array<int, 3>& padded) {
         block.first_link = static_cast<std::int32_t>(grid.face_of_cell.size());
         block.first_face = static_cast<std::uint32_t>(grid.faces.size());
         std::uint32_t cell = block.first_cell;
@@ -428,18 +463,22 @@ struct OpticalGrid::Builder {
                     face.kind = FaceKind::black_sheet;
                 else if (outside && f == 4 && scene.backing == Backing::white)
                     face.kind = FaceKind::white_sheet;
-                else if (borders_core(block, cells, at, f))
+                else if (borders_core(block, cells, at, f, media, padded))
                     face.kind = FaceKind::core;
                 grid.faces.push_back(face);
             }
         });
         block.faces = static_cast<std::uint32_t>(grid.faces.size()) - block.first_face;
     }
+    /// Is there resin of a core block beyond face f? Outside a window such blocks hold air too: to the light, then.
     [[nodiscard]] bool borders_core(const GridBlock& block, const std::array<int, 3>& cells,
-                                    const std::array<int, 3>& at, std::size_t f) const {
+                                    const std::array<int, 3>& at, std::size_t f,
+                                    const std::vector<std::uint16_t>& media, const std::array<int, 3>& padded) const {
         const std::size_t a = f / 2;
-        const int next = at[a] + step_of[f][a];
-        if (next >= 0 && next < cells[a]) return false;
+        std::array<int, 3> next = at;
+        next[a] += step_of[f][a];
+        if (next[a] >= 0 && next[a] < cells[a]) return false;
+        if (media[at3({next[0] + 1, next[1] + 1, next[2] + 1}, padded)] == 0) return false;
         const std::int32_t other = block.neighbour[f];
         return other >= 0 && grid.blocks[static_cast<std::size_t>(other)].kind == BlockKind::core;
     }
@@ -462,8 +501,10 @@ struct OpticalGrid::Builder {
                     if (outer.kind != FaceKind::core) continue;
                     std::array<int, 3> place{at[0] * 4 / cells[0], at[1] * 4 / cells[1], at[2] * 4 / cells[2]};
                     place[f / 2] = f % 2 == 0 ? 3 : 0;
-                    outer.beyond = static_cast<std::uint32_t>(grid.node_at(
-                        grid.blocks[static_cast<std::size_t>(block.neighbour[f])], place[0], place[1], place[2]));
+                    const std::int64_t beyond = grid.node_at(grid.blocks[static_cast<std::size_t>(block.neighbour[f])],
+                                                             place[0], place[1], place[2]);
+                    VOXTONE_ENSURE(beyond >= 0);
+                    outer.beyond = static_cast<std::uint32_t>(beyond);
                 }
             });
         }
@@ -587,9 +628,11 @@ OpticalGrid::OpticalGrid(const Scene& scene, const GridOptions& opts)
       directions(make_directions(scene.resins->g, scene.resins->eta)),
       pitch_mm(scene.volume->pitch_mm()) {
     require_resins(scene);
-    Builder builder{*this, scene, {}, {}};
+    Builder builder{*this, scene, {}, {}, {}};
     palette.resize(scene.resins->resins.size() + 1);
     for (std::size_t m = 1; m < palette.size(); ++m) palette[m].shares = {{static_cast<Material>(m), 1.0f}};
+    core_palette = palette;
+    VOXTONE_EXPECT(options.most_mixtures >= palette.size() && options.most_mixtures <= 65535);
     builder.lay_lattice();
     builder.find_blocks();
     builder.fill_cells();
@@ -605,7 +648,7 @@ GridCensus::GridCensus(const Scene& scene, const GridOptions& options) {
     grid.options.window_begin = grid.options.window_end = {};
     grid.pitch_mm = scene.volume->pitch_mm();
     grid.palette.resize(scene.resins->resins.size() + 1);
-    OpticalGrid::Builder builder{grid, scene, {}, {}};
+    OpticalGrid::Builder builder{grid, scene, {}, {}, {}};
     builder.lay_lattice();
     builder.find_blocks();
     lattice = grid.lattice;

@@ -35,6 +35,8 @@ struct GridOptions {
     std::array<int, 3> skin_voxels{1, 1, 1};  ///< voxels per skin cell; divides view_voxels
     int margin_blocks = 2;                    ///< rings of margin blocks around the skin, at least
     int fine_core_blocks = 1;                 ///< rings of core blocks with 8 nodes around the margin
+    /// Most entries of the palette of cells, whose numbers have 16 bits; what comes later is taken for the nearest.
+    std::size_t most_mixtures = 65535;
     /// Only blocks that touch this box of voxels (first, one past the last) get transport cells; empty: all do.
     std::array<int, 3> window_begin{}, window_end{};
 };
@@ -45,7 +47,7 @@ struct GridBlock {
     std::array<std::int32_t, 3> at{};  ///< in the lattice of blocks
     BlockKind kind{};
     std::uint8_t nodes_per_edge = 4;  ///< 4, 2 or 1
-    std::uint16_t medium = 0;         ///< of a core block: its mean
+    std::uint32_t medium = 0;         ///< of a core block: into `core_palette`; else the one material, or 0
     std::uint32_t first_cell = 0;     ///< of its cells; none in a core block
     std::uint32_t first_node = 0;
     std::uint64_t node_mask = 0;   ///< which of its 64 or 8 places have a node (nodes_per_edge 4 or 2)
@@ -153,7 +155,8 @@ public:
     std::vector<std::uint32_t> node_block;  ///< block of each node
     std::vector<NodeContact> contacts;
     std::vector<NodeExit> exits;
-    std::vector<PaletteEntry> palette;
+    std::vector<PaletteEntry> palette;       ///< of cells; entry m <= resins is resin m - 1 alone
+    std::vector<PaletteEntry> core_palette;  ///< of core blocks, of which a large body has more than 16 bits can number
 
     [[nodiscard]] std::array<int, 3> cells_in(BlockKind kind) const;    ///< cells of a block along each axis
     [[nodiscard]] std::array<int, 3> voxels_in(BlockKind kind) const;   ///< voxels of a cell along each axis

@@ -16,14 +16,16 @@
 namespace voxtone::optics {
 namespace {
 
-Medium mixed(const ResinSet& resins, const PaletteEntry& entry, std::size_t channel) {
-    Medium sum;
-    for (const auto& [material, share] : entry.shares) {
-        const Medium m = resins.resins[material - 1u].medium(channel);
-        sum.sigma_a += static_cast<double>(share) * m.sigma_a;
-        sum.sigma_s += static_cast<double>(share) * m.sigma_s;
-    }
-    return sum;
+std::vector<double> fractions(const ResinSet& resins, const PaletteEntry& entry) {
+    std::vector<double> fractions(resins.resins.size());
+    for (const auto& [material, share] : entry.shares) fractions[material - 1u] = static_cast<double>(share);
+    return fractions;
+}
+
+/// The medium of a cell or block that holds voxels in these shares.
+Medium mixed(const ResinSet& resins, const EffectiveMedium& halftone, const PaletteEntry& entry, std::size_t channel) {
+    if (entry.shares.size() == 1) return resins.resins[entry.shares[0].first - 1u].medium(channel);
+    return halftone(fractions(resins, entry), channel);
 }
 
 }  // namespace
@@ -81,6 +83,11 @@ Surface part_of(const Surface& whole, const std::function<bool(const std::array<
         from.push_back(i);
     }
     return part;
+}
+
+/// What voxels are to light where a cell holds several. `scene` as it was given: with the voxels of the print.
+EffectiveMedium halftone_of(const Scene& scene, const Surface& surface) {
+    return {*scene.resins, scene.volume->pitch_mm(), seen_from(surface)};
 }
 
 std::string mebibytes(std::size_t bytes) { return std::to_string((bytes >> 20) + 1) + " MiB"; }
@@ -248,7 +255,12 @@ Appearance TransportPredictor::predict(const Scene& given, const Surface& given_
     const Surface& surface = *cut.seen;
     const std::vector<Window> windows = pieces(scene);
     summary.pieces = windows.size();
-    if (windows.size() == 1) return solve(scene, surface, windows[0], nullptr, nullptr, summary, progress);
+    const EffectiveMedium halftone = halftone_of(given, given_surface);
+    if (windows.size() == 1) {
+        Appearance seen = solve(scene, surface, windows[0], halftone, nullptr, nullptr, summary, progress);
+        seen.remarks = remarks_of(summary);
+        return seen;
+    }
     Appearance all;
     all.channels = scene.resins->channels.size();
     all.value.assign(surface.cells.size() * all.channels, 0.0f);
@@ -257,11 +269,12 @@ Appearance TransportPredictor::predict(const Scene& given, const Surface& given_
         const Surface part = part_of(
             surface, [&](const auto& voxel) { return window.holds(voxel); }, from);
         if (part.cells.empty()) continue;
-        const Appearance seen = solve(scene, part, window, nullptr, nullptr, summary, progress);
+        const Appearance seen = solve(scene, part, window, halftone, nullptr, nullptr, summary, progress);
         for (std::size_t i = 0; i < from.size(); ++i)
             for (std::size_t c = 0; c < all.channels; ++c)
                 all.value[from[i] * all.channels + c] = seen.value[i * all.channels + c];
     }
+    all.remarks = remarks_of(summary);
     return all;
 }
 
@@ -278,7 +291,8 @@ Appearance TransportPredictor::predict(const Scene& scene, const Surface& surfac
     const CutScene cut(scene, surface, options_);
     gradient.split = cut.split;
     summary.pieces = 1;
-    return solve(cut.scene, *cut.seen, Window{}, &derivative, &gradient, summary, progress);
+    return solve(cut.scene, *cut.seen, Window{}, halftone_of(scene, surface), &derivative, &gradient, summary,
+                 progress);
 }
 
 float TransportGradient::at(const std::array<int, 3>& voxel, std::size_t resin) const {
@@ -339,22 +353,29 @@ struct SeenFaces {
 };
 
 /// d (sigma_t, sigma_s of the transport medium) / d fraction of each resin, by central differences of a smooth
-/// function.
+/// function. `halftone`: of voxels in a cell; that of ideal mixtures where a cell is one voxel.
 std::vector<std::array<double, 2>> medium_derivatives(const TransportMedia& media_of, const ResinSet& resins,
+                                                      const EffectiveMedium& halftone,
                                                       const std::vector<PaletteEntry>& palette, std::size_t channel) {
-    std::vector<std::array<double, 2>> out(palette.size() * resins.resins.size());
+    const std::size_t n = resins.resins.size();
+    std::vector<std::array<double, 2>> out(palette.size() * n);
+    std::vector<double> by_absorption(n), by_scattering(n);
     for (std::size_t m = 1; m < palette.size(); ++m) {
-        const Medium middle = mixed(resins, palette[m], channel);
-        for (std::size_t r = 0; r < resins.resins.size(); ++r) {
-            const Medium along = resins.resins[r].medium(channel);
-            const double step = 1e-3 * std::max(middle.sigma_t(), 1e-3) / std::max(along.sigma_t(), 1e-9);
+        const EffectiveMedium::Point point = halftone.at(fractions(resins, palette[m]), channel);
+        const Medium& middle = point.medium;
+        halftone.gradient(point, channel, 1, 0, by_absorption);
+        halftone.gradient(point, channel, 0, 1, by_scattering);
+        for (std::size_t r = 0; r < n; ++r) {
+            const Medium along{by_absorption[r], by_scattering[r]};
+            const double step = 1e-3 * std::max(middle.sigma_t(), 1e-3) /
+                                std::max(std::abs(along.sigma_a) + std::abs(along.sigma_s), 1e-9);
             const auto moved = [&](double s) {
                 return media_of.exact({std::max(0.0, middle.sigma_a + s * along.sigma_a),
                                        std::max(0.0, middle.sigma_s + s * along.sigma_s)});
             };
             const auto ahead = moved(step), behind = moved(middle.sigma_t() > 0 ? -step : 0);
             const double width = middle.sigma_t() > 0 ? 2 * step : step;
-            out[m * resins.resins.size() + r] = {(ahead[0] - behind[0]) / width, (ahead[1] - behind[1]) / width};
+            out[m * n + r] = {(ahead[0] - behind[0]) / width, (ahead[1] - behind[1]) / width};
         }
     }
     return out;
@@ -363,8 +384,9 @@ std::vector<std::array<double, 2>> medium_derivatives(const TransportMedia& medi
 }  // namespace
 
 Appearance TransportPredictor::solve(const Scene& scene, const Surface& surface, const Window& window,
-                                     const Derivative* derivative, TransportGradient* gradient,
-                                     TransportSummary& summary, const Progress* progress) const {
+                                     const EffectiveMedium& halftone, const Derivative* derivative,
+                                     TransportGradient* gradient, TransportSummary& summary,
+                                     const Progress* progress) const {
     VOXTONE_EXPECT(scene.volume && scene.resins);
     const Stopwatch watch;
     GridOptions chosen = grid_options(options_, scene);
@@ -389,13 +411,14 @@ Appearance TransportPredictor::solve(const Scene& scene, const Surface& surface,
     const std::size_t channels = scene.resins->channels.size();
     const auto channel_of = [&](std::size_t c) {
         TransportChannel::MediaByKind media;
-        for (auto& kind : media) kind.resize(grid.palette.size());
-        for (std::size_t i = 1; i < grid.palette.size(); ++i) {
-            const Medium medium = mixed(*scene.resins, grid.palette[i], c);
-            media[0][i] = (*media_of[0])(medium);
-            media[1][i] = (*media_of[1])(medium);
-            media[2][i] = similar_medium(grid.directions, medium);
+        for (std::size_t kind = 0; kind < 2; ++kind) {
+            media[kind].resize(grid.palette.size());
+            for (std::size_t i = 1; i < grid.palette.size(); ++i)
+                media[kind][i] = (*media_of[kind])(mixed(*scene.resins, halftone, grid.palette[i], c));
         }
+        media[2].resize(grid.core_palette.size());
+        for (std::size_t i = 1; i < grid.core_palette.size(); ++i)
+            media[2][i] = similar_medium(grid.directions, mixed(*scene.resins, halftone, grid.core_palette[i], c));
         return TransportChannel(grid, plan, std::move(media), options_);
     };
     Appearance appearance;
@@ -408,6 +431,7 @@ Appearance TransportPredictor::solve(const Scene& scene, const Surface& surface,
         seen.appearance(channel, c, appearance);
         summary.last_change.resize(channels);
         summary.last_change[c] = std::max(summary.last_change[c], channel.last_change());
+        summary.mean_change = std::max(summary.mean_change, channel.relative_change());
         summary.memory_bytes =
             std::max(summary.memory_bytes, grid.memory_bytes() + plan.memory_bytes() + channel.memory_bytes());
         if (derivative) fields[c] = channel.take_field();
@@ -424,8 +448,11 @@ Appearance TransportPredictor::solve(const Scene& scene, const Surface& surface,
             channel.solve(seen.light(channel, grid.faces.size(), c, channels, adjoint_seed), summary, progress);
             channel.derivatives(fields[c], channel.take_field(), by_sigma_t, by_sigma_s);
             fields[c] = {};
-            const std::array by_fraction{medium_derivatives(*media_of[0], *scene.resins, grid.palette, c),
-                                         medium_derivatives(*media_of[1], *scene.resins, grid.palette, c)};
+            const bool voxels = grid.voxels_in(BlockKind::skin) == std::array{1, 1, 1};
+            const EffectiveMedium of_one(*scene.resins, {});
+            const std::array by_fraction{
+                medium_derivatives(*media_of[0], *scene.resins, voxels ? of_one : halftone, grid.palette, c),
+                medium_derivatives(*media_of[1], *scene.resins, halftone, grid.palette, c)};
             for (const std::uint32_t b : grid.transport_blocks) {
                 const GridBlock& block = grid.blocks[b];
                 const auto& by = by_fraction[static_cast<std::size_t>(block.kind)];

@@ -8,9 +8,10 @@
 // ordinates (64 directions, diamond differences, transport_sweep.h) through cells of one voxel in the coloured skin and
 // of one viewing cell in a margin below it; deeper, in the core, the light is diffuse and stays with diffusion. After
 // each sweep a diffusion solve for the scattering source that the sweep left over corrects phi everywhere (diffusion
-// synthetic acceleration: Larsen 1984; Adams and Larsen 2002), so that 4 sweeps converge although white scatters
+// synthetic acceleration: Larsen 1984; Adams and Larsen 2002), so that 3 sweeps are enough although white scatters
 // hundreds of times. The refractive surface reflects by mirror images of directions (transport_directions.h); media
-// carry the albedo that makes homogeneous half-spaces exact (transport_medium.h).
+// carry the albedo that makes homogeneous half-spaces that look along z exact (transport_medium.h); where a cell or
+// block holds several resins, they are those of the halftone (effective_medium.h).
 //
 // Sequences. With `viewing_cells` everything is predicted on viewing cells and the light is kept from one prediction to
 // the next, for loops: viewing_sequence.h.
@@ -23,7 +24,10 @@
 // the surface by d(function)/d(appearance). No part of a job asks for it, loops take that of viewing cells
 // (viewing_gradient.h): it is exact direction by direction, and the tests hold it to differences of predictions.
 //
-// Units mm, mm^-1. Range: any resins, any g in (-1, 1), eta >= 1. Errors against Monte Carlo: docs/predict.md. What it
+// What went less than well (light clipped, solves left open) is said in Appearance::remarks.
+//
+// Units mm, mm^-1. Range: any resins, any g in (-1, 1), eta >= 1; tested at g = -0.3, 0, 0.4, 0.7 and eta = 1, 1.33,
+// 1.5 (tests/optics/transport/phase_range_test.cpp). Errors against Monte Carlo: docs/predict.md. What it
 // cannot see: shadows and second bounces outside the body; sharp caustics in clear resin (64 directions).
 #pragma once
 
@@ -34,6 +38,7 @@
 #include <span>
 #include <vector>
 
+#include "voxtone/optics/media/effective_medium.h"
 #include "voxtone/optics/scene/appearance_model.h"
 #include "voxtone/optics/transport/optical_grid.h"
 #include "voxtone/optics/transport/transport_options.h"
@@ -74,7 +79,8 @@ private:
     struct Window;
     [[nodiscard]] std::vector<Window> pieces(const Scene& scene) const;
     [[nodiscard]] Appearance solve(const Scene& scene, const Surface& surface, const Window& window,
-                                   const Derivative* derivative, TransportGradient* gradient, TransportSummary& summary,
+                                   const EffectiveMedium& halftone, const Derivative* derivative,
+                                   TransportGradient* gradient, TransportSummary& summary,
                                    const Progress* progress) const;
     TransportOptions options_;
 };

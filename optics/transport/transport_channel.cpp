@@ -25,7 +25,9 @@ float sum8(const Octet& a, const Octet& b) {
 TransportChannel::TransportChannel(const OpticalGrid& grid, const DiffusionPlan& plan, MediaByKind media,
                                    const TransportOptions& options)
     : grid_(grid), plan_(plan), media_(std::move(media)), options_(options) {
-    for (const auto& kind : media_) VOXTONE_EXPECT(kind.size() == grid.palette.size());
+    for (const BlockKind kind : {BlockKind::skin, BlockKind::margin})
+        VOXTONE_EXPECT(media_[static_cast<std::size_t>(kind)].size() == grid.palette.size());
+    VOXTONE_EXPECT(media_[static_cast<std::size_t>(BlockKind::core)].size() == grid.core_palette.size());
     for (std::size_t a = 0; a < 3; ++a)
         for (std::size_t d = 0; d < 8; ++d)
             flux_weight_[a].v[d] = grid.directions.weight.v[d] * grid.directions.cosine[a].v[d];
@@ -255,6 +257,13 @@ void TransportChannel::currents(std::span<const float> phi, std::span<const floa
     for (std::size_t i = 0; i < out.size(); ++i) out[i].phi = phi[i];
 }
 
+void TransportChannel::solve_diffusion(std::span<const float> right, std::span<float> x, double tolerance,
+                                       int most_steps) {
+    const int steps = diffusion_->solve(right, x, tolerance, most_steps);
+    steps_ += steps;
+    open_solves_ += steps == most_steps;
+}
+
 void TransportChannel::start() {
     std::vector<float> incoming(grid_.faces.size(), 0.0f), right(grid_.nodes.size(), 0.0f);
     for (std::size_t f = 0; f < grid_.faces.size(); ++f) {
@@ -265,11 +274,11 @@ void TransportChannel::start() {
     for (std::size_t i = 0; lit_evenly_ && i < grid_.exits.size(); ++i) right[grid_.exits[i].node] += exit_gain_[i];
     diffusion_ = std::make_unique<Diffusion>(plan_, conductance_, loss_);
     phi_.assign(grid_.nodes.size(), lit_evenly_ ? 1.0f : 0.0f);  // 1 is exact where nothing is absorbed
-    steps_ += diffusion_->solve(right, phi_, options_.start_tolerance, 60);
+    solve_diffusion(right, phi_, options_.start_tolerance, 60);
     // The equations of the start make room for those of the corrections.
     diffusion_ = std::make_unique<Diffusion>(plan_, eased_, loss_);
     currents(phi_, incoming, delta_moments_);
-    source_.assign(grid_.medium.size(), {});
+    moments_.assign(grid_.medium.size(), {});
     sum_.assign(grid_.medium.size(), {});
     other_sum_.assign(grid_.medium.size(), {});
     in_.assign(grid_.faces.size() * 4, {});
@@ -284,18 +293,15 @@ void TransportChannel::enter() {
         return m.phi - (m.x * offset[0] + m.y * offset[1] + m.z * offset[2]) / D;
     };
     const auto& set = grid_.directions;
-    const auto g_linear = static_cast<float>(set.linear);
     for_each_cell([&](const GridBlock& block, const CellGeometry& g, std::size_t cell, const std::array<int, 3>& at,
                       std::uint32_t node) {
         const Moments& m = delta_moments_[node];
         const std::array<float, 3> offset{g.offset(0, at[0]), g.offset(1, at[1]), g.offset(2, at[2])};
-        const float sigma_s = media_[static_cast<std::size_t>(block.kind)][grid_.medium[cell]].sigma_s,
-                    linear = 3 * g_linear * sigma_s;
-        Moments& s = source_[cell];
-        s.phi += sigma_s * linear_change(m, D_[node], offset);
-        s.x += linear * m.x;
-        s.y += linear * m.y;
-        s.z += linear * m.z;
+        Moments& here = moments_[cell];
+        here.phi += linear_change(m, D_[node], offset);
+        here.x += m.x;
+        here.y += m.y;
+        here.z += m.z;
         if (grid_.outer[cell] == 0) return;
         auto f = static_cast<std::size_t>(
             grid_.face_of_cell[static_cast<std::size_t>(block.first_link) + (cell - block.first_cell)]);
@@ -384,8 +390,7 @@ Octet TransportChannel::returned(const GridBlock& block, std::size_t face, std::
         const double cell_edge = grid_.edge_mm(block.kind)[axis];
         const auto here = static_cast<float>(2 * D_[outer.node] / cell_edge);
         const auto there = static_cast<float>(2 * D_[outer.beyond] / (view * grid_.nodes[outer.beyond].edge_cells));
-        const float phi_here =
-            source_[outer.cell].phi / media_[static_cast<std::size_t>(block.kind)][grid_.medium[outer.cell]].sigma_s;
+        const float phi_here = moments_[outer.cell].phi;
         const float phi = (here * phi_here + there * phi_[outer.beyond]) / (here + there);
         const float J = here * there / (here + there) * (phi_here - phi_[outer.beyond]);
         for (std::size_t d = 0; d < 8; ++d) in.v[d] = phi - 3 * grid_.directions.cosine[axis].v[d] * J;
@@ -413,28 +418,25 @@ Octet TransportChannel::returned(const GridBlock& block, std::size_t face, std::
 
 void TransportChannel::sweep() {
     parallel_for(0, 2, 1, [&](std::size_t half) {
-        SweepJob job{&grid_,  {media_[0], media_[1]},
-                     source_, half == 0 ? std::span<Moments>(sum_) : std::span<Moments>(other_sum_),
-                     in_,     out_};
+        SweepJob job{&grid_,   {media_[0], media_[1]},
+                     moments_, half == 0 ? std::span<Moments>(sum_) : std::span<Moments>(other_sum_),
+                     in_,      out_};
         std::fill(job.sum.begin(), job.sum.end(), Moments{});
         sweep_half(job, half == 1);
     });
 }
 
-/// The diffusion correction: delta_ and delta_moments_ from what the sweep changed; source_ becomes the sweep's
-/// moments.
+/// The diffusion correction: delta_ and delta_moments_ from what the sweep changed; moments_ become the sweep's.
 void TransportChannel::correct() {
     const std::size_t n = grid_.nodes.size();
     std::vector<float> right(n, 0.0f);
-    const auto g_linear = static_cast<float>(grid_.directions.linear);
     for_each_cell([&](const GridBlock& block, const CellGeometry& g, std::size_t cell, const std::array<int, 3>&,
                       std::uint32_t node) {
         const Moments &p = sum_[cell], &q = other_sum_[cell];
-        const float sigma_s = media_[static_cast<std::size_t>(block.kind)][grid_.medium[cell]].sigma_s,
-                    linear = 3 * g_linear * sigma_s;
-        const Moments now{sigma_s * (p.phi + q.phi), linear * (p.x + q.x), linear * (p.y + q.y), linear * (p.z + q.z)};
-        right[node] += g.volume * (now.phi - source_[cell].phi);
-        source_[cell] = now;
+        const float sigma_s = media_[static_cast<std::size_t>(block.kind)][grid_.medium[cell]].sigma_s;
+        const Moments now{p.phi + q.phi, p.x + q.x, p.y + q.y, p.z + q.z};
+        right[node] += g.volume * sigma_s * (now.phi - moments_[cell].phi);
+        moments_[cell] = now;
     });
     // What the surface will send back, and what the core got and gave.
     for (const std::uint32_t b : grid_.transport_blocks) {
@@ -474,7 +476,7 @@ void TransportChannel::correct() {
     for (std::size_t i = 0; i < grid_.exits.size(); ++i)
         right[grid_.exits[i].node] += (lit_evenly_ ? exit_gain_[i] : 0) - exit_loss_[i] * phi_[grid_.exits[i].node];
     std::vector<float> delta(n, 0.0f);
-    steps_ += diffusion_->solve(right, delta, options_.correction_tolerance, 30);
+    solve_diffusion(right, delta, options_.correction_tolerance, 30);
     currents(delta, {}, delta_moments_);
     for (std::size_t i = 0; i < n; ++i) phi_[i] += delta[i];
 }
@@ -485,7 +487,7 @@ void TransportChannel::solve(std::span<const float> light, TransportSummary& sum
     };
     light_.assign(grid_.faces.size(), 0.0f);
     lit_evenly_ = light.empty();
-    steps_ = 0;
+    steps_ = open_solves_ = 0;
     for (std::size_t f = 0; f < light_.size(); ++f)
         if (grid_.faces[f].kind == FaceKind::light) light_[f] = light.empty() ? 1.0f : light[f];
     flux_.assign(grid_.faces.size(), 0.0f);
@@ -503,21 +505,32 @@ void TransportChannel::solve(std::span<const float> light, TransportSummary& sum
         summary.diffusion_s += watch.lap();
     }
     summary.diffusion_steps += steps_;
+    summary.open_solves += open_solves_;
     last_change_ = 0;
     for (std::size_t f = 0; f < flux_.size(); ++f)
         if (grid_.faces[f].kind == FaceKind::light)
             last_change_ = std::max(last_change_, std::abs(flux_change_[f]) / furnace_flux(f));
 }
 
+double TransportChannel::relative_change() const {
+    double change = 0, all = 0;
+    for (std::size_t f = 0; f < flux_.size(); ++f)
+        if (grid_.faces[f].kind == FaceKind::light) {
+            change += static_cast<double>(std::abs(flux_change_[f]));
+            all += static_cast<double>(std::abs(flux_[f]));
+        }
+    return all > 0 ? change / all : 0;
+}
+
 std::size_t TransportChannel::memory_bytes() const {
     const auto of = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
     return of(sigma_a_) + of(D_) + of(conductance_) + of(face_loss_) + of(face_gain_) + of(exit_loss_) +
-           of(exit_gain_) + of(light_) + of(phi_) + of(delta_moments_) + of(source_) + of(sum_) + of(other_sum_) +
+           of(exit_gain_) + of(light_) + of(phi_) + of(delta_moments_) + of(moments_) + of(sum_) + of(other_sum_) +
            of(in_) + of(out_) + of(pooled_) + of(flux_) + of(flux_change_) + of(eased_) + of(loss_) +
            diffusion_->memory_bytes();
 }
 
-TransportChannel::Field TransportChannel::take_field() { return {std::move(source_), std::move(in_)}; }
+TransportChannel::Field TransportChannel::take_field() { return {std::move(moments_), std::move(in_)}; }
 
 // psi solves L psi = S psi with psi coming in through the surface; the adjoint of L is L with all directions reversed,
 // so
@@ -535,23 +548,18 @@ void TransportChannel::derivatives(const Field& forward, const Field& adjoint, s
     by_sigma_s.assign(n, 0.0f);
     std::vector<float> product(2 * n, 0.0f);
     for (int octant = 0; octant < 8; ++octant) {
-        const SweepJob job{&grid_, {media_[0], media_[1]}, forward.source, {}, forward.in, out, record, {}};
+        const SweepJob job{&grid_, {media_[0], media_[1]}, forward.moments, {}, forward.in, out, record, {}};
         record_octant(job, octant);
-        const SweepJob against{&grid_, {media_[0], media_[1]}, adjoint.source, {}, adjoint.in, out, record, product};
+        const SweepJob against{&grid_, {media_[0], media_[1]}, adjoint.moments, {}, adjoint.in, out, record, product};
         multiply_octant(against, 7 - octant);
     }
     const auto g_linear = static_cast<float>(grid_.directions.linear);
     for_each_cell(
-        [&](const GridBlock& block, const CellGeometry& g, std::size_t cell, const std::array<int, 3>&, std::uint32_t) {
-            const float sigma_s = media_[static_cast<std::size_t>(block.kind)][grid_.medium[cell]].sigma_s;
-            const Moments &a = forward.source[cell], &b = adjoint.source[cell];
+        [&](const GridBlock&, const CellGeometry& g, std::size_t cell, const std::array<int, 3>&, std::uint32_t) {
+            const Moments &a = forward.moments[cell], &b = adjoint.moments[cell];
             by_sigma_t[cell] = -g.volume * (product[2 * cell] + product[2 * cell + 1]);
-            // The fields hold sigma_s phi and 3 g' sigma_s J.
-            if (sigma_s > 0)
-                by_sigma_s[cell] =
-                    g.volume * product[2 * cell + 1] +
-                    g.volume / (sigma_s * sigma_s) *
-                        (a.phi * b.phi - (g_linear != 0 ? (a.x * b.x + a.y * b.y + a.z * b.z) / (3 * g_linear) : 0.0f));
+            by_sigma_s[cell] =
+                g.volume * (product[2 * cell + 1] + a.phi * b.phi - 3 * g_linear * (a.x * b.x + a.y * b.y + a.z * b.z));
         });
 }
 

@@ -20,7 +20,7 @@ namespace voxtone::optics {
 
 class TransportChannel {
 public:
-    /// Per kind of block, per palette entry.
+    /// Per kind of block, per palette entry: of cells for skin and margin, of core blocks for the core.
     using MediaByKind = std::array<std::vector<TransportMedium>, 3>;
     TransportChannel(const OpticalGrid& grid, const DiffusionPlan& plan, MediaByKind media,
                      const TransportOptions& options);
@@ -32,7 +32,7 @@ public:
 
     /// The light of a solution, enough to sweep once more.
     struct Field {
-        std::vector<Moments> source;
+        std::vector<Moments> moments;
         std::vector<Octet> in;
     };
     /// After `solve`: takes its field.
@@ -44,6 +44,8 @@ public:
                      std::vector<float>& by_sigma_s) const;
     [[nodiscard]] double furnace_flux(std::size_t face) const;
     [[nodiscard]] double last_change() const { return last_change_; }
+    /// Sum of the changes of the fluxes to the light by the last correction / of these fluxes.
+    [[nodiscard]] double relative_change() const;
     [[nodiscard]] std::size_t memory_bytes() const;
 
 private:
@@ -59,6 +61,8 @@ private:
     void find_face_exchange();
     void find_exit_exchange();
     void find_conductances();
+    /// One solve of the diffusion equations; counts its steps, and it where it ends without its tolerance.
+    void solve_diffusion(std::span<const float> right, std::span<float> x, double tolerance, int most_steps);
     void start();
     void enter();
     void sweep();
@@ -85,14 +89,14 @@ private:
     std::vector<float> light_;                  ///< per face: radiance that comes from outside
     std::vector<float> phi_;                    ///< per node; kept up to date in the core
     std::vector<Moments> delta_moments_;        ///< per node: phi and J of the last correction
-    std::vector<Moments> source_;               ///< per cell: sigma_s phi and 3 g' sigma_s J
+    std::vector<Moments> moments_;              ///< per cell: phi and J
     std::vector<Moments> sum_, other_sum_;      ///< per cell: phi and J of light that runs up, and down
     std::vector<Octet> in_, out_;               ///< [face * 4 + tangential signs]
     std::vector<float> pooled_;              ///< [region * 64 + octant * 8 + direction]: radiance that passes corners
     std::vector<float> flux_, flux_change_;  ///< per face; change: by the last correction
     bool lit_evenly_ = true;
     double last_change_ = 0;
-    int steps_ = 0;
+    int steps_ = 0, open_solves_ = 0;
 };
 
 }  // namespace voxtone::optics

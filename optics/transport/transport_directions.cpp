@@ -47,8 +47,9 @@ DirectionSet make_directions(double g, double eta) {
     DirectionSet set;
     set.g = g;
     set.eta = eta;
-    set.forward_peak = g * g;
-    set.linear = g / (1 + g);
+    constexpr double most_linear = 1.0 / 3;
+    set.linear = std::clamp(g < 0 ? g : g / (1 + g), -most_linear, most_linear);
+    set.forward_peak = g >= 0 && g <= 0.5 ? g * g : (g - set.linear) / (1 - set.linear);
     const double critical = critical_cosine(eta), split = critical > 0.2 ? critical : 0.5;
     const Rule low = gauss_legendre(2, 0, split), high = gauss_legendre(2, split, 1);
     for (std::size_t k = 0; k < 4; ++k) {

@@ -5,11 +5,15 @@
 // One octant has 8 directions, 4 polar nodes (two trapped, two escaping: Gauss rules on both sides of the critical
 // cosine nu_c of a surface that looks along z) times azimuths of 22.5 and 67.5 degrees; the other octants are its
 // mirror images. Weights sum to 1 over the sphere, so phi = sum_d w_d psi_d is the mean radiance, J = sum_d w_d Omega_d
-// psi_d. Moments: sum w = 1, sum w Omega Omega^T = I / 3, half-range flux along z 1/4, all exact.
+// psi_d. Moments: sum w = 1, sum w Omega Omega^T = I / 3, half-range flux along z 1/4, all exact;
+// that along x and y is 2.6 % off (two azimuths a quadrant), which is most of what orientation costs (docs/predict.md).
 //
-// Scattering is Henyey-Greenstein cut after its linear term with the forward peak taken as not scattered
-// (delta-Eddington: Joseph, Wiscombe and Weinman 1976, J. Atmos. Sci. 33:2452): f = g^2, g' = g / (1 + g), sigma_s* =
-// sigma_s (1 - f), and the source in direction Omega is sigma_s* (phi + 3 g' Omega . J).
+// Scattering is Henyey-Greenstein cut after its linear term, with a share f of it taken as not scattered: sigma_s* =
+// sigma_s (1 - f), and the source in direction Omega is sigma_s* (phi + 3 g' Omega . J). Always (1 - f) (1 - g') =
+// 1 - g: what is diffuse goes as far as it should. For g in [0, 1/2] f = g^2, g' = g / (1 + g) (delta-Eddington:
+// Joseph, Wiscombe and Weinman 1976, J. Atmos. Sci. 33:2452). Beyond, g' is held at 1/3, for with more the source
+// would be negative in some light; below 0 nothing is taken as not scattered, f = 0 and g' = g, down to -1/3, where g'
+// is held again (f < 0 then: more is scattered, less backwards).
 //
 // The surface. A staircase of faces e stands for a smooth surface with outward normal n. Of the light of direction
 // Omega that leaves through faces of the staircase, sum_e |n . e| (Omega . e)+ per true area, only Omega . n crosses
@@ -22,7 +26,8 @@
 // regions of 2 x 2 x 2 viewing cells, direction by direction; what a region has too much of one direction fills what it
 // lacks of others, so that nothing is lost or made. Light comes in by reciprocity, along Omega with through(-Omega). T
 // is smoothed over what a direction stands for and scaled by a factor of n so that isotropic light leaves the true
-// surface with the exact diffuse transmittance. A furnace stays at 1 for any normal; a flat face is a mirror.
+// surface with the exact diffuse transmittance (within 2 %: the factor must not let more than
+// everything through). A furnace stays at 1 for any normal; a flat face is a mirror.
 #pragma once
 
 #include <algorithm>

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstddef>
+#include <string>
 #include <vector>
 
 namespace voxtone::optics {
@@ -42,6 +43,15 @@ struct TransportSummary {
     int diffusion_steps = 0;  ///< of all channels
     /// Per channel: largest change of a face's appearance by the last sweep's correction.
     std::vector<double> last_change;
+    /// Largest of all channels: sum of those changes / what leaves, both as flux.
+    double mean_change = 0;
+    int open_solves = 0;  ///< diffusion solves that ended without reaching their tolerance
+    /// Values of light that were put into 16 bits to be kept, and those that were clipped there (viewing_field.h).
+    std::size_t kept_values = 0, clipped_values = 0;
 };
+
+/// What a reader of the prediction should know of it: a sentence each, none where all went well: more than one
+/// kept value in a thousand clipped, a solve left open, a last sweep that still changed what leaves by more than 2 %.
+[[nodiscard]] std::vector<std::string> remarks_of(const TransportSummary& summary);
 
 }  // namespace voxtone::optics

@@ -30,7 +30,7 @@ struct Ways {
 
 struct Octant {
     Ways ways[2];          ///< skin, margin
-    V8 sx, sy, sz;         ///< Omega
+    V8 sx, sy, sz;         ///< 3 g' Omega
     V8 weights[4];         ///< {w, w Omega} / 2 of directions 2 k and 2 k + 1
     V8 half_weight;        ///< w / 2
     V8 theta, twice;       ///< theta, 2 / (1 + theta)
@@ -82,9 +82,10 @@ Octant make_octant(const OpticalGrid& grid, int octant, float theta) {
     }
     for (std::size_t a = 0; a < 3; ++a)
         if (o.back[a]) cosine[a] = -cosine[a];
-    o.sx = cosine[0];
-    o.sy = cosine[1];
-    o.sz = cosine[2];
+    const auto linear = static_cast<float>(3 * set.linear);
+    o.sx = linear * cosine[0];
+    o.sy = linear * cosine[1];
+    o.sz = linear * cosine[2];
     w *= 0.5f;  // the moments are taken of 2 psi
     o.half_weight = w;
     for (int d = 0; d < 8; ++d) {
@@ -126,7 +127,8 @@ struct BlockFaces {
 /// fit.
 struct MediumWays {
     Octet gain, pass, fit, rest;
-    Octet own_q, slope, sigma;  ///< of the derivatives: (1 - fit) / sigma_t^2, d fit / d sigma_a, sigma_t
+    Octet own_q, slope;  ///< of the derivatives: (1 - fit) / sigma_t^2, d fit / d sigma_a
+    float sigma_t, sigma_s;
 };
 using MediaWays = std::array<std::vector<MediumWays>, 2>;  // for both kinds of cells
 
@@ -156,7 +158,8 @@ void fit_medium(const Ways& ways, const TransportMedium& medium, double theta, M
         out.rest.v[i] = static_cast<float>(2 * lack / (sigma * fit));
         out.own_q.v[i] = static_cast<float>(lack / (sigma * sigma));
         out.slope.v[i] = static_cast<float>(slope);
-        out.sigma.v[i] = static_cast<float>(sigma);
+        out.sigma_t = static_cast<float>(sigma);
+        out.sigma_s = medium.sigma_s;
     }
 }
 
@@ -164,9 +167,9 @@ void fit_medium(const Ways& ways, const TransportMedium& medium, double theta, M
 /// before, is one multiplication and one addition long: px_out = gain (fit q + ay py + az pz) + pass px = (1 + theta)
 /// psi - theta px.
 template <Purpose purpose>
-HWY_INLINE void cross_cell(const Octant& o, const Ways& ways, const MediumWays& medium, const Moments& source,
+HWY_INLINE void cross_cell(const Octant& o, const Ways& ways, const MediumWays& medium, const Moments& light,
                            const Places& to, int cell, V8& px, V8& py, V8& pz) {
-    const V8 q = (source.phi + source.x * o.sx) + (source.y * o.sy + source.z * o.sz);
+    const V8 q = medium.sigma_s * ((light.phi + light.x * o.sx) + (light.y * o.sy + light.z * o.sz));
     const V8 fitted = as_vector(medium.fit) * q;
     const V8 out = as_vector(medium.gain) * (fitted + (ways.ay * py + ways.az * pz)) + as_vector(medium.pass) * px;
     const V8 both = out + o.theta * px;
@@ -182,7 +185,8 @@ HWY_INLINE void cross_cell(const Octant& o, const Ways& ways, const MediumWays& 
     if constexpr (purpose == Purpose::multiply) {
         const V8 psi = centre * 0.5f;
         const V8 &other_psi = as_vector(to.record[2 * cell]), &other_q = as_vector(to.record[2 * cell + 1]);
-        const V8 w = 2.0f * o.half_weight, sigma = as_vector(medium.sigma);
+        const V8 w = 2.0f * o.half_weight;
+        const float sigma = medium.sigma_t;
         const V8 squares = psi * other_psi, sources = q * other_q;
         const V8 by_sigma_t = w * (as_vector(medium.fit) * squares + as_vector(medium.own_q) * sources);
         const V8 by_fit =
@@ -211,12 +215,12 @@ HWY_INLINE void cross_cell(const Octant& o, const Ways& ways, const MediumWays& 
 /// A row of cells none of which has an outer face.
 template <Purpose purpose, int step>
 HWY_INLINE void inner_row(const Octant& o, const Ways& ways, const MediumWays* media, const std::uint16_t* medium,
-                          const Moments* source, const Places& to, int row, V8* row_y, V8* row_z, V8& px_in_out) {
+                          const Moments* light, const Places& to, int row, V8* row_y, V8* row_z, V8& px_in_out) {
     V8 px = px_in_out;
     int x = step > 0 ? 0 : ways.nx - 1;
     for (int k = 0; k < ways.nx; ++k, x += step) {
         V8 py = row_y[x], pz = row_z[x];
-        cross_cell<purpose>(o, ways, media[medium[row + x]], source[row + x], to, row + x, px, py, pz);
+        cross_cell<purpose>(o, ways, media[medium[row + x]], light[row + x], to, row + x, px, py, pz);
         row_y[x] = py;
         row_z[x] = pz;
     }
@@ -231,7 +235,7 @@ void sweep_block(const SweepJob& job, const Octant& o, const MediaWays& media_wa
     const MediumWays* const media = media_ways[static_cast<std::size_t>(block.kind)].data();
     const std::uint16_t* const medium = grid.medium.data() + block.first_cell;
     const std::uint8_t* const outer = grid.outer.data() + block.first_cell;
-    const Moments* const source = job.source.data() + block.first_cell;
+    const Moments* const light = job.light.data() + block.first_cell;
     const Places to{job.sum.empty() ? nullptr : job.sum.data() + block.first_cell,
                     job.record.empty() ? nullptr : job.record.data() + 2 * std::size_t{block.first_cell},
                     job.product.empty() ? nullptr : job.product.data() + 2 * std::size_t{block.first_cell}};
@@ -249,9 +253,9 @@ void sweep_block(const SweepJob& job, const Octant& o, const MediaWays& media_wa
                 for (int x = 0; x < ways.nx; ++x) any |= outer[row + x];
             if (any == 0) {
                 if (o.back[0])
-                    inner_row<purpose, -1>(o, ways, media, medium, source, to, row, row_y, row_z, px);
+                    inner_row<purpose, -1>(o, ways, media, medium, light, to, row, row_y, row_z, px);
                 else
-                    inner_row<purpose, 1>(o, ways, media, medium, source, to, row, row_y, row_z, px);
+                    inner_row<purpose, 1>(o, ways, media, medium, light, to, row, row_y, row_z, px);
                 faces.x[z * ways.ny + y] = px;
                 continue;
             }
@@ -295,7 +299,7 @@ void sweep_block(const SweepJob& job, const Octant& o, const MediaWays& media_wa
                 if (bits >> o.in_bit[0] & 1) take(0, o.in_bit[0], px);
                 if (bits >> o.in_bit[1] & 1) take(1, o.in_bit[1], py);
                 if (bits >> o.in_bit[2] & 1) take(2, o.in_bit[2], pz);
-                cross_cell<purpose>(o, ways, media[medium[cell]], source[cell], to, cell, px, py, pz);
+                cross_cell<purpose>(o, ways, media[medium[cell]], light[cell], to, cell, px, py, pz);
                 row_y[x] = py;
                 row_z[x] = pz;
                 if (purpose == Purpose::moments && bits >> o.out_bit[0] & 1) give(0, o.out_bit[0], px);

@@ -44,7 +44,7 @@ inline constexpr std::uint32_t into_core = 0x80000000u;
 struct SweepJob {
     const OpticalGrid* grid = nullptr;
     std::array<std::span<const TransportMedium>, 2> media;  ///< skin, margin: of the palette, this channel
-    std::span<const Moments> source;                        ///< per cell: sigma_s phi and 3 g' sigma_s J
+    std::span<const Moments> light;                         ///< per cell: phi and J of what is scattered
     std::span<Moments> sum;                                 ///< per cell: their share is added
     std::span<const Octet> in;      ///< [face * 4 + tangential signs]: radiance that enters through outer faces
     std::span<Octet> out;           ///< the same, that leaves

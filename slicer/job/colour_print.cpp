@@ -150,6 +150,11 @@ void ColourPrint::add_to(io::Report& report) const {
     report.verdict = judge(
         {job_, body_, *colour_, prediction_, prediction_plan_.why_not, *report.gamut, loop_.has_value(), all_white_});
     if (!loop_plan_.why_not.empty() && !all_white_) report.warnings.push_back(loop_plan_.why_not);
+    const auto add = [&report](const std::vector<std::string>& remarks) {
+        report.warnings.insert(report.warnings.end(), remarks.begin(), remarks.end());
+    };
+    if (loop_) add(loop_->result.remarks);
+    if (prediction_) add(prediction_->predicted.remarks);
 }
 
 void ColourPrint::draw(io::Report& report, Progress& progress) const {

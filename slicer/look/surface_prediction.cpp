@@ -34,14 +34,19 @@ SurfacePrediction predict_surface(const optics::Scene& scene, optics::Surface su
         prediction.channels = appearance.channels;
         prediction.value = std::move(appearance.value);
         prediction.standard_error = std::move(appearance.standard_error);
+        prediction.remarks = std::move(appearance.remarks);
     }
     VOXTONE_ENSURE(prediction.value.size() == prediction.surface.cells.size() * prediction.channels);
     if (white_resin >= 0) {
         const optics::ResinVolume twin = optics::all_of(*scene.volume, static_cast<optics::Material>(white_resin + 1));
         optics::Scene white = scene;
         white.volume = &twin;
-        make_relative(prediction, make_model(true)->predict(white, prediction.surface, &progress));
+        const optics::Appearance appearance = make_model(true)->predict(white, prediction.surface, &progress);
+        make_relative(prediction, appearance);
+        for (const std::string& remark : appearance.remarks)
+            prediction.remarks.push_back("of the white that colours refer to: " + remark);
     }
+    for (const std::string& remark : prediction.remarks) progress.warn(remark);
     const Eigen::Matrix3Xf weights = optics::linear_srgb_weights(scene.resins->channels.wavelengths_nm).cast<float>();
     VOXTONE_ENSURE(static_cast<std::size_t>(weights.cols()) == prediction.channels);
     prediction.rgb.resize(prediction.surface.cells.size());

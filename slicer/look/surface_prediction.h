@@ -12,6 +12,7 @@
 #include <cstddef>
 #include <functional>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include <Eigen/Core>
@@ -27,12 +28,13 @@ struct SurfacePrediction {
     std::vector<float> value;           ///< value[cell * channels + channel]: absolute or media-relative
     std::vector<float> standard_error;  ///< same shape; empty where the model draws no random numbers
     std::vector<Eigen::Vector3f> rgb;   ///< per cell, linear sRGB, not clamped
+    std::vector<std::string> remarks;   ///< of the model (Appearance::remarks), of the body and of its white twin
 };
 
 /// A model for the body (`white` false) or for its white twin: where random numbers are drawn, others for each.
 using ModelMaker = std::function<std::unique_ptr<const optics::AppearanceModel>(bool white)>;
 
-/// `white_resin`: index of the white resin for media-relative values; -1: absolute values.
+/// `white_resin`: index of the white resin for media-relative values; -1: absolute values. Remarks are warned of too.
 [[nodiscard]] SurfacePrediction predict_surface(const optics::Scene& scene, optics::Surface surface,
                                                 const ModelMaker& make_model, int white_resin, Progress& progress);
 

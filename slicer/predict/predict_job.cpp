@@ -167,6 +167,7 @@ PredictResult describe(const ResolvedPrediction& job, const StackVolume& stack, 
                                 {"mean_rgb", f.mean}};
     if (f.from_above) json["size_px"] = picture_cells(stack.volume, prediction.surface.cell_voxels);
     if (errors) json["standard_error"] = {{"mean", f.mean_error}, {"max", f.largest_error}};
+    json["warnings"] = prediction.remarks;
     json["seconds"] = {{"read", f.read_s}, {"surface", f.surface_s}, {"predict", f.predict_s}, {"write", f.write_s}};
     json["peak_memory_bytes"] = peak_memory_bytes();
 

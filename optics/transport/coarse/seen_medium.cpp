@@ -10,8 +10,9 @@
 namespace voxtone::optics {
 
 double SeenMedium::fall(const Medium& mean, std::size_t axis) const {
-    constexpr double strength =
-        0.8;  // fitted to the accuracy suite; 1 would be light that falls and leaves as diffuse light does
+    // Fitted on the whole accuracy suite (`predictor_accuracy --viewing-cells compare tests/data/appearance`), which is
+    // therefore no test of it. 1 would be light that falls and leaves as diffuse light does.
+    constexpr double strength = 0.8;
     const double kappa = std::sqrt(3 * mean.sigma_a * (mean.sigma_a + (1 - resins.g) * mean.sigma_s));
     return 2 * strength * kappa * pitch_mm[axis];
 }

@@ -72,9 +72,7 @@ void derivatives_by_moments(const DerivativeScene& scene, std::span<const Viewin
             if (grid.medium[cell] == 0) continue;
             const Moments a = moments_of(forward[cell]);
             const Moments& b = adjoint[cell];
-            const float share = 1 / scene.media[grid.medium[cell]].sigma_s;
-            const float phi2 = a.phi * b.phi * share,
-                        J2 = linear != 0 ? (a.x * b.x + a.y * b.y + a.z * b.z) * share / (3 * linear) : 0;
+            const float phi2 = a.phi * b.phi, J2 = a.x * b.x + a.y * b.y + a.z * b.z;
             by_sigma_t[cell] = -V * (phi2 - 3 * J2);
             by_sigma_s[cell] = V * (phi2 - 3 * linear * J2);
         }

@@ -21,7 +21,7 @@ struct DerivativeScene {
     float scaled_volume;
 };
 
-/// From phi and J of each cell: `forward` of light 1, `adjoint` as sigma_s phi and 3 g' sigma_s J. Sets both.
+/// From phi and J of each cell: `forward` of light 1, `adjoint` / its scale. Sets both.
 void derivatives_by_moments(const DerivativeScene& scene, std::span<const ViewingField::Code> forward,
                             std::span<const Moments> adjoint, std::span<float> by_sigma_t, std::span<float> by_sigma_s);
 

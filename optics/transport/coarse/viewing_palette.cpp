@@ -303,7 +303,7 @@ int only_material(const ViewingGrid& viewing, const ResinVolume& volume, const G
     const Place& view = viewing.grid.options.view_voxels;
     const Place corner = viewing.corner_of(block), extent{4 * view[0], 4 * view[1], 4 * view[2]};
     const int material = volume.uniform_material(corner, extent);
-    if (material == block.medium || material >= 0) return material;
+    if (material >= 0) return material;
     std::vector<Material> box;
     read_box(volume, viewing.mirrored, corner, extent, box);
     return std::all_of(box.begin(), box.end(), [&](Material m) { return m == box[0]; }) ? box[0] : -1;

@@ -22,15 +22,6 @@ namespace {
 constexpr int first_rounds = 2;
 constexpr std::uint32_t nowhere = 0xffffffffu;
 
-bool looks_up(const Surface& surface) {
-    double up = 0, all = 0;
-    for (const SurfaceCell& cell : surface.cells) {
-        up += static_cast<double>(cell.area_mm2 * std::abs(cell.normal[2]));
-        all += static_cast<double>(cell.area_mm2);
-    }
-    return up > 0.9 * all;
-}
-
 /// Plain values and lists of them as bytes.
 struct StateWriter {
     const AppearanceSequence::StateSink& sink;
@@ -79,7 +70,7 @@ ViewingSequence::ViewingSequence(const Scene& scene, const Surface& surface, con
       options_(options),
       view_voxels_(cell_voxels(scene.volume->pitch_mm(), options.cell_mm)),
       lattice_(scene.volume->size(), view_voxels_),
-      halftone_(*scene.resins, scene.volume->pitch_mm(), looks_up(surface) ? SeenFrom::above : SeenFrom::all_sides) {
+      halftone_(*scene.resins, scene.volume->pitch_mm(), seen_from(surface)) {
     for (ViewingTile& tile : viewing_tiles(surface, scene.volume->size(), scene.volume->pitch_mm(), view_voxels_,
                                            options.tile_cells, options.tile_halo)) {
         tiles_.emplace_back();
@@ -343,17 +334,20 @@ Appearance ViewingSequence::next(const ResinVolume& volume, const Progress* prog
     appearance.channels = channels();
     appearance.value.assign(surface_.cells.size() * channels(), 0.0f);
     summary_.last_change.assign(channels(), 0.0);
+    summary_.mean_change = 0;
     for (std::size_t t = 0; t < tiles_.size(); ++t) {
         look_at(t);
         solve(&Tile::light, ghost_light_, true,
               first ? Effort{options_.sweeps, 0} : Effort{options_.next_sweeps, options_.next_change}, {}, progress,
               [&](std::size_t c) {
                   summary_.last_change[c] = std::max(summary_.last_change[c], transport_->last_change());
+                  summary_.mean_change = std::max(summary_.mean_change, transport_->relative_change());
                   read_appearance(c, appearance);
               });
     }
     count_memory(0);
     summary_.total_s += watch.total();
+    appearance.remarks = remarks_of(summary_);
     return appearance;
 }
 

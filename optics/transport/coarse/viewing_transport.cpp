@@ -2,6 +2,7 @@
 #include "voxtone/optics/transport/coarse/viewing_transport.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 
 #include "voxtone/base/contracts.h"
@@ -27,7 +28,7 @@ ViewingTransport::ViewingTransport(const ViewingGrid& viewing, const TransportOp
     }
     volume_ = edge_[0] * edge_[1] * edge_[2];
     const std::size_t cells = viewing.cells(), faces = grid_.faces.size();
-    source_.resize(cells);
+    moments_.resize(cells);
     x_ = scratch_.vector(0);
     right_ = scratch_.vector(1);
     p_ = scratch_.vector(2);
@@ -65,9 +66,7 @@ float ViewingTransport::furnace_flux(std::size_t face) const {
     return sums_[grid_.law[face]].through * grid_.faces[face].area_mm2;
 }
 
-float ViewingTransport::phi(std::size_t cell) const {
-    return source_[cell].phi / media_->cells[grid_.medium[cell]].sigma_s;
-}
+float ViewingTransport::phi(std::size_t cell) const { return moments_[cell].phi; }
 
 float ViewingTransport::mean_phi(const GridBlock& block) const {
     const float unit = scale_ > 0 ? scale_ : 1.0f;
@@ -137,8 +136,10 @@ void ViewingTransport::make_equations(const std::vector<float>& D, const std::ve
 }
 
 int ViewingTransport::solve_diffusion(double tolerance, int most_steps) {
-    return steps_ +=
-           diffusion_.solve({x_, core_x_}, {right_, core_right_}, {p_, core_p_}, {z_, core_z_}, tolerance, most_steps);
+    const int steps =
+        diffusion_.solve({x_, core_x_}, {right_, core_right_}, {p_, core_p_}, {z_, core_z_}, tolerance, most_steps);
+    steps_ += steps;
+    return steps;
 }
 
 float ViewingTransport::core_absorption(std::size_t core) const {
@@ -147,7 +148,7 @@ float ViewingTransport::core_absorption(std::size_t core) const {
 }
 
 void ViewingTransport::start() {
-    std::fill(source_.begin(), source_.end(), Moments{});
+    std::fill(moments_.begin(), moments_.end(), Moments{});
     std::fill(out_.begin(), out_.end(), Octet{});
     std::fill(core_phi_.begin(), core_phi_.end(), 0.0f);
     make_equations(D_, core_D_);
@@ -167,7 +168,8 @@ void ViewingTransport::start() {
     for (std::size_t i = 0; i < x_.size(); ++i) right_[i] -= z_[i];
     for (std::size_t i = 0; i < core_x_.size(); ++i) core_right_[i] -= core_z_[i];
     hold_ghosts();
-    solve_diffusion(options_.start_tolerance, 60);
+    constexpr int most_steps = 60;
+    open_solves_ += solve_diffusion(options_.start_tolerance, most_steps) == most_steps;
     for (std::size_t cell = 0; cell < x_.size(); ++cell)
         if (grid_.medium[cell] == 0) x_[cell] = 0;
     enter(true);
@@ -175,17 +177,14 @@ void ViewingTransport::start() {
 }
 
 void ViewingTransport::load(const ViewingField& field) {
-    const auto linear = 3 * static_cast<float>(grid_.directions.linear);
     const bool both_signs = field.scale > 0;
     const float rescale = both_signs ? field.scale / scale_ : 1.0f, zero = both_signs ? signed_zero : 0.0f,
-                step = (both_signs ? signed_step : phi_step) * rescale;
-    parallel_ranges(0, source_.size(), 1 << 14, [&](std::size_t begin, std::size_t end) {
+                step = (both_signs ? signed_step : phi_step) * rescale, J = J_step * rescale;
+    parallel_ranges(0, moments_.size(), 1 << 14, [&](std::size_t begin, std::size_t end) {
         for (std::size_t cell = begin; cell < end; ++cell) {
-            const float sigma_s = media_->cells[grid_.medium[cell]].sigma_s;
             const ViewingField::Code& code = field.cells[cell];
-            const float J = linear * sigma_s * (J_step * rescale);
-            source_[cell] = {sigma_s * step * (static_cast<float>(code.phi) - zero), J * static_cast<float>(code.x),
-                             J * static_cast<float>(code.y), J * static_cast<float>(code.z)};
+            moments_[cell] = {step * (static_cast<float>(code.phi) - zero), J * static_cast<float>(code.x),
+                              J * static_cast<float>(code.y), J * static_cast<float>(code.z)};
         }
     });
     for (std::size_t i = 0; i < core_phi_.size(); ++i) core_phi_[i] = rescale * field.core[i];
@@ -198,22 +197,27 @@ void ViewingTransport::load(const ViewingField& field) {
     reflect();
 }
 
-void ViewingTransport::store(ViewingField& field) const {
-    const auto linear = 3 * static_cast<float>(grid_.directions.linear);
+void ViewingTransport::store(ViewingField& field, TransportSummary& summary) const {
     const bool both_signs = scale_ > 0;
     const auto code = [both_signs](float phi) { return both_signs ? signed_code(phi) : phi_code(phi); };
+    const auto fits = [both_signs](float phi) { return both_signs ? signed_fits(phi) : phi_fits(phi); };
+    std::atomic<std::size_t> kept{0}, clipped{0};
     field.scale = scale_;
-    field.cells.resize(source_.size());
-    parallel_ranges(0, source_.size(), 1 << 14, [&](std::size_t begin, std::size_t end) {
+    field.cells.resize(moments_.size());
+    parallel_ranges(0, moments_.size(), 1 << 14, [&](std::size_t begin, std::size_t end) {
+        std::size_t solid = 0, out_of_range = 0;
         for (std::size_t cell = begin; cell < end; ++cell) {
             if (grid_.medium[cell] == 0) {
                 field.cells[cell] = {};
                 continue;
             }
-            const float share = 1 / media_->cells[grid_.medium[cell]].sigma_s, J = linear != 0 ? share / linear : 0;
-            const Moments& s = source_[cell];
-            field.cells[cell] = {code(share * s.phi), J_code(J * s.x), J_code(J * s.y), J_code(J * s.z)};
+            const Moments& m = moments_[cell];
+            field.cells[cell] = {code(m.phi), J_code(m.x), J_code(m.y), J_code(m.z)};
+            ++solid;
+            out_of_range += !(fits(m.phi) && J_fits(m.x) && J_fits(m.y) && J_fits(m.z));
         }
+        kept += solid;
+        clipped += out_of_range;
     });
     field.core = core_phi_;
     field.out.resize(32 * viewing_.open_faces.size());
@@ -221,13 +225,14 @@ void ViewingTransport::store(ViewingField& field) const {
         for (std::size_t i = begin; i < end; ++i)
             for (std::size_t k = 0; k < 32; ++k) field.out[32 * i + k] = code(out_[4 * i + k / 8].v[k % 8]);
     });
+    summary.kept_values += kept;
+    summary.clipped_values += clipped;
 }
 
 // J of a cell is half of what flows through the faces on either side, from x_ and, at the start, the light that comes
 // in. Adds phi and J, spread linearly over the cell, to the moments of cells and to what leaves through faces.
 void ViewingTransport::enter(bool start) {
     const auto& set = grid_.directions;
-    const auto g_linear = static_cast<float>(set.linear);
     std::array<float, 3> area{};
     for (std::size_t a = 0; a < 3; ++a) area[a] = volume_ / edge_[a];
     parallel_for(0, grid_.transport_blocks.size(), blocks_per_task, [&](std::size_t t) {
@@ -248,12 +253,11 @@ void ViewingTransport::enter(bool start) {
             const std::size_t cell = first + place;
             if (grid_.medium[cell] == 0) continue;
             for (std::size_t a = 0; a < 3; ++a) J[a][place] *= 0.5f / area[a];
-            const float sigma_s = media_->cells[grid_.medium[cell]].sigma_s, linear = 3 * g_linear * sigma_s;
-            Moments& s = source_[cell];
-            s.phi += sigma_s * x_[cell];
-            s.x += linear * J[0][place];
-            s.y += linear * J[1][place];
-            s.z += linear * J[2][place];
+            Moments& m = moments_[cell];
+            m.phi += x_[cell];
+            m.x += J[0][place];
+            m.y += J[1][place];
+            m.z += J[2][place];
         }
         for (std::size_t f = block.first_face; f < block.first_face + block.faces; ++f) {
             const OuterFace& face = grid_.faces[f];
@@ -358,7 +362,7 @@ std::array<float, 2> ViewingTransport::from_core(std::size_t face) const {
     const std::uint16_t medium = grid_.medium[outer.cell];
     const float here = 2 * D_[medium] / edge_[axis];
     const float there = core_D_[grid_.blocks[viewing_.core_block[outer.beyond]].medium] / (2 * edge_[axis]);
-    const float phi_here = source_[outer.cell].phi / media_->cells[medium].sigma_s, phi_there = core_phi_[outer.beyond];
+    const float phi_here = moments_[outer.cell].phi, phi_there = core_phi_[outer.beyond];
     return {(here * phi_here + there * phi_there) / (here + there),
             here * there / (here + there) * (phi_here - phi_there)};
 }
@@ -393,7 +397,7 @@ void ViewingTransport::sweep() {
     parallel_for(0, 2, 1, [&](std::size_t half) {
         const SweepJob job{.grid = &grid_,
                            .media = {media_->cells, media_->cells},
-                           .source = source_,
+                           .light = moments_,
                            .sum = half == 0 ? scratch_.up() : scratch_.down(),
                            .in = in_,
                            .out = out_,
@@ -406,21 +410,19 @@ void ViewingTransport::sweep() {
     });
 }
 
-/// The diffusion correction, into x_ and core_x_, from what the sweep changed; source_ becomes the sweep's moments.
+/// The diffusion correction, into x_ and core_x_, from what the sweep changed; moments_ become the sweep's.
 void ViewingTransport::correct() {
-    const auto g_linear = static_cast<float>(grid_.directions.linear);
     const std::span<Moments> up = scratch_.up(), down = scratch_.down();
-    parallel_ranges(0, source_.size(), 1 << 14, [&](std::size_t begin, std::size_t end) {
+    parallel_ranges(0, moments_.size(), 1 << 14, [&](std::size_t begin, std::size_t end) {
         for (std::size_t cell = begin; cell < end; ++cell) {
             const Moments &p = up[cell], &q = down[cell];
-            const float sigma_s = media_->cells[grid_.medium[cell]].sigma_s, linear = 3 * g_linear * sigma_s;
-            const Moments now{sigma_s * (p.phi + q.phi), linear * (p.x + q.x), linear * (p.y + q.y),
-                              linear * (p.z + q.z)};
-            up[cell].phi = volume_ * (now.phi - source_[cell].phi);
-            source_[cell] = now;
+            const Moments now{p.phi + q.phi, p.x + q.x, p.y + q.y, p.z + q.z};
+            const float sigma_s = media_->cells[grid_.medium[cell]].sigma_s;
+            up[cell].phi = volume_ * sigma_s * (now.phi - moments_[cell].phi);
+            moments_[cell] = now;
         }
     });
-    parallel_ranges(0, source_.size(), 1 << 14, [&](std::size_t begin, std::size_t end) {
+    parallel_ranges(0, moments_.size(), 1 << 14, [&](std::size_t begin, std::size_t end) {
         for (std::size_t cell = begin; cell < end; ++cell) right_[cell] = up[cell].phi;
     });
     // What the surface will send back, and what the core got and gave.
@@ -504,8 +506,9 @@ void ViewingTransport::solve(const Media& media, ViewingField& field, int sweeps
         if (!more) break;
     }
     summary.diffusion_steps += steps_;
-    steps_ = 0;
-    store(field);
+    summary.open_solves += open_solves_;
+    steps_ = open_solves_ = 0;
+    store(field, summary);
     last_change_ = 0;
     for (const std::uint32_t f : viewing_.open_faces)
         if (grid_.faces[f].kind == FaceKind::light)
@@ -514,9 +517,9 @@ void ViewingTransport::solve(const Media& media, ViewingField& field, int sweeps
 
 void ViewingTransport::derivatives(const ViewingField& forward, std::span<float> by_sigma_t,
                                    std::span<float> by_sigma_s) {
-    VOXTONE_EXPECT(scale_ > 0 && forward.scale == 0 && forward.cells.size() == source_.size());
+    VOXTONE_EXPECT(scale_ > 0 && forward.scale == 0 && forward.cells.size() == moments_.size());
     const DerivativeScene scene{viewing_, media_->cells, volume_ * scale_};
-    derivatives_by_moments(scene, forward.cells, source_, by_sigma_t, by_sigma_s);
+    derivatives_by_moments(scene, forward.cells, moments_, by_sigma_t, by_sigma_s);
     reflect();
     const std::vector<Octet> in = in_, out = out_;
     take_light({}, {});
@@ -552,7 +555,7 @@ void ViewingTransport::take_light(std::span<const float> light, std::span<const 
 
 std::size_t ViewingTransport::memory_bytes() const {
     const auto of = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
-    return of(source_) + scratch_.memory_bytes() + of(core_phi_) + of(core_x_) + of(core_right_) + of(in_) + of(out_) +
+    return of(moments_) + scratch_.memory_bytes() + of(core_phi_) + of(core_x_) + of(core_right_) + of(in_) + of(out_) +
            of(core_in_) + of(core_out_) + of(light_) + of(flux_) + of(flux_change_) + diffusion_.memory_bytes();
 }
 

@@ -29,7 +29,7 @@
 namespace voxtone::optics {
 
 /// Weight of the differences (transport_sweep.h): on cells as thick as these an edge would show ripples with 1; of 1,
-/// 0.85 and 0.7 this one is nearest to Monte Carlo.
+/// 0.85 and 0.7 this one is nearest to Monte Carlo on kodim23 (`predictor_accuracy --viewing-cells compare`).
 inline constexpr double viewing_theta = 0.85;
 
 class ViewingTransport {
@@ -62,6 +62,8 @@ public:
     [[nodiscard]] float mean_phi(const GridBlock& block) const;
     /// Largest change of a face's appearance by the last correction.
     [[nodiscard]] double last_change() const { return last_change_; }
+    /// Sum of what the last sweep and correction changed in the flux through each face to the light / of the fluxes.
+    [[nodiscard]] double relative_change() const;
     [[nodiscard]] std::size_t memory_bytes() const;
 
 private:
@@ -79,16 +81,15 @@ private:
         return grid_.faces[face].kind == FaceKind::light ? 1.0f : 0.0f;
     }
     [[nodiscard]] float core_absorption(std::size_t core) const;
+    /// The steps it took.
     int solve_diffusion(double tolerance, int most_steps);
     void make_equations(const std::vector<float>& D, const std::vector<float>& core_D);
     void prepare();
     void take_light(std::span<const float> light, std::span<const float> ghost_phi);
     void hold_ghosts();
-    /// Sum of what the last sweep and correction changed in the flux through each face to the light / of the fluxes.
-    [[nodiscard]] double relative_change() const;
     void start();
     void load(const ViewingField& field);
-    void store(ViewingField& field) const;
+    void store(ViewingField& field, TransportSummary& summary) const;
     void enter(bool start);
     void reflect();
     void sweep();
@@ -109,11 +110,11 @@ private:
     std::array<Octet, 3> flux_weight_{};                  ///< w |Omega_a|
     std::vector<FaceSums> sums_;                          ///< per law
     std::vector<float> D_, core_D_, eased_, core_eased_;  ///< per medium
-    std::vector<Moments> source_;                         ///< per cell: sigma_s phi and 3 g' sigma_s J
+    std::vector<Moments> moments_;                        ///< per cell: phi and J
     SweepScratch scratch_;
     std::span<float> x_, right_, p_, z_;  ///< per cell, of the diffusion solve: in scratch_
     std::vector<float> core_phi_, core_x_, core_right_, core_p_, core_z_;
-    int steps_ = 0;                              ///< of the diffusion solves
+    int steps_ = 0, open_solves_ = 0;            ///< of the diffusion solves; those left without their tolerance
     std::vector<Octet> in_, out_;                ///< [open face * 4 + tangential signs]
     std::vector<std::array<float, 2>> core_in_;  ///< per core face (transport_sweep.h)
     std::vector<float> core_out_;

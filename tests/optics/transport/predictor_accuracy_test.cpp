@@ -6,6 +6,7 @@
 #include <catch2/catch.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <vector>
@@ -94,14 +95,13 @@ TEST_CASE("The predictor agrees with Monte Carlo on every flat case of the suite
         const Comparison c = compare(reference, {});
         INFO(reference.of.name << ": mean " << c.mean_without_noise << " without noise, 95 % " << c.percentile_95
                                << " with noise " << c.noise << ", bias of L* " << c.bias);
-        WANTED(c.mean_without_noise < 1.2);  // `random-1` has g = 0.65, where delta-Eddington is too bright
-        CHECK(c.mean_without_noise < 1.4);
+        CHECK(c.mean_without_noise < 1.2);
         CHECK(c.percentile_95 < 2.5);
         sum += c.mean_without_noise;
         ++n;
     }
     REQUIRE(n >= 25);
-    CHECK(sum / n < 0.6);
+    CHECK(sum / n < 0.45);
 }
 
 TEST_CASE("A textured sphere looks as it does to light paths that see the sphere itself") {
@@ -109,6 +109,73 @@ TEST_CASE("A textured sphere looks as it does to light paths that see the sphere
     WANTED(c.mean_without_noise < 1.2);
     CHECK(c.mean_without_noise < 1.6);
     CHECK(std::abs(c.bias) < 0.5);
+}
+
+/// What was measured of the loop's predictor, as `predictor_accuracy --viewing-cells compare tests/data/appearance`
+/// prints it: mean without noise, bias of L*, bias of the white by channel as a share of it.
+struct Measured {
+    const char* name;
+    double mean, bias;
+    std::array<double, 3> white_bias;
+};
+constexpr auto loops_predictor = std::to_array<Measured>({{"astronaut", 1.09, 0.25, {-0.0005, -0.0014, -0.0003}},
+                                                          {"coat-greys", 1.22, -0.03, {0.0002, -0.0008, -0.0000}},
+                                                          {"coat-hues", 0.87, 0.07, {-0.0002, -0.0008, 0.0000}},
+                                                          {"dot-C", 0.13, -0.01, {-0.0003, -0.0021, -0.0006}},
+                                                          {"dot-K", 0.07, -0.00, {-0.0003, -0.0021, -0.0006}},
+                                                          {"dot-M", 0.11, -0.01, {-0.0003, -0.0021, -0.0006}},
+                                                          {"dot-Y", 0.20, -0.01, {-0.0003, -0.0021, -0.0006}},
+                                                          {"edge", 0.35, 0.06, {-0.0007, -0.0012, -0.0000}},
+                                                          {"grating-0.25", 0.52, 0.08, {-0.0007, -0.0012, -0.0000}},
+                                                          {"grating-0.5", 0.78, 0.06, {-0.0007, -0.0012, -0.0000}},
+                                                          {"grating-1", 1.10, -0.00, {-0.0007, -0.0012, -0.0000}},
+                                                          {"grating-2", 1.81, -0.67, {-0.0007, -0.0012, -0.0000}},
+                                                          {"grating-4", 2.27, -0.56, {-0.0007, -0.0012, -0.0000}},
+                                                          {"greys", 1.40, 0.27, {-0.0007, -0.0012, -0.0001}},
+                                                          {"hubble", 0.80, 0.08, {-0.0005, -0.0014, -0.0003}},
+                                                          {"hues", 0.89, 0.25, {-0.0007, -0.0012, -0.0001}},
+                                                          {"kodim23", 1.13, 0.27, {-0.0005, -0.0014, -0.0003}},
+                                                          {"line-C", 0.55, -0.04, {-0.0003, -0.0021, -0.0006}},
+                                                          {"line-K", 0.21, 0.01, {-0.0003, -0.0021, -0.0006}},
+                                                          {"line-M", 0.26, -0.03, {-0.0003, -0.0021, -0.0006}},
+                                                          {"line-Y", 0.60, -0.01, {-0.0003, -0.0021, -0.0006}},
+                                                          {"marble", 0.86, 0.10, {-0.0005, -0.0014, -0.0003}},
+                                                          {"random-1", 0.64, 0.26, {-0.0009, -0.0004, -0.0006}},
+                                                          {"random-2", 0.96, 0.31, {-0.0012, -0.0014, 0.0033}},
+                                                          {"sphere", 2.06, 0.37, {0.0005, 0.0004, 0.0048}},
+                                                          {"wall-0.25-black", 1.26, -0.24, {-0.0203, -0.0132, -0.0143}},
+                                                          {"wall-0.25-lit", 1.17, 0.20, {0.0001, 0.0001, 0.0018}},
+                                                          {"wall-0.25-white", 1.18, 0.16, {0.0002, 0.0002, 0.0033}},
+                                                          {"wall-0.5-black", 1.09, 0.09, {-0.0087, -0.0077, -0.0134}},
+                                                          {"wall-0.5-lit", 0.99, 0.33, {0.0002, 0.0002, 0.0034}},
+                                                          {"wall-0.5-white", 1.05, 0.05, {0.0004, 0.0003, 0.0055}},
+                                                          {"wall-1-black", 0.86, 0.14, {-0.0050, -0.0067, -0.0066}},
+                                                          {"wall-1-lit", 0.86, -0.06, {0.0005, 0.0003, 0.0060}},
+                                                          {"wall-1-white", 1.01, 0.05, {0.0008, 0.0006, 0.0063}}});
+
+// Predictions have no noise and the references are stored, so what was measured comes back: an error that leaves the
+// means small, because it is in print and white alike, or because it lies in cells that were wrong before, is seen too.
+// Tried: with 0.95 times what each face lets through 136 of the 206 checks fail, with 1.05 times the loss (1 - alpha*)
+// of every medium 109.
+TEST_CASE("The loop's predictor is as near to Monte Carlo as it was when it was measured") {
+    optics::TransportOptions options;
+    options.viewing_cells = true;
+    double sum = 0, n = 0;
+    for (const fs::path& file : references()) {
+        const Reference reference = read_reference(file);
+        const auto* const known = std::find_if(loops_predictor.begin(), loops_predictor.end(),
+                                               [&](const Measured& m) { return reference.of.name == m.name; });
+        INFO(reference.of.name);
+        REQUIRE(known != loops_predictor.end());
+        const Comparison c = compare(reference, options);
+        CHECK(c.mean_without_noise < 1.03 * known->mean + 0.03);
+        CHECK(c.bias == Approx(known->bias).margin(0.1));
+        for (std::size_t k = 0; k < 3; ++k) CHECK(c.white_bias[k] == Approx(known->white_bias[k]).margin(0.0015));
+        sum += c.mean_without_noise;
+        ++n;
+    }
+    REQUIRE(n == loops_predictor.size());
+    CHECK(sum / n < 0.92);
 }
 
 TEST_CASE("The suite sees that averaging resins over a viewing cell is wrong") {
