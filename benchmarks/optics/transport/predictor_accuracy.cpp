@@ -9,6 +9,7 @@
 //   [FOLDER]      sweeps and skin cells: error and price predictor_accuracy make [FOLDER]      Monte Carlo references
 //   of the suite, case by case predictor_accuracy picture CASE FILE  target, Monte Carlo, prediction, difference side
 //   by side (PNG)
+#include <array>
 #include <cstdio>
 #include <ctime>
 #include <filesystem>
@@ -89,6 +90,10 @@ void compare_all(const Arguments& a) {
         "white, % | cells | core s | us/cell | "
         "s/cm2 | x faster |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
     double sum = 0, sum_with = 0, worst = 0, n = 0;
+    struct Set {
+        double sum = 0, cases = 0;
+    };
+    std::array<Set, 2> sets;  // unseen, looked at while tuning
     for (const fs::path& file : references(a)) {
         const Reference reference = read_reference(file);
         const Comparison c = compare(reference, a.transport, a.refine);
@@ -96,6 +101,8 @@ void compare_all(const Arguments& a) {
         sum_with += c.mean;
         worst = std::max(worst, c.mean_without_noise);
         ++n;
+        sets[reference.of.tuning].sum += c.mean_without_noise;
+        ++sets[reference.of.tuning].cases;
         fmt::print(
             "| {}{} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:+.2f} | {:.2f} | {:+.4f} {:+.4f} {:+.4f} | "
             "{:+.2f} {:+.2f} {:+.2f} | {} | {:.2f} | {:.2f} | {:.2f} | {:.0f} |\n",
@@ -108,6 +115,10 @@ void compare_all(const Arguments& a) {
         if (!a.cells.empty()) write_cells(a.cells / (reference.of.name + ".csv"), c);
     }
     if (n > 0) fmt::print("| mean of {} cases (largest {:.2f}) | {:.2f} | {:.2f} |\n", n, worst, sum / n, sum_with / n);
+    for (const bool seen : {true, false})
+        if (sets[seen].cases > 0)
+            fmt::print("| mean of the {} {} | {:.2f} |\n", sets[seen].cases, seen ? "looked at while tuning" : "unseen",
+                       sets[seen].sum / sets[seen].cases);
 }
 
 void homogeneous(const Arguments& a) {

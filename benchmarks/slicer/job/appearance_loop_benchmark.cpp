@@ -3,9 +3,10 @@
 // How much truer prints become in the appearance loop: every target printed open loop and with the loop, both judged by
 // Monte Carlo of the finished stacks.
 //
-//   appearance_loop_benchmark slabs     photographs, text, star, colour checker, gratings: 20 mm wide, 4 mm thick, J750
+//   appearance_loop_benchmark slabs     photographs (benchmarks/sets.json: fitting and held-out), text, star, colour
+//   checker, gratings: 20 mm wide, 4 mm thick, J750
 //                                       High Mix, Vero Opaque, on black
-//   appearance_loop_benchmark bodies    spot, fox, ycb_banana, sword with a checker, in windows (judge_body.h)
+//   appearance_loop_benchmark bodies    meshes, in windows (judge_body.h)
 //   appearance_loop_benchmark flat      slabs of one colour each, 8 mm: the mean of the middle 4 mm
 //   appearance_loop_benchmark seams     what cutting a body into tiles does to its predictions, for a stack that slice
 //   made appearance_loop_benchmark report    slabs and bodies appearance_loop_benchmark targets   only writes the
@@ -73,6 +74,7 @@ SlabRow judge_target(const Arguments& a, const Target& target, const std::vector
     SlabRow row;
     row.name = target.name;
     row.gratings = target.gratings;
+    row.held_out = target.held_out;
     std::array<Judgement, 2> judged;
     std::optional<Eye> eye;
     for (std::size_t v = 0; v < 2; ++v) {
@@ -141,7 +143,7 @@ void run_bodies(const Arguments& a) {
     std::vector<BodyRow> rows;
     for (const BodyTarget& target : found) {
         BodyRow row;
-        row.name = target.name;
+        row.name = target.held_out ? target.name + " (held out)" : target.name;
         for (std::size_t v = 0; v < 2; ++v) {
             slicer::SliceOptions options;
             options.model = target.model.string();

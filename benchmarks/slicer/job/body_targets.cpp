@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "benchmarks/sets.h"
 #include "voxtone/io/files/whole_file.h"
 #include "voxtone/io/pictures/picture_writer.h"
 
@@ -74,12 +75,9 @@ fs::path project_checker(const fs::path& source, const fs::path& work, double si
 std::vector<BodyTarget> body_targets(const fs::path& models, const fs::path& work, const std::string& only,
                                      std::vector<std::string>& missing) {
     fs::create_directories(work);
-    const std::vector<BodyTarget> all{{"spot", models / "spot/spot.obj", 60},
-                                      {"fox", models / "fox/Fox.gltf", 60},
-                                      {"ycb_banana", models / "ycb_banana/textured_simple_reoriented.obj", 100},
-                                      {"sword", models / "sword/sword.obj", 100}};
     std::vector<BodyTarget> found;
-    for (BodyTarget b : all) {
+    for (const benchmarks::SetEntry& entry : benchmarks::bodies()) {
+        BodyTarget b{entry.name, models / entry.file, entry.size_mm, entry.held_out};
         if (b.name.find(only) == std::string::npos) continue;
         if (!fs::exists(b.model)) {
             missing.push_back(b.name);

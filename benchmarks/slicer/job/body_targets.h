@@ -13,10 +13,11 @@ struct BodyTarget {
     std::string name;
     std::filesystem::path model;
     double size_mm = 0;
+    bool held_out = false;
 };
 
-/// spot and fox at 60 mm, ycb_banana at 100 mm, and sword at 100 mm (its blade is 0.3 to 0.6 mm thick), which has no
-/// colours: a checker of 1.5 mm is projected along x, written into the work folder.
+/// Those of benchmarks/sets.json. The sword has no colours: a checker of 1.5 mm is projected along x, written into the
+/// work folder.
 [[nodiscard]] std::vector<BodyTarget> body_targets(const std::filesystem::path& models,
                                                    const std::filesystem::path& work, const std::string& only,
                                                    std::vector<std::string>& missing);

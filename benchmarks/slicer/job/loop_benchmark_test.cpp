@@ -3,10 +3,12 @@
 // The judge is judged where the answer is known.
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <numbers>
 
+#include "benchmarks/sets.h"
 #include "flat_white.h"
 #include "gratings.h"
 #include "judge_slab.h"
@@ -197,11 +199,20 @@ TEST_CASE("pages are made in the size that is asked for", "[loop_benchmark]") {
     const io::TemporaryFolder folder;
     std::vector<std::string> missing;
     const auto targets = make_targets(folder.path() / "no-models", folder.path(), "", {6, 4}, missing);
-    CHECK(missing.size() == 4);
+    CHECK(missing.size() == benchmarks::pictures().size());
     REQUIRE(targets.size() == 4);
     for (const Target& t : targets) {
         CHECK(t.width_mm == 6);
         CHECK(t.height_mm == 4);
         CHECK(std::filesystem::exists(t.picture));
     }
+}
+
+TEST_CASE("figures are judged on pictures and bodies that they were not chosen on", "[loop_benchmark]") {
+    const auto held_out = [](const std::vector<benchmarks::SetEntry>& all) {
+        return std::count_if(all.begin(), all.end(), [](const auto& entry) { return entry.held_out; });
+    };
+    CHECK(held_out(benchmarks::pictures()) >= 6);
+    CHECK(held_out(benchmarks::bodies()) >= 2);
+    for (const auto& body : benchmarks::bodies()) CHECK(body.size_mm > 0);
 }

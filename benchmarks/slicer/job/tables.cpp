@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tables.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -13,6 +15,25 @@ namespace {
 std::string number(double v, int digits = 2) { return std::isfinite(v) ? fmt::format("{:.{}f}", v, digits) : "-"; }
 
 std::string ratio(double before, double after) { return before > 0 ? number(after / before) : "-"; }
+
+/// Of the fitting set or of the held-out one; empty where none of it was printed.
+std::string mean_row(const std::vector<SlabRow>& rows, bool held_out, Figures Scores::*which) {
+    std::array<Figures, 2> mean;
+    const auto n = std::count_if(rows.begin(), rows.end(), [&](const SlabRow& r) { return r.held_out == held_out; });
+    if (n == 0) return "";
+    for (const SlabRow& r : rows)
+        for (std::size_t v = 0; r.held_out == held_out && v < 2; ++v) {
+            const Figures& of = r.scores[v].*which;
+            mean[v].mean += of.mean / double(n);
+            mean[v].median += of.median / double(n);
+            mean[v].percentile_95 += of.percentile_95 / double(n);
+        }
+    const auto& [a, b] = mean;
+    return fmt::format("| **mean, {} set** | {} targets | {} -> {} | {} | {} -> {} | {} | {} -> {} | {} | |\n",
+                       held_out ? "held-out" : "fitting", n, number(a.mean), number(b.mean), ratio(a.mean, b.mean),
+                       number(a.median), number(b.median), ratio(a.median, b.median), number(a.percentile_95),
+                       number(b.percentile_95), ratio(a.percentile_95, b.percentile_95));
+}
 
 std::string error_table(const std::vector<SlabRow>& rows, const std::vector<std::string>& names, const char* title,
                         Figures Scores::*which) {
@@ -28,6 +49,7 @@ std::string error_table(const std::vector<SlabRow>& rows, const std::vector<std:
                             ratio(a.median, b.median), number(a.percentile_95), number(b.percentile_95),
                             ratio(a.percentile_95, b.percentile_95), number(a.noise), number(b.noise));
     }
+    for (const bool held_out : {false, true}) text += mean_row(rows, held_out, which);
     return text;
 }
 

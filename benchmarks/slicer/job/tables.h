@@ -18,7 +18,7 @@ struct SlabRow {
     std::array<Scores, 2> scores;
     std::array<Print, 2> print;
     double share_in_gamut = 0;
-    bool gratings = false;
+    bool gratings = false, held_out = false;
     std::array<std::array<double, 3>, 2> modulation{};
 };
 

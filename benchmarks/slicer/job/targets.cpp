@@ -6,6 +6,7 @@
 #include <functional>
 #include <numbers>
 
+#include "benchmarks/sets.h"
 #include "gratings.h"
 #include "stroke_font.h"
 #include "voxtone/io/files/whole_file.h"
@@ -115,14 +116,6 @@ Eigen::Vector3d colour_checker(double x, double y) {
     return rgb;
 }
 
-struct Photograph {
-    const char *name, *file;
-};
-constexpr std::array<Photograph, 4> photographs{{{"img_kodim23", "img_kodim23/23.png"},
-                                                 {"img_astronaut", "img_astronaut/astronaut.png"},
-                                                 {"img_marble", "img_marble/Marble006_1K_Color.jpg"},
-                                                 {"img_hubble", "img_hubble/hubble_deep_field.jpg"}}};
-
 }  // namespace
 
 std::vector<Target> make_targets(const fs::path& models, const fs::path& work, const std::string& only,
@@ -130,7 +123,7 @@ std::vector<Target> make_targets(const fs::path& models, const fs::path& work, c
     fs::create_directories(work);
     std::vector<Target> targets;
     const auto wanted = [&](const std::string& name) { return name.find(only) != std::string::npos; };
-    for (const Photograph& p : photographs) {
+    for (const benchmarks::SetEntry& p : benchmarks::pictures()) {
         if (!wanted(p.name)) continue;
         if (!fs::exists(models / p.file)) {
             missing.push_back(p.name);
@@ -141,12 +134,12 @@ std::vector<Target> make_targets(const fs::path& models, const fs::path& work, c
         const double height = page_width_mm * picture.height_px / picture.width_px;
         const float lod = std::log2(static_cast<float>(picture.width_px / page_width_mm / px_per_mm));
         const Window window = middle(page_width_mm, height, crop);
-        const fs::path file = work / (std::string(p.name) + ".png");
+        const fs::path file = work / (p.name + ".png");
         write_page(file, window, px_per_mm, 1, [&](double x, double y) -> Eigen::Vector3d {
             return picture.texture->sample(static_cast<float>(x / page_width_mm), static_cast<float>(y / height), lod)
                 .cast<double>();
         });
-        targets.push_back({p.name, file, window.width, window.height, false});
+        targets.push_back({p.name, file, window.width, window.height, false, p.held_out});
     }
     const auto page = [&](const std::string& name, double height, const Paint& paint, int samples) {
         const Window window = middle(page_width_mm, height, crop);

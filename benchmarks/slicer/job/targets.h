@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// What is printed: photographs of the models folder, and pages made here.
+// What is printed: photographs of the models folder (benchmarks/sets.json), and pages made here.
 #pragma once
 
 #include <filesystem>
@@ -14,6 +14,7 @@ struct Target {
     std::filesystem::path picture;  ///< PNG in the work folder
     double width_mm = 0, height_mm = 0;
     bool gratings = false;
+    bool held_out = false;  ///< benchmarks/sets.h; pages made here belong to the fitting set
 };
 
 struct Crop {
