@@ -50,6 +50,7 @@ Command add_calibrate_fit_command(CLI::App& calibrate) {
         ->required()
         ->type_name("FILE");
     add_out_option(*command, a.job.out, "FILE", "resin set to write; errors and doubts go beside it, as NAME.fit.json");
+    add_overwrite_option(*command, a.job.overwrite);
     command->add_option("--report", a.job.report, "page to look at: patches measured and predicted, curves, errors")
         ->type_name("FILE.html");
     command->add_option("--name", a.job.name, "name of the set; empty: that of the file");

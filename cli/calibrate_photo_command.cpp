@@ -60,6 +60,7 @@ Command add_calibrate_photo_command(CLI::App& calibrate) {
         ->type_name("FILE")
         ->required();
     add_out_option(*command, a.job.out, "FILE", "patch table to write (.csv)");
+    add_overwrite_option(*command, a.job.overwrite);
     add_value(*command, "--checker", a.job.checker, "chart beside the target: colorchecker24 or a file")
         ->type_name("NAME|FILE");
     add_corners_option(*command, "--corners", a.corners,

@@ -98,6 +98,7 @@ Command add_calibrate_profile_command(CLI::App& calibrate) {
         "spot.tif@1/15.");
     add_side_options(*command, a);
     add_out_option(*command, a.job.out, "FILE", "profile to write (.json)");
+    add_overwrite_option(*command, a.job.overwrite);
     command->add_option("--plot", a.job.plot, "picture of the profile with its errors; empty: beside it, as NAME.svg")
         ->type_name("FILE.svg");
     command->add_option("--name", a.job.name, "name of the material; empty: that of the file");

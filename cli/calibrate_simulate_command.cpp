@@ -73,6 +73,7 @@ Command add_calibrate_simulate_command(CLI::App& calibrate) {
         ->required();
     add_resins_option(*command, a.job.resins, ", RGB");
     add_out_option(*command, a.job.out, "FILE", "photograph to write: .png, .tif (16 bits, linear) or .exr");
+    add_overwrite_option(*command, a.job.overwrite);
     command->add_option("--truth", a.job.truth, "write what the squares truly reflect, as a patch table")
         ->type_name("FILE");
     add_value(*command, "--checker", a.job.checker, "chart beside the target: colorchecker24 or a file")

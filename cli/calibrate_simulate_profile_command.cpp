@@ -61,6 +61,7 @@ Command add_calibrate_simulate_profile_command(CLI::App& calibrate) {
     a.run.lengths.add_required(*command, "--thickness", a.job.thickness_mm, "of the slab: 3mm");
     add_out_option(*command, a.job.out, "FOLDER",
                    "folder for reflection-NN.exr, transmission-NN.exr, their -dark-NN.exr, truth.json");
+    add_overwrite_option(*command, a.job.overwrite);
     add_camera_options(*command, a);
     add_value(*command, "--paths", a.job.paths, "traced per channel");
     add_value(*command, "--seed", a.job.camera.seed, "seed of paths and noise");

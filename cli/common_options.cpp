@@ -70,14 +70,18 @@ CLI::Option* add_out_option(CLI::App& command, std::string& out, const char* typ
     return command.add_option("-o,--out", out, help)->type_name(type)->required();
 }
 
+CLI::Option* add_overwrite_option(CLI::App& command, bool& overwrite) {
+    return command.add_flag("--overwrite", overwrite, "replace files that are there already");
+}
+
 void add_stack_folder_options(CLI::App& command, std::string& out, bool& overwrite) {
     add_out_option(command, out, "FOLDER", "output folder");
-    command.add_flag("--overwrite", overwrite, "write into a folder that holds other things");
+    command.add_flag("--overwrite", overwrite, "replace a stack that the folder holds; other things in it stay");
 }
 
 void add_file_folder_options(CLI::App& command, std::string& out, bool& overwrite, const char* help) {
     add_out_option(command, out, "FOLDER", help);
-    command.add_flag("--overwrite", overwrite, "replace files of the same names in the folder");
+    add_overwrite_option(command, overwrite);
 }
 
 CLI::Option* add_seed_option(CLI::App& command, std::uint64_t& seed, const char* help) {

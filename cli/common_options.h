@@ -63,6 +63,8 @@ CLI::Option* add_resins_option(CLI::App& command, std::string& resins, const std
 CLI::Option* add_printer_option(CLI::App& command, std::string& printer);
 /// `-o,--out`, required; `type`: FILE or FOLDER.
 CLI::Option* add_out_option(CLI::App& command, std::string& out, const char* type, const char* help);
+/// `--overwrite`, of a verb that writes files.
+CLI::Option* add_overwrite_option(CLI::App& command, bool& overwrite);
 /// `-o,--out` for a stack of layers, and `--overwrite`.
 void add_stack_folder_options(CLI::App& command, std::string& out, bool& overwrite);
 /// The same for files in a folder that may hold others.

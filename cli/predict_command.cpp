@@ -66,6 +66,7 @@ Command add_predict_command(CLI::App& program) {
                ->required()
                ->type_name("FILE")
                ->allow_extra_args(false),
+           add_overwrite_option(*command, o.overwrite),
            command
                ->add_option("--view", o.view,
                             "top: a picture from above; body: the whole surface; auto: top for pictures and flat boxes "

@@ -62,6 +62,7 @@ Command add_stack_dataset_command(CLI::App& stack) {
         ->check(CLI::IsMember(pattern_names()))
         ->required();
     add_out_option(*command, a.job.out, "FILE", "data set to write (format: docs/heterogeneous.md)");
+    add_overwrite_option(*command, a.job.overwrite);
     add_slab_options(*command, a);
     add_value(*command, "--radius", a.job.radius, "of the window around a point, in points")->check(CLI::Range(1, 64));
     add_value(*command, "--paths", a.job.paths,

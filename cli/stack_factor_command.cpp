@@ -52,6 +52,7 @@ Command add_stack_factor_command(CLI::App& stack) {
         ->type_name("FILE")
         ->required();
     add_out_option(*command, a.job.out, "FILE", "profile map to write: NAME.json, with NAME.png beside it");
+    add_overwrite_option(*command, a.job.overwrite);
     add_map_options(*command, a);
     command
         ->add_option("--check", a.job.check,

@@ -35,6 +35,7 @@ Command add_stack_predict_command(CLI::App& stack) {
         ->add_option("-o,--out", job.files, "file to write, several by repeating: .json (the profiles) or .svg (drawn)")
         ->type_name("FILE")
         ->allow_extra_args(false);
+    add_overwrite_option(*command, job.overwrite);
     command->add_flag("--check", job.check, "Monte Carlo of the whole stack beside it");
     add_named_stack_options(*command, job.setting);
     add_detail_options(*command, arguments->run.lengths, job.setting.reach_mm, job.setting.coefficients);

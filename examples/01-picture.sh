@@ -4,5 +4,5 @@ set -eu
 voxtone=${VOXTONE:-build/release/bin/voxtone}
 out=${OUT:-out}/01-picture
 here=$(dirname "$0")
-"$voxtone" slice "$here/models/spot/spot_texture.png" --width 6mm --thickness 2mm -o "$out"
+"$voxtone" slice "$here/models/spot/spot_texture.png" --width 6mm --thickness 2mm --overwrite -o "$out"
 "$voxtone" verify "$out"

@@ -17,11 +17,11 @@ resins="--resins vero-opaque-clear"
 # 3. All five side by side, on 1 mm of black, ready to print; and what light does in one of them.
 "$voxtone" stack print "$out"/found/target-?.stack.json --base K=1mm --overwrite -o "$out/slabs"
 "$voxtone" verify "$out/slabs"
-"$voxtone" stack predict "$out/found/target-5.stack.json" --check --paths 8192 --coefficients 64 --reach 15mm -o "$out/widest.svg"
+"$voxtone" stack predict "$out/found/target-5.stack.json" --check --paths 8192 --coefficients 64 --reach 15mm --overwrite -o "$out/widest.svg"
 
 # 4. Marble: a data set of a heterogeneous slab (here traced; it may be measured), factored into four profiles and a map of them.
-"$voxtone" stack dataset marble --points 32 --paths 300 -o "$out/marble.bssrdf"
-"$voxtone" stack factor "$out/marble.bssrdf" --clusters 4 -o "$out/marble.json"
+"$voxtone" stack dataset marble --points 32 --paths 300 --overwrite -o "$out/marble.bssrdf"
+"$voxtone" stack factor "$out/marble.bssrdf" --clusters 4 --overwrite -o "$out/marble.json"
 
 # 5. The marble wrapped around a mesh, as layers under each point of its surface. The stacks are by the layered model alone
 # (--stack-rounds 0): leave that out to have them corrected by Monte Carlo, in some ten seconds for each cluster.

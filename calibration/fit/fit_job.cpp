@@ -8,6 +8,7 @@
 #include "voxtone/base/error.h"
 #include "voxtone/calibration/fit/fit_report.h"
 #include "voxtone/calibration/fit/fit_text.h"
+#include "voxtone/io/disk/output_files.h"
 #include "voxtone/io/files/whole_file.h"
 #include "voxtone/io/profiles/resin_file.h"
 
@@ -18,6 +19,12 @@ namespace fs = std::filesystem;
 
 /// OUT.fit.json beside OUT.json.
 fs::path side_file(const fs::path& out) { return fs::path(out).replace_extension(".fit.json"); }
+
+std::vector<fs::path> outputs(const FitJob& job) {
+    std::vector<fs::path> files{job.out, side_file(job.out)};
+    if (!job.report.empty()) files.emplace_back(job.report);
+    return files;
+}
 
 FitOptions options_of(const FitJob& job) {
     FitOptions options = job.fit;
@@ -35,6 +42,7 @@ void FitJob::validate() const {
 
 JobResult run_fit_job(const FitJob& job, Progress& progress) {
     job.validate();
+    io::expect_outputs(outputs(job), job.overwrite);
     const FitOptions options = options_of(job);
     const PatchTable table = read_measured_patches(job.patches, job.measured, options.model, progress);
     const bool checked = !job.check.empty();

@@ -15,12 +15,13 @@ namespace voxtone::calibration {
 struct FitJob {
     std::string patches;  ///< file (calibration/patches/patch_file.h)
     MeasuredPatchOptions measured;
-    FitOptions fit;        ///< its name does not count:
-    std::string name;      ///< of the set; empty: that of the file `out`
-    std::string check;     ///< file of other patches to predict with the result; empty: none
-    bool g_sweep = false;  ///< also fit for other g (g_sweep.h)
-    std::string out;       ///< resin set; errors and doubts go beside it, as NAME.fit.json
-    std::string report;    ///< page (fit_report.h); empty: none
+    FitOptions fit;          ///< its name does not count:
+    std::string name;        ///< of the set; empty: that of the file `out`
+    std::string check;       ///< file of other patches to predict with the result; empty: none
+    bool g_sweep = false;    ///< also fit for other g (g_sweep.h)
+    std::string out;         ///< resin set; errors and doubts go beside it, as NAME.fit.json
+    std::string report;      ///< page (fit_report.h); empty: none
+    bool overwrite = false;  ///< files that are there are replaced
 
     /// Throws UsageError or InputError that names the option, its value and the rule.
     void validate() const;

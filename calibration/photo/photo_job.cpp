@@ -11,6 +11,7 @@
 #include "voxtone/calibration/patches/patch_file.h"
 #include "voxtone/calibration/photo/photo_overlay.h"
 #include "voxtone/calibration/target/target_file.h"
+#include "voxtone/io/disk/output_files.h"
 #include "voxtone/io/files/whole_file.h"
 
 namespace voxtone::calibration {
@@ -22,6 +23,12 @@ std::string overlay_name(const PhotoJob& job, std::size_t photo) {
                                            : std::filesystem::path(job.overlay);
     if (photo == 0) return base.string();
     return std::filesystem::path(base).replace_extension().concat(fmt::format("-{}.png", photo + 1)).string();
+}
+
+std::vector<std::filesystem::path> outputs(const PhotoJob& job) {
+    std::vector<std::filesystem::path> files{job.out};
+    for (std::size_t p = 0; p < job.photos.size(); ++p) files.emplace_back(overlay_name(job, p));
+    return files;
 }
 
 /// All photographs; their pixels are given back, the figures are enough from there on.
@@ -119,6 +126,7 @@ void PhotoJob::validate() const {
 
 JobResult run_photo_job(const PhotoJob& job, Progress& progress) {
     job.validate();
+    io::expect_outputs(outputs(job), job.overwrite);
     const Target target = read_target(job.target);
     const std::vector<PhotoMeasurement> photos = measure_all(job, target, progress);
     const MeasuredTable measured = average_photos(photos, target);

@@ -19,7 +19,8 @@ struct PhotoJob {
     std::string checker = "colorchecker24";  ///< chart beside the target, or its file
     PhotoMeasureOptions measure;             ///< corners by hand are those of one photograph
     std::string out;                         ///< table of patches (calibration/patches/patch_file.h)
-    std::string overlay;  ///< picture of what was sampled, the next ones as NAME-2.png, ...; empty: beside the table
+    std::string overlay;     ///< picture of what was sampled, the next ones as NAME-2.png, ...; empty: beside the table
+    bool overwrite = false;  ///< files that are there are replaced
 
     /// Throws UsageError that names the option and the rule it breaks.
     void validate() const;

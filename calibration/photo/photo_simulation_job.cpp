@@ -9,11 +9,18 @@
 #include "voxtone/calibration/patches/patch_file.h"
 #include "voxtone/calibration/target/target_file.h"
 #include "voxtone/io/codecs/photograph_writer.h"
+#include "voxtone/io/disk/output_files.h"
 #include "voxtone/io/files/whole_file.h"
 #include "voxtone/io/profiles/resin_file.h"
 
 namespace voxtone::calibration {
 namespace {
+
+std::vector<std::filesystem::path> outputs(const PhotoSimulationJob& job) {
+    std::vector<std::filesystem::path> files{job.out};
+    if (!job.truth.empty()) files.emplace_back(job.truth);
+    return files;
+}
 
 /// What the squares reflect, as if it had been measured.
 PatchTable true_table(const Target& target, const TargetColours& colours) {
@@ -39,6 +46,7 @@ void PhotoSimulationJob::validate() const { photo.validate(); }
 
 JobResult run_photo_simulation(const PhotoSimulationJob& job, Progress& progress) {
     job.validate();
+    io::expect_outputs(outputs(job), job.overwrite);
     const Target target = read_target(job.target);
     const optics::ResinSet set = io::find_resin_set(job.resins);
     progress.begin_stage("photograph", 0);

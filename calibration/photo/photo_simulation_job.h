@@ -21,6 +21,7 @@ struct PhotoSimulationJob {
     bool eight_bits = false;  ///< of sRGB codes instead of 16 linear ones
     std::string out;          ///< .png, .tif or .exr
     std::string truth;        ///< table of what the squares truly reflect; empty: none
+    bool overwrite = false;   ///< files that are there are replaced
 
     /// Throws InputError that names the option and the rule it breaks.
     void validate() const;

@@ -8,6 +8,7 @@
 
 #include "voxtone/base/error.h"
 #include "voxtone/calibration/profile/profile_plot.h"
+#include "voxtone/io/disk/output_files.h"
 #include "voxtone/io/files/whole_file.h"
 #include "voxtone/io/profiles/profile_file.h"
 
@@ -96,6 +97,8 @@ void ProfileJob::validate() const {
 
 JobResult run_profile_job(const ProfileJob& job, Progress& progress) {
     job.validate();
+    const std::string plot = job.plot.empty() ? fs::path(job.out).replace_extension(".svg").string() : job.plot;
+    io::expect_outputs({job.out, plot}, job.overwrite);
     Json json{{"format", "voxtone-calibrate-profile"}, {"version", 1}, {"profile", job.out}};
     const MeasuredSide R = measured(job, job.reflection, "reflection", progress);
     json["R"] = side_json(R);
@@ -114,7 +117,6 @@ JobResult run_profile_job(const ProfileJob& job, Progress& progress) {
             "%\n",
             k, 1 / k);
     }
-    const std::string plot = job.plot.empty() ? fs::path(job.out).replace_extension(".svg").string() : job.plot;
     const io::ProfileFile file = file_of(job, R, T);
     io::write_whole_file(job.out, io::profile_text(file));
     io::write_whole_file(plot, profile_plot(file));

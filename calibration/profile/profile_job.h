@@ -31,6 +31,7 @@ struct ProfileJob {
     std::string name;                      ///< of the material; empty: that of the file `out`
     std::string out;                       ///< profile (io/profiles/profile_file.h)
     std::string plot;                      ///< its picture (profile_plot.h); empty: beside it, as NAME.svg
+    bool overwrite = false;                ///< files that are there are replaced
 
     /// Throws UsageError or InputError that names the option and the rule it breaks.
     void validate() const;

@@ -9,6 +9,7 @@
 
 #include "voxtone/base/error.h"
 #include "voxtone/io/codecs/photograph_writer.h"
+#include "voxtone/io/disk/output_files.h"
 #include "voxtone/io/files/whole_file.h"
 #include "voxtone/io/profiles/profile_file.h"
 #include "voxtone/io/profiles/resin_file.h"
@@ -20,10 +21,18 @@ namespace fs = std::filesystem;
 
 constexpr double truth_spacing_mm = 0.044;  // that of the paper, as measurements have by default
 
-void make_folder(const fs::path& folder) {
-    std::error_code error;
-    fs::create_directories(folder, error);
-    if (error) throw FileError(fmt::format("{}: cannot be made: {}", folder.string(), error.message()));
+constexpr const char* truth_name = "truth.json";
+
+std::string photograph_name(const std::string& series, bool lit, std::size_t k) {
+    return fmt::format("{}{}-{:02}.exr", series, lit ? "" : "-dark", k + 1);
+}
+
+fs::path output_folder(const ProfileSimulationJob& job) {
+    std::vector<fs::path> names{truth_name};
+    for (const char* const series : {"reflection", "transmission"})
+        for (std::size_t k = 0; k < job.camera.seconds.size(); ++k)
+            for (const bool lit : {true, false}) names.emplace_back(photograph_name(series, lit, k));
+    return io::make_folder_for(job.out, names, job.overwrite);
 }
 
 /// NAME-01.exr, NAME-dark-01.exr, ...
@@ -33,7 +42,7 @@ void write_series(const SpotScene& scene, const std::string& name, const Profile
     for (std::size_t k = 0; k < job.camera.seconds.size(); ++k) {
         progress.check_cancelled();
         for (const bool lit : {true, false}) {
-            const fs::path file = fs::path(job.out) / fmt::format("{}{}-{:02}.exr", name, lit ? "" : "-dark", k + 1);
+            const fs::path file = fs::path(job.out) / photograph_name(name, lit, k);
             io::write_whole_file(file, io::photograph_bytes(scene.photograph(k, lit).photograph, file.string()));
         }
         progress.advance();
@@ -94,13 +103,13 @@ void ProfileSimulationJob::validate() const {
 JobResult run_profile_simulation(const ProfileSimulationJob& job, Progress& progress) {
     job.validate();
     const optics::ResinSet set = io::find_resin_set(job.resins);
+    const fs::path out = output_folder(job);
     const SlabProfiles slab =
         slab_profiles(set, job.role, job.thickness_mm, job.camera.grid(), job.paths, job.camera.seed, &progress);
-    make_folder(job.out);
     const SpotScene R(slab.R, job.camera), T(slab.T, job.camera);
     write_series(R, "reflection", job, progress);
     write_series(T, "transmission", job, progress);
-    const std::string truth_file = (fs::path(job.out) / "truth.json").string();
+    const std::string truth_file = (out / truth_name).string();
     io::write_whole_file(truth_file, io::profile_text(true_profile(job, set.name, R, T)));
     return result_of(job, slab, R.centre_px(), truth_file);
 }

@@ -19,6 +19,7 @@ struct ProfileSimulationJob {
     double thickness_mm = 0;         ///< of the slab, above 0
     std::uint32_t paths = 1u << 18;  ///< per channel
     std::string out;                 ///< folder for reflection-NN.exr, reflection-dark-NN.exr, ... and truth.json
+    bool overwrite = false;          ///< files that are there are replaced
 
     /// Throws UsageError or InputError that names the option and the rule it breaks.
     void validate() const;

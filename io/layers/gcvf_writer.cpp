@@ -13,6 +13,7 @@
 
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/error.h"
+#include "voxtone/io/disk/disk_space.h"
 #include "voxtone/io/files/whole_file.h"
 #include "voxtone/io/layers/gcvf_config.h"
 
@@ -130,6 +131,8 @@ void write_gcvf(const std::filesystem::path& file, const StackDescription& stack
     std::unique_ptr<zip_t, Discard> zip(zip_open(part.c_str(), ZIP_CREATE | ZIP_TRUNCATE, &code));
     if (!zip) throw FileError(fmt::format("{}: cannot be created; is the folder there and writable?", file.string()));
     auto fail = [&] {
+        if (zip_error_t* const error = zip_get_error(zip.get()); zip_error_system_type(error) == ZIP_ET_SYS)
+            fail_to_write(file, "could not be written", zip_error_code_system(error));
         throw FileError(fmt::format("{}: could not be written ({})", file.string(), zip_strerror(zip.get())));
     };
     auto add = [&](const std::string& name, zip_source_t* source, zip_int32_t method) {

@@ -30,6 +30,12 @@ StackDescription as_written(StackDescription stack) {
     return stack;
 }
 
+StackFolder take(std::filesystem::path out, bool overwrite) {
+    StackFolder folder(std::move(out));
+    if (!overwrite) folder.expect_free();
+    return folder;
+}
+
 }  // namespace
 
 StackOutputs outputs_for(std::span<const LayerFormat> formats) {
@@ -55,14 +61,17 @@ StackOutputs outputs_for(std::span<const LayerFormat> formats) {
 
 LayerStackWriter::LayerStackWriter(std::filesystem::path out, StackDescription description, StackOutputs outputs,
                                    bool overwrite)
-    : out_(std::move(out)),
+    : LayerStackWriter(take(std::move(out), overwrite), std::move(description), outputs) {}
+
+LayerStackWriter::LayerStackWriter(StackFolder folder, StackDescription description, StackOutputs outputs)
+    : folder_(std::move(folder)),
       stack_(as_written(std::move(description))),
       outputs_(outputs),
       encoder_(stack_.palette(), {stack_.pitch_um[0], stack_.pitch_um[1]}),
       digests_(stack_.layers),
       written_(stack_.layers) {
     VOXTONE_EXPECT(stack_.pattern.starts_with("layers/slice_"));
-    prepare_stack_folder(out_, overwrite);
+    out_ = folder_.begin();
     if (outputs_.resin_bitmaps == ResinBitmaps::none) return;
     for (std::size_t r = 0; r < stack_.resins.size(); ++r) {
         std::error_code error;
@@ -74,6 +83,10 @@ LayerStackWriter::LayerStackWriter(std::filesystem::path out, StackDescription d
 
 void LayerStackWriter::write(std::uint32_t index, const LayerRuns& layer) {
     VOXTONE_EXPECT(index < stack_.layers);
+    {
+        const std::lock_guard lock(mutex_);
+        VOXTONE_EXPECT(!written_[index]);
+    }
     const Orientation& orientation = stack_.orientation;
     if (orientation != Orientation{}) {
         write_oriented(index, oriented(layer, orientation));
@@ -85,7 +98,7 @@ void LayerStackWriter::write(std::uint32_t index, const LayerRuns& layer) {
 void LayerStackWriter::write_oriented(std::uint32_t index, const LayerRuns& layer) {
     VOXTONE_EXPECT(layer.width_px() == stack_.size_px[0] && layer.height_px() == stack_.size_px[1]);
     const auto png = encoder_.encode(layer);
-    write_whole_file(out_ / stack_.layer_path(index), png);
+    write_staged_file(out_ / stack_.layer_path(index), png);
     if (outputs_.resin_bitmaps != ResinBitmaps::none) write_resin_bitmaps(index, layer);
 
     std::array<std::uint64_t, max_materials> voxels{};
@@ -105,15 +118,15 @@ void LayerStackWriter::write_resin_bitmaps(std::uint32_t index, const LayerRuns&
     const std::array<double, 2> pitch = {stack_.pitch_um[0], stack_.pitch_um[1]};
     const auto name = std::filesystem::path(stack_.layer_path(index)).filename();
     if (outputs_.resin_bitmaps == ResinBitmaps::png8) {
-        write_whole_file(resin_folder(0) / name, encode_png8(layer, encoder_.palette(), pitch));
+        write_staged_file(resin_folder(0) / name, encode_png8(layer, encoder_.palette(), pitch));
         return;
     }
     for (std::size_t r = 0; r < stack_.resins.size(); ++r) {
         const auto material = static_cast<Material>(r + 1);
         if (outputs_.resin_bitmaps == ResinBitmaps::png1)
-            write_whole_file(resin_folder(r) / name, encode_png1(layer, material, pitch));
+            write_staged_file(resin_folder(r) / name, encode_png1(layer, material, pitch));
         else
-            write_whole_file((resin_folder(r) / name).replace_extension(".tif"), encode_tiff1(layer, material, pitch));
+            write_staged_file((resin_folder(r) / name).replace_extension(".tif"), encode_tiff1(layer, material, pitch));
     }
 }
 
@@ -125,6 +138,10 @@ std::filesystem::path LayerStackWriter::resin_folder(std::size_t resin) const {
     return out_ / resin_folder_name / fmt::format("{:02}-{}", resin + 1, role);
 }
 
+void LayerStackWriter::add_file(std::string_view name, std::string_view text) const {
+    write_staged_file(out_ / name, text);
+}
+
 const StackDescription& LayerStackWriter::finish(const PreviewMesh& preview, Progress* progress) {
     const std::lock_guard lock(mutex_);
     VOXTONE_EXPECT(std::find(written_.begin(), written_.end(), false) == written_.end());
@@ -133,13 +150,12 @@ const StackDescription& LayerStackWriter::finish(const PreviewMesh& preview, Pro
         stack_.resins[r].ml = millilitres(voxels_[r + 1], stack_.pitch_um);
     }
     stack_.content_sha256 = content_sha256(stack_.size_px[0], stack_.size_px[1], digests_);
-    write_whole_file(out_ / sheet_text_name, resin_sheet_text(stack_));
-    write_whole_file(out_ / sheet_page_name, resin_sheet_html(stack_));
+    write_staged_file(out_ / sheet_text_name, resin_sheet_text(stack_));
+    write_staged_file(out_ / sheet_page_name, resin_sheet_html(stack_));
     if (outputs_.gcvf) write_gcvf(out_ / gcvf_name, stack_, out_, preview, progress);
     if (outputs_.vdb) write_volume_vdb(out_ / vdb_name, stack_, out_, progress);
-    write_whole_file(out_ / manifest_name, manifest_text(stack_));
-    std::error_code ignored;
-    std::filesystem::remove(out_ / unfinished_name, ignored);
+    write_staged_file(out_ / manifest_name, manifest_text(stack_));
+    folder_.publish();
     return stack_;
 }
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // Writes one job's layer stack into a folder: layers/slice_00000.png ..., the assignment sheet, on request one bitmap
-// per resin and layer, a GCVF container and a sparse volume, and last of all manifest.json. A folder without
-// manifest.json is not whole; every single file is (see whole_file.h). Nothing is written outside the folder.
+// per resin and layer, a GCVF container and a sparse volume, and manifest.json. Everything appears there at once, when
+// it is whole; until then an old stack stays (see stack_folder.h). Nothing is written outside the folder.
 #pragma once
 
 #include <array>
@@ -20,6 +20,7 @@
 #include "voxtone/io/layers/manifest.h"
 #include "voxtone/io/layers/png_layer_encoder.h"
 #include "voxtone/io/layers/resin_bitmap.h"
+#include "voxtone/io/layers/stack_folder.h"
 
 namespace voxtone::io {
 
@@ -36,9 +37,10 @@ struct StackOutputs {
 class LayerStackWriter {
 public:
     /// `description` is that of the stack as it is sliced: size_px, pitch_um, layers, ... before `orientation`, which
-    /// the writer applies. Voxel counts, millilitres, size_mm and the digest are filled in by `finish`. Throws
-    /// FileError where OUT cannot be written, InputError where it holds something else than a stack of ours (unless
-    /// `overwrite`): whatever is not ours in it is never removed.
+    /// the writer applies. Voxel counts, millilitres, size_mm and the digest are filled in by `finish`. Throws what
+    /// `StackFolder::begin` throws.
+    LayerStackWriter(StackFolder folder, StackDescription description, StackOutputs outputs = {});
+    /// Into a folder that is taken here and holds nothing, or anything where `overwrite`.
     LayerStackWriter(std::filesystem::path out, StackDescription description, StackOutputs outputs = {},
                      bool overwrite = false);
 
@@ -46,10 +48,14 @@ public:
     /// done on the caller's thread. Throws FileError.
     void write(std::uint32_t index, const LayerRuns& layer);
 
-    /// Writes the rest and the manifest; all layers must have been written. The description as it is in the manifest.
+    /// A file that appears in OUT with the stack. Throws FileError.
+    void add_file(std::string_view name, std::string_view text) const;
+
+    /// Writes the rest and the manifest and puts all in place; all layers must have been written. The description as
+    /// it is in the manifest.
     [[nodiscard]] const StackDescription& finish(const PreviewMesh& preview = {}, Progress* progress = nullptr);
 
-    [[nodiscard]] const std::filesystem::path& folder() const { return out_; }
+    [[nodiscard]] const std::filesystem::path& folder() const { return folder_.path(); }
     /// Bytes of the layer bitmaps written so far.
     [[nodiscard]] std::uint64_t bytes_written() const;
 
@@ -58,8 +64,9 @@ private:
     void write_resin_bitmaps(std::uint32_t index, const LayerRuns& layer) const;
     [[nodiscard]] std::filesystem::path resin_folder(std::size_t resin) const;
 
-    std::filesystem::path out_;
-    StackDescription stack_;  // of the bitmaps as they are written
+    StackFolder folder_;
+    std::filesystem::path out_;  // where the stack is made
+    StackDescription stack_;     // of the bitmaps as they are written
     StackOutputs outputs_;
     PngLayerEncoder encoder_;
     mutable std::mutex mutex_;  // for all below

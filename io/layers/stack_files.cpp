@@ -139,9 +139,11 @@ StackFiles::StackFiles(const fs::path& path) : root_(path) {
             }
         } else if (fs::exists(path / manifest_name)) {
             open_ours();
-        } else if (fs::exists(path / unfinished_name)) {
+        } else if (fs::exists(path / unfinished_name) || fs::exists(path / new_name)) {
             throw InputError(
-                fmt::format("{}: is a stack whose making was stopped: it is not whole; slice again", path.string()));
+                fmt::format("{}: is a stack that is being made, or whose making was stopped: it is not whole; slice "
+                            "again, which says which of the two it is",
+                            path.string()));
         } else {
             list_folder(path, "");
         }

@@ -2,13 +2,20 @@
 #include "voxtone/io/layers/stack_folder.h"
 
 #include <algorithm>
+#include <array>
+#include <cerrno>
+#include <optional>
 #include <string>
 #include <system_error>
 
 #include <fmt/core.h>
 
+#include "voxtone/base/contracts.h"
 #include "voxtone/base/error.h"
-#include "voxtone/io/files/whole_file.h"
+#include "voxtone/io/disk/disk_space.h"
+#include "voxtone/io/disk/folder_lock.h"
+#include "voxtone/io/disk/open_file.h"
+#include "voxtone/io/disk/part_files.h"
 #include "voxtone/io/layers/manifest.h"
 
 namespace voxtone::io {
@@ -16,15 +23,22 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// slice_DIGITS.EXT, or what is left of writing one.
-bool is_slice(std::string name) {
-    if (name.starts_with(".") && name.ends_with(".part")) name = name.substr(1, name.size() - 6);
+/// Of a stack, in OUT; the manifest first: without it OUT is no stack.
+constexpr std::array stack_names{manifest_name, layers_name,     resin_folder_name, gcvf_name,
+                                 vdb_name,      sheet_text_name, sheet_page_name};
+/// Of jobs, in OUT.
+constexpr std::array job_names{unfinished_name, new_name, old_name, lock_name};
+
+/// slice_DIGITS.EXT
+bool is_slice(const std::string& name) {
     const std::size_t dot = name.rfind('.');
     if (!name.starts_with("slice_") || dot == std::string::npos || dot == 6) return false;
     return std::all_of(name.begin() + 6, name.begin() + static_cast<std::ptrdiff_t>(dot),
                        [](char c) { return c >= '0' && c <= '9'; }) &&
            (name.substr(dot) == ".png" || name.substr(dot) == ".tif");
 }
+
+bool is_there(const fs::path& path) { return fs::exists(fs::symlink_status(path)); }
 
 void check_no_link(const fs::path& path) {
     if (fs::is_symlink(fs::symlink_status(path)))
@@ -34,71 +48,172 @@ void check_no_link(const fs::path& path) {
                         path.string()));
 }
 
-void remove_slices(const fs::path& folder) {
-    if (!fs::is_directory(folder)) return;
-    for (const auto& entry : fs::directory_iterator(folder))
-        if (is_slice(entry.path().filename().string())) fs::remove(entry.path());
-    if (fs::is_empty(folder)) fs::remove(folder);
+void check_folder(const fs::path& out) {
+    if (!is_there(out)) return;
+    if (!fs::is_directory(out))
+        throw InputError(fmt::format("{}: is there and is no folder; name a folder for the stack", out.string()));
+    for (const auto name : stack_names) check_no_link(out / name);
+    for (const auto name : job_names) check_no_link(out / name);
 }
 
-[[noreturn]] void refuse_folder(const fs::path& out, const fs::filesystem_error& error) {
-    throw FileError(fmt::format("{}: cannot be made ready for a stack ({})", out.string(), error.what()));
+/// The folders that were not there, from the outermost on.
+std::vector<fs::path> make_folders(const fs::path& out) {
+    std::vector<fs::path> made;
+    for (fs::path at = fs::absolute(out).lexically_normal(); !at.empty() && !is_there(at); at = at.parent_path())
+        if (at.has_filename()) made.push_back(at);
+    std::reverse(made.begin(), made.end());
+    fs::create_directories(out);
+    return made;
 }
+
+/// What lies in the folder of an old stack and is no layer of it is not ours: it goes to where the new one is.
+void carry_strangers(const fs::path& from, const fs::path& to) {
+    if (!fs::is_directory(fs::symlink_status(from))) return;
+    const std::vector<fs::directory_entry> entries(fs::directory_iterator(from), {});
+    for (const fs::directory_entry& entry : entries) {
+        const fs::path name = entry.path().filename();
+        if (fs::is_directory(entry.symlink_status())) {
+            carry_strangers(entry.path(), to / name);
+        } else if (!is_slice(name.string()) && !is_there(to / name)) {
+            fs::create_directories(to);
+            fs::rename(entry.path(), to / name);
+        }
+    }
+}
+
+void move_all(const fs::path& from, const fs::path& to) {
+    const std::vector<fs::directory_entry> entries(fs::directory_iterator(from), {});
+    for (const fs::directory_entry& entry : entries)
+        if (entry.path().filename() != fs::path(manifest_name)) fs::rename(entry.path(), to / entry.path().filename());
+    if (is_there(from / manifest_name)) fs::rename(from / manifest_name, to / manifest_name);
+}
+
+void retire(const fs::path& out, std::string_view name) {
+    if (is_there(out / name)) fs::rename(out / name, out / old_name / name);
+}
+
+/// Step 3 of the swap.
+void put_new_in_place(const fs::path& out) {
+    move_all(out / new_name, out);
+    sync_folder(out);
+    fs::remove(out / new_name);
+    for (const auto name : {layers_name, resin_folder_name}) carry_strangers(out / old_name / name, out / name);
+    fs::remove_all(out / old_name);
+}
+
+/// Ends what a killed job began, and throws its unfinished stack away.
+void recover(const fs::path& out) {
+    if (is_there(out / new_name)) {
+        put_new_in_place(out);
+    } else if (is_there(out / old_name)) {
+        move_all(out / old_name, out);
+        fs::remove(out / old_name);
+    }
+    fs::remove_all(out / unfinished_name);
+    sweep_parts(out);
+}
+
+std::string stack_in_words(const fs::path& out) {
+    try {
+        const StackDescription stack = read_manifest(out / manifest_name);
+        return fmt::format("a stack of {} layers for {}", stack.layers, stack.printer);
+    } catch (const Error&) {
+        return "a manifest.json that is not of a voxtone stack";
+    }
+}
+
+[[noreturn]] void refuse_folder(const fs::path& out, const char* what, const fs::filesystem_error& error) {
+    if (const int code = error.code().value(); code == ENOSPC || code == EDQUOT) fail_to_write(out, what, code);
+    throw FileError(fmt::format("{}: {} ({})", out.string(), what, error.what()));
+}
+
+constexpr const char* not_ready = "cannot be made ready for a stack";
 
 }  // namespace
 
-void require_usable_folder(const fs::path& out, bool overwrite) {
-    try {
-        if (!fs::exists(fs::symlink_status(out))) return;
-        if (!fs::is_directory(out))
-            throw InputError(fmt::format("{}: is there and is no folder; name a folder for the stack", out.string()));
-        const bool ours = fs::exists(out / unfinished_name) || fs::exists(out / manifest_name);
-        if (!ours && !overwrite && !fs::is_empty(out))
-            throw InputError(
-                fmt::format("{}: is not empty and holds no voxtone stack; files in it could be replaced: name "
-                            "another folder, or allow it with --overwrite",
-                            out.string()));
-        if (fs::exists(out / manifest_name) && !overwrite) {
-            try {
-                (void)read_manifest(out / manifest_name);
-            } catch (const InputError& error) {
-                throw InputError(
-                    fmt::format("{}: holds a manifest.json that is not of a voxtone stack ({}): name another "
-                                "folder, or allow it with --overwrite",
-                                out.string(), error.what()));
-            }
+struct StackFolder::Held {
+    fs::path out;
+    std::vector<std::string_view> companions;
+    std::vector<fs::path> made;  // folders; they go again if nothing came of the job
+    std::optional<FolderLock> lock;
+    bool begun = false;
+
+    ~Held() {
+        try {
+            if (begun) recover(out);
+        } catch (const fs::filesystem_error&) {
+            // The next job tries again.
         }
-        for (const auto name : {std::string_view("layers"), resin_folder_name, manifest_name, unfinished_name,
-                                gcvf_name, vdb_name, sheet_text_name, sheet_page_name})
-            check_no_link(out / name);
+        lock.reset();
+        std::error_code not_empty;
+        for (auto folder = made.rbegin(); folder != made.rend(); ++folder) fs::remove(*folder, not_empty);
+    }
+};
+
+StackFolder::StackFolder(fs::path out, std::vector<std::string_view> companions) : held_(std::make_unique<Held>()) {
+    held_->out = std::move(out);
+    held_->companions = std::move(companions);
+    try {
+        check_folder(held_->out);
+        held_->made = make_folders(held_->out);
+        held_->lock.emplace(held_->out);
+        recover(held_->out);
     } catch (const fs::filesystem_error& error) {
-        refuse_folder(out, error);
+        refuse_folder(held_->out, not_ready, error);
     }
 }
 
-void prepare_stack_folder(const fs::path& out, bool overwrite) {
-    require_usable_folder(out, overwrite);
-    try {
-        fs::create_directories(out);
-        // The mark first: from here on the folder is not whole, whatever happens.
-        write_whole_file(out / unfinished_name,
-                         std::string_view("This stack is being written; it is whole when manifest.json is here.\n"));
-        for (const auto name : {manifest_name, gcvf_name, vdb_name, sheet_text_name, sheet_page_name}) {
-            fs::remove(out / name);
-            fs::remove(part_path(out / name));
-        }
-        remove_slices(out / "layers");
-        if (fs::is_directory(out / resin_folder_name)) {
-            for (const auto& entry : fs::directory_iterator(out / resin_folder_name)) {
-                check_no_link(entry.path());
-                remove_slices(entry.path());
-            }
-            if (fs::is_empty(out / resin_folder_name)) fs::remove(out / resin_folder_name);
-        }
-        fs::create_directories(out / "layers");
-    } catch (const fs::filesystem_error& error) {
-        refuse_folder(out, error);
+StackFolder::StackFolder(StackFolder&&) noexcept = default;
+StackFolder::~StackFolder() = default;
+
+const fs::path& StackFolder::path() const { return held_->out; }
+
+bool StackFolder::holds_stack() const { return is_there(held_->out / manifest_name); }
+
+void StackFolder::expect_free() const {
+    const fs::path& out = held_->out;
+    if (holds_stack())
+        throw InputError(fmt::format(
+            "{}: holds {} already, which would be replaced: name another folder, or allow it with --overwrite",
+            out.string(), stack_in_words(out)));
+    for (const fs::directory_entry& entry : fs::directory_iterator(out)) {
+        const std::string name = entry.path().filename().string();
+        // Half-written ones are of another host, or of a living job.
+        if (name != lock_name && name != checkpoint_name && !is_part_name(name))
+            throw InputError(
+                fmt::format("{}: is not empty and holds no voxtone stack; files in it ({}) could be replaced: name "
+                            "another folder, or allow it with --overwrite",
+                            out.string(), name));
     }
+}
+
+fs::path StackFolder::begin() {
+    VOXTONE_EXPECT(!held_->begun);
+    const fs::path folder = held_->out / unfinished_name;
+    try {
+        held_->begun = true;
+        fs::create_directories(folder / layers_name);
+    } catch (const fs::filesystem_error& error) {
+        refuse_folder(held_->out, not_ready, error);
+    }
+    return folder;
+}
+
+void StackFolder::publish() {
+    const fs::path& out = held_->out;
+    try {
+        sync_file_system(out);
+        fs::create_directory(out / old_name);
+        for (const auto name : stack_names) retire(out, name);
+        for (const auto name : held_->companions) retire(out, name);
+        fs::rename(out / unfinished_name, out / new_name);
+        sync_folder(out);
+        put_new_in_place(out);
+    } catch (const fs::filesystem_error& error) {
+        refuse_folder(out, "the new stack cannot be put in place", error);
+    }
+    held_->begun = false;
+    held_->made.clear();
 }
 
 }  // namespace voxtone::io

@@ -1,29 +1,61 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// The folder of a layer stack: what of it is ours, and making it ready for a new one.
+// The folder of a layer stack, OUT, in the hands of one job.
+//
+// A new stack is made in OUT/.voxtone-unfinished and put in place by renames when it is whole: until then an old whole
+// stack stays what it was, also when the new job is killed, refused or out of disk. The order of the swap:
+//   1. all is synced; the old manifest goes to OUT/.voxtone-old, then all else that is ours (OUT is no stack now);
+//   2. .voxtone-unfinished becomes .voxtone-new: from here on there is a way forward only;
+//   3. its files move to OUT, the manifest last.
+// Who takes the folder after a job that was killed in between (a few milliseconds) goes back from 1, or on from 3.
+// What is not ours in OUT is never removed.
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <string_view>
+#include <vector>
 
 namespace voxtone::io {
 
 inline constexpr std::string_view manifest_name = "manifest.json";
-/// Lies in the folder from the first file written to the manifest.
-inline constexpr std::string_view unfinished_name = ".voxtone-unfinished";
+inline constexpr std::string_view layers_name = "layers";
 inline constexpr std::string_view gcvf_name = "stack.gcvf";
 inline constexpr std::string_view vdb_name = "volume.vdb";
 inline constexpr std::string_view sheet_text_name = "resin-assignment.txt";
 inline constexpr std::string_view sheet_page_name = "resin-assignment.html";
 inline constexpr std::string_view resin_folder_name = "resins";
 
-/// Whether `out` may be made a folder to write a stack into; changes nothing. Throws InputError for a folder with other
-/// things than a stack of ours in it (unless `overwrite`), FileError where the system refuses, and where `out` or what
-/// would be written in it is a link that leads elsewhere.
-void require_usable_folder(const std::filesystem::path& out, bool overwrite);
+/// Where a stack is made, where a whole one waits to be put in place, and where the old one waits to go.
+inline constexpr std::string_view unfinished_name = ".voxtone-unfinished", new_name = ".voxtone-new",
+                                  old_name = ".voxtone-old";
+/// Of an interrupted job, to go on with; it is no stack and stays when one is swapped.
+inline constexpr std::string_view checkpoint_name = "loop.checkpoint";
 
-/// Makes `out` a folder to write a stack into: created if it is not there; a stack of ours in it (whole or unfinished)
-/// is removed, file by file, nothing else is. Refuses what `require_usable_folder` refuses.
-void prepare_stack_folder(const std::filesystem::path& out, bool overwrite);
+class StackFolder {
+public:
+    /// Takes `out`: made if it is not there, locked, ends what a killed job began. An old stack stays untouched.
+    /// `companions`: names in `out` of files that go with an old stack because they tell about it. Throws InputError
+    /// where `out` is no folder, FileError where the system refuses and where `out` or what would be written in it is a
+    /// link that leads elsewhere, TryAgain where another job holds it.
+    explicit StackFolder(std::filesystem::path out, std::vector<std::string_view> companions = {});
+    StackFolder(StackFolder&&) noexcept;
+    /// Without `publish`: `out` is what it was before.
+    ~StackFolder();
+
+    [[nodiscard]] const std::filesystem::path& path() const;
+    [[nodiscard]] bool holds_stack() const;
+    /// Throws InputError where `out` holds something else than what a job without end left.
+    void expect_free() const;
+
+    /// Makes the folder in which the new stack is made and returns it; once.
+    [[nodiscard]] std::filesystem::path begin();
+    /// Puts all that is in it in place. Throws FileError, TryAgain.
+    void publish();
+
+private:
+    struct Held;
+    std::unique_ptr<Held> held_;
+};
 
 }  // namespace voxtone::io

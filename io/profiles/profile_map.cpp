@@ -91,13 +91,16 @@ ProfileMap read_profile_map(const std::filesystem::path& file) {
     return map;
 }
 
+std::filesystem::path profile_map_picture(const std::filesystem::path& file) {
+    return std::filesystem::path(file).replace_extension(".png");
+}
+
 void write_profile_map(const ProfileMap& map, const std::filesystem::path& file) {
     VOXTONE_EXPECT(!map.target.empty() && map.target.size() <= most_clusters);
     VOXTONE_EXPECT(map.width_mm > 0 && map.height_mm > 0);
     VOXTONE_EXPECT(std::all_of(map.cluster.begin(), map.cluster.end(), [&](auto i) { return i < map.target.size(); }));
     const optics::RadialSamples& first = map.target.at(0).at(0);
-    std::filesystem::path picture = file;
-    picture.replace_extension(".png");
+    const std::filesystem::path picture = profile_map_picture(file);
     VOXTONE_EXPECT(picture != file);
     write_whole_file(picture, number_png_bytes(map.width_px, map.height_px, map.cluster));
     JsonWriter json;

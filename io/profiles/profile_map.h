@@ -33,7 +33,9 @@ struct ProfileMap {
 
 /// Throws FileError, InputError that names file, key and rule: also for pixels without a cluster.
 [[nodiscard]] ProfileMap read_profile_map(const std::filesystem::path& file);
-/// The JSON file and NAME.png beside it. Overwrites.
+/// NAME.png beside NAME.json.
+[[nodiscard]] std::filesystem::path profile_map_picture(const std::filesystem::path& file);
+/// The JSON file and its picture. Overwrites.
 void write_profile_map(const ProfileMap& map, const std::filesystem::path& file);
 
 }  // namespace voxtone::io

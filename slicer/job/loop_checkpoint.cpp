@@ -12,6 +12,7 @@
 #include "voxtone/base/error.h"
 #include "voxtone/io/files/whole_file.h"
 #include "voxtone/io/files/xxh64.h"
+#include "voxtone/io/layers/stack_folder.h"
 
 namespace voxtone::slicer {
 
@@ -21,7 +22,6 @@ namespace {
 // read where it was written.
 constexpr std::string_view magic = "voxtone-loop 7\n", any_magic = "voxtone-loop ";  // of any version
 constexpr std::size_t digest_size = sizeof(std::uint64_t);
-constexpr std::string_view checkpoint_name = "loop.checkpoint";
 
 /// Writes and digests as it goes: a state of a large body is not held twice.
 class Writer {
@@ -147,7 +147,7 @@ bool begins_with(std::span<const std::uint8_t> bytes, std::string_view text) {
 
 LoopCheckpoint::LoopCheckpoint(const std::filesystem::path& folder, std::string_view loop_identity,
                                std::span<const Eigen::Vector3f> target)
-    : file_(folder / checkpoint_name), cells_(target.size()) {
+    : file_(folder / io::checkpoint_name), cells_(target.size()) {
     io::Xxh64 job;
     job.update(loop_identity.data(), loop_identity.size());
     job.update(target.data(), target.size_bytes());
@@ -156,11 +156,11 @@ LoopCheckpoint::LoopCheckpoint(const std::filesystem::path& folder, std::string_
 
 void LoopCheckpoint::refuse_loss(const std::filesystem::path& folder, bool resume, bool overwrite) {
     std::error_code none;
-    if (resume || overwrite || !std::filesystem::exists(folder / checkpoint_name, none)) return;
+    if (resume || overwrite || !std::filesystem::exists(folder / io::checkpoint_name, none)) return;
     throw InputError(fmt::format(
         "{} holds the state of an interrupted appearance loop ({}), which this job would throw away: go on with it "
         "(--resume), or begin anew (--overwrite)",
-        folder.string(), checkpoint_name));
+        folder.string(), io::checkpoint_name));
 }
 
 bool LoopCheckpoint::exists() const {
@@ -239,7 +239,7 @@ std::optional<halftone::ResumedLoop> LoopCheckpoint::read(Progress& progress) co
 
 void LoopCheckpoint::remove_from(const std::filesystem::path& folder) {
     std::error_code not_there;
-    std::filesystem::remove(folder / checkpoint_name, not_there);
+    std::filesystem::remove(folder / io::checkpoint_name, not_there);
 }
 
 }  // namespace voxtone::slicer

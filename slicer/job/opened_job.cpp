@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxtone/slicer/job/opened_job.h"
 
-#include "voxtone/io/layers/stack_folder.h"
 #include "voxtone/slicer/job/job_layers.h"
 #include "voxtone/slicer/job/loop_checkpoint.h"
 
@@ -12,6 +11,14 @@ namespace {
 void take_width(ResolvedJob& job, const io::ProfileMap& map) {
     if (!job.is_picture || job.picture.width_mm != 0) return;
     job.picture.width_mm = job.asked.width_mm = map.width_mm;
+}
+
+/// How thick a picture's slab is, is known without the picture; which way it is turned then, not here.
+void check_thickness(const ResolvedJob& job, const PrinterProfile& printer) {
+    if (!job.is_picture || !job.asked.rotate.empty()) return;
+    const Eigen::Vector3d slab_mm(1, 1, job.picture.thickness_mm);
+    check_layer_count(grid_around(Eigen::Vector3d::Zero(), slab_mm, printer.pitch_mm()).size[2], printer,
+                      "thicker (--thickness)");
 }
 
 }  // namespace
@@ -25,8 +32,8 @@ OpenedJob open_job(const SliceOptions& asked) {
     }
     job.printer = find_printer(job.options.printer);
     job.resins = load_resins(job.options, job.printer);
+    check_thickness(job.options, job.printer);
     if (job.map) check_layers(*job.options.layered, *job.map, job.resins);
-    io::require_usable_folder(job.options.out, job.options.overwrite);
     LoopCheckpoint::refuse_loss(job.options.out, job.options.resume, job.options.overwrite);
     return job;
 }

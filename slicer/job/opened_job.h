@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// A job before its model is read: options, printer, resins, map of profiles, output folder. What is wrong with any of
-// them is said here, before anything old is touched and before time is spent.
+// A job before its model is read: options, printer, resins, map of profiles. What is wrong with any of them is said
+// here, before time is spent.
 #pragma once
 
 #include <optional>

@@ -6,14 +6,18 @@
 #include <memory>
 #include <mutex>
 #include <optional>
-#include <system_error>
+#include <utility>
 #include <vector>
+
+#include <fmt/core.h>
 
 #include "voxtone/base/parallel.h"
 #include "voxtone/base/stop_deadline.h"
 #include "voxtone/base/stopwatch.h"
+#include "voxtone/io/disk/disk_space.h"
 #include "voxtone/io/files/whole_file.h"
 #include "voxtone/io/layers/layer_stack_writer.h"
+#include "voxtone/io/layers/stack_folder.h"
 #include "voxtone/io/report/report_json.h"
 #include "voxtone/slicer/job/colour_print.h"
 #include "voxtone/slicer/job/job_body.h"
@@ -24,6 +28,7 @@
 #include "voxtone/slicer/job/opened_job.h"
 #include "voxtone/slicer/job/resin_choice.h"
 #include "voxtone/slicer/job/slice_report.h"
+#include "voxtone/slicer/layers/layer_bytes.h"
 #include "voxtone/slicer/layers/layer_maker.h"
 #include "voxtone/slicer/look/report_files.h"
 #include "voxtone/slicer/look/thumbnails.h"
@@ -67,12 +72,56 @@ std::unique_ptr<Print> make_print(const OpenedJob& job, const JobBody& body, con
     return std::make_unique<ColourPrint>(job, body, identity, progress);
 }
 
-/// Reports of an earlier job in this folder do not describe this one.
-void remove_old_report(const fs::path& folder) {
-    for (const std::string_view name : report_file::all) {
-        std::error_code not_there;
-        fs::remove(folder / name, not_there);
-    }
+/// Whether the folder holds this very job's stack, whole, though perhaps without its report.
+bool holds_this_stack(const OpenedJob& job, const io::StackFolder& folder, const Progress& progress) {
+    return folder.holds_stack() && is_same_job(folder.path(), job, &progress);
+}
+
+bool has_checkpoint(const io::StackFolder& folder) { return fs::exists(folder.path() / io::checkpoint_name); }
+
+/// What was said when this very job was done, where nothing is left of it to do.
+std::optional<SliceResult> done_before(const OpenedJob& job, const io::StackFolder& folder, const Progress& progress) {
+    const fs::path figures = folder.path() / report_file::figures;
+    if (job.options.overwrite || has_checkpoint(folder) || !fs::exists(figures) ||
+        !holds_this_stack(job, folder, progress))
+        return std::nullopt;
+    constexpr std::uint64_t most_bytes = std::uint64_t{1} << 30;
+    const std::vector<std::uint8_t> json = io::read_whole_file(figures, most_bytes);
+    return SliceResult{{json.begin(), json.end()},
+                       fmt::format("{}: holds this job's stack already, whole; nothing was done (--overwrite makes it "
+                                   "again)\n",
+                                   folder.path().string())};
+}
+
+/// Another job's stack, and whatever else is no job's of this folder, is replaced only where that was allowed.
+void expect_replaceable(const OpenedJob& job, const io::StackFolder& folder, const Progress& progress) {
+    const bool goes_on = job.options.resume && has_checkpoint(folder);
+    if (!job.options.overwrite && !goes_on && !holds_this_stack(job, folder, progress)) folder.expect_free();
+}
+
+/// As `verify` will ask. A part of a body that has enough layers may have fewer, and is warned about.
+void expect_enough_layers(const OpenedJob& job, const JobBody& body, const LayerRange& range, Progress& progress) {
+    check_layer_count(body.grid.size[2], job.printer,
+                      body.is_picture ? "thicker (--thickness)" : "larger (--size), or turn it (--rotate)");
+    if (range.layers() < job.printer.min_layers)
+        progress.warn(fmt::format(
+            "these {} layers are a part of {}; {} takes no fewer than {}: lay the parts together before they are "
+            "printed or verified",
+            range.layers(), body.grid.size[2], job.printer.id, job.printer.min_layers));
+}
+
+/// Says how much will be needed and is free. Throws TryAgain where that is too little.
+void expect_disk_space(const OpenedJob& job, const JobBody& body, const LayerRange& range, Progress& progress) {
+    constexpr std::uint64_t report_bytes = 4'000'000;
+    const ResolvedJob& options = job.options;
+    const double shell_mm = options.layered ? options.layered->thickness_mm : options.colour.depth_mm;
+    const std::uint64_t needed = layer_bytes(body.grid, {coloured_area_mm2(*body.surface), shell_mm, range.layers(),
+                                                         job.outputs(), job.resins.entries.size()}) +
+                                 (options.report ? report_bytes : 0);
+    if (const std::optional<std::uint64_t> free = io::free_disk_bytes(options.out))
+        progress.note(fmt::format("the stack takes up to {} of the {} that the disk of {} has free",
+                                  io::bytes_text(needed), io::bytes_text(*free), options.out.string()));
+    io::expect_disk_space(options.out, needed, "the stack and its report");
 }
 
 /// Makes the layers, in slabs side by side; each goes to the writer and to those who look on.
@@ -124,9 +173,8 @@ const io::StackDescription& finish_stack(const OpenedJob& job, const JobBody& bo
     if (job.outputs().gcvf) positions = single_precision(body.solid->positions_mm);
     io::PreviewMesh preview;
     if (!positions.empty()) preview = {positions, body.solid->triangles};
+    writer.add_file(job_file_name, job_record(job.options.asked, identity.inputs, job.options.out));
     const io::StackDescription& stack = writer.finish(preview, &progress);
-    io::write_whole_file(writer.folder() / job_file_name,
-                         job_record(job.options.asked, identity.inputs, job.options.out));
     figures.layer_bytes = writer.bytes_written();
     progress.end_stage();
     figures.finish_s = watch.total();
@@ -156,19 +204,24 @@ SliceResult run_slice_job(const SliceOptions& asked, Progress& progress) {
     JobFigures figures;
     // All that can refuse the job, from what costs nothing to what costs most ...
     OpenedJob job = open_job(asked);
+    // From here on the output folder is this job's; what it holds stays until the new stack is whole.
+    io::StackFolder folder(job.options.out, {report_file::all.begin(), report_file::all.end()});
+    if (auto done = done_before(job, folder, progress)) return *std::move(done);
+    expect_replaceable(job, folder, progress);
     const ThreadLimit threads(static_cast<std::size_t>(job.options.threads));
     for (const std::string& warning : job.printer.warnings()) progress.warn(warning);
     const JobBody body = read_body(job, figures, progress);
     const JobIdentity identity = identify_said(job, body, progress);
     load_best_resins(job, body, progress);
     const LayerRange range = range_within(job.options.layers, body.grid.size[2]);
+    expect_enough_layers(job, body, range, progress);
+    expect_disk_space(job, body, range, progress);
     expect_stages(progress, expected_stages(job, body, range));
     const std::unique_ptr<Print> print = make_print(job, body, identity, progress);
     print->prepare(progress);
 
-    // ... and from here on the output folder is this job's.
-    io::LayerStackWriter writer(job.options.out, job.describe(body.grid, range), job.outputs(), job.options.overwrite);
-    remove_old_report(writer.folder());
+    // ... and from here on hours may be spent.
+    io::LayerStackWriter writer(std::move(folder), job.describe(body.grid, range), job.outputs());
     print->rearrange(progress);
     std::optional<Thumbnails> thumbnails;
     if (job.options.report) thumbnails.emplace(range.first, range.layers(), body.grid, job.palette());

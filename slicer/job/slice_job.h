@@ -18,7 +18,8 @@ struct SliceResult {
     ExitCode exit_code = ExitCode::done;
 };
 
-/// Runs the job. Throws Error (with its exit code): nothing that looks whole is left in the output folder then.
+/// Runs the job. Throws Error (with its exit code): the output folder holds then what it held before, or the whole new
+/// stack without its report.
 SliceResult run_slice_job(const SliceOptions& options, Progress& progress);
 
 }  // namespace voxtone::slicer

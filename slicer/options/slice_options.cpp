@@ -115,8 +115,10 @@ std::vector<OptionSpec> make_table() {
                   "empty: the printer's default",
                   names_of<io::LayerFormat>()),
              &O::formats),
-        of_the_run(flag(spec("overwrite", Kind::flag, "", in, "write into a folder that holds other files too"),
-                        &O::overwrite)),
+        of_the_run(flag(
+            spec("overwrite", Kind::flag, "", in,
+                 "replace a stack that the folder holds, make the same one again; other things in the folder stay"),
+            &O::overwrite)),
         flag(spec("report", Kind::flag, "", in, "write report.html, target and predicted pictures"), &O::report),
 
         names(input_or_known,

@@ -14,6 +14,7 @@
 #include "voxtone/base/parallel.h"
 #include "voxtone/base/peak_memory.h"
 #include "voxtone/base/stopwatch.h"
+#include "voxtone/io/disk/output_files.h"
 #include "voxtone/io/files/whole_file.h"
 #include "voxtone/io/models/glb_writer.h"
 #include "voxtone/io/models/ply_writer.h"
@@ -34,18 +35,6 @@ std::string extension(const std::string& file) {
     std::string ending = fs::path(file).extension().string();
     for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
     return ending;
-}
-
-/// Hours of work must not end with a folder that is not there.
-void expect_writable(const std::vector<std::string>& files) {
-    for (const std::string& file : files) {
-        fs::path folder = fs::path(file).parent_path();
-        if (folder.empty()) folder = ".";
-        std::error_code ignored;
-        if (!fs::is_directory(folder, ignored))
-            throw FileError(fmt::format("{}: the folder {} is not there; make it first", file, folder.string()));
-        if (fs::is_directory(file, ignored)) throw FileError(fmt::format("{}: is a folder; name a file with -o", file));
-    }
 }
 
 /// A box that is not higher than it is wide is looked at from above.
@@ -297,7 +286,7 @@ ResolvedPrediction resolve(const PredictOptions& o) {
 
 PredictResult run_predict_job(const PredictOptions& options, Progress& progress) {
     const ResolvedPrediction job = resolve(options);
-    expect_writable(options.files);
+    io::expect_outputs({options.files.begin(), options.files.end()}, options.overwrite);
     const ThreadLimit threads(static_cast<std::size_t>(options.threads));
     PredictFigures figures;
     Stopwatch watch;

@@ -28,6 +28,7 @@ struct PredictOptions {
     std::string backing =
         "auto";  ///< black, white, none; auto: what the job said; else black under slabs, none under bodies
     std::string view = "auto";        ///< top, body; auto: top for pictures and flat boxes
+    bool overwrite = false;           ///< files that are there are replaced
     bool absolute = false;            ///< instead of relative to the white resin
     std::string resins;               ///< set or file; empty: that of the job, else vero-opaque
     std::string printer, pitch;       ///< of foreign stacks

@@ -15,6 +15,7 @@
 
 #include "voxtone/io/models/mesh.h"
 #include "voxtone/slicer/options/placement_options.h"
+#include "voxtone/slicer/printer/printer.h"
 #include "voxtone/slicer/printer/voxel_grid.h"
 
 namespace voxtone::slicer {
@@ -41,5 +42,8 @@ void check_extent(const Placement& placement, const Eigen::Vector3d& pitch_mm, c
 
 /// Throws InputError when the grid does not fit the tray, with the size that would.
 void check_tray(const VoxelGrid& grid, const Eigen::Vector3d& tray_mm, const Placement& placement);
+
+/// Throws InputError for a print of fewer layers than the printer takes; `remedy` goes on: "make it ...".
+void check_layer_count(int layers, const PrinterProfile& printer, const std::string& remedy);
 
 }  // namespace voxtone::slicer

@@ -9,6 +9,8 @@
 #include <nlohmann/json.hpp>
 
 #include "voxtone/base/stopwatch.h"
+#include "voxtone/io/disk/disk_space.h"
+#include "voxtone/io/disk/output_files.h"
 #include "voxtone/io/profiles/bssrdf_file.h"
 #include "voxtone/io/profiles/resin_file.h"
 #include "voxtone/optics/monte_carlo/sampled_bssrdf.h"
@@ -118,6 +120,8 @@ JobResult run_stack_dataset(const StackDatasetJob& job, Progress& progress) {
     job.validate();
     const optics::ResinSet set = resins_of(job);
     const std::uint64_t bytes = bytes_of(job, set.channels.size());
+    io::expect_outputs({job.out}, job.overwrite);
+    io::expect_disk_space(job.out, bytes, "the data set");
     progress.note(fmt::format("the data set will take {:.1f} MB", 1e-6 * static_cast<double>(bytes)));
     const Stopwatch watch;
     io::BssrdfFile data;

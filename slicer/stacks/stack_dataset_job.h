@@ -32,6 +32,7 @@ struct StackDatasetJob {
     std::string resins = "vero-opaque-clear";  ///< set with the roles W, K and T, or its file
     bool matched = false;                      ///< no refractive surface on either side
     std::string out;                           ///< file (io/profiles/bssrdf_file.h)
+    bool overwrite = false;                    ///< it is replaced where it is there
 
     /// Throws InputError that names the value and the rule it breaks.
     void validate() const;

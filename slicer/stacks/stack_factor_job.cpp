@@ -5,12 +5,14 @@
 #include <nlohmann/json.hpp>
 
 #include "voxtone/base/error.h"
+#include "voxtone/io/disk/output_files.h"
 #include "voxtone/io/files/whole_file.h"
 #include "voxtone/slicer/stacks/profile_map_picture.h"
 
 namespace voxtone::slicer {
 namespace {
 
+namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 /// Of the light, beyond which a window is said to be too small.
@@ -141,6 +143,12 @@ std::string draw(const StackFactorJob& job, const io::BssrdfFile& data, const Pr
         drawn.most_per_mm2);
 }
 
+std::vector<fs::path> outputs(const StackFactorJob& job) {
+    std::vector<fs::path> files{job.out, io::profile_map_picture(job.out)};
+    if (!job.picture.empty()) files.emplace_back(job.picture);
+    return files;
+}
+
 }  // namespace
 
 void StackFactorJob::validate() const {
@@ -150,6 +158,7 @@ void StackFactorJob::validate() const {
 
 JobResult run_stack_factor(const StackFactorJob& job, Progress& progress) {
     job.validate();
+    io::expect_outputs(outputs(job), job.overwrite);
     const io::BssrdfFile data = io::read_bssrdf(job.dataset);
     const std::optional<std::size_t> point = drawn_point(job, data.responses);
     const io::BssrdfFile check = job.check.empty() ? io::BssrdfFile() : io::read_bssrdf(job.check);

@@ -17,10 +17,11 @@ namespace voxtone::slicer {
 
 struct StackFactorJob {
     ProfileMapOptions map;
-    std::string dataset;  ///< file (io/profiles/bssrdf_file.h)
-    std::string out;      ///< NAME.json (io/profiles/profile_map.h)
-    std::string check;    ///< other data of the same surface to compare with; empty: none
-    std::string picture;  ///< PNG of data, factored and clustered side by side; empty: none
+    std::string dataset;     ///< file (io/profiles/bssrdf_file.h)
+    std::string out;         ///< NAME.json (io/profiles/profile_map.h)
+    std::string check;       ///< other data of the same surface to compare with; empty: none
+    std::string picture;     ///< PNG of data, factored and clustered side by side; empty: none
+    bool overwrite = false;  ///< files that are there are replaced
     std::optional<std::array<std::uint32_t, 2>> point;  ///< column and row of the response that is drawn
 
     /// Throws UsageError or InputError that names the value and the rule it breaks.

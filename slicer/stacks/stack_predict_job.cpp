@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "voxtone/io/disk/output_files.h"
 #include "voxtone/io/files/whole_file.h"
 #include "voxtone/io/profiles/profile_file.h"
 #include "voxtone/slicer/stacks/named_stack.h"
@@ -108,6 +109,7 @@ JobResult result_of(const NamedStack& stack, const Prediction& prediction) {
 JobResult run_stack_predict(const StackPredictJob& job, Progress& progress) {
     const NamedStack stack = read_named_stack(job.stack, job.setting);
     check(job, stack.setting);
+    io::expect_outputs({job.files.begin(), job.files.end()}, job.overwrite);
     Prediction prediction;
     prediction.layers = layered_light(stack, {job.paths, job.seed}, progress);
     if (job.check) prediction.traced = traced_light(stack, {job.paths, job.seed + 10000000}, progress);

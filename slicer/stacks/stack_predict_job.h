@@ -25,6 +25,7 @@ struct StackPredictJob {
     std::uint32_t paths = 1u << 18;  ///< per layer and channel, >= 2
     std::uint64_t seed = 1;
     std::vector<std::string> files;  ///< to write: .json (voxtone-profile), .svg
+    bool overwrite = false;          ///< files that are there are replaced
 };
 
 /// Throws Error (with its exit code).

@@ -12,9 +12,9 @@
 #include "voxtone/base/stopwatch.h"
 #include "voxtone/base/units.h"
 #include "voxtone/halftone/stacks/stack_design.h"
+#include "voxtone/io/disk/output_files.h"
 #include "voxtone/io/files/whole_file.h"
 #include "voxtone/io/profiles/layer_sequence_file.h"
-#include "voxtone/slicer/stacks/output_files.h"
 #include "voxtone/slicer/stacks/profile_plots.h"
 
 namespace voxtone::slicer {
@@ -79,10 +79,10 @@ std::vector<Target> read_targets(const StackSearchJob& job, const StackSetting& 
 }
 
 fs::path output_folder(const StackSearchJob& job, const std::vector<Target>& targets) {
-    std::vector<std::string> names;
+    std::vector<fs::path> names;
     for (const Target& target : targets)
-        for (const char* ending : {".stack.json", ".svg"}) names.push_back(target.name + ending);
-    return make_folder_for(job.out, names, job.overwrite);
+        for (const char* ending : {".stack.json", ".svg"}) names.emplace_back(target.name + ending);
+    return io::make_folder_for(job.out, names, job.overwrite);
 }
 
 io::LayerSequence sequence_of(const StackSearchJob& job, const StackSetting& setting, const Target& target,

@@ -8,8 +8,8 @@
 
 #include "voxtone/base/error.h"
 #include "voxtone/halftone/stacks/widening_targets.h"
+#include "voxtone/io/disk/output_files.h"
 #include "voxtone/io/files/whole_file.h"
-#include "voxtone/slicer/stacks/output_files.h"
 #include "voxtone/slicer/stacks/profile_plots.h"
 #include "voxtone/slicer/stacks/spread_figures.h"
 
@@ -54,10 +54,12 @@ std::string target_json(const StackTargetsJob& job, const StackSetting& setting,
 
 std::string target_name(std::size_t t) { return fmt::format("target-{}.json", t + 1); }
 
+constexpr const char* plots_name = "targets.svg";
+
 fs::path output_folder(const StackTargetsJob& job) {
-    std::vector<std::string> names;
-    for (std::size_t t = 0; t < job.count; ++t) names.push_back(target_name(t));
-    return make_folder_for(job.out, names, job.overwrite);
+    std::vector<fs::path> names{plots_name};
+    for (std::size_t t = 0; t < job.count; ++t) names.emplace_back(target_name(t));
+    return io::make_folder_for(job.out, names, job.overwrite);
 }
 
 void check_comparable(const StackTargetsJob& job, const StackSetting& narrow, const StackSetting& wide) {
@@ -127,7 +129,7 @@ JobResult run_stack_targets(const StackTargetsJob& job, Progress& progress) {
     const std::vector<ChannelProfiles> targets = halftone::widening_targets(from, to, job.count);
     for (std::size_t t = 0; t < targets.size(); ++t)
         io::write_whole_file(out / target_name(t), target_json(job, setting, t, targets[t]));
-    draw(out / "targets.svg", setting, targets);
+    draw(out / plots_name, setting, targets);
     return result_of(job, setting, targets);
 }
 

@@ -32,7 +32,7 @@ bool is_input(const fs::path& path) {
 TEST_CASE("Every model of the corpus gives a stack or a clear error") {
     const fs::path corpus = fs::path(VOXTONE_SOURCE_DIR) / "../shared/models";
     if (!fs::exists(corpus)) return skip("the model corpus is not beside the tree");
-    int stacks = 0, inputs = 0;
+    int stacks = 0, flat = 0, inputs = 0;
     for (const auto& entry : fs::recursive_directory_iterator(corpus)) {
         if (!entry.is_regular_file() || !is_input(entry.path())) continue;
         const Folder folder("corpus");
@@ -51,8 +51,10 @@ TEST_CASE("Every model of the corpus gives a stack or a clear error") {
         } else {
             CHECK(outcome.err.size() > 40);
             CHECK(outcome.err.find("voxtone: ") != std::string::npos);
+            // Flat models have fewer than the 30 layers that the printer asks for.
+            if (outcome.err.find("takes no fewer than 30") != std::string::npos) ++flat;
         }
     }
     CHECK(inputs >= 27);
-    CHECK(stacks >= inputs - 3);
+    CHECK(stacks + flat >= inputs - 3);
 }

@@ -100,7 +100,7 @@ TEST_CASE("The two models agree on the colour of a slab") {
     const std::string stack = marked_stack(folder);
     const auto mean = [&](const std::string& model) {
         const Outcome outcome =
-            run_program(fmt::format("predict --json {} --model {} -o {}", stack, model, folder / "p.png"));
+            run_program(fmt::format("predict --overwrite --json {} --model {} -o {}", stack, model, folder / "p.png"));
         REQUIRE(outcome.exit_code == 0);
         return result_of(outcome.out);
     };
@@ -121,8 +121,8 @@ TEST_CASE("An all white slab is white") {
                 fmt::format("slice --quiet --no-report --iterations 0 --load W {} --width 2mm --thickness 1mm -o {}",
                             folder / "white.png", folder / "out"))
                 .exit_code == 0);
-    const Outcome outcome = run_program(
-        fmt::format("predict --json --model monte-carlo --spp 32 {} -o {}", folder / "out", folder / "p.png"));
+    const Outcome outcome = run_program(fmt::format("predict --overwrite --json --model monte-carlo --spp 32 {} -o {}",
+                                                    folder / "out", folder / "p.png"));
     REQUIRE(outcome.exit_code == 0);
     const auto result = result_of(outcome.out);
     // Media-relative white is 1. Errors of single cells are independent, so that of the mean is less by the root of
@@ -130,12 +130,13 @@ TEST_CASE("An all white slab is white") {
     const double error = double(result["standard_error"]["mean"]) / std::sqrt(double(result["cells"]));
     for (const double mean : result["mean_rgb"]) CHECK(std::abs(mean - 1) < 4 * error + 0.02);
     // Without noise the body is its own white twin.
-    const Outcome exact =
-        run_program(fmt::format("predict --json --model transport {} -o {}", folder / "out", folder / "p.png"));
+    const Outcome exact = run_program(
+        fmt::format("predict --overwrite --json --model transport {} -o {}", folder / "out", folder / "p.png"));
     for (const double mean : result_of(exact.out)["mean_rgb"]) CHECK(mean == Approx(1).epsilon(1e-6));
     // Absolute: what is missing was absorbed or went into the black sheet.
-    const Outcome absolute = run_program(fmt::format("predict --json --absolute --model monte-carlo --spp 32 {} -o {}",
-                                                     folder / "out", folder / "p.png"));
+    const Outcome absolute =
+        run_program(fmt::format("predict --overwrite --json --absolute --model monte-carlo --spp 32 {} -o {}",
+                                folder / "out", folder / "p.png"));
     for (const double mean : result_of(absolute.out)["mean_rgb"]) {
         CHECK(mean > 0.3);
         CHECK(mean < 0.95);
@@ -161,8 +162,8 @@ TEST_CASE("A spectral resin set gives a picture for the eye and numbers per wave
         {"name": "White", "role": "W", "sigma_t_per_mm": [9, 9, 9, 9], "albedo": [0.999, 0.999, 0.999, 0.999]},
         {"name": "Black", "role": "K", "sigma_t_per_mm": [5, 5, 5, 5], "albedo": [0.3, 0.3, 0.3, 0.3]}]})");
     const std::string stack = marked_stack(folder, "--load K,W --resins " + (folder / "grey.json"));
-    const Outcome outcome =
-        run_program(fmt::format("predict --json --model monte-carlo --spp 16 {} -o {}", stack, folder / "p.exr"));
+    const Outcome outcome = run_program(
+        fmt::format("predict --overwrite --json --model monte-carlo --spp 16 {} -o {}", stack, folder / "p.exr"));
     REQUIRE(outcome.exit_code == 0);
     const auto result = result_of(outcome.out);
     CHECK(result["channels"] == 4);
@@ -182,15 +183,15 @@ TEST_CASE("predict makes meshes of bodies") {
     REQUIRE(run_program(fmt::format("slice --quiet --no-report --iterations 0 --size 2mm {} -o {}",
                                     folder / "marker.obj", folder / "out"))
                 .exit_code == 0);
-    const Outcome outcome = run_program(
-        fmt::format("predict --quiet --model monte-carlo --spp 4 --cell 0.17mm {0} -o {1}.glb -o {1}.ply -o {1}.png",
-                    folder / "out", folder / "p"));
+    const Outcome outcome = run_program(fmt::format(
+        "predict --overwrite --quiet --model monte-carlo --spp 4 --cell 0.17mm {0} -o {1}.glb -o {1}.ply -o {1}.png",
+        folder / "out", folder / "p"));
     REQUIRE(outcome.exit_code == 0);
     CHECK_THAT(read_file(folder / "p.glb"), Contains("KHR_materials_unlit") && Contains("COLOR_0"));
     CHECK_THAT(read_file(folder / "p.ply"),
                Contains("property float appearance_r") && Contains("property float error_b"));
     CHECK(read_png(folder / "p.png").width > 100);
-    const Outcome exr = run_program(fmt::format("predict {} -o {}", folder / "out", folder / "p.exr"));
+    const Outcome exr = run_program(fmt::format("predict --overwrite {} -o {}", folder / "out", folder / "p.exr"));
     CHECK(exr.exit_code == 2);
     CHECK_THAT(exr.err, Contains("--view top"));
 }
@@ -265,8 +266,8 @@ TEST_CASE("slice --predict shows target, prediction and difference, upright, wit
         CHECK(std::filesystem::exists(folder / fmt::format("out/{}.exr", name)));
     }
     // The stack as it lies there gives the same prediction, the seed being the same.
-    REQUIRE(run_program(fmt::format("predict --quiet --model monte-carlo --cell 0.17mm {} -o {}", folder / "out",
-                                    folder / "again.png"))
+    REQUIRE(run_program(fmt::format("predict --overwrite --quiet --model monte-carlo --cell 0.17mm {} -o {}",
+                                    folder / "out", folder / "again.png"))
                 .exit_code == 0);
     CHECK(same_bytes(folder / "again.png", folder / "out/predicted.png"));
 

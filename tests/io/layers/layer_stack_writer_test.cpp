@@ -1,19 +1,25 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxtone/io/layers/layer_stack_writer.h"
 
+#include <unistd.h>
+
 #include <catch2/catch.hpp>
 #include <fstream>
 #include <map>
 
+#include <fmt/core.h>
+
 #include "layer_samples.h"
 #include "tests/io/files/temporary_folder.h"
 #include "voxtone/base/contracts.h"
-#include "voxtone/base/error.h"
 #include "voxtone/base/parallel.h"
+#include "voxtone/base/try_again.h"
+#include "voxtone/io/disk/folder_lock.h"
 #include "voxtone/io/files/whole_file.h"
 #include "voxtone/io/layers/layer_digest.h"
 #include "voxtone/io/layers/orient.h"
 #include "voxtone/io/layers/stack_folder.h"
+#include "voxtone/io/layers/stack_reader.h"
 
 using namespace voxtone;
 using namespace voxtone::io;
@@ -86,7 +92,7 @@ TEST_CASE("a stack has its files, counts and digest", "[stack]") {
     }
     CHECK(stack.content_sha256 == content_sha256(70, 40, digests));
     const auto files = contents(out);
-    CHECK(files.size() == 31 + 3);
+    CHECK(files.size() == 31 + 3 + 1);  // the lock is still held
     CHECK(files.count("layers/slice_00000.png") == 1);
     CHECK(files.count("layers/slice_00030.png") == 1);
     CHECK_THAT(files.at("resin-assignment.txt"), Contains("VeroYellow") && Contains("255 242 0"));
@@ -148,46 +154,89 @@ TEST_CASE("a folder with other things in it is left alone", "[stack]") {
     CHECK_THROWS_AS(LayerStackWriter(out / "holiday.png", description(1)), InputError);
 }
 
-TEST_CASE("an old stack makes room for the new one, whole or not", "[stack]") {
+TEST_CASE("an old stack stays whole until the new one is", "[stack]") {
     TemporaryFolder folder;
     const auto out = folder.path() / "stack";
-    {
-        LayerStackWriter writer(out, description(50));
-        for (std::uint32_t k = 0; k < 50; ++k) writer.write(k, layer_of(k));
+    const auto make = [&](std::uint32_t layers, bool overwrite) {
+        LayerStackWriter writer(out, description(layers), {}, overwrite);
+        for (std::uint32_t k = 0; k < layers; ++k) writer.write(k, layer_of(k));
         (void)writer.finish();
-    }
+    };
+    make(50, false);
     write_whole_file(out / "notes.txt", std::string_view("mine"));
+    write_whole_file(out / "layers" / "remarks.txt", std::string_view("mine too"));
+    const auto before = contents(out);
+    CHECK_THROWS_WITH(make(31, false), Contains("a stack of 50 layers") && Contains("--overwrite"));
     {
-        LayerStackWriter writer(out, description(31));
-        CHECK_FALSE(fs::exists(out / "manifest.json"));  // from the first moment it does not look whole
-        for (std::uint32_t k = 0; k < 20; ++k) writer.write(k, layer_of(k));
+        LayerStackWriter stopped(out, description(31), {}, true);
+        for (std::uint32_t k = 0; k < 31; ++k) stopped.write(k, layer_of(k));
+        CHECK(read_manifest(out / "manifest.json").layers == 50);
     }
-    CHECK_FALSE(fs::exists(out / "manifest.json"));
-    LayerStackWriter writer(out, description(31));
-    for (std::uint32_t k = 0; k < 31; ++k) writer.write(k, layer_of(k));
-    (void)writer.finish();
+    CHECK(contents(out) == before);
+    make(31, true);
     const auto files = contents(out);
-    CHECK(files.size() == 31 + 3 + 1);
+    CHECK(files.size() == 31 + 3 + 2);
     CHECK(files.at("notes.txt") == "mine");
+    CHECK(files.at("layers/remarks.txt") == "mine too");
 }
 
-TEST_CASE("whether a folder may be used is asked without a trace", "[stack]") {
+TEST_CASE("a folder that a job made and left without a stack goes again", "[stack]") {
+    TemporaryFolder folder;
+    { const LayerStackWriter writer(folder.path() / "new" / "stack", description(1)); }
+    CHECK_FALSE(fs::exists(folder.path() / "new"));
+}
+
+TEST_CASE("a second job hears who holds the folder", "[stack]") {
     TemporaryFolder folder;
     const auto out = folder.path() / "stack";
-    CHECK_NOTHROW(require_usable_folder(out, false));
-    CHECK_FALSE(fs::exists(out));
-    {
-        LayerStackWriter writer(out, description(1));
-        writer.write(0, layer_of(0));
+    const StackFolder first(out);
+    const std::string who = fmt::format("host {}, process {}", host_name(), getpid());
+    CHECK_THROWS_AS(StackFolder(out), TryAgain);
+    CHECK_THROWS_WITH(StackFolder(out), Contains(who) && Contains("since 20"));
+}
+
+TEST_CASE("a job that was killed in the swap is brought to an end by the next", "[stack]") {
+    TemporaryFolder folder;
+    const auto out = folder.path() / "stack";
+    const auto make = [&](const fs::path& where, std::uint32_t layers) {
+        LayerStackWriter writer(where, description(layers));
+        for (std::uint32_t k = 0; k < layers; ++k) writer.write(k, layer_of(k));
         (void)writer.finish();
-    }
+    };
+    make(out, 40);
     const auto before = contents(out);
-    CHECK_NOTHROW(require_usable_folder(out, false));
-    CHECK(contents(out) == before);
-    write_whole_file(folder.path() / "notes.txt", std::string_view("mine"));
-    CHECK_THROWS_AS(require_usable_folder(folder.path(), false), InputError);
-    CHECK_NOTHROW(require_usable_folder(folder.path(), true));
-    CHECK_THROWS_AS(require_usable_folder(folder.path() / "notes.txt", true), InputError);
+    fs::create_directory(out / ".voxtone-old");
+    SECTION("before the new stack was ready to move: back") {
+        make(out / ".voxtone-unfinished", 31);
+        fs::rename(out / "manifest.json", out / ".voxtone-old" / "manifest.json");
+        fs::rename(out / "layers", out / ".voxtone-old" / "layers");
+        { const StackFolder next(out); }
+        CHECK(contents(out) == before);
+    }
+    SECTION("after: forward") {
+        make(folder.path() / "new", 31);
+        const auto wanted = contents(folder.path() / "new");
+        for (const char* name : {"manifest.json", "layers", "resin-assignment.txt", "resin-assignment.html"})
+            fs::rename(out / name, out / ".voxtone-old" / name);
+        fs::rename(folder.path() / "new", out / ".voxtone-new");
+        fs::rename(out / ".voxtone-new" / "layers", out / "layers");  // as far as it came
+        CHECK_THROWS_AS(StackReader(out), InputError);
+        { const StackFolder next(out); }
+        CHECK(contents(out) == wanted);
+    }
+}
+
+TEST_CASE("what a killed job left is swept by the next", "[stack]") {
+    TemporaryFolder folder;
+    const auto out = folder.path() / "stack";
+    fs::create_directories(out / ".voxtone-unfinished" / "layers");
+    write_whole_file(out / ".voxtone-unfinished" / "layers" / "slice_00000.png", std::string_view("half"));
+    write_whole_file(out / ".voxtone-lock", std::string_view("elsewhere 1 1 2020-01-01T00:00:00Z\n"));
+    write_staged_file(part_path(out / "loop.checkpoint"), std::string_view("half"));
+    LayerStackWriter writer(out, description(1));
+    writer.write(0, layer_of(0));
+    (void)writer.finish();
+    CHECK(contents(out).size() == 1 + 3 + 1);  // the lock is still held
 }
 
 TEST_CASE("nothing is written through a link that leads outside", "[stack]") {
@@ -201,7 +250,7 @@ TEST_CASE("nothing is written through a link that leads outside", "[stack]") {
     }
     fs::remove_all(out / "layers");
     fs::create_directory_symlink(folder.path() / "elsewhere", out / "layers");
-    CHECK_THROWS_AS(LayerStackWriter(out, description(1)), FileError);
+    CHECK_THROWS_AS(LayerStackWriter(out, description(1), {}, true), FileError);
     CHECK(contents(folder.path() / "elsewhere").empty());
 }
 

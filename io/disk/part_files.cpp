@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/io/disk/part_files.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <system_error>
+
+#include <fmt/core.h>
+
+#include "voxtone/io/disk/folder_lock.h"
+#include "voxtone/io/disk/open_file.h"
+
+namespace voxtone::io {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view part_ending = ".part";
+
+/// ".HOST.", as it stands in a temporary name.
+std::string host_part() { return fmt::format(".{}.", host_name().substr(0, 64)); }
+
+/// What temporary names of this file begin with, on this host.
+std::string part_stem(const fs::path& file) {
+    return fmt::format(".{}{}", file.filename().string().substr(0, 120), host_part());
+}
+
+template <class Passes>
+void sweep(const fs::path& folder, const Passes& passes) {
+    std::error_code ignored;
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored)) {
+        const std::string name = entry.path().filename().string();
+        if (!is_part_name(name) || !passes(name)) continue;
+        const OpenFile part(::open(entry.path().c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW));
+        if (part && flock(part.get(), LOCK_EX | LOCK_NB) == 0) fs::remove(entry.path(), ignored);
+    }
+}
+
+}  // namespace
+
+std::string part_name(const fs::path& file) { return fmt::format("{}{}{}", part_stem(file), getpid(), part_ending); }
+
+bool is_part_name(const std::string& name) { return name.starts_with('.') && name.ends_with(part_ending); }
+
+void sweep_parts_of(const fs::path& file) {
+    const std::string stem = part_stem(file);
+    sweep(file.has_parent_path() ? file.parent_path() : fs::path("."),
+          [&](const std::string& name) { return name.starts_with(stem); });
+}
+
+void sweep_parts(const fs::path& folder) {
+    const std::string host = host_part();
+    sweep(folder, [&](const std::string& name) { return name.find(host) != std::string::npos; });
+}
+
+}  // namespace voxtone::io

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/io/files/whole_file.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <fstream>
+#include <iterator>
+
+#include <fmt/core.h>
+#include <catch2/catch.hpp>
+
+#include "tests/io/files/temporary_folder.h"
+#include "voxtone/base/try_again.h"
+#include "voxtone/io/disk/folder_lock.h"
+#include "voxtone/io/disk/open_file.h"
+
+using namespace voxtone;
+using namespace voxtone::io;
+using Catch::Contains;
+namespace fs = std::filesystem;
+
+namespace {
+
+std::string text_of(const fs::path& file) {
+    std::ifstream in(file, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+}
+
+std::ptrdiff_t files_in(const fs::path& folder) { return std::distance(fs::directory_iterator(folder), {}); }
+
+/// Writes of this process stop at so many bytes, with an error instead of a signal.
+class FileSizeLimit {
+public:
+    explicit FileSizeLimit(rlim_t bytes) {
+        std::signal(SIGXFSZ, SIG_IGN);
+        getrlimit(RLIMIT_FSIZE, &before_);
+        const rlimit limit{bytes, before_.rlim_max};
+        setrlimit(RLIMIT_FSIZE, &limit);
+    }
+    ~FileSizeLimit() { setrlimit(RLIMIT_FSIZE, &before_); }
+
+private:
+    rlimit before_{};
+};
+
+}  // namespace
+
+TEST_CASE("a file that cannot be written to its end leaves the old one and nothing else", "[whole-file]") {
+    const TemporaryFolder folder;
+    const fs::path file = folder.path() / "notes.txt";
+    write_whole_file(file, std::string_view("old"));
+    {
+        const FileSizeLimit limit(1000);
+        CHECK_THROWS_AS(write_whole_file(file, std::string(5000, 'x')), FileError);
+    }
+    CHECK(text_of(file) == "old");
+    CHECK(files_in(folder.path()) == 1);
+    write_whole_file(file, std::string_view("new"));
+    CHECK(text_of(file) == "new");
+    CHECK(files_in(folder.path()) == 1);
+}
+
+TEST_CASE("temporary names say whose they are, and what a killed job left is swept", "[whole-file]") {
+    const TemporaryFolder folder;
+    const fs::path file = folder.path() / "a.png";
+    CHECK(part_path(file).filename() == fmt::format(".a.png.{}.{}.part", host_name(), getpid()));
+    const fs::path dead = folder.path() / fmt::format(".a.png.{}.{}.part", host_name(), 1),
+                   living = folder.path() / fmt::format(".a.png.{}.{}.part", host_name(), 2),
+                   elsewhere = folder.path() / ".a.png.another-host.1.part",
+                   other = folder.path() / fmt::format(".b.png.{}.1.part", host_name());
+    for (const fs::path& part : {dead, living, elsewhere, other}) std::ofstream(part) << "half";
+    const OpenFile held(::open(living.c_str(), O_RDWR | O_CLOEXEC));
+    REQUIRE(flock(held.get(), LOCK_EX | LOCK_NB) == 0);
+    write_whole_file(file, std::string_view("whole"));
+    CHECK_FALSE(fs::exists(dead));
+    for (const fs::path& kept : {living, elsewhere, other, file}) CHECK(fs::exists(kept));
+}
+
+TEST_CASE("two writers of one process number do not write into one file", "[whole-file]") {
+    const TemporaryFolder folder;
+    const fs::path file = folder.path() / "a.png";
+    std::ofstream(part_path(file)) << "half";
+    const OpenFile held(::open(part_path(file).c_str(), O_RDWR | O_CLOEXEC));
+    REQUIRE(flock(held.get(), LOCK_EX | LOCK_NB) == 0);
+    CHECK_THROWS_AS(write_whole_file(file, std::string_view("whole")), TryAgain);
+    CHECK(text_of(part_path(file)) == "half");
+}
+
+TEST_CASE("a staged file is never in the place of another", "[whole-file]") {
+    const TemporaryFolder folder;
+    const fs::path file = folder.path() / "slice_00000.png";
+    write_staged_file(file, std::string_view("first"));
+    CHECK_THROWS_AS(write_staged_file(file, std::string_view("second")), Error);
+    CHECK(text_of(file) == "first");
+}
