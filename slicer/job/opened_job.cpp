@@ -17,7 +17,7 @@ void take_width(ResolvedJob& job, const io::ProfileMap& map) {
 void check_thickness(const ResolvedJob& job, const PrinterProfile& printer) {
     if (!job.is_picture || !job.asked.rotate.empty()) return;
     const Eigen::Vector3d slab_mm(1, 1, job.picture.thickness_mm);
-    check_layer_count(grid_around(Eigen::Vector3d::Zero(), slab_mm, printer.pitch_mm()).size[2], printer,
+    check_layer_count(grid_around(Eigen::Vector3d::Zero(), slab_mm, printer.sliced_pitch_mm()).size[2], printer,
                       "thicker (--thickness)");
 }
 
