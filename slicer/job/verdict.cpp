@@ -194,10 +194,13 @@ void judge_gamut(const VerdictSources& s, io::ReportVerdict& verdict) {
     if (s.gamut.mean_de2000 > s.job.options.verdict.bad) verdict.level = io::VerdictLevel::bad;
     std::string reason = s.why_not_predicted.empty() ? "it was not asked for (--predict)" : s.why_not_predicted;
     if (reason.ends_with(".")) reason.pop_back();
-    const std::string reach = fmt::format(
-        "the loaded resins cannot show {:.0f} % of its colours, which are moved by {:.1f} CIEDE2000 on "
-        "average over the surface",
-        100 * s.gamut.mapped_share, s.gamut.mean_de2000);
+    const std::string reach =
+        s.gamut.mapped_share < 0.005
+            ? "on a thick body the loaded resins show nearly all of its colours"
+            : fmt::format(
+                  "the loaded resins cannot show {:.0f} % of its colours, which are moved by {:.1f} CIEDE2000 "
+                  "on average over the surface",
+                  100 * s.gamut.mapped_share, s.gamut.mean_de2000);
     if (verdict.level == io::VerdictLevel::bad) {
         verdict.causes.push_back({cause_names[gamut], 1});
         verdict.advice.push_back(advice_on_gamut(s));

@@ -15,6 +15,7 @@
 #include <nlohmann/json.hpp>
 
 #include "run_program.h"
+#include "voxtone/io/layers/layer_digest.h"
 #include "voxtone/io/layers/stack_reader.h"
 
 using namespace voxtone;
@@ -93,7 +94,9 @@ void compare_folders(const fs::path& flipped, const fs::path& plain, const Flips
 void compare_containers(const fs::path& flipped) {
     const io::StackReader container(flipped / "stack.gcvf"), folder(flipped);
     REQUIRE(container.layers() == folder.layers());
-    for (std::uint32_t k = 0; k < folder.layers(); ++k) CHECK(container.bytes(k) == folder.bytes(k));
+    const auto palette = folder.palette();
+    for (std::uint32_t k = 0; k < folder.layers(); ++k)
+        CHECK(io::layer_digest(container.read(k, palette)) == io::layer_digest(folder.read(k, palette)));
 }
 
 openvdb::Int32Grid::Ptr volume_of(const fs::path& out) {

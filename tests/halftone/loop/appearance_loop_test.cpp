@@ -158,7 +158,7 @@ TEST_CASE("A loop that cannot gain ends with the open loop, and stops by itself"
     public:
         optics::Appearance predict(const optics::Scene&, const optics::Surface& surface,
                                    const Progress*) const override {
-            return {3, std::vector<float>(3 * surface.cells.size(), 0.3f), {}};
+            return {3, std::vector<float>(3 * surface.cells.size(), 0.3f), {}, {}};
         }
     };
     const Blind model;
