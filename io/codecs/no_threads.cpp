@@ -11,6 +11,9 @@ namespace voxtone::io {
 void use_no_threads() {
     OIIO::attribute("threads", 1);
     OIIO::attribute("exr_threads", -1);
+    // LibRaw develops with OpenMP, whose runtime ends the program where it may start no thread.
+    if (void* const set_threads = dlsym(RTLD_DEFAULT, "omp_set_num_threads"))
+        reinterpret_cast<void (*)(int)>(set_threads)(1);
 }
 
 void end_threads() {

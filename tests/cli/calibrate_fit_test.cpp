@@ -68,7 +68,7 @@ TEST_CASE(
     folder.write("patches.csv", patch_table_text(measured(0.005)));
     const auto values = [&](int threads) {
         const Outcome fit =
-            run_program(fmt::format("calibrate fit {} -o {} --json --g-sweep --check {} --threads {}",
+            run_program(fmt::format("calibrate fit {} -o {} --overwrite --json --g-sweep --check {} --threads {}",
                                     folder / "patches.csv", folder / "my.json", folder / "patches.csv", threads));
         REQUIRE(fit.exit_code == 0);
         const auto from = fit.out.rfind('\n', fit.out.size() - 2);

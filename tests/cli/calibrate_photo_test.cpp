@@ -124,9 +124,10 @@ TEST_CASE("Photographs of all kinds of files are measured") {
     const Folder folder("photo");
     require_done(run_program("calibrate target --resins C,M,Y,K,W --layout A --quiet -o " + folder / "out"));
     const std::string simulate = "calibrate simulate " + folder / "out/target.json" +
-                                 " --quiet --width 1500 --height 1000 --truth " + folder / "truth.csv" + " -o ";
-    const std::string photo =
-        "calibrate photo --target " + folder / "out/target.json" + " --json -o " + folder / "patches.csv" + " ";
+                                 " --quiet --overwrite --width 1500 --height 1000 --truth " + folder / "truth.csv" +
+                                 " -o ";
+    const std::string photo = "calibrate photo --target " + folder / "out/target.json" + " --json --overwrite -o " +
+                              folder / "patches.csv" + " ";
     for (const std::string name : {"photo.png", "photo.tif", "photo.exr"}) {
         require_done(run_program(simulate + folder / name));
         const nlohmann::json result = result_of(run_program(photo + folder / name));
@@ -170,7 +171,8 @@ TEST_CASE("The road from a target to its resins recovers resins that the fit doe
                              " --quiet -o " + folder / "photo.tif"));
     require_done(run_program("calibrate photo " + folder / "photo.tif" + " --target " + folder / "out/target.json" +
                              " --quiet -o " + folder / "patches.csv"));
-    const std::string fit = "calibrate fit " + folder / "patches.csv" + " --quiet -o " + folder / "resins.json";
+    const std::string fit =
+        "calibrate fit " + folder / "patches.csv" + " --quiet --overwrite -o " + folder / "resins.json";
     require_done(run_program(fit + " --printer stratasys-j750-hm"));
     const auto distances = [&] {  // relative, of extinction and of absorption
         const optics::ResinSet known = io::read_resin_set(truth), found = io::read_resin_set(folder / "resins.json");

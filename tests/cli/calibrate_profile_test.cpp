@@ -71,7 +71,8 @@ TEST_CASE("A slab that was simulated is measured with the command that the simul
     const std::string by_hand = fmt::format(
         "calibrate profile --reflection {0}/reflection-01.exr@1/10 {0}/reflection-02.exr@0.8 --reflection-dark "
         "{0}/reflection-dark-01.exr@1/10 "
-        "{0}/reflection-dark-02.exr@0.8 --reflectance 0.05,0.05,0.05 --mm-per-px 0.04 --reach 2mm --name wanted -o "
+        "{0}/reflection-dark-02.exr@0.8 --reflectance 0.05,0.05,0.05 --mm-per-px 0.04 --reach 2mm --name wanted "
+        "--overwrite -o "
         "{0}/target.json ",
         lab);
     CHECK(result_of(run_program(by_hand + "--json"))["R"]["samples"] == 46);

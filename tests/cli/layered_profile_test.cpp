@@ -176,7 +176,7 @@ TEST_CASE("slice says what is wrong with a job of layered profiles") {
     fails(layered + map, 3, "--profile-placement box");
     fails(layered + map + " --profile-placement box --load K", 3, "only one resin");
     fails(layered + map + " --profile-placement box --load W,Y", 3, "--base K");
-    fails(layered + map + " --profile-placement box --size 0.09mm", 3, "voxels thick");
+    fails(layered + map + " --profile-placement box --size 0.09mm --printer generic", 3, "voxels thick");
     fails(layered + map + " --stack-thickness 0mm", 2, "--stack-thickness");
     fails(layered + map + " --profile-placement box --clear-top T=0.2mm", 3, "--clear-top T");
     fails(layered + map + " --clear-top W", 2, "ROLE=LENGTH");

@@ -201,8 +201,9 @@ TEST_CASE("What is predicted of flipped bitmaps is not mirrored, and verify take
 TEST_CASE("Assigned colours that look swapped, and those that never occur, are warned about") {
     const Folder folder("swapped");
     must_run("stack print \"C 1\" \"M 1.1\" \"W 0.9\" --width 2mm --depth 2mm --quiet -o " + folder / "out");
-    const std::string predict = "predict " + folder / "out/layers" + " --printer stratasys-j750-hm --cell 0.5mm -o " +
-                                folder / "p.glb" + " --assign ";
+    const std::string predict = "predict " + folder / "out/layers" +
+                                " --printer stratasys-j750-hm --cell 0.5mm --overwrite -o " + folder / "p.glb" +
+                                " --assign ";
     const std::string right = run_program(predict + "\"#0096c8=C,#cd196e=M,#dcded8=W\"").err;
     CHECK(right.find("looks far more like") == std::string::npos);
     CHECK(right.find("no pixel") == std::string::npos);

@@ -177,7 +177,7 @@ TEST_CASE("A job that left job.json runs again from anywhere, and says what has 
     CHECK(digest("changed") != digest("same"));
 }
 
-TEST_CASE("--dump-default takes the options given") {
+TEST_CASE("slice --dump-default takes the options given") {
     const auto job = nlohmann::json::parse(run_program("slice --dump-default --size 6cm --load K,W a.obj").out);
     CHECK(job.at("size") == "60mm");
     CHECK(job.at("load") == nlohmann::json{"K", "W"});

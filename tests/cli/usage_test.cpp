@@ -101,7 +101,6 @@ TEST_CASE("An option that would be ignored is refused") {
     refused(mesh + "--size 10mm --scale 2", 2, "--scale 2 would be ignored");
     refused(mesh + "--stack-steps 64", 2, "only goes with --model layered-profile");
     refused(mesh + "--iterations 0 --intent relative", 2, "--intent relative would be ignored");
-    refused(mesh + "--iterations 0 --resume", 2, "--iterations 0 leaves the appearance loop out");
     refused(mesh + "--no-report --predict transport", 2, "--predict transport would be ignored");
     refused(mesh + "--iterations 0 --predict none --predict-cell 1mm", 2, "neither a loop nor a prediction");
     refused(mesh + "--model layered-profile --profiles x.json --depth 1mm", 2, "only goes with --model colour");

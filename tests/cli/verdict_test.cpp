@@ -83,7 +83,8 @@ TEST_CASE("A printer with few slots is loaded with the resins that the model nee
                               folder / "ramp.obj" + " -o " + folder / "out ";
     const auto roles = [&] {
         std::string names;
-        for (const auto& resin : report_in(folder)["resins"]) names += resin["role"].get<std::string>();
+        const auto report = report_in(folder);
+        for (const auto& resin : report["resins"]) names += resin["role"].get<std::string>();
         return names;
     };
     REQUIRE(run_program(slice + "--load M,K,W").exit_code == 0);

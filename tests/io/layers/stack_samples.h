@@ -53,7 +53,7 @@ inline LayerRuns layer_from_pixels(const std::vector<Material>& pixels, std::uin
 
 inline StackDescription write_sample_stack(const std::filesystem::path& out, std::uint32_t layers,
                                            StackOutputs outputs = {}) {
-    LayerStackWriter writer(out, sample_description(layers), outputs);
+    LayerStackWriter writer(out, sample_description(layers), outputs, true);
     for (std::uint32_t k = 0; k < layers; ++k) writer.write(k, sample_layer(k));
     return writer.finish();
 }

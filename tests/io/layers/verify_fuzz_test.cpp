@@ -14,7 +14,6 @@
 
 using namespace voxtone;
 using namespace voxtone::io;
-using Catch::Contains;
 namespace fs = std::filesystem;
 
 TEST_CASE("a layer cut anywhere is a fault, never a crash", "[verify][fuzz]") {
@@ -77,7 +76,7 @@ TEST_CASE("a GCVF cut or spoilt anywhere is an error or a fault, never a crash",
     const auto file = folder.path() / "x.gcvf";
     for (std::size_t n = 0; n < whole.size(); ++n) {
         write_whole_file(file, std::string_view(whole).substr(0, n));
-        CHECK_THROWS_AS(verify_stack(file, rules), InputError);
+        CHECK(has(verify_stack(file, rules), "container"));
     }
     // Every byte set to one of the ends: whatever happens is an Error or a report.
     for (std::size_t i = 0; i < whole.size(); ++i) try {
@@ -112,7 +111,7 @@ TEST_CASE("zip bombs and paths that leave the folder", "[verify][fuzz]") {
     auto report = verify_stack(
         container({{"ConfigFile.xml", gcvf_config_text(config)}, {"layer_0.png", layer(0)}, {"layer_1.png", bomb}}));
     CHECK(has(report, "unreadable", "more than"));
-    CHECK_THROWS_AS(verify_stack(container({{"ConfigFile.xml", bomb.substr(0, (16 << 20) + 1)}})), InputError);
+    CHECK(has(verify_stack(container({{"ConfigFile.xml", bomb.substr(0, (16 << 20) + 1)}})), "container"));
     report = verify_stack(container({{"ConfigFile.xml", gcvf_config_text(config)},
                                      {"layer_0.png", layer(0)},
                                      {"layer_1.png", layer(1)},
@@ -123,8 +122,7 @@ TEST_CASE("zip bombs and paths that leave the folder", "[verify][fuzz]") {
     CHECK(has(report, "stranger", "leads out"));
     CHECK(has(report, "stranger", "sub/file"));
     config.prefix = "../layer_";
-    CHECK_THROWS_WITH(verify_stack(container({{"ConfigFile.xml", gcvf_config_text(config)}})),
-                      Contains("ImageFilePrefix"));
+    CHECK(has(verify_stack(container({{"ConfigFile.xml", gcvf_config_text(config)}})), "container", "ImageFilePrefix"));
     config.prefix = "layer_";
     config.slices = 1000000;
     report = verify_stack(container({{"ConfigFile.xml", gcvf_config_text(config)}, {"layer_0.png", layer(0)}}));
@@ -132,5 +130,5 @@ TEST_CASE("zip bombs and paths that leave the folder", "[verify][fuzz]") {
     CHECK(report.faults.size() < 40);
     for (const auto* xml : {"", "<GCVF>", "<GCVF></GCVF>", "<GCVF><XDpi>nan</XDpi></GCVF>",
                             "<GCVF><XDpi>600</XDpi><YDpi>-1</YDpi></GCVF>"})
-        CHECK_THROWS_AS(verify_stack(container({{"ConfigFile.xml", xml}})), InputError);
+        CHECK(has(verify_stack(container({{"ConfigFile.xml", xml}})), "container"));
 }

@@ -255,7 +255,7 @@ TEST_CASE("Targets between two stacks have one albedo and rising width, and are 
         CHECK(widths[2][c] > 1.02 * widths[1][c]);
     }
     CHECK(count(text_of(bench.folder.path() / "targets/targets.svg"), "<polyline") >= 9);
-    CHECK_THROWS_WITH(run_stack_targets(job, warnings), Contains("target-1.json") && Contains("--overwrite"));
+    CHECK_THROWS_WITH(run_stack_targets(job, warnings), Contains("is there already") && Contains("--overwrite"));
     job.overwrite = true;
     std::swap(job.narrow, job.wide);
     (void)run_stack_targets(job, warnings);
