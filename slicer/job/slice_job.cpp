@@ -10,6 +10,7 @@
 #include <vector>
 
 #include <fmt/core.h>
+#include <nlohmann/json.hpp>
 
 #include "voxtone/base/parallel.h"
 #include "voxtone/base/stop_deadline.h"
@@ -87,10 +88,14 @@ std::optional<SliceResult> done_before(const OpenedJob& job, const io::StackFold
         return std::nullopt;
     constexpr std::uint64_t most_bytes = std::uint64_t{1} << 30;
     const std::vector<std::uint8_t> json = io::read_whole_file(figures, most_bytes);
+    const auto report = nlohmann::json::parse(json, nullptr, false);
+    const auto level = nlohmann::json::json_pointer("/verdict/level");
+    const bool bad = report.is_object() && report.contains(level) && report[level] == name_of(io::VerdictLevel::bad);
     return SliceResult{{json.begin(), json.end()},
                        fmt::format("{}: holds this job's stack already, whole; nothing was done (--overwrite makes it "
                                    "again)\n",
-                                   folder.path().string())};
+                                   folder.path().string()),
+                       bad && job.options.strict ? ExitCode::check_failed : ExitCode::done};
 }
 
 /// Another job's stack, and whatever else is no job's of this folder, is replaced only where that was allowed.
