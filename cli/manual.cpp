@@ -73,7 +73,8 @@ std::string example(const CLI::App& command) {
 constexpr const char* ending =
     ".SH \"EXIT STATUS\"\n"
     "0 done; 1 a bug; 2 usage; 3 invalid input or job; 4 a file could not be read or written; 5 could not finish; 6 a "
-    "check found faults; 75 nothing is wrong with the job, try again.\n"
+    "check found faults; 75 nothing is wrong with the job, try again; 85 stopped on request, "
+    "progress saved, run it again.\n"
     ".SH ENVIRONMENT\n.TP\n\\fBVOXTONE_HELPERS\\fR\nfolder of the programs that voxtone runs for parts of its work; "
     "empty: libexec/voxtone beside its own folder\n";
 

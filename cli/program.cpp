@@ -19,7 +19,8 @@ namespace {
 constexpr const char* description =
     "voxtone turns textured models and pictures into layer bitmaps for full-colour material-jetting printers.\n"
     "Exit codes: 0 done; 1 a bug; 2 usage; 3 invalid input or job; 4 a file could not be read or written; "
-    "5 could not finish (memory, cancelled); 6 a check found faults; 75 nothing is wrong with the job, try again.";
+    "5 could not finish (memory, cancelled); 6 a check found faults; 75 nothing is wrong with the job, try again; "
+    "85 stopped on request, progress saved, run it again.";
 
 using Commands = std::vector<std::pair<std::string, Command>>;
 
