@@ -14,6 +14,7 @@
 #include "voxtone/base/error.h"
 #include "voxtone/base/printable.h"
 #include "voxtone/base/progress_events.h"
+#include "voxtone/base/try_again.h"
 
 namespace voxtone::cli {
 
@@ -44,7 +45,6 @@ int tell_current_exception(bool json) {
 
 /// A result that its reader did not get is no success: the disk that stdout goes to may be full.
 int noticing_lost_output(int code) {
-    constexpr int try_again = 75;  // EX_TEMPFAIL
     const bool lost = std::fflush(stdout) != 0 || std::ferror(stdout) != 0;
     if (!lost) return code;
     std::fputs(fmt::format("voxtone: stdout could not be written ({}), so what was printed there is not whole; files "
@@ -52,7 +52,7 @@ int noticing_lost_output(int code) {
                            std::strerror(errno))
                    .c_str(),
                stderr);
-    return code == 0 ? try_again : code;
+    return code == 0 ? static_cast<int>(exit_try_again) : code;
 }
 
 }  // namespace
