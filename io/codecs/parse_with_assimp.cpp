@@ -162,7 +162,8 @@ private:
     std::size_t check(const aiScene& scene) {
         std::size_t expected = 0;
         for (unsigned m = 0; m < scene.mNumMeshes; ++m) {
-            const aiMesh& mesh = *scene.mMeshes[m];
+            aiMesh& mesh = *scene.mMeshes[m];
+            bool polygons = false;
             for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
                 const aiFace& face = mesh.mFaces[f];
                 for (unsigned i = 0; i < face.mNumIndices; ++i)
@@ -170,11 +171,14 @@ private:
                         throw InputError(
                             fmt::format("a face of {} uses vertex {}, but there are only {}; the file is damaged",
                                         context_.name(), face.mIndices[i], mesh.mNumVertices));
+                polygons |= face.mNumIndices > 3;
                 if (face.mNumIndices >= 3)
                     expected += face.mNumIndices - 2;
                 else
                     ++points_and_lines_;
             }
+            // assimp takes a face without corners for a polygon, and then ends the program for want of one to cut.
+            if (!polygons) mesh.mPrimitiveTypes &= ~static_cast<unsigned>(aiPrimitiveType_POLYGON);
         }
         return expected;
     }

@@ -289,6 +289,13 @@ TEST_CASE("PLY and STL models") {
         text.replace(text.find("3 0 1 2"), 7, "3 0 1 7");
         CHECK_THROWS_AS(read(folder, {{"a.ply", text}}), InputError);
     }
+    SECTION("a face without corners among triangles") {
+        std::string text = ply("uchar", "1 2 3");
+        text.replace(text.find("face 1"), 6, "face 2");
+        const ModelFile file = read(folder, {{"a.ply", text + "0\n"}});
+        CHECK(file.mesh.triangles.size() == 1);
+        CHECK_THAT(warnings(file), Contains("points or lines"));
+    }
     SECTION("STL: text and binary; attribute words are no colour") {
         for (const Files& sample : every_sample()) {
             if (!sample[0].first.ends_with(".stl")) continue;
