@@ -212,6 +212,13 @@ void judge_gamut(const VerdictSources& s, io::ReportVerdict& verdict) {
     }
 }
 
+/// What the file's colours were is not known here, so that the judgement is of those that are left.
+void judge_lost_colour(const std::string& lost, io::ReportVerdict& verdict) {
+    verdict.level = io::VerdictLevel::bad;
+    verdict.sentence = fmt::format("{}. {} Measured against the colours that are left: {}", opening(verdict.level),
+                                   lost, verdict.sentence);
+}
+
 }  // namespace
 
 double wall_thickness_mm(const optics::ResinVolume& volume, const Eigen::Vector3d& from_mm,
@@ -252,6 +259,7 @@ io::ReportVerdict judge(const VerdictSources& s) {
     } else {
         judge_gamut(s, verdict);
     }
+    if (!s.body.model.lost_colour.empty()) judge_lost_colour(s.body.model.lost_colour, verdict);
     return verdict;
 }
 

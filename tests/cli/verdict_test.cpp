@@ -50,6 +50,17 @@ TEST_CASE("White everywhere needs no loop and no prediction, and looks as asked"
     CHECK(double(asked["verdict"]["seen_de2000"]["mean"]) < 0.1);
 }
 
+TEST_CASE("A model that lost its colours is never said to look as asked") {
+    const Folder folder("lost");
+    folder.write("box.obj", "mtllib gone.mtl\nusemtl painted\n" + white_box());
+    const std::string slice = "slice --quiet --overwrite " + folder / "box.obj" + " -o " + folder / "out";
+    const Outcome printed = run_program(slice);
+    REQUIRE(printed.exit_code == 0);
+    CHECK_THAT(printed.out, Contains("It will not look as asked. The material library 'gone.mtl'"));
+    CHECK(report_in(folder)["verdict"]["level"] == "bad");
+    CHECK(run_program(slice + " --strict").exit_code == 3);
+}
+
 TEST_CASE("A thin wall gets its word, limits are the user's, and --strict makes them count") {
     const Folder folder("thin");
     folder.write("plate.obj", ramp_box_obj(6, 0.5, 5));
