@@ -28,8 +28,9 @@ struct PredictArguments {
 /// An option of another model than the chosen one would be ignored.
 void check_scope(const PredictArguments& a) {
     using Model = slicer::PredictionModel;
-    for (const auto& [option, model] : {std::pair{"--sweeps", Model::transport}, std::pair{"--spp", Model::monte_carlo},
-                                        std::pair{"--error", Model::monte_carlo}})
+    for (const auto& [option, model] :
+         {std::pair{"--sweeps", Model::transport}, std::pair{"--spp", Model::monte_carlo},
+          std::pair{"--error", Model::monte_carlo}, std::pair{"--boundary", Model::monte_carlo}})
         if (a.command->count(option) > 0 && a.options.model != name_of(model))
             throw UsageError(fmt::format("{} would be ignored: it only goes with --model {}", option, name_of(model)));
 }
@@ -99,6 +100,11 @@ Command add_predict_command(CLI::App& program) {
              ->add_option("--error", o.quality.error,
                           "monte-carlo: wanted standard error of every value; 0: --spp decides")
              ->type_name("E")
+             ->capture_default_str(),
+         command
+             ->add_option("--boundary", o.boundary,
+                          "monte-carlo: where light leaves a body; auto: at its mesh where job.json knows the model, "
+                          "else at the faces of its voxels, which shows slanting faces too light [auto|mesh|voxels]")
              ->capture_default_str(),
          command
              ->add_option("--backing", o.backing,

@@ -5,6 +5,7 @@
 
 #include <fmt/core.h>
 
+#include "voxtone/base/contracts.h"
 #include "voxtone/base/error.h"
 #include "voxtone/base/stopwatch.h"
 #include "voxtone/io/models/model_reader.h"
@@ -113,6 +114,14 @@ JobBody prepare_body(const ResolvedJob& job, const PrinterProfile& printer, Prog
     body.repair = std::move(repaired.report);
     body.solid = std::move(repaired.solid);
     return body;
+}
+
+MeshBoundary boundary_of(const JobBody& body) {
+    VOXTONE_EXPECT(!body.is_picture);
+    const Eigen::Vector3d& corner = body.grid.origin_mm;
+    // A wrapped body's visible surface is the mesh that the wrap stands for: colours and depths are its own.
+    if (body.repair.wrapped_faces > 0) return {body.solid->positions_mm, body.solid->triangles, corner};
+    return {body.surface->positions_mm, body.surface->triangles, corner};
 }
 
 }  // namespace voxtone::slicer

@@ -11,6 +11,7 @@
 #include "voxtone/base/progress.h"
 #include "voxtone/io/models/mesh.h"
 #include "voxtone/io/models/side_file.h"
+#include "voxtone/slicer/mesh/mesh_boundary.h"
 #include "voxtone/slicer/mesh/mesh_repair.h"
 #include "voxtone/slicer/mesh/spatial_index.h"
 #include "voxtone/slicer/options/resolved_job.h"
@@ -41,5 +42,12 @@ void check_model(const ResolvedJob& job);
 
 /// Throws FileError, InputError.
 [[nodiscard]] JobBody prepare_body(const ResolvedJob& job, const PrinterProfile& printer, Progress& progress);
+
+/// The mesh of a body as its boundary for light paths, in mm from the corner of its grid: the staircase of its voxels
+/// lets light out near corners at once and shows slanting faces up to 7 CIEDE2000 too light (docs/benchmarks.md,
+/// `boundary_benchmark`). It is what is seen from outside of the repaired mesh, or the wrap where one stands for a mesh
+/// that was not closed. Where shells cross, its seams are as rough as the visible surface's pieces; what gets through
+/// them leaves at the voxels. Copies the mesh. Not for pictures, whose coloured surface is open.
+[[nodiscard]] MeshBoundary boundary_of(const JobBody& body);
 
 }  // namespace voxtone::slicer

@@ -82,11 +82,14 @@ JobPrediction predict_print(const ResolvedJob& job, PredictionModel model, const
     ViewedCells cells = known ? *known : find_viewed_cells(scene, body, job.prediction.cell_mm, progress);
     prediction.target = std::move(cells.target);
     prediction.cell_um = cells.cell_um;
+    std::optional<MeshBoundary> boundary;
+    if (model == PredictionModel::monte_carlo && !body.is_picture) boundary = boundary_of(body);
     const ModelMaker maker = [&](bool white) {
         const std::uint64_t memory = job.prediction.memory_bytes;
         ModelOptions quality;
         quality.cell_mm = job.prediction.cell_mm;
         quality.memory_bytes = memory - std::min(memory, std::uint64_t{2 * prediction.volume.memory_bytes()});
+        quality.boundary = boundary ? &*boundary : nullptr;
         quality.seed = white ? ~job.seed : job.seed;
         return make_model(model, quality);
     };

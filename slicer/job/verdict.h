@@ -13,7 +13,7 @@
 //     the colour, and light passes, or the other side's colour shows;
 //   - neighbours' light: all else. Light spreads between neighbouring colours, at edges and in corners.
 // It is a count by rules, no analysis of what each alone would do: two causes in one cell count as the first.
-// A model whose colours were lost (ModelFile::lost_colour) will not look as asked, whatever the figure says of the rest.
+// A model that lost colours (ModelFile::lost_colour) will not look as asked, whatever the figure says of the rest.
 #pragma once
 
 #include <optional>

@@ -24,6 +24,7 @@ std::unique_ptr<const optics::AppearanceModel> make_monte_carlo(const ModelOptio
     optics::MonteCarloOptions tracing;
     tracing.paths = options.paths;
     tracing.error = options.error;
+    tracing.boundary = options.boundary;
     tracing.seed = options.seed;
     return std::make_unique<optics::MonteCarlo>(tracing);
 }

@@ -9,6 +9,7 @@
 
 #include "voxtone/base/named_values.h"
 #include "voxtone/optics/scene/appearance_model.h"
+#include "voxtone/optics/scene/boundary.h"
 #include "voxtone/optics/transport/transport.h"
 
 namespace voxtone::slicer {
@@ -25,6 +26,8 @@ struct ModelOptions {
     std::uint64_t memory_bytes = 0;         ///< transport: most to use; 0: no limit
     std::uint32_t paths = 64;               ///< Monte Carlo: per cell and channel, >= 2
     double error = 0;                       ///< Monte Carlo: wanted standard error of every value; 0: `paths` decides
+    /// Monte Carlo: the body's true surface, which must outlive the model; nullptr: the faces of its voxels.
+    const optics::BodyBoundary* boundary = nullptr;
     std::uint64_t seed = 1;
 };
 

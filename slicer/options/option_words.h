@@ -41,6 +41,13 @@ enum class LoopMethod {
     feedback,   ///< each place corrects itself
 };
 
+/// Where light paths leave a body.
+enum class BodyEnd {
+    automatic,  ///< the mesh where it is known, else the faces of the voxels
+    mesh,
+    voxels,
+};
+
 /// What of a stack is predicted.
 enum class PredictedView {
     automatic,  ///< top for pictures and flat boxes, else body
@@ -79,6 +86,12 @@ struct NamesOf<slicer::LoopMethod> {
     using E = slicer::LoopMethod;
     static constexpr auto table =
         std::to_array<Named<E>>({{E::automatic, "auto"}, {E::descent, "descent"}, {E::feedback, "feedback"}});
+};
+template <>
+struct NamesOf<slicer::BodyEnd> {
+    using E = slicer::BodyEnd;
+    static constexpr auto table =
+        std::to_array<Named<E>>({{E::automatic, "auto"}, {E::mesh, "mesh"}, {E::voxels, "voxels"}});
 };
 template <>
 struct NamesOf<slicer::PredictedView> {

@@ -23,6 +23,7 @@
 #include "voxtone/slicer/look/preview.h"
 #include "voxtone/slicer/look/surface_prediction.h"
 #include "voxtone/slicer/options/option_values.h"
+#include "voxtone/slicer/predict/stack_boundary.h"
 #include "voxtone/slicer/predict/stack_volume.h"
 
 namespace voxtone::slicer {
@@ -116,6 +117,7 @@ void write_body(const ResolvedPrediction& job, const StackVolume& stack, const S
 
 struct PredictFigures {
     optics::Backing backing{};
+    BodyEnd boundary = BodyEnd::voxels;
     bool from_above = false;
     std::array<double, 3> cell_um{};
     std::array<double, 3> mean{};
@@ -146,6 +148,7 @@ PredictResult describe(const ResolvedPrediction& job, const StackVolume& stack, 
                                 {"model", name_of(job.model)},
                                 {"view", f.from_above ? "top" : "body"},
                                 {"backing", name_of(f.backing)},
+                                {"boundary", name_of(f.boundary)},
                                 {"relative_to", options.absolute ? "entered light" : "white resin"},
                                 {"resins", stack.resins.name},
                                 {"channels", prediction.channels},
@@ -198,6 +201,27 @@ void look_from(const ResolvedPrediction& job, const StackVolume& stack, PredictF
                          (job.view == PredictedView::automatic && (stack.of_picture || is_flat_box(stack.volume)));
     const optics::Backing usual = figures.from_above ? optics::Backing::black : optics::Backing::none;
     figures.backing = job.backing.value_or(stack.backing.value_or(usual));
+}
+
+/// Where light paths leave the body: nothing for its voxels' faces. Throws InputError where the mesh was asked for and
+/// cannot be had.
+std::optional<MeshBoundary> find_boundary(const ResolvedPrediction& job, const StackVolume& stack,
+                                          const PredictFigures& figures, Progress& progress) {
+    if (job.model != PredictionModel::monte_carlo || job.boundary == BodyEnd::voxels) return std::nullopt;
+    StackBoundary found;
+    if (figures.backing != optics::Backing::none)
+        found.why_not = "what lies on a sheet ends there, and light paths know sheets under voxels alone";
+    else
+        found = boundary_of_stack(job.asked.stack, stack, progress);
+    if (found.mesh) return std::move(found.mesh);
+    if (job.boundary == BodyEnd::mesh)
+        throw InputError(fmt::format("--boundary mesh: {}; give --boundary voxels, or slice again", found.why_not));
+    if (figures.backing == optics::Backing::none)
+        progress.warn(
+            fmt::format("light leaves at the faces of the voxels, which shows slanting faces up to 7 CIEDE2000 "
+                        "too light, and not at the mesh: {}",
+                        found.why_not));
+    return std::nullopt;
 }
 
 /// The cells that are predicted, and those that they are averaged over where they are not the same.
@@ -274,6 +298,7 @@ ResolvedPrediction resolve(const PredictOptions& o) {
     need(o.memory_gib >= 0 && o.memory_gib <= most_memory_gib, "memory", fmt::format("{}", o.memory_gib),
          "must be above 0 GiB, or 0 for half of the machine's");
     need(o.threads >= 0 && o.threads <= 1024, "threads", fmt::format("{}", o.threads), "must be 0 to 1024");
+    job.boundary = parse_choice<BodyEnd>("boundary", o.boundary);
     job.view = parse_choice<PredictedView>("view", o.view);
     job.backing = backing_or_auto(o.backing);
     if (!o.pitch.empty()) job.pitch_mm = parse_pitch_mm(o.pitch);
@@ -297,6 +322,8 @@ PredictResult run_predict_job(const PredictOptions& options, Progress& progress)
     expect_files_fit(job, figures.from_above);
     const optics::Scene scene{.volume = &stack.volume, .resins = &stack.resins, .backing = figures.backing};
     PredictedCells cells = find_cells(scene, job, figures, progress);
+    const std::optional<MeshBoundary> boundary = find_boundary(job, stack, figures, progress);
+    figures.boundary = boundary ? BodyEnd::mesh : BodyEnd::voxels;
     const bool quick = cells.averaged_over.has_value();
     figures.surface_s = watch.lap();
     const std::uint64_t held = stack.volume.memory_bytes() * (options.absolute ? 1 : 2) + surface_bytes(cells.surface);
@@ -308,6 +335,7 @@ PredictResult run_predict_job(const PredictOptions& options, Progress& progress)
         quality.cell_mm = quick ? eye_cell_mm : options.cell_mm;
         quality.viewing_cells = quick;
         quality.memory_bytes = job.memory_bytes - held;
+        quality.boundary = boundary ? &*boundary : nullptr;
         if (white) quality.seed = ~quality.seed;
         return make_model(job.model, quality);
     };

@@ -27,6 +27,7 @@ struct PredictOptions {
     ModelOptions quality;
     std::string backing =
         "auto";  ///< black, white, none; auto: what the job said; else black under slabs, none under bodies
+    std::string boundary = "auto";    ///< of light paths: mesh, voxels; auto: the mesh where the stack knows its model
     std::string view = "auto";        ///< top, body; auto: top for pictures and flat boxes
     bool overwrite = false;           ///< files that are there are replaced
     bool absolute = false;            ///< instead of relative to the white resin
@@ -53,6 +54,7 @@ struct ResolvedPrediction {
     std::vector<ColourAssignment> assign;           ///< of foreign stacks
     PredictionModel model = PredictionModel::transport;
     std::optional<optics::Backing> backing;  ///< nothing: what the job said; else black under slabs, none under bodies
+    BodyEnd boundary = BodyEnd::automatic;
     PredictedView view = PredictedView::automatic;
     std::uint64_t memory_bytes = 0;
 };

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <array>
 #include <cmath>
 #include <csignal>
+#include <filesystem>
 
 #include <fmt/core.h>
 #include <png.h>
@@ -194,6 +196,42 @@ TEST_CASE("predict makes meshes of bodies") {
     const Outcome exr = run_program(fmt::format("predict --overwrite {} -o {}", folder / "out", folder / "p.exr"));
     CHECK(exr.exit_code == 2);
     CHECK_THAT(exr.err, Contains("--view top"));
+}
+
+TEST_CASE("Light paths leave a tilted body at its mesh, so that it has the colour of the flat one") {
+    const Folder folder("tilted");
+    folder.write("box.obj", ramp_box_obj(2.4, 2.4, 1));
+    const auto colour = [&](const std::string& rotate, const std::string& boundary) {
+        const std::string out = folder / ("out" + rotate);
+        if (!std::filesystem::exists(out))
+            REQUIRE(run_program(fmt::format("slice --quiet --no-report --iterations 0 --rotate z0{} {} -o {}", rotate,
+                                            folder / "box.obj", out))
+                        .exit_code == 0);
+        const Outcome seen = run_program(
+            fmt::format("predict --overwrite --json --quiet --view body --model monte-carlo --spp 32 --cell 0.2mm {} "
+                        "--boundary {} -o {}",
+                        out, boundary, folder / "p.ply"));
+        REQUIRE(seen.exit_code == 0);
+        const auto result = result_of(seen.out);
+        CHECK(result["boundary"] == (boundary == "auto" ? "mesh" : boundary));
+        return std::array<double, 3>(result["mean_rgb"]);
+    };
+    const auto flat = colour("", "auto"), tilted = colour(",x35", "auto"), stairs = colour(",x35", "voxels");
+    for (std::size_t c = 0; c < 2; ++c) {
+        INFO(flat[c] << " flat, " << tilted[c] << " tilted, " << stairs[c] << " with stairs");
+        CHECK(std::abs(tilted[c] - flat[c]) < 0.01);
+        CHECK(stairs[c] - flat[c] > 0.03);
+    }
+    // What is not the model any more is not taken for it.
+    folder.write("box.obj", ramp_box_obj(2.4, 2.4, 1.1));
+    const std::string again = "predict --overwrite --quiet --view body --model monte-carlo --spp 2 --cell 0.5mm " +
+                              (folder / "out") + " -o " + (folder / "p.ply");
+    const Outcome changed = run_program(again);
+    CHECK(changed.exit_code == 0);
+    CHECK_THAT(changed.err, Contains("box.obj holds something else than when it was sliced"));
+    const Outcome refused = run_program(again + " --boundary mesh");
+    CHECK(refused.exit_code == 3);
+    CHECK_THAT(refused.err, Contains("--boundary voxels"));
 }
 
 TEST_CASE("predict says what is wrong before any work is done") {

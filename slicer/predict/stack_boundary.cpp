@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/slicer/predict/stack_boundary.h"
+
+#include <cmath>
+#include <filesystem>
+#include <string_view>
+
+#include <fmt/core.h>
+
+#include "voxtone/base/error.h"
+#include "voxtone/io/files/file_digest.h"
+#include "voxtone/slicer/job/job_body.h"
+#include "voxtone/slicer/options/job_file.h"
+#include "voxtone/slicer/options/resolved_job.h"
+#include "voxtone/slicer/printer/printer.h"
+
+namespace voxtone::slicer {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view model_key = "model";
+
+/// The model and what lies beside it; empty where all of it is as it was.
+std::string changed_model(const SliceOptions& asked, const Progress& progress) {
+    bool recorded = false;
+    for (const JobInput& input : asked.recorded_inputs) {
+        if (!input.key.starts_with(model_key)) continue;
+        recorded = true;
+        if (input.sha256.empty()) continue;
+        std::error_code none;
+        if (!fs::exists(input.file, none)) return fmt::format("{} is gone", input.file);
+        if (io::file_sha256(input.file, &progress) != input.sha256)
+            return fmt::format("{} holds something else than when it was sliced", input.file);
+    }
+    return recorded ? "" : "its job.json does not say what the model held";
+}
+
+/// Whether the mesh fills the grid that the layers have.
+bool fits(const VoxelGrid& grid, const StackVolume& stack) {
+    for (std::size_t a = 0; a < 3; ++a) {
+        const auto axis = static_cast<Eigen::Index>(a);
+        if (grid.size[a] != stack.volume.size()[a]) return false;
+        if (std::abs(grid.origin_mm[axis] - stack.corner_mm[a]) > 0.01 * grid.pitch_mm[axis]) return false;
+    }
+    return true;
+}
+
+}  // namespace
+
+StackBoundary boundary_of_stack(const std::string& stack, const StackVolume& volume, Progress& progress) {
+    const fs::path job_file = fs::path(stack) / job_file_name;
+    std::error_code none;
+    if (!fs::exists(job_file, none)) return {{}, fmt::format("there is no {} to name its model", job_file.string())};
+    try {
+        SliceOptions asked;
+        read_job(job_file.string(), asked);
+        const ResolvedJob job = resolve(asked);
+        if (job.is_picture) return {{}, "it is a picture's slab, whose faces are flat"};
+        if (job.layers) return {{}, "it is a part of its body's layers"};
+        if (std::string why = changed_model(asked, progress); !why.empty()) return {{}, std::move(why)};
+        const JobBody body = prepare_body(job, find_printer(job.printer), progress);
+        if (!fits(body.grid, volume)) return {{}, fmt::format("{} makes another body now", job.model)};
+        return {boundary_of(body), {}};
+    } catch (const Cancelled&) {
+        throw;
+    } catch (const Error& error) {
+        return {{}, error.what()};
+    }
+}
+
+}  // namespace voxtone::slicer

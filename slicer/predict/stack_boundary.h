@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The mesh that a stack of ours was printed from, as the boundary of its body for light paths: the job.json beside the
+// layers names the model and says how it was placed. The model counts as the same where it and all files beside it hold
+// what they held then (SHA-256), and where it fills the same voxel grid.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "voxtone/base/progress.h"
+#include "voxtone/slicer/mesh/mesh_boundary.h"
+#include "voxtone/slicer/predict/stack_volume.h"
+
+namespace voxtone::slicer {
+
+struct StackBoundary {
+    std::optional<MeshBoundary> mesh;  ///< nothing: the faces of the voxels have to do
+    std::string why_not;               ///< half a sentence, where nothing
+};
+
+/// `stack`: the output folder. Reads the model again, as the job did. Throws Cancelled.
+[[nodiscard]] StackBoundary boundary_of_stack(const std::string& stack, const StackVolume& volume, Progress& progress);
+
+}  // namespace voxtone::slicer
