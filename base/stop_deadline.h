@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// A stop that is asked for happens, whatever the work is doing: libraries look at no Progress, and one sweep through a
-// large body takes longer than a person waits. Work that has not ended by itself within the grace is left where it
-// stands: the program ends at once. That loses nothing that ending by itself would keep, as files are whole or not
-// there (io/files/whole_file.h) and what took long is saved on the way (checkpoints); what is left under temporary
-// names is the next job's to sweep, as after a crash.
+// A stop that is asked for happens, whatever the work is doing. Ours looks many times a second whether it is still
+// wanted and ends by itself; libraries look at no Progress, and a machine may be short of memory or time. Work that has
+// not ended by itself within the grace is left where it stands: the program ends at once. That loses nothing that
+// ending by itself would keep, as files are whole or not there (io/files/whole_file.h) and what took long is saved on
+// the way (checkpoints); what is left under temporary names is the next job's to sweep, as after a crash.
 #pragma once
 
 #include <atomic>

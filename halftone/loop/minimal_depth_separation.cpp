@@ -36,6 +36,7 @@ MinimalDepthSeparation::MinimalDepthSeparation(const optics::ResinSet& resins, c
     parallel_for(
         0, nodes * nodes, 8,
         [&](std::size_t row) {
+            if (progress) progress->check_cancelled();
             const auto coordinate = [](std::size_t i) {
                 const float t = static_cast<float>(i) / static_cast<float>(nodes - 1);
                 return t * t * t;

@@ -71,6 +71,7 @@ void Separation::solve(const SeparationOptions& options, const Progress* progres
     parallel_for(
         0, size * size, 4,
         [&](std::size_t row) {
+            if (progress) progress->check_cancelled();
             Unknowns guess = start;
             for (std::size_t red = size; red-- > 0;) {
                 const Eigen::Vector3d target(coordinate(red), coordinate(row % size), coordinate(row / size));

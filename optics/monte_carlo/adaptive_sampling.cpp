@@ -64,6 +64,7 @@ Appearance draw_paths(std::size_t cells, std::size_t channels, const MonteCarloO
         parallel_for(
             0, tasks.size(), 1,
             [&](std::size_t t) {
+                if (progress) progress->check_cancelled();
                 trace(tasks[t].channel, std::span(shares).subspan(tasks[t].first, tasks[t].last - tasks[t].first),
                       tallies);
             },

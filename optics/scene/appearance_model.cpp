@@ -27,7 +27,8 @@ bool AppearanceSequence::gradient(std::span<const float> /*adjoint_seed*/, const
     return false;
 }
 
-std::unique_ptr<AppearanceSequence> AppearanceModel::sequence(const Scene& scene, const Surface& surface) const {
+std::unique_ptr<AppearanceSequence> AppearanceModel::sequence(const Scene& scene, const Surface& surface,
+                                                              const Progress* /*progress*/) const {
     return std::make_unique<AnewEachTime>(*this, scene, surface);
 }
 

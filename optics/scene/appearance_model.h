@@ -82,9 +82,9 @@ public:
     [[nodiscard]] virtual Appearance predict(const Scene& scene, const Surface& surface,
                                              const Progress* progress = nullptr) const = 0;
     /// Predictions of volumes of the scene's shape, one after the other; what they share may be kept between them. The
-    /// default predicts each anew. Scene, surface and model must outlive the sequence.
-    [[nodiscard]] virtual std::unique_ptr<AppearanceSequence> sequence(const Scene& scene,
-                                                                       const Surface& surface) const;
+    /// default predicts each anew. Scene, surface and model must outlive the sequence. Throws Cancelled.
+    [[nodiscard]] virtual std::unique_ptr<AppearanceSequence> sequence(const Scene& scene, const Surface& surface,
+                                                                       const Progress* progress = nullptr) const;
 };
 
 }  // namespace voxtone::optics

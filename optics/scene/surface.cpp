@@ -237,7 +237,8 @@ void append(Surface& to, const Surface& from) {
 }
 
 /// Of the tiles that touch the box.
-Surface surface_near(const Scene& scene, const std::array<int, 3>& cell, const VoxelBox& box) {
+Surface surface_near(const Scene& scene, const std::array<int, 3>& cell, const VoxelBox& box,
+                     const Progress* progress) {
     const TileSurface tiles(scene, cell);
     const auto& size = scene.volume->size();
     std::array<int, 3> first{}, n{};
@@ -248,13 +249,14 @@ Surface surface_near(const Scene& scene, const std::array<int, 3>& cell, const V
     }
     const auto across = static_cast<std::size_t>(n[1]);
     std::vector<Surface> rows(across * static_cast<std::size_t>(n[2]));
-    parallel_for(0, rows.size(), 1, [&](std::size_t row) {
+    const auto look_along = [&](std::size_t row) {
         for (int x = 0; x < n[0]; ++x)
             tiles.append(
                 {(first[0] + x) * tiles.edge()[0], (first[1] + static_cast<int>(row % across)) * tiles.edge()[1],
                  (first[2] + static_cast<int>(row / across)) * tiles.edge()[2]},
                 rows[row]);
-    });
+    };
+    parallel_for(0, rows.size(), 1, look_along, progress);
     Surface all;
     for (Surface& row : rows) {
         append(all, row);
@@ -267,7 +269,7 @@ Surface surface_near(const Scene& scene, const std::array<int, 3>& cell, const V
 }
 
 /// What the cells keep of their faces: those that look up from the top of their column, all with normal +z.
-Surface top_surface(const Scene& scene, const std::array<int, 3>& cell) {
+Surface top_surface(const Scene& scene, const std::array<int, 3>& cell, const Progress* progress) {
     const ResinVolume& volume = *scene.volume;
     const auto& size = volume.size();
     const auto& pitch = volume.pitch_mm();
@@ -276,6 +278,7 @@ Surface top_surface(const Scene& scene, const std::array<int, 3>& cell) {
     std::vector<Material> layer(nx * ny);
     std::size_t left = nx * ny;
     for (int z = size[2] - 1; z >= 0 && left > 0; --z) {
+        if (progress) progress->check_cancelled();
         volume.copy_box({0, 0, z}, {size[0], size[1], 1}, layer);
         for (std::size_t i = 0; i < layer.size(); ++i)
             if (top[i] < 0 && layer[i] != air) {
@@ -284,7 +287,8 @@ Surface top_surface(const Scene& scene, const std::array<int, 3>& cell) {
             }
     }
     Surface out;
-    for (int cy = 0; cy * cell[1] < size[1]; ++cy)
+    for (int cy = 0; cy * cell[1] < size[1]; ++cy) {
+        if (progress) progress->check_cancelled();
         for (int cx = 0; cx * cell[0] < size[0]; ++cx) {
             SurfaceCell c;
             c.first_face = static_cast<std::uint32_t>(out.faces.size());
@@ -307,6 +311,7 @@ Surface top_surface(const Scene& scene, const std::array<int, 3>& cell) {
             c.area_mm2 = static_cast<float>(c.faces * pitch[0] * pitch[1]);
             out.cells.push_back(c);
         }
+    }
     return out;
 }
 
@@ -318,16 +323,17 @@ std::array<int, 3> cell_voxels(const std::array<double, 3>& pitch_mm, double cel
     return voxels;
 }
 
-Surface find_surface(const Scene& scene, const std::array<int, 3>& cell, SurfacePart part) {
+Surface find_surface(const Scene& scene, const std::array<int, 3>& cell, SurfacePart part, const Progress* progress) {
     VOXTONE_EXPECT(scene.volume && cell[0] >= 1 && cell[1] >= 1 && cell[2] >= 1);
-    Surface surface =
-        part == SurfacePart::top ? top_surface(scene, cell) : surface_near(scene, cell, {{}, scene.volume->size()});
+    Surface surface = part == SurfacePart::top ? top_surface(scene, cell, progress)
+                                               : surface_near(scene, cell, {{}, scene.volume->size()}, progress);
     surface.cell_voxels = cell;
     return surface;
 }
 
-Surface find_surface_near(const Scene& scene, const std::array<int, 3>& cell, const VoxelBox& box) {
-    Surface surface = surface_near(scene, cell, box);
+Surface find_surface_near(const Scene& scene, const std::array<int, 3>& cell, const VoxelBox& box,
+                          const Progress* progress) {
+    Surface surface = surface_near(scene, cell, box, progress);
     surface.cell_voxels = cell;
     return surface;
 }

@@ -13,6 +13,7 @@
 #include <span>
 #include <vector>
 
+#include "voxtone/base/progress.h"
 #include "voxtone/optics/media/effective_medium.h"
 #include "voxtone/optics/scene/scene.h"
 
@@ -66,10 +67,12 @@ struct VoxelBox {
     }
 };
 
-/// The surface of a scene's volume. Faces on a sheet and on mirrored sides do not count.
-[[nodiscard]] Surface find_surface(const Scene& scene, const std::array<int, 3>& cell_voxels, SurfacePart part);
+/// The surface of a scene's volume. Faces on a sheet and on mirrored sides do not count. Throws Cancelled.
+[[nodiscard]] Surface find_surface(const Scene& scene, const std::array<int, 3>& cell_voxels, SurfacePart part,
+                                   const Progress* progress = nullptr);
 /// All of it inside a box, and perhaps some around.
-[[nodiscard]] Surface find_surface_near(const Scene& scene, const std::array<int, 3>& cell_voxels, const VoxelBox& box);
+[[nodiscard]] Surface find_surface_near(const Scene& scene, const std::array<int, 3>& cell_voxels, const VoxelBox& box,
+                                        const Progress* progress = nullptr);
 
 /// Which way light falls on the voxels under a surface: from above where nine tenths of its area look along z, whether
 /// up or down.

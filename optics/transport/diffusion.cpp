@@ -129,7 +129,7 @@ DiffusionPlan::Level coarse_level(const DiffusionPlan::Level& fine, const Centre
 
 }  // namespace
 
-DiffusionPlan::DiffusionPlan(const OpticalGrid& grid) {
+DiffusionPlan::DiffusionPlan(const OpticalGrid& grid, const Progress* progress) {
     std::vector<Contact> contacts(grid.contacts.size());
     for (std::size_t i = 0; i < contacts.size(); ++i) contacts[i] = {grid.contacts[i].a, grid.contacts[i].b};
     levels.emplace_back();
@@ -137,20 +137,22 @@ DiffusionPlan::DiffusionPlan(const OpticalGrid& grid) {
 
     std::vector<std::array<float, 3>> centre(grid.nodes.size());
     for (std::size_t i = 0; i < centre.size(); ++i) centre[i] = grid.nodes[i].centre;
-    gather_levels(std::move(centre));
+    gather_levels(std::move(centre), progress);
 }
 
 DiffusionPlan::DiffusionPlan(std::vector<std::array<float, 3>> centre, std::span<const Contact> contacts) {
     levels.emplace_back();
     make_rows(centre.size(), contacts, levels[0], entry_ab, entry_ba);
-    gather_levels(std::move(centre));
+    gather_levels(std::move(centre), nullptr);
 }
 
-void DiffusionPlan::gather_levels(std::vector<std::array<float, 3>> centre) {
+void DiffusionPlan::gather_levels(std::vector<std::array<float, 3>> centre, const Progress* progress) {
     // The edge of the groups in viewing cells doubles from level to level: 2, 4 (a block), 8 ...
     for (int group = 2; levels.back().nodes() > 32 && group < 4096; group *= 2) {
+        if (progress) progress->check_cancelled();
         Level& fine = levels.back();
         Centres coarse_centre = group_nodes(centre, group, fine);
+        if (progress) progress->check_cancelled();
         if (coarse_centre.size() == centre.size() && group <= 4) {  // nothing to gather yet
             fine.parent.clear();
             continue;
@@ -222,7 +224,7 @@ void Diffusion::apply(std::span<const float> x, std::span<float> out) const {
 }
 
 // x = approximate solution of A x = b, from zero: forward Gauss-Seidel, coarse correction, backward Gauss-Seidel.
-void Diffusion::cycle(std::size_t l, std::span<const float> b, std::span<float> x) const {
+void Diffusion::cycle(std::size_t l, std::span<const float> b, std::span<float> x, const Progress* progress) const {
     const auto& level = plan_.levels[l];
     const Values& v = values_[l];
     const std::size_t n = level.nodes();
@@ -240,6 +242,7 @@ void Diffusion::cycle(std::size_t l, std::span<const float> b, std::span<float> 
         return;
     }
     for (std::size_t i = 0; i < n; ++i) relax(i);
+    if (progress) progress->check_cancelled();
     auto& coarse_b = b_[l + 1];
     auto& coarse_x = x_[l + 1];
     std::fill(coarse_b.begin(), coarse_b.end(), 0.0f);
@@ -248,12 +251,13 @@ void Diffusion::cycle(std::size_t l, std::span<const float> b, std::span<float> 
         for (Index e = level.row[i]; e < level.row[i + 1]; ++e) r -= v.c[e] * (x[i] - x[level.column[e]]);
         coarse_b[level.parent[i]] += r;
     }
-    cycle(l + 1, coarse_b, coarse_x);
+    cycle(l + 1, coarse_b, coarse_x, progress);
     for (std::size_t i = 0; i < n; ++i) x[i] += coarse_x[level.parent[i]];
     for (std::size_t i = n; i-- > 0;) relax(i);
 }
 
-int Diffusion::solve(std::span<const float> right_side, std::span<float> x, double tolerance, int most_steps) const {
+int Diffusion::solve(std::span<const float> right_side, std::span<float> x, double tolerance, int most_steps,
+                     const Progress* progress) const {
     const std::size_t n = x.size();
     std::vector<float> r(n), z(n), p(n), q(n);
     const auto dot = [](std::span<const float> a, std::span<const float> b) {
@@ -267,7 +271,8 @@ int Diffusion::solve(std::span<const float> right_side, std::span<float> x, doub
     double rho = 0;
     int step = 0;
     for (; step < most_steps; ++step) {
-        cycle(0, r, z);
+        if (progress) progress->check_cancelled();
+        cycle(0, r, z, progress);
         const double rho_new = dot(r, z);
         if (step == 0) start = rho_new;
         if (!(rho_new > tolerance * tolerance * start)) break;

@@ -23,6 +23,7 @@
 #include <span>
 #include <vector>
 
+#include "voxtone/base/progress.h"
 #include "voxtone/optics/transport/optical_grid.h"
 
 namespace voxtone::optics {
@@ -30,7 +31,8 @@ namespace voxtone::optics {
 /// The pattern of the equations: the same for all channels.
 class DiffusionPlan {
 public:
-    explicit DiffusionPlan(const OpticalGrid& grid);
+    /// Throws Cancelled.
+    explicit DiffusionPlan(const OpticalGrid& grid, const Progress* progress = nullptr);
     struct Contact {
         std::uint32_t a, b;
         friend auto operator<=>(const Contact&, const Contact&) = default;
@@ -53,7 +55,7 @@ public:
     [[nodiscard]] std::size_t memory_bytes() const;
 
 private:
-    void gather_levels(std::vector<std::array<float, 3>> centre);
+    void gather_levels(std::vector<std::array<float, 3>> centre, const Progress* progress);
 };
 
 class Diffusion {
@@ -62,10 +64,13 @@ public:
     Diffusion(const DiffusionPlan& plan, std::span<const float> conductance, std::span<const float> loss);
 
     /// Improves `x` until the residual is `tolerance` of the first one (in the norm of its preconditioner) or
-    /// `most_steps` were made; returns the steps.
-    int solve(std::span<const float> right_side, std::span<float> x, double tolerance, int most_steps) const;
+    /// `most_steps` were made; returns the steps. Throws Cancelled.
+    int solve(std::span<const float> right_side, std::span<float> x, double tolerance, int most_steps,
+              const Progress* progress = nullptr) const;
     /// x: roughly the solution for this right side, by one V-cycle.
-    void precondition(std::span<const float> right_side, std::span<float> x) const { cycle(0, right_side, x); }
+    void precondition(std::span<const float> right_side, std::span<float> x, const Progress* progress = nullptr) const {
+        cycle(0, right_side, x, progress);
+    }
     [[nodiscard]] std::size_t memory_bytes() const;
 
 private:
@@ -73,7 +78,7 @@ private:
         std::vector<float> c;              ///< per entry
         std::vector<float> inverse, loss;  ///< 1 / diagonal
     };
-    void cycle(std::size_t level, std::span<const float> b, std::span<float> x) const;
+    void cycle(std::size_t level, std::span<const float> b, std::span<float> x, const Progress* progress) const;
     void apply(std::span<const float> x, std::span<float> out) const;
 
     const DiffusionPlan& plan_;

@@ -16,6 +16,7 @@ namespace voxtone::optics {
 struct OpticalGrid::Builder {
     OpticalGrid& grid;
     const Scene& scene;
+    const Progress* progress;
     std::array<int, 3> block_voxels{};
     using Counts = std::vector<std::pair<Material, int>>;
     using Numbers = std::map<Counts, std::uint32_t>;
@@ -27,6 +28,9 @@ struct OpticalGrid::Builder {
         return corner;
     }
     [[nodiscard]] bool mirrored(int axis) const { return scene.sides == Sides::mirrored && axis < 2; }
+    void check() const {
+        if (progress) progress->check_cancelled();
+    }
 
     [[nodiscard]] bool any_air(const std::array<int, 3>& corner, const std::array<int, 3>& extent) const {
         const int material = scene.volume->uniform_material(corner, extent);
@@ -79,21 +83,26 @@ struct OpticalGrid::Builder {
         std::vector<std::int16_t> material(
             n);  // -1: skin, -2: skin, but outside the window, 0: air, else the buried one
         const std::size_t plane = static_cast<std::size_t>(grid.lattice[0]) * static_cast<std::size_t>(grid.lattice[1]);
-        parallel_for(0, n, std::max<std::size_t>(1, plane / 8), [&](std::size_t i) {
+        const auto look = [&](std::size_t i) {
             const auto x = static_cast<int>(i % static_cast<std::size_t>(grid.lattice[0]));
             const auto y = static_cast<int>(i / static_cast<std::size_t>(grid.lattice[0]) %
                                             static_cast<std::size_t>(grid.lattice[1]));
             const auto z = static_cast<int>(i / plane);
             material[i] = static_cast<std::int16_t>(buried_material({x, y, z}));
             if (material[i] == -1 && !in_window({x, y, z})) material[i] = -2;
-        });
+        };
+        parallel_for(0, n, std::max<std::size_t>(1, plane / 8), look, progress);
         std::array<int, 256> margin{};
         for (std::size_t m = 1; m < grid.palette.size(); ++m) margin[m] = margin_blocks(m);
         const int rings = *std::max_element(margin.begin(), margin.end()) + grid.options.fine_core_blocks;
         std::vector<std::uint8_t> ring(n, 255);
         for (std::size_t i = 0; i < n; ++i)
             if (material[i] == -1) ring[i] = 0;
-        for (int r = 1; r <= rings; ++r) grow(ring, r);
+        for (int r = 1; r <= rings; ++r) {
+            check();
+            grow(ring, r);
+        }
+        check();
         grid.block_at.assign(n, -1);
         std::size_t i = 0;
         for_each(grid.lattice, [&](const std::array<int, 3>& at) {
@@ -256,6 +265,7 @@ struct OpticalGrid::Builder {
 
     void fill_cells() {
         for (const std::uint32_t b : grid.transport_blocks) {
+            check();
             GridBlock& block = grid.blocks[b];
             const auto cells = grid.cells_in(block.kind);
             const auto voxels = grid.voxels_in(block.kind);
@@ -304,6 +314,7 @@ struct OpticalGrid::Builder {
 
     void number_nodes(GridBlock& block, const std::array<int, 3>& cells, const std::vector<std::uint16_t>& media = {},
                       const std::array<int, 3>& padded = {}) {
+        check();
         block.first_node = static_cast<std::uint32_t>(grid.nodes.size());
         const auto b = static_cast<std::uint32_t>(&block - grid.blocks.data());
         if (block.kind == BlockKind::core) {
@@ -486,6 +497,7 @@ struct OpticalGrid::Builder {
     void connect() {
         // Core faces learn what lies beyond only now that all nodes have numbers.
         for (const std::uint32_t b : grid.transport_blocks) {
+            check();
             const GridBlock& block = grid.blocks[b];
             if (block.first_link < 0) continue;
             const auto cells = grid.cells_in(block.kind);
@@ -512,6 +524,7 @@ struct OpticalGrid::Builder {
         std::array<double, 3> view{};
         for (std::size_t a = 0; a < 3; ++a) view[a] = grid.pitch_mm[a] * grid.options.view_voxels[a];
         for (const GridBlock& block : grid.blocks) {
+            check();
             found.clear();
             for_each({4, 4, 4}, [&](const std::array<int, 3>& at) {
                 const std::int64_t a = grid.node_at(block, at[0], at[1], at[2]);
@@ -562,9 +575,10 @@ struct OpticalGrid::Builder {
             const bool opaque = face.kind == FaceKind::mirror || face.kind == FaceKind::core;
             grid.law[f] = opaque ? 0 : 1 + static_cast<std::uint32_t>(face.facing) / 2;
         }
-        const Surface surface = find_surface(scene, grid.options.view_voxels, SurfacePart::all);
+        const Surface surface = find_surface(scene, grid.options.view_voxels, SurfacePart::all, progress);
         std::map<std::array<int, 3>, std::uint32_t> known;
         for (std::size_t i = 0; i < surface.faces.size(); ++i) {
+            if (i % 4096 == 0) check();
             const auto& normal = surface.face_normal[i];
             const auto axis = static_cast<std::size_t>(surface.faces[i].facing) / 2;
             if (std::abs(normal[axis]) > 0.99999f) continue;
@@ -589,6 +603,7 @@ struct OpticalGrid::Builder {
 
     /// How much light that passes corners of the staircase each region can take in, per direction.
     void pool() {
+        check();
         for (const std::uint32_t b : grid.transport_blocks) {
             GridBlock& block = grid.blocks[b];
             bool flat = true;
@@ -602,6 +617,7 @@ struct OpticalGrid::Builder {
         for (const std::uint32_t b : grid.transport_blocks) {
             const GridBlock& block = grid.blocks[b];
             if (block.first_region < 0) continue;
+            check();
             for (std::size_t f = block.first_face; f < block.first_face + block.faces; ++f) {
                 const FaceLaw& law = grid.law_of(f);
                 if (law.flat) continue;
@@ -623,12 +639,12 @@ struct OpticalGrid::Builder {
     }
 };
 
-OpticalGrid::OpticalGrid(const Scene& scene, const GridOptions& opts)
+OpticalGrid::OpticalGrid(const Scene& scene, const GridOptions& opts, const Progress* progress)
     : options(opts),
       directions(make_directions(scene.resins->g, scene.resins->eta)),
       pitch_mm(scene.volume->pitch_mm()) {
     require_resins(scene);
-    Builder builder{*this, scene, {}, {}, {}};
+    Builder builder{*this, scene, progress, {}, {}, {}};
     palette.resize(scene.resins->resins.size() + 1);
     for (std::size_t m = 1; m < palette.size(); ++m) palette[m].shares = {{static_cast<Material>(m), 1.0f}};
     core_palette = palette;
@@ -642,13 +658,13 @@ OpticalGrid::OpticalGrid(const Scene& scene, const GridOptions& opts)
     builder.see_surface();
 }
 
-GridCensus::GridCensus(const Scene& scene, const GridOptions& options) {
+GridCensus::GridCensus(const Scene& scene, const GridOptions& options, const Progress* progress) {
     OpticalGrid grid;
     grid.options = options;
     grid.options.window_begin = grid.options.window_end = {};
     grid.pitch_mm = scene.volume->pitch_mm();
     grid.palette.resize(scene.resins->resins.size() + 1);
-    OpticalGrid::Builder builder{grid, scene, {}, {}, {}};
+    OpticalGrid::Builder builder{grid, scene, progress, {}, {}, {}};
     builder.lay_lattice();
     builder.find_blocks();
     lattice = grid.lattice;

@@ -22,6 +22,7 @@
 #include <limits>
 #include <vector>
 
+#include "voxtone/base/progress.h"
 #include "voxtone/optics/scene/appearance_model.h"
 #include "voxtone/optics/transport/transport_directions.h"
 
@@ -116,7 +117,7 @@ struct PaletteEntry {
 /// How much a grid would take, without making it.
 class GridCensus {
 public:
-    GridCensus(const Scene& scene, const GridOptions& options);
+    GridCensus(const Scene& scene, const GridOptions& options, const Progress* progress = nullptr);
     /// Of grid, equations and one channel's light (transport_channel.h) for this box of blocks (first, one past the
     /// last).
     [[nodiscard]] std::size_t bytes(const std::array<int, 3>& begin, const std::array<int, 3>& end) const;
@@ -130,7 +131,8 @@ private:
 
 class OpticalGrid {
 public:
-    OpticalGrid(const Scene& scene, const GridOptions& options);
+    /// Throws Cancelled.
+    OpticalGrid(const Scene& scene, const GridOptions& options, const Progress* progress = nullptr);
 
     GridOptions options;
     DirectionSet directions;

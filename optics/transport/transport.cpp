@@ -95,10 +95,10 @@ std::string mebibytes(std::size_t bytes) { return std::to_string((bytes >> 20) +
 }  // namespace
 
 /// Boxes of equal size, as large as memory allows; one that holds everything where it does.
-std::vector<TransportPredictor::Window> TransportPredictor::pieces(const Scene& scene) const {
+std::vector<TransportPredictor::Window> TransportPredictor::pieces(const Scene& scene, const Progress* progress) const {
     if (options_.memory_bytes == 0 && options_.piece_mm == 0) return {Window{}};
     const GridOptions grid = grid_options(options_, scene);
-    const GridCensus census(scene, grid);
+    const GridCensus census(scene, grid, progress);
     if (options_.piece_mm == 0 && census.bytes({}, census.lattice) <= options_.memory_bytes) return {Window{}};
     const auto& pitch = scene.volume->pitch_mm();
     std::array<int, 3> halo{};
@@ -156,13 +156,14 @@ struct CutScene {
     Surface surface;
     const Surface* seen = nullptr;
 
-    CutScene(const Scene& whole, const Surface& whole_surface, const TransportOptions& options)
+    CutScene(const Scene& whole, const Surface& whole_surface, const TransportOptions& options,
+             const Progress* progress)
         : scene(whole), seen(&whole_surface) {
         const auto& pitch = whole.volume->pitch_mm();
         for (std::size_t a = 0; options.finest_mm > 0 && options.voxel_skin && a < 3; ++a)
             split[a] = std::clamp(static_cast<int>(std::ceil(pitch[a] / options.finest_mm - 0.1)), 1, 4);
         if (split == std::array{1, 1, 1}) return;
-        cut_volume(*whole.volume);
+        cut_volume(*whole.volume, progress);
         cut_surface(whole_surface);
         scene.volume = &volume;
         seen = &surface;
@@ -171,7 +172,7 @@ struct CutScene {
     CutScene& operator=(const CutScene&) = delete;
 
 private:
-    void cut_volume(const ResinVolume& from) {
+    void cut_volume(const ResinVolume& from, const Progress* progress) {
         const auto& n = from.size();
         std::array<int, 3> size{};
         std::array<double, 3> pitch{};
@@ -183,6 +184,7 @@ private:
         std::vector<Material> coarse(static_cast<std::size_t>(n[0]) * static_cast<std::size_t>(n[1])),
             fine(static_cast<std::size_t>(size[0]) * static_cast<std::size_t>(size[1]));
         for (int z = 0; z < n[2]; ++z) {
+            if (progress) progress->check_cancelled();
             from.copy_box({0, 0, z}, {n[0], n[1], 1}, coarse);
             std::size_t i = 0;
             for (int y = 0; y < size[1]; ++y) {
@@ -231,10 +233,10 @@ namespace {
 /// None where viewing cells are not asked for, or a body takes more memory with them than is allowed: then it is
 /// predicted in pieces, on voxels.
 std::unique_ptr<ViewingSequence> viewing_sequence(const Scene& scene, const Surface& surface,
-                                                  const TransportOptions& options) {
+                                                  const TransportOptions& options, const Progress* progress) {
     if (!options.viewing_cells) return nullptr;
     try {
-        return std::make_unique<ViewingSequence>(scene, surface, options);
+        return std::make_unique<ViewingSequence>(scene, surface, options, progress);
     } catch (const ResourceError&) {
         return nullptr;
     }
@@ -245,15 +247,15 @@ std::unique_ptr<ViewingSequence> viewing_sequence(const Scene& scene, const Surf
 Appearance TransportPredictor::predict(const Scene& given, const Surface& given_surface, TransportSummary& summary,
                                        const Progress* progress) const {
     VOXTONE_EXPECT(given.volume && given.resins);
-    if (const auto sequence = viewing_sequence(given, given_surface, options_)) {
+    if (const auto sequence = viewing_sequence(given, given_surface, options_, progress)) {
         Appearance seen = sequence->next(*given.volume, progress);
         summary = sequence->summary();
         return seen;
     }
-    const CutScene cut(given, given_surface, options_);
+    const CutScene cut(given, given_surface, options_, progress);
     const Scene& scene = cut.scene;
     const Surface& surface = *cut.seen;
-    const std::vector<Window> windows = pieces(scene);
+    const std::vector<Window> windows = pieces(scene, progress);
     summary.pieces = windows.size();
     const EffectiveMedium halftone = halftone_of(given, given_surface);
     if (windows.size() == 1) {
@@ -278,9 +280,10 @@ Appearance TransportPredictor::predict(const Scene& given, const Surface& given_
     return all;
 }
 
-std::unique_ptr<AppearanceSequence> TransportPredictor::sequence(const Scene& scene, const Surface& surface) const {
-    if (auto sequence = viewing_sequence(scene, surface, options_)) return sequence;
-    return AppearanceModel::sequence(scene, surface);
+std::unique_ptr<AppearanceSequence> TransportPredictor::sequence(const Scene& scene, const Surface& surface,
+                                                                 const Progress* progress) const {
+    if (auto sequence = viewing_sequence(scene, surface, options_, progress)) return sequence;
+    return AppearanceModel::sequence(scene, surface, progress);
 }
 
 Appearance TransportPredictor::predict(const Scene& scene, const Surface& surface, const Derivative& derivative,
@@ -288,7 +291,7 @@ Appearance TransportPredictor::predict(const Scene& scene, const Surface& surfac
                                        const Progress* progress) const {
     if (options_.viewing_cells)
         throw UsageError("derivatives are of cells of one voxel: ask a predictor without viewing cells");
-    const CutScene cut(scene, surface, options_);
+    const CutScene cut(scene, surface, options_, progress);
     gradient.split = cut.split;
     summary.pieces = 1;
     return solve(cut.scene, *cut.seen, Window{}, halftone_of(scene, surface), &derivative, &gradient, summary,
@@ -394,9 +397,9 @@ Appearance TransportPredictor::solve(const Scene& scene, const Surface& surface,
         chosen.window_begin = window.halo_begin;
         chosen.window_end = window.halo_end;
     }
-    const auto held = std::make_shared<const OpticalGrid>(scene, chosen);
+    const auto held = std::make_shared<const OpticalGrid>(scene, chosen, progress);
     const OpticalGrid& grid = *held;
-    const DiffusionPlan plan(grid);
+    const DiffusionPlan plan(grid, progress);
     for (const std::uint32_t b : grid.transport_blocks) {
         const auto n = grid.cells_in(grid.blocks[b].kind);
         (grid.blocks[b].kind == BlockKind::skin ? summary.skin_cells : summary.margin_cells) +=
@@ -419,7 +422,7 @@ Appearance TransportPredictor::solve(const Scene& scene, const Surface& surface,
         media[2].resize(grid.core_palette.size());
         for (std::size_t i = 1; i < grid.core_palette.size(); ++i)
             media[2][i] = similar_medium(grid.directions, mixed(*scene.resins, halftone, grid.core_palette[i], c));
-        return TransportChannel(grid, plan, std::move(media), options_);
+        return TransportChannel(grid, plan, std::move(media), options_, progress);
     };
     Appearance appearance;
     appearance.channels = channels;
@@ -427,7 +430,7 @@ Appearance TransportPredictor::solve(const Scene& scene, const Surface& surface,
     std::vector<TransportChannel::Field> fields(channels);
     for (std::size_t c = 0; c < channels; ++c) {
         TransportChannel channel = channel_of(c);
-        channel.solve({}, summary, progress);
+        channel.solve({}, summary);
         seen.appearance(channel, c, appearance);
         summary.last_change.resize(channels);
         summary.last_change[c] = std::max(summary.last_change[c], channel.last_change());
@@ -445,7 +448,7 @@ Appearance TransportPredictor::solve(const Scene& scene, const Surface& surface,
         gradient->by_fraction.assign(grid.medium.size() * resins, 0.0f);
         for (std::size_t c = 0; c < channels; ++c) {
             TransportChannel channel = channel_of(c);
-            channel.solve(seen.light(channel, grid.faces.size(), c, channels, adjoint_seed), summary, progress);
+            channel.solve(seen.light(channel, grid.faces.size(), c, channels, adjoint_seed), summary);
             channel.derivatives(fields[c], channel.take_field(), by_sigma_t, by_sigma_s);
             fields[c] = {};
             const bool voxels = grid.voxels_in(BlockKind::skin) == std::array{1, 1, 1};

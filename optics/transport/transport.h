@@ -65,8 +65,8 @@ public:
     [[nodiscard]] Appearance predict(const Scene& scene, const Surface& surface, TransportSummary& summary,
                                      const Progress* progress = nullptr) const;
     /// With `viewing_cells` a ViewingSequence, where memory allows.
-    [[nodiscard]] std::unique_ptr<AppearanceSequence> sequence(const Scene& scene,
-                                                               const Surface& surface) const override;
+    [[nodiscard]] std::unique_ptr<AppearanceSequence> sequence(const Scene& scene, const Surface& surface,
+                                                               const Progress* progress = nullptr) const override;
 
     /// The appearance, and the gradient of a function F of it: `derivative` is handed the appearance and fills in
     /// d F / d value (same shape). Costs the prediction, one adjoint solve and two more sweeps a channel.
@@ -77,7 +77,7 @@ public:
 
 private:
     struct Window;
-    [[nodiscard]] std::vector<Window> pieces(const Scene& scene) const;
+    [[nodiscard]] std::vector<Window> pieces(const Scene& scene, const Progress* progress) const;
     [[nodiscard]] Appearance solve(const Scene& scene, const Surface& surface, const Window& window,
                                    const EffectiveMedium& halftone, const Derivative* derivative,
                                    TransportGradient* gradient, TransportSummary& summary,

@@ -23,8 +23,8 @@ float sum8(const Octet& a, const Octet& b) {
 }  // namespace
 
 TransportChannel::TransportChannel(const OpticalGrid& grid, const DiffusionPlan& plan, MediaByKind media,
-                                   const TransportOptions& options)
-    : grid_(grid), plan_(plan), media_(std::move(media)), options_(options) {
+                                   const TransportOptions& options, const Progress* progress)
+    : grid_(grid), plan_(plan), media_(std::move(media)), options_(options), progress_(progress) {
     for (const BlockKind kind : {BlockKind::skin, BlockKind::margin})
         VOXTONE_EXPECT(media_[static_cast<std::size_t>(kind)].size() == grid.palette.size());
     VOXTONE_EXPECT(media_[static_cast<std::size_t>(BlockKind::core)].size() == grid.core_palette.size());
@@ -78,7 +78,7 @@ TransportChannel::CellGeometry TransportChannel::geometry(BlockKind kind) const 
 template <class Body>
 void TransportChannel::for_each_cell(Body&& body) const {
     const std::array<CellGeometry, 2> kinds{geometry(BlockKind::skin), geometry(BlockKind::margin)};
-    parallel_ranges(0, grid_.transport_blocks.size(), 16, [&](std::size_t first, std::size_t last) {
+    const auto blocks = [&](std::size_t first, std::size_t last) {
         std::array<std::uint32_t, 64> node_of{};
         for (std::size_t i = first; i < last; ++i) {
             const GridBlock& block = grid_.blocks[grid_.transport_blocks[i]];
@@ -101,7 +101,8 @@ void TransportChannel::for_each_cell(Body&& body) const {
                     }
                 }
         }
-    });
+    };
+    parallel_ranges(0, grid_.transport_blocks.size(), 16, blocks, progress_);
 }
 
 std::array<double, 3> TransportChannel::view_mm() const {
@@ -112,8 +113,10 @@ std::array<double, 3> TransportChannel::view_mm() const {
 
 void TransportChannel::make_diffusion() {
     find_node_media();
+    check();
     find_face_exchange();
     find_exit_exchange();
+    check();
     find_conductances();
 }
 
@@ -125,7 +128,7 @@ void TransportChannel::find_node_media() {
     sigma_a_.resize(n);
     D_.resize(n);
     loss_.resize(n);
-    parallel_for(0, grid_.blocks.size(), 64, [&](std::size_t b) {
+    const auto of_block = [&](std::size_t b) {
         const GridBlock& block = grid_.blocks[b];
         if (block.kind == BlockKind::core) {
             const TransportMedium m = media_[static_cast<std::size_t>(BlockKind::core)][block.medium];
@@ -155,7 +158,8 @@ void TransportChannel::find_node_media() {
             sigma_a_[node] = absorbed[place] / count[place];
             transport[node++] = extinct[place] / count[place];
         }
-    });
+    };
+    parallel_for(0, grid_.blocks.size(), 64, of_block, progress_);
     const auto view = view_mm();
     const double view_volume = view[0] * view[1] * view[2];
     for (std::size_t i = 0; i < n; ++i) {
@@ -259,7 +263,7 @@ void TransportChannel::currents(std::span<const float> phi, std::span<const floa
 
 void TransportChannel::solve_diffusion(std::span<const float> right, std::span<float> x, double tolerance,
                                        int most_steps) {
-    const int steps = diffusion_->solve(right, x, tolerance, most_steps);
+    const int steps = diffusion_->solve(right, x, tolerance, most_steps, progress_);
     steps_ += steps;
     open_solves_ += steps == most_steps;
 }
@@ -272,12 +276,15 @@ void TransportChannel::start() {
         if (face.kind != FaceKind::core) right[face.node] += face_gain_[f] * incoming[f];
     }
     for (std::size_t i = 0; lit_evenly_ && i < grid_.exits.size(); ++i) right[grid_.exits[i].node] += exit_gain_[i];
+    check();
     diffusion_ = std::make_unique<Diffusion>(plan_, conductance_, loss_);
     phi_.assign(grid_.nodes.size(), lit_evenly_ ? 1.0f : 0.0f);  // 1 is exact where nothing is absorbed
     solve_diffusion(right, phi_, options_.start_tolerance, 60);
     // The equations of the start make room for those of the corrections.
     diffusion_ = std::make_unique<Diffusion>(plan_, eased_, loss_);
+    check();
     currents(phi_, incoming, delta_moments_);
+    check();
     moments_.assign(grid_.medium.size(), {});
     sum_.assign(grid_.medium.size(), {});
     other_sum_.assign(grid_.medium.size(), {});
@@ -333,12 +340,13 @@ void TransportChannel::enter() {
             flux_change_[face] = static_cast<float>((leaving - before) * outer.area_mm2);
         }
     });
-    parallel_for(0, grid_.transport_blocks.size(), 64, [&](std::size_t i) {
+    const auto send_back = [&](std::size_t i) {
         const GridBlock& block = grid_.blocks[grid_.transport_blocks[i]];
         pool(block);
         for (std::size_t face = block.first_face; face < block.first_face + block.faces; ++face)
             for (std::size_t slot = 0; slot < 4; ++slot) in_[face * 4 + slot] = returned(block, face, slot);
-    });
+    };
+    parallel_for(0, grid_.transport_blocks.size(), 64, send_back, progress_);
 }
 
 /// Mean radiance of the light that passes corners of the staircase, per region and direction.
@@ -421,6 +429,7 @@ void TransportChannel::sweep() {
         SweepJob job{&grid_,   {media_[0], media_[1]},
                      moments_, half == 0 ? std::span<Moments>(sum_) : std::span<Moments>(other_sum_),
                      in_,      out_};
+        job.progress = progress_;
         std::fill(job.sum.begin(), job.sum.end(), Moments{});
         sweep_half(job, half == 1);
     });
@@ -440,6 +449,7 @@ void TransportChannel::correct() {
     });
     // What the surface will send back, and what the core got and gave.
     for (const std::uint32_t b : grid_.transport_blocks) {
+        check();
         const GridBlock& block = grid_.blocks[b];
         pool(block);
         for (std::size_t f = block.first_face; f < block.first_face + block.faces; ++f) {
@@ -460,6 +470,7 @@ void TransportChannel::correct() {
     const auto in_core = [&](std::uint32_t node) {
         return grid_.blocks[grid_.node_block[node]].kind == BlockKind::core;
     };
+    check();
     for (std::size_t i = 0; i < conductance_.size(); ++i) {
         const NodeContact& c = grid_.contacts[i];
         if (!in_core(c.a) || !in_core(c.b)) continue;
@@ -478,13 +489,11 @@ void TransportChannel::correct() {
     std::vector<float> delta(n, 0.0f);
     solve_diffusion(right, delta, options_.correction_tolerance, 30);
     currents(delta, {}, delta_moments_);
+    check();
     for (std::size_t i = 0; i < n; ++i) phi_[i] += delta[i];
 }
 
-void TransportChannel::solve(std::span<const float> light, TransportSummary& summary, const Progress* progress) {
-    const auto check = [&] {
-        if (progress) progress->check_cancelled();
-    };
+void TransportChannel::solve(std::span<const float> light, TransportSummary& summary) {
     light_.assign(grid_.faces.size(), 0.0f);
     lit_evenly_ = light.empty();
     steps_ = open_solves_ = 0;
@@ -548,9 +557,11 @@ void TransportChannel::derivatives(const Field& forward, const Field& adjoint, s
     by_sigma_s.assign(n, 0.0f);
     std::vector<float> product(2 * n, 0.0f);
     for (int octant = 0; octant < 8; ++octant) {
-        const SweepJob job{&grid_, {media_[0], media_[1]}, forward.moments, {}, forward.in, out, record, {}};
+        SweepJob job{&grid_, {media_[0], media_[1]}, forward.moments, {}, forward.in, out, record, {}};
+        job.progress = progress_;
         record_octant(job, octant);
-        const SweepJob against{&grid_, {media_[0], media_[1]}, adjoint.moments, {}, adjoint.in, out, record, product};
+        SweepJob against{&grid_, {media_[0], media_[1]}, adjoint.moments, {}, adjoint.in, out, record, product};
+        against.progress = progress_;
         multiply_octant(against, 7 - octant);
     }
     const auto g_linear = static_cast<float>(grid_.directions.linear);

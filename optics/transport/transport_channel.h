@@ -22,12 +22,13 @@ class TransportChannel {
 public:
     /// Per kind of block, per palette entry: of cells for skin and margin, of core blocks for the core.
     using MediaByKind = std::array<std::vector<TransportMedium>, 3>;
+    /// `progress` is asked for cancellation by all that follows, many times a second.
     TransportChannel(const OpticalGrid& grid, const DiffusionPlan& plan, MediaByKind media,
-                     const TransportOptions& options);
+                     const TransportOptions& options, const Progress* progress = nullptr);
 
     /// Light of this radiance enters through each face to the light (nothing given: 1 everywhere). Fills `flux`: what
     /// leaves through each outer face, in units in which a furnace of radiance 1 gives `furnace_flux(face)`.
-    void solve(std::span<const float> light, TransportSummary& summary, const Progress* progress);
+    void solve(std::span<const float> light, TransportSummary& summary);
     [[nodiscard]] std::span<const float> flux() const { return flux_; }
 
     /// The light of a solution, enough to sweep once more.
@@ -56,6 +57,9 @@ private:
     [[nodiscard]] CellGeometry geometry(BlockKind kind) const;
     [[nodiscard]] FaceSums face_sums(std::size_t face) const;
     [[nodiscard]] std::array<double, 3> view_mm() const;  ///< edges of a viewing cell
+    void check() const {
+        if (progress_) progress_->check_cancelled();
+    }
     void make_diffusion();
     void find_node_media();
     void find_face_exchange();
@@ -77,6 +81,7 @@ private:
     const DiffusionPlan& plan_;
     MediaByKind media_;
     TransportOptions options_;
+    const Progress* progress_;
 
     std::array<Octet, 3> flux_weight_;  ///< w |Omega_a|
     std::vector<float> sigma_a_, D_;    ///< per node

@@ -385,6 +385,7 @@ void sweep_octants(const SweepJob& job, int half, unsigned chosen) {
         for (std::size_t back = 0; back < 2; ++back)
             for (std::size_t k = 0; k < count; ++k) {
                 const std::size_t row = back ? first + count - 1 - k : first + k;
+                if (job.progress) job.progress->check_cancelled();
                 if (chosen >> (2 * back) & 1) cross_row(row, 2 * back);
                 if (chosen >> (2 * back + 1) & 1) cross_row(row, 2 * back + 1);
             }

@@ -29,6 +29,7 @@
 #include <cstdint>
 #include <span>
 
+#include "voxtone/base/progress.h"
 #include "voxtone/optics/transport/optical_grid.h"
 #include "voxtone/optics/transport/transport_medium.h"
 
@@ -55,11 +56,13 @@ struct SweepJob {
     std::span<const std::uint32_t> place = {};
     /// phi and net current outwards: psi = phi - 3 |Omega . e| J comes in.
     std::span<const std::array<float, 2>> core_in = {};
-    float theta = 1;                 ///< weight of the differences
-    std::span<float> core_out = {};  ///< [core face * 4 + tangential signs]: sum w |Omega . e| psi that leaves
+    float theta = 1;                     ///< weight of the differences
+    std::span<float> core_out = {};      ///< [core face * 4 + tangential signs]: sum w |Omega . e| psi that leaves
+    const Progress* progress = nullptr;  ///< asked for cancellation before every row of blocks
 };
 
-/// The four octants of light that runs up, or down. Octant bits: 1, 2, 4 set where light runs against x, y, z.
+/// The four octants of light that runs up, or down. Octant bits: 1, 2, 4 set where light runs against x, y, z. Throws
+/// Cancelled, as the two below do.
 void sweep_half(const SweepJob& job, bool down);
 
 /// One octant alone: writes psi to `record`; or adds the sum of w psi times what was recorded to `product`.

@@ -58,6 +58,7 @@ optics::ResinVolume PrintParts::volume(const SkinSource* skin, std::uint64_t mem
     parallel_for(
         0, static_cast<std::size_t>((layers + maker.slab_layers() - 1) / maker.slab_layers()), 1,
         [&](std::size_t slab) {
+            progress.check_cancelled();
             (void)maker.make(static_cast<int>(slab), 0, layers,
                              [&](int k, const io::LayerRuns& layer) { volume.add(k, layer); });
         },
@@ -75,6 +76,7 @@ void PrintParts::for_each_block(const optics::VoxelBox& box, const std::function
     parallel_for(
         static_cast<std::size_t>(first_of(box.begin[2], depth)), static_cast<std::size_t>(end), 1,
         [&](std::size_t slab) {
+            progress.check_cancelled();
             const int first = static_cast<int>(slab) * depth, last = std::min(first + depth, layers);
             SpanSlab spans;
             if (thin_)

@@ -70,6 +70,7 @@ std::vector<Eigen::Vector3f> target_of_cells(const optics::Surface& cells, const
         [&](std::size_t first, std::size_t last) {
             std::uint32_t guess = TriangleTree::none;
             for (std::size_t c = first; c < last; ++c) {
+                if (progress) progress->check_cancelled();
                 const optics::SurfaceCell& cell = cells.cells[c];
                 // Many faces: some of them, evenly; few: several points on each.
                 const std::uint32_t step = std::max(1u, cell.faces / samples_per_cell);

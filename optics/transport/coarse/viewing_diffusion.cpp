@@ -12,6 +12,10 @@ namespace {
 
 constexpr std::size_t stencils_per_task = 64;
 
+void check_cancelled(const Progress* progress) {
+    if (progress) progress->check_cancelled();
+}
+
 /// Place in a block of n^3 of the (i, j)-th cell along side f; i runs along the first of the two other axes.
 template <int n>
 constexpr int on_side(std::size_t f, int i, int j) {
@@ -244,12 +248,14 @@ ViewingDiffusion::ViewingDiffusion(const ViewingGrid& viewing) : grid_(viewing) 
 
 void ViewingDiffusion::prepare(std::span<const float> D_of_medium, std::span<const float> D_of_core,
                                std::span<const float> cell_loss, std::span<const float> core_loss,
-                               std::span<BlockStencil<4>> blocks) {
+                               std::span<BlockStencil<4>> blocks, const Progress* progress) {
     VOXTONE_EXPECT(blocks.size() == neighbour_.size());
     make_fine(D_of_medium, D_of_core, cell_loss, blocks);
+    check_cancelled(progress);
     fine_ = blocks;
     make_middle(cell_loss);
     close_middle();
+    check_cancelled(progress);
     make_coarse(D_of_core, core_loss);
 }
 
@@ -484,24 +490,27 @@ void ViewingDiffusion::restrict_to(const Level<n>& level, std::span<const float>
     for_core_flows(level, x, core_x, [&](std::uint32_t core, float flow) { coarse_core_b[core] -= flow; });
 }
 
-void ViewingDiffusion::cycle(Vector b, Vector x) {
+void ViewingDiffusion::cycle(Vector b, Vector x, const Progress* progress) {
     const Level<4> fine{fine_, fine_low_, fine_side_};
     const Level<2> middle{middle_, middle_low_, middle_side_};
     const std::size_t n = neighbour_.size(), cores = b.core.size();
     std::fill(x.cells.begin(), x.cells.end(), 0.0f);
     std::fill(x.core.begin(), x.core.end(), 0.0f);
     relax(fine, b.cells, x.cells, x.core, false);
+    check_cancelled(progress);
     restrict_to(fine, b.cells, x.cells, x.core, b.core, b1_, core_b1_);
     std::fill(x1_.begin(), x1_.end(), 0.0f);
     std::fill(core_x1_.begin(), core_x1_.end(), 0.0f);
     relax(middle, std::span<const float>(b1_), x1_, core_x1_, false);
     restrict_to(middle, std::span<const float>(b1_), x1_, core_x1_, core_b1_, std::span(b2_).first(n),
                 std::span(b2_).subspan(n));
-    blocks_->precondition(b2_, x2_);
+    check_cancelled(progress);
+    blocks_->precondition(b2_, x2_, progress);
     for (std::size_t i = 0; i < cores; ++i) core_x1_[i] = x2_[n + i];
     for (std::size_t i = 0; i < 8 * n; ++i)
         if (middle_[i / 8].inverse[i % 8] > 0) x1_[i] += x2_[i / 8];
     relax(middle, std::span<const float>(b1_), x1_, core_x1_, true);
+    check_cancelled(progress);
     std::copy(core_x1_.begin(), core_x1_.end(), x.core.begin());
     parallel_for(0, n, stencils_per_task, [&](std::size_t t) {
         for (std::size_t place = 0; place < 64; ++place)
@@ -593,11 +602,13 @@ void combine(const ViewingDiffusion::Vector& to, float a, float b, const Viewing
 
 }  // namespace
 
-int ViewingDiffusion::solve(Vector x, Vector residual, Vector p, Vector z, double tolerance, int most_steps) {
+int ViewingDiffusion::solve(Vector x, Vector residual, Vector p, Vector z, double tolerance, int most_steps,
+                            const Progress* progress) {
     if (most_steps == 1) {  // the same with less copying: the direction is z
-        cycle(residual, z);
+        cycle(residual, z, progress);
         const double rho = dot(residual, z);
         if (!(rho > 0)) return 0;
+        check_cancelled(progress);
         apply(z, p);
         combine(x, 1, static_cast<float>(rho / dot(z, p)), z);
         return 1;
@@ -605,7 +616,8 @@ int ViewingDiffusion::solve(Vector x, Vector residual, Vector p, Vector z, doubl
     double start = 0, rho = 0;
     int step = 0;
     for (; step < most_steps; ++step) {
-        cycle(residual, z);
+        check_cancelled(progress);
+        cycle(residual, z, progress);
         const double rho_new = dot(residual, z);
         if (step == 0) start = rho_new;
         if (!(rho_new > tolerance * tolerance * start)) break;

@@ -14,6 +14,7 @@
 #include <span>
 #include <vector>
 
+#include "voxtone/base/progress.h"
 #include "voxtone/optics/transport/coarse/viewing_grid.h"
 #include "voxtone/optics/transport/diffusion.h"
 
@@ -31,16 +32,19 @@ public:
     explicit ViewingDiffusion(const ViewingGrid& grid);
 
     /// Diffusion constants of the media of cells (0 for air) and of core blocks, losses of cells and core nodes;
-    /// `blocks` has room for every transport block and is kept by the caller until the next call.
+    /// `blocks` has room for every transport block and is kept by the caller until the next call. Throws Cancelled.
     void prepare(std::span<const float> D_of_medium, std::span<const float> D_of_core, std::span<const float> cell_loss,
-                 std::span<const float> core_loss, std::span<BlockStencil<4>> blocks);
+                 std::span<const float> core_loss, std::span<BlockStencil<4>> blocks,
+                 const Progress* progress = nullptr);
     /// Values of cells and core nodes.
     struct Vector {
         std::span<float> cells, core;
     };
     /// Improves x from A x = b by conjugate gradients until the residual is `tolerance` of the first one or
     /// `most_steps` were made; returns the steps. `residual` comes in as b - A x; it, `p` and `z` are room to work in.
-    int solve(Vector x, Vector residual, Vector p, Vector z, double tolerance, int most_steps);
+    /// Throws Cancelled.
+    int solve(Vector x, Vector residual, Vector p, Vector z, double tolerance, int most_steps,
+              const Progress* progress = nullptr);
     /// out = A x.
     void apply(Vector x, Vector out) const;
     /// What flows along +x, +y and +z through the two faces of each cell of transport block t that lie across, in sum,
@@ -89,7 +93,7 @@ private:
     void close_middle();
     void make_coarse(std::span<const float> D_of_core, std::span<const float> core_loss);
     /// x = about the solution for b, by one V-cycle from 0.
-    void cycle(Vector b, Vector x);
+    void cycle(Vector b, Vector x, const Progress* progress);
     template <int n>
     void relax(const Level<n>& level, std::span<const float> b, std::span<float> x, std::span<const float> core_x,
                bool back) const;

@@ -25,8 +25,9 @@ public:
         seen_.cell.reserve(surface.cells.size());
         seen_.first.push_back(0);
     }
-    [[nodiscard]] ViewingFaces run() {
+    [[nodiscard]] ViewingFaces run(const Progress* progress) {
         for (const SurfaceCell& cell : surface_.cells) {
+            if (progress) progress->check_cancelled();
             look_at(cell);
             if (!is_slanting(cell) || !share_around(cell)) take_nearest(cell);
             seen_.first.push_back(static_cast<std::uint32_t>(seen_.face.size()));
@@ -154,6 +155,8 @@ private:
 
 }  // namespace
 
-ViewingFaces see(const ViewingGrid& viewing, const Surface& surface) { return FaceFinder(viewing, surface).run(); }
+ViewingFaces see(const ViewingGrid& viewing, const Surface& surface, const Progress* progress) {
+    return FaceFinder(viewing, surface).run(progress);
+}
 
 }  // namespace voxtone::optics

@@ -22,6 +22,7 @@ struct ViewingFaces {
     std::vector<float> share;
     std::vector<std::uint32_t> cell;  ///< the solid cell nearest to each surface cell; 0xffffffff: none near
 };
-[[nodiscard]] ViewingFaces see(const ViewingGrid& viewing, const Surface& surface);
+/// Throws Cancelled.
+[[nodiscard]] ViewingFaces see(const ViewingGrid& viewing, const Surface& surface, const Progress* progress = nullptr);
 
 }  // namespace voxtone::optics

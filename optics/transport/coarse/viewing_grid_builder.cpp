@@ -21,6 +21,7 @@ struct ViewingGridBuilder {
     ViewingGrid& self;
     OpticalGrid& grid;
     const Scene& scene;
+    const Progress* progress;
     Place block_voxels{}, view{}, cells{};  // cells: of the lattice
     int in_cell = 1;
     enum : std::uint8_t { empty, full, part };
@@ -37,6 +38,9 @@ struct ViewingGridBuilder {
         return corner;
     }
     [[nodiscard]] bool mirrored(std::size_t axis) const { return self.mirrored && axis < 2; }
+    void check() const {
+        if (progress) progress->check_cancelled();
+    }
 
     void look() {
         view = grid.options.view_voxels;
@@ -56,11 +60,12 @@ struct ViewingGridBuilder {
         const auto places = static_cast<std::size_t>(grid.lattice[0]);
         const std::size_t rows = n / places;
         std::vector<std::vector<std::uint8_t>> row_fills(rows);
-        parallel_ranges(0, rows, 4, [&](std::size_t first, std::size_t last) {
+        const auto look_along = [&](std::size_t first, std::size_t last) {
             std::vector<Material> box;
             for (std::size_t row = first; row < last; ++row)
                 for (std::size_t x = 0; x < places; ++x) look_at(row, x, row_fills[row], box);
-        });
+        };
+        parallel_ranges(0, rows, 4, look_along, progress);
         for (std::size_t row = 0; row < rows; ++row) {
             for (std::size_t x = 0; x < places; ++x)
                 fill_of[row * places + x] += static_cast<std::uint32_t>(fills.size());
@@ -204,7 +209,9 @@ struct ViewingGridBuilder {
     /// Which blocks get transport cells, and the list of all.
     void find_blocks(double colour_mm, std::span<const std::uint8_t> also, const Surface* asked) {
         want_below(find_surface_blocks(also, asked), colour_mm);
+        check();
         want_margins();
+        check();
         list_blocks();
         find_neighbours();
     }
@@ -269,11 +276,13 @@ struct ViewingGridBuilder {
                 d2 += std::pow(std::max(std::abs(k[a] - reach[a]) - 0.5, 0.0) * edge[a], 2);
             if (d2 < colour_mm * colour_mm) near.push_back({k[0] - reach[0], k[1] - reach[1], k[2] - reach[2]});
         });
-        for (const Place& at : surface)
+        for (const Place& at : surface) {
+            check();
             for (const Place& k : near) {
                 const Place to{at[0] + k[0], at[1] + k[1], at[2] + k[2]};
                 if (in_lattice(to)) wanted[at3(to, grid.lattice)] = 1;
             }
+        }
     }
 
     /// Wants the seeds and the rings around them in which light becomes diffuse.
@@ -376,6 +385,7 @@ struct ViewingGridBuilder {
             area[a] = static_cast<float>(view[(a + 1) % 3] * grid.pitch_mm[(a + 1) % 3] * view[(a + 2) % 3] *
                                          grid.pitch_mm[(a + 2) % 3]);
         for (const std::uint32_t b : grid.transport_blocks) {
+            check();
             GridBlock& block = grid.blocks[b];
             const std::size_t here = at3(block.at, grid.lattice);
             self.donors_of.push_back(static_cast<std::uint32_t>(self.donors.size()));
@@ -441,8 +451,9 @@ struct ViewingGridBuilder {
             box.begin[a] = -grid.shift_voxels[a];
             box.end[a] = box.begin[a] + grid.lattice[a] * block_voxels[a];
         }
-        const Surface surface = find_surface_near(scene, grid.options.view_voxels, box);
-        const ViewingFaces seen = see(self, surface);
+        const Surface surface = find_surface_near(scene, grid.options.view_voxels, box, progress);
+        const ViewingFaces seen = see(self, surface, progress);
+        check();
         std::vector<std::array<float, 3>> normal(grid.faces.size());
         for (std::size_t i = 0; i < surface.cells.size(); ++i) {
             const SurfaceCell& cell = surface.cells[i];
@@ -464,6 +475,7 @@ struct ViewingGridBuilder {
         grid.law.assign(grid.faces.size(), 0);
         std::map<std::array<int, 3>, std::uint32_t> known;
         for (const std::uint32_t f : self.open_faces) {
+            check();
             const OuterFace& face = grid.faces[f];
             const auto axis = static_cast<std::size_t>(face.facing) / 2;
             if (face.kind == FaceKind::mirror) continue;
@@ -565,7 +577,8 @@ struct ViewingGridBuilder {
 }  // namespace
 
 ViewingGrid make_viewing_grid(const Scene& scene, const std::array<int, 3>& view_voxels, double colour_mm,
-                              std::span<const std::uint8_t> also, const ViewingWindow& window, const Surface* asked) {
+                              std::span<const std::uint8_t> also, const ViewingWindow& window, const Surface* asked,
+                              const Progress* progress) {
     require_resins(scene);
     ViewingGrid made;
     made.window = window;
@@ -574,14 +587,14 @@ ViewingGrid make_viewing_grid(const Scene& scene, const std::array<int, 3>& view
     made.grid.options.view_voxels = made.grid.options.skin_voxels = view_voxels;
     made.grid.directions = make_directions(scene.resins->g, scene.resins->eta);
     made.grid.pitch_mm = scene.volume->pitch_mm();
-    ViewingGridBuilder builder{made, made.grid, scene};
+    ViewingGridBuilder builder{made, made.grid, scene, progress};
     builder.look();
     builder.find_blocks(colour_mm, also, asked);
     builder.list_faces();
     builder.find_laws();
     builder.find_regions();
     std::vector<std::uint8_t> wanted;
-    const bool filled = fill(made, *scene.volume, wanted);
+    const bool filled = fill(made, *scene.volume, wanted, progress);
     VOXTONE_ENSURE(filled);
     return made;
 }

@@ -169,21 +169,23 @@ private:
 class CompositionFinder {
 public:
     /// `rounded`: to eighths, without layers.
-    CompositionFinder(ViewingGrid& viewing, const ResinVolume& volume, bool rounded)
+    CompositionFinder(ViewingGrid& viewing, const ResinVolume& volume, bool rounded, const Progress* progress)
         : viewing_(viewing),
           grid_(viewing.grid),
           volume_(volume),
           rounded_(rounded),
+          progress_(progress),
           in_cell_(static_cast<int>(product(viewing.grid.options.view_voxels))) {}
 
     /// False where there are too many different ones; the numbers of the cells are of no use then.
     [[nodiscard]] bool run() {
         const std::size_t ranges = (grid_.transport_blocks.size() + range - 1) / range;
         std::vector<CompositionTable> tables(ranges);
-        parallel_for(0, ranges, 1, [&](std::size_t r) {
+        const auto number = [&](std::size_t r) {
             CellVoxels voxels(viewing_, volume_);
             for (std::size_t t = r * range; t < end_of(r); ++t) number_block(t, voxels, tables[r]);
-        });
+        };
+        parallel_for(0, ranges, 1, number, progress_);
         return make_common(tables);
     }
 
@@ -260,6 +262,7 @@ private:
         CompositionTable all(1);
         std::vector<std::vector<std::uint16_t>> common(tables.size());
         for (std::size_t r = 0; r < tables.size(); ++r) {
+            if (progress_) progress_->check_cancelled();
             if (tables[r].overflowed()) return false;
             for (CompositionTable::Entry& entry : tables[r].entries())
                 common[r].push_back(all.intern(entry.key, entry.axis, [&] { return std::move(entry.counts); }));
@@ -267,7 +270,7 @@ private:
             tables[r] = CompositionTable();
         }
         list_mixtures(all);
-        parallel_for(0, tables.size(), 1, [&](std::size_t r) {
+        const auto renumber = [&](std::size_t r) {
             for (std::size_t t = r * range; t < end_of(r); ++t) {
                 const GridBlock& block = grid_.blocks[grid_.transport_blocks[t]];
                 for (std::size_t place = 0; place < 64; ++place) {
@@ -275,7 +278,8 @@ private:
                     number = block.node_mask >> place & 1 ? common[r][number] : std::uint16_t{0};
                 }
             }
-        });
+        };
+        parallel_for(0, tables.size(), 1, renumber, progress_);
         return true;
     }
 
@@ -295,6 +299,7 @@ private:
     OpticalGrid& grid_;
     const ResinVolume& volume_;
     bool rounded_;
+    const Progress* progress_;
     int in_cell_;
 };
 
@@ -311,13 +316,15 @@ int only_material(const ViewingGrid& viewing, const ResinVolume& volume, const G
 
 }  // namespace
 
-bool fill(ViewingGrid& viewing, const ResinVolume& volume, std::vector<std::uint8_t>& wanted) {
+bool fill(ViewingGrid& viewing, const ResinVolume& volume, std::vector<std::uint8_t>& wanted,
+          const Progress* progress) {
     OpticalGrid& grid = viewing.grid;
     VOXTONE_EXPECT(volume.pitch_mm() == grid.pitch_mm);
     wanted.assign(grid.block_at.size(), 0);
     bool same = true;
     for (const std::uint32_t b : viewing.core_block) {
         GridBlock& block = grid.blocks[b];
+        if (progress) progress->check_cancelled();
         if (viewing.is_ghost(block.at)) continue;
         if (const int material = only_material(viewing, volume, block); material > 0) {
             block.medium = static_cast<std::uint16_t>(material);
@@ -327,8 +334,8 @@ bool fill(ViewingGrid& viewing, const ResinVolume& volume, std::vector<std::uint
         }
     }
     if (!same) return false;
-    if (!CompositionFinder(viewing, volume, false).run()) {
-        const bool fits = CompositionFinder(viewing, volume, true).run();
+    if (!CompositionFinder(viewing, volume, false, progress).run()) {
+        const bool fits = CompositionFinder(viewing, volume, true, progress).run();
         VOXTONE_ENSURE(fits);
     }
     return true;

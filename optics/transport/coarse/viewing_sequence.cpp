@@ -64,7 +64,8 @@ struct StateReader {
 
 }  // namespace
 
-ViewingSequence::ViewingSequence(const Scene& scene, const Surface& surface, const TransportOptions& options)
+ViewingSequence::ViewingSequence(const Scene& scene, const Surface& surface, const TransportOptions& options,
+                                 const Progress* progress)
     : scene_(scene),
       surface_(surface),
       options_(options),
@@ -80,7 +81,7 @@ ViewingSequence::ViewingSequence(const Scene& scene, const Surface& surface, con
     }
     summary_.pieces = tiles_.size();
     list_ghosts();
-    make_live(0);
+    make_live(0, progress);
 }
 
 /// All places on the rims of windows, whether the body is there or not.
@@ -108,13 +109,13 @@ std::size_t ViewingSequence::Shape::memory_bytes() const {
            of(tells);
 }
 
-std::unique_ptr<ViewingSequence::Shape> ViewingSequence::shape_of(const Tile& tile) const {
+std::unique_ptr<ViewingSequence::Shape> ViewingSequence::shape_of(const Tile& tile, const Progress* progress) const {
     auto shape = std::make_unique<Shape>();
     shape->grid = std::make_unique<ViewingGrid>(
-        make_viewing_grid(scene_, view_voxels_, options_.colour_mm, tile.also, tile.window, &surface_));
+        make_viewing_grid(scene_, view_voxels_, options_.colour_mm, tile.also, tile.window, &surface_, progress));
     ViewingGrid& grid = *shape->grid;
     grid.shrink();
-    shape->seen = see(grid, tiles_.size() == 1 ? surface_ : part_of(surface_, tile.near));
+    shape->seen = see(grid, tiles_.size() == 1 ? surface_ : part_of(surface_, tile.near), progress);
     const auto place_of = [&](std::uint32_t block) {
         std::array<int, 3> at = grid.grid.blocks[block].at;
         for (std::size_t a = 0; a < 3; ++a) at[a] += tile.window.begin[a];
@@ -135,14 +136,14 @@ std::unique_ptr<ViewingSequence::Shape> ViewingSequence::shape_of(const Tile& ti
     return shape;
 }
 
-void ViewingSequence::make_live(std::size_t index) {
+void ViewingSequence::make_live(std::size_t index, const Progress* progress) {
     const Stopwatch watch;
     transport_.reset();
     live_ = index;
     Tile& tile = tiles_[index];
     if (!tile.shape) {
         make_room(tile.bytes + field_bytes());
-        tile.shape = shape_of(tile);
+        tile.shape = shape_of(tile, progress);
         const ViewingGrid& grid = *tile.shape->grid;
         tile.bytes = tile.shape->memory_bytes() + ViewingTransport::bytes_for(grid, 0);
         tile.cells_of_grid = grid.cells();
@@ -165,6 +166,7 @@ void ViewingSequence::make_live(std::size_t index) {
                             " MiB of memory and " + std::to_string(options_.memory_bytes >> 20) +
                             " are allowed: allow more, expect colour less deep, or take larger cells");
     make_room(needed);
+    if (progress) progress->check_cancelled();
     transport_ = std::make_unique<ViewingTransport>(grid, options_);
     summary_.grid_s += watch.total();
 }
@@ -186,36 +188,36 @@ void ViewingSequence::make_room(std::size_t bytes) {
     }
 }
 
-void ViewingSequence::look_at(std::size_t index) {
+void ViewingSequence::look_at(std::size_t index, const Progress* progress) {
     Tile& tile = tiles_[index];
-    if (live_ != index || !transport_) make_live(index);
+    if (live_ != index || !transport_) make_live(index, progress);
     if (tile.shape->filled == volume_) return;
     const Stopwatch watch;
     std::vector<std::uint8_t> wanted;
-    if (!fill(*tile.shape->grid, *volume_, wanted)) {
+    if (!fill(*tile.shape->grid, *volume_, wanted, progress)) {
         tile.also.resize(wanted.size(), 0);
         for (std::size_t i = 0; i < wanted.size(); ++i) tile.also[i] |= wanted[i];
-        make_anew(index);
+        make_anew(index, progress);
     } else if (!tile.trimmed && !tile.also.empty()) {
         if (std::vector<std::uint8_t> still = still_coloured(tile); !still.empty()) {
             tile.trimmed = true;
             tile.also = std::move(still);
-            make_anew(index);
+            make_anew(index, progress);
         }
     }
     tile.shape->filled = volume_;
     summary_.grid_s += watch.total();
 }
 
-void ViewingSequence::make_anew(std::size_t index) {
+void ViewingSequence::make_anew(std::size_t index, const Progress* progress) {
     Tile& tile = tiles_[index];
     transport_.reset();
     const std::unique_ptr<Shape> was = std::move(tile.shape);
-    make_live(index);
+    make_live(index, progress);
     carry_over(*was->grid, tile.light);
     tile.adjoint.assign(channels(), {});
     std::vector<std::uint8_t> wanted;
-    const bool filled = fill(*tile.shape->grid, *volume_, wanted);
+    const bool filled = fill(*tile.shape->grid, *volume_, wanted, progress);
     VOXTONE_ENSURE(filled);
 }
 
@@ -294,6 +296,7 @@ void ViewingSequence::solve(Fields Tile::*fields, GhostLight& ghosts, bool hear,
                             std::span<const float> adjoint_seed, const Progress* progress, Done&& done) {
     std::vector<float> around, light;
     for (std::size_t c = 0; c < channels(); ++c) {
+        if (progress) progress->check_cancelled();
         const ViewingTransport::Media in = media(c);
         if (!adjoint_seed.empty()) light = light_of(adjoint_seed, c);
         around.clear();
@@ -313,7 +316,7 @@ void ViewingSequence::begin(Fields Tile::*fields, GhostLight& ghosts, std::span<
     if (tiles_.size() == 1) return;
     for (int round = 0; round < first_rounds; ++round)
         for (std::size_t t = 0; t < tiles_.size(); ++t) {
-            look_at(t);
+            look_at(t, progress);
             (tiles_[t].*fields).assign(channels(), {});
             solve(fields, ghosts, round > 0, {0, 0}, adjoint_seed, progress, [](std::size_t) {});
         }
@@ -336,7 +339,7 @@ Appearance ViewingSequence::next(const ResinVolume& volume, const Progress* prog
     summary_.last_change.assign(channels(), 0.0);
     summary_.mean_change = 0;
     for (std::size_t t = 0; t < tiles_.size(); ++t) {
-        look_at(t);
+        look_at(t, progress);
         solve(&Tile::light, ghost_light_, true,
               first ? Effort{options_.sweeps, 0} : Effort{options_.next_sweeps, options_.next_change}, {}, progress,
               [&](std::size_t c) {
@@ -405,7 +408,7 @@ bool ViewingSequence::gradient(std::span<const float> adjoint_seed, const Gradie
     if (first) begin(&Tile::adjoint, ghost_adjoint_, adjoint_seed, progress);
     // Backwards: the tile that was looked at last is still at hand.
     for (std::size_t t = tiles_.size(); t-- > 0;) {
-        look_at(t);
+        look_at(t, progress);
         make_room(needed);
         Tile& tile = tiles_[t];
         const OpticalGrid& grid = live().grid->grid;
@@ -417,7 +420,7 @@ bool ViewingSequence::gradient(std::span<const float> adjoint_seed, const Gradie
         solve(&Tile::adjoint, ghost_adjoint_, true,
               anew ? Effort{options_.sweeps, 0} : Effort{options_.next_sweeps, 10 * options_.next_change}, adjoint_seed,
               progress, [&](std::size_t c) {
-                  transport_->derivatives(tile.light[c], by_sigma_t, by_sigma_s);
+                  transport_->derivatives(tile.light[c], by_sigma_t, by_sigma_s, progress);
                   gradient.add(c, *media_of, seen, by_sigma_t, by_sigma_s);
               });
         visit(gradient, tile.voxels);

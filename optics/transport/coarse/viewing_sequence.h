@@ -39,8 +39,10 @@ namespace voxtone::optics {
 
 class ViewingSequence final : public AppearanceSequence {
 public:
-    /// Throws ResourceError where it would need more memory than `options` allow.
-    ViewingSequence(const Scene& scene, const Surface& surface, const TransportOptions& options);
+    /// Throws ResourceError where it would need more memory than `options` allow. As all that follows it throws
+    /// Cancelled too, and is of no use then but to be thrown away.
+    ViewingSequence(const Scene& scene, const Surface& surface, const TransportOptions& options,
+                    const Progress* progress = nullptr);
     [[nodiscard]] Appearance next(const ResinVolume& volume, const Progress* progress = nullptr) override;
     /// Of viewing_gradient.h, box by box of the tiles. The adjoint light of each channel is kept for the next one:
     /// `sweeps` the first time, then `next_sweeps`. Contract: there was a prediction.
@@ -82,13 +84,13 @@ private:
     [[nodiscard]] bool fits(const GhostLight& ghosts) const;
     void list_ghosts();
     /// Makes it live, with the resins of the last volume.
-    void look_at(std::size_t tile);
-    void make_live(std::size_t tile);
+    void look_at(std::size_t tile, const Progress* progress);
+    void make_live(std::size_t tile, const Progress* progress);
     /// The live tile has other blocks with cells now: its grid is made anew, with the resins of the last volume.
-    void make_anew(std::size_t tile);
+    void make_anew(std::size_t tile, const Progress* progress);
     /// Blocks of `also` that have colour in the last volume; empty where most of them have.
     [[nodiscard]] std::vector<std::uint8_t> still_coloured(const Tile& tile) const;
-    [[nodiscard]] std::unique_ptr<Shape> shape_of(const Tile& tile) const;
+    [[nodiscard]] std::unique_ptr<Shape> shape_of(const Tile& tile, const Progress* progress) const;
     [[nodiscard]] const Shape& live() const { return *tiles_[live_].shape; }
     [[nodiscard]] std::size_t shape_bytes() const;
     /// Drops shapes of other tiles, the last ones first, until so many bytes more are allowed.

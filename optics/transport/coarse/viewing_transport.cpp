@@ -130,14 +130,15 @@ void ViewingTransport::make_equations(const std::vector<float>& D, const std::ve
                     diffusion_.core_contact(2, widest, widest));
         for (const std::uint32_t ghost : viewing_.ghosts) core_x_[ghost] = held;
     }
-    diffusion_.prepare(D, core_D, x_, core_x_, scratch_.equations());
+    check();
+    diffusion_.prepare(D, core_D, x_, core_x_, scratch_.equations(), progress_);
     std::fill(x_.begin(), x_.end(), 0.0f);
     std::fill(core_x_.begin(), core_x_.end(), 0.0f);
 }
 
 int ViewingTransport::solve_diffusion(double tolerance, int most_steps) {
-    const int steps =
-        diffusion_.solve({x_, core_x_}, {right_, core_right_}, {p_, core_p_}, {z_, core_z_}, tolerance, most_steps);
+    const int steps = diffusion_.solve({x_, core_x_}, {right_, core_right_}, {p_, core_p_}, {z_, core_z_}, tolerance,
+                                       most_steps, progress_);
     steps_ += steps;
     return steps;
 }
@@ -163,6 +164,7 @@ void ViewingTransport::start() {
         if (face.kind == FaceKind::light)
             right_[face.cell] += exchange(f).gain * sums_[grid_.law[f]].through * light(f);
     }
+    check();
     // The residual of that guess.
     diffusion_.apply({x_, core_x_}, {z_, core_z_});
     for (std::size_t i = 0; i < x_.size(); ++i) right_[i] -= z_[i];
@@ -172,7 +174,9 @@ void ViewingTransport::start() {
     open_solves_ += solve_diffusion(options_.start_tolerance, most_steps) == most_steps;
     for (std::size_t cell = 0; cell < x_.size(); ++cell)
         if (grid_.medium[cell] == 0) x_[cell] = 0;
+    check();
     enter(true);
+    check();
     reflect();
 }
 
@@ -404,7 +408,8 @@ void ViewingTransport::sweep() {
                            .place = viewing_.place_of_face,
                            .core_in = core_in_,
                            .theta = static_cast<float>(viewing_theta),
-                           .core_out = core_out_};
+                           .core_out = core_out_,
+                           .progress = progress_};
         std::fill(job.sum.begin(), job.sum.end(), Moments{});
         sweep_half(job, half == 1);
     });
@@ -425,6 +430,7 @@ void ViewingTransport::correct() {
     parallel_ranges(0, moments_.size(), 1 << 14, [&](std::size_t begin, std::size_t end) {
         for (std::size_t cell = begin; cell < end; ++cell) right_[cell] = up[cell].phi;
     });
+    check();
     // What the surface will send back, and what the core got and gave.
     parallel_for(0, grid_.transport_blocks.size(), blocks_per_task, [&](std::size_t t) {
         const GridBlock& block = grid_.blocks[grid_.transport_blocks[t]];
@@ -463,7 +469,9 @@ void ViewingTransport::correct() {
         core_right_[c.b] += flow;
     }
     hold_ghosts();
+    check();
     make_equations(eased_, core_eased_);
+    check();
     // One step leaves a tenth to a third of the residual; the next sweep makes more of the time that another would
     // take.
     solve_diffusion(0, 1);
@@ -480,6 +488,8 @@ void ViewingTransport::solve(const Media& media, ViewingField& field, int sweeps
                              double enough) {
     VOXTONE_EXPECT(media.cells.size() == grid_.palette.size());
     media_ = &media;
+    progress_ = progress;
+    check();
     take_light(light, ghost_phi);
     VOXTONE_EXPECT(field.cells.empty() || (field.scale > 0) == (scale_ > 0));
     VOXTONE_EXPECT(field.cells.empty() ||
@@ -495,11 +505,14 @@ void ViewingTransport::solve(const Media& media, ViewingField& field, int sweeps
         load(field);
     summary.diffusion_s += watch.lap();
     for (int k = 0; k < sweeps; ++k) {
-        if (progress) progress->check_cancelled();
+        check();
         sweep();
         summary.sweep_s += watch.lap();
+        check();
         correct();
+        check();
         enter(false);
+        check();
         const bool more = k + 1 < sweeps && !(enough > 0 && relative_change() < enough);
         if (more) reflect();
         summary.diffusion_s += watch.lap();
@@ -508,6 +521,7 @@ void ViewingTransport::solve(const Media& media, ViewingField& field, int sweeps
     summary.diffusion_steps += steps_;
     summary.open_solves += open_solves_;
     steps_ = open_solves_ = 0;
+    progress_ = nullptr;
     store(field, summary);
     last_change_ = 0;
     for (const std::uint32_t f : viewing_.open_faces)
@@ -516,14 +530,20 @@ void ViewingTransport::solve(const Media& media, ViewingField& field, int sweeps
 }
 
 void ViewingTransport::derivatives(const ViewingField& forward, std::span<float> by_sigma_t,
-                                   std::span<float> by_sigma_s) {
+                                   std::span<float> by_sigma_s, const Progress* progress) {
     VOXTONE_EXPECT(scale_ > 0 && forward.scale == 0 && forward.cells.size() == moments_.size());
     const DerivativeScene scene{viewing_, media_->cells, volume_ * scale_};
+    const auto check_cancelled = [progress] {
+        if (progress) progress->check_cancelled();
+    };
     derivatives_by_moments(scene, forward.cells, moments_, by_sigma_t, by_sigma_s);
+    check_cancelled();
     reflect();
     const std::vector<Octet> in = in_, out = out_;
     take_light({}, {});
+    check_cancelled();
     load(forward);
+    check_cancelled();
     add_derivatives_at_faces(scene, {out_, in_}, {out, in}, by_sigma_t);
 }
 

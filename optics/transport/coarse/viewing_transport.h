@@ -42,7 +42,7 @@ public:
     /// diffusion solve where it is empty; leaves the new field there. `light`: radiance that comes in through each
     /// outer face to the light, of any sign and size; nothing given: 1. `ghost_phi`: phi of the grid's ghosts; nothing
     /// given: they take that of their neighbours, as if the cut were a mirror. No more sweeps are made after one that
-    /// changed less than `enough` of what leaves.
+    /// changed less than `enough` of what leaves. Throws Cancelled: `progress` is asked many times a second.
     struct Media {
         std::vector<TransportMedium> cells, core;
     };
@@ -51,7 +51,8 @@ public:
     /// After `solve` with a function's d F / d flux as light: d F / d sigma_t and d F / d sigma_s of each cell's
     /// TransportMedium, from `forward`, the field of light 1 in the same media (viewing_gradient.h). Holds that light
     /// afterwards.
-    void derivatives(const ViewingField& forward, std::span<float> by_sigma_t, std::span<float> by_sigma_s);
+    void derivatives(const ViewingField& forward, std::span<float> by_sigma_t, std::span<float> by_sigma_s,
+                     const Progress* progress = nullptr);
     /// What leaves through each outer face (of light given: / its scale), in units in which a furnace gives
     /// `furnace_flux`.
     [[nodiscard]] std::span<const float> flux() const { return flux_; }
@@ -83,6 +84,9 @@ private:
     [[nodiscard]] float core_absorption(std::size_t core) const;
     /// The steps it took.
     int solve_diffusion(double tolerance, int most_steps);
+    void check() const {
+        if (progress_) progress_->check_cancelled();
+    }
     void make_equations(const std::vector<float>& D, const std::vector<float>& core_D);
     void prepare();
     void take_light(std::span<const float> light, std::span<const float> ghost_phi);
@@ -104,6 +108,7 @@ private:
     TransportOptions options_;
     ViewingDiffusion diffusion_;
     const Media* media_ = nullptr;
+    const Progress* progress_ = nullptr;  ///< of the solve that runs
 
     std::array<float, 3> edge_{};
     float volume_ = 0;

@@ -26,7 +26,8 @@ public:
         return blur_.predict(scene, surface, progress);
     }
     [[nodiscard]] std::unique_ptr<optics::AppearanceSequence> sequence(const optics::Scene& scene,
-                                                                       const optics::Surface& surface) const override {
+                                                                       const optics::Surface& surface,
+                                                                       const Progress*) const override {
         class Sequence final : public optics::AppearanceSequence {
         public:
             Sequence(const DifferentiableBlur& model, const optics::Scene& scene, const optics::Surface& surface)
