@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxtone/slicer/job/job_loop.h"
 
+#include <future>
 #include <utility>
 
 #include <fmt/core.h>
@@ -51,19 +52,33 @@ std::unique_ptr<const optics::AppearanceModel> loop_model(const ResolvedJob& job
     return make_model(job.loop.model, quality);
 }
 
-/// Keeps the state of the loop after each iteration; a state that cannot be written is no reason to stop.
+/// Keeps the state of the loop after each iteration, beside the next one; a state that cannot be written is no reason
+/// to stop.
 class CheckpointKeeper {
 public:
     CheckpointKeeper(const LoopCheckpoint& checkpoint, Progress& progress)
         : checkpoint_(checkpoint), progress_(progress) {}
-    void operator()(const halftone::LoopState& state, const optics::AppearanceSequence& sequence) {
-        try {
-            checkpoint_.write(state, sequence);
+    CheckpointKeeper(const CheckpointKeeper&) = delete;
+    CheckpointKeeper& operator=(const CheckpointKeeper&) = delete;
+    /// Waits for what is being written.
+    ~CheckpointKeeper() = default;
+
+    void keep(const halftone::LoopState& state, const optics::AppearanceSequence& sequence) {
+        finish();
+        writing_ = std::async(std::launch::async, [this, packed = checkpoint_.packed(state, sequence)]() mutable {
+            checkpoint_.write(std::move(packed));
             set_stop_advice(
                 fmt::format("the appearance loop is saved in {}: the same command with --resume goes on, with --resume "
                             "--iterations 0 it prints the best that there is",
                             checkpoint_.file().string()));
-        } catch (const FileError& error) {
+        });
+    }
+    /// The last state is written then, or it was said that it could not be.
+    void finish() {
+        if (!writing_.valid()) return;
+        try {
+            writing_.get();
+        } catch (const Error& error) {
             if (std::exchange(warned_, true)) return;
             progress_.warn(fmt::format("{} The loop goes on, but if it is interrupted it cannot be resumed from here",
                                        error.what()));
@@ -74,6 +89,7 @@ private:
     const LoopCheckpoint& checkpoint_;
     Progress& progress_;
     bool warned_ = false;
+    std::future<void> writing_;
 };
 
 }  // namespace
@@ -149,8 +165,12 @@ JobLoop run_job_loop(const LoopProblem& problem, const LoopPlan& plan, const Loo
     options.descent = plan.descent;
 
     JobLoop loop{std::string(name_of(job.loop.model)), problem.cells, {}, 0};
-    loop.result = halftone::run_appearance_loop(task, options, progress, CheckpointKeeper(checkpoint, progress),
-                                                std::move(before));
+    CheckpointKeeper keeper(checkpoint, progress);
+    const auto keep = [&](const halftone::LoopState& state, const optics::AppearanceSequence& sequence) {
+        keeper.keep(state, sequence);
+    };
+    loop.result = halftone::run_appearance_loop(task, options, progress, keep, std::move(before));
+    keeper.finish();
     if (loop.result.cancelled) throw Cancelled();
     loop.seconds = watch.total();
     return loop;

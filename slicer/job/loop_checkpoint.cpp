@@ -3,9 +3,8 @@
 
 #include <array>
 #include <cstring>
-#include <fstream>
 #include <type_traits>
-#include <vector>
+#include <utility>
 
 #include <fmt/core.h>
 
@@ -23,13 +22,20 @@ namespace {
 constexpr std::string_view magic = "voxtone-loop 7\n", any_magic = "voxtone-loop ";  // of any version
 constexpr std::size_t digest_size = sizeof(std::uint64_t);
 
-/// Writes and digests as it goes: a state of a large body is not held twice.
-class Writer {
-public:
-    explicit Writer(const std::filesystem::path& file) : out_(file, std::ios::binary) {}
-    void raw(const void* data, std::size_t size) {
-        sum_.update(data, size);
-        out_.write(static_cast<const char*>(data), static_cast<std::streamsize>(size));
+/// Counts the bytes of a state, or gathers them: in memory that is taken once, as they may be many.
+struct Writer {
+    bool counts = true;
+    std::size_t size = 0;
+    std::vector<std::uint8_t> bytes{};
+    void raw(const void* data, std::size_t more) {
+        size += more;
+        if (counts) return;
+        const auto* const first = static_cast<const std::uint8_t*>(data);
+        bytes.insert(bytes.end(), first, first + more);
+    }
+    void gather() {
+        counts = false;
+        bytes.reserve(std::exchange(size, 0) + digest_size);
     }
     template <class T>
     void list(std::span<const T> values) {
@@ -41,17 +47,6 @@ public:
     void list(const std::vector<T>& values) {
         list(std::span<const T>(values));
     }
-    /// False where something could not be written.
-    [[nodiscard]] bool finish() {
-        const std::uint64_t digest = sum_.digest();
-        out_.write(reinterpret_cast<const char*>(&digest), sizeof digest);
-        out_.close();
-        return !out_.fail();
-    }
-
-private:
-    std::ofstream out_;
-    io::Xxh64 sum_;
 };
 
 struct Reader {
@@ -168,19 +163,26 @@ bool LoopCheckpoint::exists() const {
     return std::filesystem::exists(file_, none);
 }
 
-void LoopCheckpoint::write(const halftone::LoopState& state, const optics::AppearanceSequence& sequence) const {
-    const std::filesystem::path part = io::part_path(file_);
-    Writer file(part);
-    file.raw(magic.data(), magic.size());
-    file.raw(&digest_, sizeof digest_);
-    state_in(file, state);
-    sequence.write_state([&file](std::span<const std::byte> bytes) { file.raw(bytes.data(), bytes.size()); });
-    if (!file.finish()) {
-        std::error_code not_there;
-        std::filesystem::remove(part, not_there);
-        throw FileError(fmt::format("{}: cannot be written; is the disk full?", file_.string()));
-    }
-    io::finish_part(file_);
+std::vector<std::uint8_t> LoopCheckpoint::packed(const halftone::LoopState& state,
+                                                 const optics::AppearanceSequence& sequence) const {
+    Writer file;
+    const auto all = [&] {
+        file.raw(magic.data(), magic.size());
+        file.raw(&digest_, sizeof digest_);
+        state_in(file, state);
+        sequence.write_state([&file](std::span<const std::byte> bytes) { file.raw(bytes.data(), bytes.size()); });
+    };
+    all();
+    file.gather();
+    all();
+    return std::move(file.bytes);
+}
+
+void LoopCheckpoint::write(std::vector<std::uint8_t> packed) const {
+    const std::uint64_t digest = io::xxh64(packed);
+    const auto* const first = reinterpret_cast<const std::uint8_t*>(&digest);
+    packed.insert(packed.end(), first, first + digest_size);
+    io::write_whole_file(file_, packed);
 }
 
 std::optional<halftone::ResumedLoop> LoopCheckpoint::read(Progress& progress) const {

@@ -2,7 +2,9 @@
 //
 // The state of an appearance loop on disk, so that an interrupted job can go on to the same bits: OUT/loop.checkpoint,
 // written after each iteration under a temporary name and renamed, removed when the job is done. With the light that
-// the predictor keeps it has some 200 bytes for each surface cell and 50 for each cell that light is followed through.
+// the predictor keeps it has some 200 bytes for each surface cell and 50 for each cell that light is followed through:
+// a quarter of a gigabyte for a body of 30 mm. So the loop waits for a copy of it in memory alone; the disk is waited
+// for beside the next iteration.
 //
 // A state belongs to one job: the job's identity as far as it matters to the loop (job_identity.h: what the inputs
 // hold, not their names; not --iterations) and the target of every cell are part of a digest in the file, and another
@@ -15,6 +17,7 @@
 #include <optional>
 #include <span>
 #include <string_view>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -29,8 +32,11 @@ public:
     LoopCheckpoint(const std::filesystem::path& folder, std::string_view loop_identity,
                    std::span<const Eigen::Vector3f> target);
 
-    /// Throws FileError; what was written before stays then.
-    void write(const halftone::LoopState& state, const optics::AppearanceSequence& sequence) const;
+    /// All that is to be saved, as one piece of memory: the loop may go on while it is written.
+    [[nodiscard]] std::vector<std::uint8_t> packed(const halftone::LoopState& state,
+                                                   const optics::AppearanceSequence& sequence) const;
+    /// Throws FileError, TryAgain; what was written before stays then. From any thread, one at a time.
+    void write(std::vector<std::uint8_t> packed) const;
     /// Nothing, with a note, where there is none. Throws InputError for one of another job, FileError for a broken one.
     [[nodiscard]] std::optional<halftone::ResumedLoop> read(Progress& progress) const;
     [[nodiscard]] bool exists() const;

@@ -47,6 +47,10 @@ public:
     std::vector<std::byte> kept;
 };
 
+void save(const LoopCheckpoint& checkpoint, const halftone::LoopState& state) {
+    checkpoint.write(checkpoint.packed(state, Keeps()));
+}
+
 const std::string a_job(64, 'a'), another_job(64, 'b');
 
 }  // namespace
@@ -58,7 +62,7 @@ TEST_CASE("A loop's state comes back as it was", "[loop]") {
     Progress quiet;
     CHECK_FALSE(checkpoint.read(quiet));
     const halftone::LoopState state = some_state(6);
-    checkpoint.write(state, Keeps());
+    save(checkpoint, state);
     const auto loop = checkpoint.read(quiet);
     REQUIRE(loop);
     CHECK(loop->sequence == Keeps().kept);
@@ -86,7 +90,7 @@ TEST_CASE("A job that would throw a saved state away is refused, unless it says 
     const io::TemporaryFolder folder;
     const std::vector<Eigen::Vector3f> target(6, Eigen::Vector3f::Constant(0.5f));
     CHECK_NOTHROW(LoopCheckpoint::refuse_loss(folder.path(), false, false));
-    LoopCheckpoint(folder.path(), a_job, target).write(some_state(6), Keeps());
+    save(LoopCheckpoint(folder.path(), a_job, target), some_state(6));
     CHECK_THROWS_WITH(LoopCheckpoint::refuse_loss(folder.path(), false, false),
                       Catch::Contains("--resume") && Catch::Contains("--overwrite"));
     CHECK_NOTHROW(LoopCheckpoint::refuse_loss(folder.path(), true, false));
@@ -97,14 +101,14 @@ TEST_CASE("A state that cannot be written is said", "[loop]") {
     const io::TemporaryFolder folder;
     const std::vector<Eigen::Vector3f> target(6, Eigen::Vector3f::Constant(0.5f));
     const LoopCheckpoint checkpoint(folder.path() / "not-there", a_job, target);
-    CHECK_THROWS_AS(checkpoint.write(some_state(6), Keeps()), FileError);
+    CHECK_THROWS_AS(save(checkpoint, some_state(6)), FileError);
 }
 
 TEST_CASE("A state of another job or a broken file is refused", "[loop]") {
     const io::TemporaryFolder folder;
     const std::vector<Eigen::Vector3f> target(6, Eigen::Vector3f::Constant(0.5f));
     Progress quiet;
-    LoopCheckpoint(folder.path(), a_job, target).write(some_state(6), Keeps());
+    save(LoopCheckpoint(folder.path(), a_job, target), some_state(6));
     CHECK(LoopCheckpoint(folder.path(), a_job, target).read(quiet));
     CHECK_THROWS_AS(LoopCheckpoint(folder.path(), another_job, target).read(quiet), InputError);
     auto moved = target;
