@@ -14,6 +14,10 @@ void expect_stages(Progress& progress, std::vector<ExpectedStage> stages) {
     if (auto* const shows = dynamic_cast<ShowsOutlook*>(&progress)) shows->expect(std::move(stages));
 }
 
+void expect_steps(Progress& progress, std::uint64_t steps) {
+    if (auto* const shows = dynamic_cast<ShowsOutlook*>(&progress)) shows->expect_steps(steps);
+}
+
 void JobOutlook::expect(std::vector<ExpectedStage> stages) { to_come_ = std::move(stages); }
 
 /// Stages that were expected before this one are over or were left out.
@@ -63,7 +67,13 @@ std::optional<double> JobOutlook::seconds_left(double share, double now_s) {
     }
     double later_s = 0;
     for (const ExpectedStage& stage : to_come_) later_s += stage.seconds;
-    return left_of_stage(now_s) + later_s * pace();
+    return steadily(left_of_stage(now_s) + later_s * pace());
+}
+
+double JobOutlook::steadily(double left_s) {
+    constexpr double gross = 2, slack_s = 10;
+    if (!told_s_ || left_s < *told_s_ || left_s > gross * *told_s_ + slack_s) told_s_ = left_s;
+    return *told_s_;
 }
 
 std::string left_text(double seconds) {

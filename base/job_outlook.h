@@ -6,9 +6,11 @@
 //
 // pace: how much longer than expected the stages took that are over, weighted by their expected seconds (with a second
 // of weight for 1, so that a short first stage says little). The running stage is measured by its own steps where it
-// has some (between two of them the clock counts down); else by what was expected of it.
+// has some (between two of them the clock counts down); else by what was expected of it. A time that was told is not
+// taken back for a little more: it stands still until it is true, unless the work will take twice as long.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -30,10 +32,13 @@ public:
     virtual ~ShowsOutlook() = default;
     /// What is still to come, in this order; replaces what was expected before. Stages may be left out.
     virtual void expect(std::vector<ExpectedStage> stages) = 0;
+    /// The running stage will be over after so many steps in all, fewer than it was begun with.
+    virtual void expect_steps(std::uint64_t steps) = 0;
 };
 
 /// Tells it to progress that shows it; other progress does without.
 void expect_stages(Progress& progress, std::vector<ExpectedStage> stages);
+void expect_steps(Progress& progress, std::uint64_t steps);
 
 class JobOutlook {
 public:
@@ -47,6 +52,7 @@ public:
 
 private:
     [[nodiscard]] double pace() const;
+    [[nodiscard]] double steadily(double left_s);
     [[nodiscard]] double left_of_stage(double now_s) const;
 
     std::vector<ExpectedStage> to_come_;
@@ -55,6 +61,7 @@ private:
     double share_ = 0, reached_s_ = 0;  ///< the last share that was seen to be reached, and when
     bool running_ = false;
     double over_expected_s_ = 0, over_taken_s_ = 0;  ///< of expected stages that are over
+    std::optional<double> told_s_;                   ///< what was said to be left
 };
 
 /// "about 3 min left", coarser the longer it is, so that it does not flicker.

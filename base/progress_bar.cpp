@@ -135,6 +135,11 @@ void ProgressBar::expect(std::vector<ExpectedStage> stages) {
     outlook_.expect(std::move(stages));
 }
 
+void ProgressBar::expect_steps(std::uint64_t steps) {
+    const std::lock_guard lock(mutex_);
+    stage_.shorten(steps, done());
+}
+
 void ProgressBar::on_stage(std::string_view name, std::uint64_t steps, std::string_view unit) {
     const std::lock_guard lock(mutex_);
     stage_ = {printable(name), steps, printable(unit), clock_()};
@@ -236,6 +241,11 @@ void ProgressLines::tick() {
 void ProgressLines::expect(std::vector<ExpectedStage> stages) {
     const std::lock_guard lock(mutex_);
     outlook_.expect(std::move(stages));
+}
+
+void ProgressLines::expect_steps(std::uint64_t steps) {
+    const std::lock_guard lock(mutex_);
+    stage_.shorten(steps, done());
 }
 
 void ProgressLines::on_stage(std::string_view name, std::uint64_t steps, std::string_view unit) {

@@ -5,6 +5,7 @@
 // Why our own: `indicators`, the usual library, is no Debian package, and knows bars alone.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <cstdint>
 #include <functional>
@@ -34,6 +35,8 @@ struct Stage {
     std::uint64_t steps = 0;  ///< 0: unknown
     std::string unit;
     double began_s = 0;
+    /// To so many steps in all, but not to fewer than are done.
+    void shorten(std::uint64_t to, std::uint64_t done) { steps = std::min(steps, std::max(to, done)); }
 };
 
 /// "4.2 s", "3 min 05 s", "2 h 07 min".
@@ -56,6 +59,7 @@ public:
     /// Draws anew, as a clock's tick does.
     void tick();
     void expect(std::vector<ExpectedStage> stages) override;
+    void expect_steps(std::uint64_t steps) override;
 
 private:
     void on_stage(std::string_view name, std::uint64_t steps, std::string_view unit) override;
@@ -88,6 +92,7 @@ public:
     /// Says something if nothing was said for 20 s.
     void tick();
     void expect(std::vector<ExpectedStage> stages) override;
+    void expect_steps(std::uint64_t steps) override;
 
 private:
     void on_stage(std::string_view name, std::uint64_t steps, std::string_view unit) override;

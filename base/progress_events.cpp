@@ -53,6 +53,11 @@ void ProgressEvents::expect(std::vector<ExpectedStage> stages) {
     outlook_.expect(std::move(stages));
 }
 
+void ProgressEvents::expect_steps(std::uint64_t steps) {
+    const std::lock_guard lock(mutex_);
+    stage_.shorten(steps, done());
+}
+
 void ProgressEvents::result(std::string_view json) {
     say(fmt::format(R"({{"event":"result","result":{}}})", on_one_line(json)));
 }

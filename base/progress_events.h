@@ -3,7 +3,8 @@
 // Progress for programs: one JSON object per line (NDJSON), each with an "event":
 //   {"event":"stage","stage":"layers","state":"begin","steps":3920,"unit":"layers"}   ("steps" 0: unknown)
 //   {"event":"progress","stage":"layers","done":1842,"steps":3920,"seconds":30.21,"job_seconds_left":95}
-//     at most ten a second, at least one; "job_seconds_left" where the job's stages are known
+//     at most ten a second, at least one; "steps" become fewer where the work turns out to be shorter;
+//     "job_seconds_left" where the job's stages are known
 //   {"event":"stage","stage":"layers","state":"end","done":3920,"seconds":64.80}
 //   {"event":"warning","message":"..."}   {"event":"note","message":"..."}
 //   {"event":"result","result":{...}}     once, the last line
@@ -30,6 +31,7 @@ public:
     void result(std::string_view json);
 
     void expect(std::vector<ExpectedStage> stages) override;
+    void expect_steps(std::uint64_t steps) override;
 
 private:
     void on_stage(std::string_view name, std::uint64_t steps, std::string_view unit) override;

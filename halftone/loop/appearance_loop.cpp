@@ -11,6 +11,7 @@
 
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/error.h"
+#include "voxtone/base/job_outlook.h"
 #include "voxtone/base/parallel.h"
 #include "voxtone/base/stopwatch.h"
 #include "voxtone/halftone/loop/eye_filter.h"
@@ -130,20 +131,31 @@ float feedback_gain(const std::vector<LoopStep>& steps) {
     return gain;
 }
 
-/// True where the last steps, as many as the patience with the method that made the last one, gained too little.
-bool stopped_gaining(const std::vector<LoopStep>& steps) {
-    const LoopMethod method = steps.back().method;
-    const std::size_t patience = method == LoopMethod::descent ? patience_of_descent : patience_of_feedback;
-    const auto made = static_cast<std::size_t>(
-        std::count_if(steps.begin(), steps.end(), [&](const LoopStep& s) { return s.method == method; }));
-    if (made < patience + 1) return false;
+std::size_t patience_with(LoopMethod method) {
+    return method == LoopMethod::descent ? patience_of_descent : patience_of_feedback;
+}
+
+/// How many of the last steps, `most` at most and never the open loop, gained too little together.
+std::size_t steps_without_gain(const std::vector<LoopStep>& steps, std::size_t most) {
     const auto least = [](auto first, auto last) {
         double mean = first->seen.mean;
         for (; first != last; ++first) mean = std::min(mean, first->seen.mean);
         return mean;
     };
-    const auto middle = steps.end() - static_cast<std::ptrdiff_t>(patience);
-    return least(middle, steps.end()) > least_gain * least(steps.begin(), middle);
+    for (std::size_t last = std::min(most, steps.size() - 1); last > 0; --last) {
+        const auto middle = steps.end() - static_cast<std::ptrdiff_t>(last);
+        if (least(middle, steps.end()) > least_gain * least(steps.begin(), middle)) return last;
+    }
+    return 0;
+}
+
+/// True where the last steps, as many as the patience with the method that made the last one, gained too little.
+bool stopped_gaining(const std::vector<LoopStep>& steps) {
+    const LoopMethod method = steps.back().method;
+    const std::size_t patience = patience_with(method);
+    const auto made = static_cast<std::size_t>(
+        std::count_if(steps.begin(), steps.end(), [&](const LoopStep& s) { return s.method == method; }));
+    return made > patience && steps_without_gain(steps, patience) == patience;
 }
 
 const char* name_of(LoopMethod method) {
@@ -165,6 +177,8 @@ std::string report_line(const LoopState& state) {
         step.iteration, name_of(step.method), step.seen.mean, step.seen.median, state.steps.front().seen.mean,
         state.steps.front().seen.median, step.seconds);
 }
+
+int most_of(const LoopOptions& options) { return options.iterations < 0 ? most_iterations : options.iterations; }
 
 /// A loop while it runs: what one task keeps, the print that was predicted last, and the state that grows.
 class LoopRun {
@@ -198,7 +212,9 @@ private:
     void keep_if_best(const SkinMixtures& mixtures);
     void correct_control();
     [[nodiscard]] bool move_downhill();
+    [[nodiscard]] bool by_last_method() const;
     [[nodiscard]] bool gains_no_more() const;
+    [[nodiscard]] std::size_t predictions_left() const;
     [[nodiscard]] bool nothing_visible_left() const;
 
     const LoopTask& task_;
@@ -225,6 +241,7 @@ private:
     optics::ResinVolume print_;                        ///< the sequence looks at it again for the gradient
     bool cancelled_ = false;
     std::string why_stopped_;
+    std::size_t predictions_ = 0;  ///< of this run, a resumed one's own
 };
 
 LoopRun::LoopRun(const LoopTask& task, const LoopOptions& options, Progress& progress, const LoopListener& listener)
@@ -233,13 +250,13 @@ LoopRun::LoopRun(const LoopTask& task, const LoopOptions& options, Progress& pro
       progress_(progress),
       listener_(listener),
       recipes_(*task.recipes),
-      most_(options.iterations < 0 ? most_iterations : options.iterations),
+      most_(most_of(options)),
       in_gamut_(cells_in_gamut(recipes_, task.target)),
       target_(mapped_target()),
       white_(appearance_of_white()),
       relative_(task.scene.resins->channels, white_),
       error_(*task.surface, task.target, in_gamut_, options.viewing_distance_mm),
-      sequence_(task.model->sequence(task.scene, *task.surface)),
+      sequence_(task.model->sequence(task.scene, *task.surface, &progress)),
       around_(*task.surface),
       descent_wanted_(options.descent && task.mixture_gradient) {
     prepare_misfit();
@@ -273,7 +290,6 @@ void LoopRun::prepare_misfit() {
 }
 
 void LoopRun::predict_open_loop() {
-    progress_.begin_stage("appearance loop", static_cast<std::uint64_t>(most_) + 1, "predictions");
     predict(task_.open_loop(), LoopMethod::open_loop);
     state_.open = state_.shown = rgb_;
     best_remarks_ = remarks_;
@@ -286,8 +302,6 @@ void LoopRun::resume(ResumedLoop from) {
     if (!sequence_->read_state(from.sequence))
         throw InputError("the saved state of the appearance loop does not fit its model: begin anew with --overwrite");
     state_ = std::move(from.state);
-    progress_.begin_stage("appearance loop", static_cast<std::uint64_t>(std::max(0, most_ - iterations_made())),
-                          "predictions");
 }
 
 void LoopRun::iterate() {
@@ -368,6 +382,7 @@ void LoopRun::predict(optics::ResinVolume volume, LoopMethod method) {
     state_.steps.push_back(step);
     progress_.note(report_line(state_));
     progress_.advance();
+    expect_steps(progress_, ++predictions_ + predictions_left());
 }
 
 void LoopRun::keep_if_best(const SkinMixtures& mixtures) {
@@ -397,10 +412,21 @@ bool LoopRun::move_downhill() {
     return true;
 }
 
-/// Only a loop without a limit stops by itself, and not while a descent may still follow.
+/// No descent may still follow.
+bool LoopRun::by_last_method() const { return state_.steps.back().method == LoopMethod::descent || !has_gradient(); }
+
+/// Only a loop without a limit stops by itself.
 bool LoopRun::gains_no_more() const {
-    const bool last_method = state_.steps.back().method == LoopMethod::descent || !has_gradient();
-    return options_.iterations < 0 && last_method && stopped_gaining(state_.steps);
+    return options_.iterations < 0 && by_last_method() && stopped_gaining(state_.steps);
+}
+
+/// About: all that may follow while it gains, the fewer the longer it has not.
+std::size_t LoopRun::predictions_left() const {
+    const auto allowed = static_cast<std::size_t>(std::max(0, most_ - iterations_made()));
+    if (options_.iterations >= 0 || !by_last_method()) return allowed;
+    const std::size_t patience = patience_with(state_.steps.back().method),
+                      idle = steps_without_gain(state_.steps, patience), soonest = patience - idle;
+    return std::min(allowed, (allowed * (patience - idle) + soonest * idle + patience - 1) / patience);
 }
 
 /// The best print's mean, and all but a twentieth of its surface, are within what can be seen.
@@ -431,6 +457,10 @@ LoopResult run_appearance_loop(const LoopTask& task, const LoopOptions& options,
     VOXTONE_EXPECT(task.model && task.scene.volume && task.surface && task.recipes && task.open_loop && task.realise);
     VOXTONE_EXPECT(task.target.size() == task.surface->cells.size());
     expect_finite(task.target);
+    // White is predicted first, and belongs to it.
+    const int made = resume ? static_cast<int>(resume->state.steps.size()) : 0;
+    progress.begin_stage("appearance loop", static_cast<std::uint64_t>(std::max(0, most_of(options) + 1 - made)),
+                         "predictions");
     LoopRun run(task, options, progress, listener);
     if (resume)
         run.resume(std::move(*resume));

@@ -8,6 +8,7 @@
 
 #include "voxtone/base/error.h"
 #include "voxtone/base/stopwatch.h"
+#include "voxtone/slicer/look/coarse_cells.h"
 #include "voxtone/slicer/options/auto_limits.h"
 #include "voxtone/slicer/options/model_choice.h"
 #include "voxtone/slicer/surface/target_cells.h"
@@ -84,18 +85,28 @@ JobPrediction predict_print(const ResolvedJob& job, PredictionModel model, const
     prediction.cell_um = cells.cell_um;
     std::optional<MeshBoundary> boundary;
     if (model == PredictionModel::monte_carlo && !body.is_picture) boundary = boundary_of(body);
+    std::optional<CoarseCells> coarse;
+    if (model == PredictionModel::transport) coarse = coarse_cells(scene.volume->pitch_mm(), job.prediction.cell_mm);
     const ModelMaker maker = [&](bool white) {
         const std::uint64_t memory = job.prediction.memory_bytes;
         ModelOptions quality;
-        quality.cell_mm = job.prediction.cell_mm;
+        quality.cell_mm = coarse ? eye_cell_mm : job.prediction.cell_mm;
+        quality.viewing_cells = coarse.has_value();
         quality.memory_bytes = memory - std::min(memory, std::uint64_t{2 * prediction.volume.memory_bytes()});
         quality.boundary = boundary ? &*boundary : nullptr;
         quality.seed = white ? ~job.seed : job.seed;
         return make_model(model, quality);
     };
     const int white = resins.set.find("W");
-    prediction.predicted =
-        predict_surface(scene, std::move(cells.surface), maker, white >= 0 ? white : resins.core, progress);
+    const auto predicted_on = [&](optics::Surface surface) {
+        return predict_surface(scene, std::move(surface), maker, white >= 0 ? white : resins.core, progress);
+    };
+    if (coarse) {
+        optics::Surface eye = optics::find_surface(scene, coarse->eye, seen_part(body), &progress);
+        prediction.predicted = averaged(predicted_on(std::move(eye)), std::move(cells.surface));
+    } else {
+        prediction.predicted = predicted_on(std::move(cells.surface));
+    }
     prediction.difference = colour_differences(prediction.target, prediction.predicted.rgb);
     prediction.summary = summarize_by_area(prediction.predicted.surface, prediction.difference);
     progress.end_stage();

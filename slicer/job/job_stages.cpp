@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxtone/slicer/job/job_stages.h"
 
+#include <array>
+
 #include "voxtone/slicer/job/job_loop.h"
 #include "voxtone/slicer/job/job_prediction.h"
+#include "voxtone/slicer/look/prediction_time.h"
 #include "voxtone/slicer/surface/target_cells.h"
 
 namespace voxtone::slicer {
@@ -12,7 +15,7 @@ namespace {
 // Seconds on two cores of 2.5 GHz, by `voxtone slice` of photographs 5 to 15 mm wide and of the bundled cow at 15 and
 // 30 mm (stages of report.json).
 constexpr double separation_s = 1.5, report_s = 1;
-constexpr double preparation_s_per_cell = 3e-5, iteration_s_per_cell = 1e-4, prediction_s_per_cell = 8e-4;
+constexpr double preparation_s_per_cell = 3e-5, iteration_s_per_cell = 1e-4;
 constexpr double layers_s_per_voxel = 1e-8, layers_s_per_shell_voxel = 1e-7;
 constexpr double profiles_s_per_resin = 1, search_s_per_cluster = 1, traced_search_s_per_cluster = 5;
 constexpr int usual_iterations = 9;  ///< of a loop that stops when it gains no more
@@ -50,8 +53,14 @@ std::vector<ExpectedStage> expected_stages(const OpenedJob& job, const JobBody& 
     }
     stages.push_back({"layers", layers_seconds(job, body, range, area_mm2)});
     const bool all_layers = range.layers() == body.grid.size[2];
-    if (!options.layered && plan_prediction(options, body, all_layers, loop.wanted).by == PredictionPlan::By::model)
-        stages.push_back({"predict", prediction_s_per_cell * cells});
+    const PredictionPlan prediction =
+        options.layered ? PredictionPlan{} : plan_prediction(options, body, all_layers, loop.wanted);
+    if (prediction.by == PredictionPlan::By::model) {
+        ModelOptions quality;
+        quality.cell_mm = options.prediction.cell_mm;
+        const std::array pitch_mm{body.grid.pitch_mm.x(), body.grid.pitch_mm.y(), body.grid.pitch_mm.z()};
+        stages.push_back({"predict", prediction_seconds(prediction.model, quality, pitch_mm, area_mm2)});
+    }
     stages.push_back({"report", report_s});
     return stages;
 }

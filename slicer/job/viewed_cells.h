@@ -27,7 +27,10 @@ struct ViewedCells {
 [[nodiscard]] optics::Scene scene_of(const optics::ResinVolume& volume, const LoadedResins& resins, const JobBody& body,
                                      optics::Backing under_picture);
 
-/// Cells of about `cell_mm`: of the top of a picture's slab, of a body's whole surface.
+/// The top of a picture's slab, a body's whole surface.
+[[nodiscard]] optics::SurfacePart seen_part(const JobBody& body);
+
+/// Cells of about `cell_mm` (look/coarse_cells.h), of the part of the surface that is seen.
 [[nodiscard]] ViewedCells find_viewed_cells(const optics::Scene& scene, const JobBody& body, double cell_mm,
                                             const Progress& progress);
 

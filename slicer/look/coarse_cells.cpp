@@ -21,6 +21,11 @@ std::optional<CoarseCells> coarse_cells(const std::array<double, 3>& pitch_mm, d
     return cells;
 }
 
+std::array<int, 3> seen_cell_voxels(const std::array<double, 3>& pitch_mm, double cell_mm) {
+    const auto cells = coarse_cells(pitch_mm, cell_mm);
+    return cells ? cells->coarse : optics::cell_voxels(pitch_mm, cell_mm);
+}
+
 SurfacePrediction averaged(const SurfacePrediction& fine, optics::Surface surface) {
     std::array<int, 3> times{};
     for (std::size_t a = 0; a < 3; ++a) {
@@ -32,6 +37,7 @@ SurfacePrediction averaged(const SurfacePrediction& fine, optics::Surface surfac
 
     SurfacePrediction mean;
     mean.channels = fine.channels;
+    mean.remarks = fine.remarks;
     mean.value.assign(surface.cells.size() * fine.channels, 0);
     mean.rgb.assign(surface.cells.size(), Eigen::Vector3f::Zero());
     std::vector<float> area(surface.cells.size(), 0);

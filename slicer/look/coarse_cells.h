@@ -25,6 +25,8 @@ struct CoarseCells {
 };
 /// Nothing where a cell of `cell_mm` is not at least two of the eye's wide along some axis.
 [[nodiscard]] std::optional<CoarseCells> coarse_cells(const std::array<double, 3>& pitch_mm, double cell_mm);
+/// Voxels of a cell of about `cell_mm`, the same for every model: the coarse ones where there are such.
+[[nodiscard]] std::array<int, 3> seen_cell_voxels(const std::array<double, 3>& pitch_mm, double cell_mm);
 
 /// The mean of `fine` over each cell of `surface`, by area. The cells of `surface` are whole ones of those of `fine`,
 /// and both are of the same body. Standard errors are left out.

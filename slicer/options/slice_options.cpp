@@ -268,7 +268,9 @@ std::vector<OptionSpec> make_table() {
                               name_of(PredictionModel::transport), auto_prediction_cm2),
                   predict_choices()),
              &O::predict),
-        length(spec("predict-cell", Kind::length, "LENGTH", predict, "cells that are predicted and seen as one"),
+        length(spec("predict-cell", Kind::length, "LENGTH", predict,
+                    "cells that are predicted and seen as one; from twice the default on it is a quick look, averaged "
+                    "over cells of the eye"),
                &O::predict_cell_mm),
         number(spec("verdict-good", Kind::number, "DE", predict,
                     "the print looks as asked where the mean difference as seen from the viewing distance is not above "

@@ -169,6 +169,8 @@ StackVolume read_own(const io::StackReader& stack, const StackVolumeOptions& opt
     }
     LayerVolume volume({{}, {size[0], size[1], static_cast<int>(description.layers)}}, pitch_mm, assignment.material_of,
                        options.memory_bytes);
+    if (options.before_layers)
+        options.before_layers({size[0], size[1], static_cast<int>(description.layers)}, pitch_mm);
     progress.begin_stage("read layers", description.layers, "layers");
     parallel_for(
         0, description.layers, 1,
@@ -375,6 +377,7 @@ StackVolume read_foreign(const io::StackReader& stack, const StackVolumeOptions&
     warn_of_absent(options, assignment, body, progress);
     const LayerWindow& window = body.window;
     LayerVolume volume(window, pitch_mm, assignment.material_of, options.memory_bytes);
+    if (options.before_layers) options.before_layers(window.size, pitch_mm);
     progress.begin_stage("read layers", static_cast<std::uint64_t>(window.size[2]), "layers");
     parallel_for(
         static_cast<std::size_t>(window.corner[2]), static_cast<std::size_t>(window.corner[2] + window.size[2]), 1,

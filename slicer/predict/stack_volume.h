@@ -12,6 +12,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -42,6 +43,8 @@ struct StackVolumeOptions {
     std::optional<std::array<double, 3>> pitch_mm{};  ///< foreign stacks: of columns, rows, layers
     std::vector<ColourAssignment> assign{};           ///< foreign stacks
     std::uint64_t memory_bytes = ~std::uint64_t{0};   ///< the volume may take so much
+    /// Told the voxels of the volume along each axis and their edges, mm, before its layers are read; may be empty.
+    std::function<void(const std::array<int, 3>& voxels, const std::array<double, 3>& pitch_mm)> before_layers{};
 };
 
 struct StackVolume {

@@ -11,19 +11,30 @@ TEST_CASE("What is left of a job is what is left of its stage and the stages to 
     outlook.expect({{"loop", 40}, {"layers", 2}, {"predict", 20}});
     CHECK(*outlook.seconds_left(0, 0) == Approx(62));
     outlook.begin("loop", 100);
-    CHECK(*outlook.seconds_left(0, 110) == Approx(30 + 22));     // not a step yet: as expected
-    CHECK(*outlook.seconds_left(0.25, 120) == Approx(60 + 22));  // its steps say that it takes 80 s
-    CHECK(*outlook.seconds_left(0.25, 130) == Approx(50 + 22));  // and no step since
-    outlook.end(181);                                            // 81 s for 40: all is half as fast
-    CHECK(*outlook.seconds_left(0, 181) == Approx(22 * 2.0));
-    outlook.begin("checkpoint", 181);  // nobody expected it
-    CHECK(*outlook.seconds_left(0, 200) == Approx(22 * 2.0));
+    CHECK(*outlook.seconds_left(0, 110) == Approx(30 + 22));    // not a step yet: as expected
+    CHECK(*outlook.seconds_left(0.25, 120) == Approx(52));      // its steps say 60 + 22: not told, but waited for
+    CHECK(*outlook.seconds_left(0.5, 130) == Approx(30 + 22));  // true again
+    CHECK(*outlook.seconds_left(0.5, 140) == Approx(20 + 22));  // and no step since
+    outlook.end(181);                                           // 81 s for 40: all is half as fast
+    CHECK(*outlook.seconds_left(0, 181) == Approx(42));         // 22 * 2
+    outlook.begin("checkpoint", 181);                           // nobody expected it
+    CHECK(*outlook.seconds_left(0, 200) == Approx(42));
     outlook.end(201);
     outlook.begin("predict", 201);  // layers were left out
     CHECK(*outlook.seconds_left(0, 211) == Approx(30));
     CHECK(*outlook.seconds_left(0, 301) == Approx(10));  // longer than expected: near its end, never at it
     outlook.end(310);
     CHECK_FALSE(outlook.seconds_left(0, 310));
+}
+
+TEST_CASE("A time that was grossly wrong is corrected") {
+    JobOutlook outlook;
+    outlook.expect({{"loop", 10}});
+    outlook.begin("loop", 0);
+    CHECK(*outlook.seconds_left(0, 0) == Approx(10));
+    CHECK(*outlook.seconds_left(0.1, 5) == Approx(45));   // more than twice as long, and not by seconds only
+    CHECK(*outlook.seconds_left(0.2, 20) == Approx(45));  // 80
+    CHECK(*outlook.seconds_left(0.5, 25) == Approx(25));
 }
 
 TEST_CASE("The time left is written coarsely") {

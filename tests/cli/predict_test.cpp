@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <csignal>
@@ -11,6 +12,8 @@
 #include <nlohmann/json.hpp>
 
 #include "run_program.h"
+#include "voxtone/base/job_outlook.h"
+#include "voxtone/slicer/predict/predict_job.h"
 
 using namespace voxtone::test;
 using Catch::Matchers::Contains;
@@ -275,6 +278,34 @@ TEST_CASE("predict says what is wrong before any work is done") {
     CHECK(same_bytes(folder / "p.png", folder / "q.png"));
 }
 
+TEST_CASE("Predicting has one time for all of it: every stage is expected before it begins") {
+    const Folder folder("expected");
+    class Stages final : public voxtone::Progress, public voxtone::ShowsOutlook {
+    public:
+        std::vector<std::string> to_come, begun, unexpected;
+        void expect(std::vector<voxtone::ExpectedStage> stages) override {
+            to_come.clear();
+            for (const voxtone::ExpectedStage& stage : stages) {
+                CHECK(stage.seconds > 0);
+                to_come.push_back(stage.name);
+            }
+        }
+        void expect_steps(std::uint64_t) override {}
+
+    private:
+        void on_stage(std::string_view name, std::uint64_t, std::string_view) override {
+            begun.emplace_back(name);
+            if (std::find(to_come.begin(), to_come.end(), name) == to_come.end()) unexpected.emplace_back(name);
+        }
+    } stages;
+    voxtone::slicer::PredictOptions options;
+    options.stack = marked_stack(folder);
+    options.files = {folder / "p.png"};
+    (void)voxtone::slicer::run_predict_job(options, stages);
+    CHECK(stages.begun == std::vector<std::string>{"read layers", "find the surface", "predict", "write"});
+    CHECK(stages.unexpected.empty());
+}
+
 TEST_CASE("slice --predict shows target, prediction and difference, upright, with its figures") {
     const Folder folder("report");
     REQUIRE(run_program(
@@ -308,6 +339,15 @@ TEST_CASE("slice --predict shows target, prediction and difference, upright, wit
                                     folder / "out", folder / "again.png"))
                 .exit_code == 0);
     CHECK(same_bytes(folder / "again.png", folder / "out/predicted.png"));
+
+    // By transport too, whose larger cells are a quick look here as there.
+    REQUIRE(run_program(fmt::format("slice --quiet {} --width 2.4mm --thickness 1mm --predict transport --iterations 0 "
+                                    "--predict-cell 0.3mm -o {}",
+                                    marked_picture(folder), folder / "coarse"))
+                .exit_code == 0);
+    REQUIRE(run_program(fmt::format("predict --quiet --cell 0.3mm {} -o {}", folder / "coarse", folder / "coarse.png"))
+                .exit_code == 0);
+    CHECK(same_bytes(folder / "coarse.png", folder / "coarse/predicted.png"));
 
     // A part of the layers is not predicted, and the report says so.
     REQUIRE(run_program(fmt::format("slice --quiet {} --width 2.4mm --thickness 1mm --layers 0-9 -o {}",

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "blurring_model.h"
+#include "voxtone/base/job_outlook.h"
 #include "voxtone/base/parallel.h"
 #include "voxtone/halftone/loop/residual_feedback.h"
 
@@ -37,6 +39,17 @@ private:
         if (static_cast<int>(done) >= after_) cancel();
     }
     int after_;
+};
+
+/// How many steps the loop says that it will have, at its begin and after each.
+class TellsSteps final : public Progress, public ShowsOutlook {
+public:
+    std::vector<std::uint64_t> told;
+    void expect(std::vector<ExpectedStage>) override {}
+    void expect_steps(std::uint64_t steps) override { told.push_back(steps); }
+
+private:
+    void on_stage(std::string_view, std::uint64_t steps, std::string_view) override { told.push_back(steps); }
 };
 
 LoopResult run(SmallSlab& slab, const BlurringModel& model, std::span<const Eigen::Vector3f> target,
@@ -162,14 +175,35 @@ TEST_CASE("A loop that cannot gain ends with the open loop, and stops by itself"
         }
     };
     const Blind model;
-    Progress quiet;
+    TellsSteps steps;
     const auto target = stripes(0.2f, 0.6f);
     const optics::ResinVolume open = slab.print(mixtures_of(*slab.recipes, target));
-    const LoopResult result = run_appearance_loop(slab.task(model, open, target), {}, quiet);
+    const LoopResult result = run_appearance_loop(slab.task(model, open, target), {}, steps);
     CHECK(result.state.best == 0);
     CHECK_FALSE(result.best);
     CHECK(result.state.steps.size() < most_iterations);
     CHECK(result.why_stopped == "it stopped gaining");
+    // What is left becomes less with each prediction that gains nothing, and none is promised that is not made.
+    REQUIRE(steps.told.size() == result.state.steps.size() + 1);
+    CHECK(steps.told.front() == most_iterations + 1);
+    CHECK(std::is_sorted(steps.told.rbegin(), steps.told.rend()));
+    CHECK(steps.told[1] < steps.told.front());
+    CHECK(steps.told.back() == result.state.steps.size());
+}
+
+TEST_CASE("A loop that was told how often to go on says so", "[loop]") {
+    SmallSlab slab(n, black_and_white());
+    const BlurringModel model(n, static_cast<int>(slab.white) + 1, 0.5f);
+    LoopOptions options;
+    options.iterations = 4;
+    std::vector<LoopState> states;
+    const auto target = stripes(0.2f, 0.6f);
+    TellsSteps whole, rest;
+    (void)run(slab, model, target, options, whole, [&](const LoopState& s, const auto&) { states.push_back(s); });
+    CHECK(whole.told == std::vector<std::uint64_t>(6, 5));
+    REQUIRE(states.size() >= 3);
+    (void)run(slab, model, target, options, rest, {}, ResumedLoop{states[2], {}});
+    CHECK(rest.told == std::vector<std::uint64_t>(3, 2));
 }
 
 TEST_CASE("No iterations leave the open loop", "[loop]") {

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// About how long a prediction takes, for the time that is shown as left (base/job_outlook.h): good to a factor of two
+// or three.
+#pragma once
+
+#include <array>
+
+#include "voxtone/slicer/options/model_choice.h"
+
+namespace voxtone::slicer {
+
+/// Seconds for a surface of this area seen in cells of `quality.cell_mm`, and for its white twin.
+[[nodiscard]] double prediction_seconds(PredictionModel model, const ModelOptions& quality,
+                                        const std::array<double, 3>& pitch_mm, double area_mm2);
+
+}  // namespace voxtone::slicer
