@@ -56,8 +56,8 @@ std::unique_ptr<const optics::AppearanceModel> loop_model(const ResolvedJob& job
 /// to stop.
 class CheckpointKeeper {
 public:
-    CheckpointKeeper(const LoopCheckpoint& checkpoint, Progress& progress)
-        : checkpoint_(checkpoint), progress_(progress) {}
+    CheckpointKeeper(const LoopCheckpoint& checkpoint, std::uint64_t memory_bytes, Progress& progress)
+        : checkpoint_(checkpoint), most_copied_(memory_bytes / 8), progress_(progress) {}
     CheckpointKeeper(const CheckpointKeeper&) = delete;
     CheckpointKeeper& operator=(const CheckpointKeeper&) = delete;
     /// Waits for what is being written.
@@ -65,12 +65,17 @@ public:
 
     void keep(const halftone::LoopState& state, const optics::AppearanceSequence& sequence) {
         finish();
+        if (checkpoint_.bytes(state, sequence) > most_copied_) {
+            writing_ = std::async(std::launch::deferred, [&] {
+                checkpoint_.write(state, sequence);
+                tell_how_to_go_on();
+            });
+            finish();
+            return;
+        }
         writing_ = std::async(std::launch::async, [this, packed = checkpoint_.packed(state, sequence)]() mutable {
             checkpoint_.write(std::move(packed));
-            set_stop_advice(
-                fmt::format("the appearance loop is saved in {}: the same command with --resume goes on, with --resume "
-                            "--iterations 0 it prints the best that there is",
-                            checkpoint_.file().string()));
+            tell_how_to_go_on();
         });
     }
     /// The last state is written then, or it was said that it could not be.
@@ -86,7 +91,15 @@ public:
     }
 
 private:
+    void tell_how_to_go_on() const {
+        set_stop_advice(
+            fmt::format("the appearance loop is saved in {}: the same command with --resume goes on, with --resume "
+                        "--iterations 0 it prints the best that there is",
+                        checkpoint_.file().string()));
+    }
+
     const LoopCheckpoint& checkpoint_;
+    const std::uint64_t most_copied_;  ///< an eighth of the memory that is allowed
     Progress& progress_;
     bool warned_ = false;
     std::future<void> writing_;
@@ -165,7 +178,7 @@ JobLoop run_job_loop(const LoopProblem& problem, const LoopPlan& plan, const Loo
     options.descent = plan.descent;
 
     JobLoop loop{std::string(name_of(job.loop.model)), problem.cells, {}, 0};
-    CheckpointKeeper keeper(checkpoint, progress);
+    CheckpointKeeper keeper(checkpoint, job.prediction.memory_bytes, progress);
     const auto keep = [&](const halftone::LoopState& state, const optics::AppearanceSequence& sequence) {
         keeper.keep(state, sequence);
     };

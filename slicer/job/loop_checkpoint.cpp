@@ -3,8 +3,8 @@
 
 #include <array>
 #include <cstring>
+#include <fstream>
 #include <type_traits>
-#include <utility>
 
 #include <fmt/core.h>
 
@@ -22,21 +22,9 @@ namespace {
 constexpr std::string_view magic = "voxtone-loop 7\n", any_magic = "voxtone-loop ";  // of any version
 constexpr std::size_t digest_size = sizeof(std::uint64_t);
 
-/// Counts the bytes of a state, or gathers them: in memory that is taken once, as they may be many.
+/// Hands over the bytes of a state piece by piece.
 struct Writer {
-    bool counts = true;
-    std::size_t size = 0;
-    std::vector<std::uint8_t> bytes{};
-    void raw(const void* data, std::size_t more) {
-        size += more;
-        if (counts) return;
-        const auto* const first = static_cast<const std::uint8_t*>(data);
-        bytes.insert(bytes.end(), first, first + more);
-    }
-    void gather() {
-        counts = false;
-        bytes.reserve(std::exchange(size, 0) + digest_size);
-    }
+    std::function<void(const void*, std::size_t)> raw;
     template <class T>
     void list(std::span<const T> values) {
         const std::uint64_t count = values.size();
@@ -163,19 +151,31 @@ bool LoopCheckpoint::exists() const {
     return std::filesystem::exists(file_, none);
 }
 
+void LoopCheckpoint::hand_over(const Piece& take, const halftone::LoopState& state,
+                               const optics::AppearanceSequence& sequence) const {
+    Writer file{take};
+    take(magic.data(), magic.size());
+    take(&digest_, sizeof digest_);
+    state_in(file, state);
+    sequence.write_state([&take](std::span<const std::byte> bytes) { take(bytes.data(), bytes.size()); });
+}
+
+std::size_t LoopCheckpoint::bytes(const halftone::LoopState& state, const optics::AppearanceSequence& sequence) const {
+    std::size_t size = digest_size;
+    hand_over([&](const void*, std::size_t more) { size += more; }, state, sequence);
+    return size;
+}
+
 std::vector<std::uint8_t> LoopCheckpoint::packed(const halftone::LoopState& state,
                                                  const optics::AppearanceSequence& sequence) const {
-    Writer file;
-    const auto all = [&] {
-        file.raw(magic.data(), magic.size());
-        file.raw(&digest_, sizeof digest_);
-        state_in(file, state);
-        sequence.write_state([&file](std::span<const std::byte> bytes) { file.raw(bytes.data(), bytes.size()); });
+    std::vector<std::uint8_t> all;
+    all.reserve(bytes(state, sequence));
+    const auto append = [&](const void* data, std::size_t more) {
+        const auto* const first = static_cast<const std::uint8_t*>(data);
+        all.insert(all.end(), first, first + more);
     };
-    all();
-    file.gather();
-    all();
-    return std::move(file.bytes);
+    hand_over(append, state, sequence);
+    return all;
 }
 
 void LoopCheckpoint::write(std::vector<std::uint8_t> packed) const {
@@ -183,6 +183,26 @@ void LoopCheckpoint::write(std::vector<std::uint8_t> packed) const {
     const auto* const first = reinterpret_cast<const std::uint8_t*>(&digest);
     packed.insert(packed.end(), first, first + digest_size);
     io::write_whole_file(file_, packed);
+}
+
+void LoopCheckpoint::write(const halftone::LoopState& state, const optics::AppearanceSequence& sequence) const {
+    const std::filesystem::path part = io::part_path(file_);
+    std::ofstream out(part, std::ios::binary);
+    io::Xxh64 sum;
+    const auto put = [&](const void* data, std::size_t more) {
+        sum.update(data, more);
+        out.write(static_cast<const char*>(data), static_cast<std::streamsize>(more));
+    };
+    hand_over(put, state, sequence);
+    const std::uint64_t digest = sum.digest();
+    out.write(reinterpret_cast<const char*>(&digest), digest_size);
+    out.close();
+    if (out.fail()) {
+        std::error_code not_there;
+        std::filesystem::remove(part, not_there);
+        throw FileError(fmt::format("{}: cannot be written; is the disk full?", file_.string()));
+    }
+    io::finish_part(file_);
 }
 
 std::optional<halftone::ResumedLoop> LoopCheckpoint::read(Progress& progress) const {

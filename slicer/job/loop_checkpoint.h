@@ -3,8 +3,8 @@
 // The state of an appearance loop on disk, so that an interrupted job can go on to the same bits: OUT/loop.checkpoint,
 // written after each iteration under a temporary name and renamed, removed when the job is done. With the light that
 // the predictor keeps it has some 200 bytes for each surface cell and 50 for each cell that light is followed through:
-// a quarter of a gigabyte for a body of 30 mm. So the loop waits for a copy of it in memory alone; the disk is waited
-// for beside the next iteration.
+// 216 MB for a body of 30 mm. So the loop waits for a copy of it in memory alone, and the disk is waited for beside the
+// next iteration, unless the copy would be too large (job_loop.h).
 //
 // A state belongs to one job: the job's identity as far as it matters to the loop (job_identity.h: what the inputs
 // hold, not their names; not --iterations) and the target of every cell are part of a digest in the file, and another
@@ -14,6 +14,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -32,11 +33,15 @@ public:
     LoopCheckpoint(const std::filesystem::path& folder, std::string_view loop_identity,
                    std::span<const Eigen::Vector3f> target);
 
+    /// Of the file.
+    [[nodiscard]] std::size_t bytes(const halftone::LoopState& state, const optics::AppearanceSequence& sequence) const;
     /// All that is to be saved, as one piece of memory: the loop may go on while it is written.
     [[nodiscard]] std::vector<std::uint8_t> packed(const halftone::LoopState& state,
                                                    const optics::AppearanceSequence& sequence) const;
     /// Throws FileError, TryAgain; what was written before stays then. From any thread, one at a time.
     void write(std::vector<std::uint8_t> packed) const;
+    /// The same without that memory, while the loop waits.
+    void write(const halftone::LoopState& state, const optics::AppearanceSequence& sequence) const;
     /// Nothing, with a note, where there is none. Throws InputError for one of another job, FileError for a broken one.
     [[nodiscard]] std::optional<halftone::ResumedLoop> read(Progress& progress) const;
     [[nodiscard]] bool exists() const;
@@ -48,6 +53,10 @@ public:
     static void remove_from(const std::filesystem::path& folder);
 
 private:
+    using Piece = std::function<void(const void*, std::size_t)>;
+    void hand_over(const Piece& take, const halftone::LoopState& state,
+                   const optics::AppearanceSequence& sequence) const;
+
     std::filesystem::path file_;
     std::uint64_t digest_;
     std::size_t cells_;
