@@ -106,7 +106,9 @@ TEST_CASE("work in another program") {
 TEST_CASE("another program is given no open file") {
     const int leaky = open("/dev/zero", O_RDONLY);  // without O_CLOEXEC, as libraries open files
     REQUIRE(leaky >= 0);
-    CHECK(text_of(ask("open files")) == "0 1 2 ");
+    const std::string open_files = text_of(ask("open files"));
+    // A sanitizer's report must be seen: there stderr stays what it was, which may be a pipe that cannot be sought in.
+    CHECK((open_files == "0 1 2 " || (built_with_address_sanitizer() && open_files == "0 1 ")));
     close(leaky);
 }
 
