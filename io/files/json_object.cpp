@@ -2,13 +2,17 @@
 #include "voxtone/io/files/json_object.h"
 
 #include <algorithm>
+#include <charconv>
 #include <fstream>
+#include <utility>
 
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include "voxtone/base/error.h"
 #include "voxtone/io/files/json_keys.h"
+#include "voxtone/io/files/json_lines.h"
 
 namespace voxtone::io {
 
@@ -23,12 +27,49 @@ std::string shown(const json& value) {
     return text;
 }
 
+/// "rows[3][1]" is the key "rows" and two places in lists.
+std::vector<JsonStep> steps_of(std::string_view key, const json& object) {
+    std::vector<JsonStep> places;
+    while (!object.contains(std::string(key)) && key.ends_with(']')) {
+        const std::size_t bracket = key.rfind('[');
+        if (bracket == std::string_view::npos) break;
+        std::size_t place = 0;
+        std::from_chars(key.data() + bracket + 1, key.data() + key.size() - 1, place);
+        places.emplace_back(place);
+        key = key.substr(0, bracket);
+    }
+    std::vector<JsonStep> steps{std::string(key)};
+    steps.insert(steps.end(), places.rbegin(), places.rend());
+    return steps;
+}
+
 }  // namespace
 
+struct JsonObject::Document {
+    std::string source, text;
+    json root;
+};
+
 struct JsonObject::Node {
-    std::shared_ptr<const json> document;  // keeps `value` alive
+    std::shared_ptr<const Document> document;  // keeps `value` alive
     const json* value;
-    std::string source, path;
+    std::string path;
+    std::vector<JsonStep> steps;  // the same from the root
+
+    /// "FILE: " or, where the text has this key, "FILE: line N: ".
+    [[nodiscard]] std::string place_of(std::string_view key) const {
+        std::vector<JsonStep> there = steps;
+        for (JsonStep& step : steps_of(key, *value)) there.push_back(std::move(step));
+        std::size_t line = line_in_json(document->text, there);
+        if (line == 0 && !steps.empty()) line = line_in_json(document->text, steps);  // of what it is missing in
+        return line == 0 ? document->source + ": " : fmt::format("{}: line {}: ", document->source, line);
+    }
+    /// An object within.
+    [[nodiscard]] std::shared_ptr<const Node> within(const json& object, std::string_view key) const {
+        std::vector<JsonStep> there = steps;
+        for (JsonStep& step : steps_of(key, *value)) there.push_back(std::move(step));
+        return std::make_shared<const Node>(Node{document, &object, name(key), std::move(there)});
+    }
 
     [[nodiscard]] std::string name(std::string_view key) const {
         return path.empty() ? std::string(key) : fmt::format("{}.{}", path, key);
@@ -43,9 +84,9 @@ struct JsonObject::Node {
 JsonObject::JsonObject(std::shared_ptr<const Node> node) : node_(std::move(node)) {}
 
 JsonObject JsonObject::parse(std::string_view text, std::string source) {
-    auto document = std::make_shared<json>();
+    auto document = std::make_shared<Document>();
     try {
-        *document = json::parse(text);
+        document->root = json::parse(text);
     } catch (const json::parse_error& error) {
         const std::size_t end = std::min(error.byte, text.size());
         const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(end), '\n');
@@ -56,10 +97,13 @@ JsonObject JsonObject::parse(std::string_view text, std::string source) {
     } catch (const json::out_of_range&) {
         throw InputError(fmt::format("{}: holds a number that is too large for any computer", source));
     }
-    if (!document->is_object())
-        throw InputError(fmt::format("{}: expected a JSON object, {{...}}, found {}", source, document->type_name()));
-    const json* value = document.get();
-    return JsonObject(std::make_shared<const Node>(Node{std::move(document), value, std::move(source), {}}));
+    if (!document->root.is_object())
+        throw InputError(
+            fmt::format("{}: expected a JSON object, {{...}}, found {}", source, document->root.type_name()));
+    document->text = text;
+    document->source = std::move(source);
+    const json* const value = &document->root;
+    return JsonObject(std::make_shared<const Node>(Node{std::move(document), value, {}, {}}));
 }
 
 JsonObject JsonObject::read(const std::filesystem::path& file) {
@@ -77,16 +121,19 @@ JsonObject JsonObject::read(const std::filesystem::path& file) {
 }
 
 void JsonObject::fail(std::string_view key, std::string_view rule) const {
-    throw InputError(fmt::format("{}: key `{}`: {}", node_->source, node_->name(key), rule));
+    throw InputError(fmt::format("{}key `{}`: {}", node_->place_of(key), node_->name(key), rule));
 }
 
 void JsonObject::allow_only(std::initializer_list<std::string_view> known) const {
+    allow_only(std::vector<std::string>(known.begin(), known.end()));
+}
+
+void JsonObject::allow_only(std::span<const std::string> known) const {
     for (const auto& item : node_->value->items())
-        if (std::find(known.begin(), known.end(), item.key()) == known.end()) {
-            const std::vector<std::string> names(known.begin(), known.end());
-            throw InputError(fmt::format("{}: {}{}", node_->source, node_->path.empty() ? "" : node_->path + ": ",
-                                         unknown_key_message(item.key(), names)));
-        }
+        if (std::find(known.begin(), known.end(), item.key()) == known.end())
+            throw InputError(fmt::format("{}{}{}", node_->place_of(item.key()),
+                                         node_->path.empty() ? "" : node_->path + ": ",
+                                         unknown_key_message(item.key(), known)));
 }
 
 bool JsonObject::has(std::string_view key) const { return node_->value->contains(std::string(key)); }
@@ -100,6 +147,15 @@ std::vector<std::string> JsonObject::keys() const {
     std::vector<std::string> result;
     for (const auto& item : node_->value->items()) result.push_back(item.key());
     return result;
+}
+
+std::string JsonObject::any_text(std::string_view key) const {
+    const json& value = node_->at(*this, key);
+    if (value.is_string()) return value.get<std::string>();
+    if (value.is_boolean() || value.is_number()) return value.dump();
+    if (!value.is_array())
+        fail(key, fmt::format("is {}, expected a text, a number, true, false or a list of texts", shown(value)));
+    return fmt::format("{}", fmt::join(texts(key), ","));
 }
 
 std::string JsonObject::text(std::string_view key) const {
@@ -208,7 +264,7 @@ std::vector<std::string> JsonObject::texts(std::string_view key) const {
 JsonObject JsonObject::object(std::string_view key) const {
     const json& value = node_->at(*this, key);
     if (!value.is_object()) fail(key, fmt::format("is {}, expected an object, {{...}}", shown(value)));
-    return JsonObject(std::make_shared<const Node>(Node{node_->document, &value, node_->source, node_->name(key)}));
+    return JsonObject(node_->within(value, key));
 }
 
 std::vector<JsonObject> JsonObject::objects(std::string_view key) const {
@@ -217,8 +273,7 @@ std::vector<JsonObject> JsonObject::objects(std::string_view key) const {
     std::vector<JsonObject> result;
     for (std::size_t i = 0; i < value.size(); ++i) {
         if (!value[i].is_object()) fail(key, fmt::format("holds {}, expected objects, {{...}}", shown(value[i])));
-        result.push_back(JsonObject(std::make_shared<const Node>(
-            Node{node_->document, &value[i], node_->source, fmt::format("{}[{}]", node_->name(key), i)})));
+        result.push_back(JsonObject(node_->within(value[i], fmt::format("{}[{}]", key, i))));
     }
     return result;
 }

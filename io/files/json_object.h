@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // JSON objects as a user writes them (manifests, resin sets, job files): every fault is an InputError that names the
-// file, the key, the value and the rule; a key that is not known is an error that names the nearest one that is.
+// file, the line, the key, the value and the rule; a key that is not known is an error that names the nearest one that
+// is.
 //
 // nlohmann-json parses; what it lacks is all that comes after: its exceptions know neither file nor key, and a schema
 // validator says which rule of the schema was broken, not what to write instead. (Schemas: tests/io/files/schema_test.)
@@ -12,6 +13,7 @@
 #include <filesystem>
 #include <initializer_list>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -28,10 +30,14 @@ public:
 
     /// Throws InputError for the first key that is not among `known`.
     void allow_only(std::initializer_list<std::string_view> known) const;
+    void allow_only(std::span<const std::string> known) const;
     [[nodiscard]] bool has(std::string_view key) const;
     /// Whether the value is a text: for keys that may hold something else too.
     [[nodiscard]] bool is_text(std::string_view key) const;
     [[nodiscard]] std::vector<std::string> keys() const;
+
+    /// A text as it is; a number, true and false as they are written; a list of texts with commas between.
+    [[nodiscard]] std::string any_text(std::string_view key) const;
 
     // Each throws InputError where the key is missing, of another type or out of range (ends included).
     [[nodiscard]] std::string text(std::string_view key) const;
@@ -52,10 +58,12 @@ public:
     [[nodiscard]] JsonObject object(std::string_view key) const;
     [[nodiscard]] std::vector<JsonObject> objects(std::string_view key) const;
 
-    /// Throws InputError "FILE: key `KEY`: RULE".
+    /// Throws InputError "FILE: line N: key `KEY`: RULE", without the line where the file has no such key. `key` may
+    /// end in places in a list, "rows[3][1]".
     [[noreturn]] void fail(std::string_view key, std::string_view rule) const;
 
 private:
+    struct Document;
     struct Node;
     explicit JsonObject(std::shared_ptr<const Node> node);
     std::shared_ptr<const Node> node_;
