@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
-#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
@@ -12,8 +11,6 @@
 #include "voxtone/cli/commands.h"
 #include "voxtone/cli/common_options.h"
 #include "voxtone/cli/help.h"
-#include "voxtone/io/layers/manifest.h"
-#include "voxtone/io/layers/stack_folder.h"
 #include "voxtone/io/layers/verify.h"
 #include "voxtone/slicer/printer/printer.h"
 
@@ -49,32 +46,28 @@ io::VerifyRules rules_of(const slicer::PrinterProfile& printer) {
 }
 
 /// What the printer accepts: that of --printer, else that of the manifest, else what all printers of the family accept.
-io::VerifyRules rules_for(const VerifyArguments& arguments) {
-    if (!arguments.printer.empty()) return rules_of(slicer::find_printer(arguments.printer));
+io::VerifyRules rules_for(const std::string& asked, const std::string& of_manifest) {
+    if (!asked.empty()) return rules_of(slicer::find_printer(asked));
     io::VerifyRules usual;
-    const auto manifest = std::filesystem::path(arguments.stack) / io::manifest_name;
-    if (!std::filesystem::exists(manifest)) return usual;
-    std::string id;
-    try {
-        id = io::read_manifest(manifest).printer;
-    } catch (const Error&) {
-        return usual;  // `verify_stack` says what is wrong with it
-    }
+    if (of_manifest.empty()) return usual;
     const std::vector<slicer::PrinterProfile> known = slicer::list_printers();
-    const auto found = std::find_if(known.begin(), known.end(), [&](const auto& printer) { return printer.id == id; });
+    const auto found =
+        std::find_if(known.begin(), known.end(), [&](const auto& printer) { return printer.id == of_manifest; });
     if (found != known.end()) return rules_of(*found);
     usual.most_colours = io::max_materials - 1;
     usual.least_layers = 1;
     usual.notes.push_back(fmt::format(
         "the printer of the manifest, '{}', is not known here: its voxel size, number of colours and fewest "
         "layers were not checked; name its profile with --printer FILE.json",
-        id));
+        of_manifest));
     return usual;
 }
 
 int run(const VerifyArguments& arguments) {
     return run_on_console(arguments.run, [&](Progress& progress) {
-        const io::StackReport report = io::verify_stack(arguments.stack, rules_for(arguments), &progress);
+        const io::StackReport report = io::verify_stack(
+            arguments.stack, [&](const std::string& printer) { return rules_for(arguments.printer, printer); },
+            &progress);
         return JobResult{report_json(report), io::report_text(report),
                          report.passed() ? ExitCode::done : ExitCode::check_failed};
     });

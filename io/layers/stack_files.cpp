@@ -9,6 +9,7 @@
 #include <fmt/core.h>
 
 #include "voxtone/base/error.h"
+#include "voxtone/io/files/json_object.h"
 #include "voxtone/io/files/whole_file.h"
 #include "voxtone/io/layers/stack_folder.h"
 
@@ -20,6 +21,35 @@ namespace fs = std::filesystem;
 constexpr std::uint64_t most_layer_bytes = std::uint64_t{256} << 20;
 constexpr std::uint64_t most_layers = 1'000'000;
 constexpr std::uint64_t most_missing = 1000;  // kept by name
+constexpr std::uint64_t most_sheet_bytes = std::uint64_t{1} << 20;
+
+std::string text_or_nothing(const JsonObject& object, std::string_view key) {
+    return object.is_text(key) ? object.text(key) : std::string();
+}
+
+StackOrigin origin_in(const fs::path& folder) {
+    const fs::path file = folder / job_file_name;
+    if (!fs::is_regular_file(file)) return {};
+    try {
+        const JsonObject job = JsonObject::read(file);
+        if (text_or_nothing(job, "format") != "voxtone-job") return {};
+        return {text_or_nothing(job, "model"), text_or_nothing(job, "resins"), text_or_nothing(job, "backing")};
+    } catch (const Error&) {
+        return {};  // a stack needs none
+    }
+}
+
+/// Empty where it is no text of a sheet's size: then it says nothing of any resin.
+std::optional<std::string> sheet_in(const fs::path& folder) {
+    const fs::path file = folder / sheet_text_name;
+    if (!fs::is_regular_file(file)) return std::nullopt;
+    try {
+        const auto bytes = read_whole_file(file, most_sheet_bytes);
+        return std::string(bytes.begin(), bytes.end());
+    } catch (const Error&) {
+        return "";
+    }
+}
 
 }  // namespace
 
@@ -67,9 +97,19 @@ void StackFiles::list_folder(const fs::path& folder, const std::string& prefix) 
     for (const auto& name : others) listing_.strangers.push_back(prefix + name);
 }
 
+void StackFiles::read_beside_manifest() {
+    listing_.seal = seal_of_manifest(root_ / manifest_name);
+    listing_.origin = origin_in(root_);
+    listing_.sheet = sheet_in(root_);
+}
+
 void StackFiles::open_ours() {
     listing_.kind = StackKind::voxtone;
+    if (!fs::is_regular_file(root_ / manifest_name))
+        throw InputError(
+            fmt::format("{}: is no file; copy the whole stack, or slice again", (root_ / manifest_name).string()));
     listing_.description = read_manifest(root_ / manifest_name);
+    read_beside_manifest();
     const fs::path folder = (root_ / listing_.description->layer_path(0)).parent_path();
     // The manifest says which layers there are; the folder, what else lies there.
     const fs::path inner = fs::path(listing_.description->layer_path(0)).parent_path();

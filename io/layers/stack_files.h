@@ -28,10 +28,18 @@ struct SliceName {
 
 enum class StackKind : std::uint8_t { voxtone, folder, gcvf };
 
+/// What the job.json beside a stack of ours says of how it was made; empty: nothing that can be understood.
+struct StackOrigin {
+    std::string model, resins, backing;  ///< values of these keys, as they stand there
+};
+
 /// What there is in a stack.
 struct StackListing {
     StackKind kind = StackKind::folder;
     std::optional<StackDescription> description;  ///< of a stack of ours
+    ManifestSeal seal = ManifestSeal::none;       ///< of its manifest
+    StackOrigin origin;                           ///< of a stack of ours
+    std::optional<std::string> sheet;             ///< of a stack of ours: the text of its sheet of resins
     std::optional<GcvfConfig> gcvf;               ///< of a container
     std::vector<std::string> names;               ///< of layers, bottom first
     std::vector<std::string> strangers;           ///< what lies beside the layers and should not
@@ -51,6 +59,7 @@ public:
 private:
     void list_folder(const std::filesystem::path& folder, const std::string& prefix);
     void open_ours();
+    void read_beside_manifest();
     void open_gcvf();
     void add_missing(const std::string& name);
 

@@ -20,6 +20,7 @@ namespace voxtone::io {
 
 inline constexpr std::string_view manifest_name = "manifest.json";
 inline constexpr std::string_view layers_name = "layers";
+inline constexpr std::string_view job_file_name = "job.json";
 inline constexpr std::string_view gcvf_name = "stack.gcvf";
 inline constexpr std::string_view vdb_name = "volume.vdb";
 inline constexpr std::string_view sheet_text_name = "resin-assignment.txt";

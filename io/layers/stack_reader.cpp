@@ -79,6 +79,9 @@ StackReader& StackReader::operator=(StackReader&&) noexcept = default;
 
 StackReader::Kind StackReader::kind() const { return state_->listing.kind; }
 const std::optional<StackDescription>& StackReader::description() const { return state_->listing.description; }
+ManifestSeal StackReader::seal() const { return state_->listing.seal; }
+const StackOrigin& StackReader::origin() const { return state_->listing.origin; }
+const std::optional<std::string>& StackReader::sheet() const { return state_->listing.sheet; }
 const std::optional<GcvfConfig>& StackReader::gcvf() const { return state_->listing.gcvf; }
 std::uint32_t StackReader::layers() const { return static_cast<std::uint32_t>(state_->listing.names.size()); }
 const std::string& StackReader::layer_name(std::uint32_t index) const { return state_->listing.names.at(index); }

@@ -33,6 +33,11 @@ public:
     [[nodiscard]] Kind kind() const;
     /// Of a stack of ours.
     [[nodiscard]] const std::optional<StackDescription>& description() const;
+    /// Of a stack of ours: whether its manifest says what was written, what its job says, and the text of its sheet of
+    /// resins where it has one.
+    [[nodiscard]] ManifestSeal seal() const;
+    [[nodiscard]] const StackOrigin& origin() const;
+    [[nodiscard]] const std::optional<std::string>& sheet() const;
     /// Of a GCVF.
     [[nodiscard]] const std::optional<GcvfConfig>& gcvf() const;
     [[nodiscard]] std::uint32_t layers() const;

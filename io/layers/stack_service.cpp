@@ -12,7 +12,7 @@ namespace voxtone::io {
 
 namespace {
 
-const std::string stack_protocol = "voxtone-read-stack 1, voxtone " VOXTONE_VERSION;
+const std::string stack_protocol = "voxtone-read-stack 2, voxtone " VOXTONE_VERSION;
 
 template <class Value, class Plain>
 concept is_a = std::is_same_v<std::remove_const_t<Value>, Plain>;
@@ -86,6 +86,10 @@ void describe(Stream& stream, Description& d) {
            d.background_rgb, d.resins, d.orientation.flip_x, d.orientation.flip_y, d.orientation.swap_xy,
            d.content_sha256);
 }
+template <class Stream, is_a<StackOrigin> Origin>
+void describe(Stream& stream, Origin& o) {
+    stream(o.model, o.resins, o.backing);
+}
 template <class Stream, is_a<GcvfMaterial> Value>
 void describe(Stream& stream, Value& m) {
     stream(m.name, m.rgba, m.voxels);
@@ -114,7 +118,10 @@ namespace {
 std::vector<std::byte> pack_listing(const StackListing& listing) {
     PackedWriter writer;
     writer(listing.kind, listing.names, listing.strangers, listing.missing, listing.missing_count);
-    if (listing.description) writer(*listing.description);
+    if (listing.description) {
+        writer(*listing.description, listing.seal, listing.origin, listing.sheet.has_value());
+        if (listing.sheet) writer(*listing.sheet);
+    }
     if (listing.gcvf) writer(*listing.gcvf);
     return std::move(writer.bytes);
 }
@@ -160,7 +167,10 @@ StackListing unpack_listing(std::span<const std::byte> bytes) {
     expect_stack(listing.missing_count >= listing.missing.size(), "layers are missing and are not counted");
     const std::uint64_t layers = listing.names.size() + listing.missing_count;
     if (listing.kind == StackKind::voxtone) {
-        reader(listing.description.emplace());
+        bool has_sheet = false;
+        reader(listing.description.emplace(), listing.seal, listing.origin, has_sheet);
+        if (has_sheet) reader(listing.sheet.emplace());
+        expect_stack(listing.seal <= ManifestSeal::broken, "a manifest's seal of an unknown kind");
         expect_stack(layers == listing.description->layers, "layers that are not those of the manifest");
         listing.description->validate("what the reader of the stack left");
     }

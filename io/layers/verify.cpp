@@ -370,13 +370,9 @@ void check_contents(const StackSummary& stack, StackReport& report, FaultList& f
     check_digest(stack, report, faults);
 }
 
-fs::path manifest_in(const fs::path& stack) {
-    return stack.filename() == fs::path(manifest_name) ? stack : stack / manifest_name;
-}
-
 /// The digest over the manifest binds names and roles to colours: nothing else sees two resins that changed places.
-void check_seal(const fs::path& path, StackReport& report, FaultList& faults) {
-    switch (seal_of_manifest(manifest_in(path))) {
+void check_seal(ManifestSeal seal, StackReport& report, FaultList& faults) {
+    switch (seal) {
         case ManifestSeal::whole:
             return;
         case ManifestSeal::none:
@@ -391,11 +387,7 @@ void check_seal(const fs::path& path, StackReport& report, FaultList& faults) {
 }
 
 /// The sheet in the operator's hand: a line for each resin with its role and the code of its colour.
-void check_sheet(const fs::path& path, const StackDescription& stack, FaultList& faults) {
-    const fs::path file = manifest_in(path).parent_path() / sheet_text_name;
-    if (!fs::exists(file)) return;
-    const auto bytes = read_whole_file(file, std::uint64_t{1} << 20);
-    const std::string text(bytes.begin(), bytes.end());
+void check_sheet(const std::string& text, const StackDescription& stack, FaultList& faults) {
     for (const StackResin& resin : stack.resins) {
         const std::string code = fmt::format("#{:02x}{:02x}{:02x}", resin.rgb[0], resin.rgb[1], resin.rgb[2]);
         const std::size_t at = text.find(code);
@@ -431,8 +423,8 @@ StackReport verify_opened(const fs::path& path, const StackReader& reader, const
     if (!reader.note().empty()) report.notes.push_back(reader.note());
     FaultList faults(report, rules.most_named);
     if (reader.kind() == StackReader::Kind::voxtone) {
-        check_seal(path, report, faults);
-        check_sheet(path, *reader.description(), faults);
+        check_seal(reader.seal(), report, faults);
+        if (reader.sheet()) check_sheet(*reader.sheet(), *reader.description(), faults);
     }
     check_parts(stack, faults);
     check_names(reader, faults);
@@ -453,6 +445,11 @@ StackReport verify_opened(const fs::path& path, const StackReader& reader, const
 }  // namespace
 
 StackReport verify_stack(const fs::path& path, const VerifyRules& rules, Progress* progress) {
+    return verify_stack(
+        path, [&](const std::string&) { return rules; }, progress);
+}
+
+StackReport verify_stack(const fs::path& path, const RulesOfPrinter& rules_of, Progress* progress) {
     std::optional<StackReader> reader;
     StackReport report;
     try {
@@ -460,6 +457,7 @@ StackReport verify_stack(const fs::path& path, const VerifyRules& rules, Progres
     } catch (const InputError& error) {
         report = unopened(path, error.what());
     }
+    const VerifyRules rules = rules_of(reader && reader->description() ? reader->description()->printer : "");
     if (reader) report = verify_opened(path, *reader, rules, progress);
     report.printer = rules.printer;
     report.notes.insert(report.notes.end(), rules.notes.begin(), rules.notes.end());

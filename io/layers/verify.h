@@ -10,6 +10,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -59,6 +60,12 @@ struct StackReport {
 /// that cannot be read). A folder or file in which there is no whole stack is a fault too: `manifest`, `unfinished`,
 /// `no-layers`, `container`. Throws FileError where `path` is not there or not to be read.
 [[nodiscard]] StackReport verify_stack(const std::filesystem::path& path, const VerifyRules& rules = {},
+                                       Progress* progress = nullptr);
+
+/// By the rules of the printer that the stack names: `rules_of` is asked with the id in its manifest, with nothing
+/// where it has no manifest that can be read.
+using RulesOfPrinter = std::function<VerifyRules(const std::string& id)>;
+[[nodiscard]] StackReport verify_stack(const std::filesystem::path& path, const RulesOfPrinter& rules_of,
                                        Progress* progress = nullptr);
 
 /// The report for people: one line per fault, "and N more" where they were cut.

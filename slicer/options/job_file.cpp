@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxtone/slicer/options/job_file.h"
 
-#include <fstream>
 #include <sstream>
 
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
 #include "voxtone/base/error.h"
-#include "voxtone/io/files/json_keys.h"
+#include "voxtone/io/files/json_object.h"
 #include "voxtone/io/profiles/resin_file.h"
 
 namespace voxtone::slicer {
@@ -35,50 +34,26 @@ Json json_value(const OptionSpec& spec, const std::string& value) {
     }
 }
 
-std::string option_text(const Json& value, const std::string& where) {
-    if (value.is_string()) return value.get<std::string>();
-    if (value.is_boolean()) return value.get<bool>() ? "true" : "false";
-    if (value.is_number()) return value.dump();
-    if (value.is_array()) {
-        std::string text;
-        for (const Json& item : value) {
-            if (!item.is_string()) throw InputError(where + ": a list of texts is expected");
-            if (!text.empty()) text += ',';
-            text += item.get<std::string>();
+/// The object of a job file of this version, with no key but those of options.
+io::JsonObject parse_job(const std::string& path) {
+    const auto read = [&] {
+        try {
+            return io::JsonObject::read(path);
+        } catch (const InputError& error) {
+            throw InputError(
+                fmt::format("{}; `voxtone slice --dump-default` prints a job file to start from", error.what()));
         }
-        return text;
-    }
-    throw InputError(where + ": a text, a number, true, false or a list of texts is expected");
-}
-
-/// The object of a job file of this version.
-Json parse_job(const std::string& path) {
-    std::ifstream file(path);
-    if (!file)
-        throw FileError(fmt::format("{}: the job file cannot be read; check the path and its permissions", path));
-    Json job;
-    try {
-        job = Json::parse(file);
-    } catch (const Json::parse_error& error) {
-        throw InputError(
-            fmt::format("{}: not valid JSON at byte {}; `voxtone slice --dump-default` prints a job file to start from",
-                        path, error.byte));
-    }
-    if (!job.is_object() || job.value("format", Json()) != "voxtone-job")
+    };
+    io::JsonObject job = read();
+    if (!job.is_text("format") || job.text("format") != "voxtone-job")
         throw InputError(fmt::format("{}: not a job file: \"format\": \"voxtone-job\" is missing", path));
-    if (job.value("version", Json()) != 1)
-        throw InputError(fmt::format("{}: version {} is unknown to this program, which reads version 1", path,
-                                     job.value("version", Json()).dump()));
-    return job;
-}
-
-const OptionSpec& find_option(const std::string& key, const std::string& path) {
+    if (job.integer("version", 0, 1000000) != 1)
+        job.fail("version",
+                 fmt::format("version {} is unknown to this program, which reads version 1", job.any_text("version")));
     std::vector<std::string> known{"format", "version", "inputs"};
-    for (const OptionSpec& spec : slice_option_table()) {
-        if (spec.key == key) return spec;
-        known.push_back(spec.key);
-    }
-    throw InputError(fmt::format("{}: {}", path, io::unknown_key_message(key, known)));
+    for (const OptionSpec& spec : slice_option_table()) known.push_back(spec.key);
+    job.allow_only(known);
+    return job;
 }
 
 /// Whether the text is that of a file, and not of something that comes with the program; seen from `folder`.
@@ -126,23 +101,14 @@ Json options_json(const SliceOptions& options) {
 
 std::string text_of(const Json& job) { return job.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; }
 
-JobInput input_of(const Json& entry, const std::string& path, const fs::path& folder) {
-    const auto refuse = [&](const std::string& rule) {
-        throw InputError(fmt::format("{}: key 'inputs': {}", path, rule));
-    };
-    if (!entry.is_object()) refuse("a list of objects is expected");
+JobInput input_of(const io::JsonObject& entry, const fs::path& folder) {
+    entry.allow_only({"input", "file", "sha256"});
     JobInput input;
-    for (const auto& [key, value] : entry.items()) {
-        std::string* const to = key == "input"    ? &input.key
-                                : key == "file"   ? &input.file
-                                : key == "sha256" ? &input.sha256
-                                                  : nullptr;
-        if (!to) refuse(io::unknown_key_message(key, std::vector<std::string>{"input", "file", "sha256"}));
-        if (!value.is_string()) refuse(fmt::format("'{}' is no text", key));
-        *to = value.get<std::string>();
-    }
-    if (input.key.empty()) refuse("an entry does not say which 'input' it is");
-    if (!input.file.empty()) input.file = path_from(folder, input.file);
+    if (!entry.has("input") || entry.text("input").empty())
+        entry.fail("input", "does not say which 'input' of the job this entry is");
+    input.key = entry.text("input");
+    if (entry.has("file") && !entry.text("file").empty()) input.file = path_from(folder, entry.text("file"));
+    if (entry.has("sha256")) input.sha256 = entry.text("sha256");
     return input;
 }
 
@@ -171,27 +137,29 @@ std::string job_record(const SliceOptions& options, std::span<const JobInput> in
     return text_of(job);
 }
 
+std::string input_named_in(const fs::path& folder, const std::string& name) {
+    return name.empty() || !is_file_name(name, folder) ? name : path_from(folder, name);
+}
+
 void read_job(const std::string& path, SliceOptions& options) {
-    const Json job = parse_job(path);
-    for (const auto& [key, value] : job.items()) {
-        if (key == "format" || key == "version" || key == "inputs") continue;
-        const OptionSpec& spec = find_option(key, path);
+    const io::JsonObject job = parse_job(path);
+    for (const OptionSpec& spec : slice_option_table()) {
+        if (!job.has(spec.key)) continue;
         try {
-            spec.set(options, option_text(value, fmt::format("{}: key '{}'", path, key)));
-            if (spec.get(options) != spec.get(SliceOptions{})) options.named.push_back(key);
+            spec.set(options, job.any_text(spec.key));
         } catch (const UsageError& error) {
-            throw InputError(fmt::format("{}: {}", path, error.what()));
+            job.fail(spec.key, error.what());
         }
+        if (spec.get(options) != spec.get(SliceOptions{})) options.named.push_back(spec.key);
     }
     const fs::path folder = fs::path(path).parent_path();
     replace_paths(
-        options, folder, [&](const std::string& key) { return job.contains(key); },
+        options, folder, [&](const std::string& key) { return job.has(key); },
         [&](const std::string& text) { return path_from(folder, text); });
-    if (!job.contains("inputs")) return;
-    if (!job["inputs"].is_array())
-        throw InputError(fmt::format("{}: key 'inputs': a list of objects is expected", path));
+    if (!job.has("inputs")) return;
     options.recorded_inputs.clear();
-    for (const Json& entry : job["inputs"]) options.recorded_inputs.push_back(input_of(entry, path, folder));
+    for (const io::JsonObject& entry : job.objects("inputs"))
+        options.recorded_inputs.push_back(input_of(entry, folder));
 }
 
 }  // namespace voxtone::slicer

@@ -10,12 +10,13 @@
 #include <string>
 #include <string_view>
 
+#include "voxtone/io/layers/stack_folder.h"
 #include "voxtone/slicer/options/slice_options.h"
 
 namespace voxtone::slicer {
 
 /// What `slice` calls the one that it leaves beside its layers.
-inline constexpr std::string_view job_file_name = "job.json";
+using io::job_file_name;
 
 /// A job file as text, complete: every key with its value. Paths are made absolute, so that it may lie anywhere.
 [[nodiscard]] std::string job_json(const SliceOptions& options);
@@ -23,6 +24,10 @@ inline constexpr std::string_view job_file_name = "job.json";
 /// input, and neither --overwrite nor --resume, which were said to that run alone.
 [[nodiscard]] std::string job_record(const SliceOptions& options, std::span<const JobInput> inputs,
                                      const std::filesystem::path& folder);
+
+/// What a job file in `folder` means by this name of an input, seen from here: a file's path, or a word of the
+/// program's own as it is.
+[[nodiscard]] std::string input_named_in(const std::filesystem::path& folder, const std::string& name);
 
 /// Reads a job file into `options`: only the keys that it has. Unknown keys are errors that name the nearest known key.
 /// All relative paths in it are relative to the job file. Throws FileError, InputError.

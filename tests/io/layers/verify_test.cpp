@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxtone/io/layers/verify.h"
 
+#include <sys/stat.h>
+
 #include <png.h>
 #include <zip.h>
 
@@ -13,6 +15,7 @@
 #include "voxtone/base/error.h"
 #include "voxtone/base/parallel.h"
 #include "voxtone/io/files/whole_file.h"
+#include "voxtone/io/layers/stack_folder.h"
 
 using namespace voxtone;
 using namespace voxtone::io;
@@ -51,6 +54,18 @@ TEST_CASE("a stack of ours passes, and reads back as it was written", "[verify]"
     const StackReader reader(out);
     for (std::uint32_t k = 0; k < 40; ++k)
         REQUIRE(layer_pixels(reader.read(k, stack.palette())) == layer_pixels(sample_layer(k)));
+    CHECK(reader.seal() == ManifestSeal::whole);
+    REQUIRE(reader.sheet());
+    CHECK_THAT(*reader.sheet(), Contains(stack.resins.front().name));
+    CHECK(reader.origin().model.empty());
+    // By the rules of the printer that it names.
+    std::string named;
+    const auto strict = verify_stack(out, [&](const std::string& printer) {
+        named = printer;
+        return VerifyRules{.least_layers = 41};
+    });
+    CHECK(named == stack.printer);
+    CHECK_FALSE(strict.passed());
     // The container tells the same layers.
     const auto gcvf = verify_stack(out / "stack.gcvf");
     INFO(report_text(gcvf));
@@ -285,4 +300,34 @@ TEST_CASE("a cause is named before what follows from it, and in words that are s
     const auto other = verify_stack(out);
     CHECK(other.faults.front().rule == "digest");
     CHECK(has(other, "count"));
+}
+
+TEST_CASE("What lies beside the layers of a stack from elsewhere is read where the layers are", "[verify]") {
+    const TemporaryFolder folder;
+    const auto out = folder.path() / "stack";
+    (void)write_sample_stack(out, 40, {ResinBitmaps::png1, true, false});
+    write_whole_file(out / "job.json",
+                     std::string_view(R"({"format": "voxtone-job", "version": 1, "model": "a.png", "resins": "mine",
+        "backing": "white", "somebody's": [[[]]]})"));
+    {
+        const StackReader reader(out);
+        CHECK(reader.origin().model == "a.png");
+        CHECK(reader.origin().resins == "mine");
+        CHECK(reader.origin().backing == "white");
+    }
+    // Something in their place that never ends, or is no file at all.
+    for (const char* name : {"job.json", "resin-assignment.txt"}) {
+        fs::remove(out / name);
+        REQUIRE(mkfifo((out / name).c_str(), 0600) == 0);
+    }
+    const StackReader reader(out);
+    CHECK(reader.origin().model.empty());
+    CHECK_FALSE(reader.sheet());
+    CHECK(verify_stack(out).passed());
+    fs::remove(out / manifest_name);
+    REQUIRE(mkfifo((out / manifest_name).c_str(), 0600) == 0);
+    const auto report = verify_stack(out);
+    REQUIRE(report.faults.size() == 1);
+    CHECK(report.faults.front().rule == "manifest");
+    CHECK_THAT(report.faults.front().what, Contains("is no file"));
 }

@@ -129,8 +129,9 @@ TEST_CASE("Words of the program's own are no paths") {
 
 TEST_CASE("A wrong job file is refused with file, key and what to try") {
     using Catch::Matchers::Contains;
-    CHECK_THAT(failure("{"), Contains("not valid JSON"));
-    CHECK_THAT(failure("[]"), Contains("not a job file"));
+    CHECK_THAT(failure("{\n\n"), Contains("line 3: this is no valid JSON") && Contains("--dump-default"));
+    CHECK_THAT(failure("[]"), Contains("expected a JSON object") && Contains("--dump-default"));
+    CHECK_THAT(failure("{}"), Contains("not a job file"));
     CHECK_THAT(failure(R"({"format": "voxtone-job", "version": 2})"), Contains("version 2"));
     CHECK_THAT(failure(R"({"format": "voxtone-job", "version": 1, "sise": "60mm"})"),
                Contains("sise") && Contains("'size'"));
@@ -140,6 +141,13 @@ TEST_CASE("A wrong job file is refused with file, key and what to try") {
     CHECK_THAT(failure(R"({"format": "voxtone-job", "version": 1, "load": [1]})"), Contains("load"));
     CHECK_THAT(failure(R"({"format": "voxtone-job", "version": 1, "load": ["C", "C"]})"), Contains("twice"));
     CHECK_THAT(failure(R"({"format": "voxtone-job", "version": 1, "size": {"mm": 60}})"), Contains("size"));
+    // The line is that of the key, wherever it stands.
+    const std::string begin = "{\"format\": \"voxtone-job\",\n \"version\": 1,\n\n";
+    CHECK_THAT(failure(begin + "\"sise\": \"60mm\"}"), Contains("job.json: line 4: unknown key 'sise'"));
+    CHECK_THAT(failure(begin + "\"load\": [\"C\",\n 1]}"), Contains("line 4: key `load`"));
+    CHECK_THAT(failure(begin + "\"screen\": \"lines\"}"), Contains("line 4: key `screen`"));
+    CHECK_THAT(failure(begin + "\"inputs\": [{\"input\": \"a\"},\n{\"input\": 7}]}"),
+               Contains("line 5: key `inputs[1].input`"));
     SliceOptions options;
     CHECK_THROWS_AS(read_job("/nowhere/job.json", options), FileError);
 }
