@@ -115,10 +115,17 @@ bool same_file(const std::string& a, const std::string& b) {
 
 JobIdentity identify(const OpenedJob& job, std::span<const io::SideFile> beside_model, const Progress* progress) {
     std::vector<JobInput> inputs = named_inputs(job, progress);
+    std::string opened_loop = identity_of(job.options.asked, inputs).loop;
     const fs::path folder = fs::path(job.options.model).parent_path();
     for (const io::SideFile& file : beside_model)
         inputs.push_back({fmt::format("{}:{}", model_key, file.name), (folder / file.name).string(), file.sha256});
-    return identity_of(job.options.asked, std::move(inputs));
+    JobIdentity identity = identity_of(job.options.asked, std::move(inputs));
+    identity.opened_loop = std::move(opened_loop);
+    return identity;
+}
+
+std::string opened_loop_identity(const OpenedJob& job, const Progress* progress) {
+    return identity_of(job.options.asked, named_inputs(job, progress)).loop;
 }
 
 bool is_same_job(const fs::path& folder, const OpenedJob& job, const Progress* progress) {

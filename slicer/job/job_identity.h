@@ -25,11 +25,16 @@ struct JobIdentity {
     std::vector<JobInput> inputs;  ///< by key
     std::string job;               ///< SHA-256 of all that decides what the output folder holds in the end
     std::string loop;              ///< the same without what does not matter to the appearance loop's state
+    std::string opened_loop;       ///< as `loop`, without the files beside the model
 };
 
 /// `beside_model`: what reading the model found. Reads the inputs. Throws FileError, Cancelled.
 [[nodiscard]] JobIdentity identify(const OpenedJob& job, std::span<const io::SideFile> beside_model,
                                    const Progress* progress = nullptr);
+
+/// As JobIdentity::loop, without the files beside the model: needs no model read. Reads the other inputs. Throws
+/// FileError, Cancelled.
+[[nodiscard]] std::string opened_loop_identity(const OpenedJob& job, const Progress* progress = nullptr);
 
 /// Whether the job.json in `folder` is of this very job, with inputs that hold now what they held then. Needs no model
 /// read. False in doubt: for another version's job.json, and where a file beside the model was missing then.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxtone/slicer/job/loop_checkpoint.h"
 
+#include <algorithm>
 #include <array>
 #include <cstring>
 #include <fstream>
@@ -17,10 +18,11 @@ namespace voxtone::slicer {
 
 namespace {
 
-// The file: magic, digest of the job, state, what the sequence keeps, digest of all before. Native byte order: it is
-// read where it was written.
-constexpr std::string_view magic = "voxtone-loop 7\n", any_magic = "voxtone-loop ";  // of any version
+// The file: magic, digest of the job as it was opened, digest of the job with its target, state, what the sequence
+// keeps, digest of all before. Native byte order: it is read where it was written.
+constexpr std::string_view magic = "voxtone-loop 8\n", any_magic = "voxtone-loop ";  // of any version
 constexpr std::size_t digest_size = sizeof(std::uint64_t);
+constexpr std::size_t head_size = magic.size() + 2 * digest_size;
 
 /// Hands over the bytes of a state piece by piece.
 struct Writer {
@@ -126,11 +128,37 @@ bool begins_with(std::span<const std::uint8_t> bytes, std::string_view text) {
     return bytes.size() >= text.size() && std::memcmp(bytes.data(), text.data(), text.size()) == 0;
 }
 
+std::uint64_t digest_of(std::string_view text) {
+    return io::xxh64({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+}
+
+FileError broken_file(const std::filesystem::path& file) {
+    return FileError(fmt::format(
+        "{}: is not whole, or no checkpoint of this program; start without --resume, with --overwrite", file.string()));
+}
+
+InputError of_another_job(const std::filesystem::path& file) {
+    return InputError(
+        fmt::format("{}: belongs to a job with other options, or with inputs (model, textures, resins, printer) "
+                    "that held something else; --resume goes on with the same job only: give the same options and "
+                    "inputs, or start anew with --overwrite",
+                    file.string()));
+}
+
+/// `begin`: as much of the file as there is, up to a head.
+void expect_head(const std::filesystem::path& file, std::span<const std::uint8_t> begin) {
+    if (begin.size() >= magic.size() && begins_with(begin, any_magic) && !begins_with(begin, magic))
+        throw InputError(
+            fmt::format("{}: was written by another version of this program; start without --resume, with --overwrite",
+                        file.string()));
+    if (!begins_with(begin, magic) || begin.size() < head_size) throw broken_file(file);
+}
+
 }  // namespace
 
-LoopCheckpoint::LoopCheckpoint(const std::filesystem::path& folder, std::string_view loop_identity,
-                               std::span<const Eigen::Vector3f> target)
-    : file_(folder / io::checkpoint_name), cells_(target.size()) {
+LoopCheckpoint::LoopCheckpoint(const std::filesystem::path& folder, std::string_view opened_identity,
+                               std::string_view loop_identity, std::span<const Eigen::Vector3f> target)
+    : file_(folder / io::checkpoint_name), opened_digest_(digest_of(opened_identity)), cells_(target.size()) {
     io::Xxh64 job;
     job.update(loop_identity.data(), loop_identity.size());
     job.update(target.data(), target.size_bytes());
@@ -146,6 +174,17 @@ void LoopCheckpoint::refuse_loss(const std::filesystem::path& folder, bool resum
         folder.string(), io::checkpoint_name));
 }
 
+void LoopCheckpoint::expect_same_job(const std::filesystem::path& folder, std::string_view opened_identity) {
+    const std::filesystem::path path = folder / io::checkpoint_name;
+    std::ifstream file(path, std::ios::binary);
+    if (!file) return;  // `read` says what there is to say
+    std::vector<std::uint8_t> head(head_size);
+    file.read(reinterpret_cast<char*>(head.data()), static_cast<std::streamsize>(head.size()));
+    head.resize(static_cast<std::size_t>(file.gcount()));
+    expect_head(path, head);
+    if (number_at(std::span(head).subspan(magic.size())) != digest_of(opened_identity)) throw of_another_job(path);
+}
+
 bool LoopCheckpoint::exists() const {
     std::error_code none;
     return std::filesystem::exists(file_, none);
@@ -155,6 +194,7 @@ void LoopCheckpoint::hand_over(const Piece& take, const halftone::LoopState& sta
                                const optics::AppearanceSequence& sequence) const {
     Writer file{take};
     take(magic.data(), magic.size());
+    take(&opened_digest_, sizeof opened_digest_);
     take(&digest_, sizeof digest_);
     state_in(file, state);
     sequence.write_state([&take](std::span<const std::byte> bytes) { take(bytes.data(), bytes.size()); });
@@ -213,28 +253,16 @@ std::optional<halftone::ResumedLoop> LoopCheckpoint::read(Progress& progress) co
     constexpr std::uint64_t most = std::uint64_t{1} << 34;
     const std::vector<std::uint8_t> bytes = io::read_whole_file(file_, most);
     const std::span<const std::uint8_t> all(bytes);
-    const std::size_t head = magic.size() + digest_size;
-    const auto broken = [&] {
-        return FileError(
-            fmt::format("{}: is not whole, or no checkpoint of this program; start without --resume, with --overwrite",
-                        file_.string()));
-    };
-    if (all.size() >= magic.size() && begins_with(all, any_magic) && !begins_with(all, magic))
-        throw InputError(
-            fmt::format("{}: was written by another version of this program; start without --resume, with --overwrite",
-                        file_.string()));
-    if (!begins_with(all, magic) || all.size() < head + digest_size) throw broken();
+    expect_head(file_, all.first(std::min(all.size(), head_size)));
+    if (all.size() < head_size + digest_size) throw broken_file(file_);
     const auto body = all.first(all.size() - digest_size);
-    if (io::xxh64(body) != number_at(all.last(digest_size))) throw broken();
-    if (number_at(all.subspan(magic.size())) != digest_)
-        throw InputError(
-            fmt::format("{}: belongs to a job with other options, or with inputs (model, textures, resins, printer) "
-                        "that held something else; --resume goes on with the same job only: give the same options and "
-                        "inputs, or start anew with --overwrite",
-                        file_.string()));
+    if (io::xxh64(body) != number_at(all.last(digest_size))) throw broken_file(file_);
+    if (number_at(all.subspan(magic.size())) != opened_digest_ ||
+        number_at(all.subspan(magic.size() + digest_size)) != digest_)
+        throw of_another_job(file_);
     halftone::ResumedLoop loop;
     halftone::LoopState& state = loop.state;
-    Reader file{body.subspan(head)};
+    Reader file{body.subspan(head_size)};
     state_in(file, state);
     const auto fits = [&](const auto& list, bool may_lack) {
         return list.size() == cells_ || (may_lack && list.empty());
@@ -252,7 +280,7 @@ std::optional<halftone::ResumedLoop> LoopCheckpoint::read(Progress& progress) co
         (state.recent.cells() != 0 && state.recent.cells() != cells_) ||
         (state.best > 0 && state.best_mixtures.cells() != cells_) || !fits(state.open, false) ||
         !fits(state.shown, false))
-        throw broken();
+        throw broken_file(file_);
     const auto rest = std::as_bytes(file.bytes);
     loop.sequence.assign(rest.begin(), rest.end());
     progress.note(fmt::format("--resume: going on after iteration {}", state.steps.back().iteration));

@@ -6,10 +6,11 @@
 // 216 MB for a body of 30 mm. So the loop waits for a copy of it in memory alone, and the disk is waited for beside the
 // next iteration, unless the copy would be too large (job_loop.h).
 //
-// A state belongs to one job: the job's identity as far as it matters to the loop (job_identity.h: what the inputs
-// hold, not their names; not --iterations) and the target of every cell are part of a digest in the file, and another
-// job's state is refused. Digests are XXH64: nobody gains by a forged state, and it must cost nothing beside the
-// iteration.
+// A state belongs to one job, and another job's is refused. Two digests in the file say whose it is: one of what a job
+// is known by before its model is read, so that a wrong state is refused before time is spent; and one of the job's
+// identity as far as it matters to the loop (job_identity.h: what the inputs hold, not their names; not --iterations)
+// with the target of every cell. Digests are XXH64: nobody gains by a forged state, and it must cost nothing beside
+// the iteration.
 #pragma once
 
 #include <cstdint>
@@ -29,9 +30,9 @@ namespace voxtone::slicer {
 
 class LoopCheckpoint {
 public:
-    /// `loop_identity`: JobIdentity::loop.
-    LoopCheckpoint(const std::filesystem::path& folder, std::string_view loop_identity,
-                   std::span<const Eigen::Vector3f> target);
+    /// `opened_identity`: opened_loop_identity of the job; `loop_identity`: JobIdentity::loop.
+    LoopCheckpoint(const std::filesystem::path& folder, std::string_view opened_identity,
+                   std::string_view loop_identity, std::span<const Eigen::Vector3f> target);
 
     /// Of the file.
     [[nodiscard]] std::size_t bytes(const halftone::LoopState& state, const optics::AppearanceSequence& sequence) const;
@@ -49,6 +50,8 @@ public:
 
     /// Throws InputError where `folder` holds the state of an interrupted loop that this job would throw away.
     static void refuse_loss(const std::filesystem::path& folder, bool resume, bool overwrite);
+    /// What of `read` can be said before the model is read: throws as it does. Nothing there is no fault.
+    static void expect_same_job(const std::filesystem::path& folder, std::string_view opened_identity);
     /// Once the job is done.
     static void remove_from(const std::filesystem::path& folder);
 
@@ -58,7 +61,7 @@ private:
                    const optics::AppearanceSequence& sequence) const;
 
     std::filesystem::path file_;
-    std::uint64_t digest_;
+    std::uint64_t opened_digest_, digest_;
     std::size_t cells_;
 };
 

@@ -104,6 +104,12 @@ void expect_replaceable(const OpenedJob& job, const io::StackFolder& folder, con
     if (!job.options.overwrite && !goes_on && !holds_this_stack(job, folder, progress)) folder.expect_free();
 }
 
+/// A saved loop of another job is refused before the model is read.
+void expect_resumable(const OpenedJob& job, const io::StackFolder& folder, const Progress& progress) {
+    if (job.options.resume && has_checkpoint(folder))
+        LoopCheckpoint::expect_same_job(folder.path(), opened_loop_identity(job, &progress));
+}
+
 /// As `verify` will ask. A part of a body that has enough layers may have fewer, and is warned about.
 void expect_enough_layers(const OpenedJob& job, const JobBody& body, const LayerRange& range, Progress& progress) {
     check_layer_count(body.grid.size[2], job.printer,
@@ -213,6 +219,7 @@ SliceResult run_slice_job(const SliceOptions& asked, Progress& progress) {
     io::StackFolder folder(job.options.out, {report_file::all.begin(), report_file::all.end()});
     if (auto done = done_before(job, folder, progress)) return *std::move(done);
     expect_replaceable(job, folder, progress);
+    expect_resumable(job, folder, progress);
     const ThreadLimit threads(static_cast<std::size_t>(job.options.threads));
     for (const std::string& warning : job.printer.warnings()) progress.warn(warning);
     const JobBody body = read_body(job, figures, progress);

@@ -36,6 +36,14 @@ private:
     bool in_loop_ = false;
 };
 
+class RecordsStages final : public Progress {
+public:
+    std::vector<std::string> begun;
+
+private:
+    void on_stage(std::string_view name, std::uint64_t, std::string_view) override { begun.emplace_back(name); }
+};
+
 slicer::SliceOptions small_slab(const Folder& folder, const std::string& out) {
     slicer::SliceOptions options;
     options.model = picture;
@@ -131,7 +139,10 @@ TEST_CASE("An interrupted loop is not thrown away, not taken for another job's, 
     slicer::SliceOptions other = small_slab(folder, "out");
     other.resume = true;
     other.depth_mm = 0.5;
-    CHECK_THROWS_AS(slicer::run_slice_job(other, quiet), InputError);
+    // Refused before the model is read.
+    RecordsStages stages;
+    CHECK_THROWS_WITH(slicer::run_slice_job(other, stages), Catch::Contains("belongs to a job with other options"));
+    CHECK(stages.begun.empty());
     // A resin set of the same name that says something else.
     std::string resins = read_file(std::string(VOXTONE_SOURCE_DIR) + "/data/resins/vero-opaque.json");
     folder.write("mine.json", resins);

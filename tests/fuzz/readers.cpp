@@ -101,7 +101,7 @@ void read_checkpoint(Bytes file) {
     static const std::vector<Eigen::Vector3f> target(7, Eigen::Vector3f::Constant(0.5f));
     (void)folder().put("loop.checkpoint", file);
     Progress progress;
-    (void)slicer::LoopCheckpoint(folder().path(), "a job", target).read(progress);
+    (void)slicer::LoopCheckpoint(folder().path(), "a job", "its loop", target).read(progress);
 }
 
 void read_job(Bytes file) {

@@ -52,14 +52,14 @@ void save(const LoopCheckpoint& checkpoint, const halftone::LoopState& state) {
     checkpoint.write(checkpoint.packed(state, Keeps()));
 }
 
-const std::string a_job(64, 'a'), another_job(64, 'b');
+const std::string a_job(64, 'a'), another_job(64, 'b'), opened_job(64, 'c');
 
 }  // namespace
 
 TEST_CASE("A loop's state comes back as it was", "[loop]") {
     const io::TemporaryFolder folder;
     const std::vector<Eigen::Vector3f> target(6, Eigen::Vector3f::Constant(0.5f));
-    const LoopCheckpoint checkpoint(folder.path(), a_job, target);
+    const LoopCheckpoint checkpoint(folder.path(), opened_job, a_job, target);
     Progress quiet;
     CHECK_FALSE(checkpoint.read(quiet));
     const halftone::LoopState state = some_state(6);
@@ -103,7 +103,7 @@ TEST_CASE("A job that would throw a saved state away is refused, unless it says 
     const io::TemporaryFolder folder;
     const std::vector<Eigen::Vector3f> target(6, Eigen::Vector3f::Constant(0.5f));
     CHECK_NOTHROW(LoopCheckpoint::refuse_loss(folder.path(), false, false));
-    save(LoopCheckpoint(folder.path(), a_job, target), some_state(6));
+    save(LoopCheckpoint(folder.path(), opened_job, a_job, target), some_state(6));
     CHECK_THROWS_WITH(LoopCheckpoint::refuse_loss(folder.path(), false, false),
                       Catch::Contains("--resume") && Catch::Contains("--overwrite"));
     CHECK_NOTHROW(LoopCheckpoint::refuse_loss(folder.path(), true, false));
@@ -113,7 +113,7 @@ TEST_CASE("A job that would throw a saved state away is refused, unless it says 
 TEST_CASE("A state that cannot be written is said", "[loop]") {
     const io::TemporaryFolder folder;
     const std::vector<Eigen::Vector3f> target(6, Eigen::Vector3f::Constant(0.5f));
-    const LoopCheckpoint checkpoint(folder.path() / "not-there", a_job, target);
+    const LoopCheckpoint checkpoint(folder.path() / "not-there", opened_job, a_job, target);
     CHECK_THROWS_AS(save(checkpoint, some_state(6)), FileError);
 }
 
@@ -121,12 +121,12 @@ TEST_CASE("A state of another job or a broken file is refused", "[loop]") {
     const io::TemporaryFolder folder;
     const std::vector<Eigen::Vector3f> target(6, Eigen::Vector3f::Constant(0.5f));
     Progress quiet;
-    save(LoopCheckpoint(folder.path(), a_job, target), some_state(6));
-    CHECK(LoopCheckpoint(folder.path(), a_job, target).read(quiet));
-    CHECK_THROWS_AS(LoopCheckpoint(folder.path(), another_job, target).read(quiet), InputError);
+    save(LoopCheckpoint(folder.path(), opened_job, a_job, target), some_state(6));
+    CHECK(LoopCheckpoint(folder.path(), opened_job, a_job, target).read(quiet));
+    CHECK_THROWS_AS(LoopCheckpoint(folder.path(), opened_job, another_job, target).read(quiet), InputError);
     auto moved = target;
     moved[2].x() = 0.25f;
-    CHECK_THROWS_AS(LoopCheckpoint(folder.path(), a_job, moved).read(quiet), InputError);
+    CHECK_THROWS_AS(LoopCheckpoint(folder.path(), opened_job, a_job, moved).read(quiet), InputError);
 
     // Cut anywhere, or with one byte changed, it is no checkpoint.
     const std::filesystem::path file = folder.path() / "loop.checkpoint";
@@ -139,17 +139,40 @@ TEST_CASE("A state of another job or a broken file is refused", "[loop]") {
     };
     for (std::size_t cut = 0; cut < size; cut += 37) {
         write(std::string(bytes.data(), cut));
-        CHECK_THROWS_AS(LoopCheckpoint(folder.path(), a_job, target).read(quiet), FileError);
+        CHECK_THROWS_AS(LoopCheckpoint(folder.path(), opened_job, a_job, target).read(quiet), FileError);
     }
     for (std::size_t at = 0; at < size; at += 101) {
         std::string spoiled = bytes;
         spoiled[at] = static_cast<char>(spoiled[at] ^ 0x40);
         write(spoiled);
-        CHECK_THROWS(LoopCheckpoint(folder.path(), a_job, target).read(quiet));
+        CHECK_THROWS(LoopCheckpoint(folder.path(), opened_job, a_job, target).read(quiet));
     }
     std::string older = bytes;
-    older.replace(0, 15, "voxtone-loop 6\n");
+    older.replace(0, 15, "voxtone-loop 7\n");
     write(older);
-    CHECK_THROWS_WITH(LoopCheckpoint(folder.path(), a_job, target).read(quiet),
+    CHECK_THROWS_WITH(LoopCheckpoint(folder.path(), opened_job, a_job, target).read(quiet),
                       Catch::Contains("another version of this program"));
+}
+
+TEST_CASE("Whose state it is can be told before the model is read", "[loop]") {
+    const io::TemporaryFolder folder;
+    const std::filesystem::path file = folder.path() / "loop.checkpoint";
+    const auto write = [&](const std::string& content) {
+        std::ofstream(file, std::ios::binary | std::ios::trunc)
+            .write(content.data(), static_cast<std::streamsize>(content.size()));
+    };
+    CHECK_NOTHROW(LoopCheckpoint::expect_same_job(folder.path(), opened_job));  // nothing there
+    const std::vector<Eigen::Vector3f> target(6, Eigen::Vector3f::Constant(0.5f));
+    save(LoopCheckpoint(folder.path(), opened_job, a_job, target), some_state(6));
+    CHECK_NOTHROW(LoopCheckpoint::expect_same_job(folder.path(), opened_job));
+    CHECK_THROWS_WITH(LoopCheckpoint::expect_same_job(folder.path(), another_job),
+                      Catch::Contains("belongs to a job with other options"));
+    Progress quiet;
+    CHECK_THROWS_AS(LoopCheckpoint(folder.path(), another_job, a_job, target).read(quiet), InputError);
+    write("voxtone-loop 7\nwhatever that version had there");
+    CHECK_THROWS_WITH(LoopCheckpoint::expect_same_job(folder.path(), opened_job), Catch::Contains("another version"));
+    write("voxtone-loop 8\n1234567");
+    CHECK_THROWS_AS(LoopCheckpoint::expect_same_job(folder.path(), opened_job), FileError);
+    write("");
+    CHECK_THROWS_AS(LoopCheckpoint::expect_same_job(folder.path(), opened_job), FileError);
 }
