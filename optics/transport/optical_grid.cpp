@@ -678,10 +678,18 @@ GridCensus::GridCensus(const Scene& scene, const GridOptions& options, const Pro
                        : static_cast<std::uint8_t>(grid.blocks[static_cast<std::size_t>(grid.block_at[i])].kind);
 }
 
+namespace {
+
+// Moments three times and geometry; a skin block has an outer face for every fourth cell of a side, in and out; a node
+// has three contacts on the finest level of the equations and a seventh more on the others.
+constexpr std::size_t per_cell = 3 * 16 + 3 + 4, per_face = 2 * 128 + 52, per_node = 460;
+constexpr std::size_t nodes_outside = 8;  // of a block outside the box
+
+}  // namespace
+
+std::size_t GridCensus::least_bytes(std::size_t blocks) { return blocks * nodes_outside * per_node; }
+
 std::size_t GridCensus::bytes(const std::array<int, 3>& begin, const std::array<int, 3>& end) const {
-    // Moments three times and geometry; a skin block has an outer face for every fourth cell of a side, in and out; a
-    // node has three contacts on the finest level of the equations and a seventh more on the others.
-    constexpr std::size_t per_cell = 3 * 16 + 3 + 4, per_face = 2 * 128 + 52, per_node = 460;
     std::size_t sum = 0;
     for_each(lattice, [&](const std::array<int, 3>& at) {
         const std::uint8_t kind = kind_[at3(at, lattice)];
@@ -689,7 +697,7 @@ std::size_t GridCensus::bytes(const std::array<int, 3>& begin, const std::array<
         bool inside = true;
         for (std::size_t a = 0; a < 3; ++a) inside &= at[a] >= begin[a] && at[a] < end[a];
         if (!inside)
-            sum += 8 * per_node;
+            sum += nodes_outside * per_node;
         else if (kind == static_cast<std::uint8_t>(BlockKind::skin))
             sum += skin_cells_ * (per_cell + per_face / 16) + 64 * per_node;
         else

@@ -121,6 +121,8 @@ public:
     /// Of grid, equations and one channel's light (transport_channel.h) for this box of blocks (first, one past the
     /// last).
     [[nodiscard]] std::size_t bytes(const std::array<int, 3>& begin, const std::array<int, 3>& end) const;
+    /// No box of a body that fills so many blocks takes less: each block has nodes for diffusion wherever it lies.
+    [[nodiscard]] static std::size_t least_bytes(std::size_t blocks);
 
     std::array<int, 3> lattice{}, block_voxels{}, shift_voxels{};
 

@@ -57,9 +57,9 @@ struct TransportPredictor::Window {
 
 namespace {
 
-GridOptions grid_options(const TransportOptions& options, const Scene& scene) {
+GridOptions grid_options(const TransportOptions& options, const std::array<double, 3>& pitch_mm) {
     GridOptions grid;
-    grid.view_voxels = cell_voxels(scene.volume->pitch_mm(), options.cell_mm);
+    grid.view_voxels = cell_voxels(pitch_mm, options.cell_mm);
     grid.skin_voxels = options.voxel_skin ? std::array<int, 3>{1, 1, 1} : grid.view_voxels;
     grid.margin_blocks = options.margin_blocks;
     return grid;
@@ -97,7 +97,7 @@ std::string mebibytes(std::size_t bytes) { return std::to_string((bytes >> 20) +
 /// Boxes of equal size, as large as memory allows; one that holds everything where it does.
 std::vector<TransportPredictor::Window> TransportPredictor::pieces(const Scene& scene, const Progress* progress) const {
     if (options_.memory_bytes == 0 && options_.piece_mm == 0) return {Window{}};
-    const GridOptions grid = grid_options(options_, scene);
+    const GridOptions grid = grid_options(options_, scene.volume->pitch_mm());
     const GridCensus census(scene, grid, progress);
     if (options_.piece_mm == 0 && census.bytes({}, census.lattice) <= options_.memory_bytes) return {Window{}};
     const auto& pitch = scene.volume->pitch_mm();
@@ -147,10 +147,17 @@ std::vector<TransportPredictor::Window> TransportPredictor::pieces(const Scene& 
 
 namespace {
 
-/// The same body and surface with every voxel cut into equal pieces: cells that are no thicker than light can be
-/// followed in.
-struct CutScene {
+/// Into how many pieces a voxel is cut along each axis: cells that are no thicker than light can be followed in.
+std::array<int, 3> voxel_pieces(const TransportOptions& options, const std::array<double, 3>& pitch_mm) {
     std::array<int, 3> split{1, 1, 1};
+    for (std::size_t a = 0; options.finest_mm > 0 && options.voxel_skin && a < 3; ++a)
+        split[a] = std::clamp(static_cast<int>(std::ceil(pitch_mm[a] / options.finest_mm - 0.1)), 1, 4);
+    return split;
+}
+
+/// The same body and surface with every voxel cut into equal pieces.
+struct CutScene {
+    std::array<int, 3> split;
     ResinVolume volume;
     Scene scene;
     Surface surface;
@@ -158,10 +165,7 @@ struct CutScene {
 
     CutScene(const Scene& whole, const Surface& whole_surface, const TransportOptions& options,
              const Progress* progress)
-        : scene(whole), seen(&whole_surface) {
-        const auto& pitch = whole.volume->pitch_mm();
-        for (std::size_t a = 0; options.finest_mm > 0 && options.voxel_skin && a < 3; ++a)
-            split[a] = std::clamp(static_cast<int>(std::ceil(pitch[a] / options.finest_mm - 0.1)), 1, 4);
+        : split(voxel_pieces(options, whole.volume->pitch_mm())), scene(whole), seen(&whole_surface) {
         if (split == std::array{1, 1, 1}) return;
         cut_volume(*whole.volume, progress);
         cut_surface(whole_surface);
@@ -227,6 +231,16 @@ private:
 };
 
 }  // namespace
+
+std::size_t TransportPredictor::least_bytes(double solid_mm3, const std::array<double, 3>& pitch_mm) const {
+    if (options_.viewing_cells) return 0;
+    const std::array<int, 3> split = voxel_pieces(options_, pitch_mm);
+    std::array<double, 3> cut_mm{};
+    for (std::size_t a = 0; a < 3; ++a) cut_mm[a] = pitch_mm[a] / split[a];
+    double block_mm3 = 1;
+    for (std::size_t a = 0; a < 3; ++a) block_mm3 *= 4 * grid_options(options_, cut_mm).view_voxels[a] * cut_mm[a];
+    return GridCensus::least_bytes(static_cast<std::size_t>(solid_mm3 / block_mm3));
+}
 
 namespace {
 
@@ -392,7 +406,7 @@ Appearance TransportPredictor::solve(const Scene& scene, const Surface& surface,
                                      const Progress* progress) const {
     VOXTONE_EXPECT(scene.volume && scene.resins);
     const Stopwatch watch;
-    GridOptions chosen = grid_options(options_, scene);
+    GridOptions chosen = grid_options(options_, scene.volume->pitch_mm());
     if (!window.whole()) {
         chosen.window_begin = window.halo_begin;
         chosen.window_end = window.halo_end;

@@ -64,6 +64,11 @@ public:
                                      const Progress* progress = nullptr) const override;
     [[nodiscard]] Appearance predict(const Scene& scene, const Surface& surface, TransportSummary& summary,
                                      const Progress* progress = nullptr) const;
+    /// What a prediction of a body of so many mm^3, in voxels of this pitch, needs at the least, however small the
+    /// pieces: can be told before there is a volume. It may need much more. 0 with `viewing_cells`, which are held tile
+    /// by tile.
+    [[nodiscard]] std::size_t least_bytes(double solid_mm3, const std::array<double, 3>& pitch_mm) const;
+
     /// With `viewing_cells` a ViewingSequence, where memory allows.
     [[nodiscard]] std::unique_ptr<AppearanceSequence> sequence(const Scene& scene, const Surface& surface,
                                                                const Progress* progress = nullptr) const override;

@@ -10,14 +10,14 @@ namespace voxtone::slicer {
 
 namespace {
 
-std::unique_ptr<const optics::AppearanceModel> make_transport(const ModelOptions& options) {
+optics::TransportPredictor transport_predictor(const ModelOptions& options) {
     optics::TransportOptions transport;
     transport.sweeps = options.sweeps;
     transport.cell_mm = options.cell_mm;
     transport.viewing_cells = options.viewing_cells;
     transport.colour_mm = options.colour_mm;
     transport.memory_bytes = static_cast<std::size_t>(options.memory_bytes);
-    return std::make_unique<optics::TransportPredictor>(transport);
+    return optics::TransportPredictor(transport);
 }
 
 std::unique_ptr<const optics::AppearanceModel> make_monte_carlo(const ModelOptions& options) {
@@ -40,7 +40,12 @@ std::unique_ptr<const optics::AppearanceModel> make_model(PredictionModel model,
         case PredictionModel::transport:
             break;
     }
-    return make_transport(options);
+    return std::make_unique<optics::TransportPredictor>(transport_predictor(options));
+}
+
+std::uint64_t least_model_bytes(PredictionModel model, const ModelOptions& options, double solid_mm3,
+                                const std::array<double, 3>& pitch_mm) {
+    return model == PredictionModel::transport ? transport_predictor(options).least_bytes(solid_mm3, pitch_mm) : 0;
 }
 
 std::uint64_t memory_budget(double gib) {

@@ -34,6 +34,11 @@ struct ModelOptions {
 [[nodiscard]] std::unique_ptr<const optics::AppearanceModel> make_model(PredictionModel model,
                                                                         const ModelOptions& options);
 
+/// What a prediction of a body of so many mm^3, in voxels of this pitch, needs at the least: can be told before there
+/// is a volume. 0 where the model does not know.
+[[nodiscard]] std::uint64_t least_model_bytes(PredictionModel model, const ModelOptions& options, double solid_mm3,
+                                              const std::array<double, 3>& pitch_mm);
+
 /// What --memory may ask for: a petabyte is a slip of the keyboard.
 inline constexpr double most_memory_gib = 1 << 20;
 

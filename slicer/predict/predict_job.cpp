@@ -40,11 +40,17 @@ std::string extension(const std::string& file) {
     return ending;
 }
 
-/// A box that is not higher than it is wide is looked at from above.
-bool is_flat_box(const optics::ResinVolume& volume) {
-    const auto& size = volume.size();
-    const auto& pitch = volume.pitch_mm();
-    return volume.count()[optics::air] == 0 && size[2] * pitch[2] <= std::min(size[0] * pitch[0], size[1] * pitch[1]);
+double voxels_of(const StackHead& head) { return double(head.size[0]) * head.size[1] * head.size[2]; }
+
+/// A slab of a picture, and a box that is not higher than it is wide, are looked at from above.
+bool is_flat(const StackHead& head) {
+    std::array<double, 3> mm{};
+    for (std::size_t a = 0; a < 3; ++a) mm[a] = head.size[a] * head.pitch_mm[a];
+    return head.of_picture || (double(head.solid_voxels) == voxels_of(head) && mm[2] <= std::min(mm[0], mm[1]));
+}
+
+bool seen_from_above(const ResolvedPrediction& job, const StackHead& head) {
+    return job.view == PredictedView::top || (job.view == PredictedView::automatic && is_flat(head));
 }
 
 std::uint64_t surface_bytes(const optics::Surface& surface) {
@@ -207,36 +213,87 @@ void expect_rest(const ResolvedPrediction& job, double read_s, double area_mm2, 
     expect_stages(progress, std::move(stages));
 }
 
-StackVolume read_stack(const ResolvedPrediction& job, Progress& progress) {
+/// Cells of a larger size than the eye's are put together from the eye's.
+std::optional<CoarseCells> quick_cells(const ResolvedPrediction& job, const std::array<double, 3>& pitch_mm) {
+    if (job.model != PredictionModel::transport) return std::nullopt;
+    return coarse_cells(pitch_mm, job.asked.cell_mm);
+}
+
+ModelOptions model_options(const ResolvedPrediction& job, bool quick, std::uint64_t memory_bytes) {
+    ModelOptions quality = job.asked.quality;
+    quality.cell_mm = quick ? eye_cell_mm : job.asked.cell_mm;
+    quality.viewing_cells = quick;
+    quality.memory_bytes = memory_bytes;
+    return quality;
+}
+
+double gibibytes(double bytes) { return bytes / (1 << 30); }
+
+/// By what is held of any body of this size: the least of its volume, of its surface and of the model. What is really
+/// needed is known when the surface is, and looked at then.
+void expect_memory(const ResolvedPrediction& job, const StackHead& head) {
+    constexpr double edge = optics::ResinVolume::block_edge, block_voxels = edge * edge * edge;
+    const double volume = voxels_of(head) / block_voxels * sizeof(std::int32_t);
+    // A column holds a voxel per layer at most, and has an upper face.
+    const double surface = double(head.solid_voxels) / head.size[2] * sizeof(optics::SurfaceFace);
+    const double solid_mm3 = double(head.solid_voxels) * head.pitch_mm[0] * head.pitch_mm[1] * head.pitch_mm[2];
+    const bool quick = quick_cells(job, head.pitch_mm).has_value();
+    const std::uint64_t model =
+        least_model_bytes(job.model, model_options(job, quick, job.memory_bytes), solid_mm3, head.pitch_mm);
+    const double needed = volume * (job.asked.absolute ? 1 : 2) + surface + double(model);
+    if (needed <= double(job.memory_bytes)) return;
+    throw ResourceError(fmt::format(
+        "{}: a prediction of its {} x {} x {} voxels needs at least {:.2f} GiB, more than the {:.2f} GiB allowed; "
+        "allow more (--memory), {}or predict a smaller print",
+        job.asked.stack, head.size[0], head.size[1], head.size[2], gibibytes(needed),
+        gibibytes(double(job.memory_bytes)), quick ? "" : "take larger cells (--cell 0.2mm), "));
+}
+
+void expect_white(const ResolvedPrediction& job, const StackHead& head) {
+    if (job.asked.absolute || head.has_white) return;
+    throw InputError(
+        fmt::format("the resin set '{}' has no white (role W) for media-relative values to refer to; name another "
+                    "set with --resins, or give --absolute",
+                    head.resin_set));
+}
+
+struct ReadStack {
+    StackHead head;
+    StackVolume volume;
+};
+
+/// All that the head of the stack can refuse is refused before its layers are read.
+ReadStack read_stack(const ResolvedPrediction& job, Progress& progress) {
     const PredictOptions& options = job.asked;
-    const auto expect_all = [&](const std::array<int, 3>& voxels, const std::array<double, 3>& pitch_mm) {
+    ReadStack stack;
+    const auto hear = [&](const StackHead& head) {
         constexpr double read_s_per_voxel = 1e-8;
-        const double read_s = read_s_per_voxel * double(voxels[0]) * voxels[1] * voxels[2];
-        expect_rest(job, read_s, guessed_area_mm2(voxels, pitch_mm, job.view), pitch_mm, progress);
+        stack.head = head;
+        expect_white(job, head);
+        expect_files_fit(job, seen_from_above(job, head));
+        expect_memory(job, head);
+        expect_rest(job, read_s_per_voxel * voxels_of(head), guessed_area_mm2(head.size, head.pitch_mm, job.view),
+                    head.pitch_mm, progress);
     };
     // The volume and, for relative values, its white twin are held at once.
-    StackVolume stack = read_stack_volume({.stack = options.stack,
-                                           .resins = options.resins,
-                                           .printer = options.printer,
-                                           .pitch_mm = job.pitch_mm,
-                                           .assign = job.assign,
-                                           .memory_bytes = job.memory_bytes / (options.absolute ? 1 : 2),
-                                           .before_layers = expect_all},
-                                          progress);
-    if (!options.absolute && stack.white < 0)
-        throw InputError(
-            fmt::format("the resin set '{}' has no white (role W) for media-relative values to refer to; name another "
-                        "set with --resins, or give --absolute",
-                        stack.resins.name));
+    stack.volume = read_stack_volume({.stack = options.stack,
+                                      .resins = options.resins,
+                                      .printer = options.printer,
+                                      .pitch_mm = job.pitch_mm,
+                                      .assign = job.assign,
+                                      .memory_bytes = job.memory_bytes / (options.absolute ? 1 : 2),
+                                      .before_reading = hear},
+                                     progress);
+    // As it is, whatever a manifest says.
+    stack.head.solid_voxels = std::uint64_t(voxels_of(stack.head)) - stack.volume.volume.count()[optics::air];
     return stack;
 }
 
 /// From where it is seen, and over what.
-void look_from(const ResolvedPrediction& job, const StackVolume& stack, PredictFigures& figures) {
-    figures.from_above = job.view == PredictedView::top ||
-                         (job.view == PredictedView::automatic && (stack.of_picture || is_flat_box(stack.volume)));
+void look_from(const ResolvedPrediction& job, const ReadStack& stack, PredictFigures& figures) {
+    figures.from_above = seen_from_above(job, stack.head);
     const optics::Backing usual = figures.from_above ? optics::Backing::black : optics::Backing::none;
-    figures.backing = job.backing.value_or(stack.backing.value_or(usual));
+    figures.backing = job.backing.value_or(stack.volume.backing.value_or(usual));
 }
 
 /// Where light paths leave the body: nothing for its voxels' faces. Throws InputError where the mesh was asked for and
@@ -271,8 +328,7 @@ PredictedCells find_cells(const optics::Scene& scene, const ResolvedPrediction& 
     progress.begin_stage("find the surface", 0);
     const std::array<double, 3>& pitch_mm = scene.volume->pitch_mm();
     const auto part = figures.from_above ? optics::SurfacePart::top : optics::SurfacePart::all;
-    std::optional<CoarseCells> coarse;
-    if (job.model == PredictionModel::transport) coarse = coarse_cells(pitch_mm, job.asked.cell_mm);
+    const std::optional<CoarseCells> coarse = quick_cells(job, pitch_mm);
     const auto cell = seen_cell_voxels(pitch_mm, job.asked.cell_mm);
     for (std::size_t a = 0; a < 3; ++a) figures.cell_um[a] = cell[a] * pitch_mm[a] * 1e3;
     PredictedCells cells;
@@ -298,7 +354,7 @@ void note_memory(const optics::ResinVolume& volume, std::size_t cells, std::uint
     throw ResourceError(
         fmt::format("the volume and its surface need {:.2f} GiB, more than the {:.2f} GiB allowed; allow more "
                     "(--memory), choose larger cells (--cell) or a smaller print",
-                    double(held) / (1 << 30), double(budget) / (1 << 30)));
+                    gibibytes(double(held)), gibibytes(double(budget))));
 }
 
 void add_means(const SurfacePrediction& prediction, PredictFigures& figures) {
@@ -351,10 +407,11 @@ PredictResult run_predict_job(const PredictOptions& options, Progress& progress)
     const ThreadLimit threads(static_cast<std::size_t>(options.threads));
     PredictFigures figures;
     Stopwatch watch;
-    const StackVolume stack = read_stack(job, progress);
+    const ReadStack read = read_stack(job, progress);
+    const StackVolume& stack = read.volume;
     figures.read_s = watch.lap();
 
-    look_from(job, stack, figures);
+    look_from(job, read, figures);
     expect_files_fit(job, figures.from_above);
     const optics::Scene scene{.volume = &stack.volume, .resins = &stack.resins, .backing = figures.backing};
     PredictedCells cells = find_cells(scene, job, figures, progress);
@@ -370,10 +427,7 @@ PredictResult run_predict_job(const PredictOptions& options, Progress& progress)
     expect_rest(job, 0, area_mm2, stack.volume.pitch_mm(), progress);
     progress.begin_stage("predict", 0);
     const ModelMaker maker = [&](bool white) {
-        ModelOptions quality = options.quality;
-        quality.cell_mm = quick ? eye_cell_mm : options.cell_mm;
-        quality.viewing_cells = quick;
-        quality.memory_bytes = job.memory_bytes - held;
+        ModelOptions quality = model_options(job, quick, job.memory_bytes - held);
         quality.boundary = boundary ? &*boundary : nullptr;
         if (white) quality.seed = ~quality.seed;
         return make_model(job.model, quality);

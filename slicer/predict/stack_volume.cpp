@@ -126,16 +126,28 @@ void expect_all_layers(const io::StackReader& stack, const std::string& name) {
                                  layer, width, height, size[0], size[1]));
 }
 
-/// What the job that made a stack said, as far as it can be read.
-std::optional<SliceOptions> job_of(const std::filesystem::path& stack) {
-    const auto folder = stack.filename() == "manifest.json" ? stack.parent_path() : stack;
-    SliceOptions options;
-    try {
-        read_job((folder / job_file_name).string(), options);
-    } catch (const Error&) {
-        return std::nullopt;
+/// The resin set that the job of a stack names, seen from here.
+std::string set_of(const io::StackOrigin& origin, const std::filesystem::path& stack) {
+    const auto folder = stack.filename() == io::manifest_name ? stack.parent_path() : stack;
+    return origin.resins.empty() ? SliceOptions{}.resins : input_named_in(folder, origin.resins);
+}
+
+void tell(const StackVolumeOptions& options, const Assignment& assignment, const LayerWindow& window,
+          const std::array<double, 3>& pitch_mm, std::uint64_t solid_voxels, bool of_picture) {
+    if (!options.before_reading) return;
+    options.before_reading(
+        {window.size, pitch_mm, solid_voxels, assignment.resins.name, assignment.white >= 0, of_picture});
+}
+
+/// As the manifest counts them; no more than there is room for.
+std::uint64_t printed_voxels(const io::StackDescription& stack) {
+    std::uint64_t left = std::uint64_t{stack.size_px[0]} * stack.size_px[1] * stack.layers, sum = 0;
+    for (const io::StackResin& resin : stack.resins) {
+        const std::uint64_t more = std::min(resin.voxels, left);
+        sum += more;
+        left -= more;
     }
-    return options;
+    return sum;
 }
 
 StackVolume read_own(const io::StackReader& stack, const StackVolumeOptions& options, Progress& progress) {
@@ -146,18 +158,16 @@ StackVolume read_own(const io::StackReader& stack, const StackVolumeOptions& opt
     const io::StackDescription& description = *stack.description();
     expect_all_layers(stack, options.stack);
     StackVolume result;
-    std::string set_of_job;
-    if (const auto job = job_of(options.stack)) {
-        set_of_job = job->resins;
-        result.of_picture = !job->model.empty() && !io::is_model_name(job->model);
-        if (result.of_picture) result.backing = parse_choice<optics::Backing>("backing", job->backing);
-    }
+    const io::StackOrigin& origin = stack.origin();
+    result.of_picture = !origin.model.empty() && !io::is_model_name(origin.model);
+    if (result.of_picture && !origin.backing.empty())
+        result.backing = parse_choice<optics::Backing>("backing", origin.backing);
     std::vector<NamedColour> colours{{description.background_rgb, no_material, "the background"}};
     for (const io::StackResin& resin : description.resins)
         // A resin that is loaded and not used needs no data.
         colours.push_back({resin.rgb, resin.voxels > 0 ? resin.role : no_material,
                            fmt::format("resin {} (role {})", resin.name, resin.role)});
-    Assignment assignment = assign(colours, resin_set(options, set_of_job), options.stack);
+    Assignment assignment = assign(colours, resin_set(options, set_of(origin, options.stack)), options.stack);
 
     std::array<int, 2> size{static_cast<int>(description.size_px[0]), static_cast<int>(description.size_px[1])};
     const std::array<int, 2> size_px = size;
@@ -167,10 +177,9 @@ StackVolume read_own(const io::StackReader& stack, const StackVolumeOptions& opt
         std::swap(size[0], size[1]);
         std::swap(pitch_mm[0], pitch_mm[1]);
     }
-    LayerVolume volume({{}, {size[0], size[1], static_cast<int>(description.layers)}}, pitch_mm, assignment.material_of,
-                       options.memory_bytes);
-    if (options.before_layers)
-        options.before_layers({size[0], size[1], static_cast<int>(description.layers)}, pitch_mm);
+    const LayerWindow window{{}, {size[0], size[1], static_cast<int>(description.layers)}};
+    tell(options, assignment, window, pitch_mm, printed_voxels(description), result.of_picture);
+    LayerVolume volume(window, pitch_mm, assignment.material_of, options.memory_bytes);
     progress.begin_stage("read layers", description.layers, "layers");
     parallel_for(
         0, description.layers, 1,
@@ -376,8 +385,11 @@ StackVolume read_foreign(const io::StackReader& stack, const StackVolumeOptions&
     const ForeignBody body = find_body(stack, assignment, frame.orientation, options.stack, progress);
     warn_of_absent(options, assignment, body, progress);
     const LayerWindow& window = body.window;
+    std::uint64_t solid_voxels = 0;
+    for (std::size_t m = 0; m < body.pixels.size(); ++m)
+        if (assignment.material_of[m] != optics::air) solid_voxels += body.pixels[m];
+    tell(options, assignment, window, pitch_mm, solid_voxels, false);
     LayerVolume volume(window, pitch_mm, assignment.material_of, options.memory_bytes);
-    if (options.before_layers) options.before_layers(window.size, pitch_mm);
     progress.begin_stage("read layers", static_cast<std::uint64_t>(window.size[2]), "layers");
     parallel_for(
         static_cast<std::size_t>(window.corner[2]), static_cast<std::size_t>(window.corner[2] + window.size[2]), 1,

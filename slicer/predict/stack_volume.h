@@ -36,6 +36,16 @@ struct ColourAssignment {
 /// From "#rrggbb=ROLE". Throws UsageError.
 [[nodiscard]] ColourAssignment parse_assignment(const std::string& text);
 
+/// What is known of a stack before its layers are kept.
+struct StackHead {
+    std::array<int, 3> size{};  ///< of the volume, voxels along x, y, z
+    std::array<double, 3> pitch_mm{};
+    std::uint64_t solid_voxels = 0;  ///< with a resin
+    std::string resin_set;           ///< its name
+    bool has_white = false;          ///< a resin with the role W
+    bool of_picture = false;         ///< made by `slice` from a picture
+};
+
 struct StackVolumeOptions {
     std::string stack{};    ///< output folder, folder of PNG layers, GCVF file
     std::string resins{};   ///< set or file; empty: that of the job that made the stack, else vero-opaque
@@ -43,8 +53,8 @@ struct StackVolumeOptions {
     std::optional<std::array<double, 3>> pitch_mm{};  ///< foreign stacks: of columns, rows, layers
     std::vector<ColourAssignment> assign{};           ///< foreign stacks
     std::uint64_t memory_bytes = ~std::uint64_t{0};   ///< the volume may take so much
-    /// Told the voxels of the volume along each axis and their edges, mm, before its layers are read; may be empty.
-    std::function<void(const std::array<int, 3>& voxels, const std::array<double, 3>& pitch_mm)> before_layers{};
+    /// Hears what will be read before much is; throws to refuse it.
+    std::function<void(const StackHead&)> before_reading{};
 };
 
 struct StackVolume {

@@ -147,6 +147,69 @@ TEST_CASE("A GCVF says by its materials' names which resins it has") {
     CHECK(stack.volume.pitch_mm()[2] == Approx(0.027));
 }
 
+TEST_CASE("What is known of a stack is told before its layers are kept, and can refuse it") {
+    const io::TemporaryFolder folder;
+    io::Orientation turned;
+    turned.swap_xy = true;
+    const std::string own = (folder.path() / "own").string();
+    write_marker(own, turned, true);
+    std::uint64_t solid = 0;
+    for (int z = 0; z < nz; ++z)
+        for (int y = 0; y < ny; ++y)
+            for (int x = 0; x < nx; ++x) solid += marker(x, y, z) != 0;
+    class Stages final : public Progress {
+    public:
+        std::vector<std::string> begun;
+
+    private:
+        void on_stage(std::string_view name, std::uint64_t, std::string_view) override { begun.emplace_back(name); }
+    } progress;
+    int told = 0;
+    const auto refuse = [&](const StackHead& head) {
+        ++told;
+        CHECK(head.size == std::array<int, 3>{nx, ny, nz});
+        CHECK(head.pitch_mm[2] == Approx(0.027));
+        CHECK(head.solid_voxels == solid);
+        CHECK(head.resin_set == "vero-opaque");
+        CHECK(head.has_white);
+        CHECK_FALSE(head.of_picture);
+        throw UsageError("no");
+    };
+    CHECK_THROWS_AS(read_stack_volume({.stack = own, .before_reading = refuse}, progress), UsageError);
+    CHECK(progress.begun.empty());
+    // Where the body lies in a foreign stack, and how much of it, only its layers tell.
+    const std::string gcvf = own + "/" + std::string(io::gcvf_name);
+    CHECK_THROWS_AS(read_stack_volume({.stack = gcvf, .before_reading = refuse}, progress), UsageError);
+    CHECK(progress.begun == std::vector<std::string>{"find the body"});
+    CHECK(told == 2);
+}
+
+TEST_CASE("What the job of a stack says counts as far as it can be understood") {
+    const io::TemporaryFolder folder;
+    const std::string own = (folder.path() / "own").string();
+    write_marker(own, {});
+    const auto with_job = [&](const std::string& text) {
+        io::write_whole_file(own + "/job.json", text);
+        Progress progress;
+        return read_stack_volume({.stack = own}, progress);
+    };
+    const std::string begin = "{\"format\": \"voxtone-job\", \"version\": 1, ";
+    const StackVolume picture = with_job(begin + "\"model\": \"../a.png\", \"backing\": \"white\"}");
+    CHECK(picture.of_picture);
+    CHECK(picture.backing == optics::Backing::white);
+    CHECK_FALSE(with_job(begin + "\"model\": \"../a.obj\", \"backing\": \"white\"}").of_picture);
+    for (const char* none : {"{", "[]", "{\"format\": \"other\", \"model\": \"a.png\"}", "{\"model\": 7}"})
+        CHECK_FALSE(with_job(none).of_picture);
+    // Its resins are seen from where it lies.
+    io::write_whole_file(
+        folder.path() / "few.json",
+        std::string_view(
+            R"({"format": "voxtone-resins", "version": 1, "name": "few", "source": "test", "channels": {"kind": "rgb"},
+        "g": 0.4, "eta": 1.5, "resins": [{"name": "White", "role": "W", "sigma_t_per_mm": [6, 9, 24], "albedo": [0.999, 0.999, 0.999]}]})"));
+    io::write_whole_file(own + "/job.json", begin + "\"resins\": \"../few.json\"}");
+    CHECK_THAT(message({.stack = own}, ExitCode::invalid_input), Contains("'few'") && Contains("no optical data"));
+}
+
 TEST_CASE("What a stack lacks is said with what to do") {
     const io::TemporaryFolder folder;
     write_marker(folder.path() / "own", {});
