@@ -92,7 +92,7 @@ JobBody prepare_body(const ResolvedJob& job, const PrinterProfile& printer, Prog
     body.read_s = watch.total();
     progress.end_stage();
 
-    progress.begin_stage("repair mesh", 0);
+    progress.begin_stage("repair mesh", repair_steps(body.model.mesh));
     RepairOptions repairing;
     repairing.mode = job.repair;
     repairing.pitch_mm = printer.sliced_pitch_mm().minCoeff();

@@ -18,18 +18,21 @@ struct TooManyPoints {};
 struct Watch : CGAL::Alpha_wraps_3::internal::Wrapping_default_visitor {
     std::size_t points_left = 0;
     const Progress* progress = nullptr;
+    StepShare* bar = nullptr;
 
     template <class Wrapper, class Vertex>
     void after_Steiner_point_insertion(const Wrapper&, Vertex) {
         if (points_left-- == 0) throw TooManyPoints{};
         if (progress) progress->check_cancelled();
+        if (bar) bar->advance();
     }
 };
 
 }  // namespace
 
 std::optional<Wrap> alpha_wrap(std::span<const Eigen::Vector3d> positions, std::span<const Triangle> triangles,
-                               double alpha, double offset, std::size_t max_points, const Progress* progress) {
+                               double alpha, double offset, std::size_t max_points, const Progress* progress,
+                               StepShare* bar) {
     VOXTONE_EXPECT(alpha > 0 && offset > 0 && !triangles.empty());
     using Point = CGAL::Exact_predicates_inexact_constructions_kernel::Point_3;
     std::vector<Point> points;
@@ -43,6 +46,7 @@ std::optional<Wrap> alpha_wrap(std::span<const Eigen::Vector3d> positions, std::
     Watch watch;
     watch.points_left = max_points;
     watch.progress = progress;
+    watch.bar = bar;
     try {
         CGAL::alpha_wrap_3(points, faces, alpha, offset, mesh, CGAL::parameters::default_values(),
                            CGAL::parameters::visitor(std::ref(watch)));

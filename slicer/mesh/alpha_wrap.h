@@ -14,6 +14,7 @@
 
 #include "voxtone/base/progress.h"
 #include "voxtone/slicer/mesh/mesh_chain.h"
+#include "voxtone/slicer/mesh/step_share.h"
 
 namespace voxtone::slicer {
 
@@ -23,8 +24,10 @@ struct Wrap {
 };
 
 /// alpha, offset > 0, in the unit of the positions. Nothing when the wrap would take more than `max_points` points.
+/// `bar` advances by a task a point.
 [[nodiscard]] std::optional<Wrap> alpha_wrap(std::span<const Eigen::Vector3d> positions,
                                              std::span<const Triangle> triangles, double alpha, double offset,
-                                             std::size_t max_points, const Progress* progress = nullptr);
+                                             std::size_t max_points, const Progress* progress = nullptr,
+                                             StepShare* bar = nullptr);
 
 }  // namespace voxtone::slicer

@@ -18,7 +18,7 @@ namespace {
 
 // visit(a, b) for each pair of triangles whose boxes meet, a < b; pairs with the same a come from one thread.
 template <class Visit>
-void for_each_near_pair(const TriangleTree& tree, WorkBudget& work, Progress* bar, Visit&& visit) {
+void for_each_near_pair(const TriangleTree& tree, WorkBudget& work, StepShare* bar, Visit&& visit) {
     parallel_ranges(0, tree.triangles().size(), 256, [&](std::size_t first, std::size_t last) {
         std::vector<std::uint32_t> near;
         for (auto t = static_cast<std::uint32_t>(first); t < last; ++t) {
@@ -48,10 +48,10 @@ std::pair<std::uint32_t, std::uint32_t> far_edge(const Triangle& t, const Triang
 
 }  // namespace
 
-std::size_t count_crossings(const TriangleTree& tree, WorkBudget& work) {
+std::size_t count_crossings(const TriangleTree& tree, WorkBudget& work, StepShare* bar) {
     const std::span<const Triangle> triangles = tree.triangles();
     std::atomic<std::size_t> pairs = 0;
-    for_each_near_pair(tree, work, nullptr, [&](std::uint32_t a, std::uint32_t b) {
+    for_each_near_pair(tree, work, bar, [&](std::uint32_t a, std::uint32_t b) {
         if (common_corners(triangles[a], triangles[b]) != 0) return;
         work.spend(WorkBudget::exact_test);
         pairs += triangles_meet(tree.corners(a), tree.corners(b));
@@ -59,7 +59,7 @@ std::size_t count_crossings(const TriangleTree& tree, WorkBudget& work) {
     return pairs;
 }
 
-std::vector<std::vector<std::uint32_t>> find_crossings(const TriangleTree& tree, WorkBudget& work, Progress* bar) {
+std::vector<std::vector<std::uint32_t>> find_crossings(const TriangleTree& tree, WorkBudget& work, StepShare* bar) {
     const std::span<const Vector3d> positions = tree.positions();
     const std::span<const Triangle> triangles = tree.triangles();
     std::vector<std::vector<std::uint32_t>> crossings(triangles.size());

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "voxtone/slicer/mesh/step_share.h"
 #include "voxtone/slicer/mesh/triangle_tree.h"
 #include "voxtone/slicer/mesh/work_budget.h"
 
@@ -14,12 +15,13 @@ namespace voxtone::slicer {
 
 /// Pairs of triangles without a common corner that meet: crossing, touching, or lying in each other (exact predicates).
 /// Triangles without area are left out. Throws WorkExceeded.
-[[nodiscard]] std::size_t count_crossings(const TriangleTree& tree, WorkBudget& work);
+/// `bar` advances by a task a triangle.
+[[nodiscard]] std::size_t count_crossings(const TriangleTree& tree, WorkBudget& work, StepShare* bar = nullptr);
 
 /// Per triangle the triangles that it crosses or touches other than in the corners they share: those of the pairs
 /// above, and those with one common corner that meet beyond it. In ascending order. `bar` advances by a step a
 /// triangle. Throws WorkExceeded.
 [[nodiscard]] std::vector<std::vector<std::uint32_t>> find_crossings(const TriangleTree& tree, WorkBudget& work,
-                                                                     Progress* bar = nullptr);
+                                                                     StepShare* bar = nullptr);
 
 }  // namespace voxtone::slicer

@@ -12,10 +12,10 @@ namespace voxtone::slicer {
 
 namespace {
 
-long long crossing_pairs(const TriangleTree& tree, const Progress* progress) {
+long long crossing_pairs(const TriangleTree& tree, const Progress* progress, StepShare* bar) {
     WorkBudget work(WorkBudget::for_triangles(tree.triangles().size()), progress);
     try {
-        return static_cast<long long>(count_crossings(tree, work));
+        return static_cast<long long>(count_crossings(tree, work, bar));
     } catch (const WorkExceeded&) {
         return -1;
     }
@@ -25,7 +25,7 @@ long long crossing_pairs(const TriangleTree& tree, const Progress* progress) {
 
 MeshDiagnosis diagnose(const std::vector<Eigen::Vector3d>& positions,
                        const std::vector<std::array<std::uint32_t, 3>>& triangles, const TriangleTree* tree,
-                       const Progress* progress) {
+                       const Progress* progress, StepShare* bar) {
     MeshDiagnosis d;
     d.triangles = triangles.size();
     for_each_edge(edge_uses(triangles), [&](std::span<const EdgeUse> uses) {
@@ -47,7 +47,7 @@ MeshDiagnosis diagnose(const std::vector<Eigen::Vector3d>& positions,
         d.area_mm2 += a;
         d.volume_mm3 += signed_volume(positions, t);
     }
-    if (tree) d.crossing_pairs = crossing_pairs(*tree, progress);
+    if (tree) d.crossing_pairs = crossing_pairs(*tree, progress, bar);
     return d;
 }
 

@@ -11,6 +11,7 @@
 #include <Eigen/Core>
 
 #include "voxtone/base/progress.h"
+#include "voxtone/slicer/mesh/step_share.h"
 #include "voxtone/slicer/mesh/triangle_tree.h"
 
 namespace voxtone::slicer {
@@ -32,9 +33,11 @@ struct MeshDiagnosis {
     friend bool operator==(const MeshDiagnosis&, const MeshDiagnosis&) = default;
 };
 
-/// `tree`: over this mesh, to count crossings with; null: they are not counted.
+/// `tree`: over this mesh, to count crossings with; null: they are not counted. `bar` advances by a task a
+/// triangle while they are.
 [[nodiscard]] MeshDiagnosis diagnose(const std::vector<Eigen::Vector3d>& positions,
                                      const std::vector<std::array<std::uint32_t, 3>>& triangles,
-                                     const TriangleTree* tree = nullptr, const Progress* progress = nullptr);
+                                     const TriangleTree* tree = nullptr, const Progress* progress = nullptr,
+                                     StepShare* bar = nullptr);
 
 }  // namespace voxtone::slicer

@@ -15,6 +15,7 @@
 #include "voxtone/base/error.h"
 #include "voxtone/slicer/mesh/alpha_wrap.h"
 #include "voxtone/slicer/mesh/box.h"
+#include "voxtone/slicer/mesh/coincident_faces.h"
 #include "voxtone/slicer/mesh/hole_filling.h"
 #include "voxtone/slicer/mesh/mesh_chain.h"
 #include "voxtone/slicer/mesh/mesh_orientation.h"
@@ -140,9 +141,11 @@ std::vector<bool> loose_faces(const SolidMesh& mesh, const std::vector<HoleFill>
     return loose;
 }
 
+constexpr std::size_t max_points = 20'000;  // of a wrap that is not the first
+
 // Replaces the faces marked by a wrap around them.
 void wrap_faces(SolidMesh& mesh, const std::vector<bool>& marked, const RepairOptions& options, RepairedMesh& result,
-                const Progress* progress) {
+                const Progress* progress, StepShare& bar) {
     RepairReport& report = result.report;
     std::vector<Triangle> faces;
     std::vector<bool> keep(mesh.triangles.size());
@@ -161,7 +164,6 @@ void wrap_faces(SolidMesh& mesh, const std::vector<bool>& marked, const RepairOp
     // The finer the wrap, the closer; but once it slips through the cracks it lines the surface from inside as well and
     // its area doubles. So: finer until that happens or time runs out (a point takes about a quarter of a millisecond).
     // What is lined on both sides from the start consists of sheets, and is wrapped finely.
-    constexpr std::size_t max_points = 20'000;
     const double offset = std::max(options.pitch_mm, diagonal / 2000);
     const double coarsest = diagonal / 25, finest = std::max(2 * offset, diagonal / 150);
     std::optional<Wrap> wrap;
@@ -169,7 +171,7 @@ void wrap_faces(SolidMesh& mesh, const std::vector<bool>& marked, const RepairOp
     for (double alpha = coarsest;; alpha = std::max(alpha / 2, finest)) {
         if (progress) progress->check_cancelled();
         std::optional<Wrap> finer =
-            alpha_wrap(mesh.positions_mm, faces, alpha, offset, wrap ? max_points : 10 * max_points, progress);
+            alpha_wrap(mesh.positions_mm, faces, alpha, offset, wrap ? max_points : 10 * max_points, progress, &bar);
         if (!finer) break;
         double wrap_area = 0;
         for (const Triangle& t : finer->triangles) wrap_area += area(finer->positions, t);
@@ -212,7 +214,8 @@ void fill(SolidMesh& mesh, const std::vector<HoleFill>& fills, RepairReport& rep
 }
 
 // Welds, drops, orients and fills until the chain is closed; wraps what filling would only close upon itself.
-void close_chain(SolidMesh& mesh, const RepairOptions& options, RepairedMesh& result, const Progress* progress) {
+void close_chain(SolidMesh& mesh, const RepairOptions& options, RepairedMesh& result, const Progress* progress,
+                 StepShare& bar) {
     RepairReport& report = result.report;
     report.welded_vertices = weld(mesh, std::min(0.1 * options.pitch_mm, 1e-5 * diagonal_mm(mesh)));
     drop_collapsed(mesh);
@@ -226,7 +229,7 @@ void close_chain(SolidMesh& mesh, const RepairOptions& options, RepairedMesh& re
     std::vector<HoleFill> fills = fill_holes(mesh.positions_mm, mesh.triangles, progress);
     const std::vector<bool> loose = loose_faces(mesh, fills);
     if (std::find(loose.begin(), loose.end(), true) != loose.end()) {
-        wrap_faces(mesh, loose, options, result, progress);
+        wrap_faces(mesh, loose, options, result, progress, bar);
         fills = fill_holes(mesh.positions_mm, mesh.triangles, progress);
     }
     fill(mesh, fills, report);
@@ -242,17 +245,40 @@ void turn_outward(SolidMesh& mesh, RepairReport& report, const Progress* progres
                                               shells.count, turns.turned == 1 ? "was" : "were"));
 }
 
+/// What lies in one place several times, and back sides.
+void take_once(SolidMesh& mesh, RepairReport& report) {
+    const CoincidentFaces dropped = drop_coincident_faces(mesh);
+    report.dropped_faces = dropped.copies + dropped.back_sides;
+    if (dropped.copies > 0)
+        report.messages.push_back(
+            fmt::format("{} faces lay exactly on others, as where a body is in the file several times in one place: "
+                        "each was taken once, with the first one's colour.",
+                        dropped.copies));
+    if (dropped.back_sides > 0)
+        report.messages.push_back(
+            fmt::format("{} faces were the back sides of others (a two-sided mesh): they were dropped, and what the "
+                        "other faces enclose is printed solid.",
+                        dropped.back_sides));
+}
+
 }  // namespace
 
-RepairedMesh repair_mesh(const io::TexturedMesh& textured, const RepairOptions& options, const Progress* progress) {
+std::uint64_t repair_steps(const io::TexturedMesh& mesh) { return 3 * std::uint64_t{mesh.triangles.size()}; }
+
+RepairedMesh repair_mesh(const io::TexturedMesh& textured, const RepairOptions& options, Progress* progress) {
     VOXTONE_EXPECT(options.pitch_mm > 0);
     RepairedMesh result;
     RepairReport& report = result.report;
     SolidMesh mesh = as_it_came(textured);
+    const std::size_t triangles = mesh.triangles.size();
+    StepShare first_count(progress, triangles, triangles), closing(progress, triangles, 2 * max_points);
     const auto crossings_count = [&] { return mesh.triangles.size() <= options.count_crossings_up_to; };
+    if (options.mode == RepairMode::automatic) take_once(mesh, report);
     std::optional<SolidIndex> given;
-    if (crossings_count()) given.emplace(mesh);
-    report.before = diagnose(mesh.positions_mm, mesh.triangles, given ? &given->tree() : nullptr, progress);
+    if (crossings_count() && mesh.triangles.size() == triangles) given.emplace(mesh);
+    report.before =
+        diagnose(textured.positions, textured.triangles, given ? &given->tree() : nullptr, progress, &first_count);
+    first_count.finish();
     if (!(report.before.area_mm2 > 0))
         throw InputError("the model has no surface: all its faces are without area, so there is nothing to print");
 
@@ -266,19 +292,22 @@ RepairedMesh repair_mesh(const io::TexturedMesh& textured, const RepairOptions& 
 
     drop_collapsed(mesh);
     if (options.mode == RepairMode::wrap) {
-        wrap_faces(mesh, std::vector<bool>(mesh.triangles.size(), true), options, result, progress);
+        wrap_faces(mesh, std::vector<bool>(mesh.triangles.size(), true), options, result, progress, closing);
     } else if (!closed) {
-        close_chain(mesh, options, result, progress);
+        close_chain(mesh, options, result, progress, closing);
     }
     VOXTONE_ENSURE(open_edges(mesh.triangles) == 0);
 
     if (options.mode != RepairMode::off) turn_outward(mesh, report, progress);
+    closing.finish();
 
     const bool untouched = mesh.triangles == textured.triangles, count_again = !untouched && crossings_count();
     result.solid = untouched && given ? std::move(*given) : SolidIndex(std::move(mesh));
+    StepShare second_count(progress, triangles, result.solid->triangles.size());
     report.after = untouched ? report.before
                              : diagnose(result.solid->positions_mm, result.solid->triangles,
-                                        count_again ? &result.solid.tree() : nullptr, progress);
+                                        count_again ? &result.solid.tree() : nullptr, progress, &second_count);
+    second_count.finish();
     return result;
 }
 

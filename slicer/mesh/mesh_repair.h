@@ -3,7 +3,8 @@
 // From any mesh to a surface that encloses a body (solid_mesh.h), with a diagnosis in numbers.
 //
 // For winding numbers it is enough that the oriented faces form a closed chain, so a mesh that does is left exactly as
-// it is, crossings and non-manifold edges included; only shells that face inward are turned. With `automatic` anything
+// it is, crossings and non-manifold edges included; only shells that face inward are turned, and what is there several
+// times in one place, or once for each side, is taken once (coincident_faces.h). With `automatic` anything
 // else is welded (corners nearer than a tenth of a voxel or 1e-5 of the size), freed of faces without area and doubled
 // faces, oriented alike, and its holes are filled on the vertices that are there, which always gives a closed chain.
 // Where a large part of the surface consists of loose pieces that such filling would only close upon themselves (a
@@ -61,8 +62,11 @@ struct RepairedMesh {
     RepairReport report;
 };
 
+/// What `repair_mesh` advances its progress by.
+[[nodiscard]] std::uint64_t repair_steps(const io::TexturedMesh& mesh);
+
 /// Positions of `mesh` in mm. Throws InputError: nothing there, or open and not to be repaired.
 [[nodiscard]] RepairedMesh repair_mesh(const io::TexturedMesh& mesh, const RepairOptions& options,
-                                       const Progress* progress = nullptr);
+                                       Progress* progress = nullptr);
 
 }  // namespace voxtone::slicer

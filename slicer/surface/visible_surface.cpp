@@ -2,7 +2,6 @@
 #include "voxtone/slicer/surface/visible_surface.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -20,6 +19,7 @@
 #include "voxtone/slicer/mesh/exact_predicates.h"
 #include "voxtone/slicer/mesh/mesh_chain.h"
 #include "voxtone/slicer/mesh/mesh_crossings.h"
+#include "voxtone/slicer/mesh/step_share.h"
 #include "voxtone/slicer/mesh/winding_number.h"
 
 namespace voxtone::slicer {
@@ -98,28 +98,11 @@ std::array<Vector2f, 3> corner_uv(const Triangle& mine, const Triangle& source,
 
 [[noreturn]] void refuse_heap(std::size_t triangles) {
     throw InputError(
-        fmt::format("the model's {} triangles lie on or across one another so often that it cannot be worked out in "
-                    "bounded time what is seen of them; unite its parts (boolean union) and remove doubled faces in a "
-                    "mesh editor",
+        fmt::format("the model's {} triangles lie on or across one another, or are so long and thin, that it cannot be "
+                    "worked out in bounded time what is seen of them; unite its parts (boolean union), remove doubled "
+                    "faces and remesh long thin ones in a mesh editor",
                     triangles));
 }
-
-// A share of a stage's steps, spread over tasks.
-class StepShare {
-public:
-    StepShare(Progress* progress, std::uint64_t steps, std::uint64_t tasks)
-        : progress_(progress), steps_(steps), tasks_(std::max<std::uint64_t>(tasks, 1)) {}
-    /// One task is done; those beyond the last are passed over.
-    void advance() {
-        const std::uint64_t done = ++done_;
-        if (progress_ && done <= tasks_) progress_->advance(steps_ * done / tasks_ - steps_ * (done - 1) / tasks_);
-    }
-
-private:
-    Progress* progress_;
-    std::uint64_t steps_, tasks_;
-    std::atomic<std::uint64_t> done_{0};
-};
 
 // The surface while it is put together.
 class VisibleParts {
@@ -233,7 +216,8 @@ bool VisibleParts::hidden_at(const Vector3d& p, const Vector3d& normal, WorkBudg
 // A region: neighbours through plain edges, as long as no other triangle crosses them. It is hidden or visible as one,
 // and judged at its largest triangle.
 void VisibleParts::judge_regions(WorkBudget& work) {
-    crossings_ = find_crossings(tree_, work, progress_);
+    StepShare bar(progress_, tree_.triangles().size(), tree_.triangles().size());
+    crossings_ = find_crossings(tree_, work, &bar);
     const auto count = static_cast<std::uint32_t>(solid_.triangles.size());
     DisjointSets regions(count);
     for_each_edge(edge_uses(solid_.triangles), [&](std::span<const EdgeUse> edge) {

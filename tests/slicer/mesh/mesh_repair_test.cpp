@@ -118,6 +118,58 @@ TEST_CASE("Faces that disagree, doubled faces and faces without area are mended"
     CHECK(volume(r) == Approx(shapes::volume(sphere)));
 }
 
+TEST_CASE("A body that is there several times in one place is taken once") {
+    const SolidMesh sphere = shapes::sphere(1, 10);
+    SolidMesh indexed = sphere;  // three times on the same corners
+    for (int n = 0; n < 2; ++n)
+        indexed.triangles.insert(indexed.triangles.end(), sphere.triangles.begin(), sphere.triangles.end());
+    for (const SolidMesh& m : {shapes::joined(shapes::joined(sphere, sphere), sphere), indexed}) {
+        const RepairedMesh r = repair(textured(m));
+        CHECK(r.solid->triangles == sphere.triangles);
+        CHECK(r.solid->source_triangle == sphere.source_triangle);
+        CHECK(r.report.dropped_faces == 2 * sphere.triangles.size());
+        REQUIRE(r.report.messages.size() == 1);
+        CHECK_THAT(r.report.messages[0], Catch::Contains("taken once"));
+        CHECK(repair(textured(m), RepairMode::off).solid->triangles.size() == 3 * sphere.triangles.size());
+    }
+    // A cavity that is there once stays hollow.
+    const SolidMesh hollow = shapes::joined(cube, shapes::flipped(shapes::box({0.5, 0.5, 0.5}, {1, 1, 1})));
+    CHECK(volume(repair(textured(shapes::joined(hollow, cube)))) == Approx(8 - 0.125));
+    // A face too many of either side, on a body that is closed without them.
+    SolidMesh more = sphere;
+    more.triangles.push_back(sphere.triangles[7]);
+    more.triangles.push_back({sphere.triangles[7][1], sphere.triangles[7][0], sphere.triangles[7][2]});
+    CHECK(volume(repair(textured(more))) == Approx(shapes::volume(sphere)));
+}
+
+TEST_CASE("A two-sided body is solid, a two-sided sheet stays a sheet") {
+    const SolidMesh sphere = shapes::sphere(1, 10);
+    SolidMesh indexed = sphere, alternating = sphere;
+    const SolidMesh back = shapes::flipped(sphere);
+    indexed.triangles.insert(indexed.triangles.end(), back.triangles.begin(), back.triangles.end());
+    alternating.triangles.clear();
+    for (std::size_t t = 0; t < sphere.triangles.size(); ++t) {  // now the front first, now the back
+        alternating.triangles.push_back(t % 3 ? sphere.triangles[t] : back.triangles[t]);
+        alternating.triangles.push_back(t % 3 ? back.triangles[t] : sphere.triangles[t]);
+    }
+    for (const SolidMesh& m : {shapes::joined(sphere, back), indexed, alternating}) {
+        const RepairedMesh r = repair(textured(m));
+        CHECK(volume(r) == Approx(shapes::volume(sphere)));
+        CHECK(r.solid->triangles.size() == sphere.triangles.size());
+        CHECK(r.report.dropped_faces == sphere.triangles.size());
+        REQUIRE(!r.report.messages.empty());
+        CHECK_THAT(r.report.messages[0], Catch::Contains("two-sided"));
+    }
+    SolidMesh sheet = cube;
+    sheet.triangles = {cube.triangles[0], cube.triangles[1], shapes::flipped(cube).triangles[0],
+                       shapes::flipped(cube).triangles[1]};
+    CHECK(repair(textured(sheet)).solid->triangles == sheet.triangles);
+    // Two boxes that share a whole face, each with its own.
+    SolidMesh beside = shapes::joined(cube, shapes::moved(cube, Vector3d(2, 0, 0)));
+    CHECK(repair(textured(beside)).solid->triangles == beside.triangles);
+    CHECK(volume(repair(textured(beside))) == Approx(16));
+}
+
 TEST_CASE("Holes are filled on the vertices that are there, and fills have no source") {
     // Box without its top: 20 mm^3 with the hole filled flat.
     SolidMesh open = shapes::box({0, 0, 0}, {2, 2, 5});

@@ -252,6 +252,80 @@ TEST_CASE("A heap of triangles is cut coarsely, and at last refused, in a senten
     CHECK_THROWS_WITH(find(1000), Catch::Contains("lie on or across one another") && Catch::Contains("unite"));
 }
 
+namespace {
+
+/// A waisted tower of `sectors` straight slivers each way, that run around more than a third of it: each of their boxes
+/// meets hundreds of others.
+SolidMesh twisted_tower(std::uint32_t sectors) {
+    SolidMesh mesh;
+    const double turn = 2.4;
+    for (const double z : {0.0, 10.0})
+        for (std::uint32_t n = 0; n < sectors; ++n) {
+            const double angle = 2 * 3.14159265358979 * n / sectors + (z > 0 ? turn : 0);
+            mesh.positions_mm.emplace_back(5 * std::cos(angle), 5 * std::sin(angle), z);
+        }
+    mesh.positions_mm.emplace_back(0, 0, 0);
+    mesh.positions_mm.emplace_back(0, 0, 10);
+    for (std::uint32_t n = 0; n < sectors; ++n) {
+        const std::uint32_t next = (n + 1) % sectors;
+        mesh.triangles.push_back({n, next, sectors + n});
+        mesh.triangles.push_back({next, sectors + next, sectors + n});
+        mesh.triangles.push_back({next, n, 2 * sectors});
+        mesh.triangles.push_back({sectors + n, sectors + next, 2 * sectors + 1});
+    }
+    return shapes::with_sources(mesh);
+}
+
+}  // namespace
+
+TEST_CASE("Thousands of long thin triangles take bounded work, and are left whole where none cross", "[bounds]") {
+    const SolidMesh tower = twisted_tower(1500);
+    // Far more than of a smooth body of as many triangles, far less than is allowed.
+    CHECK(crossing_work(tower) > 1000 * tower.triangles.size());
+    CHECK(crossing_work(tower) < WorkBudget::for_triangles(tower.triangles.size()) / 4);
+    io::TexturedMesh textured;
+    const RepairedMesh repaired = repaired_of(tower, textured);
+    Listener listener;
+    const VisibleSurface surface =
+        find_visible_surface(textured.positions, textured.triangles, repaired, {.piece_mm = 0.05}, nullptr, &listener);
+    CHECK(listener.warnings.empty());
+    CHECK(surface.triangles.size() == tower.triangles.size());
+    CHECK_THROWS_WITH(find_visible_surface(textured.positions, textured.triangles, repaired,
+                                           {.piece_mm = 0.05, .most_steps = 100'000}, nullptr, &listener),
+                      Catch::Contains("long and thin") && Catch::Contains("remesh"));
+    listener.cancel();
+    CHECK_THROWS_AS(find_visible_surface(textured.positions, textured.triangles, repaired, {}, nullptr, &listener),
+                    Cancelled);
+}
+
+TEST_CASE("A repair moves its bar from the beginning to the end, whatever there is to mend", "[bounds]") {
+    struct Steps : Listener {
+        std::size_t times = 0;
+
+    private:
+        void on_advance(std::uint64_t done) override {
+            Listener::on_advance(done);
+            ++times;
+        }
+    };
+    SolidMesh open = shapes::sphere(2, 30);
+    open.triangles.resize(open.triangles.size() - 40);
+    open = shapes::with_sources(open);
+    for (const SolidMesh& mesh : {shapes::sphere(2, 30), open})
+        for (const RepairMode mode : {RepairMode::automatic, RepairMode::wrap}) {
+            io::TexturedMesh textured;
+            textured.positions = mesh.positions_mm;
+            textured.triangles = mesh.triangles;
+            for (const std::size_t counted : {std::size_t{0}, std::size_t{1'000'000}}) {
+                RepairOptions options{.mode = mode, .pitch_mm = 0.1, .count_crossings_up_to = counted};
+                Steps steps;
+                (void)repair_mesh(textured, options, &steps);
+                CHECK(steps.steps == repair_steps(textured));
+                if (counted > 0 || mode == RepairMode::wrap) CHECK(steps.times > 5);
+            }
+        }
+}
+
 TEST_CASE("What is bounded can be stopped", "[bounds]") {
     io::TexturedMesh textured;
     const RepairedMesh repaired = repaired_of(crossing_boxes(5), textured);
