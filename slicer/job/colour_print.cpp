@@ -61,7 +61,8 @@ void ColourPrint::prepare(Progress& progress) {
         auto problem =
             std::make_unique<const LoopProblem>(job_.options, body_, job_.resins, *colour_, parts_, progress);
         progress.end_stage();
-        const LoopCheckpoint checkpoint(job_.options.out, identity_.loop, problem->cells->seen.target);
+        const LoopCheckpoint checkpoint(job_.options.out, identity_.opened_loop, identity_.loop,
+                                        problem->cells->seen.target);
         prepared_.emplace(std::move(problem), checkpoint, std::nullopt);
         if (job_.options.resume)
             prepared_->before = checkpoint.read(progress);
@@ -150,11 +151,7 @@ void ColourPrint::add_to(io::Report& report) const {
     report.verdict = judge(
         {job_, body_, *colour_, prediction_, prediction_plan_.why_not, *report.gamut, loop_.has_value(), all_white_});
     if (!loop_plan_.why_not.empty() && !all_white_) report.warnings.push_back(loop_plan_.why_not);
-    const auto add = [&report](const std::vector<std::string>& remarks) {
-        report.warnings.insert(report.warnings.end(), remarks.begin(), remarks.end());
-    };
-    if (loop_) add(loop_->result.remarks);
-    if (prediction_) add(prediction_->predicted.remarks);
+    add_remarks(loop_, prediction_, report);
 }
 
 void ColourPrint::draw(io::Report& report, Progress& progress) const {

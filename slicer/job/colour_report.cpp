@@ -256,6 +256,15 @@ void add_colour_report(const ColourReport& s, const std::string& why_not_predict
     report.sections.push_back(mixtures_section(s));
 }
 
+void add_remarks(const std::optional<JobLoop>& loop, const std::optional<JobPrediction>& prediction,
+                 io::Report& report) {
+    const auto add = [&report](const std::vector<std::string>& remarks) {
+        report.warnings.insert(report.warnings.end(), remarks.begin(), remarks.end());
+    };
+    if (loop) add(loop->result.remarks);
+    if (prediction) add(prediction->predicted.remarks);
+}
+
 void draw_colour_report(const ColourReport& s, io::Report& report, const std::filesystem::path& folder,
                         Progress& progress) {
     if (!s.prediction)

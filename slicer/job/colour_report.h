@@ -32,6 +32,10 @@ struct ColourReport {
 /// Gamut, prediction and its note, the section on mixtures.
 void add_colour_report(const ColourReport& sources, const std::string& why_not_predicted, io::Report& report);
 
+/// What the models remarked on the print that the loop chose and on the prediction, as warnings of the report.
+void add_remarks(const std::optional<JobLoop>& loop, const std::optional<JobPrediction>& prediction,
+                 io::Report& report);
+
 /// Draws the target, the prediction and, with a model, their difference into the report and writes target.* and
 /// predicted.* into the folder: PNG and EXR for a picture, GLB for a body.
 void draw_colour_report(const ColourReport& sources, io::Report& report, const std::filesystem::path& folder,

@@ -306,6 +306,52 @@ TEST_CASE("Predicting has one time for all of it: every stage is expected before
     CHECK(stages.unexpected.empty());
 }
 
+TEST_CASE("What a prediction remarks of itself is said on the console and in the JSON result") {
+    const Folder folder("remarks");
+    const std::string stack = marked_stack(folder);
+    // Resins that light crosses unscattered, which a single sweep does not follow to the end.
+    std::string resins;
+    for (const char* role : {"C", "M", "Y", "K", "W"})
+        resins += fmt::format(
+            R"({}{{"name": "{}", "role": "{}", "sigma_t_per_mm": [0.5, 0.5, 0.5], "albedo": [0.9, 0.9, 0.9]}})",
+            resins.empty() ? "" : ", ", role, role);
+    folder.write("thin.json", fmt::format(R"({{"format": "voxtone-resins", "version": 1, "name": "thin",
+        "source": "test", "channels": {{"kind": "rgb"}}, "g": 0, "eta": 1.5, "resins": [{}]}})",
+                                          resins));
+    const std::string predict =
+        fmt::format("predict --overwrite {} --resins {} -o {}", stack, folder / "thin.json", folder / "p.png");
+    const Outcome text = run_program(predict + " --sweeps 1"), json = run_program(predict + " --json --sweeps 1");
+    REQUIRE(text.exit_code == 0);
+    CHECK_THAT(text.err, Contains("warning: the last sweep") && Contains("of the white that colours refer to"));
+    const auto last = json.out.rfind("\n", json.out.size() - 2) + 1;
+    const auto result = nlohmann::json::parse(json.out.substr(last));
+    CHECK_THAT(result.dump(), Contains("\"warnings\":[\"the last sweep"));
+    const Outcome usual = run_program(predict + " --json --sweeps 3");
+    CHECK_THAT(usual.out, !Contains("the last sweep"));
+}
+
+TEST_CASE("What memory cannot hold, and what does not fit the stack, is refused before its layers are read") {
+    const Folder folder("refused-early");
+    const std::string stack = marked_stack(folder);
+    const auto predicted = [&](const std::string& arguments) {
+        return run_program("predict --json --overwrite " + stack + arguments);
+    };
+    const std::string picture = " -o " + (folder / "p.png"), quick = " --model monte-carlo --spp 2 --cell 0.4mm";
+    REQUIRE_THAT(predicted(picture + quick).out, Contains("read layers"));
+    // A slab of 3.9 mm^3 has more than a hundred blocks, each with nodes of 3680 bytes.
+    const Outcome memory = predicted(picture + " --memory 0.0003");
+    CHECK(memory.exit_code == 5);
+    CHECK_THAT(memory.out + memory.err, Contains("needs at least") && Contains("--memory") && Contains("--cell 0.2mm"));
+    CHECK_THAT(memory.out, !Contains("read layers"));
+    const Outcome kind = predicted(" -o " + (folder / "p.glb"));
+    CHECK(kind.exit_code == 2);
+    CHECK_THAT(kind.out, !Contains("read layers"));
+    // The bound is no more than is needed.
+    const Outcome just = predicted(picture + " --memory 0.1");
+    INFO(just.err);
+    CHECK(just.exit_code == 0);
+}
+
 TEST_CASE("slice --predict shows target, prediction and difference, upright, with its figures") {
     const Folder folder("report");
     REQUIRE(run_program(

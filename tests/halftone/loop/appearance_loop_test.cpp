@@ -206,6 +206,41 @@ TEST_CASE("A loop that was told how often to go on says so", "[loop]") {
     CHECK(rest.told == std::vector<std::uint64_t>(3, 2));
 }
 
+TEST_CASE("What the model remarks on the print that is kept is warned of and handed on", "[loop]") {
+    SmallSlab slab(n, black_and_white());
+    // The first print is the best one; only that one is remarked on in these words.
+    class Remarks final : public optics::AppearanceModel {
+    public:
+        optics::Appearance predict(const optics::Scene&, const optics::Surface& surface,
+                                   const Progress*) const override {
+            const bool first = asked_++ == 0;
+            return {3,
+                    std::vector<float>(3 * surface.cells.size(), first ? 0.3f : 0.9f),
+                    {},
+                    {first ? "the light was clipped" : "a solve was left open"}};
+        }
+
+    private:
+        mutable int asked_ = 0;
+    };
+    const Remarks model;
+    class Listens final : public Progress {
+    public:
+        std::vector<std::string> warnings;
+
+    private:
+        void on_warning(const std::string& warning) override { warnings.push_back(warning); }
+    } progress;
+    const auto target = stripes(0.2f, 0.3f);
+    const optics::ResinVolume open = slab.print(mixtures_of(*slab.recipes, target));
+    LoopOptions options;
+    options.iterations = 2;
+    const LoopResult result = run_appearance_loop(slab.task(model, open, target), options, progress);
+    REQUIRE(result.state.best == 0);
+    CHECK(result.remarks == std::vector<std::string>{"the light was clipped"});
+    CHECK(progress.warnings == result.remarks);
+}
+
 TEST_CASE("No iterations leave the open loop", "[loop]") {
     SmallSlab slab(n, black_and_white());
     const BlurringModel model(n, static_cast<int>(slab.white) + 1, 0.5f);

@@ -257,6 +257,24 @@ TEST_CASE("A prediction too large for the memory allowed says what it would need
     CHECK(summary.memory_bytes < options.memory_bytes);
 }
 
+TEST_CASE("What a prediction needs at the least can be told without a volume, and is not too much") {
+    const ResinSet set = vero_opaque();
+    // The second has voxels that are cut in two along x and y.
+    for (const auto& pitch : {j750, std::array{0.084667, 0.084667, 0.01875}}) {
+        const ResinVolume volume =
+            make_resin_volume({100, 60, 60}, pitch, [](int x, int, int) { return x < 90 ? 5 : 0; });
+        const Scene scene{&volume, &set, Backing::none, Sides::open};
+        const Surface surface = find_surface(scene, cell_voxels(pitch, 0.085), SurfacePart::top);
+        const double solid_mm3 = 90 * 60 * 60 * pitch[0] * pitch[1] * pitch[2];
+        TransportOptions options;
+        options.memory_bytes = TransportPredictor(options).least_bytes(solid_mm3, pitch);
+        CHECK(options.memory_bytes > std::size_t{1} << 20);
+        CHECK_THROWS_AS(TransportPredictor(options).predict(scene, surface), ResourceError);
+        options.viewing_cells = true;
+        CHECK(TransportPredictor(options).least_bytes(solid_mm3, pitch) == 0);
+    }
+}
+
 TEST_CASE("A change is felt the farther the smaller the tolerance, and farther in white than in black") {
     const ResinSet set = vero_opaque();
     const auto white = static_cast<std::size_t>(set.find("W")), black = static_cast<std::size_t>(set.find("K"));
