@@ -658,6 +658,31 @@ OpticalGrid::OpticalGrid(const Scene& scene, const GridOptions& opts, const Prog
     builder.see_surface();
 }
 
+namespace {
+
+// Moments three times and geometry; a skin block has an outer face for every fourth cell of a side, in and out; a node
+// has three contacts on the finest level of the equations and a seventh more on the others.
+constexpr std::size_t per_cell = 3 * 16 + 3 + 4, per_face = 2 * 128 + 52, per_node = 460;
+constexpr std::size_t outside_box = 8 * per_node;  // of a block
+
+/// What a block takes more in the box than outside of it.
+std::size_t more_inside(BlockKind kind, std::size_t skin_cells) {
+    const std::size_t more = 64 * per_node - outside_box;
+    switch (kind) {
+        case BlockKind::skin:
+            return more + skin_cells * (per_cell + per_face / 16);
+        case BlockKind::margin:
+            return more + 64 * per_cell;
+        case BlockKind::core:
+            break;
+    }
+    return more;
+}
+
+Place one_more(const Place& n) { return {n[0] + 1, n[1] + 1, n[2] + 1}; }
+
+}  // namespace
+
 GridCensus::GridCensus(const Scene& scene, const GridOptions& options, const Progress* progress) {
     OpticalGrid grid;
     grid.options = options;
@@ -670,39 +695,32 @@ GridCensus::GridCensus(const Scene& scene, const GridOptions& options, const Pro
     lattice = grid.lattice;
     block_voxels = builder.block_voxels;
     shift_voxels = grid.shift_voxels;
-    skin_cells_ = product(grid.cells_in(BlockKind::skin));
-    kind_.resize(grid.block_at.size());
-    for (std::size_t i = 0; i < kind_.size(); ++i)
-        kind_[i] = grid.block_at[i] < 0
-                       ? 255
-                       : static_cast<std::uint8_t>(grid.blocks[static_cast<std::size_t>(grid.block_at[i])].kind);
+    outside_ = grid.blocks.size() * outside_box;
+    const std::size_t skin_cells = product(grid.cells_in(BlockKind::skin));
+    const Place table = one_more(lattice);
+    more_.assign(product(table), 0);
+    for_each(lattice, [&](const Place& at) {
+        const std::int32_t block = grid.block_at[at3(at, lattice)];
+        const auto before = [&](int x, int y, int z) { return more_[at3({at[0] + x, at[1] + y, at[2] + z}, table)]; };
+        // Inclusion and exclusion; unsigned differences come out right.
+        more_[at3(one_more(at), table)] =
+            (block < 0 ? 0 : more_inside(grid.blocks[static_cast<std::size_t>(block)].kind, skin_cells)) +
+            before(0, 1, 1) + before(1, 0, 1) + before(1, 1, 0) - before(0, 0, 1) - before(0, 1, 0) - before(1, 0, 0) +
+            before(0, 0, 0);
+    });
 }
 
-namespace {
-
-// Moments three times and geometry; a skin block has an outer face for every fourth cell of a side, in and out; a node
-// has three contacts on the finest level of the equations and a seventh more on the others.
-constexpr std::size_t per_cell = 3 * 16 + 3 + 4, per_face = 2 * 128 + 52, per_node = 460;
-constexpr std::size_t nodes_outside = 8;  // of a block outside the box
-
-}  // namespace
-
-std::size_t GridCensus::least_bytes(std::size_t blocks) { return blocks * nodes_outside * per_node; }
+std::size_t GridCensus::least_bytes(std::size_t blocks) { return blocks * outside_box; }
 
 std::size_t GridCensus::bytes(const std::array<int, 3>& begin, const std::array<int, 3>& end) const {
-    std::size_t sum = 0;
-    for_each(lattice, [&](const std::array<int, 3>& at) {
-        const std::uint8_t kind = kind_[at3(at, lattice)];
-        if (kind == 255) return;
-        bool inside = true;
-        for (std::size_t a = 0; a < 3; ++a) inside &= at[a] >= begin[a] && at[a] < end[a];
-        if (!inside)
-            sum += nodes_outside * per_node;
-        else if (kind == static_cast<std::uint8_t>(BlockKind::skin))
-            sum += skin_cells_ * (per_cell + per_face / 16) + 64 * per_node;
-        else
-            sum += 64 * per_node + (kind == static_cast<std::uint8_t>(BlockKind::margin) ? 64 * per_cell : 0);
-    });
+    const Place table = one_more(lattice);
+    std::size_t sum = outside_;
+    for (int corner = 0; corner < 8; ++corner) {
+        Place at{};
+        for (std::size_t a = 0; a < 3; ++a) at[a] = (corner >> a & 1) != 0 ? end[a] : begin[a];
+        const bool minus = std::popcount(static_cast<unsigned>(corner)) % 2 == 0;
+        sum += minus ? -more_[at3(at, table)] : more_[at3(at, table)];
+    }
     return sum;
 }
 

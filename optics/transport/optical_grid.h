@@ -127,8 +127,8 @@ public:
     std::array<int, 3> lattice{}, block_voxels{}, shift_voxels{};
 
 private:
-    std::vector<std::uint8_t> kind_;  ///< of each place: BlockKind, 255: air
-    std::size_t skin_cells_ = 0;      ///< in a skin block
+    std::size_t outside_ = 0;        ///< of all blocks, if they were outside
+    std::vector<std::size_t> more_;  ///< summed-area table: what blocks before a place take more inside
 };
 
 class OpticalGrid {

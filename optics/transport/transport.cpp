@@ -242,6 +242,11 @@ std::size_t TransportPredictor::least_bytes(double solid_mm3, const std::array<d
     return GridCensus::least_bytes(static_cast<std::size_t>(solid_mm3 / block_mm3));
 }
 
+void TransportPredictor::expect_memory(const Scene& scene) const {
+    if (options_.viewing_cells || voxel_pieces(options_, scene.volume->pitch_mm()) != std::array{1, 1, 1}) return;
+    (void)pieces(scene);
+}
+
 namespace {
 
 /// None where viewing cells are not asked for, or a body takes more memory with them than is allowed: then it is

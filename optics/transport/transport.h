@@ -69,6 +69,10 @@ public:
     /// by tile.
     [[nodiscard]] std::size_t least_bytes(double solid_mm3, const std::array<double, 3>& pitch_mm) const;
 
+    /// Throws ResourceError, as `predict` does, where memory would not suffice for this body: without its surface. Says
+    /// nothing of predictions on viewing cells, nor where voxels are cut (TransportOptions::finest_mm).
+    void expect_memory(const Scene& scene) const;
+
     /// With `viewing_cells` a ViewingSequence, where memory allows.
     [[nodiscard]] std::unique_ptr<AppearanceSequence> sequence(const Scene& scene, const Surface& surface,
                                                                const Progress* progress = nullptr) const override;

@@ -33,6 +33,7 @@ std::vector<std::uint32_t> first_at_place(std::span<const Eigen::Vector3d> posit
 
 struct PlacedFace {
     Triangle corners;  ///< ascending
+    Triangle given;    ///< in the face's order
     std::uint32_t triangle;
     int sign;  ///< +1: the face goes round them in this order
 };
@@ -47,7 +48,7 @@ std::vector<PlacedFace> placed_faces(std::span<const Triangle> triangles, std::s
         Triangle corners = at;
         std::sort(corners.begin(), corners.end());
         const auto begin = std::size_t(std::find(at.begin(), at.end(), corners[0]) - at.begin());
-        faces.push_back({corners, t, at[(begin + 1) % 3] == corners[1] ? 1 : -1});
+        faces.push_back({corners, at, t, at[(begin + 1) % 3] == corners[1] ? 1 : -1});
     }
     std::sort(faces.begin(), faces.end(), [](const PlacedFace& a, const PlacedFace& b) {
         return std::tie(a.corners, a.triangle) < std::tie(b.corners, b.triangle);
@@ -94,11 +95,6 @@ struct SimpleShell {
     std::vector<Triangle> triangles;
 };
 
-Triangle corners_of(const PlacedFace& face) {
-    const Triangle& c = face.corners;
-    return face.sign > 0 ? c : Triangle{c[0], c[2], c[1]};
-}
-
 SimpleShell simple_shell(std::span<const Pile> piles, std::span<const std::uint32_t> shell) {
     const int times = std::abs(piles[shell.front()].sum);
     bool piled = false;
@@ -113,7 +109,7 @@ SimpleShell simple_shell(std::span<const Pile> piles, std::span<const std::uint3
         const auto face = std::find_if(pile.faces.begin(), pile.faces.end(),
                                        [&](const PlacedFace& f) { return times == 0 || f.sign * pile.sum > 0; });
         simple.source.push_back(face->triangle);
-        simple.triangles.push_back(corners_of(*face));
+        simple.triangles.push_back(face->given);
     }
     if (times > 0) return simple;
     orient_consistently(simple.triangles);

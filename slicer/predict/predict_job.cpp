@@ -414,12 +414,15 @@ PredictResult run_predict_job(const PredictOptions& options, Progress& progress)
     look_from(job, read, figures);
     expect_files_fit(job, figures.from_above);
     const optics::Scene scene{.volume = &stack.volume, .resins = &stack.resins, .backing = figures.backing};
+    const std::uint64_t volumes = stack.volume.memory_bytes() * (options.absolute ? 1 : 2);
+    const bool quick = quick_cells(job, stack.volume.pitch_mm()).has_value();
+    if (volumes < job.memory_bytes)
+        expect_model_memory(job.model, model_options(job, quick, job.memory_bytes - volumes), scene);
     PredictedCells cells = find_cells(scene, job, figures, progress);
     const std::optional<MeshBoundary> boundary = find_boundary(job, stack, figures, progress);
     figures.boundary = boundary ? BodyEnd::mesh : BodyEnd::voxels;
-    const bool quick = cells.averaged_over.has_value();
     figures.surface_s = watch.lap();
-    const std::uint64_t held = stack.volume.memory_bytes() * (options.absolute ? 1 : 2) + surface_bytes(cells.surface);
+    const std::uint64_t held = volumes + surface_bytes(cells.surface);
     note_memory(stack.volume, cells.surface.cells.size(), held, job.memory_bytes, figures, progress);
 
     double area_mm2 = 0;

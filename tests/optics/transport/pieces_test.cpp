@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "voxtone/base/random.h"
+#include "voxtone/optics/transport/optical_grid.h"
 #include "voxtone/optics/transport/transport.h"
 
 using namespace voxtone::optics;
@@ -66,4 +67,38 @@ TEST_CASE("A curved body in pieces looks like the whole, wherever a window cuts 
     const double worst = largest_difference(whole, pieces);
     INFO("largest difference " << worst << " in " << summary.pieces << " pieces");
     CHECK(worst < 0.03);  // a halo of 1 mm on a body lit all around; of 5 mm: docs/predict.md
+}
+
+TEST_CASE("What a box of blocks takes is the sum over its blocks, and those outside of it") {
+    const ResinSet set = vero_opaque();
+    const ResinVolume volume = halftoned_body({1.9, 1.3, 1.1});
+    const Scene scene{&volume, &set, Backing::none, Sides::open};
+    const GridCensus census(scene, {});
+    const auto& n = census.lattice;
+    const std::size_t none = census.bytes({}, {});
+    const auto more = [&](const std::array<int, 3>& begin, const std::array<int, 3>& end) {
+        return census.bytes(begin, end) - none;
+    };
+    const auto one_by_one = [&](const std::array<int, 3>& begin, const std::array<int, 3>& end) {
+        std::size_t sum = 0;
+        for (int z = begin[2]; z < end[2]; ++z)
+            for (int y = begin[1]; y < end[1]; ++y)
+                for (int x = begin[0]; x < end[0]; ++x) sum += more({x, y, z}, {x + 1, y + 1, z + 1});
+        return sum;
+    };
+    CHECK(none % GridCensus::least_bytes(1) == 0);
+    REQUIRE(more({}, n) > 0);
+    CHECK(more({}, n) == one_by_one({}, n));
+    const std::array<int, 3> low{n[0] / 3, n[1] / 4, n[2] / 5}, high{n[0] - 1, n[1] / 2 + 1, n[2]};
+    CHECK(more(low, high) == one_by_one(low, high));
+    // Of one block: nothing more where it is air, as many cells as its kind has elsewhere.
+    const OpticalGrid grid(scene, {});
+    for (const GridBlock& block : grid.blocks) {
+        const std::array<int, 3> at{block.at[0], block.at[1], block.at[2]};
+        const std::size_t cells = block.kind == BlockKind::skin     ? 64 * 6 * (55 + 308 / 16)
+                                  : block.kind == BlockKind::margin ? 64 * 55
+                                                                    : 0;
+        REQUIRE(more(at, {at[0] + 1, at[1] + 1, at[2] + 1}) == 56 * 460 + cells);
+    }
+    CHECK(none == grid.blocks.size() * GridCensus::least_bytes(1));
 }

@@ -270,6 +270,7 @@ TEST_CASE("What a prediction needs at the least can be told without a volume, an
         options.memory_bytes = TransportPredictor(options).least_bytes(solid_mm3, pitch);
         CHECK(options.memory_bytes > std::size_t{1} << 20);
         CHECK_THROWS_AS(TransportPredictor(options).predict(scene, surface), ResourceError);
+        if (pitch == j750) CHECK_THROWS_AS(TransportPredictor(options).expect_memory(scene), ResourceError);
         options.viewing_cells = true;
         CHECK(TransportPredictor(options).least_bytes(solid_mm3, pitch) == 0);
     }

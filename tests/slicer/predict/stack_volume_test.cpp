@@ -152,7 +152,8 @@ TEST_CASE("What is known of a stack is told before its layers are kept, and can 
     io::Orientation turned;
     turned.swap_xy = true;
     const std::string own = (folder.path() / "own").string();
-    write_marker(own, turned, true);
+    write_marker(own, turned);
+    write_marker(folder.path() / "straight", {}, true);
     std::uint64_t solid = 0;
     for (int z = 0; z < nz; ++z)
         for (int y = 0; y < ny; ++y)
@@ -178,7 +179,7 @@ TEST_CASE("What is known of a stack is told before its layers are kept, and can 
     CHECK_THROWS_AS(read_stack_volume({.stack = own, .before_reading = refuse}, progress), UsageError);
     CHECK(progress.begun.empty());
     // Where the body lies in a foreign stack, and how much of it, only its layers tell.
-    const std::string gcvf = own + "/" + std::string(io::gcvf_name);
+    const std::string gcvf = (folder.path() / "straight" / io::gcvf_name).string();
     CHECK_THROWS_AS(read_stack_volume({.stack = gcvf, .before_reading = refuse}, progress), UsageError);
     CHECK(progress.begun == std::vector<std::string>{"find the body"});
     CHECK(told == 2);
