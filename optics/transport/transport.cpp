@@ -242,9 +242,9 @@ std::size_t TransportPredictor::least_bytes(double solid_mm3, const std::array<d
     return GridCensus::least_bytes(static_cast<std::size_t>(solid_mm3 / block_mm3));
 }
 
-void TransportPredictor::expect_memory(const Scene& scene) const {
+void TransportPredictor::expect_memory(const Scene& scene, const Progress* progress) const {
     if (options_.viewing_cells || voxel_pieces(options_, scene.volume->pitch_mm()) != std::array{1, 1, 1}) return;
-    (void)pieces(scene);
+    (void)pieces(scene, progress);
 }
 
 namespace {

@@ -71,7 +71,7 @@ public:
 
     /// Throws ResourceError, as `predict` does, where memory would not suffice for this body: without its surface. Says
     /// nothing of predictions on viewing cells, nor where voxels are cut (TransportOptions::finest_mm).
-    void expect_memory(const Scene& scene) const;
+    void expect_memory(const Scene& scene, const Progress* progress = nullptr) const;
 
     /// With `viewing_cells` a ViewingSequence, where memory allows.
     [[nodiscard]] std::unique_ptr<AppearanceSequence> sequence(const Scene& scene, const Surface& surface,

@@ -41,7 +41,8 @@ struct ModelOptions {
 
 /// Throws ResourceError where the memory would not suffice for a prediction of this body, as far as that can be told
 /// without its surface.
-void expect_model_memory(PredictionModel model, const ModelOptions& options, const optics::Scene& scene);
+void expect_model_memory(PredictionModel model, const ModelOptions& options, const optics::Scene& scene,
+                         const Progress& progress);
 
 /// What --memory may ask for: a petabyte is a slip of the keyboard.
 inline constexpr double most_memory_gib = 1 << 20;

@@ -417,7 +417,7 @@ PredictResult run_predict_job(const PredictOptions& options, Progress& progress)
     const std::uint64_t volumes = stack.volume.memory_bytes() * (options.absolute ? 1 : 2);
     const bool quick = quick_cells(job, stack.volume.pitch_mm()).has_value();
     if (volumes < job.memory_bytes)
-        expect_model_memory(job.model, model_options(job, quick, job.memory_bytes - volumes), scene);
+        expect_model_memory(job.model, model_options(job, quick, job.memory_bytes - volumes), scene, progress);
     PredictedCells cells = find_cells(scene, job, figures, progress);
     const std::optional<MeshBoundary> boundary = find_boundary(job, stack, figures, progress);
     figures.boundary = boundary ? BodyEnd::mesh : BodyEnd::voxels;
