@@ -3,7 +3,6 @@
 
 #include <CLI/CLI.hpp>
 
-#include "voxtone/calibration/fit/check_job.h"
 #include "voxtone/cli/calibrate_commands.h"
 #include "voxtone/cli/help.h"
 #include "voxtone/cli/patch_options.h"
@@ -18,16 +17,16 @@ struct CalibrateCheckArguments {
     RunOptions run;
 };
 
-int run(CalibrateCheckArguments& a) {
+int run(CalibrateCheckArguments& a, const CalibrateJobs& jobs) {
     return run_on_console(a.run, [&](Progress& progress) {
         set_patch_model(a.patches, a.job.model);
-        return calibration::run_check_job(a.job, progress);
+        return jobs.check(a.job, progress);
     });
 }
 
 }  // namespace
 
-Command add_calibrate_check_command(CLI::App& calibrate) {
+Command add_calibrate_check_command(CLI::App& calibrate, const CalibrateJobs& jobs) {
     auto arguments = std::make_shared<CalibrateCheckArguments>();
     CalibrateCheckArguments& a = *arguments;
     CLI::App* command =
@@ -37,7 +36,7 @@ Command add_calibrate_check_command(CLI::App& calibrate) {
     add_patch_options(*command, a.run.lengths, a.patches, a.job.measured);
     add_run_options(*command, a.run);
     add_example(*command, "my-resins.json other-patches.csv");
-    return [arguments] { return run(*arguments); };
+    return [arguments, &jobs] { return run(*arguments, jobs); };
 }
 
 }  // namespace voxtone::cli

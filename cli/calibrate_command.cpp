@@ -2,17 +2,23 @@
 #include <CLI/CLI.hpp>
 
 #include "voxtone/cli/calibrate_commands.h"
-#include "voxtone/cli/calibrate_program.h"
-#include "voxtone/cli/commands.h"
+#include "voxtone/cli/help.h"
 #include "voxtone/cli/steps.h"
 
 namespace voxtone::cli {
 
-Command add_calibrate_command(CLI::App& program) {
-    CLI::App* command = program.add_subcommand("calibrate", calibrate_description);
-    return add_steps(*command, {add_calibrate_check_command, add_calibrate_fit_command, add_calibrate_photo_command,
-                                add_calibrate_profile_command, add_calibrate_simulate_command,
-                                add_calibrate_simulate_profile_command, add_calibrate_target_command});
+Command add_calibrate_command(CLI::App& program, const CalibrateJobs& jobs) {
+    CLI::App* command = program.add_subcommand(
+        "calibrate",
+        "Find the resins' albedo and extinction from one printed and photographed (or measured) target, or measure how "
+        "light spreads in a slab");
+    add_example(*command, "fit patches.csv --resins C,M,Y,K,W -o my-resins.json");
+    std::vector<AddStep> steps;
+    for (const auto add : {add_calibrate_check_command, add_calibrate_fit_command, add_calibrate_photo_command,
+                           add_calibrate_profile_command, add_calibrate_simulate_command,
+                           add_calibrate_simulate_profile_command, add_calibrate_target_command})
+        steps.emplace_back([add, &jobs](CLI::App& calibrate) { return add(calibrate, jobs); });
+    return add_steps(*command, steps);
 }
 
 }  // namespace voxtone::cli

@@ -1,18 +1,22 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// The steps of `voxtone calibrate`, one file each, as the verbs in commands.h.
+// `voxtone calibrate` and its steps, one file each, as the verbs in commands.h; what they run is one of `jobs`, which
+// outlive them.
 #pragma once
 
+#include "voxtone/cli/calibrate_jobs.h"
 #include "voxtone/cli/commands.h"
 
 namespace voxtone::cli {
 
-Command add_calibrate_target_command(CLI::App& calibrate);
-Command add_calibrate_simulate_command(CLI::App& calibrate);
-Command add_calibrate_photo_command(CLI::App& calibrate);
-Command add_calibrate_fit_command(CLI::App& calibrate);
-Command add_calibrate_check_command(CLI::App& calibrate);
-Command add_calibrate_profile_command(CLI::App& calibrate);
-Command add_calibrate_simulate_profile_command(CLI::App& calibrate);
+Command add_calibrate_command(CLI::App& program, const CalibrateJobs& jobs);
+
+Command add_calibrate_target_command(CLI::App& calibrate, const CalibrateJobs& jobs);
+Command add_calibrate_simulate_command(CLI::App& calibrate, const CalibrateJobs& jobs);
+Command add_calibrate_photo_command(CLI::App& calibrate, const CalibrateJobs& jobs);
+Command add_calibrate_fit_command(CLI::App& calibrate, const CalibrateJobs& jobs);
+Command add_calibrate_check_command(CLI::App& calibrate, const CalibrateJobs& jobs);
+Command add_calibrate_profile_command(CLI::App& calibrate, const CalibrateJobs& jobs);
+Command add_calibrate_simulate_profile_command(CLI::App& calibrate, const CalibrateJobs& jobs);
 
 }  // namespace voxtone::cli

@@ -3,7 +3,6 @@
 
 #include <CLI/CLI.hpp>
 
-#include "voxtone/calibration/fit/fit_job.h"
 #include "voxtone/cli/calibrate_commands.h"
 #include "voxtone/cli/help.h"
 #include "voxtone/cli/patch_options.h"
@@ -18,10 +17,10 @@ struct CalibrateFitArguments {
     RunOptions run;
 };
 
-int run(CalibrateFitArguments& a) {
+int run(CalibrateFitArguments& a, const CalibrateJobs& jobs) {
     return run_on_console(a.run, [&](Progress& progress) {
         set_patch_model(a.patches, a.job.fit.model);
-        return calibration::run_fit_job(a.job, progress);
+        return jobs.fit(a.job, progress);
     });
 }
 
@@ -38,7 +37,7 @@ void add_fit_options(CLI::App& command, calibration::FitOptions& fit) {
 
 }  // namespace
 
-Command add_calibrate_fit_command(CLI::App& calibrate) {
+Command add_calibrate_fit_command(CLI::App& calibrate, const CalibrateJobs& jobs) {
     auto arguments = std::make_shared<CalibrateFitArguments>();
     CalibrateFitArguments& a = *arguments;
     CLI::App* command = calibrate.add_subcommand(
@@ -62,7 +61,7 @@ Command add_calibrate_fit_command(CLI::App& calibrate) {
         "also fit for g from -0.9 to 0.9 and print how well each explains the patches (of --check, if given)");
     add_run_options(*command, a.run);
     add_example(*command, "patches.csv --resins C,M,Y,K,W -o my-resins.json --report my-resins.html");
-    return [arguments] { return run(*arguments); };
+    return [arguments, &jobs] { return run(*arguments, jobs); };
 }
 
 }  // namespace voxtone::cli

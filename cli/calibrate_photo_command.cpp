@@ -7,7 +7,6 @@
 
 #include <CLI/CLI.hpp>
 
-#include "voxtone/calibration/photo/photo_job.h"
 #include "voxtone/cli/calibrate_commands.h"
 #include "voxtone/cli/common_options.h"
 #include "voxtone/cli/help.h"
@@ -35,11 +34,11 @@ io::SampleCoding coding_of(const std::string& word) {
     return word == "srgb" ? io::SampleCoding::srgb : io::SampleCoding::unknown;
 }
 
-int run(CalibratePhotoArguments& a) {
+int run(CalibratePhotoArguments& a, const CalibrateJobs& jobs) {
     a.job.measure.coding = coding_of(a.coding);
     a.job.measure.corners = four_points(a.corners);
     a.job.measure.checker_corners = four_points(a.checker_corners);
-    return run_on_console(a.run, [&](Progress& progress) { return calibration::run_photo_job(a.job, progress); });
+    return run_on_console(a.run, [&](Progress& progress) { return jobs.photo(a.job, progress); });
 }
 
 void add_corners_option(CLI::App& command, const char* name, std::vector<double>& corners, const char* help) {
@@ -48,7 +47,7 @@ void add_corners_option(CLI::App& command, const char* name, std::vector<double>
 
 }  // namespace
 
-Command add_calibrate_photo_command(CLI::App& calibrate) {
+Command add_calibrate_photo_command(CLI::App& calibrate, const CalibrateJobs& jobs) {
     auto arguments = std::make_shared<CalibratePhotoArguments>();
     CalibratePhotoArguments& a = *arguments;
     CLI::App* command = calibrate.add_subcommand(
@@ -76,7 +75,7 @@ Command add_calibrate_photo_command(CLI::App& calibrate) {
         ->type_name("FILE");
     add_run_options(*command, a.run);
     add_example(*command, "front.tif turned.tif --target target/target.json -o patches.csv");
-    return [arguments] { return run(*arguments); };
+    return [arguments, &jobs] { return run(*arguments, jobs); };
 }
 
 }  // namespace voxtone::cli

@@ -5,7 +5,6 @@
 
 #include <CLI/CLI.hpp>
 
-#include "voxtone/calibration/profile/profile_job.h"
 #include "voxtone/cli/calibrate_commands.h"
 #include "voxtone/cli/common_options.h"
 #include "voxtone/cli/help.h"
@@ -26,23 +25,23 @@ struct CalibrateProfileArguments {
     RunOptions run;
 };
 
-std::vector<calibration::ExposureFile> exposures(const std::vector<std::string>& files) {
+std::vector<calibration::ExposureFile> exposures(const std::vector<std::string>& files, const CalibrateJobs& jobs) {
     std::vector<calibration::ExposureFile> parsed;
-    for (const std::string& file : files) parsed.push_back(calibration::parse_exposure(file));
+    for (const std::string& file : files) parsed.push_back(jobs.exposure(file));
     return parsed;
 }
 
-calibration::ProfileSide side_of(const SideArguments& side, double mm_per_px) {
-    calibration::ProfileSide parsed{exposures(side.lit), exposures(side.dark), {}, mm_per_px};
+calibration::ProfileSide side_of(const SideArguments& side, double mm_per_px, const CalibrateJobs& jobs) {
+    calibration::ProfileSide parsed{exposures(side.lit, jobs), exposures(side.dark, jobs), {}, mm_per_px};
     if (!side.total.empty()) parsed.total = {side.total[0], side.total[1], side.total[2]};
     return parsed;
 }
 
-int run(CalibrateProfileArguments& a) {
+int run(CalibrateProfileArguments& a, const CalibrateJobs& jobs) {
     return run_on_console(a.run, [&](Progress& progress) {
-        a.job.reflection = side_of(a.R, a.mm_per_px.front());
-        a.job.transmission = side_of(a.T, a.mm_per_px.back());
-        return calibration::run_profile_job(a.job, progress);
+        a.job.reflection = side_of(a.R, a.mm_per_px.front(), jobs);
+        a.job.transmission = side_of(a.T, a.mm_per_px.back(), jobs);
+        return jobs.profile(a.job, progress);
     });
 }
 
@@ -87,7 +86,7 @@ void add_camera_options(CLI::App& command, calibration::ProfileMeasureOptions& m
 
 }  // namespace
 
-Command add_calibrate_profile_command(CLI::App& calibrate) {
+Command add_calibrate_profile_command(CLI::App& calibrate, const CalibrateJobs& jobs) {
     auto arguments = std::make_shared<CalibrateProfileArguments>();
     CalibrateProfileArguments& a = *arguments;
     CLI::App* command = calibrate.add_subcommand(
@@ -112,7 +111,7 @@ Command add_calibrate_profile_command(CLI::App& calibrate) {
     add_example(*command,
                 "--reflection r-01.tif r-02.tif --reflection-dark rd-01.tif rd-02.tif --reflectance 0.87,0.91,0.91 "
                 "--mm-per-px 0.04 -o white.json");
-    return [arguments] { return run(*arguments); };
+    return [arguments, &jobs] { return run(*arguments, jobs); };
 }
 
 }  // namespace voxtone::cli

@@ -9,19 +9,19 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
 #include "voxtone/base/error.h"
+#include "voxtone/cli/calibrate_commands.h"
+#include "voxtone/cli/calibrate_jobs.h"
 #include "voxtone/io/files/helper_program.h"
 
 namespace voxtone::cli {
 
-bool is_for_calibrate(const Words& words) {
-    const std::size_t verb = !words.empty() && words[0] == "complete" ? 1 : 0;
-    return words.size() > verb && words[verb] == "calibrate" && (verb == 0 || words.size() > 2);
-}
+namespace {
 
-void become_calibrate_program(const char* program, Words words) {
+constexpr CalibrateJobs no_jobs;
+
+[[noreturn]] void become_calibrate_program(const char* program, Words words) {
     const std::string file = io::find_helper("voxtone-calibrate").string();
     std::string name = program;
     std::vector<char*> argv{name.data()};
@@ -31,9 +31,11 @@ void become_calibrate_program(const char* program, Words words) {
     throw FileError(fmt::format("{} cannot be run ({}); install voxtone again", file, std::strerror(errno)));
 }
 
-Command add_calibrate_mention(CLI::App& program) {
-    program.add_subcommand("calibrate", calibrate_description);
-    return [] { return static_cast<int>(ExitCode::usage); };
+}  // namespace
+
+Command add_calibrate_elsewhere(CLI::App& app, const char* program, const Words& words) {
+    add_calibrate_command(app, no_jobs);
+    return [program, words]() -> int { become_calibrate_program(program, words); };
 }
 
 }  // namespace voxtone::cli

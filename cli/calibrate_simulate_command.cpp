@@ -4,7 +4,6 @@
 
 #include <CLI/CLI.hpp>
 
-#include "voxtone/calibration/photo/photo_simulation_job.h"
 #include "voxtone/cli/calibrate_commands.h"
 #include "voxtone/cli/common_options.h"
 #include "voxtone/cli/help.h"
@@ -20,12 +19,11 @@ struct CalibrateSimulateArguments {
     RunOptions run;
 };
 
-int run(CalibrateSimulateArguments& a) {
+int run(CalibrateSimulateArguments& a, const CalibrateJobs& jobs) {
     a.job.mixtures = a.ideal ? calibration::MixtureKind::ideal : calibration::MixtureKind::dithered;
     a.job.photo.checker = !a.no_checker;
     a.job.photo.white_balance = {a.white_balance[0], a.white_balance[1], a.white_balance[2]};
-    return run_on_console(a.run,
-                          [&](Progress& progress) { return calibration::run_photo_simulation(a.job, progress); });
+    return run_on_console(a.run, [&](Progress& progress) { return jobs.simulate(a.job, progress); });
 }
 
 void add_geometry_options(CLI::App& command, calibration::PhotoOptions& photo) {
@@ -62,7 +60,7 @@ void add_dirt_options(CLI::App& command, calibration::PhotoOptions& photo) {
 
 }  // namespace
 
-Command add_calibrate_simulate_command(CLI::App& calibrate) {
+Command add_calibrate_simulate_command(CLI::App& calibrate, const CalibrateJobs& jobs) {
     auto arguments = std::make_shared<CalibrateSimulateArguments>();
     CalibrateSimulateArguments& a = *arguments;
     CLI::App* command = calibrate.add_subcommand(
@@ -89,7 +87,7 @@ Command add_calibrate_simulate_command(CLI::App& calibrate) {
     add_dirt_options(*command, a.job.photo);
     add_run_options(*command, a.run);
     add_example(*command, "target/target.json -o rehearsal.tif");
-    return [arguments] { return run(*arguments); };
+    return [arguments, &jobs] { return run(*arguments, jobs); };
 }
 
 }  // namespace voxtone::cli

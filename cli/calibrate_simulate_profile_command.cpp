@@ -4,7 +4,6 @@
 
 #include <CLI/CLI.hpp>
 
-#include "voxtone/calibration/profile/profile_simulation_job.h"
 #include "voxtone/cli/calibrate_commands.h"
 #include "voxtone/cli/common_options.h"
 #include "voxtone/cli/help.h"
@@ -19,10 +18,9 @@ struct CalibrateSimulateProfileArguments {
     RunOptions run;
 };
 
-int run(CalibrateSimulateProfileArguments& a) {
+int run(CalibrateSimulateProfileArguments& a, const CalibrateJobs& jobs) {
     a.job.camera.offset_px = {a.offset[0], a.offset[1]};
-    return run_on_console(a.run,
-                          [&](Progress& progress) { return calibration::run_profile_simulation(a.job, progress); });
+    return run_on_console(a.run, [&](Progress& progress) { return jobs.simulate_profile(a.job, progress); });
 }
 
 void add_camera_options(CLI::App& command, CalibrateSimulateProfileArguments& a) {
@@ -50,7 +48,7 @@ void add_camera_options(CLI::App& command, CalibrateSimulateProfileArguments& a)
 
 }  // namespace
 
-Command add_calibrate_simulate_profile_command(CLI::App& calibrate) {
+Command add_calibrate_simulate_profile_command(CLI::App& calibrate, const CalibrateJobs& jobs) {
     auto arguments = std::make_shared<CalibrateSimulateProfileArguments>();
     CalibrateSimulateProfileArguments& a = *arguments;
     CLI::App* command = calibrate.add_subcommand("simulate-profile",
@@ -67,7 +65,7 @@ Command add_calibrate_simulate_profile_command(CLI::App& calibrate) {
     add_value(*command, "--seed", a.job.camera.seed, "seed of paths and noise");
     add_run_options(*command, a.run);
     add_example(*command, "vero-opaque W --thickness 3mm -o white");
-    return [arguments] { return run(*arguments); };
+    return [arguments, &jobs] { return run(*arguments, jobs); };
 }
 
 }  // namespace voxtone::cli

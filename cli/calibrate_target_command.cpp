@@ -7,7 +7,6 @@
 
 #include <CLI/CLI.hpp>
 
-#include "voxtone/calibration/target/target_job.h"
 #include "voxtone/cli/calibrate_commands.h"
 #include "voxtone/cli/common_options.h"
 #include "voxtone/cli/help.h"
@@ -56,7 +55,7 @@ slicer::BoxPrint box_print(const CalibrateTargetArguments& a, const std::vector<
     return print;
 }
 
-JobResult make_target(CalibrateTargetArguments& a, Progress& progress) {
+JobResult make_target(CalibrateTargetArguments& a, const CalibrateJobs& jobs, Progress& progress) {
     const slicer::PrinterProfile printer = slicer::find_printer(a.printer);
     for (const std::string& warning : printer.warnings()) progress.warn(warning);
     write_roles_as_known(a.job);
@@ -64,12 +63,12 @@ JobResult make_target(CalibrateTargetArguments& a, Progress& progress) {
     const auto print = [&](const auto& boxes, const Eigen::Vector3d& size_mm, Progress& to) {
         return slicer::print_boxes(box_print(a, boxes, size_mm), printer, a.job.out, a.outputs, a.overwrite, to);
     };
-    return calibration::run_target_job(a.job, print, progress);
+    return jobs.target(a.job, print, progress);
 }
 
-int run(CalibrateTargetArguments& a) {
+int run(CalibrateTargetArguments& a, const CalibrateJobs& jobs) {
     a.job.layout.layout = static_cast<calibration::TargetLayout>(a.layout[0] - 'A');
-    return run_on_console(a.run, [&](Progress& progress) { return make_target(a, progress); });
+    return run_on_console(a.run, [&](Progress& progress) { return make_target(a, jobs, progress); });
 }
 
 void add_layout_options(CLI::App& command, calibration::TargetOptions& layout, LengthOptions& lengths) {
@@ -89,7 +88,7 @@ void add_layout_options(CLI::App& command, calibration::TargetOptions& layout, L
 
 }  // namespace
 
-Command add_calibrate_target_command(CLI::App& calibrate) {
+Command add_calibrate_target_command(CLI::App& calibrate, const CalibrateJobs& jobs) {
     auto arguments = std::make_shared<CalibrateTargetArguments>();
     CalibrateTargetArguments& a = *arguments;
     CLI::App* command = calibrate.add_subcommand(
@@ -113,7 +112,7 @@ Command add_calibrate_target_command(CLI::App& calibrate) {
     command->add_flag("--gcvf", a.outputs.gcvf, "write a GCVF container too");
     add_run_options(*command, a.run);
     add_example(*command, "--resins C,M,Y,K,W --resin-set vero-opaque -o target");
-    return [arguments] { return run(*arguments); };
+    return [arguments, &jobs] { return run(*arguments, jobs); };
 }
 
 }  // namespace voxtone::cli

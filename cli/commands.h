@@ -17,7 +17,6 @@ using Command = std::function<int()>;
 Command add_slice_command(CLI::App& program);
 Command add_predict_command(CLI::App& program);
 Command add_verify_command(CLI::App& program);
-Command add_calibrate_command(CLI::App& program);
 Command add_stack_command(CLI::App& program);
 Command add_list_command(CLI::App& program);
 

@@ -17,6 +17,12 @@ const CLI::App* next_command(const CLI::App& command, const std::string& word) {
     return nullptr;
 }
 
+/// Null where there is no such option, or it is a flag.
+const CLI::Option* option_with_value(const CLI::App& command, const std::string& name) {
+    const CLI::Option* option = command.get_option_no_throw(name);
+    return option && option->get_items_expected_max() > 0 ? option : nullptr;
+}
+
 std::vector<std::string> values_of(const CLI::Option& option, bool positional) {
     const OptionText text = option_text(option, positional);
     if (!text.choices.empty()) return text.choices;
@@ -47,17 +53,22 @@ std::vector<std::string> names_to_begin_with(const CLI::App& command, bool optio
 
 std::vector<std::string> completions(const CLI::App& program, const Words& words) {
     const CLI::App* command = &program;
-    const std::string last = words.empty() ? "" : words.back();
+    std::string last = words.empty() ? "" : words.back();
     const CLI::Option* waiting = nullptr;  // for its value
     for (std::size_t i = 0; i + 1 < words.size(); ++i) {
         if (waiting) {
-            waiting = nullptr;
+            if (words[i] != "=") waiting = nullptr;  // bash takes --name=value for three words
         } else if (words[i].starts_with('-')) {
-            waiting = command->get_option_no_throw(words[i]);
-            if (waiting && waiting->get_items_expected_max() == 0) waiting = nullptr;
+            waiting = option_with_value(*command, words[i]);
         } else if (const CLI::App* next = next_command(*command, words[i])) {
             command = next;
         }
+    }
+    if (waiting && last == "=") last.clear();
+    if (const std::size_t sign = last.find('='); last.starts_with("--") && sign != std::string::npos) {
+        waiting = option_with_value(*command, last.substr(0, sign));
+        if (!waiting) return {};
+        last.erase(0, sign + 1);
     }
     std::vector<std::string> fitting;
     for (const std::string& name :

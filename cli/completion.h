@@ -14,7 +14,7 @@
 namespace voxtone::cli {
 
 /// `words`: as typed behind the program's name, the last as far as it is typed (empty: not begun). Words that it may
-/// become; none where a file is named or anything goes.
+/// become; of --name=value, what the value may become. None where a file is named or anything goes.
 [[nodiscard]] std::vector<std::string> completions(const CLI::App& program, const Words& words);
 
 }  // namespace voxtone::cli

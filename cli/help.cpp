@@ -53,6 +53,8 @@ std::string options_section(const CLI::App& command, bool all) {
     return text;
 }
 
+std::string first_line(const std::string& text) { return text.substr(0, text.find('\n')); }
+
 class HelpFormatter final : public CLI::FormatterBase {
 public:
     std::string make_help(const CLI::App* command, std::string, CLI::AppFormatMode mode) const override {
@@ -61,7 +63,7 @@ public:
         text += options_section(*command, all);
         const auto verbs = command->get_subcommands({});
         if (!verbs.empty()) text += "\nVerbs:\n";
-        for (const CLI::App* verb : verbs) text += entry(verb->get_name(), verb->get_description());
+        for (const CLI::App* verb : verbs) text += entry(verb->get_name(), first_line(verb->get_description()));
         if (!command->get_footer().empty()) text += "\nExample:\n  " + command->get_footer() + "\n";
         if (!verbs.empty()) text += fmt::format("\n`{} VERB --help` tells more of each.\n", full_name(*command));
         if (all)

@@ -2,21 +2,17 @@
 #include "voxtone/base/cancel_on_signal.h"
 #include "voxtone/cli/calibrate_program.h"
 #include "voxtone/cli/commands.h"
-#include "voxtone/cli/outcome.h"
 #include "voxtone/cli/program.h"
 
 int main(int argc, char** argv) {
     using namespace voxtone::cli;
     voxtone::catch_stop_signals();
     const Words words = command_words(argc, argv);
-    if (is_for_calibrate(words))
-        return guarded(asks_for_json(words), [&]() -> int { become_calibrate_program(argv[0], words); });
-    return run_program(words,
-                       {{"slice", add_slice_command},
-                        {"predict", add_predict_command},
-                        {"verify", add_verify_command},
-                        {"calibrate", add_calibrate_mention},
-                        {"stack", add_stack_command},
-                        {"list", add_list_command}},
-                       true);
+    const auto add_calibrate = [&](CLI::App& app) { return add_calibrate_elsewhere(app, argv[0], words); };
+    return run_program(words, {{"slice", add_slice_command},
+                               {"predict", add_predict_command},
+                               {"verify", add_verify_command},
+                               {"calibrate", add_calibrate},
+                               {"stack", add_stack_command},
+                               {"list", add_list_command}});
 }

@@ -51,32 +51,31 @@ int print_completions(const CLI::App& program, const Words& words) {
     return 0;
 }
 
-int print_manual(const CLI::App& program, const std::string& folder, bool whole) {
-    std::vector<ManualPage> pages;
-    if (whole) pages.push_back(program_page(program));
-    for (const CLI::App* verb : program.get_subcommands({}))
-        if (!whole || verb->get_name() != "calibrate") pages.push_back(verb_page(*verb));
+int print_manual(const CLI::App& program, const std::string& folder) {
+    std::vector<ManualPage> pages{program_page(program)};
+    for (const CLI::App* verb : program.get_subcommands({})) pages.push_back(verb_page(*verb));
     write_manual(pages, folder);
     return 0;
 }
 
-int run(const Words& words, const std::vector<Verb>& verbs, bool whole) {
+int run(const Words& words, const std::vector<Verb>& verbs) {
     CLI::App program(description, "voxtone");
     set_up_help(program);
     program.set_version_flag("--version", "voxtone " VOXTONE_VERSION, "print the version and stop");
     program.require_subcommand(1);
+    add_example(program, "slice spot.obj --size 60mm -o print");
     Commands commands;
     for (const Verb& verb : verbs) commands.emplace_back(verb.name, verb.add(program));
     if (!words.empty() && words[0] == "complete") return print_completions(program, {words.begin() + 1, words.end()});
-    if (words.size() == 2 && words[0] == "manual") return print_manual(program, words[1], whole);
+    if (words.size() == 2 && words[0] == "manual") return print_manual(program, words[1]);
     check_words(program, words);
     return parse_and_run(program, words, commands);
 }
 
 }  // namespace
 
-int run_program(const Words& words, const std::vector<Verb>& verbs, bool whole) {
-    return guarded(asks_for_json(words), [&] { return run(words, verbs, whole); });
+int run_program(const Words& words, const std::vector<Verb>& verbs) {
+    return guarded(asks_for_json(words), [&] { return run(words, verbs); });
 }
 
 }  // namespace voxtone::cli

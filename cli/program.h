@@ -3,6 +3,7 @@
 // What the programs of the command line are: verbs, parsed and run (how that ends: cli/outcome.h).
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "voxtone/cli/commands.h"
@@ -12,11 +13,11 @@ namespace voxtone::cli {
 
 struct Verb {
     const char* name;
-    Command (*add)(CLI::App& program);
+    std::function<Command(CLI::App& program)> add;
 };
 
 /// The exit code. Two words that users are not told of come before the verbs: `complete WORD...` prints what may stand
-/// next (cli/completion.h), `manual FOLDER` writes the pages of the verbs, and of the program where it is `whole`.
-int run_program(const Words& words, const std::vector<Verb>& verbs, bool whole);
+/// next (cli/completion.h), `manual FOLDER` writes the pages of program and verbs.
+int run_program(const Words& words, const std::vector<Verb>& verbs);
 
 }  // namespace voxtone::cli

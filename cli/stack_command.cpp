@@ -2,6 +2,7 @@
 #include <CLI/CLI.hpp>
 
 #include "voxtone/cli/commands.h"
+#include "voxtone/cli/help.h"
 #include "voxtone/cli/stack_commands.h"
 #include "voxtone/cli/steps.h"
 
@@ -10,6 +11,7 @@ namespace voxtone::cli {
 Command add_stack_command(CLI::App& program) {
     CLI::App* command =
         program.add_subcommand("stack", "Stacks of layers that show how light is wanted to spread in a surface");
+    add_example(*command, "search wanted.json --materials W,K -o found");
     return add_steps(*command, {add_stack_dataset_command, add_stack_factor_command, add_stack_predict_command,
                                 add_stack_print_command, add_stack_search_command, add_stack_targets_command});
 }

@@ -11,10 +11,10 @@
 
 namespace voxtone::cli {
 
-Command add_steps(CLI::App& verb, std::initializer_list<AddStep> steps) {
+Command add_steps(CLI::App& verb, const std::vector<AddStep>& steps) {
     verb.require_subcommand(1);
     auto runs = std::make_shared<std::vector<std::pair<CLI::App*, Command>>>();
-    for (const AddStep add : steps) {
+    for (const AddStep& add : steps) {
         Command run = add(verb);
         runs->emplace_back(verb.get_subcommands([](CLI::App*) { return true; }).back(), std::move(run));
     }

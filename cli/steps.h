@@ -3,16 +3,17 @@
 // A verb that is a family of steps (`voxtone stack search`): exactly one of them is chosen.
 #pragma once
 
-#include <initializer_list>
+#include <functional>
+#include <vector>
 
 #include "voxtone/cli/commands.h"
 
 namespace voxtone::cli {
 
 /// How a step adds its sub-command and says what to run.
-using AddStep = Command (*)(CLI::App& verb);
+using AddStep = std::function<Command(CLI::App& verb)>;
 
 /// Adds the steps in this order; what is given back runs the chosen one.
-Command add_steps(CLI::App& verb, std::initializer_list<AddStep> steps);
+Command add_steps(CLI::App& verb, const std::vector<AddStep>& steps);
 
 }  // namespace voxtone::cli

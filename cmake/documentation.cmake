@@ -1,6 +1,6 @@
-# Manual pages, written by the programs themselves from their table of options (cli/manual.h) whenever they are linked.
+# Manual pages, written by the program itself from its table of options (cli/manual.h) whenever it is linked.
 set(manual ${PROJECT_BINARY_DIR}/man1)
-add_custom_command(TARGET voxtone POST_BUILD COMMAND voxtone manual ${manual} COMMAND voxtone-calibrate manual ${manual}
+add_custom_command(TARGET voxtone POST_BUILD COMMAND voxtone manual ${manual}
                    COMMENT "Writing the manual pages" VERBATIM)
 install(DIRECTORY ${manual}/ DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT program FILES_MATCHING PATTERN "*.1")
 install(FILES ${PROJECT_SOURCE_DIR}/data/completion/voxtone.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME voxtone

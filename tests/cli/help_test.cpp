@@ -1,32 +1,36 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // --help, the manual and the shells' completion are made from one table of options.
-#include <cstdlib>
+#include <array>
 #include <filesystem>
 #include <sstream>
 #include <string>
 #include <vector>
 
-#include <sys/wait.h>
 #include <catch2/catch.hpp>
 
 #include "run_program.h"
+#include "tests/outcomes.h"
 
 using namespace voxtone::test;
 using Catch::Matchers::Contains;
 
 namespace {
 
-const std::vector<std::string> every_command{"slice",
+/// The program itself and families of verbs, which show one of theirs, included.
+const std::vector<std::string> every_command{"",
+                                             "slice",
                                              "predict",
                                              "verify",
                                              "list",
+                                             "stack",
                                              "stack dataset",
                                              "stack factor",
                                              "stack predict",
                                              "stack print",
                                              "stack search",
                                              "stack targets",
+                                             "calibrate",
                                              "calibrate check",
                                              "calibrate fit",
                                              "calibrate photo",
@@ -34,13 +38,6 @@ const std::vector<std::string> every_command{"slice",
                                              "calibrate simulate",
                                              "calibrate simulate-profile",
                                              "calibrate target"};
-
-int run_shell(const std::string& command) {
-    const int status = std::system(command.c_str());
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-}
-
-bool is_here(const std::string& program) { return run_shell("command -v " + program + " >/dev/null 2>&1") == 0; }
 
 /// "--size" and so on, as they begin the lines of a help text.
 std::vector<std::string> option_words(const std::string& help) {
@@ -73,7 +70,7 @@ TEST_CASE("Every help says in words what its options are, and ends with a comman
         REQUIRE(begin != std::string::npos);
         const std::string line =
             help.substr(begin + mark.size(), help.find('\n', begin + mark.size()) - begin - mark.size());
-        CHECK(line.starts_with(command + " "));
+        CHECK(line.starts_with(command.empty() ? "slice " : command + " "));
         if (command == "list" || command.starts_with("stack dataset") || command == "calibrate simulate-profile" ||
             command == "calibrate target" || command == "stack predict" || command == "stack targets" ||
             command == "stack print")
@@ -127,8 +124,6 @@ TEST_CASE("The summary names the report and the time of the whole job") {
 TEST_CASE("Manual pages hold every option, and man finds nothing wrong with them") {
     const Folder folder("manual");
     REQUIRE(run_program("manual " + folder.path().string()).exit_code == 0);
-    const std::string calibrate = std::filesystem::path(VOXTONE_PROGRAM).parent_path() / "voxtone-calibrate";
-    REQUIRE(run_shell(calibrate + " manual " + folder.path().string()) == 0);
     CHECK(read_tree(folder.path()).size() == 7);
     for (const std::string verb : {"slice", "predict", "verify", "list", "stack", "calibrate"}) {
         const std::string page = without_roff(read_file(folder / ("voxtone-" + verb + ".1")));
@@ -137,7 +132,7 @@ TEST_CASE("Manual pages hold every option, and man finds nothing wrong with them
         for (const std::string& option : options) CHECK_THAT(page, Contains(option));
     }
     if (!is_here("man")) {
-        WARN("SKIPPED: man is not here");
+        skip("man is not here");
         return;
     }
     for (const auto& [name, text] : read_tree(folder.path())) {
@@ -157,6 +152,12 @@ TEST_CASE("The program says what may stand next") {
     CHECK(words("slice --thr") == "--threads\n");
     CHECK(words("slice --intent ''") == "relative\nabsolute\ncontrast\n");
     CHECK(words("slice --printer stratasys-j5") == "stratasys-j55\n");
+    CHECK(words("slice --intent=con") == "contrast\n");
+    CHECK(words("slice --intent=") == words("slice --intent ''"));
+    CHECK(words("slice --intent = con") == "contrast\n");
+    CHECK(words("slice --intent =") == words("slice --intent ''"));
+    CHECK(words("slice --texture=sp").empty());
+    CHECK(words("slice --no-report=").empty());
     CHECK_THAT(words("predict --resins ''"), Contains("vero-opaque\n"));
     CHECK(words("list ''") == "printers\nresins\n");
     CHECK(words("slice co").empty());  // files
@@ -165,7 +166,7 @@ TEST_CASE("The program says what may stand next") {
 
 TEST_CASE("bash completes with it") {
     if (!is_here("bash")) {
-        WARN("SKIPPED: bash is not here");
+        skip("bash is not here");
         return;
     }
     const std::string script = VOXTONE_SOURCE_DIR "/data/completion/voxtone.bash";
@@ -177,4 +178,38 @@ TEST_CASE("bash completes with it") {
                                "echo \"${COMPREPLY[*]}\"\ncomplete -p voxtone\n");
     REQUIRE(run_shell("bash '" + (folder / "try.sh") + "' >'" + (folder / "out") + "'") == 0);
     CHECK_THAT(read_file(folder / "out"), Contains("--printer\n") && Contains("-F _voxtone voxtone"));
+}
+
+TEST_CASE("zsh completes verbs, options, values and files with it") {
+    if (!is_here("zsh")) {
+        skip("zsh is not here");
+        return;
+    }
+    const Folder folder("zsh");
+    folder.write("spot.obj", "");
+    folder.write("my model.obj", "");
+    const std::vector<std::array<const char*, 2>> lines{
+        {"voxtone sl", "voxtone slice "},
+        {"voxtone stack se", "voxtone stack search "},
+        {"voxtone calibrate phot", "voxtone calibrate photo "},
+        {"voxtone slice --pri", "voxtone slice --printer "},
+        {"voxtone slice --printer stratasys-j5", "voxtone slice --printer stratasys-j55 "},
+        {"voxtone slice --intent con", "voxtone slice --intent contrast "},
+        {"voxtone slice --intent=con", "voxtone slice --intent=contrast "},
+        {"voxtone list pri", "voxtone list printers "},
+        {"voxtone slice sp", "voxtone slice spot.obj "},
+        {"voxtone slice my", "voxtone slice my\\ model.obj "},
+        {"voxtone slice a.glb --texture=sp", "voxtone slice a.glb --texture=spot.obj "},
+        {"voxtone slice --nothing-like-it", "voxtone slice --nothing-like-it"}};
+    std::string command = "cd '" + folder.path().string() +
+                          "' && timeout 60 zsh '" VOXTONE_SOURCE_DIR "/tests/cli/complete.zsh' '" VOXTONE_SOURCE_DIR
+                          "/data/completion' '" +
+                          std::filesystem::path(VOXTONE_PROGRAM).parent_path().string() + "'";
+    std::string wanted;
+    for (const auto& [typed, completed] : lines) {
+        command += std::string(" '") + typed + "'";
+        wanted += std::string(completed) + "\n";
+    }
+    REQUIRE(run_shell(command + " >out") == 0);
+    CHECK(read_file(folder / "out") == wanted);
 }

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // `cmake --install` makes a program that runs from anywhere, with all that belongs to it.
-#include <cstdlib>
 #include <filesystem>
 #include <string>
 
-#include <sys/wait.h>
 #include <catch2/catch.hpp>
 
 #include "run_program.h"
@@ -16,9 +14,7 @@ using Catch::Matchers::Contains;
 namespace {
 
 int run_in(const std::filesystem::path& folder, const std::string& command) {
-    const std::string line = "cd '" + folder.string() + "' && " + command + " >out.txt 2>err.txt";
-    const int status = std::system(line.c_str());
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+    return run_shell("cd '" + folder.string() + "' && " + command + " >out.txt 2>err.txt");
 }
 
 }  // namespace

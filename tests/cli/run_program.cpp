@@ -53,6 +53,13 @@ Outcome run(const std::string& arguments, Meanwhile&& meanwhile) {
 
 }  // namespace
 
+int run_shell(const std::string& command) {
+    const int status = std::system(command.c_str());
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+bool is_here(const std::string& program) { return run_shell("command -v " + program + " >/dev/null 2>&1") == 0; }
+
 Outcome run_program(const std::string& arguments) {
     return run(arguments, [](pid_t, const std::string&) {});
 }

@@ -16,6 +16,11 @@ struct Outcome {
     std::string out, err;
 };
 
+/// Exit code of a line for the shell; -1 where a signal ended it.
+int run_shell(const std::string& command);
+/// Whether the shell finds such a program.
+bool is_here(const std::string& program);
+
 /// `arguments` as a shell reads them.
 Outcome run_program(const std::string& arguments);
 /// Sends the signal once the program has said `said` on stdout: an event of --json. It ends before that at its own

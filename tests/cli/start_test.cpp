@@ -72,6 +72,20 @@ TEST_CASE("calibrate is a verb like the others, in a program of its own") {
     CHECK_THAT(missing.err, Contains("voxtone: ") && Contains("/nowhere/patches.csv"));
 }
 
+TEST_CASE("help, completion and mistakes need no program but voxtone itself") {
+    const auto run = [](const std::string& arguments) { return run_with_helpers_in("/nowhere", arguments); };
+    for (const std::string verb : {"slice", "predict", "verify", "list", "stack", "stack search", "calibrate",
+                                   "calibrate fit", "calibrate photo", "calibrate profile", "calibrate target"}) {
+        INFO(verb);
+        const Outcome help = run(verb + " --help");
+        CHECK(help.exit_code == 0);
+        CHECK_THAT(help.out, Contains("Usage: voxtone " + verb + " "));
+        CHECK(run(verb + " --bogus").exit_code == 2);
+    }
+    CHECK_THAT(run("--help-all").out, Contains("--checker-corners"));
+    CHECK(run("complete calibrate phot").out == "photo\n");
+}
+
 TEST_CASE("helper programs that are missing are told in one sentence") {
     const Folder folder("helpers");
     folder.write("marker.obj", marker_obj());
@@ -79,7 +93,7 @@ TEST_CASE("helper programs that are missing are told in one sentence") {
         run_with_helpers_in("/nowhere", "slice " + (folder / "marker.obj") + " -o " + (folder / "out"));
     CHECK(slice.exit_code == 4);
     CHECK_THAT(slice.err, Contains("voxtone-read") && Contains("/nowhere") && Contains("install voxtone again"));
-    const Outcome calibrate = run_with_helpers_in("/nowhere", "calibrate --help");
+    const Outcome calibrate = run_with_helpers_in("/nowhere", "calibrate check vero-opaque patches.csv");
     CHECK(calibrate.exit_code == 4);
     CHECK_THAT(calibrate.err, Contains("voxtone: voxtone-calibrate") && Contains("/nowhere"));
     CHECK(run_with_helpers_in("/nowhere", "list printers").exit_code == 0);

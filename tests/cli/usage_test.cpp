@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // What the program says to command lines that it cannot follow, and that every failure is told in the same voice.
-#include <cstdlib>
 #include <string>
 
 #include <fmt/core.h>
-#include <sys/wait.h>
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
 #include "run_program.h"
+#include "tests/outcomes.h"
 
 using namespace voxtone::test;
 using Catch::Matchers::Contains;
@@ -141,13 +140,10 @@ TEST_CASE("With --json every failure is an event that carries the exit code") {
 TEST_CASE("A stdout that takes nothing is noticed") {
     const Folder folder("full");
     const auto run_into_full = [&](const std::string& arguments) {
-        const std::string command =
-            std::string(VOXTONE_PROGRAM) + " " + arguments + " >/dev/full 2>'" + (folder / "err") + "'";
-        const int status = std::system(command.c_str());
-        return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+        return run_shell(std::string(VOXTONE_PROGRAM) + " " + arguments + " >/dev/full 2>'" + (folder / "err") + "'");
     };
     if (!std::filesystem::exists("/dev/full")) {
-        WARN("SKIPPED: /dev/full is not here");
+        skip("/dev/full is not here");
         return;
     }
     for (const char* arguments :

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What the steps of `calibrate` do, apart from how they are told of: both programs of the command line declare the
+// steps, so that help, completion and mistakes cost nothing, and voxtone-calibrate alone has the jobs, with OpenCV for
+// the photographs and Ceres for the fits.
+#pragma once
+
+#include "voxtone/calibration/fit/check_job.h"
+#include "voxtone/calibration/fit/fit_job.h"
+#include "voxtone/calibration/photo/photo_job.h"
+#include "voxtone/calibration/photo/photo_simulation_job.h"
+#include "voxtone/calibration/profile/profile_job.h"
+#include "voxtone/calibration/profile/profile_simulation_job.h"
+#include "voxtone/calibration/target/target_job.h"
+
+namespace voxtone::cli {
+
+/// All null in `voxtone`, which runs none of them.
+struct CalibrateJobs {
+    JobResult (*check)(const calibration::CheckJob& job, Progress& progress) = nullptr;
+    JobResult (*fit)(const calibration::FitJob& job, Progress& progress) = nullptr;
+    JobResult (*photo)(const calibration::PhotoJob& job, Progress& progress) = nullptr;
+    JobResult (*profile)(const calibration::ProfileJob& job, Progress& progress) = nullptr;
+    calibration::ExposureFile (*exposure)(const std::string& text) = nullptr;  ///< of a word, for `profile`
+    JobResult (*simulate)(const calibration::PhotoSimulationJob& job, Progress& progress) = nullptr;
+    JobResult (*simulate_profile)(const calibration::ProfileSimulationJob& job, Progress& progress) = nullptr;
+    JobResult (*target)(const calibration::TargetJob& job, const calibration::PrintBoxes& print,
+                        Progress& progress) = nullptr;
+};
+
+}  // namespace voxtone::cli
