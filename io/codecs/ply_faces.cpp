@@ -72,32 +72,17 @@ private:
         std::memcpy(raw, text_.data() + at_, size);
         if (encoding_ == PlyHeader::Encoding::big_endian) std::reverse(raw, raw + size);
         at_ += size;
-        switch (type) {
-            case PlyType::int8:
-                return value_of<std::int8_t>(raw);
-            case PlyType::uint8:
-                return value_of<std::uint8_t>(raw);
-            case PlyType::int16:
-                return value_of<std::int16_t>(raw);
-            case PlyType::uint16:
-                return value_of<std::uint16_t>(raw);
-            case PlyType::int32:
-                return value_of<std::int32_t>(raw);
-            case PlyType::uint32:
-                return value_of<std::uint32_t>(raw);
-            case PlyType::float32:
-                return static_cast<double>(value_of<float>(raw));
-            case PlyType::float64:
-                break;
-        }
-        return value_of<double>(raw);
+        static constexpr double (*readers[])(const char*) = {
+            value_of<std::int8_t>,  value_of<std::uint8_t>,  value_of<std::int16_t>, value_of<std::uint16_t>,
+            value_of<std::int32_t>, value_of<std::uint32_t>, value_of<float>,        value_of<double>};
+        return readers[static_cast<std::size_t>(type)](raw);
     }
 
     template <class Value>
-    static Value value_of(const char* raw) {
+    static double value_of(const char* raw) {
         Value value;
         std::memcpy(&value, raw, sizeof value);
-        return value;
+        return static_cast<double>(value);
     }
 
     std::string_view text_;

@@ -49,7 +49,7 @@ struct ResinSet {
     double eta = 1.5;  ///< refractive index, >= 1
     std::vector<Resin> resins;
 
-    /// Index of the resin with this role, or -1.
+    /// Index of the resin with this role, or -1. Letter case counts only between roles that differ in nothing else.
     [[nodiscard]] int find(std::string_view role) const;
     /// The set with these roles only, in this order. Throws InputError naming the roles there are.
     [[nodiscard]] ResinSet subset(std::span<const std::string> roles) const;

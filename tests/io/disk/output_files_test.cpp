@@ -14,15 +14,6 @@ using namespace voxtone::io;
 using Catch::Contains;
 namespace fs = std::filesystem;
 
-namespace {
-
-std::string text_of(const fs::path& file) {
-    std::ifstream in(file, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), {}};
-}
-
-}  // namespace
-
 TEST_CASE("outputs are refused before the work: there already, named twice, no folder", "[output-files]") {
     const TemporaryFolder folder;
     const fs::path photo = folder.path() / "photo.png", fresh = folder.path() / "new.png";

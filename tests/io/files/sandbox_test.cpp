@@ -36,7 +36,12 @@ public:
         const auto bytes = program_.result();
         return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
     }
-    std::uint8_t missing_walls() const { return program_.missing_walls(); }
+    /// Skips the test where this system has no such wall.
+    bool lacks(MissingWall wall, const char* means) const {
+        if (!(program_.missing_walls() & wall)) return false;
+        test::skip(std::string("no ") + means + " on this system");
+        return true;
+    }
 
 private:
     IsolatedProgram program_;
@@ -68,10 +73,7 @@ bool done_without_walls(const std::string& wish) {
 TEST_CASE("a taken reader can change no file", "[sandbox]") {
     Files files;
     Taken taken(files.inside);
-    if (taken.missing_walls() & no_call_filter) {
-        test::skip("no seccomp on this system");
-        return;
-    }
+    if (taken.lacks(no_call_filter, "seccomp")) return;
     int proven = 0;
     for (const char* what : test::attempts_on_files) {
         const fs::path file = files.inside / "a.obj";
@@ -90,10 +92,7 @@ TEST_CASE("a taken reader can change no file", "[sandbox]") {
 TEST_CASE("a taken reader reaches nothing else", "[sandbox]") {
     Files files;
     Taken taken(files.inside);
-    if (taken.missing_walls() & no_call_filter) {
-        test::skip("no seccomp on this system");
-        return;
-    }
+    if (taken.lacks(no_call_filter, "seccomp")) return;
     int proven = 0;
     for (const char* what : test::attempts) {
         INFO(what);
@@ -110,10 +109,7 @@ TEST_CASE("a reader reads what it was given and nothing else", "[sandbox]") {
     CHECK(taken.answer("read " + (files.inside / "a.obj").string()) == "done");
     CHECK(taken.answer("read " + (files.inside / "deep" / "b.png").string()) == "done");
     CHECK(taken.answer("list " + files.inside.string()) == "done");
-    if (taken.missing_walls() & no_file_filter) {
-        test::skip("no Landlock on this system");
-        return;
-    }
+    if (taken.lacks(no_file_filter, "Landlock")) return;
     for (const fs::path& path : {files.beside / "secret", files.inside / "leads-out", fs::path("/etc/passwd"),
                                  fs::path("/proc/self/environ"), files.inside / ".." / "beside" / "secret"}) {
         INFO(path.string());
@@ -127,10 +123,7 @@ TEST_CASE("one file alone can be given", "[sandbox]") {
     Files files;
     Taken taken(files.inside / "a.obj");
     CHECK(taken.answer("read " + (files.inside / "a.obj").string()) == "done");
-    if (taken.missing_walls() & no_file_filter) {
-        test::skip("no Landlock on this system");
-        return;
-    }
+    if (taken.lacks(no_file_filter, "Landlock")) return;
     CHECK_THAT(taken.answer("read " + (files.inside / "deep" / "b.png").string()), Contains("refused"));
 }
 

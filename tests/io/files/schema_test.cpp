@@ -4,8 +4,6 @@
 #include "tests/io/files/schema.h"
 
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 
 #include <catch2/catch.hpp>
 
@@ -23,11 +21,6 @@ using namespace voxtone::io;
 namespace {
 
 using Faults = std::vector<std::string>;
-
-std::string text_of(const std::filesystem::path& file) {
-    std::ifstream in(file, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), {}};
-}
 
 /// The same text where one part is another.
 std::string changed(std::string text, const std::string& from, const std::string& to) {

@@ -4,6 +4,8 @@
 #include <stdlib.h>
 
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <string>
 
 namespace voxtone::io {
@@ -28,5 +30,11 @@ public:
 private:
     std::filesystem::path path_;
 };
+
+/// All bytes of a file; none where it cannot be read.
+inline std::string text_of(const std::filesystem::path& file) {
+    std::ifstream in(file, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+}
 
 }  // namespace voxtone::io

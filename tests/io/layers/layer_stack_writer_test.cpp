@@ -4,7 +4,6 @@
 #include <unistd.h>
 
 #include <catch2/catch.hpp>
-#include <fstream>
 #include <map>
 
 #include <fmt/core.h>
@@ -52,10 +51,7 @@ LayerRuns layer_of(std::uint32_t index) {
 std::map<std::string, std::string> contents(const fs::path& folder) {
     std::map<std::string, std::string> result;
     for (const auto& entry : fs::recursive_directory_iterator(folder))
-        if (entry.is_regular_file()) {
-            std::ifstream in(entry.path(), std::ios::binary);
-            result[fs::relative(entry.path(), folder).string()] = {std::istreambuf_iterator<char>(in), {}};
-        }
+        if (entry.is_regular_file()) result[fs::relative(entry.path(), folder).string()] = text_of(entry.path());
     return result;
 }
 

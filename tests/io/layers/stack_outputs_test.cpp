@@ -6,7 +6,6 @@
 
 #include <catch2/catch.hpp>
 #include <cstring>
-#include <fstream>
 
 #include <openvdb/io/File.h>
 #include <openvdb/openvdb.h>
@@ -27,11 +26,6 @@ using namespace voxtone::io;
 namespace fs = std::filesystem;
 
 namespace {
-
-std::string text_of(const fs::path& file) {
-    std::ifstream in(file, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), {}};
-}
 
 float float_at(const std::vector<std::uint8_t>& bytes, std::size_t at) {
     float value;

@@ -4,8 +4,6 @@
 #pragma once
 
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <string>
 
 #include "layer_samples.h"
@@ -64,11 +62,6 @@ inline bool has(const StackReport& report, const std::string& rule, const std::s
         if (fault.rule == rule && (fault.where + fault.what + fault.remedy).find(words) != std::string::npos)
             return true;
     return false;
-}
-
-inline std::string bytes_of(const std::filesystem::path& file) {
-    std::ifstream in(file, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), {}};
 }
 
 }  // namespace voxtone::io

@@ -69,7 +69,7 @@ TEST_CASE("a GCVF cut or spoilt anywhere is an error or a fault, never a crash",
         for (std::uint32_t k = 0; k < 2; ++k) writer.write(k, sample_layer(k, 12, 5));
         (void)writer.finish();
     }
-    const std::string whole = bytes_of(out / "stack.gcvf");
+    const std::string whole = text_of(out / "stack.gcvf");
     VerifyRules rules;
     rules.least_layers = 1;
     REQUIRE(verify_stack(out / "stack.gcvf", rules).passed());

@@ -150,12 +150,12 @@ TEST_CASE("every fault is named", "[verify]") {
               "digest"));
     // One byte of a compressed layer: a checksum notices.
     CHECK(has(spoil([&] {
-                  auto b = bytes_of(slice(out, 5));
+                  auto b = text_of(slice(out, 5));
                   b[b.size() / 2] ^= 1;
                   write_whole_file(slice(out, 5), b);
               }),
               "unreadable", "slice_00005"));
-    CHECK(has(spoil([&] { write_whole_file(slice(out, 5), bytes_of(slice(out, 5)) + "tail"); }), "unreadable",
+    CHECK(has(spoil([&] { write_whole_file(slice(out, 5), text_of(slice(out, 5)) + "tail"); }), "unreadable",
               "behind its end"));
     CHECK(verify_stack(out).passed());
 
@@ -229,7 +229,7 @@ TEST_CASE("a manifest that is gone, broken or changed is a fault of the stack", 
     TemporaryFolder folder;
     const auto out = folder.path() / "stack", manifest = out / "manifest.json";
     (void)write_sample_stack(out, 40);
-    const std::string good = bytes_of(manifest);
+    const std::string good = text_of(manifest);
     const auto changed = [&](const std::string& from, const std::string& to) {
         std::string text = good;
         for (std::size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size())
@@ -275,7 +275,7 @@ TEST_CASE("the sheet that resins are assigned by says what the manifest says", "
     TemporaryFolder folder;
     const auto out = folder.path() / "stack";
     (void)write_sample_stack(out, 40);
-    std::string text = bytes_of(out / "resin-assignment.txt");
+    std::string text = text_of(out / "resin-assignment.txt");
     text.replace(text.find("VeroCyan"), 8, "VeroClay");
     write_whole_file(out / "resin-assignment.txt", text);
     const auto report = verify_stack(out);
@@ -287,7 +287,7 @@ TEST_CASE("a cause is named before what follows from it, and in words that are s
     TemporaryFolder folder;
     const auto out = folder.path() / "stack";
     (void)write_sample_stack(out, 40);
-    write_whole_file(slice(out, 5), bytes_of(slice(out, 5)).substr(0, 100));
+    write_whole_file(slice(out, 5), text_of(slice(out, 5)).substr(0, 100));
     const auto report = verify_stack(out);
     INFO(report_text(report));
     CHECK(report.fault_count == 1);
@@ -296,7 +296,7 @@ TEST_CASE("a cause is named before what follows from it, and in words that are s
     CHECK_THAT(report_text(report), Contains("were not compared"));
     (void)write_sample_stack(out, 40);
     // Recoloured: counts are the consequence of other pixels.
-    write_whole_file(slice(out, 5), bytes_of(slice(out, 6)));
+    write_whole_file(slice(out, 5), text_of(slice(out, 6)));
     const auto other = verify_stack(out);
     CHECK(other.faults.front().rule == "digest");
     CHECK(has(other, "count"));

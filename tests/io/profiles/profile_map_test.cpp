@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxtone/io/profiles/profile_map.h"
 
-#include <fstream>
-#include <sstream>
-
 #include <catch2/catch.hpp>
 
 #include "tests/io/files/temporary_folder.h"
@@ -37,12 +34,6 @@ ProfileMap sample(std::size_t clusters, std::uint32_t width = 5, std::uint32_t h
         }
     }
     return map;
-}
-
-std::string text_of(const std::filesystem::path& file) {
-    std::ostringstream text;
-    text << std::ifstream(file).rdbuf();
-    return text.str();
 }
 
 void check_same(const ProfileMap& a, const ProfileMap& b) {

@@ -32,6 +32,7 @@ TEST_CASE("A mixture averages absorption and scattering, not albedo") {
 TEST_CASE("Resins are found by role and chosen in the order asked for") {
     const ResinSet set = vero_opaque();
     CHECK(set.find("W") == 4);
+    CHECK(set.find("w") == 4);
     CHECK(set.find("VeroWhite") == -1);
     const ResinSet chosen = set.subset(std::vector<std::string>{"W", "C"});
     REQUIRE(chosen.resins.size() == 2);

@@ -22,13 +22,9 @@
 using namespace voxtone;
 using namespace voxtone::slicer;
 using Catch::Matchers::Contains;
+using io::text_of;
 
 namespace {
-
-std::string text_of(const std::filesystem::path& file) {
-    const std::vector<std::uint8_t> bytes = io::read_whole_file(file, 1 << 24);
-    return {bytes.begin(), bytes.end()};
-}
 
 std::size_t count(const std::string& text, const std::string& what) {
     std::size_t found = 0;
