@@ -5,7 +5,7 @@
 //
 // A cell of the lattice is cut into six tetrahedra that share the diagonal from black to white; a colour's corners are
 // met by going from the cell's first corner to its last, along the axis of the largest part first (J. M. Kasson,
-// W. Plouffe, S. I. Nin, "Tetrahedral interpolation technique for color space conversion", Proc. SPIE 1909, 1993).
+// W. Plouffe, S. I. Nin, "Tetrahedral interpolation technique for color space conversion", Proc. SPIE, 1993).
 // With weights w and square roots r of shares at the corners the shares are ((sum w r)^2 + sum w r^2) / 2.
 #pragma once
 

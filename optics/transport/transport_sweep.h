@@ -18,7 +18,7 @@
 //   psi_out,a = (1 + theta) psi - theta psi_in,a,   (1 + theta) |Omega_a| / h_a for 2 |Omega_a| / h_a,
 // and fit = (1 + theta) (1 - e) / ((theta + e) sigma_a l), e = exp(-sigma_a l), ripples die out, at the price of some
 // blur. These are weighted differences; Rhoades and Engle 1977, "A new weighted-difference formulation for discrete
-// ordinates calculations", Trans. Am. Nucl. Soc. 27:776, choose the weight cell by cell from the fluxes, here it is one
+// ordinates calculations", Trans. Am. Nucl. Soc., choose the weight cell by cell from the fluxes, here it is one
 // number, so that the equations stay linear.
 //
 // Work: cells x 8 directions, about 30 vector instructions a cell; data touched: 16 bytes of moments in and out per
