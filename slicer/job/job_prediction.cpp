@@ -103,7 +103,7 @@ JobPrediction predict_print(const ResolvedJob& job, PredictionModel model, const
     };
     if (coarse) {
         optics::Surface eye = optics::find_surface(scene, coarse->eye, seen_part(body), &progress);
-        prediction.predicted = averaged(predicted_on(std::move(eye)), std::move(cells.surface));
+        prediction.predicted = averaged(predicted_on(std::move(eye)), std::move(cells.surface), seen_part(body));
     } else {
         prediction.predicted = predicted_on(std::move(cells.surface));
     }

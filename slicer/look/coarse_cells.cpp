@@ -26,14 +26,24 @@ std::array<int, 3> seen_cell_voxels(const std::array<double, 3>& pitch_mm, doubl
     return cells ? cells->coarse : optics::cell_voxels(pitch_mm, cell_mm);
 }
 
-SurfacePrediction averaged(const SurfacePrediction& fine, optics::Surface surface) {
+namespace {
+
+/// Seen from above there is one cell in a column, at the mean height of what is seen: a step in it may be elsewhere.
+std::array<std::int32_t, 3> place_of(std::array<std::int32_t, 3> cell, optics::SurfacePart part) {
+    if (part == optics::SurfacePart::top) cell[2] = 0;
+    return cell;
+}
+
+}  // namespace
+
+SurfacePrediction averaged(const SurfacePrediction& fine, optics::Surface surface, optics::SurfacePart part) {
     std::array<int, 3> times{};
     for (std::size_t a = 0; a < 3; ++a) {
         times[a] = surface.cell_voxels[a] / fine.surface.cell_voxels[a];
         VOXTONE_EXPECT(times[a] * fine.surface.cell_voxels[a] == surface.cell_voxels[a]);
     }
     std::map<std::array<std::int32_t, 3>, std::size_t> place;
-    for (std::size_t i = 0; i < surface.cells.size(); ++i) place.emplace(surface.cells[i].cell, i);
+    for (std::size_t i = 0; i < surface.cells.size(); ++i) place.emplace(place_of(surface.cells[i].cell, part), i);
 
     SurfacePrediction mean;
     mean.channels = fine.channels;
@@ -45,7 +55,7 @@ SurfacePrediction averaged(const SurfacePrediction& fine, optics::Surface surfac
         const optics::SurfaceCell& cell = fine.surface.cells[i];
         std::array<std::int32_t, 3> at{};
         for (std::size_t a = 0; a < 3; ++a) at[a] = cell.cell[a] / times[a];
-        const auto found = place.find(at);
+        const auto found = place.find(place_of(at, part));
         VOXTONE_EXPECT(found != place.end());
         const std::size_t to = found->second;
         // A face that stands for no area still shows something.
@@ -60,6 +70,7 @@ SurfacePrediction averaged(const SurfacePrediction& fine, optics::Surface surfac
         mean.rgb[i] /= area[i];
         for (std::size_t c = 0; c < fine.channels; ++c) mean.value[i * fine.channels + c] /= area[i];
     }
+    mean.remarks = fine.remarks;
     mean.surface = std::move(surface);
     return mean;
 }

@@ -29,7 +29,8 @@ struct CoarseCells {
 [[nodiscard]] std::array<int, 3> seen_cell_voxels(const std::array<double, 3>& pitch_mm, double cell_mm);
 
 /// The mean of `fine` over each cell of `surface`, by area. The cells of `surface` are whole ones of those of `fine`,
-/// and both are of the same body. Standard errors are left out.
-[[nodiscard]] SurfacePrediction averaged(const SurfacePrediction& fine, optics::Surface surface);
+/// and both are the same part of the same body. Standard errors are left out.
+[[nodiscard]] SurfacePrediction averaged(const SurfacePrediction& fine, optics::Surface surface,
+                                         optics::SurfacePart part);
 
 }  // namespace voxtone::slicer

@@ -317,6 +317,10 @@ std::optional<MeshBoundary> find_boundary(const ResolvedPrediction& job, const S
     return std::nullopt;
 }
 
+optics::SurfacePart seen_part(const PredictFigures& figures) {
+    return figures.from_above ? optics::SurfacePart::top : optics::SurfacePart::all;
+}
+
 /// The cells that are predicted, and those that they are averaged over where they are not the same.
 struct PredictedCells {
     optics::Surface surface;
@@ -327,7 +331,7 @@ PredictedCells find_cells(const optics::Scene& scene, const ResolvedPrediction& 
                           Progress& progress) {
     progress.begin_stage("find the surface", 0);
     const std::array<double, 3>& pitch_mm = scene.volume->pitch_mm();
-    const auto part = figures.from_above ? optics::SurfacePart::top : optics::SurfacePart::all;
+    const optics::SurfacePart part = seen_part(figures);
     const std::optional<CoarseCells> coarse = quick_cells(job, pitch_mm);
     const auto cell = seen_cell_voxels(pitch_mm, job.asked.cell_mm);
     for (std::size_t a = 0; a < 3; ++a) figures.cell_um[a] = cell[a] * pitch_mm[a] * 1e3;
@@ -437,7 +441,7 @@ PredictResult run_predict_job(const PredictOptions& options, Progress& progress)
     };
     SurfacePrediction prediction =
         predict_surface(scene, std::move(cells.surface), maker, options.absolute ? -1 : stack.white, progress);
-    if (quick) prediction = averaged(prediction, std::move(*cells.averaged_over));
+    if (quick) prediction = averaged(prediction, std::move(*cells.averaged_over), seen_part(figures));
     progress.end_stage();
     figures.predict_s = watch.lap();
 
