@@ -34,8 +34,10 @@ constexpr CalibrateJobs no_jobs;
 }  // namespace
 
 Command add_calibrate_elsewhere(CLI::App& app, const char* program, const Words& words) {
-    add_calibrate_command(app, no_jobs);
-    return [program, words]() -> int { become_calibrate_program(program, words); };
+    // Kept, for it owns what the options of the steps are parsed into.
+    return [steps = add_calibrate_command(app, no_jobs), program, words]() -> int {
+        become_calibrate_program(program, words);
+    };
 }
 
 }  // namespace voxtone::cli

@@ -104,6 +104,26 @@ std::string one_too_many(const CLI::App& command, const std::string& word) {
         full_name(command), wanted.empty() ? "nothing" : wanted);
 }
 
+/// "what: foo not in {a,b}", as CLI11 writes it, in words.
+std::string choices_in_words(const std::string& message) {
+    const std::string between = " not in {";
+    const std::size_t colon = message.find(": "), open = message.find(between);
+    if (colon == std::string::npos || open == std::string::npos || open < colon || message.back() != '}')
+        return message;
+    std::string choices;
+    for (const char c : message.substr(open + between.size(), message.size() - open - between.size() - 1))
+        choices += c == ',' ? std::string(", ") : std::string(1, c);
+    return fmt::format("{}: '{}' is none of {}", message.substr(0, colon), message.substr(colon + 2, open - colon - 2),
+                       choices);
+}
+
+/// What is missing is told with its help.
+std::string missing_in_words(const CLI::App& command, const std::string& message) {
+    for (const CLI::Option* option : command.get_options())
+        if (message == option->get_name() + " is required") return message + ": " + option->get_description();
+    return message;
+}
+
 }  // namespace
 
 Words command_words(int argc, char* const* argv) {
@@ -139,7 +159,7 @@ std::string usage_message(const CLI::App& program, const CLI::ParseError& error)
     for (const std::string& word : extras)
         if (is_option_word(word) && word != "--") return unknown_option(command, word);
     if (dynamic_cast<const CLI::ExtrasError*>(&error) && !extras.empty()) return one_too_many(command, extras.front());
-    std::string message = error.what();
+    std::string message = missing_in_words(command, choices_in_words(error.what()));
     if (const std::string point = with_decimal_point(message);
         dynamic_cast<const CLI::ConversionError*>(&error) && !point.empty())
         message += " (decimals stand behind a point: " + point.substr(point.rfind(' ') + 1) + ")";

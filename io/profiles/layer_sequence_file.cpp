@@ -13,6 +13,16 @@ namespace {
 
 constexpr double thinnest_mm = 1e-6, thickest_mm = 1e4;
 
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+/// "W 0,5" would be a layer of 0 mm and one more.
+void refuse_decimal_commas(std::string_view text) {
+    for (std::size_t i = 1; i + 1 < text.size(); ++i)
+        if (text[i] == ',' && is_digit(text[i - 1]) && is_digit(text[i + 1]))
+            throw UsageError(fmt::format(
+                "\"{}\": decimals stand behind a point, for a comma ends a layer: \"W 0.3, K 100um\"", text));
+}
+
 LayerSequence sequence_from_json(const JsonObject& json) {
     json.allow_only({"format", "version", "name", "source", "resins", "surface", "backing", "layers"});
     if (json.text("format") != "voxtone-stack")
@@ -63,6 +73,7 @@ std::string layer_sequence_text(const LayerSequence& sequence) {
 }
 
 std::vector<SequenceLayer> parse_layers(std::string_view text) {
+    refuse_decimal_commas(text);
     std::vector<SequenceLayer> layers;
     for (std::size_t begin = 0; begin <= text.size();) {
         const std::size_t end = std::min(text.find(',', begin), text.size());

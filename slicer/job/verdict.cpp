@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <utility>
 #include <vector>
@@ -194,6 +195,7 @@ void judge_gamut(const VerdictSources& s, io::ReportVerdict& verdict) {
     if (s.gamut.mean_de2000 > s.job.options.verdict.bad) verdict.level = io::VerdictLevel::bad;
     std::string reason = s.why_not_predicted.empty() ? "it was not asked for (--predict)" : s.why_not_predicted;
     if (reason.ends_with(".")) reason.pop_back();
+    reason.front() = static_cast<char>(std::tolower(static_cast<unsigned char>(reason.front())));
     const std::string reach =
         s.gamut.mapped_share < 0.005
             ? "on a thick body the loaded resins show nearly all of its colours"

@@ -42,7 +42,10 @@ TEST_CASE("Unknown verbs, steps and options are answered with the nearest known 
     refused("predict out --ouptut x.png", 2, "--ouptut: `voxtone predict` has no such option");
     refused("stack search --materiels W,K", 2, "did you mean '--materials'?");
     refused("slice a.obj b.obj -o out", 2, "'b.obj' is one word too many");
-    refused("verify", 2, "stack is required");
+    refused("verify", 2, "stack is required: output folder");
+    refused("list", 2, "what is required: printers or resins");
+    refused("list cows", 2, "what: 'cows' is none of printers, resins; `voxtone list --help`");
+    refused("slice model.obj", 2, "name the output folder");
     refused("stack", 2, "wants a verb: dataset");
     refused("", 2, "wants a verb: slice");
 }
@@ -67,6 +70,7 @@ TEST_CASE("A decimal comma and a missing unit are explained") {
     refused("slice model.obj -o out --size 10,5mm", 2, "write 10.5mm");
     refused("slice model.obj -o out --scale 0,5", 2, "decimals stand behind a point: 0.5");
     refused("predict out -o x.png --cell 0,2mm", 2, "write 0.2mm");
+    refused("stack print 'W 0,5' -o out", 2, "decimals stand behind a point");
     refused("predict out -o x.png --error 0,1", 2, "decimals stand behind a point: 0.1");
     refused("predict layers -o x.png --pitch 42.33,84.67,27", 2, "add um");
 }

@@ -185,6 +185,9 @@ TEST_CASE("a folder that a job made and left without a stack goes again", "[stac
 TEST_CASE("a second job hears who holds the folder", "[stack]") {
     TemporaryFolder folder;
     const auto out = folder.path() / "stack";
+    std::ofstream(folder.path() / "file") << "no folder";
+    CHECK_THROWS_WITH(StackFolder(folder.path() / "file" / "out"),
+                      Contains("made ready") && Contains("directory") && !Contains("filesystem error"));
     const StackFolder first(out);
     const std::string who = fmt::format("host {}, process {}", host_name(), getpid());
     CHECK_THROWS_AS(StackFolder(out), TryAgain);

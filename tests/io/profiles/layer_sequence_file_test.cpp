@@ -67,6 +67,7 @@ TEST_CASE("A stack file that is cut short or wrong is refused by key and rule") 
 }
 
 TEST_CASE("Layers are read as a person writes them") {
+    CHECK_THROWS_WITH(parse_layers("W 0,3, K 1"), Contains("decimals stand behind a point"));
     const std::vector<SequenceLayer> layers = parse_layers(" W 0.3,K  100um , my.json 1 mm");
     REQUIRE(layers.size() == 3);
     CHECK(layers[0].material == "W");
