@@ -123,9 +123,19 @@ private:
                                   : Wrap::repeat;
     }
 
+    /// A new entry of this element's id. Were one to take the place of another, a body or its colours would be lost.
+    template <class Resource>
+    Resource& add_resource(std::map<std::uint32_t, Resource>& resources) {
+        const std::uint32_t id = required_index("id");
+        const auto [place, is_new] = resources.try_emplace(id);
+        if (!is_new)
+            xml_.fail(fmt::format("<{}> has the id {}, which another has already, so that what is meant by it is open",
+                                  xml_.full_name(), id));
+        return place->second;
+    }
+
     ThreemfGroup& start_group(ThreemfGroup::Kind kind) {
-        ThreemfGroup& group = part_.groups[required_index("id")];
-        group = {};
+        ThreemfGroup& group = add_resource(part_.groups);
         group.kind = kind;
         group.element = xml_.name();
         return *(group_ = &group);
@@ -141,16 +151,14 @@ private:
             if (name == "item") {
                 part_.items.push_back(reference());
             } else if (name == "object") {
-                object_ = &part_.objects[required_index("id")];
-                *object_ = {};
+                object_ = &add_resource(part_.objects);
                 if (const auto type = xml_.attribute("type"); type.data()) object_->type = type;
                 object_->name = XmlReader::decode(xml_.attribute("name"));
                 object_->pid = optional_index("pid");
                 object_->pindex = optional_index("pindex");
             } else if (name == "texture2d") {
-                part_.textures[required_index("id")] = {XmlReader::decode(xml_.attribute("path")),
-                                                        tile_style("tilestyleu"), tile_style("tilestylev"),
-                                                        xml_.attribute("filter") == "nearest"};
+                add_resource(part_.textures) = {XmlReader::decode(xml_.attribute("path")), tile_style("tilestyleu"),
+                                                tile_style("tilestylev"), xml_.attribute("filter") == "nearest"};
             } else if (name == "basematerials") {
                 start_group(Kind::base_materials);
             } else if (name == "colorgroup") {

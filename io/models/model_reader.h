@@ -3,19 +3,17 @@
 // Models from files: OBJ + MTL, PLY, STL, glTF 2.0 / GLB and 3MF.
 //
 // Colour, as io/models/mesh.h combines it (linear sRGB):
-// - OBJ: `map_Kd` with -o, -s and -clamp; Kd, taken as sRGB, where there is no map. Kd does NOT multiply the map,
-// although
-//   the MTL note says so: exporters leave grey defaults there (0.64, 0.8) beside finished photographs, and people
-//   expect the colours of the picture. A Kd that is no grey and was not applied is reported. Vertex colours (v x y z r
-//   g b) are sRGB.
+// - OBJ: `map_Kd` with -o, -s and -clamp; Kd, taken as sRGB, where there is no map. Kd does NOT multiply the map, as
+//   the MTL note would have it: exporters leave grey defaults there (0.64, 0.8) beside finished photographs, and people
+//   expect the colours of the picture. A Kd that is no grey and was not applied is reported. Vertex colours
+//   (v x y z r g b) are sRGB.
 // - PLY: vertex colours of integers are sRGB codes, of floats linear; face colours in the same way, where vertices have
 //   none or are all alike; `comment TextureFile`, coordinates of vertices or of each face's corners.
 // - STL: none. Attribute words that look like the colours of VisCAM or Magics are lost, which is said.
 // - glTF: baseColorFactor (linear) * COLOR_0 (linear) * baseColorTexture (sRGB) with KHR_texture_transform; nothing
-// else of
-//   the material is colour. Alpha counts only where alphaMode is MASK or BLEND. Node transforms are applied; skins stay
-//   as stored (their bind pose), animations are left aside. The axes are turned from y up to z up: (x, y, z) -> (x, -z,
-//   y).
+//   else of the material is colour. Alpha counts only where alphaMode is MASK or BLEND. Node transforms are applied;
+//   skins stay as stored (their bind pose), animations are left aside. The axes are turned from y up to z up:
+//   (x, y, z) -> (x, -z, y).
 // - 3MF: the core specification with materials and properties; see io/codecs/threemf_part.h.
 //   Layers of textures and colours over each other (multiproperties) are made into one picture, triangle by triangle.
 // In all but glTF the axes stay as they are. Where no triangle of the model uses a texture's texel, the nearest used

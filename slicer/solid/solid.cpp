@@ -7,6 +7,9 @@
 #include "voxtone/base/contracts.h"
 #include "voxtone/slicer/solid/line_crossings.h"
 
+// Own code, not OpenVDB's meshToVolume: that gives narrow-band distances in floats, cracks and doubled sheets decided
+// by its flood fill, where a print needs each voxel's winding number, exactly and alike on every machine, one slab at a
+// time, of bodies of 1e9 voxels.
 namespace voxtone::slicer {
 
 Solid::Solid(const SolidMesh& mesh, const VoxelGrid& grid) : grid_(grid), mesh_(mesh, grid) {}

@@ -2,8 +2,7 @@
 //
 // The layer encoder against libpng (zlib) and libdeflate on layers of 3310 x 1772 px. Argument 0 is air, 1 to 3 are a
 // body with a halftoned skin of about 2.2, 1.5 and 0.8 bits per pixel over a uniform core, 4 is all halftone (1.5
-// bits).
-//   bytes_per_second counts the plain bitmap (4 bytes a pixel), halftone/s the pixels in runs shorter than 24 px.
+// bits). bytes_per_second counts the plain bitmap (4 bytes a pixel), halftone/s the pixels in runs shorter than 24 px.
 #include <benchmark/benchmark.h>
 #include <png.h>
 

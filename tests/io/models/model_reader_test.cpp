@@ -439,6 +439,11 @@ TEST_CASE("3MF models") {
             CHECK(read3(object(R"(id="2")", 1), R"(<item objectid="2"/>)", {}, unit).mm_per_file_unit == mm);
         CHECK_THROWS_WITH(read3(object(R"(id="2")", 1), R"(<item objectid="2"/>)", {}, "parsec"), Contains("parsec"));
     }
+    SECTION("an id that is given twice would lose a body or its colours") {
+        const std::string item = R"(<item objectid="2"/>)", body = object(R"(id="2")", 1);
+        CHECK_THROWS_WITH(read3(body + object(R"(id="2")", 2), item), Contains("<object> has the id 2"));
+        CHECK_THROWS_WITH(read3(colours + colours + body, item), Contains("colorgroup> has the id 1"));
+    }
     SECTION("colours: per corner, per triangle, per object") {
         const ModelFile file =
             read3(colours + object(R"(id="2" pid="1" pindex="2")", 1,
