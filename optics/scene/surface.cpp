@@ -216,8 +216,8 @@ private:
             for (std::size_t k = 0; k < 3; ++k) n[k] -= filled * tap.weight[k];
         }
         const double length = std::hypot(n[0], n[1], n[2]);
-        if (length > 1e-9)
-            for (double& v : n) v /= length;
+        if (length < 1e-9) return {};  // alike in opposite directions: what is left is rounding, no direction
+        for (double& v : n) v /= length;
         return n;
     }
 
