@@ -70,7 +70,6 @@ SurfacePrediction averaged(const SurfacePrediction& fine, optics::Surface surfac
         mean.rgb[i] /= area[i];
         for (std::size_t c = 0; c < fine.channels; ++c) mean.value[i * fine.channels + c] /= area[i];
     }
-    mean.remarks = fine.remarks;
     mean.surface = std::move(surface);
     return mean;
 }
