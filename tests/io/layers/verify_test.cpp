@@ -62,7 +62,9 @@ TEST_CASE("a stack of ours passes, and reads back as it was written", "[verify]"
     std::string named;
     const auto strict = verify_stack(out, [&](const std::string& printer) {
         named = printer;
-        return VerifyRules{.least_layers = 41};
+        VerifyRules rules;
+        rules.least_layers = 41;
+        return rules;
     });
     CHECK(named == stack.printer);
     CHECK_FALSE(strict.passed());

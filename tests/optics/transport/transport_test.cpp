@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include "voxtone/base/error.h"
 #include "voxtone/base/parallel.h"
 #include "voxtone/base/random.h"
 #include "voxtone/optics/layered/layered_appearance.h"
@@ -259,8 +260,8 @@ TEST_CASE("A prediction too large for the memory allowed says what it would need
 
 TEST_CASE("What a prediction needs at the least can be told without a volume, and is not too much") {
     const ResinSet set = vero_opaque();
-    // The second has voxels that are cut in two along x and y.
-    for (const auto& pitch : {j750, std::array{0.084667, 0.084667, 0.01875}}) {
+    // Voxels of the last are not cut; of the others in two along y, or along x and y.
+    for (const auto& pitch : {j750, std::array{0.084667, 0.084667, 0.01875}, std::array{0.042, 0.042, 0.027}}) {
         const ResinVolume volume =
             make_resin_volume({100, 60, 60}, pitch, [](int x, int, int) { return x < 90 ? 5 : 0; });
         const Scene scene{&volume, &set, Backing::none, Sides::open};
@@ -269,8 +270,9 @@ TEST_CASE("What a prediction needs at the least can be told without a volume, an
         TransportOptions options;
         options.memory_bytes = TransportPredictor(options).least_bytes(solid_mm3, pitch);
         CHECK(options.memory_bytes > std::size_t{1} << 20);
-        CHECK_THROWS_AS(TransportPredictor(options).predict(scene, surface), ResourceError);
-        if (pitch == j750) CHECK_THROWS_AS(TransportPredictor(options).expect_memory(scene), ResourceError);
+        CHECK_THROWS_AS(TransportPredictor(options).predict(scene, surface), voxtone::ResourceError);
+        if (pitch[1] < options.finest_mm)
+            CHECK_THROWS_AS(TransportPredictor(options).expect_memory(scene), voxtone::ResourceError);
         options.viewing_cells = true;
         CHECK(TransportPredictor(options).least_bytes(solid_mm3, pitch) == 0);
     }
