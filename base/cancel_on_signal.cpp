@@ -55,7 +55,7 @@ void catch_stop_signals() {
 
 ExitCode stop_code() {
     const int number = first_signal;
-    return number == 0 ? ExitCode::done : number == SIGINT ? ExitCode::unfinished : exit_stopped;
+    return number == 0 ? ExitCode::done : number == SIGINT ? ExitCode::unfinished : ExitCode::stopped;
 }
 
 CancelOnSignal::CancelOnSignal(Progress& progress) {

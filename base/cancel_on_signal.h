@@ -15,9 +15,7 @@ namespace voxtone {
 /// before there is work is kept for it. Signals that were ignored at the start (nohup) stay so.
 void catch_stop_signals();
 
-/// stopped on request, progress saved: run it again (HTCondor's checkpoint_exit_code).
-inline constexpr auto exit_stopped = static_cast<ExitCode>(85);
-/// What the first signal that was caught asks for: unfinished (Ctrl-C) or exit_stopped; done: none came.
+/// What the first signal that was caught asks for: unfinished (Ctrl-C) or ExitCode::stopped; done: none came.
 [[nodiscard]] ExitCode stop_code();
 
 /// While it lives the signals that were caught stop this work: also one that came before. One at a time in a program.

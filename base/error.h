@@ -18,6 +18,8 @@ enum class ExitCode : int {
     file = 4,           ///< a file could not be read or written; trying again may help
     unfinished = 5,     ///< the pipeline could not finish: memory, cancelled
     check_failed = 6,   ///< a check (`verify`) found faults
+    try_again = 75,     ///< nothing is wrong with the job: later or elsewhere it may go (EX_TEMPFAIL of sysexits.h)
+    stopped = 85,       ///< on request, progress saved: run it again (HTCondor's checkpoint_exit_code)
 };
 
 /// Base of every error that is meant for the user.
@@ -51,6 +53,12 @@ public:
 class ResourceError : public Error {
 public:
     explicit ResourceError(const std::string& message) : Error(ExitCode::unfinished, message) {}
+};
+
+/// A condition of the machine stood in the way, not the job and not its files.
+class TryAgain : public Error {
+public:
+    explicit TryAgain(const std::string& message) : Error(ExitCode::try_again, message) {}
 };
 
 /// The user asked to stop.

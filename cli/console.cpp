@@ -21,11 +21,11 @@ namespace {
 
 /// How a stop is told: why, and how to go on.
 Error stopped() {
-    const bool again = stop_code() == exit_stopped;
+    const bool again = stop_code() == ExitCode::stopped;
     const std::string why = again ? "stopped on request" : "cancelled", advice = stop_advice();
-    return {again ? exit_stopped : ExitCode::unfinished, !advice.empty() ? why + "; " + advice
-                                                         : again         ? why + "; run the same command again"
-                                                                         : why};
+    return {again ? ExitCode::stopped : ExitCode::unfinished, !advice.empty() ? why + "; " + advice
+                                                              : again         ? why + "; run the same command again"
+                                                                              : why};
 }
 
 /// Ends within a second of a request to stop, also where the work does not look at it.

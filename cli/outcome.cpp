@@ -14,7 +14,6 @@
 #include "voxtone/base/error.h"
 #include "voxtone/base/printable.h"
 #include "voxtone/base/progress_events.h"
-#include "voxtone/base/try_again.h"
 
 namespace voxtone::cli {
 
@@ -52,7 +51,7 @@ int noticing_lost_output(int code) {
                            std::strerror(errno))
                    .c_str(),
                stderr);
-    return code == 0 ? static_cast<int>(exit_try_again) : code;
+    return code == 0 ? static_cast<int>(ExitCode::try_again) : code;
 }
 
 }  // namespace

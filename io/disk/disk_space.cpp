@@ -7,7 +7,7 @@
 
 #include <fmt/core.h>
 
-#include "voxtone/base/try_again.h"
+#include "voxtone/base/error.h"
 
 namespace voxtone::io {
 

@@ -16,7 +16,7 @@
 #include <fmt/chrono.h>
 #include <fmt/core.h>
 
-#include "voxtone/base/try_again.h"
+#include "voxtone/base/error.h"
 #include "voxtone/io/disk/disk_space.h"
 
 namespace voxtone::io {

@@ -22,7 +22,7 @@
 
 #include <fmt/format.h>
 
-#include "voxtone/base/try_again.h"
+#include "voxtone/base/error.h"
 #include "voxtone/io/files/isolate_protocol.h"
 #include "voxtone/io/files/packed_values.h"
 
@@ -141,7 +141,7 @@ std::vector<std::byte> fetch(int fd, std::size_t at, std::size_t size, const std
 }
 
 [[noreturn]] void throw_again(ExitCode code, const std::string& text) {
-    if (code == exit_try_again) throw TryAgain(text);
+    if (code == ExitCode::try_again) throw TryAgain(text);
     switch (code) {
         case ExitCode::invalid_input:
             throw InputError(text);

@@ -13,7 +13,7 @@
 
 #include <fmt/core.h>
 
-#include "voxtone/base/try_again.h"
+#include "voxtone/base/error.h"
 #include "voxtone/io/disk/disk_space.h"
 #include "voxtone/io/disk/open_file.h"
 #include "voxtone/io/disk/part_files.h"

@@ -9,7 +9,7 @@
 #include <catch2/catch.hpp>
 
 #include "tests/io/files/temporary_folder.h"
-#include "voxtone/base/try_again.h"
+#include "voxtone/base/error.h"
 #include "voxtone/io/disk/open_file.h"
 
 using namespace voxtone;

@@ -7,7 +7,7 @@
 #include <catch2/catch.hpp>
 
 #include "tests/io/files/temporary_folder.h"
-#include "voxtone/base/try_again.h"
+#include "voxtone/base/error.h"
 
 using namespace voxtone;
 using namespace voxtone::io;

@@ -8,7 +8,7 @@
 #include <catch2/catch.hpp>
 
 #include "tests/io/files/temporary_folder.h"
-#include "voxtone/base/try_again.h"
+#include "voxtone/base/error.h"
 #include "voxtone/io/files/file_reader.h"
 #include "voxtone/io/files/packed_values.h"
 #include "voxtone/io/models/model_reader.h"

@@ -11,7 +11,7 @@
 
 #include "tests/io/files/temporary_folder.h"
 #include "tests/outcomes.h"
-#include "voxtone/base/try_again.h"
+#include "voxtone/base/error.h"
 #include "voxtone/io/files/whole_file.h"
 #include "voxtone/io/models/model_reader.h"
 #include "voxtone/io/pictures/picture.h"
@@ -87,7 +87,7 @@ TEST_CASE("lack of memory is no fault of the file, and no loss of its colours", 
     SECTION("a limit of the machine, of which the reader has enough to start or not even that") {
         for (const std::uint64_t space : {100 * mib, 488 * mib}) {
             INFO(space / mib << " MiB");
-            CHECK(read_with_address_space(model, space) == static_cast<int>(exit_try_again));
+            CHECK(read_with_address_space(model, space) == static_cast<int>(ExitCode::try_again));
         }
     }
     SECTION("enough") { CHECK(read_model(model).mesh.triangles.size() == 1); }

@@ -14,7 +14,7 @@
 #include <catch2/catch.hpp>
 
 #include "tests/io/files/temporary_folder.h"
-#include "voxtone/base/try_again.h"
+#include "voxtone/base/error.h"
 #include "voxtone/io/disk/folder_lock.h"
 #include "voxtone/io/disk/open_file.h"
 
