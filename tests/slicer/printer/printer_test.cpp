@@ -113,7 +113,7 @@ TEST_CASE("A wrong profile names file, key and rule") {
     };
     CHECK(fault(profile_with("")).empty());
     CHECK_THAT(fault(profile_with("\"max_resin\": 3")),
-               Contains("mine.json: unknown key 'max_resin'; did you mean 'max_resins'?"));
+               Contains("mine.json: line 6: unknown key 'max_resin'; did you mean 'max_resins'?"));
     CHECK_THAT(fault(profile_with("", "\"name")), Contains("mine.json: key `name`: is missing"));
     CHECK_THAT(fault(profile_with("", "\"pitch")), Contains("key `pitch_um`: is missing"));
     CHECK_THAT(fault(profile_with("\"dpi\": [600, 300]")), Contains("not both"));
