@@ -19,6 +19,15 @@ constexpr voxtone::cli::CalibrateJobs jobs{.check = voxtone::calibration::run_ch
 
 }  // namespace
 
+#ifdef __SANITIZE_ADDRESS__
+// OpenCV keeps tables of its conversion to Lab until the process ends, on the heap. Only whole stacks show whose they
+// are: OpenCV is built without frame pointers.
+extern "C" const char* __asan_default_options();
+extern "C" const char* __asan_default_options() { return "fast_unwind_on_malloc=0"; }
+extern "C" const char* __lsan_default_suppressions();
+extern "C" const char* __lsan_default_suppressions() { return "leak:cv::hal::cvtBGRtoLab\n"; }
+#endif
+
 int main(int argc, char** argv) {
     using namespace voxtone::cli;
     voxtone::catch_stop_signals();
