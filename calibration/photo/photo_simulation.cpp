@@ -195,8 +195,8 @@ public:
     }
     [[nodiscard]] double at(const Eigen::Vector2d& p) const {
         if (distance_ <= 0) return 1;
-        return std::pow(distance_ / (place_ - Eigen::Vector3d(p.x(), p.y(), 0)).norm(),
-                        3);  // 1/r^2, and the cosine has another 1/r
+        const double closer = distance_ / (place_ - Eigen::Vector3d(p.x(), p.y(), 0)).norm();
+        return closer * closer * closer;  // 1/r^2, and the cosine has another 1/r
     }
 
 private:

@@ -16,6 +16,8 @@ namespace voxtone::calibration {
 
 namespace {
 
+constexpr double bin_mm = 2;
+
 /// Of all squares, by channel.
 std::vector<std::vector<double>> dithered_squares(const Target& target, const optics::ResinSet& set) {
     std::vector<Patch> patches;
@@ -73,10 +75,23 @@ TargetColours drawn_colours(const Target& target, const std::vector<Eigen::Vecto
 TargetScene::TargetScene(const Target& target, TargetColours colours) : target_(target), colours_(std::move(colours)) {
     VOXTONE_EXPECT(colours_.squares.size() == target.squares.size());
     for (const TargetMarker& marker : target.markers) patterns_.push_back(marker_pattern(marker.id));
+    bins_ = (target.size_mm.array() / bin_mm).ceil().cast<int>().max(1);
+    squares_.resize(std::size_t(bins_.prod()));
+    for (std::size_t s = 0; s < target.squares.size(); ++s) {
+        const Area& area = target.squares[s].area;
+        const Eigen::Array2i low = bin(area.min_mm), high = bin(area.max_mm);
+        for (int y = low.y(); y <= high.y(); ++y)
+            for (int x = low.x(); x <= high.x(); ++x) squares_[index({x, y})].push_back(s);
+    }
+}
+
+/// Points beyond the edge are in the nearest bin.
+Eigen::Array2i TargetScene::bin(const Eigen::Vector2d& p) const {
+    return (p.array() / bin_mm).cast<int>().max(0).min(bins_ - 1);
 }
 
 const Eigen::Vector3d& TargetScene::at(const Eigen::Vector2d& p) const {
-    for (std::size_t s = 0; s < target_.squares.size(); ++s)
+    for (const std::size_t s : squares_[index(bin(p))])
         if (target_.squares[s].area.contains(p)) return colours_.squares[s];
     for (std::size_t m = 0; m < target_.markers.size(); ++m) {
         const Area& area = target_.markers[m].area;

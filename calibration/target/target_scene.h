@@ -36,9 +36,16 @@ public:
     [[nodiscard]] const Eigen::Vector3d& at(const Eigen::Vector2d& p) const;
 
 private:
+    [[nodiscard]] Eigen::Array2i bin(const Eigen::Vector2d& p) const;
+    [[nodiscard]] std::size_t index(const Eigen::Array2i& bin) const {
+        return std::size_t(bin.y() * bins_.x() + bin.x());
+    }
+
     const Target& target_;
     TargetColours colours_;
     std::vector<std::vector<bool>> patterns_;
+    Eigen::Array2i bins_;                            ///< of `bin_mm`, across the target
+    std::vector<std::vector<std::size_t>> squares_;  ///< that reach into a bin, in their order
 };
 
 /// Rows from the top, `px_per_mm` on a side.

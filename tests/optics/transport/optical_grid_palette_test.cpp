@@ -74,35 +74,3 @@ TEST_CASE("In a full palette of cells a mixture is taken for the nearest there i
             }
     CHECK(merged > 100);
 }
-
-TEST_CASE("Core blocks may hold more mixtures than 16 bits can number") {
-    // Each block of 4 x 4 x 4 voxels has a mixture of its own, told by its place; outside the window all are core.
-    constexpr int edge = 42;
-    const ResinSet set = vero_opaque();
-    const ResinVolume volume = make_resin_volume({4 * edge, 4 * edge, 4 * edge}, pitch, [](int x, int y, int z) {
-        const int block = ((z / 4) * edge + y / 4) * edge + x / 4;
-        // Digits that sum to 63 at most: so many voxels of each of the first four resins, the rest of the fifth.
-        const std::array<int, 4> voxels{block % 16, block / 16 % 16, block / 256 % 16, block / 4096};
-        int voxel = ((z % 4) * 4 + y % 4) * 4 + x % 4;
-        for (int m = 0; m < 4; ++m) {
-            if (voxel < voxels[std::size_t(m)]) return m + 1;
-            voxel -= voxels[std::size_t(m)];
-        }
-        return 5;
-    });
-    const Scene scene{&volume, &set, Backing::none, Sides::open};
-    GridOptions options;
-    options.view_voxels = options.skin_voxels = {1, 1, 1};
-    options.window_end = {4, 4, 4};
-    const OpticalGrid grid(scene, options);
-    REQUIRE(grid.core_palette.size() > 70'000);
-    std::size_t core = 0, wrong = 0;
-    for (const GridBlock& block : grid.blocks) {
-        if (block.kind != BlockKind::core) continue;
-        ++core;
-        const auto shares = shares_in(volume, {4 * block.at[0], 4 * block.at[1], 4 * block.at[2]}, {4, 4, 4});
-        wrong += block.medium >= grid.core_palette.size() || distance(shares, grid.core_palette[block.medium]) > 1e-5f;
-    }
-    CHECK(core > 70'000);
-    CHECK(wrong == 0);
-}

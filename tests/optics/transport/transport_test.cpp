@@ -207,41 +207,6 @@ TEST_CASE("The gradient agrees with finite differences") {
     }
 }
 
-TEST_CASE("A body predicted in pieces looks like the whole, seams included") {
-    // Ink-rich and white halves under a pattern: light of the one is seen in the other far across the borders of
-    // pieces.
-    const ResinSet set = vero_opaque();
-    const std::array<int, 3> size{560, 8, 60};
-    const ResinVolume volume = make_resin_volume(size, j750, [&](int x, int y, int z) -> int {
-        if (z < size[2] - 18) return 5;
-        const auto address = static_cast<std::uint64_t>((z * size[1] + y) * size[0] + x);
-        const double ink = x / 100 % 2 == 0 ? 0.5 : 0.1;
-        const double u = voxtone::RandomStream(3, address).uniform();
-        return u < ink ? 1 + (x / 16 + y / 8) % 4 : 5;
-    });
-    const Scene scene{&volume, &set, Backing::black, Sides::mirrored};
-    const Surface surface = find_surface(scene, {2, 1, 3}, SurfacePart::top);
-    TransportOptions options;
-    options.sweeps = 5;
-    options.start_tolerance = 1e-3;
-    options.correction_tolerance = 0.03;
-    const Appearance whole = TransportPredictor(options).predict(scene, surface);
-    options.piece_mm = 8;
-    TransportSummary summary;
-    const Appearance pieces = TransportPredictor(options).predict(scene, surface, summary);
-    REQUIRE(summary.pieces == 3);
-    double worst = 0;
-    for (std::size_t i = 0; i < whole.value.size(); ++i)
-        worst = std::max(worst, static_cast<double>(std::abs(whole.value[i] - pieces.value[i])));
-    CHECK(worst < 1e-3);
-    options.halo_mm = 0.3;  // too little: the test sees what a halo is for
-    const Appearance bare = TransportPredictor(options).predict(scene, surface);
-    double bare_worst = 0;
-    for (std::size_t i = 0; i < whole.value.size(); ++i)
-        bare_worst = std::max(bare_worst, static_cast<double>(std::abs(whole.value[i] - bare.value[i])));
-    CHECK(bare_worst > 3e-3);
-}
-
 TEST_CASE("A prediction too large for the memory allowed says what it would need") {
     const ResinSet set = vero_opaque();
     const ResinVolume volume = make_resin_volume({100, 60, 60}, j750, [](int, int, int) { return 5; });
@@ -256,26 +221,6 @@ TEST_CASE("A prediction too large for the memory allowed says what it would need
     (void)TransportPredictor(options).predict(scene, surface, summary);
     CHECK(summary.pieces == 1);
     CHECK(summary.memory_bytes < options.memory_bytes);
-}
-
-TEST_CASE("What a prediction needs at the least can be told without a volume, and is not too much") {
-    const ResinSet set = vero_opaque();
-    // Voxels of the last are not cut; of the others in two along y, or along x and y.
-    for (const auto& pitch : {j750, std::array{0.084667, 0.084667, 0.01875}, std::array{0.042, 0.042, 0.027}}) {
-        const ResinVolume volume =
-            make_resin_volume({100, 60, 60}, pitch, [](int x, int, int) { return x < 90 ? 5 : 0; });
-        const Scene scene{&volume, &set, Backing::none, Sides::open};
-        const Surface surface = find_surface(scene, cell_voxels(pitch, 0.085), SurfacePart::top);
-        const double solid_mm3 = 90 * 60 * 60 * pitch[0] * pitch[1] * pitch[2];
-        TransportOptions options;
-        options.memory_bytes = TransportPredictor(options).least_bytes(solid_mm3, pitch);
-        CHECK(options.memory_bytes > std::size_t{1} << 20);
-        CHECK_THROWS_AS(TransportPredictor(options).predict(scene, surface), voxtone::ResourceError);
-        if (pitch[1] < options.finest_mm)
-            CHECK_THROWS_AS(TransportPredictor(options).expect_memory(scene), voxtone::ResourceError);
-        options.viewing_cells = true;
-        CHECK(TransportPredictor(options).least_bytes(solid_mm3, pitch) == 0);
-    }
 }
 
 TEST_CASE("A change is felt the farther the smaller the tolerance, and farther in white than in black") {
