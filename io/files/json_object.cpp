@@ -2,7 +2,9 @@
 #include "voxtone/io/files/json_object.h"
 
 #include <algorithm>
+#include <cerrno>
 #include <charconv>
+#include <cstring>
 #include <fstream>
 #include <utility>
 
@@ -108,7 +110,8 @@ JsonObject JsonObject::parse(std::string_view text, std::string source) {
 
 JsonObject JsonObject::read(const std::filesystem::path& file) {
     std::ifstream stream(file, std::ios::binary);
-    if (!stream) throw FileError(fmt::format("{}: cannot be opened for reading", file.string()));
+    if (!stream)
+        throw FileError(fmt::format("{}: cannot be opened for reading ({})", file.string(), std::strerror(errno)));
     constexpr std::size_t most = std::size_t{64} << 20;
     std::string text, piece(std::size_t{1} << 16, '\0');
     while (stream.read(piece.data(), static_cast<std::streamsize>(piece.size())), stream.gcount() > 0) {

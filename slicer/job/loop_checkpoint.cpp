@@ -47,7 +47,7 @@ struct Reader {
             good = false;
             return;
         }
-        std::memcpy(to, bytes.data(), size);
+        if (size > 0) std::memcpy(to, bytes.data(), size);
         bytes = bytes.subspan(size);
     }
     template <class T>

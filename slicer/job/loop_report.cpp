@@ -7,6 +7,7 @@
 
 #include <fmt/core.h>
 
+#include "voxtone/base/counted.h"
 #include "voxtone/io/pictures/picture_writer.h"
 #include "voxtone/slicer/surface/target_cells.h"
 
@@ -116,14 +117,13 @@ io::ReportLoop loop_report(const JobLoop& loop, const JobBody& body, const optic
     report.seconds = loop.seconds;
     const auto in = std::count(loop.result.in_gamut.begin(), loop.result.in_gamut.end(), 1);
     report.note = fmt::format(
-        "The resins were rearranged {} times and the print predicted after each by the model {} in cells of {:.1f} x "
-        "{:.1f} x {:.1f} um; {}. "
-        "Errors are CIEDE2000 relative to white resin over the {:.1f} % of the cells whose target the resins can show "
-        "on a thick body; as seen: after the eye "
-        "filter (Gaussians of S-CIELAB without their negative surround). At limits: cells that their neighbours, or "
-        "what lies behind them, keep from their "
-        "target; they are asked for the nearest colour that is left.",
-        state.steps.size() - 1, loop.model, loop.cells->seen.cell_um[0], loop.cells->seen.cell_um[1],
+        "The resins were rearranged {} and the print predicted after each by the model {} in cells of {:.1f} x {:.1f} "
+        "x "
+        "{:.1f} um; {}. Errors are CIEDE2000 relative to white resin over the {:.1f} % of the cells whose target the "
+        "resins can show on a thick body; as seen: after the eye filter (Gaussians of S-CIELAB without their negative "
+        "surround). At limits: cells that their neighbours, or what lies behind them, keep from their target; they are "
+        "asked for the nearest colour that is left.",
+        counted(state.steps.size() - 1, "time"), loop.model, loop.cells->seen.cell_um[0], loop.cells->seen.cell_um[1],
         loop.cells->seen.cell_um[2], loop.result.why_stopped,
         100.0 * double(in) / double(std::max<std::size_t>(1, loop.result.in_gamut.size())));
     constexpr double crop_mm = 4;

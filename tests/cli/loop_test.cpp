@@ -102,8 +102,8 @@ TEST_CASE("A loop that was stopped and resumed makes the same print, bit by bit"
     };
     const auto errors = [&](const std::string& out) {
         std::vector<double> means;
-        for (const auto& step : json_of((folder / out) + "/report.json").at("loop").at("iterations"))
-            means.push_back(step.at("seen_de2000").at("mean"));
+        const auto report = json_of((folder / out) + "/report.json");
+        for (const auto& step : report.at("loop").at("iterations")) means.push_back(step.at("seen_de2000").at("mean"));
         return means;
     };
     const auto run = [&](slicer::SliceOptions options, const std::string& method, Progress& progress) {
