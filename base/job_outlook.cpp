@@ -10,6 +10,12 @@
 
 namespace voxtone {
 
+namespace {
+
+constexpr double least_share = 0.02;  // from which on a stage is measured by its own steps
+
+}  // namespace
+
 void expect_stages(Progress& progress, std::vector<ExpectedStage> stages) {
     if (auto* const shows = dynamic_cast<ShowsOutlook*>(&progress)) shows->expect(std::move(stages));
 }
@@ -43,12 +49,12 @@ void JobOutlook::end(double now_s) {
 }
 
 double JobOutlook::pace() const {
-    constexpr double weight_of_one_s = 1;
+    constexpr double weight_of_one_s = 10;
     return (over_taken_s_ + weight_of_one_s) / (over_expected_s_ + weight_of_one_s);
 }
 
 double JobOutlook::left_of_stage(double now_s) const {
-    constexpr double least_share = 0.02, longer = 0.1;
+    constexpr double longer = 0.1;
     if (!running_) return 0;
     const double taken_s = now_s - began_s_;
     if (share_ >= least_share) {
@@ -59,11 +65,22 @@ double JobOutlook::left_of_stage(double now_s) const {
     return std::max(expected_s_ * pace() - taken_s, expected_s_ > 0 ? longer * taken_s : 0.0);
 }
 
+/// Without steps of its own, at twice the time that was expected of it, nobody knows.
+bool JobOutlook::overdue(double now_s) const {
+    constexpr double twice = 2, slack_s = 10;
+    return running_ && share_ < least_share && expected_s_ > 0 &&
+           now_s - began_s_ > twice * expected_s_ * pace() + slack_s;
+}
+
 std::optional<double> JobOutlook::seconds_left(double share, double now_s) {
     if (to_come_.empty() && expected_s_ == 0) return std::nullopt;
     if (running_ && share > share_) {
         share_ = share;
         reached_s_ = now_s;
+    }
+    if (overdue(now_s)) {
+        told_s_.reset();
+        return std::nullopt;
     }
     double later_s = 0;
     for (const ExpectedStage& stage : to_come_) later_s += stage.seconds;

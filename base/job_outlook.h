@@ -4,10 +4,10 @@
 //
 //   left = left of this stage + pace sum(expected seconds of later stages)
 //
-// pace: how much longer than expected the stages took that are over, weighted by their expected seconds (with a second
-// of weight for 1, so that a short first stage says little). The running stage is measured by its own steps where it
-// has some (between two of them the clock counts down); else by what was expected of it. A time that was told is not
-// taken back for a little more: it stands still until it is true, unless the work will take twice as long.
+// pace: how much longer than expected the stages took that are over, weighted by their expected seconds (with ten
+// seconds of weight for 1, so that a short first stage says little). The running stage is measured by its own steps
+// where it has some (between two of them the clock counts down); else by what was expected of it. A time that was told
+// is not taken back for a little more: it stands still until it is true, unless the work will take twice as long.
 #pragma once
 
 #include <cstdint>
@@ -47,11 +47,12 @@ public:
     void end(double now_s);
 
     /// Seconds; `share`: of the running stage's steps that are done, 0 where it has none. Nothing where no stage is
-    /// expected.
+    /// expected, or one without steps takes twice as long as was expected.
     [[nodiscard]] std::optional<double> seconds_left(double share, double now_s);
 
 private:
     [[nodiscard]] double pace() const;
+    [[nodiscard]] bool overdue(double now_s) const;
     [[nodiscard]] double steadily(double left_s);
     [[nodiscard]] double left_of_stage(double now_s) const;
 

@@ -15,14 +15,15 @@ TEST_CASE("What is left of a job is what is left of its stage and the stages to 
     CHECK(*outlook.seconds_left(0.25, 120) == Approx(52));      // its steps say 60 + 22: not told, but waited for
     CHECK(*outlook.seconds_left(0.5, 130) == Approx(30 + 22));  // true again
     CHECK(*outlook.seconds_left(0.5, 140) == Approx(20 + 22));  // and no step since
-    outlook.end(181);                                           // 81 s for 40: all is half as fast
-    CHECK(*outlook.seconds_left(0, 181) == Approx(42));         // 22 * 2
+    outlook.end(181);                                           // 81 s for 40: all is nearly half as fast
+    CHECK(*outlook.seconds_left(0, 181) == Approx(22 * 1.82));  // (81 + 10) / (40 + 10)
     outlook.begin("checkpoint", 181);                           // nobody expected it
-    CHECK(*outlook.seconds_left(0, 200) == Approx(42));
+    CHECK(*outlook.seconds_left(0, 200) == Approx(22 * 1.82));
     outlook.end(201);
     outlook.begin("predict", 201);  // layers were left out
-    CHECK(*outlook.seconds_left(0, 211) == Approx(30));
-    CHECK(*outlook.seconds_left(0, 301) == Approx(10));  // longer than expected: near its end, never at it
+    CHECK(*outlook.seconds_left(0, 211) == Approx(20 * 1.82 - 10));
+    CHECK(*outlook.seconds_left(0, 261) == Approx(6));  // longer than expected: near its end, never at it
+    CHECK_FALSE(outlook.seconds_left(0, 301));          // 100 s for 36: nobody knows
     outlook.end(310);
     CHECK_FALSE(outlook.seconds_left(0, 310));
 }
