@@ -20,7 +20,7 @@ struct OpticalGrid::Builder {
     std::array<int, 3> block_voxels{};
     using Counts = std::vector<std::pair<Material, int>>;
     using Numbers = std::map<Counts, std::uint32_t>;
-    Numbers mixtures, core_mixtures;  // of the two palettes
+    Numbers mixtures;  // of the palette
 
     [[nodiscard]] std::array<int, 3> corner_of(const std::array<int, 3>& block) const {
         std::array<int, 3> corner{};
@@ -38,16 +38,6 @@ struct OpticalGrid::Builder {
         std::vector<Material> box(product(extent));
         scene.volume->copy_box(corner, extent, box);
         return std::find(box.begin(), box.end(), air) != box.end();
-    }
-
-    [[nodiscard]] bool in_window(const std::array<int, 3>& block) const {
-        const auto corner = corner_of(block);
-        for (std::size_t a = 0; a < 3; ++a)
-            if (grid.options.window_end[a] > grid.options.window_begin[a] &&
-                (corner[a] >= grid.options.window_end[a] ||
-                 corner[a] + block_voxels[a] <= grid.options.window_begin[a]))
-                return false;
-        return true;
     }
 
     /// A block of one material, solid all around, or lying on a sheet.
@@ -80,8 +70,7 @@ struct OpticalGrid::Builder {
 
     void find_blocks() {
         const std::size_t n = product(grid.lattice);
-        std::vector<std::int16_t> material(
-            n);  // -1: skin, -2: skin, but outside the window, 0: air, else the buried one
+        std::vector<std::int16_t> material(n);  // -1: skin, 0: air, else the buried one
         const std::size_t plane = static_cast<std::size_t>(grid.lattice[0]) * static_cast<std::size_t>(grid.lattice[1]);
         const auto look = [&](std::size_t i) {
             const auto x = static_cast<int>(i % static_cast<std::size_t>(grid.lattice[0]));
@@ -89,7 +78,6 @@ struct OpticalGrid::Builder {
                                             static_cast<std::size_t>(grid.lattice[1]));
             const auto z = static_cast<int>(i / plane);
             material[i] = static_cast<std::int16_t>(buried_material({x, y, z}));
-            if (material[i] == -1 && !in_window({x, y, z})) material[i] = -2;
         };
         parallel_for(0, n, std::max<std::size_t>(1, plane / 8), look, progress);
         std::array<int, 256> margin{};
@@ -113,14 +101,12 @@ struct OpticalGrid::Builder {
             const int r = ring[here];
             const int depth = material[here] > 0 ? margin[static_cast<std::size_t>(material[here])] : 0;
             block.kind = r == 0 ? BlockKind::skin : r <= depth ? BlockKind::margin : BlockKind::core;
-            if (material[here] == -2) block.kind = BlockKind::core;  // margins are of one material
             // A sheet takes what diffusion would not give it: light meets it in transport cells, coarse ones.
             const bool on_sheet = scene.backing != Backing::none && corner_of(at)[2] <= 0;
-            if (on_sheet && block.kind == BlockKind::core && material[here] > 0 && in_window(at))
-                block.kind = BlockKind::margin;
-            block.nodes_per_edge = block.kind != BlockKind::core                                        ? 4
-                                   : r <= depth + grid.options.fine_core_blocks || material[here] == -2 ? 2
-                                                                                                        : 1;
+            if (on_sheet && block.kind == BlockKind::core && material[here] > 0) block.kind = BlockKind::margin;
+            block.nodes_per_edge = block.kind != BlockKind::core                ? 4
+                                   : r <= depth + grid.options.fine_core_blocks ? 2
+                                                                                : 1;
             if (material[here] > 0) block.medium = static_cast<std::uint16_t>(material[here]);
             grid.block_at[here] = static_cast<std::int32_t>(grid.blocks.size());
             grid.blocks.push_back(block);
@@ -351,21 +337,9 @@ struct OpticalGrid::Builder {
         });
     }
 
-    /// Nodes of a core block, 8 or 1, what is solid of them, and where they border on light or a sheet.
+    /// Nodes of a core block, 8 or 1.
     void number_core_nodes(GridBlock& block, std::uint32_t index) {
         const int n = block.nodes_per_edge;
-        const std::array<int, 3> corner = corner_of({block.at[0], block.at[1], block.at[2]});
-        const bool whole = block.medium != 0;
-        std::vector<Material> voxels;
-        std::array<int, 3> extent{};
-        for (std::size_t a = 0; a < 3; ++a) extent[a] = block_voxels[a] + 2;
-        const bool on_sheet = scene.backing != Backing::none && corner[2] <= 0;
-        if (!whole || on_sheet) {
-            voxels.resize(product(extent));
-            scene.volume->copy_box({corner[0] - 1, corner[1] - 1, corner[2] - 1}, extent, voxels);
-            for (std::size_t a = 0; a < 2; ++a) mirror_border(voxels, corner, extent, a);
-        }
-        Counts counts;
         const float edge = 4.0f / static_cast<float>(n);
         int place = 0;
         for_each({n, n, n}, [&](const std::array<int, 3>& at) {
@@ -373,75 +347,9 @@ struct OpticalGrid::Builder {
             for (std::size_t a = 0; a < 3; ++a)
                 node.centre[a] = static_cast<float>(4 * block.at[a]) + (static_cast<float>(at[a]) + 0.5f) * edge;
             node.edge_cells = edge;
-            const int here = place++;
-            std::array<float, 6> open{};
-            if (!voxels.empty()) {
-                std::array<int, 3> size{}, low{};
-                for (std::size_t a = 0; a < 3; ++a) {
-                    size[a] = block_voxels[a] / n;
-                    low[a] = 1 + at[a] * size[a];
-                }
-                int filled = 0;
-                std::array<int, 3> joined{};
-                for_each(size, [&](const std::array<int, 3>& in) {
-                    const std::array<int, 3> v{low[0] + in[0], low[1] + in[1], low[2] + in[2]};
-                    const Material m = voxels[at3(v, extent)];
-                    if (m == air) return;
-                    ++filled;
-                    if (!whole) {
-                        const auto same =
-                            std::find_if(counts.begin(), counts.end(), [&](const auto& c) { return c.first == m; });
-                        if (same == counts.end())
-                            counts.emplace_back(m, 1);
-                        else
-                            ++same->second;
-                    }
-                    for (std::size_t f = 0; f < 6; ++f) {
-                        const std::size_t a = f / 2;
-                        std::array<int, 3> next = v;
-                        next[a] += step_of[f][a];
-                        const bool other_side = voxels[at3(next, extent)] != air;
-                        if (!other_side)
-                            open[f] += static_cast<float>(grid.pitch_mm[(a + 1) % 3] * grid.pitch_mm[(a + 2) % 3]);
-                        if (other_side && f % 2 == 1 && in[a] + 1 == size[a]) ++joined[a];
-                    }
-                });
-                if (filled == 0) return;
-                const auto all = static_cast<float>(product(size));
-                node.solid_share = static_cast<float>(filled) / all;
-                for (std::size_t a = 0; a < 3; ++a)
-                    node.open_share[a] = static_cast<float>(joined[a]) * static_cast<float>(size[a]) / all;
-            }
-            block.node_mask |= std::uint64_t{1} << here;
-            const auto number = static_cast<std::uint32_t>(grid.nodes.size());
+            block.node_mask |= std::uint64_t{1} << place++;
             grid.nodes.push_back(node);
             grid.node_block.push_back(index);
-            if (on_sheet && open[4] > 0) {
-                grid.exits.push_back(
-                    {number, scene.backing == Backing::black ? FaceKind::black_sheet : FaceKind::white_sheet, open[4]});
-                open[4] = 0;
-            }
-            // A plane in any direction shows its steps along three axes; its area is the length of their vector.
-            const float area = std::hypot(open[0] + open[1], open[2] + open[3], open[4] + open[5]);
-            if (area > 0) grid.exits.push_back({number, FaceKind::light, area});
-        });
-        if (!whole)
-            block.medium = counts.empty()       ? 0
-                           : counts.size() == 1 ? counts[0].first
-                                                : intern(std::move(counts), core_mixtures, grid.core_palette,
-                                                         std::numeric_limits<std::uint32_t>::max());
-    }
-
-    /// Voxels beyond a mirrored border are those before it.
-    void mirror_border(std::vector<Material>& voxels, const std::array<int, 3>& corner,
-                       const std::array<int, 3>& extent, std::size_t axis) const {
-        if (!mirrored(static_cast<int>(axis))) return;
-        for_each(extent, [&](const std::array<int, 3>& at) {
-            const int v = corner[axis] - 1 + at[axis];
-            if (v != -1 && v != scene.volume->size()[axis]) return;
-            std::array<int, 3> inside = at;
-            inside[axis] += v == -1 ? 1 : -1;
-            if (inside[axis] >= 0 && inside[axis] < extent[axis]) voxels[at3(at, extent)] = voxels[at3(inside, extent)];
         });
     }
 
@@ -481,7 +389,7 @@ struct OpticalGrid::Builder {
         });
         block.faces = static_cast<std::uint32_t>(grid.faces.size()) - block.first_face;
     }
-    /// Is there resin of a core block beyond face f? Outside a window such blocks hold air too: to the light, then.
+    /// Is there resin of a core block beyond face f?
     [[nodiscard]] bool borders_core(const GridBlock& block, const std::array<int, 3>& cells,
                                     const std::array<int, 3>& at, std::size_t f,
                                     const std::vector<std::uint16_t>& media, const std::array<int, 3>& padded) const {
@@ -644,10 +552,9 @@ OpticalGrid::OpticalGrid(const Scene& scene, const GridOptions& opts, const Prog
       directions(make_directions(scene.resins->g, scene.resins->eta)),
       pitch_mm(scene.volume->pitch_mm()) {
     require_resins(scene);
-    Builder builder{*this, scene, progress, {}, {}, {}};
+    Builder builder{*this, scene, progress, {}, {}};
     palette.resize(scene.resins->resins.size() + 1);
     for (std::size_t m = 1; m < palette.size(); ++m) palette[m].shares = {{static_cast<Material>(m), 1.0f}};
-    core_palette = palette;
     VOXTONE_EXPECT(options.most_mixtures >= palette.size() && options.most_mixtures <= 65535);
     builder.lay_lattice();
     builder.find_blocks();
@@ -663,66 +570,27 @@ namespace {
 // Moments three times and geometry; a skin block has an outer face for every fourth cell of a side, in and out; a node
 // has three contacts on the finest level of the equations and a seventh more on the others.
 constexpr std::size_t per_cell = 3 * 16 + 3 + 4, per_face = 2 * 128 + 52, per_node = 460;
-constexpr std::size_t outside_box = 8 * per_node;  // of a block
-
-/// What a block takes more in the box than outside of it.
-std::size_t more_inside(BlockKind kind, std::size_t skin_cells) {
-    const std::size_t more = 64 * per_node - outside_box;
-    switch (kind) {
-        case BlockKind::skin:
-            return more + skin_cells * (per_cell + per_face / 16);
-        case BlockKind::margin:
-            return more + 64 * per_cell;
-        case BlockKind::core:
-            break;
-    }
-    return more;
-}
-
-Place one_more(const Place& n) { return {n[0] + 1, n[1] + 1, n[2] + 1}; }
 
 }  // namespace
 
 GridCensus::GridCensus(const Scene& scene, const GridOptions& options, const Progress* progress) {
     OpticalGrid grid;
     grid.options = options;
-    grid.options.window_begin = grid.options.window_end = {};
     grid.pitch_mm = scene.volume->pitch_mm();
     grid.palette.resize(scene.resins->resins.size() + 1);
-    OpticalGrid::Builder builder{grid, scene, progress, {}, {}, {}};
+    OpticalGrid::Builder builder{grid, scene, progress, {}, {}};
     builder.lay_lattice();
     builder.find_blocks();
-    lattice = grid.lattice;
-    block_voxels = builder.block_voxels;
-    shift_voxels = grid.shift_voxels;
-    outside_ = grid.blocks.size() * outside_box;
     const std::size_t skin_cells = product(grid.cells_in(BlockKind::skin));
-    const Place table = one_more(lattice);
-    more_.assign(product(table), 0);
-    for_each(lattice, [&](const Place& at) {
-        const std::int32_t block = grid.block_at[at3(at, lattice)];
-        const auto before = [&](int x, int y, int z) { return more_[at3({at[0] + x, at[1] + y, at[2] + z}, table)]; };
-        // Inclusion and exclusion; unsigned differences come out right.
-        more_[at3(one_more(at), table)] =
-            (block < 0 ? 0 : more_inside(grid.blocks[static_cast<std::size_t>(block)].kind, skin_cells)) +
-            before(0, 1, 1) + before(1, 0, 1) + before(1, 1, 0) - before(0, 0, 1) - before(0, 1, 0) - before(1, 0, 0) +
-            before(0, 0, 0);
-    });
-}
-
-std::size_t GridCensus::least_bytes(std::size_t blocks) { return blocks * outside_box; }
-
-std::size_t GridCensus::bytes(const std::array<int, 3>& begin, const std::array<int, 3>& end) const {
-    const Place table = one_more(lattice);
-    std::size_t sum = outside_;
-    for (int corner = 0; corner < 8; ++corner) {
-        Place at{};
-        for (std::size_t a = 0; a < 3; ++a) at[a] = (corner >> a & 1) != 0 ? end[a] : begin[a];
-        const bool minus = std::popcount(static_cast<unsigned>(corner)) % 2 == 0;
-        sum += minus ? -more_[at3(at, table)] : more_[at3(at, table)];
+    for (const GridBlock& block : grid.blocks) {
+        const auto edge = static_cast<std::size_t>(block.nodes_per_edge);
+        other_ += edge * edge * edge * per_node;
+        if (block.kind == BlockKind::skin) skin_ += skin_cells * (per_cell + per_face / 16);
+        if (block.kind == BlockKind::margin) other_ += 64 * per_cell;
     }
-    return sum;
 }
+
+std::size_t GridCensus::bytes(std::size_t split) const { return split * skin_ + other_; }
 
 std::array<int, 3> OpticalGrid::cells_in(BlockKind kind) const {
     if (kind != BlockKind::skin) return {4, 4, 4};
@@ -789,7 +657,7 @@ std::size_t OpticalGrid::memory_bytes() const {
     const auto of = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
     return of(blocks) + of(block_at) + of(transport_rows) + of(transport_blocks) + of(medium) + of(outer) +
            of(face_of_cell) + of(faces) + of(laws) + of(law) + of(pool_out) + of(pool_in) + of(nodes) + of(node_block) +
-           of(contacts) + of(exits);
+           of(contacts);
 }
 
 }  // namespace voxtone::optics

@@ -7,8 +7,7 @@
 // Blocks are of one of these kinds:
 //   skin        several materials, or a surface: cells of `skin_voxels` (one voxel by default); transport
 //   margin      one material, near a skin block or on a sheet: cells of one viewing cell; transport
-//   core        one material, deeper: no transport, the light is diffuse there; so it is, whatever they hold, in blocks
-//               outside the window of interest
+//   core        one material, deeper: no transport, the light is diffuse there
 // Besides, diffusion has nodes everywhere: one per viewing cell in skin and margin, in core blocks 8 next to the margin
 // and near surfaces, and 1 beyond. Faces of transport cells that lead out of the transport region are kept in a list of
 // their own: to the light, onto a sheet, to a mirror, or into the core.
@@ -38,8 +37,6 @@ struct GridOptions {
     int fine_core_blocks = 1;                 ///< rings of core blocks with 8 nodes around the margin
     /// Most entries of the palette of cells, whose numbers have 16 bits; what comes later is taken for the nearest.
     std::size_t most_mixtures = 65535;
-    /// Only blocks that touch this box of voxels (first, one past the last) get transport cells; empty: all do.
-    std::array<int, 3> window_begin{}, window_end{};
 };
 
 enum class BlockKind : std::uint8_t { skin, margin, core };
@@ -48,7 +45,7 @@ struct GridBlock {
     std::array<std::int32_t, 3> at{};  ///< in the lattice of blocks
     BlockKind kind{};
     std::uint8_t nodes_per_edge = 4;  ///< 4, 2 or 1
-    std::uint32_t medium = 0;         ///< of a core block: into `core_palette`; else the one material, or 0
+    std::uint32_t medium = 0;         ///< the one material, or 0
     std::uint32_t first_cell = 0;     ///< of its cells; none in a core block
     std::uint32_t first_node = 0;
     std::uint64_t node_mask = 0;   ///< which of its 64 or 8 places have a node (nodes_per_edge 4 or 2)
@@ -87,13 +84,6 @@ struct OuterFace {
     return leaving_octant(facing, signs) ^ (1 << static_cast<int>(facing) / 2);
 }
 
-/// Where a core node borders on what is outside: the light or a sheet. Diffusion alone.
-struct NodeExit {
-    std::uint32_t node = 0;
-    FaceKind kind{};
-    float area_mm2 = 0;  ///< of the smooth surface
-};
-
 /// Two diffusion nodes side by side: `facing` is that of `a` towards `b`.
 struct NodeContact {
     std::uint32_t a = 0, b = 0;
@@ -118,17 +108,11 @@ struct PaletteEntry {
 class GridCensus {
 public:
     GridCensus(const Scene& scene, const GridOptions& options, const Progress* progress = nullptr);
-    /// Of grid, equations and one channel's light (transport_channel.h) for this box of blocks (first, one past the
-    /// last).
-    [[nodiscard]] std::size_t bytes(const std::array<int, 3>& begin, const std::array<int, 3>& end) const;
-    /// No box of a body that fills so many blocks takes less: each block has nodes for diffusion wherever it lies.
-    [[nodiscard]] static std::size_t least_bytes(std::size_t blocks);
-
-    std::array<int, 3> lattice{}, block_voxels{}, shift_voxels{};
+    /// Of grid, equations and one channel's light (transport_channel.h), where skin cells are cut into so many.
+    [[nodiscard]] std::size_t bytes(std::size_t split = 1) const;
 
 private:
-    std::size_t outside_ = 0;        ///< of all blocks, if they were outside
-    std::vector<std::size_t> more_;  ///< summed-area table: what blocks before a place take more inside
+    std::size_t skin_ = 0, other_ = 0;
 };
 
 class OpticalGrid {
@@ -158,9 +142,7 @@ public:
     std::vector<GridNode> nodes;
     std::vector<std::uint32_t> node_block;  ///< block of each node
     std::vector<NodeContact> contacts;
-    std::vector<NodeExit> exits;
-    std::vector<PaletteEntry> palette;       ///< of cells; entry m <= resins is resin m - 1 alone
-    std::vector<PaletteEntry> core_palette;  ///< of core blocks, of which a large body has more than 16 bits can number
+    std::vector<PaletteEntry> palette;  ///< of cells; entry m <= resins is resin m - 1 alone
 
     [[nodiscard]] std::array<int, 3> cells_in(BlockKind kind) const;    ///< cells of a block along each axis
     [[nodiscard]] std::array<int, 3> voxels_in(BlockKind kind) const;   ///< voxels of a cell along each axis

@@ -44,17 +44,6 @@ Appearance TransportPredictor::predict(const Scene& scene, const Surface& surfac
     return predict(scene, surface, summary, progress);
 }
 
-/// A box of voxels whose surface is predicted, and the one in which light is transported for it.
-struct TransportPredictor::Window {
-    std::array<int, 3> begin{}, end{}, halo_begin{}, halo_end{};
-    [[nodiscard]] bool whole() const { return end[0] == 0; }
-    [[nodiscard]] bool holds(const std::array<std::int32_t, 3>& voxel) const {
-        for (std::size_t a = 0; a < 3; ++a)
-            if (voxel[a] < begin[a] || voxel[a] >= end[a]) return false;
-        return true;
-    }
-};
-
 namespace {
 
 GridOptions grid_options(const TransportOptions& options, const std::array<double, 3>& pitch_mm) {
@@ -65,87 +54,10 @@ GridOptions grid_options(const TransportOptions& options, const std::array<doubl
     return grid;
 }
 
-/// The cells of a surface that lie in a window, with their faces; `from`: their places in the whole.
-Surface part_of(const Surface& whole, const std::function<bool(const std::array<std::int32_t, 3>&)>& inside,
-                std::vector<std::size_t>& from) {
-    Surface part;
-    part.cell_voxels = whole.cell_voxels;
-    from.clear();
-    for (std::size_t i = 0; i < whole.cells.size(); ++i) {
-        SurfaceCell cell = whole.cells[i];
-        if (!inside(whole.faces[cell.first_face].voxel)) continue;
-        const auto first = static_cast<std::ptrdiff_t>(cell.first_face), last = first + cell.faces;
-        cell.first_face = static_cast<std::uint32_t>(part.faces.size());
-        part.faces.insert(part.faces.end(), whole.faces.begin() + first, whole.faces.begin() + last);
-        part.face_normal.insert(part.face_normal.end(), whole.face_normal.begin() + first,
-                                whole.face_normal.begin() + last);
-        part.cells.push_back(cell);
-        from.push_back(i);
-    }
-    return part;
-}
-
 /// What voxels are to light where a cell holds several. `scene` as it was given: with the voxels of the print.
 EffectiveMedium halftone_of(const Scene& scene, const Surface& surface) {
     return {*scene.resins, scene.volume->pitch_mm(), seen_from(surface)};
 }
-
-std::string mebibytes(std::size_t bytes) { return std::to_string((bytes >> 20) + 1) + " MiB"; }
-
-}  // namespace
-
-/// Boxes of equal size, as large as memory allows; one that holds everything where it does.
-std::vector<TransportPredictor::Window> TransportPredictor::pieces(const Scene& scene, const Progress* progress) const {
-    if (options_.memory_bytes == 0 && options_.piece_mm == 0) return {Window{}};
-    const GridOptions grid = grid_options(options_, scene.volume->pitch_mm());
-    const GridCensus census(scene, grid, progress);
-    if (options_.piece_mm == 0 && census.bytes({}, census.lattice) <= options_.memory_bytes) return {Window{}};
-    const auto& pitch = scene.volume->pitch_mm();
-    std::array<int, 3> halo{};
-    double block_mm = 0;
-    for (std::size_t a = 0; a < 3; ++a) {
-        const double edge = census.block_voxels[a] * pitch[a];
-        halo[a] = static_cast<int>(std::ceil(options_.halo_mm / edge));
-        block_mm = std::max(block_mm, edge);
-    }
-    // From large to small: the first size whose largest piece fits.
-    std::size_t least = std::numeric_limits<std::size_t>::max();
-    for (int blocks = options_.piece_mm > 0 ? std::max(1, static_cast<int>(std::lround(options_.piece_mm / block_mm)))
-                                            : 256;
-         ; blocks = blocks * 3 / 4) {
-        std::vector<Window> windows;
-        std::size_t most = 0;
-        std::array<int, 3> at{};
-        for (at[2] = 0; at[2] < census.lattice[2]; at[2] += blocks)
-            for (at[1] = 0; at[1] < census.lattice[1]; at[1] += blocks)
-                for (at[0] = 0; at[0] < census.lattice[0]; at[0] += blocks) {
-                    std::array<int, 3> low{}, high{};
-                    Window window;
-                    for (std::size_t a = 0; a < 3; ++a) {
-                        const int end = std::min(at[a] + blocks, census.lattice[a]);
-                        low[a] = std::max(at[a] - halo[a], 0);
-                        high[a] = std::min(end + halo[a], census.lattice[a]);
-                        const auto voxel = [&](int block) {
-                            return block * census.block_voxels[a] - census.shift_voxels[a];
-                        };
-                        window.begin[a] = voxel(at[a]);
-                        window.end[a] = voxel(end);
-                        window.halo_begin[a] = voxel(low[a]);
-                        window.halo_end[a] = voxel(high[a]);
-                    }
-                    most = std::max(most, census.bytes(low, high));
-                    windows.push_back(window);
-                }
-        least = std::min(least, most);
-        if (options_.memory_bytes == 0 || most <= options_.memory_bytes) return windows;
-        if (blocks <= 8 || options_.piece_mm > 0)
-            throw ResourceError("the prediction needs " + mebibytes(least) + " of memory even in small pieces and " +
-                                mebibytes(options_.memory_bytes) +
-                                " are allowed: allow more, predict a smaller body, or take larger cells");
-    }
-}
-
-namespace {
 
 /// Into how many pieces a voxel is cut along each axis: cells that are no thicker than light can be followed in.
 std::array<int, 3> voxel_pieces(const TransportOptions& options, const std::array<double, 3>& pitch_mm) {
@@ -233,21 +145,39 @@ private:
 }  // namespace
 
 std::size_t TransportPredictor::least_bytes(double solid_mm3, const std::array<double, 3>& pitch_mm) const {
-    if (options_.viewing_cells) return 0;
-    const std::array<int, 3> split = voxel_pieces(options_, pitch_mm);
-    std::array<double, 3> cut_mm{};
-    for (std::size_t a = 0; a < 3; ++a) cut_mm[a] = pitch_mm[a] / split[a];
+    constexpr double of_a_block = 64 * 100;  // moments and equations
+    constexpr double least_blocks = 32;      // of a tile and the halo around it, where the body has as many
+    const std::array<int, 3> view = cell_voxels(pitch_mm, options_.cell_mm);
     double block_mm3 = 1;
-    for (std::size_t a = 0; a < 3; ++a) block_mm3 *= 4 * grid_options(options_, cut_mm).view_voxels[a] * cut_mm[a];
-    return GridCensus::least_bytes(static_cast<std::size_t>(solid_mm3 / block_mm3));
+    for (std::size_t a = 0; a < 3; ++a) block_mm3 *= 4 * view[a] * pitch_mm[a];
+    return static_cast<std::size_t>(of_a_block * std::min(solid_mm3 / block_mm3, least_blocks));
 }
 
-void TransportPredictor::expect_memory(const Scene& scene, const Progress* progress) const {
-    if (options_.viewing_cells || voxel_pieces(options_, scene.volume->pitch_mm()) != std::array{1, 1, 1}) return;
-    (void)pieces(scene, progress);
+/// About, for cells of one voxel everywhere.
+std::size_t TransportPredictor::bytes_of_voxels(const Scene& scene, const Progress* progress) const {
+    const std::array<int, 3> split = voxel_pieces(options_, scene.volume->pitch_mm());
+    GridOptions grid = grid_options(options_, scene.volume->pitch_mm());
+    return GridCensus(scene, grid, progress).bytes(static_cast<std::size_t>(split[0] * split[1] * split[2]));
 }
 
 namespace {
+
+/// A body for which memory does not suffice: tile by tile, on cells of the eye and of voxels where resins meet.
+Appearance in_tiles(const Scene& scene, const Surface& surface, const TransportOptions& options,
+                    TransportSummary& summary, const Progress* progress) {
+    TransportOptions tiled = options;
+    tiled.viewing_cells = true;
+    tiled.refinement = Refinement::contrast;
+    constexpr std::size_t least_cells = 500;
+    for (;; tiled.tile_cells /= 2) try {
+            ViewingSequence sequence(scene, surface, tiled, progress);
+            Appearance seen = sequence.only(*scene.volume, progress);
+            summary = sequence.summary();
+            return seen;
+        } catch (const ResourceError&) {
+            if (tiled.tile_cells / 2 < least_cells) throw;
+        }
+}
 
 /// None where viewing cells are not asked for, or a body takes more memory with them than is allowed: then it is
 /// predicted in pieces, on voxels.
@@ -271,32 +201,14 @@ Appearance TransportPredictor::predict(const Scene& given, const Surface& given_
         summary = sequence->summary();
         return seen;
     }
+    if (options_.memory_bytes > 0 && bytes_of_voxels(given, progress) > options_.memory_bytes)
+        return in_tiles(given, given_surface, options_, summary, progress);
     const CutScene cut(given, given_surface, options_, progress);
-    const Scene& scene = cut.scene;
-    const Surface& surface = *cut.seen;
-    const std::vector<Window> windows = pieces(scene, progress);
-    summary.pieces = windows.size();
-    const EffectiveMedium halftone = halftone_of(given, given_surface);
-    if (windows.size() == 1) {
-        Appearance seen = solve(scene, surface, windows[0], halftone, nullptr, nullptr, summary, progress);
-        seen.remarks = remarks_of(summary);
-        return seen;
-    }
-    Appearance all;
-    all.channels = scene.resins->channels.size();
-    all.value.assign(surface.cells.size() * all.channels, 0.0f);
-    std::vector<std::size_t> from;
-    for (const Window& window : windows) {
-        const Surface part = part_of(
-            surface, [&](const auto& voxel) { return window.holds(voxel); }, from);
-        if (part.cells.empty()) continue;
-        const Appearance seen = solve(scene, part, window, halftone, nullptr, nullptr, summary, progress);
-        for (std::size_t i = 0; i < from.size(); ++i)
-            for (std::size_t c = 0; c < all.channels; ++c)
-                all.value[from[i] * all.channels + c] = seen.value[i * all.channels + c];
-    }
-    all.remarks = remarks_of(summary);
-    return all;
+    summary.pieces = 1;
+    Appearance seen =
+        solve(cut.scene, *cut.seen, halftone_of(given, given_surface), nullptr, nullptr, summary, progress);
+    seen.remarks = remarks_of(summary);
+    return seen;
 }
 
 std::unique_ptr<AppearanceSequence> TransportPredictor::sequence(const Scene& scene, const Surface& surface,
@@ -313,8 +225,7 @@ Appearance TransportPredictor::predict(const Scene& scene, const Surface& surfac
     const CutScene cut(scene, surface, options_, progress);
     gradient.split = cut.split;
     summary.pieces = 1;
-    return solve(cut.scene, *cut.seen, Window{}, halftone_of(scene, surface), &derivative, &gradient, summary,
-                 progress);
+    return solve(cut.scene, *cut.seen, halftone_of(scene, surface), &derivative, &gradient, summary, progress);
 }
 
 float TransportGradient::at(const std::array<int, 3>& voxel, std::size_t resin) const {
@@ -405,18 +316,13 @@ std::vector<std::array<double, 2>> medium_derivatives(const TransportMedia& medi
 
 }  // namespace
 
-Appearance TransportPredictor::solve(const Scene& scene, const Surface& surface, const Window& window,
-                                     const EffectiveMedium& halftone, const Derivative* derivative,
-                                     TransportGradient* gradient, TransportSummary& summary,
-                                     const Progress* progress) const {
+Appearance TransportPredictor::solve(const Scene& scene, const Surface& surface, const EffectiveMedium& halftone,
+                                     const Derivative* derivative, TransportGradient* gradient,
+                                     TransportSummary& summary, const Progress* progress) const {
     VOXTONE_EXPECT(scene.volume && scene.resins);
     const Stopwatch watch;
-    GridOptions chosen = grid_options(options_, scene.volume->pitch_mm());
-    if (!window.whole()) {
-        chosen.window_begin = window.halo_begin;
-        chosen.window_end = window.halo_end;
-    }
-    const auto held = std::make_shared<const OpticalGrid>(scene, chosen, progress);
+    const auto held =
+        std::make_shared<const OpticalGrid>(scene, grid_options(options_, scene.volume->pitch_mm()), progress);
     const OpticalGrid& grid = *held;
     const DiffusionPlan plan(grid, progress);
     for (const std::uint32_t b : grid.transport_blocks) {
@@ -438,9 +344,9 @@ Appearance TransportPredictor::solve(const Scene& scene, const Surface& surface,
             for (std::size_t i = 1; i < grid.palette.size(); ++i)
                 media[kind][i] = (*media_of[kind])(mixed(*scene.resins, halftone, grid.palette[i], c));
         }
-        media[2].resize(grid.core_palette.size());
-        for (std::size_t i = 1; i < grid.core_palette.size(); ++i)
-            media[2][i] = similar_medium(grid.directions, mixed(*scene.resins, halftone, grid.core_palette[i], c));
+        media[2].resize(grid.palette.size());
+        for (std::size_t i = 1; i < grid.palette.size(); ++i)
+            media[2][i] = similar_medium(grid.directions, mixed(*scene.resins, halftone, grid.palette[i], c));
         return TransportChannel(grid, plan, std::move(media), options_, progress);
     };
     Appearance appearance;

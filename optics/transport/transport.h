@@ -16,9 +16,8 @@
 // Sequences. With `viewing_cells` everything is predicted on viewing cells and the light is kept from one prediction to
 // the next, for loops: viewing_sequence.h.
 //
-// Pieces. A body too large for the memory allowed is cut into boxes. For each the whole body is solved, but with
-// transport cells only in the box and a halo around it and with diffusion on a few nodes per block elsewhere, so that
-// white still carries light over any distance. What the halo leaves of the difference is stated in docs/predict.md.
+// Bodies too large. What does not fit into the memory allowed is predicted tile by tile on cells of the eye, cut into
+// voxels where resins meet (coarse/refinement.h); tiles are as large as memory allows. Errors: docs/predict.md.
 //
 // Gradient: the operator is its own adjoint under reversal of directions, so the adjoint is one more solve, lit through
 // the surface by d(function)/d(appearance). No part of a job asks for it, loops take that of viewing cells
@@ -64,14 +63,9 @@ public:
                                      const Progress* progress = nullptr) const override;
     [[nodiscard]] Appearance predict(const Scene& scene, const Surface& surface, TransportSummary& summary,
                                      const Progress* progress = nullptr) const;
-    /// What a prediction of a body of so many mm^3, in voxels of this pitch, needs at the least, however small the
-    /// pieces: can be told before there is a volume. It may need much more. 0 with `viewing_cells`, which are held tile
-    /// by tile.
+    /// What a prediction of a body of so many mm^3, in voxels of this pitch, needs at the least: can be told before
+    /// there is a volume. It may need much more.
     [[nodiscard]] std::size_t least_bytes(double solid_mm3, const std::array<double, 3>& pitch_mm) const;
-
-    /// Throws ResourceError, as `predict` does, where memory would not suffice for this body: without its surface. Says
-    /// nothing of predictions on viewing cells, nor where voxels are cut (TransportOptions::finest_mm).
-    void expect_memory(const Scene& scene, const Progress* progress = nullptr) const;
 
     /// With `viewing_cells` a ViewingSequence, where memory allows.
     [[nodiscard]] std::unique_ptr<AppearanceSequence> sequence(const Scene& scene, const Surface& surface,
@@ -85,11 +79,9 @@ public:
                                      const Progress* progress = nullptr) const;
 
 private:
-    struct Window;
-    [[nodiscard]] std::vector<Window> pieces(const Scene& scene, const Progress* progress) const;
-    [[nodiscard]] Appearance solve(const Scene& scene, const Surface& surface, const Window& window,
-                                   const EffectiveMedium& halftone, const Derivative* derivative,
-                                   TransportGradient* gradient, TransportSummary& summary,
+    [[nodiscard]] std::size_t bytes_of_voxels(const Scene& scene, const Progress* progress) const;
+    [[nodiscard]] Appearance solve(const Scene& scene, const Surface& surface, const EffectiveMedium& halftone,
+                                   const Derivative* derivative, TransportGradient* gradient, TransportSummary& summary,
                                    const Progress* progress) const;
     TransportOptions options_;
 };

@@ -27,7 +27,7 @@ TransportChannel::TransportChannel(const OpticalGrid& grid, const DiffusionPlan&
     : grid_(grid), plan_(plan), media_(std::move(media)), options_(options), progress_(progress) {
     for (const BlockKind kind : {BlockKind::skin, BlockKind::margin})
         VOXTONE_EXPECT(media_[static_cast<std::size_t>(kind)].size() == grid.palette.size());
-    VOXTONE_EXPECT(media_[static_cast<std::size_t>(BlockKind::core)].size() == grid.core_palette.size());
+    VOXTONE_EXPECT(media_[static_cast<std::size_t>(BlockKind::core)].size() == grid.palette.size());
     for (std::size_t a = 0; a < 3; ++a)
         for (std::size_t d = 0; d < 8; ++d)
             flux_weight_[a].v[d] = grid.directions.weight.v[d] * grid.directions.cosine[a].v[d];
@@ -115,7 +115,6 @@ void TransportChannel::make_diffusion() {
     find_node_media();
     check();
     find_face_exchange();
-    find_exit_exchange();
     check();
     find_conductances();
 }
@@ -188,24 +187,6 @@ void TransportChannel::find_face_exchange() {
     }
 }
 
-/// The same where a node of the core borders on air or a sheet.
-void TransportChannel::find_exit_exchange() {
-    const auto view = view_mm();
-    const double view_volume = view[0] * view[1] * view[2];
-    exit_gain_.resize(grid_.exits.size());
-    exit_loss_.resize(grid_.exits.size());
-    for (std::size_t i = 0; i < grid_.exits.size(); ++i) {
-        const NodeExit& exit = grid_.exits[i];
-        const GridNode& node = grid_.nodes[exit.node];
-        const double T = exit.kind == FaceKind::white_sheet ? 0 : grid_.directions.diffuse_transmittance;
-        const double h = 0.5 * std::cbrt(view_volume) * node.edge_cells * node.solid_share;
-        const double below = 1 - T / 2 + T * h / (4 * D_[exit.node]);
-        exit_loss_[i] = static_cast<float>(exit.area_mm2 * T / 4 / below);
-        exit_gain_[i] = exit.kind == FaceKind::light ? exit_loss_[i] : 0;  // in comes T / 4 of radiance 1
-        loss_[exit.node] += exit_loss_[i];
-    }
-}
-
 /// A contact of area A lies half a node's thickness V / A from its centre, half an edge at most. Those of the
 /// corrections are eased: diffusion on cells as thick as a free path overshoots and the iteration would grow; D is
 /// widened by the optical depth.
@@ -275,7 +256,6 @@ void TransportChannel::start() {
         if (face.kind == FaceKind::light) incoming[f] = static_cast<float>(face_sums(f).through) * light_[f];
         if (face.kind != FaceKind::core) right[face.node] += face_gain_[f] * incoming[f];
     }
-    for (std::size_t i = 0; lit_evenly_ && i < grid_.exits.size(); ++i) right[grid_.exits[i].node] += exit_gain_[i];
     check();
     diffusion_ = std::make_unique<Diffusion>(plan_, conductance_, loss_);
     phi_.assign(grid_.nodes.size(), lit_evenly_ ? 1.0f : 0.0f);  // 1 is exact where nothing is absorbed
@@ -484,8 +464,6 @@ void TransportChannel::correct() {
         right[i] -=
             static_cast<float>(sigma_a_[i] * view_volume * edge * edge * edge * grid_.nodes[i].solid_share * phi_[i]);
     }
-    for (std::size_t i = 0; i < grid_.exits.size(); ++i)
-        right[grid_.exits[i].node] += (lit_evenly_ ? exit_gain_[i] : 0) - exit_loss_[i] * phi_[grid_.exits[i].node];
     std::vector<float> delta(n, 0.0f);
     solve_diffusion(right, delta, options_.correction_tolerance, 30);
     currents(delta, {}, delta_moments_);
@@ -533,10 +511,9 @@ double TransportChannel::relative_change() const {
 
 std::size_t TransportChannel::memory_bytes() const {
     const auto of = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
-    return of(sigma_a_) + of(D_) + of(conductance_) + of(face_loss_) + of(face_gain_) + of(exit_loss_) +
-           of(exit_gain_) + of(light_) + of(phi_) + of(delta_moments_) + of(moments_) + of(sum_) + of(other_sum_) +
-           of(in_) + of(out_) + of(pooled_) + of(flux_) + of(flux_change_) + of(eased_) + of(loss_) +
-           diffusion_->memory_bytes();
+    return of(sigma_a_) + of(D_) + of(conductance_) + of(face_loss_) + of(face_gain_) + of(light_) + of(phi_) +
+           of(delta_moments_) + of(moments_) + of(sum_) + of(other_sum_) + of(in_) + of(out_) + of(pooled_) +
+           of(flux_) + of(flux_change_) + of(eased_) + of(loss_) + diffusion_->memory_bytes();
 }
 
 TransportChannel::Field TransportChannel::take_field() { return {std::move(moments_), std::move(in_)}; }

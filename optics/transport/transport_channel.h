@@ -63,7 +63,6 @@ private:
     void make_diffusion();
     void find_node_media();
     void find_face_exchange();
-    void find_exit_exchange();
     void find_conductances();
     /// One solve of the diffusion equations; counts its steps, and it where it ends without its tolerance.
     void solve_diffusion(std::span<const float> right, std::span<float> x, double tolerance, int most_steps);
@@ -88,15 +87,14 @@ private:
     std::vector<float> conductance_;    ///< per contact
     /// Per face: into the node's loss; right side per unit of incoming current.
     std::vector<float> face_loss_, face_gain_;
-    std::vector<float> exit_loss_, exit_gain_;  ///< per exit of a core node
-    std::vector<float> eased_, loss_;           ///< conductances of the corrections, losses of the nodes
-    std::unique_ptr<Diffusion> diffusion_;      ///< of the start, then of the corrections
-    std::vector<float> light_;                  ///< per face: radiance that comes from outside
-    std::vector<float> phi_;                    ///< per node; kept up to date in the core
-    std::vector<Moments> delta_moments_;        ///< per node: phi and J of the last correction
-    std::vector<Moments> moments_;              ///< per cell: phi and J
-    std::vector<Moments> sum_, other_sum_;      ///< per cell: phi and J of light that runs up, and down
-    std::vector<Octet> in_, out_;               ///< [face * 4 + tangential signs]
+    std::vector<float> eased_, loss_;        ///< conductances of the corrections, losses of the nodes
+    std::unique_ptr<Diffusion> diffusion_;   ///< of the start, then of the corrections
+    std::vector<float> light_;               ///< per face: radiance that comes from outside
+    std::vector<float> phi_;                 ///< per node; kept up to date in the core
+    std::vector<Moments> delta_moments_;     ///< per node: phi and J of the last correction
+    std::vector<Moments> moments_;           ///< per cell: phi and J
+    std::vector<Moments> sum_, other_sum_;   ///< per cell: phi and J of light that runs up, and down
+    std::vector<Octet> in_, out_;            ///< [face * 4 + tangential signs]
     std::vector<float> pooled_;              ///< [region * 64 + octant * 8 + direction]: radiance that passes corners
     std::vector<float> flux_, flux_change_;  ///< per face; change: by the last correction
     bool lit_evenly_ = true;

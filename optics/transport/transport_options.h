@@ -4,18 +4,27 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <vector>
 
 namespace voxtone::optics {
+
+/// Which blocks of a viewing grid have cells no larger than voxels (coarse/refinement.h).
+enum class Refinement : std::uint8_t {
+    none,
+    contrast,  ///< those of several resins, and at an edge between two
+    all
+};
 
 struct TransportOptions {
     int sweeps = 3;              ///< >= 1
     double cell_mm = 0.085;      ///< viewing cell: sets the cells of the margin and of diffusion
     bool voxel_skin = true;      ///< skin cells of one voxel; false: of one viewing cell
     bool viewing_cells = false;  ///< the whole prediction on viewing cells (viewing_sequence.h), ten times as fast
-    double colour_mm = 0.8;      ///< with them: how deep below the surface colour is expected to come and go
-    int next_sweeps = 2;         ///< with them: of the later predictions of a sequence, >= 1
+    Refinement refinement = Refinement::none;  ///< with them: where they are cut finer
+    double colour_mm = 0.8;  ///< with them: how deep below the surface colour is expected to come and go
+    int next_sweeps = 2;     ///< with them: of the later predictions of a sequence, >= 1
     /// With them: a later prediction sweeps no more where the last sweep changed less of what is seen in a channel; of
     /// its adjoint ten times as much. 0: always `next_sweeps`.
     double next_change = 0.01;
@@ -30,8 +39,6 @@ struct TransportOptions {
     /// mesh finite difference method to accelerate neutron transport calculations", Ann. Nucl. Energy 95:116). 0.55 is
     /// this iteration's own number, not a value of their polynomial.
     double ease = 0.55;
-    double piece_mm = 0;           ///< edge of the pieces that a body is predicted in; 0: as large as memory allows
-    double halo_mm = 5;            ///< how far around a piece light is transported in full; diffusion beyond
     std::size_t memory_bytes = 0;  ///< most to use; 0: no limit
 };
 

@@ -26,14 +26,21 @@ using I8 = std::int32_t __attribute__((vector_size(32)));
 struct Ways {
     int nx, ny, nz;    ///< cells of a block
     V8 ax, ay, az, a;  ///< (1 + theta) |Omega| / h, and their sum
+    V8 theta, twice;   ///< theta, 2 / (1 + theta)
+};
+
+/// Cells and faces of the two kinds of blocks.
+struct CellKind {
+    std::array<int, 3> n;     ///< cells of a block
+    std::array<double, 3> h;  ///< their edges, mm
+    float theta;
 };
 
 struct Octant {
-    Ways ways[2];          ///< skin, margin
+    Ways ways[2];          ///< fine cells, coarse ones
     V8 sx, sy, sz;         ///< 3 g' Omega
     V8 weights[4];         ///< {w, w Omega} / 2 of directions 2 k and 2 k + 1
     V8 half_weight;        ///< w / 2
-    V8 theta, twice;       ///< theta, 2 / (1 + theta)
     V8 along[3], flux[3];  ///< |Omega|, w |Omega|
     bool back[3];
     unsigned in_bit[3], out_bit[3];
@@ -49,10 +56,22 @@ HWY_INLINE void add_to(Moments& sum, const V4& v) {
     std::memcpy(static_cast<void*>(&sum), &all, sizeof all);
 }
 
-Octant make_octant(const OpticalGrid& grid, int octant, float theta) {
+/// Fine and coarse; where no block is cut finer, skin and margin.
+std::array<CellKind, 2> cell_kinds(const SweepJob& job) {
+    const OpticalGrid& grid = *job.grid;
+    const auto kind = [&](BlockKind of) { return CellKind{grid.cells_in(of), grid.edge_mm(of), job.theta}; };
+    if (job.fine.split[0] == 0) return {kind(BlockKind::skin), kind(BlockKind::margin)};
+    CellKind coarse = kind(BlockKind::skin), fine = coarse;
+    for (std::size_t a = 0; a < 3; ++a) {
+        fine.n[a] *= job.fine.split[a];
+        fine.h[a] /= job.fine.split[a];
+    }
+    fine.theta = job.fine.theta;
+    return {fine, coarse};
+}
+
+Octant make_octant(const OpticalGrid& grid, int octant, const std::array<CellKind, 2>& kinds) {
     Octant o{};
-    o.theta += theta;
-    o.twice += 2 / (1 + theta);
     const DirectionSet& set = grid.directions;
     V8 cosine[3];
     V8 w;
@@ -64,10 +83,11 @@ Octant make_octant(const OpticalGrid& grid, int octant, float theta) {
         o.out_bit[a] = static_cast<unsigned>(2 * a + (o.back[a] ? 0 : 1));
         o.signs[a] = tangential_signs(octant, static_cast<int>(a));
     }
-    for (int kind = 0; kind < 2; ++kind) {
-        const auto n = grid.cells_in(static_cast<BlockKind>(kind));
-        const auto h = grid.edge_mm(static_cast<BlockKind>(kind));
+    for (std::size_t kind = 0; kind < 2; ++kind) {
+        const auto& [n, h, theta] = kinds[kind];
         Ways& ways = o.ways[kind];
+        ways.theta += theta;
+        ways.twice += 2 / (1 + theta);
         ways.nx = n[0];
         ways.ny = n[1];
         ways.nz = n[2];
@@ -172,11 +192,11 @@ HWY_INLINE void cross_cell(const Octant& o, const Ways& ways, const MediumWays& 
     const V8 q = medium.sigma_s * ((light.phi + light.x * o.sx) + (light.y * o.sy + light.z * o.sz));
     const V8 fitted = as_vector(medium.fit) * q;
     const V8 out = as_vector(medium.gain) * (fitted + (ways.ay * py + ways.az * pz)) + as_vector(medium.pass) * px;
-    const V8 both = out + o.theta * px;
+    const V8 both = out + ways.theta * px;
     px = out;
-    py = both - o.theta * py;
-    pz = both - o.theta * pz;
-    const V8 centre = both * o.twice;
+    py = both - ways.theta * py;
+    pz = both - ways.theta * pz;
+    const V8 centre = both * ways.twice;
     if constexpr (purpose == Purpose::record) {
         store(centre * 0.5f, &to.record[2 * cell]);
         store(q, &to.record[2 * cell + 1]);
@@ -227,12 +247,67 @@ HWY_INLINE void inner_row(const Octant& o, const Ways& ways, const MediumWays* m
     px_in_out = px;
 }
 
+/// What comes in and goes out through outer faces.
+struct Outside {
+    const SweepJob& job;
+    const Octant& o;
+
+    /// Where a face keeps its light, among the core's with `into_core` set.
+    [[nodiscard]] std::size_t place(std::size_t face) const { return job.place.empty() ? face : job.place[face]; }
+    [[nodiscard]] std::size_t slot(std::size_t place, int axis) const {
+        return 4 * (place & ~std::size_t{into_core}) + static_cast<unsigned>(o.signs[axis]);
+    }
+    void take(int axis, std::size_t face, V8& p) const {
+        const std::size_t at = place(face);
+        if (at & into_core) {
+            const auto& [phi, J] = job.core_in[at & ~std::size_t{into_core}];
+            p = phi - (3 * J) * o.along[axis];
+        } else {
+            load(p, &job.in[slot(at, axis)]);
+        }
+    }
+    void give(int axis, std::size_t face, const V8& p) const {
+        const std::size_t at = place(face);
+        if (at & into_core)
+            job.core_out[slot(at, axis)] = flux(axis, p);
+        else
+            store(p, &job.out[slot(at, axis)]);
+    }
+    /// A part of a face, which was cleared before.
+    void give_part(int axis, std::size_t face, const V8& p, float share) const {
+        const std::size_t at = place(face);
+        if (at & into_core) {
+            job.core_out[slot(at, axis)] += share * flux(axis, p);
+        } else {
+            V8 sum;
+            load(sum, &job.out[slot(at, axis)]);
+            sum += share * p;
+            store(sum, &job.out[slot(at, axis)]);
+        }
+    }
+    void clear(int axis, std::size_t face) const {
+        const std::size_t at = place(face);
+        if (at & into_core)
+            job.core_out[slot(at, axis)] = 0;
+        else
+            job.out[slot(at, axis)] = {};
+    }
+
+private:
+    [[nodiscard]] float flux(int axis, const V8& p) const {
+        const V8 flux = o.flux[axis] * p;
+        float sum = 0;
+        for (int d = 0; d < 8; ++d) sum += flux[d];
+        return sum;
+    }
+};
+
 template <Purpose purpose>
-void sweep_block(const SweepJob& job, const Octant& o, const MediaWays& media_ways, const GridBlock& block,
-                 const BlockFaces& faces) {
+void sweep_block(const SweepJob& job, const Octant& o, const MediaWays& media_ways, std::size_t kind,
+                 const GridBlock& block, const BlockFaces& faces) {
     const OpticalGrid& grid = *job.grid;
-    const Ways ways = o.ways[static_cast<int>(block.kind)];
-    const MediumWays* const media = media_ways[static_cast<std::size_t>(block.kind)].data();
+    const Ways ways = o.ways[kind];
+    const MediumWays* const media = media_ways[kind].data();
     const std::uint16_t* const medium = grid.medium.data() + block.first_cell;
     const std::uint8_t* const outer = grid.outer.data() + block.first_cell;
     const Moments* const light = job.light.data() + block.first_cell;
@@ -240,6 +315,7 @@ void sweep_block(const SweepJob& job, const Octant& o, const MediaWays& media_wa
                     job.record.empty() ? nullptr : job.record.data() + 2 * std::size_t{block.first_cell},
                     job.product.empty() ? nullptr : job.product.data() + 2 * std::size_t{block.first_cell}};
     const std::int32_t* const links = block.first_link < 0 ? nullptr : grid.face_of_cell.data() + block.first_link;
+    const Outside outside{job, o};
     for (int kz = 0; kz < ways.nz; ++kz) {
         const int z = o.back[2] ? ways.nz - 1 - kz : kz;
         for (int ky = 0; ky < ways.ny; ++ky) {
@@ -268,33 +344,8 @@ void sweep_block(const SweepJob& job, const Octant& o, const MediaWays& media_wa
                 const auto face_of = [&](unsigned bit) {
                     return first_face + static_cast<unsigned>(__builtin_popcount(bits & ((1u << bit) - 1)));
                 };
-                const auto take = [&](int axis, unsigned bit, V8& p) {
-                    std::size_t at = face_of(bit);
-                    if (!job.place.empty()) {
-                        at = job.place[at];
-                        if (at & into_core) {
-                            const auto& [phi, J] = job.core_in[at & ~std::size_t{into_core}];
-                            p = phi - (3 * J) * o.along[axis];
-                            return;
-                        }
-                    }
-                    load(p, &job.in[4 * at + static_cast<unsigned>(o.signs[axis])]);
-                };
-                const auto give = [&](int axis, unsigned bit, const V8& p) {
-                    std::size_t at = face_of(bit);
-                    if (!job.place.empty()) {
-                        at = job.place[at];
-                        if (at & into_core) {
-                            const V8 flux = o.flux[axis] * p;
-                            float sum = 0;
-                            for (int d = 0; d < 8; ++d) sum += flux[d];
-                            job.core_out[4 * (at & ~std::size_t{into_core}) + static_cast<unsigned>(o.signs[axis])] =
-                                sum;
-                            return;
-                        }
-                    }
-                    store(p, &job.out[4 * at + static_cast<unsigned>(o.signs[axis])]);
-                };
+                const auto take = [&](int axis, unsigned bit, V8& p) { outside.take(axis, face_of(bit), p); };
+                const auto give = [&](int axis, unsigned bit, const V8& p) { outside.give(axis, face_of(bit), p); };
                 V8 py = row_y[x], pz = row_z[x];
                 if (bits >> o.in_bit[0] & 1) take(0, o.in_bit[0], px);
                 if (bits >> o.in_bit[1] & 1) take(1, o.in_bit[1], py);
@@ -311,6 +362,83 @@ void sweep_block(const SweepJob& job, const Octant& o, const MediaWays& media_wa
     }
 }
 
+/// A block of fine cells. Its outer faces are those of the cells that these are parts of: all parts get the light that
+/// enters there, and what leaves is their mean.
+void sweep_fine_block(const SweepJob& job, const Octant& o, const std::vector<MediumWays>& media_ways, std::size_t t,
+                      const GridBlock& block, const BlockFaces& faces) {
+    const OpticalGrid& grid = *job.grid;
+    const FineSweep& fine = job.fine;
+    const Ways ways = o.ways[0];
+    const MediumWays* const media = media_ways.data();
+    const std::array<int, 3> split = fine.split;
+    const std::uint16_t* const medium = fine.medium.data() + fine.first[t];
+    const Moments* const light = fine.light.data() + fine.first[t];
+    const Places to{fine.sum.data() + fine.first[t], nullptr, nullptr};
+    const std::uint8_t* const outer = grid.outer.data() + block.first_cell;
+    const std::int32_t* const links = block.first_link < 0 ? nullptr : grid.face_of_cell.data() + block.first_link;
+    const Outside outside{job, o};
+    float share[3];
+    int first[3], last[3];  // part of a cell that light enters first, and leaves last
+    for (std::size_t a = 0; a < 3; ++a) {
+        share[a] = 1.0f / static_cast<float>(split[(a + 1) % 3] * split[(a + 2) % 3]);
+        first[a] = o.back[a] ? split[a] - 1 : 0;
+        last[a] = o.back[a] ? 0 : split[a] - 1;
+    }
+    for (std::size_t f = block.first_face; f < block.first_face + block.faces; ++f) {
+        const auto facing = static_cast<unsigned>(grid.faces[f].facing);
+        if (o.out_bit[facing / 2] == facing) outside.clear(static_cast<int>(facing / 2), f);
+    }
+    for (int kz = 0; kz < ways.nz; ++kz) {
+        const int z = o.back[2] ? ways.nz - 1 - kz : kz;
+        for (int ky = 0; ky < ways.ny; ++ky) {
+            const int y = o.back[1] ? ways.ny - 1 - ky : ky;
+            const int row = (z * ways.ny + y) * ways.nx, cells = (z / split[2] * 4 + y / split[1]) * 4;
+            V8 px = faces.x[z * ways.ny + y];
+            V8* const row_y = faces.y + z * ways.nx;
+            V8* const row_z = faces.z + y * ways.nx;
+            unsigned any = 0;
+            if (links)
+                for (int x = 0; x < 4; ++x) any |= outer[cells + x];
+            // Faces across y and z concern the parts along them alone.
+            for (int a = 1; a < 3; ++a) {
+                const int part = a == 1 ? y % split[1] : z % split[2];
+                if (part != first[a]) any &= ~(1u << o.in_bit[a]);
+                if (part != last[a]) any &= ~(1u << o.out_bit[a]);
+            }
+            if (any == 0) {
+                if (o.back[0])
+                    inner_row<Purpose::moments, -1>(o, ways, media, medium, light, to, row, row_y, row_z, px);
+                else
+                    inner_row<Purpose::moments, 1>(o, ways, media, medium, light, to, row, row_y, row_z, px);
+                faces.x[z * ways.ny + y] = px;
+                continue;
+            }
+            const int step = o.back[0] ? -1 : 1;
+            for (int kx = 0, x = o.back[0] ? ways.nx - 1 : 0; kx < ways.nx; ++kx, x += step) {
+                const int cell = cells + x / split[0], part[3] = {x % split[0], y % split[1], z % split[2]};
+                const unsigned bits = outer[cell];
+                if (bits & not_solid) continue;
+                const auto face_of = [&](unsigned bit) {
+                    return static_cast<std::size_t>(links[cell]) +
+                           static_cast<unsigned>(__builtin_popcount(bits & ((1u << bit) - 1)));
+                };
+                V8 p[3] = {px, row_y[x], row_z[x]};
+                for (int a = 0; a < 3; ++a)
+                    if (bits >> o.in_bit[a] & 1 && part[a] == first[a]) outside.take(a, face_of(o.in_bit[a]), p[a]);
+                cross_cell<Purpose::moments>(o, ways, media[medium[row + x]], light[row + x], to, row + x, p[0], p[1],
+                                             p[2]);
+                px = p[0];
+                row_y[x] = p[1];
+                row_z[x] = p[2];
+                for (int a = 0; a < 3; ++a)
+                    if (bits >> o.out_bit[a] & 1 && part[a] == last[a])
+                        outside.give_part(a, face_of(o.out_bit[a]), p[a], share[a]);
+            }
+            faces.x[z * ways.ny + y] = px;
+        }
+    }
+}
+
 /// The radiance on the faces between blocks along one octant's way.
 struct Front {
     std::vector<Octet> x, y, z;  // not V8: containers forget its alignment
@@ -321,7 +449,8 @@ struct Front {
 template <Purpose purpose>
 void sweep_octants(const SweepJob& job, int half, unsigned chosen) {
     const OpticalGrid& grid = *job.grid;
-    const auto skin = grid.cells_in(BlockKind::skin), margin = grid.cells_in(BlockKind::margin);
+    const std::array<CellKind, 2> kinds = cell_kinds(job);
+    const std::array<int, 3>&skin = kinds[0].n, &margin = kinds[1].n;
     const std::array<int, 3> most{std::max(skin[0], margin[0]), std::max(skin[1], margin[1]),
                                   std::max(skin[2], margin[2])};
     const std::array<int, 3> ratio{skin[0] / margin[0], skin[1] / margin[1], skin[2] / margin[2]};
@@ -332,7 +461,7 @@ void sweep_octants(const SweepJob& job, int half, unsigned chosen) {
     std::array<Front, 4> fronts;
     for (int k = 0; k < 4; ++k) {
         const auto i = static_cast<std::size_t>(k);
-        octants[i] = make_octant(grid, k + 4 * half, job.theta);
+        octants[i] = make_octant(grid, k + 4 * half, kinds);
         Front& front = fronts[i];
         front.x.resize(per_x);
         front.y.resize(per_y * across);
@@ -340,12 +469,14 @@ void sweep_octants(const SweepJob& job, int half, unsigned chosen) {
         front.y_kind.assign(across, BlockKind::skin);
         front.z_kind.assign(across * deep, BlockKind::skin);
     }
+    const bool any_fine = job.fine.split[0] > 0;
     MediaWays media;
     for (std::size_t kind = 0; kind < 2; ++kind) {
         const Ways& ways = octants[0].ways[kind];
-        media[kind].resize(job.media[kind].size());
+        const std::span<const TransportMedium> of = !any_fine ? job.media[kind] : kind ? job.media[0] : job.fine.media;
+        media[kind].resize(of.size());
         for (std::size_t m = 0; m < media[kind].size(); ++m)
-            fit_medium(ways, job.media[kind][m], static_cast<double>(job.theta), media[kind][m]);
+            fit_medium(ways, of[m], static_cast<double>(kinds[kind].theta), media[kind][m]);
     }
     const auto fit = [&](V8* face, BlockKind& kind, BlockKind wanted, std::size_t a, std::size_t b) {
         if (kind == wanted) return;
@@ -360,15 +491,22 @@ void sweep_octants(const SweepJob& job, int half, unsigned chosen) {
         Front& front = fronts[k];
         const std::size_t begin = grid.transport_rows[row], end = grid.transport_rows[row + 1];
         for (std::size_t i = begin; i < end; ++i) {
-            const GridBlock& block = grid.blocks[grid.transport_blocks[o.back[0] ? end - 1 - (i - begin) : i]];
+            const std::size_t t = o.back[0] ? end - 1 - (i - begin) : i;
+            const GridBlock& block = grid.blocks[grid.transport_blocks[t]];
+            const BlockKind kind = !any_fine                       ? block.kind
+                                   : job.fine.first[t] == not_fine ? BlockKind::margin
+                                                                   : BlockKind::skin;
             const auto bx = static_cast<std::size_t>(block.at[0]);
             const std::size_t bz = static_cast<std::size_t>(block.at[1]) * across + bx;
             const BlockFaces faces{as_vectors(front.x.data()), as_vectors(front.y.data() + per_y * bx),
                                    as_vectors(front.z.data() + per_z * bz)};
-            fit(faces.x, front.x_kind, block.kind, 1, 2);
-            fit(faces.y, front.y_kind[bx], block.kind, 0, 2);
-            fit(faces.z, front.z_kind[bz], block.kind, 0, 1);
-            sweep_block<purpose>(job, o, media, block, faces);
+            fit(faces.x, front.x_kind, kind, 1, 2);
+            fit(faces.y, front.y_kind[bx], kind, 0, 2);
+            fit(faces.z, front.z_kind[bz], kind, 0, 1);
+            if (any_fine && kind == BlockKind::skin)
+                sweep_fine_block(job, o, media[0], t, block, faces);
+            else
+                sweep_block<purpose>(job, o, media, static_cast<std::size_t>(kind), block, faces);
         }
     };
     // Rows of blocks along x lie one after the other in y, then z. All four octants of one way along z cross a plane of

@@ -42,6 +42,19 @@ struct alignas(16) Moments {
 
 inline constexpr std::uint32_t into_core = 0x80000000u;
 
+/// Cells of blocks that are cut finer than the others (ViewingGrid::Fine), and their light.
+struct FineSweep {
+    std::array<int, 3> split{};  ///< into how many a cell is cut along each axis; 0: no block is
+    /// Of each transport block, the place of its first fine cell; `not_fine` where it has none.
+    std::span<const std::uint32_t> first;
+    std::span<const std::uint16_t> medium;   ///< per fine cell: into `media`; 0 is air
+    std::span<const TransportMedium> media;  ///< of this channel
+    std::span<const Moments> light;
+    std::span<Moments> sum;
+    float theta = 1;
+};
+inline constexpr std::uint32_t not_fine = 0xffffffffu;
+
 struct SweepJob {
     const OpticalGrid* grid = nullptr;
     std::array<std::span<const TransportMedium>, 2> media;  ///< skin, margin: of the palette, this channel
@@ -59,6 +72,7 @@ struct SweepJob {
     float theta = 1;                     ///< weight of the differences
     std::span<float> core_out = {};      ///< [core face * 4 + tangential signs]: sum w |Omega . e| psi that leaves
     const Progress* progress = nullptr;  ///< asked for cancellation before every row of blocks
+    FineSweep fine = {};                 ///< of a grid whose blocks are all of skin cells
 };
 
 /// The four octants of light that runs up, or down. Octant bits: 1, 2, 4 set where light runs against x, y, z. Throws

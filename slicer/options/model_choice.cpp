@@ -48,11 +48,6 @@ std::uint64_t least_model_bytes(PredictionModel model, const ModelOptions& optio
     return model == PredictionModel::transport ? transport_predictor(options).least_bytes(solid_mm3, pitch_mm) : 0;
 }
 
-void expect_model_memory(PredictionModel model, const ModelOptions& options, const optics::Scene& scene,
-                         const Progress& progress) {
-    if (model == PredictionModel::transport) transport_predictor(options).expect_memory(scene, &progress);
-}
-
 std::uint64_t memory_budget(double gib) {
     if (gib > 0) return static_cast<std::uint64_t>(gib * double(1 << 30));
     return machine_memory_bytes() / 2;

@@ -39,11 +39,6 @@ struct ModelOptions {
 [[nodiscard]] std::uint64_t least_model_bytes(PredictionModel model, const ModelOptions& options, double solid_mm3,
                                               const std::array<double, 3>& pitch_mm);
 
-/// Throws ResourceError where the memory would not suffice for a prediction of this body, as far as that can be told
-/// without its surface.
-void expect_model_memory(PredictionModel model, const ModelOptions& options, const optics::Scene& scene,
-                         const Progress& progress);
-
 /// What --memory may ask for: a petabyte is a slip of the keyboard.
 inline constexpr double most_memory_gib = 1 << 20;
 

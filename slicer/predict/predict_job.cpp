@@ -229,8 +229,8 @@ ModelOptions model_options(const ResolvedPrediction& job, bool quick, std::uint6
 
 double gibibytes(double bytes) { return bytes / (1 << 30); }
 
-/// By what is held of any body of this size: the least of its volume, of its surface and of the model. What is really
-/// needed is known when the surface is, and looked at then.
+/// By what is held of any body of this size: the least of its volume, of its surface and of the model, which takes
+/// smaller tiles where there is little left.
 void expect_memory(const ResolvedPrediction& job, const StackHead& head) {
     constexpr double edge = optics::ResinVolume::block_edge, block_voxels = edge * edge * edge;
     const double volume = voxels_of(head) / block_voxels * sizeof(std::int32_t);
@@ -420,8 +420,6 @@ PredictResult run_predict_job(const PredictOptions& options, Progress& progress)
     const optics::Scene scene{.volume = &stack.volume, .resins = &stack.resins, .backing = figures.backing};
     const std::uint64_t volumes = stack.volume.memory_bytes() * (options.absolute ? 1 : 2);
     const bool quick = quick_cells(job, stack.volume.pitch_mm()).has_value();
-    if (volumes < job.memory_bytes)
-        expect_model_memory(job.model, model_options(job, quick, job.memory_bytes - volumes), scene, progress);
     PredictedCells cells = find_cells(scene, job, figures, progress);
     const std::optional<MeshBoundary> boundary = find_boundary(job, stack, figures, progress);
     figures.boundary = boundary ? BodyEnd::mesh : BodyEnd::voxels;

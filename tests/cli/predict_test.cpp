@@ -340,8 +340,8 @@ TEST_CASE("What memory cannot hold, and what does not fit the stack, is refused 
     };
     const std::string picture = " -o " + (folder / "p.png"), quick = " --model monte-carlo --spp 2 --cell 0.4mm";
     REQUIRE_THAT(predicted(picture + quick).out, Contains("read layers"));
-    // A slab of 3.9 mm^3 has more than a hundred blocks, each with nodes of 3680 bytes.
-    const Outcome memory = predicted(picture + " --memory 0.0003");
+    // A slab of 3.9 mm^3 has more than the 32 blocks of 6,400 bytes that the smallest tile has.
+    const Outcome memory = predicted(picture + " --memory 0.0001");
     CHECK(memory.exit_code == 5);
     CHECK_THAT(memory.out + memory.err, Contains("needs at least") && Contains("--memory") && Contains("--cell 0.2mm"));
     CHECK_THAT(memory.out, !Contains("read layers"));

@@ -24,11 +24,12 @@ struct ViewingField {
         std::int16_t x = 0, y = 0, z = 0;
     };
     std::vector<Code> cells;
+    std::vector<Code> parts;  ///< of the fine cells; empty: that of the cells they are parts of
     std::vector<float> core;
     std::vector<std::uint16_t> out;  ///< 32 for each open face
     float scale = 0;                 ///< of an adjoint: radiance that stands for 1; 0: of light 1 everywhere
     [[nodiscard]] std::size_t memory_bytes() const {
-        return cells.capacity() * sizeof(Code) + 4 * core.capacity() + 2 * out.capacity();
+        return (cells.capacity() + parts.capacity()) * sizeof(Code) + 4 * core.capacity() + 2 * out.capacity();
     }
 };
 

@@ -19,6 +19,7 @@
 #include <bit>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "voxtone/optics/transport/optical_grid.h"
@@ -92,6 +93,33 @@ struct ViewingGrid {
         std::uint8_t axis = 2;       ///< along which light comes
     };
     std::vector<Mixture> mixtures;  ///< of the palette
+
+    /// Blocks whose cells are cut into parts no larger than voxels. Shape and faces stay those of the cells.
+    struct Fine {
+        /// Resins, each with the share of the part's volume that it fills; where there are none, a mixture of the
+        /// palette.
+        struct Content {
+            std::vector<std::pair<Material, float>> holds;
+            std::uint16_t mixture = 0;
+        };
+        std::array<int, 3> split{};         ///< parts of a cell along each axis, a multiple of its voxels; 0: no block
+        std::vector<std::uint32_t> first;   ///< first part of each transport block, or `not_fine`
+        std::vector<std::uint16_t> medium;  ///< of each part: into `contents`, whose first one is air
+        std::vector<Content> contents;
+        [[nodiscard]] bool any() const { return split[0] > 0; }
+        [[nodiscard]] std::size_t parts() const {
+            return static_cast<std::size_t>(split[0]) * static_cast<std::size_t>(split[1]) *
+                   static_cast<std::size_t>(split[2]);
+        }
+        /// Place of a part of cell (x, y, z) of a block among the block's.
+        [[nodiscard]] std::size_t part(const std::array<int, 3>& cell, const std::array<int, 3>& part) const {
+            std::array<std::size_t, 3> at{};
+            for (std::size_t a = 0; a < 3; ++a) at[a] = static_cast<std::size_t>(cell[a] * split[a] + part[a]);
+            const auto nx = static_cast<std::size_t>(4 * split[0]), ny = static_cast<std::size_t>(4 * split[1]);
+            return (at[2] * ny + at[1]) * nx + at[0];
+        }
+    };
+    Fine fine;
     ViewingWindow window;
     std::vector<std::uint32_t> core_block;  ///< of each core node
     std::vector<std::uint32_t> ghosts;      ///< core nodes on the cut sides of the window, ascending

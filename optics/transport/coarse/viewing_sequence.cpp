@@ -11,6 +11,7 @@
 #include "voxtone/base/error.h"
 #include "voxtone/base/parallel.h"
 #include "voxtone/base/stopwatch.h"
+#include "voxtone/optics/transport/coarse/refinement.h"
 #include "voxtone/optics/transport/coarse/seen_medium.h"
 #include "voxtone/optics/transport/coarse/viewing_gradient.h"
 #include "voxtone/optics/transport/coarse/viewing_grid_builder.h"
@@ -70,6 +71,7 @@ ViewingSequence::ViewingSequence(const Scene& scene, const Surface& surface, con
       surface_(surface),
       options_(options),
       view_voxels_(cell_voxels(scene.volume->pitch_mm(), options.cell_mm)),
+      split_(parts_of_cell(view_voxels_, scene.volume->pitch_mm(), options.finest_mm)),
       lattice_(scene.volume->size(), view_voxels_),
       halftone_(*scene.resins, scene.volume->pitch_mm(), seen_from(surface)) {
     for (ViewingTile& tile : viewing_tiles(surface, scene.volume->size(), scene.volume->pitch_mm(), view_voxels_,
@@ -145,7 +147,10 @@ void ViewingSequence::make_live(std::size_t index, const Progress* progress) {
         make_room(tile.bytes + field_bytes());
         tile.shape = shape_of(tile, progress);
         const ViewingGrid& grid = *tile.shape->grid;
-        tile.bytes = tile.shape->memory_bytes() + ViewingTransport::bytes_for(grid, 0);
+        tile.fine_cells = 64 * std::size_t(split_[0] * split_[1] * split_[2]) *
+                          blocks_to_refine(grid, *scene_.volume, options_.refinement).size();
+        tile.bytes = tile.shape->memory_bytes() + ViewingTransport::bytes_for(grid, 0) +
+                     tile.fine_cells * ViewingTransport::bytes_of_part;
         tile.cells_of_grid = grid.cells();
         tile.core_nodes = grid.core_block.size();
         tile.open_faces = grid.open_faces.size();
@@ -156,8 +161,10 @@ void ViewingSequence::make_live(std::size_t index, const Progress* progress) {
         }
     }
     const ViewingGrid& grid = *tile.shape->grid;
+    const std::size_t kept = keeps_light_ ? channels() : 1;
     const std::size_t own = tile.light[0].cells.empty()
-                                ? channels() * (grid.cells() * sizeof(ViewingField::Code) + 64 * grid.open_faces.size())
+                                ? kept * ((grid.cells() + tile.fine_cells) * sizeof(ViewingField::Code) +
+                                          64 * grid.open_faces.size())
                                 : 0,
                       needed = tile.bytes + own + field_bytes();
     if (options_.memory_bytes > 0 && needed > options_.memory_bytes)
@@ -205,8 +212,20 @@ void ViewingSequence::look_at(std::size_t index, const Progress* progress) {
             make_anew(index, progress);
         }
     }
+    refine_tile(tile, progress);
     tile.shape->filled = volume_;
     summary_.grid_s += watch.total();
+}
+
+/// Fine light is kept where the same blocks are fine as before.
+void ViewingSequence::refine_tile(Tile& tile, const Progress* progress) {
+    if (options_.refinement == Refinement::none) return;
+    ViewingGrid& grid = *tile.shape->grid;
+    refine(grid, *volume_, options_.refinement, split_, progress);
+    if (grid.fine.first == tile.fine_blocks) return;
+    tile.fine_blocks = grid.fine.first;
+    for (Fields* const fields : {&tile.light, &tile.adjoint})
+        for (ViewingField& field : *fields) field.parts.clear();
 }
 
 void ViewingSequence::make_anew(std::size_t index, const Progress* progress) {
@@ -276,6 +295,27 @@ void ViewingSequence::carry_over(const ViewingGrid& from, Fields& fields) const 
     }
 }
 
+namespace {
+
+Medium medium_of_part(const ViewingGrid& grid, const ViewingGrid::Fine::Content& content, const SeenMedium& seen,
+                      std::size_t channel) {
+    if (content.holds.empty()) return seen(grid.mixtures[content.mixture], channel);
+    const auto& resins = seen.resins.resins;
+    if (content.holds.size() == 1) {
+        const auto [material, share] = content.holds[0];
+        const Medium whole = resins[material - 1u].medium(channel);
+        return {static_cast<double>(share) * whole.sigma_a, static_cast<double>(share) * whole.sigma_s};
+    }
+    std::vector<double> fractions(resins.size());
+    double filled = 0;
+    for (const auto& [material, share] : content.holds) filled += static_cast<double>(share);
+    for (const auto& [material, share] : content.holds) fractions[material - 1u] += static_cast<double>(share) / filled;
+    const Medium medium = seen.halftone(fractions, channel);
+    return {filled * medium.sigma_a, filled * medium.sigma_s};
+}
+
+}  // namespace
+
 ViewingTransport::Media ViewingSequence::media(std::size_t channel) const {
     const OpticalGrid& grid = live().grid->grid;
     const ResinSet& resins = *scene_.resins;
@@ -288,6 +328,15 @@ ViewingTransport::Media ViewingSequence::media(std::size_t channel) const {
         media.core[m] = similar_medium(grid.directions, resins.resins[m - 1].medium(channel));
     parallel_for(1, grid.palette.size(), 1 << 8,
                  [&](std::size_t m) { media.cells[m] = (*media_of)(seen(live().grid->mixtures[m], channel)); });
+    const ViewingGrid::Fine& fine = live().grid->fine;
+    if (!fine.any()) return media;
+    std::array<double, 3> edge = grid.edge_mm(BlockKind::skin);
+    for (std::size_t a = 0; a < 3; ++a) edge[a] /= fine.split[a];
+    const auto part_of = shared_media(grid.directions, edge, fine_theta);
+    media.parts.resize(fine.contents.size());
+    parallel_for(1, fine.contents.size(), 1 << 8, [&](std::size_t m) {
+        media.parts[m] = (*part_of)(medium_of_part(*live().grid, fine.contents[m], seen, channel));
+    });
     return media;
 }
 
@@ -307,6 +356,7 @@ void ViewingSequence::solve(Fields Tile::*fields, GhostLight& ghosts, bool hear,
         for (const auto& [block, place] : live().tells)
             ghosts[c][place] = transport_->mean_phi(live().grid->grid.blocks[block]);
         done(c);
+        if (!keeps_light_) (tiles_[live_].*fields)[c] = {};
     }
 }
 
@@ -320,6 +370,11 @@ void ViewingSequence::begin(Fields Tile::*fields, GhostLight& ghosts, std::span<
             (tiles_[t].*fields).assign(channels(), {});
             solve(fields, ghosts, round > 0, {0, 0}, adjoint_seed, progress, [](std::size_t) {});
         }
+}
+
+Appearance ViewingSequence::only(const ResinVolume& volume, const Progress* progress) {
+    keeps_light_ = false;
+    return next(volume, progress);
 }
 
 Appearance ViewingSequence::next(const ResinVolume& volume, const Progress* progress) {
@@ -398,7 +453,7 @@ bool ViewingSequence::gradient(std::span<const float> adjoint_seed, const Gradie
     // Fields of both lights, the derivatives, and copies of the light on the faces.
     std::size_t fields = 0, most = 0;
     for (const Tile& tile : tiles_) {
-        fields += tile.cells_of_grid * sizeof(ViewingField::Code) + 64 * tile.open_faces;
+        fields += (tile.cells_of_grid + tile.fine_cells) * sizeof(ViewingField::Code) + 64 * tile.open_faces;
         most = std::max(most,
                         tile.bytes + tile.cells_of_grid * (4 * channels() + 8) + tile.open_faces * 8 * sizeof(Octet));
     }
@@ -434,10 +489,12 @@ template <class Stream, class Sequence>
 void ViewingSequence::state_in(Stream& stream, Sequence& sequence) {
     for (auto& tile : sequence.tiles_) {
         stream.list(tile.also);
+        stream.list(tile.fine_blocks);
         stream.value(tile.trimmed);
         for (auto* const fields : {&tile.light, &tile.adjoint})
             for (auto& field : *fields) {
                 stream.list(field.cells);
+                stream.list(field.parts);
                 stream.list(field.core);
                 stream.list(field.out);
                 stream.value(field.scale);

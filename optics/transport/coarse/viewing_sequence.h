@@ -44,6 +44,8 @@ public:
     ViewingSequence(const Scene& scene, const Surface& surface, const TransportOptions& options,
                     const Progress* progress = nullptr);
     [[nodiscard]] Appearance next(const ResinVolume& volume, const Progress* progress = nullptr) override;
+    /// The first prediction and no other: the light of a tile is dropped when the next one's turn comes.
+    [[nodiscard]] Appearance only(const ResinVolume& volume, const Progress* progress = nullptr);
     /// Of viewing_gradient.h, box by box of the tiles. The adjoint light of each channel is kept for the next one:
     /// `sweeps` the first time, then `next_sweeps`. Contract: there was a prediction.
     [[nodiscard]] bool gradient(std::span<const float> adjoint_seed, const GradientVisitor& visit,
@@ -68,10 +70,12 @@ private:
         [[nodiscard]] std::size_t memory_bytes() const;
     };
     struct Tile : ViewingTile {
-        std::vector<std::uint8_t> also;  ///< blocks of the window that have had colour deep down
-        bool trimmed = false;            ///< of those where it came no more, once
+        std::vector<std::uint8_t> also;          ///< blocks of the window that have had colour deep down
+        bool trimmed = false;                    ///< of those where it came no more, once
+        std::vector<std::uint32_t> fine_blocks;  ///< those of ViewingGrid::Fine that its light is of
         Fields light, adjoint;
-        std::size_t bytes = 0, cells_of_grid = 0, core_nodes = 0, open_faces = 0;  ///< of its grid and equations
+        std::size_t bytes = 0, cells_of_grid = 0, fine_cells = 0, core_nodes = 0,
+                    open_faces = 0;    ///< of its grid and equations
         std::unique_ptr<Shape> shape;  ///< none where it has to be made anew
     };
     /// phi at the ghosts of all tiles, [channel][ghost]; empty before the first prediction or gradient.
@@ -88,6 +92,7 @@ private:
     void make_live(std::size_t tile, const Progress* progress);
     /// The live tile has other blocks with cells now: its grid is made anew, with the resins of the last volume.
     void make_anew(std::size_t tile, const Progress* progress);
+    void refine_tile(Tile& tile, const Progress* progress);
     /// Blocks of `also` that have colour in the last volume; empty where most of them have.
     [[nodiscard]] std::vector<std::uint8_t> still_coloured(const Tile& tile) const;
     [[nodiscard]] std::unique_ptr<Shape> shape_of(const Tile& tile, const Progress* progress) const;
@@ -119,6 +124,8 @@ private:
     const Surface& surface_;
     TransportOptions options_;
     std::array<int, 3> view_voxels_;
+    std::array<int, 3> split_;  ///< of cells that are cut finer
+    bool keeps_light_ = true;
     BlockLattice lattice_;
     EffectiveMedium halftone_;
     std::vector<Tile> tiles_;

@@ -9,6 +9,7 @@
 #include "voxtone/base/parallel.h"
 #include "voxtone/base/stopwatch.h"
 #include "voxtone/optics/transport/coarse/viewing_derivatives.h"
+#include "voxtone/optics/transport/lattice.h"
 
 namespace voxtone::optics {
 namespace {
@@ -150,6 +151,7 @@ float ViewingTransport::core_absorption(std::size_t core) const {
 
 void ViewingTransport::start() {
     std::fill(moments_.begin(), moments_.end(), Moments{});
+    std::fill(parts_.begin(), parts_.end(), Moments{});
     std::fill(out_.begin(), out_.end(), Octet{});
     std::fill(core_phi_.begin(), core_phi_.end(), 0.0f);
     make_equations(D_, core_D_);
@@ -184,13 +186,20 @@ void ViewingTransport::load(const ViewingField& field) {
     const bool both_signs = field.scale > 0;
     const float rescale = both_signs ? field.scale / scale_ : 1.0f, zero = both_signs ? signed_zero : 0.0f,
                 step = (both_signs ? signed_step : phi_step) * rescale, J = J_step * rescale;
-    parallel_ranges(0, moments_.size(), 1 << 14, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t cell = begin; cell < end; ++cell) {
-            const ViewingField::Code& code = field.cells[cell];
-            moments_[cell] = {step * (static_cast<float>(code.phi) - zero), J * static_cast<float>(code.x),
+    const auto load_codes = [&](const std::vector<ViewingField::Code>& codes, std::vector<Moments>& moments) {
+        parallel_ranges(0, moments.size(), 1 << 14, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) {
+                const ViewingField::Code& code = codes[i];
+                moments[i] = {step * (static_cast<float>(code.phi) - zero), J * static_cast<float>(code.x),
                               J * static_cast<float>(code.y), J * static_cast<float>(code.z)};
-        }
-    });
+            }
+        });
+    };
+    load_codes(field.cells, moments_);
+    if (!field.parts.empty())
+        load_codes(field.parts, parts_);
+    else
+        spread_over_parts();
     for (std::size_t i = 0; i < core_phi_.size(); ++i) core_phi_[i] = rescale * field.core[i];
     for (std::size_t i = 0; i < ghost_phi_.size(); ++i) core_phi_[viewing_.ghosts[i]] = ghost_phi_[i];
     parallel_ranges(0, viewing_.open_faces.size(), 1 << 10, [&](std::size_t begin, std::size_t end) {
@@ -222,6 +231,13 @@ void ViewingTransport::store(ViewingField& field, TransportSummary& summary) con
         }
         kept += solid;
         clipped += out_of_range;
+    });
+    field.parts.resize(parts_.size());
+    parallel_ranges(0, parts_.size(), 1 << 14, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const Moments& m = parts_[i];
+            field.parts[i] = {code(m.phi), J_code(m.x), J_code(m.y), J_code(m.z)};
+        }
     });
     field.core = core_phi_;
     field.out.resize(32 * viewing_.open_faces.size());
@@ -263,6 +279,7 @@ void ViewingTransport::enter(bool start) {
             m.y += J[1][place];
             m.z += J[2][place];
         }
+        if (viewing_.fine.any() && viewing_.fine.first[t] != not_fine) enter_parts(t, J);
         for (std::size_t f = block.first_face; f < block.first_face + block.faces; ++f) {
             const OuterFace& face = grid_.faces[f];
             if (face.kind == FaceKind::core) continue;
@@ -293,6 +310,64 @@ void ViewingTransport::enter(bool start) {
         }
     });
     for (std::size_t i = 0; i < core_phi_.size(); ++i) core_phi_[i] += core_x_[i];
+}
+
+/// The correction, linear over each cell of a block, in its parts.
+void ViewingTransport::enter_parts(std::size_t t, const ViewingDiffusion::Flows& J) {
+    const ViewingGrid::Fine& fine = viewing_.fine;
+    for_each({4, 4, 4}, [&](const Place& cell) {
+        const std::size_t place = place_in_block(cell[0], cell[1], cell[2]), at = 64 * t + place;
+        if (grid_.medium[at] == 0) return;
+        const float D = D_[grid_.medium[at]];
+        for_each(fine.split, [&](const Place& part) {
+            float phi = x_[at];
+            for (std::size_t a = 0; a < 3; ++a) {
+                const float offset = (static_cast<float>(part[a]) + 0.5f) / static_cast<float>(fine.split[a]) - 0.5f;
+                phi -= offset * edge_[a] * J[a][place] / D;
+            }
+            Moments& m = parts_[fine.first[t] + fine.part(cell, part)];
+            m.phi += phi;
+            m.x += J[0][place];
+            m.y += J[1][place];
+            m.z += J[2][place];
+        });
+    });
+}
+
+/// What the last sweep changed in a block's parts, as sources of its cells in scratch_.up().phi; the parts and their
+/// means become the sweep's.
+void ViewingTransport::gather_parts(std::size_t t) {
+    const ViewingGrid::Fine& fine = viewing_.fine;
+    const float share = 1 / static_cast<float>(fine.parts()), volume = volume_ * share;
+    for_each({4, 4, 4}, [&](const Place& cell) {
+        const std::size_t at = 64 * t + place_in_block(cell[0], cell[1], cell[2]);
+        float source = 0;
+        Moments mean;
+        for_each(fine.split, [&](const Place& part) {
+            const std::size_t i = fine.first[t] + fine.part(cell, part);
+            const Moments &p = parts_up_[i], &q = parts_down_[i];
+            const Moments now{p.phi + q.phi, p.x + q.x, p.y + q.y, p.z + q.z};
+            source += volume * media_->parts[fine.medium[i]].sigma_s * (now.phi - parts_[i].phi);
+            mean.phi += share * now.phi;
+            mean.x += share * now.x;
+            mean.y += share * now.y;
+            mean.z += share * now.z;
+            parts_[i] = now;
+        });
+        scratch_.up()[at].phi = source;
+        moments_[at] = mean;
+    });
+}
+
+void ViewingTransport::spread_over_parts() {
+    const ViewingGrid::Fine& fine = viewing_.fine;
+    for (std::size_t t = 0; t < fine.first.size(); ++t) {
+        if (fine.first[t] == not_fine) continue;
+        for_each({4, 4, 4}, [&](const Place& cell) {
+            const Moments& m = moments_[64 * t + place_in_block(cell[0], cell[1], cell[2])];
+            for_each(fine.split, [&](const Place& part) { parts_[fine.first[t] + fine.part(cell, part)] = m; });
+        });
+    }
 }
 
 /// The faces send back what they reflect.
@@ -409,8 +484,16 @@ void ViewingTransport::sweep() {
                            .core_in = core_in_,
                            .theta = static_cast<float>(viewing_theta),
                            .core_out = core_out_,
-                           .progress = progress_};
+                           .progress = progress_,
+                           .fine = {.split = viewing_.fine.split,
+                                    .first = viewing_.fine.first,
+                                    .medium = viewing_.fine.medium,
+                                    .media = media_->parts,
+                                    .light = parts_,
+                                    .sum = half == 0 ? parts_up_ : parts_down_,
+                                    .theta = static_cast<float>(fine_theta)}};
         std::fill(job.sum.begin(), job.sum.end(), Moments{});
+        std::fill(job.fine.sum.begin(), job.fine.sum.end(), Moments{});
         sweep_half(job, half == 1);
     });
 }
@@ -426,6 +509,9 @@ void ViewingTransport::correct() {
             up[cell].phi = volume_ * sigma_s * (now.phi - moments_[cell].phi);
             moments_[cell] = now;
         }
+    });
+    parallel_for(0, viewing_.fine.first.size(), blocks_per_task, [&](std::size_t t) {
+        if (viewing_.fine.first[t] != not_fine) gather_parts(t);
     });
     parallel_ranges(0, moments_.size(), 1 << 14, [&](std::size_t begin, std::size_t end) {
         for (std::size_t cell = begin; cell < end; ++cell) right_[cell] = up[cell].phi;
@@ -489,6 +575,7 @@ void ViewingTransport::solve(const Media& media, ViewingField& field, int sweeps
     VOXTONE_EXPECT(media.cells.size() == grid_.palette.size());
     media_ = &media;
     progress_ = progress;
+    for (auto* const parts : {&parts_, &parts_up_, &parts_down_}) parts->resize(viewing_.fine.medium.size());
     check();
     take_light(light, ghost_phi);
     VOXTONE_EXPECT(field.cells.empty() || (field.scale > 0) == (scale_ > 0));
@@ -522,7 +609,8 @@ void ViewingTransport::solve(const Media& media, ViewingField& field, int sweeps
     summary.open_solves += open_solves_;
     steps_ = open_solves_ = 0;
     progress_ = nullptr;
-    store(field, summary);
+    TransportSummary first_guess;  // diffusion alone: what is clipped of it does not matter to the sweeps to come
+    store(field, sweeps > 0 ? summary : first_guess);
     last_change_ = 0;
     for (const std::uint32_t f : viewing_.open_faces)
         if (grid_.faces[f].kind == FaceKind::light)
@@ -575,8 +663,9 @@ void ViewingTransport::take_light(std::span<const float> light, std::span<const 
 
 std::size_t ViewingTransport::memory_bytes() const {
     const auto of = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
-    return of(moments_) + scratch_.memory_bytes() + of(core_phi_) + of(core_x_) + of(core_right_) + of(in_) + of(out_) +
-           of(core_in_) + of(core_out_) + of(light_) + of(flux_) + of(flux_change_) + diffusion_.memory_bytes();
+    return of(moments_) + of(parts_) + of(parts_up_) + of(parts_down_) + scratch_.memory_bytes() + of(core_phi_) +
+           of(core_x_) + of(core_right_) + of(in_) + of(out_) + of(core_in_) + of(core_out_) + of(light_) + of(flux_) +
+           of(flux_change_) + diffusion_.memory_bytes();
 }
 
 }  // namespace voxtone::optics

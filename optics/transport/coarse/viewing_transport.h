@@ -32,10 +32,15 @@ namespace voxtone::optics {
 /// 0.85 and 0.7 this one is nearest to Monte Carlo on kodim23 (`predictor_accuracy --viewing-cells compare`).
 inline constexpr double viewing_theta = 0.85;
 
+/// And on parts of them, thin enough to follow an edge.
+inline constexpr double fine_theta = 1;
+
 class ViewingTransport {
 public:
     ViewingTransport(const ViewingGrid& grid, const TransportOptions& options);
-    /// What it will take about, with fields of so many channels.
+    /// A fine cell: its light three times, what it holds twice while blocks are filled.
+    static constexpr std::size_t bytes_of_part = 3 * sizeof(Moments) + 10;
+    /// What it will take about, with fields of so many channels, besides fine cells.
     [[nodiscard]] static std::size_t bytes_for(const ViewingGrid& grid, std::size_t channels);
 
     /// Media of the grid's palette and of core blocks, by material; index 0 is air. Starts from `field`, or with a
@@ -45,6 +50,7 @@ public:
     /// changed less than `enough` of what leaves. Throws Cancelled: `progress` is asked many times a second.
     struct Media {
         std::vector<TransportMedium> cells, core;
+        std::vector<TransportMedium> parts;  ///< of the fine cells, as ViewingGrid::Fine numbers them
     };
     void solve(const Media& media, ViewingField& field, int sweeps, TransportSummary& summary, const Progress* progress,
                std::span<const float> light = {}, std::span<const float> ghost_phi = {}, double enough = 0);
@@ -95,6 +101,9 @@ private:
     void load(const ViewingField& field);
     void store(ViewingField& field, TransportSummary& summary) const;
     void enter(bool start);
+    void enter_parts(std::size_t t, const ViewingDiffusion::Flows& J);
+    void gather_parts(std::size_t t);
+    void spread_over_parts();
     void reflect();
     void sweep();
     void correct();
@@ -115,7 +124,8 @@ private:
     std::array<Octet, 3> flux_weight_{};                  ///< w |Omega_a|
     std::vector<FaceSums> sums_;                          ///< per law
     std::vector<float> D_, core_D_, eased_, core_eased_;  ///< per medium
-    std::vector<Moments> moments_;                        ///< per cell: phi and J
+    std::vector<Moments> moments_;                        ///< per cell: phi and J; the mean of its parts
+    std::vector<Moments> parts_, parts_up_, parts_down_;  ///< per fine cell
     SweepScratch scratch_;
     std::span<float> x_, right_, p_, z_;  ///< per cell, of the diffusion solve: in scratch_
     std::vector<float> core_phi_, core_x_, core_right_, core_p_, core_z_;

@@ -52,7 +52,7 @@ struct Stopped {
         const TransportMedium grey{20, 18};
         media[0].assign(grid.palette.size(), grey);
         media[1] = media[0];
-        media[2].assign(grid.core_palette.size(), grey);
+        media[2].assign(grid.palette.size(), grey);
         return media;
     }
 };

@@ -91,7 +91,7 @@ std::array<std::vector<double>, 2> held(const ViewingGrid& viewing) {
 TEST_CASE("Parts of cells are voxels, and pieces of those that are longer than light can be followed in") {
     CHECK(parts_of_cell({2, 1, 3}, {0.0423, 0.0847, 0.027}, 0) == std::array{2, 1, 3});
     CHECK(parts_of_cell({2, 1, 3}, {0.0423, 0.0847, 0.027}, 0.0425) == std::array{2, 2, 3});
-    CHECK(parts_of_cell({1, 1, 1}, {0.1, 0.2, 0.05}, 0.0425) == std::array{3, 4, 1});
+    CHECK(parts_of_cell({1, 1, 1}, {0.1, 0.2, 0.04}, 0.0425) == std::array{3, 4, 1});
 }
 
 TEST_CASE("Blocks are cut where resins meet, and hold in their parts what they held") {
