@@ -1,4 +1,4 @@
-# Installs voxtone, then configures, builds and runs the example against it.  -DBUILD= -DSOURCE= -DWORK=
+# Installs voxtone, then configures, builds and runs the example against it.  -DBUILD= -DSOURCE= -DWORK= -DFLAGS=
 function(must)
   execute_process(COMMAND ${ARGV} RESULT_VARIABLE failed)
   if(failed)
@@ -6,6 +6,7 @@ function(must)
   endif()
 endfunction()
 must(${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/prefix)
-must(${CMAKE_COMMAND} -S ${SOURCE} -B ${WORK}/build -G Ninja -DCMAKE_PREFIX_PATH=${WORK}/prefix -DCMAKE_BUILD_TYPE=Release)
+must(${CMAKE_COMMAND} -S ${SOURCE} -B ${WORK}/build -G Ninja -DCMAKE_PREFIX_PATH=${WORK}/prefix -DCMAKE_BUILD_TYPE=Release
+     "-DCMAKE_CXX_FLAGS=${FLAGS}")
 must(${CMAKE_COMMAND} --build ${WORK}/build)
 must(${WORK}/build/mix)
