@@ -162,20 +162,18 @@ std::size_t TransportPredictor::bytes_of_voxels(const Scene& scene, const Progre
 
 namespace {
 
-/// A body for which memory does not suffice: tile by tile, on cells of the eye and of voxels where resins meet.
-Appearance in_tiles(const Scene& scene, const Surface& surface, const TransportOptions& options,
-                    TransportSummary& summary, const Progress* progress) {
-    TransportOptions tiled = options;
-    tiled.viewing_cells = true;
-    tiled.refinement = Refinement::contrast;
+/// On cells of the eye, once; in one tile, or in as few as memory allows.
+Appearance in_tiles(const Scene& scene, const Surface& surface, TransportOptions options, TransportSummary& summary,
+                    const Progress* progress) {
     constexpr std::size_t least_cells = 500;
-    for (;; tiled.tile_cells /= 2) try {
-            ViewingSequence sequence(scene, surface, tiled, progress);
+    options.tile_cells = std::min(options.tile_cells, std::max(surface.cells.size(), least_cells));
+    for (;; options.tile_cells /= 2) try {
+            ViewingSequence sequence(scene, surface, options, progress);
             Appearance seen = sequence.only(*scene.volume, progress);
             summary = sequence.summary();
             return seen;
         } catch (const ResourceError&) {
-            if (tiled.tile_cells / 2 < least_cells) throw;
+            if (options.tile_cells / 2 < least_cells) throw;
         }
 }
 
@@ -196,13 +194,13 @@ std::unique_ptr<ViewingSequence> viewing_sequence(const Scene& scene, const Surf
 Appearance TransportPredictor::predict(const Scene& given, const Surface& given_surface, TransportSummary& summary,
                                        const Progress* progress) const {
     VOXTONE_EXPECT(given.volume && given.resins);
-    if (const auto sequence = viewing_sequence(given, given_surface, options_, progress)) {
-        Appearance seen = sequence->next(*given.volume, progress);
-        summary = sequence->summary();
-        return seen;
+    if (options_.viewing_cells) return in_tiles(given, given_surface, options_, summary, progress);
+    if (options_.memory_bytes > 0 && bytes_of_voxels(given, progress) > options_.memory_bytes) {
+        TransportOptions tiled = options_;
+        tiled.viewing_cells = true;
+        tiled.refinement = Refinement::contrast;
+        return in_tiles(given, given_surface, tiled, summary, progress);
     }
-    if (options_.memory_bytes > 0 && bytes_of_voxels(given, progress) > options_.memory_bytes)
-        return in_tiles(given, given_surface, options_, summary, progress);
     const CutScene cut(given, given_surface, options_, progress);
     summary.pieces = 1;
     Appearance seen =

@@ -13,7 +13,7 @@ namespace voxtone::optics {
 /// Which blocks of a viewing grid have cells no larger than voxels (coarse/refinement.h).
 enum class Refinement : std::uint8_t {
     none,
-    contrast,  ///< those of several resins, and at an edge between two
+    contrast,  ///< those that light enters, of several resins or at an edge between two: deeper ones are out of sight
     all
 };
 

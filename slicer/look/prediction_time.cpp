@@ -9,7 +9,7 @@ double prediction_seconds(PredictionModel model, const ModelOptions& quality, co
                           double area_mm2) {
     // Seconds on two cores of 2.5 GHz, by `voxtone predict` of a photograph 10 mm wide and `slice --predict-cell` of
     // the bundled cow at 10 mm; of paths: docs/heterogeneous.md, in white.
-    constexpr double transport_s_per_cell = 4e-4, quick_s_per_cell = 6e-5, layered_s_per_cell = 1.7e-4,
+    constexpr double transport_s_per_cell = 1.5e-4, quick_s_per_cell = 6e-5, layered_s_per_cell = 1.7e-4,
                      s_per_path = 7e-7;
     constexpr double channels = 3, print_and_white = 2;
     const double cells = area_mm2 / (quality.cell_mm * quality.cell_mm);

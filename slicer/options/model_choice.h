@@ -19,7 +19,7 @@ enum class PredictionModel { transport, monte_carlo, layered_profile };
 
 struct ModelOptions {
     double cell_mm = 0.085;      ///< of the viewing grid
-    bool viewing_cells = false;  ///< transport: on viewing cells throughout, ten times as fast
+    bool viewing_cells = false;  ///< transport: on viewing cells throughout, none cut into voxels; a third of the time
     double colour_mm = 1;        ///< transport on viewing cells: how deep colour may lie
     int sweeps =
         optics::TransportOptions{}.sweeps;  ///< transport: of discrete ordinates, >= 1; more are nearer and slower

@@ -188,6 +188,15 @@ std::array<int, 3> parts_of_cell(const std::array<int, 3>& view_voxels, const st
     return parts;
 }
 
+namespace {
+
+bool is_lit(const OpticalGrid& grid, const GridBlock& block) {
+    const auto first = grid.faces.begin() + block.first_face;
+    return std::any_of(first, first + block.faces, [](const OuterFace& face) { return face.kind == FaceKind::light; });
+}
+
+}  // namespace
+
 std::vector<std::uint32_t> blocks_to_refine(const ViewingGrid& viewing, const ResinVolume& volume, Refinement which) {
     const OpticalGrid& grid = viewing.grid;
     std::vector<std::uint32_t> chosen;
@@ -199,6 +208,7 @@ std::vector<std::uint32_t> blocks_to_refine(const ViewingGrid& viewing, const Re
             volume.uniform_material(viewing.corner_of(grid.blocks[b]), Place{4 * view[0], 4 * view[1], 4 * view[2]}));
     for (std::size_t t = 0; t < grid.transport_blocks.size(); ++t) {
         const std::uint32_t b = grid.transport_blocks[t];
+        if (which == Refinement::contrast && !is_lit(grid, grid.blocks[b])) continue;
         bool wanted = only[b] < 0 || which == Refinement::all;
         for (const std::int32_t other : grid.blocks[b].neighbour) {
             const int beside = other < 0 ? only[b] : only[static_cast<std::size_t>(other)];

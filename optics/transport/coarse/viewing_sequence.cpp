@@ -405,6 +405,7 @@ Appearance ViewingSequence::next(const ResinVolume& volume, const Progress* prog
     }
     count_memory(0);
     summary_.total_s += watch.total();
+    if (!keeps_light_) summary_.clipped_values = 0;  // of light that nobody will use
     appearance.remarks = remarks_of(summary_);
     return appearance;
 }

@@ -111,6 +111,27 @@ TEST_CASE("A textured sphere looks as it does to light paths that see the sphere
     CHECK(std::abs(c.bias) < 0.5);
 }
 
+TEST_CASE("Cells of the eye, cut into voxels where resins meet, agree with Monte Carlo as voxels do") {
+    optics::TransportOptions options;
+    options.viewing_cells = true;
+    options.refinement = optics::Refinement::contrast;
+    double sum = 0, n = 0;
+    for (const fs::path& file : references()) {
+        const Reference reference = read_reference(file);
+        const Comparison c = compare(reference, options);
+        INFO(reference.of.name << ": mean " << c.mean_without_noise << " without noise, 95 % " << c.percentile_95);
+        const bool curved = reference.of.sides != optics::Sides::mirrored;
+        WANTED(c.mean_without_noise < 1.0);
+        CHECK(c.mean_without_noise < (curved ? 1.9 : 1.15));
+        CHECK(c.percentile_95 < (curved ? 4.2 : 2.2));
+        sum += c.mean_without_noise;
+        ++n;
+    }
+    REQUIRE(n >= 30);
+    WANTED(sum / n < 0.4);
+    CHECK(sum / n < 0.50);
+}
+
 /// What was measured of the loop's predictor, as `predictor_accuracy --viewing-cells compare tests/data/appearance`
 /// prints it: mean without noise, bias of L*, bias of the white by channel as a share of it.
 struct Measured {
