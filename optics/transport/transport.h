@@ -16,8 +16,9 @@
 // Sequences. With `viewing_cells` everything is predicted on viewing cells and the light is kept from one prediction to
 // the next, for loops: viewing_sequence.h.
 //
-// Bodies too large. What does not fit into the memory allowed is predicted tile by tile on cells of the eye, cut into
-// voxels where resins meet (coarse/refinement.h); tiles are as large as memory allows. Errors: docs/predict.md.
+// Jobs predict with `viewing_cells` and Refinement::contrast: cells of the eye, cut into voxels where light enters and
+// resins meet (coarse/refinement.h), in tiles as large as memory allows. What does not fit into the memory allowed on
+// voxels is predicted so, too. Errors: docs/predict.md.
 //
 // Gradient: the operator is its own adjoint under reversal of directions, so the adjoint is one more solve, lit through
 // the surface by d(function)/d(appearance). No part of a job asks for it, loops take that of viewing cells
