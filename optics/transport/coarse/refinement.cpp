@@ -136,23 +136,56 @@ private:
     std::vector<Material> box_, donor_, column_;
 };
 
-/// Numbers what parts hold, in the order in which it is met.
-void number_contents(ViewingGrid& viewing, const std::vector<Key>& keys) {
-    ViewingGrid::Fine& fine = viewing.fine;
-    std::vector<std::uint16_t> of_mixture(viewing.mixtures.size(), 0);
-    std::unordered_map<Key, std::uint16_t> of_key;
-    const auto add = [&](ViewingGrid::Fine::Content content) {
-        VOXTONE_ENSURE(fine.contents.size() < 65536);
-        fine.contents.push_back(std::move(content));
-        return static_cast<std::uint16_t>(fine.contents.size() - 1);
-    };
-    const auto add_key = [&](Key key) {
+/// Numbers what parts hold: whole resins first, the rest in the order in which it is met.
+class ContentNumbers {
+public:
+    ContentNumbers(ViewingGrid& viewing, std::size_t most)
+        : viewing_(viewing), contents_(viewing.fine.contents), most_(most), of_mixture_(viewing.mixtures.size(), 0) {
+        contents_.assign(1, {});
+        (void)of_key(nothing);
+        for (const ViewingGrid::Mixture& mixture : viewing.mixtures)
+            for (const auto& hold : mixture.holds) (void)of_key(key_of_one(hold.material));
+    }
+    [[nodiscard]] std::uint16_t of_key(Key key) {
+        if (key == 0) return 0;
+        if (const auto found = of_key_.find(key); found != of_key_.end()) return found->second;
         ViewingGrid::Fine::Content content;
-        for (; key != 0; key >>= 16)
-            content.holds.emplace_back(static_cast<Material>(key >> 8 & 255), static_cast<float>(key & 255) / twelfths);
-        return add(std::move(content));
-    };
-    fine.contents.assign(1, {});
+        for (Key rest = key; rest != 0; rest >>= 16)
+            content.holds.emplace_back(static_cast<Material>(rest >> 8 & 255),
+                                       static_cast<float>(rest & 255) / twelfths);
+        const Material some = content.holds.back().first;
+        const std::uint16_t number = add(std::move(content), some);
+        of_key_.emplace(key, number);
+        return number;
+    }
+    [[nodiscard]] std::uint16_t of_mixture(std::uint16_t mixture) {
+        std::uint16_t& number = of_mixture_[mixture];
+        if (number == 0) number = add({{}, mixture}, viewing_.mixtures[mixture].holds.front().material);
+        return number;
+    }
+
+private:
+    [[nodiscard]] static Key key_of_one(Material m) { return Key{m} << 8 | Key{twelfths}; }
+    /// Where there are more than can be numbered a part is taken to be full of one of its resins.
+    [[nodiscard]] std::uint16_t add(ViewingGrid::Fine::Content content, Material some) {
+        if (contents_.size() >= most_) {
+            const auto whole = of_key_.find(key_of_one(some));
+            return whole == of_key_.end() ? std::uint16_t{1} : whole->second;
+        }
+        contents_.push_back(std::move(content));
+        return static_cast<std::uint16_t>(contents_.size() - 1);
+    }
+
+    const ViewingGrid& viewing_;
+    std::vector<ViewingGrid::Fine::Content>& contents_;
+    std::size_t most_;
+    std::unordered_map<Key, std::uint16_t> of_key_;
+    std::vector<std::uint16_t> of_mixture_;
+};
+
+void number_contents(ViewingGrid& viewing, const std::vector<Key>& keys, std::size_t most) {
+    ViewingGrid::Fine& fine = viewing.fine;
+    ContentNumbers numbers(viewing, most);
     Key last = 0;
     std::uint16_t number = 0;
     for (std::size_t t = 0; t < fine.first.size(); ++t) {
@@ -162,16 +195,10 @@ void number_contents(ViewingGrid& viewing, const std::vector<Key>& keys) {
             for_each(fine.split, [&](const Place& part) {
                 const std::size_t i = fine.first[t] + fine.part(cell, part);
                 if (keys[i] == mixed) {
-                    if (of_mixture[mixture] == 0) of_mixture[mixture] = add({{}, mixture});
-                    fine.medium[i] = of_mixture[mixture];
+                    fine.medium[i] = numbers.of_mixture(mixture);
                     return;
                 }
-                if (keys[i] != last) {
-                    last = keys[i];
-                    const auto [found, fresh] = of_key.try_emplace(last, std::uint16_t{0});
-                    if (fresh && last != 0) found->second = add_key(last);
-                    number = found->second;
-                }
+                if (keys[i] != last) number = numbers.of_key(last = keys[i]);
                 fine.medium[i] = number;
             });
         });
@@ -220,7 +247,7 @@ std::vector<std::uint32_t> blocks_to_refine(const ViewingGrid& viewing, const Re
 }
 
 void refine(ViewingGrid& viewing, const ResinVolume& volume, Refinement which, const std::array<int, 3>& split,
-            const Progress* progress) {
+            const Progress* progress, std::size_t most_contents) {
     ViewingGrid::Fine& fine = viewing.fine;
     fine = {};
     if (which == Refinement::none) return;
@@ -237,7 +264,7 @@ void refine(ViewingGrid& viewing, const ResinVolume& volume, Refinement which, c
         for (std::size_t i = first; i < last; ++i) filler.fill(chosen[i], keys.data() + fine.first[chosen[i]]);
     };
     parallel_ranges(0, chosen.size(), 32, fill_range, progress);
-    number_contents(viewing, keys);
+    number_contents(viewing, keys, most_contents);
 }
 
 }  // namespace voxtone::optics

@@ -24,8 +24,10 @@ namespace voxtone::optics {
                                                           Refinement which);
 
 /// Cuts blocks of a grid that was filled with this volume (viewing_palette.h), and fills their parts: those that
-/// `which` names (transport_options.h). Throws Cancelled, with the grid of no use any more.
+/// `which` names (transport_options.h). Where they hold more than `most_contents` different things (at least whole
+/// resins and nothing), the rest are taken to be full of one of their resins. Throws Cancelled, with the grid of no use
+/// any more.
 void refine(ViewingGrid& viewing, const ResinVolume& volume, Refinement which, const std::array<int, 3>& split,
-            const Progress* progress = nullptr);
+            const Progress* progress = nullptr, std::size_t most_contents = 65536);
 
 }  // namespace voxtone::optics

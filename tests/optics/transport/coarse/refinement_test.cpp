@@ -118,6 +118,11 @@ TEST_CASE("Blocks are cut where resins meet, and hold in their parts what they h
         CHECK(parts[m] == Approx(cells[m]).epsilon(0.005));
     }
     CHECK(cells[5] > 0.1);
+    // More contents than numbers: whole resins have one, and stand for what has none.
+    CHECK(grid.fine.contents.size() > 30);
+    refine(grid, volume, Refinement::contrast, parts_of_cell(viewing_cell, j750, 0.0425), nullptr, 10);
+    CHECK(grid.fine.contents.size() == 10);
+    CHECK(*std::max_element(grid.fine.medium.begin(), grid.fine.medium.end()) < 10);
 }
 
 TEST_CASE("Cells of voxels: a body that absorbs nothing is white wherever the surface cuts the cells") {
