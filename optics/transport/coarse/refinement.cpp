@@ -29,14 +29,14 @@ Key with(Key part, Material m, int filled) {
     std::array<int, most_materials> amount{};
     std::array<Material, most_materials> material{};
     std::size_t count = 0;
-    for (; part != 0; part >>= 16, ++count) {
-        material[count] = static_cast<Material>(part >> 8 & 255);
-        amount[count] = static_cast<int>(part & 255);
+    for (Key rest = part; rest != 0; rest >>= 16, ++count) {
+        material[count] = static_cast<Material>(rest >> 8 & 255);
+        amount[count] = static_cast<int>(rest & 255);
     }
     std::size_t place = 0;
     while (place < count && material[place] > m) ++place;
     if (place == count || material[place] != m) {
-        if (count == most_materials) --count;
+        if (count == most_materials) return part;
         for (std::size_t k = count++; k > place; --k) {
             material[k] = material[k - 1];
             amount[k] = amount[k - 1];
@@ -45,8 +45,9 @@ Key with(Key part, Material m, int filled) {
         amount[place] = 0;
     }
     amount[place] = std::min(amount[place] + filled, 255);
-    for (std::size_t k = count; k-- > 0;) part = part << 16 | Key{material[k]} << 8 | static_cast<Key>(amount[k]);
-    return part;
+    Key more = 0;
+    for (std::size_t k = count; k-- > 0;) more = more << 16 | Key{material[k]} << 8 | static_cast<Key>(amount[k]);
+    return more;
 }
 
 class BlockFiller {
