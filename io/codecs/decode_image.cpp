@@ -52,6 +52,19 @@ constexpr Magic magics[] = {
     {"pnm", "Pf"sv},
 };
 
+void check_pixels(std::uint64_t width, std::uint64_t height, const std::string& name, const DecodeOptions& options) {
+    if (width * height > options.max_pixels)
+        throw InputError(fmt::format("the picture {} declares {} x {} pixels, more than the {} allowed; scale it down",
+                                     name, width, height, options.max_pixels));
+}
+
+/// A GIF's canvas, which OpenImageIO takes memory for before it tells its size: two 16-bit numbers behind the mark.
+void check_gif_canvas(std::span<const std::byte> bytes, const std::string& name, const DecodeOptions& options) {
+    if (bytes.size() < 10) return;  // cut short: opening says so
+    const auto number = [&](std::size_t at) { return std::to_integer<std::uint64_t>(bytes[at]); };
+    check_pixels(number(6) + 256 * number(7), number(8) + 256 * number(9), name, options);
+}
+
 /// The bytes as an open file without a name on the disk, for readers that want a path.
 class MemoryFile {
 public:
@@ -157,11 +170,7 @@ private:
             throw InputError(fmt::format(
                 "the picture {} declares an impossible size ({} x {} x {} pixels, {} channels); it is damaged", name_,
                 spec_.width, spec_.height, spec_.depth, spec_.nchannels));
-        const std::uint64_t pixels = std::uint64_t(spec_.width) * std::uint64_t(spec_.height);
-        if (pixels > options_.max_pixels)
-            throw InputError(
-                fmt::format("the picture {} declares {} x {} pixels, more than the {} allowed; scale it down", name_,
-                            spec_.width, spec_.height, options_.max_pixels));
+        check_pixels(std::uint64_t(spec_.width), std::uint64_t(spec_.height), name_, options_);
     }
 
     template <class Value>
@@ -315,6 +324,7 @@ DecodedImage decode_image(std::span<const std::byte> bytes, const std::string& n
             "{} is no picture of a known kind (PNG, JPEG, TIFF, BMP, TGA, GIF, WebP, EXR, HDR, PNM); save it "
             "as PNG",
             name));
+    if (format == "gif") check_gif_canvas(bytes, name, options);
     use_no_threads();
     try {
         const std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::create(format);

@@ -177,8 +177,9 @@ private:
                 else
                     ++points_and_lines_;
             }
-            // assimp takes a face without corners for a polygon, and then ends the program for want of one to cut.
-            if (!polygons) mesh.mPrimitiveTypes &= ~static_cast<unsigned>(aiPrimitiveType_POLYGON);
+            // assimp takes a face without corners for a polygon, and then ends the program for want of one to cut;
+            // it looks again where no kind is named at all.
+            if (!polygons) mesh.mPrimitiveTypes = aiPrimitiveType_TRIANGLE;
         }
         return expected;
     }

@@ -61,6 +61,12 @@ std::uint64_t least_bytes(const PlyElement& element, bool ascii) {
     return bytes;
 }
 
+/// Where the line "end_header" begins: not a comment that mentions it, behind which a parser would read on.
+std::size_t end_of_header(std::string_view text) {
+    const std::size_t found = text.find("\nend_header");
+    return found == std::string_view::npos ? found : found + 1;
+}
+
 }  // namespace
 
 int ply_colour_channel(const std::string& property) {
@@ -77,8 +83,7 @@ int ply_colour_channel(const std::string& property) {
 PlyHeader read_ply_header(std::span<const std::byte> bytes, const std::string& name) {
     const std::string_view text(reinterpret_cast<const char*>(bytes.data()),
                                 std::min<std::size_t>(bytes.size(), 1 << 20));
-    constexpr std::string_view last = "end_header";
-    const std::size_t end = text.find(last);
+    const std::size_t end = end_of_header(text);
     if (!text.starts_with("ply") || end == std::string_view::npos)
         throw InputError(fmt::format("{} is no PLY file or its header is cut short", name));
     std::istringstream lines{std::string(text.substr(0, end))};
@@ -110,8 +115,10 @@ PlyHeader read_ply_header(std::span<const std::byte> bytes, const std::string& n
     std::uint64_t left = bytes.size() - end;
     for (const PlyElement& element : header.elements) {
         const std::uint64_t least = least_bytes(element, header.encoding == PlyHeader::Encoding::ascii);
-        if (least == 0) continue;
-        if (element.count > left / least)
+        if (least == 0 && element.count > 0)
+            throw InputError(fmt::format("{} declares {} items '{}' that hold nothing; it is damaged, export it again",
+                                         name, element.count, element.name));
+        if (least > 0 && element.count > left / least)
             throw InputError(
                 fmt::format("{} declares {} items '{}', more than its {} bytes can hold; it is damaged or cut short",
                             name, element.count, element.name, bytes.size()));

@@ -66,7 +66,7 @@ const Folder& folder() {
 
 std::string_view text_of(Bytes file) { return {reinterpret_cast<const char*>(file.data()), file.size()}; }
 
-constexpr std::uint64_t few_pixels = 1 << 20;  // sizes are limited by a number; a small one keeps runs short
+constexpr std::uint64_t few_pixels = 1 << 16;  // sizes are limited by a number; a small one keeps runs short
 
 io::ReadOptions small_limits() {
     io::ReadOptions options;

@@ -416,6 +416,16 @@ TEST_CASE("PLY faces have colours and texture coordinates of their own") {
         for (std::size_t c = 0; c < 3; ++c) CHECK(near(corner_colour(none.mesh, 0, c), {1, 1, 1}));
         CHECK_FALSE(none.wants_colour);
     }
+    SECTION("items that hold nothing, and a comment that seems to end the header") {
+        const std::string head = "ply\nformat ascii 1.0\nelement vertex 3\n" + vertices;
+        const std::string rest = "element face 1\n" + face_list + "end_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+        CHECK_THROWS_WITH(read(folder, {{"f.ply", head + "element nothing 999999999\n" + rest}}),
+                          Contains("999999999 items 'nothing' that hold nothing"));
+        CHECK(read(folder, {{"f.ply", head + "element nothing 0\n" + rest}}).mesh.triangles.size() == 1);
+        CHECK_THROWS_WITH(read(folder, {{"f.ply", head + "comment end_header\nelement face 999999999\n" + face_list +
+                                                      "end_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"}}),
+                          Contains("999999999 items 'face'"));
+    }
 }
 
 TEST_CASE("3MF models") {

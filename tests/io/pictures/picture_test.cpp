@@ -162,6 +162,9 @@ TEST_CASE("pictures") {
         for (int k = 0; k < 4; ++k) bomb[std::size_t(29 + k)] = static_cast<char>(crc >> (24 - 8 * k));
         CHECK_THROWS_WITH(decode_image(bytes_of(bomb), "bomb.png"), Contains("65535 x 65535"));
         CHECK_THROWS_WITH(decode_image(bytes_of(four_colours()), "a.png", {.max_pixels = 3}), Contains("2 x 2"));
+        // A GIF's canvas of 17 GB, for which memory would be taken before its size is told.
+        CHECK_THROWS_WITH(decode_image(bytes_of("GIF89a\xff\xff\xff\xff" + std::string(5, '\0')), "bomb.gif"),
+                          Contains("65535 x 65535"));
         CHECK_THROWS_WITH(decode_image(bytes_of("nonsense"), "a.png"), Contains("known kind"));
         CHECK_THROWS_AS(read_picture_here(folder.path() / "gone.png"), FileError);
         const std::string whole = png(9, 9, std::vector<std::uint8_t>(9 * 9 * 4, 200));
