@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <numbers>
 
 #include <fmt/format.h>
@@ -101,19 +100,24 @@ private:
         return chart_colours_[std::size_t(int(row) * chart_.columns + int(column))];
     }
 
-    [[nodiscard]] static std::pair<int, int> bucket(const Eigen::Vector2d& p) {
-        return {int(std::floor(p.x() / bucket_mm)), int(std::floor(p.y() / bucket_mm))};
+    /// Of a point on the target, or the nearest on it.
+    [[nodiscard]] Eigen::Vector2i bucket(const Eigen::Vector2d& p) const {
+        return (p / bucket_mm).cast<int>().cwiseMax(0).cwiseMin(last_bucket_);
     }
+    [[nodiscard]] std::size_t index(int x, int y) const { return std::size_t(y * (last_bucket_.x() + 1) + x); }
 
     void add(const Dirt& dirt) {
         dirt_.push_back(dirt);
         const Eigen::Vector2d rim = Eigen::Vector2d::Constant(dirt.radius_mm);
-        const auto low = bucket(dirt.from.cwiseMin(dirt.to) - rim), high = bucket(dirt.from.cwiseMax(dirt.to) + rim);
-        for (int x = low.first; x <= high.first; ++x)
-            for (int y = low.second; y <= high.second; ++y) buckets_[{x, y}].push_back(dirt_.size() - 1);
+        const Eigen::Vector2i low = bucket(dirt.from.cwiseMin(dirt.to) - rim),
+                              high = bucket(dirt.from.cwiseMax(dirt.to) + rim);
+        for (int x = low.x(); x <= high.x(); ++x)
+            for (int y = low.y(); y <= high.y(); ++y) buckets_[index(x, y)].push_back(dirt_.size() - 1);
     }
 
     void spread_dirt() {
+        last_bucket_ = (target_.size_mm / bucket_mm).cast<int>();
+        buckets_.resize(index(last_bucket_.x(), last_bucket_.y()) + 1);
         const auto somewhere = [&](RandomStream& random) {
             const double x = random.uniform(), y = random.uniform();
             return Eigen::Vector2d(x * target_.size_mm.x(), y * target_.size_mm.y());
@@ -136,9 +140,8 @@ private:
     }
 
     [[nodiscard]] Eigen::Vector3d dirty(const Eigen::Vector2d& p, Eigen::Vector3d colour) const {
-        const auto here = buckets_.find(bucket(p));
-        if (here == buckets_.end()) return colour;
-        for (const std::size_t d : here->second)
+        const Eigen::Vector2i here = bucket(p);
+        for (const std::size_t d : buckets_[index(here.x(), here.y())])
             if (dirt_[d].hits(p)) colour += dirt_[d].cover * (dirt_[d].colour - colour);
         return colour;
     }
@@ -151,7 +154,8 @@ private:
     Eigen::Vector2d chart_middle_ = Eigen::Vector2d::Zero();
     std::vector<Eigen::Vector3d> chart_colours_;
     std::vector<Dirt> dirt_;
-    std::map<std::pair<int, int>, std::vector<std::size_t>> buckets_;
+    Eigen::Vector2i last_bucket_ = Eigen::Vector2i::Zero();
+    std::vector<std::vector<std::size_t>> buckets_;  ///< of the dirt that may lie there, row by row
 };
 
 /// Points of the table, mm -> points of the picture, px (the middle of the first pixel is at (0.5, 0.5)).
@@ -290,7 +294,8 @@ SimulatedPhoto simulate_photo(const Target& target, const TargetColours& colours
             for (int s = 0; s < samples * samples; ++s) {
                 const Eigen::Vector3d at(x + (s % samples + 0.5) / samples, double(y) + (s / samples + 0.5) / samples,
                                          1);
-                const Eigen::Vector2d p = (back * at).hnormalized();
+                const Eigen::Vector3d there = back * at;
+                const Eigen::Vector2d p(there.x() / there.z(), there.y() / there.z());
                 sum += lamp.at(p) * table.at(p);
             }
             photo.pixels[photo.index(x, std::uint32_t(y))] = (sum / (samples * samples)).cast<float>();
