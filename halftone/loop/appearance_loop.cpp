@@ -209,7 +209,6 @@ private:
     [[nodiscard]] Eigen::Vector3f into_gamut(const Eigen::Vector3f& rgb) const { return recipes_.into_gamut(rgb); }
     [[nodiscard]] const EyeFilter& wide_filter();
     [[nodiscard]] Colours mapped_target();
-    [[nodiscard]] std::vector<float> appearance_of_white() const;
     void prepare_misfit();
 
     void feedback_step();
@@ -232,9 +231,8 @@ private:
     const int most_;
     std::vector<char> in_gamut_;
     std::optional<EyeFilter> wide_;
-    const Colours target_;  ///< as the resins can show it on a thick body
-    std::vector<float> white_;
-    const RelativeColours relative_;
+    const Colours target_;            ///< as the resins can show it on a thick body
+    const RelativeColours relative_;  ///< to the white of the state
     const SeenError error_;
     const std::unique_ptr<optics::AppearanceSequence> sequence_;
     Neighbourhood around_;
@@ -260,8 +258,7 @@ LoopRun::LoopRun(const LoopTask& task, const LoopOptions& options, Progress& pro
       most_(most_of(options)),
       in_gamut_(cells_in_gamut(recipes_, task.target)),
       target_(mapped_target()),
-      white_(appearance_of_white()),
-      relative_(task.scene.resins->channels, white_),
+      relative_(task.scene.resins->channels, state_.white),
       error_(*task.surface, task.target, in_gamut_, options.viewing_distance_mm),
       sequence_(task.model->sequence(task.scene, *task.surface, &progress)),
       around_(*task.surface),
@@ -280,11 +277,6 @@ Colours LoopRun::mapped_target() {
         [this]() -> const EyeFilter& { return wide_filter(); });
 }
 
-std::vector<float> LoopRun::appearance_of_white() const {
-    if (options_.intent == Intent::absolute) return {};
-    return task_.model->predict(task_.scene, *task_.surface, &progress_).value;
-}
-
 void LoopRun::prepare_misfit() {
     if (!descent_wanted_) {
         wide_.reset();
@@ -297,6 +289,8 @@ void LoopRun::prepare_misfit() {
 }
 
 void LoopRun::predict_open_loop() {
+    if (options_.intent != Intent::absolute) state_.white = sequence_->twin(*task_.scene.volume, &progress_).value;
+    watch_.lap();
     predict(task_.open_loop(), LoopMethod::open_loop);
     state_.open = state_.shown = rgb_;
     best_remarks_ = remarks_;
@@ -306,7 +300,9 @@ void LoopRun::predict_open_loop() {
 }
 
 void LoopRun::resume(ResumedLoop from) {
-    if (!sequence_->read_state(from.sequence))
+    const std::size_t values =
+        options_.intent == Intent::absolute ? 0 : target_.size() * task_.scene.resins->channels.size();
+    if (from.state.white.size() != values || !sequence_->read_state(from.sequence))
         throw InputError("the saved state of the appearance loop does not fit its model: begin anew with --overwrite");
     state_ = std::move(from.state);
 }
@@ -447,7 +443,7 @@ bool LoopRun::nothing_visible_left() const {
 LoopResult LoopRun::finish() {
     progress_.end_stage();
     for (const std::string& remark : best_remarks_) progress_.warn(remark);
-    LoopResult result{std::move(state_),       std::move(in_gamut_), std::move(white_),       cancelled_,
+    LoopResult result{std::move(state_),       std::move(in_gamut_), cancelled_,
                       std::move(why_stopped_), std::nullopt,         std::move(best_remarks_)};
     if (result.state.best > 0) result.best = result.state.best_mixtures;
     return result;

@@ -97,6 +97,7 @@ struct LoopStep {
 
 /// With what the model's sequence keeps (AppearanceSequence::write_state) enough to go on later, to the same bits.
 struct LoopState {
+    std::vector<float> white;  ///< appearance of the white twin; empty for the absolute intent
     std::vector<LoopStep> steps;
     std::size_t best = 0;                        ///< index into steps; 0: the open loop
     std::vector<Eigen::Vector3f> control;        ///< of the next iterate, per cell, while there is feedback
@@ -118,7 +119,6 @@ struct ResumedLoop {
 struct LoopResult {
     LoopState state;
     std::vector<char> in_gamut;  ///< per cell
-    std::vector<float> white;    ///< appearance of the white twin; empty for the absolute intent
     bool cancelled = false;
     std::string why_stopped;
     std::optional<SkinMixtures> best;  ///< nothing: the open loop was best

@@ -65,6 +65,29 @@ void check_gif_canvas(std::span<const std::byte> bytes, const std::string& name,
     check_pixels(number(6) + 256 * number(7), number(8) + 256 * number(9), name, options);
 }
 
+/// The attributes of an OpenEXR header, for which OpenEXR takes as much memory as they declare: a name, a type, each
+/// closed by 0, and a 32-bit length.
+void check_exr_header(std::span<const std::byte> bytes, const std::string& name) {
+    std::size_t at = 8;  // behind the mark and the version
+    const auto skip_word = [&] {
+        while (at < bytes.size() && bytes[at] != std::byte{}) ++at;
+        ++at;
+    };
+    while (at < bytes.size() && bytes[at] != std::byte{}) {
+        skip_word();
+        skip_word();
+        std::uint64_t length = 0;
+        for (std::size_t i = 0; i < 4 && at + i < bytes.size(); ++i)
+            length |= std::to_integer<std::uint64_t>(bytes[at + i]) << (8 * i);
+        at += 4;
+        if (at > bytes.size() || length > bytes.size() - at)
+            throw InputError(fmt::format(
+                "the picture {} declares more in its header than its {} bytes hold; it is damaged or cut short", name,
+                bytes.size()));
+        at += length;
+    }
+}
+
 /// The bytes as an open file without a name on the disk, for readers that want a path.
 class MemoryFile {
 public:
@@ -325,6 +348,7 @@ DecodedImage decode_image(std::span<const std::byte> bytes, const std::string& n
             "as PNG",
             name));
     if (format == "gif") check_gif_canvas(bytes, name, options);
+    if (format == "openexr") check_exr_header(bytes, name);
     use_no_threads();
     try {
         const std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::create(format);

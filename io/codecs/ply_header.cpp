@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "voxtone/base/error.h"
+#include "voxtone/base/printable.h"
 
 namespace voxtone::io {
 
@@ -61,10 +62,15 @@ std::uint64_t least_bytes(const PlyElement& element, bool ascii) {
     return bytes;
 }
 
-/// Where the line "end_header" begins: not a comment that mentions it, behind which a parser would read on.
+/// Where the line "end_header" begins: not a comment or a longer word, behind which a parser would read on.
 std::size_t end_of_header(std::string_view text) {
-    const std::size_t found = text.find("\nend_header");
-    return found == std::string_view::npos ? found : found + 1;
+    constexpr std::string_view last = "\nend_header";
+    for (std::size_t at = text.find(last); at != std::string_view::npos; at = text.find(last, at + 1)) {
+        const std::size_t behind = at + last.size();
+        if (behind == text.size() || std::string_view(" \t\r\n").find(text[behind]) != std::string_view::npos)
+            return at + 1;
+    }
+    return std::string_view::npos;
 }
 
 }  // namespace
@@ -110,6 +116,9 @@ PlyHeader read_ply_header(std::span<const std::byte> bytes, const std::string& n
             PlyElement& element = header.elements.back();
             element.properties.push_back(property_of(words, second, name));
             note_colour(header, element, element.properties.back());
+        } else if (!key.empty() && key != "ply" && key != "comment" && key != "obj_info") {
+            throw InputError(fmt::format("{}: the header has the line '{}', which PLY does not know; export it again",
+                                         name, printable(line)));
         }
     }
     std::uint64_t left = bytes.size() - end;

@@ -65,6 +65,11 @@ public:
     /// `volume` has the size, pitch and air of the scene's that the sequence was made for, and lives until the next
     /// prediction.
     [[nodiscard]] virtual Appearance next(const ResinVolume& volume, const Progress* progress = nullptr) = 0;
+    /// Of a volume that is nothing like those to come, as the white twin is: what the shape costs is kept, its light is
+    /// no place to start from. Before the first prediction.
+    [[nodiscard]] virtual Appearance twin(const ResinVolume& volume, const Progress* progress = nullptr) {
+        return next(volume, progress);
+    }
     /// Takes the derivatives of the voxels in a box; they are good during the call.
     using GradientVisitor = std::function<void(const ResinGradient&, const VoxelBox&)>;
     /// At the last prediction, of a function F with these d F / d value (as Appearance::value): handed over box by box,

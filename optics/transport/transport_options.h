@@ -24,7 +24,10 @@ struct TransportOptions {
     bool viewing_cells = false;  ///< the whole prediction on viewing cells (viewing_sequence.h), ten times as fast
     Refinement refinement = Refinement::none;  ///< with them: where they are cut finer
     double colour_mm = 0.8;  ///< with them: how deep below the surface colour is expected to come and go
-    int next_sweeps = 2;     ///< with them: of the later predictions of a sequence, >= 1
+    /// With them: a twin (AppearanceSequence::twin) is swept no more where the last sweep changed less of what is seen
+    /// in a channel. 0: always `sweeps`.
+    double twin_change = 0.005;
+    int next_sweeps = 2;  ///< with them: of the later predictions of a sequence, >= 1
     /// With them: a later prediction sweeps no more where the last sweep changed less of what is seen in a channel; of
     /// its adjoint ten times as much. 0: always `next_sweeps`.
     double next_change = 0.01;

@@ -20,7 +20,7 @@ namespace {
 
 // The file: magic, digest of the job as it was opened, digest of the job with its target, state, what the sequence
 // keeps, digest of all before. Native byte order: it is read where it was written.
-constexpr std::string_view magic = "voxtone-loop 8\n", any_magic = "voxtone-loop ";  // of any version
+constexpr std::string_view magic = "voxtone-loop 9\n", any_magic = "voxtone-loop ";  // of any version
 constexpr std::size_t digest_size = sizeof(std::uint64_t);
 constexpr std::size_t head_size = magic.size() + 2 * digest_size;
 
@@ -101,6 +101,7 @@ void state_in(File& file, State& state) {
     file.raw(&best, sizeof best);
     if constexpr (!std::is_const_v<State>) state.best = static_cast<std::size_t>(best);
     file.list(state.steps);
+    file.list(state.white);
     file.list(state.control);
     file.list(state.start_control);
     mixtures_in(file, state.best_mixtures);

@@ -362,22 +362,35 @@ void ViewingSequence::solve(Fields Tile::*fields, GhostLight& ghosts, bool hear,
 
 void ViewingSequence::begin(Fields Tile::*fields, GhostLight& ghosts, std::span<const float> adjoint_seed,
                             const Progress* progress) {
-    ghosts.assign(channels(), std::vector<float>(ghost_places_.size()));
+    const bool known = !ghosts.empty();  // of a twin
+    if (!known) ghosts.assign(channels(), std::vector<float>(ghost_places_.size()));
     if (tiles_.size() == 1) return;
     for (int round = 0; round < first_rounds; ++round)
         for (std::size_t t = 0; t < tiles_.size(); ++t) {
             look_at(t, progress);
             (tiles_[t].*fields).assign(channels(), {});
-            solve(fields, ghosts, round > 0, {0, 0}, adjoint_seed, progress, [](std::size_t) {});
+            solve(fields, ghosts, known || round > 0, {0, 0}, adjoint_seed, progress, [](std::size_t) {});
         }
 }
 
 Appearance ViewingSequence::only(const ResinVolume& volume, const Progress* progress) {
     keeps_light_ = false;
-    return next(volume, progress);
+    return predict(volume, {options_.sweeps, 0}, progress);
+}
+
+Appearance ViewingSequence::twin(const ResinVolume& volume, const Progress* progress) {
+    Appearance appearance = predict(volume, {options_.sweeps, options_.twin_change}, progress);
+    for (Tile& tile : tiles_) tile.light.assign(channels(), {});
+    return appearance;
 }
 
 Appearance ViewingSequence::next(const ResinVolume& volume, const Progress* progress) {
+    const bool first = tiles_[0].light[0].cells.empty();
+    return predict(volume, first ? Effort{options_.sweeps, 0} : Effort{options_.next_sweeps, options_.next_change},
+                   progress);
+}
+
+Appearance ViewingSequence::predict(const ResinVolume& volume, Effort effort, const Progress* progress) {
     const Stopwatch watch;
     VOXTONE_EXPECT(volume.size() == scene_.volume->size());
     Scene scene = scene_;
@@ -386,8 +399,7 @@ Appearance ViewingSequence::next(const ResinVolume& volume, const Progress* prog
     volume_ = &volume;
     for (Tile& tile : tiles_)
         if (tile.shape) tile.shape->filled = nullptr;
-    const bool first = ghost_light_.empty();
-    if (first) begin(&Tile::light, ghost_light_, {}, progress);
+    if (tiles_[0].light[0].cells.empty()) begin(&Tile::light, ghost_light_, {}, progress);
     Appearance appearance;
     appearance.channels = channels();
     appearance.value.assign(surface_.cells.size() * channels(), 0.0f);
@@ -395,13 +407,11 @@ Appearance ViewingSequence::next(const ResinVolume& volume, const Progress* prog
     summary_.mean_change = 0;
     for (std::size_t t = 0; t < tiles_.size(); ++t) {
         look_at(t, progress);
-        solve(&Tile::light, ghost_light_, true,
-              first ? Effort{options_.sweeps, 0} : Effort{options_.next_sweeps, options_.next_change}, {}, progress,
-              [&](std::size_t c) {
-                  summary_.last_change[c] = std::max(summary_.last_change[c], transport_->last_change());
-                  summary_.mean_change = std::max(summary_.mean_change, transport_->relative_change());
-                  read_appearance(c, appearance);
-              });
+        solve(&Tile::light, ghost_light_, true, effort, {}, progress, [&](std::size_t c) {
+            summary_.last_change[c] = std::max(summary_.last_change[c], transport_->last_change());
+            summary_.mean_change = std::max(summary_.mean_change, transport_->relative_change());
+            read_appearance(c, appearance);
+        });
     }
     count_memory(0);
     summary_.total_s += watch.total();

@@ -162,7 +162,7 @@ TEST_CASE("The loop undoes a blur, keeps its best iterate and is never worse tha
     scene.volume = &best;
     const optics::Appearance seen = model.predict(scene, slab.surface, nullptr);
     for (std::size_t i = 0; i < target.size(); ++i)
-        CHECK(state.shown[i].x() == Approx(seen.value[3 * i] / result.white[3 * i]).margin(1e-6));
+        CHECK(state.shown[i].x() == Approx(seen.value[3 * i] / state.white[3 * i]).margin(1e-6));
 }
 
 TEST_CASE("A loop that cannot gain ends with the open loop, and stops by itself", "[loop]") {

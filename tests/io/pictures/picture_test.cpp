@@ -165,6 +165,10 @@ TEST_CASE("pictures") {
         // A GIF's canvas of 17 GB, for which memory would be taken before its size is told.
         CHECK_THROWS_WITH(decode_image(bytes_of("GIF89a\xff\xff\xff\xff" + std::string(5, '\0')), "bomb.gif"),
                           Contains("65535 x 65535"));
+        // An attribute of 2 GB in a file of 20 bytes, for which OpenEXR would take memory.
+        CHECK_THROWS_WITH(
+            decode_image(bytes_of(std::string("\x76\x2f\x31\x01\2\0\0\0a\0int\0\xff\xff\xff\x7f", 18)), "bomb.exr"),
+            Contains("18 bytes"));
         CHECK_THROWS_WITH(decode_image(bytes_of("nonsense"), "a.png"), Contains("known kind"));
         CHECK_THROWS_AS(read_picture_here(folder.path() / "gone.png"), FileError);
         const std::string whole = png(9, 9, std::vector<std::uint8_t>(9 * 9 * 4, 200));

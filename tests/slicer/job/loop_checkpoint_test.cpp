@@ -20,6 +20,7 @@ halftone::LoopState some_state(std::size_t cells) {
     halftone::LoopState state;
     state.steps.resize(3);
     state.steps[1].seen.mean = 1.25;
+    state.white.assign(3 * cells, 0.875f);
     state.best = 1;
     for (auto* list : {&state.control, &state.open, &state.shown, &state.start_control})
         for (std::size_t i = 0; i < cells; ++i) list->push_back(Eigen::Vector3f(float(i), 0.5f, -1));
@@ -72,6 +73,7 @@ TEST_CASE("A loop's state comes back as it was", "[loop]") {
     CHECK_FALSE(back->has_gradient);
     CHECK(back->best == 1);
     CHECK(back->steps[1].seen.mean == 1.25);
+    CHECK(back->white == state.white);
     CHECK(back->control == state.control);
     CHECK(back->start_control == state.start_control);
     CHECK(std::ranges::equal(back->best_mixtures.all(), state.best_mixtures.all()));
@@ -150,7 +152,7 @@ TEST_CASE("A state of another job or a broken file is refused", "[loop]") {
         CHECK_THROWS(LoopCheckpoint(folder.path(), opened_job, a_job, target).read(quiet));
     }
     std::string older = bytes;
-    older.replace(0, 15, "voxtone-loop 7\n");
+    older.replace(0, 15, "voxtone-loop 8\n");
     write(older);
     CHECK_THROWS_WITH(LoopCheckpoint(folder.path(), opened_job, a_job, target).read(quiet),
                       Catch::Contains("another version of this program"));
@@ -171,9 +173,9 @@ TEST_CASE("Whose state it is can be told before the model is read", "[loop]") {
                       Catch::Contains("belongs to a job with other options"));
     Progress quiet;
     CHECK_THROWS_AS(LoopCheckpoint(folder.path(), another_job, a_job, target).read(quiet), InputError);
-    write("voxtone-loop 7\nwhatever that version had there");
+    write("voxtone-loop 8\nwhatever that version had there");
     CHECK_THROWS_WITH(LoopCheckpoint::expect_same_job(folder.path(), opened_job), Catch::Contains("another version"));
-    write("voxtone-loop 8\n1234567");
+    write("voxtone-loop 9\n1234567");
     CHECK_THROWS_AS(LoopCheckpoint::expect_same_job(folder.path(), opened_job), FileError);
     write("");
     CHECK_THROWS_AS(LoopCheckpoint::expect_same_job(folder.path(), opened_job), FileError);

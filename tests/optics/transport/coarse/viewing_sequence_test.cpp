@@ -107,6 +107,34 @@ TEST_CASE("A sequence sweeps once where little has changed, and more where much 
     CHECK(steps(0, first) == 6);
 }
 
+TEST_CASE("A twin leaves shape and the light between tiles, and no light to start from") {
+    const ResinSet set = vero_opaque();
+    const ResinVolume print = halftoned_sphere(1.5, 0.5), white = all_of(halftoned_sphere(1.5, 0), 5);
+    const Scene scene{&white, &set, Backing::none, Sides::open};
+    const Surface surface = find_surface(scene, viewing_cell, SurfacePart::all);
+    const auto predictions = [&](const TransportOptions& options) {
+        ViewingSequence fresh(scene, surface, options), after(scene, surface, options);
+        const Appearance twin = after.twin(white);
+        const Appearance seen = after.next(print);
+        TransportOptions patient = options;
+        patient.sweeps = 12;
+        return std::array{twin, seen, fresh.next(print), ViewingSequence(scene, surface, patient).only(white),
+                          ViewingSequence(scene, surface, patient).only(print)};
+    };
+    const auto [twin, seen, fresh, exact_twin, exact] = predictions(on_viewing_cells());
+    CHECK(seen.value == fresh.value);
+    CHECK(between(twin.value, exact_twin.value).rms < 0.002);
+    // In tiles it starts from what shines across the cuts of the twin, which is nearer than nothing.
+    TransportOptions in_tiles = on_viewing_cells();
+    in_tiles.tile_cells = 1500;
+    in_tiles.tile_halo = 1;
+    const auto [tiled_twin, tiled, tiled_fresh, exact_tiled_twin, exact_tiled] = predictions(in_tiles);
+    const double own = between(tiled.value, exact.value).rms, without = between(tiled_fresh.value, exact.value).rms;
+    INFO(own << " " << without << " twin " << between(tiled_twin.value, exact_twin.value).rms);
+    CHECK(own < 0.005);
+    CHECK(own < 1.1 * without);
+}
+
 TEST_CASE("Colour that gets deeper than expected makes a new grid and keeps the light") {
     const ResinSet set = vero_opaque();
     const ResinVolume first = halftoned_sphere(2.0, 0.5), deep = halftoned_sphere(2.0, 0.5, 1.8);
