@@ -127,6 +127,7 @@ public:
         if (extension_ == "ply") ply_ = read_ply_header(context_.bytes(), context_.name());
         if (ply_ && (ply_->face_colours || ply_->corner_coordinates))
             faces_ = read_ply_faces(context_.bytes(), *ply_, context_.name());
+        if (ply_) expect_lists_to_fit(context_.bytes(), *ply_, context_.name());
         if (extension_ == "stl") check_stl(context_.bytes(), context_.name(), parts_.lost_colours);
         const std::string virtual_name = "voxtone model." + extension_;
         auto* files = new ModelFiles(context_, parts_, virtual_name);  // owned by the importer

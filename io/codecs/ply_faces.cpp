@@ -31,7 +31,7 @@ public:
     double next(PlyType type) { return encoding_ == PlyHeader::Encoding::ascii ? next_word() : next_binary(type); }
     void skip(PlyType type, std::uint64_t values) {
         if (encoding_ == PlyHeader::Encoding::ascii) {
-            for (std::uint64_t i = 0; i < values; ++i) next_word();
+            for (std::uint64_t i = 0; i < values; ++i) skip_word();
             return;
         }
         if (values > (text_.size() - at_) / bytes_of(type)) cut_short();
@@ -54,8 +54,19 @@ private:
 
     static bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
 
-    double next_word() {
+    void skip_blanks() {
         while (at_ < text_.size() && is_blank(text_[at_])) ++at_;
+    }
+
+    /// Whatever it says: some write numbers that are none ("-1.#IND") where nobody looks.
+    void skip_word() {
+        skip_blanks();
+        if (at_ == text_.size()) cut_short();
+        while (at_ < text_.size() && !is_blank(text_[at_])) ++at_;
+    }
+
+    double next_word() {
+        skip_blanks();
         double value = 0;
         const char* const first = text_.data() + at_;
         const char* const last = text_.data() + text_.size();
@@ -160,6 +171,12 @@ private:
 };
 
 }  // namespace
+
+void expect_lists_to_fit(std::span<const std::byte> bytes, const PlyHeader& header, const std::string& name) {
+    PlyValues values(bytes, header, name);
+    for (const PlyElement& element : header.elements)
+        for (std::uint64_t i = 0; i < element.count; ++i) skip_item(element, values);
+}
 
 bool PlyFaces::has_several_colours() const {
     return std::adjacent_find(rgba.begin(), rgba.end(), std::not_equal_to<>()) != rgba.end();

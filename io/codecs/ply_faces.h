@@ -31,6 +31,9 @@ struct PlyFaces {
     [[nodiscard]] Eigen::Vector2f uv_at(std::size_t face, std::uint32_t vertex) const;
 };
 
+/// Throws InputError where a list is longer than what is left of the file: a parser would take memory for it.
+void expect_lists_to_fit(std::span<const std::byte> bytes, const PlyHeader& header, const std::string& name);
+
 /// In the order of the file. Throws InputError where it is cut short.
 [[nodiscard]] PlyFaces read_ply_faces(std::span<const std::byte> bytes, const PlyHeader& header,
                                       const std::string& name);

@@ -6,6 +6,7 @@
 #include <fmt/core.h>
 
 #include "voxtone/base/error.h"
+#include "voxtone/base/progress_bar.h"
 #include "voxtone/base/stopwatch.h"
 #include "voxtone/slicer/job/colour_report.h"
 #include "voxtone/slicer/job/loop_report.h"
@@ -14,6 +15,8 @@
 namespace voxtone::slicer {
 
 namespace {
+
+constexpr double worth_a_word_s = 20;  // what is over sooner needs no announcement
 
 std::unique_ptr<const JobColour> separate(const OpenedJob& job, const JobBody& body, double& seconds,
                                           Progress& progress) {
@@ -50,12 +53,22 @@ void ColourPrint::print_open_loop(const std::string& why, Progress& progress) {
     progress.warn(loop_plan_.why_not);
 }
 
+void ColourPrint::announce_loop(Progress& progress) const {
+    const LoopCost cost = expected_cost(loop_plan_, coloured_area_mm2(*body_.surface), job_.options.prediction.cell_mm);
+    if (cost.seconds < worth_a_word_s) return;
+    progress.note(
+        fmt::format("the appearance loop will take about {} and {:.1f} GB on two cores; --iterations 0 leaves it "
+                    "out, --iterations 3 makes most of its gain",
+                    duration_text(cost.seconds), cost.bytes / 1e9));
+}
+
 void ColourPrint::prepare(Progress& progress) {
     if (!loop_plan_.wanted) {
         if (!loop_plan_.why_not.empty()) progress.note(loop_plan_.why_not);
         return;
     }
     const Stopwatch watch;
+    announce_loop(progress);
     try {
         progress.begin_stage("prepare the loop", 0);
         auto problem =

@@ -45,6 +45,7 @@ private:
         std::optional<halftone::ResumedLoop> before;
     };
 
+    void announce_loop(Progress& progress) const;
     void print_open_loop(const std::string& why, Progress& progress);
     [[nodiscard]] JobPrediction predict(optics::ResinVolume volume, Progress& progress) const;
 

@@ -3,9 +3,8 @@
 // The appearance loop of a job: from the open-loop print to the mixtures of its surface cells that look most like the
 // target.
 //
-// The loop is left out where it has nothing to choose (one resin), where it was not asked for, and, unless it was,
-// where the coloured surface is larger than auto_loop_cm2; where its memory does not suffice the job goes on with the
-// open loop and says so.
+// The loop is left out where it has nothing to choose (one resin) and where it is not wanted (--iterations 0); where
+// its memory does not suffice the job goes on with the open loop and says so.
 //
 // First everything is prepared that may refuse the job (LoopCells, LoopProblem, the checkpoint of an interrupted job);
 // then the loop runs, for hours if need be.
@@ -40,6 +39,13 @@ struct LoopPlan {
 /// `resume`: with no iterations too, what an interrupted loop has found is looked at.
 [[nodiscard]] LoopPlan plan_loop(const JobLoopOptions& options, bool resume, const JobBody& body,
                                  const LoadedResins& resins);
+
+/// What a loop takes, about: measured on two cores of 2.5 GHz (docs/benchmarks.md, "Bodies"), to a factor of 1.5.
+struct LoopCost {
+    int iterations = 0;  ///< that are made, of a loop that stops when it gains no more
+    double seconds = 0, bytes = 0;
+};
+[[nodiscard]] LoopCost expected_cost(const LoopPlan& plan, double area_mm2, double cell_mm);
 
 /// Where the unknowns of the loop lie: the cells of the surface, the layers below them, and the way there from a voxel.
 /// What the loop finds refers to it. Stays where it was made.

@@ -15,10 +15,9 @@ namespace {
 // Seconds on two cores of 2.5 GHz, by `voxtone slice` of photographs 5 to 15 mm wide and of the bundled cow at 15 and
 // 30 mm (stages of report.json).
 constexpr double separation_s = 1.5, report_s = 1;
-constexpr double preparation_s_per_cell = 3e-5, iteration_s_per_cell = 1e-4;
+constexpr double preparation_s_per_cell = 6e-6;
 constexpr double layers_s_per_voxel = 1e-8, layers_s_per_shell_voxel = 1e-7;
 constexpr double profiles_s_per_resin = 1, search_s_per_cluster = 1, traced_search_s_per_cluster = 5;
-constexpr int usual_iterations = 9;  ///< of a loop that stops when it gains no more
 
 double layers_seconds(const OpenedJob& job, const JobBody& body, const LayerRange& range, double area_mm2) {
     const double layer_voxels = double(body.grid.size[0]) * body.grid.size[1];
@@ -47,9 +46,8 @@ std::vector<ExpectedStage> expected_stages(const OpenedJob& job, const JobBody& 
     else
         stages.push_back({"separate colours", separation_s});
     if (loop.wanted) {
-        const int iterations = loop.iterations < 0 ? usual_iterations : loop.iterations;
         stages.push_back({"prepare the loop", separation_s + preparation_s_per_cell * cells});
-        stages.push_back({"appearance loop", iteration_s_per_cell * cells * (iterations + 1)});
+        stages.push_back({"appearance loop", expected_cost(loop, area_mm2, options.prediction.cell_mm).seconds});
     }
     stages.push_back({"layers", layers_seconds(job, body, range, area_mm2)});
     const bool all_layers = range.layers() == body.grid.size[2];

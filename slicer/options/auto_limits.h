@@ -5,9 +5,6 @@
 
 namespace voxtone::slicer {
 
-/// Whose resins `slice` rearranges without being asked.
-inline constexpr double auto_loop_cm2 = 30;
-
 /// Up to which `--loop-method auto` goes on downhill after feedback: beyond it the same few iterations gain as much by
 /// feedback alone, in half the time and three quarters of the memory (docs/benchmarks.md, "Bodies").
 inline constexpr double descent_cm2 = 30;

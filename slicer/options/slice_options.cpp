@@ -9,6 +9,7 @@
 
 #include "voxtone/base/error.h"
 #include "voxtone/base/units.h"
+#include "voxtone/halftone/loop/appearance_loop.h"
 #include "voxtone/io/layers/layer_format.h"
 #include "voxtone/slicer/options/auto_limits.h"
 #include "voxtone/slicer/options/model_choice.h"
@@ -174,9 +175,8 @@ std::vector<OptionSpec> make_table() {
 
         text(spec("iterations", Kind::text, "N", loop,
                   fmt::format("how often the resins are rearranged after looking at the predicted print; 0: never; "
-                              "auto: until it stops gaining, for "
-                              "up to {:g} cm2 of coloured surface, else never",
-                              auto_loop_cm2)),
+                              "auto: until it stops gaining, at most {}",
+                              halftone::most_iterations)),
              &O::iterations),
         text(spec("intent", Kind::text, "NAME", loop,
                   "relative: the target's white is the white resin; absolute: it is a body that absorbs nothing; "

@@ -20,7 +20,6 @@
 namespace voxtone::optics {
 namespace {
 
-constexpr int first_rounds = 2;
 constexpr std::uint32_t nowhere = 0xffffffffu;
 
 /// Plain values and lists of them as bytes.
@@ -365,12 +364,11 @@ void ViewingSequence::begin(Fields Tile::*fields, GhostLight& ghosts, std::span<
     const bool known = !ghosts.empty();  // of a twin
     if (!known) ghosts.assign(channels(), std::vector<float>(ghost_places_.size()));
     if (tiles_.size() == 1) return;
-    for (int round = 0; round < first_rounds; ++round)
-        for (std::size_t t = 0; t < tiles_.size(); ++t) {
-            look_at(t, progress);
-            (tiles_[t].*fields).assign(channels(), {});
-            solve(fields, ghosts, known || round > 0, {0, 0}, adjoint_seed, progress, [](std::size_t) {});
-        }
+    for (std::size_t t = 0; t < tiles_.size(); ++t) {
+        look_at(t, progress);
+        (tiles_[t].*fields).assign(channels(), {});
+        solve(fields, ghosts, known, {0, 0}, adjoint_seed, progress, [](std::size_t) {});
+    }
 }
 
 Appearance ViewingSequence::only(const ResinVolume& volume, const Progress* progress) {
@@ -415,6 +413,9 @@ Appearance ViewingSequence::predict(const ResinVolume& volume, Effort effort, co
     }
     count_memory(0);
     summary_.total_s += watch.total();
+    fprintf(stderr, "TT %zu tiles: %.1f s; total so far grid %.1f diff %.1f sweep %.1f steps %d change %.4f\n",
+            tiles_.size(), watch.total(), summary_.grid_s, summary_.diffusion_s, summary_.sweep_s,
+            summary_.diffusion_steps, summary_.mean_change);
     if (!keeps_light_) summary_.clipped_values = 0;  // of light that nobody will use
     appearance.remarks = remarks_of(summary_);
     return appearance;

@@ -425,6 +425,9 @@ TEST_CASE("PLY faces have colours and texture coordinates of their own") {
         CHECK_THROWS_WITH(read(folder, {{"f.ply", head + "comment end_header\nelement face 999999999\n" + face_list +
                                                       "end_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"}}),
                           Contains("999999999 items 'face'"));
+        CHECK_THROWS_WITH(read(folder, {{"f.ply", head + "element face 1\n" + face_list +
+                                                      "end_header\n0 0 0\n1 0 0\n0 1 0\n9999999999 0 1 2\n"}}),
+                          Contains("a list in it has no length"));
         CHECK_THROWS_WITH(read(folder, {{"f.ply", "ply\nformat ascii 1.0\nend_headers\nelement vertex 3\n" + rest}}),
                           Contains("'end_headers', which PLY does not know"));
     }

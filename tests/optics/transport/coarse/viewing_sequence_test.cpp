@@ -109,7 +109,7 @@ TEST_CASE("A sequence sweeps once where little has changed, and more where much 
 
 TEST_CASE("A twin leaves shape and the light between tiles, and no light to start from") {
     const ResinSet set = vero_opaque();
-    const ResinVolume print = halftoned_sphere(1.5, 0.5), white = all_of(halftoned_sphere(1.5, 0), 5);
+    const ResinVolume print = halftoned_sphere(3, 0.5), white = all_of(halftoned_sphere(3, 0), 5);
     const Scene scene{&white, &set, Backing::none, Sides::open};
     const Surface surface = find_surface(scene, viewing_cell, SurfacePart::all);
     const auto predictions = [&](const TransportOptions& options) {
@@ -126,8 +126,7 @@ TEST_CASE("A twin leaves shape and the light between tiles, and no light to star
     CHECK(between(twin.value, exact_twin.value).rms < 0.002);
     // In tiles it starts from what shines across the cuts of the twin, which is nearer than nothing.
     TransportOptions in_tiles = on_viewing_cells();
-    in_tiles.tile_cells = 1500;
-    in_tiles.tile_halo = 1;
+    in_tiles.tile_cells = 8000;
     const auto [tiled_twin, tiled, tiled_fresh, exact_tiled_twin, exact_tiled] = predictions(in_tiles);
     const double own = between(tiled.value, exact.value).rms, without = between(tiled_fresh.value, exact.value).rms;
     INFO(own << " " << without << " twin " << between(tiled_twin.value, exact_twin.value).rms);
