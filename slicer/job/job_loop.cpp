@@ -125,8 +125,8 @@ LoopPlan plan_loop(const JobLoopOptions& options, bool resume, const JobBody& bo
 
 LoopCost expected_cost(const LoopPlan& plan, double area_mm2, double cell_mm) {
     // Of `slice` with the bundled cow at 15, 30 and 60 mm and a photograph 20 mm wide.
-    constexpr double first_s = 7e-5, feedback_s = 1.7e-5, descent_s = 3.3e-5;         // a surface cell
-    constexpr double least_bytes = 3e8, feedback_bytes = 3400, descent_bytes = 5500;  // a surface cell
+    constexpr double first_s = 8e-5, feedback_s = 2e-5, descent_s = 3.8e-5;           // a surface cell
+    constexpr double least_bytes = 3e8, feedback_bytes = 3900, descent_bytes = 6400;  // a surface cell
     constexpr int usual_by_feedback = 5, usual_by_descent = 12;
     const double cells = area_mm2 / (cell_mm * cell_mm);
     LoopCost cost;

@@ -221,3 +221,30 @@ TEST_CASE("Where there is nothing to rearrange the job says so and goes on") {
     folder.write("marker.obj", marker_obj());
     CHECK(loop_of((folder / "marker.obj") + " --size 2mm"));
 }
+
+TEST_CASE("Large bodies are rearranged without being asked, and what that takes is announced") {
+    const Folder folder("large");
+    // 36 cm2 take minutes: told first, and stopped as soon as it was.
+    slicer::SliceOptions options;
+    options.model = picture;
+    options.out = folder / "usual";
+    options.width_mm = 60;
+    options.thickness_mm = 1;
+    options.report = false;
+    class StopsWhenTold final : public Progress {
+    public:
+        std::string told;
+
+    private:
+        void on_note(const std::string& note) override {
+            if (note.find("the appearance loop will take about") == std::string::npos) return;
+            told = note;
+            cancel();
+        }
+    } progress;
+    CHECK_THROWS_AS(slicer::run_slice_job(options, progress), Cancelled);
+    INFO(progress.told);
+    CHECK(progress.told.find(" min") != std::string::npos);
+    CHECK(progress.told.find("GB") != std::string::npos);
+    CHECK(progress.told.find("--iterations 0") != std::string::npos);
+}
