@@ -413,9 +413,6 @@ Appearance ViewingSequence::predict(const ResinVolume& volume, Effort effort, co
     }
     count_memory(0);
     summary_.total_s += watch.total();
-    fprintf(stderr, "TT %zu tiles: %.1f s; total so far grid %.1f diff %.1f sweep %.1f steps %d change %.4f\n",
-            tiles_.size(), watch.total(), summary_.grid_s, summary_.diffusion_s, summary_.sweep_s,
-            summary_.diffusion_steps, summary_.mean_change);
     if (!keeps_light_) summary_.clipped_values = 0;  // of light that nobody will use
     appearance.remarks = remarks_of(summary_);
     return appearance;
