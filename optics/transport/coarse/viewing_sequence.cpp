@@ -20,6 +20,7 @@
 namespace voxtone::optics {
 namespace {
 
+constexpr int first_rounds = 2;
 constexpr std::uint32_t nowhere = 0xffffffffu;
 
 /// Plain values and lists of them as bytes.
@@ -364,11 +365,12 @@ void ViewingSequence::begin(Fields Tile::*fields, GhostLight& ghosts, std::span<
     const bool known = !ghosts.empty();  // of a twin
     if (!known) ghosts.assign(channels(), std::vector<float>(ghost_places_.size()));
     if (tiles_.size() == 1) return;
-    for (std::size_t t = 0; t < tiles_.size(); ++t) {
-        look_at(t, progress);
-        (tiles_[t].*fields).assign(channels(), {});
-        solve(fields, ghosts, known, {0, 0}, adjoint_seed, progress, [](std::size_t) {});
-    }
+    for (int round = known ? 1 : 0; round < first_rounds; ++round)
+        for (std::size_t t = 0; t < tiles_.size(); ++t) {
+            look_at(t, progress);
+            (tiles_[t].*fields).assign(channels(), {});
+            solve(fields, ghosts, round > 0, {0, 0}, adjoint_seed, progress, [](std::size_t) {});
+        }
 }
 
 Appearance ViewingSequence::only(const ResinVolume& volume, const Progress* progress) {

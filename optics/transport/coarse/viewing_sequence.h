@@ -11,15 +11,14 @@
 // A twin comes before the first prediction: it leaves grids and what shines across cuts to begin with, and is swept
 // until that changes little (`twin_change`). The print's light begins with a diffusion solve of its own, not with the
 // twin's: three sweeps from a white body's light left the open loop of `spot` at 30 mm with a mean error as seen
-// of 4.57, three from such a solve with 4.86, and eight from either with 4.85.
+// of 4.57, three from such a solve with 4.94, and eight from either with 4.85.
 //
 // Large bodies are predicted tile by tile (viewing_tiles.h), in a fixed order: equations are made for one tile at a
 // time, its light is kept in 16-bit steps; its grid too where memory allows, which saves time and changes no bit. What
 // shines across a cut is the light that the neighbour had when it was last looked at, so that light travels from tile
 // to tile as the predictions go on (Schwarz's alternating method). The first prediction goes over the tiles
-// once with diffusion alone before it sweeps, after a twin too: a print of dark resins is not lit by its white twin. On
-// a halftoned sphere of 3 mm in tiles that leaves 0.0015 rms after three sweeps, two such rounds 0.0031, and without a
-// twin 0.0030 and 0.0033.
+// `first_rounds` times with diffusion alone before it sweeps; after a twin once, for a print of dark resins is not lit
+// by its white twin.
 //
 // Media are those of the halftone (effective_medium.h) of each cell's voxels, seen from above where the surface looks
 // up and from all sides else; where in a cell a resin lies is seen too (seen_medium.h).
