@@ -38,12 +38,27 @@ const std::uint16_t* find_built_in(const std::array<double, 3>& pitch_mm) {
     return nullptr;
 }
 
+/// With x and y exchanged: just as even where the pitches are exchanged.
+std::shared_ptr<const std::uint16_t[]> turned(const std::uint16_t* tile) {
+    constexpr std::size_t n = BlueNoiseScreen::size;
+    auto made = std::make_shared<std::uint16_t[]>(tile_voxels);
+    for (std::size_t z = 0; z < n; ++z)
+        for (std::size_t y = 0; y < n; ++y)
+            for (std::size_t x = 0; x < n; ++x) made[x + n * (y + n * z)] = tile[y + n * (x + n * z)];
+    return made;
+}
+
 }  // namespace
 
 BlueNoiseScreen::BlueNoiseScreen(const std::array<double, 3>& pitch_mm, const Progress* progress) {
     for (double pitch : pitch_mm) VOXTONE_EXPECT(pitch > 0 && std::isfinite(pitch));
     tile_ = find_built_in(pitch_mm);
     if (tile_) return;
+    if (const std::uint16_t* const across = find_built_in({pitch_mm[1], pitch_mm[0], pitch_mm[2]})) {
+        made_ = turned(across);
+        tile_ = made_.get();
+        return;
+    }
     VoidAndClusterOptions options;
     options.pitch_mm = pitch_mm;
     const auto made = std::make_shared<std::uint16_t[]>(tile_voxels);

@@ -13,8 +13,8 @@
 // Power at low frequencies (below 0.2 of one over the mean distance of a resin's voxels) is under 2 % of white noise's;
 // around the x, y and z axis it is the same within 30 %.
 //
-// The tiles of the printers in the tree are made while building, by tools/make_screen; another ratio of pitches is made
-// when asked for, which takes a few seconds.
+// The tiles of the printers in the tree are made while building, by tools/make_screen, and serve printers whose x and y
+// are exchanged as well; another ratio of pitches is made when asked for, which takes a few seconds.
 #pragma once
 
 #include <array>
@@ -34,7 +34,7 @@ public:
     /// positive. Above a ratio of about 10 between two pitches the screen is not isotropic any more.
     explicit BlueNoiseScreen(const std::array<double, 3>& pitch_mm, const Progress* progress = nullptr);
 
-    /// False: no tile of the build fits, and this one was made at run time.
+    /// False: no tile of the build fits as it is, and this one was made or turned at run time.
     [[nodiscard]] bool built_in() const { return !made_; }
 
     /// The threshold of voxel (i, j, k); any integers.

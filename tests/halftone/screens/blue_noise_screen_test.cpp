@@ -89,6 +89,20 @@ TEST_CASE("The screen is addressed by position, negative ones too") {
     CHECK(screen.threshold(1, 2, 3) == screen.row(0, 0)[1 + 64 * (2 + 64 * 3)]);
 }
 
+TEST_CASE("A printer whose x and y are exchanged has the same screen, turned") {
+    const BlueNoiseScreen screen(j750), across({j750[1], j750[0], j750[2]});
+    CHECK_FALSE(across.built_in());
+    int unlike = 0, moved = 0;
+    for (int z = 0; z < 64; ++z)
+        for (int y = 0; y < 64; ++y)
+            for (int x = 0; x < 64; ++x) {
+                unlike += across.threshold(x, y, z) != screen.threshold(y, x, z);
+                moved += across.threshold(x, y, z) != screen.threshold(x, y, z);
+            }
+    CHECK(unlike == 0);
+    CHECK(moved > 64 * 64 * 62);
+}
+
 TEST_CASE("Any resin of any mixture keeps its share within 1 % in every cube of 16^3 voxels") {
     // The worst case over all cubes and all intervals of thresholds, not a sample.
     constexpr double one_percent = 0.01 * 16 * 16 * 16;
