@@ -55,10 +55,10 @@ void ColourPrint::print_open_loop(const std::string& why, Progress& progress) {
 
 void ColourPrint::announce_loop(Progress& progress) const {
     const LoopCost cost = expected_cost(loop_plan_, coloured_area_mm2(*body_.surface), job_.options.prediction.cell_mm);
-    if (cost.seconds < worth_a_word_s) return;
+    if (cost.seconds < worth_a_word_s || job_.options.resume) return;
     progress.note(
-        fmt::format("the appearance loop will take about {} and {:.1f} GB on two cores; --iterations 0 leaves it "
-                    "out, --iterations 3 makes most of its gain",
+        fmt::format("the appearance loop will take about {} and {:.1f} GB on two cores; --iterations N sets a limit, "
+                    "--iterations 0 leaves it out",
                     duration_text(cost.seconds), cost.bytes / 1e9));
 }
 

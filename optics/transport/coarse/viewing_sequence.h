@@ -11,7 +11,7 @@
 // A twin comes before the first prediction: it leaves grids and what shines across cuts to begin with, and is swept
 // until that changes little (`twin_change`). The print's light begins with a diffusion solve of its own, not with the
 // twin's: three sweeps from a white body's light left the open loop of `spot` at 30 mm with a mean error as seen
-// of 4.57, three from such a solve with 4.94, and eight from either with 4.85.
+// of 4.57, three from such a solve with 4.94, and eight from the former with 4.85.
 //
 // Large bodies are predicted tile by tile (viewing_tiles.h), in a fixed order: equations are made for one tile at a
 // time, its light is kept in 16-bit steps; its grid too where memory allows, which saves time and changes no bit. What
