@@ -41,7 +41,7 @@ ColourPrint::ColourPrint(const OpenedJob& job, const JobBody& body, const JobIde
       parts_(job.options, body, job.resins, *colour_, progress),
       all_white_(asks_for_white(parts_.surface_colour()) &&
                  job.resins.set.resins[std::size_t(job.resins.core)].role == "W"),
-      loop_plan_(plan_loop(job.options.loop, job.options.resume, body, job.resins)) {
+      loop_plan_(plan_loop(job.options, body, job.resins)) {
     if (all_white_ && loop_plan_.wanted && !job.options.loop.iterations)
         loop_plan_ = {.why_not =
                           "The model is white all over and the print all of white resin: there is nothing to "

@@ -108,19 +108,29 @@ private:
 
 }  // namespace
 
-LoopPlan plan_loop(const JobLoopOptions& options, bool resume, const JobBody& body, const LoadedResins& resins) {
+LoopPlan plan_loop(const ResolvedJob& job, const JobBody& body, const LoadedResins& resins) {
+    const JobLoopOptions& options = job.loop;
     const auto none = [](std::string why_not) { return LoopPlan{.why_not = std::move(why_not)}; };
-    if (options.iterations == 0 && !resume) return none("");
+    if (options.iterations == 0 && !job.resume) return none("");
     if (resins.set.resins.size() < 2)
         return none("The resins were not rearranged: one resin alone leaves nothing to choose.");
     if (body.surface->triangles.empty())
         return none("The resins were not rearranged: the body has no coloured surface.");
     const double area_mm2 = coloured_area_mm2(*body.surface);
-    return {.wanted = true,
-            .iterations = options.iterations.value_or(-1),
-            .descent = options.method == LoopMethod::descent ||
-                       (options.method == LoopMethod::automatic && area_mm2 <= 100 * descent_cm2),
-            .why_not = ""};
+    LoopPlan plan{.wanted = true,
+                  .iterations = options.iterations.value_or(-1),
+                  .descent = options.method == LoopMethod::descent ||
+                             (options.method == LoopMethod::automatic && area_mm2 <= 100 * descent_cm2),
+                  .why_not = ""};
+    const double bytes = expected_cost(plan, area_mm2, job.prediction.cell_mm).bytes,
+                 allowed = double(job.prediction.memory_bytes);
+    if (!options.iterations && !job.resume && allowed > 0 && bytes > cost_factor * allowed)
+        return none(
+            fmt::format("The resins were not rearranged: for {:.0f} cm2 of coloured surface that would take about "
+                        "{:.1f} GB of memory, and {:.1f} are allowed. Allow more (--memory), take larger cells "
+                        "(--predict-cell), or ask for it all the same (--iterations N).",
+                        area_mm2 / 100, bytes / 1e9, allowed / 1e9));
+    return plan;
 }
 
 LoopCost expected_cost(const LoopPlan& plan, double area_mm2, double cell_mm) {

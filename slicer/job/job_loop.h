@@ -4,7 +4,7 @@
 // target.
 //
 // The loop is left out where it has nothing to choose (one resin) and where it is not wanted (--iterations 0); where
-// its memory does not suffice the job goes on with the open loop and says so.
+// its memory does not suffice, surely or as it turns out, the job goes on with the open loop and says so.
 //
 // First everything is prepared that may refuse the job (LoopCells, LoopProblem, the checkpoint of an interrupted job);
 // then the loop runs, for hours if need be.
@@ -36,11 +36,12 @@ struct LoopPlan {
     std::string why_not;  ///< where it is not wanted: a sentence, or empty where none is due
 };
 
-/// `resume`: with no iterations too, what an interrupted loop has found is looked at.
-[[nodiscard]] LoopPlan plan_loop(const JobLoopOptions& options, bool resume, const JobBody& body,
-                                 const LoadedResins& resins);
+/// Of a job that resumes: with no iterations too, what an interrupted loop has found is looked at. Not without being
+/// asked where it would surely take more memory than is allowed (expected_cost).
+[[nodiscard]] LoopPlan plan_loop(const ResolvedJob& job, const JobBody& body, const LoadedResins& resins);
 
-/// What a loop takes, about: measured on two cores of 2.5 GHz (docs/benchmarks.md, "Bodies"), to a factor of 1.5.
+/// What a loop takes, about: measured on two cores of 2.5 GHz (docs/benchmarks.md, "Bodies"), to this factor.
+inline constexpr double cost_factor = 1.5;
 struct LoopCost {
     int iterations = 0;  ///< that are made, of a loop that stops when it gains no more
     double seconds = 0, bytes = 0;

@@ -39,7 +39,7 @@ std::vector<ExpectedStage> expected_stages(const OpenedJob& job, const JobBody& 
     const ResolvedJob& options = job.options;
     const double area_mm2 = coloured_area_mm2(*body.surface);
     const double cells = area_mm2 / (options.prediction.cell_mm * options.prediction.cell_mm);
-    const LoopPlan loop = options.layered ? LoopPlan{} : plan_loop(options.loop, options.resume, body, job.resins);
+    const LoopPlan loop = options.layered ? LoopPlan{} : plan_loop(options, body, job.resins);
     std::vector<ExpectedStage> stages;
     if (options.layered)
         expect_layered(job, stages);
