@@ -115,7 +115,7 @@ TEST_CASE("A printer with few slots is loaded with the resins that the model nee
     CHECK(roles() == "CMYKW");
 }
 
-TEST_CASE("A quick look in coarse cells is quicker, and sees the same colours") {
+TEST_CASE("A quick look in coarse cells looks at an eighth of them, and sees the same colours") {
     const Folder folder("quick");
     folder.write("ramp.obj", ramp_box_obj(8, 6, 4));
     REQUIRE(run_program("slice --quiet --iterations 0 --no-report " + folder / "ramp.obj" + " -o " + folder / "out")
@@ -136,6 +136,4 @@ TEST_CASE("A quick look in coarse cells is quicker, and sees the same colours") 
         CHECK(double(coarse["mean_rgb"][c]) == Approx(double(fine["mean_rgb"][c])).margin(0.02));
         CHECK(double(coarser["mean_rgb"][c]) == Approx(double(coarse["mean_rgb"][c])).margin(0.005));
     }
-    // Ten times as quick where nothing else runs: less than half says as much.
-    CHECK(double(coarse["seconds"]["predict"]) < 0.5 * double(fine["seconds"]["predict"]));
 }
