@@ -25,7 +25,8 @@ struct TransportOptions {
     Refinement refinement = Refinement::none;  ///< with them: where they are cut finer
     double colour_mm = 0.8;  ///< with them: how deep below the surface colour is expected to come and go
     /// With them: a twin (AppearanceSequence::twin) is swept no more where the last sweep changed less of what is seen
-    /// in a channel: that of a cow of 30 mm changed 0.015, 0.003 and 0.001 after one, two and three. 0: always `sweeps`.
+    /// in a channel: that of a cow of 30 mm changed 0.015, 0.003 and 0.001 after one, two and three. 0: always
+    /// `sweeps`.
     double twin_change = 0.005;
     int next_sweeps = 2;  ///< with them: of the later predictions of a sequence, >= 1
     /// With them: a later prediction sweeps no more where the last sweep changed less of what is seen in a channel; of
