@@ -84,7 +84,7 @@ struct Source {
     std::vector<Include> includes;
 };
 
-/// Parts of "optics/transport/coarse/x.h": floor "optics", room "transport" (a room may have an annex).
+/// Parts of "optics/transport/x.h": floor "optics", room "transport".
 Source place_of(const std::string& path) {
     Source source;
     source.path = path;

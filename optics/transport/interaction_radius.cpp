@@ -16,7 +16,6 @@ double interaction_radius(const ResinSet& resins, const std::array<double, 3>& p
     TransportOptions options;
     options.sweeps = 6;
     options.start_tolerance = 1e-5;
-    options.correction_tolerance = 1e-2;
     const std::array<int, 3> view = cell_voxels(pitch_mm, options.cell_mm);
     const std::array<int, 3> size{static_cast<int>(long_mm / (pitch_mm[0] * view[0])) * view[0], 4 * view[1],
                                   static_cast<int>(std::lround(thick_mm / pitch_mm[2]))};

@@ -16,9 +16,9 @@
 namespace voxtone::optics {
 namespace {
 
-constexpr int n = 8;  // directions of one hemisphere in one quadrant of azimuths: the others are alike
-using Matrix = Eigen::Matrix<double, n, n>;
-using PairMatrix = Eigen::Matrix<double, 2 * n, 2 * n>;
+constexpr int in_quadrant = 8;  // directions of one hemisphere in one quadrant of azimuths: the others are alike
+using Matrix = Eigen::Matrix<double, in_quadrant, in_quadrant>;
+using PairMatrix = Eigen::Matrix<double, 2 * in_quadrant, 2 * in_quadrant>;
 
 // Nodes of the table, even in u = ln(1 + (1 - alpha) / u_0): dense near albedo 1, where appearance runs steeply.
 constexpr std::size_t albedos = 33;
@@ -53,8 +53,8 @@ double TransportMedia::discrete_half_space(double albedo, double sigma_t) const 
     if (albedo >= 1) return 1;
     const double scatter = albedo * sigma_t * (1 - set_.forward_peak),
                  extinction = sigma_t * (1 - albedo * set_.forward_peak);
-    std::array<double, n> nu{}, weight{}, fit{}, t{};
-    for (std::size_t d = 0; d < n; ++d) {
+    std::array<double, in_quadrant> nu{}, weight{}, fit{}, t{};
+    for (std::size_t d = 0; d < in_quadrant; ++d) {
         nu[d] = set_.nu[d / 2];
         weight[d] = set_.nu_weight[d / 2] / 2;
         t[d] = set_.nu_transmittance[d / 2];
@@ -65,27 +65,27 @@ double TransportMedia::discrete_half_space(double albedo, double sigma_t) const 
     // psi of the cell's centre from what comes in, x: stream (c - in) + fit extinction c = fit q, q = S m, and the mean
     // of the cell m = fit c + (1 - fit) q / extinction. So m = (1 - (1 - fit) S / extinction)^-1 fit c.
     PairMatrix S, mean = PairMatrix::Identity(), system = PairMatrix::Zero(), inflow = PairMatrix::Zero();
-    for (int i = 0; i < 2 * n; ++i)
-        for (int j = 0; j < 2 * n; ++j) {
-            const auto ki = static_cast<std::size_t>(i % n), kj = static_cast<std::size_t>(j % n);
-            const double nu_i = i < n ? nu[ki] : -nu[ki], nu_j = j < n ? nu[kj] : -nu[kj];
+    for (int i = 0; i < 2 * in_quadrant; ++i)
+        for (int j = 0; j < 2 * in_quadrant; ++j) {
+            const auto ki = static_cast<std::size_t>(i % in_quadrant), kj = static_cast<std::size_t>(j % in_quadrant);
+            const double nu_i = i < in_quadrant ? nu[ki] : -nu[ki], nu_j = j < in_quadrant ? nu[kj] : -nu[kj];
             S(i, j) = scatter * 0.5 * weight[kj] * (1 + 3 * set_.linear * nu_i * nu_j);
         }
-    Eigen::Matrix<double, 2 * n, 1> fits, streams;
-    for (int i = 0; i < 2 * n; ++i) {
-        const auto k = static_cast<std::size_t>(i % n);
+    Eigen::Matrix<double, 2 * in_quadrant, 1> fits, streams;
+    for (int i = 0; i < 2 * in_quadrant; ++i) {
+        const auto k = static_cast<std::size_t>(i % in_quadrant);
         fits[i] = fit[k];
         streams[i] = (1 + theta_) * nu[k] / edge_mm_[2];
     }
     mean -= ((1 - fits.array()) / extinction).matrix().asDiagonal() * S;
     const PairMatrix centre_to_mean = mean.partialPivLu().solve(PairMatrix(fits.asDiagonal()));
     system = -PairMatrix(fits.asDiagonal() * (S * centre_to_mean));
-    for (int i = 0; i < 2 * n; ++i) {
+    for (int i = 0; i < 2 * in_quadrant; ++i) {
         system(i, i) += fits[i] * extinction + streams[i];
         inflow(i, i) = streams[i];
     }
     const PairMatrix out = (1 + theta_) * system.partialPivLu().solve(inflow) - theta_ * PairMatrix::Identity();
-    CellResponse layer{out.block<n, n>(n, 0), out.block<n, n>(0, 0)};
+    CellResponse layer{out.block<in_quadrant, in_quadrant>(in_quadrant, 0), out.block<in_quadrant, in_quadrant>(0, 0)};
     for (int k = 0; k < 60; ++k) {
         const CellResponse next = doubled(layer);
         const double change = (next.R - layer.R).cwiseAbs().maxCoeff();
@@ -93,8 +93,8 @@ double TransportMedia::discrete_half_space(double albedo, double sigma_t) const 
         if (change < 1e-9) break;
     }
     // Under the surface: down = t + (1 - t) up, up = R down.
-    Eigen::Matrix<double, n, 1> t_, flux;
-    for (int d = 0; d < n; ++d) {
+    Eigen::Matrix<double, in_quadrant, 1> t_, flux;
+    for (int d = 0; d < in_quadrant; ++d) {
         const auto i = static_cast<std::size_t>(d);
         t_[d] = t[i];
         flux[d] = nu[i] * weight[i] * t[i];

@@ -10,7 +10,7 @@
 
 namespace voxtone::optics {
 
-/// Which blocks of a viewing grid have cells no larger than voxels (coarse/refinement.h).
+/// Which blocks of a viewing grid have cells no larger than voxels (refinement.h).
 enum class Refinement : std::uint8_t {
     none,
     contrast,  ///< those that light enters, of several resins or at an edge between two: deeper ones are out of sight
@@ -18,26 +18,22 @@ enum class Refinement : std::uint8_t {
 };
 
 struct TransportOptions {
-    int sweeps = 3;              ///< >= 1
-    double cell_mm = 0.085;      ///< viewing cell: sets the cells of the margin and of diffusion
-    bool voxel_skin = true;      ///< skin cells of one voxel; false: of one viewing cell
-    bool viewing_cells = false;  ///< the whole prediction on viewing cells (viewing_sequence.h), ten times as fast
-    Refinement refinement = Refinement::none;  ///< with them: where they are cut finer
-    double colour_mm = 0.8;  ///< with them: how deep below the surface colour is expected to come and go
-    /// With them: a twin (AppearanceSequence::twin) is swept no more where the last sweep changed less of what is seen
+    int sweeps = 3;                                ///< >= 1
+    double cell_mm = 0.085;                        ///< viewing cell: what a person resolves at 300 mm
+    Refinement refinement = Refinement::contrast;  ///< where they are cut finer
+    double finest_mm = 0.0425;                     ///< there voxels are cut along axes where they are longer; 0: never
+    double colour_mm = 0.8;                        ///< how deep below the surface colour is expected to come and go
+    /// A twin (AppearanceSequence::twin) is swept no more where the last sweep changed less of what is seen
     /// in a channel: that of a cow of 30 mm changed 0.015, 0.003 and 0.001 after one, two and three. 0: always
     /// `sweeps`.
     double twin_change = 0.005;
-    int next_sweeps = 2;  ///< with them: of the later predictions of a sequence, >= 1
-    /// With them: a later prediction sweeps no more where the last sweep changed less of what is seen in a channel; of
+    int next_sweeps = 2;  ///< of the later predictions of a sequence, >= 1
+    /// A later prediction sweeps no more where the last sweep changed less of what is seen in a channel; of
     /// its adjoint ten times as much. 0: always `next_sweeps`.
     double next_change = 0.01;
-    std::size_t tile_cells = 250'000;   ///< with them: most surface cells predicted at once (viewing_tiles.h), >= 1
-    int tile_halo = 3;                  ///< with them: blocks around a tile that it transports light in, >= 1
-    double finest_mm = 0.0425;          ///< skin voxels are cut along axes where they are longer; 0: never
-    int margin_blocks = 2;              ///< rings of 4 viewing cells of transport below the skin, >= 0
-    double start_tolerance = 0.05;      ///< of the first diffusion solve
-    double correction_tolerance = 0.3;  ///< of those after each sweep
+    std::size_t tile_cells = 250'000;  ///< most surface cells predicted at once (viewing_tiles.h), >= 1
+    int tile_halo = 3;                 ///< blocks around a tile that it transports light in, >= 1
+    double start_tolerance = 0.05;     ///< of the first diffusion solve
     /// Keeps the corrections stable on cells as thick as a free path: viewing cells added to D per optical depth of
     /// one, 0.75 at most (artificial diffusion; the form is that of Zhu et al. 2016, "An optimally diffusive coarse
     /// mesh finite difference method to accelerate neutron transport calculations", Ann. Nucl. Energy 95:116). 0.55 is
@@ -48,7 +44,8 @@ struct TransportOptions {
 
 /// What a prediction did and took.
 struct TransportSummary {
-    std::size_t skin_cells = 0, margin_cells = 0, nodes = 0, memory_bytes = 0;
+    std::size_t cells = 0;  ///< viewing cells of transport, whole ones
+    std::size_t nodes = 0, memory_bytes = 0;
     std::size_t pieces = 0;
     double grid_s = 0, diffusion_s = 0, sweep_s = 0, total_s = 0;
     int diffusion_steps = 0;  ///< of all channels

@@ -40,7 +40,6 @@ struct Octant {
     Ways ways[2];          ///< fine cells, coarse ones
     V8 sx, sy, sz;         ///< 3 g' Omega
     V8 weights[4];         ///< {w, w Omega} / 2 of directions 2 k and 2 k + 1
-    V8 half_weight;        ///< w / 2
     V8 along[3], flux[3];  ///< |Omega|, w |Omega|
     bool back[3];
     unsigned in_bit[3], out_bit[3];
@@ -56,12 +55,11 @@ HWY_INLINE void add_to(Moments& sum, const V4& v) {
     std::memcpy(static_cast<void*>(&sum), &all, sizeof all);
 }
 
-/// Fine and coarse; where no block is cut finer, skin and margin.
+/// Fine and coarse.
 std::array<CellKind, 2> cell_kinds(const SweepJob& job) {
-    const OpticalGrid& grid = *job.grid;
-    const auto kind = [&](BlockKind of) { return CellKind{grid.cells_in(of), grid.edge_mm(of), job.theta}; };
-    if (job.fine.split[0] == 0) return {kind(BlockKind::skin), kind(BlockKind::margin)};
-    CellKind coarse = kind(BlockKind::skin), fine = coarse;
+    const CellKind coarse{{4, 4, 4}, job.grid->edge_mm(), job.theta};
+    CellKind fine = coarse;
+    if (job.fine.split[0] == 0) return {fine, coarse};
     for (std::size_t a = 0; a < 3; ++a) {
         fine.n[a] *= job.fine.split[a];
         fine.h[a] /= job.fine.split[a];
@@ -107,7 +105,6 @@ Octant make_octant(const OpticalGrid& grid, int octant, const std::array<CellKin
     o.sy = linear * cosine[1];
     o.sz = linear * cosine[2];
     w *= 0.5f;  // the moments are taken of 2 psi
-    o.half_weight = w;
     for (int d = 0; d < 8; ++d) {
         V8& pair = o.weights[d / 2];
         const int at = 4 * (d % 2);
@@ -119,8 +116,8 @@ Octant make_octant(const OpticalGrid& grid, int octant, const std::array<CellKin
     return o;
 }
 
-/// Faces between blocks of different kinds: n1 x n2 skin cells, r1 x r2 of them to a margin cell.
-void to_margin(V8* face, int n1, int n2, int r1, int r2) {
+/// Faces between blocks of different kinds: n1 x n2 fine cells, r1 x r2 of them to a coarse one.
+void to_coarse(V8* face, int n1, int n2, int r1, int r2) {
     const float share = 1.0f / static_cast<float>(r1 * r2);
     for (int j = 0; j < n2 / r2; ++j)
         for (int i = 0; i < n1 / r1; ++i) {
@@ -130,7 +127,7 @@ void to_margin(V8* face, int n1, int n2, int r1, int r2) {
             face[j * (n1 / r1) + i] = sum * share;
         }
 }
-void to_skin(V8* face, int n1, int n2, int r1, int r2) {
+void to_fine(V8* face, int n1, int n2, int r1, int r2) {
     for (int j = n2; j-- > 0;)
         for (int i = n1; i-- > 0;) face[j * n1 + i] = face[(j / r2) * (n1 / r1) + i / r1];
 }
@@ -147,19 +144,9 @@ struct BlockFaces {
 /// fit.
 struct MediumWays {
     Octet gain, pass, fit, rest;
-    Octet own_q, slope;  ///< of the derivatives: (1 - fit) / sigma_t^2, d fit / d sigma_a
-    float sigma_t, sigma_s;
+    float sigma_s;
 };
 using MediaWays = std::array<std::vector<MediumWays>, 2>;  // for both kinds of cells
-
-enum class Purpose { moments, record, multiply };
-
-/// Where the results of a block go, by the sweep's purpose.
-struct Places {
-    Moments* sum;
-    Octet* record;
-    float* product;
-};
 
 /// Exponential fitting (transport_sweep.h).
 void fit_medium(const Ways& ways, const TransportMedium& medium, double theta, MediumWays& out) {
@@ -167,18 +154,14 @@ void fit_medium(const Ways& ways, const TransportMedium& medium, double theta, M
     const double sigma_a = std::max(0.0, static_cast<double>(medium.sigma_t) - static_cast<double>(medium.sigma_s));
     for (int d = 0; d < 8; ++d) {
         const auto i = static_cast<std::size_t>(d);
-        const double way = (1 + theta) / static_cast<double>(ways.a[d]), tau = sigma_a * way, half = std::tanh(tau / 2);
+        const double way = (1 + theta) / static_cast<double>(ways.a[d]), tau = sigma_a * way;
         const bool thin = tau < 0.02;  // there 1 - fit cancels; the series has two terms
         const double fit = cell_fit(sigma_a, way, theta), lack = theta == 1 && thin ? tau * tau / 12 : 1 - fit;
-        const double slope = thin ? -tau * way / 6 : (1 - half * half - fit) / sigma_a;  // d fit / d sigma_a
         const double gain = (1 + theta) / (static_cast<double>(ways.a[d]) + fit * sigma);
         out.gain.v[i] = static_cast<float>(gain);
         out.pass.v[i] = static_cast<float>(gain * static_cast<double>(ways.ax[d]) - theta);
         out.fit.v[i] = static_cast<float>(fit);
         out.rest.v[i] = static_cast<float>(2 * lack / (sigma * fit));
-        out.own_q.v[i] = static_cast<float>(lack / (sigma * sigma));
-        out.slope.v[i] = static_cast<float>(slope);
-        out.sigma_t = static_cast<float>(sigma);
         out.sigma_s = medium.sigma_s;
     }
 }
@@ -186,9 +169,8 @@ void fit_medium(const Ways& ways, const TransportMedium& medium, double theta, M
 /// psi of a cell; px, py, pz come in and go out. Written so that the way along x, where each cell waits for the one
 /// before, is one multiplication and one addition long: px_out = gain (fit q + ay py + az pz) + pass px = (1 + theta)
 /// psi - theta px.
-template <Purpose purpose>
 HWY_INLINE void cross_cell(const Octant& o, const Ways& ways, const MediumWays& medium, const Moments& light,
-                           const Places& to, int cell, V8& px, V8& py, V8& pz) {
+                           Moments& sum, V8& px, V8& py, V8& pz) {
     const V8 q = medium.sigma_s * ((light.phi + light.x * o.sx) + (light.y * o.sy + light.z * o.sz));
     const V8 fitted = as_vector(medium.fit) * q;
     const V8 out = as_vector(medium.gain) * (fitted + (ways.ay * py + ways.az * pz)) + as_vector(medium.pass) * px;
@@ -197,29 +179,6 @@ HWY_INLINE void cross_cell(const Octant& o, const Ways& ways, const MediumWays& 
     py = both - ways.theta * py;
     pz = both - ways.theta * pz;
     const V8 centre = both * ways.twice;
-    if constexpr (purpose == Purpose::record) {
-        store(centre * 0.5f, &to.record[2 * cell]);
-        store(q, &to.record[2 * cell + 1]);
-        return;
-    }
-    if constexpr (purpose == Purpose::multiply) {
-        const V8 psi = centre * 0.5f;
-        const V8 &other_psi = as_vector(to.record[2 * cell]), &other_q = as_vector(to.record[2 * cell + 1]);
-        const V8 w = 2.0f * o.half_weight;
-        const float sigma = medium.sigma_t;
-        const V8 squares = psi * other_psi, sources = q * other_q;
-        const V8 by_sigma_t = w * (as_vector(medium.fit) * squares + as_vector(medium.own_q) * sources);
-        const V8 by_fit =
-            w * as_vector(medium.slope) * (sigma * squares - (psi * other_q + q * other_psi) + sources / sigma);
-        float sum = 0, fit_sum = 0;
-        for (int d = 0; d < 8; ++d) {
-            sum += by_sigma_t[d];
-            fit_sum += by_fit[d];
-        }
-        to.product[2 * cell] += sum;
-        to.product[2 * cell + 1] += fit_sum;
-        return;
-    }
     const V8 twice = as_vector(medium.fit) * centre + as_vector(medium.rest) * fitted;
     V8 moment = __builtin_shuffle(twice, I8{0, 0, 0, 0, 1, 1, 1, 1}) * o.weights[0];
     V8 other = __builtin_shuffle(twice, I8{2, 2, 2, 2, 3, 3, 3, 3}) * o.weights[1];
@@ -229,18 +188,18 @@ HWY_INLINE void cross_cell(const Octant& o, const Ways& ways, const MediumWays& 
     V4 low, high;
     std::memcpy(&low, &moment, sizeof low);
     std::memcpy(&high, reinterpret_cast<const char*>(&moment) + sizeof low, sizeof high);
-    add_to(to.sum[cell], low + high);
+    add_to(sum, low + high);
 }
 
 /// A row of cells none of which has an outer face.
-template <Purpose purpose, int step>
+template <int step>
 HWY_INLINE void inner_row(const Octant& o, const Ways& ways, const MediumWays* media, const std::uint16_t* medium,
-                          const Moments* light, const Places& to, int row, V8* row_y, V8* row_z, V8& px_in_out) {
+                          const Moments* light, Moments* sum, int row, V8* row_y, V8* row_z, V8& px_in_out) {
     V8 px = px_in_out;
     int x = step > 0 ? 0 : ways.nx - 1;
     for (int k = 0; k < ways.nx; ++k, x += step) {
         V8 py = row_y[x], pz = row_z[x];
-        cross_cell<purpose>(o, ways, media[medium[row + x]], light[row + x], to, row + x, px, py, pz);
+        cross_cell(o, ways, media[medium[row + x]], light[row + x], sum[row + x], px, py, pz);
         row_y[x] = py;
         row_z[x] = pz;
     }
@@ -253,7 +212,7 @@ struct Outside {
     const Octant& o;
 
     /// Where a face keeps its light, among the core's with `into_core` set.
-    [[nodiscard]] std::size_t place(std::size_t face) const { return job.place.empty() ? face : job.place[face]; }
+    [[nodiscard]] std::size_t place(std::size_t face) const { return job.place[face]; }
     [[nodiscard]] std::size_t slot(std::size_t place, int axis) const {
         return 4 * (place & ~std::size_t{into_core}) + static_cast<unsigned>(o.signs[axis]);
     }
@@ -302,18 +261,15 @@ private:
     }
 };
 
-template <Purpose purpose>
-void sweep_block(const SweepJob& job, const Octant& o, const MediaWays& media_ways, std::size_t kind,
+void sweep_block(const SweepJob& job, const Octant& o, const std::vector<MediumWays>& media_ways,
                  const GridBlock& block, const BlockFaces& faces) {
     const OpticalGrid& grid = *job.grid;
-    const Ways ways = o.ways[kind];
-    const MediumWays* const media = media_ways[kind].data();
+    const Ways ways = o.ways[1];
+    const MediumWays* const media = media_ways.data();
     const std::uint16_t* const medium = grid.medium.data() + block.first_cell;
     const std::uint8_t* const outer = grid.outer.data() + block.first_cell;
     const Moments* const light = job.light.data() + block.first_cell;
-    const Places to{job.sum.empty() ? nullptr : job.sum.data() + block.first_cell,
-                    job.record.empty() ? nullptr : job.record.data() + 2 * std::size_t{block.first_cell},
-                    job.product.empty() ? nullptr : job.product.data() + 2 * std::size_t{block.first_cell}};
+    Moments* const sum = job.sum.data() + block.first_cell;
     const std::int32_t* const links = block.first_link < 0 ? nullptr : grid.face_of_cell.data() + block.first_link;
     const Outside outside{job, o};
     for (int kz = 0; kz < ways.nz; ++kz) {
@@ -329,9 +285,9 @@ void sweep_block(const SweepJob& job, const Octant& o, const MediaWays& media_wa
                 for (int x = 0; x < ways.nx; ++x) any |= outer[row + x];
             if (any == 0) {
                 if (o.back[0])
-                    inner_row<purpose, -1>(o, ways, media, medium, light, to, row, row_y, row_z, px);
+                    inner_row<-1>(o, ways, media, medium, light, sum, row, row_y, row_z, px);
                 else
-                    inner_row<purpose, 1>(o, ways, media, medium, light, to, row, row_y, row_z, px);
+                    inner_row<1>(o, ways, media, medium, light, sum, row, row_y, row_z, px);
                 faces.x[z * ways.ny + y] = px;
                 continue;
             }
@@ -350,12 +306,12 @@ void sweep_block(const SweepJob& job, const Octant& o, const MediaWays& media_wa
                 if (bits >> o.in_bit[0] & 1) take(0, o.in_bit[0], px);
                 if (bits >> o.in_bit[1] & 1) take(1, o.in_bit[1], py);
                 if (bits >> o.in_bit[2] & 1) take(2, o.in_bit[2], pz);
-                cross_cell<purpose>(o, ways, media[medium[cell]], light[cell], to, cell, px, py, pz);
+                cross_cell(o, ways, media[medium[cell]], light[cell], sum[cell], px, py, pz);
                 row_y[x] = py;
                 row_z[x] = pz;
-                if (purpose == Purpose::moments && bits >> o.out_bit[0] & 1) give(0, o.out_bit[0], px);
-                if (purpose == Purpose::moments && bits >> o.out_bit[1] & 1) give(1, o.out_bit[1], py);
-                if (purpose == Purpose::moments && bits >> o.out_bit[2] & 1) give(2, o.out_bit[2], pz);
+                if (bits >> o.out_bit[0] & 1) give(0, o.out_bit[0], px);
+                if (bits >> o.out_bit[1] & 1) give(1, o.out_bit[1], py);
+                if (bits >> o.out_bit[2] & 1) give(2, o.out_bit[2], pz);
             }
             faces.x[z * ways.ny + y] = px;
         }
@@ -373,7 +329,7 @@ void sweep_fine_block(const SweepJob& job, const Octant& o, const std::vector<Me
     const std::array<int, 3> split = fine.split;
     const std::uint16_t* const medium = fine.medium.data() + fine.first[t];
     const Moments* const light = fine.light.data() + fine.first[t];
-    const Places to{fine.sum.data() + fine.first[t], nullptr, nullptr};
+    Moments* const sum = fine.sum.data() + fine.first[t];
     const std::uint8_t* const outer = grid.outer.data() + block.first_cell;
     const std::int32_t* const links = block.first_link < 0 ? nullptr : grid.face_of_cell.data() + block.first_link;
     const Outside outside{job, o};
@@ -407,9 +363,9 @@ void sweep_fine_block(const SweepJob& job, const Octant& o, const std::vector<Me
             }
             if (any == 0) {
                 if (o.back[0])
-                    inner_row<Purpose::moments, -1>(o, ways, media, medium, light, to, row, row_y, row_z, px);
+                    inner_row<-1>(o, ways, media, medium, light, sum, row, row_y, row_z, px);
                 else
-                    inner_row<Purpose::moments, 1>(o, ways, media, medium, light, to, row, row_y, row_z, px);
+                    inner_row<1>(o, ways, media, medium, light, sum, row, row_y, row_z, px);
                 faces.x[z * ways.ny + y] = px;
                 continue;
             }
@@ -425,8 +381,7 @@ void sweep_fine_block(const SweepJob& job, const Octant& o, const std::vector<Me
                 V8 p[3] = {px, row_y[x], row_z[x]};
                 for (int a = 0; a < 3; ++a)
                     if (bits >> o.in_bit[a] & 1 && part[a] == first[a]) outside.take(a, face_of(o.in_bit[a]), p[a]);
-                cross_cell<Purpose::moments>(o, ways, media[medium[row + x]], light[row + x], to, row + x, p[0], p[1],
-                                             p[2]);
+                cross_cell(o, ways, media[medium[row + x]], light[row + x], sum[row + x], p[0], p[1], p[2]);
                 px = p[0];
                 row_y[x] = p[1];
                 row_z[x] = p[2];
@@ -442,20 +397,17 @@ void sweep_fine_block(const SweepJob& job, const Octant& o, const std::vector<Me
 /// The radiance on the faces between blocks along one octant's way.
 struct Front {
     std::vector<Octet> x, y, z;  // not V8: containers forget its alignment
-    BlockKind x_kind = BlockKind::skin;
-    std::vector<BlockKind> y_kind, z_kind;
+    bool x_fine = false;
+    std::vector<std::uint8_t> y_fine, z_fine;
 };
 
-template <Purpose purpose>
-void sweep_octants(const SweepJob& job, int half, unsigned chosen) {
+void sweep(const SweepJob& job, int half) {
     const OpticalGrid& grid = *job.grid;
     const std::array<CellKind, 2> kinds = cell_kinds(job);
-    const std::array<int, 3>&skin = kinds[0].n, &margin = kinds[1].n;
-    const std::array<int, 3> most{std::max(skin[0], margin[0]), std::max(skin[1], margin[1]),
-                                  std::max(skin[2], margin[2])};
-    const std::array<int, 3> ratio{skin[0] / margin[0], skin[1] / margin[1], skin[2] / margin[2]};
-    const auto per_x = static_cast<std::size_t>(most[1] * most[2]), per_y = static_cast<std::size_t>(most[0] * most[2]),
-               per_z = static_cast<std::size_t>(most[0] * most[1]);
+    const std::array<int, 3>&fine = kinds[0].n, &coarse = kinds[1].n;
+    const std::array<int, 3> ratio{fine[0] / coarse[0], fine[1] / coarse[1], fine[2] / coarse[2]};
+    const auto per_x = static_cast<std::size_t>(fine[1] * fine[2]), per_y = static_cast<std::size_t>(fine[0] * fine[2]),
+               per_z = static_cast<std::size_t>(fine[0] * fine[1]);
     const auto across = static_cast<std::size_t>(grid.lattice[0]), deep = static_cast<std::size_t>(grid.lattice[1]);
     std::array<Octant, 4> octants;
     std::array<Front, 4> fronts;
@@ -466,25 +418,24 @@ void sweep_octants(const SweepJob& job, int half, unsigned chosen) {
         front.x.resize(per_x);
         front.y.resize(per_y * across);
         front.z.resize(per_z * across * deep);
-        front.y_kind.assign(across, BlockKind::skin);
-        front.z_kind.assign(across * deep, BlockKind::skin);
+        front.y_fine.assign(across, 0);
+        front.z_fine.assign(across * deep, 0);
     }
     const bool any_fine = job.fine.split[0] > 0;
     MediaWays media;
     for (std::size_t kind = 0; kind < 2; ++kind) {
-        const Ways& ways = octants[0].ways[kind];
-        const std::span<const TransportMedium> of = !any_fine ? job.media[kind] : kind ? job.media[0] : job.fine.media;
+        const std::span<const TransportMedium> of = kind == 0 ? job.fine.media : job.media;
         media[kind].resize(of.size());
-        for (std::size_t m = 0; m < media[kind].size(); ++m)
-            fit_medium(ways, of[m], static_cast<double>(kinds[kind].theta), media[kind][m]);
+        for (std::size_t m = 0; m < of.size(); ++m)
+            fit_medium(octants[0].ways[kind], of[m], static_cast<double>(kinds[kind].theta), media[kind][m]);
     }
-    const auto fit = [&](V8* face, BlockKind& kind, BlockKind wanted, std::size_t a, std::size_t b) {
-        if (kind == wanted) return;
-        if (wanted == BlockKind::margin)
-            to_margin(face, skin[a], skin[b], ratio[a], ratio[b]);
+    const auto fit = [&](V8* face, auto& is_fine, bool wanted, std::size_t a, std::size_t b) {
+        if (static_cast<bool>(is_fine) == wanted) return;
+        if (wanted)
+            to_fine(face, fine[a], fine[b], ratio[a], ratio[b]);
         else
-            to_skin(face, skin[a], skin[b], ratio[a], ratio[b]);
-        kind = wanted;
+            to_coarse(face, fine[a], fine[b], ratio[a], ratio[b]);
+        is_fine = wanted;
     };
     const auto cross_row = [&](std::size_t row, std::size_t k) {
         const Octant& o = octants[k];
@@ -493,20 +444,18 @@ void sweep_octants(const SweepJob& job, int half, unsigned chosen) {
         for (std::size_t i = begin; i < end; ++i) {
             const std::size_t t = o.back[0] ? end - 1 - (i - begin) : i;
             const GridBlock& block = grid.blocks[grid.transport_blocks[t]];
-            const BlockKind kind = !any_fine                       ? block.kind
-                                   : job.fine.first[t] == not_fine ? BlockKind::margin
-                                                                   : BlockKind::skin;
+            const bool in_parts = any_fine && job.fine.first[t] != not_fine;
             const auto bx = static_cast<std::size_t>(block.at[0]);
             const std::size_t bz = static_cast<std::size_t>(block.at[1]) * across + bx;
             const BlockFaces faces{as_vectors(front.x.data()), as_vectors(front.y.data() + per_y * bx),
                                    as_vectors(front.z.data() + per_z * bz)};
-            fit(faces.x, front.x_kind, kind, 1, 2);
-            fit(faces.y, front.y_kind[bx], kind, 0, 2);
-            fit(faces.z, front.z_kind[bz], kind, 0, 1);
-            if (any_fine && kind == BlockKind::skin)
+            fit(faces.x, front.x_fine, in_parts, 1, 2);
+            fit(faces.y, front.y_fine[bx], in_parts, 0, 2);
+            fit(faces.z, front.z_fine[bz], in_parts, 0, 1);
+            if (in_parts)
                 sweep_fine_block(job, o, media[0], t, block, faces);
             else
-                sweep_block<purpose>(job, o, media, static_cast<std::size_t>(kind), block, faces);
+                sweep_block(job, o, media[1], block, faces);
         }
     };
     // Rows of blocks along x lie one after the other in y, then z. All four octants of one way along z cross a plane of
@@ -524,16 +473,12 @@ void sweep_octants(const SweepJob& job, int half, unsigned chosen) {
             for (std::size_t k = 0; k < count; ++k) {
                 const std::size_t row = back ? first + count - 1 - k : first + k;
                 if (job.progress) job.progress->check_cancelled();
-                if (chosen >> (2 * back) & 1) cross_row(row, 2 * back);
-                if (chosen >> (2 * back + 1) & 1) cross_row(row, 2 * back + 1);
+                cross_row(row, 2 * back);
+                cross_row(row, 2 * back + 1);
             }
         p += count;
     }
 }
-
-void sweep(const SweepJob& job, int half) { sweep_octants<Purpose::moments>(job, half, 15); }
-void record(const SweepJob& job, int octant) { sweep_octants<Purpose::record>(job, octant / 4, 1u << octant % 4); }
-void multiply(const SweepJob& job, int octant) { sweep_octants<Purpose::multiply>(job, octant / 4, 1u << octant % 4); }
 
 }  // namespace voxtone::optics::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
@@ -542,11 +487,7 @@ HWY_AFTER_NAMESPACE();
 namespace voxtone::optics {
 
 HWY_EXPORT(sweep);
-HWY_EXPORT(record);
-HWY_EXPORT(multiply);
 
-void record_octant(const SweepJob& job, int octant) { HWY_DYNAMIC_DISPATCH(record)(job, octant); }
-void multiply_octant(const SweepJob& job, int octant) { HWY_DYNAMIC_DISPATCH(multiply)(job, octant); }
 void sweep_half(const SweepJob& job, bool down) { HWY_DYNAMIC_DISPATCH(sweep)(job, down ? 1 : 0); }
 
 }  // namespace voxtone::optics

@@ -10,7 +10,7 @@
 // alone let (2 - sigma_a l) / (2 + sigma_a l) (exponential fitting, as Doolan, Miller and Schilders 1980, "Uniform
 // numerical methods for problems with initial and boundary layers", do it for other equations). What the cell itself
 // sees is the balance fit psi + (1 - fit) q / sigma_t. Where light is scattered and not absorbed fit is 1 and the
-// scheme keeps its diffusion limit in thick cells. Between skin and margin cells the radiance of a face is averaged or
+// scheme keeps its diffusion limit in thick cells. Between coarse and fine cells the radiance of a face is averaged or
 // repeated.
 //
 // Diamond differences answer an edge in the light that comes in with ripples from cell to cell. With a weight theta
@@ -57,31 +57,24 @@ inline constexpr std::uint32_t not_fine = 0xffffffffu;
 
 struct SweepJob {
     const OpticalGrid* grid = nullptr;
-    std::array<std::span<const TransportMedium>, 2> media;  ///< skin, margin: of the palette, this channel
-    std::span<const Moments> light;                         ///< per cell: phi and J of what is scattered
-    std::span<Moments> sum;                                 ///< per cell: their share is added
-    std::span<const Octet> in;      ///< [face * 4 + tangential signs]: radiance that enters through outer faces
-    std::span<Octet> out;           ///< the same, that leaves
-    std::span<Octet> record = {};   ///< per cell, two: psi and q of one octant
-    std::span<float> product = {};  ///< per cell, two: minus the derivative by sigma_t, and by sigma_a through `fit`
-    /// Where faces keep their light in `in` and `out`, or with `into_core` set that of the core, which is diffuse;
-    /// empty: each at its own number.
-    std::span<const std::uint32_t> place = {};
+    std::span<const TransportMedium> media;  ///< by OpticalGrid::medium, of this channel
+    std::span<const Moments> light;          ///< per cell: phi and J of what is scattered
+    std::span<Moments> sum;                  ///< per cell: their share is added
+    std::span<const Octet> in;  ///< [place * 4 + tangential signs]: radiance that enters through open faces
+    std::span<Octet> out;       ///< the same, that leaves
+    /// Per outer face: its place in `in` and `out`, or with `into_core` set that in `core_in` and `core_out`.
+    std::span<const std::uint32_t> place;
     /// phi and net current outwards: psi = phi - 3 |Omega . e| J comes in.
-    std::span<const std::array<float, 2>> core_in = {};
-    float theta = 1;                     ///< weight of the differences
-    std::span<float> core_out = {};      ///< [core face * 4 + tangential signs]: sum w |Omega . e| psi that leaves
+    std::span<const std::array<float, 2>> core_in;
+    std::span<float> core_out;  ///< [core face * 4 + tangential signs]: sum w |Omega . e| psi that leaves
+    float theta = 1;            ///< weight of the differences
+    FineSweep fine = {};
     const Progress* progress = nullptr;  ///< asked for cancellation before every row of blocks
-    FineSweep fine = {};                 ///< of a grid whose blocks are all of skin cells
 };
 
 /// The four octants of light that runs up, or down. Octant bits: 1, 2, 4 set where light runs against x, y, z. Throws
-/// Cancelled, as the two below do.
+/// Cancelled.
 void sweep_half(const SweepJob& job, bool down);
-
-/// One octant alone: writes psi to `record`; or adds the sum of w psi times what was recorded to `product`.
-void record_octant(const SweepJob& job, int octant);
-void multiply_octant(const SweepJob& job, int octant);
 
 /// Place among the four octants that cross a face perpendicular to `axis` one way.
 [[nodiscard]] constexpr int tangential_signs(int octant, int axis) {

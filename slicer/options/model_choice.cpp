@@ -14,7 +14,6 @@ optics::TransportPredictor transport_predictor(const ModelOptions& options) {
     optics::TransportOptions transport;
     transport.sweeps = options.sweeps;
     transport.cell_mm = options.cell_mm;
-    transport.viewing_cells = true;
     transport.refinement = options.viewing_cells ? optics::Refinement::none : optics::Refinement::contrast;
     transport.colour_mm = options.colour_mm;
     transport.memory_bytes = static_cast<std::size_t>(options.memory_bytes);

@@ -95,7 +95,7 @@ Comparison compare(const Reference& reference, const TransportOptions& options, 
     const Appearance seen = predictor.predict(scene, r.surface, summary);
     r.core_seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
     r.cells = r.surface.cells.size();
-    r.optical_cells = summary.skin_cells + summary.margin_cells;
+    r.optical_cells = summary.cells;
     const ResinVolume white_volume = all_of(volume, c.white());
     Scene white_scene = scene;
     white_scene.volume = &white_volume;

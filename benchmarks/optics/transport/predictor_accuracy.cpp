@@ -43,8 +43,8 @@ struct Arguments {
     double effort = 0.5, largest = 1e7;
     int steps = 10;
     std::array<int, 3> refine{1, 1, 1};
-    bool again = false, viewing_skin = false;
-    int fine = 0;
+    bool again = false;
+    int fine = 1;
     optics::TransportOptions transport;
 };
 
@@ -154,13 +154,14 @@ void speed(const Arguments& a) {
 
 void dial(const Arguments& a) {
     fmt::print(
-        "| skin cells | sweeps | mean without noise | largest case | us/cell | s/cm2 |\n|---|---|---|---|---|---|\n");
+        "| cells of voxels | sweeps | mean without noise | largest case | us/cell | s/cm2 "
+        "|\n|---|---|---|---|---|---|\n");
     std::vector<Reference> all;
     for (const fs::path& file : references(a)) all.push_back(read_reference(file));
-    for (const bool voxels : {true, false})
+    for (const auto refinement : {optics::Refinement::none, optics::Refinement::contrast, optics::Refinement::all})
         for (int sweeps = 1; sweeps <= 5; ++sweeps) {
             optics::TransportOptions options = a.transport;
-            options.voxel_skin = voxels;
+            options.refinement = refinement;
             options.sweeps = sweeps;
             double sum = 0, worst = 0, seconds = 0, cells = 0, area = 0;
             for (const Reference& reference : all) {
@@ -171,7 +172,8 @@ void dial(const Arguments& a) {
                 cells += static_cast<double>(c.optical_cells);
                 area += c.area_mm2;
             }
-            fmt::print("| {} | {} | {:.2f} | {:.2f} | {:.2f} | {:.2f} |\n", voxels ? "voxel" : "viewing cell", sweeps,
+            fmt::print("| {} | {} | {:.2f} | {:.2f} | {:.2f} | {:.2f} |\n",
+                       std::array{"none", "where resins meet", "all"}[static_cast<std::size_t>(refinement)], sweeps,
                        sum / static_cast<double>(all.size()), worst, 1e6 * seconds / cells, 100 * seconds / area);
             std::fflush(stdout);
         }
@@ -191,12 +193,10 @@ int main(int argc, char** argv) {
     app.require_subcommand(1);
     app.add_option("--threads", a.threads, "0: one per core")->capture_default_str();
     app.add_option("--sweeps", a.transport.sweeps)->capture_default_str();
-    app.add_flag("--viewing-cells", a.transport.viewing_cells, "the whole prediction on viewing cells");
-    app.add_option("--fine", a.fine, "with them, cells of voxels: 0 nowhere, 1 where resins meet, 2 everywhere")
+    app.add_option("--fine", a.fine, "cells of voxels: 0 nowhere, as the loop, 1 where resins meet, 2 everywhere")
         ->check(CLI::Range(0, 2))
         ->capture_default_str();
     app.add_option("--cell", a.transport.cell_mm, "mm")->capture_default_str();
-    app.add_flag("--viewing-skin", a.viewing_skin, "skin cells of one viewing cell");
     app.add_option("--models", a.models, "folder of the photographs")->capture_default_str();
     auto* report_command = app.add_subcommand("report", "all tables");
     auto* make_command = app.add_subcommand("make", "trace the references");
@@ -206,7 +206,7 @@ int main(int argc, char** argv) {
     auto* compare_command = app.add_subcommand("compare", "a row per case");
     compare_command->add_option("--refine", a.refine, "cut voxels into so many parts along x, y, z");
     compare_command->add_option("--cells", a.cells, "folder for the colours of every cell, CSV");
-    auto* dial_command = app.add_subcommand("dial", "sweeps and skin cells");
+    auto* dial_command = app.add_subcommand("dial", "sweeps and refinement");
     auto* homogeneous_command = app.add_subcommand("homogeneous", "bodies of one colour");
     auto* speed_command = app.add_subcommand("speed", "cost");
     for (CLI::App* command : {report_command, make_command, compare_command, dial_command}) {
@@ -222,7 +222,6 @@ int main(int argc, char** argv) {
     picture_command->add_option("file", a.file)->required();
     picture_command->add_option("--references", a.folder)->capture_default_str();
     CLI11_PARSE(app, argc, argv);
-    a.transport.voxel_skin = !a.viewing_skin;
     a.transport.refinement = static_cast<optics::Refinement>(a.fine);
     const ThreadLimit limit(a.threads);
     try {

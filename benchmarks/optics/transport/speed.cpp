@@ -33,7 +33,7 @@ Cost price_of_slab(const TransportOptions& options, double optical_cells) {
     cost.core_seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
     cost.area_mm2 = nx * j750_mm[0] * ny * j750_mm[1];
     cost.voxels = static_cast<std::size_t>(nx) * static_cast<std::size_t>(ny) * slab_layers;
-    cost.optical_cells = cost.summary.skin_cells + cost.summary.margin_cells;
+    cost.optical_cells = cost.summary.cells;
     cost.bytes_per_cell = static_cast<double>(cost.summary.memory_bytes) / static_cast<double>(cost.optical_cells);
     return cost;
 }

@@ -9,7 +9,7 @@
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/progress.h"
 #include "voxtone/optics/colour/colour.h"
-#include "voxtone/optics/transport/coarse/viewing_sequence.h"
+#include "voxtone/optics/transport/viewing_sequence.h"
 #include "voxtone/slicer/predict/stack_volume.h"
 
 namespace voxtone::loop_benchmark {
@@ -53,7 +53,7 @@ std::string tile_seams(const std::filesystem::path& folder, std::size_t tile_cel
     const optics::Scene scene{
         .volume = &white, .resins = &stack.resins, .backing = stack.backing.value_or(optics::Backing::none)};
     optics::TransportOptions options;
-    options.viewing_cells = true;
+    options.refinement = optics::Refinement::none;
     const auto cell = optics::cell_voxels(white.pitch_mm(), options.cell_mm);
     const optics::Surface surface =
         optics::find_surface(scene, cell, stack.of_picture ? optics::SurfacePart::top : optics::SurfacePart::all);

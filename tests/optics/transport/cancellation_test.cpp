@@ -4,19 +4,19 @@
 // stop waits for no sweep, no solve and no grid.
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <array>
 #include <vector>
 
 #include "voxtone/base/error.h"
 #include "voxtone/optics/monte_carlo/monte_carlo.h"
-#include "voxtone/optics/transport/coarse/viewing_faces.h"
-#include "voxtone/optics/transport/coarse/viewing_grid_builder.h"
-#include "voxtone/optics/transport/coarse/viewing_palette.h"
-#include "voxtone/optics/transport/coarse/viewing_sequence.h"
-#include "voxtone/optics/transport/diffusion.h"
 #include "voxtone/optics/transport/transport.h"
-#include "voxtone/optics/transport/transport_channel.h"
 #include "voxtone/optics/transport/transport_sweep.h"
+#include "voxtone/optics/transport/viewing_diffusion.h"
+#include "voxtone/optics/transport/viewing_faces.h"
+#include "voxtone/optics/transport/viewing_grid_builder.h"
+#include "voxtone/optics/transport/viewing_palette.h"
+#include "voxtone/optics/transport/viewing_sequence.h"
 
 using namespace voxtone::optics;
 using voxtone::Cancelled;
@@ -35,25 +35,14 @@ struct Stopped {
     Progress stop;
     Stopped() { stop.cancel(); }
 
-    [[nodiscard]] GridOptions grid_options() const {
-        GridOptions options;
-        options.view_voxels = view;
-        options.skin_voxels = {1, 1, 1};
-        return options;
-    }
     [[nodiscard]] ViewingWindow whole() const { return {{}, BlockLattice(volume.size(), view).blocks, {}}; }
     [[nodiscard]] static TransportOptions on_viewing_cells() {
         TransportOptions options;
-        options.viewing_cells = true;
+        options.refinement = Refinement::none;
         return options;
     }
-    [[nodiscard]] TransportChannel::MediaByKind media(const OpticalGrid& grid) const {
-        TransportChannel::MediaByKind media;
-        const TransportMedium grey{20, 18};
-        media[0].assign(grid.palette.size(), grey);
-        media[1] = media[0];
-        media[2].assign(grid.palette.size(), grey);
-        return media;
+    [[nodiscard]] ViewingGrid grid(const Progress* progress) const {
+        return make_viewing_grid(scene, view, 0.5, {}, whole(), &surface, progress);
     }
 };
 
@@ -67,14 +56,9 @@ TEST_CASE("A surface is not looked for any more once that is cancelled", "[cance
 
 TEST_CASE("Grids are not made any more once that is cancelled", "[cancellation]") {
     Stopped stopped;
-    const auto make = [&](const Progress* progress) {
-        return make_viewing_grid(stopped.scene, stopped.view, 0.5, {}, stopped.whole(), &stopped.surface, progress);
-    };
-    CHECK_THROWS_AS((void)make(&stopped.stop), Cancelled);
-    CHECK_THROWS_AS(OpticalGrid(stopped.scene, stopped.grid_options(), &stopped.stop), Cancelled);
-    CHECK_THROWS_AS(GridCensus(stopped.scene, stopped.grid_options(), &stopped.stop), Cancelled);
+    CHECK_THROWS_AS((void)stopped.grid(&stopped.stop), Cancelled);
 
-    ViewingGrid grid = make(nullptr);
+    ViewingGrid grid = stopped.grid(nullptr);
     std::vector<std::uint8_t> wanted;
     CHECK_THROWS_AS((void)fill(grid, stopped.volume, wanted, &stopped.stop), Cancelled);
     CHECK_THROWS_AS((void)see(grid, stopped.surface, &stopped.stop), Cancelled);
@@ -82,32 +66,48 @@ TEST_CASE("Grids are not made any more once that is cancelled", "[cancellation]"
 
 TEST_CASE("A sweep and a solve of diffusion leave off in the middle", "[cancellation]") {
     const Stopped stopped;
-    const OpticalGrid grid(stopped.scene, stopped.grid_options());
-    CHECK_THROWS_AS(DiffusionPlan(grid, &stopped.stop), Cancelled);
-
-    const TransportChannel::MediaByKind media = stopped.media(grid);
-    const std::vector<Moments> light(grid.medium.size(), Moments{1, 0, 0, 0});
-    std::vector<Moments> sum(grid.medium.size());
-    const std::vector<Octet> in(4 * grid.faces.size());
+    const ViewingGrid viewing = stopped.grid(nullptr);
+    const OpticalGrid& grid = viewing.grid;
+    const std::vector<TransportMedium> media(viewing.mixtures.size(), TransportMedium{20, 18});
+    const std::vector<Moments> light(viewing.cells(), Moments{1, 0, 0, 0});
+    std::vector<Moments> sum(viewing.cells());
+    const std::vector<Octet> in(4 * viewing.open_faces.size());
     std::vector<Octet> out(in.size());
-    SweepJob job{&grid, {media[0], media[1]}, light, sum, in, out};
+    const std::vector<std::array<float, 2>> core_in(viewing.core_faces.size());
+    std::vector<float> core_out(4 * viewing.core_faces.size());
+    SweepJob job{.grid = &grid,
+                 .media = media,
+                 .light = light,
+                 .sum = sum,
+                 .in = in,
+                 .out = out,
+                 .place = viewing.place_of_face,
+                 .core_in = core_in,
+                 .core_out = core_out};
     job.progress = &stopped.stop;
     CHECK_THROWS_AS(sweep_half(job, false), Cancelled);
     for (const Moments& m : sum) REQUIRE(m.phi == 0);
     job.progress = nullptr;
     sweep_half(job, false);
-    CHECK(sum[sum.size() / 2].phi > 0);
+    CHECK(std::any_of(sum.begin(), sum.end(), [](const Moments& m) { return m.phi > 0; }));
 
-    const DiffusionPlan plan(grid);
-    const std::vector<float> conductance(grid.contacts.size(), 1.0f), loss(grid.nodes.size(), 0.1f),
-        right(grid.nodes.size(), 1.0f);
-    std::vector<float> x(grid.nodes.size(), 0.0f);
-    const Diffusion diffusion(plan, conductance, loss);
-    CHECK_THROWS_AS(diffusion.solve(right, x, 1e-3, 10, &stopped.stop), Cancelled);
-    for (const float v : x) REQUIRE(v == 0);
-    CHECK(diffusion.solve(right, x, 1e-3, 10) > 0);
-
-    CHECK_THROWS_AS(TransportChannel(grid, plan, media, TransportOptions{}, &stopped.stop), Cancelled);
+    ViewingDiffusion diffusion(viewing);
+    const std::vector<float> D(viewing.mixtures.size(), 0.1f), D_core(stopped.resins.resins.size() + 1, 0.1f),
+        loss(viewing.cells(), 0.1f), core_loss(viewing.core_block.size(), 0.1f);
+    std::vector<BlockStencil<4>> blocks(grid.transport_blocks.size());
+    CHECK_THROWS_AS(diffusion.prepare(D, D_core, loss, core_loss, blocks, &stopped.stop), Cancelled);
+    diffusion.prepare(D, D_core, loss, core_loss, blocks);
+    struct Room {
+        std::vector<float> cells, core;
+        ViewingDiffusion::Vector vector() { return {cells, core}; }
+    };
+    const Room nothing{std::vector<float>(viewing.cells()), std::vector<float>(viewing.core_block.size())};
+    Room x = nothing, right = nothing, p = nothing, z = nothing;
+    std::fill(right.cells.begin(), right.cells.end(), 1.0f);
+    CHECK_THROWS_AS(diffusion.solve(x.vector(), right.vector(), p.vector(), z.vector(), 1e-3, 10, &stopped.stop),
+                    Cancelled);
+    for (const float v : x.cells) REQUIRE(v == 0);
+    CHECK(diffusion.solve(x.vector(), right.vector(), p.vector(), z.vector(), 1e-3, 10) > 0);
 }
 
 TEST_CASE("A cancelled prediction does not even begin", "[cancellation]") {
@@ -115,7 +115,7 @@ TEST_CASE("A cancelled prediction does not even begin", "[cancellation]") {
     TransportSummary summary;
     CHECK_THROWS_AS((void)TransportPredictor().predict(stopped.scene, stopped.surface, summary, &stopped.stop),
                     Cancelled);
-    CHECK(summary.skin_cells == 0);  // no grid was made first
+    CHECK(summary.cells == 0);  // no grid was made first
     CHECK(summary.diffusion_s == 0);
     const TransportPredictor coarse(Stopped::on_viewing_cells());
     CHECK_THROWS_AS((void)coarse.predict(stopped.scene, stopped.surface, &stopped.stop), Cancelled);

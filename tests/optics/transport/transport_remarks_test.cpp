@@ -61,17 +61,16 @@ TEST_CASE("What went less than well in a prediction is remarked, and nothing els
     CHECK(says(remarks_of(late), "by 5.7 % on average"));
 }
 
-TEST_CASE("Open solves, on voxels, and late changes are counted where they happen") {
-    for (const bool viewing_cells : {false, true}) {
-        CAPTURE(viewing_cells);
+TEST_CASE("Open solves and late changes are counted where they happen") {
+    for (const Refinement refinement : {Refinement::none, Refinement::all}) {
         TransportOptions usual;
-        usual.viewing_cells = viewing_cells;
+        usual.refinement = refinement;
         const Medium white{0.001, 30}, thin{0.05, 0.45};
         CHECK(remarks_of_slab(usual, white, white).empty());
         // Residuals of single precision never become nothing where resins are as unlike as these.
         TransportOptions never_there = usual;
         never_there.start_tolerance = 0;
-        if (!viewing_cells) CHECK(says(remarks_of_slab(never_there, white, {0.0001, 0.01}), "diffusion solves"));
+        CHECK(says(remarks_of_slab(never_there, {0.001, 300'000}, {0.0001, 0.01}), "diffusion solves"));
         // Light that crosses the body without being scattered needs sweeps, not diffusion.
         TransportOptions once = usual;
         once.sweeps = 1;

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "voxtone/base/random.h"
-#include "voxtone/optics/transport/coarse/refinement.h"
-#include "voxtone/optics/transport/coarse/viewing_grid_builder.h"
+#include "voxtone/optics/transport/refinement.h"
+#include "voxtone/optics/transport/viewing_grid_builder.h"
 
 using namespace voxtone;
 using namespace voxtone::optics;
@@ -49,7 +49,7 @@ struct Case {
             const float sigma_t = 1 + 40 * value();
             return TransportMedium{sigma_t, sigma_t * (0.3f + 0.7f * value())};
         };
-        for (std::size_t m = 0; m < grid.grid.palette.size(); ++m) media.push_back(medium());
+        for (std::size_t m = 0; m < grid.mixtures.size(); ++m) media.push_back(medium());
         for (std::size_t m = 0; m < grid.fine.contents.size(); ++m) media_of_parts.push_back(medium());
         const auto moments = [&] {
             return Moments{value(), 0.3f * value() - 0.15f, 0.3f * value() - 0.15f, 0.3f * value() - 0.15f};
@@ -80,15 +80,15 @@ Result swept(const Case& c) {
     Result result(c);
     for (const bool down : {false, true}) {
         const SweepJob job{.grid = &c.grid.grid,
-                           .media = {c.media, c.media},
+                           .media = c.media,
                            .light = c.light,
                            .sum = result.sum,
                            .in = c.in,
                            .out = result.out,
                            .place = c.grid.place_of_face,
                            .core_in = c.core_in,
-                           .theta = float(theta),
                            .core_out = result.core_out,
+                           .theta = float(theta),
                            .fine = {.split = c.grid.fine.split,
                                     .first = c.grid.fine.first,
                                     .medium = c.grid.fine.medium,
@@ -178,7 +178,7 @@ private:
                     const std::array<std::int64_t, 6>& face, const TransportMedium& medium, const Moments& light,
                     Moments& sum, double weight) {
         const DirectionSet& set = c_.grid.grid.directions;
-        const auto edge = c_.grid.grid.edge_mm(BlockKind::skin);
+        const auto edge = c_.grid.grid.edge_mm();
         const double J[3]{double(light.x), double(light.y), double(light.z)};
         double along = 0, all = 0, arriving = 0, way = 0;
         std::array<double, 3> enters{}, omega{};

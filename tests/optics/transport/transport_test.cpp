@@ -115,11 +115,12 @@ TEST_CASE("Homogeneous slabs agree with adding-doubling") {
                                     std::vector<double>{0, 0, 0, 0, 1}, std::vector<double>{0.2, 0.1, 0.3, 0.1, 0.3});
     const ResinSet set = with_mixture(vero_opaque(), fractions);
     const int layers = 60;
-    const ResinVolume volume = make_resin_volume({8, 4, layers}, j750, [](int, int, int) { return 6; });
+    const ResinVolume volume = make_resin_volume({64, 32, layers}, j750, [](int, int, int) { return 6; });
     const Scene scene{&volume, &set, backing, Sides::mirrored};
     const Surface surface = find_surface(scene, {2, 1, 3}, SurfacePart::top);
     TransportOptions options;
-    options.sweeps = 12;  // mirrors a third of a millimetre apart pass on one image a sweep
+    options.sweeps = 6;
+    options.refinement = GENERATE(Refinement::none, Refinement::all);
     const Appearance seen = TransportPredictor(options).predict(scene, surface);
     std::vector<double> pure(6, 0.0);
     pure[5] = 1;
@@ -128,8 +129,8 @@ TEST_CASE("Homogeneous slabs agree with adding-doubling") {
         double mean = 0;
         for (std::size_t i = 0; i < surface.cells.size(); ++i)
             mean += static_cast<double>(seen.value[3 * i + c]) / static_cast<double>(surface.cells.size());
-        INFO("channel " << c);
-        CHECK(std::abs(mean - exact[c]) < 0.0025);
+        INFO("channel " << c << ", refinement " << int(options.refinement));
+        CHECK(std::abs(mean - exact[c]) < (options.refinement == Refinement::all ? 0.0025 : 0.006));
     }
 }
 
@@ -150,61 +151,6 @@ TEST_CASE("Any number of threads predicts the same bits") {
         many = TransportPredictor().predict(scene, surface).value;
     }
     CHECK(one == many);
-}
-
-TEST_CASE("The gradient agrees with finite differences") {
-    // One voxel of a halftoned slab gets a mixture of its own; F weighs appearances near it in one channel.
-    const ResinSet base = vero_opaque();
-    TransportOptions options;
-    options.sweeps = 20;
-    options.start_tolerance = 1e-5;
-    options.correction_tolerance = 1e-2;
-    const TransportPredictor model(options);
-    const std::array<int, 3> size{24, 12, 36};
-    voxtone::RandomStream draw(7, 0);
-    for (int trial = 0; trial < 6; ++trial) {
-        const std::array<int, 3> voxel{8 + static_cast<int>(draw.bits() % 8), 4 + static_cast<int>(draw.bits() % 4),
-                                       size[2] - 1 - static_cast<int>(draw.bits() % 6)};
-        const std::size_t channel = draw.bits() % 3, resin = draw.bits() % 5;
-        std::vector<double> mixture(5);
-        double sum = 0;
-        for (double& f : mixture) sum += f = 0.1 + draw.uniform();
-        for (double& f : mixture) f /= sum;
-        const auto run = [&](double change, TransportGradient* gradient) {
-            std::vector<double> fractions = mixture;
-            fractions[resin] += change;
-            ResinSet set = with_mixture(base, fractions);
-            const ResinVolume volume = make_resin_volume(size, j750, [&](int x, int y, int z) -> int {
-                if (std::array{x, y, z} == voxel) return 6;
-                const auto address = static_cast<std::uint64_t>((z * size[1] + y) * size[0] + x);
-                return z < size[2] - 9 ? 5 : static_cast<int>(voxtone::RandomStream(3, address).bits() % 5) + 1;
-            });
-            const Scene scene{&volume, &set, Backing::black, Sides::mirrored};
-            const Surface surface = find_surface(scene, {2, 1, 3}, SurfacePart::top);
-            std::vector<float> weight(surface.cells.size() * 3, 0.0f);
-            for (std::size_t i = 0; i < surface.cells.size(); ++i)
-                if (std::abs(surface.cells[i].cell[0] - voxel[0] / 2) < 3 &&
-                    std::abs(surface.cells[i].cell[1] - voxel[1]) < 3)
-                    weight[3 * i + channel] = 1 + 0.1f * static_cast<float>(i % 7);
-            TransportSummary summary;
-            TransportGradient unused;
-            const Appearance seen = model.predict(
-                scene, surface,
-                [&](const Appearance&, std::span<float> out) { std::copy(weight.begin(), weight.end(), out.begin()); },
-                gradient ? *gradient : unused, summary);
-            double value = 0;
-            for (std::size_t i = 0; i < weight.size(); ++i)
-                value += static_cast<double>(weight[i]) * static_cast<double>(seen.value[i]);
-            return value;
-        };
-        TransportGradient gradient;
-        (void)run(0, &gradient);
-        const double step = 0.02, difference = (run(step, nullptr) - run(-step, nullptr)) / (2 * step);
-        const double adjoint = static_cast<double>(gradient.at(voxel, resin));
-        INFO("trial " << trial << " channel " << channel << " resin " << resin << ": difference " << difference
-                      << " adjoint " << adjoint);
-        CHECK(std::abs(adjoint / difference - 1) < 0.01);
-    }
 }
 
 TEST_CASE("A prediction too large for the memory allowed says what it would need") {

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/optics/transport/viewing_faces.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "voxtone/optics/transport/lattice.h"
+
+namespace voxtone::optics {
+namespace {
+
+constexpr double blur_mm = 0.05;
+constexpr double least_share = 0.01;  // of a cell's faces of one facing: fainter ones are left out
+constexpr int cells_around = 2;       // cells around that are looked at
+
+/// Looks for the faces of one surface cell after the other.
+class FaceFinder {
+public:
+    FaceFinder(const ViewingGrid& viewing, const Surface& surface)
+        : viewing_(viewing), grid_(viewing.grid), surface_(surface) {
+        for (std::size_t a = 0; a < 3; ++a) edge_[a] = grid_.view_voxels[a] * grid_.pitch_mm[a];
+        seen_.first.reserve(surface.cells.size() + 1);
+        seen_.cell.reserve(surface.cells.size());
+        seen_.first.push_back(0);
+    }
+    [[nodiscard]] ViewingFaces run(const Progress* progress) {
+        for (const SurfaceCell& cell : surface_.cells) {
+            if (progress) progress->check_cancelled();
+            look_at(cell);
+            if (!is_slanting(cell) || !share_around(cell)) take_nearest(cell);
+            seen_.first.push_back(static_cast<std::uint32_t>(seen_.face.size()));
+        }
+        return std::move(seen_);
+    }
+
+private:
+    static bool is_slanting(const SurfaceCell& cell) {
+        return std::max({std::abs(cell.normal[0]), std::abs(cell.normal[1]), std::abs(cell.normal[2])}) < 0.999f;
+    }
+
+    /// Areas of its faces, and where it lies.
+    void look_at(const SurfaceCell& cell) {
+        area_ = {};
+        for (std::size_t f = cell.first_face; f < cell.first_face + cell.faces; ++f) {
+            const auto facing = static_cast<std::size_t>(surface_.faces[f].facing), a = facing / 2;
+            area_[facing] += grid_.pitch_mm[(a + 1) % 3] * grid_.pitch_mm[(a + 2) % 3];
+        }
+        for (std::size_t a = 0; a < 3; ++a) {
+            // Half a hair inside, so that faces of a cell that is met exactly are its own.
+            const double at =
+                static_cast<double>(cell.centre_mm[a]) / grid_.pitch_mm[a] - 1e-3 * static_cast<double>(cell.normal[a]);
+            home_[a] = (static_cast<int>(std::floor(at)) + grid_.shift_voxels[a]) / grid_.view_voxels[a];
+        }
+    }
+
+    /// From the surface cell to the middle of a face of a viewing cell, or of the cell itself (facing -1).
+    [[nodiscard]] double distance2(const SurfaceCell& cell, const Place& at, int facing) const {
+        double sum = 0;
+        for (std::size_t a = 0; a < 3; ++a) {
+            double middle = (at[a] + 0.5) * edge_[a] - grid_.shift_voxels[a] * grid_.pitch_mm[a];
+            if (facing / 2 == static_cast<int>(a) && facing >= 0) middle += (facing % 2 ? 0.5 : -0.5) * edge_[a];
+            sum += std::pow(middle - static_cast<double>(cell.centre_mm[a]), 2);
+        }
+        return sum;
+    }
+
+    /// body(place, viewing cell) of the solid ones up to r places away.
+    template <class Body>
+    void each_cell_near(int r, Body&& body) const {
+        for_each({2 * r + 1, 2 * r + 1, 2 * r + 1}, [&](const Place& k) {
+            const Place at{home_[0] + k[0] - r, home_[1] + k[1] - r, home_[2] + k[2] - r};
+            if (const std::int64_t there = viewing_.cell_of(at); there >= 0) body(at, there);
+        });
+    }
+
+    void add(std::uint32_t face, double area) {
+        seen_.face.push_back(face);
+        seen_.share.push_back(static_cast<float>(area / static_cast<double>(grid_.faces[face].area_mm2)));
+    }
+
+    /// On a slanting surface the light of the steps near by. False, and nothing done, where a facing finds no face.
+    [[nodiscard]] bool share_around(const SurfaceCell& cell) {
+        near_.clear();
+        std::array<double, 6> weights{};
+        each_cell_near(1, [&](const Place& at, std::int64_t there) {
+            viewing_.each_face(static_cast<std::uint32_t>(there), [&](std::uint32_t f) {
+                const auto facing = static_cast<std::size_t>(grid_.faces[f].facing);
+                if (grid_.faces[f].kind != FaceKind::light || area_[facing] == 0) return;
+                const double weight =
+                    std::exp(-0.5 * distance2(cell, at, static_cast<int>(facing)) / (blur_mm * blur_mm));
+                weights[facing] += weight;
+                near_.push_back({f, weight});
+            });
+        });
+        for (std::size_t f = 0; f < 6; ++f)
+            if (area_[f] != 0 && !(weights[f] > 0)) return false;
+        for (const auto& [f, weight] : near_) {
+            const auto facing = static_cast<std::size_t>(grid_.faces[f].facing);
+            const double share = weight / weights[facing];
+            if (share >= least_share) add(f, share * area_[facing]);
+        }
+        seen_.cell.push_back(grid_.faces[near_[0].first].cell);
+        return true;
+    }
+
+    struct Nearest {
+        double distance2 = 1e9;
+        std::int64_t index = -1;
+        void take(double d2, std::int64_t i) {
+            if (d2 >= distance2) return;
+            distance2 = d2;
+            index = i;
+        }
+    };
+
+    void take_nearest(const SurfaceCell& cell) {
+        std::array<Nearest, 6> nearest{};
+        Nearest solid, any;
+        for (int r = 1; r <= cells_around; ++r) {
+            each_cell_near(r, [&](const Place& at, std::int64_t there) {
+                solid.take(distance2(cell, at, -1), there);
+                viewing_.each_face(static_cast<std::uint32_t>(there), [&](std::uint32_t f) {
+                    const OuterFace& face = grid_.faces[f];
+                    if (face.kind != FaceKind::light) return;
+                    const auto facing = static_cast<std::size_t>(face.facing);
+                    const double d2 = distance2(cell, at, static_cast<int>(facing));
+                    const double towards = static_cast<double>(cell.normal[facing / 2]) * (facing % 2 ? 1 : -1);
+                    nearest[facing].take(d2, f);
+                    if (towards > 0) any.take(d2, f);
+                });
+            });
+            bool all = true;
+            for (std::size_t f = 0; f < 6; ++f) all &= area_[f] == 0 || nearest[f].index >= 0;
+            if (all) break;
+        }
+        for (std::size_t f = 0; f < 6; ++f) {
+            if (area_[f] == 0) continue;
+            const std::int64_t face = nearest[f].index >= 0 ? nearest[f].index : any.index;
+            if (face >= 0) add(static_cast<std::uint32_t>(face), area_[f]);
+        }
+        seen_.cell.push_back(solid.index < 0 ? 0xffffffffu : static_cast<std::uint32_t>(solid.index));
+    }
+
+    const ViewingGrid& viewing_;
+    const OpticalGrid& grid_;
+    const Surface& surface_;
+    std::array<double, 3> edge_{};  ///< of a viewing cell
+    std::array<double, 6> area_{};  ///< of the cell's faces, by facing
+    Place home_{};                  ///< viewing cell of its centre
+    std::vector<std::pair<std::uint32_t, double>> near_;
+    ViewingFaces seen_;
+};
+
+}  // namespace
+
+ViewingFaces see(const ViewingGrid& viewing, const Surface& surface, const Progress* progress) {
+    return FaceFinder(viewing, surface).run(progress);
+}
+
+}  // namespace voxtone::optics

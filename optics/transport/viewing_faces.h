@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Which faces of the staircase of a viewing grid stand for the cells of a surface.
+//
+// Each face of a voxel is seen through the nearest face to the light that looks the same way, or where there is none
+// near through the nearest one that looks towards the cell's normal. On a slanting surface the faces around share, by a
+// Gaussian of 0.05 mm, so that a picture does not show the steps.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "voxtone/optics/scene/surface.h"
+#include "voxtone/optics/transport/viewing_grid.h"
+
+namespace voxtone::optics {
+
+/// For each cell of a surface: entries first[i] .. first[i + 1] - 1; `share` is the area of voxel faces seen there /
+/// the area of the face. A cell without entries has no face of the staircase near.
+struct ViewingFaces {
+    std::vector<std::uint32_t> first, face;
+    std::vector<float> share;
+    std::vector<std::uint32_t> cell;  ///< the solid cell nearest to each surface cell; 0xffffffff: none near
+};
+/// Throws Cancelled.
+[[nodiscard]] ViewingFaces see(const ViewingGrid& viewing, const Surface& surface, const Progress* progress = nullptr);
+
+}  // namespace voxtone::optics

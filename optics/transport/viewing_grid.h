@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// A body cut into cells of the eye: transport on viewing cells (J750: 2 x 1 x 3 voxels), for an optical grid that keeps
+// its shape while the resins change.
+//
+// A cell is solid where at least half of its voxels are, or where no neighbour is that would stand for it. What a cell
+// that is not solid holds is given to the fullest neighbour across a face, so that no resin is lost: a cell's
+// extinction is that of its voxels times the volume of resin in it / the cell's volume, 0.5 to 2 or so at a slanting
+// surface, 1 elsewhere. The surface is the staircase of solid cells; each of its faces has the normal of the smooth
+// surface there, and the laws of transport_directions.h keep the flux per true area. A face of a voxel is seen through
+// the nearest face of the staircase that looks the same way.
+//
+// Transport blocks (4 x 4 x 4 cells, all of them stored): those within `colour_mm` of the surface that is asked for,
+// those at the surface elsewhere, those of several materials, a margin of them, and those on a sheet. Deeper, each
+// block is one node of diffusion. Cells and nodes of diffusion are the same.
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "voxtone/optics/transport/optical_grid.h"
+
+namespace voxtone::optics {
+
+/// The lattice of blocks of 4 x 4 x 4 viewing cells over a volume: from voxel 0 along x and y, from the top along z.
+struct BlockLattice {
+    BlockLattice(const std::array<int, 3>& size, const std::array<int, 3>& view_voxels);
+    [[nodiscard]] std::uint64_t index(const std::array<int, 3>& block) const {
+        return (static_cast<std::uint64_t>(block[2]) * static_cast<std::uint64_t>(blocks[1]) +
+                static_cast<std::uint64_t>(block[1])) *
+                   static_cast<std::uint64_t>(blocks[0]) +
+               static_cast<std::uint64_t>(block[0]);
+    }
+    std::array<int, 3> block_voxels{}, blocks{};
+    std::array<int, 3> shift_voxels{};  ///< voxel 0 lies so many voxels inside the first block
+};
+
+/// A part of the lattice: blocks begin .. end - 1. Where the body goes on beyond (`cut`, by Facing), the outermost ring
+/// of blocks holds no transport cells but one node each, a ghost: its light comes from who knows it
+/// (ViewingTransport::solve).
+struct ViewingWindow {
+    std::array<int, 3> begin{}, end{};
+    std::array<bool, 6> cut{};
+};
+
+/// Made by viewing_grid_builder.h.
+struct ViewingGrid {
+    ViewingGrid() = default;
+
+    /// The solid transport cell in which a voxel counts (cell -1: none), in which of its layers, and its share of the
+    /// cell's volume.
+    struct Home {
+        std::int64_t cell = -1;
+        std::uint8_t axis = 2, layer = 0;  ///< as of Mixture
+        float share = 0;
+    };
+    [[nodiscard]] Home home_of(const std::array<int, 3>& voxel) const;
+
+    /// The solid transport cell at a place of the viewing grid, or -1.
+    [[nodiscard]] std::int64_t cell_of(const std::array<std::int32_t, 3>& at) const;
+    /// The outer faces of a cell.
+    template <class Body>
+    void each_face(std::uint32_t cell, Body&& body) const;
+    /// The lowest voxel of a block.
+    [[nodiscard]] std::array<std::int32_t, 3> corner_of(const GridBlock& block) const;
+    [[nodiscard]] bool is_ghost(const std::array<std::int32_t, 3>& block) const {
+        for (std::size_t a = 0; a < 3; ++a)
+            if ((window.cut[2 * a] && block[a] == 0) || (window.cut[2 * a + 1] && block[a] == grid.lattice[a] - 1))
+                return true;
+        return false;
+    }
+    [[nodiscard]] std::size_t cells() const { return grid.medium.size(); }
+    [[nodiscard]] std::size_t memory_bytes() const;
+    /// Frees what the vectors hold in reserve.
+    void shrink();
+
+    OpticalGrid grid;
+    /// What a cell holds: share of its volume by resin and by layer across the light's way, the one nearest to the air
+    /// first.
+    struct Holding {
+        Material material = 0;
+        std::uint8_t layer = 0;
+        float share = 0;
+    };
+    struct Mixture {
+        std::vector<Holding> holds;  ///< ascending in layer, then material
+        std::uint8_t axis = 2;       ///< along which light comes
+    };
+    std::vector<Mixture> mixtures;  ///< of cells, by OpticalGrid::medium; 0 is air
+
+    /// Blocks whose cells are cut into parts no larger than voxels. Shape and faces stay those of the cells.
+    struct Fine {
+        /// Resins, each with the share of the part's volume that it fills; where there are none, one of
+        /// `mixtures`.
+        struct Content {
+            std::vector<std::pair<Material, float>> holds;
+            std::uint16_t mixture = 0;
+        };
+        std::array<int, 3> split{};         ///< parts of a cell along each axis, a multiple of its voxels; 0: no block
+        std::vector<std::uint32_t> first;   ///< first part of each transport block, or `not_fine`
+        std::vector<std::uint16_t> medium;  ///< of each part: into `contents`, whose first one is air
+        std::vector<Content> contents;
+        [[nodiscard]] bool any() const { return split[0] > 0; }
+        [[nodiscard]] std::size_t parts() const {
+            return static_cast<std::size_t>(split[0]) * static_cast<std::size_t>(split[1]) *
+                   static_cast<std::size_t>(split[2]);
+        }
+        /// Place of a part of cell (x, y, z) of a block among the block's.
+        [[nodiscard]] std::size_t part(const std::array<int, 3>& cell, const std::array<int, 3>& part) const {
+            std::array<std::size_t, 3> at{};
+            for (std::size_t a = 0; a < 3; ++a) at[a] = static_cast<std::size_t>(cell[a] * split[a] + part[a]);
+            const auto nx = static_cast<std::size_t>(4 * split[0]), ny = static_cast<std::size_t>(4 * split[1]);
+            return (at[2] * ny + at[1]) * nx + at[0];
+        }
+    };
+    Fine fine;
+    ViewingWindow window;
+    std::vector<std::uint32_t> core_block;  ///< of each core node
+    std::vector<std::uint32_t> ghosts;      ///< core nodes on the cut sides of the window, ascending
+    std::vector<std::uint32_t> core_faces;  ///< outer faces that lead into the core
+    std::vector<std::uint32_t> open_faces;  ///< the others: to the light, a sheet or a mirror
+    /// Of each outer face among the open ones; `into_core` and among the core's.
+    std::vector<std::uint32_t> place_of_face;
+    /// Transport blocks whose neighbours are of the other parity.
+    std::array<std::vector<std::uint32_t>, 2> blocks_by_parity;
+
+    /// A cell that is not solid, and the solid one that holds its resin.
+    struct Donor {
+        std::uint32_t to;                  ///< cell
+        std::array<std::int32_t, 3> from;  ///< its lowest voxel
+    };
+    bool mirrored = false;
+    std::array<int, 3> size{};             ///< of the volume
+    std::vector<std::uint8_t> towards;     ///< of each transport block: the facing of the surface near it
+    std::vector<Donor> donors;             ///< ascending in `to`
+    std::vector<std::uint32_t> donors_of;  ///< first donor of each transport block, with an end mark
+};
+
+template <class Body>
+void ViewingGrid::each_face(std::uint32_t cell, Body&& body) const {
+    const unsigned bits = grid.outer[cell];
+    if (bits == 0 || bits & not_solid) return;
+    const GridBlock& home = grid.blocks[grid.transport_blocks[cell / 64]];
+    const auto first =
+        static_cast<std::uint32_t>(grid.face_of_cell[static_cast<std::size_t>(home.first_link) + cell % 64]);
+    for (std::uint32_t f = first; f < first + static_cast<std::uint32_t>(std::popcount(bits)); ++f) body(f);
+}
+
+}  // namespace voxtone::optics

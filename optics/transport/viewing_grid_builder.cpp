@@ -1,0 +1,599 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/optics/transport/viewing_grid_builder.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "voxtone/base/contracts.h"
+#include "voxtone/base/parallel.h"
+#include "voxtone/optics/media/mirrored_box.h"
+#include "voxtone/optics/transport/lattice.h"
+#include "voxtone/optics/transport/transport_sweep.h"
+#include "voxtone/optics/transport/viewing_faces.h"
+#include "voxtone/optics/transport/viewing_palette.h"
+
+namespace voxtone::optics {
+namespace {
+
+struct ViewingGridBuilder {
+    ViewingGrid& self;
+    OpticalGrid& grid;
+    const Scene& scene;
+    const Progress* progress;
+    Place block_voxels{}, view{}, cells{};  // cells: of the lattice
+    int in_cell = 1;
+    enum : std::uint8_t { empty, full, part };
+    std::vector<std::uint8_t> state{};     // of each place
+    std::vector<std::int16_t> material{};  // of each place: the only one besides air, -1: several
+    std::vector<std::uint8_t> closed{};    // of each place: full, but for what sticks out of the volume into a sheet
+    std::vector<std::uint32_t> fill_of{};  // of each place that is `part`: first of its 64 in `fills`
+    std::vector<std::uint8_t> fills{};
+    std::vector<std::uint8_t> wanted{}, seed{};  // of each place: gets transport cells; a margin grows from it
+
+    [[nodiscard]] Place corner_of(const Place& block) const {
+        Place corner{};
+        for (std::size_t a = 0; a < 3; ++a) corner[a] = block[a] * block_voxels[a] - grid.shift_voxels[a];
+        return corner;
+    }
+    [[nodiscard]] bool mirrored(std::size_t axis) const { return self.mirrored && axis < 2; }
+    void check() const {
+        if (progress) progress->check_cancelled();
+    }
+
+    void look() {
+        view = grid.view_voxels;
+        const BlockLattice whole(scene.volume->size(), view);
+        block_voxels = whole.block_voxels;
+        for (std::size_t a = 0; a < 3; ++a) {
+            grid.lattice[a] = self.window.end[a] - self.window.begin[a];
+            grid.shift_voxels[a] = whole.shift_voxels[a] - self.window.begin[a] * block_voxels[a];
+            cells[a] = 4 * grid.lattice[a];
+        }
+        in_cell = view[0] * view[1] * view[2];
+        const std::size_t n = product(grid.lattice);
+        state.assign(n, empty);
+        material.assign(n, 0);
+        closed.assign(n, 0);
+        fill_of.assign(n, 0);
+        const auto places = static_cast<std::size_t>(grid.lattice[0]);
+        const std::size_t rows = n / places;
+        std::vector<std::vector<std::uint8_t>> row_fills(rows);
+        const auto look_along = [&](std::size_t first, std::size_t last) {
+            std::vector<Material> box;
+            for (std::size_t row = first; row < last; ++row)
+                for (std::size_t x = 0; x < places; ++x) look_at(row, x, row_fills[row], box);
+        };
+        parallel_ranges(0, rows, 4, look_along, progress);
+        for (std::size_t row = 0; row < rows; ++row) {
+            for (std::size_t x = 0; x < places; ++x)
+                fill_of[row * places + x] += static_cast<std::uint32_t>(fills.size());
+            fills.insert(fills.end(), row_fills[row].begin(), row_fills[row].end());
+        }
+    }
+
+    void look_at(std::size_t row, std::size_t x, std::vector<std::uint8_t>& to, std::vector<Material>& box) {
+        const Place block{static_cast<int>(x), static_cast<int>(row % static_cast<std::size_t>(grid.lattice[1])),
+                          static_cast<int>(row / static_cast<std::size_t>(grid.lattice[1]))};
+        const std::size_t here = at3(block, grid.lattice);
+        const Place corner = corner_of(block);
+        const int only = scene.volume->uniform_material(corner, block_voxels);
+        if (only >= 0) {
+            state[here] = only == air ? empty : full;
+            closed[here] = only != air;
+            material[here] = static_cast<std::int16_t>(only);
+            return;
+        }
+        read_box(*scene.volume, self.mirrored, corner, block_voxels, box);
+        std::array<std::uint8_t, 64> fill{};
+        std::int16_t found = 0;
+        bool any_air = false, open = false;
+        for_each({4, 4, 4}, [&](const Place& at) {
+            std::uint8_t& sum = fill[place_in_block(at[0], at[1], at[2])];
+            for (std::size_t a = 0; a < 2; ++a)  // beyond a mirror there is nothing
+                if (mirrored(a) && corner[a] + at[a] * view[a] >= scene.volume->size()[a]) {
+                    any_air = open = true;
+                    return;
+                }
+            for_each(view, [&](const Place& in) {
+                const Material m =
+                    box[at3({at[0] * view[0] + in[0], at[1] * view[1] + in[1], at[2] * view[2] + in[2]}, block_voxels)];
+                if (m == air) {
+                    any_air = true;
+                    open |= scene.backing == Backing::none || corner[2] + at[2] * view[2] + in[2] >= 0;
+                    return;
+                }
+                ++sum;
+                found = found == 0 || found == m ? m : std::int16_t{-1};
+            });
+        });
+        if (found == 0) return;
+        state[here] = any_air ? part : full;
+        material[here] = found;
+        closed[here] = !open;
+        if (!any_air) return;
+        fill_of[here] = static_cast<std::uint32_t>(to.size());
+        to.insert(to.end(), fill.begin(), fill.end());
+    }
+
+    [[nodiscard]] Material some_material(const Place& block) const {
+        std::vector<Material> box;
+        read_box(*scene.volume, self.mirrored, corner_of(block), block_voxels, box);
+        return *std::max_element(box.begin(), box.end());
+    }
+
+    [[nodiscard]] int fill_at(const Place& cell) const {
+        Place block{}, in{};
+        for (std::size_t a = 0; a < 3; ++a) {
+            if (cell[a] < 0 || cell[a] >= cells[a]) return 0;
+            block[a] = cell[a] / 4;
+            in[a] = cell[a] % 4;
+        }
+        const std::size_t here = at3(block, grid.lattice);
+        return state[here] == full    ? in_cell
+               : state[here] == empty ? 0
+                                      : fills[fill_of[here] + place_in_block(in[0], in[1], in[2])];
+    }
+    [[nodiscard]] static Place beside(const Place& cell, std::size_t f) {
+        return {cell[0] + step_of[f][0], cell[1] + step_of[f][1], cell[2] + step_of[f][2]};
+    }
+    [[nodiscard]] bool solid_at(const Place& cell) const {
+        const int fill = fill_at(cell);
+        if (fill == 0 || 2 * fill >= in_cell) return fill > 0;
+        for (std::size_t f = 0; f < 6; ++f)
+            if (2 * fill_at(beside(cell, f)) >= in_cell) return false;
+        return true;
+    }
+    /// Which neighbour a cell that is not solid gives its resin to.
+    [[nodiscard]] Place receiver(const Place& cell) const {
+        Place best{};
+        int most = 0;
+        for (std::size_t f = 0; f < 6; ++f) {
+            const int fill = fill_at(beside(cell, f));
+            if (fill > most) {
+                most = fill;
+                best = beside(cell, f);
+            }
+        }
+        return best;
+    }
+    /// What lies beyond a face of a solid cell whose neighbour is not solid.
+    [[nodiscard]] FaceKind kind_of(const Place& next, std::size_t f) const {
+        const std::size_t a = f / 2;
+        const int low = next[a] * view[a] - grid.shift_voxels[a];
+        if (mirrored(a) && (low + view[a] <= 0 || low >= scene.volume->size()[a])) return FaceKind::mirror;
+        if (f == 4 && low < 0 && scene.backing == Backing::black) return FaceKind::black_sheet;
+        if (f == 4 && low < 0 && scene.backing == Backing::white) return FaceKind::white_sheet;
+        return FaceKind::light;
+    }
+
+    /// Rings of blocks in which light becomes diffuse below a change of materials, one of them spared.
+    [[nodiscard]] int margin_blocks(std::size_t m) const {
+        double least = 1e9, edge = 0;
+        for (std::size_t c = 0; c < scene.resins->channels.size(); ++c) {
+            const Medium medium = scene.resins->resins[m - 1].medium(c);
+            least = std::min(least, medium.sigma_a + (1 - scene.resins->g) * medium.sigma_s);
+        }
+        for (std::size_t a = 0; a < 3; ++a) edge = std::max(edge, block_voxels[a] * grid.pitch_mm[a]);
+        return std::clamp(static_cast<int>(std::ceil(2.3 / (std::max(least, 1e-3) * edge) - 0.1)) - 1, 1, 12);
+    }
+
+    /// Blocks with a face of the surface, and those beside them.
+    [[nodiscard]] std::vector<std::uint8_t> blocks_at(const Surface& surface) const {
+        std::vector<std::uint8_t> at_surface(product(grid.lattice), 0);
+        const auto mark = [&](const Place& at) {
+            if (in_lattice(at)) at_surface[at3(at, grid.lattice)] = 1;
+        };
+        for (const SurfaceFace& face : surface.faces) {
+            Place at{};
+            bool inside = true;
+            for (std::size_t a = 0; a < 3; ++a) {
+                const int v = face.voxel[a] + grid.shift_voxels[a];
+                at[a] = v / block_voxels[a];
+                inside &= v >= 0 && at[a] < grid.lattice[a];
+            }
+            if (!inside) continue;
+            mark(at);
+            for (const Place& step : step_of) mark({at[0] + step[0], at[1] + step[1], at[2] + step[2]});
+        }
+        return at_surface;
+    }
+
+    [[nodiscard]] bool in_lattice(const Place& at) const {
+        for (std::size_t a = 0; a < 3; ++a)
+            if (at[a] < 0 || at[a] >= grid.lattice[a]) return false;
+        return true;
+    }
+
+    /// Which blocks get transport cells, and the list of all.
+    void find_blocks(double colour_mm, std::span<const std::uint8_t> also, const Surface* asked) {
+        want_below(find_surface_blocks(also, asked), colour_mm);
+        check();
+        want_margins();
+        check();
+        list_blocks();
+        find_neighbours();
+    }
+
+    /// Wants those at the surface, on a sheet and in `also`; seeds margins at those of several materials and those that
+    /// are lit. The lit ones of what is `asked` for.
+    [[nodiscard]] std::vector<Place> find_surface_blocks(std::span<const std::uint8_t> also, const Surface* asked) {
+        const std::size_t n = product(grid.lattice);
+        const std::vector<std::uint8_t> at_surface = asked ? blocks_at(*asked) : std::vector<std::uint8_t>(n, 1);
+        wanted.assign(n, 0);
+        seed.assign(n, 0);
+        std::vector<Place> surface;
+        std::size_t i = 0;
+        for_each(grid.lattice, [&](const Place& at) {
+            const std::size_t here = i++;
+            if (state[here] == empty) return;
+            if (self.is_ghost(at)) {
+                seed[here] = material[here] < 0;
+                return;
+            }
+            const auto [lit, sheet] = beyond(at);
+            if (lit && at_surface[here]) surface.push_back(at);
+            if (lit || sheet || (!also.empty() && also[here])) wanted[here] = 1;
+            seed[here] = lit || material[here] < 0;
+        });
+        return surface;
+    }
+
+    /// What a block that is not empty has around it.
+    struct Beyond {
+        bool lit = false, sheet = false;
+    };
+    [[nodiscard]] Beyond beyond(const Place& at) const {
+        Beyond found{!closed[at3(at, grid.lattice)], false};
+        for (std::size_t f = 0; f < 6 && !found.lit; ++f) {
+            const Place next = beside(at, f);
+            const bool inside = in_lattice(next);
+            if (inside && closed[at3(next, grid.lattice)]) continue;
+            Place cell{4 * at[0], 4 * at[1], 4 * at[2]};
+            if (f % 2 == 1) cell[f / 2] += 3;
+            const FaceKind kind = inside ? FaceKind::light : kind_of(beside(cell, f), f);
+            found.lit |= kind == FaceKind::light;
+            found.sheet |= kind == FaceKind::black_sheet || kind == FaceKind::white_sheet;
+        }
+        found.sheet |= scene.backing != Backing::none && corner_of(at)[2] <= 0;
+        return found;
+    }
+
+    /// Wants the blocks near the surface: by the distance from the middle of a surface block to the near side of the
+    /// block.
+    void want_below(const std::vector<Place>& surface, double colour_mm) {
+        std::vector<Place> near;
+        Place reach{};
+        std::array<double, 3> edge{};
+        for (std::size_t a = 0; a < 3; ++a) {
+            edge[a] = block_voxels[a] * grid.pitch_mm[a];
+            reach[a] = static_cast<int>(std::ceil(colour_mm / edge[a]));
+        }
+        for_each({2 * reach[0] + 1, 2 * reach[1] + 1, 2 * reach[2] + 1}, [&](const Place& k) {
+            double d2 = 0;
+            for (std::size_t a = 0; a < 3; ++a)
+                d2 += std::pow(std::max(std::abs(k[a] - reach[a]) - 0.5, 0.0) * edge[a], 2);
+            if (d2 < colour_mm * colour_mm) near.push_back({k[0] - reach[0], k[1] - reach[1], k[2] - reach[2]});
+        });
+        for (const Place& at : surface) {
+            check();
+            for (const Place& k : near) {
+                const Place to{at[0] + k[0], at[1] + k[1], at[2] + k[2]};
+                if (in_lattice(to)) wanted[at3(to, grid.lattice)] = 1;
+            }
+        }
+    }
+
+    /// Wants the seeds and the rings around them in which light becomes diffuse.
+    void want_margins() {
+        std::array<int, 256> margin{};
+        int rings = 0;
+        for (std::size_t m = 1; m <= scene.resins->resins.size(); ++m)
+            rings = std::max(rings, margin[m] = margin_blocks(m));
+        std::vector<std::uint8_t> ring(seed.size(), 255);
+        std::vector<Place> front, next_front;
+        std::size_t i = 0;
+        for_each(grid.lattice, [&](const Place& at) {
+            if (seed[i]) {
+                ring[i] = 0;
+                front.push_back(at);
+                wanted[i] = 1;
+            }
+            ++i;
+        });
+        for (int r = 1; r <= rings; ++r) {
+            next_front.clear();
+            for (const Place& at : front)
+                for_each({3, 3, 3}, [&](const Place& k) {
+                    if (k[0] != 1 && k[1] != 1 && k[2] != 1) return;  // across a face or an edge
+                    const Place to{at[0] + k[0] - 1, at[1] + k[1] - 1, at[2] + k[2] - 1};
+                    if (!in_lattice(to)) return;
+                    const std::size_t there = at3(to, grid.lattice);
+                    if (ring[there] != 255 || state[there] == empty) return;
+                    ring[there] = static_cast<std::uint8_t>(r);
+                    if (material[there] > 0 && r <= margin[static_cast<std::size_t>(material[there])])
+                        wanted[there] = 1;
+                    next_front.push_back(to);
+                });
+            front.swap(next_front);
+        }
+    }
+
+    void list_blocks() {
+        grid.block_at.assign(product(grid.lattice), -1);
+        std::size_t i = 0;
+        std::int64_t row = -1;
+        for_each(grid.lattice, [&](const Place& at) {
+            const std::size_t here = i++;
+            if (state[here] == empty) return;
+            const auto index = static_cast<std::uint32_t>(grid.blocks.size());
+            grid.block_at[here] = static_cast<std::int32_t>(index);
+            if (!wanted[here] || self.is_ghost(at)) {
+                grid.blocks.push_back(core_block(at, index));
+                return;
+            }
+            GridBlock block;
+            block.at = at;
+            block.kind = BlockKind::transport;
+            block.first_cell = static_cast<std::uint32_t>(64 * grid.transport_blocks.size());
+            const std::int64_t this_row = std::int64_t{at[2]} * grid.lattice[1] + at[1];
+            if (this_row != row)
+                grid.transport_rows.push_back(static_cast<std::uint32_t>(grid.transport_blocks.size()));
+            row = this_row;
+            grid.transport_blocks.push_back(index);
+            self.blocks_by_parity[static_cast<std::size_t>((at[0] + at[1] + at[2]) & 1)].push_back(index);
+            grid.blocks.push_back(block);
+        });
+        grid.transport_rows.push_back(static_cast<std::uint32_t>(grid.transport_blocks.size()));
+    }
+
+    /// A block of one node, and perhaps a ghost.
+    [[nodiscard]] GridBlock core_block(const Place& at, std::uint32_t index) {
+        const std::size_t here = at3(at, grid.lattice);
+        GridBlock block;
+        block.at = at;
+        block.kind = BlockKind::core;
+        block.medium = static_cast<std::uint16_t>(material[here]);
+        block.core_node = static_cast<std::uint32_t>(self.core_block.size());
+        if (self.is_ghost(at)) {
+            // Whatever it holds: its light is given, and the halo keeps it out of sight.
+            if (material[here] < 0) block.medium = some_material(at);
+            self.ghosts.push_back(block.core_node);
+        }
+        self.core_block.push_back(index);
+        return block;
+    }
+
+    void find_neighbours() {
+        for (GridBlock& block : grid.blocks)
+            for (std::size_t f = 0; f < 6; ++f) {
+                const Place next = beside(block.at, f);
+                if (in_lattice(next)) block.neighbour[f] = grid.block_at[at3(next, grid.lattice)];
+            }
+    }
+
+    void list_faces() {
+        VOXTONE_EXPECT(64 * grid.transport_blocks.size() < std::numeric_limits<std::uint32_t>::max());
+        grid.medium.assign(64 * grid.transport_blocks.size(), 0);
+        grid.outer.assign(64 * grid.transport_blocks.size(), not_solid);
+        std::array<float, 3> area{};
+        for (std::size_t a = 0; a < 3; ++a)
+            area[a] = static_cast<float>(view[(a + 1) % 3] * grid.pitch_mm[(a + 1) % 3] * view[(a + 2) % 3] *
+                                         grid.pitch_mm[(a + 2) % 3]);
+        for (const std::uint32_t b : grid.transport_blocks) {
+            check();
+            GridBlock& block = grid.blocks[b];
+            const std::size_t here = at3(block.at, grid.lattice);
+            self.donors_of.push_back(static_cast<std::uint32_t>(self.donors.size()));
+            bool inner = state[here] == full;
+            for (const std::int32_t other : block.neighbour)
+                inner &= other >= 0 && grid.blocks[static_cast<std::size_t>(other)].kind != BlockKind::core &&
+                         state[at3(grid.blocks[static_cast<std::size_t>(other)].at, grid.lattice)] == full;
+            if (inner) {
+                block.solid = ~std::uint64_t{0};
+                std::fill_n(grid.outer.begin() + block.first_cell, 64, std::uint8_t{0});
+                continue;
+            }
+            block.first_link = static_cast<std::int32_t>(grid.face_of_cell.size());
+            block.first_face = static_cast<std::uint32_t>(grid.faces.size());
+            for_each({4, 4, 4}, [&](const Place& at) {
+                const std::size_t place = place_in_block(at[0], at[1], at[2]);
+                const Place cell{4 * block.at[0] + at[0], 4 * block.at[1] + at[1], 4 * block.at[2] + at[2]};
+                grid.face_of_cell.push_back(static_cast<std::int32_t>(grid.faces.size()));
+                if (!solid_at(cell)) return;
+                block.solid |= std::uint64_t{1} << place;
+                std::uint8_t& outer = grid.outer[block.first_cell + place] = 0;
+                for (std::size_t f = 0; f < 6; ++f) {
+                    const Place next = beside(cell, f);
+                    OuterFace face;
+                    face.cell = block.first_cell + static_cast<std::uint32_t>(place);
+                    face.facing = static_cast<Facing>(f);
+                    face.area_mm2 = area[f / 2];
+                    for (std::size_t axis = 0; axis < 3; ++axis)
+                        if (at[axis] >= 2) face.region_in_block |= static_cast<std::uint8_t>(1u << axis);
+                    if (solid_at(next)) {
+                        const Place around{next[0] / 4, next[1] / 4, next[2] / 4};
+                        const GridBlock& other =
+                            grid.blocks[static_cast<std::size_t>(grid.block_at[at3(around, grid.lattice)])];
+                        if (other.kind != BlockKind::core) continue;
+                        face.kind = FaceKind::core;
+                        face.beyond = other.core_node;
+                        self.place_of_face.push_back(into_core | static_cast<std::uint32_t>(self.core_faces.size()));
+                        self.core_faces.push_back(static_cast<std::uint32_t>(grid.faces.size()));
+                    } else {
+                        face.kind = kind_of(next, f);
+                        self.place_of_face.push_back(static_cast<std::uint32_t>(self.open_faces.size()));
+                        self.open_faces.push_back(static_cast<std::uint32_t>(grid.faces.size()));
+                        if (fill_at(next) > 0 && receiver(next) == cell) {
+                            Place from{};
+                            for (std::size_t a = 0; a < 3; ++a) from[a] = next[a] * view[a] - grid.shift_voxels[a];
+                            self.donors.push_back({face.cell, from});
+                        }
+                    }
+                    outer |= static_cast<std::uint8_t>(1u << f);
+                    grid.faces.push_back(face);
+                }
+            });
+            block.faces = static_cast<std::uint32_t>(grid.faces.size()) - block.first_face;
+        }
+        self.donors_of.push_back(static_cast<std::uint32_t>(self.donors.size()));
+    }
+
+    /// The laws of the faces: of the mean normal of the voxel faces seen through each; where there are none, of faces
+    /// near by.
+    void find_laws() {
+        VoxelBox box;
+        for (std::size_t a = 0; a < 3; ++a) {
+            box.begin[a] = -grid.shift_voxels[a];
+            box.end[a] = box.begin[a] + grid.lattice[a] * block_voxels[a];
+        }
+        const Surface surface = find_surface_near(scene, grid.view_voxels, box, progress);
+        const ViewingFaces seen = see(self, surface, progress);
+        check();
+        std::vector<std::array<float, 3>> normal(grid.faces.size());
+        for (std::size_t i = 0; i < surface.cells.size(); ++i) {
+            const SurfaceCell& cell = surface.cells[i];
+            for (std::uint32_t e = seen.first[i]; e < seen.first[i + 1]; ++e) {
+                const Facing facing = grid.faces[seen.face[e]].facing;
+                for (std::size_t f = cell.first_face; f < cell.first_face + cell.faces; ++f)
+                    if (surface.faces[f].facing == facing)
+                        for (std::size_t a = 0; a < 3; ++a) normal[seen.face[e]][a] += surface.face_normal[f][a];
+            }
+        }
+        find_ways(normal);
+        const auto length = [](const std::array<float, 3>& n) { return std::hypot(n[0], n[1], n[2]); };
+        grid.laws.push_back(mirror_law());
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            std::array<float, 3> n{};
+            n[axis] = 1;
+            grid.laws.push_back(face_law(grid.directions, static_cast<int>(axis), n));
+        }
+        grid.law.assign(grid.faces.size(), 0);
+        std::map<std::array<int, 3>, std::uint32_t> known;
+        for (const std::uint32_t f : self.open_faces) {
+            check();
+            const OuterFace& face = grid.faces[f];
+            const auto axis = static_cast<std::size_t>(face.facing) / 2;
+            if (face.kind == FaceKind::mirror) continue;
+            grid.law[f] = 1 + static_cast<std::uint32_t>(axis);
+            if (face.kind != FaceKind::light) continue;
+            const float sign = static_cast<int>(face.facing) % 2 ? 1.0f : -1.0f;
+            std::array<float, 3> n = normal[f];
+            if (length(n) == 0) n = normal_near(f, normal);
+            const float l = length(n);
+            if (!(l > 0)) continue;
+            for (float& v : n) v /= l;
+            if (n[axis] * sign <= 0.01f || n[axis] * sign > 0.99999f) continue;
+            const std::size_t b = axis == 0 ? 1 : 0, c = axis == 2 ? 1 : 2;
+            constexpr float steps = 48;
+            const std::array<int, 3> key{static_cast<int>(axis), static_cast<int>(std::lround(steps * n[b])),
+                                         static_cast<int>(std::lround(steps * n[c]))};
+            const auto [found, fresh] = known.try_emplace(key, static_cast<std::uint32_t>(grid.laws.size()));
+            if (fresh) {
+                std::array<float, 3> rounded{};
+                rounded[b] = static_cast<float>(key[1]) / steps;
+                rounded[c] = static_cast<float>(key[2]) / steps;
+                rounded[axis] = std::sqrt(std::max(1e-4f, 1 - rounded[b] * rounded[b] - rounded[c] * rounded[c]));
+                grid.laws.push_back(face_law(grid.directions, static_cast<int>(axis), rounded));
+            }
+            grid.law[f] = found->second;
+        }
+    }
+    /// Which way the nearest surface lies: the main direction of the normals in each block, of its neighbours' where it
+    /// has none.
+    void find_ways(const std::vector<std::array<float, 3>>& normal) {
+        const std::size_t n = grid.transport_blocks.size();
+        std::vector<std::int32_t> place(grid.blocks.size(), -1);
+        std::vector<std::array<float, 3>> way(n);
+        std::vector<std::uint32_t> front, next;
+        for (std::size_t t = 0; t < n; ++t) place[grid.transport_blocks[t]] = static_cast<std::int32_t>(t);
+        std::vector<std::uint8_t> known(n, 0);
+        for (std::size_t t = 0; t < n; ++t) {
+            const GridBlock& block = grid.blocks[grid.transport_blocks[t]];
+            for (std::size_t f = block.first_face; f < block.first_face + block.faces; ++f)
+                for (std::size_t a = 0; a < 3; ++a) way[t][a] += normal[f][a];
+            if (way[t] == std::array<float, 3>{}) continue;
+            known[t] = 1;
+            front.push_back(static_cast<std::uint32_t>(t));
+        }
+        for (; !front.empty(); front.swap(next)) {
+            next.clear();
+            for (const std::uint32_t t : front)
+                for (const std::int32_t other : grid.blocks[grid.transport_blocks[t]].neighbour) {
+                    if (other < 0 || place[static_cast<std::size_t>(other)] < 0) continue;
+                    const auto to = static_cast<std::size_t>(place[static_cast<std::size_t>(other)]);
+                    if (known[to] == 1) continue;
+                    if (known[to] == 0) next.push_back(static_cast<std::uint32_t>(to));
+                    known[to] = 2;
+                    for (std::size_t a = 0; a < 3; ++a) way[to][a] += way[t][a];
+                }
+            for (const std::uint32_t t : next) known[t] = 1;
+        }
+        self.towards.assign(n, static_cast<std::uint8_t>(Facing::plus_z));
+        for (std::size_t t = 0; t < n; ++t) {
+            std::size_t axis = 2;
+            for (std::size_t a = 0; a < 3; ++a)
+                if (std::abs(way[t][a]) > std::abs(way[t][axis])) axis = a;
+            self.towards[t] = static_cast<std::uint8_t>(2 * axis + (way[t][axis] >= 0 ? 1 : 0));
+        }
+    }
+
+    /// Sum of the normals of the faces of the cells around that look partly the way of this one.
+    [[nodiscard]] std::array<float, 3> normal_near(std::uint32_t f,
+                                                   const std::vector<std::array<float, 3>>& normal) const {
+        const OuterFace& face = grid.faces[f];
+        const GridBlock& block = grid.blocks[grid.transport_blocks[face.cell / 64]];
+        const int place = static_cast<int>(face.cell % 64);
+        const Place cell{4 * block.at[0] + place % 4, 4 * block.at[1] + place / 4 % 4, 4 * block.at[2] + place / 16};
+        const auto axis = static_cast<std::size_t>(face.facing) / 2;
+        const float sign = static_cast<int>(face.facing) % 2 ? 1.0f : -1.0f;
+        std::array<float, 3> sum{};
+        for_each({3, 3, 3}, [&](const Place& k) {
+            const std::int64_t other = self.cell_of({cell[0] + k[0] - 1, cell[1] + k[1] - 1, cell[2] + k[2] - 1});
+            if (other < 0) return;
+            self.each_face(static_cast<std::uint32_t>(other), [&](std::uint32_t g) {
+                if (normal[g][axis] * sign <= 0) return;
+                for (std::size_t a = 0; a < 3; ++a) sum[a] += normal[g][a];
+            });
+        });
+        return sum;
+    }
+
+    /// Blocks with faces of a slanting surface: there light passes corners of the staircase.
+    void find_regions() {
+        for (const std::uint32_t b : grid.transport_blocks) {
+            GridBlock& block = grid.blocks[b];
+            bool flat = true;
+            for (std::size_t f = block.first_face; f < block.first_face + block.faces; ++f) flat &= grid.law_of(f).flat;
+            block.slanting = !flat;
+        }
+    }
+};
+
+}  // namespace
+
+ViewingGrid make_viewing_grid(const Scene& scene, const std::array<int, 3>& view_voxels, double colour_mm,
+                              std::span<const std::uint8_t> also, const ViewingWindow& window, const Surface* asked,
+                              const Progress* progress) {
+    require_resins(scene);
+    ViewingGrid made;
+    made.window = window;
+    made.mirrored = scene.sides == Sides::mirrored;
+    made.size = scene.volume->size();
+    made.grid.view_voxels = view_voxels;
+    made.grid.directions = make_directions(scene.resins->g, scene.resins->eta);
+    made.grid.pitch_mm = scene.volume->pitch_mm();
+    ViewingGridBuilder builder{made, made.grid, scene, progress};
+    builder.look();
+    builder.find_blocks(colour_mm, also, asked);
+    builder.list_faces();
+    builder.find_laws();
+    builder.find_regions();
+    std::vector<std::uint8_t> wanted;
+    const bool filled = fill(made, *scene.volume, wanted, progress);
+    VOXTONE_ENSURE(filled);
+    return made;
+}
+
+}  // namespace voxtone::optics

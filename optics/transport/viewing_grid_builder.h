@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Cuts a body into the blocks, cells and faces of a ViewingGrid (viewing_grid.h says by which rules).
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "voxtone/optics/scene/scene.h"
+#include "voxtone/optics/scene/surface.h"
+#include "voxtone/optics/transport/viewing_grid.h"
+
+namespace voxtone::optics {
+
+/// `also`: blocks of the window that get transport cells besides, empty or one byte per place. `asked`: the surface
+/// below which colour is expected to come and go, null: all of it. Throws InputError for a material without a resin,
+/// Cancelled.
+[[nodiscard]] ViewingGrid make_viewing_grid(const Scene& scene, const std::array<int, 3>& view_voxels, double colour_mm,
+                                            std::span<const std::uint8_t> also, const ViewingWindow& window,
+                                            const Surface* asked = nullptr, const Progress* progress = nullptr);
+
+}  // namespace voxtone::optics

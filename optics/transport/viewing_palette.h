@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What the cells of a viewing grid hold: the composition of each is counted, equal ones get one number.
+//
+// A composition is the counts of materials in the layers of a cell, across the way to the surface. Keys of 64 bits
+// stand for compositions: two different ones may meet in one with a probability of about n^2 / 2^65 for n of them,
+// 1e-10 for 65,534; that is not looked at. Where there are more than these 65,534, layers are forgotten and shares
+// rounded to eighths.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "voxtone/base/progress.h"
+#include "voxtone/optics/media/resin_volume.h"
+#include "voxtone/optics/transport/viewing_grid.h"
+
+namespace voxtone::optics {
+
+/// Takes the resins of a volume of the same shape. False, and nothing done, where a block without transport cells has
+/// got other materials; those are marked in `wanted`, one byte per place of the lattice. Throws Cancelled, with the
+/// grid of no use any more.
+[[nodiscard]] bool fill(ViewingGrid& viewing, const ResinVolume& volume, std::vector<std::uint8_t>& wanted,
+                        const Progress* progress = nullptr);
+
+}  // namespace voxtone::optics

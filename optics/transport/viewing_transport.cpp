@@ -1,0 +1,671 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/optics/transport/viewing_transport.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+
+#include "voxtone/base/contracts.h"
+#include "voxtone/base/parallel.h"
+#include "voxtone/base/stopwatch.h"
+#include "voxtone/optics/transport/lattice.h"
+#include "voxtone/optics/transport/viewing_derivatives.h"
+
+namespace voxtone::optics {
+namespace {
+
+constexpr float least_transport_sigma = 0.2f;  // mm^-1; keeps diffusion finite in clear resin, where it is only a guess
+constexpr std::size_t blocks_per_task = 32;
+
+}  // namespace
+
+ViewingTransport::ViewingTransport(const ViewingGrid& viewing, const TransportOptions& options)
+    : viewing_(viewing), grid_(viewing.grid), options_(options), diffusion_(viewing), scratch_(viewing.cells()) {
+    const auto edge = grid_.edge_mm();
+    for (std::size_t a = 0; a < 3; ++a) {
+        edge_[a] = static_cast<float>(edge[a]);
+        for (std::size_t d = 0; d < 8; ++d)
+            flux_weight_[a].v[d] = grid_.directions.weight.v[d] * grid_.directions.cosine[a].v[d];
+    }
+    volume_ = edge_[0] * edge_[1] * edge_[2];
+    const std::size_t cells = viewing.cells(), faces = grid_.faces.size();
+    moments_.resize(cells);
+    x_ = scratch_.vector(0);
+    right_ = scratch_.vector(1);
+    p_ = scratch_.vector(2);
+    z_ = scratch_.vector(3);
+    core_phi_.resize(viewing.core_block.size());
+    core_x_.resize(core_phi_.size());
+    core_right_.resize(core_phi_.size());
+    core_p_.resize(core_phi_.size());
+    core_z_.resize(core_phi_.size());
+    in_.resize(4 * viewing.open_faces.size());
+    out_.resize(4 * viewing.open_faces.size());
+    core_in_.resize(viewing.core_faces.size());
+    core_out_.resize(4 * viewing.core_faces.size());
+    flux_.resize(faces);
+    flux_change_.resize(faces);
+    std::vector<std::uint8_t> axis_of(grid_.laws.size(), 0);
+    for (std::size_t f = 0; f < faces; ++f)
+        axis_of[grid_.law[f]] = static_cast<std::uint8_t>(grid_.faces[f].facing) / 2;
+    sums_.resize(grid_.laws.size());
+    for (std::size_t l = 1; l < sums_.size(); ++l)
+        for (const Octet& t : grid_.laws[l].through)
+            for (std::size_t d = 0; d < 8; ++d) {
+                sums_[l].weight += flux_weight_[axis_of[l]].v[d];
+                sums_[l].through += flux_weight_[axis_of[l]].v[d] * t.v[d];
+            }
+}
+
+std::size_t ViewingTransport::bytes_for(const ViewingGrid& grid, std::size_t channels) {
+    return grid.cells() * (3 * sizeof(Moments) + channels * sizeof(ViewingField::Code) + 8) +
+           grid.open_faces.size() * (8 * sizeof(Octet) + 64 * channels + 8) + grid.core_faces.size() * 32 +
+           grid.cells() / 64 * 440 + grid.core_block.size() * 200;
+}
+
+float ViewingTransport::furnace_flux(std::size_t face) const {
+    return sums_[grid_.law[face]].through * grid_.faces[face].area_mm2;
+}
+
+float ViewingTransport::phi(std::size_t cell) const { return moments_[cell].phi; }
+
+float ViewingTransport::mean_phi(const GridBlock& block) const {
+    const float unit = scale_ > 0 ? scale_ : 1.0f;
+    if (block.kind == BlockKind::core) return unit * core_phi_[block.core_node];
+    double sum = 0;
+    int solid = 0;
+    for (std::size_t cell = block.first_cell; cell < block.first_cell + 64u; ++cell)
+        if (grid_.medium[cell] != 0) {
+            sum += static_cast<double>(phi(cell));
+            ++solid;
+        }
+    return solid == 0 ? 0 : unit * static_cast<float>(sum / solid);
+}
+
+void ViewingTransport::prepare() {
+    const auto linear = static_cast<float>(grid_.directions.linear);
+    const float widest = *std::max_element(edge_.begin(), edge_.end());
+    const auto fill = [&](const std::vector<TransportMedium>& media, std::vector<float>& D, std::vector<float>& eased,
+                          float edge) {
+        D.assign(media.size(), 0.0f);
+        eased.assign(media.size(), 0.0f);
+        for (std::size_t m = 1; m < media.size(); ++m) {
+            D[m] = 1 / (3 * std::max(media[m].sigma_t - linear * media[m].sigma_s, least_transport_sigma));
+            // Diffusion on cells as thick as a free path overshoots and the iteration would grow: widened by the
+            // optical depth.
+            eased[m] = D[m] + edge * std::min(0.75f, static_cast<float>(options_.ease) * edge / (3 * D[m]));
+        }
+    };
+    fill(media_->cells, D_, eased_, widest);
+    fill(media_->core, core_D_, core_eased_, widest);
+}
+
+/// J = (T phi / 4 - S) / (1 - T / 2 + T h / (4 D)), S the current that comes in (Marshak's condition).
+ViewingTransport::Exchange ViewingTransport::exchange(std::size_t f) const {
+    const OuterFace& face = grid_.faces[f];
+    const FaceSums& sums = sums_[grid_.law[f]];
+    if (face.kind == FaceKind::mirror) return {0, face.area_mm2};
+    const float T = face.kind == FaceKind::white_sheet ? 0 : sums.through / sums.weight;
+    const float below =
+        1 - T / 2 + T * 0.5f * edge_[static_cast<std::size_t>(face.facing) / 2] / (4 * D_[grid_.medium[face.cell]]);
+    return {face.area_mm2 * T / 4 / below, face.area_mm2 / below};
+}
+
+/// The equations for these diffusion constants; what is lost: absorbed, and out through the surface. Leaves x_ at 0.
+void ViewingTransport::make_equations(const std::vector<float>& D, const std::vector<float>& core_D) {
+    parallel_for(0, grid_.transport_blocks.size(), blocks_per_task, [&](std::size_t t) {
+        for (std::size_t cell = 64 * t; cell < 64 * t + 64; ++cell) {
+            const TransportMedium& m = media_->cells[grid_.medium[cell]];
+            x_[cell] = volume_ * (m.sigma_t - m.sigma_s);
+        }
+        const GridBlock& block = grid_.blocks[grid_.transport_blocks[t]];
+        for (std::size_t f = block.first_face; f < block.first_face + block.faces; ++f)
+            if (grid_.faces[f].kind != FaceKind::core) x_[grid_.faces[f].cell] += exchange(f).loss;
+    });
+    for (std::size_t i = 0; i < core_x_.size(); ++i) core_x_[i] = core_absorption(i);
+    if (!ghost_phi_.empty()) {
+        // A loss so large that nothing moves them; their equations have no right side.
+        const float widest = *std::max_element(core_D.begin(), core_D.end());
+        const float held =
+            1e4f * (diffusion_.core_contact(0, widest, widest) + diffusion_.core_contact(1, widest, widest) +
+                    diffusion_.core_contact(2, widest, widest));
+        for (const std::uint32_t ghost : viewing_.ghosts) core_x_[ghost] = held;
+    }
+    check();
+    diffusion_.prepare(D, core_D, x_, core_x_, scratch_.equations(), progress_);
+    std::fill(x_.begin(), x_.end(), 0.0f);
+    std::fill(core_x_.begin(), core_x_.end(), 0.0f);
+}
+
+int ViewingTransport::solve_diffusion(double tolerance, int most_steps) {
+    const int steps = diffusion_.solve({x_, core_x_}, {right_, core_right_}, {p_, core_p_}, {z_, core_z_}, tolerance,
+                                       most_steps, progress_);
+    steps_ += steps;
+    return steps;
+}
+
+float ViewingTransport::core_absorption(std::size_t core) const {
+    const TransportMedium& m = media_->core[grid_.blocks[viewing_.core_block[core]].medium];
+    return 64 * volume_ * (m.sigma_t - m.sigma_s);
+}
+
+void ViewingTransport::start() {
+    std::fill(moments_.begin(), moments_.end(), Moments{});
+    std::fill(parts_.begin(), parts_.end(), Moments{});
+    std::fill(out_.begin(), out_.end(), Octet{});
+    std::fill(core_phi_.begin(), core_phi_.end(), 0.0f);
+    make_equations(D_, core_D_);
+    const float guess = scale_ > 0 ? 0.0f : 1.0f;  // 1 is exact where nothing is absorbed
+    std::fill(x_.begin(), x_.end(), guess);
+    std::fill(core_x_.begin(), core_x_.end(), guess);
+    for (std::size_t i = 0; i < ghost_phi_.size(); ++i) core_x_[viewing_.ghosts[i]] = ghost_phi_[i];
+    std::fill(right_.begin(), right_.end(), 0.0f);
+    std::fill(core_right_.begin(), core_right_.end(), 0.0f);
+    for (const std::uint32_t f : viewing_.open_faces) {
+        const OuterFace& face = grid_.faces[f];
+        if (face.kind == FaceKind::light)
+            right_[face.cell] += exchange(f).gain * sums_[grid_.law[f]].through * light(f);
+    }
+    check();
+    // The residual of that guess.
+    diffusion_.apply({x_, core_x_}, {z_, core_z_});
+    for (std::size_t i = 0; i < x_.size(); ++i) right_[i] -= z_[i];
+    for (std::size_t i = 0; i < core_x_.size(); ++i) core_right_[i] -= core_z_[i];
+    hold_ghosts();
+    constexpr int most_steps = 60;
+    open_solves_ += solve_diffusion(options_.start_tolerance, most_steps) == most_steps;
+    for (std::size_t cell = 0; cell < x_.size(); ++cell)
+        if (grid_.medium[cell] == 0) x_[cell] = 0;
+    check();
+    enter(true);
+    check();
+    reflect();
+}
+
+void ViewingTransport::load(const ViewingField& field) {
+    const bool both_signs = field.scale > 0;
+    const float rescale = both_signs ? field.scale / scale_ : 1.0f, zero = both_signs ? signed_zero : 0.0f,
+                step = (both_signs ? signed_step : phi_step) * rescale, J = J_step * rescale;
+    const auto load_codes = [&](const std::vector<ViewingField::Code>& codes, std::vector<Moments>& moments) {
+        parallel_ranges(0, moments.size(), 1 << 14, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) {
+                const ViewingField::Code& code = codes[i];
+                moments[i] = {step * (static_cast<float>(code.phi) - zero), J * static_cast<float>(code.x),
+                              J * static_cast<float>(code.y), J * static_cast<float>(code.z)};
+            }
+        });
+    };
+    load_codes(field.cells, moments_);
+    if (!field.parts.empty())
+        load_codes(field.parts, parts_);
+    else
+        spread_over_parts();
+    for (std::size_t i = 0; i < core_phi_.size(); ++i) core_phi_[i] = rescale * field.core[i];
+    for (std::size_t i = 0; i < ghost_phi_.size(); ++i) core_phi_[viewing_.ghosts[i]] = ghost_phi_[i];
+    parallel_ranges(0, viewing_.open_faces.size(), 1 << 10, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i)
+            for (std::size_t k = 0; k < 32; ++k)
+                out_[4 * i + k / 8].v[k % 8] = step * (static_cast<float>(field.out[32 * i + k]) - zero);
+    });
+    reflect();
+}
+
+void ViewingTransport::store(ViewingField& field, TransportSummary& summary) const {
+    const bool both_signs = scale_ > 0;
+    const auto code = [both_signs](float phi) { return both_signs ? signed_code(phi) : phi_code(phi); };
+    const auto fits = [both_signs](float phi) { return both_signs ? signed_fits(phi) : phi_fits(phi); };
+    std::atomic<std::size_t> kept{0}, clipped{0};
+    field.scale = scale_;
+    field.cells.resize(moments_.size());
+    parallel_ranges(0, moments_.size(), 1 << 14, [&](std::size_t begin, std::size_t end) {
+        std::size_t solid = 0, out_of_range = 0;
+        for (std::size_t cell = begin; cell < end; ++cell) {
+            if (grid_.medium[cell] == 0) {
+                field.cells[cell] = {};
+                continue;
+            }
+            const Moments& m = moments_[cell];
+            field.cells[cell] = {code(m.phi), J_code(m.x), J_code(m.y), J_code(m.z)};
+            ++solid;
+            out_of_range += !(fits(m.phi) && J_fits(m.x) && J_fits(m.y) && J_fits(m.z));
+        }
+        kept += solid;
+        clipped += out_of_range;
+    });
+    field.parts.resize(parts_.size());
+    parallel_ranges(0, parts_.size(), 1 << 14, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const Moments& m = parts_[i];
+            field.parts[i] = {code(m.phi), J_code(m.x), J_code(m.y), J_code(m.z)};
+        }
+    });
+    field.core = core_phi_;
+    field.out.resize(32 * viewing_.open_faces.size());
+    parallel_ranges(0, viewing_.open_faces.size(), 1 << 10, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i)
+            for (std::size_t k = 0; k < 32; ++k) field.out[32 * i + k] = code(out_[4 * i + k / 8].v[k % 8]);
+    });
+    summary.kept_values += kept;
+    summary.clipped_values += clipped;
+}
+
+// J of a cell is half of what flows through the faces on either side, from x_ and, at the start, the light that comes
+// in. Adds phi and J, spread linearly over the cell, to the moments of cells and to what leaves through faces.
+void ViewingTransport::enter(bool start) {
+    const auto& set = grid_.directions;
+    std::array<float, 3> area{};
+    for (std::size_t a = 0; a < 3; ++a) area[a] = volume_ / edge_[a];
+    parallel_for(0, grid_.transport_blocks.size(), blocks_per_task, [&](std::size_t t) {
+        const GridBlock& block = grid_.blocks[grid_.transport_blocks[t]];
+        ViewingDiffusion::Flows J = diffusion_.flows(t, D_, core_D_, {x_, core_x_});
+        const std::size_t first = 64 * t;
+        for (std::size_t f = block.first_face; f < block.first_face + block.faces; ++f) {
+            const OuterFace& face = grid_.faces[f];
+            if (face.kind == FaceKind::core) continue;
+            const std::size_t a = static_cast<std::size_t>(face.facing) / 2;
+            const Exchange at = exchange(f);
+            const float flow =
+                at.loss * x_[face.cell] -
+                (start && face.kind == FaceKind::light ? at.gain * sums_[grid_.law[f]].through * light(f) : 0);
+            J[a][face.cell - first] += static_cast<int>(face.facing) % 2 ? flow : -flow;
+        }
+        for (std::size_t place = 0; place < 64; ++place) {
+            const std::size_t cell = first + place;
+            if (grid_.medium[cell] == 0) continue;
+            for (std::size_t a = 0; a < 3; ++a) J[a][place] *= 0.5f / area[a];
+            Moments& m = moments_[cell];
+            m.phi += x_[cell];
+            m.x += J[0][place];
+            m.y += J[1][place];
+            m.z += J[2][place];
+        }
+        if (viewing_.fine.any() && viewing_.fine.first[t] != not_fine) enter_parts(t, J);
+        for (std::size_t f = block.first_face; f < block.first_face + block.faces; ++f) {
+            const OuterFace& face = grid_.faces[f];
+            if (face.kind == FaceKind::core) continue;
+            const auto facing = static_cast<std::size_t>(face.facing), axis = facing / 2;
+            const bool plus = facing % 2 == 1;
+            const std::size_t tangent[2] = {axis == 0 ? 1u : 0u, axis == 2 ? 1u : 2u};
+            const FaceLaw& law = grid_.law_of(f);
+            const Octet& w = flux_weight_[axis];
+            const std::size_t at = face.cell - first;
+            const std::array<float, 3> j{J[0][at], J[1][at], J[2][at]};
+            const float phi =
+                x_[face.cell] - (plus ? 0.5f : -0.5f) * edge_[axis] * j[axis] / D_[grid_.medium[face.cell]];
+            const float Jn = 3 * (plus ? j[axis] : -j[axis]), Ju = 3 * j[tangent[0]], Jv = 3 * j[tangent[1]];
+            float leaving = 0, before = 0;
+            for (std::size_t slot = 0; slot < 4; ++slot) {
+                Octet& out = out_[4 * std::size_t{viewing_.place_of_face[f]} + slot];
+                const float u = slot & 1 ? -Ju : Ju, v = slot & 2 ? -Jv : Jv;
+                for (std::size_t d = 0; d < 8; ++d) {
+                    const float weight = w.v[d] * law.through[slot].v[d];
+                    before += weight * out.v[d];
+                    out.v[d] += phi + set.cosine[axis].v[d] * Jn + set.cosine[tangent[0]].v[d] * u +
+                                set.cosine[tangent[1]].v[d] * v;
+                    leaving += weight * out.v[d];
+                }
+            }
+            flux_[f] = leaving * face.area_mm2;
+            flux_change_[f] = (leaving - before) * face.area_mm2;
+        }
+    });
+    for (std::size_t i = 0; i < core_phi_.size(); ++i) core_phi_[i] += core_x_[i];
+}
+
+/// The correction, linear over each cell of a block, in its parts.
+void ViewingTransport::enter_parts(std::size_t t, const ViewingDiffusion::Flows& J) {
+    const ViewingGrid::Fine& fine = viewing_.fine;
+    for_each({4, 4, 4}, [&](const Place& cell) {
+        const std::size_t place = place_in_block(cell[0], cell[1], cell[2]), at = 64 * t + place;
+        if (grid_.medium[at] == 0) return;
+        const float D = D_[grid_.medium[at]];
+        for_each(fine.split, [&](const Place& part) {
+            float phi = x_[at];
+            for (std::size_t a = 0; a < 3; ++a) {
+                const float offset = (static_cast<float>(part[a]) + 0.5f) / static_cast<float>(fine.split[a]) - 0.5f;
+                phi -= offset * edge_[a] * J[a][place] / D;
+            }
+            Moments& m = parts_[fine.first[t] + fine.part(cell, part)];
+            m.phi += phi;
+            m.x += J[0][place];
+            m.y += J[1][place];
+            m.z += J[2][place];
+        });
+    });
+}
+
+/// What the last sweep changed in a block's parts, as sources of its cells in scratch_.up().phi; the parts and their
+/// means become the sweep's.
+void ViewingTransport::gather_parts(std::size_t t) {
+    const ViewingGrid::Fine& fine = viewing_.fine;
+    const float share = 1 / static_cast<float>(fine.parts()), volume = volume_ * share;
+    for_each({4, 4, 4}, [&](const Place& cell) {
+        const std::size_t at = 64 * t + place_in_block(cell[0], cell[1], cell[2]);
+        float source = 0;
+        Moments mean;
+        for_each(fine.split, [&](const Place& part) {
+            const std::size_t i = fine.first[t] + fine.part(cell, part);
+            const Moments &p = parts_up_[i], &q = parts_down_[i];
+            const Moments now{p.phi + q.phi, p.x + q.x, p.y + q.y, p.z + q.z};
+            source += volume * media_->parts[fine.medium[i]].sigma_s * (now.phi - parts_[i].phi);
+            mean.phi += share * now.phi;
+            mean.x += share * now.x;
+            mean.y += share * now.y;
+            mean.z += share * now.z;
+            parts_[i] = now;
+        });
+        scratch_.up()[at].phi = source;
+        moments_[at] = mean;
+    });
+}
+
+void ViewingTransport::spread_over_parts() {
+    const ViewingGrid::Fine& fine = viewing_.fine;
+    for (std::size_t t = 0; t < fine.first.size(); ++t) {
+        if (fine.first[t] == not_fine) continue;
+        for_each({4, 4, 4}, [&](const Place& cell) {
+            const Moments& m = moments_[64 * t + place_in_block(cell[0], cell[1], cell[2])];
+            for_each(fine.split, [&](const Place& part) { parts_[fine.first[t] + fine.part(cell, part)] = m; });
+        });
+    }
+}
+
+/// The faces send back what they reflect.
+void ViewingTransport::reflect() {
+    parallel_for(0, grid_.transport_blocks.size(), blocks_per_task, [&](std::size_t t) {
+        const GridBlock& block = grid_.blocks[grid_.transport_blocks[t]];
+        Pool passing;
+        pool(block, passing);
+        for (std::size_t face = block.first_face; face < block.first_face + block.faces; ++face) {
+            const std::uint32_t place = viewing_.place_of_face[face];
+            if (place & into_core)
+                core_in_[place & ~into_core] = from_core(face);
+            else
+                for (std::size_t slot = 0; slot < 4; ++slot)
+                    in_[4 * std::size_t{place} + slot] = returned(passing, face, slot);
+        }
+    });
+}
+
+/// Mean radiance of the light that passes corners of the staircase, per region and direction (transport_directions.h).
+void ViewingTransport::pool(const GridBlock& block, Pool& pool) const {
+    if (!block.slanting) return;
+    std::array<float, 512> leaves{}, room{};
+    unsigned regions = 0;  // that have faces
+    pool.fill(0);
+    for (std::size_t f = block.first_face; f < block.first_face + block.faces; ++f) {
+        const FaceLaw& law = grid_.law_of(f);
+        if (law.flat) continue;
+        const OuterFace& face = grid_.faces[f];
+        const Octet& w = flux_weight_[static_cast<std::size_t>(face.facing) / 2];
+        const std::size_t region = std::size_t{face.region_in_block} * 64;
+        regions |= 1u << face.region_in_block;
+        for (std::size_t slot = 0; slot < 4; ++slot) {
+            const std::size_t out = region +
+                                    static_cast<std::size_t>(leaving_octant(face.facing, static_cast<int>(slot))) * 8,
+                              in = region +
+                                   static_cast<std::size_t>(entering_octant(face.facing, static_cast<int>(slot))) * 8;
+            for (std::size_t d = 0; d < 8; ++d) {
+                const float flux = w.v[d] * face.area_mm2,
+                            passes = flux * std::max(0.0f, 1 - law.through[slot].v[d] - law.mirror[slot].v[d]);
+                leaves[out + d] += passes;
+                room[in + d] += flux * std::max(0.0f, 1 - law.through[slot ^ 3].v[d] - law.mirror[slot].v[d]);
+                pool[out + d] += passes * out_[4 * std::size_t{viewing_.place_of_face[f]} + slot].v[d];
+            }
+        }
+    }
+    // From fluxes to radiances for the room that there is: of the same direction first, the surplus everywhere.
+    for (std::size_t region = 0; region < 512; region += 64) {
+        if (!(regions >> region / 64 & 1)) continue;
+        float surplus = 0, lack = 0;
+        for (std::size_t k = region; k < region + 64; ++k) {
+            if (leaves[k] > room[k])
+                surplus += (1 - room[k] / leaves[k]) * pool[k];
+            else
+                lack += room[k] - leaves[k];
+        }
+        const float everywhere = lack > 1e-12f ? surplus / lack : 0;
+        for (std::size_t k = region; k < region + 64; ++k) {
+            if (leaves[k] > room[k])
+                pool[k] /= leaves[k];
+            else if (room[k] > 0)
+                pool[k] = (pool[k] + (room[k] - leaves[k]) * everywhere) / room[k];
+        }
+    }
+}
+
+/// Diffuse light: phi and J at the face, from the cell on this side and the node beyond, by what conducts between.
+std::array<float, 2> ViewingTransport::from_core(std::size_t face) const {
+    const OuterFace& outer = grid_.faces[face];
+    const auto axis = static_cast<std::size_t>(outer.facing) / 2;
+    const std::uint16_t medium = grid_.medium[outer.cell];
+    const float here = 2 * D_[medium] / edge_[axis];
+    const float there = core_D_[grid_.blocks[viewing_.core_block[outer.beyond]].medium] / (2 * edge_[axis]);
+    const float phi_here = moments_[outer.cell].phi, phi_there = core_phi_[outer.beyond];
+    return {(here * phi_here + there * phi_there) / (here + there),
+            here * there / (here + there) * (phi_here - phi_there)};
+}
+
+/// Radiance that comes in through an open face, given what goes out.
+Octet ViewingTransport::returned(const Pool& pool, std::size_t face, std::size_t slot) const {
+    const OuterFace& outer = grid_.faces[face];
+    const auto axis = static_cast<std::size_t>(outer.facing) / 2;
+    const Octet* const leaves = out_.data() + 4 * std::size_t{viewing_.place_of_face[face]};
+    Octet in;
+    const FaceLaw& law = grid_.law_of(face);
+    float radiance = light(face);
+    if (outer.kind == FaceKind::white_sheet) {
+        float leaving = 0, through = 0;
+        for (std::size_t k = 0; k < 4; ++k)
+            for (std::size_t d = 0; d < 8; ++d) {
+                leaving += flux_weight_[axis].v[d] * law.through[k].v[d] * leaves[k].v[d];
+                through += flux_weight_[axis].v[d] * law.through[k].v[d];
+            }
+        radiance = leaving / through;
+    }
+    const Octet &back = law.through[slot ^ 3], &mirror = law.mirror[slot], &out = leaves[slot];
+    for (std::size_t d = 0; d < 8; ++d) in.v[d] = mirror.v[d] * out.v[d] + back.v[d] * radiance;
+    if (law.flat) return in;
+    const std::size_t from = std::size_t{outer.region_in_block} * 64 +
+                             static_cast<std::size_t>(entering_octant(outer.facing, static_cast<int>(slot))) * 8;
+    for (std::size_t d = 0; d < 8; ++d) in.v[d] += law.room(slot, d) * pool[from + d];
+    return in;
+}
+
+void ViewingTransport::sweep() {
+    parallel_for(0, 2, 1, [&](std::size_t half) {
+        const SweepJob job{.grid = &grid_,
+                           .media = media_->cells,
+                           .light = moments_,
+                           .sum = half == 0 ? scratch_.up() : scratch_.down(),
+                           .in = in_,
+                           .out = out_,
+                           .place = viewing_.place_of_face,
+                           .core_in = core_in_,
+                           .core_out = core_out_,
+                           .theta = static_cast<float>(viewing_theta),
+                           .fine = {.split = viewing_.fine.split,
+                                    .first = viewing_.fine.first,
+                                    .medium = viewing_.fine.medium,
+                                    .media = media_->parts,
+                                    .light = parts_,
+                                    .sum = half == 0 ? parts_up_ : parts_down_,
+                                    .theta = static_cast<float>(fine_theta)},
+                           .progress = progress_};
+        std::fill(job.sum.begin(), job.sum.end(), Moments{});
+        std::fill(job.fine.sum.begin(), job.fine.sum.end(), Moments{});
+        sweep_half(job, half == 1);
+    });
+}
+
+/// The diffusion correction, into x_ and core_x_, from what the sweep changed; moments_ become the sweep's.
+void ViewingTransport::correct() {
+    const std::span<Moments> up = scratch_.up(), down = scratch_.down();
+    parallel_ranges(0, moments_.size(), 1 << 14, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t cell = begin; cell < end; ++cell) {
+            const Moments &p = up[cell], &q = down[cell];
+            const Moments now{p.phi + q.phi, p.x + q.x, p.y + q.y, p.z + q.z};
+            const float sigma_s = media_->cells[grid_.medium[cell]].sigma_s;
+            up[cell].phi = volume_ * sigma_s * (now.phi - moments_[cell].phi);
+            moments_[cell] = now;
+        }
+    });
+    parallel_for(0, viewing_.fine.first.size(), blocks_per_task, [&](std::size_t t) {
+        if (viewing_.fine.first[t] != not_fine) gather_parts(t);
+    });
+    parallel_ranges(0, moments_.size(), 1 << 14, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t cell = begin; cell < end; ++cell) right_[cell] = up[cell].phi;
+    });
+    check();
+    // What the surface will send back, and what the core got and gave.
+    parallel_for(0, grid_.transport_blocks.size(), blocks_per_task, [&](std::size_t t) {
+        const GridBlock& block = grid_.blocks[grid_.transport_blocks[t]];
+        Pool passing;
+        pool(block, passing);
+        for (std::size_t f = block.first_face; f < block.first_face + block.faces; ++f) {
+            const OuterFace& face = grid_.faces[f];
+            if (face.kind == FaceKind::core) continue;
+            const Octet& w = flux_weight_[static_cast<std::size_t>(face.facing) / 2];
+            float sum = 0;
+            for (std::size_t slot = 0; slot < 4; ++slot) {
+                const Octet from = returned(passing, f, slot);
+                const Octet& was = in_[4 * std::size_t{viewing_.place_of_face[f]} + slot];
+                for (std::size_t d = 0; d < 8; ++d) sum += w.v[d] * (from.v[d] - was.v[d]);
+            }
+            right_[face.cell] += exchange(f).gain * sum;
+        }
+    });
+    for (std::size_t i = 0; i < core_right_.size(); ++i) core_right_[i] = -core_absorption(i) * core_phi_[i];
+    std::array<float, 3> by_phi{}, by_J{};
+    for (std::size_t a = 0; a < 3; ++a)
+        for (std::size_t d = 0; d < 8; ++d) {
+            by_phi[a] += 4 * flux_weight_[a].v[d];
+            by_J[a] += 12 * flux_weight_[a].v[d] * grid_.directions.cosine[a].v[d];
+        }
+    for (std::size_t c = 0; c < core_in_.size(); ++c) {
+        const OuterFace& face = grid_.faces[viewing_.core_faces[c]];
+        const auto a = static_cast<std::size_t>(face.facing) / 2;
+        const float out = core_out_[4 * c] + core_out_[4 * c + 1] + core_out_[4 * c + 2] + core_out_[4 * c + 3];
+        core_right_[face.beyond] += face.area_mm2 * (out - by_phi[a] * core_in_[c][0] + by_J[a] * core_in_[c][1]);
+    }
+    for (const ViewingDiffusion::CoreContact& c : diffusion_.core_contacts()) {
+        const auto D = [&](std::uint32_t core) { return core_D_[grid_.blocks[viewing_.core_block[core]].medium]; };
+        const float flow = diffusion_.core_contact(c.axis, D(c.a), D(c.b)) * (core_phi_[c.a] - core_phi_[c.b]);
+        core_right_[c.a] -= flow;
+        core_right_[c.b] += flow;
+    }
+    hold_ghosts();
+    check();
+    make_equations(eased_, core_eased_);
+    check();
+    // One step leaves a tenth to a third of the residual; the next sweep makes more of the time that another would
+    // take.
+    solve_diffusion(0, 1);
+}
+
+/// No residual where the light is given.
+void ViewingTransport::hold_ghosts() {
+    if (ghost_phi_.empty()) return;
+    for (const std::uint32_t ghost : viewing_.ghosts) core_right_[ghost] = 0;
+}
+
+void ViewingTransport::solve(const Media& media, ViewingField& field, int sweeps, TransportSummary& summary,
+                             const Progress* progress, std::span<const float> light, std::span<const float> ghost_phi,
+                             double enough) {
+    VOXTONE_EXPECT(media.cells.size() == viewing_.mixtures.size());
+    media_ = &media;
+    progress_ = progress;
+    for (auto* const parts : {&parts_, &parts_up_, &parts_down_}) parts->resize(viewing_.fine.medium.size());
+    check();
+    take_light(light, ghost_phi);
+    VOXTONE_EXPECT(field.cells.empty() || (field.scale > 0) == (scale_ > 0));
+    VOXTONE_EXPECT(field.cells.empty() ||
+                   (field.cells.size() == viewing_.cells() && field.core.size() == viewing_.core_block.size() &&
+                    field.out.size() == 32 * viewing_.open_faces.size()));
+    Stopwatch watch;
+    prepare();
+    std::fill(flux_.begin(), flux_.end(), 0.0f);
+    std::fill(flux_change_.begin(), flux_change_.end(), 0.0f);
+    if (field.cells.empty())
+        start();
+    else
+        load(field);
+    summary.diffusion_s += watch.lap();
+    for (int k = 0; k < sweeps; ++k) {
+        check();
+        sweep();
+        summary.sweep_s += watch.lap();
+        check();
+        correct();
+        check();
+        enter(false);
+        check();
+        const bool more = k + 1 < sweeps && !(enough > 0 && relative_change() < enough);
+        if (more) reflect();
+        summary.diffusion_s += watch.lap();
+        if (!more) break;
+    }
+    summary.diffusion_steps += steps_;
+    summary.open_solves += open_solves_;
+    steps_ = open_solves_ = 0;
+    progress_ = nullptr;
+    TransportSummary first_guess;  // diffusion alone: what is clipped of it does not matter to the sweeps to come
+    store(field, sweeps > 0 ? summary : first_guess);
+    last_change_ = 0;
+    for (const std::uint32_t f : viewing_.open_faces)
+        if (grid_.faces[f].kind == FaceKind::light)
+            last_change_ = std::max(last_change_, static_cast<double>(std::abs(flux_change_[f]) / furnace_flux(f)));
+}
+
+void ViewingTransport::derivatives(const ViewingField& forward, std::span<float> by_sigma_t,
+                                   std::span<float> by_sigma_s, const Progress* progress) {
+    VOXTONE_EXPECT(scale_ > 0 && forward.scale == 0 && forward.cells.size() == moments_.size());
+    const DerivativeScene scene{viewing_, media_->cells, volume_ * scale_};
+    const auto check_cancelled = [progress] {
+        if (progress) progress->check_cancelled();
+    };
+    derivatives_by_moments(scene, forward.cells, moments_, by_sigma_t, by_sigma_s);
+    check_cancelled();
+    reflect();
+    const std::vector<Octet> in = in_, out = out_;
+    take_light({}, {});
+    check_cancelled();
+    load(forward);
+    check_cancelled();
+    add_derivatives_at_faces(scene, {out_, in_}, {out, in}, by_sigma_t);
+}
+
+double ViewingTransport::relative_change() const {
+    double change = 0, all = 0;
+    for (const std::uint32_t f : viewing_.open_faces)
+        if (grid_.faces[f].kind == FaceKind::light) {
+            change += static_cast<double>(std::abs(flux_change_[f]));
+            all += static_cast<double>(std::abs(flux_[f]));
+        }
+    return all > 0 ? change / all : 0;
+}
+
+void ViewingTransport::take_light(std::span<const float> light, std::span<const float> ghost_phi) {
+    VOXTONE_EXPECT(ghost_phi.empty() || ghost_phi.size() == viewing_.ghosts.size());
+    light_.clear();
+    ghost_phi_.assign(ghost_phi.begin(), ghost_phi.end());
+    scale_ = 0;
+    if (light.empty()) return;
+    VOXTONE_EXPECT(light.size() == grid_.faces.size());
+    for (const std::uint32_t f : viewing_.open_faces)
+        if (grid_.faces[f].kind == FaceKind::light) scale_ = std::max(scale_, std::abs(light[f]));
+    for (const float phi : ghost_phi) scale_ = std::max(scale_, std::abs(phi));
+    if (!(scale_ > 0)) scale_ = 1;  // no light at all
+    for (float& phi : ghost_phi_) phi /= scale_;
+    for (const std::uint32_t f : viewing_.open_faces)
+        light_.push_back(grid_.faces[f].kind == FaceKind::light ? light[f] / scale_ : 0);
+}
+
+std::size_t ViewingTransport::memory_bytes() const {
+    const auto of = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
+    return of(moments_) + of(parts_) + of(parts_up_) + of(parts_down_) + scratch_.memory_bytes() + of(core_phi_) +
+           of(core_x_) + of(core_right_) + of(in_) + of(out_) + of(core_in_) + of(core_out_) + of(light_) + of(flux_) +
+           of(flux_change_) + diffusion_.memory_bytes();
+}
+
+}  // namespace voxtone::optics

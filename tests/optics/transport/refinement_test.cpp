@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/optics/transport/refinement.h"
+
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <vector>
+
+#include "voxtone/base/parallel.h"
+#include "voxtone/base/random.h"
+#include "voxtone/optics/transport/transport.h"
+#include "voxtone/optics/transport/transport_sweep.h"
+#include "voxtone/optics/transport/viewing_grid_builder.h"
+#include "voxtone/optics/transport/viewing_sequence.h"
+
+using namespace voxtone;
+using namespace voxtone::optics;
+
+namespace {
+
+constexpr std::array<double, 3> j750{0.0423333, 0.0846667, 0.027};
+constexpr std::array<int, 3> viewing_cell{2, 1, 3};
+
+Material halftone(int x, int y, int z, double coverage) {
+    RandomStream random(3, static_cast<std::uint64_t>((z * 997 + y) * 991 + x));
+    return static_cast<Material>(random.uniform() < coverage ? 1 + random.bits() % 4 : 5);
+}
+
+/// White under a halftone of 0.3 mm, cut by a slanting plane and by the sphere around it.
+ResinVolume cut_sphere(double radius_mm, double coverage) {
+    std::array<int, 3> n{};
+    for (std::size_t a = 0; a < 3; ++a) n[a] = static_cast<int>(2 * radius_mm / j750[a]) + 3;
+    return make_resin_volume(n, j750, [&](int x, int y, int z) -> int {
+        const double px = (x - 0.5 * n[0]) * j750[0], py = (y - 0.5 * n[1]) * j750[1], pz = (z - 0.5 * n[2]) * j750[2];
+        const double r = std::hypot(px, py, pz);
+        if (r > radius_mm || px + 0.5 * py + 0.8 * pz > 0.6 * radius_mm) return air;
+        return radius_mm - r > 0.3 ? 5 : halftone(x, y, z, coverage);
+    });
+}
+
+/// White with a halftone on top that is black on the left.
+ResinVolume slab(int across, double coverage) {
+    return make_resin_volume({across, across / 2, 48}, j750, [&](int x, int y, int z) -> int {
+        if (z < 36) return 5;
+        return x < across / 2 - 3 ? 4 : halftone(x, y, z, coverage);
+    });
+}
+
+TransportOptions refined(Refinement where, int sweeps = 3) {
+    TransportOptions options;
+    options.refinement = where;
+    options.sweeps = sweeps;
+    return options;
+}
+
+double rms(const std::vector<float>& a, const std::vector<float>& b) {
+    REQUIRE(a.size() == b.size());
+    double sum = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) sum += std::pow(double(a[i]) - double(b[i]), 2) / double(a.size());
+    return std::sqrt(sum);
+}
+
+/// Volume of each resin in the cells and in the parts of the fine blocks, mm^3.
+std::array<std::vector<double>, 2> held(const ViewingGrid& viewing) {
+    const auto edge = viewing.grid.edge_mm();
+    const double cell = edge[0] * edge[1] * edge[2], part = cell / double(viewing.fine.parts());
+    std::array<std::vector<double>, 2> sums{std::vector<double>(6), std::vector<double>(6)};
+    for (std::size_t t = 0; t < viewing.fine.first.size(); ++t) {
+        if (viewing.fine.first[t] == not_fine) continue;
+        const auto add = [&](const auto& holds, double volume, std::vector<double>& to) {
+            for (const auto& one : holds) to[std::get<0>(one)] += volume * double(std::get<1>(one));
+        };
+        const auto add_mixture = [&](std::size_t mixture, double volume, std::vector<double>& to) {
+            for (const auto& one : viewing.mixtures[mixture].holds) to[one.material] += volume * double(one.share);
+        };
+        for (std::size_t k = 0; k < 64; ++k) add_mixture(viewing.grid.medium[64 * t + k], cell, sums[0]);
+        for (std::size_t i = 0; i < 64 * viewing.fine.parts(); ++i) {
+            const auto& content = viewing.fine.contents[viewing.fine.medium[viewing.fine.first[t] + i]];
+            add(content.holds, part, sums[1]);
+            if (content.holds.empty()) add_mixture(content.mixture, part, sums[1]);
+        }
+    }
+    return sums;
+}
+
+}  // namespace
+
+TEST_CASE("Parts of cells are voxels, and pieces of those that are longer than light can be followed in") {
+    CHECK(parts_of_cell({2, 1, 3}, {0.0423, 0.0847, 0.027}, 0) == std::array{2, 1, 3});
+    CHECK(parts_of_cell({2, 1, 3}, {0.0423, 0.0847, 0.027}, 0.0425) == std::array{2, 2, 3});
+    CHECK(parts_of_cell({1, 1, 1}, {0.1, 0.2, 0.04}, 0.0425) == std::array{3, 4, 1});
+}
+
+TEST_CASE("Blocks are cut where resins meet, and hold in their parts what they held") {
+    const ResinSet set = vero_opaque();
+    const ResinVolume volume = cut_sphere(1.2, 0.6);
+    const Scene scene{&volume, &set, Backing::none, Sides::open};
+    const BlockLattice lattice(volume.size(), viewing_cell);
+    ViewingGrid grid = make_viewing_grid(scene, viewing_cell, 0.8, {}, {{}, lattice.blocks, {}});
+    refine(grid, volume, Refinement::none, viewing_cell);
+    CHECK_FALSE(grid.fine.any());
+    const auto fine_blocks = [&](Refinement which) {
+        refine(grid, volume, which, parts_of_cell(viewing_cell, j750, 0.0425));
+        return std::count_if(grid.fine.first.begin(), grid.fine.first.end(),
+                             [](std::uint32_t first) { return first != not_fine; });
+    };
+    const auto all = fine_blocks(Refinement::all), contrast = fine_blocks(Refinement::contrast);
+    CHECK(all == std::ptrdiff_t(grid.grid.transport_blocks.size()));
+    CHECK(contrast < all);
+    CHECK(contrast > all / 2);
+    const auto [cells, parts] = held(grid);
+    for (std::size_t m = 1; m < cells.size(); ++m) {
+        INFO("resin " << m);
+        // Five voxels of a column over three parts: amounts are kept in twelfths.
+        CHECK(parts[m] == Approx(cells[m]).epsilon(0.005));
+    }
+    CHECK(cells[5] > 0.1);
+    // More contents than numbers: whole resins have one, and stand for what has none.
+    CHECK(grid.fine.contents.size() > 30);
+    refine(grid, volume, Refinement::contrast, parts_of_cell(viewing_cell, j750, 0.0425), nullptr, 10);
+    CHECK(grid.fine.contents.size() == 10);
+    CHECK(*std::max_element(grid.fine.medium.begin(), grid.fine.medium.end()) < 10);
+}
+
+TEST_CASE("Cells of voxels: a body that absorbs nothing is white wherever the surface cuts the cells") {
+    ResinSet set = vero_opaque();
+    for (Resin& resin : set.resins) resin.albedo.assign(3, 1.0);
+    const ResinVolume volume = cut_sphere(0.7, 0.8);
+    const Scene scene{&volume, &set, Backing::none, Sides::open};
+    const Surface surface = find_surface(scene, viewing_cell, SurfacePart::all);
+    for (const Refinement where : {Refinement::contrast, Refinement::all}) {
+        const Appearance seen = TransportPredictor(refined(where)).predict(scene, surface);
+        for (const float v : seen.value) REQUIRE(std::abs(v - 1) < 1e-3f);
+    }
+}
+
+TEST_CASE("Cut where resins meet alone, a slab looks as it does cut everywhere") {
+    const ResinSet set = vero_opaque();
+    const ResinVolume volume = slab(48, 0.5);
+    const Scene scene{&volume, &set, Backing::black, Sides::mirrored};
+    const Surface surface = find_surface(scene, viewing_cell, SurfacePart::top);
+    const std::vector<float> voxels = TransportPredictor(refined(Refinement::all)).predict(scene, surface).value;
+    const auto distance = [&](Refinement where) {
+        return rms(TransportPredictor(refined(where)).predict(scene, surface).value, voxels);
+    };
+    const double coarse = distance(Refinement::none), fine = distance(Refinement::contrast);
+    CAPTURE(coarse, fine);
+    CHECK(fine < 0.4 * coarse);
+}
+
+TEST_CASE("A sequence on cells of voxels arrives where fresh predictions do, with the same bits for any threads") {
+    const ResinSet set = vero_opaque();
+    // The second print has other blocks of several resins than the first.
+    const ResinVolume first = slab(48, 0.0), second = slab(48, 0.6), third = slab(48, 0.5);
+    const Scene scene{&first, &set, Backing::black, Sides::mirrored};
+    const Surface surface = find_surface(scene, viewing_cell, SurfacePart::top);
+    const auto run = [&](std::size_t threads, bool saved) {
+        const ThreadLimit limit(threads);
+        auto sequence = std::make_unique<ViewingSequence>(scene, surface, refined(Refinement::contrast));
+        for (const ResinVolume* volume : {&first, &second}) (void)sequence->next(*volume);
+        if (saved) {
+            std::vector<std::byte> state;
+            sequence->write_state(
+                [&](std::span<const std::byte> bytes) { state.insert(state.end(), bytes.begin(), bytes.end()); });
+            sequence = std::make_unique<ViewingSequence>(scene, surface, refined(Refinement::contrast));
+            REQUIRE(sequence->read_state(state));
+        }
+        return sequence->next(third).value;
+    };
+    const std::vector<float> one = run(1, false);
+    CHECK(rms(one, run(3, false)) == 0);
+    CHECK(rms(one, run(2, true)) == 0);
+    Scene last = scene;
+    last.volume = &third;
+    const std::vector<float> fresh = TransportPredictor(refined(Refinement::contrast, 8)).predict(last, surface).value;
+    CHECK(rms(one, fresh) < 0.004);
+}

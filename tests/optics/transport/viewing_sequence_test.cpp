@@ -1,0 +1,331 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <string>
+
+#include "tests/optics/transport/slab_scene.h"
+#include "voxtone/base/error.h"
+#include "voxtone/base/parallel.h"
+#include "voxtone/base/random.h"
+#include "voxtone/optics/transport/transport.h"
+#include "voxtone/optics/transport/viewing_sequence.h"
+
+using namespace voxtone;
+using namespace voxtone::optics;
+using namespace voxtone::optics::testing;
+
+namespace {
+
+constexpr std::array<double, 3> j750{0.0423333, 0.0846667, 0.027};
+constexpr std::array<int, 3> viewing_cell{2, 1, 3};
+
+/// A sphere of white under a halftone of `depth_mm`, the more of it coloured the larger `strength`.
+ResinVolume halftoned_sphere(double radius_mm, double strength, double depth_mm = 0.3) {
+    std::array<int, 3> n{};
+    for (std::size_t a = 0; a < 3; ++a) n[a] = static_cast<int>(2 * radius_mm / j750[a]) + 3;
+    return make_resin_volume(n, j750, [&](int x, int y, int z) -> int {
+        const double r = std::hypot((x - 0.5 * n[0]) * j750[0], (y - 0.5 * n[1]) * j750[1], (z - 0.5 * n[2]) * j750[2]);
+        if (r > radius_mm) return air;
+        if (radius_mm - r > depth_mm) return 5;
+        RandomStream random(1, static_cast<std::uint64_t>((z * n[1] + y) * n[0] + x));
+        const double u = random.uniform();
+        const double coverage = strength * (0.5 + 0.4 * std::sin(3 * x * j750[0]) * std::cos(2 * z * j750[2]));
+        return u < coverage ? 1 + static_cast<int>(random.bits() % 4) : 5;
+    });
+}
+
+struct Distance {
+    double rms = 0, largest = 0;
+};
+Distance between(const std::vector<float>& a, const std::vector<float>& b) {
+    Distance d;
+    for (std::size_t i = 0; i < a.size(); ++i) {
+        const double e = std::abs(static_cast<double>(a[i]) - static_cast<double>(b[i]));
+        d.rms += e * e / static_cast<double>(a.size());
+        d.largest = std::max(d.largest, e);
+    }
+    d.rms = std::sqrt(d.rms);
+    return d;
+}
+
+TransportOptions on_viewing_cells(int sweeps = 3) {
+    TransportOptions options;
+    options.refinement = Refinement::none;
+    options.sweeps = sweeps;
+    return options;
+}
+
+}  // namespace
+
+TEST_CASE("A sequence arrives where fresh predictions of many sweeps do") {
+    const ResinSet set = vero_opaque();
+    const ResinVolume first = halftoned_sphere(1.5, 0.5);
+    const Scene scene{&first, &set, Backing::none, Sides::open};
+    const Surface surface = find_surface(scene, viewing_cell, SurfacePart::all);
+    const TransportPredictor predictor(on_viewing_cells()), patient(on_viewing_cells(16));
+    const auto sequence = predictor.sequence(scene, surface);
+    Appearance before = sequence->next(first);
+    for (const double strength : {0.55, 0.62, 0.58}) {
+        const ResinVolume volume = halftoned_sphere(1.5, strength);
+        const Appearance seen = sequence->next(volume);
+        const Scene now{&volume, &set, Backing::none, Sides::open};
+        const Appearance exact = patient.predict(now, surface);
+        const Distance error = between(seen.value, exact.value), change = between(before.value, exact.value);
+        INFO(strength << ": rms " << error.rms << ", largest " << error.largest << "; the change: " << change.rms);
+        CHECK(error.rms < 0.0015);
+        CHECK(error.rms < 0.2 * change.rms);
+        CHECK(error.largest < 0.03);
+        before = seen;
+    }
+    // Asked again about the same volume it gets nearer.
+    const ResinVolume volume = halftoned_sphere(1.5, 0.58);
+    Appearance seen;
+    for (int k = 0; k < 4; ++k) seen = sequence->next(volume);
+    const Appearance exact = patient.predict({&volume, &set, Backing::none, Sides::open}, surface);
+    CHECK(between(seen.value, exact.value).rms < 2e-4);  // the steps of the codes are 3e-5
+}
+
+TEST_CASE("A sequence sweeps once where little has changed, and more where much has") {
+    const ResinSet set = vero_opaque();
+    const ResinVolume first = halftoned_sphere(1.5, 0.5), other = halftoned_sphere(1.5, 0.8);
+    const Scene scene{&first, &set, Backing::none, Sides::open};
+    const Surface surface = find_surface(scene, viewing_cell, SurfacePart::all);
+    TransportOptions options;
+    options.refinement = Refinement::none;
+    const auto steps = [&](double next_change, const ResinVolume& next) {  // one a sweep and channel
+        options.next_change = next_change;
+        ViewingSequence sequence(scene, surface, options);
+        (void)sequence.next(first);
+        (void)sequence.next(first);
+        const int before = sequence.summary().diffusion_steps;
+        (void)sequence.next(next);
+        return sequence.summary().diffusion_steps - before;
+    };
+    CHECK(steps(0.01, first) == 3);
+    CHECK(steps(0.01, other) == 6);
+    CHECK(steps(0, first) == 6);
+}
+
+TEST_CASE("A twin leaves shape and the light between tiles, and no light to start from") {
+    const ResinSet set = vero_opaque();
+    const ResinVolume print = halftoned_sphere(3, 0.5), white = all_of(halftoned_sphere(3, 0), 5);
+    const Scene scene{&white, &set, Backing::none, Sides::open};
+    const Surface surface = find_surface(scene, viewing_cell, SurfacePart::all);
+    const auto predictions = [&](const TransportOptions& options) {
+        ViewingSequence fresh(scene, surface, options), after(scene, surface, options);
+        const Appearance twin = after.twin(white);
+        const Appearance seen = after.next(print);
+        TransportOptions patient = options;
+        patient.sweeps = 12;
+        return std::array{twin, seen, fresh.next(print), ViewingSequence(scene, surface, patient).only(white),
+                          ViewingSequence(scene, surface, patient).only(print)};
+    };
+    const auto [twin, seen, fresh, exact_twin, exact] = predictions(on_viewing_cells());
+    CHECK(seen.value == fresh.value);
+    CHECK(between(twin.value, exact_twin.value).rms < 0.002);
+    // In tiles it starts from what shines across the cuts of the twin, which is nearer than nothing.
+    TransportOptions in_tiles = on_viewing_cells();
+    in_tiles.tile_cells = 8000;
+    const auto [tiled_twin, tiled, tiled_fresh, exact_tiled_twin, exact_tiled] = predictions(in_tiles);
+    const double own = between(tiled.value, exact.value).rms, without = between(tiled_fresh.value, exact.value).rms;
+    INFO(own << " " << without << " twin " << between(tiled_twin.value, exact_twin.value).rms);
+    CHECK(own < 0.005);
+    CHECK(own < 1.1 * without);
+}
+
+TEST_CASE("Colour that gets deeper than expected makes a new grid and keeps the light") {
+    const ResinSet set = vero_opaque();
+    const ResinVolume first = halftoned_sphere(2.0, 0.5), deep = halftoned_sphere(2.0, 0.5, 1.8);
+    const Scene scene{&first, &set, Backing::none, Sides::open}, deep_scene{&deep, &set, Backing::none, Sides::open};
+    const Surface surface = find_surface(scene, viewing_cell, SurfacePart::all);
+    TransportOptions options = on_viewing_cells();
+    options.colour_mm = 0.3;
+    ViewingSequence sequence(scene, surface, options);
+    (void)sequence.next(first);
+    const std::size_t cells = sequence.summary().cells;
+    Appearance seen = sequence.next(deep);
+    CHECK(sequence.summary().cells > cells);
+    for (int k = 0; k < 5; ++k) seen = sequence.next(deep);
+    options.sweeps = 16;
+    const Appearance exact = TransportPredictor(options).predict(deep_scene, surface);
+    CHECK(between(seen.value, exact.value).rms < 0.001);  // margins differ a little
+}
+
+TEST_CASE("Where colour came no more the cells go, once, and what is seen stays right") {
+    const ResinSet set = vero_opaque();
+    const ResinVolume shape = halftoned_sphere(2.2, 0), deep = halftoned_sphere(2.2, 0.5, 1.8),
+                      shallow = halftoned_sphere(2.2, 0.5);
+    const Scene scene{&shape, &set, Backing::none, Sides::open};
+    const Surface surface = find_surface(scene, viewing_cell, SurfacePart::all);
+    TransportOptions options = on_viewing_cells();
+    options.colour_mm = 0.4;
+    ViewingSequence sequence(scene, surface, options);
+    const std::size_t at_first = sequence.summary().cells;
+    (void)sequence.next(deep);
+    CHECK(sequence.summary().cells > at_first);
+    (void)sequence.next(shallow);
+    CHECK(sequence.summary().cells == at_first);
+    const Appearance seen = sequence.next(shallow);
+    const Appearance exact =
+        TransportPredictor(on_viewing_cells(16)).predict({&shallow, &set, Backing::none, Sides::open}, surface);
+    const Distance error = between(seen.value, exact.value);
+    INFO("rms " << error.rms << ", largest " << error.largest);
+    CHECK(error.rms < 0.003);
+    (void)sequence.next(deep);
+    (void)sequence.next(shallow);
+    CHECK(sequence.summary().cells > at_first);
+}
+
+TEST_CASE("A slab that is asked for from above has cells below its top, and looks as it does with cells all around") {
+    const ResinSet set = vero_opaque();
+    const std::array<int, 3> n{142, 71, 130};  // 6 x 6 x 3.5 mm
+    const ResinVolume slab = make_resin_volume(n, j750, [&](int x, int y, int z) -> int {
+        if (z < n[2] - 20) return 5;
+        RandomStream random(2, static_cast<std::uint64_t>((z * n[1] + y) * n[0] + x));
+        return random.uniform() < 0.4 ? 1 + static_cast<int>(random.bits() % 4) : 5;
+    });
+    const Scene scene{&slab, &set, Backing::black, Sides::open};
+    const Surface all = find_surface(scene, viewing_cell, SurfacePart::all),
+                  top = find_surface(scene, viewing_cell, SurfacePart::top);
+    ViewingSequence around(scene, all, on_viewing_cells()), above(scene, top, on_viewing_cells());
+    CHECK(10 * above.summary().cells < 9 * around.summary().cells);
+    const Appearance from_all = around.next(slab), from_above = above.next(slab);
+    std::map<std::array<std::int32_t, 3>, std::size_t> place;
+    for (std::size_t i = 0; i < all.cells.size(); ++i)
+        if (all.cells[i].normal[2] > 0.99f) place[all.cells[i].cell] = i;
+    std::vector<float> a, b;
+    for (std::size_t i = 0; i < top.cells.size(); ++i) {
+        const auto found = place.find(top.cells[i].cell);
+        if (found == place.end()) continue;  // at the edges normals differ
+        for (std::size_t c = 0; c < from_all.channels; ++c) {
+            a.push_back(from_above.value[i * from_all.channels + c]);
+            b.push_back(from_all.value[found->second * from_all.channels + c]);
+        }
+    }
+    REQUIRE(2 * a.size() > top.cells.size() * from_all.channels);
+    const Distance error = between(a, b);
+    INFO("rms " << error.rms << ", largest " << error.largest);
+    CHECK(error.rms < 0.0015);  // the sides' white is diffusion's at 0.7 mm for 1 mm
+}
+
+TEST_CASE("A sequence gives the same bits for any number of threads") {
+    const ResinSet set = vero_opaque();
+    const ResinVolume first = halftoned_sphere(1.0, 0.5), second = halftoned_sphere(1.0, 0.7);
+    const Scene scene{&first, &set, Backing::none, Sides::open};
+    const auto run = [&](std::size_t threads) {
+        const ThreadLimit limit(threads);
+        const Surface surface = find_surface(scene, viewing_cell, SurfacePart::all);
+        ViewingSequence sequence(scene, surface, on_viewing_cells());
+        (void)sequence.next(first);
+        return sequence.next(second).value;
+    };
+    const std::vector<float> one = run(1), five = run(5);
+    CHECK(one == five);
+    CHECK(std::all_of(one.begin(), one.end(), [](float v) { return std::isfinite(v); }));
+}
+
+TEST_CASE("Cells of the eye: a body that absorbs nothing is white wherever the surface cuts the cells") {
+    ResinSet set = vero_opaque();
+    for (Resin& resin : set.resins) resin.albedo.assign(3, 1.0);
+    const ResinVolume volume = halftoned_sphere(0.7, 0.8);
+    const Scene scene{&volume, &set, Backing::none, Sides::open};
+    const Surface surface = find_surface(scene, viewing_cell, SurfacePart::all);
+    const Appearance seen = TransportPredictor(on_viewing_cells()).predict(scene, surface);
+    for (const float v : seen.value) REQUIRE(std::abs(v - 1) < 1e-3f);
+}
+
+TEST_CASE("Cells of the eye: a flat surface looks alike wherever it cuts the cells") {
+    const ResinSet set = vero_opaque();
+    for (const int resin : {1, 4, 5}) {
+        std::vector<double> lightness;
+        for (int empty = 0; empty < 3; ++empty) {
+            const ResinVolume volume =
+                make_resin_volume({8, 4, 48 + empty}, j750, [&](int, int, int z) { return z < 48 ? resin : 0; });
+            const Scene scene{&volume, &set, Backing::black, Sides::mirrored};
+            const Surface surface = find_surface(scene, viewing_cell, SurfacePart::top);
+            const Appearance cells = TransportPredictor(on_viewing_cells(10)).predict(scene, surface);
+            const SlabLayer layer{static_cast<Material>(resin), 48};
+            INFO("resin " << resin << ", layers of air " << empty);
+            for (std::size_t i = 0; i < cells.value.size(); ++i) {
+                const double exact = exact_appearance(set, {&layer, 1}, Backing::black, i % 3);
+                CHECK(std::abs(double(cells.value[i]) - exact) <
+                      0.005);  // white over black is 0.004 brighter: differences with theta blur
+            }
+        }
+    }
+}
+
+TEST_CASE("Cells of the eye: a sphere of one colour looks as it does to cells of half their size") {
+    ResinSet set = vero_opaque();
+    Resin mixture;
+    mixture.name = mixture.role = "dark blue";
+    for (std::size_t c = 0; c < 3; ++c) {
+        const Medium m = set.mix(std::vector<double>{0.4, 0.3, 0, 0.2, 0.1}, c);
+        mixture.sigma_t_per_mm.push_back(m.sigma_t());
+        mixture.albedo.push_back(m.albedo());
+    }
+    set.resins.push_back(mixture);
+    constexpr double radius_mm = 1.2;
+    std::array<int, 3> n{};
+    for (std::size_t a = 0; a < 3; ++a) n[a] = static_cast<int>(std::ceil(2 * radius_mm / j750[a])) + 2;
+    const ResinVolume volume = make_resin_volume(n, j750, [&](int x, int y, int z) {
+        return std::hypot((x + 0.4 - 0.5 * n[0]) * j750[0], (y + 0.45 - 0.5 * n[1]) * j750[1],
+                          (z + 0.55 - 0.5 * n[2]) * j750[2]) < radius_mm
+                   ? 6
+                   : 0;
+    });
+    const Scene scene{&volume, &set, Backing::none, Sides::open};
+    const Surface surface = find_surface(scene, viewing_cell, SurfacePart::all);
+    const Appearance cells = TransportPredictor(on_viewing_cells()).predict(scene, surface);
+    TransportOptions half = on_viewing_cells();
+    half.cell_mm /= 2;
+    const Appearance smaller = TransportPredictor(half).predict(scene, surface);
+    for (std::size_t c = 0; c < 3; ++c) {
+        double mean = 0, mean_of_smaller = 0, scatter = 0;
+        const double share = 1.0 / static_cast<double>(surface.cells.size());
+        for (std::size_t i = 0; i < surface.cells.size(); ++i) {
+            mean += share * static_cast<double>(cells.value[3 * i + c]);
+            mean_of_smaller += share * static_cast<double>(smaller.value[3 * i + c]);
+        }
+        for (std::size_t i = 0; i < surface.cells.size(); ++i)
+            scatter += share * std::pow(static_cast<double>(cells.value[3 * i + c]) - mean, 2);
+        INFO("channel " << c << ": " << mean << ", of smaller ones " << mean_of_smaller << ", scatter "
+                        << std::sqrt(scatter));
+        CHECK(mean == Approx(mean_of_smaller).epsilon(0.05));  // half a unit of L*
+        CHECK(std::sqrt(scatter) < 0.005);
+    }
+}
+
+TEST_CASE("Cells of the eye: parts thinner than a cell, bubbles and specks have a defined appearance") {
+    const ResinSet set = vero_opaque();
+    const ResinVolume volume = make_resin_volume({30, 20, 60}, j750, [](int x, int y, int z) -> int {
+        if (x == 9 && y > 3 && y < 12) return 4;   // a sheet of one voxel
+        if (x == 3 && y == 3 && z == 7) return 1;  // a speck
+        if (x > 12 && x < 28 && y > 2 && y < 18 && z > 5 && z < 50)
+            return x == 20 && y == 9 && z == 25 ? 0 : 5;  // a bubble
+        return 0;
+    });
+    const Scene scene{&volume, &set, Backing::none, Sides::open};
+    const Surface surface = find_surface(scene, viewing_cell, SurfacePart::all);
+    const Appearance seen = TransportPredictor(on_viewing_cells()).predict(scene, surface);
+    for (const float v : seen.value) {
+        REQUIRE(std::isfinite(v));
+        REQUIRE(v >= 0.0f);
+        REQUIRE(v < 1.1f);
+    }
+}
+
+TEST_CASE("Cells of the eye: too little memory is an error") {
+    const ResinSet set = vero_opaque();
+    const ResinVolume volume = halftoned_sphere(1.5, 0.5);
+    const Scene scene{&volume, &set, Backing::none, Sides::open};
+    const Surface surface = find_surface(scene, viewing_cell, SurfacePart::all);
+    TransportOptions options = on_viewing_cells();
+    options.memory_bytes = 1'000'000;
+    CHECK_THROWS_AS(ViewingSequence(scene, surface, options), ResourceError);
+    // The predictor then tries smaller tiles, for which this is too little as well.
+    CHECK_THROWS_AS((void)TransportPredictor(options).predict(scene, surface), ResourceError);
+}

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// A sequence of predictions that is interrupted and goes on elsewhere says the same as one that is not, bit by bit.
+#include <catch2/catch.hpp>
+
+#include <cmath>
+
+#include "voxtone/base/random.h"
+#include "voxtone/optics/transport/viewing_sequence.h"
+
+using namespace voxtone::optics;
+
+namespace {
+
+constexpr std::array<double, 3> j750{0.0423333, 0.0846667, 0.027};
+
+/// A ball of 3 mm of white with a halftoned shell, which is deeper in one half of some prints.
+struct SmallBall {
+    std::array<int, 3> size{72, 36, 112};
+    ResinSet resins = vero_opaque();
+    std::vector<ResinVolume> prints{make(0), make(1), make(1), make(0), make(2)};
+    Scene scene{&prints[0], &resins, Backing::none, Sides::open};
+    Surface surface = find_surface(scene, {2, 1, 3}, SurfacePart::all);
+
+    [[nodiscard]] ResinVolume make(std::uint64_t kind) const {
+        return make_resin_volume(size, j750, [&](int x, int y, int z) {
+            const double px = (x + 0.5) * j750[0] - 1.52, py = (y + 0.5) * j750[1] - 1.52,
+                         pz = (z + 0.5) * j750[2] - 1.51;
+            const double below = 1.5 - std::hypot(px, py, pz);
+            if (below < 0) return 0;
+            if (below > (kind == 1 && px > 0 ? 0.9 : 0.2)) return 5;
+            voxtone::RandomStream draw(kind, static_cast<std::uint64_t>((z * size[1] + y) * size[0] + x));
+            return draw.uniform() > 0.4 ? 5 : 1 + static_cast<int>(draw.uniform() * 3);
+        });
+    }
+    [[nodiscard]] ViewingSequence sequence(std::size_t tile_cells) const {
+        TransportOptions options;
+        options.refinement = Refinement::none;
+        options.tile_cells = tile_cells;
+        options.tile_halo = 1;
+        options.colour_mm = 0.2;
+        return {scene, surface, options};
+    }
+    /// What a sequence says of a print, and of its gradient there.
+    [[nodiscard]] std::vector<float> look(ViewingSequence& sequence, std::size_t print) const {
+        Appearance seen = sequence.next(prints[print]);
+        std::vector<float> out = seen.value;
+        for (float& v : seen.value) v -= 0.5f;
+        REQUIRE(sequence.gradient(seen.value, [&](const ResinGradient& gradient, const VoxelBox& box) {
+            for (int z = box.begin[2]; z < box.end[2]; z += 3)
+                for (int x = box.begin[0]; x < box.end[0]; x += 5) out.push_back(gradient.at({x, size[1] / 2, z}, 3));
+        }));
+        return out;
+    }
+};
+
+std::vector<std::byte> state_of(const ViewingSequence& sequence) {
+    std::vector<std::byte> state;
+    sequence.write_state(
+        [&](std::span<const std::byte> bytes) { state.insert(state.end(), bytes.begin(), bytes.end()); });
+    return state;
+}
+
+}  // namespace
+
+TEST_CASE("A sequence that goes on from a saved state says the same, whole and in tiles") {
+    const SmallBall ball;
+    for (const std::size_t tile_cells : {ball.surface.cells.size(), std::size_t{1500}}) {
+        ViewingSequence whole = ball.sequence(tile_cells);
+        CAPTURE(tile_cells, whole.summary().pieces);
+        CHECK((whole.summary().pieces > 1) == (tile_cells == 1500));
+        std::vector<std::vector<float>> said;
+        std::vector<std::vector<std::byte>> states;
+        for (std::size_t print = 0; print < ball.prints.size(); ++print) {
+            said.push_back(ball.look(whole, print));
+            states.push_back(state_of(whole));
+        }
+        for (std::size_t stop = 0; stop + 1 < ball.prints.size(); ++stop) {
+            ViewingSequence resumed = ball.sequence(tile_cells);
+            REQUIRE(resumed.read_state(states[stop]));
+            CHECK(state_of(resumed) == states[stop]);
+            for (std::size_t print = stop + 1; print < ball.prints.size(); ++print) {
+                CAPTURE(stop, print);
+                CHECK(ball.look(resumed, print) == said[print]);
+            }
+        }
+        // The light of the print before matters: without it the same print is said to look otherwise.
+        ViewingSequence anew = ball.sequence(tile_cells);
+        CHECK(ball.look(anew, 2) != said[2]);
+    }
+}
+
+TEST_CASE("What is no state of a sequence is refused") {
+    const SmallBall ball;
+    ViewingSequence one = ball.sequence(ball.surface.cells.size());
+    (void)one.next(ball.prints[0]);
+    const std::vector<std::byte> state = state_of(one);
+    for (const std::size_t size : {std::size_t{0}, std::size_t{7}, state.size() / 2, state.size() - 1})
+        CHECK_FALSE(ball.sequence(ball.surface.cells.size()).read_state(std::span(state).first(size)));
+    std::vector<std::byte> longer = state;
+    longer.push_back({});
+    CHECK_FALSE(ball.sequence(ball.surface.cells.size()).read_state(longer));
+    CHECK_FALSE(ball.sequence(1500).read_state(state));
+}
