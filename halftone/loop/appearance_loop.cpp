@@ -241,7 +241,8 @@ private:
     Stopwatch watch_;
 
     LoopState state_;
-    Colours rgb_;                                      ///< of the last print
+    Colours rgb_, seen_;                               ///< of the last print, and what the eye filter leaves of it
+    Colours seen_target_;                              ///< of the target as it can be shown; empty before feedback
     std::vector<std::string> remarks_, best_remarks_;  ///< of the model, on the last and the best print
     optics::ResinVolume print_;                        ///< the sequence looks at it again for the gradient
     bool cancelled_ = false;
@@ -379,7 +380,8 @@ void LoopRun::predict(optics::ResinVolume volume, LoopMethod method) {
     step.iteration = static_cast<int>(state_.steps.size());
     step.method = method;
     step.cells = error_.of_cells(rgb_);
-    step.seen = error_.as_seen(rgb_);
+    seen_ = error_.eye().filter(rgb_);
+    step.seen = error_.as_seen(seen_);
     step.saturated_share = state_.saturated_share;
     step.seconds = watch_.lap();
     state_.steps.push_back(step);
@@ -398,8 +400,9 @@ void LoopRun::keep_if_best(const SkinMixtures& mixtures) {
 
 void LoopRun::correct_control() {
     Colours relaxed(rgb_.size());
+    if (seen_target_.empty()) seen_target_ = error_.eye().filter(target_);
     const std::size_t saturated = feed_back(
-        target_, rgb_, [this](const Eigen::Vector3f& rgb) { return into_gamut(rgb); },
+        target_, as_wrong_as_seen(target_, seen_target_, seen_), [this](const Eigen::Vector3f& rgb) { return into_gamut(rgb); },
         {.gain = feedback_gain(state_.steps)}, state_.control, relaxed);
     state_.saturated_share = rgb_.empty() ? 0 : double(saturated) / double(rgb_.size());
 }

@@ -88,6 +88,17 @@ Eigen::Vector3f nearest_colour(const Eigen::Vector3f& target, const Eigen::Vecto
     return v.cast<float>();
 }
 
+std::vector<Eigen::Vector3f> as_wrong_as_seen(std::span<const Eigen::Vector3f> target,
+                                              std::span<const Eigen::Vector3f> seen_target,
+                                              std::span<const Eigen::Vector3f> seen) {
+    VOXTONE_EXPECT(seen_target.size() == target.size() && seen.size() == target.size());
+    std::vector<Eigen::Vector3f> colours(target.size());
+    parallel_for(0, target.size(), 1024, [&](std::size_t i) {
+        colours[i] = cube((root(target[i]) - (root(seen_target[i]) - root(seen[i]))).cwiseMax(0.0f));
+    });
+    return colours;
+}
+
 std::size_t feed_back(std::span<const Eigen::Vector3f> target, std::span<const Eigen::Vector3f> predicted,
                       const std::function<Eigen::Vector3f(const Eigen::Vector3f&)>& into_gamut,
                       const FeedbackOptions& options, std::span<Eigen::Vector3f> control,

@@ -3,13 +3,15 @@
 // One step of the appearance loop by residual feedback: where the print is too dark, ask for more light, by as much as
 // it lacks.
 //
-//   control^(1/3)  <-  control^(1/3) + gain (target^(1/3) - predicted^(1/3)),
+//   control^(1/3)  <-  control^(1/3) + gain ((E target)^(1/3) - (E predicted)^(1/3)),
 //
-// then into the gamut, per cell and channel.
+// then into the gamut, per cell and channel; E is what the eye leaves of it (eye_filter.h, with no surround).
 //
 // The control colour of a cell is what the separation is asked for; it is what a flat print would show. Light that
 // spreads below the surface makes the print blurred by a transfer function M with 0 < M <= 1, so that the error of each
-// spatial frequency shrinks by 1 - gain M in a step. Cube roots make a step of equal size equally visible.
+// spatial frequency shrinks by 1 - gain M E in a step. Cube roots make a step of equal size equally visible. Without E
+// a cell spends its ink, and its neighbours' light, on grain that nobody sees: the error as seen falls once and rises
+// from then on, however short the steps are (docs/benchmarks.md, "Feedback").
 //
 // Local limits. Beside bright places no ink makes a cell dark, beside dark ones no white makes it bright, and each
 // channel has its own limits: control colours end at the gamut's edge while the error stays. A channel is saturated
@@ -39,6 +41,12 @@ struct FeedbackOptions {
     float gain = 1;           ///< in (0, 2)
     float most_step = 0.25f;  ///< largest change of a control colour's cube root in a step
 };
+
+/// Colours that are off their target by what is seen of the print: ((target^(1/3) - (seen target^(1/3) - seen^(1/3)))^3,
+/// per cell and channel.
+[[nodiscard]] std::vector<Eigen::Vector3f> as_wrong_as_seen(std::span<const Eigen::Vector3f> target,
+                                                            std::span<const Eigen::Vector3f> seen_target,
+                                                            std::span<const Eigen::Vector3f> seen);
 
 /// Moves `control` (linear sRGB per cell, in gamut). `into_gamut` maps any colour in [0, 1]^3 to one that can be shown.
 /// `relaxed`: what the cell is asked for now (the target where nothing is saturated). Returns how many cells are

@@ -18,8 +18,8 @@ optics::DifferenceSummary SeenError::of_cells(std::span<const Eigen::Vector3f> r
     return summary(target_, rgb);
 }
 
-optics::DifferenceSummary SeenError::as_seen(std::span<const Eigen::Vector3f> rgb) const {
-    return summary(seen_target_, eye_.filter(rgb));
+optics::DifferenceSummary SeenError::as_seen(std::span<const Eigen::Vector3f> seen) const {
+    return summary(seen_target_, seen);
 }
 
 optics::DifferenceSummary SeenError::summary(std::span<const Eigen::Vector3f> target,

@@ -24,7 +24,8 @@ public:
 
     /// Colours are linear sRGB per cell.
     [[nodiscard]] optics::DifferenceSummary of_cells(std::span<const Eigen::Vector3f> rgb) const;
-    [[nodiscard]] optics::DifferenceSummary as_seen(std::span<const Eigen::Vector3f> rgb) const;
+    /// `seen`: what the eye filter leaves of the print (eye().filter).
+    [[nodiscard]] optics::DifferenceSummary as_seen(std::span<const Eigen::Vector3f> seen) const;
 
     [[nodiscard]] const EyeFilter& eye() const { return eye_; }
 
