@@ -125,8 +125,9 @@ struct LoopResult {
     std::vector<std::string> remarks;  ///< of the model, on the best iterate (Appearance::remarks)
 };
 
-/// After each iteration, with all that is needed to go on.
-using LoopListener = std::function<void(const LoopState&, const optics::AppearanceSequence&)>;
+/// After each iteration, with all that is needed to go on. What it returns, if anything, is called before any of that
+/// changes or is gone: until then it may be read, from another thread too.
+using LoopListener = std::function<std::function<void()>(const LoopState&, const optics::AppearanceSequence&)>;
 
 /// `resume`: of the same task; where it has made as many iterations as are asked for, or more, the best of them comes
 /// out. Throws what the model throws, InputError for a state that the model cannot use; Cancelled only before the open

@@ -23,10 +23,10 @@ struct TransportOptions {
     Refinement refinement = Refinement::contrast;  ///< where they are cut finer
     double finest_mm = 0.0425;                     ///< there voxels are cut along axes where they are longer; 0: never
     double colour_mm = 0.8;                        ///< how deep below the surface colour is expected to come and go
-    /// A twin (AppearanceSequence::twin) is swept no more where the last sweep changed less of what is seen
-    /// in a channel: that of a cow of 30 mm changed 0.015, 0.003 and 0.001 after one, two and three. 0: always
-    /// `sweeps`.
-    double twin_change = 0.005;
+    /// The first print of a sequence and its twin are swept no more where the last sweep changed less of what is seen
+    /// in a channel: the twin of a cow of 30 mm changed 0.015, 0.003 and 0.001 after one, two and three. 0: always
+    /// `sweeps`. Not of a prediction that stands alone.
+    double first_change = 0.005;
     int next_sweeps = 2;  ///< of the later predictions of a sequence, >= 1
     /// A later prediction sweeps no more where the last sweep changed less of what is seen in a channel; of
     /// its adjoint ten times as much. 0: always `next_sweeps`.

@@ -379,15 +379,17 @@ Appearance ViewingSequence::only(const ResinVolume& volume, const Progress* prog
 }
 
 Appearance ViewingSequence::twin(const ResinVolume& volume, const Progress* progress) {
-    Appearance appearance = predict(volume, {options_.sweeps, options_.twin_change}, progress);
+    Appearance appearance = predict(volume, {options_.sweeps, options_.first_change}, progress);
     for (Tile& tile : tiles_) tile.light.assign(channels(), {});
     return appearance;
 }
 
 Appearance ViewingSequence::next(const ResinVolume& volume, const Progress* progress) {
     const bool first = tiles_[0].light[0].cells.empty();
-    return predict(volume, first ? Effort{options_.sweeps, 0} : Effort{options_.next_sweeps, options_.next_change},
-                   progress);
+    return predict(
+        volume,
+        first ? Effort{options_.sweeps, options_.first_change} : Effort{options_.next_sweeps, options_.next_change},
+        progress);
 }
 
 Appearance ViewingSequence::predict(const ResinVolume& volume, Effort effort, const Progress* progress) {

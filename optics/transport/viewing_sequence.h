@@ -9,7 +9,7 @@
 // many of those blocks without colour again.
 //
 // A twin comes before the first prediction: it leaves grids and what shines across cuts to begin with, and is swept
-// until that changes little (`twin_change`). The print's light begins with a diffusion solve of its own, not with the
+// until that changes little (`first_change`). The print's light begins with a diffusion solve of its own, not with the
 // twin's: three sweeps from a white body's light left the open loop of `spot` at 30 mm with a mean error as seen
 // of 4.57, three from such a solve with 4.94, and eight from the former with 4.85.
 //

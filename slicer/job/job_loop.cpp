@@ -53,29 +53,22 @@ std::unique_ptr<const optics::AppearanceModel> loop_model(const ResolvedJob& job
     return make_model(job.loop.model, quality);
 }
 
-/// Keeps the state of the loop after each iteration, beside the next one; a state that cannot be written is no reason
-/// to stop.
+/// Keeps the state of the loop after each iteration, while the next print is made; a state that cannot be written is no
+/// reason to stop.
 class CheckpointKeeper {
 public:
-    CheckpointKeeper(const LoopCheckpoint& checkpoint, std::uint64_t memory_bytes, Progress& progress)
-        : checkpoint_(checkpoint), most_copied_(memory_bytes / 8), progress_(progress) {}
+    CheckpointKeeper(const LoopCheckpoint& checkpoint, Progress& progress)
+        : checkpoint_(checkpoint), progress_(progress) {}
     CheckpointKeeper(const CheckpointKeeper&) = delete;
     CheckpointKeeper& operator=(const CheckpointKeeper&) = delete;
     /// Waits for what is being written.
     ~CheckpointKeeper() = default;
 
+    /// Both stay as they are until `finish` comes back.
     void keep(const halftone::LoopState& state, const optics::AppearanceSequence& sequence) {
         finish();
-        if (checkpoint_.bytes(state, sequence) > most_copied_) {
-            writing_ = std::async(std::launch::deferred, [&] {
-                checkpoint_.write(state, sequence);
-                tell_how_to_go_on();
-            });
-            finish();
-            return;
-        }
-        writing_ = std::async(std::launch::async, [this, packed = checkpoint_.packed(state, sequence)]() mutable {
-            checkpoint_.write(std::move(packed));
+        writing_ = std::async(std::launch::async, [this, &state, &sequence] {
+            checkpoint_.write(state, sequence);
             tell_how_to_go_on();
         });
     }
@@ -100,7 +93,6 @@ private:
     }
 
     const LoopCheckpoint& checkpoint_;
-    const std::uint64_t most_copied_;  ///< an eighth of the memory that is allowed
     Progress& progress_;
     bool warned_ = false;
     std::future<void> writing_;
@@ -198,9 +190,10 @@ JobLoop run_job_loop(const LoopProblem& problem, const LoopPlan& plan, const Loo
     options.descent = plan.descent;
 
     JobLoop loop{std::string(name_of(job.loop.model)), problem.cells, {}, 0};
-    CheckpointKeeper keeper(checkpoint, job.prediction.memory_bytes, progress);
+    CheckpointKeeper keeper(checkpoint, progress);
     const auto keep = [&](const halftone::LoopState& state, const optics::AppearanceSequence& sequence) {
         keeper.keep(state, sequence);
+        return [&keeper] { keeper.finish(); };
     };
     loop.result = halftone::run_appearance_loop(task, options, progress, keep, std::move(before));
     keeper.finish();

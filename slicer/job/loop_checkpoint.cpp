@@ -201,31 +201,6 @@ void LoopCheckpoint::hand_over(const Piece& take, const halftone::LoopState& sta
     sequence.write_state([&take](std::span<const std::byte> bytes) { take(bytes.data(), bytes.size()); });
 }
 
-std::size_t LoopCheckpoint::bytes(const halftone::LoopState& state, const optics::AppearanceSequence& sequence) const {
-    std::size_t size = digest_size;
-    hand_over([&](const void*, std::size_t more) { size += more; }, state, sequence);
-    return size;
-}
-
-std::vector<std::uint8_t> LoopCheckpoint::packed(const halftone::LoopState& state,
-                                                 const optics::AppearanceSequence& sequence) const {
-    std::vector<std::uint8_t> all;
-    all.reserve(bytes(state, sequence));
-    const auto append = [&](const void* data, std::size_t more) {
-        const auto* const first = static_cast<const std::uint8_t*>(data);
-        all.insert(all.end(), first, first + more);
-    };
-    hand_over(append, state, sequence);
-    return all;
-}
-
-void LoopCheckpoint::write(std::vector<std::uint8_t> packed) const {
-    const std::uint64_t digest = io::xxh64(packed);
-    const auto* const first = reinterpret_cast<const std::uint8_t*>(&digest);
-    packed.insert(packed.end(), first, first + digest_size);
-    io::write_whole_file(file_, packed);
-}
-
 void LoopCheckpoint::write(const halftone::LoopState& state, const optics::AppearanceSequence& sequence) const {
     const std::filesystem::path part = io::part_path(file_);
     std::ofstream out(part, std::ios::binary);

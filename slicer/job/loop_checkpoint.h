@@ -34,14 +34,8 @@ public:
     LoopCheckpoint(const std::filesystem::path& folder, std::string_view opened_identity,
                    std::string_view loop_identity, std::span<const Eigen::Vector3f> target);
 
-    /// Of the file.
-    [[nodiscard]] std::size_t bytes(const halftone::LoopState& state, const optics::AppearanceSequence& sequence) const;
-    /// All that is to be saved, as one piece of memory: the loop may go on while it is written.
-    [[nodiscard]] std::vector<std::uint8_t> packed(const halftone::LoopState& state,
-                                                   const optics::AppearanceSequence& sequence) const;
-    /// Throws FileError, TryAgain; what was written before stays then. From any thread, one at a time.
-    void write(std::vector<std::uint8_t> packed) const;
-    /// The same without that memory, while the loop waits.
+    /// Throws FileError, TryAgain; what was written before stays then. From any thread, one at a time; what it writes
+    /// is read as it goes.
     void write(const halftone::LoopState& state, const optics::AppearanceSequence& sequence) const;
     /// Nothing, with a note, where there is none. Throws InputError for one of another job, FileError for a broken one.
     [[nodiscard]] std::optional<halftone::ResumedLoop> read(Progress& progress) const;

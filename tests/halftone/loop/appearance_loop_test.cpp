@@ -200,7 +200,10 @@ TEST_CASE("A loop that was told how often to go on says so", "[loop]") {
     std::vector<LoopState> states;
     const auto target = stripes(0.2f, 0.6f);
     TellsSteps whole, rest;
-    (void)run(slab, model, target, options, whole, [&](const LoopState& s, const auto&) { states.push_back(s); });
+    (void)run(slab, model, target, options, whole, [&](const LoopState& s, const auto&) {
+        states.push_back(s);
+        return nullptr;
+    });
     CHECK(whole.told == std::vector<std::uint64_t>(6, 5));
     REQUIRE(states.size() >= 3);
     (void)run(slab, model, target, options, rest, {}, ResumedLoop{states[2], {}});
@@ -270,8 +273,10 @@ TEST_CASE("A resumed loop goes on to the same bits", "[loop]") {
     options.iterations = 5;
     const auto target = stripes(0.2f, 0.6f);
     std::vector<LoopState> states;
-    const LoopResult whole =
-        run(slab, model, target, options, quiet, [&](const LoopState& state, const auto&) { states.push_back(state); });
+    const LoopResult whole = run(slab, model, target, options, quiet, [&](const LoopState& state, const auto&) {
+        states.push_back(state);
+        return nullptr;
+    });
     REQUIRE(states.size() >= 3);
     const LoopResult resumed = run(slab, model, target, options, quiet, {}, ResumedLoop{states[2], {}});
     REQUIRE(resumed.state.steps.size() == whole.state.steps.size());

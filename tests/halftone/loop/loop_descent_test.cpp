@@ -100,7 +100,10 @@ struct Run {
         };
         Progress quiet;
         result = run_appearance_loop(task, {.iterations = iterations, .viewing_distance_mm = 50}, quiet,
-                                     [&](const LoopState& state, const auto&) { states.push_back(state); });
+                                     [&](const LoopState& state, const auto&) {
+                                         states.push_back(state);
+                                         return nullptr;
+                                     });
     }
     [[nodiscard]] std::string methods() const {
         std::string all;

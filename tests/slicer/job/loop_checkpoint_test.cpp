@@ -49,9 +49,7 @@ public:
     std::vector<std::byte> kept;
 };
 
-void save(const LoopCheckpoint& checkpoint, const halftone::LoopState& state) {
-    checkpoint.write(checkpoint.packed(state, Keeps()));
-}
+void save(const LoopCheckpoint& checkpoint, const halftone::LoopState& state) { checkpoint.write(state, Keeps()); }
 
 const std::string a_job(64, 'a'), another_job(64, 'b'), opened_job(64, 'c');
 
