@@ -180,6 +180,7 @@ Appearance MonteCarlo::predict(const Scene& scene, const Surface& surface, Monte
     std::vector<PacketScene> packets;
     for (std::size_t c = 0; c < channels; ++c)
         packets.push_back(packet_scene(scene, volume, c, default_roulette_weight));
+    for (PacketScene& packet : packets) packet.follow_outside = options_.follow_outside;
     const auto trace = [&](std::size_t channel, std::span<const Share> shares, std::span<Tally> tallies) {
         PacketPaths paths(scene, surface, starts, volume, options_, shares);
         trace_packets(packets[channel], paths);

@@ -23,6 +23,10 @@ struct MonteCarloOptions {
                                    ///< independent of these
     /// The true surface of the body, which must outlive the model; nullptr: the faces of the voxels. Open sides only.
     const BodyBoundary* boundary = nullptr;
+    /// With a boundary: light that leaves one part of the body and meets another goes on there (an ear, a fold, a cup).
+    /// Else it counts as gone, and light comes in everywhere as if nothing were in its way: what a surface is by
+    /// itself.
+    bool follow_outside = false;
     PathTracer tracer = PathTracer::packets;  ///< `plain` knows no boundary but the voxels' faces
     /// Throws InputError that names the value and the rule it breaks.
     void validate() const;

@@ -342,7 +342,8 @@ private:
                                   at[2] < 0.5 * static_cast<double>(scene_.pitch_mm[2]);
             const bool leaves =
                 static_cast<double>(u[k]) >= turn_at_boundary(normals_[lane], static_cast<double>(scene_.eta), way);
-            if (leaves && (!on_sheet || scene_.backing == Backing::black)) {
+            const bool again = leaves && !on_sheet && scene_.follow_outside && meets_again(lane, at);
+            if (leaves && !again && (!on_sheet || scene_.backing == Backing::black)) {
                 source_.finished(lanes_.tag[lane], on_sheet ? 0.0f : lanes_.weight[lane], place(lane));
                 lost += !refill(lane);
                 continue;
@@ -359,6 +360,7 @@ private:
                 }
                 lanes_.weight[lane] *= 2;
             }
+            if (again) continue;
             if (leaves) {
                 send_back_up(lane);
             } else {
@@ -371,6 +373,45 @@ private:
             }
         }
         return lost;
+    }
+
+    /// Light that left at `at` and meets the body once more goes on inside where the surface lets it in: an ear, a
+    /// fold, the inside of a cup. False, with the lane as it was, where it gets away.
+    bool meets_again(std::size_t lane, Point at) {
+        constexpr int most_reflections = 32;
+        const auto eta = static_cast<double>(scene_.eta);
+        Point way = leaving_direction(normals_[lane], eta, direction(lane));
+        PathRandom random(random_state(lane));
+        for (int k = 0; k < most_reflections; ++k) {
+            double distance = 0;
+            BoundaryNormals normals;
+            if (!scene_.boundary->meets(at, way, distance, normals)) break;
+            for (std::size_t a = 0; a < 3; ++a) at[a] += distance * way[a];
+            const MetFromOutside met = meet_from_outside(normals, eta, way);
+            if (random.uniform() >= met.reflectance) {
+                set_random_state(lane, random.state());
+                enter_at(lane, at, normals, met.refracted);
+                return true;
+            }
+            way = met.reflected;
+        }
+        set_random_state(lane, random.state());
+        return false;
+    }
+
+    /// Sets a lane on its way inside from a point of the surface.
+    void enter_at(std::size_t lane, const Point& at, const BoundaryNormals& normals, const Point& way) {
+        std::array<int, 3> voxel{};
+        for (std::size_t a = 0; a < 3; ++a) {
+            const double inward = at[a] - inside_boundary_mm * normals.geometric[a];
+            const auto place = static_cast<float>(inward / static_cast<double>(scene_.pitch_mm[a]) + scene_.offset);
+            voxel[a] = std::clamp(static_cast<int>(std::floor(place)), 0, scene_.size[a] - 1);
+            lanes_.at[a][lane] = place;
+            lanes_.direction[a][lane] = safe_component(way[a]);
+        }
+        stand_in(lane, voxel);
+        for (std::size_t a = 0; a < 3; ++a)
+            lanes_.at[a][lane] = std::clamp(lanes_.at[a][lane], lanes_.low[a][lane], lanes_.high[a][lane]);
     }
 
     [[nodiscard]] Point direction(std::size_t lane) const {
@@ -463,25 +504,11 @@ private:
             return false;
         }
         lanes_.alive[lane] = 1;
-        std::array<int, 3> block{};
         for (std::size_t a = 0; a < 3; ++a) {
             lanes_.at[a][lane] = start.at[a];
             lanes_.direction[a][lane] = start.direction[a];
-            block[a] = start.voxel[a] / 16;
         }
-        const auto b = static_cast<std::size_t>((block[2] * scene_.blocks[1] + block[1]) * scene_.blocks[0] + block[0]);
-        const std::uint32_t base = scene_.base[b];
-        const int local = ((start.voxel[2] % 16) * 16 + start.voxel[1] % 16) * 16 + start.voxel[0] % 16;
-        const int content = scene_.voxels[base < 256 ? base : base + static_cast<std::uint32_t>(local)];
-        const int level = content >> 8 & 15;
-        lanes_.near[lane] = content & boundary_is_near;
-        for (std::size_t a = 0; a < 3; ++a) {
-            const int first = start.voxel[a] >> level << level;
-            lanes_.low[a][lane] = static_cast<float>(first);
-            lanes_.high[a][lane] = static_cast<float>(std::min(first + (1 << level), scene_.size[a]));
-        }
-        lanes_.base[lane] = static_cast<std::int32_t>(base);
-        lanes_.majorant[lane] = scene_.majorant[b];
+        stand_in(lane, start.voxel);
         lanes_.weight[lane] = 1;
         lanes_.meetings[lane] = 0;
         lanes_.meetings_allowed[lane] = static_cast<std::int32_t>(RouletteByOrder().allowed);
@@ -489,6 +516,24 @@ private:
         lanes_.depth[lane] = start.depth;
         for (std::size_t k = 0; k < 4; ++k) lanes_.random[k][lane] = start.random[k];
         return true;
+    }
+
+    /// The box around a voxel, and what it holds.
+    void stand_in(std::size_t lane, const std::array<int, 3>& voxel) {
+        const std::array<int, 3> block{voxel[0] / 16, voxel[1] / 16, voxel[2] / 16};
+        const auto b = static_cast<std::size_t>((block[2] * scene_.blocks[1] + block[1]) * scene_.blocks[0] + block[0]);
+        const std::uint32_t base = scene_.base[b];
+        const int local = ((voxel[2] % 16) * 16 + voxel[1] % 16) * 16 + voxel[0] % 16;
+        const int content = scene_.voxels[base < 256 ? base : base + static_cast<std::uint32_t>(local)];
+        const int level = content >> 8 & 15;
+        lanes_.near[lane] = content & boundary_is_near;
+        for (std::size_t a = 0; a < 3; ++a) {
+            const int first = voxel[a] >> level << level;
+            lanes_.low[a][lane] = static_cast<float>(first);
+            lanes_.high[a][lane] = static_cast<float>(std::min(first + (1 << level), scene_.size[a]));
+        }
+        lanes_.base[lane] = static_cast<std::int32_t>(base);
+        lanes_.majorant[lane] = scene_.majorant[b];
     }
 
     const PacketScene& scene_;

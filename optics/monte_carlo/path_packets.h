@@ -47,6 +47,7 @@ struct PacketScene {
     std::array<int, 3> blocks{}, size{};
     std::array<float, 3> pitch_mm{};
     const BodyBoundary* boundary = nullptr;  ///< nullptr: the faces of the voxels
+    bool follow_outside = false;             ///< MonteCarloOptions
     float offset = 0;                        ///< voxels between the corner of path coordinates and the scene's volume
     std::size_t materials = 0;
     std::array<float, 256> sigma_t{}, albedo{};  ///< per material

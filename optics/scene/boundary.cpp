@@ -30,6 +30,47 @@ double turn_at_boundary(const BoundaryNormals& normals, double eta, Point& direc
     return mu2 <= 0 ? 1.0 : fresnel_reflectance(std::min(1.0, std::sqrt(mu2)), eta);
 }
 
+namespace {
+
+/// A direction on the other side of a face with normal n along the ray, `ratio` = index before / index behind; all of
+/// it along the face where none goes through.
+Point refracted(const Point& d, const Point& n, double ratio) {
+    const double cosine = std::max(0.0, dot(d, n)), behind = std::max(0.0, 1 - ratio * ratio * (1 - cosine * cosine)),
+                 along = std::sqrt(behind) - ratio * cosine;
+    Point out{};
+    double length = 0;
+    for (std::size_t a = 0; a < 3; ++a) {
+        out[a] = ratio * d[a] + along * n[a];
+        length += out[a] * out[a];
+    }
+    for (double& x : out) x /= std::sqrt(length);
+    return out;
+}
+
+Point negative(const Point& p) { return {-p[0], -p[1], -p[2]}; }
+
+}  // namespace
+
+Point leaving_direction(const BoundaryNormals& normals, double eta, const Point& direction) {
+    if (dot(direction, normals.shading) > 0) {
+        const Point out = refracted(direction, normals.shading, eta);
+        if (dot(out, normals.geometric) > 0) return out;
+    }
+    return refracted(direction, normals.geometric, eta);
+}
+
+MetFromOutside meet_from_outside(const BoundaryNormals& normals, double eta, const Point& direction) {
+    const auto about = [&](const Point& n) {
+        return MetFromOutside{fresnel_reflectance(std::min(1.0, -dot(direction, n)), eta), reflected(direction, n),
+                              refracted(direction, negative(n), 1 / eta)};
+    };
+    if (dot(direction, normals.shading) < 0) {
+        const MetFromOutside met = about(normals.shading);
+        if (dot(met.reflected, normals.geometric) > 0 && dot(met.refracted, normals.geometric) < 0) return met;
+    }
+    return about(normals.geometric);
+}
+
 Point entering_direction(const BoundaryNormals& normals, const Point& inward_u_v) {
     const auto about = [&](const Point& n) {
         // Two directions across n (Duff et al. 2017, "Building an orthonormal basis, revisited").

@@ -28,6 +28,16 @@ inline constexpr double inside_boundary_mm = 1e-4;
 /// About the shading normal, or the geometric one where the shading normal would lose the ray.
 [[nodiscard]] double turn_at_boundary(const BoundaryNormals& normals, double eta, Point& direction);
 
+/// The direction in air of a ray in the resin that the surface let out: `direction` as it came, eta that of the resin.
+[[nodiscard]] Point leaving_direction(const BoundaryNormals& normals, double eta, const Point& direction);
+
+/// A ray in air meets the surface: the share that is reflected, and what becomes of either part.
+struct MetFromOutside {
+    double reflectance = 0;
+    Point reflected{}, refracted{};
+};
+[[nodiscard]] MetFromOutside meet_from_outside(const BoundaryNormals& normals, double eta, const Point& direction);
+
 /// The direction in the resin of a ray that the surface let in, given its components along the inward normal and
 /// across.
 [[nodiscard]] Point entering_direction(const BoundaryNormals& normals, const Point& inward_u_v);
@@ -43,6 +53,12 @@ public:
     /// `direction` has unit length. A start on the surface or a rounding error outside of it counts as inside.
     [[nodiscard]] virtual bool leaves(const Point& from, const Point& direction, double reach, double& distance,
                                       BoundaryNormals& normals) const = 0;
+
+    /// Where a ray in the air first meets the body. A start on the surface does not count; a convex body is never met.
+    [[nodiscard]] virtual bool meets(const Point& /*from*/, const Point& /*direction*/, double& /*distance*/,
+                                     BoundaryNormals& /*normals*/) const {
+        return false;
+    }
 
     /// The point of the surface that is nearest to p, for p close to the surface.
     [[nodiscard]] virtual Point nearest(const Point& p, BoundaryNormals& normals) const = 0;

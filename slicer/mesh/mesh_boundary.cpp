@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -61,6 +62,13 @@ struct MeshBoundary::Data {
     }
     void find_normals(double crease);
     void build();
+    struct Hit {
+        double distance = 0;
+        optics::BoundaryNormals normals;
+    };
+    /// The first triangle that looks along the ray, or against it.
+    [[nodiscard]] std::optional<Hit> first_hit(const optics::Point& from, const optics::Point& direction, float near,
+                                               double reach, bool along) const;
     [[nodiscard]] optics::BoundaryNormals normals(std::uint32_t t, const Vector3d& weights) const {
         Vector3d shading = Vector3d::Zero();
         for (int c = 0; c < 3; ++c) shading += weights[c] * at_corner[t][static_cast<std::size_t>(c)].cast<double>();
@@ -146,13 +154,13 @@ MeshBoundary::~MeshBoundary() = default;
 MeshBoundary::MeshBoundary(MeshBoundary&&) noexcept = default;
 MeshBoundary& MeshBoundary::operator=(MeshBoundary&&) noexcept = default;
 
-bool MeshBoundary::leaves(const optics::Point& from, const optics::Point& direction, double reach, double& distance,
-                          optics::BoundaryNormals& normals) const {
+std::optional<MeshBoundary::Data::Hit> MeshBoundary::Data::first_hit(const optics::Point& from,
+                                                                     const optics::Point& direction, float near,
+                                                                     double reach, bool along) const {
     const Vector3d d = vector_of(direction);
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
-    float near = 0;
-    // Triangles that look against the ray are passed; only a start outside meets any.
+    // Triangles that look the other way are passed; only a start on the wrong side meets any.
     for (int tries = 0; tries < 8; ++tries) {
         RTCRayHit ray{};
         ray.ray.org_x = static_cast<float>(from[0]);
@@ -165,19 +173,37 @@ bool MeshBoundary::leaves(const optics::Point& from, const optics::Point& direct
         ray.ray.tfar = static_cast<float>(reach);
         ray.ray.mask = ~0u;
         ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-        rtcIntersect1(data_->scene, &context, &ray);
-        if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
+        rtcIntersect1(scene, &context, &ray);
+        if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
         const std::uint32_t t = ray.hit.primID;
-        if (d.dot(data_->normal[t]) > 0) {
-            distance = static_cast<double>(ray.ray.tfar);
+        if ((d.dot(normal[t]) > 0) == along) {
             const double u = static_cast<double>(ray.hit.u), v = static_cast<double>(ray.hit.v);
-            normals = data_->normals(t, {1 - u - v, u, v});
-            return true;
+            return Hit{static_cast<double>(ray.ray.tfar), normals(t, {1 - u - v, u, v})};
         }
         near = std::nextafter(ray.ray.tfar + 1e-6f, std::numeric_limits<float>::infinity());
-        if (!(near < static_cast<float>(reach))) return false;
+        if (!(near < static_cast<float>(reach))) return {};
     }
-    return false;
+    return {};
+}
+
+bool MeshBoundary::leaves(const optics::Point& from, const optics::Point& direction, double reach, double& distance,
+                          optics::BoundaryNormals& normals) const {
+    const auto hit = data_->first_hit(from, direction, 0, reach, true);
+    if (!hit) return false;
+    distance = hit->distance;
+    normals = hit->normals;
+    return true;
+}
+
+bool MeshBoundary::meets(const optics::Point& from, const optics::Point& direction, double& distance,
+                         optics::BoundaryNormals& normals) const {
+    constexpr float off_the_start = 1e-3f;  // mm: what it starts from is not met again, rounding included
+    constexpr double far = 1e4;
+    const auto hit = data_->first_hit(from, direction, off_the_start, far, false);
+    if (!hit) return false;
+    distance = hit->distance;
+    normals = hit->normals;
+    return true;
 }
 
 optics::Point MeshBoundary::nearest(const optics::Point& p, optics::BoundaryNormals& normals) const {

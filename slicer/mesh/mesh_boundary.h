@@ -34,6 +34,8 @@ public:
 
     [[nodiscard]] bool leaves(const optics::Point& from, const optics::Point& direction, double reach, double& distance,
                               optics::BoundaryNormals& normals) const override;
+    [[nodiscard]] bool meets(const optics::Point& from, const optics::Point& direction, double& distance,
+                             optics::BoundaryNormals& normals) const override;
     [[nodiscard]] optics::Point nearest(const optics::Point& p, optics::BoundaryNormals& normals) const override;
     [[nodiscard]] bool comes_within(const optics::Point& p, double radius_mm) const override;
 

@@ -5,9 +5,9 @@
 
 namespace voxtone::slicer {
 
-/// Up to which `--loop-method auto` goes on downhill after feedback: beyond it the same few iterations gain as much by
-/// feedback alone, in half the time and three quarters of the memory (docs/benchmarks.md, "Bodies").
-inline constexpr double descent_cm2 = 30;
+/// Up to which `--loop-method auto` goes on downhill after feedback: beyond it feedback alone gains as much, in a
+/// quarter of the time and half of the memory (docs/benchmarks.md, "Feedback").
+inline constexpr double descent_cm2 = 15;
 
 /// Of a print that `slice` predicts without being asked: half a minute on two idle cores of 2.5 GHz, and 2.5 GB.
 inline constexpr double auto_prediction_cm2 = 10;

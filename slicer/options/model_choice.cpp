@@ -25,6 +25,7 @@ std::unique_ptr<const optics::AppearanceModel> make_monte_carlo(const ModelOptio
     tracing.paths = options.paths;
     tracing.error = options.error;
     tracing.boundary = options.boundary;
+    tracing.follow_outside = options.follow_outside;
     tracing.seed = options.seed;
     return std::make_unique<optics::MonteCarlo>(tracing);
 }

@@ -48,6 +48,12 @@ enum class BodyEnd {
     voxels,
 };
 
+/// What becomes of light that leaves a body.
+enum class LightOutside {
+    lost,      ///< it is gone, and light comes in everywhere as if nothing were in its way
+    followed,  ///< it may meet another part of the body
+};
+
 /// What of a stack is predicted.
 enum class PredictedView {
     automatic,  ///< top for pictures and flat boxes, else body
@@ -92,6 +98,11 @@ struct NamesOf<slicer::BodyEnd> {
     using E = slicer::BodyEnd;
     static constexpr auto table =
         std::to_array<Named<E>>({{E::automatic, "auto"}, {E::mesh, "mesh"}, {E::voxels, "voxels"}});
+};
+template <>
+struct NamesOf<slicer::LightOutside> {
+    using E = slicer::LightOutside;
+    static constexpr auto table = std::to_array<Named<E>>({{E::lost, "lost"}, {E::followed, "followed"}});
 };
 template <>
 struct NamesOf<slicer::PredictedView> {

@@ -194,7 +194,7 @@ std::vector<OptionSpec> make_table() {
         text(spec("loop-method", Kind::text, "NAME", loop,
                   "feedback: each place corrects itself; descent: feedback, then along the gradient of the whole "
                   "print, which is sharper and takes "
-                  "twice the time and 1.4 times the memory; auto: descent up to 30 cm2 of coloured surface, feedback "
+                  "twice the time and 1.4 times the memory; auto: descent up to 15 cm2 of coloured surface, feedback "
                   "beyond",
                   names_of<LoopMethod>()),
              &O::loop_method),

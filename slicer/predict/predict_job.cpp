@@ -157,6 +157,7 @@ PredictResult describe(const ResolvedPrediction& job, const StackVolume& stack, 
                                 {"view", f.from_above ? "top" : "body"},
                                 {"backing", name_of(f.backing)},
                                 {"boundary", name_of(f.boundary)},
+                                {"light_outside", name_of(job.outside)},
                                 {"relative_to", options.absolute ? "entered light" : "white resin"},
                                 {"resins", stack.resins.name},
                                 {"channels", prediction.channels},
@@ -395,6 +396,11 @@ ResolvedPrediction resolve(const PredictOptions& o) {
          "must be above 0 GiB, or 0 for half of the machine's");
     need(o.threads >= 0 && o.threads <= 1024, "threads", fmt::format("{}", o.threads), "must be 0 to 1024");
     job.boundary = parse_choice<BodyEnd>("boundary", o.boundary);
+    job.outside = parse_choice<LightOutside>("outside", o.outside);
+    if (job.outside == LightOutside::followed) {
+        need(job.boundary != BodyEnd::voxels, "outside", o.outside, "needs the mesh: not with --boundary voxels");
+        job.boundary = BodyEnd::mesh;
+    }
     job.view = parse_choice<PredictedView>("view", o.view);
     job.backing = backing_or_auto(o.backing);
     if (!o.pitch.empty()) job.pitch_mm = parse_pitch_mm(o.pitch);
@@ -434,6 +440,7 @@ PredictResult run_predict_job(const PredictOptions& options, Progress& progress)
     const ModelMaker maker = [&](bool white) {
         ModelOptions quality = model_options(job, quick, job.memory_bytes - held);
         quality.boundary = boundary ? &*boundary : nullptr;
+        quality.follow_outside = job.outside == LightOutside::followed;
         if (white) quality.seed = ~quality.seed;
         return make_model(job.model, quality);
     };

@@ -249,10 +249,10 @@ TEST_CASE("Large bodies are rearranged without being asked, and what that takes 
     CHECK(progress.told.find("--iterations 0") != std::string::npos);
 
     // More memory than is allowed would be found out after half of that.
-    const Outcome small = run_program("slice " + picture + " --width 60mm --thickness 1mm --memory 1 --layers 0-3 " +
+    const Outcome small = run_program("slice " + picture + " --width 60mm --thickness 1mm --memory 0.8 --layers 0-3 " +
                                       "--predict none --no-report -o " + folder / "small");
     INFO(small.err);
     CHECK(small.exit_code == 0);
-    CHECK(small.err.find("The resins were not rearranged: for 36 cm2 of coloured surface that would take about 2.2 GB "
-                         "of memory, and 1.1 are allowed.") != std::string::npos);
+    CHECK(small.err.find("The resins were not rearranged: for 36 cm2 of coloured surface that would take about 1.7 GB "
+                         "of memory, and 0.9 are allowed.") != std::string::npos);
 }

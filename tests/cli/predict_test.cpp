@@ -227,6 +227,18 @@ TEST_CASE("Light paths leave a tilted body at its mesh, so that it has the colou
         CHECK(std::abs(tilted[c] - flat[c]) < 0.01);
         CHECK(stairs[c] - flat[c] > 0.03);
     }
+    // A convex body is not met again: the same bits.
+    const auto followed = [&](const std::string& outside) {
+        return run_program(
+            fmt::format("predict --overwrite --json --quiet --view body --model monte-carlo --spp 2 "
+                        "--cell 0.5mm {} --outside {} -o {}",
+                        folder / "out", outside, folder / "p.ply"));
+    };
+    const auto lost = result_of(followed("lost").out), again_met = result_of(followed("followed").out);
+    CHECK(again_met["light_outside"] == "followed");
+    CHECK(again_met["mean_rgb"] == lost["mean_rgb"]);
+    CHECK(followed("followed --boundary voxels").exit_code == 2);
+    CHECK(followed("everywhere").exit_code == 2);
     // What is not the model any more is not taken for it.
     folder.write("box.obj", ramp_box_obj(2.4, 2.4, 1.1));
     const std::string again = "predict --overwrite --quiet --view body --model monte-carlo --spp 2 --cell 0.5mm " +

@@ -4,14 +4,20 @@
 // what the mesh costs. Usage: boundary_benchmark [PATHS per cell and channel]. Voxels 42.3 x 84.7 x 27 um, viewing
 // cells of 0.085 mm, Vero Opaque. Per body: paths per second with either boundary; the appearance of the whole body,
 // relative to the same body all of white resin; CIEDE2000 between the two; and the rms difference of single cells in
-// linear RGB, the noise taken out (the product of two independent halves).
+// linear RGB, the noise taken out (the product of two independent halves). Then bodies that are not convex: what it
+// matters that light that leaves one part of them and meets another is followed.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <fstream>
 #include <functional>
 #include <numbers>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -52,6 +58,64 @@ SolidMesh sphere(double radius, int n) {
         }
         m.triangles.push_back({at(n - 1, v), at(n - 1, v + 1), top});
     }
+    return m;
+}
+
+/// A round cup with walls and a bottom as thick as `wall`, all sizes mm.
+SolidMesh cup(double outer, double height, double wall, int n) {
+    // Rings from the middle of the bottom outside, around the wall, to the middle of the bottom inside.
+    const std::vector<std::pair<double, double>> profile{
+        {outer, 0}, {outer, height}, {outer - wall, height}, {outer - wall, wall}};
+    SolidMesh m;
+    m.positions_mm.emplace_back(0, 0, 0);
+    for (const auto& [r, z] : profile)
+        for (int v = 0; v < n; ++v) {
+            const double b = 2 * std::numbers::pi * v / n;
+            m.positions_mm.emplace_back(r * std::cos(b), r * std::sin(b), z);
+        }
+    m.positions_mm.emplace_back(0, 0, wall);
+    const auto last = static_cast<std::uint32_t>(m.positions_mm.size() - 1);
+    const auto at = [&](std::size_t ring, int v) {
+        return static_cast<std::uint32_t>(1 + ring * static_cast<std::size_t>(n) + static_cast<std::size_t>(v % n));
+    };
+    for (int v = 0; v < n; ++v) {
+        m.triangles.push_back({0, at(0, v + 1), at(0, v)});
+        for (std::size_t ring = 0; ring + 1 < profile.size(); ++ring) {
+            m.triangles.push_back({at(ring, v), at(ring, v + 1), at(ring + 1, v + 1)});
+            m.triangles.push_back({at(ring, v), at(ring + 1, v + 1), at(ring + 1, v)});
+        }
+        m.triangles.push_back({at(profile.size() - 1, v), at(profile.size() - 1, v + 1), last});
+    }
+    return m;
+}
+
+/// Places and triangles of an OBJ file, nothing else, so high; standing up where y was.
+SolidMesh obj_body(const std::string& file, double height) {
+    SolidMesh m;
+    std::ifstream in(file);
+    if (!in) throw std::runtime_error(file + ": cannot be read");
+    for (std::string line, word; std::getline(in, line);) {
+        std::istringstream words(line);
+        words >> word;
+        if (word == "v") {
+            double x = 0, y = 0, z = 0;
+            words >> x >> y >> z;
+            m.positions_mm.emplace_back(x, -z, y);
+        } else if (word == "f") {
+            std::array<std::uint32_t, 3> corners{};
+            for (std::uint32_t& c : corners) {
+                words >> word;
+                c = static_cast<std::uint32_t>(std::stoul(word)) - 1;
+            }
+            m.triangles.push_back(corners);
+        }
+    }
+    double low = 1e300, high = -1e300;
+    for (const Vector3d& p : m.positions_mm) {
+        low = std::min(low, p[2]);
+        high = std::max(high, p[2]);
+    }
+    for (Vector3d& p : m.positions_mm) p *= height / (high - low);
     return m;
 }
 
@@ -103,8 +167,7 @@ Vector3d mean_of(const Seen& seen) {
     return sum / static_cast<double>(2 * cells);
 }
 
-void measure(const char* name, const SolidMesh& mesh, std::uint32_t paths,
-             const std::function<Material(int, int, int)>& material_of) {
+VoxelGrid grid_around(const SolidMesh& mesh) {
     Vector3d low = mesh.positions_mm[0], high = low;
     for (const Vector3d& p : mesh.positions_mm) {
         low = low.cwiseMin(p);
@@ -116,6 +179,78 @@ void measure(const char* name, const SolidMesh& mesh, std::uint32_t paths,
     for (int a = 0; a < 3; ++a)
         grid.size[static_cast<std::size_t>(a)] =
             static_cast<int>(std::ceil((high - grid.origin_mm)[a] / grid.pitch_mm[a]));
+    return grid;
+}
+
+/// Share of the light from outside that no other part of the body takes from a place of its surface.
+double open_share(const BodyBoundary& boundary, const SurfaceCell& cell) {
+    constexpr int rays = 64;
+    BoundaryNormals normals, met;
+    const Point at = boundary.nearest({static_cast<double>(cell.centre_mm[0]), static_cast<double>(cell.centre_mm[1]),
+                                       static_cast<double>(cell.centre_mm[2])},
+                                      normals);
+    int open = 0;
+    for (int k = 0; k < rays; ++k) {
+        const double u = (k + 0.5) / rays, turn = 2 * std::numbers::pi * 0.618034 * k;
+        // entering_direction looks inward: the same cosine law, turned around.
+        const Point in = entering_direction(
+            normals, {std::sqrt(1 - u), std::sqrt(u) * std::cos(turn), std::sqrt(u) * std::sin(turn)});
+        double distance = 0;
+        open += !boundary.meets(at, {-in[0], -in[1], -in[2]}, distance, met);
+    }
+    return static_cast<double>(open) / rays;
+}
+
+/// A body all white, and of half cyan and magenta voxels: what following light outside changes in the mean of cells
+/// that see so much of the sky.
+void measure_outside(const char* name, const SolidMesh& mesh, std::uint32_t paths) {
+    const VoxelGrid grid = grid_around(mesh);
+    const Solid solid(mesh, grid);
+    const auto slab = solid.slab(0, grid.size[2]);
+    const ResinVolume volume = make_resin_volume(
+        grid.size, j750, [&](int x, int y, int z) { return slab.contains(x, y, z) ? halftone(x, y, z) : air; });
+    const ResinVolume paper = all_of(volume, white);
+    const MeshBoundary boundary(mesh.positions_mm, mesh.triangles, grid.origin_mm);
+    const ResinSet set = vero_opaque();
+    const Scene scene{&volume, &set, Backing::none, Sides::open};
+    const Surface surface = find_surface(scene, cell_voxels(j750, 0.085), SurfacePart::all);
+    std::vector<std::size_t> group;
+    for (const SurfaceCell& cell : surface.cells) {
+        const double open = open_share(boundary, cell);
+        group.push_back(open < 0.4 ? 0 : open < 0.7 ? 1 : open < 0.95 ? 2 : 3);
+    }
+    MonteCarloOptions options{.paths = std::max(2u, paths / 2)};
+    std::array<std::array<Vector3d, 4>, 2> print{}, twin{};
+    const auto add = [&](std::array<Vector3d, 4>& to, const ResinVolume& of) {
+        for (Vector3d& sum : to) sum.setZero();
+        const Seen seen = see(options, of, set);
+        for (std::size_t i = 0; i < 3 * group.size(); ++i)
+            for (const Appearance& half : seen.half)
+                to[group[i / 3]][static_cast<int>(i % 3)] += static_cast<double>(half.value[i]);
+    };
+    for (std::size_t k = 0; k < 2; ++k) {
+        options.boundary = &boundary;
+        options.follow_outside = k == 0;
+        options.seed = 3 + k;
+        add(print[k], volume);
+        add(twin[k], paper);
+    }
+    constexpr std::array<const char*, 4> names{"below 0.4", "0.4 to 0.7", "0.7 to 0.95", "above 0.95"};
+    for (std::size_t g = 0; g < 4; ++g) {
+        const auto cells = std::count(group.begin(), group.end(), g);
+        if (cells == 0) continue;
+        const Vector3d shade = twin[0][g].cwiseQuotient(twin[1][g]), followed = print[0][g].cwiseQuotient(twin[0][g]),
+                       lost = print[1][g].cwiseQuotient(twin[1][g]);
+        std::printf("%-20s %-12s %5.1f %%   %.3f %.3f %.3f   %.3f %.3f %.3f   %.3f %.3f %.3f   %5.2f\n", name, names[g],
+                    100.0 * static_cast<double>(cells) / static_cast<double>(group.size()), shade[0], shade[1],
+                    shade[2], lost[0], lost[1], lost[2], followed[0], followed[1], followed[2],
+                    ciede2000(lab_from_linear_srgb(lost), lab_from_linear_srgb(followed)));
+    }
+}
+
+void measure(const char* name, const SolidMesh& mesh, std::uint32_t paths,
+             const std::function<Material(int, int, int)>& material_of) {
+    const VoxelGrid grid = grid_around(mesh);
     const Solid solid(mesh, grid);
     const auto slab = solid.slab(0, grid.size[2]);
     const ResinVolume volume = make_resin_volume(
@@ -160,5 +295,9 @@ int main(int argc, char** argv) {
     for (const double angle : {0.0, 0.2, 0.6, 1.1})
         measure(("plate 0.5 mm, " + std::to_string(angle).substr(0, 3) + " rad").c_str(),
                 plate({2.5, 2.5, 0.5}, Eigen::AngleAxisd(angle, Vector3d(0.6, 0.8, 0))), paths, halftone);
+    std::printf("\n%-20s %-12s %7s   %-17s   %-17s   %-17s   %s\n", "light outside", "sky seen", "cells",
+                "white, followed", "colour, lost", "colour, followed", "dE00");
+    measure_outside("cup, 4 x 4 x 4 mm", cup(2, 4, 0.8, 96), paths);
+    measure_outside("spot, 12 mm", obj_body(VOXTONE_SOURCE_DIR "/examples/models/spot/spot.obj", 12), paths);
     return 0;
 }

@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "tests/optics/transport/slab_scene.h"
@@ -61,6 +62,75 @@ private:
         for (double& x : n) x /= length;
     }
     Sphere sphere_{{centre, centre, centre}, radius};
+};
+
+/// All below z = top but for a ball: a pit, open where the ball reaches above.
+class SphericalPit : public BodyBoundary {
+public:
+    SphericalPit(const Point& middle, double r, double top) : middle_(middle), r_(r), top_(top) {}
+
+    [[nodiscard]] bool leaves(const Point& from, const Point& direction, double reach, double& distance,
+                              BoundaryNormals& normals) const override {
+        double first = reach;
+        bool found = false;
+        const auto take = [&](double t, const BoundaryNormals& n) {
+            if (t > first) return;
+            first = t;
+            normals = n;
+            found = true;
+        };
+        if (direction[2] > 0) {
+            const double t = std::max(0.0, (top_ - from[2]) / direction[2]);
+            if (away(at(from, direction, t)) >= r_) take(t, {{0, 0, 1}, {0, 0, 1}});
+        }
+        const auto [along, inside] = chord(from, direction);
+        if (inside > 0 && along > 0) {
+            const double t = std::max(0.0, along - std::sqrt(inside));
+            if (const Point q = at(from, direction, t); q[2] <= top_) take(t, wall(q));
+        }
+        distance = first;
+        return found;
+    }
+    [[nodiscard]] bool meets(const Point& from, const Point& direction, double& distance,
+                             BoundaryNormals& normals) const override {
+        const auto [along, inside] = chord(from, direction);
+        if (!(inside > 0)) return false;
+        distance = along + std::sqrt(inside);
+        const Point q = at(from, direction, distance);
+        if (distance < 1e-6 || q[2] > top_) return false;
+        normals = wall(q);
+        return true;
+    }
+    [[nodiscard]] Point nearest(const Point& p, BoundaryNormals& normals) const override {
+        Point q{};
+        for (std::size_t a = 0; a < 3; ++a) q[a] = middle_[a] + (p[a] - middle_[a]) * r_ / away(p);
+        normals = wall(q);
+        return q;
+    }
+    [[nodiscard]] bool comes_within(const Point& p, double radius_mm) const override {
+        return std::abs(away(p) - r_) <= radius_mm || std::abs(p[2] - top_) <= radius_mm;
+    }
+
+private:
+    static Point at(const Point& p, const Point& d, double t) {
+        return {p[0] + t * d[0], p[1] + t * d[1], p[2] + t * d[2]};
+    }
+    [[nodiscard]] double away(const Point& p) const {
+        return std::hypot(p[0] - middle_[0], p[1] - middle_[1], p[2] - middle_[2]);
+    }
+    /// Way to the point of a ray nearest to the middle, and the square of half the chord.
+    [[nodiscard]] std::pair<double, double> chord(const Point& p, const Point& d) const {
+        double along = 0;
+        for (std::size_t a = 0; a < 3; ++a) along += d[a] * (middle_[a] - p[a]);
+        return {along, r_ * r_ - std::pow(away(p), 2) + along * along};
+    }
+    [[nodiscard]] BoundaryNormals wall(const Point& q) const {
+        Point n{};
+        for (std::size_t a = 0; a < 3; ++a) n[a] = (middle_[a] - q[a]) / r_;
+        return {n, n};
+    }
+    Point middle_;
+    double r_, top_;
 };
 
 /// One cell: the upper face of one voxel.
@@ -122,6 +192,41 @@ TEST_CASE("A sphere is one colour all around") {
         return MonteCarlo({.paths = 30, .boundary = &sphere}).predict(scene, surface).value;
     };
     CHECK(draw(1) == draw(2));
+}
+
+TEST_CASE("Light that leaves the wall of a pit and meets it again is followed where that is asked for") {
+    // In a ball-shaped pit of a diffuse reflector every place sees the same: with a share f of the ball open, rho of
+    // the wall alone, the wall appears as rho f / (1 - rho (1 - f)).
+    constexpr double r = 1, open = 0.2, top = 110 * slab_pitch_mm[2];
+    const Point middle{40 * slab_pitch_mm[0], 20 * slab_pitch_mm[1], top - r + 2 * r * open};
+    const SphericalPit pit(middle, r, top);
+    const auto inside = [&](int x, int y, int z) {
+        return std::hypot((x + 0.5) * slab_pitch_mm[0] - middle[0], (y + 0.5) * slab_pitch_mm[1] - middle[1],
+                          (z + 0.5) * slab_pitch_mm[2] - middle[2]) < r;
+    };
+    const ResinVolume block =
+        make_resin_volume({80, 40, 110}, slab_pitch_mm, [&](int x, int y, int z) { return inside(x, y, z) ? 0 : 1; });
+    const int bottom = static_cast<int>((middle[2] - r) / slab_pitch_mm[2]);
+    const Surface surface = one_face({40, 20, bottom}, {0, 0, 1});
+    for (const double albedo : {1.0, 0.995, 0.9}) {
+        // Light spreads over some hundredths of a millimetre, and the surface neither refracts nor reflects.
+        ResinSet set = three_media(albedo);
+        set.eta = 1;
+        set.g = 0;
+        set.resins[0].sigma_t_per_mm = {120};
+        const Scene scene{&block, &set, Backing::none, Sides::open};
+        const Appearance seen =
+            MonteCarlo({.paths = 20000, .boundary = &pit, .follow_outside = true}).predict(scene, surface);
+        const OrdinatePlan plan = appearance_plan(set.g, set.eta);
+        const double rho = appearance(plan, half_space(plan, {1 - albedo, albedo})),
+                     expected = rho * open / (1 - rho * (1 - open));
+        INFO("rho " << rho << ": " << seen.value[0] << " +- " << seen.standard_error[0] << ", expected " << expected);
+        const Appearance alone = MonteCarlo({.paths = 20000, .boundary = &pit}).predict(scene, surface);
+        CHECK(std::abs(alone.value[0] - rho) <= 4 * alone.standard_error[0] + 0.03 * std::abs(1 - rho) + 1e-5);
+        // A half-space does not send light out quite alike in all directions.
+        CHECK(std::abs(seen.value[0] - expected) <=
+              4 * seen.standard_error[0] + 0.03 * std::abs(1 - expected) * expected + 1e-5);
+    }
 }
 
 TEST_CASE("A slab of flat sides looks the same at every tilt, and as the exact solution says") {

@@ -90,7 +90,7 @@ TEST_CASE("The gradient by scattering agrees with differences for any phase func
     TransportOptions options;
     options.refinement = Refinement::none;
     options.sweeps = options.next_sweeps = 12;
-    options.next_change = 0;
+    options.next_change = options.first_change = 0;
     ViewingSequence sequence(scene, surface, options);
     const std::vector<float> weight(surface.cells.size(), 1.0f);
     double difference = 0, expected = 0;

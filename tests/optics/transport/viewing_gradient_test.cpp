@@ -20,7 +20,7 @@ TransportOptions on_viewing_cells(int sweeps) {
     TransportOptions options;
     options.refinement = Refinement::none;
     options.sweeps = options.next_sweeps = sweeps;
-    options.next_change = 0;
+    options.next_change = options.first_change = 0;
     return options;
 }
 

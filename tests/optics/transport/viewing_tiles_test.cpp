@@ -39,6 +39,7 @@ struct Ball {
         TransportOptions options;
         options.refinement = Refinement::none;
         options.tile_cells = tile_cells;
+        options.first_change = 0;  // alike in all tiles
         return options;
     }
 };
