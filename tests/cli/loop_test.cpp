@@ -224,11 +224,11 @@ TEST_CASE("Where there is nothing to rearrange the job says so and goes on") {
 
 TEST_CASE("Large bodies are rearranged without being asked, and what that takes is announced") {
     const Folder folder("large");
-    // 36 cm2 take minutes: told first, and stopped as soon as it was.
+    // 64 cm2 take minutes: told first, and stopped as soon as it was.
     slicer::SliceOptions options;
     options.model = picture;
     options.out = folder / "usual";
-    options.width_mm = 60;
+    options.width_mm = 80;
     options.thickness_mm = 1;
     options.report = false;
     class StopsWhenTold final : public Progress {
