@@ -182,6 +182,29 @@ VoxelGrid grid_around(const SolidMesh& mesh) {
     return grid;
 }
 
+/// A mesh as voxels of these materials, the same all of white, and the mesh itself around both.
+struct Body {
+    VoxelGrid grid;
+    ResinVolume volume, paper;
+    MeshBoundary boundary;
+    ResinSet set = vero_opaque();
+
+    Body(const SolidMesh& mesh, const std::function<Material(int, int, int)>& material_of)
+        : grid(grid_around(mesh)),
+          volume(voxels_of(mesh, grid, material_of)),
+          paper(all_of(volume, white)),
+          boundary(mesh.positions_mm, mesh.triangles, grid.origin_mm) {}
+
+private:
+    static ResinVolume voxels_of(const SolidMesh& mesh, const VoxelGrid& grid,
+                                 const std::function<Material(int, int, int)>& material_of) {
+        const Solid solid(mesh, grid);
+        const auto slab = solid.slab(0, grid.size[2]);
+        return make_resin_volume(
+            grid.size, j750, [&](int x, int y, int z) { return slab.contains(x, y, z) ? material_of(x, y, z) : air; });
+    }
+};
+
 /// Share of the light from outside that no other part of the body takes from a place of its surface.
 double open_share(const BodyBoundary& boundary, const SurfaceCell& cell) {
     constexpr int rays = 64;
@@ -204,14 +227,10 @@ double open_share(const BodyBoundary& boundary, const SurfaceCell& cell) {
 /// A body all white, and of half cyan and magenta voxels: what following light outside changes in the mean of cells
 /// that see so much of the sky.
 void measure_outside(const char* name, const SolidMesh& mesh, std::uint32_t paths) {
-    const VoxelGrid grid = grid_around(mesh);
-    const Solid solid(mesh, grid);
-    const auto slab = solid.slab(0, grid.size[2]);
-    const ResinVolume volume = make_resin_volume(
-        grid.size, j750, [&](int x, int y, int z) { return slab.contains(x, y, z) ? halftone(x, y, z) : air; });
-    const ResinVolume paper = all_of(volume, white);
-    const MeshBoundary boundary(mesh.positions_mm, mesh.triangles, grid.origin_mm);
-    const ResinSet set = vero_opaque();
+    const Body body(mesh, halftone);
+    const ResinVolume &volume = body.volume, &paper = body.paper;
+    const MeshBoundary& boundary = body.boundary;
+    const ResinSet& set = body.set;
     const Scene scene{&volume, &set, Backing::none, Sides::open};
     const Surface surface = find_surface(scene, cell_voxels(j750, 0.085), SurfacePart::all);
     std::vector<std::size_t> group;
@@ -250,14 +269,10 @@ void measure_outside(const char* name, const SolidMesh& mesh, std::uint32_t path
 
 void measure(const char* name, const SolidMesh& mesh, std::uint32_t paths,
              const std::function<Material(int, int, int)>& material_of) {
-    const VoxelGrid grid = grid_around(mesh);
-    const Solid solid(mesh, grid);
-    const auto slab = solid.slab(0, grid.size[2]);
-    const ResinVolume volume = make_resin_volume(
-        grid.size, j750, [&](int x, int y, int z) { return slab.contains(x, y, z) ? material_of(x, y, z) : air; });
-    const ResinVolume paper = all_of(volume, white);
-    const MeshBoundary boundary(mesh.positions_mm, mesh.triangles, grid.origin_mm);
-    const ResinSet set = vero_opaque();
+    const Body body(mesh, material_of);
+    const ResinVolume &volume = body.volume, &paper = body.paper;
+    const MeshBoundary& boundary = body.boundary;
+    const ResinSet& set = body.set;
 
     MonteCarloOptions options{.paths = std::max(2u, paths / 2)};
     const Seen faces = see(options, volume, set), faces_paper = see(options, paper, set);
