@@ -205,7 +205,12 @@ public:
 
     LoopRun(const LoopRun&) = delete;
     LoopRun& operator=(const LoopRun&) = delete;
-    ~LoopRun() { settle(); }
+    ~LoopRun() {
+        try {
+            settle();
+        } catch (...) {  // the loop is given up for a reason of its own
+        }
+    }
 
     void predict_open_loop();
     void resume(ResumedLoop from);

@@ -42,8 +42,8 @@ struct FeedbackOptions {
     float most_step = 0.25f;  ///< largest change of a control colour's cube root in a step
 };
 
-/// Colours that are off their target by what is seen of the print: ((target^(1/3) - (seen target^(1/3) -
-/// seen^(1/3)))^3, per cell and channel.
+/// Colours that are off their target by what is seen of the print: (target^(1/3) - (seen target^(1/3) -
+/// seen^(1/3)))^3, per cell and channel, 0 at the least; linear sRGB.
 [[nodiscard]] std::vector<Eigen::Vector3f> as_wrong_as_seen(std::span<const Eigen::Vector3f> target,
                                                             std::span<const Eigen::Vector3f> seen_target,
                                                             std::span<const Eigen::Vector3f> seen);

@@ -28,10 +28,12 @@ inline constexpr double inside_boundary_mm = 1e-4;
 /// About the shading normal, or the geometric one where the shading normal would lose the ray.
 [[nodiscard]] double turn_at_boundary(const BoundaryNormals& normals, double eta, Point& direction);
 
-/// The direction in air of a ray in the resin that the surface let out: `direction` as it came, eta that of the resin.
+/// The direction in air of a ray in the resin that the surface let out, by Snell's law about the shading normal, or the
+/// geometric one where that would send it back in. `direction` as it came; unit vectors; eta >= 1 of the resin.
 [[nodiscard]] Point leaving_direction(const BoundaryNormals& normals, double eta, const Point& direction);
 
-/// A ray in air meets the surface: the share that is reflected, and what becomes of either part.
+/// A ray in air meets the surface: the share that is reflected (Fresnel, unpolarised), and where either part goes,
+/// about the shading normal, or the geometric one where the parts would change sides.
 struct MetFromOutside {
     double reflectance = 0;
     Point reflected{}, refracted{};

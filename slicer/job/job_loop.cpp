@@ -127,7 +127,7 @@ LoopPlan plan_loop(const ResolvedJob& job, const JobBody& body, const LoadedResi
 
 LoopCost expected_cost(const LoopPlan& plan, double area_mm2, double cell_mm) {
     // Of `slice` with the bundled cow at 15, 30 and 60 mm and a photograph 20 mm wide.
-    constexpr double first_s = 5.5e-5, feedback_s = 1.4e-5, descent_s = 3.4e-5;       // a surface cell
+    constexpr double first_s = 7e-5, feedback_s = 1.4e-5, descent_s = 3.4e-5;         // a surface cell
     constexpr double least_bytes = 3e8, feedback_bytes = 2900, descent_bytes = 4500;  // a surface cell
     constexpr int usual_by_feedback = 4, usual_by_descent = 12;
     const double cells = area_mm2 / (cell_mm * cell_mm);

@@ -2,11 +2,10 @@
 //
 // Predictions in cells larger than the eye's, for a quick look.
 //
-// The accurate predictor (optics/transport) works on voxels in every block of 4 x 4 x 4 cells that has a surface:
-// larger cells would make it slower, because its blocks grow with them and hold more voxels. So larger cells are made
-// of the eye's: the print is predicted on cells of the eye's size throughout, as the appearance loop does it
-// (docs/predict.md, "Cells of the eye"), ten times as fast and up to 2 CIEDE2000 off in fine patterns, and averaged
-// over the larger ones.
+// The predictor (optics/transport) cuts the blocks of 4 x 4 x 4 cells that light enters into voxels: larger cells would
+// make it slower, because its blocks grow with them and hold more voxels. So larger cells are made of the eye's: the
+// print is predicted on cells of the eye's size throughout, as the appearance loop does it (docs/predict.md,
+// "Sequences"), in a third of the time and up to 2 CIEDE2000 off in fine patterns, and averaged over the larger ones.
 #pragma once
 
 #include <array>

@@ -6,7 +6,7 @@
 namespace voxtone::slicer {
 
 /// Up to which `--loop-method auto` goes on downhill after feedback: beyond it feedback alone gains as much, in a
-/// quarter of the time and half of the memory (docs/benchmarks.md, "Feedback").
+/// quarter of the time and two thirds of the memory (docs/benchmarks.md, "Feedback").
 inline constexpr double descent_cm2 = 15;
 
 /// Of a print that `slice` predicts without being asked: half a minute on two idle cores of 2.5 GHz, and 2.5 GB.

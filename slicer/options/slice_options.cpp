@@ -194,7 +194,8 @@ std::vector<OptionSpec> make_table() {
         text(spec("loop-method", Kind::text, "NAME", loop,
                   "feedback: each place corrects itself; descent: feedback, then along the gradient of the whole "
                   "print, which is sharper and takes "
-                  "twice the time and 1.4 times the memory; auto: descent up to 15 cm2 of coloured surface, feedback "
+                  "two to three times the time and 1.5 times the memory; auto: descent up to 15 cm2 of coloured "
+                  "surface, feedback "
                   "beyond",
                   names_of<LoopMethod>()),
              &O::loop_method),

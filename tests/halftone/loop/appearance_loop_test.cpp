@@ -165,6 +165,23 @@ TEST_CASE("The loop undoes a blur, keeps its best iterate and is never worse tha
         CHECK(state.shown[i].x() == Approx(seen.value[3 * i] / state.white[3 * i]).margin(1e-6));
 }
 
+TEST_CASE("What the eye does not see of an error is not fed back", "[loop]") {
+    using Eigen::Vector3f;
+    const std::vector<Vector3f> target{{0.2f, 0.3f, 0.4f}, {0.001f, 0.5f, 0.9f}};
+    const std::vector<Vector3f> seen_target{{0.25f, 0.3f, 0.5f}, {0.2f, 0.4f, 0.8f}};
+    // Seen as it should be: the print is as good as its target, whatever its own colours are.
+    const auto right = as_wrong_as_seen(target, seen_target, seen_target);
+    for (std::size_t i = 0; i < target.size(); ++i) CHECK((right[i] - target[i]).norm() < 1e-6f);
+    // Seen too dark in one channel: as much too dark as that, as cube roots go, and never below 0.
+    std::vector<Vector3f> dark = seen_target;
+    dark[0].x() = 0.1f;
+    dark[1].x() = 0;
+    const auto wrong = as_wrong_as_seen(target, seen_target, dark);
+    CHECK(wrong[0].x() == Approx(std::pow(std::cbrt(0.2) - (std::cbrt(0.25) - std::cbrt(0.1)), 3)).epsilon(1e-4));
+    CHECK(wrong[1].x() == 0);
+    CHECK(wrong[0].y() == Approx(0.3).epsilon(1e-5));
+}
+
 TEST_CASE("A loop that cannot gain ends with the open loop, and stops by itself", "[loop]") {
     SmallSlab slab(n, black_and_white());
     // Everything is seen as one grey: nothing helps.
