@@ -15,7 +15,11 @@ namespace voxtone::cli {
 using Command = std::function<int()>;
 
 Command add_slice_command(CLI::App& program);
+Command add_estimate_command(CLI::App& program);
+Command add_merge_command(CLI::App& program);
 Command add_predict_command(CLI::App& program);
+Command add_batch_command(CLI::App& program);
+Command add_status_command(CLI::App& program);
 Command add_verify_command(CLI::App& program);
 Command add_stack_command(CLI::App& program);
 Command add_list_command(CLI::App& program);

@@ -28,10 +28,10 @@ Error stopped() {
                                                                               : why};
 }
 
-/// Ends within a second of a request to stop, also where the work does not look at it.
-JobResult work_until_stopped(const std::function<JobResult(Progress&)>& work, Progress& progress, bool json) {
+/// Ends within the grace of a request to stop, also where the work does not look at it.
+JobResult work_until_stopped(const std::function<JobResult(Progress&)>& work, Progress& progress, bool json,
+                             std::chrono::milliseconds grace) {
     const CancelOnSignal cancel_on_signal(progress);
-    constexpr std::chrono::milliseconds grace(800);
     const StopDeadline deadline(progress, grace, [json] { return guarded(json, []() -> int { throw stopped(); }); });
     try {
         return work(progress);
@@ -40,16 +40,16 @@ JobResult work_until_stopped(const std::function<JobResult(Progress&)>& work, Pr
     }
 }
 
-JobResult run_with_events(const std::function<JobResult(Progress&)>& work) {
+JobResult run_with_events(const std::function<JobResult(Progress&)>& work, std::chrono::milliseconds grace) {
     ProgressEvents events(stdout_sink(), steady_seconds(), true);
-    JobResult result = work_until_stopped(work, events, true);
+    JobResult result = work_until_stopped(work, events, true, grace);
     events.result(result.json);
     return result;
 }
 
-JobResult run_with_text(bool quiet, const std::function<JobResult(Progress&)>& work) {
+JobResult run_with_text(bool quiet, const std::function<JobResult(Progress&)>& work, std::chrono::milliseconds grace) {
     const std::unique_ptr<Progress> progress = make_console_progress(quiet);
-    JobResult result = work_until_stopped(work, *progress, false);
+    JobResult result = work_until_stopped(work, *progress, false, grace);
     print_out(printable(result.text));
     if (!result.text.empty() && result.text.back() != '\n') print_out("\n");
     return result;
@@ -63,7 +63,8 @@ void add_console_options(CLI::App& command, ConsoleOptions& options) {
 }
 
 int run_on_console(const ConsoleOptions& options, const std::function<JobResult(Progress&)>& work) {
-    const JobResult result = options.json ? run_with_events(work) : run_with_text(options.quiet, work);
+    const JobResult result =
+        options.json ? run_with_events(work, options.grace) : run_with_text(options.quiet, work, options.grace);
     return static_cast<int>(result.exit_code);
 }
 

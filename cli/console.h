@@ -4,6 +4,7 @@
 // stdout, and a clean stop on Ctrl-C.
 #pragma once
 
+#include <chrono>
 #include <functional>
 
 #include "voxtone/base/job_result.h"
@@ -18,6 +19,7 @@ namespace voxtone::cli {
 struct ConsoleOptions {
     bool json = false;
     bool quiet = false;
+    std::chrono::milliseconds grace{800};  ///< that a verb has to end after a request to stop
 };
 
 void add_console_options(CLI::App& command, ConsoleOptions& options);

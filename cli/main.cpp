@@ -10,8 +10,12 @@ int main(int argc, char** argv) {
     const Words words = command_words(argc, argv);
     const auto add_calibrate = [&](CLI::App& app) { return add_calibrate_elsewhere(app, argv[0], words); };
     return run_program(words, {{"slice", add_slice_command},
+                               {"estimate", add_estimate_command},
+                               {"merge", add_merge_command},
                                {"predict", add_predict_command},
                                {"verify", add_verify_command},
+                               {"batch", add_batch_command},
+                               {"status", add_status_command},
                                {"calibrate", add_calibrate},
                                {"stack", add_stack_command},
                                {"list", add_list_command}});

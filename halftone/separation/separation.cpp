@@ -41,11 +41,26 @@ bool is_clear(const optics::ShellAppearance& appearance, std::size_t resin) {
 }  // namespace
 
 Separation::Separation(const optics::ShellAppearance& appearance, const SeparationOptions& options,
-                       const Progress* progress)
+                       const Progress* progress, const std::vector<float>& lattice)
     : colour_(appearance, options.wavelengths_nm), resins_(appearance.resins()), nodes_(options.nodes) {
     validate(options);
     VOXTONE_EXPECT(resins_ >= 1 && resins_ <= std::size_t(max_resins));
-    solve(options, progress);
+    if (!take(lattice)) solve(options, progress);
+}
+
+bool Separation::take(const std::vector<float>& lattice) {
+    const auto size = std::size_t(nodes_);
+    if (lattice.size() != size * size * size * max_resins) return false;
+    lattice_.resize(size * size * size);
+    for (std::size_t i = 0; i < lattice.size(); ++i) lattice_[i / max_resins].root[i % max_resins] = lattice[i];
+    return true;
+}
+
+std::vector<float> Separation::lattice() const {
+    std::vector<float> lattice;
+    lattice.reserve(lattice_.size() * max_resins);
+    for (const Node& node : lattice_) lattice.insert(lattice.end(), node.root.begin(), node.root.end());
+    return lattice;
 }
 
 void Separation::solve(const SeparationOptions& options, const Progress* progress) {

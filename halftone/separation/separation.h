@@ -49,8 +49,13 @@ class Separation {
 public:
     /// `appearance` has at most max_resins resins; it must outlive the separation.
     /// Throws InputError for channels that are not those of the options, UsageError for options out of range.
+    /// `lattice`: what `lattice` of one of the same appearance and options gave, so that nothing is inverted; empty, or
+    /// of another size: none.
     explicit Separation(const optics::ShellAppearance& appearance, const SeparationOptions& options = {},
-                        const Progress* progress = nullptr);
+                        const Progress* progress = nullptr, const std::vector<float>& lattice = {});
+
+    /// To be kept for another of the same appearance and options.
+    [[nodiscard]] std::vector<float> lattice() const;
 
     [[nodiscard]] std::size_t resins() const { return resins_; }
 
@@ -75,6 +80,7 @@ private:
     };
     [[nodiscard]] LatticeView view() const;
     void solve(const SeparationOptions& options, const Progress* progress);
+    bool take(const std::vector<float>& lattice);
 
     AppearanceColour colour_;
     std::size_t resins_;

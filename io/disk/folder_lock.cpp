@@ -32,21 +32,6 @@ struct Holder {
     std::string since;        ///< UTC
 };
 
-/// 0 where there is no such process. Field 22 of /proc/PID/stat; the name before it may hold anything but ends with the
-/// last parenthesis.
-std::uint64_t start_of_process(pid_t pid) {
-    std::ifstream file(fmt::format("/proc/{}/stat", pid));
-    std::string text;
-    std::getline(file, text);
-    std::istringstream fields(text.substr(std::min(text.rfind(')') + 1, text.size())));
-    std::string skipped;
-    constexpr int fields_between = 19;  // from the state to the start time
-    for (int i = 0; i < fields_between; ++i) fields >> skipped;
-    std::uint64_t start = 0;
-    fields >> start;
-    return start;
-}
-
 Holder this_process() {
     return {host_name(), getpid(), start_of_process(getpid()),
             fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)))};
@@ -74,14 +59,13 @@ void write_holder(int file, const fs::path& path) {
         fail_to_write(path, "could not be written", errno);
 }
 
-[[noreturn]] void refuse(const fs::path& folder, const Holder& holder, bool locks_known) {
+[[noreturn]] void refuse(const fs::path& lock, const Holder& holder, bool locks_known) {
     const std::string who = holder.pid == 0 ? std::string("another job")
                                             : fmt::format("another job (host {}, process {}, since {})", holder.host,
                                                           holder.pid, holder.since);
-    throw TryAgain(
-        fmt::format("{}: is being written by {}; wait for it or name another folder{}", folder.string(), who,
-                    locks_known ? std::string()
-                                : fmt::format(". If that job is no more, remove {}", (folder / lock_name).string())));
+    throw FolderHeld(fmt::format(
+        "{}: is being written by {}; wait for it or name another folder{}", lock.parent_path().string(), who,
+        locks_known ? std::string() : fmt::format(". If that job is no more, remove {}", lock.string())));
 }
 
 /// The file that was opened may have been removed by its holder since: it is no lock then.
@@ -94,23 +78,37 @@ bool is_still_named(int file, const fs::path& path) {
 
 }  // namespace
 
+// Field 22 of /proc/PID/stat; the name before it may hold anything but ends with the
+// last parenthesis.
+std::uint64_t start_of_process(pid_t pid) {
+    std::ifstream file(fmt::format("/proc/{}/stat", pid));
+    std::string text;
+    std::getline(file, text);
+    std::istringstream fields(text.substr(std::min(text.rfind(')') + 1, text.size())));
+    std::string skipped;
+    constexpr int fields_between = 19;  // from the state to the start time
+    for (int i = 0; i < fields_between; ++i) fields >> skipped;
+    std::uint64_t start = 0;
+    fields >> start;
+    return start;
+}
+
 std::string host_name() {
     std::array<char, 256> name{};
     if (gethostname(name.data(), name.size() - 1) != 0 || name[0] == '\0') return "localhost";
     return name.data();
 }
 
-FolderLock::FolderLock(const fs::path& folder) : folder_(folder) {
-    const fs::path path = folder / lock_name;
+FolderLock::FolderLock(const fs::path& folder, std::string_view name) : path_(folder / name) {
     for (;;) {
-        OpenFile file(::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666));
+        OpenFile file(::open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666));
         if (!file) fail_to_write(folder, "cannot be written into", errno);
         const bool locked = flock(file.get(), LOCK_EX | LOCK_NB) == 0;
         const bool locks_known = locked || errno == EWOULDBLOCK || errno == EINTR;
         if (!locked && (locks_known || may_live(read_holder(file.get()))))
-            refuse(folder, read_holder(file.get()), locks_known);
-        if (!is_still_named(file.get(), path)) continue;
-        write_holder(file.get(), path);
+            refuse(path_, read_holder(file.get()), locks_known);
+        if (!is_still_named(file.get(), path_)) continue;
+        write_holder(file.get(), path_);
         file_ = std::move(file);
         return;
     }
@@ -118,7 +116,7 @@ FolderLock::FolderLock(const fs::path& folder) : folder_(folder) {
 
 FolderLock::~FolderLock() {
     std::error_code ignored;
-    fs::remove(folder_ / lock_name, ignored);  // before it is free: nobody may remove the next one's
+    fs::remove(path_, ignored);  // before it is free: nobody may remove the next one's
 }
 
 }  // namespace voxtone::io

@@ -8,9 +8,14 @@
 // its file is removed.
 #pragma once
 
+#include <sys/types.h>
+
+#include <cstdint>
 #include <filesystem>
 #include <string>
+#include <string_view>
 
+#include "voxtone/base/error.h"
 #include "voxtone/io/disk/open_file.h"
 
 namespace voxtone::io {
@@ -19,17 +24,31 @@ inline constexpr std::string_view lock_name = ".voxtone-lock";
 
 [[nodiscard]] std::string host_name();
 
+/// When a process of this host began, in the kernel's ticks since the machine started: tells it from a later one of the
+/// same number. 0: there is none of that number.
+[[nodiscard]] std::uint64_t start_of_process(pid_t pid);
+
+/// Another process holds it.
+class FolderHeld : public TryAgain {
+public:
+    using TryAgain::TryAgain;
+};
+
 class FolderLock {
 public:
-    /// The folder is there. Throws TryAgain that names the holder, FileError where the folder cannot be written.
-    explicit FolderLock(const std::filesystem::path& folder);
+    /// The folder is there; `name`: of the file, where something in the folder is locked and not all of it. Throws
+    /// FolderHeld that names the holder, FileError where the folder cannot be written, TryAgain where the disk is full.
+    explicit FolderLock(const std::filesystem::path& folder, std::string_view name = lock_name);
     FolderLock(const FolderLock&) = delete;
     FolderLock& operator=(const FolderLock&) = delete;
     /// Gives the folder back; the file goes.
     ~FolderLock();
 
+    /// What holds it. A process that inherits this keeps the lock when its parent ends.
+    [[nodiscard]] int descriptor() const { return file_.get(); }
+
 private:
-    std::filesystem::path folder_;
+    std::filesystem::path path_;
     OpenFile file_;
 };
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // Files under the temporary names that whole_file.h writes them under, and what killed processes left of them: those
-// that nobody holds the lock of. Only this host's are looked at: not every file system carries locks between hosts.
+// whose process is gone and that nobody holds the lock of. Only this host's are looked at: not every file system
+// carries locks between hosts.
 #pragma once
 
 #include <filesystem>

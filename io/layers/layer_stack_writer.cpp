@@ -18,7 +18,31 @@
 namespace voxtone::io {
 namespace {
 
-/// The stack as sliced, turned into the stack as written.
+namespace fs = std::filesystem;
+
+StackFolder take(std::filesystem::path out, bool overwrite) {
+    StackFolder folder(std::move(out));
+    if (!overwrite) folder.expect_free();
+    return folder;
+}
+
+/// Where the bitmaps of a resin lie, under the stack's folder.
+fs::path resin_folder(const StackDescription& stack, ResinBitmaps resins, std::size_t resin) {
+    if (resins == ResinBitmaps::png8) return fs::path(resin_folder_name) / "indexed";
+    std::string role = stack.resins[resin].role;
+    for (char& c : role)
+        if (!((c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9'))) c = '_';
+    return fs::path(resin_folder_name) / fmt::format("{:02}-{}", resin + 1, role);
+}
+
+/// How many bitmaps a layer has besides its own.
+std::size_t resin_bitmaps_of(const StackDescription& stack, ResinBitmaps resins) {
+    if (resins == ResinBitmaps::none) return 0;
+    return resins == ResinBitmaps::png8 ? 1 : stack.resins.size();
+}
+
+}  // namespace
+
 StackDescription as_written(StackDescription stack) {
     if (stack.orientation.swap_xy) {
         std::swap(stack.size_px[0], stack.size_px[1]);
@@ -30,13 +54,101 @@ StackDescription as_written(StackDescription stack) {
     return stack;
 }
 
-StackFolder take(std::filesystem::path out, bool overwrite) {
-    StackFolder folder(std::move(out));
-    if (!overwrite) folder.expect_free();
-    return folder;
+std::vector<fs::path> layer_file_names(const StackDescription& stack, ResinBitmaps resins, std::uint32_t index) {
+    std::vector<fs::path> names{stack.layer_path(index)};
+    for (std::size_t r = 0; r < resin_bitmaps_of(stack, resins); ++r) {
+        names.push_back(resin_folder(stack, resins, r) / names[0].filename());
+        if (resins == ResinBitmaps::tiff1) names.back().replace_extension(".tif");
+    }
+    return names;
 }
 
-}  // namespace
+StackDescription with_contents(StackDescription stack, const WrittenLayers& layers) {
+    for (std::size_t r = 0; r < stack.resins.size(); ++r) {
+        stack.resins[r].voxels = layers.voxels[r + 1];
+        stack.resins[r].ml = millilitres(layers.voxels[r + 1], stack.pitch_um);
+    }
+    stack.content_sha256 = content_sha256(stack.size_px[0], stack.size_px[1], layers.digests);
+    return stack;
+}
+
+void write_stack_texts(const fs::path& folder, const StackDescription& stack) {
+    write_staged_file(folder / sheet_text_name, resin_sheet_text(stack));
+    write_staged_file(folder / sheet_page_name, resin_sheet_html(stack));
+    write_staged_file(folder / manifest_name, manifest_text(stack));
+}
+
+LayerFiles::LayerFiles(fs::path folder, const StackDescription& stack, ResinBitmaps resins)
+    : folder_(std::move(folder)),
+      stack_(stack),
+      resins_(resins),
+      encoder_(stack_.palette(), {stack_.pitch_um[0], stack_.pitch_um[1]}) {
+    VOXTONE_EXPECT(stack_.pattern.starts_with("layers/slice_"));
+    layers_.digests.resize(stack_.layers);
+    layers_.file_bytes.resize(stack_.layers);
+    for (const fs::path& name : layer_file_names(stack_, resins_, 0)) {
+        const fs::path into = (folder_ / name).parent_path();
+        std::error_code error;
+        fs::create_directories(into, error);
+        if (error) throw FileError(fmt::format("{}: cannot be created ({})", into.string(), error.message()));
+    }
+}
+
+void LayerFiles::write(std::uint32_t index, const LayerRuns& layer) {
+    VOXTONE_EXPECT(index < stack_.layers);
+    {
+        const std::lock_guard lock(mutex_);
+        VOXTONE_EXPECT(layers_.file_bytes[index].empty());
+    }
+    const Orientation& orientation = stack_.orientation;
+    if (orientation != Orientation{}) {
+        write_oriented(index, oriented(layer, orientation));
+    } else {
+        write_oriented(index, layer);
+    }
+}
+
+void LayerFiles::write_oriented(std::uint32_t index, const LayerRuns& layer) {
+    VOXTONE_EXPECT(layer.width_px() == stack_.size_px[0] && layer.height_px() == stack_.size_px[1]);
+    const std::vector<fs::path> names = layer_file_names(stack_, resins_, index);
+    std::vector<std::uint64_t> file_bytes;
+    for (std::size_t f = 0; f < names.size(); ++f) {
+        const auto bytes = f == 0 ? encoder_.encode(layer) : resin_bitmap(layer, f - 1);
+        write_staged_file(folder_ / names[f], bytes);
+        file_bytes.push_back(bytes.size());
+    }
+    std::array<std::uint64_t, max_materials> voxels{};
+    for (std::uint32_t y = 0; y < layer.rows(); ++y)
+        for (const Run run : layer.row(y)) voxels[run.material] += run.length;
+    const std::uint64_t digest = layer_digest(layer);
+
+    const std::lock_guard lock(mutex_);
+    VOXTONE_EXPECT(layers_.file_bytes[index].empty());
+    layers_.file_bytes[index] = std::move(file_bytes);
+    layers_.digests[index] = digest;
+    for (std::size_t m = 0; m < voxels.size(); ++m) layers_.voxels[m] += voxels[m];
+}
+
+std::vector<std::uint8_t> LayerFiles::resin_bitmap(const LayerRuns& layer, std::size_t resin) const {
+    const std::array<double, 2> pitch = {stack_.pitch_um[0], stack_.pitch_um[1]};
+    if (resins_ == ResinBitmaps::png8) return encode_png8(layer, encoder_.palette(), pitch);
+    const auto material = static_cast<Material>(resin + 1);
+    return resins_ == ResinBitmaps::png1 ? encode_png1(layer, material, pitch) : encode_tiff1(layer, material, pitch);
+}
+
+WrittenLayers LayerFiles::written() const {
+    const std::lock_guard lock(mutex_);
+    for (const auto& files : layers_.file_bytes) VOXTONE_EXPECT(!files.empty());
+    return layers_;
+}
+
+std::uint64_t LayerFiles::bytes_written() const {
+    const std::lock_guard lock(mutex_);
+    std::uint64_t bytes = 0;
+    for (const auto& files : layers_.file_bytes)
+        if (!files.empty()) bytes += files.front();
+    return bytes;
+}
 
 StackOutputs outputs_for(std::span<const LayerFormat> formats) {
     StackOutputs outputs;
@@ -66,102 +178,25 @@ LayerStackWriter::LayerStackWriter(std::filesystem::path out, StackDescription d
 LayerStackWriter::LayerStackWriter(StackFolder folder, StackDescription description, StackOutputs outputs)
     : folder_(std::move(folder)),
       stack_(as_written(std::move(description))),
+      out_(folder_.begin()),
       outputs_(outputs),
-      encoder_(stack_.palette(), {stack_.pitch_um[0], stack_.pitch_um[1]}),
-      digests_(stack_.layers),
-      written_(stack_.layers) {
-    VOXTONE_EXPECT(stack_.pattern.starts_with("layers/slice_"));
-    out_ = folder_.begin();
-    if (outputs_.resin_bitmaps == ResinBitmaps::none) return;
-    for (std::size_t r = 0; r < stack_.resins.size(); ++r) {
-        std::error_code error;
-        std::filesystem::create_directories(resin_folder(r), error);
-        if (error)
-            throw FileError(fmt::format("{}: cannot be created ({})", resin_folder(r).string(), error.message()));
-    }
-}
+      files_(out_, stack_, outputs_.resin_bitmaps) {}
 
-void LayerStackWriter::write(std::uint32_t index, const LayerRuns& layer) {
-    VOXTONE_EXPECT(index < stack_.layers);
-    {
-        const std::lock_guard lock(mutex_);
-        VOXTONE_EXPECT(!written_[index]);
-    }
-    const Orientation& orientation = stack_.orientation;
-    if (orientation != Orientation{}) {
-        write_oriented(index, oriented(layer, orientation));
-    } else {
-        write_oriented(index, layer);
-    }
-}
-
-void LayerStackWriter::write_oriented(std::uint32_t index, const LayerRuns& layer) {
-    VOXTONE_EXPECT(layer.width_px() == stack_.size_px[0] && layer.height_px() == stack_.size_px[1]);
-    const auto png = encoder_.encode(layer);
-    write_staged_file(out_ / stack_.layer_path(index), png);
-    if (outputs_.resin_bitmaps != ResinBitmaps::none) write_resin_bitmaps(index, layer);
-
-    std::array<std::uint64_t, max_materials> voxels{};
-    for (std::uint32_t y = 0; y < layer.rows(); ++y)
-        for (const Run run : layer.row(y)) voxels[run.material] += run.length;
-    const std::uint64_t digest = layer_digest(layer);
-
-    const std::lock_guard lock(mutex_);
-    VOXTONE_EXPECT(!written_[index]);
-    written_[index] = true;
-    digests_[index] = digest;
-    for (std::size_t m = 0; m < voxels.size(); ++m) voxels_[m] += voxels[m];
-    bytes_ += png.size();
-}
-
-void LayerStackWriter::write_resin_bitmaps(std::uint32_t index, const LayerRuns& layer) const {
-    const std::array<double, 2> pitch = {stack_.pitch_um[0], stack_.pitch_um[1]};
-    const auto name = std::filesystem::path(stack_.layer_path(index)).filename();
-    if (outputs_.resin_bitmaps == ResinBitmaps::png8) {
-        write_staged_file(resin_folder(0) / name, encode_png8(layer, encoder_.palette(), pitch));
-        return;
-    }
-    for (std::size_t r = 0; r < stack_.resins.size(); ++r) {
-        const auto material = static_cast<Material>(r + 1);
-        if (outputs_.resin_bitmaps == ResinBitmaps::png1)
-            write_staged_file(resin_folder(r) / name, encode_png1(layer, material, pitch));
-        else
-            write_staged_file((resin_folder(r) / name).replace_extension(".tif"), encode_tiff1(layer, material, pitch));
-    }
-}
-
-std::filesystem::path LayerStackWriter::resin_folder(std::size_t resin) const {
-    if (outputs_.resin_bitmaps == ResinBitmaps::png8) return out_ / resin_folder_name / "indexed";
-    std::string role = stack_.resins[resin].role;
-    for (char& c : role)
-        if (!((c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9'))) c = '_';
-    return out_ / resin_folder_name / fmt::format("{:02}-{}", resin + 1, role);
-}
+void LayerStackWriter::write(std::uint32_t index, const LayerRuns& layer) { files_.write(index, layer); }
 
 void LayerStackWriter::add_file(std::string_view name, std::string_view text) const {
     write_staged_file(out_ / name, text);
 }
 
 const StackDescription& LayerStackWriter::finish(const PreviewMesh& preview, Progress* progress) {
-    const std::lock_guard lock(mutex_);
-    VOXTONE_EXPECT(std::find(written_.begin(), written_.end(), false) == written_.end());
-    for (std::size_t r = 0; r < stack_.resins.size(); ++r) {
-        stack_.resins[r].voxels = voxels_[r + 1];
-        stack_.resins[r].ml = millilitres(voxels_[r + 1], stack_.pitch_um);
-    }
-    stack_.content_sha256 = content_sha256(stack_.size_px[0], stack_.size_px[1], digests_);
-    write_staged_file(out_ / sheet_text_name, resin_sheet_text(stack_));
-    write_staged_file(out_ / sheet_page_name, resin_sheet_html(stack_));
+    stack_ = with_contents(std::move(stack_), files_.written());
     if (outputs_.gcvf) write_gcvf(out_ / gcvf_name, stack_, out_, preview, progress);
     if (outputs_.vdb) write_volume_vdb(out_ / vdb_name, stack_, out_, progress);
-    write_staged_file(out_ / manifest_name, manifest_text(stack_));
+    write_stack_texts(out_, stack_);
     folder_.publish();
     return stack_;
 }
 
-std::uint64_t LayerStackWriter::bytes_written() const {
-    const std::lock_guard lock(mutex_);
-    return bytes_;
-}
+std::uint64_t LayerStackWriter::bytes_written() const { return files_.bytes_written(); }
 
 }  // namespace voxtone::io

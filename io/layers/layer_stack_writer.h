@@ -34,6 +34,50 @@ struct StackOutputs {
 /// What these formats ask for; of two kinds of resin bitmaps the last one.
 [[nodiscard]] StackOutputs outputs_for(std::span<const LayerFormat> formats);
 
+/// What a stack says of layers, once they are written.
+struct WrittenLayers {
+    std::vector<std::uint64_t> digests;                  ///< layer_digest of each
+    std::vector<std::vector<std::uint64_t>> file_bytes;  ///< of the files of each, as `layer_file_names` names them
+    std::array<std::uint64_t, max_materials> voxels{};   ///< of each material, in all of them
+};
+
+/// Files of layer `index` under the stack's folder: its bitmap, then those of resins.
+[[nodiscard]] std::vector<std::filesystem::path> layer_file_names(const StackDescription& stack, ResinBitmaps resins,
+                                                                  std::uint32_t index);
+
+/// The stack as sliced, turned into the stack as written. Throws InputError where it cannot be written.
+[[nodiscard]] StackDescription as_written(StackDescription stack);
+/// With what its layers hold: voxel counts, millilitres, digest. `stack` is as written.
+[[nodiscard]] StackDescription with_contents(StackDescription stack, const WrittenLayers& layers);
+/// The manifest and the sheets of resins of a stack whose layers are written. Throws FileError.
+void write_stack_texts(const std::filesystem::path& folder, const StackDescription& stack);
+
+/// The bitmaps of layers in a folder that is there, and what a stack will say of them.
+class LayerFiles {
+public:
+    /// `stack`: as written. Makes the folders in it. Throws FileError.
+    LayerFiles(std::filesystem::path folder, const StackDescription& stack, ResinBitmaps resins);
+
+    /// Layer `index` from the bottom, 0 .. layers - 1, as sliced. Any order, any thread, each layer once; the work is
+    /// done on the caller's thread. Throws FileError, TryAgain.
+    void write(std::uint32_t index, const LayerRuns& layer);
+    /// All layers must have been written.
+    [[nodiscard]] WrittenLayers written() const;
+    /// Bytes of the layer bitmaps written so far, without those of resins.
+    [[nodiscard]] std::uint64_t bytes_written() const;
+
+private:
+    void write_oriented(std::uint32_t index, const LayerRuns& layer);
+    [[nodiscard]] std::vector<std::uint8_t> resin_bitmap(const LayerRuns& layer, std::size_t resin) const;
+
+    std::filesystem::path folder_;
+    StackDescription stack_;
+    ResinBitmaps resins_;
+    PngLayerEncoder encoder_;
+    mutable std::mutex mutex_;  // for all below
+    WrittenLayers layers_;
+};
+
 class LayerStackWriter {
 public:
     /// `description` is that of the stack as it is sliced: size_px, pitch_um, layers, ... before `orientation`, which
@@ -60,20 +104,11 @@ public:
     [[nodiscard]] std::uint64_t bytes_written() const;
 
 private:
-    void write_oriented(std::uint32_t index, const LayerRuns& layer);
-    void write_resin_bitmaps(std::uint32_t index, const LayerRuns& layer) const;
-    [[nodiscard]] std::filesystem::path resin_folder(std::size_t resin) const;
-
     StackFolder folder_;
-    std::filesystem::path out_;  // where the stack is made
     StackDescription stack_;     // of the bitmaps as they are written
+    std::filesystem::path out_;  // where the stack is made
     StackOutputs outputs_;
-    PngLayerEncoder encoder_;
-    mutable std::mutex mutex_;  // for all below
-    std::array<std::uint64_t, max_materials> voxels_{};
-    std::vector<std::uint64_t> digests_;
-    std::vector<bool> written_;
-    std::uint64_t bytes_ = 0;
+    LayerFiles files_;
 };
 
 }  // namespace voxtone::io

@@ -154,10 +154,8 @@ double millilitres(std::uint64_t voxels, const std::array<double, 3>& pitch_um) 
 
 namespace {
 
-/// With the digest of what it says, or without for that digest.
-std::string text_of(const StackDescription& stack, const std::string& seal) {
-    JsonWriter json;
-    json.begin_object().add("format", "voxtone-layers").add("version", 1);
+void add_keys(JsonWriter& json, const StackDescription& stack) {
+    json.add("format", "voxtone-layers").add("version", 1);
     json.line().add("printer", stack.printer).add("pitch_um", stack.pitch_um);
     json.line().add("size_px", stack.size_px).add("layers", stack.layers).add("first_layer", stack.first_layer);
     json.add("size_mm", stack.size_mm).add("origin_mm", stack.origin_mm);
@@ -171,6 +169,13 @@ std::string text_of(const StackDescription& stack, const std::string& seal) {
     json.line().key("orientation").begin_object().add("flip_x", stack.orientation.flip_x);
     json.add("flip_y", stack.orientation.flip_y).add("swap_xy", stack.orientation.swap_xy).end_object();
     json.line().add("content_sha256", stack.content_sha256);
+}
+
+/// With the digest of what it says, or without for that digest.
+std::string text_of(const StackDescription& stack, const std::string& seal) {
+    JsonWriter json;
+    json.begin_object();
+    add_keys(json, stack);
     if (!seal.empty()) json.line().add(seal_key, seal);
     json.end_object();
     return json.text() + "\n";
@@ -182,6 +187,14 @@ std::string seal_of(const StackDescription& stack) {
 }
 
 }  // namespace
+
+void add_stack(JsonWriter& json, const StackDescription& stack) {
+    json.begin_object();
+    add_keys(json, stack);
+    json.end_object();
+}
+
+StackDescription stack_in(const JsonObject& json, std::string_view source) { return from_json(json, source); }
 
 std::string manifest_text(const StackDescription& stack) {
     stack.validate("manifest");

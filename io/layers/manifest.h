@@ -62,6 +62,14 @@ struct StackDescription {
 /// Millilitres in so many voxels of this pitch.
 [[nodiscard]] double millilitres(std::uint64_t voxels, const std::array<double, 3>& pitch_um);
 
+class JsonObject;
+class JsonWriter;
+
+/// The keys of a manifest but `manifest_sha256`, in an object of their own.
+void add_stack(JsonWriter& json, const StackDescription& stack);
+/// Of such an object. Throws InputError naming key and rule.
+[[nodiscard]] StackDescription stack_in(const JsonObject& json, std::string_view source);
+
 /// Ends with the key `manifest_sha256`: SHA-256 of the text without it. It binds the names and roles of resins to their
 /// colours, which the bitmaps alone do not: swapped there, the wrong resins are loaded.
 [[nodiscard]] std::string manifest_text(const StackDescription& stack);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <fstream>
 #include <optional>
 #include <string>
 #include <system_error>
@@ -16,6 +17,7 @@
 #include "voxtone/io/disk/folder_lock.h"
 #include "voxtone/io/disk/open_file.h"
 #include "voxtone/io/disk/part_files.h"
+#include "voxtone/io/files/whole_file.h"
 #include "voxtone/io/layers/manifest.h"
 
 namespace voxtone::io {
@@ -27,7 +29,9 @@ namespace fs = std::filesystem;
 constexpr std::array stack_names{manifest_name, layers_name,     resin_folder_name, gcvf_name,
                                  vdb_name,      sheet_text_name, sheet_page_name};
 /// Of jobs, in OUT.
-constexpr std::array job_names{unfinished_name, new_name, old_name, lock_name};
+constexpr std::array job_names{unfinished_name, new_name, old_name, lock_name, shards_name};
+/// In the new stack's folder until it is in place: where its layers come from.
+constexpr std::string_view adopted_name = "adopted-from";
 
 /// slice_DIGITS.EXT
 bool is_slice(const std::string& name) {
@@ -84,7 +88,8 @@ void carry_strangers(const fs::path& from, const fs::path& to) {
 void move_all(const fs::path& from, const fs::path& to) {
     const std::vector<fs::directory_entry> entries(fs::directory_iterator(from), {});
     for (const fs::directory_entry& entry : entries)
-        if (entry.path().filename() != fs::path(manifest_name)) fs::rename(entry.path(), to / entry.path().filename());
+        if (const fs::path name = entry.path().filename(); name != manifest_name && name != adopted_name)
+            fs::rename(entry.path(), to / name);
     if (is_there(from / manifest_name)) fs::rename(from / manifest_name, to / manifest_name);
 }
 
@@ -92,13 +97,31 @@ void retire(const fs::path& out, std::string_view name) {
     if (is_there(out / name)) fs::rename(out / name, out / old_name / name);
 }
 
+bool is_plain_name(std::string_view name) {
+    return !name.empty() && std::all_of(name.begin(), name.end(), [](char c) {
+        return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
+    });
+}
+
+/// Moves what the new stack has adopted; what was moved before a kill is there no more.
+void move_adopted(const fs::path& out) {
+    std::ifstream file(out / new_name / adopted_name);
+    std::string name;
+    if (!std::getline(file, name) || !is_plain_name(name)) return;
+    const fs::path from = out / shards_name / name;
+    for (const auto part : {layers_name, resin_folder_name})
+        if (is_there(from / part)) fs::rename(from / part, out / part);
+}
+
 /// Step 3 of the swap.
 void put_new_in_place(const fs::path& out) {
+    move_adopted(out);
     move_all(out / new_name, out);
     sync_folder(out);
-    fs::remove(out / new_name);
+    fs::remove(out / new_name / adopted_name);
     for (const auto name : {layers_name, resin_folder_name}) carry_strangers(out / old_name / name, out / name);
     fs::remove_all(out / old_name);
+    fs::remove(out / new_name);  // last: as long as it is there, an old stack beside it is not to be put back
 }
 
 /// Ends what a killed job began, and throws its unfinished stack away.
@@ -152,6 +175,24 @@ struct StackFolder::Held {
     }
 };
 
+void expect_free_for_stack(const fs::path& out) {
+    if (is_there(out / manifest_name))
+        throw InputError(fmt::format(
+            "{}: holds {} already, which would be replaced: name another folder, or allow it with --overwrite",
+            out.string(), stack_in_words(out)));
+    if (!is_there(out)) return;
+    constexpr std::array kept{lock_name, checkpoint_name, skin_name, shards_name};
+    for (const fs::directory_entry& entry : fs::directory_iterator(out)) {
+        const std::string name = entry.path().filename().string();
+        // Half-written ones are of another host, or of a living job.
+        if (std::find(kept.begin(), kept.end(), name) == kept.end() && !is_part_name(name))
+            throw InputError(
+                fmt::format("{}: is not empty and holds no voxtone stack; files in it ({}) could be replaced: name "
+                            "another folder, or allow it with --overwrite",
+                            out.string(), name));
+    }
+}
+
 StackFolder::StackFolder(fs::path out, std::vector<std::string_view> companions) : held_(std::make_unique<Held>()) {
     held_->out = std::move(out);
     held_->companions = std::move(companions);
@@ -172,22 +213,7 @@ const fs::path& StackFolder::path() const { return held_->out; }
 
 bool StackFolder::holds_stack() const { return is_there(held_->out / manifest_name); }
 
-void StackFolder::expect_free() const {
-    const fs::path& out = held_->out;
-    if (holds_stack())
-        throw InputError(fmt::format(
-            "{}: holds {} already, which would be replaced: name another folder, or allow it with --overwrite",
-            out.string(), stack_in_words(out)));
-    for (const fs::directory_entry& entry : fs::directory_iterator(out)) {
-        const std::string name = entry.path().filename().string();
-        // Half-written ones are of another host, or of a living job.
-        if (name != lock_name && name != checkpoint_name && !is_part_name(name))
-            throw InputError(
-                fmt::format("{}: is not empty and holds no voxtone stack; files in it ({}) could be replaced: name "
-                            "another folder, or allow it with --overwrite",
-                            out.string(), name));
-    }
-}
+void StackFolder::expect_free() const { expect_free_for_stack(held_->out); }
 
 fs::path StackFolder::begin() {
     VOXTONE_EXPECT(!held_->begun);
@@ -199,6 +225,14 @@ fs::path StackFolder::begin() {
         refuse_folder(held_->out, not_ready, error);
     }
     return folder;
+}
+
+void StackFolder::adopt(std::string_view name) {
+    VOXTONE_EXPECT(held_->begun && is_plain_name(name));
+    const fs::path folder = held_->out / unfinished_name;
+    write_staged_file(folder / adopted_name, name);
+    std::error_code not_empty;
+    fs::remove(folder / layers_name, not_empty);
 }
 
 void StackFolder::publish() {

@@ -6,7 +6,8 @@
 // stack stays what it was, also when the new job is killed, refused or out of disk. The order of the swap:
 //   1. all is synced; the old manifest goes to OUT/.voxtone-old, then all else that is ours (OUT is no stack now);
 //   2. .voxtone-unfinished becomes .voxtone-new: from here on there is a way forward only;
-//   3. its files move to OUT, the manifest last.
+//   3. its files move to OUT, the manifest last (layers that were made elsewhere, `adopt`, move first); then
+//      .voxtone-old goes, and .voxtone-new, empty, after it.
 // Who takes the folder after a job that was killed in between (a few milliseconds) goes back from 1, or on from 3.
 // What is not ours in OUT is never removed.
 #pragma once
@@ -32,6 +33,12 @@ inline constexpr std::string_view unfinished_name = ".voxtone-unfinished", new_n
                                   old_name = ".voxtone-old";
 /// Of an interrupted job, to go on with; it is no stack and stays when one is swapped.
 inline constexpr std::string_view checkpoint_name = "loop.checkpoint";
+/// What the appearance loop came to, and what shards made: no stack either.
+inline constexpr std::string_view skin_name = "skin.mixtures", shards_name = "shards";
+
+/// Throws InputError where `out` holds a stack, or something else than what a job without end left and what shards and
+/// the appearance loop keep there. Nothing there is free.
+void expect_free_for_stack(const std::filesystem::path& out);
 
 class StackFolder {
 public:
@@ -46,11 +53,14 @@ public:
 
     [[nodiscard]] const std::filesystem::path& path() const;
     [[nodiscard]] bool holds_stack() const;
-    /// Throws InputError where `out` holds something else than what a job without end left.
+    /// expect_free_for_stack of `out`.
     void expect_free() const;
 
     /// Makes the folder in which the new stack is made and returns it; once.
     [[nodiscard]] std::filesystem::path begin();
+    /// The layers of the new stack lie in `out`/shards/NAME/layers (and NAME/resins) already: they stay there until
+    /// `publish` moves them. NAME is of letters and digits. Throws FileError.
+    void adopt(std::string_view name);
     /// Puts all that is in it in place. Throws FileError, TryAgain.
     void publish();
 

@@ -11,6 +11,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "voxtone/io/pictures/texel_image.h"
@@ -27,6 +28,11 @@ public:
     /// Alpha is not looked at: compose before.
     explicit MipPyramid(TexelImage image);
 
+    /// As `levels` and `texels` of another one gave them.
+    MipPyramid(std::vector<Level> levels, std::vector<std::uint16_t> texels)
+        : levels_(std::move(levels)), linear16_(std::move(texels)) {}
+
+    [[nodiscard]] const std::vector<std::uint16_t>& texels() const { return linear16_; }
     [[nodiscard]] const std::vector<Level>& levels() const { return levels_; }
     /// Four values a texel, R, G, B and one that is not used; 65535 is 1.
     [[nodiscard]] const std::uint16_t* linear16(const Level& level) const { return linear16_.data() + 4 * level.first; }

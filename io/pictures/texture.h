@@ -47,6 +47,8 @@ public:
     [[nodiscard]] std::size_t levels() const { return pyramid_->levels().size(); }
     [[nodiscard]] Wrap wrap_u() const { return wrap_u_; }
     [[nodiscard]] Wrap wrap_v() const { return wrap_v_; }
+    [[nodiscard]] bool nearest() const { return nearest_; }
+    [[nodiscard]] const std::shared_ptr<const MipPyramid>& pyramid() const { return pyramid_; }
 
 private:
     std::shared_ptr<const MipPyramid> pyramid_;

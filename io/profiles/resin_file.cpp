@@ -19,8 +19,13 @@ std::span<const EmbeddedFile> resins();
 namespace voxtone::io {
 namespace {
 
+std::optional<double> number_if(const JsonObject& json, const char* key, double least, double most) {
+    if (!json.has(key)) return std::nullopt;
+    return json.number(key, least, most);
+}
+
 optics::ResinSet resins_from_json(const JsonObject& json, const std::string& source) {
-    json.allow_only({"format", "version", "name", "source", "note", "channels", "g", "eta", "resins"});
+    json.allow_only({"format", "version", "name", "source", "note", "channels", "g", "eta", "resins", "currency"});
     if (json.text("format") != "voxtone-resins") json.fail("format", "is not \"voxtone-resins\": this is no resin set");
     if (json.integer("version", 0, 1000000) != 1) json.fail("version", "is not 1, the only version this program knows");
     optics::ResinSet set;
@@ -39,11 +44,20 @@ optics::ResinSet resins_from_json(const JsonObject& json, const std::string& sou
     }
     set.g = json.number("g", -1, 1);
     set.eta = json.number("eta", 1, 10);
+    if (json.has("currency")) set.currency = json.text("currency");
+    if (json.has("currency") && set.currency.empty())
+        json.fail("currency", "is empty; name one, such as \"EUR\", or leave it out");
     for (const auto& entry : json.objects("resins")) {
-        entry.allow_only({"name", "role", "sigma_t_per_mm", "albedo"});
+        entry.allow_only({"name", "role", "sigma_t_per_mm", "albedo", "density_g_per_ml", "price_per_kg"});
         set.resins.push_back({entry.text("name"), entry.text("role"),
                               entry.numbers("sigma_t_per_mm", set.channels.size(), 0, 1e9),
-                              entry.numbers("albedo", set.channels.size(), 0, 1)});
+                              entry.numbers("albedo", set.channels.size(), 0, 1),
+                              number_if(entry, "density_g_per_ml", 0.1, 25), number_if(entry, "price_per_kg", 0, 1e9)});
+        if (set.resins.back().price_per_kg && set.currency.empty())
+            entry.fail("price_per_kg", "has no currency: give the set a \"currency\", such as \"EUR\"");
+        if (set.resins.back().price_per_kg && !set.resins.back().density_g_per_ml)
+            entry.fail("price_per_kg",
+                       "is by weight and the resin's weight is not known: give \"density_g_per_ml\" too");
     }
     try {
         set.validate();
@@ -71,10 +85,14 @@ std::string resin_set_text(const optics::ResinSet& set) {
     json.line().key("channels").begin_object().add("kind", set.channels.is_rgb() ? "rgb" : "wavelength");
     if (!set.channels.is_rgb()) json.add("nm", set.channels.wavelengths_nm);
     json.end_object().add("g", set.g).add("eta", set.eta);
+    if (!set.currency.empty()) json.add("currency", set.currency);
     json.line().key("resins").begin_list();
     for (const optics::Resin& resin : set.resins) {
         json.line().begin_object().add("name", resin.name).add("role", resin.role);
-        json.add("sigma_t_per_mm", resin.sigma_t_per_mm).add("albedo", resin.albedo).end_object();
+        json.add("sigma_t_per_mm", resin.sigma_t_per_mm).add("albedo", resin.albedo);
+        if (resin.density_g_per_ml) json.add("density_g_per_ml", *resin.density_g_per_ml);
+        if (resin.price_per_kg) json.add("price_per_kg", *resin.price_per_kg);
+        json.end_object();
     }
     json.end_list().end_object();
     return json.text() + "\n";

@@ -9,6 +9,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -38,6 +39,9 @@ struct Resin {
     std::string role;                    ///< short and unique in a set: C, M, Y, K, W, T (clear), or any other word
     std::vector<double> sigma_t_per_mm;  ///< per channel, >= 0
     std::vector<double> albedo;          ///< per channel, in [0, 1]
+    // What light does not see, for those who pay; nothing where nobody said.
+    std::optional<double> density_g_per_ml = std::nullopt;  ///< > 0
+    std::optional<double> price_per_kg = std::nullopt;      ///< >= 0, in the set's currency
     [[nodiscard]] Medium medium(std::size_t channel) const;
 };
 
@@ -48,6 +52,7 @@ struct ResinSet {
     double g = 0.4;    ///< mean cosine of the scattering angle (Henyey-Greenstein), in (-1, 1)
     double eta = 1.5;  ///< refractive index, >= 1
     std::vector<Resin> resins;
+    std::string currency = {};  ///< of the prices: "EUR"
 
     /// Index of the resin with this role, or -1. Letter case counts only between roles that differ in nothing else.
     [[nodiscard]] int find(std::string_view role) const;

@@ -59,11 +59,8 @@ std::size_t TransportPredictor::least_bytes(double solid_mm3, const std::array<d
 
 std::unique_ptr<AppearanceSequence> TransportPredictor::sequence(const Scene& scene, const Surface& surface,
                                                                  const Progress* progress) const {
-    try {
-        return std::make_unique<ViewingSequence>(scene, surface, options_, progress);
-    } catch (const ResourceError&) {
-        return AppearanceModel::sequence(scene, surface, progress);
-    }
+    if (auto sequence = ViewingSequence::within_memory(scene, surface, options_, progress)) return sequence;
+    return AppearanceModel::sequence(scene, surface, progress);
 }
 
 }  // namespace voxtone::optics

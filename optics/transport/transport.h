@@ -47,7 +47,8 @@ public:
     /// there is a volume. It may need much more.
     [[nodiscard]] std::size_t least_bytes(double solid_mm3, const std::array<double, 3>& pitch_mm) const;
 
-    /// A ViewingSequence; predictions anew each time where memory does not allow one.
+    /// A ViewingSequence, in smaller tiles where memory is short; predictions anew each time where it does not allow
+    /// one.
     [[nodiscard]] std::unique_ptr<AppearanceSequence> sequence(const Scene& scene, const Surface& surface,
                                                                const Progress* progress = nullptr) const override;
 

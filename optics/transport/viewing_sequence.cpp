@@ -70,12 +70,43 @@ ViewingSequence::ViewingSequence(const Scene& scene, const Surface& surface, con
     : scene_(scene),
       surface_(surface),
       options_(options),
+      tile_cells_(options.tile_cells),
       view_voxels_(cell_voxels(scene.volume->pitch_mm(), options.cell_mm)),
       split_(parts_of_cell(view_voxels_, scene.volume->pitch_mm(), options.finest_mm)),
       lattice_(scene.volume->size(), view_voxels_),
       halftone_(*scene.resins, scene.volume->pitch_mm(), seen_from(surface)) {
-    for (ViewingTile& tile : viewing_tiles(surface, scene.volume->size(), scene.volume->pitch_mm(), view_voxels_,
-                                           options.tile_cells, options.tile_halo)) {
+    cut();
+    make_live(0, progress);
+}
+
+std::unique_ptr<ViewingSequence> ViewingSequence::within_memory(const Scene& scene, const Surface& surface,
+                                                                const TransportOptions& options,
+                                                                const Progress* progress) {
+    constexpr std::size_t least_cells = 4000;  // smaller ones are all halo
+    constexpr double slack = 1.3;              // tiles are not alike, and colour gets deeper
+    const auto allowed = static_cast<double>(options.memory_bytes);
+    TransportOptions cut = options;
+    cut.tile_cells = std::min(options.tile_cells, std::max(surface.cells.size(), least_cells));
+    for (;; cut.tile_cells /= 2) {
+        try {
+            auto sequence = std::make_unique<ViewingSequence>(scene, surface, cut, progress);
+            const double light = slack * sequence->expected_light();
+            if (allowed == 0 || light + slack * static_cast<double>(sequence->tiles_[0].bytes) <= allowed) {
+                sequence->summary_.cut_for_memory = cut.tile_cells < std::min(options.tile_cells, surface.cells.size());
+                return sequence;
+            }
+            if (light > allowed) return nullptr;
+        } catch (const ResourceError&) {
+            // Of one tile alone.
+        }
+        if (cut.tile_cells / 2 < least_cells) return nullptr;
+    }
+}
+
+void ViewingSequence::cut() {
+    tiles_.clear();
+    for (ViewingTile& tile : viewing_tiles(surface_, scene_.volume->size(), scene_.volume->pitch_mm(), view_voxels_,
+                                           tile_cells_, options_.tile_halo)) {
         tiles_.emplace_back();
         static_cast<ViewingTile&>(tiles_.back()) = std::move(tile);
         tiles_.back().light.resize(channels());
@@ -83,11 +114,20 @@ ViewingSequence::ViewingSequence(const Scene& scene, const Surface& surface, con
     }
     summary_.pieces = tiles_.size();
     list_ghosts();
-    make_live(0, progress);
+}
+
+double ViewingSequence::expected_light() const {
+    const Tile& tile = tiles_[0];
+    const std::size_t bytes =
+        channels() * ((tile.cells_of_grid + tile.fine_cells) * sizeof(ViewingField::Code) + 64 * tile.open_faces);
+    std::size_t near = 0;
+    for (const Tile& t : tiles_) near += t.near.size();
+    return static_cast<double>(bytes) * static_cast<double>(near) / static_cast<double>(tile.near.size());
 }
 
 /// All places on the rims of windows, whether the body is there or not.
 void ViewingSequence::list_ghosts() {
+    ghost_places_.clear();
     for (const Tile& tile : tiles_) {
         const auto &low = tile.window.begin, &high = tile.window.end;
         for (std::size_t f = 0; f < 6; ++f) {
@@ -524,14 +564,22 @@ void ViewingSequence::state_in(Stream& stream, Sequence& sequence) {
 
 void ViewingSequence::write_state(const StateSink& sink) const {
     StateWriter writer{sink};
+    writer.value(std::uint64_t{tile_cells_});
     state_in(writer, *this);
 }
 
 bool ViewingSequence::read_state(std::span<const std::byte> state) {
     StateReader reader{state};
+    std::uint64_t tile_cells = 0;
+    reader.value(tile_cells);
+    if (tile_cells == 0) return false;
+    transport_.reset();
+    if (tile_cells != tile_cells_) {
+        tile_cells_ = tile_cells;
+        cut();
+    }
     state_in(reader, *this);
     // Grids are made anew, with the blocks that these tiles have cells in.
-    transport_.reset();
     for (Tile& tile : tiles_) tile.shape.reset();
     return reader.good && reader.bytes.empty() && fits(ghost_light_) && fits(ghost_adjoint_) &&
            std::all_of(tiles_.begin(), tiles_.end(), [this](const Tile& tile) { return fits(tile); });

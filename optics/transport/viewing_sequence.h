@@ -49,6 +49,12 @@ public:
     /// Cancelled too, and is of no use then but to be thrown away.
     ViewingSequence(const Scene& scene, const Surface& surface, const TransportOptions& options,
                     const Progress* progress = nullptr);
+    /// With tiles as large as `options` have them, or so much smaller that all of it fits into the memory they allow;
+    /// none where it would not with small ones either. Smaller tiles take longer and, as long as light has not come
+    /// around, say a little else.
+    [[nodiscard]] static std::unique_ptr<ViewingSequence> within_memory(const Scene& scene, const Surface& surface,
+                                                                        const TransportOptions& options,
+                                                                        const Progress* progress = nullptr);
     [[nodiscard]] Appearance next(const ResinVolume& volume, const Progress* progress = nullptr) override;
     [[nodiscard]] Appearance twin(const ResinVolume& volume, const Progress* progress = nullptr) override;
     /// The first prediction and no other: the light of a tile is dropped when the next one's turn comes.
@@ -57,9 +63,10 @@ public:
     /// `sweeps` the first time, then `next_sweeps`. Contract: there was a prediction.
     [[nodiscard]] bool gradient(std::span<const float> adjoint_seed, const GradientVisitor& visit,
                                 const Progress* progress = nullptr) override;
-    /// The light of all tiles and what is between them, and where their grids have become deeper: some 50 bytes a
-    /// viewing cell.
+    /// The light of all tiles and what is between them, how they were cut, and where their grids have become deeper:
+    /// some 50 bytes a viewing cell.
     void write_state(const StateSink& sink) const override;
+    /// Takes over the cut of the tiles too.
     [[nodiscard]] bool read_state(std::span<const std::byte> state) override;
     /// Of the predictions so far; times of all, cells of the grids now.
     [[nodiscard]] const TransportSummary& summary() const { return summary_; }
@@ -98,7 +105,11 @@ private:
     static void state_in(Stream& stream, Sequence& sequence);
     [[nodiscard]] bool fits(const Tile& tile) const;
     [[nodiscard]] bool fits(const GhostLight& ghosts) const;
+    /// Into tiles, of no light.
+    void cut();
     void list_ghosts();
+    /// Bytes of the light of all tiles, as the first one's grid has it.
+    [[nodiscard]] double expected_light() const;
     /// Makes it live, with the resins of the last volume.
     void look_at(std::size_t tile, const Progress* progress);
     void make_live(std::size_t tile, const Progress* progress);
@@ -131,6 +142,7 @@ private:
     Scene scene_;
     const Surface& surface_;
     TransportOptions options_;
+    std::size_t tile_cells_;  ///< of the cut
     std::array<int, 3> view_voxels_;
     std::array<int, 3> split_;  ///< of cells that are cut finer
     bool keeps_light_ = true;

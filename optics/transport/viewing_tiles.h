@@ -4,7 +4,7 @@
 //
 // The lattice of blocks (viewing_grid.h) is halved across its longest edge, so that either half has as much surface,
 // until no part has more than `most_cells` surface cells. A tile's window reaches `halo` blocks farther on every side
-// where the body may go on, and one for the ghosts. The cut depends on the shape alone, not on memory or threads.
+// where the body may go on, and one for the ghosts. The cut depends on the shape and most_cells alone.
 #pragma once
 
 #include <cstdint>

@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxtone/slicer/job/colour_print.h"
 
+#include <filesystem>
+#include <system_error>
 #include <utility>
 
 #include <fmt/core.h>
 
+#include "voxtone/base/counted.h"
 #include "voxtone/base/error.h"
 #include "voxtone/base/progress_bar.h"
 #include "voxtone/base/stopwatch.h"
+#include "voxtone/io/files/json_writer.h"
 #include "voxtone/slicer/job/colour_report.h"
 #include "voxtone/slicer/job/loop_report.h"
 #include "voxtone/slicer/job/verdict.h"
@@ -22,13 +26,9 @@ std::unique_ptr<const JobColour> separate(const OpenedJob& job, const JobBody& b
                                           Progress& progress) {
     const Stopwatch watch;
     auto colour = prepare_colour(job.options.colour, job.resins, body.grid.pitch_mm,
-                                 slab_under_colour(job.options, body), progress);
+                                 slab_under_colour(job.options, body), progress, body.separation);
     seconds = watch.total();
     return colour;
-}
-
-bool asks_for_white(const SurfaceColour& asked) {
-    return asked.constant() && asked.at(0, 0, 0) == Eigen::Vector3f::Ones();
 }
 
 }  // namespace
@@ -39,14 +39,8 @@ ColourPrint::ColourPrint(const OpenedJob& job, const JobBody& body, const JobIde
       identity_(identity),
       colour_(separate(job, body, separation_s_, progress)),
       parts_(job.options, body, job.resins, *colour_, progress),
-      all_white_(asks_for_white(parts_.surface_colour()) &&
-                 job.resins.set.resins[std::size_t(job.resins.core)].role == "W"),
-      loop_plan_(plan_loop(job.options, body, job.resins)) {
-    if (all_white_ && loop_plan_.wanted && !job.options.loop.iterations)
-        loop_plan_ = {.why_not =
-                          "The model is white all over and the print all of white resin: there is nothing to "
-                          "rearrange and nothing to predict."};
-}
+      all_white_(prints_all_white(parts_.surface_colour(), job.resins)),
+      loop_plan_(plan_loop(job.options, body, job.resins, all_white_)) {}
 
 void ColourPrint::print_open_loop(const std::string& why, Progress& progress) {
     loop_plan_ = {.why_not = fmt::format("The resins were not rearranged: {}.", why)};
@@ -54,15 +48,85 @@ void ColourPrint::print_open_loop(const std::string& why, Progress& progress) {
 }
 
 void ColourPrint::announce_loop(Progress& progress) const {
-    const LoopCost cost = expected_cost(loop_plan_, coloured_area_mm2(*body_.surface), job_.options.prediction.cell_mm);
-    if (cost.seconds < worth_a_word_s || job_.options.resume) return;
+    const LoopCost cost = expected_cost(loop_plan_, coloured_area_mm2(*body_.surface), job_.options.prediction.cell_mm,
+                                        job_.options.prediction.memory_bytes);
+    if (cost.cpu_seconds < 2 * worth_a_word_s || job_.options.resume) return;
     progress.note(
         fmt::format("the appearance loop will take about {} and {:.1f} GB on two cores; --iterations N sets a limit, "
                     "--iterations 0 leaves it out",
-                    duration_text(cost.seconds), cost.bytes / 1e9));
+                    duration_text(cost.cpu_seconds / 2), cost.bytes / 1e9));
+}
+
+SkinFile ColourPrint::skin_file() const {
+    return {job_.options.loop.mixtures, identity_.opened_loop, identity_.loop, job_.options.asked.iterations};
+}
+
+bool ColourPrint::may_loop() const {
+    const JobLoopOptions& loop = job_.options.loop;
+    return (loop.iterations != 0 || job_.options.resume) && !(all_white_ && !loop.iterations) &&
+           nothing_to_rearrange(body_, job_.resins).empty();
+}
+
+bool ColourPrint::take_saved_loop(Progress& progress) {
+    const SkinFile file = skin_file();
+    const JobLoopOptions& options = job_.options.loop;
+    const bool is_made_here = job_.options.until == Until::loop;
+    if (!file.exists()) {
+        if (options.mixtures_named && !is_made_here && !options.elsewhere)
+            throw FileError(fmt::format("{}: is not there; slice --until loop --mixtures {} makes it",
+                                        file.path().string(), file.path().string()));
+        return false;
+    }
+    if (job_.options.overwrite && !options.elsewhere && (is_made_here || !options.mixtures_named)) {
+        foreign_skin_ = !file.is_of_this_job();
+        if (foreign_skin_ || is_made_here) return false;
+    }
+    const double colour_mm = colour_->appearance.geometry().shell_mm;
+    SavedSkin saved = file.read(halftone::skin_layers(colour_mm).size());
+    progress.note(fmt::format("the appearance loop was run before: {}", file.path().string()));
+    if (!saved.left_out.empty()) {
+        loop_plan_ = {.why_not = std::move(saved.left_out)};
+        return true;
+    }
+    loop_ = loop_of(std::move(saved), body_, colour_mm);
+    print_loop();
+    return true;
+}
+
+void ColourPrint::print_loop() {
+    if (!loop_->mixtures.empty())
+        skin_.emplace(loop_->cells->map(), loop_->mixtures, job_.resins.set.resins.size(), job_.resins.core);
+}
+
+JobResult ColourPrint::keep_loop() const {
+    const SkinFile file = skin_file();
+    SavedSkin skin;
+    if (loop_) skin = saved_skin(*loop_);
+    if (!loop_) skin.left_out = loop_plan_.why_not.empty() ? "No appearance loop was asked for." : loop_plan_.why_not;
+    if (!loop_ || !loop_->reread) file.write(skin);
+    const std::string what = loop_ ? fmt::format("{}, seen difference {:.2f} CIEDE2000 on average",
+                                                 counted(loop_->result.state.steps.size() - 1, "iteration"),
+                                                 loop_->result.state.steps[loop_->result.state.best].seen.mean)
+                                   : skin.left_out;
+    io::JsonWriter json;
+    json.begin_object().add("format", "voxtone-loop").add("version", 1).add("mixtures", file.path().string());
+    json.add("cells", loop_ ? loop_->cells->seen.target.size() : 0).add("left_out", skin.left_out).end_object();
+    return {json.text(), fmt::format("{}: {}\n", file.path().string(), what), ExitCode::done};
 }
 
 void ColourPrint::prepare(Progress& progress) {
+    if (may_loop()) {
+        const Stopwatch watch;
+        if (take_saved_loop(progress)) {
+            loop_s_ = watch.total();
+            return;
+        }
+        if (job_.options.loop.elsewhere)
+            throw InputError(fmt::format(
+                "{}: is not there, and the appearance loop is one task for all shards of a body: run the same command "
+                "with --until loop in the place of --shard first, or leave the loop out (--iterations 0)",
+                job_.options.loop.mixtures.string()));
+    }
     if (!loop_plan_.wanted) {
         if (!loop_plan_.why_not.empty()) progress.note(loop_plan_.why_not);
         return;
@@ -90,6 +154,10 @@ void ColourPrint::prepare(Progress& progress) {
     loop_s_ = watch.total();
 }
 
+std::optional<ColourRecipes> ColourPrint::made_with() const {
+    return ColourRecipes{colour_->separation, prepared_ ? prepared_->problem->recipes.get() : nullptr};
+}
+
 void ColourPrint::rearrange(Progress& progress) {
     if (!prepared_) return;
     const Stopwatch watch;
@@ -97,7 +165,7 @@ void ColourPrint::rearrange(Progress& progress) {
         loop_ = run_job_loop(*prepared_->problem, loop_plan_, prepared_->checkpoint, std::move(prepared_->before),
                              progress);
         loop_->seconds += loop_s_;
-        if (loop_->result.best) skin_.emplace(loop_->cells->map(), *loop_->result.best, job_.resins.core);
+        print_loop();
     } catch (const ResourceError& error) {
         if (job_.options.resume) throw;
         print_open_loop(error.what(), progress);
@@ -111,10 +179,7 @@ LayerSources ColourPrint::sources() const { return parts_.sources(skin_ ? &*skin
 void ColourPrint::expect_layers(const LayerRange& range) {
     const bool all_layers = range.first == 0 && range.last + 1 == body_.grid.size[2];
     const bool reusable = loop_ && job_.resins.set.channels.wavelengths_nm.empty();
-    prediction_plan_ = plan_prediction(job_.options, body_, all_layers, reusable);
-    // White beside white: the answer is known.
-    if (all_white_ && job_.options.prediction.automatic && prediction_plan_.by == PredictionPlan::By::model)
-        prediction_plan_ = {.why_not = "The print is all of white resin: it is as white as was asked for everywhere."};
+    prediction_plan_ = plan_prediction(job_.options, body_, all_layers, reusable, all_white_);
     // The volume and its white twin are held at once.
     if (prediction_plan_.by != PredictionPlan::By::nothing)
         volume_.emplace(body_.grid, job_.options.prediction.memory_bytes / 2);
@@ -126,13 +191,15 @@ void ColourPrint::see(int k, const io::LayerRuns& layer) {
 
 JobPrediction ColourPrint::predict(optics::ResinVolume volume, Progress& progress) const {
     if (prediction_plan_.by == PredictionPlan::By::loop) return prediction_of_loop(*loop_, std::move(volume));
-    JobPrediction prediction = predict_print(job_.options, prediction_plan_.model, body_, job_.resins,
-                                             std::move(volume), loop_ ? &loop_->cells->seen : nullptr, progress);
+    JobPrediction prediction =
+        predict_print(job_.options, prediction_plan_.model, body_, job_.resins, std::move(volume),
+                      loop_ && !loop_->reread ? &loop_->cells->seen : nullptr, progress);
     if (loop_) prediction.open_loop = loop_->result.state.open;
     return prediction;
 }
 
 void ColourPrint::look(const io::StackDescription&, Progress& progress) {
+    if (std::error_code not_there; foreign_skin_) std::filesystem::remove(job_.options.loop.mixtures, not_there);
     if (!volume_) return;
     std::string why_not;
     try {

@@ -9,10 +9,12 @@
 #include "voxtone/slicer/job/job_identity.h"
 #include "voxtone/slicer/job/job_loop.h"
 #include "voxtone/slicer/job/job_prediction.h"
-#include "voxtone/slicer/job/opened_job.h"
 #include "voxtone/slicer/job/print.h"
 #include "voxtone/slicer/job/print_parts.h"
 #include "voxtone/slicer/layers/skin_source.h"
+#include "voxtone/slicer/prepare/loop_plan.h"
+#include "voxtone/slicer/prepare/opened_job.h"
+#include "voxtone/slicer/prepare/prediction_plan.h"
 
 namespace voxtone::slicer {
 
@@ -21,10 +23,14 @@ public:
     /// Separates the colours. Keeps references to the job, the body and the identity.
     ColourPrint(const OpenedJob& job, const JobBody& body, const JobIdentity& identity, Progress& progress);
 
-    /// Sets the appearance loop up, and reads the checkpoint to go on from where that was asked for.
+    /// Takes what an earlier job of this body found, or sets the appearance loop up, and reads the checkpoint to go on
+    /// from where that was asked for. Throws InputError where the loop is for another job to run and has not run.
     void prepare(Progress& progress) override;
+    [[nodiscard]] std::optional<ColourRecipes> made_with() const override;
     /// Runs the loop. Where memory does not suffice the open loop stays, with a warning.
     void rearrange(Progress& progress) override;
+    [[nodiscard]] JobResult keep_loop() const override;
+    [[nodiscard]] std::vector<float> separation() const override { return colour_->separation.lattice(); }
     [[nodiscard]] LayerSources sources() const override;
     void expect_layers(const LayerRange& range) override;
     void see(int k, const io::LayerRuns& layer) override;
@@ -45,6 +51,11 @@ private:
         std::optional<halftone::ResumedLoop> before;
     };
 
+    [[nodiscard]] SkinFile skin_file() const;
+    [[nodiscard]] bool may_loop() const;
+    /// False where nothing is there that this job may take.
+    bool take_saved_loop(Progress& progress);
+    void print_loop();
     void announce_loop(Progress& progress) const;
     void print_open_loop(const std::string& why, Progress& progress);
     [[nodiscard]] JobPrediction predict(optics::ResinVolume volume, Progress& progress) const;
@@ -59,6 +70,7 @@ private:
     LoopPlan loop_plan_;
     std::optional<PreparedLoop> prepared_;  ///< until it has run
     std::optional<JobLoop> loop_;           ///< nothing: the open loop is printed
+    bool foreign_skin_ = false;             ///< of another job, to be removed once the stack is whole
     std::optional<SkinSource> skin_;        ///< nothing: the open loop was best
     PredictionPlan prediction_plan_;
     std::optional<JobVolume> volume_;  ///< while layers are made that will be predicted

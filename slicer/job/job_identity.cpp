@@ -30,35 +30,39 @@ std::string text_sha256(std::string_view text) {
     return io::sha256({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
 }
 
-JobInput file_input(std::string key, const std::string& file, const Progress* progress) {
-    return {std::move(key), file, io::file_sha256(file, progress)};
+DigestOfFile by_reading(const Progress* progress) {
+    return [progress](const std::string& file) { return io::file_sha256(file, progress); };
+}
+
+JobInput file_input(std::string key, const std::string& file, const DigestOfFile& digest) {
+    return {std::move(key), file, digest(file)};
 }
 
 JobInput file_or_known(std::string key, const std::string& name, std::optional<std::string_view> known,
-                       const Progress* progress) {
+                       const DigestOfFile& digest) {
     if (known) return {std::move(key), {}, text_sha256(*known)};
-    return file_input(std::move(key), name, progress);
+    return file_input(std::move(key), name, digest);
 }
 
 JobInput input_beside(const std::string& key, const std::string& file, const std::string& name,
-                      const Progress* progress) {
-    return file_input(key + ":" + name, (fs::path(file).parent_path() / name).string(), progress);
+                      const DigestOfFile& digest) {
+    return file_input(key + ":" + name, (fs::path(file).parent_path() / name).string(), digest);
 }
 
 /// All inputs but those beside the model.
-std::vector<JobInput> named_inputs(const OpenedJob& job, const Progress* progress) {
+std::vector<JobInput> named_inputs(const OpenedJob& job, const DigestOfFile& digest) {
     const ResolvedJob& options = job.options;
     std::vector<JobInput> inputs{
-        file_input(std::string(model_key), options.model, progress),
-        file_or_known("printer", options.printer, known_printer_text(options.printer), progress),
-        file_or_known("resins", options.resins, io::known_resin_set_text(options.resins), progress)};
-    if (!options.texture.empty()) inputs.push_back(file_input("texture", options.texture, progress));
+        file_input(std::string(model_key), options.model, digest),
+        file_or_known("printer", options.printer, known_printer_text(options.printer), digest),
+        file_or_known("resins", options.resins, io::known_resin_set_text(options.resins), digest)};
+    if (!options.texture.empty()) inputs.push_back(file_input("texture", options.texture, digest));
     if (!options.layered) return inputs;
     const LayeredOptions& layered = *options.layered;
-    inputs.push_back(file_input(std::string(map_key), layered.profiles, progress));
-    inputs.push_back(input_beside(std::string(map_key), layered.profiles, job.map->picture, progress));
+    inputs.push_back(file_input(std::string(map_key), layered.profiles, digest));
+    inputs.push_back(input_beside(std::string(map_key), layered.profiles, job.map->picture, digest));
     for (const StackMaterialFile& material : layered.materials)
-        inputs.push_back(file_input("stack-materials:" + material.role, material.file, progress));
+        inputs.push_back(file_input("stack-materials:" + material.role, material.file, digest));
     return inputs;
 }
 
@@ -114,7 +118,7 @@ bool same_file(const std::string& a, const std::string& b) {
 }  // namespace
 
 JobIdentity identify(const OpenedJob& job, std::span<const io::SideFile> beside_model, const Progress* progress) {
-    std::vector<JobInput> inputs = named_inputs(job, progress);
+    std::vector<JobInput> inputs = named_inputs(job, by_reading(progress));
     std::string opened_loop = identity_of(job.options.asked, inputs).loop;
     const fs::path folder = fs::path(job.options.model).parent_path();
     for (const io::SideFile& file : beside_model)
@@ -125,23 +129,33 @@ JobIdentity identify(const OpenedJob& job, std::span<const io::SideFile> beside_
 }
 
 std::string opened_loop_identity(const OpenedJob& job, const Progress* progress) {
-    return identity_of(job.options.asked, named_inputs(job, progress)).loop;
+    return identity_of(job.options.asked, named_inputs(job, by_reading(progress))).loop;
 }
 
 bool is_same_job(const fs::path& folder, const OpenedJob& job, const Progress* progress) {
+    return is_same_job(folder, job, by_reading(progress));
+}
+
+bool is_same_job(const fs::path& folder, const OpenedJob& job, const DigestOfFile& digest) {
     const auto recorded = record_in(folder);
     if (!recorded) return false;
     // The same model names the same files: what is beside it is looked up by the names that were noted then.
-    std::vector<JobInput> inputs = named_inputs(job, progress);
+    std::vector<JobInput> inputs = named_inputs(job, digest);
     const std::string beside = fmt::format("{}:", model_key);
     for (const JobInput& then : recorded->recorded_inputs) {
         if (!then.key.starts_with(beside)) continue;
         if (then.sha256.empty()) return false;
         inputs.push_back(
-            input_beside(std::string(model_key), job.options.model, then.key.substr(beside.size()), progress));
+            input_beside(std::string(model_key), job.options.model, then.key.substr(beside.size()), digest));
     }
     return identity_of(*recorded, recorded->recorded_inputs).job ==
            identity_of(job.options.asked, std::move(inputs)).job;
+}
+
+std::optional<std::string> recorded_identity(const fs::path& folder) {
+    const auto recorded = record_in(folder);
+    if (!recorded) return std::nullopt;
+    return identity_of(*recorded, recorded->recorded_inputs).job;
 }
 
 std::vector<std::string> changed_inputs(std::span<const JobInput> recorded, std::span<const JobInput> now) {

@@ -5,19 +5,22 @@
 //
 // Inputs are the model (or picture), the files beside it that it names, the printer's profile, the resins, and the
 // profiles of a layered print; those that come with the program count like files. Left out are the names of files, the
-// output folder, and what only says how the work is done (OptionSpec::of_the_run). --memory is one of these: it decides
-// whether a prediction can be made, not what it says.
+// output folder, and what only says how the work is done (OptionSpec::of_the_run). --memory is one of these: what a
+// prediction says depends on it only where it is too short for pieces of the usual size (viewing_sequence.h), and then
+// the job says so.
 #pragma once
 
 #include <filesystem>
+#include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "voxtone/base/progress.h"
 #include "voxtone/io/models/side_file.h"
-#include "voxtone/slicer/job/opened_job.h"
 #include "voxtone/slicer/options/job_input.h"
+#include "voxtone/slicer/prepare/opened_job.h"
 
 namespace voxtone::slicer {
 
@@ -40,6 +43,12 @@ struct JobIdentity {
 /// read. False in doubt: for another version's job.json, and where a file beside the model was missing then.
 [[nodiscard]] bool is_same_job(const std::filesystem::path& folder, const OpenedJob& job,
                                const Progress* progress = nullptr);
+/// The same for who knows the SHA-256 of files otherwise than by reading them each time (io/files/file_digest.h).
+using DigestOfFile = std::function<std::string(const std::string& file)>;
+[[nodiscard]] bool is_same_job(const std::filesystem::path& folder, const OpenedJob& job, const DigestOfFile& digest);
+
+/// JobIdentity::job of the job.json in `folder`, whatever its inputs hold now. Nothing where there is none.
+[[nodiscard]] std::optional<std::string> recorded_identity(const std::filesystem::path& folder);
 
 /// One sentence for each input that holds something else than the job file says which the options came from; inputs
 /// that were given otherwise since, by another name, are left out.

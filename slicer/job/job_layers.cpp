@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <limits>
 
 #include <fmt/core.h>
@@ -16,17 +15,12 @@
 #include "voxtone/halftone/stacks/stack_materials.h"
 #include "voxtone/optics/profiles/resin_stack.h"
 #include "voxtone/optics/profiles/saunderson.h"
+#include "voxtone/slicer/prepare/layers_check.h"
 #include "voxtone/slicer/stacks/stack_setting.h"
 
 namespace voxtone::slicer {
 
 namespace {
-
-std::string channels_text(const optics::Channels& channels) {
-    return channels.is_rgb()
-               ? std::string("rgb")
-               : fmt::format("{} wavelengths ({:g} nm)", channels.size(), fmt::join(channels.wavelengths_nm, ", "));
-}
 
 void check_thickness(const JobBody& body) {
     const Eigen::Vector3d voxels = body.placement.extent_mm.cwiseQuotient(body.grid.pitch_mm);
@@ -34,33 +28,6 @@ void check_thickness(const JobBody& body) {
         throw InputError(fmt::format(
             "the model is {:.3g} voxels thick along {}: layers need at least two; print it larger (--size, --scale{})",
             voxels[axis], "xyz"[axis], body.is_picture ? ", --thickness" : ""));
-}
-
-/// The measured profile of each loaded resin.
-std::vector<std::string> material_files(const LayeredOptions& options, const LoadedResins& resins) {
-    const std::vector<StackMaterialFile>& named = options.materials;
-    for (const auto& [role, file] : named)
-        if (resins.set.find(role) < 0)
-            throw InputError(fmt::format(
-                "--stack-materials {}={}: no resin of this role is loaded; leave it out or load it (--load)", role,
-                file));
-    std::vector<std::string> files;
-    for (const optics::Resin& resin : resins.set.resins) {
-        const auto found = std::find_if(named.begin(), named.end(), [&](const StackMaterialFile& entry) {
-            return resins.set.find(entry.role) == resins.set.find(resin.role);
-        });
-        if (found == named.end())
-            throw InputError(
-                fmt::format("--stack-materials: the loaded resin {} has no profile; a stack is made of one kind, "
-                            "measured or computed: give it one, or "
-                            "do not load it (--load)",
-                            resin.role));
-        if (std::filesystem::path(found->file).extension() != ".json")
-            throw InputError(
-                fmt::format("--stack-materials {}={}: is no profile file (.json)", found->role, found->file));
-        files.push_back(found->file);
-    }
-    return files;
 }
 
 /// Layers that no printer makes, left over by the refinement, are dropped and alike neighbours joined.
@@ -280,26 +247,6 @@ double profile_extent_mm(const io::ProfileMap& map) {
         for (const optics::RadialSamples& channel : target)
             extent = std::max(extent, channel.spacing_mm * double(channel.light.size() - 1));
     return extent;
-}
-
-void check_layers(const LayeredOptions& options, const io::ProfileMap& map, const LoadedResins& resins) {
-    if (map.target.empty())
-        throw InputError(fmt::format(
-            "{}: has no clusters, so there is nothing to arrange; give a map with at least one", options.profiles));
-    if (options.materials.empty() && map.channels != resins.set.channels)
-        throw InputError(fmt::format(
-            "{}: its profiles are for {}, those of the resins {} for {}; the search compares channel by channel: make "
-            "the map "
-            "with the channels of the resins, or choose another --resins",
-            options.profiles, channels_text(map.channels), resins.set.name, channels_text(resins.set.channels)));
-    if (resins.set.resins.size() < 2)
-        throw InputError(
-            "--model layered-profile: only one resin is loaded, so there are no layers to choose; load at least two, "
-            "such as --load W,K");
-    if (!options.materials.empty()) (void)material_files(options, resins);
-    for (const ClearTop& clear : options.clear_top)
-        if (resins.set.find(clear.role) < 0)
-            throw InputError(fmt::format("--clear-top {}: no resin of this role is loaded", clear.role));
 }
 
 JobLayers::JobLayers(DesignedStacks designed, const JobBody& body, const LoadedResins& resins, Progress& progress)

@@ -23,12 +23,12 @@
 #include "voxtone/halftone/stacks/stack_design.h"
 #include "voxtone/io/profiles/profile_map.h"
 #include "voxtone/optics/numerics/hankel.h"
-#include "voxtone/slicer/job/job_body.h"
-#include "voxtone/slicer/job/job_colour.h"
 #include "voxtone/slicer/layers/map_placement.h"
 #include "voxtone/slicer/layers/stack_fit.h"
 #include "voxtone/slicer/layers/wrapped_layers.h"
 #include "voxtone/slicer/options/resolved_job.h"
+#include "voxtone/slicer/prepare/job_body.h"
+#include "voxtone/slicer/prepare/job_colour.h"
 
 namespace voxtone::slicer {
 
@@ -49,11 +49,6 @@ struct ClusterStack {
 
 /// The farthest sample of any wanted profile.
 [[nodiscard]] double profile_extent_mm(const io::ProfileMap& map);
-
-/// What is wrong with the map and the loaded resins, known without a body. Throws InputError: no cluster, channels that
-/// are not those of the resins, one resin only, roles that are not loaded, a resin without a profile beside measured
-/// ones.
-void check_layers(const LayeredOptions& options, const io::ProfileMap& map, const LoadedResins& resins);
 
 /// The map where it lies on a body.
 struct PlacedMap {

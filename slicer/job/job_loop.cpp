@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxtone/slicer/job/job_loop.h"
 
-#include <algorithm>
 #include <future>
 #include <utility>
 
@@ -11,7 +10,6 @@
 #include "voxtone/base/stop_deadline.h"
 #include "voxtone/base/stopwatch.h"
 #include "voxtone/slicer/job/skin_gradient.h"
-#include "voxtone/slicer/options/auto_limits.h"
 #include "voxtone/slicer/options/model_choice.h"
 
 namespace voxtone::slicer {
@@ -25,19 +23,6 @@ optics::ResinVolume shape_of(const PrintParts& parts, const LoadedResins& resins
     const int white = resins.set.find("W");
     return optics::all_of(parts.volume(nullptr, print_bytes, progress),
                           static_cast<optics::Material>((white >= 0 ? white : resins.core) + 1));
-}
-
-std::unique_ptr<const halftone::MinimalDepthSeparation> make_recipes(const optics::ResinSet& resins,
-                                                                     const optics::ShellGeometry& shell,
-                                                                     const halftone::SkinLayers& layers,
-                                                                     const Progress& progress) {
-    optics::ShellGeometry below = shell;
-    below.core_mm += shell.shell_mm - layers.depth_mm();
-    halftone::SeparationOptions separation;
-    separation.wavelengths_nm = resins.channels.wavelengths_nm;
-    constexpr int nodes = 33;
-    separation.nodes = nodes;
-    return std::make_unique<const halftone::MinimalDepthSeparation>(resins, below, layers, separation, &progress);
 }
 
 std::unique_ptr<const optics::AppearanceModel> loop_model(const ResolvedJob& job, double colour_mm,
@@ -100,50 +85,11 @@ private:
 
 }  // namespace
 
-LoopPlan plan_loop(const ResolvedJob& job, const JobBody& body, const LoadedResins& resins) {
-    const JobLoopOptions& options = job.loop;
-    const auto none = [](std::string why_not) { return LoopPlan{.why_not = std::move(why_not)}; };
-    if (options.iterations == 0 && !job.resume) return none("");
-    if (resins.set.resins.size() < 2)
-        return none("The resins were not rearranged: one resin alone leaves nothing to choose.");
-    if (body.surface->triangles.empty())
-        return none("The resins were not rearranged: the body has no coloured surface.");
-    const double area_mm2 = coloured_area_mm2(*body.surface);
-    LoopPlan plan{.wanted = true,
-                  .iterations = options.iterations.value_or(-1),
-                  .descent = options.method == LoopMethod::descent ||
-                             (options.method == LoopMethod::automatic && area_mm2 <= 100 * descent_cm2),
-                  .why_not = ""};
-    const double bytes = expected_cost(plan, area_mm2, job.prediction.cell_mm).bytes,
-                 allowed = double(job.prediction.memory_bytes);
-    if (!options.iterations && !job.resume && allowed > 0 && bytes > cost_factor * allowed)
-        return none(
-            fmt::format("The resins were not rearranged: for {:.0f} cm2 of coloured surface that would take about "
-                        "{:.1f} GB of memory, and {:.1f} are allowed. Allow more (--memory), take larger cells "
-                        "(--predict-cell), or ask for it all the same (--iterations N).",
-                        area_mm2 / 100, bytes / 1e9, allowed / 1e9));
-    return plan;
-}
-
-LoopCost expected_cost(const LoopPlan& plan, double area_mm2, double cell_mm) {
-    // Of `slice` with the bundled cow at 15, 30 and 60 mm and a photograph 20 mm wide.
-    constexpr double first_s = 7e-5, feedback_s = 1.4e-5, descent_s = 3.4e-5;         // a surface cell
-    constexpr double least_bytes = 3e8, feedback_bytes = 2900, descent_bytes = 4500;  // a surface cell
-    constexpr int usual_by_feedback = 4, usual_by_descent = 12;
-    const double cells = area_mm2 / (cell_mm * cell_mm);
-    LoopCost cost;
-    cost.iterations = plan.iterations >= 0 ? plan.iterations : plan.descent ? usual_by_descent : usual_by_feedback;
-    const int by_feedback = plan.descent ? std::min(cost.iterations, halftone::feedback_iterations) : cost.iterations;
-    cost.seconds = cells * (first_s + by_feedback * feedback_s + (cost.iterations - by_feedback) * descent_s);
-    cost.bytes = least_bytes + cells * (plan.descent ? descent_bytes : feedback_bytes);
-    return cost;
-}
-
-LoopCells::LoopCells(ViewedCells cells, const JobBody& body, const optics::ResinVolume& volume, double colour_mm)
+LoopCells::LoopCells(ViewedCells cells, const JobBody& body, double colour_mm)
     : seen(std::move(cells)),
       layers(halftone::skin_layers(colour_mm)),
       places(*body.surface, body.grid.origin_mm),
-      index(seen.surface, volume.pitch_mm()) {}
+      index(seen.surface, {body.grid.pitch_mm.x(), body.grid.pitch_mm.y(), body.grid.pitch_mm.z()}) {}
 
 LoopProblem::LoopProblem(const ResolvedJob& of_job, const JobBody& body, const LoadedResins& of_resins,
                          const JobColour& colour, const PrintParts& of_parts, const Progress& progress)
@@ -154,8 +100,34 @@ LoopProblem::LoopProblem(const ResolvedJob& of_job, const JobBody& body, const L
       shape(shape_of(parts, resins, print_bytes, progress)),
       scene(scene_of(shape, resins, body, job.picture.backing)),
       cells(std::make_shared<const LoopCells>(find_viewed_cells(scene, body, job.prediction.cell_mm, progress), body,
-                                              shape, colour.appearance.geometry().shell_mm)),
-      recipes(make_recipes(resins.set, colour.appearance.geometry(), cells->layers, progress)) {}
+                                              colour.appearance.geometry().shell_mm)),
+      recipes(prepare_recipes(resins.set, colour.appearance.geometry(), cells->layers, progress)) {}
+
+SavedSkin saved_skin(const JobLoop& loop) {
+    SavedSkin skin;
+    skin.model = loop.model;
+    skin.seconds = loop.seconds;
+    skin.surface.cell_voxels = loop.cells->seen.surface.cell_voxels;
+    skin.surface.cells = loop.cells->seen.surface.cells;
+    for (optics::SurfaceCell& cell : skin.surface.cells) cell.first_face = cell.faces = 0;
+    skin.target = loop.cells->seen.target;
+    skin.cell_um = loop.cells->seen.cell_um;
+    skin.result = loop.result;
+    skin.mixtures = loop.mixtures;
+    return skin;
+}
+
+JobLoop loop_of(SavedSkin skin, const JobBody& body, double colour_mm) {
+    JobLoop loop;
+    loop.model = std::move(skin.model);
+    loop.seconds = skin.seconds;
+    loop.cells = std::make_shared<const LoopCells>(
+        ViewedCells{std::move(skin.surface), std::move(skin.target), skin.cell_um}, body, colour_mm);
+    loop.result = std::move(skin.result);
+    loop.mixtures = std::move(skin.mixtures);
+    loop.reread = true;
+    return loop;
+}
 
 JobLoop run_job_loop(const LoopProblem& problem, const LoopPlan& plan, const LoopCheckpoint& checkpoint,
                      std::optional<halftone::ResumedLoop> before, Progress& progress) {
@@ -189,7 +161,9 @@ JobLoop run_job_loop(const LoopProblem& problem, const LoopPlan& plan, const Loo
     options.intent = job.loop.intent;
     options.descent = plan.descent;
 
-    JobLoop loop{std::string(name_of(job.loop.model)), problem.cells, {}, 0};
+    JobLoop loop;
+    loop.model = name_of(job.loop.model);
+    loop.cells = problem.cells;
     CheckpointKeeper keeper(checkpoint, progress);
     const auto keep = [&](const halftone::LoopState& state, const optics::AppearanceSequence& sequence) {
         keeper.keep(state, sequence);
@@ -198,6 +172,8 @@ JobLoop run_job_loop(const LoopProblem& problem, const LoopPlan& plan, const Loo
     loop.result = halftone::run_appearance_loop(task, options, progress, keep, std::move(before));
     keeper.finish();
     if (loop.result.cancelled) throw Cancelled();
+    if (loop.result.best) loop.mixtures = halftone::cumulative_mixtures(*loop.result.best);
+    loop.result.best.reset();
     loop.seconds = watch.total();
     return loop;
 }

@@ -3,8 +3,8 @@
 // The appearance loop of a job: from the open-loop print to the mixtures of its surface cells that look most like the
 // target.
 //
-// The loop is left out where it has nothing to choose (one resin) and where it is not wanted (--iterations 0); where
-// its memory does not suffice, surely or as it turns out, the job goes on with the open loop and says so.
+// Whether there is one says prepare/loop_plan.h; where its memory turns out not to suffice, the job goes on with the
+// open loop and says so.
 //
 // First everything is prepared that may refuse the job (LoopCells, LoopProblem, the checkpoint of an interrupted job);
 // then the loop runs, for hours if need be.
@@ -14,45 +14,29 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "voxtone/base/progress.h"
 #include "voxtone/halftone/loop/appearance_loop.h"
 #include "voxtone/halftone/loop/minimal_depth_separation.h"
-#include "voxtone/slicer/job/job_body.h"
-#include "voxtone/slicer/job/job_colour.h"
-#include "voxtone/slicer/job/loop_checkpoint.h"
 #include "voxtone/slicer/job/print_parts.h"
 #include "voxtone/slicer/job/viewed_cells.h"
 #include "voxtone/slicer/layers/cell_index.h"
 #include "voxtone/slicer/layers/skin_source.h"
 #include "voxtone/slicer/options/resolved_job.h"
+#include "voxtone/slicer/prepare/job_body.h"
+#include "voxtone/slicer/prepare/job_colour.h"
+#include "voxtone/slicer/prepare/loop_plan.h"
+#include "voxtone/slicer/saved/loop_checkpoint.h"
+#include "voxtone/slicer/saved/skin_file.h"
 
 namespace voxtone::slicer {
-
-struct LoopPlan {
-    bool wanted = false;
-    int iterations = -1;  ///< most; -1: until it stops gaining
-    bool descent = true;  ///< after feedback
-    std::string why_not;  ///< where it is not wanted: a sentence, or empty where none is due
-};
-
-/// Of a job that resumes: with no iterations too, what an interrupted loop has found is looked at. Not without being
-/// asked where it would surely take more memory than is allowed (expected_cost).
-[[nodiscard]] LoopPlan plan_loop(const ResolvedJob& job, const JobBody& body, const LoadedResins& resins);
-
-/// What a loop takes, about: measured on two cores of 2.5 GHz (docs/benchmarks.md, "Bodies"), to this factor.
-inline constexpr double cost_factor = 1.5;
-struct LoopCost {
-    int iterations = 0;  ///< that are made, of a loop that stops when it gains no more
-    double seconds = 0, bytes = 0;
-};
-[[nodiscard]] LoopCost expected_cost(const LoopPlan& plan, double area_mm2, double cell_mm);
 
 /// Where the unknowns of the loop lie: the cells of the surface, the layers below them, and the way there from a voxel.
 /// What the loop finds refers to it. Stays where it was made.
 struct LoopCells {
-    /// `volume`: of the print's shape. `colour_mm`: depth of its coloured shell.
-    LoopCells(ViewedCells cells, const JobBody& body, const optics::ResinVolume& volume, double colour_mm);
+    /// `colour_mm`: depth of the print's coloured shell.
+    LoopCells(ViewedCells cells, const JobBody& body, double colour_mm);
     LoopCells(const LoopCells&) = delete;
     LoopCells& operator=(const LoopCells&) = delete;
 
@@ -88,7 +72,16 @@ struct JobLoop {
     std::shared_ptr<const LoopCells> cells;
     halftone::LoopResult result;
     double seconds = 0;
+    std::vector<halftone::CumulativeMixture> mixtures;  ///< as SkinSource takes them; empty: the open loop was best
+    bool reread = false;                                ///< from a skin file: the cells have no faces
 };
+
+/// What shards and other jobs of the body need of it, and the way back. `colour_mm`: depth of the coloured shell.
+[[nodiscard]] SavedSkin saved_skin(const JobLoop& loop);
+[[nodiscard]] JobLoop loop_of(SavedSkin skin, const JobBody& body, double colour_mm);
+
+/// Whether there is anything that a loop could choose, whatever memory it takes. Empty: yes; else why not, a sentence.
+[[nodiscard]] std::string nothing_to_rearrange(const JobBody& body, const LoadedResins& resins);
 
 /// Goes on after `before` where there is one. Writes the checkpoint after each iteration; where it cannot be written
 /// the loop goes on, with a warning; says how to go on to who stops it (set_stop_advice). Throws ResourceError,

@@ -9,7 +9,6 @@
 #include "voxtone/base/error.h"
 #include "voxtone/base/stopwatch.h"
 #include "voxtone/slicer/look/coarse_cells.h"
-#include "voxtone/slicer/options/auto_limits.h"
 #include "voxtone/slicer/options/model_choice.h"
 #include "voxtone/slicer/surface/target_cells.h"
 
@@ -36,21 +35,6 @@ std::optional<optics::ResinVolume> JobVolume::finish() {
     if (!given_up_) volume = volume_->finish();
     volume_.reset();
     return volume;
-}
-
-PredictionPlan plan_prediction(const ResolvedJob& job, const JobBody& body, bool all_layers, bool looped) {
-    using By = PredictionPlan::By;
-    const JobPredictionOptions& options = job.prediction;
-    if (!job.report || (!options.automatic && !options.model)) return {};
-    if (!all_layers) return {.why_not = "Only a part of the layers was made: a part is not predicted."};
-    if (options.model) return {.by = By::model, .model = *options.model, .why_not = ""};
-    const double area_mm2 = coloured_area_mm2(*body.surface);
-    if (area_mm2 <= 100 * auto_prediction_cm2) return {.by = By::model, .why_not = ""};
-    if (looped) return {.by = By::loop, .why_not = ""};
-    return {.why_not =
-                fmt::format("The coloured surface has {:.0f} cm2; more than {:g} cm2 are not predicted without being "
-                            "asked: --predict {}.",
-                            area_mm2 / 100, auto_prediction_cm2, name_of(PredictionModel::transport))};
 }
 
 JobPrediction prediction_of_loop(const JobLoop& loop, optics::ResinVolume volume) {

@@ -15,31 +15,14 @@
 #include "voxtone/base/progress.h"
 #include "voxtone/io/layers/layer_runs.h"
 #include "voxtone/optics/colour/colour.h"
-#include "voxtone/slicer/job/job_body.h"
-#include "voxtone/slicer/job/job_colour.h"
 #include "voxtone/slicer/job/job_loop.h"
 #include "voxtone/slicer/layers/layer_volume.h"
 #include "voxtone/slicer/look/surface_prediction.h"
 #include "voxtone/slicer/options/resolved_job.h"
+#include "voxtone/slicer/prepare/job_body.h"
+#include "voxtone/slicer/prepare/job_colour.h"
 
 namespace voxtone::slicer {
-
-/// What a job predicts, known before its layers are made.
-struct PredictionPlan {
-    enum class By {
-        nothing,
-        loop,   ///< what comes out of the appearance loop at no further cost
-        model,  ///< `model`
-    };
-    By by = By::nothing;
-    PredictionModel model = PredictionModel::transport;
-    std::string why_not;  ///< where nothing: a sentence for the report; may be empty
-};
-
-/// The model that was asked for; or none; or, automatic: the default model up to auto_prediction_cm2 of coloured
-/// surface, above that what the appearance loop predicted, if there was one (`looped`). A part of the layers is never
-/// predicted, nor is a job without a report.
-[[nodiscard]] PredictionPlan plan_prediction(const ResolvedJob& job, const JobBody& body, bool all_layers, bool looped);
 
 /// The volume of a job, filled layer by layer from any thread.
 class JobVolume {

@@ -24,8 +24,8 @@
 
 #include "voxtone/base/progress.h"
 #include "voxtone/io/layers/layer_runs.h"
-#include "voxtone/slicer/job/job_body.h"
 #include "voxtone/slicer/layers/wrapped_layers.h"
+#include "voxtone/slicer/prepare/job_body.h"
 
 namespace voxtone::slicer {
 

@@ -10,10 +10,10 @@
 
 #include "voxtone/slicer/job/job_layers.h"
 #include "voxtone/slicer/job/layers_report.h"
-#include "voxtone/slicer/job/opened_job.h"
 #include "voxtone/slicer/job/print.h"
 #include "voxtone/slicer/job/print_parts.h"
 #include "voxtone/slicer/look/upright_cut.h"
+#include "voxtone/slicer/prepare/opened_job.h"
 
 namespace voxtone::slicer {
 
@@ -24,6 +24,8 @@ public:
 
     void prepare(Progress& progress) override;
     void rearrange(Progress&) override {}
+    [[nodiscard]] JobResult keep_loop() const override { return {}; }
+    [[nodiscard]] std::vector<float> separation() const override { return {}; }
     [[nodiscard]] LayerSources sources() const override;
     void expect_layers(const LayerRange& range) override;
     void see(int k, const io::LayerRuns& layer) override;

@@ -12,10 +12,10 @@
 #include "voxtone/base/progress.h"
 #include "voxtone/io/layers/manifest.h"
 #include "voxtone/io/report/report_html.h"
-#include "voxtone/slicer/job/job_body.h"
-#include "voxtone/slicer/job/job_colour.h"
 #include "voxtone/slicer/job/job_layers.h"
 #include "voxtone/slicer/job/layer_surfaces.h"
+#include "voxtone/slicer/prepare/job_body.h"
+#include "voxtone/slicer/prepare/job_colour.h"
 
 namespace voxtone::slicer {
 

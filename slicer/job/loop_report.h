@@ -12,8 +12,8 @@
 
 #include "voxtone/io/layers/manifest.h"
 #include "voxtone/io/report/report_html.h"
-#include "voxtone/slicer/job/job_body.h"
 #include "voxtone/slicer/job/job_loop.h"
+#include "voxtone/slicer/prepare/job_body.h"
 
 namespace voxtone::slicer {
 

@@ -4,13 +4,16 @@
 // light spreads (layered_print.h). What is common to both does slice_job.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "voxtone/base/job_result.h"
 #include "voxtone/base/progress.h"
 #include "voxtone/io/layers/layer_runs.h"
 #include "voxtone/io/layers/manifest.h"
 #include "voxtone/io/report/report_html.h"
+#include "voxtone/slicer/estimate/colour_mixtures.h"
 #include "voxtone/slicer/layers/layer_maker.h"
 #include "voxtone/slicer/options/option_values.h"
 
@@ -26,8 +29,15 @@ public:
 
     /// The last that may refuse the job for what its options say: nothing in the output folder is touched yet.
     virtual void prepare(Progress& progress) = 0;
+    /// What its colours are made with, once it is prepared; nothing where it shows none.
+    [[nodiscard]] virtual std::optional<ColourRecipes> made_with() const { return std::nullopt; }
     /// Looks at the print and rearranges its resins, for hours if need be. The output folder is ready.
     virtual void rearrange(Progress& progress) = 0;
+    /// Keeps what came of that for other jobs of this body, and says so: one JSON object, and a line for a person.
+    [[nodiscard]] virtual JobResult keep_loop() const = 0;
+
+    /// To be kept for another job of this very body; empty: there is none.
+    [[nodiscard]] virtual std::vector<float> separation() const = 0;
 
     /// What its layers are made of, as it is now.
     [[nodiscard]] virtual LayerSources sources() const = 0;

@@ -4,7 +4,6 @@
 #include <array>
 #include <filesystem>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -12,66 +11,33 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
+#include "voxtone/base/contracts.h"
 #include "voxtone/base/parallel.h"
+#include "voxtone/base/peak_memory.h"
 #include "voxtone/base/stop_deadline.h"
 #include "voxtone/base/stopwatch.h"
-#include "voxtone/io/disk/disk_space.h"
 #include "voxtone/io/files/whole_file.h"
 #include "voxtone/io/layers/layer_stack_writer.h"
 #include "voxtone/io/layers/stack_folder.h"
-#include "voxtone/io/report/report_json.h"
-#include "voxtone/slicer/job/colour_print.h"
-#include "voxtone/slicer/job/job_body.h"
+#include "voxtone/io/shards/shard_folder.h"
+#include "voxtone/slicer/estimate/estimate_job.h"
+#include "voxtone/slicer/estimate/estimate_text.h"
+#include "voxtone/slicer/estimate/job_phases.h"
 #include "voxtone/slicer/job/job_identity.h"
-#include "voxtone/slicer/job/job_stages.h"
-#include "voxtone/slicer/job/layered_print.h"
-#include "voxtone/slicer/job/loop_checkpoint.h"
-#include "voxtone/slicer/job/opened_job.h"
-#include "voxtone/slicer/job/resin_choice.h"
+#include "voxtone/slicer/job/job_phases.h"
 #include "voxtone/slicer/job/slice_report.h"
-#include "voxtone/slicer/layers/layer_bytes.h"
-#include "voxtone/slicer/layers/layer_maker.h"
 #include "voxtone/slicer/look/report_files.h"
 #include "voxtone/slicer/look/thumbnails.h"
 #include "voxtone/slicer/options/job_file.h"
+#include "voxtone/slicer/prepare/job_body.h"
+#include "voxtone/slicer/prepare/opened_job.h"
+#include "voxtone/slicer/saved/loop_checkpoint.h"
 
 namespace voxtone::slicer {
 
 namespace {
 
 namespace fs = std::filesystem;
-
-JobBody read_body(const OpenedJob& job, JobFigures& figures, Progress& progress) {
-    const Stopwatch watch;
-    JobBody body = prepare_body(job.options, job.printer, progress);
-    for (const std::string& warning : body.warnings) progress.warn(warning);
-    progress.note(body.placement.summary);
-    for (const std::string& note : body.notes) progress.note(note);
-    figures.read_s = body.read_s;
-    figures.repair_s = watch.total() - body.read_s;
-    return body;
-}
-
-void load_best_resins(OpenedJob& job, const JobBody& body, Progress& progress) {
-    const auto choice = choose_resins(job, body, progress);
-    if (!choice) return;
-    job.load(choice->roles);
-    job.why_these_resins = choice->why;
-    progress.note(choice->why);
-}
-
-JobIdentity identify_said(const OpenedJob& job, const JobBody& body, Progress& progress) {
-    JobIdentity identity = identify(job, body.side_files, &progress);
-    for (const std::string& changed : changed_inputs(job.options.asked.recorded_inputs, identity.inputs))
-        progress.warn(changed);
-    return identity;
-}
-
-std::unique_ptr<Print> make_print(const OpenedJob& job, const JobBody& body, const JobIdentity& identity,
-                                  Progress& progress) {
-    if (job.options.layered) return std::make_unique<LayeredPrint>(job, body, progress);
-    return std::make_unique<ColourPrint>(job, body, identity, progress);
-}
 
 /// Whether the folder holds this very job's stack, whole, though perhaps without its report.
 bool holds_this_stack(const OpenedJob& job, const io::StackFolder& folder, const Progress& progress) {
@@ -83,7 +49,7 @@ bool has_checkpoint(const io::StackFolder& folder) { return fs::exists(folder.pa
 /// What was said when this very job was done, where nothing is left of it to do.
 std::optional<SliceResult> done_before(const OpenedJob& job, const io::StackFolder& folder, const Progress& progress) {
     const fs::path figures = folder.path() / report_file::figures;
-    if (job.options.overwrite || has_checkpoint(folder) || !fs::exists(figures) ||
+    if (job.options.overwrite || job.options.until != Until::end || has_checkpoint(folder) || !fs::exists(figures) ||
         !holds_this_stack(job, folder, progress))
         return std::nullopt;
     constexpr std::uint64_t most_bytes = std::uint64_t{1} << 30;
@@ -102,10 +68,12 @@ std::optional<SliceResult> done_before(const OpenedJob& job, const io::StackFold
 void expect_replaceable(const OpenedJob& job, const io::StackFolder& folder, const Progress& progress) {
     const bool goes_on = job.options.resume && has_checkpoint(folder);
     if (!job.options.overwrite && !goes_on && !holds_this_stack(job, folder, progress)) folder.expect_free();
+    if (!job.options.overwrite) expect_no_other_shards(job, &progress);
 }
 
 /// A saved loop of another job is refused before the model is read.
 void expect_resumable(const OpenedJob& job, const io::StackFolder& folder, const Progress& progress) {
+    expect_own_loop(job, &progress);
     if (job.options.resume && has_checkpoint(folder))
         LoopCheckpoint::expect_same_job(folder.path(), opened_loop_identity(job, &progress));
 }
@@ -121,51 +89,14 @@ void expect_enough_layers(const OpenedJob& job, const JobBody& body, const Layer
             range.layers(), body.grid.size[2], job.printer.id, job.printer.min_layers));
 }
 
-/// Says how much will be needed and is free. Throws TryAgain where that is too little.
-void expect_disk_space(const OpenedJob& job, const JobBody& body, const LayerRange& range, Progress& progress) {
-    constexpr std::uint64_t report_bytes = 4'000'000;
-    const ResolvedJob& options = job.options;
-    const double shell_mm = options.layered ? options.layered->thickness_mm : options.colour.depth_mm;
-    const std::uint64_t needed = layer_bytes(body.grid, {coloured_area_mm2(*body.surface), shell_mm, range.layers(),
-                                                         job.outputs(), job.resins.entries.size()}) +
-                                 (options.report ? report_bytes : 0);
-    if (const std::optional<std::uint64_t> free = io::free_disk_bytes(options.out))
-        progress.note(fmt::format("the stack takes up to {} of the {} that the disk of {} has free",
-                                  io::bytes_text(needed), io::bytes_text(*free), options.out.string()));
-    io::expect_disk_space(options.out, needed, "the stack and its report");
-}
-
-/// Makes the layers, in slabs side by side; each goes to the writer and to those who look on.
-void write_layers(Print& print, const LayerRange& range, io::LayerStackWriter& writer,
-                  std::optional<Thumbnails>& thumbnails, JobFigures& figures, Progress& progress) {
-    const Stopwatch watch;
-    print.expect_layers(range);
-    const LayerMaker maker(print.sources());
-    std::mutex figures_mutex;
-    progress.begin_stage("layers", std::uint64_t(range.layers()), "layers");
-    const auto write = [&](int k, const io::LayerRuns& layer, double& encode_s) {
-        progress.check_cancelled();
-        const Stopwatch encode;
-        writer.write(std::uint32_t(k - range.first), layer);
-        encode_s += encode.total();
-        if (thumbnails) thumbnails->offer(k, layer);
-        print.see(k, layer);
-        progress.advance();
-    };
-    parallel_for(
-        std::size_t(range.first / maker.slab_layers()), std::size_t(range.last / maker.slab_layers()) + 1, 1,
-        [&](std::size_t slab) {
-            double encode_s = 0;
-            const LayerCounts counts =
-                maker.make(int(slab), range.first, range.last + 1,
-                           [&](int k, const io::LayerRuns& layer) { write(k, layer, encode_s); });
-            const std::scoped_lock lock(figures_mutex);
-            figures.counts += counts;
-            figures.encode_s += encode_s;
-        },
-        &progress);
-    progress.end_stage();
-    figures.layers_s = watch.total();
+/// Says what the job will take (`voxtone estimate` says more).
+void announce(const OpenedJob& job, const JobBody& body, const LayerRange& range, const JobFigures& figures,
+              const Print& print, Progress& progress) {
+    const double read_s = figures.read_s + figures.repair_s;
+    const ReadBody read{{"read and repair", read_s, read_s, peak_memory_bytes(), true}, resident_bytes()};
+    const auto made_with = print.made_with();
+    progress.note(
+        estimate_summary(estimate_print(job, body, range, read, made_with ? &*made_with : nullptr, progress)));
 }
 
 /// The printed body for a container's preview.
@@ -174,6 +105,15 @@ std::vector<std::array<float, 3>> single_precision(const std::vector<Eigen::Vect
     out.reserve(positions.size());
     for (const Eigen::Vector3d& p : positions) out.push_back({float(p.x()), float(p.y()), float(p.z())});
     return out;
+}
+
+/// The end of a job that goes as far as the loop.
+SliceResult keep_loop(const OpenedJob& job, Print& print, Progress& progress) {
+    print.rearrange(progress);
+    JobResult kept = print.keep_loop();
+    LoopCheckpoint::remove_from(job.options.out);
+    set_stop_advice({});
+    return {std::move(kept.json), std::move(kept.text), kept.exit_code};
 }
 
 const io::StackDescription& finish_stack(const OpenedJob& job, const JobBody& body, const JobIdentity& identity,
@@ -192,22 +132,6 @@ const io::StackDescription& finish_stack(const OpenedJob& job, const JobBody& bo
     return stack;
 }
 
-/// Draws and writes the report; its JSON.
-std::string write_report(const OpenedJob& job, const Print& print, io::Report& report, const Stopwatch& since_begin,
-                         Progress& progress) {
-    const fs::path& folder = job.options.out;
-    if (job.options.report) {
-        const Stopwatch watch;
-        print.draw(report, progress);
-        report.stages.push_back({"draw the report", watch.total()});
-    }
-    report.total_seconds = since_begin.total();
-    if (job.options.report) io::write_whole_file(folder / report_file::page, io::report_html(report));
-    std::string json = io::report_json(report);
-    io::write_whole_file(folder / report_file::figures, json);
-    return json;
-}
-
 }  // namespace
 
 SliceResult run_slice_job(const SliceOptions& asked, Progress& progress) {
@@ -215,8 +139,12 @@ SliceResult run_slice_job(const SliceOptions& asked, Progress& progress) {
     JobFigures figures;
     // All that can refuse the job, from what costs nothing to what costs most ...
     OpenedJob job = open_job(asked);
+    VOXTONE_EXPECT(!job.options.sharded);
+    LoopCheckpoint::refuse_loss(job.options.out, job.options.resume, job.options.overwrite);
     // From here on the output folder is this job's; what it holds stays until the new stack is whole.
-    io::StackFolder folder(job.options.out, {report_file::all.begin(), report_file::all.end()});
+    std::vector<std::string_view> companions(report_file::all.begin(), report_file::all.end());
+    companions.push_back(io::shards_name);
+    io::StackFolder folder(job.options.out, std::move(companions));
     if (auto done = done_before(job, folder, progress)) return *std::move(done);
     expect_replaceable(job, folder, progress);
     expect_resumable(job, folder, progress);
@@ -228,16 +156,19 @@ SliceResult run_slice_job(const SliceOptions& asked, Progress& progress) {
     const LayerRange range = range_within(job.options.layers, body.grid.size[2]);
     expect_enough_layers(job, body, range, progress);
     expect_disk_space(job, body, range, progress);
-    expect_stages(progress, expected_stages(job, body, range));
+    expect_stages(progress, expected_stages(job_phases(job, body, range, thread_count(), resident_bytes())));
     const std::unique_ptr<Print> print = make_print(job, body, identity, progress);
     print->prepare(progress);
+    announce(job, body, range, figures, *print, progress);
 
     // ... and from here on hours may be spent.
+    if (job.options.until == Until::loop) return keep_loop(job, *print, progress);
     io::LayerStackWriter writer(std::move(folder), job.describe(body.grid, range), job.outputs());
     print->rearrange(progress);
     std::optional<Thumbnails> thumbnails;
     if (job.options.report) thumbnails.emplace(range.first, range.layers(), body.grid, job.palette());
-    write_layers(*print, range, writer, thumbnails, figures, progress);
+    const auto write = [&](int k, const io::LayerRuns& layer) { writer.write(std::uint32_t(k - range.first), layer); };
+    make_layers(*print, range, write, thumbnails, figures, progress);
     const io::StackDescription& stack = finish_stack(job, body, identity, writer, figures, progress);
     LoopCheckpoint::remove_from(job.options.out);
     set_stop_advice({});

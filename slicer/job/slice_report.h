@@ -9,10 +9,10 @@
 
 #include "voxtone/io/layers/manifest.h"
 #include "voxtone/io/report/report_html.h"
-#include "voxtone/slicer/job/job_body.h"
-#include "voxtone/slicer/job/opened_job.h"
 #include "voxtone/slicer/job/print.h"
 #include "voxtone/slicer/layers/layer_maker.h"
+#include "voxtone/slicer/prepare/job_body.h"
+#include "voxtone/slicer/prepare/opened_job.h"
 
 namespace voxtone::slicer {
 

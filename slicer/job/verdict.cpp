@@ -12,7 +12,7 @@
 #include <fmt/ranges.h>
 
 #include "voxtone/halftone/loop/eye_filter.h"
-#include "voxtone/slicer/job/resin_choice.h"
+#include "voxtone/slicer/prepare/resin_choice.h"
 #include "voxtone/slicer/surface/target_cells.h"
 
 namespace voxtone::slicer {

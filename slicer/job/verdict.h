@@ -20,10 +20,10 @@
 #include <string>
 
 #include "voxtone/io/report/report_html.h"
-#include "voxtone/slicer/job/job_body.h"
-#include "voxtone/slicer/job/job_colour.h"
 #include "voxtone/slicer/job/job_prediction.h"
-#include "voxtone/slicer/job/opened_job.h"
+#include "voxtone/slicer/prepare/job_body.h"
+#include "voxtone/slicer/prepare/job_colour.h"
+#include "voxtone/slicer/prepare/opened_job.h"
 
 namespace voxtone::slicer {
 

@@ -12,8 +12,8 @@
 #include "voxtone/base/progress.h"
 #include "voxtone/optics/media/resin_volume.h"
 #include "voxtone/optics/scene/appearance_model.h"
-#include "voxtone/slicer/job/job_body.h"
-#include "voxtone/slicer/job/job_colour.h"
+#include "voxtone/slicer/prepare/job_body.h"
+#include "voxtone/slicer/prepare/job_colour.h"
 
 namespace voxtone::slicer {
 

@@ -2,6 +2,7 @@
 #include "voxtone/slicer/layers/skin_source.h"
 
 #include <cmath>
+#include <utility>
 
 #include <Eigen/LU>
 
@@ -35,8 +36,12 @@ SurfacePlaces::SurfacePlaces(const VisibleSurface& surface, const Eigen::Vector3
 }
 
 SkinSource::SkinSource(const SkinMap& map, const halftone::SkinMixtures& mixtures, int core)
-    : map_(map), mixture_(halftone::cumulative_mixtures(mixtures)) {
-    halftone::SkinMixtures pure(1, 1, mixtures.resins());
+    : SkinSource(map, halftone::cumulative_mixtures(mixtures), mixtures.resins(), core) {}
+
+SkinSource::SkinSource(const SkinMap& map, std::vector<halftone::CumulativeMixture> mixtures, std::size_t resins,
+                       int core)
+    : map_(map), mixture_(std::move(mixtures)) {
+    halftone::SkinMixtures pure(1, 1, resins);
     pure.cell(0)[static_cast<std::size_t>(core)] = 1;
     core_ = halftone::cumulative_mixtures(pure)[0];
 }

@@ -48,6 +48,8 @@ class SkinSource {
 public:
     /// `core`: index of the core resin.
     SkinSource(const SkinMap& map, const halftone::SkinMixtures& mixtures, int core);
+    /// The same with the mixtures as `halftone::cumulative_mixtures` makes them.
+    SkinSource(const SkinMap& map, std::vector<halftone::CumulativeMixture> mixtures, std::size_t resins, int core);
     [[nodiscard]] const halftone::CumulativeMixture& mixture(std::uint32_t triangle, float u, float v,
                                                              float distance_mm) const {
         const std::size_t at = map_.at(triangle, u, v, distance_mm);

@@ -9,6 +9,7 @@
 #include "voxtone/base/error.h"
 #include "voxtone/io/files/json_object.h"
 #include "voxtone/io/profiles/resin_file.h"
+#include "voxtone/slicer/options/option_words.h"
 
 namespace voxtone::slicer {
 
@@ -116,16 +117,20 @@ constexpr auto every_key = [](const std::string&) { return true; };
 
 }  // namespace
 
-std::string job_json(const SliceOptions& options) {
-    SliceOptions anywhere = options;
-    replace_paths(anywhere, fs::path(), every_key,
+SliceOptions with_absolute_paths(SliceOptions options) {
+    replace_paths(options, fs::path(), every_key,
                   [](const std::string& text) { return path_from(fs::current_path(), text); });
-    return text_of(options_json(anywhere));
+    return options;
 }
+
+std::string job_json(const SliceOptions& options) { return text_of(options_json(with_absolute_paths(options))); }
 
 std::string job_record(const SliceOptions& options, std::span<const JobInput> inputs, const fs::path& folder) {
     SliceOptions left = options;
     left.overwrite = left.resume = false;
+    left.shard = left.mixtures = {};
+    left.until = name_of(Until::end);
+    left.threads = 0;
     replace_paths(left, fs::path(), every_key, [&](const std::string& text) { return path_within(folder, text); });
     Json job = options_json(left), list = Json::array();
     for (const JobInput& input : inputs) {
@@ -141,21 +146,30 @@ std::string input_named_in(const fs::path& folder, const std::string& name) {
     return name.empty() || !is_file_name(name, folder) ? name : path_from(folder, name);
 }
 
+std::vector<std::string> take_options(const io::JsonObject& from, const fs::path& folder, SliceOptions& options) {
+    std::vector<std::string> taken;
+    for (const OptionSpec& spec : slice_option_table()) {
+        if (!from.has(spec.key)) continue;
+        try {
+            spec.set(options, from.any_text(spec.key));
+        } catch (const UsageError& error) {
+            from.fail(spec.key, error.what());
+        }
+        taken.push_back(spec.key);
+    }
+    replace_paths(
+        options, folder, [&](const std::string& key) { return from.has(key); },
+        [&](const std::string& text) { return path_from(folder, text); });
+    return taken;
+}
+
 void read_job(const std::string& path, SliceOptions& options) {
     const io::JsonObject job = parse_job(path);
-    for (const OptionSpec& spec : slice_option_table()) {
-        if (!job.has(spec.key)) continue;
-        try {
-            spec.set(options, job.any_text(spec.key));
-        } catch (const UsageError& error) {
-            job.fail(spec.key, error.what());
-        }
-        if (spec.get(options) != spec.get(SliceOptions{})) options.named.push_back(spec.key);
-    }
     const fs::path folder = fs::path(path).parent_path();
-    replace_paths(
-        options, folder, [&](const std::string& key) { return job.has(key); },
-        [&](const std::string& text) { return path_from(folder, text); });
+    const SliceOptions defaults;
+    for (const std::string& key : take_options(job, folder, options))
+        if (const OptionSpec& spec = *find_option(key); spec.get(options) != spec.get(defaults))
+            options.named.push_back(key);
     if (!job.has("inputs")) return;
     options.recorded_inputs.clear();
     for (const io::JsonObject& entry : job.objects("inputs"))

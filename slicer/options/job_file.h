@@ -10,6 +10,7 @@
 #include <string>
 #include <string_view>
 
+#include "voxtone/io/files/json_object.h"
 #include "voxtone/io/layers/stack_folder.h"
 #include "voxtone/slicer/options/slice_options.h"
 
@@ -21,7 +22,8 @@ using io::job_file_name;
 /// A job file as text, complete: every key with its value. Paths are made absolute, so that it may lie anywhere.
 [[nodiscard]] std::string job_json(const SliceOptions& options);
 /// The job file that a job leaves in `folder`, beside what it made: paths relative to that folder, the SHA-256 of every
-/// input, and neither --overwrite nor --resume, which were said to that run alone.
+/// input, and neither --overwrite, --resume, --threads, --shard, --until nor --mixtures, which were said to that run
+/// alone.
 [[nodiscard]] std::string job_record(const SliceOptions& options, std::span<const JobInput> inputs,
                                      const std::filesystem::path& folder);
 
@@ -32,5 +34,13 @@ using io::job_file_name;
 /// Reads a job file into `options`: only the keys that it has. Unknown keys are errors that name the nearest known key.
 /// All relative paths in it are relative to the job file. Throws FileError, InputError.
 void read_job(const std::string& path, SliceOptions& options);
+
+/// The options among this object's keys, all others being somebody else's: sets those that it has, and gives back their
+/// keys. Relative paths in it are relative to `folder`. Throws InputError.
+std::vector<std::string> take_options(const io::JsonObject& from, const std::filesystem::path& folder,
+                                      SliceOptions& options);
+
+/// The same options with every path absolute, as seen from the current folder.
+[[nodiscard]] SliceOptions with_absolute_paths(SliceOptions options);
 
 }  // namespace voxtone::slicer

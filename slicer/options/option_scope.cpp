@@ -47,7 +47,7 @@ void check_scope_of_colour(const SliceOptions& o) {
           "clear-top", "base", "layer-smoothing", "surface-cell"},
          "it only goes with --model layered-profile");
     const bool looped = o.iterations != "0" || o.resume;  // what a loop has found may be printed
-    idle(o, !looped, {"intent", "viewing-distance", "loop-model", "loop-method", "resume"},
+    idle(o, !looped, {"intent", "viewing-distance", "loop-model", "loop-method", "resume", "mixtures"},
          "--iterations 0 leaves the appearance loop out");
     const bool predicted = o.predict != predict_none && o.report;
     idle(o, !looped && !predicted, {"predict-cell"}, "there is neither a loop nor a prediction");
@@ -61,6 +61,7 @@ void check_scope_of_layers(const SliceOptions& o) {
          {"texture", "core", "depth", "mixing", "intent", "viewing-distance", "loop-model", "loop-method", "resume",
           "predict-cell"},
          why);
+    idle(o, true, {"mixtures"}, why);
     idle(o, o.iterations != "0", {"iterations"}, why);
     idle(o, o.predict != predict_none, {"predict"}, why);
     idle(o, !o.surfaces, {"surface-cell"}, "it is for the meshes of --surfaces");

@@ -2,6 +2,7 @@
 #include "voxtone/slicer/options/option_values.h"
 
 #include <algorithm>
+#include <charconv>
 #include <numbers>
 
 #include <fmt/core.h>
@@ -124,14 +125,32 @@ std::optional<LayerRange> parse_layer_range(const std::string& text) {
     return range;
 }
 
+std::optional<io::ShardNumber> parse_shard(const std::string& text) {
+    if (text.empty() || text == "auto") return std::nullopt;
+    const std::size_t slash = text.find('/');
+    const auto number = [](std::string_view digits) {
+        std::uint32_t value = 0;
+        const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+        return error == std::errc() && end == digits.data() + digits.size() ? value : 0;
+    };
+    io::ShardNumber shard{0, 0};
+    if (slash != std::string::npos) shard = {number(text.substr(0, slash)), number(text.substr(slash + 1))};
+    if (shard.shard < 1 || shard.shard > shard.of || shard.of > io::ShardNumber::most)
+        throw UsageError(
+            fmt::format("--shard: '{}' is no part of the layers; write which of how many, from 1, such as "
+                        "3/16 (at most {}), or auto",
+                        text, io::ShardNumber::most));
+    return shard;
+}
+
 LayerRange range_within(const std::optional<LayerRange>& asked, int layers) {
     if (!asked) return {0, layers - 1};
-    if (asked->last >= layers)
+    if (asked->first >= layers)
         throw InputError(fmt::format(
             "--layers {}: the print has layers 0 to {} only; choose a range within",
             asked->layers() == 1 ? fmt::format("{}", asked->first) : fmt::format("{}-{}", asked->first, asked->last),
             layers - 1));
-    return *asked;
+    return {asked->first, std::min(asked->last, layers - 1)};
 }
 
 }  // namespace voxtone::slicer

@@ -15,6 +15,7 @@
 #include <Eigen/Core>
 
 #include "voxtone/base/named_values.h"
+#include "voxtone/io/shards/shard_number.h"
 #include "voxtone/slicer/options/placement_options.h"
 
 namespace voxtone::slicer {
@@ -81,9 +82,12 @@ struct LayerRange {
     int last = -1;
     [[nodiscard]] int layers() const { return last - first + 1; }
 };
+/// "i/n", such as 3/16. Nothing for "auto" and for nothing. Throws UsageError.
+[[nodiscard]] std::optional<io::ShardNumber> parse_shard(const std::string& text);
 /// "a-b" or "a"; empty: nothing, all layers.
 [[nodiscard]] std::optional<LayerRange> parse_layer_range(const std::string& text);
-/// `asked` in a print of so many layers; nothing: all. Throws InputError where it reaches beyond.
+/// `asked` in a print of so many layers; nothing: all. What lies past the end is left out; throws InputError where
+/// nothing is left.
 [[nodiscard]] LayerRange range_within(const std::optional<LayerRange>& asked, int layers);
 
 }  // namespace voxtone::slicer

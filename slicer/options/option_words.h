@@ -35,6 +35,12 @@ enum class ProfilePlacement {
     box,  ///< projected along the main axis of the normal
 };
 
+/// How far a job goes.
+enum class Until : std::uint8_t {
+    end,
+    loop,  ///< what it came to is kept for other jobs of the body
+};
+
 enum class LoopMethod {
     automatic,  ///< by the size of the coloured surface
     descent,    ///< feedback, then along the gradient of the whole print
@@ -86,6 +92,11 @@ template <>
 struct NamesOf<slicer::ProfilePlacement> {
     using E = slicer::ProfilePlacement;
     static constexpr auto table = std::to_array<Named<E>>({{E::uv, "uv"}, {E::box, "box"}});
+};
+template <>
+struct NamesOf<slicer::Until> {
+    using E = slicer::Until;
+    static constexpr auto table = std::to_array<Named<E>>({{E::end, "end"}, {E::loop, "loop"}});
 };
 template <>
 struct NamesOf<slicer::LoopMethod> {

@@ -9,6 +9,7 @@
 #include <fmt/ranges.h>
 
 #include "voxtone/base/error.h"
+#include "voxtone/io/layers/stack_folder.h"
 #include "voxtone/io/models/model_reader.h"
 #include "voxtone/slicer/options/option_scope.h"
 
@@ -47,6 +48,7 @@ void check_common(const SliceOptions& o) {
          "must be above 0 and at most 1024 GiB");
     need(o.read_megapixels > 0 && o.read_megapixels <= 4294, "read-pixels", fmt::format("{}", o.read_megapixels),
          "must be above 0 and at most 4294 million");
+    need(o.shard.empty() || o.until == "end", "shard", o.shard, "a shard makes layers, and --until loop none");
     need(o.threads >= 0 && o.threads <= 1024, "threads", fmt::format("{}", o.threads), "must be 0 to 1024");
 }
 
@@ -75,6 +77,9 @@ void check_layered(const SliceOptions& o) {
          "must be above 0 and at most 1e6");
     need(o.layer_smoothing_mm >= 0 && o.layer_smoothing_mm <= 100, "layer-smoothing", mm(o.layer_smoothing_mm),
          "must be 0 to 100 mm");
+    constexpr std::string_view whole = "does not go with --model layered-profile, which is sliced whole";
+    need(o.shard.empty(), "shard", o.shard, whole);
+    need(o.until == "end", "until", o.until, whole);
     need(o.surface_cell_mm >= 0.01 && o.surface_cell_mm <= 5, "surface-cell", mm(o.surface_cell_mm),
          "must be 0.01 to 5 mm");
 }
@@ -151,6 +156,9 @@ ResolvedJob resolve(const SliceOptions& o) {
     job.strict = o.strict;
     job.formats = formats_of(o);
     job.layers = parse_layer_range(o.layers);
+    job.until = parse_choice<Until>("until", o.until);
+    job.sharded = !o.shard.empty();
+    job.shard = parse_shard(o.shard);
     job.printer = o.printer;
     job.resins = o.resins;
     job.load = o.load;
@@ -160,9 +168,14 @@ ResolvedJob resolve(const SliceOptions& o) {
     job.keep_thin = o.keep_thin;
     job.colour = {o.core, o.depth_mm, parse_choice<ScreenKind>("screen", o.screen),
                   parse_choice<Mixing>("mixing", o.mixing)};
-    job.loop = {parse_iterations(o.iterations), parse_choice<halftone::Intent>("intent", o.intent),
-                o.viewing_distance_mm, parse_choice<PredictionModel>("loop-model", o.loop_model),
-                parse_choice<LoopMethod>("loop-method", o.loop_method)};
+    job.loop = {parse_iterations(o.iterations),
+                parse_choice<halftone::Intent>("intent", o.intent),
+                o.viewing_distance_mm,
+                parse_choice<PredictionModel>("loop-model", o.loop_model),
+                parse_choice<LoopMethod>("loop-method", o.loop_method),
+                o.mixtures.empty() ? std::filesystem::path(o.out) / io::skin_name : std::filesystem::path(o.mixtures),
+                !o.mixtures.empty(),
+                !o.shard.empty()};
     job.prediction = prediction_of(o);
     job.reading = reading_of(o);
     job.verdict = {o.verdict_good, o.verdict_bad};

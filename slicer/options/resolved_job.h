@@ -12,6 +12,7 @@
 
 #include "voxtone/io/files/read_options.h"
 #include "voxtone/io/layers/layer_format.h"
+#include "voxtone/io/shards/shard_number.h"
 #include "voxtone/slicer/options/model_choice.h"
 #include "voxtone/slicer/options/option_values.h"
 #include "voxtone/slicer/options/option_words.h"
@@ -41,6 +42,9 @@ struct JobLoopOptions {
     double viewing_distance_mm = 300;
     PredictionModel model = PredictionModel::transport;
     LoopMethod method = LoopMethod::automatic;
+    std::filesystem::path mixtures;  ///< file that keeps what it came to
+    bool mixtures_named = false;     ///< by the user: must be there, unless it is made
+    bool elsewhere = false;          ///< it is not run by this job: what it came to must be there
 };
 
 /// Layers of a map of profiles, where the surface shows how light spreads.
@@ -65,6 +69,7 @@ struct JobPredictionOptions {
     std::optional<PredictionModel> model;  ///< where not automatic; nothing: none
     double cell_mm = 0.085;                ///< also of the loop
     std::uint64_t memory_bytes = 0;        ///< most to use, also by the loop
+    std::string why_not;                   ///< a sentence: nothing is predicted, whatever was asked for
 };
 
 /// When a print is said to look as asked: means of CIEDE2000 over its coloured surface as seen.
@@ -88,6 +93,9 @@ struct ResolvedJob {
     bool strict = false;                   ///< what needs a look first is an error, not a warning
     std::vector<io::LayerFormat> formats;  ///< empty: the printer's
     std::optional<LayerRange> layers;      ///< nothing: all
+    Until until = Until::end;
+    bool sharded = false;                  ///< a part of the layers is made, to be merged
+    std::optional<io::ShardNumber> shard;  ///< nothing, where sharded: as the scheduler says
 
     std::string printer;            ///< id or file
     std::string resins;             ///< set or file

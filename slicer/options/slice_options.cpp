@@ -204,6 +204,11 @@ std::vector<OptionSpec> make_table() {
                              "--iterations than it has made it prints the best of them"),
                         &O::resume)),
 
+        of_the_run(names(input, text(spec("mixtures", Kind::text, "FILE", loop,
+                                          "what the appearance loop came to, kept by --until loop: it is read and the "
+                                          "loop not run; empty: OUT/skin.mixtures, if it is there"),
+                                     &O::mixtures))),
+
         text(called("model", spec("arrange", Kind::text, "NAME", profiles,
                                   "what the surface is to show: colour, or layered-profile: how light spreads, by "
                                   "layers of resin under each point "
@@ -306,6 +311,15 @@ std::vector<OptionSpec> make_table() {
                       "are lost, or where it would come out all white though it has colours; leave with exit code 6 "
                       "where the finished print will not look as asked (--verdict-bad)"),
                  &O::strict)),
+        of_the_run(text(spec("shard", Kind::text, "I/N", run,
+                             "make part I of N of the layers, 1 to N, cut by equal work; `voxtone merge OUT` lays them "
+                             "together; auto or no value: as SLURM_ARRAY_TASK_ID, _MIN and _COUNT say; empty: all"),
+                        &O::shard)),
+        of_the_run(text(spec("until", Kind::text, "WHERE", run,
+                             "loop: stop after the appearance loop and keep what it came to in OUT/skin.mixtures (or "
+                             "--mixtures FILE), for shards and other jobs of the body; end: go on to the end",
+                             names_of<Until>()),
+                        &O::until)),
         of_the_run(number(
             spec("threads", Kind::number, "N", run, "threads; 0: one per core. The result does not depend on it"),
             &O::threads)),
@@ -318,6 +332,12 @@ std::vector<OptionSpec> make_table() {
 std::span<const OptionSpec> slice_option_table() {
     static const std::vector<OptionSpec> table = make_table();
     return table;
+}
+
+const OptionSpec* find_option(std::string_view key) {
+    for (const OptionSpec& spec : slice_option_table())
+        if (spec.key == key) return &spec;
+    return nullptr;
 }
 
 std::vector<std::string> predict_choices() {

@@ -62,6 +62,7 @@ struct SliceOptions {
     std::string loop_model = "transport";
     std::string loop_method = "auto";
     bool resume = false;
+    std::string mixtures;  ///< file of what the loop came to; empty: the output folder's, if there is one
 
     std::vector<std::string> formats;  ///< empty: the printer's default
     bool overwrite = false;
@@ -72,6 +73,8 @@ struct SliceOptions {
     double verdict_good = 2.5, verdict_bad = 5;  ///< CIEDE2000; see VerdictLimits
     double memory_gib = 0;                       ///< of the prediction; 0: half of the machine's
     int threads = 0;
+    std::string shard;          ///< "i/n"; "auto": as the scheduler says; empty: the whole
+    std::string until = "end";  ///< or "loop"
 
     double read_memory_gib = 0;  ///< of the program that reads the model; 0: half of the machine's, 8 at most
     double read_time_s = 120;    ///< of the processor
@@ -106,6 +109,8 @@ struct OptionSpec {
 };
 
 [[nodiscard]] std::span<const OptionSpec> slice_option_table();
+/// The entry of this key; nullptr: there is none.
+[[nodiscard]] const OptionSpec* find_option(std::string_view key);
 
 /// Words of `predict` besides the models' names.
 inline constexpr std::string_view predict_auto = "auto", predict_none = "none";

@@ -9,9 +9,9 @@
 
 #include "voxtone/base/error.h"
 #include "voxtone/io/files/file_digest.h"
-#include "voxtone/slicer/job/job_body.h"
 #include "voxtone/slicer/options/job_file.h"
 #include "voxtone/slicer/options/resolved_job.h"
+#include "voxtone/slicer/prepare/job_body.h"
 #include "voxtone/slicer/printer/printer.h"
 
 namespace voxtone::slicer {

@@ -21,8 +21,8 @@
 #include "voxtone/io/profiles/layer_sequence_file.h"
 #include "voxtone/io/profiles/profile_file.h"
 #include "voxtone/io/profiles/resin_file.h"
-#include "voxtone/slicer/job/loop_checkpoint.h"
 #include "voxtone/slicer/options/job_file.h"
+#include "voxtone/slicer/saved/loop_checkpoint.h"
 
 namespace voxtone::test {
 

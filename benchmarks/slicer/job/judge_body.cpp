@@ -14,9 +14,9 @@
 #include "voxtone/base/random.h"
 #include "voxtone/optics/colour/spectral_colour.h"
 #include "voxtone/optics/scene/surface_smoothing.h"
-#include "voxtone/slicer/job/job_body.h"
 #include "voxtone/slicer/mesh/mesh_boundary.h"
 #include "voxtone/slicer/predict/stack_volume.h"
+#include "voxtone/slicer/prepare/job_body.h"
 #include "voxtone/slicer/surface/target_cells.h"
 
 namespace voxtone::loop_benchmark {

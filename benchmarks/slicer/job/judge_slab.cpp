@@ -11,9 +11,9 @@
 #include "voxtone/base/parallel.h"
 #include "voxtone/base/progress.h"
 #include "voxtone/optics/colour/spectral_colour.h"
-#include "voxtone/slicer/job/job_body.h"
-#include "voxtone/slicer/job/job_colour.h"
 #include "voxtone/slicer/predict/stack_volume.h"
+#include "voxtone/slicer/prepare/job_body.h"
+#include "voxtone/slicer/prepare/job_colour.h"
 #include "voxtone/slicer/surface/target_cells.h"
 
 namespace voxtone::loop_benchmark {

@@ -4,6 +4,7 @@
 #include <fcntl.h>
 #include <sys/file.h>
 #include <sys/resource.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <csignal>
@@ -42,6 +43,15 @@ private:
     rlimit before_{};
 };
 
+/// The number of a process that is no more.
+pid_t ended_process() {
+    const pid_t child = fork();
+    if (child == 0) _exit(0);
+    REQUIRE(child > 0);
+    REQUIRE(waitpid(child, nullptr, 0) == child);
+    return child;
+}
+
 }  // namespace
 
 TEST_CASE("a file that cannot be written to its end leaves the old one and nothing else", "[whole-file]") {
@@ -63,16 +73,21 @@ TEST_CASE("temporary names say whose they are, and what a killed job left is swe
     const TemporaryFolder folder;
     const fs::path file = folder.path() / "a.png";
     CHECK(part_path(file).filename() == fmt::format(".a.png.{}.{}.part", host_name(), getpid()));
-    const fs::path dead = folder.path() / fmt::format(".a.png.{}.{}.part", host_name(), 1),
-                   living = folder.path() / fmt::format(".a.png.{}.{}.part", host_name(), 2),
+    const auto part_of = [&](pid_t process) {
+        return folder.path() / fmt::format(".a.png.{}.{}.part", host_name(), process);
+    };
+    const pid_t first = ended_process();
+    pid_t second = ended_process();
+    while (second == first) second = ended_process();
+    const fs::path dead = part_of(first), locked = part_of(second), living = part_of(1),
                    elsewhere = folder.path() / ".a.png.another-host.1.part",
-                   other = folder.path() / fmt::format(".b.png.{}.1.part", host_name());
-    for (const fs::path& part : {dead, living, elsewhere, other}) std::ofstream(part) << "half";
-    const OpenFile held(::open(living.c_str(), O_RDWR | O_CLOEXEC));
+                   other = folder.path() / fmt::format(".b.png.{}.{}.part", host_name(), first);
+    for (const fs::path& part : {dead, locked, living, elsewhere, other}) std::ofstream(part) << "half";
+    const OpenFile held(::open(locked.c_str(), O_RDWR | O_CLOEXEC));
     REQUIRE(flock(held.get(), LOCK_EX | LOCK_NB) == 0);
     write_whole_file(file, std::string_view("whole"));
     CHECK_FALSE(fs::exists(dead));
-    for (const fs::path& kept : {living, elsewhere, other, file}) CHECK(fs::exists(kept));
+    for (const fs::path& kept : {locked, living, elsewhere, other, file}) CHECK(fs::exists(kept));
 }
 
 TEST_CASE("two writers of one process number do not write into one file", "[whole-file]") {

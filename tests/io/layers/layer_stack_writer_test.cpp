@@ -223,6 +223,13 @@ TEST_CASE("a job that was killed in the swap is brought to an end by the next", 
         { const StackFolder next(out); }
         CHECK(contents(out) == wanted);
     }
+    SECTION("with the new stack in place, and the old one half removed: forward") {
+        make(folder.path() / "older", 31);
+        fs::rename(folder.path() / "older" / "layers", out / ".voxtone-old" / "layers");
+        fs::create_directory(out / ".voxtone-new");
+        { const StackFolder next(out); }
+        CHECK(contents(out) == before);
+    }
 }
 
 TEST_CASE("what a killed job left is swept by the next", "[stack]") {

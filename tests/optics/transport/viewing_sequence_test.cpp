@@ -95,6 +95,7 @@ TEST_CASE("A sequence sweeps once where little has changed, and more where much 
     const Surface surface = find_surface(scene, viewing_cell, SurfacePart::all);
     TransportOptions options;
     options.refinement = Refinement::none;
+    options.next_sweeps = 2;
     const auto steps = [&](double next_change, const ResinVolume& next) {  // one a sweep and channel
         options.next_change = next_change;
         ViewingSequence sequence(scene, surface, options);

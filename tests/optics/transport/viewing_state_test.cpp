@@ -100,5 +100,13 @@ TEST_CASE("What is no state of a sequence is refused") {
     std::vector<std::byte> longer = state;
     longer.push_back({});
     CHECK_FALSE(ball.sequence(ball.surface.cells.size()).read_state(longer));
-    CHECK_FALSE(ball.sequence(1500).read_state(state));
+}
+
+TEST_CASE("A sequence goes on with the tiles of the state, whatever its own were") {
+    const SmallBall ball;
+    ViewingSequence in_tiles = ball.sequence(1500), resumed = ball.sequence(ball.surface.cells.size());
+    (void)ball.look(in_tiles, 0);
+    REQUIRE(resumed.read_state(state_of(in_tiles)));
+    CHECK(resumed.summary().pieces == in_tiles.summary().pieces);
+    CHECK(ball.look(resumed, 1) == ball.look(in_tiles, 1));
 }

@@ -173,3 +173,30 @@ TEST_CASE("Grids of tiles that are kept change no bit, and memory decides how ma
     CAPTURE(all.memory_bytes, some.memory_bytes);
     CHECK(some.memory_bytes < all.memory_bytes);
 }
+
+TEST_CASE("Where memory is short a sequence has smaller tiles, and none where it is too short for these") {
+    const Ball ball;
+    const auto sequence_in = [&](std::size_t memory_bytes) {
+        TransportOptions options = Ball::options(ball.surface.cells.size());
+        options.memory_bytes = memory_bytes;
+        options.tile_halo = 1;
+        return ViewingSequence::within_memory(ball.scene, ball.surface, options);
+    };
+    const auto whole = sequence_in(0);
+    REQUIRE(whole);
+    const Appearance seen = whole->next(ball.volume);
+    CHECK(whole->summary().pieces == 1);
+    CHECK_FALSE(whole->summary().cut_for_memory);
+    const std::size_t allowed = whole->summary().memory_bytes * 9 / 10;
+    const auto in_tiles = sequence_in(allowed);
+    REQUIRE(in_tiles);
+    const Appearance tiled = in_tiles->next(ball.volume);
+    CHECK(in_tiles->summary().pieces > 1);
+    CHECK(in_tiles->summary().memory_bytes <= allowed);
+    REQUIRE(tiled.remarks.size() == 1);
+    CHECK(tiled.remarks[0].find("--memory") != std::string::npos);
+    const Difference differ = between(seen, tiled);
+    CAPTURE(differ.mean, differ.most);
+    CHECK(differ.mean < 0.005);
+    CHECK(sequence_in(allowed / 20) == nullptr);
+}

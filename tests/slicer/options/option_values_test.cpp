@@ -54,9 +54,9 @@ TEST_CASE("Layer ranges lie within the print") {
     CHECK(range_within(parse_layer_range("3-5"), 10).first == 3);
     CHECK(range_within(parse_layer_range("7"), 10).last == 7);
     for (const char* bad : {"5-3", "a-b", "-1", "3-", "3-4-5"}) CHECK_THROWS_AS(parse_layer_range(bad), UsageError);
-    CHECK_THROWS_WITH(range_within(parse_layer_range("3-10"), 10), Catch::Matchers::Contains("--layers 3-10: "));
+    CHECK(range_within(parse_layer_range("3-10"), 10).last == 9);  // a scheduler's last chunk may overshoot
     CHECK_THROWS_WITH(range_within(parse_layer_range("10"), 10), Catch::Matchers::Contains("--layers 10: "));
-    CHECK_THROWS_AS(range_within(parse_layer_range("3-10"), 10), InputError);
+    CHECK_THROWS_AS(range_within(parse_layer_range("10-12"), 10), InputError);
 }
 
 TEST_CASE("The loop's iterations are a number or its own choice") {

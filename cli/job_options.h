@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The options of a slice job on a command line (slicer/options/slice_options.h), for every verb that takes such a job.
+#pragma once
+
+#include <map>
+#include <string>
+
+#include "voxtone/slicer/options/slice_options.h"
+
+namespace CLI {
+class App;
+class Option;
+}  // namespace CLI
+
+namespace voxtone::cli {
+
+/// What the command line said. Stays where it was made: CLI11 keeps references to it.
+struct JobArguments {
+    JobArguments() = default;
+    JobArguments(const JobArguments&) = delete;
+    JobArguments& operator=(const JobArguments&) = delete;
+
+    std::map<std::string, std::string> values;  ///< by key
+    std::map<std::string, bool> flags;
+    std::map<std::string, CLI::Option*> options;
+    std::string job;  ///< file
+};
+
+/// All of the table, and --job.
+void add_job_options(CLI::App& command, JobArguments& arguments);
+
+/// Those of the job file, if one was named, with the command line's on top. Throws what reading the file throws, and
+/// UsageError.
+[[nodiscard]] slicer::SliceOptions options_of(const JobArguments& arguments);
+
+}  // namespace voxtone::cli

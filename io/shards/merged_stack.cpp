@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/io/shards/merged_stack.h"
+
+#include <algorithm>
+#include <map>
+#include <system_error>
+
+#include <fmt/core.h>
+
+#include "voxtone/base/counted.h"
+#include "voxtone/base/error.h"
+#include "voxtone/io/files/whole_file.h"
+#include "voxtone/io/shards/shard_folder.h"
+
+namespace voxtone::io {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// "3,7-9".
+std::string ranges_text(const std::vector<std::uint32_t>& numbers) {
+    std::string text;
+    for (std::size_t i = 0; i < numbers.size();) {
+        std::size_t end = i + 1;
+        while (end < numbers.size() && numbers[end] == numbers[end - 1] + 1) ++end;
+        text += text.empty() ? "" : ",";
+        text += end - i == 1 ? fmt::format("{}", numbers[i]) : fmt::format("{}-{}", numbers[i], numbers[end - 1]);
+        i = end;
+    }
+    return text;
+}
+
+/// How many shards the job was cut into: what most of the records say, of equals the fewest.
+std::uint32_t shards_of(const std::vector<ShardNumber>& numbers) {
+    std::map<std::uint32_t, std::size_t> count;
+    for (const ShardNumber& number : numbers) ++count[number.of];
+    const auto whole = std::find_if(count.begin(), count.end(), [](const auto& c) { return c.second == c.first; });
+    if (whole != count.end()) return whole->first;
+    return std::max_element(count.begin(), count.end(),
+                            [](const auto& a, const auto& b) { return a.second < b.second; })
+        ->first;
+}
+
+std::string again(const ShardRecord& record) {
+    return fmt::format("make that shard again: --shard {}, --array={}", shard_text(record.number),
+                       record.number.shard - 1 + record.first_task);
+}
+
+ShardRecord read_record(const fs::path& out, const ShardNumber& number) {
+    const fs::path file = shard_file(out, number);
+    try {
+        ShardRecord record = read_shard(file);
+        if (record.number == number) return record;
+    } catch (const InputError& error) {
+        throw InputError(
+            fmt::format("{}: this record of a shard is broken: remove it and make that shard again "
+                        "(--shard {})",
+                        error.what(), shard_text(number)));
+    }
+    throw InputError(fmt::format("{}: is the record of another shard: remove it and make that shard again (--shard {})",
+                                 file.string(), shard_text(number)));
+}
+
+void expect_all(const fs::path& out, const std::vector<ShardRecord>& records, std::uint32_t of) {
+    const std::uint32_t first = records.front().first_task;
+    std::vector<std::uint32_t> missing;
+    auto record = records.begin();
+    for (std::uint32_t shard = 1; shard <= of; ++shard)
+        if (record != records.end() && record->number.shard == shard)
+            ++record;
+        else
+            missing.push_back(shard - 1 + first);
+    if (missing.empty()) return;
+    throw InputError(fmt::format("{}: {} of {} missing: --array={} makes what is left, then merge again", out.string(),
+                                 missing.size() == 1 ? "one shard" : counted(missing.size(), "shard"), of,
+                                 ranges_text(missing)));
+}
+
+void expect_one_job(const fs::path& out, const std::vector<ShardRecord>& records) {
+    const ShardRecord& first = records.front();
+    for (const ShardRecord& record : records) {
+        const auto file = [&](const ShardRecord& of) { return shard_file(out, of.number).filename().string(); };
+        if (record.job != first.job)
+            throw InputError(fmt::format(
+                "{}: {} and {} are shards of different jobs (identities {:.12} and {:.12}), whose layers do not go "
+                "together; make the shards of one of them again, with --overwrite",
+                shards_folder(out).string(), file(first), file(record), first.job, record.job));
+        if (record.program != first.program)
+            throw InputError(fmt::format(
+                "{}: {} was made by {} and {} by {}, which may not make the same layers; make the shards of one of "
+                "them again",
+                shards_folder(out).string(), file(first), first.program, file(record), record.program));
+        if (record.stack != first.stack || record.resin_bitmaps != first.resin_bitmaps)
+            throw InputError(fmt::format("{}: {} and {} describe different stacks; {}", shards_folder(out).string(),
+                                         file(first), file(record), again(record)));
+    }
+}
+
+void expect_tiles(const fs::path& out, const std::vector<ShardRecord>& records) {
+    const StackDescription& stack = records.front().stack;
+    std::uint32_t next = stack.first_layer;
+    for (const ShardRecord& record : records) {
+        if (record.layers == 0) continue;
+        if (record.first_layer != next)
+            throw InputError(fmt::format("{}: begins with layer {} where layer {} is due; {}",
+                                         shard_file(out, record.number).string(), record.first_layer, next,
+                                         again(record)));
+        next += record.layers;
+    }
+    if (next != stack.first_layer + stack.layers)
+        throw InputError(fmt::format("{}: the shards end before layer {} of {}; make them all again, with --overwrite",
+                                     shards_folder(out).string(), next, stack.first_layer + stack.layers));
+}
+
+StackDescription laid_together(const std::vector<ShardRecord>& records) {
+    WrittenLayers all;
+    for (const ShardRecord& record : records) {
+        const WrittenLayers& part = record.written;
+        all.digests.insert(all.digests.end(), part.digests.begin(), part.digests.end());
+        for (std::size_t m = 0; m < all.voxels.size(); ++m) all.voxels[m] += part.voxels[m];
+    }
+    return with_contents(records.front().stack, all);
+}
+
+std::string text_in(const fs::path& file) {
+    constexpr std::uint64_t most_bytes = std::uint64_t{64} << 20;
+    std::error_code none;
+    if (!fs::is_regular_file(file, none)) return {};
+    const auto bytes = read_whole_file(file, most_bytes);
+    return {bytes.begin(), bytes.end()};
+}
+
+}  // namespace
+
+ShardSet read_shards(const fs::path& out) {
+    const std::vector<ShardNumber> numbers = shards_in(out);
+    if (numbers.empty())
+        throw InputError(
+            fmt::format("{}: holds no shards; make them with `voxtone slice ... --shard 1/4 -o {}` and "
+                        "so on",
+                        out.string(), out.string()));
+    const std::uint32_t of = shards_of(numbers);
+    ShardSet set;
+    for (const ShardNumber& number : numbers)
+        if (number.of == of) set.records.push_back(read_record(out, number));
+    expect_one_job(out, set.records);
+    expect_all(out, set.records, of);
+    expect_tiles(out, set.records);
+    set.stack = laid_together(set.records);
+    return set;
+}
+
+bool is_merged(const fs::path& out, const ShardSet& shards) {
+    if (text_in(out / manifest_name) != manifest_text(shards.stack)) return false;
+    return std::none_of(shards.records.begin(), shards.records.end(),
+                        [&](const ShardRecord& record) { return missing_file(record, out); });
+}
+
+void expect_files(const fs::path& out, const ShardSet& shards) {
+    const fs::path store = shards_folder(out) / shard_store(shards.job());
+    for (const ShardRecord& record : shards.records)
+        if (const auto missing = missing_file(record, store))
+            throw InputError(fmt::format("{}: is not there, or not in the size that {} says; {}",
+                                         (store / *missing).string(), shard_file(out, record.number).string(),
+                                         again(record)));
+}
+
+void merge_shards(StackFolder& folder, const ShardSet& shards, std::string_view job_file) {
+    const fs::path unfinished = folder.begin(), out = folder.path();
+    folder.adopt(shard_store(shards.job()));
+    write_stack_texts(unfinished, shards.stack);
+    write_staged_file(unfinished / job_file_name, job_file);
+    folder.publish();
+    std::error_code not_empty;
+    std::filesystem::remove(shards_folder(out) / shard_store(shards.job()), not_empty);
+}
+
+}  // namespace voxtone::io

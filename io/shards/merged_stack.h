@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Shards of one job laid together to the stack that an unsharded job would have made, bit for bit, from their records:
+// no bitmap is read. The layers move to their place by one rename of their folder, with the swap of stack_folder.h
+// around it, so that a kill at any moment leaves the old stack and all shards, or the new stack.
+#pragma once
+
+#include <filesystem>
+#include <string_view>
+#include <vector>
+
+#include "voxtone/io/layers/stack_folder.h"
+#include "voxtone/io/shards/shard_record.h"
+
+namespace voxtone::io {
+
+/// All shards of one job.
+struct ShardSet {
+    std::vector<ShardRecord> records;  ///< by number
+    StackDescription stack;            ///< merged: with contents
+
+    [[nodiscard]] const std::string& job() const { return records.front().job; }
+};
+
+/// Reads the records in OUT/shards. Throws InputError where there is none, one is broken, one is missing (named as a
+/// scheduler takes it: --array=3,7-9), they are of several jobs or versions, or do not tile the stack.
+[[nodiscard]] ShardSet read_shards(const std::filesystem::path& out);
+
+/// Whether OUT holds the stack of these shards already, every file in its size.
+[[nodiscard]] bool is_merged(const std::filesystem::path& out, const ShardSet& shards);
+
+/// Throws InputError where a file of a shard is not in OUT/shards, or of another size.
+void expect_files(const std::filesystem::path& out, const ShardSet& shards);
+
+/// Puts the stack in place; the records stay. Throws FileError, TryAgain.
+void merge_shards(StackFolder& folder, const ShardSet& shards, std::string_view job_file);
+
+}  // namespace voxtone::io

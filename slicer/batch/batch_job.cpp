@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/slicer/batch/batch_job.h"
+
+#include <chrono>
+#include <map>
+#include <thread>
+#include <utility>
+
+#include <fmt/core.h>
+
+#include "voxtone/base/counted.h"
+#include "voxtone/base/error.h"
+#include "voxtone/base/progress_bar.h"
+#include "voxtone/base/stop_deadline.h"
+#include "voxtone/io/disk/disk_space.h"
+#include "voxtone/io/files/json_writer.h"
+#include "voxtone/slicer/batch/arrivals.h"
+#include "voxtone/slicer/batch/batch_queue.h"
+#include "voxtone/slicer/batch/batch_summary.h"
+#include "voxtone/slicer/options/command_words.h"
+
+namespace voxtone::slicer {
+
+namespace {
+
+using Stage = QueuedJob::Stage;
+
+void say_what_there_is(const BatchQueue& queue, std::size_t jobs, const BatchOptions& options, Progress& progress) {
+    std::string text = fmt::format("{} on {} with {} of memory", counted(jobs, "job"),
+                                   counted(std::uint64_t(queue.cores()), "core"), io::bytes_text(queue.memory_bytes()));
+    if (const auto free = io::free_disk_bytes(options.out))
+        text += fmt::format("; the disk of {} has {} free", options.out.string(), io::bytes_text(*free));
+    progress.note(text);
+}
+
+void warn_of_large_jobs(const BatchQueue& queue, Progress& progress) {
+    for (const auto& job : queue.jobs())
+        if (job->stage() == Stage::waiting && job->weight().memory_bytes > queue.memory_bytes())
+            progress.warn(fmt::format("{} may need {} of memory, more than the {} there are: it runs alone",
+                                      job->name(), io::bytes_text(job->weight().memory_bytes),
+                                      io::bytes_text(queue.memory_bytes())));
+}
+
+/// Of a batch in which jobs failed.
+ExitCode exit_code_of(const BatchQueue& queue) {
+    ExitCode code = ExitCode::done;
+    for (const auto& job : queue.jobs()) {
+        if (job->stage() != Stage::failed) continue;
+        const auto of_job = static_cast<ExitCode>(job->state().exit_code);
+        if (of_job != ExitCode::try_again) return of_job;
+        code = of_job;
+    }
+    return code;
+}
+
+std::string result_json(const BatchQueue& queue, const BatchOptions& options, double seconds) {
+    const BatchSnapshot all = queue.snapshot(false);
+    io::JsonWriter json;
+    json.begin_object().add("format", "voxtone-batch-result").add("version", 1).add("out", options.out.string());
+    json.add("jobs", all.jobs).add("done", all.done).add("unchanged", all.unchanged).add("failed", all.failed);
+    json.add("left", all.left()).add("seconds", seconds).key("failures").begin_list();
+    for (const auto& job : queue.jobs())
+        if (job->stage() == Stage::failed)
+            json.begin_object()
+                .add("job", job->name())
+                .add("exit_code", job->state().exit_code)
+                .add("message", job->state().message)
+                .end_object();
+    return json.end_list().end_object().text();
+}
+
+std::string result_text(const BatchQueue& queue, const BatchOptions& options, double seconds) {
+    const BatchSnapshot all = queue.snapshot(false);
+    std::string text = fmt::format("{}: {} of {} done", options.out.string(), all.done, counted(all.jobs, "job"));
+    if (all.unchanged > 0) text += fmt::format(" ({} before, and unchanged)", all.unchanged);
+    if (all.failed > 0) text += fmt::format(", {} failed", all.failed);
+    if (all.left() > 0) text += fmt::format(", {} left", all.left());
+    text += fmt::format(", in {}\n", duration_text(seconds));
+    for (const auto& job : queue.jobs())
+        if (job->stage() == Stage::failed)
+            text += fmt::format("  {} failed (exit code {}): {}\n", job->name(), job->state().exit_code,
+                                job->state().message);
+    return text + fmt::format("summary: {}\n", (options.out / "index.html").string());
+}
+
+/// A summary that cannot be written takes nothing from what was done.
+void summarise(const BatchFolder& folder, Progress& progress) {
+    try {
+        write_batch_summary(folder);
+    } catch (const Error& error) {
+        progress.warn(fmt::format("the summary could not be written: {}", error.what()));
+    }
+}
+
+/// What is asked of a batch that is told to stop: it saves what runs.
+void expect_no_stop(BatchQueue& queue, const BatchFolder& folder, Progress& progress) {
+    if (!progress.cancelled()) return;
+    queue.stop();
+    summarise(folder, progress);
+    const BatchSnapshot all = queue.snapshot(false);
+    set_stop_advice(fmt::format("{} of {} done, and what ran is saved as far as it was; run the same command again",
+                                all.done, counted(all.jobs, "job")));
+    throw Cancelled();
+}
+
+/// Until nothing is left to do.
+void work(BatchQueue& queue, const BatchFolder& folder, BatchView& view, Progress& progress) {
+    constexpr double summary_every_s = 30;
+    Stopwatch since_summary;
+    std::size_t summed_up = 0;
+    for (bool left = true; left;) {
+        left = queue.step();
+        expect_no_stop(queue, folder, progress);
+        if (view.wants_snapshot()) view.show(queue.snapshot(true));
+        const BatchSnapshot all = queue.snapshot(false);
+        if (since_summary.total() < summary_every_s || summed_up == all.done + all.failed) continue;
+        summarise(folder, progress);
+        summed_up = all.done + all.failed;
+        since_summary = Stopwatch();
+    }
+}
+
+/// The jobs of models as they arrive. A model that arrives again while its job runs waits for it.
+class WatchedJobs {
+public:
+    WatchedJobs(const PlanOptions& plan, BatchQueue& queue, Progress& progress)
+        : plan_(plan), queue_(queue), progress_(progress) {}
+
+    void take(const std::filesystem::path& model) {
+        try {
+            for (PlannedJob& job : plan_jobs({model.string(), {row_of(model)}, {}}, plan_, &progress_)) accept(job);
+        } catch (const Cancelled&) {
+            throw;
+        } catch (const Error& error) {
+            progress_.warn(error.what());
+        }
+    }
+    void queue_what_waits() {
+        std::erase_if(waiting_, [&](const PlannedJob& job) { return queue_.add_or_replace(job); });
+    }
+
+private:
+    void accept(PlannedJob& job) {
+        const auto [known, is_new] = model_of_.emplace(job.name, job.options.model);
+        if (!is_new && known->second != job.options.model) {
+            progress_.warn(fmt::format("{}: is left aside: its job would be called '{}', as that of {}; rename it",
+                                       job.options.model, job.name, known->second));
+            return;
+        }
+        std::erase_if(waiting_, [&](const PlannedJob& other) { return other.name == job.name; });
+        waiting_.push_back(std::move(job));
+    }
+
+    const PlanOptions& plan_;
+    BatchQueue& queue_;
+    Progress& progress_;
+    std::map<std::string, std::string> model_of_;  // by the job's name
+    std::vector<PlannedJob> waiting_;
+};
+
+}  // namespace
+
+void run_watch_job(const std::filesystem::path& watched, const PlanOptions& plan, const BatchOptions& options,
+                   BatchView& view, Progress& progress) {
+    constexpr double quiet_s = 3, look_every_s = 0.5;
+    if (plan.name.find("{n}") != std::string::npos || plan.name.find("{n:") != std::string::npos)
+        throw UsageError("--name: names that count do not go with --watch: a model would get another at each start");
+    const SecondsClock clock = steady_seconds();
+    Arrivals arrivals(watched, quiet_s, clock);
+    (void)arrivals.look();
+    const BatchFolder folder = BatchFolder::make(options.out);
+    InputDigests digests;
+    BatchContext context{options, folder, digests, view, progress};
+    BatchQueue queue(context);
+    WatchedJobs jobs(plan, queue, progress);
+    progress.note(fmt::format("watching {}; Ctrl-C ends it", watched.string()));
+    std::size_t summed_up = 0;
+    for (double next_look_s = clock();;) {
+        if (clock() >= next_look_s) {
+            for (const std::filesystem::path& model : arrivals.look()) jobs.take(model);
+            next_look_s = clock() + look_every_s;
+        }
+        jobs.queue_what_waits();
+        const bool busy = queue.step();
+        expect_no_stop(queue, folder, progress);
+        if (view.wants_snapshot()) view.show(queue.snapshot(true));
+        if (const std::size_t ended = queue.ended(); !busy && ended != summed_up) {
+            summarise(folder, progress);
+            summed_up = ended;
+        }
+        constexpr std::chrono::milliseconds idle(100);
+        if (!busy) std::this_thread::sleep_for(idle);
+    }
+}
+
+JobResult run_batch_job(const PlanOptions& plan, const BatchOptions& options, BatchView& view, Progress& progress) {
+    const Stopwatch watch;
+    std::vector<PlannedJob> jobs = read_plan(plan, &progress);
+    const BatchFolder folder = BatchFolder::make(options.out);
+    InputDigests digests;
+    BatchContext context{options, folder, digests, view, progress};
+    BatchQueue queue(context);
+    say_what_there_is(queue, jobs.size(), options, progress);
+    for (PlannedJob& job : jobs) {
+        progress.check_cancelled();
+        queue.add(std::move(job));
+    }
+    warn_of_large_jobs(queue, progress);
+    work(queue, folder, view, progress);
+    summarise(folder, progress);
+    return {result_json(queue, options, watch.total()), result_text(queue, options, watch.total()),
+            exit_code_of(queue)};
+}
+
+JobResult print_batch_commands(const PlanOptions& plan, const std::filesystem::path& program, Progress& progress) {
+    std::string text;
+    io::JsonWriter json;
+    json.begin_object().add("format", "voxtone-batch-commands").add("version", 1).key("commands").begin_list();
+    for (const PlannedJob& job : read_plan(plan, &progress)) {
+        std::vector<std::string> words{program.string()};
+        words.insert(words.end(), job.command.begin(), job.command.end());
+        text += shell_line(words) + "\n";
+        json.value(words);
+    }
+    return {json.end_list().end_object().text(), text};
+}
+
+}  // namespace voxtone::slicer

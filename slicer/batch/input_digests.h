@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// SHA-256 of the inputs of many jobs: a file is read once, and not at all where it is the very file that was read
+// before, as its size, its times and its inode say. The system sets the time of change (ctime) itself, whatever is done
+// to a file; one that was changed less than two seconds before it was read is read again, as clocks of file systems are
+// coarse.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "voxtone/base/progress.h"
+
+namespace voxtone::slicer {
+
+/// What tells a file from itself after a change.
+struct FileStamp {
+    std::uint64_t size = 0, inode = 0;
+    std::int64_t modified_ns = 0, changed_ns = 0;  ///< since 1970
+    bool operator==(const FileStamp&) const = default;
+
+    /// Nothing where there is no regular file.
+    [[nodiscard]] static std::optional<FileStamp> of(const std::string& file);
+    /// Whether it was last changed so long ago that a later change cannot look the same.
+    [[nodiscard]] bool settled() const;
+};
+
+struct KnownDigest {
+    FileStamp stamp;
+    std::string sha256;
+};
+
+class InputDigests {
+public:
+    /// As io::file_sha256. Throws FileError, Cancelled.
+    [[nodiscard]] std::string of(const std::string& file, const Progress* progress = nullptr);
+
+    /// What an earlier batch has found out.
+    void learn(const std::string& file, const KnownDigest& known) { known_[file] = known; }
+    /// Nothing where the file was not read, or not long enough after its last change.
+    [[nodiscard]] std::optional<KnownDigest> find(const std::string& file) const;
+
+private:
+    std::map<std::string, KnownDigest> known_;
+};
+
+}  // namespace voxtone::slicer

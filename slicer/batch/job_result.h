@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What a job of a batch has left, read from its files.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+
+#include "voxtone/base/progress.h"
+#include "voxtone/slicer/batch/input_digests.h"
+#include "voxtone/slicer/batch/job_state.h"
+#include "voxtone/slicer/batch/plan.h"
+
+namespace voxtone::slicer {
+
+/// Of the stack and the report in a job's folder. Throws FileError, InputError.
+[[nodiscard]] JobFigures read_job_figures(const std::filesystem::path& folder);
+
+/// Teaches `digests` what the inputs held that the job in this folder notes, as far as they were last changed before
+/// the job began. Throws FileError, InputError.
+void learn_inputs(const std::filesystem::path& folder, std::int64_t began_ns, InputDigests& digests);
+/// What is known for good of the inputs that the job in this folder notes.
+[[nodiscard]] std::vector<std::pair<std::string, KnownDigest>> known_inputs(const std::filesystem::path& folder,
+                                                                            const InputDigests& digests);
+
+/// Writes a small picture of the print, where its report has one.
+void write_job_picture(const std::filesystem::path& folder, const std::filesystem::path& file);
+
+/// Whether the folder holds this very job's stack, whole, and its report.
+[[nodiscard]] bool holds_job(const std::filesystem::path& folder, const PlannedJob& job, InputDigests& digests,
+                             const Progress* progress = nullptr);
+
+/// Whether an interrupted loop of this very job waits in the folder.
+[[nodiscard]] bool waits_to_go_on(const std::filesystem::path& folder, const PlannedJob& job);
+
+}  // namespace voxtone::slicer

@@ -1,0 +1,340 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/slicer/batch/queued_job.h"
+
+#include <algorithm>
+#include <csignal>
+#include <cstring>
+#include <ctime>
+#include <fstream>
+#include <system_error>
+
+#include <fmt/core.h>
+
+#include "voxtone/base/error.h"
+#include "voxtone/slicer/batch/job_result.h"
+#include "voxtone/slicer/options/command_words.h"
+
+namespace voxtone::slicer {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+bool is_missing_or_empty(const fs::path& folder) {
+    std::error_code error;
+    return !fs::exists(folder, error) || fs::is_empty(folder, error);
+}
+
+std::uintmax_t size_or_zero(const fs::path& file) {
+    std::error_code error;
+    const std::uintmax_t size = fs::file_size(file, error);
+    return error ? 0 : size;
+}
+
+std::int64_t now_ns() {
+    timespec now{};
+    clock_gettime(CLOCK_REALTIME, &now);
+    return std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
+}
+
+/// The text of a file behind `begin`, its end if that is long.
+std::string tail_of(const fs::path& file, std::uintmax_t begin) {
+    constexpr std::uintmax_t most = 8192;
+    const std::uintmax_t size = size_or_zero(file);
+    std::ifstream in(file, std::ios::binary);
+    in.seekg(static_cast<std::streamoff>(std::max(begin, size > most ? size - most : 0)));
+    return {std::istreambuf_iterator<char>(in), {}};
+}
+
+void append(const fs::path& log, const std::string& line) {
+    std::ofstream(log, std::ios::app) << line << '\n';  // a log that cannot be written stops nobody
+}
+
+}  // namespace
+
+QueuedJob::QueuedJob(BatchContext& context, PlannedJob job, std::size_t number)
+    : context_(context), job_(std::move(job)), weight_(weigh(job_.options)) {
+    const std::optional<JobState> known = context_.folder.state_of(job_.name);
+    if (known) {
+        state_ = *known;
+        for (const auto& [file, digest] : known->inputs) context_.digests.learn(file, digest);
+    }
+    state_.name = job_.name;
+    state_.number = number;
+    if (is_unchanged(known)) {
+        unchanged_ = true;
+        stage_ = Stage::done;
+        tell(JobEvent::Kind::unchanged);
+        context_.folder.sweep_lock(job_.name);
+        // It may have been killed between a result and what was to follow it.
+        if (state_.after && !state_.after->over && !context_.options.after.empty()) {
+            lock_ = context_.folder.lock(job_.name);
+            if (lock_) follow();
+        }
+        return;
+    }
+    claim_folder();
+    state_.command = job_.command;
+    if (known && known->phase != JobPhase::done) return;
+    state_.phase = JobPhase::queued;
+    publish();
+}
+
+/// What of the job's folder is made by us may be replaced by us.
+void QueuedJob::claim_folder() {
+    if (!state_.folder_is_ours) state_.folder_is_ours = is_missing_or_empty(job_.out);
+}
+
+bool QueuedJob::is_unchanged(const std::optional<JobState>& known) {
+    return known && known->phase == JobPhase::done && known->program == VOXTONE_VERSION &&
+           holds_job(job_.out, job_, context_.digests, &context_.progress);
+}
+
+/// As the plan has it, and what the state of its folder asks for.
+std::vector<std::string> QueuedJob::words_to_start() const {
+    std::vector<std::string> words = job_.command;
+    const bool same_program = state_.program.empty() || state_.program == VOXTONE_VERSION;
+    if (waits_to_go_on(job_.out, job_))
+        words.emplace_back("--resume");
+    else if (state_.folder_is_ours && !is_missing_or_empty(job_.out) &&
+             !(same_program && holds_job(job_.out, job_, context_.digests, &context_.progress)))
+        words.emplace_back("--overwrite");
+    if (weight_.threads == 0) words.insert(words.end(), {"--threads", std::to_string(threads_)});
+    return words;
+}
+
+void QueuedJob::start(int threads) {
+    constexpr double look_again_s = 0.5;
+    since_pause_ = Stopwatch();
+    pause_s_ = look_again_s;
+    since_start_ = Stopwatch();
+    try {
+        take_lock_and_run(threads);
+    } catch (const Cancelled&) {
+        throw;
+    } catch (const TryAgain& error) {
+        try_again(static_cast<int>(error.exit_code()), error.what());
+    } catch (const Error& error) {
+        fail(static_cast<int>(error.exit_code()), error.what());
+    }
+}
+
+void QueuedJob::take_lock_and_run(int threads) {
+    ++tries_;
+    lock_ = context_.folder.lock(job_.name);
+    if (!lock_) {
+        --tries_;
+        if (!told_elsewhere_) tell(JobEvent::Kind::elsewhere);
+        told_elsewhere_ = true;
+        return;
+    }
+    // What another batch has made of it since.
+    if (const auto known = context_.folder.state_of(job_.name)) {
+        if (is_unchanged(known)) {
+            state_ = *known;
+            unchanged_ = true;
+            tell(JobEvent::Kind::unchanged);
+            leave(Stage::done);
+            return;
+        }
+        state_.folder_is_ours = state_.folder_is_ours || known->folder_is_ours;
+    }
+    threads_ = weight_.threads > 0 ? weight_.threads : threads;
+    run(words_to_start());
+}
+
+void QueuedJob::run(const std::vector<std::string>& words) {
+    const fs::path log = context_.folder.log_file(job_.name);
+    std::vector<std::string> shown{context_.options.program.string()};
+    shown.insert(shown.end(), words.begin(), words.end());
+    append(log, fmt::format("== {} {}", utc_now(), shell_line(shown)));
+    log_begin_ = size_or_zero(log);
+    began_ns_ = now_ns();
+    process_ =
+        std::make_unique<JobProcess>(ProcessStart{context_.options.program, words, {}, log, lock_->descriptor()});
+    stage_ = Stage::running;
+    state_.phase = JobPhase::running;
+    state_.program = VOXTONE_VERSION;
+    state_.command = job_.command;
+    state_.attempts = tries_;
+    state_.runner = JobRunner{io::host_name(), process_->pid(), process_->start_time(), utc_now()};
+    state_.message.clear();
+    state_.finished.clear();
+    state_.figures.reset();
+    state_.after.reset();
+    publish();
+    context_.view.tell({JobEvent::Kind::started, job_.name, {}, 0, tries_, threads_, 0});
+}
+
+void QueuedJob::look() {
+    if (!process_) return;
+    const std::optional<ProcessEnd> end = process_->ended();
+    if (!end) return;
+    process_.reset();
+    if (stage_ == Stage::following)
+        take_end_of_follower(*end);
+    else
+        take_end_of_job(*end);
+}
+
+void QueuedJob::take_end_of_job(const ProcessEnd& end) {
+    try {
+        take_end(end);
+    } catch (const TryAgain& error) {
+        try_again(static_cast<int>(error.exit_code()), error.what());
+    } catch (const Error& error) {
+        fail(static_cast<int>(error.exit_code()), fmt::format("what it left cannot be read: {}", error.what()));
+    }
+}
+
+void QueuedJob::take_end(const ProcessEnd& end) {
+    state_.runner.reset();
+    const std::string said = last_words("voxtone: ");
+    const auto why = [&](const char* otherwise) { return said.empty() ? std::string(otherwise) : said; };
+    const int code = end.exit_code;
+    const bool was_killed = end.signal == SIGKILL || end.signal == SIGTERM || end.signal == SIGINT;
+    if (code == static_cast<int>(ExitCode::done)) {
+        finish_stack();
+    } else if (code == static_cast<int>(ExitCode::stopped) || (was_killed && stopping_)) {
+        stopping_ ? put_aside(static_cast<int>(ExitCode::stopped), why("stopped on request"))
+                  : try_again(code, why("stopped on request"));
+    } else if (code == static_cast<int>(ExitCode::try_again)) {
+        try_again(code, why("it could not go on for no fault of its own"));
+    } else if (was_killed) {
+        try_again(static_cast<int>(ExitCode::try_again),
+                  fmt::format("was killed from outside (signal {}), perhaps because the machine's memory was used up",
+                              end.signal));
+    } else if (end.signal != 0) {
+        fail(static_cast<int>(ExitCode::bug), fmt::format("crashed (signal {}, {}); a bug of ours, please report it",
+                                                          end.signal, strsignal(end.signal)));
+    } else if (code == static_cast<int>(ExitCode::check_failed)) {
+        read_stack();
+        fail(code, why("the print will not look as asked (strict); its stack and its report are there"));
+    } else {
+        fail(code, why("ended without a word"));
+    }
+}
+
+/// Throws Error where that cannot be.
+void QueuedJob::read_stack() {
+    state_.figures = read_job_figures(job_.out);
+    learn_inputs(job_.out, began_ns_, context_.digests);
+    state_.inputs = known_inputs(job_.out, context_.digests);
+    try {
+        write_job_picture(job_.out, context_.folder.picture_file(job_.name));
+    } catch (const Error& error) {
+        tell(JobEvent::Kind::warned, fmt::format("its small picture could not be made: {}", error.what()));
+    }
+}
+
+/// Throws Error where what was made, or that it was, cannot be kept.
+void QueuedJob::finish_stack() {
+    read_stack();
+    state_.phase = JobPhase::done;
+    state_.exit_code = 0;
+    state_.finished = utc_now();
+    if (!context_.options.after.empty()) state_.after = AfterState{};
+    context_.folder.publish(state_);  // a result of which no file tells would be forgotten: where it cannot be, again
+    tell(JobEvent::Kind::done);
+    if (state_.after && !stopping_)
+        follow();
+    else
+        leave(Stage::done);
+}
+
+void QueuedJob::fail(int exit_code, const std::string& message) {
+    state_.phase = JobPhase::failed;
+    state_.exit_code = exit_code;
+    state_.message = message;
+    state_.finished = utc_now();
+    publish();
+    tell(JobEvent::Kind::failed, message);
+    leave(Stage::failed);
+}
+
+void QueuedJob::try_again(int exit_code, const std::string& message) {
+    if (stopping_) return put_aside(exit_code, message);
+    if (tries_ > context_.options.retries)
+        return fail(exit_code, fmt::format("{} (after {} attempts)", message, tries_));
+    constexpr double longest_s = 60;
+    state_.phase = JobPhase::queued;
+    state_.exit_code = exit_code;
+    state_.message = message;
+    publish();
+    tell(JobEvent::Kind::again, message);
+    since_pause_ = Stopwatch();
+    pause_s_ = std::min(longest_s, context_.options.backoff_s * double(1 << std::min(tries_ - 1, 10)));
+    leave(Stage::waiting);
+}
+
+void QueuedJob::put_aside(int exit_code, const std::string& message) {
+    state_.phase = JobPhase::queued;
+    state_.exit_code = exit_code;
+    state_.message = message;
+    publish();
+    tell(JobEvent::Kind::stopped, message);
+    leave(Stage::waiting);
+}
+
+/// Runs the command that follows a result, its state on stdin.
+void QueuedJob::follow() {
+    const fs::path log = context_.folder.log_file(job_.name);
+    append(log, fmt::format("== {} --after: {}", utc_now(), context_.options.after));
+    const std::vector<std::string> words{"-c", context_.options.after};
+    process_ =
+        std::make_unique<JobProcess>(ProcessStart{"/bin/sh", words, context_.folder.state_file(job_.name), log, -1});
+    stage_ = Stage::following;
+}
+
+void QueuedJob::take_end_of_follower(const ProcessEnd& end) {
+    leave(Stage::done);
+    if (stopping_ && end.exit_code != 0) return;  // it is run again when the batch goes on
+    state_.after = AfterState{true, end.exit_code};
+    publish();
+    if (end.exit_code == 0) return;
+    tell(JobEvent::Kind::warned,
+         fmt::format("the command of --after failed ({}); the result stands. What it said is in {}",
+                     end.signal ? fmt::format("signal {}", end.signal) : fmt::format("exit code {}", end.exit_code),
+                     context_.folder.log_file(job_.name).string()));
+}
+
+void QueuedJob::leave(Stage stage) {
+    stage_ = stage;
+    threads_ = 0;
+    lock_.reset();
+}
+
+void QueuedJob::publish() {
+    try {
+        context_.folder.publish(state_);
+    } catch (const Error& error) {
+        tell(JobEvent::Kind::warned, fmt::format("its state could not be written: {}", error.what()));
+    }
+}
+
+void QueuedJob::tell(JobEvent::Kind kind, const std::string& message) const {
+    context_.view.tell({kind, job_.name, message, state_.exit_code, tries_, threads_, since_start_.total()});
+}
+
+/// The last line of the log that begins so, without that beginning.
+std::string QueuedJob::last_words(const std::string& beginning) const {
+    const std::string text = tail_of(context_.folder.log_file(job_.name), log_begin_);
+    const std::size_t at = ("\n" + text).rfind("\n" + beginning);
+    if (at == std::string::npos) return {};
+    const std::string line = text.substr(at + beginning.size());
+    return line.substr(0, line.find_last_not_of(" \n") + 1);
+}
+
+void QueuedJob::ask_to_stop(int signal) {
+    stopping_ = true;
+    if (process_) process_->send(signal);
+}
+
+BatchSnapshot::Running QueuedJob::snapshot() const {
+    std::string text = tail_of(context_.folder.log_file(job_.name), log_begin_);
+    text.erase(text.find_last_not_of(" \n") + 1);
+    const std::size_t line = text.rfind('\n');
+    return {job_.name, since_start_.total(), line == std::string::npos ? text : text.substr(line + 1)};
+}
+
+}  // namespace voxtone::slicer

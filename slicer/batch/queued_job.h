@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// One job of a batch on its way from the plan to a whole result: its process, its lock, its state on disk.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "voxtone/base/progress.h"
+#include "voxtone/base/stopwatch.h"
+#include "voxtone/slicer/batch/batch_folder.h"
+#include "voxtone/slicer/batch/batch_view.h"
+#include "voxtone/slicer/batch/input_digests.h"
+#include "voxtone/slicer/batch/job_process.h"
+#include "voxtone/slicer/batch/job_weight.h"
+#include "voxtone/slicer/batch/plan.h"
+
+namespace voxtone::slicer {
+
+struct BatchOptions {
+    std::filesystem::path out;
+    std::filesystem::path program;   ///< `voxtone`
+    int jobs = 0;                    ///< most at once; 0: as many as cores and memory allow
+    int cores = 0;                   ///< that all share; 0: every one there is
+    std::uint64_t memory_bytes = 0;  ///< that all share; 0: the machine's
+    int retries = 5;                 ///< of a job that failed for no fault of its own
+    double backoff_s = 2;            ///< before the first of them; twice as long before each further one
+    bool fail_fast = false;
+    std::string after;  ///< command for the shell, once a result is whole; empty: none
+};
+
+/// What the jobs of a batch share.
+struct BatchContext {
+    const BatchOptions& options;
+    const BatchFolder& folder;
+    InputDigests& digests;
+    BatchView& view;
+    const Progress& progress;
+};
+
+class QueuedJob {
+public:
+    enum class Stage { waiting, running, following, done, failed };
+
+    /// Looks what is there of it: a job that was done and has not changed is done.
+    QueuedJob(BatchContext& context, PlannedJob job, std::size_t number);
+
+    [[nodiscard]] const std::string& name() const { return job_.name; }
+    [[nodiscard]] Stage stage() const { return stage_; }
+    [[nodiscard]] bool was_unchanged() const { return unchanged_; }
+    [[nodiscard]] const JobState& state() const { return state_; }
+    [[nodiscard]] const JobWeight& weight() const { return weight_; }
+    [[nodiscard]] int threads() const { return threads_; }  ///< while it runs
+    /// Whether it may be started now: it may have to wait after a failure, or for another batch.
+    [[nodiscard]] bool is_due() const { return stage_ == Stage::waiting && since_pause_.total() >= pause_s_; }
+
+    /// Begins to run, unless another batch holds it or has just done it. Throws Cancelled.
+    void start(int threads);
+    /// Looks whether what runs has ended, and does what comes then.
+    void look();
+    /// Asks what runs to stop, or kills it. What ends then is not tried again.
+    void ask_to_stop(int signal);
+    [[nodiscard]] BatchSnapshot::Running snapshot() const;
+
+private:
+    void claim_folder();
+    [[nodiscard]] bool is_unchanged(const std::optional<JobState>& known);
+    [[nodiscard]] std::vector<std::string> words_to_start() const;
+    void take_lock_and_run(int threads);
+    void run(const std::vector<std::string>& words);
+    void take_end_of_job(const ProcessEnd& end);
+    void take_end(const ProcessEnd& end);
+    void finish_stack();
+    void read_stack();
+    void fail(int exit_code, const std::string& message);
+    void try_again(int exit_code, const std::string& message);
+    void put_aside(int exit_code, const std::string& message);
+    void follow();
+    void take_end_of_follower(const ProcessEnd& end);
+    void leave(Stage stage);
+    void publish();
+    void tell(JobEvent::Kind kind, const std::string& message = {}) const;
+    [[nodiscard]] std::string last_words(const std::string& beginning) const;
+
+    BatchContext& context_;
+    PlannedJob job_;
+    JobState state_;
+    JobWeight weight_;
+    Stage stage_ = Stage::waiting;
+    bool unchanged_ = false, stopping_ = false, told_elsewhere_ = false;
+    int threads_ = 0, tries_ = 0;
+    double pause_s_ = 0;
+    Stopwatch since_pause_, since_start_;
+    std::int64_t began_ns_ = 0;
+    std::uintmax_t log_begin_ = 0;
+    std::unique_ptr<io::FolderLock> lock_;
+    std::unique_ptr<JobProcess> process_;
+};
+
+}  // namespace voxtone::slicer

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/slicer/estimate/colour_mixtures.h"
+
+#include <array>
+#include <cmath>
+
+namespace voxtone::slicer {
+
+namespace {
+
+/// The separation's, from the surface to the shell's depth.
+MixtureBelow separated(const SurfaceColour& asked, const halftone::Separation& separation) {
+    return [&](std::uint32_t triangle, const Eigen::Vector2f& uv, double, double weight, std::span<double> sum) {
+        std::array<float, halftone::max_resins> share;
+        separation.shares(asked.at(triangle, uv.x(), uv.y()), share.data());
+        double whole = 0;
+        for (std::size_t r = 0; r < sum.size(); ++r) whole += double(share[r]);
+        for (std::size_t r = 0; r < sum.size(); ++r) sum[r] += weight * double(share[r]) / whole;
+    };
+}
+
+/// Surface first, and core below the skin.
+MixtureBelow rearranged(const SurfaceColour& asked, const halftone::MinimalDepthSeparation& recipes, std::size_t core) {
+    return [&, core](std::uint32_t triangle, const Eigen::Vector2f& uv, double depth_mm, double weight,
+                     std::span<double> sum) {
+        const std::size_t layer = recipes.layers().layer_of(depth_mm);
+        if (layer == recipes.layers().size()) {
+            sum[core] += weight;
+            return;
+        }
+        std::vector<float> fractions(recipes.layers().size() * recipes.resins());
+        recipes.separate(recipes.into_gamut(asked.at(triangle, uv.x(), uv.y())), fractions);
+        for (std::size_t r = 0; r < sum.size(); ++r) sum[r] += weight * double(fractions[layer * recipes.resins() + r]);
+    };
+}
+
+}  // namespace
+
+ResinVolumes colour_volumes(const OpenedJob& job, const JobBody& body, const LayerRange& range,
+                            const ColourRecipes& made_with, const Progress& progress) {
+    const Eigen::Vector3d& pitch_mm = body.grid.pitch_mm;
+    // Voxels look colours up at their centres, the loop has one of each cell.
+    const SurfaceColour asked(
+        body.model.mesh, made_with.recipes ? job.options.prediction.cell_mm : std::sqrt(pitch_mm.x() * pitch_mm.y()));
+    VolumeQuery query;
+    query.layers = range;
+    query.keep_thin = job.options.keep_thin;
+    query.shell_mm = job.options.colour.depth_mm;
+    query.resins = job.resins.set.resins.size();
+    query.core = static_cast<std::size_t>(job.resins.core);
+    query.mixture =
+        made_with.recipes ? rearranged(asked, *made_with.recipes, query.core) : separated(asked, made_with.separation);
+    return resin_volumes(body, query, progress);
+}
+
+}  // namespace voxtone::slicer

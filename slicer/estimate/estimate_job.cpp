@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/slicer/estimate/estimate_job.h"
+
+#include <algorithm>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include "voxtone/base/cpu_time.h"
+#include "voxtone/base/parallel.h"
+#include "voxtone/base/peak_memory.h"
+#include "voxtone/base/stopwatch.h"
+#include "voxtone/io/disk/disk_space.h"
+#include "voxtone/slicer/estimate/job_phases.h"
+#include "voxtone/slicer/estimate/orientations.h"
+#include "voxtone/slicer/prepare/loop_plan.h"
+#include "voxtone/slicer/prepare/prediction_plan.h"
+#include "voxtone/slicer/prepare/resin_choice.h"
+
+namespace voxtone::slicer {
+
+namespace {
+
+/// Measures how the model is read and repaired.
+class Reading {
+public:
+    [[nodiscard]] ReadBody finish() const {
+        // The program that reads works beside this one.
+        return {{"read and repair", cpu_seconds() - cpu_began_s_, watch_.total(),
+                 peak_memory_bytes() + peak_child_memory_bytes(), true},
+                resident_bytes()};
+    }
+
+private:
+    Stopwatch watch_;
+    double cpu_began_s_ = cpu_seconds();
+};
+
+/// What a job makes of colours, made once.
+struct MadeColours {
+    std::unique_ptr<const JobColour> colour;
+    std::unique_ptr<const halftone::MinimalDepthSeparation> recipes;  ///< of the loop
+};
+
+MadeColours make_colours(const OpenedJob& job, const JobBody& body, Progress& progress) {
+    const SurfaceColour asked(body.model.mesh, job.options.prediction.cell_mm);
+    const bool loop = plan_loop(job.options, body, job.resins, prints_all_white(asked, job.resins)).wanted;
+    MadeColours made;
+    made.colour = prepare_colour(job.options.colour, job.resins, body.grid.pitch_mm,
+                                 slab_under_colour(job.options, body), progress);
+    if (!loop) return made;
+    const optics::ShellGeometry& shell = made.colour->appearance.geometry();
+    made.recipes = prepare_recipes(job.resins.set, shell, halftone::skin_layers(shell.shell_mm), progress);
+    return made;
+}
+
+void add_amounts(const OpenedJob& job, const ResinVolumes& volumes, JobEstimate& estimate) {
+    constexpr double kg_per_g = 1e-3;
+    estimate.body_ml = volumes.body_ml;
+    double g = 0, price = 0;
+    bool weighed = true, priced = true;
+    for (std::size_t r = 0; r < job.resins.entries.size(); ++r) {
+        const optics::Resin& resin = job.resins.set.resins[r];
+        ResinEstimate amount{job.resins.entries[r].role, job.resins.entries[r].name, volumes.ml[r], {}, {}};
+        if (resin.density_g_per_ml) amount.g = amount.ml * *resin.density_g_per_ml;
+        if (amount.g && resin.price_per_kg) amount.price = *amount.g * kg_per_g * *resin.price_per_kg;
+        weighed = weighed && amount.g, priced = priced && amount.price;
+        g += amount.g.value_or(0), price += amount.price.value_or(0);
+        estimate.resins.push_back(std::move(amount));
+    }
+    if (weighed) estimate.g = g;
+    if (priced) estimate.price = price;
+    estimate.currency = job.resins.set.currency;
+}
+
+/// Of a layered print, whose stacks are searched for by the job itself.
+void add_volume(const OpenedJob& job, const JobBody& body, const LayerRange& range, const Progress& progress,
+                JobEstimate& estimate) {
+    VolumeQuery query;
+    query.layers = range;
+    query.keep_thin = job.options.keep_thin;
+    estimate.body_ml = resin_volumes(body, query, progress).body_ml;
+    estimate.why_no_resins =
+        "Which resins the layers take is found by the search for their stacks, which is a part of "
+        "the job.";
+}
+
+/// What nobody asked and everybody should know.
+void add_remarks(const OpenedJob& job, const JobBody& body, JobEstimate& estimate) {
+    estimate.warnings = job.printer.warnings();
+    estimate.warnings.insert(estimate.warnings.end(), body.warnings.begin(), body.warnings.end());
+    estimate.notes = body.notes;
+    if (!job.why_these_resins.empty()) estimate.notes.push_back(job.why_these_resins);
+}
+
+void add_sums(JobEstimate& estimate) {
+    for (const PhaseEstimate& phase : estimate.phases) {
+        estimate.cpu_s += phase.cpu_s;
+        estimate.seconds += phase.seconds;
+        estimate.memory_bytes = std::max(estimate.memory_bytes, phase.memory_bytes);
+    }
+}
+
+}  // namespace
+
+JobEstimate estimate_print(const OpenedJob& job, const JobBody& body, const LayerRange& range, const ReadBody& read,
+                           const ColourRecipes* made_with, const Progress& progress) {
+    JobEstimate estimate;
+    estimate.model = job.options.model;
+    estimate.printer = job.printer.id;
+    estimate.size_mm = {body.placement.extent_mm.x(), body.placement.extent_mm.y(), body.placement.extent_mm.z()};
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        estimate.size_px[axis] = static_cast<std::uint32_t>(body.grid.size[axis]);
+    estimate.first_layer = static_cast<std::uint32_t>(range.first);
+    estimate.layers = static_cast<std::uint32_t>(range.layers());
+    estimate.layer_um = body.grid.pitch_mm.z() * 1e3;
+    estimate.surface_mm2 = coloured_area_mm2(*body.surface);
+    if (made_with)
+        add_amounts(job, colour_volumes(job, body, range, *made_with, progress), estimate);
+    else
+        add_volume(job, body, range, progress, estimate);
+
+    estimate.threads = thread_count();
+    estimate.phases = {read.phase};
+    for (PhaseEstimate& phase : job_phases(job, body, range, estimate.threads, read.resident_bytes)) {
+        estimate.loop = estimate.loop || phase.name == "appearance loop";
+        estimate.prediction = estimate.prediction || phase.name == "predict";
+        estimate.phases.push_back(std::move(phase));
+    }
+    add_sums(estimate);
+    estimate.disk_bytes = disk_bytes(job, body, range);
+    estimate.free_disk_bytes = io::free_disk_bytes(job.options.out);
+    add_remarks(job, body, estimate);
+    return estimate;
+}
+
+JobEstimate estimate_job(const SliceOptions& asked, Progress& progress, bool with_orientations) {
+    SliceOptions options = asked;
+    if (options.out.empty()) options.out = ".";
+    OpenedJob job = open_job(options);
+    const ThreadLimit threads(static_cast<std::size_t>(job.options.threads));
+    Reading reading;
+    const JobBody body = prepare_body(job.options, job.printer, progress);
+    const ReadBody read = reading.finish();
+    if (const auto choice = choose_resins(job, body, progress)) {
+        job.load(choice->roles);
+        job.why_these_resins = choice->why;
+    }
+    const LayerRange range = range_within(job.options.layers, body.grid.size[2]);
+    std::optional<MadeColours> made;
+    if (!job.options.layered) made = make_colours(job, body, progress);
+    std::optional<ColourRecipes> made_with;
+    if (made) made_with.emplace(ColourRecipes{made->colour->separation, made->recipes.get()});
+    JobEstimate estimate = estimate_print(job, body, range, read, made_with ? &*made_with : nullptr, progress);
+    if (with_orientations) estimate.orientations = orientations(job, body, progress);
+    return estimate;
+}
+
+}  // namespace voxtone::slicer

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What a job will take (job_estimate.h), in seconds and without an output folder: the model is read, repaired and
+// placed as for the job itself, its colours are separated, and the rest is counted and sampled.
+#pragma once
+
+#include "voxtone/base/progress.h"
+#include "voxtone/slicer/estimate/colour_mixtures.h"
+#include "voxtone/slicer/estimate/job_estimate.h"
+#include "voxtone/slicer/options/slice_options.h"
+
+namespace voxtone::slicer {
+
+/// `asked.out` may be empty; nothing is written. Throws as the job would for all that is wrong with options, printer,
+/// resins and model, and Cancelled.
+[[nodiscard]] JobEstimate estimate_job(const SliceOptions& asked, Progress& progress, bool with_orientations = false);
+
+/// What a body has taken.
+struct ReadBody {
+    PhaseEstimate phase;
+    std::uint64_t resident_bytes = 0;  ///< held now
+};
+
+/// Of a job whose body is known. `made_with`: of a colour print; null: its
+/// resins are not known.
+[[nodiscard]] JobEstimate estimate_print(const OpenedJob& job, const JobBody& body, const LayerRange& range,
+                                         const ReadBody& read, const ColourRecipes* made_with,
+                                         const Progress& progress);
+
+}  // namespace voxtone::slicer

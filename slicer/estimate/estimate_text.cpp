@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/slicer/estimate/estimate_text.h"
+
+#include <fmt/core.h>
+
+#include "voxtone/base/progress_bar.h"
+#include "voxtone/io/disk/disk_space.h"
+#include "voxtone/io/files/json_writer.h"
+
+namespace voxtone::slicer {
+
+namespace {
+
+void write_resins(io::JsonWriter& json, const JobEstimate& estimate) {
+    json.add("ml", estimate.body_ml);
+    if (estimate.g) json.add("g", *estimate.g);
+    if (estimate.price) json.add("price", *estimate.price);
+    if (!estimate.currency.empty()) json.add("currency", estimate.currency);
+    json.key("resins").begin_list();
+    for (const ResinEstimate& resin : estimate.resins) {
+        json.begin_object().add("role", resin.role).add("name", resin.name).add("ml", resin.ml);
+        if (resin.g) json.add("g", *resin.g);
+        if (resin.price) json.add("price", *resin.price);
+        json.end_object();
+    }
+    json.end_list();
+    if (!estimate.why_no_resins.empty()) json.add("why_no_resins", estimate.why_no_resins);
+}
+
+void write_phases(io::JsonWriter& json, const JobEstimate& estimate) {
+    json.key("phases").begin_list();
+    for (const PhaseEstimate& phase : estimate.phases) {
+        json.begin_object().add("name", phase.name).add("cpu_seconds", phase.cpu_s).add("seconds", phase.seconds);
+        json.add("memory_bytes", phase.memory_bytes).add("measured", phase.measured).end_object();
+    }
+    json.end_list().add("threads", estimate.threads);
+    json.add("cpu_seconds", estimate.cpu_s).add("seconds", estimate.seconds);
+    json.add("memory_bytes", estimate.memory_bytes);
+}
+
+void write_orientations(io::JsonWriter& json, const JobEstimate& estimate) {
+    if (estimate.orientations.empty()) return;
+    json.key("orientations").begin_list();
+    for (const Orientation& o : estimate.orientations) {
+        json.begin_object().add("rotate", o.rotate).add("size_mm", o.size_mm).add("layers", o.layers);
+        json.add("fits", o.fits).add("under_ml", o.under_ml).add("downward_mm2", o.downward_mm2);
+        json.add("coloured_down_mm2", o.coloured_down_mm2).end_object();
+    }
+    json.end_list();
+}
+
+std::string size_text(const JobEstimate& e) {
+    return fmt::format("{:.2f} x {:.2f} x {:.2f} mm, {} x {} px, {} layers of {:g} um", e.size_mm[0], e.size_mm[1],
+                       e.size_mm[2], e.size_px[0], e.size_px[1], e.layers, e.layer_um);
+}
+
+/// " 12.3 g  1.05 EUR", as far as it is known.
+std::string weight_text(const std::optional<double>& g, const std::optional<double>& price,
+                        const std::string& currency) {
+    std::string text;
+    if (g) text += fmt::format("  {:9.3f} g", *g);
+    if (price) text += fmt::format("  {:8.2f} {}", *price, currency);
+    return text;
+}
+
+std::string resins_text(const JobEstimate& estimate) {
+    std::string text;
+    for (const ResinEstimate& resin : estimate.resins)
+        text += fmt::format("  {:<3} {:<16} {:9.3f} ml{}\n", resin.role, resin.name, resin.ml,
+                            weight_text(resin.g, resin.price, estimate.currency));
+    text += fmt::format("  {:<20} {:9.3f} ml{}\n", "all", estimate.body_ml,
+                        weight_text(estimate.g, estimate.price, estimate.currency));
+    if (!estimate.why_no_resins.empty()) text += "  " + estimate.why_no_resins + "\n";
+    if (!estimate.resins.empty() && !estimate.g)
+        text += "  no weight: the resin set does not say the density of all of them (density_g_per_ml)\n";
+    return text;
+}
+
+std::string phases_text(const JobEstimate& estimate) {
+    std::string text = fmt::format("  {:<20} {:>12} {:>12} {:>12}\n", "phase", "time", "processor", "memory");
+    for (const PhaseEstimate& phase : estimate.phases)
+        text += fmt::format("  {:<20} {:>12} {:>12} {:>12}{}\n", phase.name, duration_text(phase.seconds),
+                            duration_text(phase.cpu_s), io::bytes_text(phase.memory_bytes),
+                            phase.measured ? "  (measured)" : "");
+    text += fmt::format("  {:<20} {:>12} {:>12} {:>12}  on {} {}\n", "all", duration_text(estimate.seconds),
+                        duration_text(estimate.cpu_s), io::bytes_text(estimate.memory_bytes), estimate.threads,
+                        estimate.threads == 1 ? "thread" : "threads");
+    return text;
+}
+
+std::string orientations_text(const JobEstimate& estimate) {
+    if (estimate.orientations.empty()) return {};
+    std::string text = fmt::format(
+        "  orientations: the body takes {:.3f} ml in each; support is not counted, and fills some of what hangs over\n"
+        "  {:<24} {:>26} {:>7} {:>9} {:>13} {:>13}\n",
+        estimate.body_ml, "--rotate", "size", "layers", "under it", "faces down", "coloured");
+    for (const Orientation& o : estimate.orientations)
+        text +=
+            fmt::format("  {:<24} {:>26} {:>7} {:>6.2f} ml {:>9.2f} cm2 {:>9.2f} cm2{}\n",
+                        o.rotate.empty() ? "(as it is)" : o.rotate,
+                        fmt::format("{:.1f} x {:.1f} x {:.1f} mm", o.size_mm[0], o.size_mm[1], o.size_mm[2]), o.layers,
+                        o.under_ml, o.downward_mm2 / 100, o.coloured_down_mm2 / 100, o.fits ? "" : "  does not fit");
+    return text;
+}
+
+std::string disk_text(const JobEstimate& estimate) {
+    std::string text = fmt::format("up to {} on disk", io::bytes_text(estimate.disk_bytes));
+    if (estimate.free_disk_bytes) text += fmt::format(" ({} free)", io::bytes_text(*estimate.free_disk_bytes));
+    return text;
+}
+
+}  // namespace
+
+std::string estimate_json(const JobEstimate& estimate) {
+    io::JsonWriter json;
+    json.begin_object().add("format", "voxtone-estimate").add("version", 1);
+    json.add("model", estimate.model).add("printer", estimate.printer);
+    json.add("size_mm", estimate.size_mm).add("size_px", estimate.size_px);
+    json.add("first_layer", estimate.first_layer).add("layers", estimate.layers).add("layer_um", estimate.layer_um);
+    json.add("surface_mm2", estimate.surface_mm2);
+    write_resins(json, estimate);
+    json.add("loop", estimate.loop).add("prediction", estimate.prediction);
+    write_phases(json, estimate);
+    json.add("disk_bytes", estimate.disk_bytes);
+    if (estimate.free_disk_bytes) json.add("free_disk_bytes", *estimate.free_disk_bytes);
+    write_orientations(json, estimate);
+    json.add("warnings", estimate.warnings).add("notes", estimate.notes).end_object();
+    return json.text();
+}
+
+std::string estimate_text(const JobEstimate& estimate) {
+    return fmt::format("{}: {}\n  coloured surface {:.1f} cm2\n", estimate.model, size_text(estimate),
+                       estimate.surface_mm2 / 100) +
+           resins_text(estimate) + phases_text(estimate) + "  " + disk_text(estimate) + "\n" +
+           orientations_text(estimate);
+}
+
+std::string estimate_summary(const JobEstimate& estimate) {
+    std::string text = fmt::format("{}; {:.1f} cm2 of coloured surface; {:.3g} ml", size_text(estimate),
+                                   estimate.surface_mm2 / 100, estimate.body_ml);
+    for (const ResinEstimate& resin : estimate.resins)
+        text += fmt::format("{}{} {:.3g}", &resin == estimate.resins.data() ? " (" : ", ", resin.role, resin.ml);
+    if (!estimate.resins.empty()) text += ")";
+    if (estimate.price) text += fmt::format(", {:.2f} {}", *estimate.price, estimate.currency);
+    return text + fmt::format("; about {} on {} {} and {} of memory, {}", duration_text(estimate.seconds),
+                              estimate.threads, estimate.threads == 1 ? "thread" : "threads",
+                              io::bytes_text(estimate.memory_bytes), disk_text(estimate));
+}
+
+}  // namespace voxtone::slicer

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// An estimate for programs and for people.
+#pragma once
+
+#include <string>
+
+#include "voxtone/slicer/estimate/job_estimate.h"
+
+namespace voxtone::slicer {
+
+/// One object in one line (data/schema/estimate.schema.json).
+[[nodiscard]] std::string estimate_json(const JobEstimate& estimate);
+
+/// A table of resins, one of phases, and what they add up to.
+[[nodiscard]] std::string estimate_text(const JobEstimate& estimate);
+
+/// The same in one line without a break, for a job that is about to start.
+[[nodiscard]] std::string estimate_summary(const JobEstimate& estimate);
+
+}  // namespace voxtone::slicer

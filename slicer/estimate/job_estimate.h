@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What a job will take, said before it is done: plain values.
+//
+// How far they are to be trusted says docs/estimate.md, with measured figures.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace voxtone::slicer {
+
+struct ResinEstimate {
+    std::string role;  ///< "C"
+    std::string name;  ///< as the printer's software calls it
+    double ml = 0;
+    std::optional<double> g;      ///< where the resin set knows its density
+    std::optional<double> price;  ///< where it knows what a kilogram costs too
+};
+
+/// A stretch of a job's work.
+struct PhaseEstimate {
+    std::string name;                ///< as Progress::begin_stage has it
+    double cpu_s = 0;                ///< seconds of processors, summed over threads
+    double seconds = 0;              ///< of wall clock, on a machine that does nothing else
+    std::uint64_t memory_bytes = 0;  ///< most that is held at once; not below the truth
+    bool measured = false;           ///< was done for this estimate, and took that
+};
+
+/// One of the 24 ways in which the body can be turned by right angles (orientations.h). It takes the same resins in all
+/// of them, to within the rounding to voxels.
+struct Orientation {
+    std::string rotate;  ///< for --rotate: the job's own turn, then this one; empty: as the file has it
+    std::array<double, 3> size_mm{};
+    int layers = 0;
+    bool fits = true;              ///< onto the tray, with as many layers as the printer asks for
+    double under_ml = 0;           ///< air below overhanging body, which support may fill; on a grid of about 1 % of
+                                   ///< the body's largest extent
+    double downward_mm2 = 0;       ///< of the visible surface that lies downward
+    double coloured_down_mm2 = 0;  ///< ... and is not white
+};
+
+struct JobEstimate {
+    std::string model, printer;
+    std::array<double, 3> size_mm{};            ///< of the body's box
+    std::array<std::uint32_t, 3> size_px{};     ///< columns, rows, layers of the whole print
+    std::uint32_t first_layer = 0, layers = 0;  ///< that are made
+    double layer_um = 0;
+    double surface_mm2 = 0;  ///< of the coloured surface
+
+    double body_ml = 0;                 ///< in the layers that are made
+    std::vector<ResinEstimate> resins;  ///< of layered prints empty
+    std::string why_no_resins;          ///< a sentence where they are empty
+    std::optional<double> g, price;     ///< of all, where every resin's is known
+    std::string currency;               ///< of the prices
+
+    bool loop = false;        ///< the appearance loop runs
+    bool prediction = false;  ///< the print is predicted after it
+    std::vector<PhaseEstimate> phases;
+    std::size_t threads = 1;
+    double cpu_s = 0, seconds = 0;   ///< sums over the phases
+    std::uint64_t memory_bytes = 0;  ///< the most of any phase
+    std::uint64_t disk_bytes = 0;    ///< most that the stack and its report take
+    std::optional<std::uint64_t> free_disk_bytes;
+
+    std::vector<std::string> warnings, notes;
+    std::vector<Orientation> orientations;  ///< where they were asked for
+};
+
+}  // namespace voxtone::slicer

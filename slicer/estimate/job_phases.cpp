@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/slicer/estimate/job_phases.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "voxtone/slicer/layers/layer_bytes.h"
+#include "voxtone/slicer/look/prediction_time.h"
+#include "voxtone/slicer/prepare/loop_plan.h"
+#include "voxtone/slicer/prepare/prediction_plan.h"
+
+namespace voxtone::slicer {
+
+namespace {
+
+// Seconds of a processor of 2.5 GHz: of `voxtone slice` of bodies of 15 to 100 mm and photographs of 15 and 20 mm, with
+// and without the loop (docs/estimate.md). Shares that one thread does alone are allowances.
+constexpr double separation_s = 0.75;
+constexpr double recipes_s = 1.3, preparation_s_per_cell = 1.1e-5;
+constexpr double layers_s = 0.4, layers_s_per_voxel = 6e-10, layers_s_per_shell_voxel = 8e-8;
+constexpr double predicted_cpu = 1.07;  // of prediction_seconds
+constexpr double report_s = 0.25, seen_s_per_cell = 1.15e-5, drawn_s_per_cell = 2e-6;
+constexpr double profiles_s_per_resin = 2, search_s_per_cluster = 2, traced_search_s_per_cluster = 10;
+constexpr double serial = 0.05;
+
+// Bytes beyond those of the body, above all that was measured in these jobs.
+constexpr double work_bytes = 4e7, bytes_per_thread = 8e6;
+constexpr double prepared_bytes_per_cell = 900;
+constexpr double descent_bytes = 1.6e8, descent_bytes_per_cell = 6400;
+constexpr double feedback_bytes = 1.4e8, feedback_bytes_per_cell = 3600;
+constexpr double kept_bytes = 5e7, kept_bytes_per_cell = 1800;  // of the loop, while a model predicts
+constexpr double predicted_bytes = 1.5e8, predicted_bytes_per_cell = 6000;
+constexpr double drawn_bytes = 1e8, drawn_bytes_per_cell = 2500;
+
+/// What a job is counted in.
+struct Amounts {
+    double area_mm2, cells;
+    double voxels, shell_voxels;  ///< of the layers that are made
+    bool all_layers, all_white;
+};
+
+Amounts amounts_of(const OpenedJob& job, const JobBody& body, const LayerRange& range) {
+    const double cell_mm = job.options.prediction.cell_mm, share = double(range.layers()) / body.grid.size[2];
+    const double shell_mm = job.options.layered ? job.options.layered->thickness_mm : job.options.colour.depth_mm;
+    Amounts amounts{};
+    amounts.area_mm2 = coloured_area_mm2(*body.surface);
+    amounts.cells = amounts.area_mm2 / (cell_mm * cell_mm);
+    amounts.voxels = share * double(body.grid.voxels());
+    amounts.shell_voxels =
+        share * std::min(double(body.grid.voxels()), amounts.area_mm2 * shell_mm / body.grid.voxel_volume_mm3());
+    if (!job.options.layered) {
+        const SurfaceColour asked(body.model.mesh, cell_mm);
+        amounts.all_white = prints_all_white(asked, job.resins);
+    }
+    amounts.all_layers = range.layers() == body.grid.size[2];
+    return amounts;
+}
+
+class Phases {
+public:
+    explicit Phases(std::size_t threads) : threads_(double(std::max<std::size_t>(threads, 1))) {}
+
+    void add(const char* name, double cpu_s, double bytes) {
+        phases_.push_back(
+            {name, cpu_s, cpu_s * (serial + (1 - serial) / threads_), static_cast<std::uint64_t>(bytes), false});
+    }
+    [[nodiscard]] std::vector<PhaseEstimate> take() { return std::move(phases_); }
+
+private:
+    double threads_;
+    std::vector<PhaseEstimate> phases_;
+};
+
+void add_search(const OpenedJob& job, double working_bytes, Phases& phases) {
+    const bool traced = job.options.layered->rounds.value_or(1) > 0 && job.options.layered->materials.empty();
+    phases.add("profiles of the resins", profiles_s_per_resin * double(job.resins.set.resins.size()), working_bytes);
+    phases.add("search stacks",
+               (traced ? traced_search_s_per_cluster : search_s_per_cluster) * double(job.map->target.size()),
+               working_bytes);
+}
+
+double prediction_cost(const OpenedJob& job, const JobBody& body, PredictionModel model, double area_mm2) {
+    ModelOptions quality;
+    quality.cell_mm = job.options.prediction.cell_mm;
+    const std::array pitch_mm{body.grid.pitch_mm.x(), body.grid.pitch_mm.y(), body.grid.pitch_mm.z()};
+    return prediction_seconds(model, quality, pitch_mm, area_mm2);
+}
+
+}  // namespace
+
+std::vector<PhaseEstimate> job_phases(const OpenedJob& job, const JobBody& body, const LayerRange& range,
+                                      std::size_t threads, std::uint64_t resident_bytes) {
+    const ResolvedJob& options = job.options;
+    const Amounts amounts = amounts_of(job, body, range);
+    const double working = double(resident_bytes) + work_bytes + bytes_per_thread * double(threads);
+    const auto with = [&](double bytes, double bytes_per_cell) {
+        return working + bytes + bytes_per_cell * amounts.cells;
+    };
+    const LoopPlan loop = options.layered ? LoopPlan{} : plan_loop(options, body, job.resins, amounts.all_white);
+    const double looping = !loop.wanted   ? working
+                           : loop.descent ? with(descent_bytes, descent_bytes_per_cell)
+                                          : with(feedback_bytes, feedback_bytes_per_cell);
+    Phases phases(threads);
+    if (options.layered)
+        add_search(job, working, phases);
+    else
+        phases.add("separate colours", separation_s, working);
+    if (loop.wanted) {
+        const LoopCost cost =
+            expected_cost(loop, amounts.area_mm2, options.prediction.cell_mm, options.prediction.memory_bytes);
+        phases.add("prepare the loop", recipes_s + preparation_s_per_cell * amounts.cells,
+                   with(0, prepared_bytes_per_cell));
+        phases.add("appearance loop", cost.cpu_seconds, looping);
+    }
+    phases.add("layers",
+               layers_s + layers_s_per_voxel * amounts.voxels + layers_s_per_shell_voxel * amounts.shell_voxels,
+               looping);
+    const PredictionPlan prediction =
+        options.layered ? PredictionPlan{}
+                        : plan_prediction(options, body, amounts.all_layers, loop.wanted, amounts.all_white);
+    const bool predicts = prediction.by == PredictionPlan::By::model;
+    if (predicts)
+        phases.add("predict", predicted_cpu * prediction_cost(job, body, prediction.model, amounts.area_mm2),
+                   with(predicted_bytes, predicted_bytes_per_cell) +
+                       (loop.wanted ? kept_bytes + kept_bytes_per_cell * amounts.cells : 0));
+    const double drawn_s = predicts || loop.wanted ? seen_s_per_cell : drawn_s_per_cell;
+    if (options.report)
+        phases.add("report", report_s + drawn_s * amounts.cells,
+                   std::max(looping, predicts ? with(drawn_bytes, drawn_bytes_per_cell) : working));
+    return phases.take();
+}
+
+std::vector<ExpectedStage> expected_stages(const std::vector<PhaseEstimate>& phases) {
+    std::vector<ExpectedStage> stages;
+    for (const PhaseEstimate& phase : phases) stages.push_back({phase.name, phase.seconds});
+    return stages;
+}
+
+std::uint64_t disk_bytes(const OpenedJob& job, const JobBody& body, const LayerRange& range) {
+    constexpr double page_bytes = 6e6, bytes_per_cell = 50;  // pictures, and meshes of what will be seen
+    const ResolvedJob& options = job.options;
+    const double area_mm2 = coloured_area_mm2(*body.surface), cell_mm = options.prediction.cell_mm;
+    const double shell_mm = options.layered ? options.layered->thickness_mm : options.colour.depth_mm;
+    const std::uint64_t layers =
+        layer_bytes(body.grid, {area_mm2, shell_mm, range.layers(), job.outputs(), job.resins.entries.size()});
+    const double report = options.report ? page_bytes + bytes_per_cell * area_mm2 / (cell_mm * cell_mm) : 0;
+    return layers + static_cast<std::uint64_t>(report);
+}
+
+}  // namespace voxtone::slicer

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The phases that a job will go through, how long each takes and how much memory it holds: by counts of what it works
+// on (cells of the surface, voxels of the shell and of the grid), times what one of them took in jobs that were
+// measured.
+#pragma once
+
+#include <vector>
+
+#include "voxtone/base/job_outlook.h"
+#include "voxtone/slicer/estimate/job_estimate.h"
+#include "voxtone/slicer/prepare/opened_job.h"
+
+namespace voxtone::slicer {
+
+/// From the moment at which the body is known and `resident_bytes` are held; `threads` work at once.
+[[nodiscard]] std::vector<PhaseEstimate> job_phases(const OpenedJob& job, const JobBody& body, const LayerRange& range,
+                                                    std::size_t threads, std::uint64_t resident_bytes);
+
+/// The same for the time that is shown as left.
+[[nodiscard]] std::vector<ExpectedStage> expected_stages(const std::vector<PhaseEstimate>& phases);
+
+/// Most that the stack and its report take on disk.
+[[nodiscard]] std::uint64_t disk_bytes(const OpenedJob& job, const JobBody& body, const LayerRange& range);
+
+}  // namespace voxtone::slicer

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/slicer/prepare/job_body.h"
+
+#include <filesystem>
+
+#include <fmt/core.h>
+
+#include "voxtone/base/contracts.h"
+#include "voxtone/base/error.h"
+#include "voxtone/base/stopwatch.h"
+#include "voxtone/io/models/model_reader.h"
+#include "voxtone/slicer/mesh/box.h"
+#include "voxtone/slicer/printer/picture_slab.h"
+#include "voxtone/slicer/printer/up_axis.h"
+#include "voxtone/slicer/surface/white_surface.h"
+
+namespace voxtone::slicer {
+
+namespace {
+
+void append(std::vector<std::string>& to, const std::vector<std::string>& from) {
+    to.insert(to.end(), from.begin(), from.end());
+}
+
+io::ModelFile read_input(const ResolvedJob& job, std::vector<io::SideFile>& side_files, const Progress& progress) {
+    io::ReadOptions reading = job.reading;
+    reading.progress = &progress;
+    if (!job.is_picture) reading.texture = job.texture;
+    if (!job.is_picture) return io::read_model(job.model, reading, side_files);
+    return make_picture_slab(io::read_picture(job.model, reading), job.picture.width_mm, job.picture.thickness_mm)
+        .model;
+}
+
+/// Only the top of a picture's slab carries colour: its depth is measured from there, up to the very edge.
+VisibleSurface picture_surface(const io::TexturedMesh& mesh) {
+    VisibleSurface surface;
+    surface.positions_mm = mesh.positions;
+    const Eigen::Vector2f zero(0, 0), one_u(1, 0), one_v(0, 1);
+    for (std::uint32_t t = 0; t < PictureSlab::top_triangles; ++t) {
+        surface.triangles.push_back(mesh.triangles[t]);
+        surface.source_triangle.push_back(t);
+        surface.source_uv.push_back({zero, one_u, one_v});
+    }
+    return surface;
+}
+
+/// With --strict what is lost or white ends the job before time is spent on it.
+void refuse_lost_colour(const ResolvedJob& job, const io::ModelFile& model) {
+    if (!job.strict || job.layered || model.lost_colour.empty()) return;
+    throw InputError(fmt::format("--strict: {} Without --strict the model is printed as it is.", model.lost_colour));
+}
+
+void look_for_colour(const ResolvedJob& job, JobBody& body) {
+    if (job.layered || !body.model.wants_colour || !is_all_white(body.model.mesh, *body.surface)) return;
+    const std::string what = fmt::format(
+        "{} has colours, but none of them is on its surface, so that it comes out all white; look at its materials and "
+        "its texture coordinates in a mesh editor",
+        job.model);
+    if (job.strict) throw InputError("--strict: " + what);
+    body.warnings.push_back(what);
+}
+
+}  // namespace
+
+void check_model(const ResolvedJob& job) {
+    if (std::error_code none; std::filesystem::is_directory(job.model, none))
+        throw InputError(fmt::format("{}: a folder, not a model; name the file itself", job.model));
+}
+
+JobBody prepare_body(const ResolvedJob& job, const PrinterProfile& printer, Progress& progress) {
+    JobBody body;
+    const Stopwatch watch;
+    progress.begin_stage("read model", 0);
+    body.is_picture = job.is_picture;
+    body.model = read_input(job, body.side_files, progress);
+    append(body.warnings, body.model.warnings);
+    refuse_lost_colour(job, body.model);
+    const bool turned = job.placement.rotation != Eigen::Matrix3d::Identity();
+    if (body.model.format == "OBJ" && !turned && looks_y_up(body.model.mesh.positions))
+        body.notes.push_back(fmt::format(
+            "{} stands on its y axis, as most OBJ files do, and a printer's z axis points up: it is printed "
+            "lying. To stand it up: --rotate x90",
+            job.model));
+    body.placement = place(body.model, job.placement, job.model);
+    check_extent(body.placement, printer.sliced_pitch_mm(), printer.sliced_tray_mm());
+    if (!body.model.has_colour) body.warnings.push_back("the model has no colour: it is printed white");
+    constexpr double smallest_plausible_mm = 2;
+    if (!body.is_picture && body.placement.extent_mm.maxCoeff() < smallest_plausible_mm)
+        body.warnings.push_back(
+            fmt::format("the print is only {:.3g} mm large; if that is not meant, give --unit or --size",
+                        body.placement.extent_mm.maxCoeff()));
+    body.read_s = watch.total();
+    progress.end_stage();
+
+    progress.begin_stage("repair mesh", repair_steps(body.model.mesh));
+    RepairOptions repairing;
+    repairing.mode = job.repair;
+    repairing.pitch_mm = printer.sliced_pitch_mm().minCoeff();
+    RepairedMesh repaired = repair_mesh(body.model.mesh, repairing, &progress);
+    append(body.warnings, repaired.report.messages);
+    progress.end_stage();
+
+    const Eigen::AlignedBox3d box = bounding_box(repaired.solid->positions_mm, repaired.solid->triangles);
+    body.grid = grid_around(box.min(), box.max(), printer.sliced_pitch_mm());
+    check_tray(body.grid, printer.sliced_tray_mm(), body.placement);
+
+    progress.begin_stage("find the visible surface", 2 * repaired.solid->triangles.size(), "steps");
+    body.surface =
+        SurfaceIndex(body.is_picture ? picture_surface(body.model.mesh)
+                                     : find_visible_surface(body.model.mesh.positions, body.model.mesh.triangles,
+                                                            repaired, {}, nullptr, &progress));
+    look_for_colour(job, body);
+    progress.end_stage();
+    body.repair = std::move(repaired.report);
+    body.solid = std::move(repaired.solid);
+    return body;
+}
+
+MeshBoundary boundary_of(const JobBody& body) {
+    VOXTONE_EXPECT(!body.is_picture);
+    const Eigen::Vector3d& corner = body.grid.origin_mm;
+    // A wrapped body's visible surface is the mesh that the wrap stands for: colours and depths are its own.
+    if (body.repair.wrapped_faces > 0) return {body.solid->positions_mm, body.solid->triangles, corner};
+    return {body.surface->positions_mm, body.surface->triangles, corner};
+}
+
+}  // namespace voxtone::slicer

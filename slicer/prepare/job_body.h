@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// First half of a job: from the file to a body on the voxel grid with its coloured surface.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "voxtone/base/progress.h"
+#include "voxtone/io/models/mesh.h"
+#include "voxtone/io/models/side_file.h"
+#include "voxtone/slicer/mesh/mesh_boundary.h"
+#include "voxtone/slicer/mesh/mesh_repair.h"
+#include "voxtone/slicer/mesh/spatial_index.h"
+#include "voxtone/slicer/options/resolved_job.h"
+#include "voxtone/slicer/printer/placement.h"
+#include "voxtone/slicer/printer/printer.h"
+#include "voxtone/slicer/printer/voxel_grid.h"
+#include "voxtone/slicer/surface/visible_surface.h"
+
+namespace voxtone::slicer {
+
+struct JobBody {
+    std::vector<io::SideFile> side_files;  ///< that reading the model looked for beside it
+    io::ModelFile model;                   ///< positions in mm on the tray
+    bool is_picture = false;
+    Placement placement;
+    SolidIndex solid;
+    RepairReport repair;
+    SurfaceIndex surface;
+    VoxelGrid grid;
+    std::vector<std::string> warnings;  ///< of reader, placement and repair
+    std::vector<std::string> notes;     ///< what may be worth a thought
+    double read_s = 0;
+    std::vector<float> separation;  ///< lattice of an earlier separation for the very same job; empty: none
+};
+
+/// What is wrong with the model before it is read. Throws InputError for a folder, UsageError for options that do not
+/// go with a picture.
+void check_model(const ResolvedJob& job);
+
+/// Throws FileError, InputError.
+[[nodiscard]] JobBody prepare_body(const ResolvedJob& job, const PrinterProfile& printer, Progress& progress);
+
+/// The mesh of a body as its boundary for light paths, in mm from the corner of its grid: the staircase of its voxels
+/// lets light out near corners at once and shows slanting faces up to 7 CIEDE2000 too light (docs/benchmarks.md,
+/// `boundary_benchmark`). It is what is seen from outside of the repaired mesh, or the wrap where one stands for a mesh
+/// that was not closed. Where shells cross, its seams are as rough as the visible surface's pieces; what gets through
+/// them leaves at the voxels. Copies the mesh. Not for pictures, whose coloured surface is open.
+[[nodiscard]] MeshBoundary boundary_of(const JobBody& body);
+
+}  // namespace voxtone::slicer

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/slicer/prepare/job_colour.h"
+
+#include <algorithm>
+
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+
+#include "voxtone/base/error.h"
+#include "voxtone/io/profiles/resin_file.h"
+
+namespace voxtone::slicer {
+
+namespace {
+
+std::vector<std::string> roles_to_load(const ResolvedJob& job, const PrinterProfile& printer,
+                                       const optics::ResinSet& set) {
+    if (!job.load.empty()) return job.load;
+    std::vector<std::string> roles;
+    for (const std::string& role : printer.default_roles)
+        if (set.find(role) >= 0) roles.push_back(role);
+    // A set with roles of its own: take what it has, as far as the printer carries it.
+    if (roles.empty())
+        for (const optics::Resin& resin : set.resins)
+            if (static_cast<int>(roles.size()) < printer.max_resins) roles.push_back(resin.role);
+    return roles;
+}
+
+}  // namespace
+
+int most_resins(const PrinterProfile& printer) { return std::min(printer.max_resins, halftone::max_resins); }
+
+LoadedResins load_roles(const ResolvedJob& job, const PrinterProfile& printer, const optics::ResinSet& all,
+                        std::vector<std::string> roles) {
+    LoadedResins loaded;
+    if (static_cast<int>(roles.size()) > most_resins(printer))
+        throw InputError(fmt::format("--load {}: {} resins, but {} carries {} at once; leave some out",
+                                     fmt::join(roles, ","), roles.size(), printer.id, most_resins(printer)));
+    loaded.set = all.subset(roles);
+    for (std::size_t r = 0; r < roles.size(); ++r) roles[r] = loaded.set.resins[r].role;
+    const std::string& core = job.layered ? job.layered->base : job.colour.core;
+    loaded.core = loaded.set.find(core);
+    if (loaded.core < 0)
+        throw InputError(fmt::format("--{} {}: no such resin is loaded; loaded are {}", job.layered ? "base" : "core",
+                                     core, fmt::join(roles, ", ")));
+    const std::vector<io::Rgb> colours = printer.display_colours(roles);
+    for (std::size_t r = 0; r < roles.size(); ++r) {
+        io::StackResin entry;
+        const auto known = printer.material_names.find(roles[r]);
+        entry.name = known != printer.material_names.end() ? known->second : loaded.set.resins[r].name;
+        entry.role = roles[r];
+        entry.rgb = colours[r];
+        loaded.entries.push_back(std::move(entry));
+    }
+    return loaded;
+}
+
+LoadedResins load_resins(const ResolvedJob& job, const PrinterProfile& printer) {
+    const optics::ResinSet all = io::find_resin_set(job.resins);
+    return load_roles(job, printer, all, roles_to_load(job, printer, all));
+}
+
+std::optional<SlabUnderColour> slab_under_colour(const ResolvedJob& job, const JobBody& body) {
+    if (!body.is_picture) return std::nullopt;
+    return SlabUnderColour{body.placement.extent_mm.z(), job.picture.backing};
+}
+
+optics::ShellGeometry shell_geometry(const ColourOptions& options, const LoadedResins& resins,
+                                     const Eigen::Vector3d& pitch_mm, const std::optional<SlabUnderColour>& slab) {
+    optics::ShellGeometry geometry;
+    geometry.shell_mm = options.depth_mm;
+    if (options.mixing == Mixing::voxels) geometry.pitch_mm = {pitch_mm.x(), pitch_mm.y(), pitch_mm.z()};
+    geometry.core_resin = resins.core;
+    geometry.white_resin = resins.set.find("W");  // -1, the core, where no white is loaded
+    geometry.seen = optics::SeenFrom::all_sides;
+    if (!slab) return geometry;
+    geometry.seen = optics::SeenFrom::above;
+    geometry.shell_mm = std::min(options.depth_mm, slab->thickness_mm);
+    // A slab that is colour all through has no core; the model wants one: a nanometre of it is nothing to light.
+    constexpr double no_core_mm = 1e-6;
+    geometry.core_mm = std::max(slab->thickness_mm - geometry.shell_mm, no_core_mm);
+    geometry.backing = slab->backing;
+    return geometry;
+}
+
+std::unique_ptr<const JobColour> prepare_colour(const ColourOptions& options, const LoadedResins& resins,
+                                                const Eigen::Vector3d& pitch_mm,
+                                                const std::optional<SlabUnderColour>& slab, Progress& progress,
+                                                const std::vector<float>& lattice) {
+    progress.begin_stage("separate colours", 0);
+    const optics::ShellGeometry geometry = shell_geometry(options, resins, pitch_mm, slab);
+    auto colour = std::make_unique<const JobColour>(resins.set, geometry, &progress, lattice);
+    progress.end_stage();
+    return colour;
+}
+
+std::unique_ptr<const halftone::MinimalDepthSeparation> prepare_recipes(const optics::ResinSet& resins,
+                                                                        const optics::ShellGeometry& shell,
+                                                                        const halftone::SkinLayers& layers,
+                                                                        const Progress& progress) {
+    optics::ShellGeometry below = shell;
+    below.core_mm += shell.shell_mm - layers.depth_mm();
+    halftone::SeparationOptions separation;
+    separation.wavelengths_nm = resins.channels.wavelengths_nm;
+    constexpr int nodes = 33;
+    separation.nodes = nodes;
+    return std::make_unique<const halftone::MinimalDepthSeparation>(resins, below, layers, separation, &progress);
+}
+
+}  // namespace voxtone::slicer

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The colour half of a job: which resins are loaded, what a mixture of them looks like on this body, and which mixture
+// makes a colour.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "voxtone/base/progress.h"
+#include "voxtone/halftone/loop/minimal_depth_separation.h"
+#include "voxtone/halftone/separation/separation.h"
+#include "voxtone/io/layers/layer_runs.h"
+#include "voxtone/io/layers/manifest.h"
+#include "voxtone/optics/layered/shell_appearance.h"
+#include "voxtone/optics/media/resins.h"
+#include "voxtone/slicer/options/resolved_job.h"
+#include "voxtone/slicer/prepare/job_body.h"
+#include "voxtone/slicer/printer/printer.h"
+
+namespace voxtone::slicer {
+
+struct LoadedResins {
+    optics::ResinSet set;                 ///< only what is loaded; resin r is material r + 1
+    std::vector<io::StackResin> entries;  ///< names and colours for the manifest, same order
+    int core = 0;                         ///< index of the core resin, or of the base below stacks of layers
+    [[nodiscard]] io::Material core_material() const { return static_cast<io::Material>(core + 1); }
+};
+
+/// What the printer carries at once, as far as a separation can mix it.
+[[nodiscard]] int most_resins(const PrinterProfile& printer);
+
+/// These of a set's resins. Throws InputError: unknown role, more than the printer carries, the core resin not among
+/// them.
+[[nodiscard]] LoadedResins load_roles(const ResolvedJob& job, const PrinterProfile& printer,
+                                      const optics::ResinSet& all, std::vector<std::string> roles);
+/// The resins of `job.resins` that `job.load` names (or the printer's default, of those the set has). Throws the same,
+/// and for an unknown set.
+[[nodiscard]] LoadedResins load_resins(const ResolvedJob& job, const PrinterProfile& printer);
+
+/// Stays where it was made: the separation refers to the appearance.
+struct JobColour {
+    JobColour(const optics::ResinSet& resins, const optics::ShellGeometry& geometry, const Progress* progress,
+              const std::vector<float>& lattice = {})
+        : appearance(resins, geometry), separation(appearance, separation_options(resins), progress, lattice) {}
+    JobColour(const JobColour&) = delete;
+    JobColour& operator=(const JobColour&) = delete;
+
+    const optics::ShellAppearance appearance;
+    const halftone::Separation separation;
+
+private:
+    static halftone::SeparationOptions separation_options(const optics::ResinSet& resins) {
+        halftone::SeparationOptions options;
+        options.wavelengths_nm = resins.channels.wavelengths_nm;
+        return options;
+    }
+};
+
+/// A slab of a picture, over a sheet.
+struct SlabUnderColour {
+    double thickness_mm = 0;
+    optics::Backing backing = optics::Backing::black;
+};
+
+/// Nothing for a body.
+[[nodiscard]] std::optional<SlabUnderColour> slab_under_colour(const ResolvedJob& job, const JobBody& body);
+
+/// The shell that colours are separated for.
+[[nodiscard]] optics::ShellGeometry shell_geometry(const ColourOptions& options, const LoadedResins& resins,
+                                                   const Eigen::Vector3d& pitch_mm,
+                                                   const std::optional<SlabUnderColour>& slab);
+
+/// `slab`: nothing: a body taken to be thick. `pitch_mm`: of the print's voxels. `lattice`: of an earlier separation
+/// for the same; empty: none.
+[[nodiscard]] std::unique_ptr<const JobColour> prepare_colour(const ColourOptions& options, const LoadedResins& resins,
+                                                              const Eigen::Vector3d& pitch_mm,
+                                                              const std::optional<SlabUnderColour>& slab,
+                                                              Progress& progress,
+                                                              const std::vector<float>& lattice = {});
+
+/// The same colours surface first, in these layers of a shell of `shell`, as the appearance loop mixes them.
+[[nodiscard]] std::unique_ptr<const halftone::MinimalDepthSeparation> prepare_recipes(
+    const optics::ResinSet& resins, const optics::ShellGeometry& shell, const halftone::SkinLayers& layers,
+    const Progress& progress);
+
+}  // namespace voxtone::slicer

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What is wrong with a print of layers (`--model layered-profile`), known without a body.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "voxtone/io/profiles/profile_map.h"
+#include "voxtone/slicer/options/resolved_job.h"
+#include "voxtone/slicer/prepare/job_colour.h"
+
+namespace voxtone::slicer {
+
+/// Throws InputError: no cluster, channels that are not those of the resins, one resin only, roles that are not loaded,
+/// a resin without a profile beside measured ones.
+void check_layers(const LayeredOptions& options, const io::ProfileMap& map, const LoadedResins& resins);
+
+/// The measured profile of each loaded resin. Throws as check_layers does.
+[[nodiscard]] std::vector<std::string> material_files(const LayeredOptions& options, const LoadedResins& resins);
+
+/// "rgb", "3 wavelengths (450, 550, 650 nm)".
+[[nodiscard]] std::string channels_text(const optics::Channels& channels);
+
+}  // namespace voxtone::slicer

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Whether a job has an appearance loop, of which kind, and what that takes, known before its colours are separated.
+//
+// The loop is left out where it has nothing to choose (one resin), where it is not wanted (--iterations 0), and where
+// its memory would surely not suffice.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "voxtone/slicer/options/resolved_job.h"
+#include "voxtone/slicer/prepare/job_body.h"
+#include "voxtone/slicer/prepare/job_colour.h"
+#include "voxtone/slicer/surface/surface_colour.h"
+
+namespace voxtone::slicer {
+
+struct LoopPlan {
+    bool wanted = false;
+    int iterations = -1;  ///< most; -1: until it stops gaining
+    bool descent = true;  ///< after feedback
+    std::string why_not;  ///< where it is not wanted: a sentence, or empty where none is due
+};
+
+/// Of a job that resumes: with no iterations too, what an interrupted loop has found is looked at. Not without being
+/// asked where even its smallest pieces would take more memory than is allowed.
+/// `all_white`: white is asked for everywhere and printed: nothing is rearranged without being asked.
+[[nodiscard]] LoopPlan plan_loop(const ResolvedJob& job, const JobBody& body, const LoadedResins& resins,
+                                 bool all_white);
+
+/// Of a print whose core is the white resin.
+[[nodiscard]] bool prints_all_white(const SurfaceColour& asked, const LoadedResins& resins);
+
+/// Why no loop could change anything: a sentence; empty where one could.
+[[nodiscard]] std::string nothing_to_rearrange(const JobBody& body, const LoadedResins& resins);
+
+/// What a loop takes, about: measured on cores of 2.5 GHz (docs/estimate.md), to a factor of 1.5.
+struct LoopCost {
+    int iterations = 0;      ///< that are made, of a loop that stops when it gains no more
+    double cpu_seconds = 0;  ///< of processors
+    double bytes = 0;
+};
+/// `allowed_bytes`: where they are few it takes longer; 0: no limit.
+[[nodiscard]] LoopCost expected_cost(const LoopPlan& plan, double area_mm2, double cell_mm,
+                                     std::uint64_t allowed_bytes);
+
+}  // namespace voxtone::slicer

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/slicer/prepare/opened_job.h"
+
+#include "voxtone/slicer/prepare/layers_check.h"
+
+namespace voxtone::slicer {
+
+namespace {
+
+void take_width(ResolvedJob& job, const io::ProfileMap& map) {
+    if (!job.is_picture || job.picture.width_mm != 0) return;
+    job.picture.width_mm = job.asked.width_mm = map.width_mm;
+}
+
+/// How thick a picture's slab is, is known without the picture; which way it is turned then, not here.
+void check_thickness(const ResolvedJob& job, const PrinterProfile& printer) {
+    if (!job.is_picture || !job.asked.rotate.empty()) return;
+    const Eigen::Vector3d slab_mm(1, 1, job.picture.thickness_mm);
+    check_layer_count(grid_around(Eigen::Vector3d::Zero(), slab_mm, printer.sliced_pitch_mm()).size[2], printer,
+                      "thicker (--thickness)");
+}
+
+}  // namespace
+
+OpenedJob open_job(const SliceOptions& asked) {
+    OpenedJob job{resolve(asked), {}, {}, std::nullopt, {}};
+    check_model(job.options);
+    if (job.options.layered) {
+        job.map = io::read_profile_map(job.options.layered->profiles);
+        take_width(job.options, *job.map);
+    }
+    job.printer = find_printer(job.options.printer);
+    job.resins = load_resins(job.options, job.printer);
+    check_thickness(job.options, job.printer);
+    if (job.map) check_layers(*job.options.layered, *job.map, job.resins);
+    return job;
+}
+
+void OpenedJob::load(const std::vector<std::string>& roles) {
+    options.load = roles;
+    resins = load_resins(options, printer);
+}
+
+std::vector<io::Rgb> OpenedJob::palette() const {
+    std::vector<io::Rgb> palette{printer.background_rgb};
+    for (const io::StackResin& resin : resins.entries) palette.push_back(resin.rgb);
+    return palette;
+}
+
+io::StackOutputs OpenedJob::outputs() const {
+    return io::outputs_for(options.formats.empty() ? printer.formats : options.formats);
+}
+
+io::StackDescription OpenedJob::describe(const VoxelGrid& grid, const LayerRange& range) const {
+    io::StackDescription stack =
+        printer.describe({std::uint32_t(grid.size[0]), std::uint32_t(grid.size[1]), std::uint32_t(range.layers())});
+    stack.first_layer = std::uint32_t(range.first);
+    stack.origin_mm = {grid.origin_mm.x(), grid.origin_mm.y(), grid.origin_mm.z()};
+    stack.resins = resins.entries;
+    return stack;
+}
+
+}  // namespace voxtone::slicer

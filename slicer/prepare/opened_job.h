@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// A job before its model is read: options, printer, resins, map of profiles. What is wrong with any of them is said
+// here, before time is spent.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "voxtone/io/layers/layer_stack_writer.h"
+#include "voxtone/io/profiles/profile_map.h"
+#include "voxtone/slicer/options/resolved_job.h"
+#include "voxtone/slicer/prepare/job_body.h"
+#include "voxtone/slicer/prepare/job_colour.h"
+#include "voxtone/slicer/printer/printer.h"
+
+namespace voxtone::slicer {
+
+struct OpenedJob {
+    ResolvedJob options;
+    PrinterProfile printer;
+    LoadedResins resins;
+    std::optional<io::ProfileMap> map;  ///< of layered prints
+    std::string why_these_resins;       ///< where they were chosen for the model (resin_choice.h)
+
+    /// Loads these instead. What was asked for stays as it was: the same job chooses the same again.
+    void load(const std::vector<std::string>& roles);
+
+    /// Background and resins, as the bitmaps colour them.
+    [[nodiscard]] std::vector<io::Rgb> palette() const;
+    /// What is written: the formats asked for, or the printer's.
+    [[nodiscard]] io::StackOutputs outputs() const;
+    /// The layers of this range as they will be written.
+    [[nodiscard]] io::StackDescription describe(const VoxelGrid& grid, const LayerRange& range) const;
+};
+
+/// Changes nothing on disk. A picture without a size of its own is as wide as the map. Throws UsageError, InputError,
+/// FileError.
+[[nodiscard]] OpenedJob open_job(const SliceOptions& asked);
+
+}  // namespace voxtone::slicer

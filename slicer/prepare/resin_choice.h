@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Which resins a printer with few slots is loaded with, where the user did not say: those that show the model's colours
+// best.
+//
+// Every set of resins that fits and holds the core's is asked for a sample of the colours of the coloured surface, 400
+// points spread evenly over its area, with the separation's own model and inversion (halftone/separation), so without a
+// lattice. The set with the smallest mean CIEDE2000 is loaded; of equals the printer's default, then the first. Clear
+// resin (T) carries no colour and is not a candidate. Six sets of three out of five take about a second of one core.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "voxtone/base/progress.h"
+#include "voxtone/slicer/prepare/job_body.h"
+#include "voxtone/slicer/prepare/opened_job.h"
+
+namespace voxtone::slicer {
+
+struct ResinChoice {
+    std::vector<std::string> roles;
+    double mean_de2000 = 0;  ///< of the sample, between what was asked for and what these resins can show
+    std::string why;         ///< a sentence
+};
+
+/// Nothing where the user named resins, where the printer's default leaves a slot free or leaves nothing out, and where
+/// the surface has no colour to choose for.
+[[nodiscard]] std::optional<ResinChoice> choose_resins(const OpenedJob& job, const JobBody& body, Progress& progress);
+
+/// A resin that is not loaded, and what the sample's mean would be with it.
+struct HelpfulResin {
+    std::string role;
+    double mean_de2000 = 0, now_de2000 = 0;
+    bool has_slot = false;  ///< the printer carries one more
+};
+/// The one that would help most; nothing where none brings the mean down by a quarter and by half a unit.
+[[nodiscard]] std::optional<HelpfulResin> most_helpful_resin(const OpenedJob& job, const JobBody& body);
+
+}  // namespace voxtone::slicer

@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/slicer/shards/merge_job.h"
+
+#include <algorithm>
+#include <optional>
+#include <string>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include <fmt/core.h>
+
+#include "voxtone/base/error.h"
+#include "voxtone/base/parallel.h"
+#include "voxtone/base/stopwatch.h"
+#include "voxtone/io/files/json_writer.h"
+#include "voxtone/io/files/whole_file.h"
+#include "voxtone/io/layers/stack_folder.h"
+#include "voxtone/io/shards/merged_stack.h"
+#include "voxtone/io/shards/shard_folder.h"
+#include "voxtone/slicer/job/job_phases.h"
+#include "voxtone/slicer/look/report_files.h"
+#include "voxtone/slicer/options/job_file.h"
+#include "voxtone/slicer/shards/prepared_body.h"
+
+namespace voxtone::slicer {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+JobFigures figures_of(const io::ShardSet& shards) {
+    JobFigures sum;
+    for (const io::ShardRecord& record : shards.records) {
+        const io::ShardFigures& f = record.figures;
+        sum.counts +=
+            {f.body_voxels, f.shell_voxels, f.thin_voxels, f.solid_s, f.shell_s, f.colour_s, f.screen_s, f.runs_s};
+        sum.encode_s += f.encode_s;
+        sum.layers_s += f.layers_s;
+        for (const auto& files : record.written.file_bytes) sum.layer_bytes += files.front();
+    }
+    return sum;
+}
+
+std::vector<io::ReportLayer> pictures_of(const io::ShardSet& shards) {
+    std::vector<io::ReportLayer> pictures;
+    for (const io::ShardRecord& record : shards.records)
+        pictures.insert(pictures.end(), record.pictures.begin(), record.pictures.end());
+    return pictures;
+}
+
+io::ReportSection shards_section(const io::ShardSet& shards) {
+    io::ReportSection section;
+    section.title = "Shards";
+    section.paragraphs.emplace_back(
+        "The layers were made in parts and laid together; times of the layers are those of all parts, added.");
+    io::ReportTable table{"Parts of the layers", {"shard", "layers", "seconds", "host"}, {}};
+    for (const io::ShardRecord& record : shards.records)
+        table.rows.push_back({io::shard_text(record.number),
+                              record.layers == 0
+                                  ? std::string("none")
+                                  : fmt::format("{} to {}", record.first_layer, record.first_layer + record.layers - 1),
+                              fmt::format("{:.1f}", record.figures.total_s), record.host});
+    section.tables.push_back(std::move(table));
+    return section;
+}
+
+/// Of a stack that may be there already: its own, or one that may be replaced.
+void expect_replaceable(const MergeOptions& options, const io::StackFolder& folder, const io::ShardSet& shards) {
+    if (options.overwrite || !folder.holds_stack()) return;
+    if (recorded_identity(options.out) == shards.job()) return;
+    io::expect_free_for_stack(options.out);
+}
+
+std::string job_text(const fs::path& out) {
+    constexpr std::uint64_t most_bytes = std::uint64_t{16} << 20;
+    const auto bytes = io::read_whole_file(io::shards_folder(out) / job_file_name, most_bytes);
+    return {bytes.begin(), bytes.end()};
+}
+
+void lay_together(const MergeOptions& options, const io::ShardSet& shards) {
+    if (io::is_merged(options.out, shards)) return;
+    if (recorded_identity(io::shards_folder(options.out)) != shards.job())
+        throw InputError(
+            fmt::format("{}: is not of the job that the shards are of; make one of them again, with "
+                        "--overwrite",
+                        (io::shards_folder(options.out) / job_file_name).string()));
+    io::StackFolder folder(options.out, {report_file::all.begin(), report_file::all.end()});
+    expect_replaceable(options, folder, shards);
+    io::expect_files(options.out, shards);
+    io::merge_shards(folder, shards, job_text(options.out));
+}
+
+/// The job that the shards are of, to draw its report.
+OpenedJob open_merged(const MergeOptions& options) {
+    SliceOptions asked;
+    read_job((options.out / job_file_name).string(), asked);
+    asked.out = options.out.string();
+    asked.threads = options.threads;
+    OpenedJob job = open_job(asked);
+    job.options.loop.elsewhere = true;
+    if (!options.predict)
+        job.options.prediction.why_not =
+            "Its layers were made in shards: `voxtone merge --predict` predicts what they will look like.";
+    return job;
+}
+
+/// A print that is predicted sees its layers; they are made again, and not written.
+void show_layers(Print& print, const LayerRange& range, Progress& progress) {
+    JobFigures unused;
+    std::optional<Thumbnails> none;
+    make_layers(
+        print, range, [](int, const io::LayerRuns&) {}, none, unused, progress);
+}
+
+JobResult write_merged_report(const MergeOptions& options, const io::ShardSet& shards, const Stopwatch& watch,
+                              Progress& progress) {
+    OpenedJob job = open_merged(options);
+    const ThreadLimit threads(static_cast<std::size_t>(options.threads));
+    JobFigures figures = figures_of(shards);
+    std::optional<JobBody> prepared;
+    if (is_same_job(options.out, job, &progress)) prepared = read_prepared(options.out, shards.job());
+    const JobBody body = prepared ? *std::move(prepared) : read_body(job, figures, progress);
+    const JobIdentity identity = identify_said(job, body, progress);
+    if (identity.job != shards.job())
+        throw InputError(fmt::format(
+            "{}: the stack is merged and whole, but its report cannot be drawn: the model, or another file that the "
+            "job names, has changed since the shards were made; --no-report does without",
+            options.out.string()));
+    load_best_resins(job, body, progress);
+    const std::unique_ptr<Print> print = make_print(job, body, identity, progress);
+    print->prepare(progress);
+    const LayerRange range{int(shards.stack.first_layer), int(shards.stack.first_layer + shards.stack.layers) - 1};
+    if (options.predict)
+        show_layers(*print, range, progress);
+    else
+        print->expect_layers(range);
+    print->look(shards.stack, progress);
+    progress.begin_stage("report", 0);
+    io::Report report = make_report(job, body, shards.stack, *print, figures);
+    report.layers = pictures_of(shards);
+    report.sections.push_back(shards_section(shards));
+    for (const io::ShardRecord& record : shards.records)
+        report.peak_memory_bytes = std::max(report.peak_memory_bytes, record.figures.peak_memory_bytes);
+    std::string json = write_report(job, *print, report, watch, progress);
+    progress.end_stage();
+    std::error_code not_there;
+    fs::remove(io::prepared_file(options.out, shards.job()), not_there);
+    const bool bad = report.verdict && report.verdict->level == io::VerdictLevel::bad;
+    return {std::move(json), summary_text(*print, report, watch.total(), job.options.report, options.out),
+            bad && job.options.strict ? ExitCode::check_failed : ExitCode::done};
+}
+
+JobResult short_result(const fs::path& out, const io::ShardSet& shards, const char* what) {
+    io::JsonWriter json;
+    json.begin_object().add("format", "voxtone-merge").add("version", 1).add("stack", out.string());
+    json.add("shards", shards.records.size()).add("layers", shards.stack.layers);
+    json.add("content_sha256", shards.stack.content_sha256).end_object();
+    return {
+        json.text(),
+        fmt::format("{}: {} layers of {} shards; {}\n", out.string(), shards.stack.layers, shards.records.size(), what),
+        ExitCode::done};
+}
+
+}  // namespace
+
+JobResult run_merge_job(const MergeOptions& options, Progress& progress) {
+    const Stopwatch watch;
+    if (std::error_code none; !fs::is_directory(options.out, none))
+        throw FileError(fmt::format("{}: is no folder; name the output folder of the shards", options.out.string()));
+    const io::ShardSet shards = io::read_shards(options.out);
+    io::sweep_shards(options.out);
+    const bool was_merged = io::is_merged(options.out, shards);
+    lay_together(options, shards);
+    if (std::error_code not_there; !options.report) fs::remove(io::prepared_file(options.out, shards.job()), not_there);
+    if (!options.report) return short_result(options.out, shards, was_merged ? "merged already" : "merged");
+    if (was_merged && !options.predict && fs::exists(options.out / report_file::figures))
+        return short_result(options.out, shards, "merged already, with its report; nothing was done");
+    return write_merged_report(options, shards, watch, progress);
+}
+
+}  // namespace voxtone::slicer

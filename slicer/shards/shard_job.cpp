@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/slicer/shards/shard_job.h"
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include <fmt/core.h>
+
+#include "voxtone/base/error.h"
+#include "voxtone/base/parallel.h"
+#include "voxtone/base/peak_memory.h"
+#include "voxtone/base/progress_bar.h"
+#include "voxtone/base/stopwatch.h"
+#include "voxtone/io/disk/folder_lock.h"
+#include "voxtone/io/files/json_writer.h"
+#include "voxtone/io/layers/stack_folder.h"
+#include "voxtone/io/shards/shard_folder.h"
+#include "voxtone/slicer/job/job_phases.h"
+#include "voxtone/slicer/layers/layer_maker.h"
+#include "voxtone/slicer/options/job_file.h"
+#include "voxtone/slicer/shards/prepared_body.h"
+#include "voxtone/slicer/shards/shard_cut.h"
+#include "voxtone/slicer/shards/shard_task.h"
+
+#ifndef VOXTONE_VERSION
+#error "the build defines the program's version"
+#endif
+
+namespace voxtone::slicer {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* this_program = "voxtone " VOXTONE_VERSION;
+
+void expect_shardable(const OpenedJob& job) {
+    const io::StackOutputs outputs = job.outputs();
+    if (outputs.gcvf || outputs.vdb)
+        throw UsageError(fmt::format(
+            "--shard: {} is one file of the whole stack, which shards do not make: leave it out of --formats, or slice "
+            "without --shard",
+            outputs.gcvf ? io::gcvf_name : io::vdb_name));
+}
+
+JobResult result_of(const io::ShardRecord& record, const fs::path& out, const char* what) {
+    const std::string range =
+        record.layers == 0 ? "no layers: there are more shards than slabs of layers"
+                           : fmt::format("layers {} to {}", record.first_layer, record.first_layer + record.layers - 1);
+    const fs::path file = io::shard_file(out, record.number);
+    io::JsonWriter json;
+    json.begin_object().add("format", "voxtone-shard-done").add("version", 1).add("record", file.string());
+    json.add("shard", record.number.shard).add("of", record.number.of).add("first_layer", record.first_layer);
+    json.add("layers", record.layers).add("seconds", record.figures.total_s).end_object();
+    return {json.text(), fmt::format("{}: {}{}\n", file.string(), range, what), ExitCode::done};
+}
+
+/// The same job's stack, whole: what shards are made for.
+std::optional<JobResult> merged_before(const OpenedJob& job, const Progress& progress) {
+    const fs::path& out = job.options.out;
+    if (job.options.overwrite || !fs::exists(out / io::manifest_name) || !is_same_job(out, job, &progress))
+        return std::nullopt;
+    io::JsonWriter json;
+    json.begin_object().add("format", "voxtone-shard-done").add("version", 1).add("merged", out.string()).end_object();
+    return JobResult{json.text(),
+                     fmt::format("{}: holds this job's stack already, whole; nothing was done (--overwrite makes the "
+                                 "shard again)\n",
+                                 out.string()),
+                     ExitCode::done};
+}
+
+/// This very shard, with every file.
+std::optional<io::ShardRecord> made_before(const OpenedJob& job, const io::ShardNumber& number) {
+    const fs::path &out = job.options.out, folder = io::shards_folder(out), file = io::shard_file(out, number);
+    if (job.options.overwrite || !fs::exists(file)) return std::nullopt;
+    try {
+        io::ShardRecord record = io::read_shard(file);
+        if (record.number != number || record.program != this_program || record.job != recorded_identity(folder) ||
+            io::missing_file(record, folder / io::shard_store(record.job)))
+            return std::nullopt;
+        return record;
+    } catch (const Error&) {
+        return std::nullopt;  // it is made again
+    }
+}
+
+/// Makes the layers into the folder; with what they hold.
+void make_shard(const OpenedJob& job, const JobBody& body, Print& print, const LayerRange& all, const LayerRange& mine,
+                const fs::path& into, io::ShardRecord& record, JobFigures& figures, Progress& progress) {
+    record.first_layer = std::uint32_t(mine.first);
+    record.layers = std::uint32_t(mine.layers());
+    if (mine.layers() == 0) return;
+    io::StackDescription part = record.stack;
+    part.first_layer = record.first_layer;
+    part.layers = record.layers;
+    io::LayerFiles files(into, part, record.resin_bitmaps);
+    std::optional<Thumbnails> thumbnails;
+    if (job.options.report) thumbnails.emplace(all.first, all.layers(), body.grid, job.palette());
+    make_layers(
+        print, mine, [&](int k, const io::LayerRuns& layer) { files.write(std::uint32_t(k - mine.first), layer); },
+        thumbnails, figures, progress);
+    record.written = files.written();
+    if (thumbnails) record.pictures = thumbnails->take();
+}
+
+io::ShardFigures figures_of(const JobFigures& f, const Stopwatch& since_begin) {
+    return {.body_voxels = f.counts.body_voxels,
+            .shell_voxels = f.counts.shell_voxels,
+            .thin_voxels = f.counts.thin_voxels,
+            .solid_s = f.counts.solid_s,
+            .shell_s = f.counts.shell_s,
+            .colour_s = f.counts.colour_s,
+            .screen_s = f.counts.screen_s,
+            .runs_s = f.counts.runs_s,
+            .encode_s = f.encode_s,
+            .layers_s = f.layers_s,
+            .total_s = since_begin.total(),
+            .peak_memory_bytes = peak_memory_bytes()};
+}
+
+/// What is made of the layers; the prediction and the report are the merged stack's.
+ShardTask open_shard(OpenedJob& job, bool same_job_before) {
+    job.options.prediction.why_not = "A part of the layers is not predicted.";
+    if (job.options.shard) return {*job.options.shard, 1};
+    return task_of_scheduler(same_job_before ? job.options.out : fs::path());
+}
+
+}  // namespace
+
+JobResult run_shard_job(const SliceOptions& asked, Progress& progress) {
+    const Stopwatch watch;
+    OpenedJob job = open_job(asked);
+    expect_shardable(job);
+    const fs::path& out = job.options.out;
+    const bool same_job_before = is_same_job(io::shards_folder(out), job, &progress);
+    const ShardTask task = open_shard(job, same_job_before);
+    if (auto merged = merged_before(job, progress)) return *std::move(merged);
+    if (same_job_before)
+        if (const auto made = made_before(job, task.number))
+            return result_of(*made, out, "; made already, nothing was done (--overwrite makes it again)");
+    if (!job.options.overwrite) {
+        io::expect_free_for_stack(out);
+        expect_no_other_shards(job, &progress);
+    }
+    expect_own_loop(job, &progress);
+    io::ShardFolder folder(out, task.number);
+
+    const ThreadLimit threads(static_cast<std::size_t>(job.options.threads));
+    for (const std::string& warning : job.printer.warnings()) progress.warn(warning);
+    JobFigures figures;
+    std::optional<JobBody> prepared;
+    if (same_job_before) prepared = read_prepared(out, recorded_identity(io::shards_folder(out)).value_or(""));
+    if (prepared && job.options.strict && !prepared->warnings.empty()) prepared.reset();  // one may be a reason to stop
+    const JobBody body = prepared ? *std::move(prepared) : read_body(job, figures, progress);
+    const JobIdentity identity = identify_said(job, body, progress);
+    load_best_resins(job, body, progress);
+    const LayerRange all = range_within(job.options.layers, body.grid.size[2]);
+    check_layer_count(body.grid.size[2], job.printer, "larger (--size), or thicker (--thickness)");
+    const std::unique_ptr<Print> print = make_print(job, body, identity, progress);
+    print->prepare(progress);
+    const int slab_layers = LayerMaker(print->sources()).slab_layers();
+    const LayerRange mine =
+        shard_layers(slab_work(body, job.options.colour.depth_mm, slab_layers), slab_layers, all, task.number);
+    expect_disk_space(job, body, mine, progress);
+
+    if (job.options.overwrite && !same_job_before) io::remove_shards(out);
+    folder.claim(job_record(job.options.asked, identity.inputs, out));
+    if (body.separation.empty()) keep_prepared(out, identity.job, body, print->separation());
+
+    io::ShardRecord record;
+    record.number = task.number;
+    record.first_task = task.first_task;
+    record.program = this_program;
+    record.job = identity.job;
+    record.host = io::host_name();
+    record.stack = io::as_written(job.describe(body.grid, all));
+    record.resin_bitmaps = job.outputs().resin_bitmaps;
+    make_shard(job, body, *print, all, mine, folder.staging(), record, figures, progress);
+    record.figures = figures_of(figures, watch);
+    folder.publish(record);
+    return result_of(record, out, fmt::format(", done in {}", duration_text(watch.total())).c_str());
+}
+
+}  // namespace voxtone::slicer

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What `voxtone estimate` says, against known bodies and against the jobs themselves.
+#include <string>
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include "run_program.h"
+#include "tests/io/files/schema.h"
+
+using namespace voxtone::test;
+using Catch::Matchers::Contains;
+
+namespace {
+
+/// The result of a verb with --json.
+nlohmann::json result_of(const std::string& arguments) {
+    const Outcome outcome = run_program(arguments + " --json --quiet");
+    INFO(outcome.err << outcome.out);
+    REQUIRE(outcome.exit_code == 0);
+    const std::size_t before = outcome.out.find_last_of('\n', outcome.out.size() - 2);
+    const auto event = nlohmann::json::parse(outcome.out.substr(before == std::string::npos ? 0 : before + 1));
+    REQUIRE(event["event"] == "result");
+    return event["result"];
+}
+
+}  // namespace
+
+TEST_CASE("An estimate is that of the job, resin by resin") {
+    const Folder folder("estimate");
+    folder.write("box.obj", ramp_box_obj(12, 10, 5));
+    const std::string job = (folder / "box.obj") + " --iterations 0 --predict none";
+    const nlohmann::json estimate = result_of("estimate " + job);
+    const nlohmann::json made = result_of("slice " + job + " -o " + (folder / "out"));
+    CHECK(voxtone::io::schema_faults("estimate", estimate.dump()) == std::vector<std::string>{});
+    // 12 x 10 x 5 mm, rounded to voxels by up to half of one on each side.
+    const double voxel_share = 25.4 / 600 / 12 + 25.4 / 300 / 10 + 0.027 / 5;
+    CHECK(estimate["ml"].get<double>() == Approx(0.6).epsilon(voxel_share));
+    CHECK(estimate["ml"].get<double>() == Approx(made["resin_ml"].get<double>()).epsilon(0.001));
+    CHECK(estimate["size_px"][0] == made["size_px"][0]);
+    CHECK(estimate["size_px"][1] == made["size_px"][1]);
+    CHECK(estimate["layers"] == made["layers"]);
+    REQUIRE(estimate["resins"].size() == made["resins"].size());
+    for (std::size_t r = 0; r < made["resins"].size(); ++r) {
+        CHECK(estimate["resins"][r]["role"] == made["resins"][r]["role"]);
+        CHECK(estimate["resins"][r]["ml"].get<double>() ==
+              Approx(made["resins"][r]["ml"].get<double>()).margin(0.03 * 0.6));
+    }
+    CHECK(estimate["memory_bytes"].get<double>() >= made["peak_memory_bytes"].get<double>());
+    CHECK(estimate["disk_bytes"].get<double>() >= made["output_bytes"].get<double>());
+    CHECK_FALSE(estimate["loop"].get<bool>());
+    CHECK_FALSE(estimate.contains("g"));
+}
+
+TEST_CASE("A part of the layers takes a part of the resin, and the loop is told") {
+    const Folder folder("estimate-part");
+    folder.write("box.obj", ramp_box_obj(12, 10, 5));
+    const nlohmann::json part = result_of("estimate " + (folder / "box.obj") + " --layers 0-49");
+    CHECK(part["layers"] == 50);
+    CHECK(part["ml"].get<double>() == Approx(12 * 10 * 50 * 0.027 * 1e-3).epsilon(0.01));
+    CHECK(part["loop"].get<bool>());
+    CHECK_FALSE(part["prediction"].get<bool>());
+}
+
+TEST_CASE("24 orientations, each for --rotate") {
+    const Folder folder("estimate-turned");
+    folder.write("marker.obj", marker_obj());
+    const nlohmann::json turned = result_of("estimate " + (folder / "marker.obj") + " --iterations 0 --orientations");
+    CHECK(voxtone::io::schema_faults("estimate", turned.dump()) == std::vector<std::string>{});
+    REQUIRE(turned["orientations"].size() == 24);
+    const nlohmann::json& as_it_is = turned["orientations"][0];
+    CHECK(as_it_is["rotate"] == "");
+    // The marker stands on 6 x 3 mm and nothing of it hangs over.
+    CHECK(as_it_is["downward_mm2"].get<double>() == Approx(18).epsilon(0.03));
+    CHECK(as_it_is["under_ml"].get<double>() == 0);
+    const nlohmann::json& other = turned["orientations"][20];
+    const nlohmann::json again = result_of("estimate " + (folder / "marker.obj") + " --iterations 0 --rotate " +
+                                           other["rotate"].get<std::string>());
+    CHECK(again["layers"] == other["layers"]);
+    for (int axis = 0; axis < 3; ++axis)
+        CHECK(again["size_mm"][axis].get<double>() == Approx(other["size_mm"][axis].get<double>()));
+}
+
+TEST_CASE("An estimate refuses what the job would refuse, and writes nothing") {
+    const Folder folder("estimate-refused");
+    CHECK(run_program("estimate " + (folder / "none.obj")).exit_code == 4);
+    CHECK(run_program("estimate").exit_code == 2);
+    folder.write("marker.obj", marker_obj());
+    CHECK(run_program("estimate " + (folder / "marker.obj") + " --load C,Q").exit_code == 3);
+    CHECK(run_program("estimate " + (folder / "marker.obj") + " --iterations 0 -o " + (folder / "out")).exit_code == 0);
+    CHECK_FALSE(std::filesystem::exists(folder / "out"));
+}

@@ -1,0 +1,301 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// A job in shards, merged, is the job: the same files bit for bit, the manifest included, in any number and order, with
+// a loop and without; and what is missing, broken or of another job is refused in one sentence.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <csignal>
+#include <filesystem>
+#include <map>
+#include <thread>
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include "run_program.h"
+#include "tests/io/files/schema.h"
+
+using namespace voxtone::test;
+
+namespace {
+
+namespace fs = std::filesystem;
+using Catch::Matchers::Contains;
+
+const std::string spot = std::string(VOXTONE_SOURCE_DIR) + "/examples/models/spot/spot.obj";
+const std::string plain_job = fmt::format("slice --quiet --iterations 0 --predict none --size 12mm {}", spot);
+
+/// All files of a stack that say the same however it was made: what tells of times does not.
+std::map<std::string, std::string> stack_in(const Folder& folder, const std::string& out) {
+    std::map<std::string, std::string> files;
+    for (auto& [name, bytes] : read_tree(folder / out))
+        if (!name.starts_with("shards") && name != "report.html" && name != "report.json" && name != "skin.mixtures")
+            files.emplace(name, std::move(bytes));
+    return files;
+}
+
+Outcome shard(const std::string& job, const Folder& folder, const std::string& out, int i, int n) {
+    return run_program(fmt::format("{} -o {} --shard {}/{}", job, folder / out, i, n));
+}
+
+void make_shards(const std::string& job, const Folder& folder, const std::string& out, int n) {
+    for (int i = n; i >= 1; --i) REQUIRE(shard(job, folder, out, i, n).exit_code == 0);
+}
+
+Outcome merge(const Folder& folder, const std::string& out, const std::string& options = "") {
+    return run_program(fmt::format("merge --quiet {} {}", options, folder / out));
+}
+
+std::string record(const Folder& folder, const std::string& out, const std::string& name) {
+    return folder / (out + "/shards/" + name + ".json");
+}
+
+bool is_one_sentence(const Outcome& outcome) {
+    return std::count(outcome.err.begin(), outcome.err.end(), '\n') == 1 && outcome.err.starts_with("voxtone: ");
+}
+
+}  // namespace
+
+TEST_CASE("A job in shards, merged, is the job, bit for bit") {
+    const Folder folder("shards");
+    REQUIRE(run_program(fmt::format("{} -o {}", plain_job, folder / "whole")).exit_code == 0);
+    const auto whole = stack_in(folder, "whole");
+    REQUIRE(whole.size() > 400);
+    REQUIRE(whole.contains("manifest.json"));
+    for (const int n : {1, 2, 5, 16}) {
+        INFO(n << " shards");
+        const std::string out = fmt::format("parts{}", n);
+        make_shards(plain_job, folder, out, n);
+        CHECK_FALSE(fs::exists(folder / (out + "/manifest.json")));
+        for (int i = 1; i <= n; ++i) {
+            const std::string text = read_file(record(folder, out, fmt::format("{:04}-of-{:04}", i, n)));
+            CHECK(voxtone::io::schema_faults("shard", text).empty());
+            CHECK(nlohmann::json::parse(text).at("layers").get<int>() * n < 3 * 445);  // none has most of it
+        }
+        REQUIRE(merge(folder, out).exit_code == 0);
+        CHECK(stack_in(folder, out) == whole);
+        CHECK(run_program(fmt::format("verify --quiet {}", folder / out)).exit_code == 0);
+    }
+}
+
+TEST_CASE("Pictures, resin bitmaps, error diffusion and a range of layers go in shards too") {
+    const Folder folder("shards-kinds");
+    const std::string picture = std::string(VOXTONE_SOURCE_DIR) + "/examples/models/spot/spot_texture.png";
+    const std::string kinds[] = {
+        fmt::format("slice --quiet --iterations 0 --predict none --width 12mm --thickness 2mm {}", picture),
+        fmt::format("slice --quiet --iterations 0 --predict none --printer generic --size 8mm {}", spot),
+        fmt::format("slice --quiet --iterations 0 --predict none --formats tiff --size 8mm --flip-x --swap-xy {}",
+                    spot),
+        fmt::format("slice --quiet --iterations 0 --predict none --screen error-diffusion --size 8mm {}", spot),
+        fmt::format("slice --quiet --iterations 0 --predict none --layers 37-9999 --size 8mm {}", spot)};
+    for (std::size_t k = 0; k < std::size(kinds); ++k) {
+        INFO(kinds[k]);
+        const std::string whole = fmt::format("whole{}", k), parts = fmt::format("parts{}", k);
+        REQUIRE(run_program(fmt::format("{} -o {}", kinds[k], folder / whole)).exit_code == 0);
+        make_shards(kinds[k], folder, parts, 3);
+        REQUIRE(merge(folder, parts).exit_code == 0);
+        CHECK(stack_in(folder, whole).size() > 30);
+        CHECK(stack_in(folder, parts) == stack_in(folder, whole));
+    }
+}
+
+TEST_CASE("Where there are more shards than slabs of layers, some are empty and succeed") {
+    const Folder folder("shards-empty");
+    const std::string job = fmt::format(
+        "slice --quiet --iterations 0 --predict none --width 6mm --thickness 1mm "
+        "{}/examples/models/spot/spot_texture.png",
+        VOXTONE_SOURCE_DIR);
+    REQUIRE(run_program(fmt::format("{} -o {}", job, folder / "whole")).exit_code == 0);
+    make_shards(job, folder, "parts", 40);
+    int empty = 0;
+    for (int i = 1; i <= 40; ++i) {
+        const auto json = nlohmann::json::parse(read_file(record(folder, "parts", fmt::format("{:04}-of-0040", i))));
+        empty += json.at("layers") == 0;
+    }
+    CHECK(empty > 0);
+    REQUIRE(merge(folder, "parts").exit_code == 0);
+    CHECK(stack_in(folder, "parts") == stack_in(folder, "whole"));
+}
+
+TEST_CASE("The loop is run once, and shards that read what it came to make the job that has it") {
+    const Folder folder("shards-loop");
+    const std::string job = fmt::format("slice --quiet --iterations 1 --size 7mm {}", spot);
+    REQUIRE(run_program(fmt::format("{} -o {}", job, folder / "whole")).exit_code == 0);
+
+    const Outcome early = shard(job, folder, "parts", 1, 2);
+    CHECK(early.exit_code == 3);
+    CHECK_THAT(early.err, Contains("skin.mixtures") && Contains("--until loop"));
+    CHECK(is_one_sentence(early));
+    CHECK_FALSE(fs::exists(folder / "parts"));
+
+    REQUIRE(run_program(fmt::format("{} -o {} --until loop", job, folder / "parts")).exit_code == 0);
+    CHECK_FALSE(fs::exists(folder / "parts/manifest.json"));
+    make_shards(job, folder, "parts", 2);
+    REQUIRE(merge(folder, "parts", "--predict").exit_code == 0);
+    CHECK(stack_in(folder, "parts") == stack_in(folder, "whole"));  // with predicted.glb
+
+    // A whole job reads it too, from wherever it lies.
+    REQUIRE(run_program(fmt::format("{} -o {} --mixtures {}", job, folder / "again", folder / "parts/skin.mixtures"))
+                .exit_code == 0);
+    CHECK(stack_in(folder, "again") == stack_in(folder, "whole"));
+
+    const std::string other = fmt::format("slice --quiet --iterations 1 --size 8mm {} -o {} --mixtures {}", spot,
+                                          folder / "other", folder / "parts/skin.mixtures");
+    const Outcome refused = run_program(other);
+    CHECK(refused.exit_code == 3);
+    CHECK_THAT(refused.err, Contains("of another job"));
+    CHECK(is_one_sentence(refused));
+    std::string skin = read_file(folder / "parts/skin.mixtures");
+    skin[skin.size() / 2] = char(skin[skin.size() / 2] ^ 1);
+    folder.write("broken.mixtures", skin);
+    const Outcome broken =
+        run_program(fmt::format("{} -o {} --mixtures {}", job, folder / "other", folder / "broken.mixtures"));
+    CHECK(broken.exit_code == 4);
+    CHECK_THAT(broken.err, Contains("is broken"));
+}
+
+TEST_CASE("A scheduler's tasks are shards, and those of a second array are too") {
+    const Folder folder("shards-slurm");
+    const auto with = [&](int id, int first, int last, int count) {
+        setenv("SLURM_ARRAY_TASK_ID", std::to_string(id).c_str(), 1);
+        setenv("SLURM_ARRAY_TASK_MIN", std::to_string(first).c_str(), 1);
+        setenv("SLURM_ARRAY_TASK_MAX", std::to_string(last).c_str(), 1);
+        setenv("SLURM_ARRAY_TASK_COUNT", std::to_string(count).c_str(), 1);
+        const Outcome outcome = run_program(fmt::format("{} -o {} --shard", plain_job, folder / "parts"));
+        for (const char* name : {"ID", "MIN", "MAX", "COUNT"})
+            unsetenv(fmt::format("SLURM_ARRAY_TASK_{}", name).c_str());
+        return outcome;
+    };
+    const Outcome none = run_program(fmt::format("{} -o {} --shard", plain_job, folder / "parts"));
+    CHECK(none.exit_code == 2);
+    CHECK_THAT(none.err, Contains("SLURM_ARRAY_TASK_ID") && Contains("--shard 3/16"));
+    CHECK(with(9, 3, 9, 4).exit_code == 2);  // --array=3,7-9 of nothing that is there
+    REQUIRE(with(1, 0, 4, 5).exit_code == 0);
+    CHECK(fs::exists(record(folder, "parts", "0002-of-0005")));
+    REQUIRE(with(3, 0, 4, 5).exit_code == 0);
+    const Outcome missing = merge(folder, "parts");
+    CHECK(missing.exit_code == 3);
+    CHECK_THAT(missing.err, Contains("3 shards of 5 missing") && Contains("--array=0,2,4"));
+    for (const int id : {0, 2, 4}) REQUIRE(with(id, 0, 4, 3).exit_code == 0);
+    CHECK(fs::exists(record(folder, "parts", "0005-of-0005")));
+    CHECK(merge(folder, "parts").exit_code == 0);
+}
+
+TEST_CASE("A shard that is made twice at once, killed, or made again does no harm") {
+    const Folder folder("shards-twice");
+    REQUIRE(run_program(fmt::format("{} -o {}", plain_job, folder / "whole")).exit_code == 0);
+    REQUIRE(shard(plain_job, folder, "parts", 1, 2).exit_code == 0);
+    std::vector<std::thread> twins;
+    std::array<int, 3> codes{};
+    for (int& code : codes) twins.emplace_back([&] { code = shard(plain_job, folder, "parts", 2, 2).exit_code; });
+    for (std::thread& twin : twins) twin.join();
+    CHECK(codes == std::array<int, 3>{});
+    const Outcome again = shard(plain_job, folder, "parts", 2, 2);
+    CHECK(again.exit_code == 0);
+    CHECK_THAT(again.out, Contains("made already"));
+
+    const std::string first = record(folder, "parts", "0001-of-0002");
+    fs::remove(first);
+    const Outcome killed = run_and_signal(fmt::format("{} -o {} --shard 1/2 --json", plain_job, folder / "parts"),
+                                          "\"stage\":\"layers\"", SIGKILL);
+    if (killed.exit_code == 128 + SIGKILL) {
+        CHECK_FALSE(fs::exists(first));
+        CHECK(merge(folder, "parts").exit_code == 3);
+    }
+    REQUIRE(shard(plain_job, folder, "parts", 1, 2).exit_code == 0);
+    REQUIRE(merge(folder, "parts").exit_code == 0);
+    CHECK(stack_in(folder, "parts") == stack_in(folder, "whole"));
+    for (const auto& [name, bytes] : read_tree(folder / "parts")) CHECK_THAT(name, !Contains(".part"));
+}
+
+TEST_CASE("Merging again does nothing, and what is merged is done") {
+    const Folder folder("shards-again");
+    make_shards(plain_job, folder, "parts", 2);
+    REQUIRE(merge(folder, "parts").exit_code == 0);
+    const auto before = read_tree(folder / "parts");
+    const Outcome again = merge(folder, "parts");
+    CHECK(again.exit_code == 0);
+    CHECK_THAT(again.out, Contains("nothing was done"));
+    CHECK_THAT(shard(plain_job, folder, "parts", 1, 2).out, Contains("nothing was done"));
+    CHECK_THAT(run_program(fmt::format("{} -o {}", plain_job, folder / "parts")).out, Contains("nothing was done"));
+    CHECK(read_tree(folder / "parts") == before);
+}
+
+TEST_CASE("Broken shards and those of another job are refused, and nothing is lost") {
+    const Folder folder("shards-bad");
+    make_shards(plain_job, folder, "parts", 3);
+    const std::string second = record(folder, "parts", "0002-of-0003"), good = read_file(second);
+    const auto refused = [&](const char* words) {
+        const Outcome outcome = merge(folder, "parts");
+        CHECK(outcome.exit_code == 3);
+        CHECK_THAT(outcome.err, Contains(words));
+        CHECK(is_one_sentence(outcome));
+        CHECK_FALSE(fs::exists(folder / "parts/manifest.json"));
+    };
+    std::string changed = good;
+    changed.insert(changed.find("\"body_voxels\": ") + 15, "1");
+    folder.write("parts/shards/0002-of-0003.json", changed);
+    refused("was changed since");
+    folder.write("parts/shards/0002-of-0003.json", good.substr(0, good.size() / 2));
+    refused("0002-of-0003.json");
+    fs::remove(second);
+    refused("--array=2 ");
+    folder.write("parts/shards/0002-of-0003.json", good);
+
+    const fs::path layers = [&] {
+        for (const auto& entry : fs::directory_iterator(folder / "parts/shards"))
+            if (entry.is_directory()) return entry.path() / "layers";
+        return fs::path();
+    }();
+    const fs::path layer = layers / "slice_00100.png";
+    const std::string bytes = read_file(layer);
+    fs::resize_file(layer, bytes.size() - 1);
+    refused("slice_00100.png");
+    fs::remove(layer);
+    refused("slice_00100.png");
+    // Its shard says so too, and mends it, also where what the first one prepared is broken.
+    const std::string prepared = fs::path(layers).parent_path().string() + ".prepared";
+    REQUIRE(fs::exists(prepared));
+    fs::resize_file(prepared, fs::file_size(prepared) - 9);
+    for (int i = 1; i <= 3; ++i) REQUIRE(shard(plain_job, folder, "parts", i, 3).exit_code == 0);
+    CHECK(read_file(layer) == bytes);
+
+    // Of another job: neither a shard nor a whole job takes the folder.
+    const std::string other = plain_job + " --depth 0.5mm";
+    for (const std::string& asked : {other + " --shard 1/3", other}) {
+        const Outcome outcome = run_program(fmt::format("{} -o {}", asked, folder / "parts"));
+        CHECK(outcome.exit_code == 3);
+        CHECK_THAT(outcome.err, Contains("shards of another job"));
+        CHECK(is_one_sentence(outcome));
+    }
+    make_shards(other, folder, "foreign", 3);
+    fs::copy_file(record(folder, "foreign", "0002-of-0003"), second, fs::copy_options::overwrite_existing);
+    refused("of different jobs");
+    folder.write("parts/shards/0002-of-0003.json", good);
+    REQUIRE(merge(folder, "parts").exit_code == 0);
+
+    const Outcome gcvf = run_program(fmt::format("{} --formats gcvf -o {} --shard 1/2", plain_job, folder / "gcvf"));
+    CHECK(gcvf.exit_code == 2);
+    CHECK_THAT(gcvf.err, Contains("stack.gcvf"));
+    for (const char* bad : {"0/4", "5/4", "4", "a/b", "1/2/3"})
+        CHECK(run_program(fmt::format("{} -o {} --shard {}", plain_job, folder / "x", bad)).exit_code == 2);
+    CHECK(merge(folder, "nowhere").exit_code == 4);
+    fs::create_directory(folder / "nothing");
+    CHECK(merge(folder, "nothing").exit_code == 3);
+}
+
+TEST_CASE("An old stack stays until the shards that replace it are merged") {
+    const Folder folder("shards-old");
+    REQUIRE(run_program(fmt::format("{} -o {}", plain_job, folder / "out")).exit_code == 0);
+    const auto old = read_tree(folder / "out");
+    const std::string other = plain_job + " --depth 0.5mm";
+    CHECK(shard(other, folder, "out", 1, 2).exit_code == 3);
+    CHECK(read_tree(folder / "out") == old);
+    for (int i = 1; i <= 2; ++i) REQUIRE(shard(other + " --overwrite", folder, "out", i, 2).exit_code == 0);
+    CHECK(run_program(fmt::format("verify --quiet {}", folder / "out")).exit_code == 0);
+    CHECK(merge(folder, "out").exit_code == 3);
+    REQUIRE(merge(folder, "out", "--overwrite").exit_code == 0);
+    REQUIRE(run_program(fmt::format("{} -o {}", other, folder / "whole")).exit_code == 0);
+    CHECK(stack_in(folder, "out") == stack_in(folder, "whole"));
+}

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/slicer/batch/arrivals.h"
+
+#include <fstream>
+
+#include <catch2/catch.hpp>
+
+#include "tests/io/files/temporary_folder.h"
+#include "voxtone/base/error.h"
+
+using namespace voxtone;
+using namespace voxtone::slicer;
+
+TEST_CASE("A model is told once it and the files beside it have been quiet") {
+    const io::TemporaryFolder folder;
+    const auto append = [&](const char* name) { std::ofstream(folder.path() / name, std::ios::app) << "x"; };
+    double now_s = 0;
+    Arrivals arrivals(folder.path(), 3, [&] { return now_s; });
+    const auto look_at = [&](double s) {
+        now_s = s;
+        std::string names;
+        for (const auto& model : arrivals.look()) names += model.filename().string() + " ";
+        return names;
+    };
+    CHECK(look_at(0).empty());
+    append("a.obj");
+    append(".hidden.obj");
+    CHECK(look_at(1).empty());
+    append("a.obj");
+    CHECK(look_at(3).empty());
+    CHECK(look_at(5.9).empty());
+    CHECK(look_at(6) == "a.obj ");
+    CHECK(look_at(20).empty());
+    append("b.obj");
+    CHECK(look_at(21).empty());
+    append("b.png");  // its texture is still on its way
+    CHECK(look_at(24).empty());
+    CHECK(look_at(27) == "b.obj ");
+    append("a.obj");
+    CHECK(look_at(28).empty());
+    CHECK(look_at(31) == "a.obj ");
+    std::filesystem::remove(folder.path() / "a.obj");
+    CHECK(look_at(40).empty());
+    CHECK_THROWS_AS(Arrivals(folder.path() / "gone", 3, [] { return 0.0; }).look(), FileError);
+}

@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/slicer/batch/plan.h"
+
+#include <fstream>
+
+#include <fmt/core.h>
+#include <catch2/catch.hpp>
+
+#include "tests/io/files/temporary_folder.h"
+#include "voxtone/base/error.h"
+#include "voxtone/slicer/options/job_file.h"
+
+using namespace voxtone;
+using namespace voxtone::slicer;
+using Catch::Matchers::Contains;
+using Words = std::vector<std::string>;
+namespace fs = std::filesystem;
+
+namespace {
+
+/// A folder with three models, and plans over them.
+struct Workshop {
+    Workshop() {
+        for (const char* model : {"a.obj", "b.obj", "c d.glb", "picture.png"}) write(model, "");
+    }
+    void write(const std::string& name, const std::string& text) const { std::ofstream(folder.path() / name) << text; }
+    [[nodiscard]] std::string at(const std::string& name) const { return (folder.path() / name).string(); }
+
+    [[nodiscard]] PlanOptions options(const std::string& plan) const {
+        return {{at(plan)}, {}, "{name}", folder.path() / "out"};
+    }
+    [[nodiscard]] std::vector<PlannedJob> plan(const std::string& name, const std::string& text) const {
+        write(name, text);
+        return read_plan(options(name));
+    }
+    /// What is said of the plan; it must be for good.
+    [[nodiscard]] std::string fault(const std::string& name, const std::string& text) const {
+        try {
+            (void)plan(name, text);
+        } catch (const InputError& error) {
+            return error.what();
+        }
+        return "accepted";
+    }
+
+    io::TemporaryFolder folder;
+};
+
+}  // namespace
+
+TEST_CASE("A job list has one job a line") {
+    const Workshop shop;
+    const auto jobs =
+        shop.plan("plan.jsonl",
+                  "# Monday\n{\"model\": \"a.obj\", \"size\": \"40mm\"}\n\n"
+                  "{\"model\": \"b.obj\", \"name\": \"big\", \"report\": false, \"load\": [\"C\", \"W\"]}\r\n");
+    REQUIRE(jobs.size() == 2);
+    CHECK(jobs[0].name == "a");
+    CHECK(jobs[0].options.size_mm == 40);
+    CHECK(jobs[0].out == shop.at("out/a"));
+    CHECK(jobs[0].options.out == shop.at("out/a"));
+    CHECK(jobs[0].place == shop.at("plan.jsonl") + ": line 2");
+    CHECK(jobs[0].command == Words{"slice", shop.at("a.obj"), "--out", shop.at("out/a"), "--size", "40mm"});
+    CHECK(jobs[1].name == "big");
+    CHECK(jobs[1].options.load == Words{"C", "W"});
+    CHECK(jobs[1].place == shop.at("plan.jsonl") + ": line 4");
+}
+
+TEST_CASE("A table has one job a row, and empty cells say nothing") {
+    const Workshop shop;
+    const auto jobs = shop.plan("plan.csv", "name,model,size,flip-x\none,a.obj,40mm,true\n,\"c d.glb\",,\n");
+    REQUIRE(jobs.size() == 2);
+    CHECK(jobs[0].name == "one");
+    CHECK(jobs[0].options.flip_x);
+    CHECK(jobs[1].name == "c d");
+    CHECK(jobs[1].options.size_mm == 0);
+    CHECK(jobs[1].options.model == shop.at("c d.glb"));
+}
+
+TEST_CASE("A folder is its models, a pattern what it matches, several words are models each") {
+    const Workshop shop;
+    shop.write(".hidden.obj", "");
+    const auto names = [&](const Words& plan) {
+        PlanOptions options = shop.options("");
+        options.plan = plan;
+        Words found;
+        for (const PlannedJob& job : read_plan(options)) found.push_back(job.name);
+        return found;
+    };
+    CHECK(names({shop.folder.path().string()}) == Words{"a", "b", "c d"});
+    CHECK(names({shop.at("*.obj")}) == Words{"a", "b"});
+    CHECK(names({shop.at("*.png")}) == Words{"picture"});
+    CHECK(names({shop.at("b.obj"), shop.at("a.obj")}) == Words{"b", "a"});
+    CHECK(names({shop.at("a.obj")}) == Words{"a"});
+    CHECK_THROWS_WITH(names({shop.at("*.ply")}), Contains("no file matches"));
+    CHECK_THROWS_AS(names({shop.at("*.obj"), shop.folder.path().string()}), UsageError);
+}
+
+TEST_CASE("A preset is what every job begins with, but for what it would ignore of it") {
+    const Workshop shop;
+    shop.write("preset.json",
+               R"({"format": "voxtone-job", "version": 1, "size": "30mm", "iterations": 0, "texture": "picture.png",
+                   "out": "elsewhere", "overwrite": true})");
+    shop.write("plan.jsonl",
+               "{\"model\": \"a.obj\"}\n{\"model\": \"b.obj\", \"size\": \"50mm\"}\n"
+               "{\"model\": \"picture.png\", \"width\": \"20mm\"}\n");
+    PlanOptions options = shop.options("plan.jsonl");
+    options.preset = shop.at("preset.json");
+    const auto jobs = read_plan(options);
+    REQUIRE(jobs.size() == 3);
+    CHECK(jobs[0].options.size_mm == 30);
+    CHECK(jobs[0].options.iterations == "0");
+    CHECK(jobs[0].options.texture == shop.at("picture.png"));
+    CHECK_FALSE(jobs[0].options.overwrite);
+    CHECK(jobs[1].options.size_mm == 50);
+    CHECK(jobs[2].options.size_mm == 0);  // a picture has none
+    CHECK(jobs[2].options.texture.empty());
+}
+
+TEST_CASE("A whole job file is a row as well") {
+    const Workshop shop;
+    SliceOptions options;
+    options.model = "a.obj";
+    options.size_mm = 25;
+    std::string text = job_json(options);
+    std::replace(text.begin(), text.end(), '\n', ' ');
+    const auto jobs = shop.plan("plan.jsonl", "{\"name\": \"x\", \"model\": \"a.obj\"}\n");
+    REQUIRE(jobs.size() == 1);
+    options.model = shop.at("a.obj");
+    text = job_json(options);
+    std::replace(text.begin(), text.end(), '\n', ' ');
+    CHECK(shop.plan("plan.jsonl", text + "\n").at(0).options.size_mm == 25);
+}
+
+TEST_CASE("Every fault of a plan is told with its line, at once") {
+    const Workshop shop;
+    const std::string said = shop.fault("plan.jsonl",
+                                        "{\"model\": \"a.obj\"}\n"
+                                        "{\"model\": \"a.obj\", \"sise\": \"1mm\"}\n"
+                                        "{\"model\": \"gone.obj\"}\n"
+                                        "{\"model\": \"b.obj\", \"size\": \"large\"}\n"
+                                        "{\"model\": \"b.obj\", \"depth\": \"40mm\"}\n"
+                                        "{\"model\": \"b.obj\", \"printer\": \"toaster\"}\n"
+                                        "{\"model\": \"b.obj\", \"out\": \"x\"}\n"
+                                        "{\"model\": \"b.obj\", \"resume\": true}\n"
+                                        "{\"model\": \"b.obj\", \"name\": \"../b\"}\n"
+                                        "{\"size\": \"1mm\"}\n"
+                                        "{\"model\": \"b.obj\",\n"
+                                        "[]\n"
+                                        "{\"model\": \"a.obj\"}\n");
+    INFO(said);
+    const std::string plan = shop.at("plan.jsonl");
+    const std::array<std::pair<int, const char*>, 12> wanted{{{2, "did you mean 'size'"},
+                                                              {3, "gone.obj is not there"},
+                                                              {4, "key `size`"},
+                                                              {5, "depth"},
+                                                              {6, "toaster"},
+                                                              {7, "key `out`"},
+                                                              {8, "key `resume`"},
+                                                              {9, "'../b'"},
+                                                              {10, "names no model"},
+                                                              {11, "no valid JSON"},
+                                                              {12, "expected a JSON object"},
+                                                              {13, "is called 'a', as"}}};
+    CHECK_THAT(said, Contains("12 faults") && Contains("no job was started"));
+    std::istringstream lines(said);
+    std::string line;
+    std::getline(lines, line);
+    for (const auto& [number, what] : wanted) {
+        REQUIRE(std::getline(lines, line));
+        CHECK(line.starts_with(plan + ": "));
+        CHECK_THAT(line, Contains(what));
+        CHECK_THAT(line, Contains(fmt::format("line {}: ", number)));
+    }
+    CHECK_FALSE(std::getline(lines, line));
+    CHECK_FALSE(fs::exists(shop.folder.path() / "out"));
+}
+
+TEST_CASE("Faults of a table are told with their lines, those of its form too") {
+    const Workshop shop;
+    CHECK_THAT(shop.fault("plan.csv", "model,sise\na.obj,1mm\n"), Contains("plan.csv: line 2: ") && Contains("'size'"));
+    CHECK_THAT(shop.fault("plan.csv", "model,size\na.obj,1mm\nb.obj\n"),
+               Contains("plan.csv: line 3: has 1 cell") && Contains("no job was started"));
+    CHECK_THAT(shop.fault("plan.csv", "model,size\n"), Contains("lists no job"));
+    CHECK_THAT(shop.fault("plan.csv", "model,size\na.obj,\nb.obj,large\n"), Contains("plan.csv: line 3: key `size`"));
+}
+
+TEST_CASE("What is no plan is refused") {
+    const Workshop shop;
+    CHECK_THROWS_AS(read_plan(shop.options("gone.jsonl")), FileError);
+    CHECK_THAT(shop.fault("plan.jsonl", ""), Contains("lists no job"));
+    CHECK_THROWS_AS(read_plan({{}, {}, "{name}", "out"}), UsageError);
+    PlanOptions options = shop.options("a.obj");
+    options.preset = shop.at("gone.json");
+    CHECK_THROWS_AS(read_plan(options), FileError);
+    options.preset.clear();
+    options.name = "{what}";
+    CHECK_THROWS_AS(read_plan(options), UsageError);
+}
