@@ -59,16 +59,15 @@ Amounts amounts_of(const OpenedJob& job, const JobBody& body, const LayerRange& 
 
 class Phases {
 public:
-    explicit Phases(std::size_t threads) : threads_(double(std::max<std::size_t>(threads, 1))) {}
+    explicit Phases(std::size_t threads) : threads_(threads) {}
 
     void add(const char* name, double cpu_s, double bytes) {
-        phases_.push_back(
-            {name, cpu_s, cpu_s * (serial + (1 - serial) / threads_), static_cast<std::uint64_t>(bytes), false});
+        phases_.push_back({name, cpu_s, seconds_on_threads(cpu_s, threads_), static_cast<std::uint64_t>(bytes), false});
     }
     [[nodiscard]] std::vector<PhaseEstimate> take() { return std::move(phases_); }
 
 private:
-    double threads_;
+    std::size_t threads_;
     std::vector<PhaseEstimate> phases_;
 };
 
@@ -88,6 +87,10 @@ double prediction_cost(const OpenedJob& job, const JobBody& body, PredictionMode
 }
 
 }  // namespace
+
+double seconds_on_threads(double cpu_s, std::size_t threads) {
+    return cpu_s * (serial + (1 - serial) / double(std::max<std::size_t>(threads, 1)));
+}
 
 std::vector<PhaseEstimate> job_phases(const OpenedJob& job, const JobBody& body, const LayerRange& range,
                                       std::size_t threads, std::uint64_t resident_bytes) {

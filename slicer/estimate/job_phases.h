@@ -17,7 +17,10 @@ namespace voxtone::slicer {
 [[nodiscard]] std::vector<PhaseEstimate> job_phases(const OpenedJob& job, const JobBody& body, const LayerRange& range,
                                                     std::size_t threads, std::uint64_t resident_bytes);
 
-/// The same for the time that is shown as left.
+/// Wall clock of so many seconds of processors, of which one thread does a small part alone.
+[[nodiscard]] double seconds_on_threads(double cpu_s, std::size_t threads);
+
+/// The phases for the time that is shown as left.
 [[nodiscard]] std::vector<ExpectedStage> expected_stages(const std::vector<PhaseEstimate>& phases);
 
 /// Most that the stack and its report take on disk.

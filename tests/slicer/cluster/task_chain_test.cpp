@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/slicer/cluster/task_chain.h"
+
+#include <algorithm>
+#include <fstream>
+
+#include <fmt/core.h>
+#include <catch2/catch.hpp>
+
+#include "tests/io/files/temporary_folder.h"
+
+using namespace voxtone;
+using namespace voxtone::slicer;
+using Words = std::vector<std::string>;
+
+namespace {
+
+constexpr std::uint64_t mb = 1'000'000;
+
+struct Shop {
+    explicit Shop(const std::string& keys = "") {
+        std::ofstream(folder.path() / "a.obj") << "";
+        std::ofstream(folder.path() / "plan.jsonl") << "{\"model\": \"a.obj\"" << keys << "}\n";
+        job = read_plan({{(folder.path() / "plan.jsonl").string()}, {}, "{name}", folder.path() / "out"}).front();
+    }
+    [[nodiscard]] TaskChain chain(const JobEstimate& estimate, const ChainOptions& options = {}) const {
+        return task_chain(job, estimate, options);
+    }
+    io::TemporaryFolder folder;
+    PlannedJob job;
+};
+
+JobEstimate estimate_with(double loop_s, double layers_s, double predict_s = 0) {
+    JobEstimate estimate;
+    estimate.layers = 4000;
+    estimate.phases = {{"read and repair", 10, 8, 300 * mb, true}, {"separate colours", 1, 1, 310 * mb, false}};
+    if (loop_s > 0) {
+        estimate.loop = true;
+        estimate.phases.push_back({"prepare the loop", 5, 5, 400 * mb, false});
+        estimate.phases.push_back({"appearance loop", loop_s, loop_s, 2000 * mb, false});
+    }
+    estimate.phases.push_back({"layers", layers_s, layers_s, 800 * mb, false});
+    if (predict_s > 0) {
+        estimate.prediction = true;
+        estimate.phases.push_back({"predict", predict_s, predict_s, 3000 * mb, false});
+    }
+    estimate.phases.push_back({"report", 2, 2, 500 * mb, false});
+    return estimate;
+}
+
+bool has(const Words& words, const Words& in_a_row) {
+    return std::search(words.begin(), words.end(), in_a_row.begin(), in_a_row.end()) != words.end();
+}
+
+}  // namespace
+
+TEST_CASE("A job whose layers take minutes is one task") {
+    const Shop shop;
+    const TaskChain chain = shop.chain(estimate_with(600, 100, 50));
+    REQUIRE(chain.stages.size() == 1);
+    const ChainStage& whole = chain.stages[0];
+    CHECK(whole.stage == TaskStage::whole);
+    CHECK(whole.tasks == 1);
+    CHECK(whole.words[0] == "slice");
+    CHECK(has(whole.words, {"--out", (shop.folder.path() / "out/a").string()}));
+    CHECK_FALSE(has(whole.words, {"--until"}));
+    CHECK(words_of(whole, 1) == whole.words);
+    CHECK(whole.memory_bytes > 3000 * mb);
+    CHECK(whole.memory_bytes < 4000 * mb);
+    CHECK(whole.cores == 8);  // 768 s of processors
+    CHECK(whole.expected_s > 768.0 / 8);
+    CHECK(whole.limit_s == Approx(600 + 3 * whole.expected_s));
+}
+
+TEST_CASE("Layers that take hours are cut, and each shard takes minutes") {
+    const Shop shop;
+    const TaskChain chain = shop.chain(estimate_with(600, 100'000, 50));
+    REQUIRE(chain.stages.size() == 3);
+    const ChainStage &prepare = chain.stages[0], &layers = chain.stages[1], &merge = chain.stages[2];
+    CHECK(prepare.stage == TaskStage::prepare);
+    CHECK(has(prepare.words, {"--until", "loop"}));
+    CHECK(prepare.memory_bytes > 2000 * mb);
+    CHECK(layers.stage == TaskStage::layers);
+    CHECK(layers.tasks == chain.shards);
+    CHECK(chain.shards == 29);  // 100000 s on eight cores of which one does 5 % alone: 16875 s, in parts of 600 s
+    CHECK(layers.expected_s < 600 + 10 + 1);
+    CHECK(layers.memory_bytes > 800 * mb);
+    CHECK(layers.memory_bytes < 1000 * mb);  // without the loop's and the prediction's
+    CHECK_FALSE(has(layers.words, {"--until"}));
+    CHECK(has(words_of(layers, 3), {"--shard", "3/29"}));
+    CHECK(merge.words == Words{"merge", (shop.folder.path() / "out/a").string(), "--predict"});
+    CHECK(merge.memory_bytes > 3000 * mb);
+    CHECK(merge.expected_s > 100'000.0 / 8);  // a prediction needs all layers in memory
+
+    const TaskChain unpredicted = shop.chain(estimate_with(600, 100'000));
+    CHECK(unpredicted.stages[2].words.size() == 2);
+    CHECK(unpredicted.stages[2].memory_bytes < 600 * mb);
+    CHECK(unpredicted.stages[2].expected_s < 60);
+}
+
+TEST_CASE("All tasks of a job are told the memory that the loop may take here") {
+    const Shop shop;
+    const TaskChain chain = shop.chain(estimate_with(600, 100'000));
+    const auto memory_in = [](const Words& words) {
+        const auto found = std::find(words.begin(), words.end(), "--memory");
+        return found == words.end() ? std::string() : *(found + 1);
+    };
+    CHECK(std::stod(memory_in(chain.stages[0].words)) > 0);
+    CHECK(memory_in(chain.stages[0].words) == memory_in(chain.stages[1].words));
+    const Shop other(", \"memory\": 3");
+    CHECK(memory_in(other.chain(estimate_with(600, 10)).stages[0].words) == "3");
+    const Shop none(", \"iterations\": 0, \"predict\": \"none\"");
+    CHECK(memory_in(none.chain(estimate_with(0, 10)).stages[0].words).empty());  // it would be refused: there is no use
+}
+
+TEST_CASE("Without a loop, or with one that was run before, shards come first") {
+    for (const char* keys : {", \"iterations\": 0", ", \"mixtures\": \"kept.mixtures\""}) {
+        const Shop shop(keys);
+        ChainOptions options;
+        options.shards = 2;
+        const TaskChain chain = shop.chain(estimate_with(0, 10), options);
+        INFO(keys);
+        REQUIRE(chain.stages.size() == 2);
+        CHECK(chain.stages[0].stage == TaskStage::layers);
+        CHECK(chain.stages[0].tasks == 2);
+        CHECK(chain.stages[0].cores == 1);  // ten seconds
+        CHECK(chain.stages[1].stage == TaskStage::merge);
+    }
+}
+
+TEST_CASE("Shards are as many as were asked for, where there is a layer for each and the job can be cut") {
+    const Shop shop;
+    ChainOptions options;
+    options.shards = 3;
+    CHECK(shop.chain(estimate_with(0, 1), options).shards == 3);
+    options.shards = 1;
+    CHECK(shop.chain(estimate_with(0, 1e6), options).shards == 1);
+    options.shards = 100;
+    JobEstimate flat = estimate_with(0, 1);
+    flat.layers = 7;
+    CHECK(shop.chain(flat, options).shards == 7);
+    options.shards = 0;
+    options.most_shards = 5;
+    CHECK(shop.chain(estimate_with(0, 1e7), options).shards == 5);
+
+    const Shop container(", \"formats\": [\"gcvf\"]");
+    const TaskChain asked = container.chain(estimate_with(0, 1e7), {.shards = 4});
+    CHECK(asked.stages.size() == 1);
+    CHECK(asked.why_whole == "stack.gcvf is one file of the whole stack");
+    CHECK(container.chain(estimate_with(0, 1e7)).why_whole.empty());
+}
+
+TEST_CASE("A job that says its threads gets as many cores") {
+    const Shop shop(", \"threads\": 3");
+    const TaskChain chain = shop.chain(estimate_with(0, 10));
+    CHECK(chain.stages[0].cores == 3);
+    CHECK(Shop().chain(estimate_with(0, 1e5), {.most_cores = 4, .shards = 1}).stages[0].cores == 4);
+    CHECK(Shop().chain(estimate_with(0, 1e5), {.most_cores = 3, .shards = 1}).stages[0].cores == 2);
+}
