@@ -9,6 +9,8 @@
 #include <limits>
 #include <string>
 
+#include "voxtone/base/grant.h"
+
 namespace voxtone {
 
 namespace {
@@ -53,7 +55,7 @@ std::uint64_t cgroup_memory_bytes(const fs::path& cgroup, const fs::path& mount)
 std::uint64_t resident_memory_bytes() {
     const std::uint64_t physical =
         static_cast<std::uint64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<std::uint64_t>(sysconf(_SC_PAGE_SIZE));
-    return std::min(physical, cgroup_memory_bytes("/proc/self/cgroup", "/sys/fs/cgroup"));
+    return std::min({physical, cgroup_memory_bytes("/proc/self/cgroup", "/sys/fs/cgroup"), granted_memory_bytes()});
 }
 
 std::uint64_t machine_memory_bytes() {

@@ -10,7 +10,8 @@
 namespace voxtone {
 
 /// The least of the physical memory, the limits of this process's control groups (memory.max of version 2 and
-/// memory.limit_in_bytes of version 1, of the group and those above it) and its address space (`ulimit -v`).
+/// memory.limit_in_bytes of version 1, of the group and those above it), what Slurm says that its job was given
+/// (grant.h), and its address space (`ulimit -v`).
 [[nodiscard]] std::uint64_t machine_memory_bytes();
 
 /// The same without the address space, which is a limit of its own for every program that is started.

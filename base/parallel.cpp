@@ -3,11 +3,13 @@
 
 #include <oneapi/tbb/info.h>
 
+#include "voxtone/base/grant.h"
+
 namespace voxtone {
 
 namespace {
 std::size_t resolved(std::size_t threads) {
-    return threads ? threads : static_cast<std::size_t>(tbb::info::default_concurrency());
+    return threads ? threads : granted_cores(static_cast<std::size_t>(tbb::info::default_concurrency()));
 }
 }  // namespace
 

@@ -15,7 +15,7 @@
 
 namespace voxtone {
 
-/// Limits the number of threads while it lives; 0 means one per core.
+/// Limits the number of threads while it lives; 0 means one per core that this process was given (grant.h).
 class ThreadLimit {
 public:
     explicit ThreadLimit(std::size_t threads);

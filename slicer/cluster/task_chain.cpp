@@ -128,10 +128,10 @@ ChainStage stage_of(TaskStage stage, std::vector<std::string> words, int tasks, 
 
 SliceOptions options_on_cluster(const SliceOptions& options) {
     SliceOptions settled = options;
-    if (settled.memory_gib > 0) return settled;
+    const bool of_use = options.iterations != "0" || options.predict != predict_none;
+    if (settled.memory_gib > 0 || !of_use) return settled;
     constexpr double gib = 1 << 30, steps_of_gib = 1024;
     settled.memory_gib = std::max(1.0, std::floor(double(memory_budget(0)) / gib * steps_of_gib)) / steps_of_gib;
-    drop_idle(settled, options.named);
     return settled;
 }
 

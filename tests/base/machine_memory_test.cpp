@@ -12,6 +12,7 @@
 #include <catch2/catch.hpp>
 
 #include "tests/outcomes.h"
+#include "voxtone/base/grant.h"
 
 using namespace voxtone;
 namespace fs = std::filesystem;
@@ -59,6 +60,27 @@ TEST_CASE("the memory of control groups", "[memory]") {
         groups.write("mount/memory/jobs/memory.limit_in_bytes", "4000000000");
         CHECK(groups.memory() == 4000000000);
     }
+}
+
+TEST_CASE("what Slurm says that its job was given is a limit of memory", "[memory]") {
+    const auto with = [](const char* per_node, const char* per_core, const char* cores) {
+        const auto set = [](const char* name, const char* value) { value ? setenv(name, value, 1) : unsetenv(name); };
+        set("SLURM_MEM_PER_NODE", per_node);
+        set("SLURM_MEM_PER_CPU", per_core);
+        set("SLURM_CPUS_ON_NODE", cores);
+        const std::uint64_t scheduler = granted_memory_bytes(), all = resident_memory_bytes();
+        for (const char* name : {"SLURM_MEM_PER_NODE", "SLURM_MEM_PER_CPU", "SLURM_CPUS_ON_NODE"}) unsetenv(name);
+        CHECK(all <= scheduler);
+        return scheduler;
+    };
+    constexpr std::uint64_t none = std::numeric_limits<std::uint64_t>::max(), mib = 1 << 20;
+    CHECK(with(nullptr, nullptr, nullptr) == none);
+    CHECK(with("64", nullptr, nullptr) == 64 * mib);
+    CHECK(with(nullptr, "32", "3") == 96 * mib);
+    CHECK(with(nullptr, "32", nullptr) == 32 * mib);
+    CHECK(with("0", nullptr, "2") == none);
+    CHECK(with("much", nullptr, nullptr) == none);
+    CHECK(with("18446744073709551615", nullptr, nullptr) == none);
 }
 
 TEST_CASE("a shell's limit of address space is a limit of memory", "[memory]") {

@@ -5,6 +5,8 @@
 
 #include <catch2/catch.hpp>
 
+#include "voxtone/base/grant.h"
+
 using namespace voxtone;
 
 TEST_CASE("Every index is visited once, for any grain and thread count") {
@@ -33,4 +35,26 @@ TEST_CASE("Exceptions and cancellation reach the caller") {
                         &progress),
                     Cancelled);
     CHECK(visited < 100000);
+}
+
+TEST_CASE("A scheduler's job takes the cores that it was given") {
+    CHECK(granted_cores(16) == 16);
+    setenv("SLURM_CPUS_ON_NODE", "6", 1);
+    CHECK(granted_cores(16) == 6);
+    setenv("SLURM_CPUS_PER_TASK", "3", 1);
+    CHECK(granted_cores(16) == 3);
+    CHECK(granted_cores(2) == 2);  // bound to fewer
+    setenv("SLURM_CPUS_PER_TASK", "1", 1);
+    {
+        const ThreadLimit every(0);
+        CHECK(thread_count() == 1);
+        const ThreadLimit asked(2);  // who says a number gets no more, within another limit
+        CHECK(thread_count() == 1);
+    }
+    for (const char* no_number : {"0", "2(x3)", ""}) {
+        setenv("SLURM_CPUS_PER_TASK", no_number, 1);
+        CHECK(granted_cores(16) == 6);
+    }
+    unsetenv("SLURM_CPUS_PER_TASK");
+    unsetenv("SLURM_CPUS_ON_NODE");
 }

@@ -110,7 +110,7 @@ TEST_CASE("All tasks of a job are told the memory that the loop may take here") 
     const Shop other(", \"memory\": 3");
     CHECK(memory_in(other.chain(estimate_with(600, 10)).stages[0].words) == "3");
     const Shop none(", \"iterations\": 0, \"predict\": \"none\"");
-    CHECK(memory_in(none.chain(estimate_with(0, 10)).stages[0].words).empty());  // it would be refused: there is no use
+    CHECK(memory_in(none.chain(estimate_with(0, 10)).stages[0].words).empty());  // there is no use for it
 }
 
 TEST_CASE("Without a loop, or with one that was run before, shards come first") {
