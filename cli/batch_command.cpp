@@ -2,12 +2,12 @@
 #include <filesystem>
 #include <memory>
 #include <string>
-#include <system_error>
 #include <vector>
 
 #include <CLI/CLI.hpp>
 
 #include "voxtone/cli/batch_view.h"
+#include "voxtone/cli/cluster_options.h"
 #include "voxtone/cli/commands.h"
 #include "voxtone/cli/common_options.h"
 #include "voxtone/cli/help.h"
@@ -24,14 +24,9 @@ struct BatchArguments {
     double memory_gib = 0;
     bool print_commands = false;
     std::string watch;
+    ClusterOptions cluster;
     RunOptions run;
 };
-
-std::filesystem::path this_program() {
-    std::error_code error;
-    std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", error);
-    return error ? "voxtone" : program;
-}
 
 void add_plan_options(CLI::App& command, BatchArguments& arguments) {
     command
@@ -76,11 +71,14 @@ void add_batch_options(CLI::App& command, BatchArguments& arguments) {
                      "print the command of each job, quoted for a shell, and stop");
 }
 
-int run(const BatchArguments& arguments) {
+int run(const CLI::App& command, const BatchArguments& arguments) {
     slicer::PlanOptions plan = arguments.plan;
+    if (arguments.cluster.slurm && !arguments.watch.empty())
+        throw UsageError("--slurm is for a plan; what will arrive in a folder is not known");
     slicer::BatchOptions batch = arguments.batch;
     plan.out = batch.out = arguments.out;
     batch.program = this_program();
+    expect_cluster_options(command, arguments.cluster);
     batch.cores = arguments.run.threads;
     batch.memory_bytes = static_cast<std::uint64_t>(arguments.memory_gib * (1 << 30));
     const RunOptions& options = arguments.run;
@@ -90,6 +88,7 @@ int run(const BatchArguments& arguments) {
                              : "--watch takes the place of a plan; give one of them");
     if (!arguments.watch.empty() && arguments.print_commands)
         throw UsageError("--print-commands is for a plan; what will arrive in a folder is not known");
+    if (arguments.cluster.slurm) return run_on_cluster(plan, batch, arguments.cluster, arguments.run);
     if (arguments.print_commands)
         return run_on_console(
             options, [&](Progress& progress) { return slicer::print_batch_commands(plan, batch.program, progress); });
@@ -108,10 +107,11 @@ Command add_batch_command(CLI::App& program) {
         "batch", "Slice many models, as many at once as the machine allows; run it again to go on where it ended");
     add_plan_options(*command, *arguments);
     add_batch_options(*command, *arguments);
+    add_cluster_options(*command, arguments->cluster);
     add_run_options(*command, arguments->run);
     arguments->run.console.grace = std::chrono::seconds(28);  // jobs save themselves first
     add_example(*command, "plan.csv -o out/monday");
-    return [arguments] { return run(*arguments); };
+    return [arguments, command] { return run(*command, *arguments); };
 }
 
 }  // namespace voxtone::cli

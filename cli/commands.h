@@ -20,6 +20,7 @@ Command add_merge_command(CLI::App& program);
 Command add_predict_command(CLI::App& program);
 Command add_batch_command(CLI::App& program);
 Command add_status_command(CLI::App& program);
+Command add_task_command(CLI::App& program);
 Command add_verify_command(CLI::App& program);
 Command add_stack_command(CLI::App& program);
 Command add_list_command(CLI::App& program);

@@ -16,6 +16,7 @@ int main(int argc, char** argv) {
                                {"verify", add_verify_command},
                                {"batch", add_batch_command},
                                {"status", add_status_command},
+                               {"task", add_task_command},
                                {"calibrate", add_calibrate},
                                {"stack", add_stack_command},
                                {"list", add_list_command}});

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxtone/slicer/batch/job_result.h"
 
+#include <ctime>
 #include <limits>
+#include <system_error>
+
+#include <fmt/core.h>
 
 #include "voxtone/base/error.h"
 #include "voxtone/io/files/json_object.h"
@@ -30,6 +34,17 @@ std::vector<JobInput> noted_inputs(const fs::path& folder) {
 std::string absolute(const std::string& file) { return fs::absolute(file).lexically_normal().string(); }
 
 }  // namespace
+
+bool is_missing_or_empty(const fs::path& folder) {
+    std::error_code error;
+    return !fs::exists(folder, error) || fs::is_empty(folder, error);
+}
+
+std::int64_t now_ns() {
+    timespec now{};
+    clock_gettime(CLOCK_REALTIME, &now);
+    return std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
+}
 
 JobFigures read_job_figures(const fs::path& folder) {
     const io::JsonObject report = io::JsonObject::read(folder / report_file::figures);
@@ -87,6 +102,19 @@ void write_job_picture(const fs::path& folder, const fs::path& file) {
     const std::vector<std::uint8_t> png =
         io::small_report_picture({reinterpret_cast<const char*>(page.data()), page.size()}, most_px);
     if (!png.empty()) io::write_whole_file(file, png);
+}
+
+std::string take_stack(const fs::path& folder, std::int64_t began_ns, const fs::path& picture, InputDigests& digests,
+                       JobState& state) {
+    state.figures = read_job_figures(folder);
+    learn_inputs(folder, began_ns, digests);
+    state.inputs = known_inputs(folder, digests);
+    try {
+        write_job_picture(folder, picture);
+    } catch (const Error& error) {
+        return fmt::format("its small picture could not be made: {}", error.what());
+    }
+    return {};
 }
 
 bool holds_job(const fs::path& folder, const PlannedJob& job, InputDigests& digests, const Progress* progress) {

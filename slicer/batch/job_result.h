@@ -13,6 +13,11 @@
 
 namespace voxtone::slicer {
 
+/// Now, as file systems have it: nanoseconds since 1970.
+[[nodiscard]] std::int64_t now_ns();
+/// Where a job finds nothing that it has not made.
+[[nodiscard]] bool is_missing_or_empty(const std::filesystem::path& folder);
+
 /// Of the stack and the report in a job's folder. Throws FileError, InputError.
 [[nodiscard]] JobFigures read_job_figures(const std::filesystem::path& folder);
 
@@ -25,6 +30,12 @@ void learn_inputs(const std::filesystem::path& folder, std::int64_t began_ns, In
 
 /// Writes a small picture of the print, where its report has one.
 void write_job_picture(const std::filesystem::path& folder, const std::filesystem::path& file);
+
+/// Notes in `state` what a whole stack is told by: its figures, and the inputs that it was made of; `began_ns`: when
+/// its making began. Writes its small picture; where that cannot be, gives back why, which takes nothing from the
+/// result. Throws FileError, InputError where figures or inputs cannot be read.
+[[nodiscard]] std::string take_stack(const std::filesystem::path& folder, std::int64_t began_ns,
+                                     const std::filesystem::path& picture, InputDigests& digests, JobState& state);
 
 /// Whether the folder holds this very job's stack, whole, and its report.
 [[nodiscard]] bool holds_job(const std::filesystem::path& folder, const PlannedJob& job, InputDigests& digests,

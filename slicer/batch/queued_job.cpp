@@ -2,55 +2,18 @@
 #include "voxtone/slicer/batch/queued_job.h"
 
 #include <algorithm>
-#include <csignal>
-#include <cstring>
-#include <ctime>
-#include <fstream>
-#include <system_error>
 
 #include <fmt/core.h>
 
 #include "voxtone/base/error.h"
+#include "voxtone/slicer/batch/job_ending.h"
+#include "voxtone/slicer/batch/job_log.h"
 #include "voxtone/slicer/batch/job_result.h"
 #include "voxtone/slicer/options/command_words.h"
 
 namespace voxtone::slicer {
 
-namespace {
-
 namespace fs = std::filesystem;
-
-bool is_missing_or_empty(const fs::path& folder) {
-    std::error_code error;
-    return !fs::exists(folder, error) || fs::is_empty(folder, error);
-}
-
-std::uintmax_t size_or_zero(const fs::path& file) {
-    std::error_code error;
-    const std::uintmax_t size = fs::file_size(file, error);
-    return error ? 0 : size;
-}
-
-std::int64_t now_ns() {
-    timespec now{};
-    clock_gettime(CLOCK_REALTIME, &now);
-    return std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
-}
-
-/// The text of a file behind `begin`, its end if that is long.
-std::string tail_of(const fs::path& file, std::uintmax_t begin) {
-    constexpr std::uintmax_t most = 8192;
-    const std::uintmax_t size = size_or_zero(file);
-    std::ifstream in(file, std::ios::binary);
-    in.seekg(static_cast<std::streamoff>(std::max(begin, size > most ? size - most : 0)));
-    return {std::istreambuf_iterator<char>(in), {}};
-}
-
-void append(const fs::path& log, const std::string& line) {
-    std::ofstream(log, std::ios::app) << line << '\n';  // a log that cannot be written stops nobody
-}
-
-}  // namespace
 
 QueuedJob::QueuedJob(BatchContext& context, PlannedJob job, std::size_t number)
     : context_(context), job_(std::move(job)), weight_(weigh(job_.options)) {
@@ -147,8 +110,8 @@ void QueuedJob::run(const std::vector<std::string>& words) {
     const fs::path log = context_.folder.log_file(job_.name);
     std::vector<std::string> shown{context_.options.program.string()};
     shown.insert(shown.end(), words.begin(), words.end());
-    append(log, fmt::format("== {} {}", utc_now(), shell_line(shown)));
-    log_begin_ = size_or_zero(log);
+    append_line(log, fmt::format("== {} {}", utc_now(), shell_line(shown)));
+    log_begin_ = log_size(log);
     began_ns_ = now_ns();
     process_ =
         std::make_unique<JobProcess>(ProcessStart{context_.options.program, words, {}, log, lock_->descriptor()});
@@ -189,42 +152,26 @@ void QueuedJob::take_end_of_job(const ProcessEnd& end) {
 
 void QueuedJob::take_end(const ProcessEnd& end) {
     state_.runner.reset();
-    const std::string said = last_words("voxtone: ");
-    const auto why = [&](const char* otherwise) { return said.empty() ? std::string(otherwise) : said; };
-    const int code = end.exit_code;
-    const bool was_killed = end.signal == SIGKILL || end.signal == SIGTERM || end.signal == SIGINT;
-    if (code == static_cast<int>(ExitCode::done)) {
-        finish_stack();
-    } else if (code == static_cast<int>(ExitCode::stopped) || (was_killed && stopping_)) {
-        stopping_ ? put_aside(static_cast<int>(ExitCode::stopped), why("stopped on request"))
-                  : try_again(code, why("stopped on request"));
-    } else if (code == static_cast<int>(ExitCode::try_again)) {
-        try_again(code, why("it could not go on for no fault of its own"));
-    } else if (was_killed) {
-        try_again(static_cast<int>(ExitCode::try_again),
-                  fmt::format("was killed from outside (signal {}), perhaps because the machine's memory was used up",
-                              end.signal));
-    } else if (end.signal != 0) {
-        fail(static_cast<int>(ExitCode::bug), fmt::format("crashed (signal {}, {}); a bug of ours, please report it",
-                                                          end.signal, strsignal(end.signal)));
-    } else if (code == static_cast<int>(ExitCode::check_failed)) {
-        read_stack();
-        fail(code, why("the print will not look as asked (strict); its stack and its report are there"));
-    } else {
-        fail(code, why("ended without a word"));
+    const JobEnding ending = ending_of(end, last_words(context_.folder.log_file(job_.name), log_begin_), stopping_);
+    switch (ending.kind) {
+        case JobEnding::Kind::done:
+            return finish_stack();
+        case JobEnding::Kind::again:
+            return try_again(ending.exit_code, ending.message);
+        case JobEnding::Kind::checked:
+            read_stack();
+            break;
+        case JobEnding::Kind::failed:
+            break;
     }
+    fail(ending.exit_code, ending.message);
 }
 
 /// Throws Error where that cannot be.
 void QueuedJob::read_stack() {
-    state_.figures = read_job_figures(job_.out);
-    learn_inputs(job_.out, began_ns_, context_.digests);
-    state_.inputs = known_inputs(job_.out, context_.digests);
-    try {
-        write_job_picture(job_.out, context_.folder.picture_file(job_.name));
-    } catch (const Error& error) {
-        tell(JobEvent::Kind::warned, fmt::format("its small picture could not be made: {}", error.what()));
-    }
+    const std::string no_picture =
+        take_stack(job_.out, began_ns_, context_.folder.picture_file(job_.name), context_.digests, state_);
+    if (!no_picture.empty()) tell(JobEvent::Kind::warned, no_picture);
 }
 
 /// Throws Error where what was made, or that it was, cannot be kept.
@@ -279,7 +226,7 @@ void QueuedJob::put_aside(int exit_code, const std::string& message) {
 /// Runs the command that follows a result, its state on stdin.
 void QueuedJob::follow() {
     const fs::path log = context_.folder.log_file(job_.name);
-    append(log, fmt::format("== {} --after: {}", utc_now(), context_.options.after));
+    append_line(log, fmt::format("== {} --after: {}", utc_now(), context_.options.after));
     const std::vector<std::string> words{"-c", context_.options.after};
     process_ =
         std::make_unique<JobProcess>(ProcessStart{"/bin/sh", words, context_.folder.state_file(job_.name), log, -1});
@@ -316,22 +263,13 @@ void QueuedJob::tell(JobEvent::Kind kind, const std::string& message) const {
     context_.view.tell({kind, job_.name, message, state_.exit_code, tries_, threads_, since_start_.total()});
 }
 
-/// The last line of the log that begins so, without that beginning.
-std::string QueuedJob::last_words(const std::string& beginning) const {
-    const std::string text = tail_of(context_.folder.log_file(job_.name), log_begin_);
-    const std::size_t at = ("\n" + text).rfind("\n" + beginning);
-    if (at == std::string::npos) return {};
-    const std::string line = text.substr(at + beginning.size());
-    return line.substr(0, line.find_last_not_of(" \n") + 1);
-}
-
 void QueuedJob::ask_to_stop(int signal) {
     stopping_ = true;
     if (process_) process_->send(signal);
 }
 
 BatchSnapshot::Running QueuedJob::snapshot() const {
-    std::string text = tail_of(context_.folder.log_file(job_.name), log_begin_);
+    std::string text = tail_of_log(context_.folder.log_file(job_.name), log_begin_);
     text.erase(text.find_last_not_of(" \n") + 1);
     const std::size_t line = text.rfind('\n');
     return {job_.name, since_start_.total(), line == std::string::npos ? text : text.substr(line + 1)};

@@ -83,7 +83,6 @@ private:
     void leave(Stage stage);
     void publish();
     void tell(JobEvent::Kind kind, const std::string& message = {}) const;
-    [[nodiscard]] std::string last_words(const std::string& beginning) const;
 
     BatchContext& context_;
     PlannedJob job_;

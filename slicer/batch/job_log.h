@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What the processes of a job say, in a file that only grows.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+namespace voxtone::slicer {
+
+/// A log that cannot be written stops nobody.
+void append_line(const std::filesystem::path& log, const std::string& line);
+
+/// Its size now; 0: there is none.
+[[nodiscard]] std::uintmax_t log_size(const std::filesystem::path& log);
+
+/// The text of a log behind `begin`, its end if that is long.
+[[nodiscard]] std::string tail_of_log(const std::filesystem::path& log, std::uintmax_t begin);
+
+/// The last message for the user in a log behind `begin` ("voxtone: ..."), without its beginning; empty: there is none.
+[[nodiscard]] std::string last_words(const std::filesystem::path& log, std::uintmax_t begin);
+
+}  // namespace voxtone::slicer

@@ -1,0 +1,291 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/slicer/cluster/cluster_task.h"
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <fstream>
+#include <system_error>
+#include <thread>
+
+#include <fmt/core.h>
+
+#include "voxtone/base/error.h"
+#include "voxtone/io/files/json_writer.h"
+#include "voxtone/slicer/batch/job_ending.h"
+#include "voxtone/slicer/batch/job_log.h"
+#include "voxtone/slicer/batch/job_process.h"
+#include "voxtone/slicer/batch/job_result.h"
+#include "voxtone/slicer/cluster/folder_words.h"
+#include "voxtone/slicer/cluster/job_record.h"
+#include "voxtone/slicer/cluster/slurm_commands.h"
+#include "voxtone/slicer/cluster/submission.h"
+#include "voxtone/slicer/options/command_words.h"
+
+namespace voxtone::slicer {
+
+namespace {
+
+namespace fs = std::filesystem;
+using std::chrono::steady_clock;
+
+ChainStage stage_in(const Submission& submission, const TaskOptions& options) {
+    for (const SubmittedStage& submitted : submission.stages) {
+        if (submitted.stage != options.stage) continue;
+        ChainStage stage;
+        stage.stage = submitted.stage;
+        stage.words = submitted.words;
+        stage.tasks = submitted.tasks;
+        return stage;
+    }
+    throw InputError(fmt::format("{}: job {} was handed over without a stage {}: it was submitted anew since",
+                                 options.out.string(), options.job, name_of(options.stage)));
+}
+
+/// What a task has said becomes a part of what its job has said.
+void move_log(const fs::path& from, const fs::path& to) {
+    const std::string text = [&] {
+        std::ifstream in(from, std::ios::binary);
+        return std::string(std::istreambuf_iterator<char>(in), {});
+    }();
+    if (text.empty()) return;
+    std::ofstream out(to, std::ios::app | std::ios::binary);
+    if (!(out << text << std::flush)) return;
+    std::error_code none;
+    fs::remove(from, none);
+}
+
+class ClusterTask {
+public:
+    ClusterTask(const TaskOptions& options, Progress& progress)
+        : options_(options),
+          progress_(progress),
+          batch_(BatchFolder::open(options.out)),
+          files_(batch_),
+          job_(handed_over_job(batch_, options.job)),
+          submission_(read_submission()),
+          stage_(stage_in(submission_, options)),
+          index_(options.shard ? int(options.shard->shard) : 1) {
+        if (options.shard && int(options.shard->of) != stage_.tasks)
+            throw InputError(fmt::format("{}: job {} has {} shards, and not {}: it was submitted anew since",
+                                         options.out.string(), options.job, stage_.tasks, options.shard->of));
+    }
+
+    JobResult run() {
+        const std::vector<std::string> words = words_to_start();
+        const fs::path log = files_.task_log(job_.name, options_.stage, index_);
+        std::vector<std::string> shown{options_.program.string()};
+        shown.insert(shown.end(), words.begin(), words.end());
+        append_line(log, fmt::format("== {} {}: {}", utc_now(), io::host_name(), shell_line(shown)));
+        const std::uintmax_t begin = log_size(log);
+        JobProcess process(ProcessStart{options_.program, words, {}, log, -1});
+        note_start(process);
+        const ProcessEnd end = wait_for(process);
+        const JobEnding ending = ending_of(end, last_words(log, begin), progress_.cancelled());
+        move_log(log, batch_.log_file(job_.name));
+        return take(ending);
+    }
+
+private:
+    Submission read_submission() const {
+        if (auto submission = files_.read(options_.job)) return *std::move(submission);
+        throw InputError(
+            fmt::format("{}: nothing says that job {} was handed over", options_.out.string(), options_.job));
+    }
+
+    std::vector<std::string> words_to_start() {
+        std::vector<std::string> words = words_of(stage_, index_);
+        const auto state = batch_.state_of(job_.name);
+        if (state)
+            for (const auto& [file, digest] : state->inputs) digests_.learn(file, digest);
+        const bool ours = state && state->folder_is_ours;
+        for (std::string& word : words_for_folder(options_.stage, job_, ours, digests_, progress_))
+            words.push_back(std::move(word));
+        return words;
+    }
+
+    [[nodiscard]] std::string told() const {
+        return stage_.stage == TaskStage::layers ? fmt::format("shard {} of {}", index_, stage_.tasks)
+                                                 : std::string(name_of(stage_.stage));
+    }
+
+    void note_start(const JobProcess& process) {
+        runner_ = {io::host_name(), process.pid(), process.start_time(), utc_now()};
+        change_state(batch_, job_.name, progress_, [&](JobState& state) {
+            // A shard that failed is not forgotten because others run.
+            if (state.phase == JobPhase::failed && stage_.stage == TaskStage::layers) return;
+            state.phase = JobPhase::running;
+            state.runner = runner_;
+            state.program = VOXTONE_VERSION;
+            state.attempts = own_slurm_restarts() + 1;
+            state.message.clear();
+            state.finished.clear();
+            state.figures.reset();
+            state.after.reset();
+        });
+    }
+
+    /// Passes a request to stop on, and gives the work time to save itself.
+    ProcessEnd wait_for(JobProcess& process) {
+        constexpr std::chrono::milliseconds look_every(50);
+        constexpr std::chrono::seconds patience(40);
+        std::optional<steady_clock::time_point> asked;
+        for (;;) {
+            if (const auto end = process.ended()) return *end;
+            if (progress_.cancelled() && !asked) {
+                asked = steady_clock::now();
+                process.send(SIGTERM);
+            }
+            if (asked && steady_clock::now() - *asked > patience) process.send(SIGKILL);
+            std::this_thread::sleep_for(look_every);
+        }
+    }
+
+    JobResult take(const JobEnding& ending) {
+        switch (ending.kind) {
+            case JobEnding::Kind::done:
+                return take_done();
+            case JobEnding::Kind::again:
+                return try_again(ending);
+            case JobEnding::Kind::checked:
+            case JobEnding::Kind::failed:
+                break;
+        }
+        return fail(ending, static_cast<ExitCode>(ending.exit_code));
+    }
+
+    JobResult take_done() {
+        const bool is_last = stage_.stage == TaskStage::whole || stage_.stage == TaskStage::merge;
+        change_state(batch_, job_.name, progress_, [&](JobState& state) {
+            if (is_last) {
+                note_stack(state, batch_, job_, submission_, digests_, progress_);
+            } else if (state.phase != JobPhase::failed) {
+                leave(state);
+                state.message = fmt::format("in Slurm ({}): {} is done", submission_.text(), told());
+            }
+        });
+        if (is_last) summarise_batch(batch_, progress_);
+        return result(ExitCode::done, "done");
+    }
+
+    /// To the queue, where that is to be; else it has failed.
+    JobResult try_again(const JobEnding& ending) {
+        const int before = own_slurm_restarts();
+        const std::string slurm_job = own_slurm_job();
+        const auto code = static_cast<ExitCode>(ending.exit_code);
+        if (before >= options_.retries) {
+            JobEnding given_up = ending;
+            given_up.message += fmt::format(" (after {} attempts)", before + 1);
+            return fail(given_up, ExitCode::unfinished);
+        }
+        change_state(batch_, job_.name, progress_, [&](JobState& state) {
+            if (state.phase == JobPhase::failed) return;
+            leave(state);
+            state.exit_code = ending.exit_code;
+            state.message = fmt::format("{}: {}", told(), ending.message);
+        });
+        if (!slurm_job.empty() && requeue_in_slurm(slurm_job)) {
+            // Slurm ends this task now; one that ended by itself before would be counted as failed.
+            constexpr std::chrono::seconds patience(20);
+            std::this_thread::sleep_for(patience);
+        }
+        return result(code, ending.message);
+    }
+
+    JobResult fail(const JobEnding& ending, ExitCode code) {
+        change_state(batch_, job_.name, progress_, [&](JobState& state) {
+            if (ending.kind == JobEnding::Kind::checked)
+                note_stack(state, batch_, job_, submission_, digests_, progress_);
+            state.phase = JobPhase::failed;
+            state.runner.reset();
+            state.exit_code = ending.exit_code;
+            state.message =
+                stage_.stage == TaskStage::whole ? ending.message : fmt::format("{}: {}", told(), ending.message);
+            state.finished = utc_now();
+        });
+        summarise_batch(batch_, progress_);
+        return result(code, ending.message);
+    }
+
+    /// Others may work on it still.
+    void leave(JobState& state) const {
+        if (state.runner && (state.runner->host != runner_.host || state.runner->pid != runner_.pid)) return;
+        state.runner.reset();
+        if (state.phase == JobPhase::running) state.phase = JobPhase::queued;
+    }
+
+    JobResult result(ExitCode code, const std::string& message) const {
+        io::JsonWriter json;
+        json.begin_object().add("format", "voxtone-task").add("version", 1).add("job", job_.name);
+        json.add("stage", name_of(stage_.stage)).add("task", index_).add("tasks", stage_.tasks);
+        json.add("exit_code", static_cast<int>(code)).add("message", message).end_object();
+        return {json.text(), fmt::format("{}: {}: {}\n", job_.name, told(), message), code};
+    }
+
+    const TaskOptions& options_;
+    Progress& progress_;
+    BatchFolder batch_;
+    SubmissionFolder files_;
+    PlannedJob job_;
+    Submission submission_;
+    ChainStage stage_;
+    int index_;
+    InputDigests digests_;
+    JobRunner runner_;
+};
+
+/// Of a job that nobody works on any more.
+void settle(JobState& state, const BatchFolder& batch, const Submission& submission, Progress& progress) {
+    if (state.phase == JobPhase::done || state.phase == JobPhase::failed) return;
+    InputDigests digests;
+    try {
+        const PlannedJob job = handed_over_job(batch, submission.job);
+        if (holds_job(job.out, job, digests, &progress))
+            return note_stack(state, batch, job, submission, digests, progress);
+    } catch (const Cancelled&) {
+        throw;
+    } catch (const Error&) {
+        // It is told as failed.
+    }
+    const int code = state.exit_code != 0 ? state.exit_code : static_cast<int>(ExitCode::try_again);
+    state.phase = JobPhase::failed;
+    state.runner.reset();
+    state.exit_code = code;
+    state.finished = utc_now();
+    const std::string before = state.message.empty() ? "" : fmt::format("; before that: {}", state.message);
+    state.message = fmt::format(
+        "its tasks ended in Slurm before it was done ({}); batch/slurm.out and the job's log may say why; submit it "
+        "again to go on{}",
+        submission.text(), before);
+}
+
+}  // namespace
+
+JobResult run_cluster_task(const TaskOptions& options, Progress& progress) {
+    if (options.shard.has_value() != (options.stage == TaskStage::layers))
+        throw UsageError("--shard: says which task of the stage `layers` is to be done, and of no other");
+    return ClusterTask(options, progress).run();
+}
+
+JobResult close_cluster_batch(const fs::path& out, Progress& progress) {
+    const BatchFolder batch = BatchFolder::open(out);
+    const std::set<std::string> queue = slurm_queue();
+    for (const Submission& submission : SubmissionFolder(batch).all()) {
+        progress.check_cancelled();
+        const std::vector<std::string> numbers = submission.numbers();
+        if (std::any_of(numbers.begin(), numbers.end(), [&](const auto& number) { return queue.contains(number); }))
+            continue;
+        for (const SubmittedStage& stage : submission.stages)
+            for (int i = 1; i <= stage.tasks; ++i)
+                move_log(SubmissionFolder(batch).task_log(submission.job, stage.stage, i),
+                         batch.log_file(submission.job));
+        change_state(batch, submission.job, progress,
+                     [&](JobState& state) { settle(state, batch, submission, progress); });
+    }
+    summarise_batch(batch, progress);
+    io::JsonWriter json;
+    json.begin_object().add("format", "voxtone-batch-closed").add("version", 1).add("out", out.string()).end_object();
+    return {json.text(), fmt::format("{}: all tasks in Slurm have ended\n", out.string()), ExitCode::done};
+}
+
+}  // namespace voxtone::slicer

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The verb `task`: one task of a batch that was handed to Slurm (slurm_job.h), on whatever machine it was given. It
+// starts the program that does the work and does for it what a local batch does: its log, its state, what has to be
+// said because of what lies in its folder. A task that may go another time (exit codes 75 and 85) is put back into
+// the queue, a bounded number of times. Every task may run twice, also at once.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "voxtone/base/job_result.h"
+#include "voxtone/base/progress.h"
+#include "voxtone/io/shards/shard_number.h"
+#include "voxtone/slicer/cluster/task_chain.h"
+
+namespace voxtone::slicer {
+
+struct TaskOptions {
+    std::filesystem::path out;      ///< of the batch
+    std::filesystem::path program;  ///< `voxtone`
+    std::string job;
+    TaskStage stage = TaskStage::whole;
+    std::optional<io::ShardNumber> shard;  ///< of the stage `layers`
+    int retries = 5;
+};
+
+/// The exit code is that of the work; of work that was tried often enough it is 5, so that no scheduler tries again.
+/// Throws Error where there is no such task.
+[[nodiscard]] JobResult run_cluster_task(const TaskOptions& options, Progress& progress);
+
+/// When all has ended: a job that no task of the queue works on any more is done or has failed. Draws the summary.
+[[nodiscard]] JobResult close_cluster_batch(const std::filesystem::path& out, Progress& progress);
+
+}  // namespace voxtone::slicer

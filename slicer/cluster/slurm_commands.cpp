@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/slicer/cluster/slurm_commands.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cstdlib>
+#include <sstream>
+#include <string_view>
+
+#include <fmt/core.h>
+
+#include "voxtone/base/error.h"
+#include "voxtone/slicer/cluster/command_output.h"
+
+namespace voxtone::slicer {
+
+namespace {
+
+/// What may go another time: a controller that is away or busy, and limits that fall as jobs end.
+bool is_temporary(const std::string& reason) {
+    constexpr std::array<std::string_view, 6> signs{"contact", "timed out",    "temporarily",
+                                                    "onnect",  "submit limit", "MaxSubmit"};
+    return std::any_of(signs.begin(), signs.end(),
+                       [&](std::string_view sign) { return reason.find(sign) != std::string::npos; });
+}
+
+[[noreturn]] void refuse(const char* program, const CommandOutput& said) {
+    if (said.exit_code == CommandOutput::no_such_program)
+        throw FileError(
+            fmt::format("{} is not on this machine, so nothing is submitted: run this where Slurm's commands are, or "
+                        "look at the scripts with --dry-run",
+                        program));
+    const std::string reason = said.reason();
+    if (reason.find("configuration source") != std::string::npos)
+        throw FileError(
+            fmt::format("Slurm's commands are here but find no cluster, so nothing is submitted: is there a slurm.conf "
+                        "(SLURM_CONF)? {} says: {}",
+                        program, reason));
+    throw TryAgain(fmt::format("Slurm does not answer, so nothing is submitted; try again when it does ({} says: {})",
+                               program, reason));
+}
+
+std::string variable(const char* name) {
+    const char* const text = std::getenv(name);
+    return text ? text : "";
+}
+
+std::string first_line(const std::string& text) { return text.substr(0, text.find_first_of("\r\n")); }
+
+}  // namespace
+
+SlurmConfig slurm_config() {
+    const std::array<std::string, 3> words{"scontrol", "show", "config"};
+    const CommandOutput said = run_command(words);
+    if (said.exit_code != 0) refuse("scontrol", said);
+    SlurmConfig config;
+    std::istringstream lines(said.out);
+    for (std::string line; std::getline(lines, line);) {
+        if (!line.starts_with("MaxArraySize")) continue;
+        const std::size_t digits = line.find_first_of("0123456789");
+        if (digits != std::string::npos)
+            std::from_chars(line.data() + digits, line.data() + line.size(), config.max_array_size);
+    }
+    return config;
+}
+
+std::set<std::string> slurm_queue() {
+    const std::array<std::string, 3> words{"squeue", "--noheader", "--format=%F"};
+    const CommandOutput said = run_command(words);
+    if (said.exit_code != 0) refuse("squeue", said);
+    std::set<std::string> numbers;
+    std::istringstream in(said.out);
+    for (std::string number; in >> number;) numbers.insert(number);
+    return numbers;
+}
+
+std::string submit_to_slurm(std::span<const std::string> words) {
+    std::vector<std::string> all{"sbatch", "--parsable"};
+    all.insert(all.end(), words.begin(), words.end());
+    const CommandOutput said = run_command(all);
+    if (said.exit_code == CommandOutput::no_such_program) refuse("sbatch", said);
+    if (said.exit_code != 0) {
+        const std::string reason = said.reason();
+        if (is_temporary(reason)) throw TryAgain(fmt::format("sbatch cannot take it now: {}", reason));
+        throw InputError(fmt::format("sbatch refuses it: {}", reason));
+    }
+    const std::string line = first_line(said.out), number = line.substr(0, line.find(';'));  // NUMBER[;CLUSTER]
+    if (number.empty() || number.find_first_not_of("0123456789") != std::string::npos)
+        throw InputError(fmt::format("sbatch says no job's number but '{}'", first_line(said.out)));
+    return number;
+}
+
+void cancel_in_slurm(const std::vector<std::string>& numbers) {
+    if (numbers.empty()) return;
+    std::vector<std::string> words{"scancel", "--quiet"};
+    words.insert(words.end(), numbers.begin(), numbers.end());
+    (void)run_command(words);
+}
+
+std::string own_slurm_job() {
+    const std::string array = variable("SLURM_ARRAY_JOB_ID"), task = variable("SLURM_ARRAY_TASK_ID");
+    return !array.empty() && !task.empty() ? array + "_" + task : variable("SLURM_JOB_ID");
+}
+
+int own_slurm_restarts() { return std::atoi(variable("SLURM_RESTART_COUNT").c_str()); }
+
+bool requeue_in_slurm(const std::string& job) {
+    const std::array<std::string, 3> words{"scontrol", "requeue", job};
+    return run_command(words).exit_code == 0;
+}
+
+}  // namespace voxtone::slicer

@@ -1,0 +1,335 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/slicer/cluster/slurm_job.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include <fmt/core.h>
+
+#include "voxtone/base/counted.h"
+#include "voxtone/base/error.h"
+#include "voxtone/slicer/batch/batch_folder.h"
+#include "voxtone/slicer/batch/job_result.h"
+#include "voxtone/slicer/cluster/job_record.h"
+#include "voxtone/slicer/cluster/slurm_commands.h"
+#include "voxtone/slicer/cluster/slurm_entry.h"
+#include "voxtone/slicer/cluster/slurm_lanes.h"
+#include "voxtone/slicer/cluster/slurm_script.h"
+#include "voxtone/slicer/estimate/estimate_job.h"
+#include "voxtone/slicer/options/command_words.h"
+
+namespace voxtone::slicer {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// What is there of a batch already, looked at without writing.
+class Looking {
+public:
+    Looking(const std::optional<BatchFolder>& batch, std::set<std::string> queue, InputDigests& digests)
+        : batch_(batch), queue_(std::move(queue)), digests_(digests) {}
+
+    void look(SlurmEntry& entry, const Progress& progress) {
+        if (!batch_) return;
+        const std::optional<JobState> known = batch_->state_of(entry.job.name);
+        if (!known) return;
+        for (const auto& [file, digest] : known->inputs) digests_.learn(file, digest);
+        if (known->phase == JobPhase::done && known->program == VOXTONE_VERSION &&
+            holds_job(entry.job.out, entry.job, digests_, &progress)) {
+            entry.state = EntryState::unchanged;
+            return;
+        }
+        auto before = SubmissionFolder(*batch_).read(entry.job.name);
+        if (!before || !is_in_queue(*before)) return;
+        entry.submission = *std::move(before);
+        // What was not accepted whole, or is planned otherwise now, is cancelled when it is submitted anew.
+        if (entry.submission.complete && known->command == entry.job.command) entry.state = EntryState::queued;
+    }
+
+private:
+    [[nodiscard]] bool is_in_queue(const Submission& submission) const {
+        const std::vector<std::string> numbers = submission.numbers();
+        return std::any_of(numbers.begin(), numbers.end(),
+                           [&](const std::string& number) { return queue_.contains(number); });
+    }
+
+    const std::optional<BatchFolder>& batch_;
+    std::set<std::string> queue_;
+    InputDigests& digests_;
+};
+
+/// One that cannot be estimated cannot be sliced.
+void estimate(SlurmEntry& entry, const SlurmOptions& options, Progress& progress) {
+    SliceOptions asked = options_on_cluster(entry.job.options);
+    asked.overwrite = true;  // what its folder holds is looked at when its turn comes
+    if (asked.threads == 0) asked.threads = options.chain.most_cores;
+    try {
+        entry.chain = task_chain(entry.job, estimate_job(asked, progress), options.chain);
+        if (!entry.chain.why_whole.empty()) entry.message = fmt::format("it cannot be cut: {}", entry.chain.why_whole);
+    } catch (const Cancelled&) {
+        throw;
+    } catch (const TryAgain&) {
+        throw;
+    } catch (const Error& error) {
+        entry.state = EntryState::failed;
+        entry.message = error.what();
+        entry.exit_code = static_cast<int>(error.exit_code());
+    }
+}
+
+/// How jobs get into the queue: by sbatch, or, dry, into a text.
+class Submitting {
+public:
+    Submitting(const SlurmOptions& options, const SlurmConfig& config, const BatchFolder* batch, const fs::path& out)
+        : options_(options),
+          config_(config),
+          batch_(batch),
+          frame_{options.program, out, options.retries},
+          folder_(out / "batch") {}
+
+    /// All stages, or none: throws Error where one is refused.
+    void submit(SlurmEntry& entry, const Lane& lane) {
+        std::vector<std::string> before;
+        for (const ChainStage& stage : entry.chain.stages) {
+            SubmittedStage& made =
+                entry.submission.stages.emplace_back(SubmittedStage{stage.stage, stage.words, stage.tasks, {}});
+            const std::string text = stage_script(frame_, entry.job.name, stage);
+            const fs::path script = script_of(entry.job.name, stage.stage);
+            if (batch_) SubmissionFolder(*batch_).write_script(script, text);
+            std::string shown;
+            for (const ArrayPart& part : array_parts(stage.tasks, config_.max_array_size)) {
+                Dependencies after{before, before.empty() ? lane.before : std::vector<std::string>()};
+                // Parts of one array share its throttle: one after the other.
+                if (lane.throttle > 0 && !made.numbers.empty()) after.ended.push_back(made.numbers.back());
+                const auto words = sbatch_words(script, folder_, part, lane.throttle, after, options_.sbatch_words);
+                shown += shown_call(words);
+                made.numbers.push_back(number_of(words, entry, stage.stage));
+                if (batch_) SubmissionFolder(*batch_).write(entry.submission);
+            }
+            if (!batch_) entry.scripts += shown + text + "\n";
+            before = made.numbers;
+        }
+    }
+
+    /// What waits for all of these to end.
+    std::string submit_last(const std::vector<std::string>& numbers, std::string& scripts) {
+        const std::string text = last_script(frame_);
+        const fs::path script = folder_ / "slurm-last.sh";
+        const auto words = sbatch_words(script, folder_, {}, 0, {{}, numbers}, options_.sbatch_words);
+        if (!batch_) {
+            scripts += shown_call(words) + text;
+            return {};
+        }
+        SubmissionFolder(*batch_).write_script(script, text);
+        return submit_to_slurm(words);
+    }
+
+private:
+    [[nodiscard]] fs::path script_of(const std::string& job, TaskStage stage) const {
+        return folder_ / "slurm" / job / fmt::format("{}.sh", name_of(stage));
+    }
+    static std::string shown_call(const std::vector<std::string>& words) {
+        return "# ==> sbatch --parsable " + shell_line(words) + "\n";
+    }
+    std::string number_of(const std::vector<std::string>& words, const SlurmEntry& entry, TaskStage stage) const {
+        if (!batch_) return fmt::format("NUMBER-OF-{}-{}", entry.job.name, name_of(stage));
+        return submit_to_slurm(words);
+    }
+
+    const SlurmOptions& options_;
+    const SlurmConfig& config_;
+    const BatchFolder* batch_;  ///< null: nothing is written
+    ScriptFrame frame_;
+    fs::path folder_;
+};
+
+JobState state_before(const BatchFolder& batch, const SlurmEntry& entry) {
+    JobState state = batch.state_of(entry.job.name).value_or(JobState());
+    state.name = entry.job.name;
+    state.number = entry.number;
+    state.command = entry.job.command;
+    if (!state.folder_is_ours) state.folder_is_ours = is_missing_or_empty(entry.job.out);
+    state.runner.reset();
+    state.finished.clear();
+    state.figures.reset();
+    state.after.reset();
+    state.exit_code = 0;
+    return state;
+}
+
+void note_failure(const BatchFolder& batch, const SlurmEntry& entry, Progress& progress) {
+    change_state(batch, entry.job.name, progress, [&](JobState& state) {
+        state = state_before(batch, entry);
+        state.phase = JobPhase::failed;
+        state.exit_code = entry.exit_code;
+        state.message = entry.message;
+        state.finished = utc_now();
+    });
+}
+
+/// Into the queue, whole, and noted; or not at all.
+void hand_over(SlurmEntry& entry, const Lane& lane, const BatchFolder& batch, Submitting& submitting) {
+    const auto lock = batch.lock(entry.job.name);  // its tasks wait for it where they begin at once
+    if (!lock) {
+        entry.state = EntryState::elsewhere;
+        return;
+    }
+    const SubmissionFolder files(batch);
+    cancel_in_slurm(entry.submission.numbers());
+    JobState state = state_before(batch, entry);
+    state.phase = JobPhase::queued;
+    state.message = "is being submitted to Slurm";
+    batch.publish(state);
+    entry.submission = Submission{entry.job.name, utc_now(), now_ns(), false, {}};
+    PlannedJob settled = entry.job;
+    settled.options = options_on_cluster(entry.job.options);
+    files.write_job(settled);
+    files.write(entry.submission);
+    try {
+        submitting.submit(entry, lane);
+    } catch (const Error& error) {
+        cancel_in_slurm(entry.submission.numbers());
+        entry.submission.stages.clear();
+        files.write(entry.submission);
+        state.message = fmt::format("was not submitted: {}", error.what());
+        batch.publish(state);
+        throw;
+    }
+    entry.submission.complete = true;
+    files.write(entry.submission);
+    state.message = fmt::format("submitted to Slurm: {}", entry.submission.text());
+    batch.publish(state);
+    entry.state = EntryState::submitted;
+}
+
+double lasts_s(const TaskChain& chain, int throttle) {
+    double sum = 0;
+    for (const ChainStage& stage : chain.stages) {
+        const int at_once = throttle > 0 ? std::min(throttle, stage.tasks) : stage.tasks;
+        sum += stage.expected_s * std::ceil(double(stage.tasks) / at_once);
+    }
+    return sum;
+}
+
+Lanes lanes_for(const std::vector<SlurmEntry>& entries, int throttle) {
+    int widest = 1;
+    for (const SlurmEntry& entry : entries)
+        if (entry.state == EntryState::left) widest = std::max(widest, entry.chain.shards);
+    return {throttle, widest};
+}
+
+std::vector<SlurmEntry> entries_of(std::vector<PlannedJob> jobs) {
+    std::vector<SlurmEntry> entries;
+    for (PlannedJob& job : jobs) {
+        SlurmEntry entry;
+        entry.job = std::move(job);
+        entry.number = entries.size() + 1;
+        entries.push_back(std::move(entry));
+    }
+    return entries;
+}
+
+/// The refused job is told with what stands.
+[[noreturn]] void refuse(const SlurmEntry& entry, const Error& error, std::size_t submitted, std::size_t jobs) {
+    const std::string message = fmt::format(
+        "{}: {}; nothing of it is in the queue; {} of {} were submitted before and stay: mend it and run "
+        "the same command again for what is left",
+        entry.job.name, error.what(), submitted, counted(jobs, "job"));
+    throw Error(error.exit_code(), message);
+}
+
+/// The jobs that are left, one after the other, until one is refused.
+class HandingOver {
+public:
+    HandingOver(std::vector<SlurmEntry>& entries, const SlurmOptions& options, Submitting& submitting)
+        : entries_(entries), submitting_(submitting), lanes_(lanes_for(entries, options.throttle)) {}
+
+    void run(const BatchFolder* batch, Progress& progress) {
+        for (SlurmEntry& entry : entries_) {
+            if (entry.state != EntryState::left) continue;
+            if (progress.cancelled()) return;
+            Lane& lane = lanes_.next();
+            try {
+                batch ? hand_over(entry, lane, *batch, submitting_) : submitting_.submit(entry, lane);
+            } catch (const Error& error) {
+                refused_.emplace(&entry, error);
+                return;
+            }
+            if (entry.state == EntryState::elsewhere) continue;
+            ++submitted_;
+            const std::vector<std::string> numbers = entry.submission.numbers();
+            lane.take(numbers, lasts_s(entry.chain, lane.throttle));
+            numbers_.insert(numbers_.end(), numbers.begin(), numbers.end());
+        }
+    }
+    /// Number of the job that waits for all of them.
+    std::string close() {
+        std::string shown;
+        const std::string number = numbers_.empty() ? "" : submitting_.submit_last(numbers_, shown);
+        if (!shown.empty()) entries_.back().scripts += shown;
+        return number;
+    }
+    /// Throws what a job was refused for.
+    void expect_none_refused() const {
+        if (refused_) refuse(*refused_->first, refused_->second, submitted_, entries_.size());
+    }
+
+private:
+    std::vector<SlurmEntry>& entries_;
+    Submitting& submitting_;
+    Lanes lanes_;
+    std::vector<std::string> numbers_;
+    std::size_t submitted_ = 0;
+    std::optional<std::pair<const SlurmEntry*, Error>> refused_;
+};
+
+SlurmConfig config_for(bool dry_run, Progress& progress) {
+    try {
+        return slurm_config();
+    } catch (const Error& error) {
+        if (!dry_run) throw;
+        progress.note(fmt::format("{}; the scripts are for an array of at most {} tasks, which is Slurm's default",
+                                  error.what(), SlurmConfig().max_array_size - 1));
+        return {};
+    }
+}
+
+std::optional<BatchFolder> batch_for(const SlurmOptions& options) {
+    if (!options.dry_run) return BatchFolder::make(options.out);
+    std::error_code none;
+    if (fs::exists(options.out / "batch.json", none)) return BatchFolder::open(options.out);
+    return std::nullopt;
+}
+
+}  // namespace
+
+JobResult run_slurm_job(const PlanOptions& plan, const SlurmOptions& options, Progress& progress) {
+    std::vector<SlurmEntry> entries = entries_of(read_plan(plan, &progress));
+    const SlurmConfig config = config_for(options.dry_run, progress);
+    const std::set<std::string> queue = options.dry_run ? std::set<std::string>() : slurm_queue();
+    const std::optional<BatchFolder> batch = batch_for(options);
+    const BatchFolder* const written = options.dry_run ? nullptr : &*batch;
+    const fs::path out = fs::absolute(options.out).lexically_normal();
+    InputDigests digests;
+    Looking looking(batch, queue, digests);
+    for (SlurmEntry& entry : entries) {
+        progress.check_cancelled();
+        looking.look(entry, progress);
+        if (entry.state == EntryState::left) estimate(entry, options, progress);
+        if (entry.state == EntryState::failed && written) note_failure(*written, entry, progress);
+    }
+    Submitting submitting(options, config, written, out);
+    HandingOver handing_over(entries, options, submitting);
+    handing_over.run(written, progress);
+    const std::string last = handing_over.close();
+    if (written) summarise_batch(*written, progress);
+    handing_over.expect_none_refused();
+    progress.check_cancelled();
+    return slurm_result(entries, out, last, options.dry_run);
+}
+
+}  // namespace voxtone::slicer
