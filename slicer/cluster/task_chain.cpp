@@ -8,6 +8,7 @@
 
 #include <fmt/core.h>
 
+#include "voxtone/io/files/read_options.h"
 #include "voxtone/slicer/estimate/job_phases.h"
 #include "voxtone/slicer/options/command_words.h"
 #include "voxtone/slicer/options/model_choice.h"
@@ -19,6 +20,7 @@ namespace {
 
 constexpr double time_factor = 3, time_added_s = 600;  // estimates are within 1.5 as a rule, and were off by 3.7 once
 constexpr double least_s_per_core = 60;
+constexpr std::uint64_t beside_bytes = 64'000'000;  // what watches over a task, and its shell
 
 using Names = std::initializer_list<std::string_view>;
 
@@ -75,6 +77,12 @@ StageSums sums_of(TaskStage stage, const JobEstimate& estimate, int shards) {
     return sums;
 }
 
+/// In steps that are written in few digits.
+double gib_of(std::uint64_t bytes) {
+    constexpr double gib = 1 << 30, steps = 1024;
+    return std::max(1.0, std::floor(double(bytes) / gib * steps)) / steps;
+}
+
 int cores_for(double cpu_s, int most) {
     int cores = 1;
     while (2 * cores <= most && cpu_s / (2 * cores) >= least_s_per_core) cores *= 2;
@@ -118,7 +126,7 @@ ChainStage stage_of(TaskStage stage, std::vector<std::string> words, int tasks, 
     made.words = std::move(words);
     made.tasks = tasks;
     made.cores = job.options.threads > 0 ? job.options.threads : cores_for(sums.cpu_s(), options.most_cores);
-    made.memory_bytes = sums.memory_bytes() + sums.memory_bytes() / 8;
+    made.memory_bytes = sums.memory_bytes() + sums.memory_bytes() / 8 + beside_bytes;
     made.expected_s = sums.seconds_on(made.cores);
     made.limit_s = time_added_s + time_factor * made.expected_s;
     return made;
@@ -128,10 +136,9 @@ ChainStage stage_of(TaskStage stage, std::vector<std::string> words, int tasks, 
 
 SliceOptions options_on_cluster(const SliceOptions& options) {
     SliceOptions settled = options;
-    const bool of_use = options.iterations != "0" || options.predict != predict_none;
-    if (settled.memory_gib > 0 || !of_use) return settled;
-    constexpr double gib = 1 << 30, steps_of_gib = 1024;
-    settled.memory_gib = std::max(1.0, std::floor(double(memory_budget(0)) / gib * steps_of_gib)) / steps_of_gib;
+    const bool predicts = options.iterations != "0" || options.predict != predict_none;
+    if (settled.memory_gib == 0 && predicts) settled.memory_gib = gib_of(memory_budget(0));
+    if (settled.read_memory_gib == 0) settled.read_memory_gib = gib_of(io::default_read_memory());
     return settled;
 }
 

@@ -10,7 +10,7 @@
 //
 // All tasks of a stage need all of the stage before it. Every task may be run again, and twice at once (docs/batch.md,
 // "Shards and merge"). What they are given comes from the estimate's phases (estimate/job_estimate.h):
-//   memory   the most of the stage's phases, and an eighth more
+//   memory   the most of the stage's phases, an eighth more, and 64 MB for what starts it
 //   time     three times the sum of its phases on its cores, and ten minutes more
 //   cores    so many that each has a minute's work: 1, 2, 4, 8, ... up to what is allowed
 #pragma once
@@ -58,8 +58,9 @@ struct TaskChain {
 /// The words behind `voxtone` of task `index` of the stage, from 1: for layers with its `--shard index/tasks`.
 [[nodiscard]] std::vector<std::string> words_of(const ChainStage& stage, int index);
 
-/// The job as all of its tasks do it, wherever they run: with the memory for loop and prediction that it would allow
-/// itself here, as what is allowed may decide how the loop is cut.
+/// The job as all of its tasks do it, wherever they run: with the memory for loop, prediction and reading that it would
+/// allow itself here. A task is given no more than it needs, and half of that, which is what a job allows itself where
+/// nothing is said, might cut a loop otherwise or refuse a model.
 [[nodiscard]] SliceOptions options_on_cluster(const SliceOptions& options);
 
 }  // namespace voxtone::slicer

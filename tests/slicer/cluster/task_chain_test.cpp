@@ -85,7 +85,7 @@ TEST_CASE("Layers that take hours are cut, and each shard takes minutes") {
     CHECK(chain.shards == 29);  // 100000 s on eight cores of which one does 5 % alone: 16875 s, in parts of 600 s
     CHECK(layers.expected_s < 600 + 10 + 1);
     CHECK(layers.memory_bytes > 800 * mb);
-    CHECK(layers.memory_bytes < 1000 * mb);  // without the loop's and the prediction's
+    CHECK(layers.memory_bytes < 1100 * mb);  // without the loop's and the prediction's
     CHECK_FALSE(has(layers.words, {"--until"}));
     CHECK(has(words_of(layers, 3), {"--shard", "3/29"}));
     CHECK(merge.words == Words{"merge", (shop.folder.path() / "out/a").string(), "--predict"});
@@ -94,11 +94,11 @@ TEST_CASE("Layers that take hours are cut, and each shard takes minutes") {
 
     const TaskChain unpredicted = shop.chain(estimate_with(600, 100'000));
     CHECK(unpredicted.stages[2].words.size() == 2);
-    CHECK(unpredicted.stages[2].memory_bytes < 600 * mb);
+    CHECK(unpredicted.stages[2].memory_bytes < 700 * mb);
     CHECK(unpredicted.stages[2].expected_s < 60);
 }
 
-TEST_CASE("All tasks of a job are told the memory that the loop may take here") {
+TEST_CASE("All tasks of a job are told the memory that loop and reading may take here") {
     const Shop shop;
     const TaskChain chain = shop.chain(estimate_with(600, 100'000));
     const auto memory_in = [](const Words& words) {
@@ -106,6 +106,8 @@ TEST_CASE("All tasks of a job are told the memory that the loop may take here") 
         return found == words.end() ? std::string() : *(found + 1);
     };
     CHECK(std::stod(memory_in(chain.stages[0].words)) > 0);
+    CHECK(has(chain.stages[0].words, {"--read-memory"}));
+    CHECK(has(chain.stages[1].words, {"--read-memory"}));
     CHECK(memory_in(chain.stages[0].words) == memory_in(chain.stages[1].words));
     const Shop other(", \"memory\": 3");
     CHECK(memory_in(other.chain(estimate_with(600, 10)).stages[0].words) == "3");

@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What `voxtone batch --slurm` asks of Slurm, and what it makes of the answers: told by stand-ins for its commands.
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <sstream>
+
+#include <fmt/core.h>
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include "run_program.h"
+
+using namespace voxtone::test;
+using Catch::Matchers::Contains;
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Two models, and a folder of programs that PATH leads to and nothing else but the shell's own.
+struct Workshop {
+    Workshop() : folder("stand-in") {
+        for (int i = 1; i <= 2; ++i) folder.write(fmt::format("box{}.obj", i), ramp_box_obj(3 + i, 2, 2));
+        folder.write("plan.jsonl", "{\"model\": \"box1.obj\"}\n{\"model\": \"box2.obj\"}\n");
+        folder.write("quick.json", R"({"format": "voxtone-job", "version": 1, "iterations": 0, "predict": "none"})");
+        fs::create_directory(folder.path() / "bin");
+        old_path = std::getenv("PATH");
+        setenv("PATH", ((folder / "bin") + ":/usr/bin:/bin").c_str(), 1);
+    }
+    ~Workshop() { setenv("PATH", old_path.c_str(), 1); }
+    Workshop(const Workshop&) = delete;
+    Workshop& operator=(const Workshop&) = delete;
+
+    void program(const std::string& name, const std::string& text) const {
+        folder.write("bin/" + name, "#!/bin/sh\n" + text);
+        fs::permissions(folder.path() / "bin" / name, fs::perms::owner_all);
+    }
+    /// sbatch notes its words and says 1, 2, 3, ...; what it has said waits in the queue.
+    void slurm(const std::string& max_array_size = "1001") const {
+        program("scontrol", "echo 'MaxArraySize            = " + max_array_size + "'\n");
+        program("squeue", "cat " + (folder / "queue") + " 2>/dev/null || true\n");
+        program("scancel", "echo scancel \"$@\" >>" + (folder / "said") + "\n");
+        program("sbatch", fmt::format("echo sbatch \"$@\" >>{0}\nn=$(($(cat {1} 2>/dev/null | wc -l) + 1))\n"
+                                      "echo $n >>{1}\necho \"$n;cluster\"\n",
+                                      folder / "said", folder / "queue"));
+    }
+    [[nodiscard]] Outcome batch(const std::string& options) const {
+        return run_program(fmt::format("batch {} --preset {} -o {} --slurm --threads 1 {}", folder / "plan.jsonl",
+                                       folder / "quick.json", folder / "out", options));
+    }
+    /// Calls of sbatch and scancel, one a line.
+    [[nodiscard]] std::vector<std::string> calls() const {
+        std::istringstream in(read_file(folder.path() / "said"));
+        std::vector<std::string> lines;
+        for (std::string line; std::getline(in, line);) lines.push_back(line);
+        return lines;
+    }
+    [[nodiscard]] nlohmann::json state(const std::string& name) const {
+        return nlohmann::json::parse(read_file(folder.path() / "out/batch" / (name + ".json")));
+    }
+
+    Folder folder;
+    std::string old_path;
+};
+
+std::size_t lines_of(const std::string& text) {
+    return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
+}
+
+}  // namespace
+
+TEST_CASE("Without Slurm nothing is submitted, in one sentence; a dry run prints the scripts") {
+    const Workshop shop;
+    setenv("PATH", (shop.folder / "bin").c_str(), 1);
+    const Outcome none = shop.batch("--quiet");
+    CHECK(none.exit_code == 4);
+    CHECK(lines_of(none.err) == 1);
+    CHECK_THAT(none.err, Contains("scontrol is not on this machine") && Contains("--dry-run"));
+    CHECK_FALSE(fs::exists(shop.folder.path() / "out"));
+
+    const Outcome dry = shop.batch("--dry-run --shards 3 --sbatch-option partition=long --sbatch-option -A=lab");
+    INFO(dry.err);
+    CHECK(dry.exit_code == 0);
+    CHECK_FALSE(fs::exists(shop.folder.path() / "out"));
+    CHECK_THAT(dry.err, Contains("at most 1000 tasks"));
+    CHECK_THAT(dry.out,
+               Contains("--array=1-3 --partition=long -A=lab " + (shop.folder / "out/batch/slurm/box1/layers.sh")));
+    CHECK_THAT(dry.out, Contains("--dependency=afterok:NUMBER-OF-box1-layers"));
+    CHECK_THAT(dry.out, Contains("#SBATCH --cpus-per-task=1") && Contains("slurm-last.sh"));
+    CHECK_THAT(dry.out, Contains("2 jobs, 2 left"));
+    CHECK(nlohmann::json::parse(shop.batch("--dry-run --quiet --json").out.substr(0), nullptr, false).is_discarded() ==
+          false);
+}
+
+TEST_CASE("A Slurm that does not answer is to be asked again later") {
+    const Workshop shop;
+    shop.slurm();
+    shop.program("scontrol", "echo 'slurm_load_ctl_conf error: Unable to contact slurm controller' >&2; exit 1\n");
+    const Outcome silent = shop.batch("--quiet");
+    CHECK(silent.exit_code == 75);
+    CHECK(lines_of(silent.err) == 1);
+    CHECK_THAT(silent.err, Contains("Unable to contact slurm controller") && Contains("nothing is submitted"));
+    CHECK(shop.calls().empty());
+}
+
+TEST_CASE("Chains are submitted with arrays that Slurm takes, within the throttle, and not twice") {
+    const Workshop shop;
+    shop.slurm("3");
+    const Outcome first = shop.batch("--shards 5 --throttle 5 --json --quiet");
+    INFO(first.err);
+    REQUIRE(first.exit_code == 0);
+    const auto calls = shop.calls();
+    REQUIRE(calls.size() == 9);
+    const std::string at = shop.folder / "out/batch", chdir = "sbatch --parsable --chdir=" + at + " ";
+    CHECK(calls[0] == chdir + "--array=1-2 " + at + "/slurm/box1/layers.sh");
+    CHECK(calls[1] == chdir + "--array=1-2 --dependency=afterany:1 " + at + "/slurm/box1/layers.sh 2");
+    CHECK(calls[2] == chdir + "--array=1-1 --dependency=afterany:2 " + at + "/slurm/box1/layers.sh 4");
+    CHECK(calls[3] == chdir + "--dependency=afterok:1:2:3 " + at + "/slurm/box1/merge.sh");
+    CHECK(calls[4] == chdir + "--array=1-2 --dependency=afterany:1:2:3:4 " + at + "/slurm/box2/layers.sh");
+    CHECK(calls[8] == chdir + "--dependency=afterany:1:2:3:4:5:6:7:8 " + at + "/slurm-last.sh");
+    const auto told = nlohmann::json::parse(first.out.substr(first.out.rfind("\n{\"event\"") + 1));
+    CHECK_THAT(told.dump(), Contains("\"numbers\":[\"1\",\"2\",\"3\"]") && Contains("\"last\":\"9\""));
+    CHECK(shop.state("box1")["message"] == "submitted to Slurm: layers 1 2 3, merge 4");
+
+    CHECK_THAT(shop.batch("--shards 5").out, Contains("2 jobs, 2 queued"));
+    CHECK(shop.calls().size() == 9);
+    // Slurm knows nothing of them any more, and they are not done: again.
+    fs::remove(shop.folder.path() / "queue");
+    CHECK_THAT(shop.batch("--shards 1").out, Contains("2 jobs, 2 submitted"));
+    CHECK(shop.calls().size() == 9 + 3 + 2);  // cancels what it knew of before
+}
+
+TEST_CASE("Where sbatch refuses, what was submitted before is noted, and nothing of the refused job is left") {
+    const Workshop shop;
+    shop.slurm();
+    const std::string sbatch = read_file(shop.folder.path() / "bin/sbatch");
+    shop.folder.write("bin/sbatch",
+                      "#!/bin/sh\ncase \"$*\" in *box2/merge*) echo 'sbatch: error: invalid partition "
+                      "specified: long' >&2; exit 1;; esac\n" +
+                          sbatch);
+    const Outcome refused = shop.batch("--shards 2 --quiet");
+    CHECK(refused.exit_code == 3);
+    CHECK(lines_of(refused.err) == 1);
+    CHECK_THAT(refused.err, Contains("box2: sbatch refuses it: sbatch: error: invalid partition specified: long") &&
+                                Contains("1 of 2 jobs were submitted before and stay"));
+    const auto calls = shop.calls();
+    REQUIRE(calls.size() == 5);
+    CHECK(calls[3] == "scancel --quiet 3");
+    CHECK_THAT(calls[4], Contains("--dependency=afterany:1:2 ") && Contains("slurm-last.sh"));
+    CHECK(shop.state("box1")["message"] == "submitted to Slurm: layers 1, merge 2");
+    CHECK_THAT(shop.state("box2")["message"].get<std::string>(), Contains("was not submitted: "));
+
+    shop.folder.write("bin/sbatch", sbatch);
+    CHECK_THAT(shop.batch("--shards 2").out, Contains("1 submitted, 1 queued"));
+
+    fs::remove(shop.folder.path() / "queue");
+    shop.program("sbatch",
+                 "echo 'sbatch: error: Batch job submission failed: Socket timed out on send/recv' >&2\nexit 1\n");
+    CHECK(shop.batch("--shards 2 --quiet").exit_code == 75);
+}
+
+TEST_CASE("A job that cannot be estimated is told and stands as failed, and the others are submitted") {
+    const Workshop shop;
+    shop.slurm();
+    shop.folder.write("box1.obj", "v 0 0 0\nf 1 2 3\n");
+    const Outcome outcome = shop.batch("");
+    CHECK(outcome.exit_code == 3);
+    CHECK_THAT(outcome.out, Contains("2 jobs, 1 submitted, 1 failed") && Contains("box1: failed: "));
+    CHECK(shop.state("box1")["state"] == "failed");
+    CHECK(shop.state("box2")["state"] == "queued");
+    CHECK(shop.calls().size() == 2);
+}
+
+TEST_CASE("Options that do not go with a cluster, or only with it, are refused") {
+    const Workshop shop;
+    shop.slurm();
+    for (const char* options : {"--jobs 2", "--memory 2", "--fail-fast", "--after true", "--print-commands"})
+        CHECK(shop.batch(options).exit_code == 2);
+    const std::string local = fmt::format("batch {} -o {} ", shop.folder / "plan.jsonl", shop.folder / "out");
+    for (const char* options : {"--dry-run", "--shards 2", "--throttle 2", "--sbatch-option x=y"})
+        CHECK_THAT(run_program(local + options).err, Contains("goes with --slurm"));
+    CHECK(run_program(fmt::format("batch --watch {0} -o {1} --slurm", shop.folder.path().string(), shop.folder / "out"))
+              .exit_code == 2);
+    CHECK_FALSE(fs::exists(shop.folder.path() / "out"));
+}
+
+TEST_CASE("A task that was never handed over, or was handed over anew since, is refused") {
+    const Workshop shop;
+    shop.slurm();
+    REQUIRE(shop.batch("--shards 2").exit_code == 0);
+    const std::string out = shop.folder / "out";
+    const auto fault = [&](const std::string& words, int exit_code) {
+        const Outcome outcome = run_program(fmt::format("task {} --quiet {}", out, words));
+        CHECK(outcome.exit_code == exit_code);
+        return outcome.err;
+    };
+    CHECK_THAT(fault("--job nobody --stage merge", 4), Contains("nobody"));
+    CHECK_THAT(fault("--job box1 --stage prepare", 3), Contains("without a stage prepare"));
+    CHECK_THAT(fault("--job box1 --stage layers --shard 1/3", 3), Contains("has 2 shards, and not 3"));
+    CHECK_THAT(fault("--job box1 --stage layers", 2), Contains("--shard"));
+    CHECK_THAT(fault("--job box1 --stage merge --shard 1/2", 2), Contains("--shard"));
+    CHECK_THAT(fault("--job box1 --stage all", 2), Contains("whole, prepare, layers, merge"));
+    CHECK_THAT(fault("--job box1 --last", 2), Contains("--last alone"));
+    CHECK_THAT(fault("", 2), Contains("--job"));
+
+    // Without Slurm's environment they are tasks like any others.
+    for (const char* words :
+         {"--job box1 --stage layers --shard 2/2", "--job box1 --stage layers --shard 1/2", "--job box1 --stage merge"})
+        CHECK(run_program(fmt::format("task {} {}", out, words)).exit_code == 0);
+    CHECK(shop.state("box1")["state"] == "done");
+    fs::remove(shop.folder.path() / "queue");
+    CHECK(run_program(fmt::format("task {} --last", out)).exit_code == 0);
+    CHECK(shop.state("box2")["state"] == "failed");
+    CHECK(shop.state("box2")["exit_code"] == 75);
+    CHECK_THAT(shop.state("box2")["message"].get<std::string>(), Contains("layers 3, merge 4"));
+}
