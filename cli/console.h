@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// What every verb shares at the terminal: --json, --quiet, progress on stderr (or events on stdout), one result on
-// stdout, and a clean stop on Ctrl-C.
+// What every verb shares at the terminal: --json, --quiet, --progress, progress on stderr (or events on stdout), one
+// result on stdout, and a clean stop on Ctrl-C.
 #pragma once
 
 #include <chrono>
@@ -19,6 +19,7 @@ namespace voxtone::cli {
 struct ConsoleOptions {
     bool json = false;
     bool quiet = false;
+    bool openjd = false;                   ///< messages of Open Job Description
     std::chrono::milliseconds grace{800};  ///< that a verb has to end after a request to stop
 };
 

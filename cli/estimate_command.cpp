@@ -17,14 +17,17 @@ namespace {
 
 struct EstimateArguments {
     JobArguments job;
-    bool orientations = false;
+    slicer::EstimateScope scope;
+    bool quick = false;
     ConsoleOptions console;
 };
 
 int run(const EstimateArguments& arguments) {
     const slicer::SliceOptions options = options_of(arguments.job);
+    slicer::EstimateScope scope = arguments.scope;
+    scope.resins = !arguments.quick;
     return run_on_console(arguments.console, [&](Progress& progress) {
-        const slicer::JobEstimate estimate = slicer::estimate_job(options, progress, arguments.orientations);
+        const slicer::JobEstimate estimate = slicer::estimate_job(options, progress, scope);
         return JobResult{slicer::estimate_json(estimate), slicer::estimate_text(estimate)};
     });
 }
@@ -38,9 +41,13 @@ Command add_estimate_command(CLI::App& program) {
     add_job_options(*command, arguments->job);
     command
         ->add_flag(
-            "--orientations", arguments->orientations,
+            "--orientations", arguments->scope.orientations,
             "add a table of the 24 ways to turn the body by right angles: height, layers, what hangs over, which "
             "coloured faces lie downward")
+        ->group("Run");
+    command
+        ->add_flag("--quick", arguments->quick,
+                   "leave out how much of each resin: colours are not separated, which takes most of the time")
         ->group("Run");
     add_console_options(*command, arguments->console);
     add_example(*command, "cow.obj --size 60mm");

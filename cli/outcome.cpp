@@ -12,6 +12,7 @@
 
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/error.h"
+#include "voxtone/base/openjd_progress.h"
 #include "voxtone/base/printable.h"
 #include "voxtone/base/progress_events.h"
 
@@ -19,26 +20,27 @@ namespace voxtone::cli {
 
 namespace {
 
-int tell(bool json, ExitCode code, const std::string& message) {
+int tell(Messages messages, ExitCode code, const std::string& message) {
     std::fputs(printable("voxtone: " + message + "\n").c_str(), stderr);
-    if (json) print_out(error_event(code, message) + "\n");
+    if (messages == Messages::events) print_out(error_event(code, message) + "\n");
+    if (messages == Messages::openjd) print_out(openjd_failure(message) + "\n");
     return static_cast<int>(code);
 }
 
-int tell_current_exception(bool json) {
+int tell_current_exception(Messages messages) {
     try {
         throw;
     } catch (const Error& error) {
-        return tell(json, error.exit_code(), error.what());
+        return tell(messages, error.exit_code(), error.what());
     } catch (const std::bad_alloc&) {
-        return tell(json, ExitCode::unfinished,
+        return tell(messages, ExitCode::unfinished,
                     "out of memory; use a smaller --size, fewer --threads or a machine with more memory");
     } catch (const ContractViolation& error) {
-        return tell(json, ExitCode::bug, fmt::format("a bug of ours, please report it: {}", error.what()));
+        return tell(messages, ExitCode::bug, fmt::format("a bug of ours, please report it: {}", error.what()));
     } catch (const std::exception& error) {
-        return tell(json, ExitCode::bug, fmt::format("an unexpected failure, please report it: {}", error.what()));
+        return tell(messages, ExitCode::bug, fmt::format("an unexpected failure, please report it: {}", error.what()));
     } catch (...) {
-        return tell(json, ExitCode::bug, "an unexpected failure of no known kind, please report it");
+        return tell(messages, ExitCode::bug, "an unexpected failure of no known kind, please report it");
     }
 }
 
@@ -58,12 +60,12 @@ int noticing_lost_output(int code) {
 
 void print_out(std::string_view text) { std::fwrite(text.data(), 1, text.size(), stdout); }
 
-int guarded(bool json, const std::function<int()>& work) {
+int guarded(Messages messages, const std::function<int()>& work) {
     int code;
     try {
         code = work();
     } catch (...) {
-        code = tell_current_exception(json);
+        code = tell_current_exception(messages);
     }
     return noticing_lost_output(code);
 }

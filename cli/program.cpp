@@ -75,7 +75,7 @@ int run(const Words& words, const std::vector<Verb>& verbs) {
 }  // namespace
 
 int run_program(const Words& words, const std::vector<Verb>& verbs) {
-    return guarded(asks_for_json(words), [&] { return run(words, verbs); });
+    return guarded(asked_messages(words), [&] { return run(words, verbs); });
 }
 
 }  // namespace voxtone::cli

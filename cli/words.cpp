@@ -139,9 +139,13 @@ Words command_words(int argc, char* const* argv) {
     return words;
 }
 
-bool asks_for_json(const Words& words) {
+Messages asked_messages(const Words& words) {
     const auto end = std::find(words.begin(), words.end(), "--");
-    return std::find(words.begin(), end, "--json") != end;
+    if (std::find(words.begin(), end, "--json") != end) return Messages::events;
+    for (auto word = words.begin(); word != end; ++word)
+        if (*word == "--progress=openjd" || (*word == "openjd" && word != words.begin() && *(word - 1) == "--progress"))
+            return Messages::openjd;
+    return Messages::text;
 }
 
 void check_words(const CLI::App& program, const Words& words) {

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "voxtone/cli/outcome.h"
+
 namespace CLI {
 class App;
 class ParseError;
@@ -18,8 +20,8 @@ using Words = std::vector<std::string>;
 /// The words, with other programs' habits put into ours: `help VERB` is `VERB --help`, `-o=FOLDER` is `-oFOLDER`.
 [[nodiscard]] Words command_words(int argc, char* const* argv);
 
-/// Whether errors are to be told as events, also those of a command line that cannot be parsed.
-[[nodiscard]] bool asks_for_json(const Words& words);
+/// How errors are to be told, also those of a command line that cannot be parsed.
+[[nodiscard]] Messages asked_messages(const Words& words);
 
 /// Before the words are parsed: throws UsageError for a verb or a step that there is not, with the nearest that there
 /// is, and for an option whose value is missing because another option follows.

@@ -33,14 +33,6 @@ void say_what_there_is(const BatchQueue& queue, std::size_t jobs, const BatchOpt
     progress.note(text);
 }
 
-void warn_of_large_jobs(const BatchQueue& queue, Progress& progress) {
-    for (const auto& job : queue.jobs())
-        if (job->stage() == Stage::waiting && job->weight().memory_bytes > queue.memory_bytes())
-            progress.warn(fmt::format("{} may need {} of memory, more than the {} there are: it runs alone",
-                                      job->name(), io::bytes_text(job->weight().memory_bytes),
-                                      io::bytes_text(queue.memory_bytes())));
-}
-
 /// Of a batch in which jobs failed.
 ExitCode exit_code_of(const BatchQueue& queue) {
     ExitCode code = ExitCode::done;
@@ -205,7 +197,6 @@ JobResult run_batch_job(const PlanOptions& plan, const BatchOptions& options, Ba
         progress.check_cancelled();
         queue.add(std::move(job));
     }
-    warn_of_large_jobs(queue, progress);
     work(queue, folder, view, progress);
     summarise(folder, progress);
     return {result_json(queue, options, watch.total()), result_text(queue, options, watch.total()),

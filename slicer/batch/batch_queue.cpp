@@ -17,6 +17,7 @@ namespace {
 using Stage = QueuedJob::Stage;
 
 constexpr std::chrono::milliseconds look_every(20);
+constexpr std::uint64_t weighing_bytes = std::uint64_t{1} << 30;  // of `estimate`, whose body is no larger than its job
 
 bool has_ended(const QueuedJob& job) { return job.stage() == Stage::done || job.stage() == Stage::failed; }
 
@@ -52,6 +53,10 @@ BatchQueue::Free BatchQueue::what_is_free() const {
     const int most = context_.options.jobs > 0 ? context_.options.jobs : std::numeric_limits<int>::max();
     Free free{most, cores_, memory_bytes_};
     for (const auto& job : jobs_) {
+        if (job->stage() == Stage::weighing) {
+            free.cores -= 1;
+            free.memory_bytes -= std::min(free.memory_bytes, weighing_bytes);
+        }
         if (job->stage() != Stage::running) continue;
         free.jobs -= 1;
         free.cores -= job->threads();
@@ -78,8 +83,17 @@ void BatchQueue::start_what_fits() {
     bool nothing_runs = free.cores == cores_;
     for (const auto& job : jobs_) {
         if (free.jobs <= 0 || free.cores <= 0) return;
+        if (!job->is_due()) continue;
+        const bool fits = job->weight().memory_bytes <= free.memory_bytes;
+        if (!fits && job->weight().bound) {
+            job->begin_to_weigh();
+            free = what_is_free();
+            nothing_runs = nothing_runs && job->stage() != Stage::weighing;
+            continue;
+        }
         // One that is too large for the machine runs alone: it says itself what it lacks.
-        if (!job->is_due() || (job->weight().memory_bytes > free.memory_bytes && !nothing_runs)) continue;
+        if (!fits && !nothing_runs) continue;
+        if (!fits) job->warn_that_it_runs_alone(memory_bytes_);
         job->start(std::max(1, free.cores / std::max(1, could_start(free))));
         if (job->stage() == Stage::running) nothing_runs = false;
         free = what_is_free();
@@ -112,7 +126,8 @@ void BatchQueue::stop() {
         bool runs = false;
         for (const auto& job : jobs_) {
             job->look();
-            runs = runs || job->stage() == Stage::running || job->stage() == Stage::following;
+            runs = runs || job->stage() == Stage::running || job->stage() == Stage::following ||
+                   job->stage() == Stage::weighing;
         }
         if (!runs) return;
         if (!killed && std::chrono::steady_clock::now() - began > patience) {

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxtone/slicer/batch/job_result.h"
 
+<<<<<<< HEAD
 #include <ctime>
 #include <limits>
 #include <system_error>
 
 #include <fmt/core.h>
 
+=======
+>>>>>>> 10b0bc8 (Weigh a batch's jobs by bound, last run or estimate; say memory once; speak Open Job Description)
 #include "voxtone/base/error.h"
 #include "voxtone/io/files/json_object.h"
 #include "voxtone/io/files/whole_file.h"
@@ -22,8 +25,6 @@ namespace voxtone::slicer {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr std::uint64_t any_number = std::numeric_limits<std::uint64_t>::max();
 
 std::vector<JobInput> noted_inputs(const fs::path& folder) {
     SliceOptions noted;
@@ -52,10 +53,7 @@ JobFigures read_job_figures(const fs::path& folder) {
     JobFigures figures;
     figures.content_sha256 = manifest.text("content_sha256");
     figures.printer = report.object("printer").text("id");
-    const std::vector<double> size = report.numbers("size_mm", 3, 0, 1e9);
-    figures.size_mm = {size[0], size[1], size[2]};
-    figures.layers = report.integer("layers", 0, any_number);
-    figures.voxels = report.integer("voxels", 0, any_number);
+    read_shared_figures(report, figures);
     for (const io::JsonObject& resin : report.objects("resins"))
         figures.resin_ml.emplace_back(resin.text("role"), resin.number("ml", 0, 1e12));
     if (report.has("verdict")) {
@@ -65,10 +63,6 @@ JobFigures read_job_figures(const fs::path& folder) {
             figures.seen_de2000 = verdict.object("seen_de2000").number("mean", 0, 1e3);
         }
     }
-    figures.warnings = report.texts("warnings");
-    figures.seconds = report.number("seconds", 0, 1e12);
-    figures.peak_memory_bytes = report.integer("peak_memory_bytes", 0, any_number);
-    figures.output_bytes = report.integer("output_bytes", 0, any_number);
     return figures;
 }
 

@@ -57,18 +57,11 @@ JobFigures read_figures(const io::JsonObject& json) {
     JobFigures figures;
     figures.content_sha256 = json.text("content_sha256");
     figures.printer = json.text("printer");
-    const std::vector<double> size = json.numbers("size_mm", 3, 0, 1e9);
-    figures.size_mm = {size[0], size[1], size[2]};
-    figures.layers = json.integer("layers", 0, any_count);
-    figures.voxels = json.integer("voxels", 0, any_count);
+    read_shared_figures(json, figures);
     for (const io::JsonObject& resin : json.objects("resin_ml"))
         figures.resin_ml.emplace_back(resin.text("role"), resin.number("ml", 0, 1e12));
     if (json.has("verdict")) figures.verdict = json.text("verdict");
     if (json.has("seen_de2000")) figures.seen_de2000 = json.number("seen_de2000", 0, 1e3);
-    figures.warnings = json.texts("warnings");
-    figures.seconds = json.number("seconds", 0, 1e12);
-    figures.peak_memory_bytes = json.integer("peak_memory_bytes", 0, any_count);
-    figures.output_bytes = json.integer("output_bytes", 0, any_count);
     return figures;
 }
 
@@ -93,6 +86,17 @@ void expect_format(const io::JsonObject& json) {
 }
 
 }  // namespace
+
+void read_shared_figures(const io::JsonObject& json, JobFigures& figures) {
+    const std::vector<double> size = json.numbers("size_mm", 3, 0, 1e9);
+    figures.size_mm = {size[0], size[1], size[2]};
+    figures.layers = json.integer("layers", 0, any_count);
+    figures.voxels = json.integer("voxels", 0, any_count);
+    figures.warnings = json.texts("warnings");
+    figures.seconds = json.number("seconds", 0, 1e12);
+    figures.peak_memory_bytes = json.integer("peak_memory_bytes", 0, any_count);
+    figures.output_bytes = json.integer("output_bytes", 0, any_count);
+}
 
 std::string state_json(const JobState& state) {
     io::JsonWriter json;

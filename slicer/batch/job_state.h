@@ -18,6 +18,10 @@
 #include "voxtone/base/named_values.h"
 #include "voxtone/slicer/batch/input_digests.h"
 
+namespace voxtone::io {
+class JsonObject;
+}
+
 namespace voxtone::slicer {
 
 enum class JobPhase {
@@ -71,6 +75,9 @@ struct JobState {
     std::optional<JobFigures> figures;                        ///< of what is done
     std::optional<AfterState> after;                          ///< where a command was to follow
 };
+
+/// What a report and the figures of a state have under the same names. Throws InputError.
+void read_shared_figures(const io::JsonObject& json, JobFigures& figures);
 
 [[nodiscard]] std::string state_json(const JobState& state);
 /// Throws FileError where there is no such file, InputError for what is no state of this version.

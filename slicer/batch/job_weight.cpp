@@ -2,16 +2,68 @@
 #include "voxtone/slicer/batch/job_weight.h"
 
 #include <filesystem>
+#include <limits>
+#include <optional>
 #include <system_error>
+
+#include "voxtone/base/error.h"
+#include "voxtone/io/files/json_object.h"
+#include "voxtone/slicer/estimate/phase_estimates.h"
 
 namespace voxtone::slicer {
 
-JobWeight weigh(const SliceOptions& options) {
-    // The 6 MB of spot.obj and its texture at 60 mm take 0.9 GB with their loop; a million triangles some 1.5 GB.
+namespace {
+
+constexpr std::uint64_t beyond_every_machine = std::uint64_t{1} << 60;
+
+/// The program and the model as it is read: textures are decoded, meshes get their trees.
+std::uint64_t bytes_of_model(const std::string& model) {
     constexpr std::uint64_t least_bytes = std::uint64_t{1} << 30, bytes_of_each = 24;
     std::error_code error;
-    const std::uintmax_t size = std::filesystem::file_size(options.model, error);
-    return {least_bytes + (error ? 0 : size * bytes_of_each), options.threads};
+    const std::uintmax_t size = std::filesystem::file_size(model, error);
+    return least_bytes + (error ? 0 : size * bytes_of_each);
+}
+
+/// Nothing where the options do not say the size. Of a body: that of a box around it; of a picture: four times as high
+/// as wide.
+std::optional<double> most_surface_mm2(const SliceOptions& options) {
+    constexpr double faces = 6, highest = 4;
+    if (options.size_mm > 0) return faces * options.size_mm * options.size_mm;
+    if (options.width_mm > 0) return highest * options.width_mm * options.width_mm;
+    return std::nullopt;
+}
+
+}  // namespace
+
+JobWeight weigh(const SliceOptions& options, const std::vector<std::string>& command, const JobState* known) {
+    constexpr double allowance = 1.25;  // the peak of one job differs by a few percent from run to run
+    if (known && known->command == command && known->figures && known->figures->peak_memory_bytes > 0)
+        return {static_cast<std::uint64_t>(allowance * double(known->figures->peak_memory_bytes)), options.threads,
+                false};
+    const std::uint64_t model = bytes_of_model(options.model);
+    if (options.iterations == "0" && options.predict == "none") return {model, options.threads, true};
+    const std::optional<double> area_mm2 = most_surface_mm2(options);
+    if (!area_mm2) return {beyond_every_machine, options.threads, true};
+    return {model + static_cast<std::uint64_t>(most_bytes_of_surface(*area_mm2, options.predict_cell_mm)),
+            options.threads, true};
+}
+
+std::vector<std::string> estimate_words(const std::vector<std::string>& slice_words) {
+    std::vector<std::string> words = slice_words;
+    words.front() = "estimate";
+    words.insert(words.end(), {"--quick", "--json"});
+    return words;
+}
+
+JobWeight weigh_by_estimate(const JobWeight& before, const std::string& rest_of_line) {
+    JobWeight weight{before.memory_bytes, before.threads, false};
+    try {
+        weight.memory_bytes = io::JsonObject::parse(estimate_begin + rest_of_line, "estimate")
+                                  .integer("memory_bytes", 0, std::numeric_limits<std::uint64_t>::max());
+    } catch (const Error&) {
+        // The job itself will say what is wrong with it.
+    }
+    return weight;
 }
 
 }  // namespace voxtone::slicer

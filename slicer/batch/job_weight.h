@@ -1,10 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// What a job takes of the machine, before its model is read.
+// What a job takes of the machine.
+//
+// A bound by its options and the size of its model's file costs nothing and is enough where the memory of the machine
+// is not short. Where it is, `voxtone estimate` is asked in a process of its own (docs/estimate.md): seconds, for jobs
+// that take minutes.
 #pragma once
 
 #include <cstdint>
+#include <string>
+#include <vector>
 
+#include "voxtone/slicer/batch/job_state.h"
 #include "voxtone/slicer/options/slice_options.h"
 
 namespace voxtone::slicer {
@@ -12,9 +19,19 @@ namespace voxtone::slicer {
 struct JobWeight {
     std::uint64_t memory_bytes = 0;  ///< at its peak
     int threads = 0;                 ///< that the job was told to take; 0: as many as it is given
+    bool bound = false;              ///< the memory is no more than a bound, that of a body like a full box
 };
 
-/// Changes nothing on disk, reads no model, throws nothing. The memory is a guess by the size of the model's file.
-[[nodiscard]] JobWeight weigh(const SliceOptions& options);
+/// Changes nothing on disk, reads no model, throws nothing. Where nothing can be said of its size the bound is beyond
+/// every machine. `known`: of a job that was done with the same words, whose peak is taken then; may be null.
+[[nodiscard]] JobWeight weigh(const SliceOptions& options, const std::vector<std::string>& command,
+                              const JobState* known);
+
+/// Words behind `voxtone` that estimate what these slice.
+[[nodiscard]] std::vector<std::string> estimate_words(const std::vector<std::string>& slice_words);
+
+inline constexpr const char* estimate_begin = R"({"format":"voxtone-estimate",)";
+/// Of what they print behind `estimate_begin`, with the weight that was taken until then where that cannot be read.
+[[nodiscard]] JobWeight weigh_by_estimate(const JobWeight& before, const std::string& rest_of_line);
 
 }  // namespace voxtone::slicer

@@ -6,8 +6,12 @@
 #include <fmt/core.h>
 
 #include "voxtone/base/error.h"
+<<<<<<< HEAD
 #include "voxtone/slicer/batch/job_ending.h"
 #include "voxtone/slicer/batch/job_log.h"
+=======
+#include "voxtone/io/disk/disk_space.h"
+>>>>>>> 10b0bc8 (Weigh a batch's jobs by bound, last run or estimate; say memory once; speak Open Job Description)
 #include "voxtone/slicer/batch/job_result.h"
 #include "voxtone/slicer/options/command_words.h"
 
@@ -16,8 +20,9 @@ namespace voxtone::slicer {
 namespace fs = std::filesystem;
 
 QueuedJob::QueuedJob(BatchContext& context, PlannedJob job, std::size_t number)
-    : context_(context), job_(std::move(job)), weight_(weigh(job_.options)) {
+    : context_(context), job_(std::move(job)) {
     const std::optional<JobState> known = context_.folder.state_of(job_.name);
+    weight_ = weigh(job_.options, job_.command, known ? &*known : nullptr);
     if (known) {
         state_ = *known;
         for (const auto& [file, digest] : known->inputs) context_.digests.learn(file, digest);
@@ -64,6 +69,31 @@ std::vector<std::string> QueuedJob::words_to_start() const {
         words.emplace_back("--overwrite");
     if (weight_.threads == 0) words.insert(words.end(), {"--threads", std::to_string(threads_)});
     return words;
+}
+
+void QueuedJob::begin_to_weigh() {
+    const fs::path log = context_.folder.log_file(job_.name);
+    const std::vector<std::string> words = estimate_words(job_.command);
+    std::vector<std::string> shown{context_.options.program.string()};
+    shown.insert(shown.end(), words.begin(), words.end());
+    try {
+        append(log, fmt::format("== {} {}", utc_now(), shell_line(shown)));
+        log_begin_ = size_or_zero(log);
+        process_ = std::make_unique<JobProcess>(ProcessStart{context_.options.program, words, {}, log, -1});
+        stage_ = Stage::weighing;
+    } catch (const Error&) {
+        weight_.bound = false;  // whatever it is will be told when the job itself is started
+    }
+}
+
+void QueuedJob::take_end_of_weighing() {
+    stage_ = Stage::waiting;
+    if (!stopping_) weight_ = weigh_by_estimate(weight_, last_words(estimate_begin));
+}
+
+void QueuedJob::warn_that_it_runs_alone(std::uint64_t memory_there_is) const {
+    tell(JobEvent::Kind::warned, fmt::format("may need {} of memory, more than the {} there are: it runs alone",
+                                             io::bytes_text(weight_.memory_bytes), io::bytes_text(memory_there_is)));
 }
 
 void QueuedJob::start(int threads) {
@@ -134,7 +164,9 @@ void QueuedJob::look() {
     const std::optional<ProcessEnd> end = process_->ended();
     if (!end) return;
     process_.reset();
-    if (stage_ == Stage::following)
+    if (stage_ == Stage::weighing)
+        take_end_of_weighing();
+    else if (stage_ == Stage::following)
         take_end_of_follower(*end);
     else
         take_end_of_job(*end);

@@ -43,7 +43,7 @@ struct BatchContext {
 
 class QueuedJob {
 public:
-    enum class Stage { waiting, running, following, done, failed };
+    enum class Stage { waiting, weighing, running, following, done, failed };
 
     /// Looks what is there of it: a job that was done and has not changed is done.
     QueuedJob(BatchContext& context, PlannedJob job, std::size_t number);
@@ -57,6 +57,9 @@ public:
     /// Whether it may be started now: it may have to wait after a failure, or for another batch.
     [[nodiscard]] bool is_due() const { return stage_ == Stage::waiting && since_pause_.total() >= pause_s_; }
 
+    /// Begins to ask the estimate what the job takes, where only a bound is known; it waits again after that.
+    void begin_to_weigh();
+    void warn_that_it_runs_alone(std::uint64_t memory_there_is) const;
     /// Begins to run, unless another batch holds it or has just done it. Throws Cancelled.
     void start(int threads);
     /// Looks whether what runs has ended, and does what comes then.
@@ -71,6 +74,7 @@ private:
     [[nodiscard]] std::vector<std::string> words_to_start() const;
     void take_lock_and_run(int threads);
     void run(const std::vector<std::string>& words);
+    void take_end_of_weighing();
     void take_end_of_job(const ProcessEnd& end);
     void take_end(const ProcessEnd& end);
     void finish_stack();

@@ -9,7 +9,7 @@
 #include <fmt/core.h>
 
 #include "voxtone/io/files/read_options.h"
-#include "voxtone/slicer/estimate/job_phases.h"
+#include "voxtone/slicer/estimate/phase_estimates.h"
 #include "voxtone/slicer/options/command_words.h"
 #include "voxtone/slicer/options/model_choice.h"
 #include "voxtone/slicer/prepare/opened_job.h"

@@ -11,8 +11,8 @@
 #include "voxtone/base/peak_memory.h"
 #include "voxtone/base/stopwatch.h"
 #include "voxtone/io/disk/disk_space.h"
-#include "voxtone/slicer/estimate/job_phases.h"
 #include "voxtone/slicer/estimate/orientations.h"
+#include "voxtone/slicer/estimate/phase_estimates.h"
 #include "voxtone/slicer/prepare/loop_plan.h"
 #include "voxtone/slicer/prepare/prediction_plan.h"
 #include "voxtone/slicer/prepare/resin_choice.h"
@@ -73,16 +73,17 @@ void add_amounts(const OpenedJob& job, const ResinVolumes& volumes, JobEstimate&
     estimate.currency = job.resins.set.currency;
 }
 
-/// Of a layered print, whose stacks are searched for by the job itself.
+/// Of a print whose resins are not known: the search for the stacks of a layered one is a part of the job.
 void add_volume(const OpenedJob& job, const JobBody& body, const LayerRange& range, const Progress& progress,
                 JobEstimate& estimate) {
     VolumeQuery query;
     query.layers = range;
     query.keep_thin = job.options.keep_thin;
     estimate.body_ml = resin_volumes(body, query, progress).body_ml;
-    estimate.why_no_resins =
-        "Which resins the layers take is found by the search for their stacks, which is a part of "
-        "the job.";
+    estimate.why_no_resins = job.options.layered
+                                 ? "Which resins the layers take is found by the search for their stacks, which is a "
+                                   "part of the job."
+                                 : "Which resins they are was not asked for (--quick).";
 }
 
 /// What nobody asked and everybody should know.
@@ -122,8 +123,11 @@ JobEstimate estimate_print(const OpenedJob& job, const JobBody& body, const Laye
 
     estimate.threads = thread_count();
     estimate.phases = {read.phase};
-    for (PhaseEstimate& phase : job_phases(job, body, range, estimate.threads, read.resident_bytes)) {
-        estimate.loop = estimate.loop || phase.name == "appearance loop";
+    for (PhaseEstimate& phase : phase_estimates(job, body, range, estimate.threads, read.resident_bytes)) {
+        if (phase.name == "prepare the loop" || phase.name == "appearance loop") {
+            estimate.loop = true;
+            estimate.loop_s += phase.seconds;
+        }
         estimate.prediction = estimate.prediction || phase.name == "predict";
         estimate.phases.push_back(std::move(phase));
     }
@@ -134,7 +138,7 @@ JobEstimate estimate_print(const OpenedJob& job, const JobBody& body, const Laye
     return estimate;
 }
 
-JobEstimate estimate_job(const SliceOptions& asked, Progress& progress, bool with_orientations) {
+JobEstimate estimate_job(const SliceOptions& asked, Progress& progress, const EstimateScope& scope) {
     SliceOptions options = asked;
     if (options.out.empty()) options.out = ".";
     OpenedJob job = open_job(options);
@@ -142,17 +146,17 @@ JobEstimate estimate_job(const SliceOptions& asked, Progress& progress, bool wit
     Reading reading;
     const JobBody body = prepare_body(job.options, job.printer, progress);
     const ReadBody read = reading.finish();
-    if (const auto choice = choose_resins(job, body, progress)) {
+    if (const auto choice = scope.resins ? choose_resins(job, body, progress) : std::nullopt) {
         job.load(choice->roles);
         job.why_these_resins = choice->why;
     }
     const LayerRange range = range_within(job.options.layers, body.grid.size[2]);
     std::optional<MadeColours> made;
-    if (!job.options.layered) made = make_colours(job, body, progress);
+    if (!job.options.layered && scope.resins) made = make_colours(job, body, progress);
     std::optional<ColourRecipes> made_with;
     if (made) made_with.emplace(ColourRecipes{made->colour->separation, made->recipes.get()});
     JobEstimate estimate = estimate_print(job, body, range, read, made_with ? &*made_with : nullptr, progress);
-    if (with_orientations) estimate.orientations = orientations(job, body, progress);
+    if (scope.orientations) estimate.orientations = orientations(job, body, progress);
     return estimate;
 }
 

@@ -11,9 +11,14 @@
 
 namespace voxtone::slicer {
 
+struct EstimateScope {
+    bool orientations = false;  ///< and the table of them
+    bool resins = true;         ///< how much of each; without that colours need not be separated
+};
+
 /// `asked.out` may be empty; nothing is written. Throws as the job would for all that is wrong with options, printer,
 /// resins and model, and Cancelled.
-[[nodiscard]] JobEstimate estimate_job(const SliceOptions& asked, Progress& progress, bool with_orientations = false);
+[[nodiscard]] JobEstimate estimate_job(const SliceOptions& asked, Progress& progress, const EstimateScope& scope = {});
 
 /// What a body has taken.
 struct ReadBody {
@@ -21,8 +26,7 @@ struct ReadBody {
     std::uint64_t resident_bytes = 0;  ///< held now
 };
 
-/// Of a job whose body is known. `made_with`: of a colour print; null: its
-/// resins are not known.
+/// Of a job whose body is known. `made_with`: of a colour print; null: its resins are not known.
 [[nodiscard]] JobEstimate estimate_print(const OpenedJob& job, const JobBody& body, const LayerRange& range,
                                          const ReadBody& read, const ColourRecipes* made_with,
                                          const Progress& progress);

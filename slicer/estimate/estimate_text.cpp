@@ -147,4 +147,12 @@ std::string estimate_summary(const JobEstimate& estimate) {
                               io::bytes_text(estimate.memory_bytes), disk_text(estimate));
 }
 
+std::string loop_advice(const JobEstimate& estimate) {
+    constexpr double worth_a_word_s = 20;
+    if (estimate.loop_s < worth_a_word_s) return {};
+    return fmt::format(
+        "the appearance loop takes about {} of that; --iterations N sets a limit, --iterations 0 leaves it out",
+        duration_text(estimate.loop_s));
+}
+
 }  // namespace voxtone::slicer

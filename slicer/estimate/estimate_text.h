@@ -18,4 +18,7 @@ namespace voxtone::slicer {
 /// The same in one line without a break, for a job that is about to start.
 [[nodiscard]] std::string estimate_summary(const JobEstimate& estimate);
 
+/// How long the appearance loop takes of that and how to limit it; empty where that is soon over.
+[[nodiscard]] std::string loop_advice(const JobEstimate& estimate);
+
 }  // namespace voxtone::slicer

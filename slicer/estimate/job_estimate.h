@@ -62,6 +62,7 @@ struct JobEstimate {
     std::vector<PhaseEstimate> phases;
     std::size_t threads = 1;
     double cpu_s = 0, seconds = 0;   ///< sums over the phases
+    double loop_s = 0;               ///< of the seconds, the appearance loop's
     std::uint64_t memory_bytes = 0;  ///< the most of any phase
     std::uint64_t disk_bytes = 0;    ///< most that the stack and its report take
     std::optional<std::uint64_t> free_disk_bytes;

@@ -20,8 +20,6 @@ namespace voxtone::slicer {
 
 namespace {
 
-constexpr double worth_a_word_s = 20;  // what is over sooner needs no announcement
-
 std::unique_ptr<const JobColour> separate(const OpenedJob& job, const JobBody& body, double& seconds,
                                           Progress& progress) {
     const Stopwatch watch;
@@ -45,16 +43,6 @@ ColourPrint::ColourPrint(const OpenedJob& job, const JobBody& body, const JobIde
 void ColourPrint::print_open_loop(const std::string& why, Progress& progress) {
     loop_plan_ = {.why_not = fmt::format("The resins were not rearranged: {}.", why)};
     progress.warn(loop_plan_.why_not);
-}
-
-void ColourPrint::announce_loop(Progress& progress) const {
-    const LoopCost cost = expected_cost(loop_plan_, coloured_area_mm2(*body_.surface), job_.options.prediction.cell_mm,
-                                        job_.options.prediction.memory_bytes);
-    if (cost.cpu_seconds < 2 * worth_a_word_s || job_.options.resume) return;
-    progress.note(
-        fmt::format("the appearance loop will take about {} and {:.1f} GB on two cores; --iterations N sets a limit, "
-                    "--iterations 0 leaves it out",
-                    duration_text(cost.cpu_seconds / 2), cost.bytes / 1e9));
 }
 
 SkinFile ColourPrint::skin_file() const {
@@ -132,7 +120,6 @@ void ColourPrint::prepare(Progress& progress) {
         return;
     }
     const Stopwatch watch;
-    announce_loop(progress);
     try {
         progress.begin_stage("prepare the loop", 0);
         auto problem =

@@ -56,7 +56,6 @@ private:
     /// False where nothing is there that this job may take.
     bool take_saved_loop(Progress& progress);
     void print_loop();
-    void announce_loop(Progress& progress) const;
     void print_open_loop(const std::string& why, Progress& progress);
     [[nodiscard]] JobPrediction predict(optics::ResinVolume volume, Progress& progress) const;
 

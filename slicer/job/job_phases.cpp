@@ -13,7 +13,7 @@
 #include "voxtone/io/files/whole_file.h"
 #include "voxtone/io/report/report_json.h"
 #include "voxtone/io/shards/shard_folder.h"
-#include "voxtone/slicer/estimate/job_phases.h"
+#include "voxtone/slicer/estimate/phase_estimates.h"
 #include "voxtone/slicer/job/colour_print.h"
 #include "voxtone/slicer/job/layered_print.h"
 #include "voxtone/slicer/layers/layer_maker.h"

@@ -22,7 +22,7 @@
 #include "voxtone/io/shards/shard_folder.h"
 #include "voxtone/slicer/estimate/estimate_job.h"
 #include "voxtone/slicer/estimate/estimate_text.h"
-#include "voxtone/slicer/estimate/job_phases.h"
+#include "voxtone/slicer/estimate/phase_estimates.h"
 #include "voxtone/slicer/job/job_identity.h"
 #include "voxtone/slicer/job/job_phases.h"
 #include "voxtone/slicer/job/slice_report.h"
@@ -95,8 +95,9 @@ void announce(const OpenedJob& job, const JobBody& body, const LayerRange& range
     const double read_s = figures.read_s + figures.repair_s;
     const ReadBody read{{"read and repair", read_s, read_s, peak_memory_bytes(), true}, resident_bytes()};
     const auto made_with = print.made_with();
-    progress.note(
-        estimate_summary(estimate_print(job, body, range, read, made_with ? &*made_with : nullptr, progress)));
+    const JobEstimate estimate = estimate_print(job, body, range, read, made_with ? &*made_with : nullptr, progress);
+    progress.note(estimate_summary(estimate));
+    if (const std::string advice = loop_advice(estimate); !advice.empty() && !job.options.resume) progress.note(advice);
 }
 
 /// The printed body for a container's preview.
@@ -156,7 +157,7 @@ SliceResult run_slice_job(const SliceOptions& asked, Progress& progress) {
     const LayerRange range = range_within(job.options.layers, body.grid.size[2]);
     expect_enough_layers(job, body, range, progress);
     expect_disk_space(job, body, range, progress);
-    expect_stages(progress, expected_stages(job_phases(job, body, range, thread_count(), resident_bytes())));
+    expect_stages(progress, expected_stages(phase_estimates(job, body, range, thread_count(), resident_bytes())));
     const std::unique_ptr<Print> print = make_print(job, body, identity, progress);
     print->prepare(progress);
     announce(job, body, range, figures, *print, progress);

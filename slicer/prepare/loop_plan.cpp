@@ -64,7 +64,7 @@ bool prints_all_white(const SurfaceColour& asked, const LoadedResins& resins) {
 LoopCost expected_cost(const LoopPlan& plan, double area_mm2, double cell_mm, std::uint64_t allowed_bytes) {
     // Of `slice` with bodies of 15 to 60 mm and photographs 15 and 20 mm wide.
     constexpr double first_s = 6e-5, feedback_s = 2.5e-5, descent_s = 6.1e-5;  // a surface cell
-    constexpr double feedback_bytes = 2900, descent_bytes = 4500;              // a surface cell
+    constexpr double feedback_bytes = 2900, descent_bytes = 4500;              // a surface cell, where not limited
     constexpr double when_short = 2.5;                                         // 1.4 in pieces, 3 without what is kept
     constexpr int usual_by_feedback = 4, usual_by_descent = 12;
     const double cells = area_mm2 / (cell_mm * cell_mm);
@@ -72,11 +72,8 @@ LoopCost expected_cost(const LoopPlan& plan, double area_mm2, double cell_mm, st
     cost.iterations = plan.iterations >= 0 ? plan.iterations : plan.descent ? usual_by_descent : usual_by_feedback;
     const int by_feedback = plan.descent ? std::min(cost.iterations, halftone::feedback_iterations) : cost.iterations;
     cost.cpu_seconds = cells * (first_s + by_feedback * feedback_s + (cost.iterations - by_feedback) * descent_s);
-    cost.bytes = of_program + cells * (plan.descent ? descent_bytes : feedback_bytes);
-    if (allowed_bytes > 0 && cost.bytes > double(allowed_bytes)) {
-        cost.cpu_seconds *= when_short;
-        cost.bytes = std::max(double(allowed_bytes), least_bytes(area_mm2, cell_mm));
-    }
+    const double bytes = of_program + cells * (plan.descent ? descent_bytes : feedback_bytes);
+    if (allowed_bytes > 0 && bytes > double(allowed_bytes)) cost.cpu_seconds *= when_short;
     return cost;
 }
 

@@ -35,11 +35,11 @@ struct LoopPlan {
 /// Why no loop could change anything: a sentence; empty where one could.
 [[nodiscard]] std::string nothing_to_rearrange(const JobBody& body, const LoadedResins& resins);
 
-/// What a loop takes, about: measured on cores of 2.5 GHz (docs/estimate.md), to a factor of 1.5.
+/// What a loop takes, about: measured on cores of 2.5 GHz (docs/estimate.md), to a factor of 1.5. Its memory:
+/// estimate/phase_estimates.h.
 struct LoopCost {
     int iterations = 0;      ///< that are made, of a loop that stops when it gains no more
     double cpu_seconds = 0;  ///< of processors
-    double bytes = 0;
 };
 /// `allowed_bytes`: where they are few it takes longer; 0: no limit.
 [[nodiscard]] LoopCost expected_cost(const LoopPlan& plan, double area_mm2, double cell_mm,

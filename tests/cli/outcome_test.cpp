@@ -15,6 +15,7 @@
 
 using namespace voxtone;
 using Catch::Matchers::Contains;
+using Catch::Matchers::StartsWith;
 
 namespace {
 
@@ -24,14 +25,14 @@ struct Told {
 };
 
 /// What `guarded` makes of the work, and what came to stdout meanwhile.
-Told told_of(bool json, const std::function<int()>& work) {
+Told told_of(cli::Messages messages, const std::function<int()>& work) {
     const test::Folder folder("outcome");
     std::fflush(stdout);
     const int before = dup(STDOUT_FILENO);
     std::FILE* const file = std::fopen((folder / "out").c_str(), "w");
     dup2(fileno(file), STDOUT_FILENO);
     Told told;
-    told.exit_code = cli::guarded(json, work);
+    told.exit_code = cli::guarded(messages, work);
     std::fflush(stdout);
     dup2(before, STDOUT_FILENO);
     close(before);
@@ -44,14 +45,15 @@ Told told_of(bool json, const std::function<int()>& work) {
 
 TEST_CASE("Whatever is thrown has an exit code and, with --json, an event") {
     const auto expect = [](int exit_code, const std::string& words, const std::function<int()>& work) {
-        const Told told = told_of(true, work);
+        const Told told = told_of(cli::Messages::events, work);
         INFO(told.out);
         CHECK(told.exit_code == exit_code);
         const auto event = nlohmann::json::parse(told.out);
         CHECK(event.at("event") == "error");
         CHECK(event.at("exit_code") == exit_code);
         CHECK_THAT(event.at("message").get<std::string>(), Contains(words));
-        CHECK(told_of(false, work).out.empty());
+        CHECK(told_of(cli::Messages::text, work).out.empty());
+        CHECK_THAT(told_of(cli::Messages::openjd, work).out, StartsWith("openjd_fail: ") && Contains(words));
     };
     expect(3, "no triangles", []() -> int { throw InputError("no triangles"); });
     expect(5, "cancelled", []() -> int { throw Cancelled(); });
@@ -61,8 +63,8 @@ TEST_CASE("Whatever is thrown has an exit code and, with --json, an event") {
     });
     expect(1, "an unexpected failure", []() -> int { throw std::runtime_error("odd"); });
     expect(1, "no known kind", []() -> int { throw 7; });
-    const Told memory = told_of(true, []() -> int { throw std::bad_alloc(); });
+    const Told memory = told_of(cli::Messages::events, []() -> int { throw std::bad_alloc(); });
     CHECK(memory.exit_code >= 5);
     CHECK_THAT(nlohmann::json::parse(memory.out).at("message").get<std::string>(), Contains("memory"));
-    CHECK(told_of(true, [] { return 6; }).exit_code == 6);
+    CHECK(told_of(cli::Messages::events, [] { return 6; }).exit_code == 6);
 }

@@ -14,14 +14,19 @@
 namespace voxtone::slicer {
 
 /// From the moment at which the body is known and `resident_bytes` are held; `threads` work at once.
-[[nodiscard]] std::vector<PhaseEstimate> job_phases(const OpenedJob& job, const JobBody& body, const LayerRange& range,
-                                                    std::size_t threads, std::uint64_t resident_bytes);
+[[nodiscard]] std::vector<PhaseEstimate> phase_estimates(const OpenedJob& job, const JobBody& body,
+                                                         const LayerRange& range, std::size_t threads,
+                                                         std::uint64_t resident_bytes);
 
 /// Wall clock of so many seconds of processors, of which one thread does a small part alone.
 [[nodiscard]] double seconds_on_threads(double cpu_s, std::size_t threads);
 
 /// The phases for the time that is shown as left.
 [[nodiscard]] std::vector<ExpectedStage> expected_stages(const std::vector<PhaseEstimate>& phases);
+
+/// Most that any phase of a job holds beside its body and its textures, for so much coloured surface seen in cells of
+/// `cell_mm`, whatever it does there.
+[[nodiscard]] double most_bytes_of_surface(double area_mm2, double cell_mm);
 
 /// Most that the stack and its report take on disk.
 [[nodiscard]] std::uint64_t disk_bytes(const OpenedJob& job, const JobBody& body, const LayerRange& range);

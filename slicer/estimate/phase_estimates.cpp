@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/estimate/job_phases.h"
+#include "voxtone/slicer/estimate/phase_estimates.h"
 
 #include <algorithm>
 #include <array>
@@ -92,8 +92,8 @@ double seconds_on_threads(double cpu_s, std::size_t threads) {
     return cpu_s * (serial + (1 - serial) / double(std::max<std::size_t>(threads, 1)));
 }
 
-std::vector<PhaseEstimate> job_phases(const OpenedJob& job, const JobBody& body, const LayerRange& range,
-                                      std::size_t threads, std::uint64_t resident_bytes) {
+std::vector<PhaseEstimate> phase_estimates(const OpenedJob& job, const JobBody& body, const LayerRange& range,
+                                           std::size_t threads, std::uint64_t resident_bytes) {
     const ResolvedJob& options = job.options;
     const Amounts amounts = amounts_of(job, body, range);
     const double working = double(resident_bytes) + work_bytes + bytes_per_thread * double(threads);
@@ -138,6 +138,12 @@ std::vector<ExpectedStage> expected_stages(const std::vector<PhaseEstimate>& pha
     std::vector<ExpectedStage> stages;
     for (const PhaseEstimate& phase : phases) stages.push_back({phase.name, phase.seconds});
     return stages;
+}
+
+double most_bytes_of_surface(double area_mm2, double cell_mm) {
+    // A model predicts while the mixtures of the loop are kept; that is above descent.
+    return predicted_bytes + kept_bytes +
+           (predicted_bytes_per_cell + kept_bytes_per_cell) * area_mm2 / (cell_mm * cell_mm);
 }
 
 std::uint64_t disk_bytes(const OpenedJob& job, const JobBody& body, const LayerRange& range) {

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/base/openjd_progress.h"
+
+#include <string>
+
+#include <catch2/catch.hpp>
+
+using namespace voxtone;
+
+TEST_CASE("Open Job Description's messages are one a line, and percent never fall") {
+    std::string text;
+    double now_s = 100;
+    OpenJobProgress progress([&](std::string_view piece) { text += piece; }, [&] { return now_s; });
+    progress.begin_stage("read model", 0);
+    now_s += 5;
+    progress.end_stage();
+    progress.expect({{"layers", 10}, {"report", 10}});
+    progress.begin_stage("layers", 40, "layers");
+    now_s += 9;
+    progress.tick();  // too early
+    progress.advance(20);
+    now_s += 1;
+    progress.tick();
+    progress.warn("a name\nwith a line");
+    progress.note("openjd_fail: a model may be called so");
+    progress.expect({{"report", 1000}});  // it will take longer than was thought: percent stay
+    now_s += 10;
+    progress.tick();
+    progress.end_stage();
+    now_s += 10;
+    progress.tick();  // between stages
+    progress.finish();
+    CHECK(text ==
+          "openjd_status: read model\n"
+          "openjd_status: layers, 0 of 40 layers\n"
+          "openjd_progress: 20.0\n"
+          "openjd_status: layers, 20 of 40 layers\n"
+          "openjd_progress: 42.9\n"
+          "warning: a name with a line\n"
+          "note: openjd_fail: a model may be called so\n"
+          "openjd_status: layers, 20 of 40 layers\n"
+          "openjd_progress: 42.9\n"
+          "openjd_status: between two stages\n"
+          "openjd_progress: 100\n");
+    CHECK(openjd_failure("one\ntwo") == "openjd_fail: one two");
+}
