@@ -34,7 +34,7 @@ void OpenJobProgress::tick() {
     constexpr double silence_s = 10;  // workers take a silence of 20 s for a hang
     const std::lock_guard lock(mutex_);
     const double now_s = clock_();
-    if (now_s - told_s_ >= silence_s) tell(now_s);
+    if (has_begun_ && now_s - told_s_ >= silence_s) tell(now_s);
 }
 
 void OpenJobProgress::tell(double now_s) {
@@ -72,7 +72,7 @@ void OpenJobProgress::on_stage(std::string_view name, std::uint64_t steps, std::
     const std::lock_guard lock(mutex_);
     stage_ = {std::string(name), steps, std::string(unit), clock_()};
     outlook_.begin(name, stage_.began_s);
-    in_stage_ = true;
+    in_stage_ = has_begun_ = true;
     tell(stage_.began_s);
 }
 

@@ -24,7 +24,7 @@ class OpenJobProgress final : public Progress, public ShowsOutlook {
 public:
     OpenJobProgress(TextSink sink, SecondsClock clock, bool ticks = false);
 
-    /// Tells how far the job is, unless that was told within the last 10 s.
+    /// Tells how far the job is, unless that was told within the last 10 s or no stage has begun.
     void tick();
     /// The work has come to its result.
     void finish();
@@ -45,7 +45,7 @@ private:
     Stage stage_;
     JobOutlook outlook_;
     double began_s_, told_s_ = 0, told_percent_ = 0;
-    bool in_stage_ = false;
+    bool in_stage_ = false, has_begun_ = false;
     std::optional<Ticker> ticker_;  ///< last: it uses the others
 };
 

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include <fmt/core.h>
 #include <CLI/CLI.hpp>
 
 #include "voxtone/cli/batch_view.h"
@@ -73,8 +74,9 @@ void add_batch_options(CLI::App& command, BatchArguments& arguments) {
 
 int run(const CLI::App& command, const BatchArguments& arguments) {
     slicer::PlanOptions plan = arguments.plan;
-    if (arguments.cluster.slurm && !arguments.watch.empty())
-        throw UsageError("--slurm is for a plan; what will arrive in a folder is not known");
+    if (arguments.cluster.any() && !arguments.watch.empty())
+        throw UsageError(fmt::format("{} is for a plan; what will arrive in a folder is not known",
+                                     arguments.cluster.slurm ? "--slurm" : "--openjd"));
     slicer::BatchOptions batch = arguments.batch;
     plan.out = batch.out = arguments.out;
     batch.program = this_program();
@@ -88,7 +90,7 @@ int run(const CLI::App& command, const BatchArguments& arguments) {
                              : "--watch takes the place of a plan; give one of them");
     if (!arguments.watch.empty() && arguments.print_commands)
         throw UsageError("--print-commands is for a plan; what will arrive in a folder is not known");
-    if (arguments.cluster.slurm) return run_on_cluster(plan, batch, arguments.cluster, arguments.run);
+    if (arguments.cluster.any()) return run_on_cluster(plan, batch, arguments.cluster, arguments.run);
     if (arguments.print_commands)
         return run_on_console(
             options, [&](Progress& progress) { return slicer::print_batch_commands(plan, batch.program, progress); });

@@ -17,6 +17,8 @@ struct ClusterOptions {
     bool slurm = false, dry_run = false;
     int shards = 0, throttle = 0;
     std::vector<std::string> sbatch;  ///< options of sbatch without their dashes
+    std::string openjd;               ///< file of a template; empty: none
+    [[nodiscard]] bool any() const { return slurm || !openjd.empty(); }
 };
 
 void add_cluster_options(CLI::App& command, ClusterOptions& options);

@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 
+#include <fmt/core.h>
 #include <CLI/CLI.hpp>
 
 #include "voxtone/base/cancel_on_signal.h"
@@ -64,8 +65,13 @@ JobResult run_with_text(bool quiet, const std::function<JobResult(Progress&)>& w
 JobResult run_for_openjd(const std::function<JobResult(Progress&)>& work, std::chrono::milliseconds grace) {
     OpenJobProgress progress(stdout_sink(), steady_seconds(), true);
     JobResult result = work_until_stopped(work, progress, Messages::openjd, grace);
-    progress.finish();
     print_text(result);
+    if (result.exit_code == ExitCode::done)
+        progress.finish();
+    else
+        print_out(openjd_failure(fmt::format("ended with exit code {}; what it says of that stands before this line",
+                                             static_cast<int>(result.exit_code))) +
+                  "\n");
     return result;
 }
 

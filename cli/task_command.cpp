@@ -7,6 +7,7 @@
 #include <CLI/CLI.hpp>
 
 #include "voxtone/base/error.h"
+#include "voxtone/base/progress_events.h"
 #include "voxtone/cli/cluster_options.h"
 #include "voxtone/cli/commands.h"
 #include "voxtone/cli/common_options.h"
@@ -20,7 +21,7 @@ namespace {
 
 struct TaskArguments {
     std::string out, job, stage, shard;
-    int retries = 5;
+    int retries = 5, threads = 0;
     bool last = false;
     ConsoleOptions console;
 };
@@ -33,6 +34,8 @@ int run(const TaskArguments& arguments) {
     options.program = this_program();
     options.job = arguments.job;
     options.retries = arguments.retries;
+    options.threads = arguments.threads;
+    if (arguments.console.openjd) options.relay = stdout_sink();
     if (!arguments.last) {
         const auto stage = value_of<slicer::TaskStage>(arguments.stage);
         if (!stage)
@@ -51,7 +54,7 @@ int run(const TaskArguments& arguments) {
 Command add_task_command(CLI::App& program) {
     auto arguments = std::make_shared<TaskArguments>();
     CLI::App* command = program.add_subcommand(
-        "task", "Do one task of a batch that was handed to a cluster: what the scripts of `batch --slurm` call");
+        "task", "Do one task of a batch that was handed to a cluster: what the scripts of `batch --slurm` and the templates of `--openjd` call");
     command->add_option("batch", arguments->out, "folder of the batch")->required()->type_name("FOLDER");
     command->add_option("--job", arguments->job, "job of the batch; required, unless --last")->type_name("NAME");
     command
@@ -63,6 +66,9 @@ Command add_task_command(CLI::App& program) {
     add_count(*command, "--retries", arguments->retries,
               "how often it is put back into Slurm's queue when it failed for no fault of its own (exit codes 75, 85)")
         ->check(CLI::Range(0, 1000));
+    add_count(*command, "--threads", arguments->threads,
+              "threads of the work, where the job does not say; 0: one per core that it was given")
+        ->check(CLI::Range(0, 4096));
     command->add_flag("--last", arguments->last,
                       "when all tasks have ended: note what became of the jobs, and draw the summary");
     add_console_options(*command, arguments->console);

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <fstream>
 #include <iterator>
-#include <string_view>
 #include <system_error>
 
 namespace voxtone::slicer {
@@ -27,13 +26,16 @@ std::string tail_of_log(const std::filesystem::path& log, std::uintmax_t begin) 
     return {std::istreambuf_iterator<char>(in), {}};
 }
 
-std::string last_words(const std::filesystem::path& log, std::uintmax_t begin) {
-    constexpr std::string_view beginning = "voxtone: ";
+std::string last_line(const std::filesystem::path& log, std::uintmax_t begin, std::string_view beginning) {
     const std::string text = tail_of_log(log, begin);
     const std::size_t at = ("\n" + text).rfind("\n" + std::string(beginning));
     if (at == std::string::npos) return {};
     const std::string line = text.substr(at + beginning.size());
     return line.substr(0, line.find_last_not_of(" \n") + 1);
+}
+
+std::string last_words(const std::filesystem::path& log, std::uintmax_t begin) {
+    return last_line(log, begin, "voxtone: ");
 }
 
 }  // namespace voxtone::slicer

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 namespace voxtone::slicer {
 
@@ -18,6 +19,9 @@ void append_line(const std::filesystem::path& log, const std::string& line);
 /// The text of a log behind `begin`, its end if that is long.
 [[nodiscard]] std::string tail_of_log(const std::filesystem::path& log, std::uintmax_t begin);
 
+/// The last line in a log behind `begin` that begins so, and what follows it, without that beginning; empty: there is
+/// none.
+[[nodiscard]] std::string last_line(const std::filesystem::path& log, std::uintmax_t begin, std::string_view beginning);
 /// The last message for the user in a log behind `begin` ("voxtone: ..."), without its beginning; empty: there is none.
 [[nodiscard]] std::string last_words(const std::filesystem::path& log, std::uintmax_t begin);
 

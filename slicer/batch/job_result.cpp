@@ -1,15 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxtone/slicer/batch/job_result.h"
 
-<<<<<<< HEAD
 #include <ctime>
-#include <limits>
 #include <system_error>
 
 #include <fmt/core.h>
 
-=======
->>>>>>> 10b0bc8 (Weigh a batch's jobs by bound, last run or estimate; say memory once; speak Open Job Description)
 #include "voxtone/base/error.h"
 #include "voxtone/io/files/json_object.h"
 #include "voxtone/io/files/whole_file.h"

@@ -6,12 +6,9 @@
 #include <fmt/core.h>
 
 #include "voxtone/base/error.h"
-<<<<<<< HEAD
+#include "voxtone/io/disk/disk_space.h"
 #include "voxtone/slicer/batch/job_ending.h"
 #include "voxtone/slicer/batch/job_log.h"
-=======
-#include "voxtone/io/disk/disk_space.h"
->>>>>>> 10b0bc8 (Weigh a batch's jobs by bound, last run or estimate; say memory once; speak Open Job Description)
 #include "voxtone/slicer/batch/job_result.h"
 #include "voxtone/slicer/options/command_words.h"
 
@@ -77,8 +74,8 @@ void QueuedJob::begin_to_weigh() {
     std::vector<std::string> shown{context_.options.program.string()};
     shown.insert(shown.end(), words.begin(), words.end());
     try {
-        append(log, fmt::format("== {} {}", utc_now(), shell_line(shown)));
-        log_begin_ = size_or_zero(log);
+        append_line(log, fmt::format("== {} {}", utc_now(), shell_line(shown)));
+        log_begin_ = log_size(log);
         process_ = std::make_unique<JobProcess>(ProcessStart{context_.options.program, words, {}, log, -1});
         stage_ = Stage::weighing;
     } catch (const Error&) {
@@ -88,7 +85,8 @@ void QueuedJob::begin_to_weigh() {
 
 void QueuedJob::take_end_of_weighing() {
     stage_ = Stage::waiting;
-    if (!stopping_) weight_ = weigh_by_estimate(weight_, last_words(estimate_begin));
+    if (!stopping_) weight_ = weigh_by_estimate(
+            weight_, last_line(context_.folder.log_file(job_.name), log_begin_, estimate_begin));
 }
 
 void QueuedJob::warn_that_it_runs_alone(std::uint64_t memory_there_is) const {

@@ -55,6 +55,28 @@ void move_log(const fs::path& from, const fs::path& to) {
     fs::remove(from, none);
 }
 
+/// Passes the messages of Open Job Description on that the work writes to its log.
+class LogRelay {
+public:
+    LogRelay(fs::path log, std::uintmax_t begin, const MessageSink& sink)
+        : log_(std::move(log)), at_(begin), sink_(sink) {}
+
+    void pass_on() {
+        if (!sink_ || log_size(log_) <= at_) return;
+        std::ifstream in(log_, std::ios::binary);
+        in.seekg(static_cast<std::streamoff>(at_));
+        for (std::string line; std::getline(in, line) && !in.eof();) {  // what is not yet whole comes next time
+            at_ += line.size() + 1;
+            if (line.starts_with("openjd_")) sink_(line + "\n");
+        }
+    }
+
+private:
+    fs::path log_;
+    std::uintmax_t at_;
+    const MessageSink& sink_;
+};
+
 class ClusterTask {
 public:
     ClusterTask(const TaskOptions& options, Progress& progress)
@@ -80,7 +102,7 @@ public:
         const std::uintmax_t begin = log_size(log);
         JobProcess process(ProcessStart{options_.program, words, {}, log, -1});
         note_start(process);
-        const ProcessEnd end = wait_for(process);
+        const ProcessEnd end = wait_for(process, log, begin);
         const JobEnding ending = ending_of(end, last_words(log, begin), progress_.cancelled());
         move_log(log, batch_.log_file(job_.name));
         return take(ending);
@@ -101,6 +123,9 @@ private:
         const bool ours = state && state->folder_is_ours;
         for (std::string& word : words_for_folder(options_.stage, job_, ours, digests_, progress_))
             words.push_back(std::move(word));
+        if (options_.threads > 0 && std::find(words.begin(), words.end(), "--threads") == words.end())
+            words.insert(words.end(), {"--threads", std::to_string(options_.threads)});
+        if (options_.relay) words.insert(words.end(), {"--progress", "openjd"});
         return words;
     }
 
@@ -126,12 +151,15 @@ private:
     }
 
     /// Passes a request to stop on, and gives the work time to save itself.
-    ProcessEnd wait_for(JobProcess& process) {
+    ProcessEnd wait_for(JobProcess& process, const fs::path& log, std::uintmax_t begin) {
+        LogRelay relay(log, begin, options_.relay);
         constexpr std::chrono::milliseconds look_every(50);
         constexpr std::chrono::seconds patience(40);
         std::optional<steady_clock::time_point> asked;
         for (;;) {
-            if (const auto end = process.ended()) return *end;
+            const auto end = process.ended();
+            relay.pass_on();
+            if (end) return *end;
             if (progress_.cancelled() && !asked) {
                 asked = steady_clock::now();
                 process.send(SIGTERM);
@@ -161,7 +189,7 @@ private:
                 note_stack(state, batch_, job_, submission_, digests_, progress_);
             } else if (state.phase != JobPhase::failed) {
                 leave(state);
-                state.message = fmt::format("in Slurm ({}): {} is done", submission_.text(), told());
+                state.message = fmt::format("{}: {} is done", submission_.text(), told());
             }
         });
         if (is_last) summarise_batch(batch_, progress_);
@@ -254,9 +282,16 @@ void settle(JobState& state, const BatchFolder& batch, const Submission& submiss
     state.finished = utc_now();
     const std::string before = state.message.empty() ? "" : fmt::format("; before that: {}", state.message);
     state.message = fmt::format(
-        "its tasks ended in Slurm before it was done ({}); batch/slurm.out and the job's log may say why; submit it "
-        "again to go on{}",
-        submission.text(), before);
+        "its tasks ended before it was done ({}); what the scheduler said of them{} and the job's log may say why; "
+        "hand it over again to go on{}",
+        submission.text(), submission.numbers().empty() ? "" : ", in batch/slurm.out,", before);
+}
+
+/// Numbers of what waits or runs, where any of these were submitted to Slurm.
+std::set<std::string> queue_of(const std::vector<Submission>& submissions) {
+    const bool asks = std::any_of(submissions.begin(), submissions.end(),
+                                  [](const Submission& submission) { return !submission.numbers().empty(); });
+    return asks ? slurm_queue() : std::set<std::string>();
 }
 
 }  // namespace
@@ -269,8 +304,9 @@ JobResult run_cluster_task(const TaskOptions& options, Progress& progress) {
 
 JobResult close_cluster_batch(const fs::path& out, Progress& progress) {
     const BatchFolder batch = BatchFolder::open(out);
-    const std::set<std::string> queue = slurm_queue();
-    for (const Submission& submission : SubmissionFolder(batch).all()) {
+    const std::vector<Submission> submissions = SubmissionFolder(batch).all();
+    const std::set<std::string> queue = queue_of(submissions);
+    for (const Submission& submission : submissions) {
         progress.check_cancelled();
         const std::vector<std::string> numbers = submission.numbers();
         if (std::any_of(numbers.begin(), numbers.end(), [&](const auto& number) { return queue.contains(number); }))
@@ -285,7 +321,7 @@ JobResult close_cluster_batch(const fs::path& out, Progress& progress) {
     summarise_batch(batch, progress);
     io::JsonWriter json;
     json.begin_object().add("format", "voxtone-batch-closed").add("version", 1).add("out", out.string()).end_object();
-    return {json.text(), fmt::format("{}: all tasks in Slurm have ended\n", out.string()), ExitCode::done};
+    return {json.text(), fmt::format("{}: all tasks have ended\n", out.string()), ExitCode::done};
 }
 
 }  // namespace voxtone::slicer

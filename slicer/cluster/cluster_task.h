@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// The verb `task`: one task of a batch that was handed to Slurm (slurm_job.h), on whatever machine it was given. It
+// The verb `task`: one task of a batch that was handed to Slurm (slurm_job.h) or given away as a template
+// (openjd_job.h), on whatever machine it was given. It
 // starts the program that does the work and does for it what a local batch does: its log, its state, what has to be
 // said because of what lies in its folder. A task that may go another time (exit codes 75 and 85) is put back into
 // the queue, a bounded number of times. Every task may run twice, also at once.
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "voxtone/base/job_result.h"
 #include "voxtone/base/progress.h"
@@ -17,6 +20,9 @@
 
 namespace voxtone::slicer {
 
+/// Takes whole lines.
+using MessageSink = std::function<void(std::string_view)>;
+
 struct TaskOptions {
     std::filesystem::path out;      ///< of the batch
     std::filesystem::path program;  ///< `voxtone`
@@ -24,6 +30,8 @@ struct TaskOptions {
     TaskStage stage = TaskStage::whole;
     std::optional<io::ShardNumber> shard;  ///< of the stage `layers`
     int retries = 5;
+    int threads = 0;    ///< of the work, where its job does not say; 0: as many as it was given
+    MessageSink relay;  ///< where messages of Open Job Description go; empty: the work is not asked for them
 };
 
 /// The exit code is that of the work; of work that was tried often enough it is 5, so that no scheduler tries again.

@@ -13,12 +13,12 @@
 #include "voxtone/base/error.h"
 #include "voxtone/slicer/batch/batch_folder.h"
 #include "voxtone/slicer/batch/job_result.h"
+#include "voxtone/slicer/cluster/chain_estimate.h"
 #include "voxtone/slicer/cluster/job_record.h"
 #include "voxtone/slicer/cluster/slurm_commands.h"
 #include "voxtone/slicer/cluster/slurm_entry.h"
 #include "voxtone/slicer/cluster/slurm_lanes.h"
 #include "voxtone/slicer/cluster/slurm_script.h"
-#include "voxtone/slicer/estimate/estimate_job.h"
 #include "voxtone/slicer/options/command_words.h"
 
 namespace voxtone::slicer {
@@ -35,14 +35,12 @@ public:
 
     void look(SlurmEntry& entry, const Progress& progress) {
         if (!batch_) return;
-        const std::optional<JobState> known = batch_->state_of(entry.job.name);
-        if (!known) return;
-        for (const auto& [file, digest] : known->inputs) digests_.learn(file, digest);
-        if (known->phase == JobPhase::done && known->program == VOXTONE_VERSION &&
-            holds_job(entry.job.out, entry.job, digests_, &progress)) {
+        if (is_done(*batch_, entry.job, digests_, progress)) {
             entry.state = EntryState::unchanged;
             return;
         }
+        const std::optional<JobState> known = batch_->state_of(entry.job.name);
+        if (!known) return;
         auto before = SubmissionFolder(*batch_).read(entry.job.name);
         if (!before || !is_in_queue(*before)) return;
         entry.submission = *std::move(before);
@@ -63,22 +61,14 @@ private:
 };
 
 /// One that cannot be estimated cannot be sliced.
-void estimate(SlurmEntry& entry, const SlurmOptions& options, Progress& progress) {
-    SliceOptions asked = options_on_cluster(entry.job.options);
-    asked.overwrite = true;  // what its folder holds is looked at when its turn comes
-    if (asked.threads == 0) asked.threads = options.chain.most_cores;
-    try {
-        entry.chain = task_chain(entry.job, estimate_job(asked, progress), options.chain);
-        if (!entry.chain.why_whole.empty()) entry.message = fmt::format("it cannot be cut: {}", entry.chain.why_whole);
-    } catch (const Cancelled&) {
-        throw;
-    } catch (const TryAgain&) {
-        throw;
-    } catch (const Error& error) {
-        entry.state = EntryState::failed;
-        entry.message = error.what();
-        entry.exit_code = static_cast<int>(error.exit_code());
-    }
+void estimate(SlurmEntry& entry, const SlurmOptions& options, const BatchFolder* written, Progress& progress) {
+    ChainEstimate made = estimate_chain(entry.job, options.chain, progress);
+    entry.chain = std::move(made.chain);
+    entry.message = std::move(made.message);
+    entry.exit_code = made.exit_code;
+    if (entry.exit_code == 0) return;
+    entry.state = EntryState::failed;
+    if (written) note_failure(*written, entry.job, entry.number, {{}, entry.message, entry.exit_code}, progress);
 }
 
 /// How jobs get into the queue: by sbatch, or, dry, into a text.
@@ -147,30 +137,6 @@ private:
     fs::path folder_;
 };
 
-JobState state_before(const BatchFolder& batch, const SlurmEntry& entry) {
-    JobState state = batch.state_of(entry.job.name).value_or(JobState());
-    state.name = entry.job.name;
-    state.number = entry.number;
-    state.command = entry.job.command;
-    if (!state.folder_is_ours) state.folder_is_ours = is_missing_or_empty(entry.job.out);
-    state.runner.reset();
-    state.finished.clear();
-    state.figures.reset();
-    state.after.reset();
-    state.exit_code = 0;
-    return state;
-}
-
-void note_failure(const BatchFolder& batch, const SlurmEntry& entry, Progress& progress) {
-    change_state(batch, entry.job.name, progress, [&](JobState& state) {
-        state = state_before(batch, entry);
-        state.phase = JobPhase::failed;
-        state.exit_code = entry.exit_code;
-        state.message = entry.message;
-        state.finished = utc_now();
-    });
-}
-
 /// Into the queue, whole, and noted; or not at all.
 void hand_over(SlurmEntry& entry, const Lane& lane, const BatchFolder& batch, Submitting& submitting) {
     const auto lock = batch.lock(entry.job.name);  // its tasks wait for it where they begin at once
@@ -180,7 +146,7 @@ void hand_over(SlurmEntry& entry, const Lane& lane, const BatchFolder& batch, Su
     }
     const SubmissionFolder files(batch);
     cancel_in_slurm(entry.submission.numbers());
-    JobState state = state_before(batch, entry);
+    JobState state = state_to_hand_over(batch, entry.job, entry.number);
     state.phase = JobPhase::queued;
     state.message = "is being submitted to Slurm";
     batch.publish(state);
@@ -201,7 +167,7 @@ void hand_over(SlurmEntry& entry, const Lane& lane, const BatchFolder& batch, Su
     }
     entry.submission.complete = true;
     files.write(entry.submission);
-    state.message = fmt::format("submitted to Slurm: {}", entry.submission.text());
+    state.message = fmt::format("submitted: {}", entry.submission.text());
     batch.publish(state);
     entry.state = EntryState::submitted;
 }
@@ -319,8 +285,7 @@ JobResult run_slurm_job(const PlanOptions& plan, const SlurmOptions& options, Pr
     for (SlurmEntry& entry : entries) {
         progress.check_cancelled();
         looking.look(entry, progress);
-        if (entry.state == EntryState::left) estimate(entry, options, progress);
-        if (entry.state == EntryState::failed && written) note_failure(*written, entry, progress);
+        if (entry.state == EntryState::left) estimate(entry, options, written, progress);
     }
     Submitting submitting(options, config, written, out);
     HandingOver handing_over(entries, options, submitting);

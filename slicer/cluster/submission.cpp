@@ -62,10 +62,11 @@ std::vector<std::string> Submission::numbers() const {
 }
 
 std::string Submission::text() const {
+    if (numbers().empty()) return "by Open Job Description";
     std::string text;
     for (const SubmittedStage& stage : stages)
         text += fmt::format("{}{} {}", text.empty() ? "" : ", ", name_of(stage.stage), fmt::join(stage.numbers, " "));
-    return text;
+    return fmt::format("in Slurm ({})", text);
 }
 
 fs::path SubmissionFolder::script(const std::string& job, TaskStage stage) const {

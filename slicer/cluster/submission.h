@@ -35,7 +35,7 @@ struct Submission {
 
     /// Of all stages, in their order.
     [[nodiscard]] std::vector<std::string> numbers() const;
-    /// "prepare 12, layers 13, merge 14"
+    /// "in Slurm (prepare 12, layers 13, merge 14)", or "by Open Job Description": its tasks have no numbers here.
     [[nodiscard]] std::string text() const;
 };
 
