@@ -39,7 +39,8 @@ void add_cluster_options(CLI::App& command, ClusterOptions& options) {
     command.add_flag("--dry-run", options.dry_run, "with --slurm: print the scripts; write and submit nothing")
         ->group(group);
     add_count(command, "--shards", options.shards,
-              "with --slurm or --openjd: cut each job's layers into so many parts; 0: so that none takes more than ten minutes by "
+              "with --slurm or --openjd: cut each job's layers into so many parts; 0: so that none takes more than ten "
+              "minutes by "
               "its estimate")
         ->check(CLI::Range(0, 100000))
         ->group(group);

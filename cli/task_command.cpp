@@ -53,8 +53,9 @@ int run(const TaskArguments& arguments) {
 
 Command add_task_command(CLI::App& program) {
     auto arguments = std::make_shared<TaskArguments>();
-    CLI::App* command = program.add_subcommand(
-        "task", "Do one task of a batch that was handed to a cluster: what the scripts of `batch --slurm` and the templates of `--openjd` call");
+    CLI::App* command = program.add_subcommand("task",
+                                               "Do one task of a batch that was handed to a cluster: what the scripts "
+                                               "of `batch --slurm` and the templates of `--openjd` call");
     command->add_option("batch", arguments->out, "folder of the batch")->required()->type_name("FOLDER");
     command->add_option("--job", arguments->job, "job of the batch; required, unless --last")->type_name("NAME");
     command

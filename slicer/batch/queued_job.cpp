@@ -85,8 +85,9 @@ void QueuedJob::begin_to_weigh() {
 
 void QueuedJob::take_end_of_weighing() {
     stage_ = Stage::waiting;
-    if (!stopping_) weight_ = weigh_by_estimate(
-            weight_, last_line(context_.folder.log_file(job_.name), log_begin_, estimate_begin));
+    if (!stopping_)
+        weight_ =
+            weigh_by_estimate(weight_, last_line(context_.folder.log_file(job_.name), log_begin_, estimate_begin));
 }
 
 void QueuedJob::warn_that_it_runs_alone(std::uint64_t memory_there_is) const {

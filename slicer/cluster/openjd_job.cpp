@@ -104,10 +104,9 @@ JobResult result_of(const TemplateJobs& jobs, std::size_t planned, const OpenJob
     if (counts.unchanged > 0) text += fmt::format(", {} done and unchanged", counts.unchanged);
     if (counts.elsewhere > 0) text += fmt::format(", {} worked on by another batch", counts.elsewhere);
     if (counts.failed > 0) text += fmt::format(", {} failed", counts.failed);
-    text += counts.left > 0
-                ? fmt::format("; {} in {} stand in {}\n", counted(counts.left, "job"), counted(tasks, "task"),
-                              options.file.string())
-                : "; nothing is left to do, and no template was written\n";
+    text += counts.left > 0 ? fmt::format("; {} in {} stand in {}\n", counted(counts.left, "job"),
+                                          counted(tasks, "task"), options.file.string())
+                            : "; nothing is left to do, and no template was written\n";
     return {json.text(), text + counts.failures, counts.code};
 }
 

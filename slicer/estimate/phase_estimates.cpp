@@ -140,6 +140,15 @@ std::vector<ExpectedStage> expected_stages(const std::vector<PhaseEstimate>& pha
     return stages;
 }
 
+std::vector<ExpectedStage> expected_stages(const std::vector<PhaseEstimate>& phases,
+                                           std::initializer_list<std::string_view> names) {
+    std::vector<ExpectedStage> stages = expected_stages(phases);
+    std::erase_if(stages, [&](const ExpectedStage& stage) {
+        return std::find(names.begin(), names.end(), stage.name) == names.end();
+    });
+    return stages;
+}
+
 double most_bytes_of_surface(double area_mm2, double cell_mm) {
     // A model predicts while the mixtures of the loop are kept; that is above descent.
     return predicted_bytes + kept_bytes +

@@ -5,6 +5,8 @@
 // measured.
 #pragma once
 
+#include <initializer_list>
+#include <string_view>
 #include <vector>
 
 #include "voxtone/base/job_outlook.h"
@@ -23,6 +25,9 @@ namespace voxtone::slicer {
 
 /// The phases for the time that is shown as left.
 [[nodiscard]] std::vector<ExpectedStage> expected_stages(const std::vector<PhaseEstimate>& phases);
+/// Of a part of a job, which goes through these alone.
+[[nodiscard]] std::vector<ExpectedStage> expected_stages(const std::vector<PhaseEstimate>& phases,
+                                                         std::initializer_list<std::string_view> names);
 
 /// Most that any phase of a job holds beside its body and its textures, for so much coloured surface seen in cells of
 /// `cell_mm`, whatever it does there.

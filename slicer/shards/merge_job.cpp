@@ -12,12 +12,14 @@
 
 #include "voxtone/base/error.h"
 #include "voxtone/base/parallel.h"
+#include "voxtone/base/peak_memory.h"
 #include "voxtone/base/stopwatch.h"
 #include "voxtone/io/files/json_writer.h"
 #include "voxtone/io/files/whole_file.h"
 #include "voxtone/io/layers/stack_folder.h"
 #include "voxtone/io/shards/merged_stack.h"
 #include "voxtone/io/shards/shard_folder.h"
+#include "voxtone/slicer/estimate/phase_estimates.h"
 #include "voxtone/slicer/job/job_phases.h"
 #include "voxtone/slicer/look/report_files.h"
 #include "voxtone/slicer/options/job_file.h"
@@ -131,6 +133,9 @@ JobResult write_merged_report(const MergeOptions& options, const io::ShardSet& s
     const std::unique_ptr<Print> print = make_print(job, body, identity, progress);
     print->prepare(progress);
     const LayerRange range{int(shards.stack.first_layer), int(shards.stack.first_layer + shards.stack.layers) - 1};
+    const auto phases = phase_estimates(job, body, range, thread_count(), resident_bytes());
+    expect_stages(progress, options.predict ? expected_stages(phases, {"layers", "predict", "report"})
+                                            : expected_stages(phases, {"report"}));
     if (options.predict)
         show_layers(*print, range, progress);
     else

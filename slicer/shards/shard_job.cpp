@@ -17,6 +17,7 @@
 #include "voxtone/io/files/json_writer.h"
 #include "voxtone/io/layers/stack_folder.h"
 #include "voxtone/io/shards/shard_folder.h"
+#include "voxtone/slicer/estimate/phase_estimates.h"
 #include "voxtone/slicer/job/job_phases.h"
 #include "voxtone/slicer/layers/layer_maker.h"
 #include "voxtone/slicer/options/job_file.h"
@@ -92,6 +93,8 @@ void make_shard(const OpenedJob& job, const JobBody& body, Print& print, const L
     record.first_layer = std::uint32_t(mine.first);
     record.layers = std::uint32_t(mine.layers());
     if (mine.layers() == 0) return;
+    const auto phases = phase_estimates(job, body, mine, thread_count(), resident_bytes());
+    expect_stages(progress, expected_stages(phases, {"layers"}));
     io::StackDescription part = record.stack;
     part.first_layer = record.first_layer;
     part.layers = record.layers;
