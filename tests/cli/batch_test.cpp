@@ -2,6 +2,7 @@
 //
 // `voxtone batch` and `voxtone status`, as a user meets them.
 #include <algorithm>
+#include <chrono>
 #include <csignal>
 #include <filesystem>
 #include <sstream>
@@ -193,11 +194,13 @@ TEST_CASE("A batch that is told to stop saves what runs, and goes on from there"
     const Workshop shop("batch-stop");
     // A loop that takes longer than the signal.
     shop.plan("{\"model\": \"box1.obj\", \"iterations\": 40, \"viewing-distance\": 200}\n{\"model\": \"box2.obj\"}\n");
+    const auto began = std::chrono::steady_clock::now();
     const auto stopped = run_and_signal(fmt::format("batch {} --preset {} -o {} --json --jobs 1", shop.at("plan.jsonl"),
                                                     shop.at("quick.json"), shop.at("out")),
                                         started, SIGTERM);
     INFO(stopped.err);
     CHECK(stopped.exit_code == 85);
+    CHECK(std::chrono::steady_clock::now() - began < std::chrono::seconds(30));  // is promised; a second as a rule
     CHECK_THAT(stopped.err, Contains("run the same command again"));
     CHECK(shop.state("box1")["state"] == "queued");
     CHECK(shop.state("box1")["exit_code"] == 85);

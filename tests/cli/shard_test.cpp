@@ -5,9 +5,11 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <chrono>
 #include <csignal>
 #include <filesystem>
 #include <map>
+#include <random>
 #include <thread>
 
 #include <catch2/catch.hpp>
@@ -206,6 +208,41 @@ TEST_CASE("A shard that is made twice at once, killed, or made again does no har
     REQUIRE(shard(plain_job, folder, "parts", 1, 2).exit_code == 0);
     REQUIRE(merge(folder, "parts").exit_code == 0);
     CHECK(stack_in(folder, "parts") == stack_in(folder, "whole"));
+    for (const auto& [name, bytes] : read_tree(folder / "parts")) CHECK_THAT(name, !Contains(".part"));
+}
+
+TEST_CASE("Shards and merges that are killed at any moment cost nothing but time") {
+    const Folder folder("shards-killed");
+    const std::string job = fmt::format("slice --quiet --iterations 1 --predict none --size 5mm {}", spot);
+    const auto began = std::chrono::steady_clock::now();
+    REQUIRE(run_program(fmt::format("{} -o {}", job, folder / "whole")).exit_code == 0);
+    const std::chrono::duration<double> whole = std::chrono::steady_clock::now() - began;
+    constexpr int shards = 3, rounds = 15;
+    const std::string steps[] = {fmt::format("{} -o {} --until loop", job, folder / "parts"),
+                                 fmt::format("{} -o {} --shard 1/3", job, folder / "parts"),
+                                 fmt::format("{} -o {} --shard 2/3", job, folder / "parts"),
+                                 fmt::format("{} -o {} --shard 3/3", job, folder / "parts"),
+                                 fmt::format("merge --quiet {}", folder / "parts")};
+    std::mt19937 random(17);
+    // Later moments of a step matter as much as early ones, however long it is here.
+    std::uniform_real_distribution<double> moment(0.02, 0.9 * whole.count());
+    int killed = 0;
+    for (int round = 0; round < rounds; ++round) {
+        const std::string& step = steps[std::size_t(round) % std::size(steps)];
+        const int code = run_shell(fmt::format("timeout -s KILL {:.3f} {} {} >/dev/null 2>'{}'", moment(random),
+                                               VOXTONE_PROGRAM, step, folder / "err"));
+        INFO(step << ": " << code << ", " << read_file(folder / "err"));
+        killed += code == 128 + SIGKILL || code == -1;
+        // What is not killed is done, or says what is missing still.
+        CHECK((code == 0 || code == 3 || code == 4 || code == 75 || code == 128 + SIGKILL || code == -1));
+    }
+    CHECK(killed > 0);
+    // A loop that was killed in its midst goes on when it is told to.
+    if (run_program(steps[0]).exit_code != 0) REQUIRE(run_program(steps[0] + " --resume").exit_code == 0);
+    for (int i = 1; i <= shards; ++i) REQUIRE(run_program(steps[i]).exit_code == 0);
+    REQUIRE(run_program(steps[4]).exit_code == 0);
+    CHECK(stack_in(folder, "parts") == stack_in(folder, "whole"));
+    CHECK(run_program(fmt::format("verify --quiet {}", folder / "parts")).exit_code == 0);
     for (const auto& [name, bytes] : read_tree(folder / "parts")) CHECK_THAT(name, !Contains(".part"));
 }
 
