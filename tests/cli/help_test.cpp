@@ -127,7 +127,7 @@ TEST_CASE("The summary names the report and the time of the whole job") {
 TEST_CASE("Manual pages hold every option, and man finds nothing wrong with them") {
     const Folder folder("manual");
     REQUIRE(run_program("manual " + folder.path().string()).exit_code == 0);
-    CHECK(read_tree(folder.path()).size() == 11);
+    CHECK(read_tree(folder.path()).size() == 12);
     for (const std::string verb :
          {"slice", "estimate", "merge", "batch", "status", "predict", "verify", "list", "stack", "calibrate"}) {
         const std::string page = without_roff(read_file(folder / ("voxtone-" + verb + ".1")));
