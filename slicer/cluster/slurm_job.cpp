@@ -256,10 +256,11 @@ private:
 SlurmConfig config_for(bool dry_run, Progress& progress) {
     try {
         return slurm_config();
-    } catch (const Error& error) {
+    } catch (const Error&) {
         if (!dry_run) throw;
-        progress.note(fmt::format("{}; the scripts are for an array of at most {} tasks, which is Slurm's default",
-                                  error.what(), SlurmConfig().max_array_size - 1));
+        progress.note(fmt::format(
+            "no Slurm answers here; the scripts are for one that takes arrays of up to {} tasks, as it does by default",
+            SlurmConfig().max_array_size - 1));
         return {};
     }
 }
