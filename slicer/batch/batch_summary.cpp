@@ -102,6 +102,12 @@ std::string link_text(const std::string& name) {
     return link;
 }
 
+/// Two figures of little, hundredths of more.
+std::string ml_text(double ml) {
+    constexpr double little = 0.1;
+    return ml > 0 && ml < little ? fmt::format("{:.2g}", ml) : fmt::format("{:.2f}", ml);
+}
+
 void add_head(std::string& html, const fs::path& out) {
     const std::string name = html_text(out.filename().string());
     html += fmt::format(
@@ -129,7 +135,7 @@ void add_cards(std::string& html, const std::vector<JobState>& states) {
     card("Jobs", std::to_string(states.size()));
     card("Done", std::to_string(done));
     card("Failed", std::to_string(failed));
-    card("Resin", fmt::format("{:.1f} ml", ml));
+    card("Resin", ml_text(ml) + " ml");
     card("Time, all jobs", duration_text(seconds));
     html += "</dl></section>\n";
 }
@@ -161,7 +167,7 @@ void add_figures(std::string& html, const JobState& state, const std::vector<std
     html += fmt::format("<td class=\"n\">{}</td><td class=\"n\">{}</td>", size_text(figures), figures.layers);
     const auto ml = ml_by_role(state);
     for (const std::string& role : roles)
-        html += ml.contains(role) ? fmt::format("<td class=\"n\">{:.2f}</td>", ml.at(role)) : "<td></td>";
+        html += ml.contains(role) ? fmt::format("<td class=\"n\">{}</td>", ml_text(ml.at(role))) : "<td></td>";
     html += figures.seen_de2000 ? fmt::format("<td class=\"n\"><i class=\"mark {}\"></i>{:.1f}</td>",
                                               html_text(figures.verdict), *figures.seen_de2000)
                                 : "<td class=\"n\">not predicted</td>";
