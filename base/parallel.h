@@ -4,12 +4,17 @@
 // every chunk. No result may depend on the order or the number of threads: bodies write to places that they own.
 #pragma once
 
+#include <atomic>
 #include <cstddef>
+#include <cstdint>
+#include <span>
 #include <utility>
+#include <vector>
 
 #include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/parallel_for_each.h>
 
 #include "voxtone/base/progress.h"
 
@@ -55,6 +60,24 @@ void parallel_for(std::size_t begin, std::size_t end, std::size_t grain, Body&& 
             for (std::size_t i = first; i < last; ++i) body(i);
         },
         progress);
+}
+
+/// Tasks of which some wait for others: calls body(i) for every i below `followers.size()`, once all tasks that have i
+/// among their followers are done. A follower stands once for each task that it waits for; no task waits for itself
+/// through others.
+template <class Followers, class Body>
+void parallel_graph(std::span<const Followers> followers, Body&& body) {
+    std::vector<std::atomic<std::uint32_t>> waits(followers.size());
+    for (const Followers& of : followers)
+        for (const std::uint32_t next : of) waits[next].fetch_add(1, std::memory_order_relaxed);
+    std::vector<std::uint32_t> ready;
+    for (std::uint32_t i = 0; i < waits.size(); ++i)
+        if (waits[i].load(std::memory_order_relaxed) == 0) ready.push_back(i);
+    tbb::parallel_for_each(ready.begin(), ready.end(), [&](std::uint32_t i, tbb::feeder<std::uint32_t>& feeder) {
+        body(i);
+        for (const std::uint32_t next : followers[i])
+            if (waits[next].fetch_sub(1, std::memory_order_acq_rel) == 1) feeder.add(next);
+    });
 }
 
 }  // namespace voxtone

@@ -5,7 +5,10 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <span>
 #include <vector>
+
+#include "voxtone/base/parallel.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "voxtone/optics/transport/transport_sweep.cpp"
@@ -396,8 +399,7 @@ void sweep_fine_block(const SweepJob& job, const Octant& o, const std::vector<Me
 
 /// The radiance on the faces between blocks along one octant's way.
 struct Front {
-    std::vector<Octet> x, y, z;  // not V8: containers forget its alignment
-    bool x_fine = false;
+    std::vector<Octet> y, z;  // not V8: containers forget its alignment; y for each plane that is being crossed
     std::vector<std::uint8_t> y_fine, z_fine;
 };
 
@@ -415,10 +417,9 @@ void sweep(const SweepJob& job, int half) {
         const auto i = static_cast<std::size_t>(k);
         octants[i] = make_octant(grid, k + 4 * half, kinds);
         Front& front = fronts[i];
-        front.x.resize(per_x);
-        front.y.resize(per_y * across);
+        front.y.resize(per_y * across * job.rows->fronts);
         front.z.resize(per_z * across * deep);
-        front.y_fine.assign(across, 0);
+        front.y_fine.assign(across * job.rows->fronts, 0);
         front.z_fine.assign(across * deep, 0);
     }
     const bool any_fine = job.fine.split[0] > 0;
@@ -440,6 +441,8 @@ void sweep(const SweepJob& job, int half) {
     const auto cross_row = [&](std::size_t row, std::size_t k) {
         const Octant& o = octants[k];
         Front& front = fronts[k];
+        std::vector<Octet> front_x(per_x);
+        bool x_fine = false;
         const std::size_t begin = grid.transport_rows[row], end = grid.transport_rows[row + 1];
         for (std::size_t i = begin; i < end; ++i) {
             const std::size_t t = o.back[0] ? end - 1 - (i - begin) : i;
@@ -447,10 +450,11 @@ void sweep(const SweepJob& job, int half) {
             const bool in_parts = any_fine && job.fine.first[t] != not_fine;
             const auto bx = static_cast<std::size_t>(block.at[0]);
             const std::size_t bz = static_cast<std::size_t>(block.at[1]) * across + bx;
-            const BlockFaces faces{as_vectors(front.x.data()), as_vectors(front.y.data() + per_y * bx),
+            const std::size_t by = job.rows->front[row] * across + bx;
+            const BlockFaces faces{as_vectors(front_x.data()), as_vectors(front.y.data() + per_y * by),
                                    as_vectors(front.z.data() + per_z * bz)};
-            fit(faces.x, front.x_fine, in_parts, 1, 2);
-            fit(faces.y, front.y_fine[bx], in_parts, 0, 2);
+            fit(faces.x, x_fine, in_parts, 1, 2);
+            fit(faces.y, front.y_fine[by], in_parts, 0, 2);
             fit(faces.z, front.z_fine[bz], in_parts, 0, 1);
             if (in_parts)
                 sweep_fine_block(job, o, media[0], t, block, faces);
@@ -458,26 +462,18 @@ void sweep(const SweepJob& job, int half) {
                 sweep_block(job, o, media[1], block, faces);
         }
     };
-    // Rows of blocks along x lie one after the other in y, then z. All four octants of one way along z cross a plane of
-    // blocks before the next one, and both ways along x a row, while its cells are in the cache.
-    const std::size_t rows = grid.transport_rows.size() - 1;
-    const auto plane_of = [&](std::size_t row) {
-        return grid.blocks[grid.transport_blocks[grid.transport_rows[row]]].at[2];
+    // All four octants of one way along z cross a plane of blocks before the next one, and both ways along x a row,
+    // while its cells are in the cache.
+    const auto cross = [&](std::uint32_t task) {
+        if (job.progress) job.progress->check_cancelled();
+        const std::size_t row = task / 2, back = task % 2;
+        cross_row(row, 2 * back);
+        cross_row(row, 2 * back + 1);
     };
-    for (std::size_t p = 0; p < rows;) {
-        const std::size_t at = half ? rows - 1 - p : p;
-        std::size_t count = 1;
-        while (p + count < rows && plane_of(half ? at - count : at + count) == plane_of(at)) ++count;
-        const std::size_t first = half ? at + 1 - count : at;
-        for (std::size_t back = 0; back < 2; ++back)
-            for (std::size_t k = 0; k < count; ++k) {
-                const std::size_t row = back ? first + count - 1 - k : first + k;
-                if (job.progress) job.progress->check_cancelled();
-                cross_row(row, 2 * back);
-                cross_row(row, 2 * back + 1);
-            }
-        p += count;
-    }
+    if (job.rows->fronts > 1)
+        parallel_graph(std::span<const RowFollowers>(job.rows->followers), cross);
+    else
+        for (const std::uint32_t task : job.rows->serial) cross(task);
 }
 
 }  // namespace voxtone::optics::HWY_NAMESPACE

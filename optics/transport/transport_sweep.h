@@ -31,6 +31,7 @@
 
 #include "voxtone/base/progress.h"
 #include "voxtone/optics/transport/optical_grid.h"
+#include "voxtone/optics/transport/sweep_rows.h"
 #include "voxtone/optics/transport/transport_medium.h"
 
 namespace voxtone::optics {
@@ -69,6 +70,7 @@ struct SweepJob {
     std::span<float> core_out;  ///< [core face * 4 + tangential signs]: sum w |Omega . e| psi that leaves
     float theta = 1;            ///< weight of the differences
     FineSweep fine = {};
+    const SweepRows* rows = nullptr;     ///< of this half; crossed at once where they have several fronts
     const Progress* progress = nullptr;  ///< asked for cancellation before every row of blocks
 };
 

@@ -473,7 +473,10 @@ Octet ViewingTransport::returned(const Pool& pool, std::size_t face, std::size_t
 }
 
 void ViewingTransport::sweep() {
+    // Both ways along z keep two threads busy; more of them cross several planes of each at once.
+    const std::size_t threads = thread_count(), fronts = threads > 2 ? threads / 2 + 2 : 1;
     parallel_for(0, 2, 1, [&](std::size_t half) {
+        const SweepRows rows = sweep_rows(grid_, half == 1, fronts);
         const SweepJob job{.grid = &grid_,
                            .media = media_->cells,
                            .light = moments_,
@@ -491,6 +494,7 @@ void ViewingTransport::sweep() {
                                     .light = parts_,
                                     .sum = half == 0 ? parts_up_ : parts_down_,
                                     .theta = static_cast<float>(fine_theta)},
+                           .rows = &rows,
                            .progress = progress_};
         std::fill(job.sum.begin(), job.sum.end(), Moments{});
         std::fill(job.fine.sum.begin(), job.fine.sum.end(), Moments{});

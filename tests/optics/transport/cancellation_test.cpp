@@ -75,6 +75,7 @@ TEST_CASE("A sweep and a solve of diffusion leave off in the middle", "[cancella
     std::vector<Octet> out(in.size());
     const std::vector<std::array<float, 2>> core_in(viewing.core_faces.size());
     std::vector<float> core_out(4 * viewing.core_faces.size());
+    const SweepRows rows = sweep_rows(grid, false, 1);
     SweepJob job{.grid = &grid,
                  .media = media,
                  .light = light,
@@ -83,7 +84,8 @@ TEST_CASE("A sweep and a solve of diffusion leave off in the middle", "[cancella
                  .out = out,
                  .place = viewing.place_of_face,
                  .core_in = core_in,
-                 .core_out = core_out};
+                 .core_out = core_out,
+                 .rows = &rows};
     job.progress = &stopped.stop;
     CHECK_THROWS_AS(sweep_half(job, false), Cancelled);
     for (const Moments& m : sum) REQUIRE(m.phi == 0);

@@ -7,8 +7,10 @@
 
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <vector>
 
+#include "voxtone/base/parallel.h"
 #include "voxtone/base/random.h"
 #include "voxtone/optics/transport/refinement.h"
 #include "voxtone/optics/transport/viewing_grid_builder.h"
@@ -76,9 +78,10 @@ struct Result {
           core_out(4 * c.core_in.size()) {}
 };
 
-Result swept(const Case& c) {
+Result swept(const Case& c, std::size_t fronts = 1) {
     Result result(c);
     for (const bool down : {false, true}) {
+        const SweepRows rows = sweep_rows(c.grid.grid, down, fronts);
         const SweepJob job{.grid = &c.grid.grid,
                            .media = c.media,
                            .light = c.light,
@@ -95,7 +98,8 @@ Result swept(const Case& c) {
                                     .media = c.media_of_parts,
                                     .light = c.light_of_parts,
                                     .sum = result.sum_of_parts,
-                                    .theta = float(theta_of_parts)}};
+                                    .theta = float(theta_of_parts)},
+                           .rows = &rows};
         sweep_half(job, down);
     }
     return result;
@@ -285,4 +289,42 @@ TEST_CASE("A sweep is what its equations say, through coarse cells, voxels, and 
         CHECK(light < 2e-5);
         CHECK(flux < 2e-5);
     }
+}
+
+namespace {
+
+template <class Value>
+bool same_bits(const std::vector<Value>& a, const std::vector<Value>& b) {
+    return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(Value)) == 0;
+}
+
+}  // namespace
+
+TEST_CASE("Rows that are crossed at once make the bits of rows crossed one after the other", "[transport-sweep]") {
+    const ThreadLimit threads(6);
+    for (const Refinement where : {Refinement::none, Refinement::contrast, Refinement::all}) {
+        const Case c(where);
+        const Result one = swept(c);
+        for (const std::size_t fronts : {2, 3, 5, 100})
+            for (int again = 0; again < 5; ++again) {
+                const Result many = swept(c, fronts);
+                CHECK(same_bits(many.sum, one.sum));
+                CHECK(same_bits(many.sum_of_parts, one.sum_of_parts));
+                CHECK(same_bits(many.out, one.out));
+                CHECK(same_bits(many.core_out, one.core_out));
+            }
+    }
+}
+
+TEST_CASE("A sweep offers as many tasks at once as its planes have rows", "[transport-sweep]") {
+    const Case c(Refinement::none);
+    const OpticalGrid& grid = c.grid.grid;
+    const SweepRows serial = sweep_rows(grid, false, 1), wave = sweep_rows(grid, false, 100);
+    const std::size_t rows = grid.transport_rows.size() - 1;
+    CHECK(serial.serial.size() == 2 * rows);
+    CHECK(serial.fronts == 1);
+    // Its own two ways: rows one way are followed by those the other way.
+    CHECK(serial.at_once() < 2);
+    CHECK(wave.at_once() > 2);
+    CHECK(wave.at_once() > serial.at_once());
 }
