@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxtone/slicer/shards/shard_job.h"
 
+#include <chrono>
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <thread>
 #include <utility>
 
 #include <fmt/core.h>
@@ -87,6 +89,27 @@ std::optional<io::ShardRecord> made_before(const OpenedJob& job, const io::Shard
     }
 }
 
+/// The first of the shards that take a folder over from another job clears it, and no other: those that begin at the
+/// same time wait, and then find it theirs.
+void claim_folder_for_shards(const OpenedJob& job, io::ShardFolder& folder, const std::string& job_text,
+                             const Progress& progress) {
+    const fs::path shards = io::shards_folder(job.options.out);
+    constexpr int tries = 600;
+    constexpr std::chrono::milliseconds between(50);
+    std::optional<io::FolderLock> lock;
+    for (int attempt = 1; !lock; ++attempt) {
+        try {
+            lock.emplace(shards);
+        } catch (const io::FolderHeld&) {
+            if (attempt == tries) throw;
+            progress.check_cancelled();
+            std::this_thread::sleep_for(between);
+        }
+    }
+    if (job.options.overwrite && !is_same_job(shards, job, &progress)) io::remove_shards(job.options.out);
+    folder.claim(job_text);
+}
+
 /// Makes the layers into the folder; with what they hold.
 void make_shard(const OpenedJob& job, const JobBody& body, Print& print, const LayerRange& all, const LayerRange& mine,
                 const fs::path& into, io::ShardRecord& record, JobFigures& figures, Progress& progress) {
@@ -168,8 +191,7 @@ JobResult run_shard_job(const SliceOptions& asked, Progress& progress) {
         shard_layers(slab_work(body, job.options.colour.depth_mm, slab_layers), slab_layers, all, task.number);
     expect_disk_space(job, body, mine, progress);
 
-    if (job.options.overwrite && !same_job_before) io::remove_shards(out);
-    folder.claim(job_record(job.options.asked, identity.inputs, out));
+    claim_folder_for_shards(job, folder, job_record(job.options.asked, identity.inputs, out), progress);
     if (body.separation.empty()) keep_prepared(out, identity.job, body, print->separation());
 
     io::ShardRecord record;

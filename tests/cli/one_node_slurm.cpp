@@ -220,7 +220,7 @@ std::string OneNodeSlurm::ask(const std::string& command) {
 
 bool OneNodeSlurm::wait_until(const std::function<bool()>& so) {
     constexpr std::chrono::milliseconds between(50);
-    constexpr std::chrono::seconds patience(90);
+    constexpr std::chrono::seconds patience(240);
     const auto begin = std::chrono::steady_clock::now();
     while (!so()) {
         if (std::chrono::steady_clock::now() - begin > patience) return false;

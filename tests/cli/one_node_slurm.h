@@ -34,7 +34,7 @@ public:
 
     /// What a command for the shell says on stdout.
     [[nodiscard]] static std::string ask(const std::string& command);
-    /// False where that is not so after a minute and a half.
+    /// False where that is not so after four minutes, many times what an idle machine takes.
     [[nodiscard]] static bool wait_until(const std::function<bool()>& so);
     [[nodiscard]] static bool queue_empties();
 

@@ -246,6 +246,22 @@ TEST_CASE("Shards and merges that are killed at any moment cost nothing but time
     for (const auto& [name, bytes] : read_tree(folder / "parts")) CHECK_THAT(name, !Contains(".part"));
 }
 
+TEST_CASE("Shards that take a folder over at once leave each other's work alone") {
+    const Folder folder("shards-at-once");
+    make_shards(plain_job, folder, "parts", 4);
+    const std::string other = plain_job + " --depth 0.5mm";
+    std::vector<std::thread> at_once;
+    std::array<int, 4> codes{};
+    for (int i = 1; i <= 4; ++i)
+        at_once.emplace_back(
+            [&, i] { codes[std::size_t(i - 1)] = shard(other + " --overwrite", folder, "parts", i, 4).exit_code; });
+    for (std::thread& one : at_once) one.join();
+    CHECK(codes == std::array<int, 4>{});
+    CHECK(merge(folder, "parts").exit_code == 0);
+    REQUIRE(run_program(fmt::format("{} -o {}", other, folder / "whole")).exit_code == 0);
+    CHECK(stack_in(folder, "parts") == stack_in(folder, "whole"));
+}
+
 TEST_CASE("Merging again does nothing, and what is merged is done") {
     const Folder folder("shards-again");
     make_shards(plain_job, folder, "parts", 2);
