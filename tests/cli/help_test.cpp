@@ -23,6 +23,7 @@ const std::vector<std::string> every_command{"",
                                              "estimate",
                                              "batch",
                                              "status",
+                                             "task",
                                              "predict",
                                              "verify",
                                              "list",
@@ -129,7 +130,7 @@ TEST_CASE("Manual pages hold every option, and man finds nothing wrong with them
     REQUIRE(run_program("manual " + folder.path().string()).exit_code == 0);
     CHECK(read_tree(folder.path()).size() == 12);
     for (const std::string verb :
-         {"slice", "estimate", "merge", "batch", "status", "predict", "verify", "list", "stack", "calibrate"}) {
+         {"slice", "estimate", "merge", "batch", "status", "task", "predict", "verify", "list", "stack", "calibrate"}) {
         const std::string page = without_roff(read_file(folder / ("voxtone-" + verb + ".1")));
         const std::vector<std::string> options = option_words(run_program(verb + " --help-all").out);
         CHECK(options.size() >= (verb == "status" ? 2u : 3u));
