@@ -287,11 +287,25 @@ void settle(JobState& state, const BatchFolder& batch, const Submission& submiss
         submission.text(), submission.numbers().empty() ? "" : ", in batch/slurm.out,", before);
 }
 
-/// Numbers of what waits or runs, where any of these were submitted to Slurm.
-std::set<std::string> queue_of(const std::vector<Submission>& submissions) {
-    const bool asks = std::any_of(submissions.begin(), submissions.end(),
-                                  [](const Submission& submission) { return !submission.numbers().empty(); });
-    return asks ? slurm_queue() : std::set<std::string>();
+/// Where squeue is not on the nodes, nothing is known to work on any job: what does notes itself again.
+/// Nor where none of these was submitted to Slurm.
+std::set<std::string> queue_for_closing(const std::vector<Submission>& submissions, Progress& progress) {
+    if (std::none_of(submissions.begin(), submissions.end(), [](const auto& one) { return !one.numbers().empty(); }))
+        return {};
+    constexpr int tries = 6;
+    constexpr std::chrono::seconds between(10);
+    for (int attempt = 1;; ++attempt) {
+        try {
+            return slurm_queue();
+        } catch (const FileError& error) {
+            progress.warn(error.what());
+            return {};
+        } catch (const TryAgain&) {
+            if (attempt == tries) throw;
+            progress.check_cancelled();
+            std::this_thread::sleep_for(between);
+        }
+    }
 }
 
 }  // namespace
@@ -305,7 +319,7 @@ JobResult run_cluster_task(const TaskOptions& options, Progress& progress) {
 JobResult close_cluster_batch(const fs::path& out, Progress& progress) {
     const BatchFolder batch = BatchFolder::open(out);
     const std::vector<Submission> submissions = SubmissionFolder(batch).all();
-    const std::set<std::string> queue = queue_of(submissions);
+    const std::set<std::string> queue = queue_for_closing(submissions, progress);
     for (const Submission& submission : submissions) {
         progress.check_cancelled();
         const std::vector<std::string> numbers = submission.numbers();

@@ -224,3 +224,44 @@ TEST_CASE("A task that was never handed over, or was handed over anew since, is 
     CHECK(shop.state("box2")["exit_code"] == 75);
     CHECK_THAT(shop.state("box2")["message"].get<std::string>(), Contains("layers 3, merge 4"));
 }
+
+TEST_CASE("Tasks of a job that is planned otherwise now replace what the batch has made, at once and in any order") {
+    const Workshop shop;
+    shop.slurm();
+    shop.folder.write("plan.jsonl", "{\"model\": \"box1.obj\"}\n");
+    const auto do_all = [&] {
+        REQUIRE(shop.batch("--shards 3").exit_code == 0);
+        fs::remove(shop.folder.path() / "queue");
+        const std::string task =
+            fmt::format("{} task {} --quiet --job box1 --stage ", VOXTONE_PROGRAM, shop.folder / "out");
+        REQUIRE(
+            run_shell(fmt::format("for i in 3 1 2 2; do {0} layers --shard $i/3 >/dev/null & pids=\"$pids $!\"; done; "
+                                  "for p in $pids; do wait $p || exit 1; done; {0} merge >/dev/null",
+                                  task)) == 0);
+        CHECK(shop.state("box1")["state"] == "done");
+    };
+    do_all();
+    const auto first = read_tree(shop.folder.path() / "out/box1/layers");
+    shop.folder.write("quick.json",
+                      R"({"format": "voxtone-job", "version": 1, "iterations": 0, "predict": "none", "flip-x": true})");
+    do_all();
+    const auto second = read_tree(shop.folder.path() / "out/box1/layers");
+    CHECK(second != first);
+    REQUIRE(run_program(fmt::format("slice {} --job {} -o {}", shop.folder / "box1.obj", shop.folder / "quick.json",
+                                    shop.folder / "alone"))
+                .exit_code == 0);
+    CHECK(second == read_tree(shop.folder.path() / "alone/layers"));
+    CHECK(run_program(fmt::format("verify {}", shop.folder / "out/box1")).exit_code == 0);
+    // What the batch has not made it does not replace.
+    fs::remove_all(shop.folder.path() / "out/box1");
+    fs::remove(shop.folder.path() / "out/batch/box1.json");
+    fs::copy(shop.folder.path() / "alone", shop.folder.path() / "out/box1", fs::copy_options::recursive);
+    shop.folder.write("quick.json", R"({"format": "voxtone-job", "version": 1, "iterations": 0, "predict": "none"})");
+    REQUIRE(shop.batch("--shards 3").exit_code == 0);
+    CHECK(run_program(fmt::format("task {} --quiet --job box1 --stage layers --shard 1/3", shop.folder / "out"))
+              .exit_code == 3);
+    CHECK(read_tree(shop.folder.path() / "out/box1/layers") == second);
+    CHECK(shop.state("box1")["state"] == "failed");
+    CHECK_THAT(shop.state("box1")["message"].get<std::string>(),
+               Contains("shard 1 of 3: ") && Contains("holds a stack"));
+}
