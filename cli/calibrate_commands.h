@@ -19,4 +19,11 @@ Command add_calibrate_check_command(CLI::App& calibrate, const CalibrateJobs& jo
 Command add_calibrate_profile_command(CLI::App& calibrate, const CalibrateJobs& jobs);
 Command add_calibrate_simulate_profile_command(CLI::App& calibrate, const CalibrateJobs& jobs);
 
+/// A family by itself, `calibrate edge`, with its steps.
+Command add_calibrate_edge_command(CLI::App& calibrate, const CalibrateJobs& jobs);
+Command add_calibrate_edge_dictionary_command(CLI::App& edge, const CalibrateJobs& jobs);
+Command add_calibrate_edge_fit_command(CLI::App& edge, const CalibrateJobs& jobs);
+Command add_calibrate_edge_samples_command(CLI::App& edge, const CalibrateJobs& jobs);
+Command add_calibrate_edge_simulate_command(CLI::App& edge, const CalibrateJobs& jobs);
+
 }  // namespace voxtone::cli

@@ -9,6 +9,10 @@
 namespace {
 
 constexpr voxtone::cli::CalibrateJobs jobs{.check = voxtone::calibration::run_check_job,
+                                           .edge_dictionary = voxtone::calibration::run_dictionary_job,
+                                           .edge_fit = voxtone::calibration::run_edge_fit_job,
+                                           .edge_samples = voxtone::calibration::run_edge_samples_job,
+                                           .edge_simulate = voxtone::calibration::run_edge_simulation,
                                            .fit = voxtone::calibration::run_fit_job,
                                            .photo = voxtone::calibration::run_photo_job,
                                            .profile = voxtone::calibration::run_profile_job,

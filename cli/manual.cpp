@@ -69,6 +69,17 @@ std::string example(const CLI::App& command) {
     return command.get_footer().empty() ? "" : ".PP\nExample:\n.PP\n.EX\n" + roff(command.get_footer()) + "\n.EE\n";
 }
 
+/// The steps of a family, and those of families among them.
+std::string steps(const CLI::App& verb) {
+    std::string text;
+    for (const CLI::App* step : verb.get_subcommands({})) {
+        text += fmt::format(".SH \"{}\"\n", roff(full_name(*step)));
+        text += roff(step->get_description()) + "\n.PP\n" + synopsis(*step) + options(*step) + example(*step);
+        text += steps(*step);
+    }
+    return text;
+}
+
 /// What every page ends with.
 constexpr const char* ending =
     ".SH \"EXIT STATUS\"\n"
@@ -96,10 +107,7 @@ ManualPage verb_page(const CLI::App& verb) {
     std::string text = title(verb) + ".SH SYNOPSIS\n" + synopsis(verb);
     text += ".SH DESCRIPTION\n" + roff(verb.get_description()) + "\n" + example(verb);
     text += ".SH OPTIONS\n" + options(verb);
-    for (const CLI::App* step : verb.get_subcommands({})) {
-        text += fmt::format(".SH \"{}\"\n", roff(full_name(*step)));
-        text += roff(step->get_description()) + "\n.PP\n" + synopsis(*step) + options(*step) + example(*step);
-    }
+    text += steps(verb);
     return {page_name(verb) + ".1", text + ending + ".SH \"SEE ALSO\"\n.BR voxtone (1)\n"};
 }
 

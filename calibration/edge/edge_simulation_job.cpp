@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/calibration/edge/edge_simulation_job.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "voxtone/base/error.h"
+#include "voxtone/base/random.h"
+#include "voxtone/io/disk/output_files.h"
+#include "voxtone/io/files/whole_file.h"
+#include "voxtone/io/profiles/resin_file.h"
+#include "voxtone/optics/edge/edge_scene_paths.h"
+
+namespace voxtone::calibration {
+namespace {
+
+constexpr double render_step_mm = 0.005, clear_sigma_t = 1e-4;
+
+// Normally distributed, by Box and Muller.
+double normal(RandomStream& random) {
+    const double r = std::sqrt(-2 * std::log(1 - random.uniform()));
+    return r * std::cos(2 * 3.14159265358979323846 * random.uniform());
+}
+
+// What a pixel of the setup's camera sees at each position: the mean of the rendered cells under it, blurred.
+std::vector<double> seen_by_camera(const std::vector<double>& rendered, double reach_mm, const EdgeSetup& setup) {
+    const double half = setup.pitch_mm / 2, blur = setup.blur_mm;
+    std::vector<double> seen;
+    for (const double x0 : setup.positions()) {
+        double sum = 0, weights = 0;
+        const double reach = half + 4 * blur;
+        const auto index = [&](double x) { return static_cast<std::ptrdiff_t>((x + reach_mm) / render_step_mm); };
+        const auto last = static_cast<std::ptrdiff_t>(rendered.size()) - 1;
+        for (std::ptrdiff_t k = std::max<std::ptrdiff_t>(0, index(x0 - reach)); k <= std::min(last, index(x0 + reach));
+             ++k) {
+            const double from = static_cast<double>(k) * render_step_mm - reach_mm, to = from + render_step_mm;
+            double weight = std::max(0.0, std::min(to, x0 + half) - std::max(from, x0 - half));
+            if (blur > 0) {
+                const double d = (from + to) / 2 - x0, s = blur * 1.41421356237309515;
+                weight = std::erf((d + half) / s) - std::erf((d - half) / s);
+            }
+            sum += weight * rendered[static_cast<std::size_t>(k)];
+            weights += weight;
+        }
+        seen.push_back(sum / weights);
+    }
+    return seen;
+}
+
+}  // namespace
+
+void EdgeBench::validate() const {
+    if (!(bias > 0.1 && bias < 10)) throw InputError(fmt::format("--bias: {}; expected 0.1 to 10", bias));
+    if (!(noise > 0 && noise < 0.5)) throw InputError(fmt::format("--noise: {}; expected above 0, below 0.5", noise));
+    if (!(std::abs(thickness_off) <= 0.5))
+        throw InputError(fmt::format("--thickness-off: {}; expected a part from -0.5 to 0.5", thickness_off));
+    if (paths < 1024) throw InputError(fmt::format("--paths: {}; expected at least 1024", paths));
+}
+
+std::vector<EdgeProfile> simulate_edge_profiles(const optics::ResinSet& set, const EdgeSetup& setup,
+                                                const std::vector<double>& thickness_mm, const EdgeBench& bench,
+                                                Progress* progress) {
+    std::vector<EdgeProfile> profiles;
+    const double reach_mm = setup.width_mm / 2 + 1;
+    std::uint64_t address = 0;
+    for (const optics::Resin& resin : set.resins)
+        for (const double thickness : thickness_mm) {
+            EdgeProfile profile{resin.role, thickness, setup.positions(), {}, {}};
+            for (std::size_t c = 0; c < 3; ++c) {
+                const optics::Medium medium = resin.medium(c);
+                optics::EdgeScene scene{setup.stack,
+                                        thickness * (1 + bench.thickness_off),
+                                        std::max(medium.sigma_t(), clear_sigma_t),
+                                        medium.albedo(),
+                                        set.g,
+                                        setup.sheet(c),
+                                        bench.paths,
+                                        bench.seed + 1000003 * ++address};
+                RandomStream random(bench.seed, address, 5);
+                for (const double v :
+                     seen_by_camera(optics::render_edge(scene, reach_mm, render_step_mm, progress), reach_mm, setup)) {
+                    const double error = bench.noise * std::sqrt(std::max(v, 0.01));
+                    profile.value[c].push_back((v + error * normal(random)) / bench.bias);
+                    profile.error[c].push_back(error / bench.bias);
+                }
+                if (progress) progress->advance();
+            }
+            profiles.push_back(std::move(profile));
+        }
+    return profiles;
+}
+
+void EdgeSimulationJob::validate() const {
+    if (out.empty()) throw UsageError("--out is missing: the profiles to write");
+    for (const double t : thickness_mm)
+        if (!(t >= 0.05 && t <= 10)) throw InputError(fmt::format("--thickness: {} mm; expected 0.05 to 10", t));
+    bench.validate();
+}
+
+JobResult run_edge_simulation(const EdgeSimulationJob& job, Progress& progress) {
+    job.validate();
+    io::expect_outputs({job.out}, job.overwrite);
+    const EdgeSetup setup = read_edge_setup(job.setup);
+    optics::ResinSet set = io::find_resin_set(job.resins);
+    if (!set.channels.is_rgb())
+        throw InputError(fmt::format("{}: a set of R, G, B is needed; the camera has three channels.", job.resins));
+    if (!job.roles.empty()) set = set.subset(job.roles);
+    progress.begin_stage("paths", 3 * set.resins.size() * job.thickness_mm.size(), "channels");
+    const std::vector<EdgeProfile> profiles =
+        simulate_edge_profiles(set, setup, job.thickness_mm, job.bench, &progress);
+    progress.end_stage();
+    const std::string comment =
+        fmt::format("simulated from {}: values divided by {}, slabs {:+.1f} % thicker than said, {} paths, seed {}",
+                    set.name, job.bench.bias, 100 * job.bench.thickness_off, job.bench.paths, job.bench.seed);
+    io::write_whole_file(job.out, edge_profiles_text(profiles, comment));
+    const nlohmann::ordered_json json{{"format", "voxtone-calibrate-edge-simulate"},
+                                      {"version", 1},
+                                      {"profiles", job.out},
+                                      {"count", profiles.size()}};
+    return {json.dump(), fmt::format("{}: {} profiles of {}\n", job.out, profiles.size(), set.name)};
+}
+
+}  // namespace voxtone::calibration
