@@ -110,8 +110,8 @@ Command add_predict_command(CLI::App& program) {
              ->add_option("--outside", o.outside,
                           "light that leaves one part of a body and meets another; followed: folds and cups darken as "
                           "they will on the table, the target's too, so it is not what a print is compared by; "
-                          "monte-carlo follows paths and needs the mesh, other models gather it cell by cell "
-                          "[lost|followed]")
+                          "monte-carlo follows paths and needs the mesh, other models gather it cell by cell, too "
+                          "dark inside thin translucent walls [lost|followed]")
              ->capture_default_str(),
          command
              ->add_option("--backing", o.backing,

@@ -19,9 +19,11 @@
 // do not shade each other, and the mesh of cells cuts edges by half a cell: what is narrower than some cells is seen
 // too bright.
 //
-// What it cannot see: that light which falls on a cell from one side leaves it elsewhere (light through thin walls, and
-// spreading below the surface where the shade changes within a millimetre); the mirror's direction; that a flat surface
-// sends more light straight up than a diffuse one.
+// Against Monte Carlo (boundary_benchmark 60 outside): folds of a cow of 12 mm within 0.2 to 1.3 CIEDE2000, 2 to 5
+// without it. What it cannot see: that light which falls on a cell leaves it elsewhere. Translucent walls that the sky
+// lights from their other side come out too dark (the inside of a cup with walls of 0.8 mm: 12 CIEDE2000, 10 without
+// it), and shades are sharper than light below the surface makes them. Nor the mirror's direction, and that a flat
+// surface sends more light straight up than a diffuse one.
 //
 // Memory: 4 bytes for each ray that ends on the body. Same bits for any number of threads.
 #pragma once

@@ -93,9 +93,15 @@ const std::vector<TextLine>& fitting_text() {
     return lines;
 }
 
+const std::vector<TextLine>& small_text() {
+    static const std::vector<TextLine> lines{
+        {"Paper is white, ink", 6}, {"is not  thin lines", 6}, {"of it fade, 0.2 mm", 6}, {"Axes 13-48, kg 976", 6}};
+    return lines;
+}
+
 const std::vector<TextLine>& held_out_text() {
     static const std::vector<TextLine> lines{
-        {"Paper is white, ink", 6}, {"is not; thin lines", 6}, {"of it fade, 0.2 mm", 6}, {"Axes 13-48, kg 976", 6}};
+        {"Slow zebras jump", 6}, {"over quiet foxes,", 6}, {"batch 5072 of 84,", 6}, {"wax, 19 g - 36 kg", 6}};
     return lines;
 }
 
@@ -164,7 +170,8 @@ std::vector<Target> make_targets(const fs::path& models, const fs::path& work, c
         targets.push_back({name, file, window.width, window.height, false, held_out});
     };
     if (wanted("text")) page("text", 20, TextPage(fitting_text(), 20), 4);
-    if (wanted("small_type")) page("small_type", 12, TextPage(held_out_text(), 12), 4, true);
+    if (wanted("small_type")) page("small_type", 12, TextPage(small_text(), 12), 4);
+    if (wanted("fine_print")) page("fine_print", 12, TextPage(held_out_text(), 12), 4, true);
     if (wanted("siemens_star")) page("siemens_star", 14, siemens_star, 4);
     if (wanted("colour_checker")) page("colour_checker", 14, colour_checker, 4);
     if (wanted("gratings")) {
