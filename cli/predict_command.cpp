@@ -30,8 +30,7 @@ void check_scope(const PredictArguments& a) {
     using Model = slicer::PredictionModel;
     for (const auto& [option, model] :
          {std::pair{"--sweeps", Model::transport}, std::pair{"--spp", Model::monte_carlo},
-          std::pair{"--error", Model::monte_carlo}, std::pair{"--boundary", Model::monte_carlo},
-          std::pair{"--outside", Model::monte_carlo}})
+          std::pair{"--error", Model::monte_carlo}, std::pair{"--boundary", Model::monte_carlo}})
         if (a.command->count(option) > 0 && a.options.model != name_of(model))
             throw UsageError(fmt::format("{} would be ignored: it only goes with --model {}", option, name_of(model)));
 }
@@ -109,9 +108,10 @@ Command add_predict_command(CLI::App& program) {
              ->capture_default_str(),
          command
              ->add_option("--outside", o.outside,
-                          "monte-carlo: light that leaves one part of a body and meets another; followed: folds and "
-                          "cups darken as they will on the table, the target's too, so it is not what a print is "
-                          "compared by; needs the mesh [lost|followed]")
+                          "light that leaves one part of a body and meets another; followed: folds and cups darken as "
+                          "they will on the table, the target's too, so it is not what a print is compared by; "
+                          "monte-carlo follows paths and needs the mesh, other models gather it cell by cell, too "
+                          "dark inside thin translucent walls [lost|followed]")
              ->capture_default_str(),
          command
              ->add_option("--backing", o.backing,

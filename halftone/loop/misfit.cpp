@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/parallel.h"
@@ -39,13 +40,14 @@ Eigen::Vector3f by_light(const Eigen::Vector3f& p, const Eigen::Vector3f& by_okl
 
 MisfitFunction::MisfitFunction(const optics::Surface& surface, const EyeFilter& eye,
                                std::span<const Eigen::Vector3f> target, std::span<const float> weight,
-                               const EyeFilter* wide, float contrast_part)
+                               const EyeFilter* wide, std::vector<float> contrast_part)
     : eye_(eye),
       wide_(wide),
-      contrast_part_(contrast_part),
+      contrast_part_(std::move(contrast_part)),
       target_(target),
       seen_target_(eye.filter(target)),
       near_target_(eye.smoothed(target)) {
+    VOXTONE_EXPECT(!wide || contrast_part_.size() == target.size());
     VOXTONE_EXPECT(weight.empty() || weight.size() == target.size());
     double mean = 0;
     for (const optics::SurfaceCell& cell : surface.cells) mean += cell.area_mm2;
@@ -65,20 +67,24 @@ Misfit MisfitFunction::operator()(std::span<const Eigen::Vector3f> predicted) co
         far[i] = oklab_of(seen[i]) - oklab_of(seen_target_[i]);
         near[i] = oklab_of(nearer[i]) - oklab_of(near_target_[i]);
     });
-    // d - k S d; in the derivative it stands once more: smoothing averages by area over neighbours, S_ij = w_ij a_j /
-    // sum_j w_ij a_j with symmetric w, so where the sums are alike its transpose, with areas on either side, is S
-    // again.
-    const auto sharpen = [&] {
+    // d - k S d; in the derivative it stands transposed, d - S k d: smoothing averages by area over neighbours, S_ij =
+    // w_ij a_j / sum_j w_ij a_j with symmetric w, so where the sums are alike its transpose, with areas on either side,
+    // is S again.
+    const auto take_level = [&](bool transposed) {
         if (!wide_) return;
         std::vector<Eigen::Vector3f> lightness(n);
-        parallel_for(0, n, 1024, [&](std::size_t i) { lightness[i] = {far[i][0], near[i][0], 0}; });
+        parallel_for(0, n, 1024, [&](std::size_t i) {
+            const float k = transposed ? contrast_part_[i] : 1;
+            lightness[i] = {k * far[i][0], k * near[i][0], 0};
+        });
         lightness = wide_->smoothed(lightness);
         parallel_for(0, n, 1024, [&](std::size_t i) {
-            far[i][0] -= contrast_part_ * lightness[i][0];
-            near[i][0] -= contrast_part_ * lightness[i][1];
+            const float k = transposed ? 1 : contrast_part_[i];
+            far[i][0] -= k * lightness[i][0];
+            near[i][0] -= k * lightness[i][1];
         });
     };
-    sharpen();
+    take_level(false);
     std::vector<double> value(n);
     parallel_for(0, n, 1024, [&](std::size_t i) {
         const Part from_far = part_of(far[i]), from_near = part_of(near[i]),
@@ -92,7 +98,7 @@ Misfit MisfitFunction::operator()(std::span<const Eigen::Vector3f> predicted) co
     });
     Misfit misfit;
     for (const double v : value) misfit.value += v;
-    sharpen();
+    take_level(true);
     parallel_for(0, n, 1024, [&](std::size_t i) {
         far[i] = by_light(seen[i], far[i]);
         near[i] = by_light(nearer[i], near[i]);

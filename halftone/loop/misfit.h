@@ -14,10 +14,11 @@
 // CIEDE2000) by themselves: dark detail beside white, which nothing can make darker, does not outweigh what can be
 // mended.
 //
-// For contrast's sake the lightness d of the first two differences is replaced by d - k S d, S a Gaussian eight times
-// as wide: what is off over more than a millimetre counts less then, what is off from its surroundings in full. With
-// k = 0 black text on white all but vanishes: light that leaks through white makes strokes pale whatever is done, and a
-// little more of it on the wide paper outweighs the few dark strokes.
+// For contrast's sake the lightness d of the first two differences is replaced by d_i - k_i (S d)_i, S a Gaussian eight
+// times as wide: what is off over more than a millimetre counts less then, what is off from its surroundings in full;
+// k of each cell says where (lost_contrast.h). With k = 0 black text on white all but vanishes: light that leaks
+// through white makes strokes pale whatever is done, and a little more of it on the wide paper outweighs the few dark
+// strokes.
 #pragma once
 
 #include <span>
@@ -40,15 +41,17 @@ inline constexpr double wider = 8;  ///< the spread of S / that of E
 
 class MisfitFunction {
 public:
-    /// Keeps references. `weight`: per cell, empty: 1. `wide`: S, null for k = 0; `contrast_part`: k, in [0, 1].
+    /// Keeps references. `weight`: per cell, empty: 1. `wide`: S, null for k = 0; `contrast_part`: k, per cell, in [0,
+    /// 1].
     MisfitFunction(const optics::Surface& surface, const EyeFilter& eye, std::span<const Eigen::Vector3f> target,
-                   std::span<const float> weight = {}, const EyeFilter* wide = nullptr, float contrast_part = 0);
+                   std::span<const float> weight = {}, const EyeFilter* wide = nullptr,
+                   std::vector<float> contrast_part = {});
     [[nodiscard]] Misfit operator()(std::span<const Eigen::Vector3f> predicted) const;
 
 private:
     const EyeFilter& eye_;
     const EyeFilter* wide_;
-    float contrast_part_;
+    std::vector<float> contrast_part_;
     std::span<const Eigen::Vector3f> target_;
     std::vector<Eigen::Vector3f> seen_target_, near_target_;
     std::vector<float> area_, weight_;

@@ -19,6 +19,9 @@
 namespace voxtone::slicer {
 namespace {
 
+constexpr float off_the_start = 1e-3f;  // mm: what a ray in the air starts from is not met again, rounding included
+constexpr double far_away = 1e4;        // mm
+
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 using Triangle = std::array<std::uint32_t, 3>;
@@ -64,7 +67,8 @@ struct MeshBoundary::Data {
     void build();
     struct Hit {
         double distance = 0;
-        optics::BoundaryNormals normals;
+        std::uint32_t triangle = 0;
+        Vector3d weights = Vector3d::Zero();  ///< of its corners
     };
     /// The first triangle that looks along the ray, or against it.
     [[nodiscard]] std::optional<Hit> first_hit(const optics::Point& from, const optics::Point& direction, float near,
@@ -178,7 +182,7 @@ std::optional<MeshBoundary::Data::Hit> MeshBoundary::Data::first_hit(const optic
         const std::uint32_t t = ray.hit.primID;
         if ((d.dot(normal[t]) > 0) == along) {
             const double u = static_cast<double>(ray.hit.u), v = static_cast<double>(ray.hit.v);
-            return Hit{static_cast<double>(ray.ray.tfar), normals(t, {1 - u - v, u, v})};
+            return Hit{static_cast<double>(ray.ray.tfar), t, {1 - u - v, u, v}};
         }
         near = std::nextafter(ray.ray.tfar + 1e-6f, std::numeric_limits<float>::infinity());
         if (!(near < static_cast<float>(reach))) return {};
@@ -191,19 +195,25 @@ bool MeshBoundary::leaves(const optics::Point& from, const optics::Point& direct
     const auto hit = data_->first_hit(from, direction, 0, reach, true);
     if (!hit) return false;
     distance = hit->distance;
-    normals = hit->normals;
+    normals = data_->normals(hit->triangle, hit->weights);
     return true;
 }
 
 bool MeshBoundary::meets(const optics::Point& from, const optics::Point& direction, double& distance,
                          optics::BoundaryNormals& normals) const {
-    constexpr float off_the_start = 1e-3f;  // mm: what it starts from is not met again, rounding included
-    constexpr double far = 1e4;
-    const auto hit = data_->first_hit(from, direction, off_the_start, far, false);
+    const auto hit = data_->first_hit(from, direction, off_the_start, far_away, false);
     if (!hit) return false;
     distance = hit->distance;
-    normals = hit->normals;
+    normals = data_->normals(hit->triangle, hit->weights);
     return true;
+}
+
+std::optional<std::uint32_t> MeshBoundary::corner_met(const optics::Point& from, const optics::Point& direction) const {
+    const auto hit = data_->first_hit(from, direction, off_the_start, far_away, false);
+    if (!hit) return {};
+    Eigen::Index corner = 0;
+    hit->weights.maxCoeff(&corner);
+    return data_->triangles[hit->triangle][static_cast<std::size_t>(corner)];
 }
 
 optics::Point MeshBoundary::nearest(const optics::Point& p, optics::BoundaryNormals& normals) const {

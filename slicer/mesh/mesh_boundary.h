@@ -15,6 +15,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 
 #include <Eigen/Core>
@@ -36,6 +37,10 @@ public:
                               optics::BoundaryNormals& normals) const override;
     [[nodiscard]] bool meets(const optics::Point& from, const optics::Point& direction, double& distance,
                              optics::BoundaryNormals& normals) const override;
+    /// What a ray in the air first meets: of the corners of that triangle the nearest one, as its place in
+    /// `positions_mm`. Nothing where it meets none.
+    [[nodiscard]] std::optional<std::uint32_t> corner_met(const optics::Point& from,
+                                                          const optics::Point& direction) const;
     [[nodiscard]] optics::Point nearest(const optics::Point& p, optics::BoundaryNormals& normals) const override;
     [[nodiscard]] bool comes_within(const optics::Point& p, double radius_mm) const override;
 

@@ -25,6 +25,7 @@
 #include "voxtone/slicer/look/preview.h"
 #include "voxtone/slicer/look/surface_prediction.h"
 #include "voxtone/slicer/options/option_values.h"
+#include "voxtone/slicer/predict/parts_in_sight.h"
 #include "voxtone/slicer/predict/stack_boundary.h"
 #include "voxtone/slicer/predict/stack_volume.h"
 
@@ -322,6 +323,18 @@ optics::SurfacePart seen_part(const PredictFigures& figures) {
     return figures.from_above ? optics::SurfacePart::top : optics::SurfacePart::all;
 }
 
+/// For models that take each place by itself; nothing where light between parts is not asked for, or followed by paths.
+std::optional<PartsInSight> find_parts_in_sight(const ResolvedPrediction& job, const optics::ResinVolume& volume,
+                                                const optics::Surface& surface, const PredictFigures& figures,
+                                                Progress& progress) {
+    if (job.outside != LightOutside::followed || job.model == PredictionModel::monte_carlo) return std::nullopt;
+    if (figures.from_above)
+        throw InputError(
+            "--outside followed: a stack that is seen from above as a picture has no parts that light passes between; "
+            "give --view body, or leave it out");
+    return PartsInSight(volume, surface, &progress);
+}
+
 /// The cells that are predicted, and those that they are averaged over where they are not the same.
 struct PredictedCells {
     optics::Surface surface;
@@ -397,7 +410,8 @@ ResolvedPrediction resolve(const PredictOptions& o) {
     need(o.threads >= 0 && o.threads <= 1024, "threads", fmt::format("{}", o.threads), "must be 0 to 1024");
     job.boundary = parse_choice<BodyEnd>("boundary", o.boundary);
     job.outside = parse_choice<LightOutside>("outside", o.outside);
-    if (job.outside == LightOutside::followed) {
+    job.model = parse_choice<PredictionModel>("model", o.model);
+    if (job.outside == LightOutside::followed && job.model == PredictionModel::monte_carlo) {
         need(job.boundary != BodyEnd::voxels, "outside", o.outside, "needs the mesh: not with --boundary voxels");
         job.boundary = BodyEnd::mesh;
     }
@@ -405,7 +419,6 @@ ResolvedPrediction resolve(const PredictOptions& o) {
     job.backing = backing_or_auto(o.backing);
     if (!o.pitch.empty()) job.pitch_mm = parse_pitch_mm(o.pitch);
     for (const std::string& text : o.assign) job.assign.push_back(parse_assignment(text));
-    job.model = parse_choice<PredictionModel>("model", o.model);
     job.memory_bytes = memory_budget(o.memory_gib);
     if (job.view != PredictedView::automatic) expect_files_fit(job, job.view == PredictedView::top);
     return job;
@@ -429,8 +442,9 @@ PredictResult run_predict_job(const PredictOptions& options, Progress& progress)
     PredictedCells cells = find_cells(scene, job, figures, progress);
     const std::optional<MeshBoundary> boundary = find_boundary(job, stack, figures, progress);
     figures.boundary = boundary ? BodyEnd::mesh : BodyEnd::voxels;
+    const std::optional<PartsInSight> parts = find_parts_in_sight(job, stack.volume, cells.surface, figures, progress);
     figures.surface_s = watch.lap();
-    const std::uint64_t held = volumes + surface_bytes(cells.surface);
+    const std::uint64_t held = volumes + surface_bytes(cells.surface) + (parts ? parts->memory_bytes() : 0);
     note_memory(stack.volume, cells.surface.cells.size(), held, job.memory_bytes, figures, progress);
 
     double area_mm2 = 0;
@@ -442,7 +456,8 @@ PredictResult run_predict_job(const PredictOptions& options, Progress& progress)
         quality.boundary = boundary ? &*boundary : nullptr;
         quality.follow_outside = job.outside == LightOutside::followed;
         if (white) quality.seed = ~quality.seed;
-        return make_model(job.model, quality);
+        auto model = make_model(job.model, quality);
+        return parts ? with_light_between_parts(std::move(model), *parts) : std::move(model);
     };
     SurfacePrediction prediction =
         predict_surface(scene, std::move(cells.surface), maker, options.absolute ? -1 : stack.white, progress);

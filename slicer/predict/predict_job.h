@@ -28,7 +28,7 @@ struct PredictOptions {
     std::string backing =
         "auto";  ///< black, white, none; auto: what the job said; else black under slabs, none under bodies
     std::string boundary = "auto";    ///< of light paths: mesh, voxels; auto: the mesh where the stack knows its model
-    std::string outside = "lost";     ///< light paths that leave a body at its mesh: lost, followed
+    std::string outside = "lost";     ///< light that leaves one part of a body and meets another: lost, followed
     std::string view = "auto";        ///< top, body; auto: top for pictures and flat boxes
     bool overwrite = false;           ///< files that are there are replaced
     bool absolute = false;            ///< instead of relative to the white resin

@@ -239,6 +239,20 @@ TEST_CASE("Light paths leave a tilted body at its mesh, so that it has the colou
     CHECK(again_met["mean_rgb"] == lost["mean_rgb"]);
     CHECK(followed("followed --boundary voxels").exit_code == 2);
     CHECK(followed("everywhere").exit_code == 2);
+    // The fast predictor gathers it cell by cell: nothing for a convex body but what its steps take from each other.
+    const auto gathered = [&](const std::string& arguments) {
+        return run_program("predict --overwrite --json --quiet --cell 0.2mm --outside " + arguments + " -o " +
+                           (folder / "p.ply") + " " + (folder / "out,x35"));
+    };
+    const auto fast = result_of(gathered("lost --view body").out),
+               met = result_of(gathered("followed --view body").out);
+    CHECK(met["light_outside"] == "followed");
+    for (std::size_t c = 0; c < 3; ++c)
+        CHECK(double(met["mean_rgb"][c]) == Approx(double(fast["mean_rgb"][c])).margin(0.01));
+    const Outcome from_above = run_program("predict --overwrite --quiet --view top --outside followed -o " +
+                                           (folder / "p.png") + " " + (folder / "out"));
+    CHECK(from_above.exit_code == 3);
+    CHECK_THAT(from_above.err, Contains("--view body"));
     // What is not the model any more is not taken for it.
     folder.write("box.obj", ramp_box_obj(2.4, 2.4, 1.1));
     const std::string again = "predict --overwrite --quiet --view body --model monte-carlo --spp 2 --cell 0.5mm " +

@@ -5,6 +5,7 @@
 
 #include "voxtone/base/parallel.h"
 #include "voxtone/optics/colour/colour.h"
+#include "voxtone/optics/scene/surface_smoothing.h"
 
 namespace voxtone::loop_benchmark {
 namespace {
@@ -35,7 +36,41 @@ double share_at_limit(const Judgement& j, const halftone::EyeFilter& eye) {
     return all > 0 ? at_limit / all : 0;
 }
 
+/// L* less its mean over fine_mm.
+std::vector<float> fine_lightness(const optics::Surface& surface, const Colours& colours) {
+    const std::vector<optics::SurfacePoint> points = optics::surface_points(surface);
+    const optics::SurfaceSmoothing smoothing(points, fine_mm, 0, optics::typical_edge_mm(points));
+    std::vector<float> lightness(colours.size()), mean(colours.size());
+    parallel_for(0, colours.size(), 1024,
+                 [&](std::size_t i) { lightness[i] = static_cast<float>(lab(colours[i])[0]); });
+    smoothing.apply(lightness, mean, 1);
+    for (std::size_t i = 0; i < mean.size(); ++i) lightness[i] -= mean[i];
+    return lightness;
+}
+
+double paper_difference(const Colours& target, const Colours& print) {
+    constexpr double white = 99.5;  // L*
+    const std::vector<double> difference = differences(target, print);
+    double sum = 0, cells = 0;
+    for (std::size_t i = 0; i < target.size(); ++i)
+        if (lab(target[i])[0] > white) sum += difference[i], ++cells;
+    return cells > 0 ? sum / cells : 0;
+}
+
 }  // namespace
+
+double contrast_kept(const optics::Surface& surface, const Colours& target, const Colours& print,
+                     std::span<const char> mask) {
+    const std::vector<float> asked = fine_lightness(surface, target), shown = fine_lightness(surface, print);
+    double both = 0, square = 0;
+    for (std::size_t i = 0; i < asked.size(); ++i) {
+        if (!mask.empty() && !mask[i]) continue;
+        both += static_cast<double>(asked[i]) * static_cast<double>(shown[i]);
+        square += static_cast<double>(asked[i]) * static_cast<double>(asked[i]);
+    }
+    constexpr double barely = 1e-3;  // of L*
+    return square > barely * barely * static_cast<double>(asked.size()) ? both / square : 0;
+}
 
 std::vector<double> differences(const Colours& a, const Colours& b) {
     std::vector<double> d(a.size());
@@ -71,6 +106,9 @@ Scores score(const Judgement& j, const Eye& eye) {
     s.low_pass_in_gamut = through(eye.low_pass, j.in_gamut);
     s.s_cielab_in_gamut = through(eye.s_cielab, j.in_gamut);
     s.at_limit = share_at_limit(j, eye.published);
+    const Colours wanted = eye.low_pass(j.target), shown = eye.low_pass(j.print());
+    s.contrast_kept = contrast_kept(j.surface, wanted, shown, j.in_gamut);
+    s.paper = paper_difference(wanted, shown);
     return s;
 }
 

@@ -32,7 +32,16 @@ struct Scores {
     Figures low_pass_in_gamut;  ///< the same without the filter's negative surround
     Figures s_cielab_in_gamut;  ///< the same in the published opponent channels, in which white is not neutral
     double at_limit = 0;        ///< share of eye_in_gamut's sum in cells that have nothing more to give
+    double contrast_kept = 0;   ///< of the in-gamut cells, as seen (low_pass)
+    double paper = 0;           ///< mean CIEDE2000 as seen (low_pass) where the target is seen as white; 0: nowhere
 };
+
+inline constexpr double fine_mm = 0.8;
+
+/// How much of the target's fine contrast the print has: the slope of its L* against the target's, both less their mean
+/// over a Gaussian exp(-(r / fine_mm)^2). Noise of the print does not bias it. 0 where the target has none.
+[[nodiscard]] double contrast_kept(const optics::Surface& surface, const Colours& target, const Colours& print,
+                                   std::span<const char> mask);
 
 /// Of the cells whose mask is not 0; empty: of all.
 [[nodiscard]] Figures compare(const Colours& target, const std::array<Colours, 2>& half, std::span<const char> mask);

@@ -80,6 +80,16 @@ std::string slab_tables(const std::vector<SlabRow>& rows, const std::vector<std:
             r.print[1].iterations >= 0 ? std::to_string(r.print[1].iterations) : "-", number(r.print[0].seconds, 1),
             number(r.print[1].seconds, 1), number(r.print[0].core_seconds, 1), number(r.print[1].core_seconds, 1),
             100 * r.scores[0].at_limit, 100 * r.scores[1].at_limit);
+    text += fmt::format(
+        "\n**Contrast kept** (slope of what is finer than {} mm of L* as seen, in-gamut pixels) and paper (mean "
+        "CIEDE2000 "
+        "as seen where the target is white), {} -> {}\n\n| target | contrast | ratio | paper |\n|---|---|---|---|\n",
+        fine_mm, names[0], names[1]);
+    for (const SlabRow& r : rows)
+        text +=
+            fmt::format("| {} | {} -> {} | {} | {} -> {} |\n", r.name, number(r.scores[0].contrast_kept),
+                        number(r.scores[1].contrast_kept), ratio(r.scores[0].contrast_kept, r.scores[1].contrast_kept),
+                        number(r.scores[0].paper), number(r.scores[1].paper));
     for (const SlabRow& r : rows) {
         if (!r.gratings) continue;
         text += fmt::format("\n**Modulation kept**, {}\n\n| line pairs per mm | {} | {} | ratio |\n|---|---|---|---|\n",

@@ -55,34 +55,55 @@ void write_page(const fs::path& file, const Window& window, double px_per_mm, in
     io::write_whole_file(file, io::png_bytes(io::encode_over(picture, Eigen::Vector3f::Ones())));
 }
 
-/// Lines of 12, 10, 8, 7 and 6 point, black on white.
-struct TextPage {
-    static constexpr double width = page_width_mm, height = 20;
-    static constexpr double px_per_mm = 4 * page_px_per_mm;
-    TextPage() {
+struct TextLine {
+    std::string text;
+    double points;
+};
+
+/// Black on white, one line below the other.
+class TextPage {
+public:
+    TextPage(const std::vector<TextLine>& lines, double height) : height_(height) {
         std::vector<Stroke> strokes;
         double y = height - 0.6;
-        const auto line = [&](const std::string& text, double points) {
+        for (const auto& [text, points] : lines) {
             y -= 0.95 * points * mm_per_point;
             add_text(strokes, text, 0.7, y, points);
             y -= 0.28 * points * mm_per_point;
-        };
-        line("Sphinx", 12);
-        line("of black", 10);
-        line("quartz, 8 pt", 8);
-        line("judge my vow 7", 7);
-        line("Pack 5 dozen jugs", 6);
-        ink = draw_strokes(strokes, width, height, px_per_mm);
+        }
+        ink_ = draw_strokes(strokes, page_width_mm, height, px_per_mm);
     }
     [[nodiscard]] Eigen::Vector3d operator()(double x, double y) const {
-        const auto columns = static_cast<std::size_t>(std::lround(width * px_per_mm));
+        const auto columns = static_cast<std::size_t>(std::lround(page_width_mm * px_per_mm));
         const std::size_t i = static_cast<std::size_t>(x * px_per_mm),
-                          j = static_cast<std::size_t>((height - y) * px_per_mm);
+                          j = static_cast<std::size_t>((height_ - y) * px_per_mm);
         return Eigen::Vector3d::Constant(1 - (1 - ink_light) *
-                                                 static_cast<double>(ink[std::min(j * columns + i, ink.size() - 1)]));
+                                                 static_cast<double>(ink_[std::min(j * columns + i, ink_.size() - 1)]));
     }
-    std::vector<float> ink;
+
+private:
+    static constexpr double px_per_mm = 4 * page_px_per_mm;
+    double height_;
+    std::vector<float> ink_;
 };
+
+const std::vector<TextLine>& fitting_text() {
+    static const std::vector<TextLine> lines{
+        {"Sphinx", 12}, {"of black", 10}, {"quartz, 8 pt", 8}, {"judge my vow 7", 7}, {"Pack 5 dozen jugs", 6}};
+    return lines;
+}
+
+const std::vector<TextLine>& small_text() {
+    static const std::vector<TextLine> lines{
+        {"Paper is white, ink", 6}, {"is not  thin lines", 6}, {"of it fade, 0.2 mm", 6}, {"Axes 13-48, kg 976", 6}};
+    return lines;
+}
+
+const std::vector<TextLine>& held_out_text() {
+    static const std::vector<TextLine> lines{
+        {"Slow zebras jump", 6}, {"over quiet foxes,", 6}, {"batch 5072 of 84,", 6}, {"wax, 19 g - 36 kg", 6}};
+    return lines;
+}
 
 /// 36 black and 36 white sectors; in the middle a grey disc where they are finer than 4 line pairs per mm.
 Eigen::Vector3d siemens_star(double x, double y) {
@@ -141,13 +162,16 @@ std::vector<Target> make_targets(const fs::path& models, const fs::path& work, c
         });
         targets.push_back({p.name, file, window.width, window.height, false, p.held_out});
     }
-    const auto page = [&](const std::string& name, double height, const Paint& paint, int samples) {
+    const auto page = [&](const std::string& name, double height, const Paint& paint, int samples,
+                          bool held_out = false) {
         const Window window = middle(page_width_mm, height, crop);
         const fs::path file = work / (name + ".png");
         write_page(file, window, page_px_per_mm, samples, paint);
-        targets.push_back({name, file, window.width, window.height, false});
+        targets.push_back({name, file, window.width, window.height, false, held_out});
     };
-    if (wanted("text")) page("text", TextPage::height, TextPage(), 4);
+    if (wanted("text")) page("text", 20, TextPage(fitting_text(), 20), 4);
+    if (wanted("small_type")) page("small_type", 12, TextPage(small_text(), 12), 4);
+    if (wanted("fine_print")) page("fine_print", 12, TextPage(held_out_text(), 12), 4, true);
     if (wanted("siemens_star")) page("siemens_star", 14, siemens_star, 4);
     if (wanted("colour_checker")) page("colour_checker", 14, colour_checker, 4);
     if (wanted("gratings")) {

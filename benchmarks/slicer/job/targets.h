@@ -14,7 +14,7 @@ struct Target {
     std::filesystem::path picture;  ///< PNG in the work folder
     double width_mm = 0, height_mm = 0;
     bool gratings = false;
-    bool held_out = false;  ///< benchmarks/sets.h; pages made here belong to the fitting set
+    bool held_out = false;  ///< benchmarks/sets.h; of the pages made here, fine_print
 };
 
 struct Crop {

@@ -5,7 +5,8 @@
 // cells of 0.085 mm, Vero Opaque. Per body: paths per second with either boundary; the appearance of the whole body,
 // relative to the same body all of white resin; CIEDE2000 between the two; and the rms difference of single cells in
 // linear RGB, the noise taken out (the product of two independent halves). Then bodies that are not convex: what it
-// matters that light that leaves one part of them and meets another is followed.
+// matters that light that leaves one part of them and meets another is followed, and how near the fast predictor comes
+// to it that gathers such light cell by cell (parts_in_sight.h). `boundary_benchmark PATHS outside`: those alone.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -26,6 +27,8 @@
 #include "voxtone/optics/colour/colour.h"
 #include "voxtone/optics/monte_carlo/monte_carlo.h"
 #include "voxtone/slicer/mesh/mesh_boundary.h"
+#include "voxtone/slicer/options/model_choice.h"
+#include "voxtone/slicer/predict/parts_in_sight.h"
 #include "voxtone/slicer/solid/solid.h"
 
 using namespace voxtone;
@@ -224,6 +227,32 @@ double open_share(const BodyBoundary& boundary, const SurfaceCell& cell) {
     return static_cast<double>(open) / rays;
 }
 
+/// Relative colours of each group's mean by the fast predictor: light between parts lost, gathered.
+std::array<std::array<Vector3d, 4>, 2> gathered(const Scene& scene, const Surface& surface, const ResinVolume& paper,
+                                                const std::vector<std::size_t>& group) {
+    const PartsInSight parts(*scene.volume, surface);
+    const auto model = make_model(PredictionModel::transport, {.cell_mm = 0.085});
+    Scene white_scene = scene;
+    white_scene.volume = &paper;
+    std::array<std::array<Vector3d, 4>, 2> colour{};
+    const Appearance print = model->predict(scene, surface), twin = model->predict(white_scene, surface);
+    for (std::size_t k = 0; k < 2; ++k) {
+        std::vector<float> of_print = print.value, of_twin = twin.value;
+        if (k == 1) {
+            parts.shade(of_print, 3, scene.resins->eta);
+            parts.shade(of_twin, 3, scene.resins->eta);
+        }
+        std::array<Vector3d, 4> sum{}, white_sum{};
+        for (std::size_t g = 0; g < 4; ++g) sum[g] = white_sum[g] = Vector3d::Zero();
+        for (std::size_t i = 0; i < of_print.size(); ++i) {
+            sum[group[i / 3]][static_cast<int>(i % 3)] += static_cast<double>(of_print[i]);
+            white_sum[group[i / 3]][static_cast<int>(i % 3)] += static_cast<double>(of_twin[i]);
+        }
+        for (std::size_t g = 0; g < 4; ++g) colour[k][g] = sum[g].cwiseQuotient(white_sum[g]);
+    }
+    return colour;
+}
+
 /// A body all white, and of half cyan and magenta voxels: what following light outside changes in the mean of cells
 /// that see so much of the sky.
 void measure_outside(const char* name, const SolidMesh& mesh, std::uint32_t paths) {
@@ -254,6 +283,7 @@ void measure_outside(const char* name, const SolidMesh& mesh, std::uint32_t path
         add(print[k], volume);
         add(twin[k], paper);
     }
+    const std::array<std::array<Vector3d, 4>, 2> fast = gathered(scene, surface, paper, group);
     constexpr std::array<const char*, 4> names{"below 0.4", "0.4 to 0.7", "0.7 to 0.95", "above 0.95"};
     for (std::size_t g = 0; g < 4; ++g) {
         const auto cells = std::count(group.begin(), group.end(), g);
@@ -264,6 +294,10 @@ void measure_outside(const char* name, const SolidMesh& mesh, std::uint32_t path
                     100.0 * static_cast<double>(cells) / static_cast<double>(group.size()), shade[0], shade[1],
                     shade[2], lost[0], lost[1], lost[2], followed[0], followed[1], followed[2],
                     ciede2000(lab_from_linear_srgb(lost), lab_from_linear_srgb(followed)));
+        for (std::size_t k = 0; k < 2; ++k)
+            std::printf("%-20s %-12s %7s   %-17s   %-17s   %.3f %.3f %.3f   %5.2f\n", "",
+                        k == 0 ? "fast, lost" : "gathered", "", "", "", fast[k][g][0], fast[k][g][1], fast[k][g][2],
+                        ciede2000(lab_from_linear_srgb(fast[k][g]), lab_from_linear_srgb(followed)));
     }
 }
 
@@ -296,10 +330,7 @@ void measure(const char* name, const SolidMesh& mesh, std::uint32_t paths,
         std::copysign(std::sqrt(std::abs(square)), square));
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
-    const auto paths = static_cast<std::uint32_t>(argc > 1 ? std::atoi(argv[1]) : 200);
+void measure_boundaries(std::uint32_t paths) {
     std::printf("%-28s %9s %9s   %-17s   %-17s   %-17s   %-17s   %5s   %s\n", "body", "faces/s", "mesh/s",
                 "colour, faces", "colour, mesh", "white, faces", "white, mesh", "dE00", "rms of cells");
     const double r = 1.2;
@@ -310,6 +341,14 @@ int main(int argc, char** argv) {
     for (const double angle : {0.0, 0.2, 0.6, 1.1})
         measure(("plate 0.5 mm, " + std::to_string(angle).substr(0, 3) + " rad").c_str(),
                 plate({2.5, 2.5, 0.5}, Eigen::AngleAxisd(angle, Vector3d(0.6, 0.8, 0))), paths, halftone);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    const auto paths = static_cast<std::uint32_t>(argc > 1 ? std::atoi(argv[1]) : 200);
+    const bool all = argc < 3 || std::string(argv[2]) != "outside";
+    if (all) measure_boundaries(paths);
     std::printf("\n%-20s %-12s %7s   %-17s   %-17s   %-17s   %s\n", "light outside", "sky seen", "cells",
                 "white, followed", "colour, lost", "colour, followed", "dE00");
     measure_outside("cup, 4 x 4 x 4 mm", cup(2, 4, 0.8, 96), paths);

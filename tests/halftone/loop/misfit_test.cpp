@@ -25,6 +25,13 @@ std::vector<Eigen::Vector3f> colours(std::uint64_t seed) {
     return rgb;
 }
 
+/// Of a fifth of the cells in blocks, of the others none.
+std::vector<float> here_and_there() {
+    std::vector<float> k(n * n);
+    for (std::size_t i = 0; i < k.size(); ++i) k[i] = i % n / 5 % 5 == i / n / 5 % 5 ? contrast_part : 0;
+    return k;
+}
+
 }  // namespace
 
 TEST_CASE("The misfit is 0 at the target, and its derivative is that of differences", "[loop]") {
@@ -33,8 +40,10 @@ TEST_CASE("The misfit is 0 at the target, and its derivative is that of differen
     const auto target = colours(1), shown = colours(2);
     std::vector<float> weight(n * n, 1.0f);
     for (std::size_t i = 0; i < weight.size(); i += 3) weight[i] = 0.25f;
-    for (const bool contrast : {false, true}) {
-        const MisfitFunction misfit(surface, eye, target, weight, contrast ? &wide : nullptr, contrast_part);
+    const std::vector<float> everywhere(n * n, contrast_part);
+    for (const std::vector<float>& k : {std::vector<float>{}, everywhere, here_and_there()}) {
+        const bool contrast = !k.empty();
+        const MisfitFunction misfit(surface, eye, target, weight, contrast ? &wide : nullptr, k);
         CHECK(misfit(target).value == Approx(0).margin(1e-9));
         const Misfit here = misfit(shown);
         CHECK(here.value > 0);
@@ -63,7 +72,8 @@ TEST_CASE("With the contrast intent an even offset counts little, a pattern as b
         lighter(n * n, Eigen::Vector3f::Constant(0.4f));
     std::vector<Eigen::Vector3f> stripes = grey;  // of the same mean
     for (std::size_t i = 0; i < stripes.size(); ++i) stripes[i].setConstant(i % n / 4 % 2 ? 0.35f : 0.25f);
-    const MisfitFunction plain(surface, eye, grey), contrast(surface, eye, grey, {}, &wide, contrast_part);
+    const MisfitFunction plain(surface, eye, grey),
+        contrast(surface, eye, grey, {}, &wide, std::vector<float>(n * n, contrast_part));
     const double keeps = (1 - double(contrast_part)) * (1 - double(contrast_part));
     // The small part that is taken cell by cell has no privilege.
     CHECK(contrast(lighter).value < (keeps + 0.12) * plain(lighter).value);

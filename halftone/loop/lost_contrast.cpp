@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/halftone/loop/lost_contrast.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "voxtone/base/contracts.h"
+#include "voxtone/base/parallel.h"
+#include "voxtone/optics/colour/colour.h"
+
+namespace voxtone::halftone {
+
+namespace {
+
+constexpr float middle_loss = 0.03f;  // s
+constexpr float least_contrast = 1e-6f;
+
+float lightness_of(const Eigen::Vector3f& rgb) {
+    return static_cast<float>(optics::oklab_from_linear_srgb(rgb.cast<double>().cwiseMax(0))[0]);
+}
+
+}  // namespace
+
+std::vector<float> lost_contrast(std::span<const Eigen::Vector3f> seen_target, std::span<const Eigen::Vector3f> seen,
+                                 const EyeFilter& wide) {
+    VOXTONE_EXPECT(seen.size() == seen_target.size());
+    const std::size_t n = seen.size();
+    std::vector<Eigen::Vector3f> light(n), product(n), lost(n);
+    parallel_for(0, n, 1024, [&](std::size_t i) {
+        light[i] = {lightness_of(seen_target[i]), lightness_of(seen[i]), 0};
+    });
+    const std::vector<Eigen::Vector3f> mean = wide.smoothed(light);
+    parallel_for(0, n, 1024, [&](std::size_t i) {
+        const float t = light[i][0] - mean[i][0], p = light[i][1] - mean[i][1];
+        product[i] = {t * t, t * (t - p), 0};
+    });
+    product = wide.smoothed(product);
+    parallel_for(0, n, 1024, [&](std::size_t i) {
+        const float wanted = std::sqrt(std::max(product[i][0], 0.0f));
+        lost[i].setConstant(wanted > least_contrast ? std::max(product[i][1] / wanted, 0.0f) : 0);
+    });
+    lost = wide.smoothed(wide.smoothed(lost));
+    std::vector<float> u(n);
+    parallel_for(0, n, 1024, [&](std::size_t i) { u[i] = lost[i][0]; });
+    return u;
+}
+
+std::vector<float> contrast_parts(std::vector<float> lost, float most) {
+    VOXTONE_EXPECT(most >= 0 && most <= 1);
+    for (float& u : lost) u = most * (u * u / (u * u + middle_loss * middle_loss));
+    return lost;
+}
+
+}  // namespace voxtone::halftone
