@@ -22,7 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t estimate_every = 20;
-constexpr std::uint32_t estimate_paths = 8192;
+constexpr std::uint32_t few_paths = 2048, many_paths = 32768;
 
 std::string partial_name(const DictionaryJob& job) { return job.out + ".partial"; }
 
@@ -116,39 +116,39 @@ JobResult merge(const DictionaryJob& job) {
     return result_of(job, all, 0, 0);
 }
 
-JobResult estimate(const DictionaryJob& job, const EdgeSetup& setup, Progress& progress) {
-    EdgeGrid grid = grid_of(job);
-    const double paths = grid.paths;
-    grid.paths = std::min(grid.paths, estimate_paths);
+// Core seconds of a sample of the runs, each with so many paths.
+double sampled_seconds(const EdgeSetup& setup, EdgeGrid grid, std::uint32_t paths, Progress& progress) {
+    grid.paths = paths;
     const double before = cpu_seconds();
-    std::size_t sampled = 0;
-    progress.begin_stage("sample", (grid.runs() + estimate_every - 1) / estimate_every, "runs");
     for (std::size_t run = (estimate_every - 1) / 2 % grid.runs(); run < grid.runs(); run += estimate_every) {
         static_cast<void>(edge_record(setup, grid, run, &progress));
-        ++sampled;
         progress.advance();
     }
+    return cpu_seconds() - before;
+}
+
+// A run costs what its paths cost, and what solving for its noise costs, which is the same for any number of paths: two
+// samples tell both.
+JobResult estimate(const DictionaryJob& job, const EdgeSetup& setup, Progress& progress) {
+    const EdgeGrid grid = grid_of(job);
+    const std::size_t sampled = (grid.runs() + estimate_every - 1) / estimate_every;
+    progress.begin_stage("sample", 2 * sampled, "runs");
+    const double few = sampled_seconds(setup, grid, few_paths, progress),
+                 many = sampled_seconds(setup, grid, many_paths, progress);
     progress.end_stage();
-    // Solving for the noise costs the same for any number of paths.
-    const double sample_seconds = (cpu_seconds() - before) / static_cast<double>(sampled);
-    EdgeGrid fewer = grid;
-    fewer.paths = grid.paths / 2;
-    const double middle = cpu_seconds();
-    for (std::size_t run = (estimate_every - 1) / 2 % grid.runs(); run < grid.runs(); run += estimate_every)
-        static_cast<void>(edge_record(setup, fewer, run, &progress));
-    const double fewer_seconds = (cpu_seconds() - middle) / static_cast<double>(sampled);
-    const double per_path = std::max(0.0, sample_seconds - fewer_seconds) / (grid.paths - fewer.paths);
-    const double each = std::max(0.0, sample_seconds - per_path * grid.paths);
-    const double whole = static_cast<double>(grid.runs()) * (each + per_path * paths);
+    const double per_path = std::max(0.0, many - few) / (many_paths - few_paths),
+                 fixed = std::max(0.0, few - per_path * few_paths);
+    const double whole =
+        (fixed + per_path * grid.paths) * static_cast<double>(grid.runs()) / static_cast<double>(sampled);
     const nlohmann::ordered_json json{{"format", "voxtone-calibrate-edge-dictionary-estimate"},
                                       {"version", 1},
                                       {"runs", grid.runs()},
                                       {"sampled", sampled},
                                       {"core_seconds", whole}};
-    return {
-        json.dump(),
-        fmt::format("{} runs of {} paths: about {:.0f} core seconds ({:.2f} core hours), from {} runs of {} paths\n",
-                    grid.runs(), static_cast<std::uint64_t>(paths), whole, whole / 3600, sampled, grid.paths)};
+    return {json.dump(),
+            fmt::format("{} runs of {} paths: about {:.0f} core seconds ({:.2f} core hours), from {} runs of "
+                        "{} and {} paths\n",
+                        grid.runs(), grid.paths, whole, whole / 3600, sampled, few_paths, many_paths)};
 }
 
 }  // namespace

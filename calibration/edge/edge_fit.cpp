@@ -16,6 +16,7 @@ namespace voxtone::calibration {
 namespace {
 
 constexpr double coarse_mu = 0.01, fine_mu = 0.001, largest_v_error = 0.1, largest_ln_error = 0.35, odd_bound = 1e-6;
+constexpr double least_misfit = 0.03, misfit_of_level = 0.08;
 constexpr double thin_signal = 0.0005;  // a step smaller than this is lost in uneven light: it tells no extinction
 
 using Minimum = EdgeObjective::Minimum;
@@ -277,6 +278,7 @@ private:
                     albedo(p[0] - error[0]),
                     {}};
         doubts(part, error, v);
+        warn_of_misfit(part);
         fit_.set.resins[part.resin].sigma_t_per_mm[part.channel] = v.sigma_t.value;
         fit_.set.resins[part.resin].albedo[part.channel] = v.albedo.value;
     }
@@ -295,6 +297,19 @@ private:
         if (error[0] > largest_v_error) v.albedo.doubts.push_back(Doubt::unsure);
         if (error[1] > largest_ln_error) v.sigma_t.doubts.push_back(Doubt::unsure);
         v.told = v.sigma_t.doubts.empty() && v.albedo.doubts.empty();
+    }
+
+    // Slabs that no resin explains: swapped, or not as thick as they are said to be.
+    void warn_of_misfit(const Part& part) {
+        double level = 0;
+        for (const EdgeObservation& slab : part.objective->slabs())
+            level = std::max(level, fit_.mu * slab.value.cwiseAbs().mean());
+        if (part.found.distance < std::max(least_misfit, misfit_of_level * level)) return;
+        fit_.warnings.push_back(
+            fmt::format("{} in {}: no resin has these profiles (distance {:.3f}, where they are {:.3f} bright). Are "
+                        "its slabs of this "
+                        "resin and as thick as the table says, and is the setup that of the bench?",
+                        roles_[part.resin], "RGB"[part.channel], part.found.distance, level));
     }
 
     void warn_of_mu() {

@@ -51,11 +51,11 @@ std::string fiducials() {
 
 std::string scale() {
     std::string svg = fmt::format(
-        "<rect x=\"{:g}\" y=\"{:g}\" width=\"{:g}\" height=\"0.2\"/>\n<text x=\"{:g}\" y=\"{:g}\" font-size=\"4\" "
+        "<rect x=\"{:g}\" y=\"{:g}\" width=\"{:g}\" height=\"0.4\"/>\n<text x=\"{:g}\" y=\"{:g}\" font-size=\"4\" "
         "font-family=\"sans-serif\">100 mm when printed at 100 %; squares of {:g} mm</text>\n",
-        scale_left, scale_y - 0.1, scale_length, scale_left, scale_y + 8, square);
+        scale_left, scale_y - 0.2, scale_length, scale_left, scale_y + 8, square);
     for (int k = 0; k <= 10; ++k)
-        svg += fmt::format("<rect x=\"{:g}\" y=\"{:g}\" width=\"0.2\" height=\"3\"/>\n", scale_left + 10 * k - 0.1,
+        svg += fmt::format("<rect x=\"{:g}\" y=\"{:g}\" width=\"0.4\" height=\"3\"/>\n", scale_left + 10 * k - 0.2,
                            scale_y);
     return svg;
 }

@@ -154,15 +154,17 @@ TEST_CASE("resins come back from their profiles, with what the bench does wrong"
 }
 
 TEST_CASE("a fit refuses what it cannot use", "[edge]") {
-    const EdgeSetup setup;
-    EdgeGrid grid = small_grid(2, 8, 2048);
-    const auto dictionary = traced(grid, setup);
+    // Made once for all sections.
+    static const EdgeSetup setup;
+    static const auto dictionary = traced(small_grid(2, 12, 8192), setup);
+    static const auto profiles = [] {
+        EdgeBench faults;
+        faults.paths = 16384;
+        return simulate_edge_profiles(optics::vero_opaque().subset(std::vector<std::string>{"M", "K"}), setup, {0.5, 1},
+                                      faults);
+    }();
     EdgeProfileTable table(dictionary, setup);
     EdgeFitOptions options;
-    EdgeBench faults;
-    faults.paths = 2048;
-    optics::ResinSet set = optics::vero_opaque().subset(std::vector<std::string>{"M", "K"});
-    const auto profiles = simulate_edge_profiles(set, setup, {0.5, 1}, faults);
     SECTION("one resin") {
         const std::vector<EdgeProfile> one(profiles.begin(), profiles.begin() + 2);
         CHECK_THROWS_WITH(fit_edges(one, table, options), Contains("at least two"));
@@ -189,6 +191,15 @@ TEST_CASE("a fit refuses what it cannot use", "[edge]") {
         shard.records[1] = {};
         CHECK_THROWS_WITH(EdgeProfileTable(std::make_shared<const EdgeDictionary>(shard), setup),
                           Contains("lacks 1 of"));
+    }
+    SECTION("slabs of two resins that were swapped are told") {
+        auto swapped = profiles;
+        std::swap(swapped[0].resin, swapped[2].resin);
+        const EdgeFit fit = fit_edges(swapped, table, options);
+        REQUIRE_FALSE(fit.warnings.empty());
+        CHECK_THAT(fit.warnings[0], Contains("no resin has these profiles"));
+        for (const std::string& warning : fit_edges(profiles, table, options).warnings)
+            CHECK_THAT(warning, !Contains("no resin has these profiles"));
     }
     SECTION("a g that the dictionary does not have") {
         options.g = 0.6;

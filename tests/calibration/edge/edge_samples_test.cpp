@@ -56,7 +56,7 @@ TEST_CASE("the sheet is drawn in mm, its squares alternate", "[edge]") {
         CHECK((column + row) % 2 == 0);
     }
     CHECK(squares == 39);  // of 7 x 11
-    CHECK_THAT(svg, Contains("width=\"100\" height=\"0.2\""));
+    CHECK_THAT(svg, Contains("width=\"100\" height=\"0.4\""));
 }
 
 TEST_CASE("slabs that cannot be are refused by option", "[edge]") {
