@@ -81,7 +81,7 @@ std::string configuration(const fs::path& at) {
         "MpiDefault=none\nProctrackType=proctrack/linuxproc\nTaskPlugin=task/none\nSwitchType=switch/none\n"
         "SelectType=select/cons_tres\nSelectTypeParameters=CR_Core_Memory\nJobAcctGatherType=jobacct_gather/none\n"
         "AccountingStorageType=accounting_storage/none\nReturnToService=2\nSlurmdTimeout=6\n"
-        "MessageTimeout=5\nKillWait=2\nMinJobAge=300\nMaxArraySize=11\n"
+        "MessageTimeout=5\nKillWait=2\nMinJobAge=300\nMaxArraySize=11\nSlurmdParameters=config_overrides\n"
         "SchedulerParameters=batch_sched_delay=0,sched_interval=1,bf_interval=1\n";
     text += fmt::format("NodeName={} NodeAddr=127.0.0.1 CPUs=2 RealMemory=4000 State=UNKNOWN\n", host);
     return text + "PartitionName=main Nodes=ALL Default=YES MaxTime=INFINITE State=UP\n";

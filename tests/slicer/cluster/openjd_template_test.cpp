@@ -144,7 +144,7 @@ OpenJobChain cut(const std::string& name) {
              {}}};
 }
 
-std::string template_of(const std::vector<OpenJobChain>& jobs, const std::string& out = "/farm/monday") {
+std::string template_of(const std::vector<OpenJobChain>& jobs, const std::string& out = "/shared/monday") {
     return openjd_template(jobs, {"/usr/bin/voxtone", out});
 }
 
@@ -194,6 +194,6 @@ TEST_CASE("what cannot stand in a template is refused", "[cluster]") {
     CHECK_THROWS_WITH(template_of({whole("a{{b")}), Contains("'a{{b'") && Contains("name it otherwise"));
     CHECK_THROWS_AS(template_of({whole("a\nb")}), InputError);
     CHECK_THROWS_AS(template_of({whole("a\xC2\x85z")}), InputError);
-    CHECK_THROWS_AS(template_of({whole("a")}, "/farm/{{x}}"), InputError);
+    CHECK_THROWS_AS(template_of({whole("a")}, "/shared/{{x}}"), InputError);
     CHECK_THROWS_AS(template_of({whole("a")}, "/" + std::string(1024, 'x')), InputError);
 }
