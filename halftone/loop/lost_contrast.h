@@ -3,9 +3,8 @@
 // Where contrast before level matters: how much of the target's fine contrast a print loses, place by place.
 //
 //   t, p      Oklab's lightness of target and print as seen (eye_filter.h), each less its mean S over a millimetre
-//   l_i       = max(0, S(t (t - p))_i / sqrt(S(t^2))_i):  of the contrast sqrt(S(t^2)) what the print has not got;
-//   light
-//               and dark that the target knows nothing of does not count
+//   l_i       = max(0, S(t (t - p))_i / sqrt(S(t^2))_i):  what the print has not got of the contrast sqrt(S(t^2));
+//             light and dark that the target knows nothing of do not count
 //   u         = S S l:  whoever stands near gives light to what loses contrast, or takes it
 //   k_i       = most * u_i^2 / (u_i^2 + s^2),   s = 0.03
 //
