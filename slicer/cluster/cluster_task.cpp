@@ -287,8 +287,8 @@ void settle(JobState& state, const BatchFolder& batch, const Submission& submiss
         submission.text(), submission.numbers().empty() ? "" : ", in batch/slurm.out,", before);
 }
 
-/// Where squeue is not on the nodes, nothing is known to work on any job: what does notes itself again.
-/// Nor where none of these was submitted to Slurm.
+/// Where squeue is not on the nodes, or none of these was submitted to Slurm, nothing is known to work on any job: what
+/// does notes itself again.
 std::set<std::string> queue_for_closing(const std::vector<Submission>& submissions, Progress& progress) {
     if (std::none_of(submissions.begin(), submissions.end(), [](const auto& one) { return !one.numbers().empty(); }))
         return {};
