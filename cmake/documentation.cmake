@@ -1,4 +1,4 @@
-# Manual pages, written by the program itself from its table of options (cli/manual.h) whenever it is linked.
+# Manual pages, written by the program itself from its table of options (cli/program/manual.h) whenever it is linked.
 set(manual ${PROJECT_BINARY_DIR}/man1)
 add_custom_command(TARGET voxtone POST_BUILD COMMAND voxtone manual ${manual}
                    COMMENT "Writing the manual pages" VERBATIM)

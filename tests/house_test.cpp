@@ -169,7 +169,7 @@ TEST_CASE("a room is no heap") {
         units[fs::path(source.path).parent_path().generic_string()].insert(unit_of(source.path));
     for (const auto& [folder, names] : units) {
         INFO(folder);
-        CHECK(names.size() <= (folder == "cli" ? 48u : 24u));
+        CHECK(names.size() <= 24u);
     }
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// What a batch tells of its jobs while it runs: to a terminal, a log or a program (cli/batch_view.h).
+// What a batch tells of its jobs while it runs: to a terminal, a log or a program (cli/batch/batch_view.h).
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/cli/outcome.h"
+#include "voxtone/cli/program/outcome.h"
 
 #include <cstdio>
 #include <new>

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <fmt/core.h>
+#include <CLI/CLI.hpp>
+
+#include "voxtone/cli/batch/batch_commands.h"
+#include "voxtone/cli/batch/batch_view.h"
+#include "voxtone/cli/batch/cluster_options.h"
+#include "voxtone/cli/program/common_options.h"
+#include "voxtone/cli/program/help.h"
+#include "voxtone/slicer/batch/batch_job.h"
+
+namespace voxtone::cli {
+
+namespace {
+
+struct BatchArguments {
+    slicer::PlanOptions plan;
+    slicer::BatchOptions batch;
+    std::string out;
+    double memory_gib = 0;
+    bool print_commands = false;
+    std::string watch;
+    ClusterOptions cluster;
+    RunOptions run;
+};
+
+void add_plan_options(CLI::App& command, BatchArguments& arguments) {
+    command
+        .add_option("plan", arguments.plan.plan,
+                    "job list (.jsonl: one job a line, with the keys of job files), table (.csv with a header of such "
+                    "keys), folder of models, or models and patterns of them; a key \"name\" names a job")
+        ->type_name("PLAN");
+    add_out_option(command, arguments.out, "FOLDER",
+                   "folder of the batch: job NAME goes to FOLDER/NAME; nothing is written outside it");
+    command.add_option("--preset", arguments.plan.preset, "job file whose options all jobs begin with; empty: none")
+        ->type_name("FILE");
+    add_value(command, "--name", arguments.plan.name,
+              "names of the jobs: {name} is that of the plan or of the model, {n:03} counts them, {size} or another "
+              "key of an option is its value")
+        ->type_name("TEMPLATE");
+}
+
+void add_batch_options(CLI::App& command, BatchArguments& arguments) {
+    add_count(command, "--jobs", arguments.batch.jobs,
+              "most jobs at once; 0: as many as cores (--threads) and memory allow")
+        ->check(CLI::Range(0, 1024));
+    add_value(command, "--memory", arguments.memory_gib, "memory for all jobs together, GiB; 0: the machine's")
+        ->type_name("GIB")
+        ->check(CLI::Range(0.0, 1e6));
+    add_count(command, "--retries", arguments.batch.retries,
+              "how often a job is tried again that failed for no fault of its own (exit code 75, stopped, killed), "
+              "after 2, 4, 8, ... s")
+        ->check(CLI::Range(0, 1000));
+    command.add_flag("--fail-fast", arguments.batch.fail_fast,
+                     "stop at the first job that fails; others are saved and go on when the batch is run again");
+    command
+        .add_option("--after", arguments.batch.after,
+                    "command for the shell, run once for each result when it is whole, with the state of the job "
+                    "(JSON) on stdin; empty: none")
+        ->type_name("CMD");
+    command
+        .add_option("--watch", arguments.watch,
+                    "in the place of a plan: slice the models in this folder and those that arrive there, once they "
+                    "have not changed for 3 s, until it is stopped; empty: do not")
+        ->type_name("FOLDER");
+    command.add_flag("--print-commands", arguments.print_commands,
+                     "print the command of each job, quoted for a shell, and stop");
+}
+
+int run(const CLI::App& command, const BatchArguments& arguments) {
+    slicer::PlanOptions plan = arguments.plan;
+    if (arguments.cluster.any() && !arguments.watch.empty())
+        throw UsageError(fmt::format("{} is for a plan; what will arrive in a folder is not known",
+                                     arguments.cluster.slurm ? "--slurm" : "--openjd"));
+    slicer::BatchOptions batch = arguments.batch;
+    plan.out = batch.out = arguments.out;
+    batch.program = this_program();
+    expect_cluster_options(command, arguments.cluster);
+    batch.cores = arguments.run.threads;
+    batch.memory_bytes = static_cast<std::uint64_t>(arguments.memory_gib * (1 << 30));
+    const RunOptions& options = arguments.run;
+    if (plan.plan.empty() == arguments.watch.empty())
+        throw UsageError(plan.plan.empty()
+                             ? "name a plan: a job list, a table, a folder of models or models; or a folder to --watch"
+                             : "--watch takes the place of a plan; give one of them");
+    if (!arguments.watch.empty() && arguments.print_commands)
+        throw UsageError("--print-commands is for a plan; what will arrive in a folder is not known");
+    if (arguments.cluster.any()) return run_on_cluster(plan, batch, arguments.cluster, arguments.run);
+    if (arguments.print_commands)
+        return run_on_console(
+            options, [&](Progress& progress) { return slicer::print_batch_commands(plan, batch.program, progress); });
+    const std::unique_ptr<slicer::BatchView> view = make_batch_view(options.console);
+    return run_on_console(options, [&](Progress& progress) -> JobResult {
+        if (!arguments.watch.empty()) slicer::run_watch_job(arguments.watch, plan, batch, *view, progress);
+        return slicer::run_batch_job(plan, batch, *view, progress);
+    });
+}
+
+}  // namespace
+
+Command add_batch_command(CLI::App& program) {
+    auto arguments = std::make_shared<BatchArguments>();
+    CLI::App* command = program.add_subcommand(
+        "batch", "Slice many models, as many at once as the machine allows; run it again to go on where it ended");
+    add_plan_options(*command, *arguments);
+    add_batch_options(*command, *arguments);
+    add_cluster_options(*command, arguments->cluster);
+    add_run_options(*command, arguments->run);
+    arguments->run.console.grace = std::chrono::seconds(28);  // jobs save themselves first
+    add_example(*command, "plan.csv -o out/monday");
+    return [arguments, command] { return run(*command, *arguments); };
+}
+
+}  // namespace voxtone::cli

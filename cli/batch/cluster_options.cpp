@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/cli/batch/cluster_options.h"
+
+#include <system_error>
+
+#include <fmt/core.h>
+
+#include "voxtone/base/error.h"
+#include "voxtone/slicer/cluster/openjd_job.h"
+#include "voxtone/slicer/cluster/slurm_job.h"
+
+namespace voxtone::cli {
+
+namespace {
+
+constexpr const char* group = "Cluster";
+
+std::vector<std::string> with_dashes(const std::vector<std::string>& words) {
+    std::vector<std::string> dashed;
+    for (const std::string& word : words) dashed.push_back(word.starts_with('-') ? word : "--" + word);
+    return dashed;
+}
+
+}  // namespace
+
+void add_cluster_options(CLI::App& command, ClusterOptions& options) {
+    command
+        .add_flag("--slurm", options.slurm,
+                  "hand the jobs to Slurm and end: for each the appearance loop, its layers as an array of shards and "
+                  "their merge, or one task where its estimate asks for no more; --threads: most cores of a task, 0: "
+                  "8. The same command again submits what is left")
+        ->group(group);
+    command
+        .add_option("--openjd", options.openjd,
+                    "write what is left of the plan as a job template of Open Job Description (2023-09, JSON) for any "
+                    "render manager that speaks it, and end; --threads: most cores of a task, 0: 8; empty: do not")
+        ->type_name("FILE")
+        ->group(group);
+    command.add_flag("--dry-run", options.dry_run, "with --slurm: print the scripts; write and submit nothing")
+        ->group(group);
+    add_count(command, "--shards", options.shards,
+              "with --slurm or --openjd: cut each job's layers into so many parts; 0: so that none takes more than ten "
+              "minutes by "
+              "its estimate")
+        ->check(CLI::Range(0, 100000))
+        ->group(group);
+    add_count(command, "--throttle", options.throttle,
+              "with --slurm: most tasks at once, of those submitted by this call; 0: as many as the cluster gives")
+        ->check(CLI::Range(0, 1000000))
+        ->group(group);
+    command
+        .add_option("--sbatch-option", options.sbatch,
+                    "with --slurm: an option for sbatch, which goes before the estimate's, without its dashes: "
+                    "partition=long; may be given several times; default: none")
+        ->type_name("WORD")
+        ->expected(1)
+        ->take_all()
+        ->group(group);
+}
+
+void expect_cluster_options(const CLI::App& command, const ClusterOptions& options) {
+    if (options.slurm && !options.openjd.empty())
+        throw UsageError("--slurm and --openjd hand the jobs over twice; give one of them");
+    if (!options.slurm) {
+        for (const char* const name : {"--dry-run", "--throttle", "--sbatch-option"})
+            if (command.count(name) > 0)
+                throw UsageError(
+                    fmt::format("{} goes with --slurm; `--print-commands` shows what would be run here", name));
+        if (command.count("--shards") > 0 && !options.any())
+            throw UsageError("--shards goes with --slurm or --openjd; here a job is not cut");
+    }
+    if (!options.any()) return;
+    const char* const kind = options.slurm ? "--slurm" : "--openjd";
+    for (const char* const name : {"--jobs", "--memory", "--fail-fast", "--after", "--print-commands"})
+        if (command.count(name) > 0)
+            throw UsageError(fmt::format(
+                "{} does not go with {}, which leaves to the cluster what runs where and when; leave it out{}", name,
+                kind,
+                options.slurm && std::string_view(name) == "--jobs" ? ", or bound the tasks at once with --throttle"
+                                                                    : ""));
+}
+
+namespace {
+
+slicer::ChainOptions chain_options(const ClusterOptions& options, const RunOptions& run) {
+    slicer::ChainOptions chain;
+    chain.shards = options.shards;
+    if (options.shards > 0) chain.most_shards = options.shards;
+    if (run.threads > 0) chain.most_cores = run.threads;
+    return chain;
+}
+
+}  // namespace
+
+int run_on_cluster(const slicer::PlanOptions& plan, const slicer::BatchOptions& batch, const ClusterOptions& options,
+                   const RunOptions& run) {
+    if (!options.openjd.empty()) {
+        const slicer::OpenJobOptions openjd{batch.out, batch.program, options.openjd, chain_options(options, run)};
+        return run_on_console(run.console,
+                              [&](Progress& progress) { return slicer::run_openjd_job(plan, openjd, progress); });
+    }
+    slicer::SlurmOptions slurm;
+    slurm.out = batch.out;
+    slurm.program = batch.program;
+    slurm.chain = chain_options(options, run);
+    slurm.throttle = options.throttle;
+    slurm.retries = batch.retries;
+    slurm.sbatch_words = with_dashes(options.sbatch);
+    slurm.dry_run = options.dry_run;
+    return run_on_console(run.console,
+                          [&](Progress& progress) { return slicer::run_slurm_job(plan, slurm, progress); });
+}
+
+std::filesystem::path this_program() {
+    std::error_code error;
+    std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", error);
+    return error ? "voxtone" : program;
+}
+
+}  // namespace voxtone::cli

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <memory>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "voxtone/cli/batch/batch_commands.h"
+#include "voxtone/cli/program/console.h"
+#include "voxtone/cli/program/help.h"
+#include "voxtone/slicer/batch/batch_status.h"
+
+namespace voxtone::cli {
+
+Command add_status_command(CLI::App& program) {
+    struct Arguments {
+        std::string out;
+        ConsoleOptions console;
+    };
+    auto arguments = std::make_shared<Arguments>();
+    CLI::App* command = program.add_subcommand("status", "Say how far a batch is, while it runs or after");
+    command->add_option("batch", arguments->out, "folder of the batch")->required()->type_name("FOLDER");
+    add_console_options(*command, arguments->console);
+    add_example(*command, "out/monday");
+    return [arguments] {
+        return run_on_console(arguments->console, [&](Progress&) { return slicer::batch_status(arguments->out); });
+    };
+}
+
+}  // namespace voxtone::cli

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <chrono>
+#include <memory>
+#include <string>
+
+#include <fmt/core.h>
+#include <CLI/CLI.hpp>
+
+#include "voxtone/base/error.h"
+#include "voxtone/base/progress_events.h"
+#include "voxtone/cli/batch/batch_commands.h"
+#include "voxtone/cli/batch/cluster_options.h"
+#include "voxtone/cli/program/common_options.h"
+#include "voxtone/cli/program/help.h"
+#include "voxtone/slicer/cluster/cluster_task.h"
+#include "voxtone/slicer/options/option_values.h"
+
+namespace voxtone::cli {
+
+namespace {
+
+struct TaskArguments {
+    std::string out, job, stage, shard;
+    int retries = 5, threads = 0;
+    bool last = false;
+    ConsoleOptions console;
+};
+
+int run(const TaskArguments& arguments) {
+    if (arguments.last != (arguments.job.empty() && arguments.stage.empty() && arguments.shard.empty()))
+        throw UsageError("name a job and its stage (--job, --stage), or --last alone");
+    slicer::TaskOptions options;
+    options.out = arguments.out;
+    options.program = this_program();
+    options.job = arguments.job;
+    options.retries = arguments.retries;
+    options.threads = arguments.threads;
+    if (arguments.console.openjd) options.relay = stdout_sink();
+    if (!arguments.last) {
+        const auto stage = value_of<slicer::TaskStage>(arguments.stage);
+        if (!stage)
+            throw UsageError(fmt::format("--stage: '{}' is none of whole, prepare, layers, merge", arguments.stage));
+        options.stage = *stage;
+        options.shard = slicer::parse_shard(arguments.shard);
+    }
+    return run_on_console(arguments.console, [&](Progress& progress) {
+        return arguments.last ? slicer::close_cluster_batch(arguments.out, progress)
+                              : slicer::run_cluster_task(options, progress);
+    });
+}
+
+}  // namespace
+
+Command add_task_command(CLI::App& program) {
+    auto arguments = std::make_shared<TaskArguments>();
+    CLI::App* command = program.add_subcommand("task",
+                                               "Do one task of a batch that was handed to a cluster: what the scripts "
+                                               "of `batch --slurm` and the templates of `--openjd` call");
+    command->add_option("batch", arguments->out, "folder of the batch")->required()->type_name("FOLDER");
+    command->add_option("--job", arguments->job, "job of the batch; required, unless --last")->type_name("NAME");
+    command
+        ->add_option("--stage", arguments->stage,
+                     "whole, prepare (the appearance loop), layers (a shard) or merge; required, unless --last")
+        ->type_name("STAGE");
+    command->add_option("--shard", arguments->shard, "which shard of how many, of the stage layers; default: none")
+        ->type_name("I/N");
+    add_count(*command, "--retries", arguments->retries,
+              "how often it is put back into Slurm's queue when it failed for no fault of its own (exit codes 75, 85)")
+        ->check(CLI::Range(0, 1000));
+    add_count(*command, "--threads", arguments->threads,
+              "threads of the work, where the job does not say; 0: one per core that it was given")
+        ->check(CLI::Range(0, 4096));
+    command->add_flag("--last", arguments->last,
+                      "when all tasks have ended: note what became of the jobs, and draw the summary");
+    add_console_options(*command, arguments->console);
+    arguments->console.grace = std::chrono::seconds(50);  // the work saves itself first
+    add_example(*command, "out/monday --job cow --stage layers --shard 3/16");
+    return [arguments] { return run(*arguments); };
+}
+
+}  // namespace voxtone::cli

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <memory>
+
+#include <CLI/CLI.hpp>
+
+#include "voxtone/cli/calibrate/calibrate_commands.h"
+#include "voxtone/cli/calibrate/patch_options.h"
+#include "voxtone/cli/program/help.h"
+
+namespace voxtone::cli {
+
+namespace {
+
+struct CalibrateCheckArguments {
+    calibration::CheckJob job;
+    PatchOptions patches;
+    RunOptions run;
+};
+
+int run(CalibrateCheckArguments& a, const CalibrateJobs& jobs) {
+    return run_on_console(a.run, [&](Progress& progress) {
+        set_patch_model(a.patches, a.job.model);
+        return jobs.check(a.job, progress);
+    });
+}
+
+}  // namespace
+
+Command add_calibrate_check_command(CLI::App& calibrate, const CalibrateJobs& jobs) {
+    auto arguments = std::make_shared<CalibrateCheckArguments>();
+    CalibrateCheckArguments& a = *arguments;
+    CLI::App* command =
+        calibrate.add_subcommand("check", "How well a resin set predicts measured patches, as CIEDE2000");
+    add_resins_option(*command, a.job.resins, {}, "resins")->required();
+    command->add_option("patches", a.job.patches, "CSV of measured patches")->required()->type_name("FILE");
+    add_patch_options(*command, a.run.lengths, a.patches, a.job.measured);
+    add_run_options(*command, a.run);
+    add_example(*command, "my-resins.json other-patches.csv");
+    return [arguments, &jobs] { return run(*arguments, jobs); };
+}
+
+}  // namespace voxtone::cli

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// `voxtone calibrate` and its steps, one file each; what they run is one of `jobs`, which outlive them.
+#pragma once
+
+#include "voxtone/cli/calibrate/calibrate_jobs.h"
+#include "voxtone/cli/program/command.h"
+
+namespace voxtone::cli {
+
+Command add_calibrate_command(CLI::App& program, const CalibrateJobs& jobs);
+
+Command add_calibrate_target_command(CLI::App& calibrate, const CalibrateJobs& jobs);
+Command add_calibrate_simulate_command(CLI::App& calibrate, const CalibrateJobs& jobs);
+Command add_calibrate_photo_command(CLI::App& calibrate, const CalibrateJobs& jobs);
+Command add_calibrate_fit_command(CLI::App& calibrate, const CalibrateJobs& jobs);
+Command add_calibrate_check_command(CLI::App& calibrate, const CalibrateJobs& jobs);
+Command add_calibrate_profile_command(CLI::App& calibrate, const CalibrateJobs& jobs);
+Command add_calibrate_simulate_profile_command(CLI::App& calibrate, const CalibrateJobs& jobs);
+
+/// A family by itself, `calibrate edge`, with its steps.
+Command add_calibrate_edge_command(CLI::App& calibrate, const CalibrateJobs& jobs);
+Command add_calibrate_edge_dictionary_command(CLI::App& edge, const CalibrateJobs& jobs);
+Command add_calibrate_edge_fit_command(CLI::App& edge, const CalibrateJobs& jobs);
+Command add_calibrate_edge_samples_command(CLI::App& edge, const CalibrateJobs& jobs);
+Command add_calibrate_edge_simulate_command(CLI::App& edge, const CalibrateJobs& jobs);
+
+}  // namespace voxtone::cli

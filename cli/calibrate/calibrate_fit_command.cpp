@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <memory>
+
+#include <CLI/CLI.hpp>
+
+#include "voxtone/cli/calibrate/calibrate_commands.h"
+#include "voxtone/cli/calibrate/patch_options.h"
+#include "voxtone/cli/program/help.h"
+
+namespace voxtone::cli {
+
+namespace {
+
+struct CalibrateFitArguments {
+    calibration::FitJob job;
+    PatchOptions patches;
+    RunOptions run;
+};
+
+int run(CalibrateFitArguments& a, const CalibrateJobs& jobs) {
+    return run_on_console(a.run, [&](Progress& progress) {
+        set_patch_model(a.patches, a.job.fit.model);
+        return jobs.fit(a.job, progress);
+    });
+}
+
+void add_fit_options(CLI::App& command, calibration::FitOptions& fit) {
+    command.add_option("--resins", fit.expected, "resins that must be among the patches: C,M,Y,K,W")
+        ->type_name("LIST")
+        ->delimiter(',')
+        ->allow_extra_args(false);
+    add_value(command, "--noise", fit.noise, "standard error of a reflectance, where the table gives none");
+    add_value(command, "--g", fit.model.g, "mean cosine of the scattering angle; patches cannot tell it")
+        ->group("Model");
+    add_value(command, "--eta", fit.model.eta, "refractive index; patches cannot tell it")->group("Model");
+}
+
+}  // namespace
+
+Command add_calibrate_fit_command(CLI::App& calibrate, const CalibrateJobs& jobs) {
+    auto arguments = std::make_shared<CalibrateFitArguments>();
+    CalibrateFitArguments& a = *arguments;
+    CLI::App* command = calibrate.add_subcommand(
+        "fit", "Albedo and extinction of every resin, with their errors, from measured patches");
+    command
+        ->add_option(
+            "patches", a.job.patches,
+            "CSV: top,backing,thickness_mm,R,G,B or wavelengths in nm; 45/0 reflectance of a perfect diffuser is 1")
+        ->required()
+        ->type_name("FILE");
+    add_out_option(*command, a.job.out, "FILE", "resin set to write; errors and doubts go beside it, as NAME.fit.json");
+    add_overwrite_option(*command, a.job.overwrite);
+    command->add_option("--report", a.job.report, "page to look at: patches measured and predicted, curves, errors")
+        ->type_name("FILE.html");
+    command->add_option("--name", a.job.name, "name of the set; empty: that of the file");
+    add_fit_options(*command, a.job.fit);
+    add_patch_options(*command, a.run.lengths, a.patches, a.job.measured);
+    command->add_option("--check", a.job.check, "other patches to predict with the result")->type_name("FILE");
+    command->add_flag(
+        "--g-sweep", a.job.g_sweep,
+        "also fit for g from -0.9 to 0.9 and print how well each explains the patches (of --check, if given)");
+    add_run_options(*command, a.run);
+    add_example(*command, "patches.csv --resins C,M,Y,K,W -o my-resins.json --report my-resins.html");
+    return [arguments, &jobs] { return run(*arguments, jobs); };
+}
+
+}  // namespace voxtone::cli

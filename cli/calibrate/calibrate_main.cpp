@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// voxtone-calibrate: what `voxtone calibrate` becomes (cli/calibrate/calibrate_program.h), with the same command line.
+#include "voxtone/base/cancel_on_signal.h"
+#include "voxtone/cli/calibrate/calibrate_commands.h"
+#include "voxtone/cli/calibrate/calibrate_jobs.h"
+#include "voxtone/cli/program/program.h"
+
+namespace {
+
+constexpr voxtone::cli::CalibrateJobs jobs{.check = voxtone::calibration::run_check_job,
+                                           .edge_dictionary = voxtone::calibration::run_dictionary_job,
+                                           .edge_fit = voxtone::calibration::run_edge_fit_job,
+                                           .edge_samples = voxtone::calibration::run_edge_samples_job,
+                                           .edge_simulate = voxtone::calibration::run_edge_simulation,
+                                           .fit = voxtone::calibration::run_fit_job,
+                                           .photo = voxtone::calibration::run_photo_job,
+                                           .profile = voxtone::calibration::run_profile_job,
+                                           .exposure = voxtone::calibration::parse_exposure,
+                                           .simulate = voxtone::calibration::run_photo_simulation,
+                                           .simulate_profile = voxtone::calibration::run_profile_simulation,
+                                           .target = voxtone::calibration::run_target_job};
+
+}  // namespace
+
+#ifdef __SANITIZE_ADDRESS__
+// OpenCV keeps tables of its conversion to Lab until the process ends, on the heap. Only whole stacks show whose they
+// are: OpenCV is built without frame pointers.
+extern "C" const char* __asan_default_options();
+extern "C" const char* __asan_default_options() { return "fast_unwind_on_malloc=0"; }
+extern "C" const char* __lsan_default_suppressions();
+extern "C" const char* __lsan_default_suppressions() { return "leak:cv::hal::cvtBGRtoLab\n"; }
+#endif
+
+int main(int argc, char** argv) {
+    using namespace voxtone::cli;
+    voxtone::catch_stop_signals();
+    const auto add = [](CLI::App& program) { return add_calibrate_command(program, jobs); };
+    return run_program(command_words(argc, argv), {{"calibrate", add}});
+}

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include "voxtone/cli/calibrate/calibrate_commands.h"
+#include "voxtone/cli/program/common_options.h"
+#include "voxtone/cli/program/help.h"
+
+namespace voxtone::cli {
+
+namespace {
+
+struct SideArguments {
+    std::vector<std::string> lit, dark;
+    std::vector<double> total;
+};
+
+struct CalibrateProfileArguments {
+    calibration::ProfileJob job;
+    SideArguments R, T;
+    std::vector<double> mm_per_px;
+    RunOptions run;
+};
+
+std::vector<calibration::ExposureFile> exposures(const std::vector<std::string>& files, const CalibrateJobs& jobs) {
+    std::vector<calibration::ExposureFile> parsed;
+    for (const std::string& file : files) parsed.push_back(jobs.exposure(file));
+    return parsed;
+}
+
+calibration::ProfileSide side_of(const SideArguments& side, double mm_per_px, const CalibrateJobs& jobs) {
+    calibration::ProfileSide parsed{exposures(side.lit, jobs), exposures(side.dark, jobs), {}, mm_per_px};
+    if (!side.total.empty()) parsed.total = {side.total[0], side.total[1], side.total[2]};
+    return parsed;
+}
+
+int run(CalibrateProfileArguments& a, const CalibrateJobs& jobs) {
+    return run_on_console(a.run, [&](Progress& progress) {
+        a.job.reflection = side_of(a.R, a.mm_per_px.front(), jobs);
+        a.job.transmission = side_of(a.T, a.mm_per_px.back(), jobs);
+        return jobs.profile(a.job, progress);
+    });
+}
+
+CLI::Option* add_photographs(CLI::App& command, const char* name, std::vector<std::string>& files, const char* help) {
+    return command.add_option(name, files, help)->type_name("FILE[@SECONDS]");
+}
+
+void add_albedo(CLI::App& command, const char* name, std::vector<double>& values, const char* help) {
+    command.add_option(name, values, help)->type_name("R,G,B")->delimiter(',')->expected(3);
+}
+
+void add_side_options(CLI::App& command, CalibrateProfileArguments& a) {
+    add_photographs(command, "--reflection", a.R.lit,
+                    "photographs of a projected pixel: RAW, or linear 16-bit TIFF, PNG or EXR")
+        ->required();
+    add_photographs(command, "--reflection-dark", a.R.dark, "the same with the projector black")->required();
+    add_albedo(command, "--reflectance", a.R.total, "measured share of light that the slab reflects, above 0 to 1");
+    add_photographs(command, "--transmission", a.T.lit,
+                    "photographs of the slab upon a pinhole; without: the file is a target for stacks to reach");
+    add_photographs(command, "--transmission-dark", a.T.dark, "the same with the pinhole covered");
+    add_albedo(command, "--transmittance", a.T.total, "measured share of light that the slab transmits, above 0 to 1");
+    a.run.lengths.add(command, "--thickness", a.job.thickness_mm, "of the slab: 3mm");
+    command
+        .add_option("--mm-per-px", a.mm_per_px,
+                    "width of a pixel on the slab, mm; two numbers: reflection, transmission")
+        ->type_name("MM")
+        ->delimiter(',')
+        ->expected(1, 2)
+        ->required();
+}
+
+void add_camera_options(CLI::App& command, calibration::ProfileMeasureOptions& measure) {
+    const auto number = [&](const char* name, double& value, const char* help) {
+        add_value(command, name, value, help)->group("Camera");
+    };
+    number("--full-well", measure.noise.full_well, "electrons at full scale; for the weights of exposures");
+    number("--read-noise", measure.noise.read_noise,
+           "standard deviation, part of full scale; for the weights of exposures");
+    number("--saturation", measure.noise.saturation, "samples from here on are left out, part of full scale");
+    number("--most-asymmetry", measure.most_asymmetry, "how far a spot may be from round, part of its light");
+}
+
+}  // namespace
+
+Command add_calibrate_profile_command(CLI::App& calibrate, const CalibrateJobs& jobs) {
+    auto arguments = std::make_shared<CalibrateProfileArguments>();
+    CalibrateProfileArguments& a = *arguments;
+    CLI::App* command = calibrate.add_subcommand(
+        "profile",
+        "Measure how light spreads in a slab: photographs of a lit point become a scattering profile.\n"
+        "Each series runs from short to long and has a dark frame (projector black, pinhole covered) of the same time "
+        "for every exposure. How long they are is read from the files (EXIF), or given as FILE@SECONDS: spot.tif@0.5, "
+        "spot.tif@1/15.");
+    add_side_options(*command, a);
+    add_out_option(*command, a.job.out, "FILE", "profile to write (.json)");
+    add_overwrite_option(*command, a.job.overwrite);
+    command->add_option("--plot", a.job.plot, "picture of the profile with its errors; empty: beside it, as NAME.svg")
+        ->type_name("FILE.svg");
+    command->add_option("--name", a.job.name, "name of the material; empty: that of the file");
+    a.run.lengths.add(*command, "--spacing", a.job.measure.spacing_mm, "of samples");
+    a.run.lengths.add(*command, "--reach", a.job.measure.reach_mm,
+                      "distance of the last sample; 0: to the nearest border of the picture");
+    a.run.lengths.add(*command, "--spot", a.job.spot_mm,
+                      "radius of the projected pixel or pinhole: prints which waves it blurs");
+    add_camera_options(*command, a.job.measure);
+    add_run_options(*command, a.run);
+    add_example(*command,
+                "--reflection r-01.tif r-02.tif --reflection-dark rd-01.tif rd-02.tif --reflectance 0.87,0.91,0.91 "
+                "--mm-per-px 0.04 -o white.json");
+    return [arguments, &jobs] { return run(*arguments, jobs); };
+}
+
+}  // namespace voxtone::cli

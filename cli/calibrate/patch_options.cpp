@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/cli/calibrate/patch_options.h"
+
+#include "voxtone/base/error.h"
+#include "voxtone/slicer/predict/stack_volume.h"
+#include "voxtone/slicer/printer/printer.h"
+
+namespace voxtone::cli {
+
+void add_patch_options(CLI::App& command, LengthOptions& lengths, PatchOptions& options,
+                       calibration::MeasuredPatchOptions& measured) {
+    add_value(command, "--white", measured.white,
+              "reflectance of the white reference that the values were divided by: 0.99 for Spectralon of 99 %");
+    lengths
+        .add(command, "--base", measured.base_mm,
+             "thickness of the base under the squares, for all patches; empty: the table's base_mm, else without end")
+        ->group("Model");
+    add_value(command, "--under", options.under,
+              "what a base of known thickness lies on: black in optical contact, or air above a sheet")
+        ->check(CLI::IsMember({"black", "air"}))
+        ->group("Model");
+    command
+        .add_option("--printer", options.printer,
+                    "mixtures are dithers of this printer's voxels; empty: ideal mixtures")
+        ->type_name("ID|FILE")
+        ->group("Model");
+    command
+        .add_option("--pitch", options.pitch,
+                    "the same by the voxel's size along columns, rows, layers: 42.33,84.67,27um")
+        ->type_name("X,Y,Z")
+        ->group("Model");
+}
+
+void set_patch_model(const PatchOptions& options, calibration::PatchModelOptions& model) {
+    if (!options.printer.empty() && !options.pitch.empty())
+        throw UsageError("--printer and --pitch both give the voxel's size; give one of them");
+    if (!options.pitch.empty()) model.pitch_mm = slicer::parse_pitch_mm(options.pitch);
+    if (!options.printer.empty()) {
+        const auto pitch = slicer::find_printer(options.printer).sliced_pitch_mm();
+        model.pitch_mm = {pitch.x(), pitch.y(), pitch.z()};
+    }
+    model.under = options.under == "air" ? calibration::UnderBase::air : calibration::UnderBase::black;
+}
+
+}  // namespace voxtone::cli

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What `calibrate fit` and `calibrate check` have to be told of measured patches alike: white reference, base, voxels.
+#pragma once
+
+#include <string>
+
+#include "voxtone/calibration/patches/measured_patches.h"
+#include "voxtone/cli/program/common_options.h"
+
+namespace voxtone::cli {
+
+/// Words that the patch model is made of.
+struct PatchOptions {
+    std::string printer, pitch, under = "black";
+};
+
+/// --white, --base, --under, --printer, --pitch.
+void add_patch_options(CLI::App& command, LengthOptions& lengths, PatchOptions& options,
+                       calibration::MeasuredPatchOptions& measured);
+
+/// Sets what lies under the base and the voxels that mixtures are made of. Throws UsageError, InputError.
+void set_patch_model(const PatchOptions& options, calibration::PatchModelOptions& model);
+
+}  // namespace voxtone::cli

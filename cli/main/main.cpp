@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/base/cancel_on_signal.h"
+#include "voxtone/cli/batch/batch_commands.h"
+#include "voxtone/cli/calibrate/calibrate_program.h"
+#include "voxtone/cli/print/print_commands.h"
+#include "voxtone/cli/program/program.h"
+#include "voxtone/cli/stack/stack_commands.h"
+
+int main(int argc, char** argv) {
+    using namespace voxtone::cli;
+    voxtone::catch_stop_signals();
+    const Words words = command_words(argc, argv);
+    const auto add_calibrate = [&](CLI::App& app) { return add_calibrate_elsewhere(app, argv[0], words); };
+    return run_program(words, {{"slice", add_slice_command},
+                               {"estimate", add_estimate_command},
+                               {"merge", add_merge_command},
+                               {"predict", add_predict_command},
+                               {"verify", add_verify_command},
+                               {"batch", add_batch_command},
+                               {"status", add_status_command},
+                               {"task", add_task_command},
+                               {"calibrate", add_calibrate},
+                               {"stack", add_stack_command},
+                               {"list", add_list_command}});
+}

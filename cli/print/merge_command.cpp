@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <memory>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "voxtone/cli/print/print_commands.h"
+#include "voxtone/cli/program/common_options.h"
+#include "voxtone/cli/program/help.h"
+#include "voxtone/slicer/shards/merge_job.h"
+
+namespace voxtone::cli {
+
+namespace {
+
+struct MergeArguments {
+    std::string out;
+    slicer::MergeOptions options;
+    RunOptions run;
+};
+
+int run(MergeArguments& arguments) {
+    arguments.options.out = arguments.out;
+    arguments.options.threads = arguments.run.threads;
+    return run_on_console(arguments.run,
+                          [&](Progress& progress) { return slicer::run_merge_job(arguments.options, progress); });
+}
+
+}  // namespace
+
+Command add_merge_command(CLI::App& program) {
+    auto arguments = std::make_shared<MergeArguments>();
+    slicer::MergeOptions& options = arguments->options;
+    CLI::App* command = program.add_subcommand(
+        "merge",
+        "Lay the shards of a job (slice --shard) together to one stack, the same bits as without shards, and write its "
+        "report; no layer is read again. Missing shards are named as a scheduler takes them; once merged, it says so");
+    command->add_option("out", arguments->out, "output folder of the shards")->required()->type_name("FOLDER");
+    command->add_flag("--overwrite", options.overwrite,
+                      "replace another job's stack that the folder holds; other things in it stay");
+    command
+        ->add_flag("--report,!--no-report", options.report,
+                   "write the report as the job asked for it, which reads the model again")
+        ->default_str("true");
+    command
+        ->add_flag("--predict,!--no-predict", options.predict,
+                   "predict the print for the report, as the job asked for it; makes its layers once more, in memory")
+        ->default_str("false");
+    add_run_options(*command, arguments->run);
+    add_example(*command, "out/cow");
+    return [arguments] { return run(*arguments); };
+}
+
+}  // namespace voxtone::cli

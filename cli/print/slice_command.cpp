@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <memory>
+#include <utility>
+
+#include <CLI/CLI.hpp>
+
+#include "voxtone/cli/print/job_options.h"
+#include "voxtone/cli/print/print_commands.h"
+#include "voxtone/cli/program/console.h"
+#include "voxtone/cli/program/help.h"
+#include "voxtone/cli/program/outcome.h"
+#include "voxtone/slicer/job/slice_job.h"
+#include "voxtone/slicer/options/job_file.h"
+#include "voxtone/slicer/shards/shard_job.h"
+
+namespace voxtone::cli {
+
+namespace {
+
+struct SliceArguments {
+    JobArguments job;
+    bool dump_default = false;
+    ConsoleOptions console;
+};
+
+void add_options(CLI::App& command, SliceArguments& arguments) {
+    add_job_options(command, arguments.job);
+    command
+        .add_flag("--dump-default", arguments.dump_default,
+                  "print a complete job file, with the options given and every default, and stop")
+        ->group("Run");
+    add_console_options(command, arguments.console);
+}
+
+int run(const SliceArguments& arguments) {
+    const slicer::SliceOptions options = options_of(arguments.job);
+    if (arguments.dump_default) {
+        print_out(slicer::job_json(options));
+        return 0;
+    }
+    return run_on_console(arguments.console, [&](Progress& progress) {
+        if (!options.shard.empty()) return slicer::run_shard_job(options, progress);
+        slicer::SliceResult result = slicer::run_slice_job(options, progress);
+        return JobResult{std::move(result.json), std::move(result.summary), result.exit_code};
+    });
+}
+
+}  // namespace
+
+Command add_slice_command(CLI::App& program) {
+    auto arguments = std::make_shared<SliceArguments>();
+    CLI::App* command =
+        program.add_subcommand("slice", "Slice a textured mesh or a picture into a printable layer stack");
+    add_options(*command, *arguments);
+    add_example(*command, "cow.obj --size 60mm -o out/cow");
+    return [arguments] { return run(*arguments); };
+}
+
+}  // namespace voxtone::cli

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <fmt/core.h>
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "voxtone/cli/print/print_commands.h"
+#include "voxtone/cli/program/common_options.h"
+#include "voxtone/cli/program/help.h"
+#include "voxtone/io/layers/verify.h"
+#include "voxtone/slicer/printer/printer.h"
+
+namespace voxtone::cli {
+
+namespace {
+
+struct VerifyArguments {
+    std::string stack, printer;
+    RunOptions run;
+};
+
+std::string report_json(const io::StackReport& report) {
+    nlohmann::ordered_json json{{"format", "voxtone-verify"},          {"version", 1},
+                                {"passed", report.passed()},           {"layers", report.layers},
+                                {"size_px", report.size_px},           {"printer", report.printer},
+                                {"empty_layers", report.empty_layers}, {"content_sha256", report.content_sha256},
+                                {"fault_count", report.fault_count},   {"notes", report.notes}};
+    json["faults"] = nlohmann::ordered_json::array();
+    for (const io::StackFault& fault : report.faults)
+        json["faults"].push_back(
+            {{"rule", fault.rule}, {"where", fault.where}, {"what", fault.what}, {"remedy", fault.remedy}});
+    return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+io::VerifyRules rules_of(const slicer::PrinterProfile& printer) {
+    io::VerifyRules rules;
+    rules.printer = printer.id;
+    rules.most_colours = static_cast<std::uint32_t>(printer.max_colours);
+    rules.least_layers = static_cast<std::uint32_t>(printer.min_layers);
+    rules.pitch_um = {printer.pitch_um.x(), printer.pitch_um.y()};
+    return rules;
+}
+
+/// What the printer accepts: that of --printer, else that of the manifest, else what all printers of the family accept.
+io::VerifyRules rules_for(const std::string& asked, const std::string& of_manifest) {
+    if (!asked.empty()) return rules_of(slicer::find_printer(asked));
+    io::VerifyRules usual;
+    if (of_manifest.empty()) return usual;
+    const std::vector<slicer::PrinterProfile> known = slicer::list_printers();
+    const auto found =
+        std::find_if(known.begin(), known.end(), [&](const auto& printer) { return printer.id == of_manifest; });
+    if (found != known.end()) return rules_of(*found);
+    usual.most_colours = io::max_materials - 1;
+    usual.least_layers = 1;
+    usual.notes.push_back(fmt::format(
+        "the printer of the manifest, '{}', is not known here: its voxel size, number of colours and fewest "
+        "layers were not checked; name its profile with --printer FILE.json",
+        of_manifest));
+    return usual;
+}
+
+int run(const VerifyArguments& arguments) {
+    return run_on_console(arguments.run, [&](Progress& progress) {
+        const io::StackReport report = io::verify_stack(
+            arguments.stack, [&](const std::string& printer) { return rules_for(arguments.printer, printer); },
+            &progress);
+        return JobResult{report_json(report), io::report_text(report),
+                         report.passed() ? ExitCode::done : ExitCode::check_failed};
+    });
+}
+
+}  // namespace
+
+Command add_verify_command(CLI::App& program) {
+    auto arguments = std::make_shared<VerifyArguments>();
+    CLI::App* command = program.add_subcommand(
+        "verify",
+        "Check a layer stack, ours or anyone's, as the printer's software would; exit code 6 with every fault named");
+    command->add_option("stack", arguments->stack, "output folder, folder of PNG layers, or .gcvf file")
+        ->required()
+        ->type_name("FOLDER|FILE");
+    command
+        ->add_option("--printer", arguments->printer,
+                     "check against this printer; empty: the one that the manifest names")
+        ->type_name("ID|FILE");
+    add_run_options(*command, arguments->run);
+    add_example(*command, "out/cow");
+    return [arguments] { return run(*arguments); };
+}
+
+}  // namespace voxtone::cli

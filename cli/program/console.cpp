@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/cli/program/console.h"
+
+#include <chrono>
+#include <memory>
+#include <string>
+
+#include <fmt/core.h>
+#include <CLI/CLI.hpp>
+
+#include "voxtone/base/cancel_on_signal.h"
+#include "voxtone/base/openjd_progress.h"
+#include "voxtone/base/parallel.h"
+#include "voxtone/base/printable.h"
+#include "voxtone/base/progress_bar.h"
+#include "voxtone/base/progress_events.h"
+#include "voxtone/base/stop_deadline.h"
+#include "voxtone/cli/program/outcome.h"
+
+namespace voxtone::cli {
+
+namespace {
+
+/// How a stop is told: why, and how to go on.
+Error stopped() {
+    const bool again = stop_code() == ExitCode::stopped;
+    const std::string why = again ? "stopped on request" : "cancelled", advice = stop_advice();
+    return {again ? ExitCode::stopped : ExitCode::unfinished, !advice.empty() ? why + "; " + advice
+                                                              : again         ? why + "; run the same command again"
+                                                                              : why};
+}
+
+/// Ends within the grace of a request to stop, also where the work does not look at it.
+JobResult work_until_stopped(const std::function<JobResult(Progress&)>& work, Progress& progress, Messages messages,
+                             std::chrono::milliseconds grace) {
+    const CancelOnSignal cancel_on_signal(progress);
+    const StopDeadline deadline(progress, grace,
+                                [messages] { return guarded(messages, []() -> int { throw stopped(); }); });
+    try {
+        return work(progress);
+    } catch (const Cancelled&) {
+        throw stopped();
+    }
+}
+
+JobResult run_with_events(const std::function<JobResult(Progress&)>& work, std::chrono::milliseconds grace) {
+    ProgressEvents events(stdout_sink(), steady_seconds(), true);
+    JobResult result = work_until_stopped(work, events, Messages::events, grace);
+    events.result(result.json);
+    return result;
+}
+
+void print_text(const JobResult& result) {
+    print_out(printable(result.text));
+    if (!result.text.empty() && result.text.back() != '\n') print_out("\n");
+}
+
+JobResult run_with_text(bool quiet, const std::function<JobResult(Progress&)>& work, std::chrono::milliseconds grace) {
+    const std::unique_ptr<Progress> progress = make_console_progress(quiet);
+    JobResult result = work_until_stopped(work, *progress, Messages::text, grace);
+    print_text(result);
+    return result;
+}
+
+JobResult run_for_openjd(const std::function<JobResult(Progress&)>& work, std::chrono::milliseconds grace) {
+    OpenJobProgress progress(stdout_sink(), steady_seconds(), true);
+    JobResult result = work_until_stopped(work, progress, Messages::openjd, grace);
+    print_text(result);
+    if (result.exit_code == ExitCode::done)
+        progress.finish();
+    else
+        print_out(openjd_failure(fmt::format("ended with exit code {}; what it says of that stands before this line",
+                                             static_cast<int>(result.exit_code))) +
+                  "\n");
+    return result;
+}
+
+}  // namespace
+
+void add_console_options(CLI::App& command, ConsoleOptions& options) {
+    CLI::Option* const json =
+        command.add_flag("--json", options.json, "events and the result as one JSON object a line on stdout")
+            ->group("Run");
+    command
+        .add_option_function<std::string>(
+            "--progress", [&options](const std::string& kind) { options.openjd = kind == "openjd"; },
+            "auto: a bar on a terminal, lines elsewhere; openjd: the messages of Open Job Description on stdout "
+            "(openjd_status, openjd_progress, openjd_fail), one at least every 10 s")
+        ->type_name("KIND")
+        ->default_str("auto")
+        ->check(CLI::IsMember({"auto", "openjd"}))
+        ->excludes(json)
+        ->group("Run");
+    command.add_flag("--quiet", options.quiet, "no progress, warnings only")->group("Run");
+}
+
+int run_on_console(const ConsoleOptions& options, const std::function<JobResult(Progress&)>& work) {
+    const JobResult result = options.json     ? run_with_events(work, options.grace)
+                             : options.openjd ? run_for_openjd(work, options.grace)
+                                              : run_with_text(options.quiet, work, options.grace);
+    return static_cast<int>(result.exit_code);
+}
+
+int run_on_console(const ConsoleOptions& options, int threads, const std::function<JobResult(Progress&)>& work) {
+    const ThreadLimit limit(static_cast<std::size_t>(threads));
+    return run_on_console(options, work);
+}
+
+}  // namespace voxtone::cli

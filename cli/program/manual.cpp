@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/cli/program/manual.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <sstream>
+
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+
+#include "voxtone/cli/program/option_text.h"
+#include "voxtone/cli/program/words.h"
+#include "voxtone/io/files/whole_file.h"
+
+namespace voxtone::cli {
+
+namespace {
+
+/// Text that roff takes as it is: no escapes, no requests at the start of a line, hyphens that can be copied.
+std::string roff(const std::string& text) {
+    std::string result;
+    for (const char c : text) {
+        if (c == '\\')
+            result += "\\e";
+        else if (c == '-')
+            result += "\\-";
+        else if (c == '`' || c == '\'')
+            result += c == '`' ? "\\(ga" : "\\(aq";
+        else
+            result += c;
+        if (c == '\n') result += "\\&";
+    }
+    return (text.starts_with('.') ? "\\&" : "") + result;
+}
+
+std::string page_name(const CLI::App& command) {
+    std::string name = full_name(command);
+    std::replace(name.begin(), name.end(), ' ', '-');
+    return name;
+}
+
+std::string title(const CLI::App& command) {
+    std::string upper = page_name(command);
+    std::transform(upper.begin(), upper.end(), upper.begin(), [](unsigned char c) { return char(std::toupper(c)); });
+    return fmt::format(".TH \"{}\" 1 \"\" \"voxtone {}\" \"voxtone\"\n.SH NAME\n{} \\- {}\n", roff(upper),
+                       VOXTONE_VERSION, roff(page_name(command)),
+                       roff(command.get_description().substr(0, command.get_description().find('\n'))));
+}
+
+std::string synopsis(const CLI::App& command) {
+    std::string text = ".B " + roff(full_name(command)) + "\n[\\fIOPTIONS\\fR]";
+    for (const CLI::Option* option : command.get_options())
+        if (option->get_positional()) text += " \\fI" + roff(option->get_name(true)) + "\\fR";
+    return text + (command.get_subcommands({}).empty() ? "\n" : " \\fIVERB\\fR\n");
+}
+
+std::string options(const CLI::App& command) {
+    std::string text;
+    for (const OptionGroup& group : option_groups(command)) {
+        text += ".SS " + roff(group.heading) + "\n";
+        for (const OptionText& option : group.options)
+            text += fmt::format(".TP\n\\fB{}\\fR{}\n{}\n", roff(option.names),
+                                option.value.empty() ? "" : " \\fI" + roff(option.value) + "\\fR", roff(option.help));
+    }
+    return text;
+}
+
+std::string example(const CLI::App& command) {
+    return command.get_footer().empty() ? "" : ".PP\nExample:\n.PP\n.EX\n" + roff(command.get_footer()) + "\n.EE\n";
+}
+
+/// The steps of a family, and those of families among them.
+std::string steps(const CLI::App& verb) {
+    std::string text;
+    for (const CLI::App* step : verb.get_subcommands({})) {
+        text += fmt::format(".SH \"{}\"\n", roff(full_name(*step)));
+        text += roff(step->get_description()) + "\n.PP\n" + synopsis(*step) + options(*step) + example(*step);
+        text += steps(*step);
+    }
+    return text;
+}
+
+/// What every page ends with.
+constexpr const char* ending =
+    ".SH \"EXIT STATUS\"\n"
+    "0 done; 1 a bug; 2 usage; 3 invalid input or job; 4 a file could not be read or written; 5 could not finish; 6 a "
+    "check found faults; 75 nothing is wrong with the job, try again; 85 stopped on request, "
+    "progress saved, run it again.\n"
+    ".SH ENVIRONMENT\n.TP\n\\fBVOXTONE_HELPERS\\fR\nfolder of the programs that voxtone runs for parts of its work; "
+    "empty: libexec/voxtone beside its own folder\n";
+
+}  // namespace
+
+ManualPage program_page(const CLI::App& program) {
+    std::string text = title(program) + ".SH SYNOPSIS\n" + synopsis(program);
+    text += ".SH DESCRIPTION\n" + roff(program.get_description()) + "\n.SH VERBS\n";
+    std::vector<std::string> pages;
+    for (const CLI::App* verb : program.get_subcommands({})) {
+        text += fmt::format(".TP\n\\fB{}\\fR\n{}\n", roff(verb->get_name()), roff(verb->get_description()));
+        pages.push_back(fmt::format(".BR {} (1)", roff(page_name(*verb))));
+    }
+    text += ".SH OPTIONS\n" + options(program) + example(program) + ending;
+    return {"voxtone.1", text + fmt::format(".SH \"SEE ALSO\"\n{}\n", fmt::join(pages, "\n"))};
+}
+
+ManualPage verb_page(const CLI::App& verb) {
+    std::string text = title(verb) + ".SH SYNOPSIS\n" + synopsis(verb);
+    text += ".SH DESCRIPTION\n" + roff(verb.get_description()) + "\n" + example(verb);
+    text += ".SH OPTIONS\n" + options(verb);
+    text += steps(verb);
+    return {page_name(verb) + ".1", text + ending + ".SH \"SEE ALSO\"\n.BR voxtone (1)\n"};
+}
+
+void write_manual(const std::vector<ManualPage>& pages, const std::string& folder) {
+    std::filesystem::create_directories(folder);
+    for (const ManualPage& page : pages) io::write_whole_file(std::filesystem::path(folder) / page.file, page.text);
+}
+
+}  // namespace voxtone::cli

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/cli/program/outcome.h"
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <exception>
+#include <new>
+#include <string>
+
+#include <fmt/core.h>
+
+#include "voxtone/base/contracts.h"
+#include "voxtone/base/error.h"
+#include "voxtone/base/openjd_progress.h"
+#include "voxtone/base/printable.h"
+#include "voxtone/base/progress_events.h"
+
+namespace voxtone::cli {
+
+namespace {
+
+int tell(Messages messages, ExitCode code, const std::string& message) {
+    std::fputs(printable("voxtone: " + message + "\n").c_str(), stderr);
+    if (messages == Messages::events) print_out(error_event(code, message) + "\n");
+    if (messages == Messages::openjd) print_out(openjd_failure(message) + "\n");
+    return static_cast<int>(code);
+}
+
+int tell_current_exception(Messages messages) {
+    try {
+        throw;
+    } catch (const Error& error) {
+        return tell(messages, error.exit_code(), error.what());
+    } catch (const std::bad_alloc&) {
+        return tell(messages, ExitCode::unfinished,
+                    "out of memory; use a smaller --size, fewer --threads or a machine with more memory");
+    } catch (const ContractViolation& error) {
+        return tell(messages, ExitCode::bug, fmt::format("a bug of ours, please report it: {}", error.what()));
+    } catch (const std::exception& error) {
+        return tell(messages, ExitCode::bug, fmt::format("an unexpected failure, please report it: {}", error.what()));
+    } catch (...) {
+        return tell(messages, ExitCode::bug, "an unexpected failure of no known kind, please report it");
+    }
+}
+
+/// A result that its reader did not get is no success: the disk that stdout goes to may be full.
+int noticing_lost_output(int code) {
+    const bool lost = std::fflush(stdout) != 0 || std::ferror(stdout) != 0;
+    if (!lost) return code;
+    std::fputs(fmt::format("voxtone: stdout could not be written ({}), so what was printed there is not whole; files "
+                           "that were named are. Make room or choose another place for it\n",
+                           std::strerror(errno))
+                   .c_str(),
+               stderr);
+    return code == 0 ? static_cast<int>(ExitCode::try_again) : code;
+}
+
+}  // namespace
+
+void print_out(std::string_view text) { std::fwrite(text.data(), 1, text.size(), stdout); }
+
+int guarded(Messages messages, const std::function<int()>& work) {
+    int code;
+    try {
+        code = work();
+    } catch (...) {
+        code = tell_current_exception(messages);
+    }
+    return noticing_lost_output(code);
+}
+
+}  // namespace voxtone::cli

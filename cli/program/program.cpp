@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/cli/program/program.h"
+
+#include <string>
+#include <utility>
+
+#include <CLI/CLI.hpp>
+
+#include "voxtone/base/error.h"
+#include "voxtone/cli/program/completion.h"
+#include "voxtone/cli/program/help.h"
+#include "voxtone/cli/program/manual.h"
+#include "voxtone/cli/program/outcome.h"
+
+namespace voxtone::cli {
+
+namespace {
+
+constexpr const char* description =
+    "voxtone turns textured models and pictures into layer bitmaps for full-colour material-jetting printers.\n"
+    "Exit codes: 0 done; 1 a bug; 2 usage; 3 invalid input or job; 4 a file could not be read or written; "
+    "5 could not finish (memory, cancelled); 6 a check found faults; 75 nothing is wrong with the job, try again; "
+    "85 stopped on request, progress saved, run it again.";
+
+using Commands = std::vector<std::pair<std::string, Command>>;
+
+int parse_and_run(CLI::App& program, const Words& words, const Commands& commands) {
+    try {
+        program.parse(Words(words.rbegin(), words.rend()));  // CLI11 takes them from the back
+    } catch (const CLI::CallForAllHelp&) {
+        print_out(program.help("", CLI::AppFormatMode::All));
+        return 0;
+    } catch (const CLI::CallForHelp&) {
+        print_out(program.help());
+        return 0;
+    } catch (const CLI::CallForVersion& version) {
+        print_out(std::string(version.what()) + "\n");
+        return 0;
+    } catch (const CLI::ParseError& error) {
+        throw UsageError(usage_message(program, error));
+    }
+    for (const auto& [name, command] : commands)
+        if (program.got_subcommand(name)) return command();
+    throw UsageError("name a verb; `voxtone --help` says which there are");
+}
+
+int print_completions(const CLI::App& program, const Words& words) {
+    std::string text;
+    for (const std::string& word : completions(program, words)) text += word + "\n";
+    print_out(text);
+    return 0;
+}
+
+int print_manual(const CLI::App& program, const std::string& folder) {
+    std::vector<ManualPage> pages{program_page(program)};
+    for (const CLI::App* verb : program.get_subcommands({})) pages.push_back(verb_page(*verb));
+    write_manual(pages, folder);
+    return 0;
+}
+
+int run(const Words& words, const std::vector<Verb>& verbs) {
+    CLI::App program(description, "voxtone");
+    set_up_help(program);
+    program.set_version_flag("--version", "voxtone " VOXTONE_VERSION, "print the version and stop");
+    program.require_subcommand(1);
+    add_example(program, "slice spot.obj --size 60mm -o print");
+    Commands commands;
+    for (const Verb& verb : verbs) commands.emplace_back(verb.name, verb.add(program));
+    if (!words.empty() && words[0] == "complete") return print_completions(program, {words.begin() + 1, words.end()});
+    if (words.size() == 2 && words[0] == "manual") return print_manual(program, words[1]);
+    check_words(program, words);
+    return parse_and_run(program, words, commands);
+}
+
+}  // namespace
+
+int run_program(const Words& words, const std::vector<Verb>& verbs) {
+    return guarded(asked_messages(words), [&] { return run(words, verbs); });
+}
+
+}  // namespace voxtone::cli

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <memory>
+
+#include <CLI/CLI.hpp>
+
+#include "voxtone/cli/program/help.h"
+#include "voxtone/cli/stack/stack_commands.h"
+#include "voxtone/cli/stack/stack_options.h"
+#include "voxtone/slicer/stacks/stack_targets_job.h"
+
+namespace voxtone::cli {
+
+namespace {
+
+struct StackTargetsArguments {
+    slicer::StackTargetsJob job;
+    RunOptions run;
+};
+
+int run(StackTargetsArguments& a) {
+    return run_on_console(a.run, [&](Progress& progress) { return slicer::run_stack_targets(a.job, progress); });
+}
+
+}  // namespace
+
+Command add_stack_targets_command(CLI::App& stack) {
+    auto arguments = std::make_shared<StackTargetsArguments>();
+    slicer::StackTargetsJob& job = arguments->job;
+    CLI::App* command =
+        stack.add_subcommand("targets", "Make targets of one albedo and rising width, between two stacks");
+    command
+        ->add_option("narrow", job.narrow,
+                     "where light spreads least: a stack file, or layers: \"W 5\" (mm, top first)")
+        ->type_name("FILE|LAYERS")
+        ->required();
+    command->add_option("wide", job.wide, "where light spreads most: \"W 0.2, T 4.8\"")
+        ->type_name("FILE|LAYERS")
+        ->required();
+    add_file_folder_options(*command, job.out, job.overwrite,
+                            "folder for target-1.json (narrowest), target-2.json, ... and targets.svg");
+    add_count(*command, "--count", job.count, "targets, from 1 to 1000");
+    add_named_stack_options(*command, job.setting);
+    add_detail_options(*command, arguments->run.lengths, job.setting.reach_mm, job.setting.coefficients);
+    add_tracing_options(*command, job.paths, job.seed);
+    add_run_options(*command, arguments->run);
+    add_example(*command, "\"W 4\" \"W 0.2, T 0.8, W 3\" --resins vero-opaque-clear -o targets");
+    return [arguments] { return run(*arguments); };
+}
+
+}  // namespace voxtone::cli
