@@ -15,6 +15,7 @@ int main(int argc, char** argv) {
                                {"estimate", add_estimate_command},
                                {"merge", add_merge_command},
                                {"predict", add_predict_command},
+                               {"proof", add_proof_command},
                                {"verify", add_verify_command},
                                {"batch", add_batch_command},
                                {"status", add_status_command},

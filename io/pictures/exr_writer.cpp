@@ -63,11 +63,13 @@ std::vector<std::uint8_t> exr_bytes(const LinearPicture& picture, std::array<dou
     return exr_bytes(numbers, px_per_mm);
 }
 
-std::vector<std::uint8_t> exr_bytes(const NumberPicture& picture, std::array<double, 2> px_per_mm) {
+std::vector<std::uint8_t> exr_bytes(const NumberPicture& picture, std::array<double, 2> px_per_mm,
+                                    const std::string& comment) {
     VOXTONE_EXPECT(picture.width_px >= 1 && picture.height_px >= 1 && !picture.names.empty());
     VOXTONE_EXPECT(picture.values.size() == std::size_t{picture.width_px} * picture.height_px * picture.names.size());
 
     Imf::Header header = header_of(picture, px_per_mm);
+    if (!comment.empty()) Imf::addComments(header, comment);
     Imf::FrameBuffer frame;
     const std::size_t pixel_bytes = picture.names.size() * sizeof(float);
     for (std::size_t c = 0; c < picture.names.size(); ++c) {

@@ -25,8 +25,10 @@ struct NumberPicture {
     std::vector<float> values;
 };
 
-/// The same kind of file with channels of these names; values are written as they are.
+/// The same kind of file with channels of these names; values are written as they are. With a comment (the attribute
+/// "comments") where it is not empty.
 [[nodiscard]] std::vector<std::uint8_t> exr_bytes(const NumberPicture& picture,
-                                                  std::array<double, 2> px_per_mm = {0, 0});
+                                                  std::array<double, 2> px_per_mm = {0, 0},
+                                                  const std::string& comment = {});
 
 }  // namespace voxtone::io

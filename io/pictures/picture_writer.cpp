@@ -66,7 +66,8 @@ Picture8 encode_transparent(const LinearPicture& picture) {
     });
 }
 
-std::vector<std::uint8_t> png_bytes(const Picture8& picture, std::array<double, 2> px_per_mm) {
+std::vector<std::uint8_t> png_bytes(const Picture8& picture, std::array<double, 2> px_per_mm,
+                                    const std::string& comment) {
     VOXTONE_EXPECT(picture.channels == 3 || picture.channels == 4);
     VOXTONE_EXPECT(picture.width_px >= 1 && picture.height_px >= 1);
     const std::size_t row_bytes = std::size_t{picture.width_px} * picture.channels;
@@ -82,6 +83,13 @@ std::vector<std::uint8_t> png_bytes(const Picture8& picture, std::array<double, 
     if (px_per_mm[0] > 0 && px_per_mm[1] > 0)
         png_set_pHYs(writer.png, writer.info, static_cast<png_uint_32>(std::lround(1000 * px_per_mm[0])),
                      static_cast<png_uint_32>(std::lround(1000 * px_per_mm[1])), PNG_RESOLUTION_METER);
+    std::string key = "Comment", text = comment;
+    png_text note{};
+    note.compression = PNG_TEXT_COMPRESSION_NONE;
+    note.key = key.data();
+    note.text = text.data();
+    note.text_length = text.size();
+    if (!comment.empty()) png_set_text(writer.png, writer.info, &note, 1);
     png_write_info(writer.png, writer.info);
     for (std::uint32_t y = 0; y < picture.height_px; ++y)
         png_write_row(writer.png, picture.codes.data() + y * row_bytes);

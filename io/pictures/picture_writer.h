@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
 #include <Eigen/Core>
@@ -32,8 +33,10 @@ struct Picture8 {
 [[nodiscard]] Picture8 encode_transparent(const LinearPicture& picture);
 
 /// The bytes of a PNG file with an sRGB chunk; with its pixels' density (pHYs, as PNG has it: whole pixels per metre
-/// along x and y) where px_per_mm is not 0. The same picture gives the same bytes.
-[[nodiscard]] std::vector<std::uint8_t> png_bytes(const Picture8& picture, std::array<double, 2> px_per_mm = {0, 0});
+/// along x and y) where px_per_mm is not 0, and with a comment (tEXt, Latin 1) where it is not empty. The same picture
+/// gives the same bytes.
+[[nodiscard]] std::vector<std::uint8_t> png_bytes(const Picture8& picture, std::array<double, 2> px_per_mm = {0, 0},
+                                                  const std::string& comment = {});
 
 /// The bytes of a grey PNG that holds these numbers, rows from the top: of 8 bits where all fit, else of 16.
 [[nodiscard]] std::vector<std::uint8_t> number_png_bytes(std::uint32_t width_px, std::uint32_t height_px,

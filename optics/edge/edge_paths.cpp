@@ -7,7 +7,7 @@
 
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/parallel.h"
-#include "voxtone/optics/edge/rough_interface.h"
+#include "voxtone/optics/monte_carlo/rough_interface.h"
 #include "voxtone/optics/monte_carlo/voxel_walk.h"
 
 namespace voxtone::optics {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "voxtone/optics/monte_carlo/rough_boundary.h"
 #include "voxtone/optics/monte_carlo/scalar_paths.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -340,11 +341,17 @@ private:
             Point at = place_mm(lane), way = direction(lane);
             const bool on_sheet = scene_.backing != Backing::none && normals_[lane].geometric[2] < -0.999 &&
                                   at[2] < 0.5 * static_cast<double>(scene_.pitch_mm[2]);
-            const bool leaves =
-                static_cast<double>(u[k]) >= turn_at_boundary(normals_[lane], static_cast<double>(scene_.eta), way);
+            const double roughness = scene_.finish ? scene_.finish->roughness(at, normals_[lane].geometric) : 0.0;
+            const bool leaves = roughness > 0
+                                    ? crosses_rough(lane, roughness, way)
+                                    : static_cast<double>(u[k]) >= turn_at_boundary(normals_[lane], eta(), way);
             const bool again = leaves && !on_sheet && scene_.follow_outside && meets_again(lane, at);
             if (leaves && !again && (!on_sheet || scene_.backing == Backing::black)) {
-                source_.finished(lanes_.tag[lane], on_sheet ? 0.0f : lanes_.weight[lane], place(lane));
+                if (scene_.tells_exits && !on_sheet)
+                    tell_exit(lane, at,
+                              roughness > 0 ? way : leaving_direction(normals_[lane], eta(), direction(lane)));
+                else
+                    source_.finished(lanes_.tag[lane], on_sheet ? 0.0f : lanes_.weight[lane], place(lane));
                 lost += !refill(lane);
                 continue;
             }
@@ -373,6 +380,18 @@ private:
             }
         }
         return lost;
+    }
+
+    [[nodiscard]] double eta() const { return static_cast<double>(scene_.eta); }
+    void tell_exit(std::size_t lane, const Point& at, const Point& way) {
+        source_.left(lanes_.tag[lane], lanes_.weight[lane], {at, way, random_state(lane)});
+    }
+    /// Turns `way` at a rough surface; true where it goes through.
+    bool crosses_rough(std::size_t lane, double roughness, Point& way) {
+        PathRandom random(random_state(lane));
+        const bool through = cross_boundary(normals_[lane], eta(), roughness, true, way, random);
+        set_random_state(lane, random.state());
+        return through;
     }
 
     /// Light that left at `at` and meets the body once more goes on inside where the surface lets it in: an ear, a

@@ -14,6 +14,7 @@
 
 #include "voxtone/optics/monte_carlo/path_random.h"
 #include "voxtone/optics/monte_carlo/path_volume.h"
+#include "voxtone/optics/monte_carlo/surface_finish.h"
 
 namespace voxtone::optics {
 
@@ -27,6 +28,13 @@ struct PathStart {
     std::uint32_t tag = 0;                  ///< given back with the weight
 };
 
+/// Where a path went out through the boundary, for those who go on with it.
+struct PathExit {
+    Point at{};                             ///< mm from the volume's corner
+    Point way{};                            ///< in air, unit length
+    std::array<std::uint32_t, 4> random{};  ///< state of its generator
+};
+
 /// Where packets take paths from and what they do with them.
 class PathSource {
 public:
@@ -35,6 +43,8 @@ public:
     virtual bool next(PathStart& start) = 0;
     /// `at`: where it left or ended, as in PathStart; exact at the side that it left through.
     virtual void finished(std::uint32_t tag, float weight, const std::array<float, 3>& at) = 0;
+    /// In the place of `finished`, for a path that left where PacketScene::tells_exits is set.
+    virtual void left(std::uint32_t /*tag*/, float /*weight*/, const PathExit& /*exit*/) {}
     /// The direction of light that a white sheet sends back up through the surface; draws from `random`.
     virtual std::array<float, 3> entering_up(std::array<std::uint32_t, 4>& random) = 0;
 };
@@ -48,7 +58,10 @@ struct PacketScene {
     std::array<float, 3> pitch_mm{};
     const BodyBoundary* boundary = nullptr;  ///< nullptr: the faces of the voxels
     bool follow_outside = false;             ///< MonteCarloOptions
-    float offset = 0;                        ///< voxels between the corner of path coordinates and the scene's volume
+    // With a boundary only, and without follow_outside:
+    const SurfaceFinish* finish = nullptr;  ///< nullptr: smooth
+    bool tells_exits = false;               ///< paths that leave are handed over with their way (PathSource::left)
+    float offset = 0;                       ///< voxels between the corner of path coordinates and the scene's volume
     std::size_t materials = 0;
     std::array<float, 256> sigma_t{}, albedo{};  ///< per material
     float g = 0, eta = 1, roulette_weight = 0.1f;

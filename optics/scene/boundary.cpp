@@ -9,8 +9,6 @@
 namespace voxtone::optics {
 namespace {
 
-double dot(const Point& a, const Point& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
 Point reflected(const Point& d, const Point& n) {
     const double twice = 2 * dot(d, n);
     return {d[0] - twice * n[0], d[1] - twice * n[1], d[2] - twice * n[2]};
@@ -117,6 +115,29 @@ bool FlatSides::leaves(const Point& from, const Point& direction, double reach, 
     return true;
 }
 
+bool FlatSides::meets(const Point& from, const Point& direction, double& distance, BoundaryNormals& normals) const {
+    double in = off_the_start_mm, out = 1e300;
+    const Plane* entered = nullptr;
+    for (const Plane& plane : planes_) {
+        const double speed = dot(plane.normal, direction), height = dot(plane.normal, from) - plane.offset;
+        if (speed == 0) {
+            if (height > 0) return false;
+            continue;
+        }
+        const double t = -height / speed;
+        if (speed > 0) {
+            out = std::min(out, t);
+        } else if (t > in) {
+            in = t;
+            entered = &plane;
+        }
+    }
+    if (!entered || in >= out) return false;
+    distance = in;
+    normals = {entered->normal, entered->normal};
+    return true;
+}
+
 Point FlatSides::nearest(const Point& p, BoundaryNormals& normals) const {
     const Plane* plane = nullptr;
     const double h = height(p, plane);
@@ -143,6 +164,19 @@ bool Sphere::leaves(const Point& from, const Point& direction, double reach, dou
     for (std::size_t a = 0; a < 3; ++a) r[a] += t * direction[a];
     const double length = std::sqrt(dot(r, r));
     for (double& x : r) x /= length;
+    normals = {r, r};
+    return true;
+}
+
+bool Sphere::meets(const Point& from, const Point& direction, double& distance, BoundaryNormals& normals) const {
+    Point r{};
+    for (std::size_t a = 0; a < 3; ++a) r[a] = from[a] - centre_[a];
+    const double way = dot(r, direction), square = way * way - dot(r, r) + radius_ * radius_;
+    if (square <= 0) return false;
+    const double t = -way - std::sqrt(square);
+    if (t <= off_the_start_mm) return false;
+    distance = t;
+    for (std::size_t a = 0; a < 3; ++a) r[a] = (r[a] + t * direction[a]) / radius_;
     normals = {r, r};
     return true;
 }

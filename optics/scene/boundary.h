@@ -8,13 +8,12 @@
 // the resin of the nearest solid voxel.
 #pragma once
 
-#include <array>
 #include <span>
 #include <vector>
 
-namespace voxtone::optics {
+#include "voxtone/optics/scene/point.h"
 
-using Point = std::array<double, 3>;
+namespace voxtone::optics {
 
 /// Unit vectors, outward.
 struct BoundaryNormals {
@@ -23,6 +22,8 @@ struct BoundaryNormals {
 
 /// Paths that stay inside are set off from the surface by this much, so that rounding does not put them outside.
 inline constexpr double inside_boundary_mm = 1e-4;
+/// What a ray in the air starts from is not met again nearer than this, rounding included.
+inline constexpr double off_the_start_mm = 1e-3;
 
 /// A ray in the resin meets the surface: the share that is reflected, and `direction` turned as the reflected ray.
 /// About the shading normal, or the geometric one where the shading normal would lose the ray.
@@ -56,7 +57,7 @@ public:
     [[nodiscard]] virtual bool leaves(const Point& from, const Point& direction, double reach, double& distance,
                                       BoundaryNormals& normals) const = 0;
 
-    /// Where a ray in the air first meets the body. A start on the surface does not count; a convex body is never met.
+    /// Where a ray in the air first meets the body. A start on the surface does not count.
     [[nodiscard]] virtual bool meets(const Point& /*from*/, const Point& /*direction*/, double& /*distance*/,
                                      BoundaryNormals& /*normals*/) const {
         return false;
@@ -81,6 +82,8 @@ public:
 
     [[nodiscard]] bool leaves(const Point& from, const Point& direction, double reach, double& distance,
                               BoundaryNormals& normals) const override;
+    [[nodiscard]] bool meets(const Point& from, const Point& direction, double& distance,
+                             BoundaryNormals& normals) const override;
     [[nodiscard]] Point nearest(const Point& p, BoundaryNormals& normals) const override;
     [[nodiscard]] bool comes_within(const Point& p, double radius_mm) const override;
 
@@ -95,6 +98,8 @@ public:
 
     [[nodiscard]] bool leaves(const Point& from, const Point& direction, double reach, double& distance,
                               BoundaryNormals& normals) const override;
+    [[nodiscard]] bool meets(const Point& from, const Point& direction, double& distance,
+                             BoundaryNormals& normals) const override;
     [[nodiscard]] Point nearest(const Point& p, BoundaryNormals& normals) const override;
     [[nodiscard]] bool comes_within(const Point& p, double radius_mm) const override;
 

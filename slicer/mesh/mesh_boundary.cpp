@@ -19,8 +19,8 @@
 namespace voxtone::slicer {
 namespace {
 
-constexpr float off_the_start = 1e-3f;  // mm: what a ray in the air starts from is not met again, rounding included
-constexpr double far_away = 1e4;        // mm
+constexpr auto off_the_start = static_cast<float>(optics::off_the_start_mm);
+constexpr double far_away = 1e4;  // mm
 
 using Eigen::Vector3d;
 using Eigen::Vector3f;
@@ -214,6 +214,15 @@ std::optional<std::uint32_t> MeshBoundary::corner_met(const optics::Point& from,
     Eigen::Index corner = 0;
     hit->weights.maxCoeff(&corner);
     return data_->triangles[hit->triangle][static_cast<std::size_t>(corner)];
+}
+
+std::optional<MeshBoundary::Met> MeshBoundary::triangle_met(const optics::Point& from,
+                                                            const optics::Point& direction) const {
+    const auto hit = data_->first_hit(from, direction, off_the_start, far_away, false);
+    if (!hit) return {};
+    Met met{data_->triangles[hit->triangle], {}, hit->distance, data_->normals(hit->triangle, hit->weights)};
+    for (std::size_t c = 0; c < 3; ++c) met.weights[c] = static_cast<float>(hit->weights[static_cast<int>(c)]);
+    return met;
 }
 
 optics::Point MeshBoundary::nearest(const optics::Point& p, optics::BoundaryNormals& normals) const {

@@ -41,6 +41,14 @@ public:
     /// `positions_mm`. Nothing where it meets none.
     [[nodiscard]] std::optional<std::uint32_t> corner_met(const optics::Point& from,
                                                           const optics::Point& direction) const;
+    /// The triangle that a ray in the air first meets: its corners as places in `positions_mm`, and their weights.
+    struct Met {
+        std::array<std::uint32_t, 3> corners{};
+        std::array<float, 3> weights{};
+        double distance = 0;
+        optics::BoundaryNormals normals;
+    };
+    [[nodiscard]] std::optional<Met> triangle_met(const optics::Point& from, const optics::Point& direction) const;
     [[nodiscard]] optics::Point nearest(const optics::Point& p, optics::BoundaryNormals& normals) const override;
     [[nodiscard]] bool comes_within(const optics::Point& p, double radius_mm) const override;
 

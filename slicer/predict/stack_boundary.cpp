@@ -49,7 +49,7 @@ bool fits(const VoxelGrid& grid, const StackVolume& stack) {
 
 }  // namespace
 
-StackBoundary boundary_of_stack(const std::string& stack, const StackVolume& volume, Progress& progress) {
+StackBody body_of_stack(const std::string& stack, const StackVolume& volume, Progress& progress) {
     const fs::path job_file = fs::path(stack) / job_file_name;
     std::error_code none;
     if (!fs::exists(job_file, none)) return {{}, fmt::format("there is no {} to name its model", job_file.string())};
@@ -57,17 +57,24 @@ StackBoundary boundary_of_stack(const std::string& stack, const StackVolume& vol
         SliceOptions asked;
         read_job(job_file.string(), asked);
         const ResolvedJob job = resolve(asked);
-        if (job.is_picture) return {{}, "it is a picture's slab, whose faces are flat"};
         if (job.layers) return {{}, "it is a part of its body's layers"};
         if (std::string why = changed_model(asked, progress); !why.empty()) return {{}, std::move(why)};
-        const JobBody body = prepare_body(job, find_printer(job.printer), progress);
+        JobBody body = prepare_body(job, find_printer(job.printer), progress);
         if (!fits(body.grid, volume)) return {{}, fmt::format("{} makes another body now", job.model)};
-        return {boundary_of(body), {}};
+        return {std::move(body), {}};
     } catch (const Cancelled&) {
         throw;
     } catch (const Error& error) {
         return {{}, error.what()};
     }
+}
+
+StackBoundary boundary_of_stack(const std::string& stack, const StackVolume& volume, Progress& progress) {
+    if (volume.of_picture) return {{}, "it is a picture's slab, whose faces are flat"};
+    StackBody found = body_of_stack(stack, volume, progress);
+    if (!found.body) return {{}, std::move(found.why_not)};
+    if (found.body->is_picture) return {{}, "it is a picture's slab, whose faces are flat"};
+    return {boundary_of(*found.body), {}};
 }
 
 }  // namespace voxtone::slicer

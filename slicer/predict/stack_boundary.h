@@ -11,15 +11,24 @@
 #include "voxtone/base/progress.h"
 #include "voxtone/slicer/mesh/mesh_boundary.h"
 #include "voxtone/slicer/predict/stack_volume.h"
+#include "voxtone/slicer/prepare/job_body.h"
 
 namespace voxtone::slicer {
+
+/// The body that a stack was made of, as its job had it; pictures' slabs too.
+struct StackBody {
+    std::optional<JobBody> body;
+    std::string why_not;  ///< half a sentence, where nothing
+};
+/// `stack`: the output folder. Reads the model again, as the job did. Throws Cancelled.
+[[nodiscard]] StackBody body_of_stack(const std::string& stack, const StackVolume& volume, Progress& progress);
 
 struct StackBoundary {
     std::optional<MeshBoundary> mesh;  ///< nothing: the faces of the voxels have to do
     std::string why_not;               ///< half a sentence, where nothing
 };
 
-/// `stack`: the output folder. Reads the model again, as the job did. Throws Cancelled.
+/// The same, for bodies. Throws Cancelled.
 [[nodiscard]] StackBoundary boundary_of_stack(const std::string& stack, const StackVolume& volume, Progress& progress);
 
 }  // namespace voxtone::slicer

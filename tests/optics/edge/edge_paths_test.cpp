@@ -11,9 +11,9 @@
 
 #include "voxtone/base/parallel.h"
 #include "voxtone/optics/edge/edge_response.h"
-#include "voxtone/optics/edge/rough_interface.h"
 #include "voxtone/optics/layered/adding_doubling.h"
 #include "voxtone/optics/layered/directional.h"
+#include "voxtone/optics/monte_carlo/rough_interface.h"
 #include "voxtone/optics/numerics/quadrature.h"
 
 using namespace voxtone;

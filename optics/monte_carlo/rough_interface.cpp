@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/edge/rough_interface.h"
+#include "voxtone/optics/monte_carlo/rough_interface.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "voxtone/optics/scene/fresnel.h"
+#include "voxtone/optics/scene/point.h"
 
 namespace voxtone::optics {
 namespace {
@@ -14,8 +15,6 @@ namespace {
 using Direction = std::array<double, 3>;
 
 constexpr int most_facets = 64;  // met before the ray is let go as from a smooth surface; rays of 1e8 never did
-
-double dot(const Direction& a, const Direction& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 Direction reversed(const Direction& d) { return {-d[0], -d[1], -d[2]}; }
 

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <memory>
+#include <string>
+#include <utility>
+
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+#include <CLI/CLI.hpp>
+
+#include "voxtone/cli/print/print_commands.h"
+#include "voxtone/cli/program/common_options.h"
+#include "voxtone/cli/program/console.h"
+#include "voxtone/cli/program/help.h"
+#include "voxtone/slicer/proof/proof_job.h"
+
+namespace voxtone::cli {
+
+namespace {
+
+struct ProofArguments {
+    slicer::ProofOptions options;
+    ConsoleOptions console;
+};
+
+void group(const char* name, std::initializer_list<CLI::Option*> options) {
+    for (CLI::Option* option : options) option->group(name);
+}
+
+void add_camera_options(CLI::App& command, slicer::ProofOptions& o) {
+    group("Camera",
+          {command
+               .add_option("--view", o.view,
+                           fmt::format("by the side that is seen; auto: top for pictures, three-quarter for "
+                                       "bodies [auto|{}]",
+                                       fmt::join(names_of<slicer::ProofView>(), "|")))
+               ->capture_default_str(),
+           command
+               .add_option("--up", o.up,
+                           "which way of the model as printed is up where the print stands "
+                           "[z|-z|y|-y|x|-x]")
+               ->capture_default_str(),
+           command
+               .add_option("--turn", o.turn_deg, "turns the print on its table, degrees, counter-clockwise from above")
+               ->type_name("DEG")
+               ->capture_default_str(),
+           command
+               .add_option("--camera", o.camera,
+                           "where the camera stands, mm in the model's frame as printed; empty: by --view, so "
+                           "far off that all fits")
+               ->type_name("X,Y,Z"),
+           command.add_option("--look-at", o.look_at, "what it looks at, mm; empty: the middle of the box")
+               ->type_name("X,Y,Z"),
+           command.add_option("--focal", o.focal_mm, "focal length, mm, for a frame of 36 mm")
+               ->type_name("MM")
+               ->capture_default_str(),
+           command.add_option("--size", o.size, "of the picture, pixels")->type_name("WxH")->capture_default_str(),
+           command
+               .add_option("--exposure", o.exposure_ev,
+                           "of the .png, EV: 0 shows a white diffuser that lies in the open as white")
+               ->type_name("EV")
+               ->capture_default_str()});
+}
+
+void add_scene_options(CLI::App& command, slicer::ProofOptions& o) {
+    group("Light and scene",
+          {command
+               .add_option("--light", o.light,
+                           "studio: two soft boxes and white walls; overcast: the CIE's overcast sky; even: the same "
+                           "from everywhere; or a lat-long picture of a place (.exr) [studio|overcast|even|FILE]")
+               ->capture_default_str(),
+           command.add_option("--turn-light", o.turn_light_deg, "degrees, counter-clockwise from above")
+               ->type_name("DEG")
+               ->capture_default_str(),
+           command.add_option("--ground", o.ground, "reflectance of the plane that the print lies on, or none")
+               ->type_name("R|none")
+               ->capture_default_str(),
+           command
+               .add_option("--finish", o.finish,
+                           "glossy: as jetted, and matt where support lay; matt: support lay everywhere [glossy|matt]")
+               ->capture_default_str(),
+           command
+               .add_option("--roughness", o.roughness,
+                           "alpha of GGX of glossy and of matt faces, 0 is smooth; a guess until measured")
+               ->type_name("A,B")
+               ->delimiter(',')
+               ->capture_default_str(),
+           command.add_flag("--with-target", o.with_target,
+                            "the model as a diffuse body to the right of the print: its colours times the light that "
+                            "thick white resin sends back")});
+}
+
+int run(ProofArguments& arguments) {
+    return run_on_console(arguments.console,
+                          [&](Progress& progress) { return slicer::run_proof_job(arguments.options, progress); });
+}
+
+}  // namespace
+
+Command add_proof_command(CLI::App& program) {
+    auto arguments = std::make_shared<ProofArguments>();
+    slicer::ProofOptions& o = arguments->options;
+    CLI::App* command = program.add_subcommand("proof", "Photograph the print of a layer stack by light paths");
+    group("Input and output",
+          {command->add_option("stack", o.stack, "output folder, folder of PNG layers, or .gcvf file")
+               ->required()
+               ->type_name("FOLDER|FILE"),
+           command
+               ->add_option("-o,--out", o.files,
+                            "file to write, several by repeating: .png for the eye, .exr numbers with their standard "
+                            "errors")
+               ->required()
+               ->type_name("FILE")
+               ->allow_extra_args(false),
+           add_overwrite_option(*command, o.overwrite)});
+    add_camera_options(*command, o);
+    add_scene_options(*command, o);
+    group("Noise",
+          {command->add_option("--spp", o.samples, "samples per pixel and channel (with --error: the least)")
+               ->type_name("N")
+               ->capture_default_str(),
+           command
+               ->add_option("--error", o.error,
+                            "wanted standard error of luminance, rms over squares of 16 pixels, 1 is a white diffuser; "
+                            "0: --spp decides")
+               ->type_name("E")
+               ->capture_default_str()});
+    group("Resins and foreign stacks",
+          {add_resins_option(*command, o.resins, "; empty: that of the job, else vero-opaque"),
+           command
+               ->add_option("--assign", o.assign,
+                            "foreign stacks: which colour is which resin: \"#00aeef=C,#ec008c=M\"; none: no material")
+               ->type_name("LIST")
+               ->delimiter(',')
+               ->allow_extra_args(false),
+           command
+               ->add_option("--printer", o.printer,
+                            "foreign stacks: voxel size of this printer (`voxtone list printers`)")
+               ->type_name("ID|FILE"),
+           command
+               ->add_option("--pitch", o.pitch,
+                            "foreign stacks: voxel size along columns, rows, layers: 42.33,84.67,27um")
+               ->type_name("X,Y,Z")});
+    group("Run", {command->add_option("--memory", o.memory_gib, "most memory, GiB; 0: half of the machine's")
+                      ->type_name("GIB")
+                      ->capture_default_str(),
+                  add_threads_option(*command, o.threads), add_seed_option(*command, o.seed, "seed of the paths")});
+    add_console_options(*command, arguments->console);
+    add_example(*command, "out/cow -o proof.png");
+    return [arguments] { return run(*arguments); };
+}
+
+}  // namespace voxtone::cli

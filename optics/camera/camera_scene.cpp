@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/optics/camera/camera_scene.h"
+
+#include <limits>
+
+#include "voxtone/base/contracts.h"
+#include "voxtone/optics/colour/spectral_colour.h"
+#include "voxtone/optics/monte_carlo/scalar_paths.h"
+
+namespace voxtone::optics {
+namespace {
+
+Point less(const Point& a, const Point& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+
+std::vector<std::size_t> light_of(const Channels& channels) {
+    if (channels.is_rgb()) return {0, 1, 2};
+    std::vector<std::size_t> light;
+    for (const double nm : channels.wavelengths_nm) light.push_back(nm >= 580 ? 0 : nm >= 490 ? 1 : 2);
+    return light;
+}
+
+}  // namespace
+
+LitScene::LitScene(const CameraScene& scene) : scene_(scene), camera_(scene.view) {
+    VOXTONE_EXPECT(scene.sky != nullptr);
+    const Channels channels = scene.prints.empty() ? Channels{} : scene.prints.front().scene->resins->channels;
+    light_ = light_of(channels);
+    const Eigen::Matrix3Xd weights = linear_srgb_weights(channels.wavelengths_nm);
+    for (Eigen::Index c = 0; c < weights.cols(); ++c)
+        luminance_.push_back(luminance({weights(0, c), weights(1, c), weights(2, c)}));
+    volumes_.reserve(scene.prints.size());
+    for (const ResinBody& print : scene.prints) {
+        require_resins(*print.scene);
+        VOXTONE_EXPECT(print.boundary && print.scene->resins->channels == channels);
+        VOXTONE_EXPECT(print.scene->backing == Backing::none && print.scene->sides == Sides::open);
+        volumes_.emplace_back(*print.scene, print.boundary);
+        for (std::size_t c = 0; c < light_.size(); ++c) {
+            PacketScene packet = packet_scene(*print.scene, volumes_.back(), c, default_roulette_weight);
+            packet.finish = print.finish;
+            packet.tells_exits = true;
+            packets_.push_back(packet);
+        }
+    }
+}
+
+MetInAir LitScene::met(const Point& from, const Point& way) const {
+    MetInAir first;
+    first.distance = std::numeric_limits<double>::infinity();
+    BoundaryNormals normals;
+    double distance = 0;
+    for (std::size_t i = 0; i < scene_.prints.size(); ++i)
+        if (scene_.prints[i].boundary->meets(less(from, scene_.prints[i].corner_mm), way, distance, normals) &&
+            distance < first.distance)
+            first = {MetInAir::What::print, i, distance, normals, {}};
+    Light reflectance{};
+    for (const DiffuseBody* body : scene_.diffusers)
+        if (body->meets(from, way, distance, normals, reflectance) && distance < first.distance)
+            first = {MetInAir::What::diffuser, 0, distance, normals, reflectance};
+    if (scene_.ground && dot(way, scene_.ground->up) < 0) {
+        const Point& up = scene_.ground->up;
+        distance = (scene_.ground->height_mm - dot(from, up)) / dot(way, up);
+        constexpr double off_the_start = 1e-4;
+        if (distance > off_the_start && distance < first.distance)
+            first = {MetInAir::What::ground, 0, distance, {up, up}, scene_.ground->reflectance};
+    }
+    return first;
+}
+
+Point LitScene::draw_sky(double pixel, double u, double v) const {
+    const Point d = scene_.sky->draw(pixel, u, v);
+    Point way{};
+    for (std::size_t a = 0; a < 3; ++a)
+        for (std::size_t k = 0; k < 3; ++k) way[k] += d[a] * scene_.sky_axes[a][k];
+    return way;
+}
+
+bool LitScene::sees_sky(const Point& from, const Point& way) const {
+    return met(from, way).what == MetInAir::What::sky;
+}
+
+}  // namespace voxtone::optics

@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/slicer/proof/proof_job.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include "voxtone/base/parallel.h"
+#include "voxtone/base/peak_memory.h"
+#include "voxtone/base/stopwatch.h"
+#include "voxtone/io/disk/output_files.h"
+#include "voxtone/io/files/whole_file.h"
+#include "voxtone/io/pictures/exr_writer.h"
+#include "voxtone/io/pictures/picture_writer.h"
+#include "voxtone/optics/colour/spectral_colour.h"
+#include "voxtone/slicer/proof/proof_scene.h"
+
+namespace voxtone::slicer {
+
+namespace {
+
+using optics::CameraPicture;
+
+/// Linear sRGB, and its standard errors, of a pixel's channels.
+struct PixelColour {
+    Eigen::Vector3f rgb, error;
+};
+PixelColour colour_of(const CameraPicture& picture, const Eigen::Matrix3Xf& weights, std::size_t pixel) {
+    const auto n = static_cast<Eigen::Index>(picture.channels);
+    const Eigen::Map<const Eigen::VectorXf> value(picture.value.data() + pixel * picture.channels, n),
+        error(picture.standard_error.data() + pixel * picture.channels, n);
+    return {weights * value, (weights.cwiseAbs2() * error.cwiseAbs2()).cwiseSqrt()};
+}
+
+Eigen::Matrix3Xf colour_weights(const ProofScene& scene) {
+    return optics::linear_srgb_weights(scene.stack.resins.channels.wavelengths_nm).cast<float>();
+}
+
+io::LinearPicture developed(const CameraPicture& picture, const ProofScene& scene, double exposure_ev) {
+    const Eigen::Matrix3Xf weights = colour_weights(scene);
+    const auto scale = static_cast<float>(std::exp2(exposure_ev));
+    io::LinearPicture out{
+        static_cast<std::uint32_t>(picture.width_px), static_cast<std::uint32_t>(picture.height_px), {}};
+    for (std::size_t p = 0; p < picture.samples.size(); ++p) {
+        const Eigen::Vector3f rgb = scale * colour_of(picture, weights, p).rgb;
+        out.pixels.emplace_back(rgb.x(), rgb.y(), rgb.z(), 1.0f);
+    }
+    return out;
+}
+
+/// Whether support touched what the middle of a pixel sees of the print.
+float matt_at(const ProofScene& scene, const optics::Camera& camera, std::size_t pixel) {
+    const auto width = static_cast<std::size_t>(camera.width_px());
+    const optics::Point way = camera.direction(double(pixel % width) + 0.5, double(pixel / width) + 0.5);
+    const optics::Point from = optics::along(camera.position(), scene.stack.corner_mm, -1);
+    double distance = 0;
+    optics::BoundaryNormals normals;
+    if (!scene.boundary->meets(from, way, distance, normals)) return 0;
+    return static_cast<float>(scene.finish->roughness(optics::along(from, way, distance), normals.geometric));
+}
+
+/// R, G, B; then A, 1; "error.R"...; spectral sets have their channels besides; "samples", "roughness" and "seen" (0
+/// sky, 1 ground, 2 print, 3 target).
+io::NumberPicture numbers(const CameraPicture& picture, const ProofScene& scene) {
+    const optics::Channels& channels = scene.stack.resins.channels;
+    io::NumberPicture out{static_cast<std::uint32_t>(picture.width_px),
+                          static_cast<std::uint32_t>(picture.height_px),
+                          {"R", "G", "B", "A", "error.R", "error.G", "error.B", "samples", "roughness", "seen"},
+                          {}};
+    for (const double nm : channels.wavelengths_nm) out.names.push_back(fmt::format("{:g}nm", nm));
+    for (const double nm : channels.wavelengths_nm) out.names.push_back(fmt::format("error.{:g}nm", nm));
+    const Eigen::Matrix3Xf weights = colour_weights(scene);
+    const optics::Camera camera(scene.camera.view);
+    for (std::size_t p = 0; p < picture.samples.size(); ++p) {
+        const PixelColour colour = colour_of(picture, weights, p);
+        for (const float x : colour.rgb) out.values.push_back(x);
+        out.values.push_back(1);
+        for (const float x : colour.error) out.values.push_back(x);
+        out.values.push_back(static_cast<float>(picture.samples[p]));
+        out.values.push_back(picture.sees[p] == 2 ? matt_at(scene, camera, p) : 0.0f);
+        out.values.push_back(picture.sees[p]);
+        if (channels.is_rgb()) continue;
+        for (const auto* rows : {&picture.value, &picture.standard_error})
+            for (std::size_t c = 0; c < picture.channels; ++c) out.values.push_back((*rows)[p * picture.channels + c]);
+    }
+    return out;
+}
+
+std::string comment_of(const CameraPicture& picture, const ResolvedProof& job) {
+    const auto [least, most] = std::minmax_element(picture.samples.begin(), picture.samples.end());
+    std::string text = fmt::format(
+        "Proof of a print by light paths: {} to {} samples a pixel, standard error of luminance where a body is seen "
+        "{:.4f} (rms; 1 is a white diffuser that lies in the open), light {}, exposure {:+g} EV.",
+        *least, *most, picture.rms_error, job.light ? name_of(*job.light) : "from a picture", job.asked.exposure_ev);
+    if (!picture.complete) text += " Stopped before it was as wanted.";
+    return text;
+}
+
+void write_files(const CameraPicture& picture, const ProofScene& scene, const ResolvedProof& job) {
+    const std::string comment = comment_of(picture, job);
+    for (const std::string& file : job.asked.files) {
+        if (file.ends_with(".exr"))
+            io::write_whole_file(file, io::exr_bytes(numbers(picture, scene), {0, 0}, comment));
+        else
+            io::write_whole_file(file, io::png_bytes(io::encode_over(developed(picture, scene, job.asked.exposure_ev),
+                                                                     Eigen::Vector3f::Zero()),
+                                                     {0, 0}, comment));
+    }
+}
+
+JobResult describe(const CameraPicture& picture, const ProofScene& scene, const ResolvedProof& job, double seconds) {
+    const auto [least, most] = std::minmax_element(picture.samples.begin(), picture.samples.end());
+    const optics::CameraView& view = scene.camera.view;
+    const nlohmann::ordered_json json{{"format", "voxtone-proof"},
+                                      {"version", 1},
+                                      {"stack", job.asked.stack},
+                                      {"files", job.asked.files},
+                                      {"size_px", {picture.width_px, picture.height_px}},
+                                      {"camera_mm", view.position},
+                                      {"look_at_mm", view.target},
+                                      {"focal_mm", view.focal_mm},
+                                      {"light", job.asked.light},
+                                      {"finish", name_of(job.finish)},
+                                      {"surface", scene.boundary_is},
+                                      {"samples", {*least, *most}},
+                                      {"paths", picture.paths},
+                                      {"standard_error", picture.rms_error},
+                                      {"complete", picture.complete},
+                                      {"seconds", seconds},
+                                      {"peak_memory_bytes", peak_memory_bytes()}};
+    std::string text = fmt::format(
+        "{}: {} x {} pixels, {} to {} samples each\n"
+        "  standard error of luminance where a body is seen: {:.4f} (rms; 1 is a white diffuser)\n"
+        "  {:.1f} million paths in {:.1f} s, peak memory {:.0f} MB\n",
+        fmt::join(job.asked.files, ", "), picture.width_px, picture.height_px, *least, *most, picture.rms_error,
+        double(picture.paths) * 1e-6, seconds, double(peak_memory_bytes()) * 1e-6);
+    if (!picture.complete) text += "  stopped before it was as wanted: noisier than asked for\n";
+    return {json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace), text,
+            picture.complete ? ExitCode::done : ExitCode::unfinished};
+}
+
+}  // namespace
+
+JobResult run_proof_job(const ProofOptions& options, Progress& progress) {
+    const ResolvedProof job = resolve(options);
+    io::expect_outputs({options.files.begin(), options.files.end()}, options.overwrite);
+    const ThreadLimit threads(static_cast<std::size_t>(options.threads));
+    Stopwatch watch;
+    const auto scene = make_proof_scene(job, progress);
+    const CameraPicture picture = take_picture(scene->camera,
+                                               {.samples = options.samples,
+                                                .error = options.error,
+                                                .max_samples = std::max(options.samples, 1u << 16),
+                                                .seed = options.seed},
+                                               progress);
+    if (!picture.complete) {
+        progress.forgive();
+        progress.warn("stopped: what was drawn so far is written, noisier than was asked for");
+    }
+    write_files(picture, *scene, job);
+    return describe(picture, *scene, job, watch.lap());
+}
+
+}  // namespace voxtone::slicer

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/slicer/proof/proof_options.h"
+
+#include <filesystem>
+#include <string_view>
+
+#include <fmt/core.h>
+
+#include "voxtone/base/error.h"
+#include "voxtone/slicer/options/model_choice.h"
+#include "voxtone/slicer/options/option_values.h"
+
+namespace voxtone::slicer {
+
+namespace {
+
+constexpr int most_px = 16384;
+
+void need(bool good, std::string_view key, const std::string& value, std::string_view rule) {
+    if (!good) throw UsageError(fmt::format("--{} {}: {}", key, value, rule));
+}
+
+std::optional<optics::Point> point_of(std::string_view key, const std::string& text) {
+    if (text.empty()) return std::nullopt;
+    const std::vector<std::string> parts = parse_list(text);
+    need(parts.size() == 3, key, text, "must be three lengths in mm: X,Y,Z");
+    optics::Point p{};
+    for (std::size_t a = 0; a < 3; ++a) p[a] = parse_number<double>(key, parts[a]);
+    return p;
+}
+
+void read_size(const std::string& text, ResolvedProof& job) {
+    const std::size_t x = text.find('x');
+    constexpr std::string_view rule = "must be WIDTHxHEIGHT in pixels, each 16 to 16384: 800x600";
+    need(x != std::string::npos, "size", text, rule);
+    job.width_px = parse_number<int>("size", text.substr(0, x));
+    job.height_px = parse_number<int>("size", text.substr(x + 1));
+    for (const int px : {job.width_px, job.height_px}) need(px >= 16 && px <= most_px, "size", text, rule);
+}
+
+bool is_png_or_exr(const std::string& file) { return file.ends_with(".png") || file.ends_with(".exr"); }
+
+void check_numbers(const ProofOptions& o) {
+    need(o.focal_mm >= 10 && o.focal_mm <= 2000, "focal", fmt::format("{:g}", o.focal_mm), "must be 10 to 2000 mm");
+    need(o.samples >= 2 && o.samples <= 1u << 20, "spp", fmt::format("{}", o.samples), "must be 2 to 1048576");
+    need(o.error == 0 || (o.error >= 1e-4 && o.error < 1), "error", fmt::format("{:g}", o.error),
+         "must be 0 (none wanted), or 0.0001 up to 1");
+    need(o.exposure_ev >= -20 && o.exposure_ev <= 20, "exposure", fmt::format("{:g}", o.exposure_ev),
+         "must be -20 to 20 EV");
+    need(o.turn_light_deg >= -360 && o.turn_light_deg <= 360, "turn-light", fmt::format("{:g}", o.turn_light_deg),
+         "must be -360 to 360 degrees");
+    need(o.turn_deg >= -360 && o.turn_deg <= 360, "turn", fmt::format("{:g}", o.turn_deg),
+         "must be -360 to 360 degrees");
+    for (const double r : o.roughness)
+        need(r >= 0 && r <= 0.9, "roughness", fmt::format("{:g},{:g}", o.roughness[0], o.roughness[1]),
+             "must be two numbers from 0 (smooth) to 0.9");
+    need(o.memory_gib >= 0 && o.memory_gib <= most_memory_gib, "memory", fmt::format("{}", o.memory_gib),
+         "must be above 0 GiB, or 0 for half of the machine's");
+    need(o.threads >= 0 && o.threads <= 1024, "threads", fmt::format("{}", o.threads), "must be 0 to 1024");
+}
+
+}  // namespace
+
+ResolvedProof resolve(const ProofOptions& o) {
+    ResolvedProof job;
+    job.asked = o;
+    need(!o.files.empty(), "out", "(none)", "name a file: -o FILE.png");
+    for (const std::string& file : o.files)
+        need(is_png_or_exr(file), "out", file, "the name says the kind of file: .png for the eye, .exr for numbers");
+    check_numbers(o);
+    if (o.view != "auto") job.view = parse_choice<ProofView>("view", o.view);
+    job.up = parse_choice<ProofUp>("up", o.up);
+    job.camera = point_of("camera", o.camera);
+    job.look_at = point_of("look-at", o.look_at);
+    need(!job.camera || o.view == "auto", "view", o.view, "would be ignored: --camera says where the camera stands");
+    read_size(o.size, job);
+    job.light = value_of<ProofLight>(o.light);
+    if (!job.light && !std::filesystem::path(o.light).has_extension())
+        refuse_choice("light", o.light, {"studio", "overcast", "even", "a picture's file (.exr)"});
+    job.finish = parse_choice<ProofFinish>("finish", o.finish);
+    if (o.ground != "none") {
+        job.ground = parse_number<double>("ground", o.ground);
+        need(*job.ground >= 0 && *job.ground <= 1, "ground", o.ground, "must be a reflectance from 0 to 1, or none");
+    }
+    if (!o.pitch.empty()) job.pitch_mm = parse_pitch_mm(o.pitch);
+    for (const std::string& text : o.assign) job.assign.push_back(parse_assignment(text));
+    job.memory_bytes = memory_budget(o.memory_gib);
+    return job;
+}
+
+}  // namespace voxtone::slicer

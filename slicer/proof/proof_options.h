@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// A proof as the user asks for it, and the same checked.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "voxtone/base/named_values.h"
+#include "voxtone/optics/scene/boundary.h"
+#include "voxtone/slicer/predict/stack_volume.h"
+
+namespace voxtone::slicer {
+
+/// From where the camera looks, by the side that is seen; a little from above, but for the last two.
+enum class ProofView { three_quarter, front, right, back, left, top, bottom };
+
+/// Which way of the model as printed is up where the print stands.
+enum class ProofUp { z, minus_z, y, minus_y, x, minus_x };
+
+/// Lights that come with the program.
+enum class ProofLight { studio, overcast, even };
+
+/// How the printer leaves faces.
+enum class ProofFinish {
+    glossy,  ///< as jetted, and matt where support lay
+    matt,    ///< support lay everywhere
+};
+
+struct ProofOptions {
+    std::string stack;
+    std::vector<std::string> files;  ///< .png for the eye, .exr numbers
+    bool overwrite = false;
+    std::string view = "auto";    ///< auto: top for pictures, three-quarter for bodies
+    std::string up = "z";         ///< of the model as printed
+    double turn_deg = 0;          ///< of the print on its table, counter-clockwise from above
+    std::string camera, look_at;  ///< "X,Y,Z" mm in the model's frame; empty: by the view
+    double focal_mm = 85;         ///< for a frame of 36 mm; in [10, 2000]
+    std::string size = "800x600";
+    std::uint32_t samples = 64;    ///< per pixel and channel; with an error: the least
+    double error = 0;              ///< wanted standard error of luminance, 1 is a white diffuser; 0: samples decide
+    double exposure_ev = 0;        ///< in [-20, 20]
+    std::string light = "studio";  ///< or a lat-long picture (EXR, PNG, TIFF)
+    double turn_light_deg = 0;     ///< around the vertical, counter-clockwise from above
+    std::string finish = "glossy";
+    std::array<double, 2> roughness{0, 0.3};  ///< alpha of GGX: of glossy and of matt faces; in [0, 0.9]
+    std::string ground = "0.5";               ///< its reflectance, or none
+    bool with_target = false;                 ///< the model as a diffuse body beside the print
+    std::string resins, printer, pitch;       ///< as PredictOptions
+    std::vector<std::string> assign;
+    double memory_gib = 0;
+    int threads = 0;
+    std::uint64_t seed = 1;
+};
+
+struct ResolvedProof {
+    ProofOptions asked;
+    std::optional<ProofView> view;  ///< nothing: by the stack
+    ProofUp up = ProofUp::z;
+    std::optional<optics::Point> camera, look_at;
+    int width_px = 0, height_px = 0;
+    std::optional<ProofLight> light;  ///< nothing: a file
+    ProofFinish finish = ProofFinish::glossy;
+    std::optional<double> ground;  ///< reflectance
+    std::optional<std::array<double, 3>> pitch_mm;
+    std::vector<ColourAssignment> assign;
+    std::uint64_t memory_bytes = 0;
+};
+
+/// Throws UsageError naming option, value and rule.
+[[nodiscard]] ResolvedProof resolve(const ProofOptions& options);
+
+}  // namespace voxtone::slicer
+
+template <>
+struct voxtone::NamesOf<voxtone::slicer::ProofView> {
+    using E = slicer::ProofView;
+    static constexpr auto table = std::to_array<Named<E>>({{E::three_quarter, "three-quarter"},
+                                                           {E::front, "front"},
+                                                           {E::right, "right"},
+                                                           {E::back, "back"},
+                                                           {E::left, "left"},
+                                                           {E::top, "top"},
+                                                           {E::bottom, "bottom"}});
+};
+template <>
+struct voxtone::NamesOf<voxtone::slicer::ProofUp> {
+    using E = slicer::ProofUp;
+    static constexpr auto table = std::to_array<Named<E>>(
+        {{E::z, "z"}, {E::minus_z, "-z"}, {E::y, "y"}, {E::minus_y, "-y"}, {E::x, "x"}, {E::minus_x, "-x"}});
+};
+template <>
+struct voxtone::NamesOf<voxtone::slicer::ProofLight> {
+    using E = slicer::ProofLight;
+    static constexpr auto table =
+        std::to_array<Named<E>>({{E::studio, "studio"}, {E::overcast, "overcast"}, {E::even, "even"}});
+};
+template <>
+struct voxtone::NamesOf<voxtone::slicer::ProofFinish> {
+    using E = slicer::ProofFinish;
+    static constexpr auto table = std::to_array<Named<E>>({{E::glossy, "glossy"}, {E::matt, "matt"}});
+};
