@@ -7,7 +7,7 @@
 
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/parallel.h"
-#include "voxtone/optics/camera/camera_scene.h"
+#include "voxtone/optics/camera/lit_scene.h"
 #include "voxtone/optics/monte_carlo/adaptive_sampling.h"
 #include "voxtone/optics/monte_carlo/rough_boundary.h"
 #include "voxtone/optics/monte_carlo/scalar_paths.h"
@@ -161,7 +161,8 @@ private:
     /// Until the path is in a print or over.
     void follow(AirRay ray, PathRandom& random) {
         for (;; ++ray.order) {
-            if (!survives_roulette_by_weight(ray.weight, default_roulette_weight, random)) return;
+            // What the first surface mirrors is worth its while however little it is: highlights would be grainy.
+            if (ray.order > 2 && !survives_roulette_by_weight(ray.weight, default_roulette_weight, random)) return;
             if (ray.order >= patient_orders) {
                 if (random.uniform() < 0.5) return;
                 ray.weight *= 2;

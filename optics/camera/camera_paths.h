@@ -18,52 +18,13 @@
 // Memory: two floats and two doubles a pixel and channel besides the bodies.
 #pragma once
 
-#include <array>
 #include <cstdint>
-#include <optional>
 #include <vector>
 
 #include "voxtone/base/progress.h"
-#include "voxtone/optics/camera/camera.h"
-#include "voxtone/optics/camera/sky.h"
-#include "voxtone/optics/monte_carlo/path_volume.h"
-#include "voxtone/optics/monte_carlo/surface_finish.h"
-#include "voxtone/optics/scene/scene.h"
+#include "voxtone/optics/camera/camera_scene.h"
 
 namespace voxtone::optics {
-
-/// A print. All that it names must outlive the picture.
-struct ResinBody {
-    const Scene* scene = nullptr;            ///< open sides, no backing
-    const BodyBoundary* boundary = nullptr;  ///< mm from the volume's corner; needs `meets`
-    const SurfaceFinish* finish = nullptr;   ///< nullptr: smooth
-    Point corner_mm{};                       ///< of the volume, where the camera is told
-};
-
-/// A body that is a diffuser of known colour throughout its surface.
-class DiffuseBody {
-public:
-    virtual ~DiffuseBody() = default;
-    /// Where a ray first meets it; a start on its surface does not count. `reflectance`: linear sRGB, in [0, 1].
-    [[nodiscard]] virtual bool meets(const Point& from, const Point& way, double& distance, BoundaryNormals& normals,
-                                     Light& reflectance) const = 0;
-};
-
-/// A plane without end, a diffuser.
-struct Ground {
-    Point up{0, 0, 1};     ///< its normal
-    double height_mm = 0;  ///< along it
-    Light reflectance{0.5, 0.5, 0.5};
-};
-
-struct CameraScene {
-    CameraView view;
-    const Sky* sky = nullptr;
-    std::array<Point, 3> sky_axes{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};  ///< the sky's x, y and z
-    std::vector<ResinBody> prints;                                     ///< all of the same channels
-    std::vector<const DiffuseBody*> diffusers;
-    std::optional<Ground> ground;
-};
 
 struct CameraOptions {
     std::uint32_t samples = 64;  ///< per pixel and channel, >= 2; where an error is wanted, the least number

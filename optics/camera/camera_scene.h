@@ -1,63 +1,50 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// What a ray in the air meets first, and what the sky sends along it, for one channel at a time.
+// What stands before a camera: prints, diffusers, the ground, the light. All lengths in mm, in one frame.
 #pragma once
 
-#include <cstddef>
+#include <array>
+#include <optional>
 #include <vector>
 
-#include "voxtone/optics/camera/camera_paths.h"
-#include "voxtone/optics/monte_carlo/path_packets.h"
+#include "voxtone/optics/camera/camera.h"
+#include "voxtone/optics/camera/sky.h"
+#include "voxtone/optics/monte_carlo/surface_finish.h"
+#include "voxtone/optics/scene/scene.h"
 
 namespace voxtone::optics {
 
-struct MetInAir {
-    enum class What { sky, ground, print, diffuser } what = What::sky;
-    std::size_t print = 0;  ///< which
-    double distance = 0;
-    BoundaryNormals normals;
-    Light reflectance{};  ///< of diffusers
+/// A print. All that it names must outlive the picture.
+struct ResinBody {
+    const Scene* scene = nullptr;            ///< open sides, no backing
+    const BodyBoundary* boundary = nullptr;  ///< mm from the volume's corner; needs `meets`
+    const SurfaceFinish* finish = nullptr;   ///< nullptr: smooth
+    Point corner_mm{};                       ///< of the volume, where the camera is told
 };
 
-/// A scene made ready for paths.
-class LitScene {
+/// A body that is a diffuser of known colour throughout its surface.
+class DiffuseBody {
 public:
-    /// Throws InputError where a material has no resin.
-    explicit LitScene(const CameraScene& scene);
+    virtual ~DiffuseBody() = default;
+    /// Where a ray first meets it; a start on its surface does not count. `reflectance`: linear sRGB, in [0, 1].
+    [[nodiscard]] virtual bool meets(const Point& from, const Point& way, double& distance, BoundaryNormals& normals,
+                                     Light& reflectance) const = 0;
+};
 
-    [[nodiscard]] std::size_t channels() const { return light_.size(); }
-    [[nodiscard]] const Camera& camera() const { return camera_; }
-    [[nodiscard]] const Light& sky(const Point& way) const { return scene_.sky->radiance(in_sky(way)); }
-    /// A direction drawn by the sky's luminance, and the density of any.
-    [[nodiscard]] Point draw_sky(double pixel, double u, double v) const;
-    [[nodiscard]] double sky_density(const Point& way) const { return scene_.sky->density(in_sky(way)); }
-    [[nodiscard]] std::size_t prints() const { return volumes_.size(); }
-    [[nodiscard]] const ResinBody& print(std::size_t i) const { return scene_.prints[i]; }
-    [[nodiscard]] const PathVolume& volume(std::size_t i) const { return volumes_[i]; }
-    [[nodiscard]] const PacketScene& packets(std::size_t i, std::size_t channel) const {
-        return packets_[i * channels() + channel];
-    }
-    /// Share of each channel in luminance.
-    [[nodiscard]] const std::vector<double>& luminance_weights() const { return luminance_; }
+/// A plane without end, a diffuser.
+struct Ground {
+    Point up{0, 0, 1};     ///< its normal
+    double height_mm = 0;  ///< along it
+    Light reflectance{0.5, 0.5, 0.5};
+};
 
-    [[nodiscard]] MetInAir met(const Point& from, const Point& way) const;
-    [[nodiscard]] bool sees_sky(const Point& from, const Point& way) const;
-    /// Of a light or a reflectance in linear sRGB: what a channel has of it. Channels of wavelengths take red from
-    /// 580 nm, blue below 490 nm, green between: exact for what is grey.
-    [[nodiscard]] double in_channel(const Light& light, std::size_t channel) const { return light[light_[channel]]; }
-
-private:
-    [[nodiscard]] Point in_sky(const Point& way) const {
-        const auto& axes = scene_.sky_axes;
-        return {dot(way, axes[0]), dot(way, axes[1]), dot(way, axes[2])};
-    }
-
-    CameraScene scene_;
-    Camera camera_;
-    std::vector<std::size_t> light_;
-    std::vector<double> luminance_;
-    std::vector<PathVolume> volumes_;
-    std::vector<PacketScene> packets_;
+struct CameraScene {
+    CameraView view;
+    const Sky* sky = nullptr;
+    std::array<Point, 3> sky_axes{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};  ///< the sky's x, y and z
+    std::vector<ResinBody> prints;                                     ///< all of the same channels
+    std::vector<const DiffuseBody*> diffusers;
+    std::optional<Ground> ground;
 };
 
 }  // namespace voxtone::optics

@@ -8,7 +8,7 @@
 #include <Eigen/Core>
 
 #include "voxtone/io/models/coloured_mesh.h"
-#include "voxtone/optics/camera/camera_paths.h"
+#include "voxtone/optics/camera/camera_scene.h"
 #include "voxtone/slicer/mesh/mesh_boundary.h"
 
 namespace voxtone::slicer {

@@ -15,6 +15,7 @@
 #include "voxtone/io/files/whole_file.h"
 #include "voxtone/io/pictures/exr_writer.h"
 #include "voxtone/io/pictures/picture_writer.h"
+#include "voxtone/optics/camera/camera_paths.h"
 #include "voxtone/optics/colour/spectral_colour.h"
 #include "voxtone/slicer/proof/proof_scene.h"
 

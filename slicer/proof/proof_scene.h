@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "voxtone/base/progress.h"
-#include "voxtone/optics/camera/camera_paths.h"
+#include "voxtone/optics/camera/camera_scene.h"
 #include "voxtone/slicer/mesh/mesh_boundary.h"
 #include "voxtone/slicer/predict/stack_volume.h"
 #include "voxtone/slicer/proof/diffuse_mesh.h"

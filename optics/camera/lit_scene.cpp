@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/camera/camera_scene.h"
+#include "voxtone/optics/camera/lit_scene.h"
 
 #include <limits>
 

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What a ray in the air meets first, and what the sky sends along it, for one channel at a time.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "voxtone/optics/camera/camera_scene.h"
+#include "voxtone/optics/monte_carlo/path_packets.h"
+
+namespace voxtone::optics {
+
+struct MetInAir {
+    enum class What { sky, ground, print, diffuser } what = What::sky;
+    std::size_t print = 0;  ///< which
+    double distance = 0;
+    BoundaryNormals normals;
+    Light reflectance{};  ///< of diffusers
+};
+
+/// A scene made ready for paths.
+class LitScene {
+public:
+    /// Throws InputError where a material has no resin.
+    explicit LitScene(const CameraScene& scene);
+
+    [[nodiscard]] std::size_t channels() const { return light_.size(); }
+    [[nodiscard]] const Camera& camera() const { return camera_; }
+    [[nodiscard]] const Light& sky(const Point& way) const { return scene_.sky->radiance(in_sky(way)); }
+    /// A direction drawn by the sky's luminance, and the density of any.
+    [[nodiscard]] Point draw_sky(double pixel, double u, double v) const;
+    [[nodiscard]] double sky_density(const Point& way) const { return scene_.sky->density(in_sky(way)); }
+    [[nodiscard]] std::size_t prints() const { return volumes_.size(); }
+    [[nodiscard]] const ResinBody& print(std::size_t i) const { return scene_.prints[i]; }
+    [[nodiscard]] const PathVolume& volume(std::size_t i) const { return volumes_[i]; }
+    [[nodiscard]] const PacketScene& packets(std::size_t i, std::size_t channel) const {
+        return packets_[i * channels() + channel];
+    }
+    /// Share of each channel in luminance.
+    [[nodiscard]] const std::vector<double>& luminance_weights() const { return luminance_; }
+
+    [[nodiscard]] MetInAir met(const Point& from, const Point& way) const;
+    [[nodiscard]] bool sees_sky(const Point& from, const Point& way) const;
+    /// Of a light or a reflectance in linear sRGB: what a channel has of it. Channels of wavelengths take red from
+    /// 580 nm, blue below 490 nm, green between: exact for what is grey.
+    [[nodiscard]] double in_channel(const Light& light, std::size_t channel) const { return light[light_[channel]]; }
+
+private:
+    [[nodiscard]] Point in_sky(const Point& way) const {
+        const auto& axes = scene_.sky_axes;
+        return {dot(way, axes[0]), dot(way, axes[1]), dot(way, axes[2])};
+    }
+
+    CameraScene scene_;
+    Camera camera_;
+    std::vector<std::size_t> light_;
+    std::vector<double> luminance_;
+    std::vector<PathVolume> volumes_;
+    std::vector<PacketScene> packets_;
+};
+
+}  // namespace voxtone::optics
