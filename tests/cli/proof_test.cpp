@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <csignal>
+#include <filesystem>
+
+#include <fmt/core.h>
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include "run_program.h"
+
+using namespace voxtone::test;
+using Catch::Matchers::Contains;
+
+namespace {
+
+std::string marker_stack(const Folder& folder) {
+    folder.write("marker.obj", marker_obj());
+    const Outcome made = run_program(
+        fmt::format("slice --quiet --no-report --iterations 0 {} -o {}", folder / "marker.obj", folder / "out"));
+    REQUIRE(made.exit_code == 0);
+    return folder / "out";
+}
+
+nlohmann::json result_of(const std::string& out) {
+    const std::size_t begin = out.rfind('\n', out.size() - 2);
+    return nlohmann::json::parse(out.substr(begin == std::string::npos ? 0 : begin + 1)).at("result");
+}
+
+/// Mean code of green over a box of pixels.
+double mean_green(const Bitmap& picture, int left, int top, int right, int bottom) {
+    double sum = 0;
+    for (int y = top; y < bottom; ++y)
+        for (int x = left; x < right; ++x) sum += picture.at(x, y)[1];
+    return sum / ((right - left) * (bottom - top));
+}
+
+}  // namespace
+
+TEST_CASE("a proof shows the print upright on its ground, the same for any number of threads") {
+    const Folder folder("proof");
+    const std::string proof = "proof " + marker_stack(folder) + " --size 96x64 --spp 8 --view front --light overcast";
+    const Outcome outcome =
+        run_program(proof + " --json --threads 1 -o " + (folder / "a.png") + " -o " + (folder / "a.exr"));
+    REQUIRE(outcome.exit_code == 0);
+    const auto result = result_of(outcome.out);
+    CHECK(result["format"] == "voxtone-proof");
+    CHECK(result["surface"] == "mesh");
+    CHECK(result["complete"] == true);
+    CHECK(result["samples"] == nlohmann::json({8, 8}));
+    const Bitmap picture = read_png(folder / "a.png");
+    REQUIRE(picture.width == 96);
+    REQUIRE(picture.height == 64);
+    // White resin on a grey ground; the marker's tower stands on the left, over a base twice as wide.
+    const double ground = mean_green(picture, 2, 40, 8, 60);
+    CHECK(mean_green(picture, 30, 14, 40, 30) > ground + 10);
+    CHECK(mean_green(picture, 56, 14, 66, 24) < mean_green(picture, 30, 14, 40, 24) - 10);
+    CHECK_THAT(read_file(folder / "a.png"), Contains("Proof of a print by light paths: 8 to 8 samples a pixel"));
+
+    REQUIRE(
+        run_program(proof + " --quiet --threads 2 -o " + (folder / "b.png") + " -o " + (folder / "b.exr")).exit_code ==
+        0);
+    CHECK(read_file(folder / "a.png") == read_file(folder / "b.png"));
+    CHECK(read_file(folder / "a.exr") == read_file(folder / "b.exr"));
+}
+
+TEST_CASE("a proof's files, lights and views are checked before it works") {
+    const Folder folder("proof-options");
+    folder.write("there.png", "x");
+    const auto refused = [&](const std::string& arguments, int code, const std::string& says) {
+        const Outcome outcome = run_program("proof " + arguments);
+        INFO(arguments << "\n" << outcome.err);
+        CHECK(outcome.exit_code == code);
+        CHECK_THAT(outcome.err, Contains(says));
+    };
+    const std::string out = " -o " + (folder / "p.png");
+    refused("out", 2, "--out");
+    refused("out -o p.jpg", 2, ".png for the eye, .exr for numbers");
+    refused("out -o " + (folder / "there.png"), 3, "there.png");
+    refused("out --size 800" + out, 2, "WIDTHxHEIGHT");
+    refused("out --light moon" + out, 2, "none of studio, overcast, even");
+    refused("out --view side" + out, 2, "--view");
+    refused("out --view top --camera 0,0,9" + out, 2, "would be ignored");
+    refused("out --camera 1,2" + out, 2, "X,Y,Z");
+    refused("out --roughness 0,1" + out, 2, "from 0 (smooth) to 0.9");
+    refused("out --ground 2" + out, 2, "reflectance from 0 to 1");
+    refused((folder / "nothing") + out, 4, "nothing");
+    refused((folder / "nothing") + " --light " + (folder / "no.exr") + out, 4, "no.exr");
+    CHECK(!std::filesystem::exists(folder / "p.png"));
+}
+
+TEST_CASE("a proof that is stopped leaves what it has, and says so in the file") {
+    const Folder folder("proof-stopped");
+    const Outcome outcome = run_and_signal(
+        fmt::format("proof --json {} --size 64x48 --error 0.0005 -o {}", marker_stack(folder), folder / "p.png"),
+        "\"done\":2", SIGINT);
+    INFO(outcome.out << outcome.err);
+    CHECK(outcome.exit_code == 5);
+    if (std::filesystem::exists(folder / "p.png")) {
+        CHECK_THAT(read_file(folder / "p.png"), Contains("Stopped before it was as wanted"));
+        CHECK(result_of(outcome.out)["complete"] == false);
+    }
+}
+
+TEST_CASE("a stack that lost its model is proofed by its voxels, which is said, and without its target") {
+    const Folder folder("proof-lost");
+    const std::string stack = marker_stack(folder);
+    std::filesystem::remove(folder / "marker.obj");
+    const Outcome outcome =
+        run_program(fmt::format("proof --json {} --size 32x24 --spp 2 -o {}", stack, folder / "p.png"));
+    REQUIRE(outcome.exit_code == 0);
+    CHECK(result_of(outcome.out)["surface"] == "cells");
+    CHECK_THAT(outcome.out + outcome.err, Contains("marker.obj is gone"));
+    const Outcome target =
+        run_program(fmt::format("proof {} --size 32x24 --with-target -o {}", stack, folder / "q.png"));
+    CHECK(target.exit_code == 3);
+    CHECK_THAT(target.err, Contains("--with-target") && Contains("slice again"));
+}
