@@ -73,6 +73,9 @@ Command add_predict_command(CLI::App& program) {
                             "top: a picture from above; body: the whole surface; auto: top for pictures and flat boxes "
                             "[auto|top|body]")
                ->capture_default_str(),
+           command->add_flag("--lit", o.lit,
+                             ".glb: a material for lights (base colour, roughness, index, thickness and attenuation) "
+                             "instead of unlit colours"),
            command->add_flag("--absolute", o.absolute,
                              "light that leaves / light that entered, instead of relative to the same body all of "
                              "white resin (role W)")});

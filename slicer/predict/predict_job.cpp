@@ -19,6 +19,7 @@
 #include "voxtone/io/files/whole_file.h"
 #include "voxtone/io/models/glb_writer.h"
 #include "voxtone/io/models/ply_writer.h"
+#include "voxtone/optics/colour/spectral_colour.h"
 #include "voxtone/slicer/look/coarse_cells.h"
 #include "voxtone/slicer/look/prediction_files.h"
 #include "voxtone/slicer/look/prediction_time.h"
@@ -106,6 +107,33 @@ void write_views(const std::string& file, const io::ColouredMesh& mesh, double c
         file, io::png_bytes(io::encode_transparent(side_by_side(views)), {drawing.px_per_mm, drawing.px_per_mm}));
 }
 
+/// The print as a material among others: jetted and glossy, behind its surface the resin that most of it is of. Light
+/// fades there as diffuse light does, by sqrt(3 sigma_a (sigma_a + (1 - g) sigma_s)) (A. Ishimaru, "Wave propagation
+/// and scattering in random media", 1978); the thickness is the mean over chords of a convex body by half, 2 V / A.
+io::LitMaterial material_of(const StackVolume& stack, const SurfacePrediction& prediction) {
+    constexpr double jetted_roughness = 0.1;  // a guess until measured
+    const auto count = stack.volume.count();
+    const auto most = std::max_element(count.begin() + 1, count.end()) - count.begin();
+    const optics::Resin& resin = stack.resins.resins[static_cast<std::size_t>(most - 1)];
+    const std::size_t channels = stack.resins.channels.size();
+    Eigen::VectorXd kept(static_cast<Eigen::Index>(channels));
+    for (std::size_t c = 0; c < channels; ++c) {
+        const optics::Medium m = resin.medium(c);
+        kept[static_cast<Eigen::Index>(c)] =
+            std::exp(-std::sqrt(3 * m.sigma_a * (m.sigma_a + (1 - stack.resins.g) * m.sigma_s)));
+    }
+    const Eigen::Vector3d rgb = optics::linear_srgb_weights(stack.resins.channels.wavelengths_nm) * kept;
+    const auto& pitch = stack.volume.pitch_mm();
+    const double volume =
+        double(std::accumulate(count.begin() + 1, count.end(), std::uint64_t{0})) * pitch[0] * pitch[1] * pitch[2];
+    double area = 0;
+    for (const optics::SurfaceCell& cell : prediction.surface.cells) area += double(cell.area_mm2);
+    io::LitMaterial lit{jetted_roughness, stack.resins.eta, 2 * volume / area, {}};
+    for (std::size_t c = 0; c < 3; ++c)
+        lit.transmitted_by_mm[c] = std::clamp(rgb[static_cast<Eigen::Index>(c)], 1e-6, 1.0);
+    return lit;
+}
+
 void write_body(const ResolvedPrediction& job, const StackVolume& stack, const SurfacePrediction& prediction,
                 const Progress& progress) {
     const io::ColouredMesh mesh = body_mesh(stack.volume, stack.corner_mm, prediction);
@@ -113,10 +141,12 @@ void write_body(const ResolvedPrediction& job, const StackVolume& stack, const S
         throw InputError(fmt::format(
             "{}: the body is not larger than a cell of {:g} mm: it has no surface to show; give a smaller --cell",
             job.asked.stack, job.asked.cell_mm));
+    std::optional<io::LitMaterial> lit;
+    if (job.asked.lit) lit = material_of(stack, prediction);
     for (std::size_t i = 0; i < job.kinds.size(); ++i) {
         const std::string& file = job.asked.files[i];
         if (job.kinds[i] == PredictedFile::glb)
-            io::write_whole_file(file, io::glb_bytes(mesh, "predicted"));
+            io::write_whole_file(file, io::glb_bytes(mesh, "predicted", lit));
         else if (job.kinds[i] == PredictedFile::ply)
             io::write_whole_file(file, io::ply_bytes(mesh, body_numbers(stack.resins.channels, prediction)));
         else
@@ -392,6 +422,8 @@ ResolvedPrediction resolve(const PredictOptions& o) {
     need(!o.files.empty(), "out", "(none)", "name a file: -o FILE.png");
     ResolvedPrediction job;
     job.asked = o;
+    need(!o.lit || std::any_of(o.files.begin(), o.files.end(), [](const auto& f) { return extension(f) == ".glb"; }),
+         "lit", "", "would be ignored: it only goes with a .glb");
     for (const std::string& file : o.files) {
         const auto kind = value_of<PredictedFile>(extension(file));
         need(kind.has_value(), "out", file,

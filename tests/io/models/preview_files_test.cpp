@@ -77,6 +77,27 @@ TEST_CASE("GLB says that it is unlit, and its parts are where it says") {
     CHECK_THROWS_AS(glb_bytes({}, "nothing"), ContractViolation);
 }
 
+TEST_CASE("a lit GLB keeps colours, has outward normals, and tells its material") {
+    Assimp::Importer importer;
+    const LitMaterial lit{0.1, 1.5, 2.5, {0.9, 0.8, 0.7}};
+    const std::vector<std::uint8_t> bytes = glb_bytes(marker(), "print", lit);
+    const aiMesh& mesh = read(importer, bytes, "glb");
+    REQUIRE(mesh.HasNormals());
+    aiVector3D middle;
+    for (unsigned v = 0; v < 4; ++v) middle += mesh.mVertices[v] * 0.25f;
+    for (unsigned v = 0; v < 4; ++v) {
+        CHECK(mesh.mNormals[v].Length() == Approx(1));
+        CHECK(mesh.mNormals[v] * (mesh.mVertices[v] - middle) > 0);
+        for (int c = 0; c < 3; ++c)
+            CHECK(std::abs(mesh.mColors[0][v][unsigned(c)] - marker().rgb[v][c]) <= 0.5f / 65535 + 1e-7f);
+    }
+    const std::string text(bytes.begin(), bytes.end());
+    CHECK(text.find("unlit") == text.npos);
+    CHECK(text.find(R"("roughnessFactor":0.1)") != text.npos);
+    CHECK(text.find(R"("thicknessFactor":0.0025,"attenuationDistance":0.001,"attenuationColor":[0.9,0.8,0.7])") !=
+          text.npos);
+}
+
 TEST_CASE("PLY keeps axes, millimetres and sRGB codes") {
     Assimp::Importer importer;
     const aiMesh& mesh = read(importer, ply_bytes(marker()), "ply");
