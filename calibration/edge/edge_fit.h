@@ -16,6 +16,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -37,9 +38,15 @@ struct EdgeFitOptions {
     std::string name = "edges";
 };
 
+/// What edges alone say of a resin in a channel.
+struct EdgesAlone {
+    FittedValue sigma_t, albedo;
+};
+
 /// One resin in one channel.
 struct EdgeValue {
     FittedValue sigma_t, albedo;                           ///< at the set's g
+    std::optional<EdgesAlone> edges;                       ///< where a chart has completed it (edge_chart.h)
     Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< of v and ln sigma_t at the set's g
     EdgePoint at = EdgePoint::Zero();                      ///< at the g that was fitted
     double distance = 0;                                   ///< Eq. 1 at the minimum
@@ -61,8 +68,16 @@ struct EdgeResinFit {
     std::vector<std::pair<double, double>> by_g;
 };
 
+/// The chart that completed what edges do not tell.
+struct EdgeChart {
+    std::string source;  ///< its file
+    PatchCheck patches;  ///< predicted by edges and chart together
+    int completed = 0;   ///< resins in a channel
+};
+
 struct EdgeFit {
     optics::ResinSet set;
+    std::optional<EdgeChart> chart;
     std::vector<EdgeResinFit> resins;
     double mu = 1, mu_error = 0, total = 0;  ///< total: E(mu)
     std::vector<std::pair<double, double>> mu_curve;

@@ -4,11 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <optional>
 
 #include <fmt/format.h>
 
 #include "voxtone/base/error.h"
 #include "voxtone/calibration/edge/dictionary_file.h"
+#include "voxtone/calibration/edge/edge_chart.h"
 #include "voxtone/calibration/edge/edge_fit_text.h"
 #include "voxtone/calibration/edge/edge_report.h"
 #include "voxtone/io/disk/output_files.h"
@@ -79,6 +81,8 @@ JobResult run_edge_fit_job(const EdgeFitJob& job, Progress& progress) {
     const EdgeSetup setup = read_edge_setup(job.setup);
     const std::vector<EdgeProfile> profiles = read_edge_profiles(job.profiles);
     check_edge_profiles(profiles, job.profiles);
+    std::optional<PatchTable> chart;
+    if (!job.chart.empty()) chart = read_measured_patches(job.chart, job.chart_measured, job.chart_model, progress);
     EdgeProfileTable table(job.dictionary.empty()
                                ? own_dictionary(profiles, job, setup, progress)
                                : std::make_shared<const EdgeDictionary>(read_dictionary(job.dictionary)),
@@ -86,7 +90,8 @@ JobResult run_edge_fit_job(const EdgeFitJob& job, Progress& progress) {
     EdgeFitOptions options = job.fit;
     options.eta = setup.stack.slab_index;
     options.name = job.name.empty() ? fs::path(job.out).stem().string() : job.name;
-    const EdgeFit fit = fit_edges(profiles, table, options, &progress);
+    EdgeFit fit = fit_edges(profiles, table, options, &progress);
+    if (chart) complete_by_chart(fit, *chart, job.chart_model);
     for (const std::string& warning : fit.warnings) progress.warn(warning);
     io::write_whole_file(job.out, io::resin_set_text(fit.set));
     io::write_whole_file(values_file(job.out), edge_fit_json(fit, options) + "\n");

@@ -12,6 +12,7 @@
 #include "voxtone/base/job_result.h"
 #include "voxtone/base/progress.h"
 #include "voxtone/calibration/edge/edge_fit.h"
+#include "voxtone/calibration/patches/measured_patches.h"
 
 namespace voxtone::calibration {
 
@@ -19,7 +20,10 @@ struct EdgeFitJob {
     std::string profiles, setup, dictionary;  ///< setup, dictionary: empty for the defaults, for one of its own
     EdgeFitOptions fit;                       ///< its name and eta do not count
     std::string name;                         ///< of the set; empty: that of the file `out`
-    std::uint32_t paths = 1u << 18;           ///< per run of its own dictionary
+    std::string chart;  ///< patches that complete what edges do not tell (edge_chart.h); empty: none
+    MeasuredPatchOptions chart_measured;
+    PatchModelOptions chart_model;   ///< its g and eta do not count
+    std::uint32_t paths = 1u << 18;  ///< per run of its own dictionary
     std::uint64_t seed = 1;
     std::string out;     ///< resin set; errors and doubts beside it, as NAME.edge.json
     std::string report;  ///< page; empty: none

@@ -17,6 +17,8 @@ namespace {
 
 // No measurement is better than the model's own error.
 constexpr double model_error = 2e-6;
+constexpr int net_v = 16, net_sigma_t = 20;  // of the brute force
+constexpr std::size_t net_starts = 4;
 
 Medium medium(const TargetRoles& roles, std::size_t role, const ResinPoint& point, double g) {
     return roles.is_clear(role) ? Medium{} : medium_of(point, g);
@@ -41,10 +43,16 @@ public:
             measured_.push_back(patch.rho[channel]);
             weight_.push_back(1 / std::max(patch.error.empty() ? fitter.noise_ : patch.error[channel], model_error));
         }
+        for (std::size_t k = 0; k < free_.size(); ++k) {
+            const PriorValue known = fitter.prior(free_[k], channel);
+            if (known.known() == 0) continue;
+            known_.push_back(
+                {k, known.at, Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(known.precision).operatorSqrt()});
+        }
         media_.resize(points_.size());
         refresh();
         if (!bases_move_) bases_ = part_.model->bases(media_, false);
-        set_num_residuals(static_cast<int>(rho_.size()));
+        set_num_residuals(rows());
         mutable_parameter_block_sizes()->assign(2 * free_.size(), 1);
     }
 
@@ -59,6 +67,7 @@ public:
             part_.model->evaluate(media_, bases_, rho_);
         ++evaluations_;
         for (std::size_t p = 0; p < rho_.size(); ++p) residuals[p] = weight_[p] * (rho_[p] - measured_[p]);
+        compare_with_prior(residuals, jacobians);
         if (!jacobians) return true;
         const double g = fitter_.options_.g;
         for (std::size_t p = 0; p < rho_.size(); ++p)
@@ -78,11 +87,35 @@ public:
     }
 
     [[nodiscard]] const std::vector<double>& rho() const { return rho_; }
+    [[nodiscard]] int rows() const { return static_cast<int>(rho_.size() + 2 * known_.size()); }
 
 private:
+    struct Known {
+        std::size_t k;  ///< in free_
+        ResinPoint at;
+        Eigen::Matrix2d root;  ///< of the precision
+    };
     void refresh() const {
         for (std::size_t r = 0; r < points_.size(); ++r)
             media_[r] = medium(fitter_.roles_, r, points_[r], fitter_.options_.g);
+    }
+    // Two rows a resin, after those of the patches.
+    void compare_with_prior(double* residuals, double** jacobians) const {
+        if (jacobians)
+            for (std::size_t i = 0; i < 2 * free_.size(); ++i)
+                if (jacobians[i]) std::fill_n(jacobians[i] + rho_.size(), 2 * known_.size(), 0.0);
+        std::size_t row = rho_.size();
+        for (const Known& known : known_) {
+            const ResinPoint& at = points_[free_[known.k]];
+            const Eigen::Vector2d off =
+                known.root * Eigen::Vector2d(at.v - known.at.v, at.ln_sigma_t - known.at.ln_sigma_t);
+            for (int i = 0; i < 2; ++i, ++row) {
+                residuals[row] = off[i];
+                for (int j = 0; jacobians && j < 2; ++j)
+                    if (double* column = jacobians[2 * known.k + static_cast<std::size_t>(j)])
+                        column[row] = known.root(i, j);
+            }
+        }
     }
     const ChannelFitter& fitter_;
     const Part& part_;
@@ -90,6 +123,7 @@ private:
     int& evaluations_;
     bool bases_move_;
     std::vector<double> measured_, weight_;
+    std::vector<Known> known_;
     mutable std::vector<ResinPoint> points_;
     mutable std::vector<double> rho_;
     mutable std::vector<Medium> media_;
@@ -106,11 +140,12 @@ ChannelFitter::Part ChannelFitter::part(std::vector<std::size_t> patches) const 
 }
 
 ChannelFitter::ChannelFitter(const PatchTable& table, const TargetRoles& roles, const PatchModelOptions& options,
-                             double noise)
+                             double noise, const ResinPrior& prior)
     : table_(&table),
       roles_(roles),
       options_(options),
       noise_(noise),
+      prior_(prior),
       plan_(patch_plan(options)),
       bounds_(resin_bounds(options.g)),
       principles_(table, roles_, options, noise) {
@@ -193,12 +228,63 @@ double ChannelFitter::solve(const Part& of, std::size_t channel, const std::vect
     return chi2;
 }
 
+PriorValue ChannelFitter::prior(std::size_t role, std::size_t channel) const {
+    const ResinPrior::Resin* known = prior_.find(roles_.roles[role]);
+    return known && !roles_.is_clear(role) ? known->channel[channel] : PriorValue{};
+}
+
+// What is known replaces what the Principles found.
+void ChannelFitter::start_at_prior(std::size_t channel, ChannelStart& start) const {
+    for (std::size_t r = 0; r < roles_.roles.size(); ++r) {
+        const PriorValue known = prior(r, channel);
+        if (known.precision(0, 0) > 0) start.resins[r].v = known.at.v;
+        if (known.precision(1, 1) > 0) start.resins[r].ln_sigma_t = known.at.ln_sigma_t;
+        start.resins[r] = clamped(start.resins[r], bounds_);
+        if (known.known() == 2) start.alternatives[r].clear();
+    }
+}
+
+// The best places of a net over all that is possible for a resin, by its patches and its prior; the others stay.
+std::vector<ResinPoint> ChannelFitter::brute_force(std::size_t role, std::size_t channel,
+                                                   const std::vector<ResinPoint>& resins) const {
+    const Part& of = of_resin_[role];
+    int evaluations = 0;
+    const Residuals residuals(*this, of, channel, {role}, false, resins, evaluations);
+    std::vector<double> row(static_cast<std::size_t>(residuals.rows()));
+    std::vector<std::pair<double, ResinPoint>> net;
+    const double from = std::log(bounds_.least_sigma_t), to = std::log(bounds_.most_sigma_t);
+    for (int i = 0; i < net_v; ++i)
+        for (int k = 0; k < net_sigma_t; ++k) {
+            const ResinPoint p{bounds_.least_v + (bounds_.most_v - bounds_.least_v) * (i + 0.5) / net_v,
+                               from + (to - from) * (k + 0.5) / net_sigma_t};
+            const double* at[] = {&p.v, &p.ln_sigma_t};
+            (void)residuals.Evaluate(at, row.data(), nullptr);
+            net.emplace_back(std::inner_product(row.begin(), row.end(), row.begin(), 0.0), p);
+        }
+    std::ranges::stable_sort(net, {}, [](const auto& entry) { return entry.first; });
+    std::vector<ResinPoint> starts;
+    for (const auto& [chi2, p] : net) {
+        const bool near = std::ranges::any_of(starts, [&](const ResinPoint& s) {
+            return std::abs(s.v - p.v) < 2.5 / net_v &&
+                   std::abs(s.ln_sigma_t - p.ln_sigma_t) < 2.5 * (to - from) / net_sigma_t;
+        });
+        if (!near) starts.push_back(p);
+        if (starts.size() == net_starts) break;
+    }
+    return starts;
+}
+
 // Every resin by itself from each minimum of Eq. 6, the bases held.
 void ChannelFitter::choose_minima(std::size_t channel, const ChannelStart& start, ChannelFit& fit) const {
     for (std::size_t r = 0; r < roles_.roles.size(); ++r) {
-        if (of_resin_[r].patches.empty() || start.alternatives[r].empty()) continue;
+        const bool searched = !prior_.resins.empty() && prior(r, channel).known() < 2;
+        if (of_resin_[r].patches.empty() || (start.alternatives[r].empty() && !searched)) continue;
         std::vector<ResinPoint> from{start.resins[r]};
         from.insert(from.end(), start.alternatives[r].begin(), start.alternatives[r].end());
+        if (searched) {
+            const std::vector<ResinPoint> net = brute_force(r, channel, fit.resins);
+            from.insert(from.end(), net.begin(), net.end());
+        }
         double least = std::numeric_limits<double>::infinity();
         ResinPoint best = start.resins[r];
         std::vector<std::pair<double, ResinPoint>> ends;
@@ -254,8 +340,7 @@ void ChannelFitter::limit_opaque(std::size_t channel, const std::vector<std::siz
 void ChannelFitter::errors(std::size_t channel, const std::vector<std::size_t>& free, ChannelFit& fit) const {
     int evaluations = 0;
     const Residuals residuals(*this, whole_, channel, free, true, fit.resins, evaluations);
-    const auto rows = static_cast<Eigen::Index>(whole_.patches.size()),
-               columns = static_cast<Eigen::Index>(2 * free.size());
+    const auto rows = static_cast<Eigen::Index>(residuals.rows()), columns = static_cast<Eigen::Index>(2 * free.size());
     Eigen::MatrixXd J(rows, columns);
     Eigen::VectorXd r(rows), x(columns);
     std::vector<const double*> at;
@@ -288,9 +373,20 @@ void ChannelFitter::errors(std::size_t channel, const std::vector<std::size_t>& 
     }
 }
 
+// How far each resin went from what was known of it.
+void ChannelFitter::compare_with_prior(std::size_t channel, ChannelFit& fit) const {
+    for (std::size_t r = 0; r < roles_.roles.size(); ++r) {
+        const PriorValue known = prior(r, channel);
+        const Eigen::Vector2d off(fit.resins[r].v - known.at.v, fit.resins[r].ln_sigma_t - known.at.ln_sigma_t);
+        fit.prior_chi2.push_back(off.dot(known.precision * off));
+        fit.freedom += known.known();
+    }
+}
+
 ChannelFit ChannelFitter::fit(std::size_t channel) const {
     const std::size_t count = roles_.roles.size();
-    const ChannelStart start = principles_.start(channel);
+    ChannelStart start = principles_.start(channel);
+    start_at_prior(channel, start);
     ChannelFit fit;
     fit.resins = start.resins;
     fit.errors.assign(count, {0, 0});
@@ -305,6 +401,7 @@ ChannelFit ChannelFitter::fit(std::size_t channel) const {
     errors(channel, free, fit);
     limit_opaque(channel, free, fit);
     fit.freedom = static_cast<int>(whole_.patches.size()) - static_cast<int>(2 * free.size());
+    if (!prior_.resins.empty()) compare_with_prior(channel, fit);
     for (std::size_t r = 0; r < count; ++r) {
         const ResinPoint& p = fit.resins[r];
         fit.v_low.push_back(p.v <= bounds_.least_v + 1e-6);

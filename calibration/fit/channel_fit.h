@@ -9,6 +9,10 @@
 // The covariance is the inverse of J^T J, taken with bounds open: a value that lies on a bound keeps the error that it
 // would have beside it.
 //
+// What is known before (resin_prior.h) adds two residuals a resin, W (x - x_0) with W W = its precision. A resin that
+// it knows starts there; one that it does not know in full is searched by brute force, the others held, before the
+// least squares.
+//
 // A resin so opaque that its patches would look the same at the largest extinction (chi2 within 1 of the least) has no
 // least squares worth the name: its extinction is then the lower limit, where chi2 is 1 above the least.
 #pragma once
@@ -19,6 +23,7 @@
 #include <Eigen/Core>
 
 #include "voxtone/calibration/fit/principles.h"
+#include "voxtone/calibration/fit/resin_prior.h"
 
 namespace voxtone::calibration {
 
@@ -28,8 +33,9 @@ struct ChannelFit {
     std::vector<ResinPoint> beyond;  ///< where the least squares would lie without bounds, to first order
     Eigen::MatrixXd covariance;      ///< of v and ln sigma_t of each role in turn; 0 for clear resin
     std::vector<double> predicted;   ///< rho of each patch
-    double chi2 = 0;                 ///< sum of squared residuals / noise^2
-    int freedom = 0;                 ///< patches - fitted values
+    double chi2 = 0;                 ///< sum of squared residuals / noise^2, those of the prior too
+    int freedom = 0;                 ///< patches + values of the prior - fitted values
+    std::vector<double> prior_chi2;  ///< of each role: its squared distance from the prior; empty without one
     std::vector<bool> v_low, v_high, sigma_low, sigma_high;  ///< on a bound
     std::vector<bool> opaque;                                ///< ln sigma_t is a lower limit
     std::vector<bool> second;  ///< another set of values of this resin explains its patches nearly as well
@@ -38,7 +44,9 @@ struct ChannelFit {
 
 class ChannelFitter {
 public:
-    ChannelFitter(const PatchTable& table, const TargetRoles& roles, const PatchModelOptions& options, double noise);
+    /// `prior` has the g and eta of `options`.
+    ChannelFitter(const PatchTable& table, const TargetRoles& roles, const PatchModelOptions& options, double noise,
+                  const ResinPrior& prior = {});
     [[nodiscard]] ChannelFit fit(std::size_t channel) const;
 
 private:
@@ -52,6 +60,11 @@ private:
     double solve(const Part& part, std::size_t channel, const std::vector<std::size_t>& free, bool bases_move,
                  std::vector<ResinPoint>& resins, int& evaluations, const std::vector<std::size_t>& held = {}) const;
     void limit_opaque(std::size_t channel, const std::vector<std::size_t>& free, ChannelFit& fit) const;
+    [[nodiscard]] PriorValue prior(std::size_t role, std::size_t channel) const;
+    void start_at_prior(std::size_t channel, ChannelStart& start) const;
+    [[nodiscard]] std::vector<ResinPoint> brute_force(std::size_t role, std::size_t channel,
+                                                      const std::vector<ResinPoint>& resins) const;
+    void compare_with_prior(std::size_t channel, ChannelFit& fit) const;
     void choose_minima(std::size_t channel, const ChannelStart& start, ChannelFit& fit) const;
     void errors(std::size_t channel, const std::vector<std::size_t>& free, ChannelFit& fit) const;
 
@@ -59,6 +72,7 @@ private:
     TargetRoles roles_;
     PatchModelOptions options_;
     double noise_;
+    ResinPrior prior_;
     std::shared_ptr<const optics::OrdinatePlan> plan_;
     ResinBounds bounds_;
     Principles principles_;

@@ -37,18 +37,26 @@ FitOptions options_of(const FitJob& job) {
 void FitJob::validate() const {
     if (patches.empty()) throw UsageError("calibrate fit: no file of measured patches");
     if (out.empty()) throw UsageError("--out is missing: the resin set to write");
+    if (!prior.empty() && g_sweep)
+        throw UsageError(
+            "--g-sweep with --prior: what the edges say holds at their own g alone. Leave one of them out.");
     calibration::validate(options_of(*this));
 }
 
 JobResult run_fit_job(const FitJob& job, Progress& progress) {
     job.validate();
     io::expect_outputs(outputs(job), job.overwrite);
-    const FitOptions options = options_of(job);
+    FitOptions options = options_of(job);
+    if (!job.prior.empty()) {
+        options.prior = read_resin_prior(job.prior);
+        options.model.g = options.prior.g, options.model.eta = options.prior.eta;
+    }
     const PatchTable table = read_measured_patches(job.patches, job.measured, options.model, progress);
     const bool checked = !job.check.empty();
     const PatchTable others =
         checked ? read_measured_patches(job.check, job.measured, options.model, progress) : PatchTable{};
     const ResinFit fit = fit_resins(table, options, &progress);
+    for (const std::string& warning : fit.warnings) progress.warn(warning);
     io::write_whole_file(job.out, io::resin_set_text(fit.set));
     io::write_whole_file(side_file(job.out), fit_json(fit, table) + "\n");
 

@@ -16,6 +16,7 @@ struct FitJob {
     std::string patches;  ///< file (calibration/patches/patch_file.h)
     MeasuredPatchOptions measured;
     FitOptions fit;          ///< its name does not count:
+    std::string prior;       ///< NAME.edge.json of edge profiles (resin_prior.h), whose g and eta hold; empty: none
     std::string name;        ///< of the set; empty: that of the file `out`
     std::string check;       ///< file of other patches to predict with the result; empty: none
     bool g_sweep = false;    ///< also fit for other g (g_sweep.h)

@@ -144,6 +144,7 @@ std::string fit_text(const ResinFit& fit, const PatchTable& table) {
             "and at --pitch for dithered mixtures; errors were scaled up.\n",
             fmt::join(names, ", "));
     }
+    for (const std::string& warning : fit.warnings) text += fmt::format("{}\n", warning);
     if (fit.freedom <= 0)
         text += fmt::format(
             "There are no more patches than values to find ({} less): residuals say nothing of how good the fit is.\n",
@@ -159,6 +160,7 @@ std::string fit_json(const ResinFit& fit, const PatchTable& table, const FitExtr
     json["chi2"] = fit.chi2;
     json["misfit"] = Json::array();
     for (const std::size_t c : fit.misfit) json["misfit"].push_back(channel_name(table.channels, c));
+    json["warnings"] = fit.warnings;
     json["resins"] = Json::array();
     for (const FittedResin& resin : fit.resins) json["resins"].push_back(resin_json(resin, table.channels));
     json["patches"] = patches_json(fit.patches, table);

@@ -3,9 +3,9 @@
 // What a fit or a check has to say: as text for people, as one JSON object for programs.
 //
 //   {"format": "voxtone-fit", "version": 1, "g", "eta", "seconds", "freedom", "channels": [...], "chi2": [...],
-//    "misfit": [...], "resins": [{"role", "channels": [{"channel", "albedo": VALUE, "sigma_t_per_mm": VALUE,
-//    "reduced_per_mm": VALUE}]}], "patches": PATCHES}, and where asked for "check": a voxtone-check, "g_sweep": [{"g",
-//    "chi2_per_freedom", "mean_de2000", ...}]
+//    "misfit": [...], "warnings": [...], "resins": [{"role", "channels": [{"channel", "albedo": VALUE,
+//    "sigma_t_per_mm": VALUE, "reduced_per_mm": VALUE}]}], "patches": PATCHES}, and where asked for "check": a
+//    voxtone-check, "g_sweep": [{"g", "chi2_per_freedom", "mean_de2000", ...}]
 //   {"format": "voxtone-check", "version": 1, "patches": PATCHES}
 //   VALUE: {"value", "standard_error", "low", "high", "doubts": [...]}
 //   PATCHES: {"mean_de2000", "median_de2000", "p95_de2000", "max_de2000", "rms",

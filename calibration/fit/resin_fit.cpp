@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "voxtone/base/contracts.h"
 #include "voxtone/base/error.h"
 #include "voxtone/base/parallel.h"
 #include "voxtone/base/stopwatch.h"
@@ -60,6 +61,45 @@ std::pair<ResinPoint, ResinPoint> interval(const ChannelFit& fit, std::size_t ro
     const auto reach = [&](double v) { return std::sqrt(own + lean * lean * v * v); };
     return {clamped({v_low, at.ln_sigma_t - reach(down)}, bounds),
             clamped({v_high, at.ln_sigma_t + reach(up)}, bounds)};
+}
+
+constexpr double disagreement[] = {0, 10.83, 13.82};  // chi2 of so many values, exceeded once in a thousand times
+
+std::string disagreement_text(const std::string& role, const std::string& channel, double chi2,
+                              const std::string& prior) {
+    return fmt::format(
+        "{} in {}: the patches want other values than {} has, by {:.1f} of its errors. Is it the same resin, are the "
+        "thicknesses of squares and slabs right, and the white references of both measurements?",
+        role, channel, prior, std::sqrt(chi2));
+}
+
+// A resin without patches.
+FittedResin known_resin(const ResinPrior::Resin& known, double g, optics::ResinSet& set) {
+    FittedResin fitted{known.role, {}, {}, {}};
+    optics::Resin& resin = set.resins.emplace_back(optics::Resin{known.role, known.role, {}, {}});
+    for (const PriorValue& value : known.channel) {
+        const ResinPoint& at = value.at;
+        const auto error = [&](Eigen::Index k) {
+            const Eigen::Matrix2d& p = value.precision;
+            const double own = k == 0 ? p(0, 0) : p(1, 1), other = k == 0 ? p(1, 1) : p(0, 0);
+            if (!(own > 0)) return 0.0;
+            return std::sqrt(1 / (other > 0 ? own - p(0, 1) * p(0, 1) / other : own));
+        };
+        const double v = error(0), ln = error(1), albedo = albedo_of_v(at.v, g), sigma_t = std::exp(at.ln_sigma_t);
+        fitted.albedo.push_back({albedo,
+                                 std::abs(albedo_by_v(at.v, g)) * v,
+                                 albedo_of_v(std::min(at.v + v, 1.0), g),
+                                 albedo_of_v(std::max(at.v - v, 0.0), g),
+                                 {}});
+        fitted.sigma_t.push_back({sigma_t, sigma_t * ln, sigma_t * std::exp(-ln), sigma_t * std::exp(ln), {}});
+        if (!(v > 0)) doubt(fitted.albedo.back(), Doubt::unsure);
+        if (!(ln > 0)) doubt(fitted.sigma_t.back(), Doubt::unsure);
+        const double reduced = sigma_t * (1 - g * albedo);
+        fitted.reduced.push_back({reduced, reduced * ln, reduced * std::exp(-ln), reduced * std::exp(ln), {}});
+        resin.albedo.push_back(albedo);
+        resin.sigma_t_per_mm.push_back(sigma_t);
+    }
+    return fitted;
 }
 
 // Values, errors and doubts of one resin in one channel.
@@ -174,7 +214,13 @@ ResinFit fit_resins(const PatchTable& table, const FitOptions& options, const Pr
     validate(options);
     const Stopwatch watch;
     const TargetRoles roles = find_target_roles(table, options.expected, options.noise);
-    const ChannelFitter fitter(table, roles, options.model, options.noise);
+    const ResinPrior& prior = options.prior;
+    if (!prior.resins.empty() && !table.channels.is_rgb())
+        throw InputError(fmt::format(
+            "{}: its channels are wavelengths, those of the prior {} R, G and B; measure the patches as R, G, B.",
+            table.source, prior.source));
+    VOXTONE_EXPECT(prior.resins.empty() || (prior.g == options.model.g && prior.eta == options.model.eta));
+    const ChannelFitter fitter(table, roles, options.model, options.noise, prior);
     const std::size_t channels = table.channels.size();
     std::vector<ChannelFit> fits(channels);
     parallel_for(
@@ -183,6 +229,7 @@ ResinFit fit_resins(const PatchTable& table, const FitOptions& options, const Pr
     ResinFit result;
     result.set.name = options.name;
     result.set.source = fmt::format("voxtone calibrate fit, {} patches of {}", table.patches.size(), table.source);
+    if (!prior.resins.empty()) result.set.source += fmt::format(", and {}", prior.source);
     result.set.channels = table.channels;
     result.set.g = options.model.g, result.set.eta = options.model.eta;
     result.freedom = fits.front().freedom;
@@ -210,8 +257,15 @@ ResinFit fit_resins(const PatchTable& table, const FitOptions& options, const Pr
             }
             resin.albedo.push_back(fitted.albedo[c].value);
             resin.sigma_t_per_mm.push_back(fitted.sigma_t[c].value);
+            const ResinPrior::Resin* known = prior.find(role);
+            if (known && fits[c].prior_chi2[r] > disagreement[known->channel[c].known()])
+                result.warnings.push_back(
+                    disagreement_text(role, channel_name(table.channels, c), fits[c].prior_chi2[r], prior.source));
         }
     }
+    for (const ResinPrior::Resin& known : prior.resins)
+        if (std::ranges::find(roles.roles, known.role) == roles.roles.end())
+            result.resins.push_back(known_resin(known, prior.g, result.set));
     std::vector<std::vector<double>> predicted(table.patches.size(), std::vector<double>(channels));
     for (std::size_t c = 0; c < channels; ++c)
         for (std::size_t p = 0; p < predicted.size(); ++p) predicted[p][c] = fits[c].predicted[p];

@@ -10,6 +10,10 @@
 // channel are larger than the noise can explain (chi2 beyond its 99.9 % point), errors are scaled up by the root of
 // chi2 per degree of freedom, and the channel is listed in `misfit`.
 //
+// What is known before (resin_prior.h: edge profiles) counts like patches do; where a value and its prior are farther
+// apart than once in a thousand times by chance, a warning names it. A resin of the prior that has no patch is taken as
+// it is there.
+//
 // What it cannot see: g and eta (by similarity a wrong g is mostly a wrong extinction: sigma_a and sigma_s (1 - g)
 // stay); errors that all patches share, such as a wrong white reference.
 #pragma once
@@ -19,6 +23,7 @@
 #include <vector>
 
 #include "voxtone/base/progress.h"
+#include "voxtone/calibration/fit/resin_prior.h"
 #include "voxtone/calibration/patches/patch_check.h"
 #include "voxtone/calibration/patches/patch_model.h"
 #include "voxtone/calibration/patches/patch_table.h"
@@ -31,6 +36,7 @@ struct FitOptions {
     double noise = 0.005;               ///< standard error of a reflectance where the table gives none; above 0
     std::vector<std::string> expected;  ///< resins that must have been measured; may be empty
     std::string name = "calibrated";    ///< of the set
+    ResinPrior prior;                   ///< may be empty; its g and eta are those of `model`
 };
 
 /// Throws InputError that names the option, its value and the rule.
@@ -64,11 +70,12 @@ struct FittedResin {
 
 struct ResinFit {
     optics::ResinSet set;
-    std::vector<FittedResin> resins;  ///< in the order of the set
-    PatchCheck patches;               ///< predicted against measured
-    std::vector<double> chi2;         ///< per channel
-    int freedom = 0;                  ///< patches less fitted values, per channel
-    std::vector<std::size_t> misfit;  ///< channels whose residuals the noise does not explain
+    std::vector<FittedResin> resins;    ///< in the order of the set
+    PatchCheck patches;                 ///< predicted against measured
+    std::vector<double> chi2;           ///< per channel
+    int freedom = 0;                    ///< patches less fitted values, per channel
+    std::vector<std::size_t> misfit;    ///< channels whose residuals the noise does not explain
+    std::vector<std::string> warnings;  ///< where patches and prior disagree
     double seconds = 0;
 };
 

@@ -2,6 +2,7 @@
 #include "voxtone/calibration/target/target_layout.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <set>
 
@@ -58,7 +59,26 @@ PatchMixture in_light(const std::string& role, int percent, const std::string& l
     return mixture;
 }
 
+constexpr std::size_t most_mixed = 6;  // resins of layout E: 63 squares on each half
+
+/// Of every choice of resins as much of each; the pure ones first.
+std::vector<PatchMixture> equal_mixtures(std::vector<std::string> roles) {
+    demand(roles.size() <= most_mixed,
+           fmt::format("target: {} resins have {} equal mixtures, too many squares for a chart; name at most {}",
+                       roles.size(), (std::size_t{1} << std::min<std::size_t>(roles.size(), 40)) - 1, most_mixed));
+    std::ranges::sort(roles);  // as patch tables order them
+    std::vector<PatchMixture> all;
+    for (std::size_t chosen = 1; chosen < std::size_t{1} << roles.size(); ++chosen) {
+        PatchMixture& mixture = all.emplace_back();
+        for (std::size_t r = 0; r < roles.size(); ++r)
+            if (chosen >> r & 1) mixture.push_back({roles[r], 1.0 / std::popcount(chosen)});
+    }
+    std::ranges::stable_sort(all, {}, [](const PatchMixture& mixture) { return mixture.size(); });
+    return all;
+}
+
 std::vector<PatchMixture> mixtures(const TargetOptions& o) {
+    if (o.layout == TargetLayout::e) return equal_mixtures(o.roles);
     std::vector<PatchMixture> all;
     for (const std::string& role : o.roles) all.push_back({{role, 1.0}});
     if (o.layout == TargetLayout::a) return all;
@@ -171,7 +191,7 @@ void Target::validate(const std::string& where) const {
          "\"roles\" must be two or more different ones");
     rule(known(light) && known(dark) && light != dark,
          "\"light\" and \"dark\" must be two different ones of \"roles\"");
-    rule(layout == "A" || layout == "B" || layout == "C", "\"layout\" must be A, B or C");
+    rule(layout == "A" || layout == "B" || layout == "C" || layout == "E", "\"layout\" must be A, B, C or E");
     rule(top_mm > 0 && base_mm > 0, "\"top_mm\" and \"base_mm\" must be positive");
     const Area slab{Eigen::Vector2d::Zero(), size_mm};
     rule((size_mm.array() > 0).all() && size_mm.allFinite(), "\"size_mm\" must be positive");

@@ -7,8 +7,10 @@
 //   layout A  every resin by itself
 //   layout B  A, the dark and the light resin 10:90 and 90:10, every other resin with the light one 10:90
 //   layout C  B, and the shares 5, 25 and 50 % as well
+//   layout E  all equal mixtures of one, two, three ... resins: the chart of Elek et al. 2017, supplement, Sec. 6
 //
-// Every square lies once upon each half; the number of squares grows linearly with that of resins. Squares are let into
+// Every square lies once upon each half; the number of squares grows linearly with that of resins, that of layout E
+// doubles with every resin. Squares are let into
 // the slab, so that its top is flat: between them is the resin of the half. The frame is of the light resin from top to
 // bottom and wide enough that its middle sees little of what is around it: photographs measure the light there.
 //
@@ -27,7 +29,7 @@
 
 namespace voxtone::calibration {
 
-enum class TargetLayout { a, b, c };
+enum class TargetLayout { a, b, c, e = 4 };  ///< letters from A
 
 struct TargetOptions {
     TargetLayout layout = TargetLayout::b;
@@ -75,7 +77,7 @@ struct TargetMarker {
 struct Target {
     std::string printer;
     std::array<double, 3> pitch_um{};
-    std::string layout;  ///< "A", "B", "C"
+    std::string layout;  ///< "A", "B", "C", "E"
     std::vector<std::string> roles;
     std::string light, dark;
     double top_mm = 0, base_mm = 0;

@@ -20,6 +20,7 @@ Command add_calibrate_simulate_profile_command(CLI::App& calibrate, const Calibr
 
 /// A family by itself, `calibrate edge`, with its steps.
 Command add_calibrate_edge_command(CLI::App& calibrate, const CalibrateJobs& jobs);
+Command add_calibrate_edge_chart_command(CLI::App& edge, const CalibrateJobs& jobs);
 Command add_calibrate_edge_dictionary_command(CLI::App& edge, const CalibrateJobs& jobs);
 Command add_calibrate_edge_fit_command(CLI::App& edge, const CalibrateJobs& jobs);
 Command add_calibrate_edge_samples_command(CLI::App& edge, const CalibrateJobs& jobs);

@@ -114,8 +114,9 @@ Command add_calibrate_edge_command(CLI::App& calibrate, const CalibrateJobs& job
         "Find each resin's extinction, albedo and anisotropy from thin slabs laid on a printed black/white edge");
     add_example(*command, "fit profiles.csv --setup setup.json -o my-resins.json");
     std::vector<AddStep> steps;
-    for (const auto add : {add_calibrate_edge_dictionary_command, add_calibrate_edge_fit_command,
-                           add_calibrate_edge_samples_command, add_calibrate_edge_simulate_command})
+    for (const auto add :
+         {add_calibrate_edge_chart_command, add_calibrate_edge_dictionary_command, add_calibrate_edge_fit_command,
+          add_calibrate_edge_samples_command, add_calibrate_edge_simulate_command})
         steps.emplace_back([add, &jobs](CLI::App& edge) { return add(edge, jobs); });
     return add_steps(*command, steps);
 }

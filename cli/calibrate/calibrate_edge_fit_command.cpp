@@ -11,6 +11,7 @@
 
 #include "voxtone/base/error.h"
 #include "voxtone/cli/calibrate/calibrate_commands.h"
+#include "voxtone/cli/calibrate/patch_options.h"
 #include "voxtone/cli/program/common_options.h"
 #include "voxtone/cli/program/help.h"
 
@@ -50,6 +51,7 @@ struct EdgeFitArguments {
     calibration::EdgeFitJob job;
     std::string g = "0.4";
     std::vector<double> mu;
+    PatchOptions chart;
     RunOptions run;
 };
 
@@ -68,6 +70,7 @@ void read_anisotropy(const std::string& text, calibration::EdgeFitOptions& fit) 
 int run_fit(EdgeFitArguments& a, const CalibrateJobs& jobs) {
     return run_on_console(a.run, [&](Progress& progress) {
         read_anisotropy(a.g, a.job.fit);
+        set_patch_model(a.chart, a.job.chart_model);
         if (!a.mu.empty()) a.job.fit.mu_from = a.mu.front(), a.job.fit.mu_to = a.mu.back();
         return jobs.edge_fit(a.job, progress);
     });
@@ -135,6 +138,14 @@ Command add_calibrate_edge_fit_command(CLI::App& edge, const CalibrateJobs& jobs
         ->delimiter(',')
         ->expected(1, 2)
         ->default_str("0.8,1.1");
+    command
+        ->add_option("--chart", a.job.chart,
+                     "patches of a chart (`edge chart`, or a calibration target), CSV as of `calibrate photo`: they "
+                     "complete what edges do not tell; give --printer with it")
+        ->type_name("FILE");
+    add_patch_options(*command, a.run.lengths, a.chart, a.job.chart_measured);
+    for (const char* option : {"--white", "--base", "--under", "--printer", "--pitch"})
+        command->get_option(option)->needs("--chart")->group("Chart");
     add_value(*command, "--lambda", a.job.fit.metric.lambda, "weight of gradients against values")->group("Metric");
     add_value(*command, "--wavelet-level", a.job.fit.metric.wavelet_level,
               "scale of the wavelet that takes gradients, 2^level samples")

@@ -55,6 +55,13 @@ Command add_calibrate_fit_command(CLI::App& calibrate, const CalibrateJobs& jobs
     command->add_option("--name", a.job.name, "name of the set; empty: that of the file");
     add_fit_options(*command, a.job.fit);
     add_patch_options(*command, a.run.lengths, a.patches, a.job.measured);
+    command
+        ->add_option(
+            "--prior", a.job.prior,
+            "what edge profiles say of the same resins: the NAME.edge.json of `calibrate edge fit`, whose g and "
+            "eta hold; values and their errors count beside the patches")
+        ->type_name("FILE")
+        ->excludes("--g", "--eta");
     command->add_option("--check", a.job.check, "other patches to predict with the result")->type_name("FILE");
     command->add_flag(
         "--g-sweep", a.job.g_sweep,

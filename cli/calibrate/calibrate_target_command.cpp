@@ -86,21 +86,14 @@ void add_layout_options(CLI::App& command, calibration::TargetOptions& layout, L
     lengths.add(command, "--quiet-zone", layout.quiet_mm, "light around a marker")->group(fine_tuning);
 }
 
-}  // namespace
-
-Command add_calibrate_target_command(CLI::App& calibrate, const CalibrateJobs& jobs) {
-    auto arguments = std::make_shared<CalibrateTargetArguments>();
-    CalibrateTargetArguments& a = *arguments;
-    CLI::App* command = calibrate.add_subcommand(
-        "target", "Make the printable target: a stack, its description (target.json) and a picture of it");
+/// All but the layout.
+void add_target_options(CLI::App* command, CalibrateTargetArguments& a) {
     add_printer_option(*command, a.printer);
     command->add_option("--resins", a.job.layout.roles, "roles of the resins, two or more: C,M,Y,K,W")
         ->type_name("ROLES")
         ->delimiter(',')
         ->allow_extra_args(false)
         ->required();
-    add_value(*command, "--layout", a.layout, "A: pure resins; B: and 10:90 mixtures; C: and 5, 25, 50 %")
-        ->check(CLI::IsMember({"A", "B", "C"}));
     add_stack_folder_options(*command, a.job.out, a.overwrite);
     command
         ->add_option(
@@ -111,7 +104,32 @@ Command add_calibrate_target_command(CLI::App& calibrate, const CalibrateJobs& j
     add_count(*command, "--seed", a.seed, "seed of the dither")->group(fine_tuning);
     command->add_flag("--gcvf", a.outputs.gcvf, "write a GCVF container too");
     add_run_options(*command, a.run);
+}
+
+}  // namespace
+
+Command add_calibrate_target_command(CLI::App& calibrate, const CalibrateJobs& jobs) {
+    auto arguments = std::make_shared<CalibrateTargetArguments>();
+    CLI::App* command = calibrate.add_subcommand(
+        "target", "Make the printable target: a stack, its description (target.json) and a picture of it");
+    add_value(*command, "--layout", arguments->layout,
+              "A: pure resins; B: and 10:90 mixtures; C: and 5, 25, 50 %; E: all equal mixtures")
+        ->check(CLI::IsMember({"A", "B", "C", "E"}));
+    add_target_options(command, *arguments);
     add_example(*command, "--resins C,M,Y,K,W --resin-set vero-opaque -o target");
+    return [arguments, &jobs] { return run(*arguments, jobs); };
+}
+
+Command add_calibrate_edge_chart_command(CLI::App& edge, const CalibrateJobs& jobs) {
+    auto arguments = std::make_shared<CalibrateTargetArguments>();
+    arguments->layout = "E";
+    CLI::App* command = edge.add_subcommand("chart",
+                                            "Make the chart of all equal mixtures of the resins, from which `edge fit "
+                                            "--chart` has what edges do not tell:\n"
+                                            "a stack, its description (target.json, for `calibrate photo`) and a "
+                                            "picture. It is `calibrate target --layout E`.");
+    add_target_options(command, *arguments);
+    add_example(*command, "--resins C,M,Y,K,W --resin-set vero-opaque -o chart");
     return [arguments, &jobs] { return run(*arguments, jobs); };
 }
 

@@ -106,6 +106,24 @@ TEST_CASE("options out of range are refused by name") {
     refused([](TargetOptions& o) { o.roles = {"W", "K", "a+b"}; }, "a+b");
 }
 
+TEST_CASE("layout E has every choice of resins once upon each half, as much of each") {
+    const Target target = target_of(TargetLayout::e, {"C", "M", "Y", "K", "W"});
+    CHECK(target.layout == "E");
+    std::set<std::string> on_light, on_dark;
+    for (const TargetSquare& square : target.squares) {
+        (square.backing == target.light ? on_light : on_dark).insert(mixture_text(square.top));
+        for (const ResinShare& share : square.top)
+            CHECK(share.fraction == Approx(1.0 / static_cast<double>(square.top.size())));
+    }
+    CHECK(target.squares.size() == 62);
+    CHECK(on_light.size() == 31);
+    CHECK(on_light == on_dark);
+    CHECK(on_light.contains("C:20+K:20+M:20+W:20+Y:20"));
+    const Target back = parse_target(target_text(target), "target.json");
+    CHECK(target_text(back) == target_text(target));
+    CHECK_THROWS_WITH(target_of(TargetLayout::e, {"A", "B", "C", "D", "E", "K", "W"}), Contains("7 resins"));
+}
+
 TEST_CASE("descriptions read back as they were written") {
     for (const TargetLayout layout : {TargetLayout::a, TargetLayout::b, TargetLayout::c}) {
         const Target target = target_of(layout, {"C", "M", "Y", "K", "W", "T"});
