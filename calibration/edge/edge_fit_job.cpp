@@ -92,10 +92,13 @@ JobResult run_edge_fit_job(const EdgeFitJob& job, Progress& progress) {
     options.name = job.name.empty() ? fs::path(job.out).stem().string() : job.name;
     EdgeFit fit = fit_edges(profiles, table, options, &progress);
     if (chart) complete_by_chart(fit, *chart, job.chart_model);
+    EdgeSimilarity similarity;
+    if (!job.report.empty()) similarity = edge_similarity(fit, profiles, table, options, &progress);
     for (const std::string& warning : fit.warnings) progress.warn(warning);
     io::write_whole_file(job.out, io::resin_set_text(fit.set));
     io::write_whole_file(values_file(job.out), edge_fit_json(fit, options) + "\n");
-    if (!job.report.empty()) io::write_whole_file(job.report, edge_report_html(fit, profiles, table, options));
+    if (!job.report.empty())
+        io::write_whole_file(job.report, edge_report_html(fit, profiles, table, options, similarity));
     return {edge_fit_json(fit, options),
             edge_fit_text(fit) + fmt::format("\nWrote {} and {}\n", job.out, values_file(job.out).string())};
 }

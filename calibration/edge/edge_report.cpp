@@ -2,10 +2,12 @@
 #include "voxtone/calibration/edge/edge_report.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <fmt/format.h>
 
+#include "voxtone/calibration/edge/edge_plots.h"
 #include "voxtone/io/files/markup.h"
 #include "voxtone/io/report/plot_svg.h"
 
@@ -19,40 +21,37 @@ using io::PlotAxis;
 const char* const edge_style = R"(<style>
 body{font-family:sans-serif;margin:24px;max-width:1250px;color:#222;background:#fff}
 table{border-collapse:collapse;font-size:13px}td,th{padding:2px 10px;text-align:right;border-bottom:1px solid #ddd}
-td:first-child,th:first-child{text-align:left}.doubt{color:#d9730d}
+td:first-child,th:first-child{text-align:left}.doubt{color:#d9730d}.chart{color:#1565c0}
+.note{font-size:12px;max-width:380px;margin:2px 0 10px}
 .plots{display:flex;flex-wrap:wrap;gap:8px}pre{background:#f5f5f5;padding:10px;overflow-x:auto;font-size:12px}p{max-width:900px}
 </style>)";
 
-constexpr const char* slab_colours[] = {"#1565c0", "#c62828", "#2e7d32", "#6a1b9a"};
-
-Plot::Points points(const Eigen::VectorXd& x, const Eigen::VectorXd& y) {
-    Plot::Points list;
-    for (Eigen::Index k = 0; k < y.size(); ++k) list.emplace_back(x[k], y[k]);
-    return list;
-}
-
-std::vector<double> marks_to(double most) {
-    double step = std::pow(10, std::floor(std::log10(most / 2)));
-    if (most / step > 10) step *= 5;
-    std::vector<double> marks;
-    for (double v = 0; v <= most * 1.0001; v += step) marks.push_back(v);
-    return marks;
-}
+// Elek et al. 2017, supplement, Table 1, last columns: fit errors of Vero Opaque; 0: none is given. The paper does not
+// say how it normalised its norms.
+struct PublishedError {
+    const char* role;
+    std::array<double, 3> error;
+};
+constexpr PublishedError published_errors[] = {{"C", {0, 0.009, 0.011}},
+                                               {"M", {0.039, 0, 0.008}},
+                                               {"Y", {0.041, 0.022, 0}},
+                                               {"K", {0.003, 0.002, 0.002}},
+                                               {"W", {0.024, 0.017, 0.041}}};
 
 class EdgePage {
 public:
     EdgePage(const EdgeFit& fit, const std::vector<EdgeProfile>& profiles, const EdgeProfileTable& table,
-             const EdgeFitOptions& options)
-        : fit_(fit), profiles_(profiles), table_(table), options_(options) {}
+             const EdgeFitOptions& options, const EdgeSimilarity& similarity)
+        : fit_(fit), profiles_(profiles), table_(table), options_(options), similarity_(similarity) {}
 
     std::string html() const {
         return fmt::format(
             "<!doctype html><html lang=\"en\"><head><meta charset=\"utf-8\"><title>Edges {0}</title>"
             "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src "
-            "'unsafe-inline'\">{1}</head><body>\n<h1>Edge profiles: "
-            "{0}</h1>\n<p>{2}.</p>\n{3}{4}{5}{6}{7}</body></html>\n",
-            html_text(fit_.set.name), edge_style, html_text(fit_.set.source), warnings(), values(), mu(), resins(),
-            setup());
+            "'unsafe-inline'; img-src data:\">{1}</head><body>\n<h1>Edge profiles: "
+            "{0}</h1>\n<p>{2}.</p>\n{3}{4}{5}{6}{7}{8}{9}</body></html>\n",
+            html_text(fit_.set.name), edge_style, html_text(fit_.set.source), warnings(), values(), pictures(), mu(),
+            resins(), similar_media(), setup());
     }
 
 private:
@@ -63,26 +62,58 @@ private:
         return text;
     }
 
-    static std::string cell(const FittedValue& v, const char* digits) {
-        return fmt::format("<td{}>{} &plusmn; {}</td>", v.doubts.empty() ? "" : " class=\"doubt\"",
+    static std::string cell(const EdgeValue& of, const FittedValue& v, const char* digits) {
+        return fmt::format("<td{}>{} &plusmn; {}</td>",
+                           !v.doubts.empty() ? " class=\"doubt\""
+                           : of.edges        ? " class=\"chart\""
+                                             : "",
                            fmt::format(fmt::runtime(digits), v.value),
                            fmt::format(fmt::runtime(digits), v.standard_error));
     }
 
+    static std::string published(const std::string& role, std::size_t c) {
+        for (const PublishedError& entry : published_errors)
+            if (role == entry.role) return entry.error[c] > 0 ? fmt::format("{:.3f}", entry.error[c]) : "none";
+        return "";
+    }
+
     std::string values() const {
         std::string text = fmt::format(
-            "<h2>Values</h2>\n<p>At g = {:.3g}. Standard errors; orange: a value that the profiles tell badly.</p>\n"
+            "<h2>Values</h2>\n<p>At g = {:.3g}. Standard errors; orange: a value that the profiles tell badly; blue: "
+            "completed by a chart. The last columns are the fit errors that the paper gives for Vero Opaque (Elek et "
+            "al. "
+            "2017, supplement, Table 1), whose norm it does not say; ours is the root mean square over samples of "
+            "values, "
+            "and {:g} times that of gradients, summed over the slabs.</p>\n"
             "<table><tr><th>resin</th><th colspan=\"3\">extinction, 1/mm: R, G, B</th><th colspan=\"3\">albedo: R, G, "
-            "B</th><th colspan=\"3\">distance (Eq. 1): R, G, B</th></tr>\n",
-            fit_.set.g);
+            "B</th><th colspan=\"3\">distance (Eq. 1): R, G, B</th><th colspan=\"3\">the paper's: R, G, B</th></tr>\n",
+            fit_.set.g, options_.metric.lambda);
         for (const EdgeResinFit& resin : fit_.resins) {
             text += fmt::format("<tr><td>{}</td>", html_text(resin.role));
-            for (const EdgeValue& v : resin.channel) text += cell(v.sigma_t, "{:.3f}");
-            for (const EdgeValue& v : resin.channel) text += cell(v.albedo, "{:.5f}");
+            for (const EdgeValue& v : resin.channel) text += cell(v, v.sigma_t, "{:.3f}");
+            for (const EdgeValue& v : resin.channel) text += cell(v, v.albedo, "{:.5f}");
             for (const EdgeValue& v : resin.channel) text += fmt::format("<td>{:.4f}</td>", v.distance);
+            for (std::size_t c = 0; c < 3; ++c) text += fmt::format("<td>{}</td>", published(resin.role, c));
             text += "</tr>\n";
         }
-        return text + "</table>\n";
+        text += "</table>\n";
+        if (fit_.chart)
+            text += fmt::format(
+                "<p>Chart: {} of {} patches, predicted within CIEDE2000 {:.2f} in the mean; {} channels "
+                "completed.</p>\n",
+                html_text(fit_.chart->source), fit_.chart->patches.patches.size(), fit_.chart->patches.differences.mean,
+                fit_.chart->completed);
+        return text;
+    }
+
+    std::string pictures() const {
+        std::string rows;
+        for (const EdgeResinFit& resin : fit_.resins) rows += plots(resin).strips();
+        return "<h2>Slabs</h2>\n<p>What the camera saw of each slab on the edge (times mu), and the simulation of its "
+               "fit "
+               "beside it, "
+               "in sRGB.</p>\n<table><tr><th></th><th>measured</th><th>simulated</th></tr>\n" +
+               rows + "</table>\n";
     }
 
     std::string mu() const {
@@ -94,7 +125,7 @@ private:
         for (double m = std::ceil(curve.front().first * 20) / 20; m <= curve.back().first + 1e-9; m += 0.05)
             marks.push_back(m);
         Plot plot({curve.front().first, curve.back().first, false, marks, "mu"},
-                  {0, most * 1.05, false, marks_to(most), "E(mu), Eq. 3"}, "The common factor", 420, 260);
+                  {0, most * 1.05, false, plot_marks(most), "E(mu), Eq. 3"}, "The common factor", 420, 260);
         plot.line(curve, "#1565c0");
         plot.point(fit_.mu, fit_.total, "#c62828");
         return fmt::format(
@@ -102,87 +133,71 @@ private:
             fit_.mu_error, plot.svg());
     }
 
+    EdgePlots plots(const EdgeResinFit& resin) const { return {fit_, resin, profiles_, table_, options_}; }
+
     std::string resins() const {
         std::string text =
             "<h2>Profiles</h2>\n<p>Measured (dots, times mu) and fitted (lines) profiles across the edge, the slabs of "
-            "a resin in one plot; under it the gradients per sample that the fit compares.</p>\n";
+            "a resin in one plot; under it the gradients per sample that the fit compares; then the fit (black) among "
+            "its "
+            "neighbours in the paper's grid: the next extinctions (orange), albedos (violet) and, where the dictionary "
+            "has "
+            "them, anisotropies (green), with their distances from what was measured. Where neighbours fall together, "
+            "the slabs do not tell the value.</p>\n";
         for (const EdgeResinFit& resin : fit_.resins) {
-            std::vector<const EdgeProfile*> slabs;
-            for (const EdgeProfile& profile : profiles_)
-                if (profile.resin == resin.role) slabs.push_back(&profile);
             text += fmt::format("<h3>{}</h3>\n", html_text(resin.role));
             if (resin.g_error > 0) text += fmt::format("<p>g = {:.3f} &plusmn; {:.3f}</p>\n", resin.g, resin.g_error);
-            text += similarity(resin);
-            std::string profiles, gradients;
-            for (std::size_t c = 0; c < 3; ++c) {
-                std::vector<std::string> ignored;
-                const auto seen = edge_observations(slabs, c, table_, options_.metric, ignored);
-                if (!seen.empty()) draw(resin, c, seen, slabs, profiles, gradients);
-            }
-            text += "<div class=\"plots\">\n" + profiles + "</div>\n<div class=\"plots\">\n" + gradients + "</div>\n";
+            const EdgePlots of = plots(resin);
+            text += of.profiles() + of.gradients() + of.neighbours();
         }
         return text;
     }
 
-    // Extinctions of the best fits at every g, on the curve that similarity predicts; and how far each g is away.
-    static std::string similarity(const EdgeResinFit& resin) {
-        if (resin.by_g.size() < 2) return "";
-        const double from = resin.by_g.front().first, to = resin.by_g.back().first;
-        double farthest = 0, largest = 1;
-        for (const auto& [g, distance] : resin.by_g) farthest = std::max(farthest, distance);
-        for (const auto& list : resin.similar)
-            for (const SimilarEdgeMedium& s : list) largest = std::max({largest, s.fitted.sigma_t, s.similar.sigma_t});
-        PlotAxis x{from, to, false, {}, "g"};
-        for (double g = std::ceil(from * 5) / 5; g <= to + 1e-9; g += 0.2) x.marks.push_back(g);
-        Plot distance(x, {0, farthest * 1.05, false, marks_to(farthest), "distance (Eq. 1)"},
-                      fmt::format("{}: what g explains", resin.role), 330, 200);
-        distance.line({resin.by_g.begin(), resin.by_g.end()}, "#333");
-        Plot media(x, {0, largest * 1.05, false, marks_to(largest), "extinction, 1/mm"},
-                   fmt::format("{}: fitted (dots), similar (lines)", resin.role), 330, 200);
-        constexpr const char* colours[] = {"#c62828", "#2e7d32", "#1565c0"};
-        for (std::size_t c = 0; c < 3; ++c) {
-            Plot::Points similar;
-            for (const SimilarEdgeMedium& s : resin.similar[c]) {
-                similar.emplace_back(s.g, s.similar.sigma_t);
-                media.point(s.g, s.fitted.sigma_t, colours[c]);
+    // What g is worth, in words.
+    std::string worth_of_g() const {
+        std::vector<std::pair<double, double>> total = fit_.resins.front().by_g;
+        for (std::size_t r = 1; r < fit_.resins.size(); ++r)
+            for (std::size_t k = 0; k < total.size(); ++k) total[k].second += fit_.resins[r].by_g[k].second;
+        const auto best = std::ranges::min_element(total, {}, &std::pair<double, double>::second);
+        std::string text = fmt::format("<p>All resins together: the distance is least at g = {:g}, {:.4f};",
+                                       best->first, best->second);
+        for (const auto& [g, distance] : total)
+            text += fmt::format("{} {:g}: {:+.0f} %", &g == &total.front().first ? " at" : ",", g,
+                                100 * (distance / best->second - 1));
+        double ln = 0, v = 0, count = 0;
+        for (std::size_t r = 0; r < fit_.resins.size(); ++r)
+            for (std::size_t c = 0; c < 3; ++c) {
+                if (!fit_.resins[r].channel[c].told) continue;
+                const EdgeSimilarity::Agreement one = similarity_.agreement(r, c);
+                ln += one.ln_sigma_t * one.ln_sigma_t, v += one.v * one.v, ++count;
             }
-            media.line(similar, colours[c], 1, true);
-        }
-        return "<div class=\"plots\">\n" + distance.svg() + media.svg() + "</div>\n";
+        if (count > 0)
+            text += fmt::format(
+                ". Over all channels that edges tell, fits at other g lie {:.1f} % in extinction and {:.4f} in v from "
+                "the "
+                "media that are similar to the fit (rms): that much is lost where a set is brought to another g.",
+                100 * std::sqrt(ln / count), std::sqrt(v / count));
+        return text + "</p>\n";
     }
 
-    void draw(const EdgeResinFit& resin, std::size_t c, const std::vector<EdgeObservation>& seen,
-              const std::vector<const EdgeProfile*>& slabs, std::string& profiles, std::string& gradients) const {
-        double most = 0.01, steepest = 1e-4;
-        for (const EdgeObservation& slab : seen) {
-            most = std::max(most, fit_.mu * slab.value.maxCoeff());
-            steepest = std::max(steepest, fit_.mu * slab.gradient.maxCoeff());
-        }
-        const double half = table_.setup().width_mm / 2;
-        PlotAxis x{-half, half, false, {}, "mm across the edge"},
-            near{-half / 4, half / 4, false, {}, "mm across the edge"};
-        for (double m = -std::floor(half); m <= half; ++m) x.marks.push_back(m), near.marks.push_back(m);
-        std::erase_if(near.marks, [&](double m) { return std::abs(m) > half / 4; });
-        Plot values(x, {0, most * 1.05, false, marks_to(most), "reflectance"},
-                    fmt::format("{} in {}", resin.role, "RGB"[c]), 330, 220);
-        Plot steps(near, {0, steepest * 1.1, false, marks_to(steepest), "gradient"},
-                   fmt::format("{} in {}: gradient", resin.role, "RGB"[c]), 330, 160);
-        const EdgeObjective objective(seen, c, table_, options_.metric);
-        for (std::size_t s = 0; s < seen.size(); ++s) {
-            const char* colour = slab_colours[s % std::size(slab_colours)];
-            const EdgeObservation& slab = seen[s];
-            for (Eigen::Index k = 0; k < slab.x.size(); k += 4)
-                values.point(slab.x[k], fit_.mu * slab.value[k], "#bbb");
-            const EdgePoint at = resin.channel[c].at;
-            values.line(points(slab.x, objective.simulated(slab, at, resin.g)), colour);
-            values.label(-0.95 * half, most * (0.95 - 0.1 * static_cast<double>(s)),
-                         fmt::format("{:g} mm", slabs[std::min(s, slabs.size() - 1)]->thickness_mm), colour);
-            const Eigen::VectorXd between = (slab.x.head(slab.x.size() - 1) + slab.x.tail(slab.x.size() - 1)) / 2;
-            steps.line(points(between, fit_.mu * slab.gradient), "#999", 1);
-            steps.line(points(between, objective.simulated_gradient(slab, at, resin.g)), colour);
-        }
-        profiles += values.svg();
-        gradients += steps.svg();
+    std::string similar_media() const {
+        std::string text =
+            "<h2>Similar media</h2>\n<p>The distance (Eq. 1) over albedo and extinction for each g, its logarithm from "
+            "the least of all g (dark) to 200 times that; the title has that of its g. Cross: where it is least, "
+            "bright "
+            "at the g of the fit; white dot: the medium that similarity (Eqs. 4 to 6) makes of the fit at this g; "
+            "dashed: all of them.</p>\n";
+        if (table_.grid().g.size() < 2)
+            text += fmt::format(
+                "<p>The dictionary has one g, {:g}; with more of them (--g shared, or a dictionary of the "
+                "paper's grid) there is a map for each, and what g is worth.</p>\n",
+                table_.grid().g.front());
+        else
+            text += worth_of_g();
+        for (std::size_t r = 0; r < fit_.resins.size(); ++r)
+            text += fmt::format("<h3>{}</h3>\n", html_text(fit_.resins[r].role)) + similarity_curves(fit_.resins[r]) +
+                    similarity_maps(similarity_, fit_, r);
+        return text;
     }
 
     std::string setup() const {
@@ -193,13 +208,15 @@ private:
     const std::vector<EdgeProfile>& profiles_;
     const EdgeProfileTable& table_;
     const EdgeFitOptions& options_;
+    const EdgeSimilarity& similarity_;
 };
 
 }  // namespace
 
 std::string edge_report_html(const EdgeFit& fit, const std::vector<EdgeProfile>& profiles,
-                             const EdgeProfileTable& table, const EdgeFitOptions& options) {
-    return EdgePage(fit, profiles, table, options).html();
+                             const EdgeProfileTable& table, const EdgeFitOptions& options,
+                             const EdgeSimilarity& similarity) {
+    return EdgePage(fit, profiles, table, options, similarity).html();
 }
 
 }  // namespace voxtone::calibration

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "voxtone/io/files/base64.h"
 #include "voxtone/io/files/markup.h"
 
 namespace voxtone::io {
@@ -53,6 +54,13 @@ void Plot::point(double x, double y, std::string_view colour, double low, double
 
 void Plot::point(double x, double y, std::string_view colour) {
     body_ += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"3\" fill=\"{}\"/>\n", across(x), up(y), colour);
+}
+
+void Plot::picture(std::span<const std::uint8_t> png) {
+    body_ += fmt::format(
+        "<image width=\"{}\" height=\"{}\" preserveAspectRatio=\"none\" style=\"image-rendering:pixelated\" "
+        "href=\"data:image/png;base64,{}\"/>\n",
+        width_, height_, base64(png));
 }
 
 void Plot::label(double x, double y, std::string_view text, std::string_view colour) {

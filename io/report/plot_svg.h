@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // Small line plots as SVG text: one box, two axes (linear or logarithmic), lines, bands, points with error bars,
-// labels.
+// labels, and maps of pixels under them.
 //
 // Why our own: matplot++ is no Debian package, gnuplot-iostream wants gnuplot where the program runs, and a report
 // needs one box with lines in it, as text that stays sharp and weighs a few kB.
 #pragma once
 
+#include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -33,6 +35,8 @@ public:
     void band(const Points& low, const Points& high, std::string_view colour);
     void point(double x, double y, std::string_view colour, double low, double high);
     void point(double x, double y, std::string_view colour);
+    /// A PNG file that fills the box, each of its pixels a rectangle.
+    void picture(std::span<const std::uint8_t> png);
     void label(double x, double y, std::string_view text, std::string_view colour);
 
     [[nodiscard]] std::string svg() const;
