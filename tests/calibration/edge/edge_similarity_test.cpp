@@ -19,11 +19,11 @@ namespace {
 constexpr double truth_g = 0.4;
 const EdgeMedium clear_one{4, 0.97, truth_g}, dense{9, 0.995, truth_g};
 
-EdgeProfileTable small_table() {
+EdgeProfileTable small_table(const std::vector<double>& g = {0.2, 0.4, 0.6}, std::uint32_t paths = 1u << 15) {
     EdgeDictionary dictionary;
-    dictionary.grid.g = {0.2, 0.4, 0.6};
+    dictionary.grid.g = g;
     for (double s = 2; s < 16; s *= 1.3) dictionary.grid.sigma_t.push_back(s);
-    dictionary.grid.paths = 1u << 15;
+    dictionary.grid.paths = paths;
     for (std::size_t run = 0; run < dictionary.grid.runs(); ++run)
         dictionary.records.push_back(edge_record(dictionary.setup, dictionary.grid, run));
     return {std::make_shared<const EdgeDictionary>(dictionary), dictionary.setup};
@@ -97,4 +97,43 @@ TEST_CASE("media that are similar to a fit lie where the distance is least at ot
     CHECK(count(page, "<img ") == 2 * 2 * 2);    // slabs, measured and simulated
     CHECK_THAT(page, Contains("Similar media") && Contains("neighbours") && Contains("g = 0.6"));
     CHECK_THAT(page, !Contains("nan") && !Contains("inf"));
+}
+
+TEST_CASE("g comes back from profiles, one for all resins or one for each", "[edge]") {
+    EdgeProfileTable table = small_table({0.2, 0.3, 0.4, 0.5, 0.6}, 1u << 14);
+    table.prepare(truth_g, true);
+    const auto measured = [&](double g_a, double g_b) {
+        std::vector<EdgeProfile> profiles;
+        for (std::size_t t = 0; t < 2; ++t) {
+            profiles.push_back(profile_of(table, "A", t, {clear_one.sigma_t, clear_one.albedo, g_a}));
+            profiles.push_back(profile_of(table, "B", t, {dense.sigma_t, dense.albedo, g_b}));
+        }
+        return profiles;
+    };
+    EdgeFitOptions options;
+    options.mu_from = options.mu_to = 1;
+    SECTION("shared") {
+        options.anisotropy = EdgeAnisotropy::shared;
+        for (const double g : {0.3, 0.44}) {
+            const EdgeFit fit = fit_edges(measured(g, g), table, options);
+            CHECK(fit.set.g == Approx(g).margin(0.03));
+            CHECK(fit.resins[0].g == fit.set.g);
+            CHECK(fit.set.resins[0].sigma_t_per_mm[1] == Approx(clear_one.sigma_t).epsilon(0.05));
+            CHECK(fit.resins[1].by_g.size() == 5);
+        }
+    }
+    SECTION("each, and brought to one g by similarity") {
+        options.anisotropy = EdgeAnisotropy::each;
+        const EdgeFit fit = fit_edges(measured(0.3, 0.5), table, options);
+        CHECK(fit.set.g == truth_g);
+        CHECK(fit.resins[0].g == Approx(0.3).margin(0.03));
+        CHECK(fit.resins[1].g == Approx(0.5).margin(0.03));
+        CHECK(fit.resins[0].g_error > 0);
+        for (std::size_t c = 0; c < 3; ++c) {
+            const double sigma_s = dense.sigma_t * dense.albedo * (1 - 0.5) / (1 - truth_g);
+            const double found = fit.set.resins[1].sigma_t_per_mm[c] * fit.set.resins[1].albedo[c];
+            CHECK(found == Approx(sigma_s).epsilon(0.05));
+            CHECK(std::abs(found / (dense.sigma_t * dense.albedo) - 1) > 0.1);  // not as it was measured
+        }
+    }
 }
