@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <cmath>
+
 #include <fmt/core.h>
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
@@ -105,4 +107,78 @@ TEST_CASE("calibrate fit refuses what it cannot use, with the exit code of its k
     fails(folder / "good.csv --printer stratasys-j750-hm --pitch 1,1,1mm", 2, "--pitch");
     const Outcome check = run_program(fmt::format("calibrate check nowhere {}", folder / "good.csv"));
     CHECK(check.exit_code == 3);
+}
+
+namespace {
+
+// Vero as edges might have found it, each extinction too large by a part of its error.
+std::string edge_results() {
+    const optics::ResinSet set = optics::vero_opaque();
+    nlohmann::ordered_json resins = nlohmann::ordered_json::array();
+    for (const auto& resin : set.resins) {
+        nlohmann::ordered_json channels = nlohmann::ordered_json::array();
+        for (std::size_t c = 0; c < 3; ++c)
+            channels.push_back(
+                {{"channel", std::string(1, "RGB"[c])},
+                 {"sigma_t_per_mm", {{"value", 1.01 * resin.sigma_t_per_mm[c]}, {"doubts", nlohmann::json::array()}}},
+                 {"albedo", {{"value", resin.albedo[c]}, {"doubts", nlohmann::json::array()}}},
+                 {"covariance_v_ln_sigma_t", {1.6e-5, 0, 4e-4}}});
+        resins.push_back({{"role", resin.role}, {"channels", channels}});
+    }
+    return nlohmann::ordered_json{
+        {"format", "voxtone-edge-fit"}, {"version", 1}, {"g", 0.4}, {"eta", 1.5}, {"resins", resins}}
+        .dump();
+}
+
+// Summed squares of ln(extinction / truth).
+double extinctions_off(const std::string& file) {
+    const optics::ResinSet truth = optics::vero_opaque(), set = io::read_resin_set(file);
+    double sum = 0;
+    for (const auto& resin : truth.resins)
+        for (std::size_t c = 0; c < 3; ++c)
+            sum += std::pow(std::log(set.resins[static_cast<std::size_t>(set.find(resin.role))].sigma_t_per_mm[c] /
+                                     resin.sigma_t_per_mm[c]),
+                            2);
+    return sum;
+}
+
+}  // namespace
+
+TEST_CASE("calibrate fit takes what edges found as a prior, with their g") {
+    const Folder folder("calibrate_prior");
+    folder.write("patches.csv", patch_table_text(measured(0.005)));
+    folder.write("my.edge.json", edge_results());
+    const auto fit = [&](const std::string& more, const std::string& out) {
+        return run_program(fmt::format("calibrate fit {} {} -o {}", folder / "patches.csv", more, folder / out));
+    };
+    REQUIRE(fit("", "patches.json").exit_code == 0);
+    const Outcome joined = fit("--prior " + (folder / "my.edge.json"), "joined.json");
+    INFO(joined.err);
+    REQUIRE(joined.exit_code == 0);
+    CHECK(extinctions_off(folder / "joined.json") < 0.5 * extinctions_off(folder / "patches.json"));
+    CHECK_THAT(io::read_resin_set(folder / "joined.json").source, Contains("my.edge.json"));
+
+    const auto refused = [&](const std::string& more, int code, const std::string& with) {
+        const Outcome outcome = fit(more, "x.json");
+        CHECK(outcome.exit_code == code);
+        CHECK_THAT(outcome.err, Contains(with));
+    };
+    refused("--g 0.5 --prior " + (folder / "my.edge.json"), 2, "--g");
+    refused("--g-sweep --prior " + (folder / "my.edge.json"), 2, "--g-sweep with --prior");
+    refused("--prior " + (folder / "nothing.edge.json"), 4, "nothing.edge.json");
+    refused("--prior " + (folder / "joined.json"), 3, "voxtone-edge-fit");
+}
+
+TEST_CASE("calibrate edge chart prints all equal mixtures, and edge fit wants the voxels with its patches") {
+    const Folder folder("edge_chart");
+    const Outcome chart = run_program(fmt::format("calibrate edge chart --resins W,K,C -o {}", folder / "chart"));
+    INFO(chart.err);
+    REQUIRE(chart.exit_code == 0);
+    const auto target = nlohmann::json::parse(read_file(folder / "chart/target.json"));
+    CHECK(target.at("layout") == "E");
+    CHECK(target.at("squares").size() == 14);
+    const Outcome fit =
+        run_program(fmt::format("calibrate edge fit x.csv --printer stratasys-j750-hm -o {}", folder / "x.json"));
+    CHECK(fit.exit_code == 2);
+    CHECK_THAT(fit.err, Contains("--chart"));
 }
