@@ -1,7 +1,7 @@
 #!/bin/sh
 # Resins from edge profiles, rehearsed without a bench: what has to be printed, the profiles that slabs of known resins would
 # give on a bench that is not quite what setup.json says (a factor of 0.913 on all values, slabs 2 % too thick, other gel),
-# the resins that are found in them, and a slice with these.
+# the resins that are found in them, with a chart for their dark channels, and a slice with these.
 set -eu
 voxtone=${VOXTONE:-build/release/bin/voxtone}
 out=${OUT:-out}/11-edge-profiles
@@ -18,14 +18,19 @@ END
 "$voxtone" calibrate edge simulate --resins vero-opaque --setup "$out/bench.json" --bias 0.913 --thickness-off 0.02 \
     --paths 32768 --overwrite -o "$out/profiles.csv"
 
-# 3. The resins, with what is known of the bench. More --paths, or a dictionary, for less noise; look at resins.html.
+# 3. A chart of all equal mixtures, printed and photographed, for what edges do not tell (cyan in red, yellow in blue).
+"$voxtone" calibrate edge chart --printer stratasys-j750-hm --resins C,M,Y,K,W --resin-set vero-opaque --overwrite -o "$out/chart"
+"$voxtone" calibrate simulate "$out/chart/target.json" --resins vero-opaque --overwrite -o "$out/chart.tif"
+"$voxtone" calibrate photo "$out/chart.tif" --target "$out/chart/target.json" --overwrite -o "$out/patches.csv"
+
+# 4. The resins, with what is known of the bench. More --paths, or a dictionary, for less noise; look at resins.html.
 cat > "$out/setup.json" <<END
 {"format": "voxtone-edge-setup", "version": 1, "camera": {"blur_mm": 0.0276, "level_error": 0.01}}
 END
 "$voxtone" calibrate edge fit "$out/profiles.csv" --setup "$out/setup.json" --paths 16384 --report "$out/resins.html" \
-    --overwrite -o "$out/resins.json"
+    --chart "$out/patches.csv" --printer stratasys-j750-hm --overwrite -o "$out/resins.json"
 
-# 4. Slicing with them.
+# 5. Slicing with them.
 "$voxtone" slice "$here/models/spot/spot_texture.png" --resins "$out/resins.json" --width 5mm --thickness 2mm \
     --no-report --iterations 0 --overwrite -o "$out/print"
 "$voxtone" verify "$out/print"

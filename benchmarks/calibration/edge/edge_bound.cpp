@@ -133,7 +133,7 @@ Bound bound(const std::vector<Slab>& slabs, const Design& design, const EdgeSetu
     const auto told = [&](Eigen::Index unknown) {
         return std::ranges::any_of(design.slabs, [&](std::size_t k) { return slabs[k].tells(unknown, v, ln); });
     };
-    return {told(1) ? std::sqrt(C(1, 1)) : 10, by_v * std::sqrt(C(0, 0)), told(2) ? std::sqrt(C(2, 2)) : 10};
+    return {told(1) ? std::sqrt(C(1, 1)) : 10, by_v * std::sqrt(C(0, 0)), told(1) && told(2) ? std::sqrt(C(2, 2)) : 10};
 }
 
 // Nobody knows a value to more than a factor of e.

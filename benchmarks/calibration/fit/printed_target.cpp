@@ -4,7 +4,9 @@
 // with air and a black sheet under it. Monte Carlo of those voxels is the measurement; the fit is made with mixtures
 // taken as ideal (Eq. 7), and as halftones (optics/media/effective_medium.h). Pure squares have no voxels to see and
 // are exact. With "others": mixtures of 5, 25 and 50 % of other resins, which the dither's constants have not seen; no
-// fit. Run: build/release/benchmarks/printed_target [PATHS per value [others]]
+// fit. With "equal": the equal mixtures of two to five resins on white, of the chart of edge profiles, and
+// what they say of dark channels.
+// Run: build/release/benchmarks/printed_target [PATHS per value [others|equal]]
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
@@ -15,6 +17,7 @@
 #include "tests/calibration/patches/target_samples.h"
 #include "voxtone/calibration/fit/resin_fit.h"
 #include "voxtone/calibration/patches/patch_file.h"
+#include "voxtone/calibration/target/target_layout.h"
 #include "voxtone/optics/media/resin_volume.h"
 #include "voxtone/optics/monte_carlo/monte_carlo.h"
 
@@ -55,6 +58,46 @@ optics::ResinSet other_resins() {
     return set;
 }
 
+// Vero as edges tell it, without the extinctions of cyan in red, magenta in green and yellow in blue: what the patches
+// say of these.
+void print_dark_channels(const char* what, const PatchTable& table, const PatchModelOptions& model) {
+    const optics::ResinSet truth = optics::vero_opaque();
+    FitOptions options;
+    options.model = model;
+    options.prior = {"edges", truth.g, truth.eta, {}};
+    const Eigen::Matrix2d covariance = Eigen::Vector2d(0.004 * 0.004, 0.03 * 0.03).asDiagonal();
+    for (std::size_t r = 0; r < truth.resins.size(); ++r) {
+        ResinPrior::Resin& entry = options.prior.resins.emplace_back();
+        entry.role = truth.resins[r].role;
+        for (std::size_t c = 0; c < 3; ++c)
+            entry.channel[c] = {
+                {v_of_albedo(truth.resins[r].albedo[c], truth.g), std::log(truth.resins[r].sigma_t_per_mm[c])},
+                prior_precision(covariance, true, r != c)};
+    }
+    const ResinFit fit = fit_resins(table, options);
+    fmt::print("Dark channels with {}: extinction / truth, 1 - albedo / truth", what);
+    for (std::size_t r = 0; r < 3; ++r) {
+        const auto& found = fit.set.resins[static_cast<std::size_t>(fit.set.find(truth.resins[r].role))];
+        fmt::print("; {} in {} {:.3f}, {:.3f}", found.role, "RGB"[r],
+                   found.sigma_t_per_mm[r] / truth.resins[r].sigma_t_per_mm[r],
+                   (1 - found.albedo[r]) / (1 - truth.resins[r].albedo[r]));
+    }
+    fmt::print("\n");
+}
+
+PatchTable equal_mixtures() {
+    TargetOptions options;
+    options.layout = TargetLayout::e;
+    options.roles = {"C", "M", "Y", "K", "W"};
+    for (std::size_t k = 0; k < 3; ++k) options.pitch_um[k] = 1000 * pitch_mm[k];
+    PatchTable table;
+    for (const TargetSquare& square : lay_out_target(options).squares)
+        if (square.top.size() == 1 || square.backing == "W")
+            table.patches.push_back(
+                {square.top, square.backing, square_layers * pitch_mm[2], base_layers * pitch_mm[2], {}, {}, {}});
+    return table;
+}
+
 void print_errors(const char* what, const ResinFit& fit, const optics::ResinSet& truth) {
     fmt::print("\n{}: chi2 per channel", what);
     for (const double chi2 : fit.chi2) fmt::print(" {:.1f}", chi2);
@@ -85,7 +128,9 @@ int main(int count, char** words) {
     const bool others = count > 2 && std::string(words[2]) == "others";
     const optics::ResinSet truth = others ? other_resins() : optics::vero_opaque();
     const std::vector<std::string> colours{"C", "M", "Y"};
-    PatchTable table = testing::target(others ? 'C' : 'B', colours, "W", "K", base_layers * pitch_mm[2]);
+    const bool equal = count > 2 && std::string(words[2]) == "equal";
+    PatchTable table =
+        equal ? equal_mixtures() : testing::target(others ? 'C' : 'B', colours, "W", "K", base_layers * pitch_mm[2]);
     if (others)
         std::erase_if(table.patches, [](const Patch& p) {
             return p.top.size() < 2 || p.top[0].role == "K" || (p.backing == "K" && p.top[0].fraction < 0.2) ||
@@ -139,6 +184,11 @@ int main(int count, char** words) {
         std::sqrt(noise / values), paths,
         std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count());
     if (others) return 0;
+    if (equal) {
+        print_dark_channels("ideal mixtures", table, ideal);
+        print_dark_channels("halftones", table, halftone);
+        return 0;
+    }
     FitOptions options;
     options.model = ideal;
     print_errors("Fit with ideal mixtures", fit_resins(table, options), truth);
