@@ -72,13 +72,13 @@ void fill_in(EdgeFit& fit, const EdgeSimilarity& found, const std::vector<double
 
 EdgeSimilarity::Agreement EdgeSimilarity::agreement(std::size_t resin, std::size_t channel) const {
     Agreement sum;
-    const std::vector<EdgeMap>& list = maps[resin][channel];
-    for (const EdgeMap& map : list) {
+    double count = 0;
+    for (const EdgeMap& map : maps[resin][channel]) {
+        if (map.similar.sigma_t < sigma_t.front() || map.similar.sigma_t > sigma_t.back()) continue;
         const EdgePoint off = point_at(map.fitted) - point_at(map.similar);
-        sum.v += off[0] * off[0] / static_cast<double>(list.size());
-        sum.ln_sigma_t += off[1] * off[1] / static_cast<double>(list.size());
+        sum.v += off[0] * off[0], sum.ln_sigma_t += off[1] * off[1], ++count;
     }
-    return {std::sqrt(sum.ln_sigma_t), std::sqrt(sum.v)};
+    return {std::sqrt(sum.ln_sigma_t / std::max(count, 1.0)), std::sqrt(sum.v / std::max(count, 1.0))};
 }
 
 EdgeSimilarity edge_similarity(EdgeFit& fit, const std::vector<EdgeProfile>& profiles, EdgeProfileTable& table,

@@ -28,7 +28,8 @@ struct EdgeSimilarity {
     std::vector<double> sigma_t, co_albedo;  ///< of the maps; ascending, even in their logarithms
     /// Per resin and channel, one map for every g; none where no slab could be used.
     std::vector<std::array<std::vector<EdgeMap>, 3>> maps;
-    /// Root mean square over all g of ln(sigma_t fitted / similar), and of the difference in v.
+    /// Root mean square of ln(sigma_t fitted / similar), and of the difference in v, over all g at which the similar
+    /// medium lies within the dictionary.
     struct Agreement {
         double ln_sigma_t = 0, v = 0;
     };
