@@ -4,7 +4,7 @@
 // beside it and a page to look at.
 //
 // Without a dictionary one is traced for the setup, of the slabs' thicknesses, coarser than the paper's: enough for the
-// fit's own interpolation (profile_table.h), and a minute of work.
+// fit's own interpolation (profile_table.h), and two core minutes of work.
 #pragma once
 
 #include <string>
@@ -23,7 +23,7 @@ struct EdgeFitJob {
     std::string chart;  ///< patches that complete what edges do not tell (edge_chart.h); empty: none
     MeasuredPatchOptions chart_measured;
     PatchModelOptions chart_model;   ///< its g and eta do not count
-    std::uint32_t paths = 1u << 18;  ///< per run of its own dictionary
+    std::uint32_t paths = 1u << 19;  ///< per run of its own dictionary
     std::uint64_t seed = 1;
     std::string out;     ///< resin set; errors and doubts beside it, as NAME.edge.json
     std::string report;  ///< page; empty: none
