@@ -100,18 +100,20 @@ Command add_proof_command(CLI::App& program) {
     auto arguments = std::make_shared<ProofArguments>();
     slicer::ProofOptions& o = arguments->options;
     CLI::App* command = program.add_subcommand("proof", "Photograph the print of a layer stack by light paths");
-    group("Input and output",
-          {command->add_option("stack", o.stack, "output folder, folder of PNG layers, or .gcvf file")
-               ->required()
-               ->type_name("FOLDER|FILE"),
-           command
-               ->add_option("-o,--out", o.files,
-                            "file to write, several by repeating: .png for the eye, .exr numbers with their standard "
-                            "errors")
-               ->required()
-               ->type_name("FILE")
-               ->allow_extra_args(false),
-           add_overwrite_option(*command, o.overwrite)});
+    group(
+        "Input and output",
+        {command
+             ->add_option("stacks", o.stacks, "output folders, folders of PNG layers, or .gcvf files: prints in a row")
+             ->required()
+             ->type_name("FOLDER|FILE"),
+         command
+             ->add_option("-o,--out", o.files,
+                          "file to write, several by repeating: .png for the eye, .exr numbers with their standard "
+                          "errors")
+             ->required()
+             ->type_name("FILE")
+             ->allow_extra_args(false),
+         add_overwrite_option(*command, o.overwrite)});
     add_camera_options(*command, o);
     add_scene_options(*command, o);
     group("Noise",

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <fmt/core.h>
 #include <fmt/ranges.h>
@@ -37,7 +38,7 @@ PixelColour colour_of(const CameraPicture& picture, const Eigen::Matrix3Xf& weig
 }
 
 Eigen::Matrix3Xf colour_weights(const ProofScene& scene) {
-    return optics::linear_srgb_weights(scene.stack.resins.channels.wavelengths_nm).cast<float>();
+    return optics::linear_srgb_weights(scene.channels().wavelengths_nm).cast<float>();
 }
 
 io::LinearPicture developed(const CameraPicture& picture, const ProofScene& scene, double exposure_ev) {
@@ -52,21 +53,26 @@ io::LinearPicture developed(const CameraPicture& picture, const ProofScene& scen
     return out;
 }
 
-/// Whether support touched what the middle of a pixel sees of the print.
-float matt_at(const ProofScene& scene, const optics::Camera& camera, std::size_t pixel) {
+/// The alpha of the print that the middle of a pixel sees: matt where support touched it.
+float roughness_at(const ProofScene& scene, const optics::Camera& camera, std::size_t pixel) {
     const auto width = static_cast<std::size_t>(camera.width_px());
     const optics::Point way = camera.direction(double(pixel % width) + 0.5, double(pixel / width) + 0.5);
-    const optics::Point from = optics::along(camera.position(), scene.stack.corner_mm, -1);
-    double distance = 0;
-    optics::BoundaryNormals normals;
-    if (!scene.boundary->meets(from, way, distance, normals)) return 0;
-    return static_cast<float>(scene.finish->roughness(optics::along(from, way, distance), normals.geometric));
+    double nearest = std::numeric_limits<double>::infinity(), roughness = 0;
+    for (const optics::ResinBody& print : scene.camera.prints) {
+        const optics::Point from = optics::along(camera.position(), print.corner_mm, -1);
+        double distance = 0;
+        optics::BoundaryNormals normals;
+        if (!print.boundary->meets(from, way, distance, normals) || distance >= nearest) continue;
+        nearest = distance;
+        roughness = print.finish->roughness(optics::along(from, way, distance), normals.geometric);
+    }
+    return static_cast<float>(roughness);
 }
 
 /// R, G, B; then A, 1; "error.R"...; spectral sets have their channels besides; "samples", "roughness" and "seen" (0
 /// sky, 1 ground, 2 print, 3 target).
 io::NumberPicture numbers(const CameraPicture& picture, const ProofScene& scene) {
-    const optics::Channels& channels = scene.stack.resins.channels;
+    const optics::Channels& channels = scene.channels();
     io::NumberPicture out{static_cast<std::uint32_t>(picture.width_px),
                           static_cast<std::uint32_t>(picture.height_px),
                           {"R", "G", "B", "A", "error.R", "error.G", "error.B", "samples", "roughness", "seen"},
@@ -81,7 +87,7 @@ io::NumberPicture numbers(const CameraPicture& picture, const ProofScene& scene)
         out.values.push_back(1);
         for (const float x : colour.error) out.values.push_back(x);
         out.values.push_back(static_cast<float>(picture.samples[p]));
-        out.values.push_back(picture.sees[p] == 2 ? matt_at(scene, camera, p) : 0.0f);
+        out.values.push_back(picture.sees[p] == 2 ? roughness_at(scene, camera, p) : 0.0f);
         out.values.push_back(picture.sees[p]);
         if (channels.is_rgb()) continue;
         for (const auto* rows : {&picture.value, &picture.standard_error})
@@ -115,9 +121,11 @@ void write_files(const CameraPicture& picture, const ProofScene& scene, const Re
 JobResult describe(const CameraPicture& picture, const ProofScene& scene, const ResolvedProof& job, double seconds) {
     const auto [least, most] = std::minmax_element(picture.samples.begin(), picture.samples.end());
     const optics::CameraView& view = scene.camera.view;
+    std::vector<std::string> surfaces;
+    for (const auto& print : scene.prints) surfaces.push_back(print->boundary_is);
     const nlohmann::ordered_json json{{"format", "voxtone-proof"},
                                       {"version", 1},
-                                      {"stack", job.asked.stack},
+                                      {"stacks", job.asked.stacks},
                                       {"files", job.asked.files},
                                       {"size_px", {picture.width_px, picture.height_px}},
                                       {"camera_mm", view.position},
@@ -125,7 +133,7 @@ JobResult describe(const CameraPicture& picture, const ProofScene& scene, const 
                                       {"focal_mm", view.focal_mm},
                                       {"light", job.asked.light},
                                       {"finish", name_of(job.finish)},
-                                      {"surface", scene.boundary_is},
+                                      {"surface", surfaces},
                                       {"samples", {*least, *most}},
                                       {"paths", picture.paths},
                                       {"standard_error", picture.rms_error},

@@ -31,8 +31,8 @@ enum class ProofFinish {
 };
 
 struct ProofOptions {
-    std::string stack;
-    std::vector<std::string> files;  ///< .png for the eye, .exr numbers
+    std::vector<std::string> stacks;  ///< from left to right
+    std::vector<std::string> files;   ///< .png for the eye, .exr numbers
     bool overwrite = false;
     std::string view = "auto";    ///< auto: top for pictures, three-quarter for bodies
     std::string up = "z";         ///< of the model as printed

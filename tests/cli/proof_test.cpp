@@ -46,7 +46,7 @@ TEST_CASE("a proof shows the print upright on its ground, the same for any numbe
     REQUIRE(outcome.exit_code == 0);
     const auto result = result_of(outcome.out);
     CHECK(result["format"] == "voxtone-proof");
-    CHECK(result["surface"] == "mesh");
+    CHECK(result["surface"] == nlohmann::json({"mesh"}));
     CHECK(result["complete"] == true);
     CHECK(result["samples"] == nlohmann::json({8, 8}));
     const Bitmap picture = read_png(folder / "a.png");
@@ -110,7 +110,7 @@ TEST_CASE("a stack that lost its model is proofed by its voxels, which is said, 
     const Outcome outcome =
         run_program(fmt::format("proof --json {} --size 32x24 --spp 2 -o {}", stack, folder / "p.png"));
     REQUIRE(outcome.exit_code == 0);
-    CHECK(result_of(outcome.out)["surface"] == "cells");
+    CHECK(result_of(outcome.out)["surface"] == nlohmann::json({"cells"}));
     CHECK_THAT(outcome.out + outcome.err, Contains("marker.obj is gone"));
     const Outcome target =
         run_program(fmt::format("proof {} --size 32x24 --with-target -o {}", stack, folder / "q.png"));

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Boxes before a camera: the room that prints stand in, and from where they are seen.
+#pragma once
+
+#include <array>
+
+#include <Eigen/Core>
+
+#include "voxtone/optics/camera/camera.h"
+#include "voxtone/slicer/proof/proof_options.h"
+
+namespace voxtone::slicer {
+
+struct Box {
+    Eigen::Vector3d low, high;
+};
+
+/// The corners, by three bits.
+[[nodiscard]] Eigen::Vector3d corner_of(const Box& box, int corner);
+/// What holds a turned box.
+[[nodiscard]] Box turned(const Eigen::Matrix3d& turn, const Box& box);
+/// The room by its axes in the model's frame: rows are its x, to the right before the front view, its y, away, and its
+/// z, up.
+[[nodiscard]] Eigen::Matrix3d room_axes(ProofUp up, double turn_deg);
+
+/// `room`: what is to be seen, in the room's frame; `flat`: a picture's slab.
+[[nodiscard]] optics::CameraView place_camera(const ResolvedProof& job, const Box& room, const Eigen::Matrix3d& axes,
+                                              bool flat);
+
+[[nodiscard]] inline Eigen::Vector3d vector_of(const std::array<double, 3>& p) { return {p[0], p[1], p[2]}; }
+[[nodiscard]] inline optics::Point point_of(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
+}  // namespace voxtone::slicer

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/slicer/proof/proof_print.h"
+
+#include <algorithm>
+#include <numbers>
+#include <utility>
+
+#include <fmt/core.h>
+
+#include "voxtone/base/error.h"
+#include "voxtone/optics/colour/spectral_colour.h"
+#include "voxtone/optics/layered/layered_appearance.h"
+#include "voxtone/slicer/look/cell_mesh.h"
+#include "voxtone/slicer/look/vertex_colours.h"
+#include "voxtone/slicer/proof/support_contact.h"
+#include "voxtone/slicer/surface/surface_colour.h"
+
+namespace voxtone::slicer {
+
+namespace {
+
+using Eigen::Vector3d;
+
+Box box_of(const StackVolume& stack) {
+    const auto& size = stack.volume.size();
+    const Vector3d low = vector_of(stack.corner_mm);
+    return {low, low + Vector3d(size[0], size[1], size[2]).cwiseProduct(vector_of(stack.volume.pitch_mm()))};
+}
+
+/// Outward.
+io::ColouredMesh box_mesh(const Box& box, const Eigen::Vector3f& rgb) {
+    io::ColouredMesh mesh;
+    for (int corner = 0; corner < 8; ++corner) mesh.positions_mm.push_back(corner_of(box, corner).cast<float>());
+    mesh.rgb.assign(8, rgb);
+    mesh.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
+                      {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+    return mesh;
+}
+
+MeshBoundary boundary_of(const io::ColouredMesh& mesh, const Vector3d& corner) {
+    std::vector<Vector3d> positions;
+    for (const Eigen::Vector3f& p : mesh.positions_mm) positions.push_back(p.cast<double>());
+    return {positions, mesh.triangles, corner};
+}
+
+/// Of stacks that do not know their model: through the middles of the surface cells of about 0.1 mm.
+MeshBoundary cells_boundary(const optics::Scene& scene, const Progress& progress) {
+    const optics::ResinVolume& volume = *scene.volume;
+    const optics::Surface surface =
+        optics::find_surface(scene, optics::cell_voxels(volume.pitch_mm(), 0.1), optics::SurfacePart::all, &progress);
+    std::vector<Vector3d> positions;
+    for (const optics::SurfaceCell& cell : surface.cells)
+        positions.emplace_back(cell.centre_mm[0], cell.centre_mm[1], cell.centre_mm[2]);
+    const auto triangles = cell_triangles(volume, surface);
+    if (triangles.empty())
+        throw InputError("the stack's body is not larger than a tenth of a mm: there is no surface to look at");
+    return {positions, triangles, Vector3d::Zero(), std::numbers::pi};
+}
+
+/// What a thick layer of the white resin sends back of the light that falls on it, mirror reflection left out: a target
+/// of colour 1 is taken for that, as the print is.
+Vector3d paper_white(const StackVolume& stack) {
+    if (stack.white < 0) return Vector3d::Ones();
+    const optics::ResinSet& set = stack.resins;
+    const optics::OrdinatePlan plan = optics::appearance_plan(set.g, set.eta);
+    const Eigen::Matrix3Xd weights = optics::linear_srgb_weights(set.channels.wavelengths_nm);
+    Vector3d white = Vector3d::Zero();
+    for (std::size_t c = 0; c < set.channels.size(); ++c) {
+        const double seen = optics::appearance(
+            plan, optics::half_space(plan, set.resins[static_cast<std::size_t>(stack.white)].medium(c)));
+        white += weights.col(static_cast<Eigen::Index>(c)) * seen;
+    }
+    return white;
+}
+
+ColouredSurface target_of(const JobBody& body, const SurfaceColour& asked) {
+    ColouredSurface out;
+    out.positions_mm = body.surface->positions_mm;
+    out.triangles = body.surface->triangles;
+    out.colour = [&surface = *body.surface, &asked](std::uint32_t t, float u, float v) {
+        const auto& corner = surface.source_uv[t];
+        const Eigen::Vector2f at = (1 - u - v) * corner[0] + u * corner[1] + v * corner[2];
+        return asked.at(surface.source_triangle[t], at.x(), at.y());
+    };
+    return out;
+}
+
+void find_surface_of(ProofPrint& print, Progress& progress) {
+    const auto& body = print.body.body;
+    if (print.stack.of_picture || (body && body->is_picture)) {
+        print.boundary.emplace(
+            boundary_of(box_mesh(print.box, Eigen::Vector3f::Ones()), vector_of(print.stack.corner_mm)));
+        print.boundary_is = "box";
+    } else if (body) {
+        print.boundary.emplace(boundary_of(*body));
+        print.boundary_is = "mesh";
+    } else {
+        progress.warn(
+            fmt::format("the surface is that of the voxels, smoothed, and not the mesh: {}", print.body.why_not));
+        print.boundary.emplace(cells_boundary(print.scene, progress));
+        print.boundary_is = "cells";
+    }
+}
+
+}  // namespace
+
+std::unique_ptr<ProofPrint> make_print(const ResolvedProof& job, const std::string& stack, Progress& progress) {
+    auto made = std::make_unique<ProofPrint>();
+    ProofPrint& print = *made;
+    print.stack = read_stack_volume({.stack = stack,
+                                     .resins = job.asked.resins,
+                                     .printer = job.asked.printer,
+                                     .pitch_mm = job.pitch_mm,
+                                     .assign = job.assign,
+                                     .memory_bytes = job.memory_bytes / (2 * job.asked.stacks.size())},
+                                    progress);
+    print.scene = {.volume = &print.stack.volume, .resins = &print.stack.resins};
+    print.box = box_of(print.stack);
+    print.body = body_of_stack(stack, print.stack, progress);
+    find_surface_of(print, progress);
+    const auto& rough = job.asked.roughness;
+    if (job.finish == ProofFinish::matt)
+        print.finish = std::make_unique<optics::EvenFinish>(rough[1]);
+    else
+        print.finish = std::make_unique<SupportContact>(print.stack.volume, rough[0], rough[1]);
+    return made;
+}
+
+std::vector<std::unique_ptr<const DiffuseMesh>> make_target(const ProofPrint& print, const Vector3d& moved_mm,
+                                                            Progress& progress) {
+    if (!print.body.body)
+        throw InputError(fmt::format("--with-target: the model cannot be had: {}; leave it out, or slice again",
+                                     print.body.why_not));
+    const JobBody& body = *print.body.body;
+    progress.begin_stage("colour the target", 0);
+    constexpr double spacing_mm = 0.1;
+    const SurfaceColour asked(body.model.mesh, spacing_mm);
+    const VertexColours colours =
+        vertex_colours(target_of(body, asked), {.edge_mm = 2 * spacing_mm, .max_vertices = 3'000'000}, &progress);
+    const Vector3d white = paper_white(print.stack);
+    std::vector<std::unique_ptr<const DiffuseMesh>> parts;
+    parts.push_back(std::make_unique<const DiffuseMesh>(colours.mesh, moved_mm, white));
+    if (body.is_picture) {  // its coloured surface is a sheet: the slab below it
+        Box slab = print.box;
+        slab.high.z() -= 0.01;
+        parts.push_back(std::make_unique<const DiffuseMesh>(box_mesh(slab, Eigen::Vector3f::Ones()), moved_mm, white));
+    }
+    progress.end_stage();
+    return parts;
+}
+
+}  // namespace voxtone::slicer
