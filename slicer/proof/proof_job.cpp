@@ -9,6 +9,7 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
+#include "voxtone/base/error.h"
 #include "voxtone/base/parallel.h"
 #include "voxtone/base/peak_memory.h"
 #include "voxtone/base/stopwatch.h"
@@ -118,6 +119,16 @@ void write_files(const CameraPicture& picture, const ProofScene& scene, const Re
     }
 }
 
+/// Sums and squares, values and errors of three channels, and the bytes of the files.
+void expect_picture_fits(const ResolvedProof& job) {
+    const std::uint64_t needed = std::uint64_t(job.width_px) * std::uint64_t(job.height_px) * 128;
+    if (needed <= job.memory_bytes / 4) return;
+    throw ResourceError(fmt::format(
+        "--size {}: a picture of so many pixels takes {:.2f} GiB while it is drawn, more than a quarter of the {:.2f} "
+        "GiB allowed; ask for fewer pixels, or allow more (--memory)",
+        job.asked.size, double(needed) / (1 << 30), double(job.memory_bytes) / (1 << 30)));
+}
+
 JobResult describe(const CameraPicture& picture, const ProofScene& scene, const ResolvedProof& job, double seconds) {
     const auto [least, most] = std::minmax_element(picture.samples.begin(), picture.samples.end());
     const optics::CameraView& view = scene.camera.view;
@@ -155,6 +166,7 @@ JobResult describe(const CameraPicture& picture, const ProofScene& scene, const 
 
 JobResult run_proof_job(const ProofOptions& options, Progress& progress) {
     const ResolvedProof job = resolve(options);
+    expect_picture_fits(job);
     io::expect_outputs({options.files.begin(), options.files.end()}, options.overwrite);
     const ThreadLimit threads(static_cast<std::size_t>(options.threads));
     Stopwatch watch;

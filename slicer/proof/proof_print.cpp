@@ -102,6 +102,9 @@ void find_surface_of(ProofPrint& print, Progress& progress) {
     }
 }
 
+/// Of one stack's volume: light paths need twice as much besides (two bytes a voxel where it has one).
+std::uint64_t volume_bytes(const ResolvedProof& job) { return job.memory_bytes / (4 * job.asked.stacks.size()); }
+
 }  // namespace
 
 std::unique_ptr<ProofPrint> make_print(const ResolvedProof& job, const std::string& stack, Progress& progress) {
@@ -112,7 +115,7 @@ std::unique_ptr<ProofPrint> make_print(const ResolvedProof& job, const std::stri
                                      .printer = job.asked.printer,
                                      .pitch_mm = job.pitch_mm,
                                      .assign = job.assign,
-                                     .memory_bytes = job.memory_bytes / (2 * job.asked.stacks.size())},
+                                     .memory_bytes = volume_bytes(job)},
                                     progress);
     print.scene = {.volume = &print.stack.volume, .resins = &print.stack.resins};
     print.box = box_of(print.stack);

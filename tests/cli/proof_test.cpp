@@ -79,6 +79,7 @@ TEST_CASE("a proof's files, lights and views are checked before it works") {
     refused("out -o p.jpg", 2, ".png for the eye, .exr for numbers");
     refused("out -o " + (folder / "there.png"), 3, "there.png");
     refused("out --size 800" + out, 2, "WIDTHxHEIGHT");
+    refused("out --size 16000x16000 --memory 1" + out, 5, "ask for fewer pixels");
     refused("out --light moon" + out, 2, "none of studio, overcast, even");
     refused("out --view side" + out, 2, "--view");
     refused("out --view top --camera 0,0,9" + out, 2, "would be ignored");
