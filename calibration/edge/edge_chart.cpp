@@ -2,6 +2,7 @@
 #include "voxtone/calibration/edge/edge_chart.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -8,7 +8,7 @@
 //    "mu_curve": [[mu, E], ...], "resins": [{"role", "g", "g_error", "by_g": [[g, distance], ...], "channels":
 //    [{"channel", "from", "sigma_t_per_mm": VALUE, "albedo": VALUE, "covariance_v_ln_sigma_t": [vv, vl, ll],
 //    "distance", "similar": [{"g", "sigma_t_fitted", "sigma_t_similar", "albedo_fitted", "albedo_similar"}, ...]}]}]}
-//    (similar: where g was found)
+//    (similar: where g was found, or a page was drawn from a dictionary of several g)
 //   "from": "edges", or "edges and chart" where a chart completed the channel; then "edges": {"sigma_t_per_mm": VALUE,
 //   "albedo": VALUE} is what edges alone say, and the covariance is theirs. With a chart also "chart": {"source",
 //   "patches", "completed", "mean_de2000", "rms"}.
