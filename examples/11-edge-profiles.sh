@@ -1,7 +1,8 @@
 #!/bin/sh
-# Resins from edge profiles, rehearsed without a bench: what has to be printed, the profiles that slabs of known resins would
-# give on a bench that is not quite what setup.json says (a factor of 0.913 on all values, slabs 2 % too thick, other gel),
-# the resins that are found in them, with a chart for their dark channels, and a slice with these.
+# Resins from edge profiles, rehearsed without a bench: what has to be printed, the photographs that a bench would take of
+# slabs of known resins (and it is not quite the bench that setup.json says: a factor of 0.913 on all values, slabs 2 % too
+# thick, gel between 10 and 50 um, uneven light, the sheet turned by 2 degrees, a blurred and noisy camera), the profiles in
+# these photographs, the resins that are found in them, and a slice with these.
 set -eu
 voxtone=${VOXTONE:-build/release/bin/voxtone}
 out=${OUT:-out}/11-edge-profiles
@@ -11,26 +12,28 @@ mkdir -p "$out"
 # 1. What is measured: slabs of every resin, and the sheet with the edges.
 "$voxtone" calibrate edge samples --resins C,M,Y,K,W --allowance 0.05mm --overwrite -o "$out/slabs"
 
-# 2. The profiles, here rendered (few paths: noisier than a photograph), by a renderer that the fit does not use.
+# 2. The photographs, here rendered (small, and with few light paths: noisier than a camera): a colour checker, white paper,
+#    the bare sheet, and two of each of the ten slabs, with their list.
 cat > "$out/bench.json" <<END
-{"format": "voxtone-edge-setup", "version": 1, "gel": {"above_mm": 0.045, "below_mm": 0.015}, "camera": {"blur_mm": 0.0276}}
+{"format": "voxtone-edge-setup", "version": 1, "camera": {"pitch_mm": 0.08, "blur_mm": 0.08, "level_error": 0.01}}
 END
 "$voxtone" calibrate edge simulate --resins vero-opaque --setup "$out/bench.json" --bias 0.913 --thickness-off 0.02 \
-    --paths 32768 --overwrite -o "$out/profiles.csv"
+    --gel 0.01,0.05 --paths 32768 --field 96,72 --photos "$out/photographs" --overwrite
 
-# 3. A chart of all equal mixtures, printed and photographed, for what edges do not tell (cyan in red, yellow in blue).
+# 3. The profiles, and what the photographs say of sheet and camera; look at the pictures in profiles-overlays.
+"$voxtone" calibrate edge photo "$out/photographs/photographs.csv" --write-setup "$out/setup.json" \
+    --overwrite -o "$out/profiles.csv"
+
+# 4. A chart of all equal mixtures, printed and photographed, for what edges do not tell (cyan in red, yellow in blue).
 "$voxtone" calibrate edge chart --printer stratasys-j750-hm --resins C,M,Y,K,W --resin-set vero-opaque --overwrite -o "$out/chart"
 "$voxtone" calibrate simulate "$out/chart/target.json" --resins vero-opaque --overwrite -o "$out/chart.tif"
 "$voxtone" calibrate photo "$out/chart.tif" --target "$out/chart/target.json" --overwrite -o "$out/patches.csv"
 
-# 4. The resins, with what is known of the bench. More --paths, or a dictionary, for less noise; look at resins.html.
-cat > "$out/setup.json" <<END
-{"format": "voxtone-edge-setup", "version": 1, "camera": {"blur_mm": 0.0276, "level_error": 0.01}}
-END
+# 5. The resins. More --paths, or a dictionary, for less noise; look at resins.html.
 "$voxtone" calibrate edge fit "$out/profiles.csv" --setup "$out/setup.json" --paths 16384 --report "$out/resins.html" \
     --chart "$out/patches.csv" --printer stratasys-j750-hm --overwrite -o "$out/resins.json"
 
-# 5. Slicing with them.
+# 6. Slicing with them.
 "$voxtone" slice "$here/models/spot/spot_texture.png" --resins "$out/resins.json" --width 5mm --thickness 2mm \
     --no-report --iterations 0 --overwrite -o "$out/print"
 "$voxtone" verify "$out/print"

@@ -8,16 +8,14 @@
 #include <nlohmann/json.hpp>
 
 #include "voxtone/base/error.h"
+#include "voxtone/calibration/edge/edge_sheet.h"
 #include "voxtone/calibration/target/marker_pattern.h"
 #include "voxtone/io/files/whole_file.h"
 
 namespace voxtone::calibration {
 namespace {
 
-constexpr double page_width = 210, page_height = 297;
-constexpr double square = 20, board_left = 35, board_top = 30, scale_left = 55, scale_y = 262, scale_length = 100;
-constexpr int board_columns = 7, board_rows = 11;
-constexpr double fiducial = 14, fiducial_margin = 10;
+using Sheet = EdgeSheetLayout;
 constexpr const char* sheet_name = "edge-sheet.svg";
 
 std::string black_square(double x, double y, double edge) {
@@ -26,21 +24,22 @@ std::string black_square(double x, double y, double edge) {
 
 std::string board() {
     std::string svg;
-    for (int row = 0; row < board_rows; ++row)
-        for (int column = 0; column < board_columns; ++column)
-            if ((row + column) % 2 == 0)
-                svg += black_square(board_left + column * square, board_top + row * square, square);
+    for (int row = 0; row < Sheet::rows; ++row)
+        for (int column = 0; column < Sheet::columns; ++column)
+            if (Sheet::black(column, row))
+                svg +=
+                    black_square(Sheet::left + column * Sheet::square, Sheet::top + row * Sheet::square, Sheet::square);
     return svg;
 }
 
 std::string fiducials() {
     std::string svg;
-    const double right = page_width - fiducial_margin - fiducial, below = page_height - fiducial_margin - fiducial;
-    const double corners[4][2] = {
-        {fiducial_margin, fiducial_margin}, {right, fiducial_margin}, {right, below}, {fiducial_margin, below}};
+    constexpr double margin = Sheet::fiducial_margin, right = Sheet::width - margin - Sheet::fiducial,
+                     below = Sheet::height - margin - Sheet::fiducial;
+    constexpr double corners[4][2] = {{margin, margin}, {right, margin}, {right, below}, {margin, below}};
     for (int id = 0; id < 4; ++id) {
         const std::vector<bool> cells = marker_pattern(id);
-        const double cell = fiducial / marker_cells;
+        const double cell = Sheet::fiducial / marker_cells;
         for (std::size_t k = 0; k < cells.size(); ++k)
             if (cells[k])
                 svg += black_square(corners[id][0] + cell * static_cast<double>(k % marker_cells),
@@ -53,10 +52,11 @@ std::string scale() {
     std::string svg = fmt::format(
         "<rect x=\"{:g}\" y=\"{:g}\" width=\"{:g}\" height=\"0.4\"/>\n<text x=\"{:g}\" y=\"{:g}\" font-size=\"4\" "
         "font-family=\"sans-serif\">100 mm when printed at 100 %; squares of {:g} mm</text>\n",
-        scale_left, scale_y - 0.2, scale_length, scale_left, scale_y + 8, square);
+        Sheet::scale_left, Sheet::scale_y - 0.2, Sheet::scale_length, Sheet::scale_left, Sheet::scale_y + 8,
+        Sheet::square);
     for (int k = 0; k <= 10; ++k)
-        svg += fmt::format("<rect x=\"{:g}\" y=\"{:g}\" width=\"0.4\" height=\"3\"/>\n", scale_left + 10 * k - 0.2,
-                           scale_y);
+        svg += fmt::format("<rect x=\"{:g}\" y=\"{:g}\" width=\"0.4\" height=\"3\"/>\n",
+                           Sheet::scale_left + 10 * k - 0.2, Sheet::scale_y);
     return svg;
 }
 
@@ -96,7 +96,7 @@ std::string edge_sheet_svg() {
     return fmt::format(
                "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0:g}mm\" height=\"{1:g}mm\" viewBox=\"0 0 {0:g} "
                "{1:g}\" shape-rendering=\"crispEdges\">\n<rect width=\"{0:g}\" height=\"{1:g}\" fill=\"white\"/>\n",
-               page_width, page_height) +
+               Sheet::width, Sheet::height) +
            board() + fiducials() + scale() + "</svg>\n";
 }
 

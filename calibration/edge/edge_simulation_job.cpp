@@ -17,7 +17,7 @@
 namespace voxtone::calibration {
 namespace {
 
-constexpr double render_step_mm = 0.005, clear_sigma_t = 1e-4;
+constexpr double clear_sigma_t = 1e-4, beyond_mm = 1;
 
 // Normally distributed, by Box and Muller.
 double normal(RandomStream& random) {
@@ -25,18 +25,22 @@ double normal(RandomStream& random) {
     return r * std::cos(2 * 3.14159265358979323846 * random.uniform());
 }
 
-// What a pixel of the setup's camera sees at each position: the mean of the rendered cells under it, blurred.
-std::vector<double> seen_by_camera(const std::vector<double>& rendered, double reach_mm, const EdgeSetup& setup) {
+}  // namespace
+
+std::vector<double> seen_by_camera(const RenderedSlab& slab, std::size_t channel, const std::vector<double>& x_mm,
+                                   const EdgeSetup& setup) {
+    const std::vector<double>& rendered = slab.F[channel];
+    constexpr double cell = RenderedSlab::step_mm;
     const double half = setup.pitch_mm / 2, blur = setup.blur_mm;
     std::vector<double> seen;
-    for (const double x0 : setup.positions()) {
+    for (const double x0 : x_mm) {
         double sum = 0, weights = 0;
         const double reach = half + 4 * blur;
-        const auto index = [&](double x) { return static_cast<std::ptrdiff_t>((x + reach_mm) / render_step_mm); };
+        const auto index = [&](double x) { return static_cast<std::ptrdiff_t>((x + slab.reach_mm) / cell); };
         const auto last = static_cast<std::ptrdiff_t>(rendered.size()) - 1;
         for (std::ptrdiff_t k = std::max<std::ptrdiff_t>(0, index(x0 - reach)); k <= std::min(last, index(x0 + reach));
              ++k) {
-            const double from = static_cast<double>(k) * render_step_mm - reach_mm, to = from + render_step_mm;
+            const double from = static_cast<double>(k) * cell - slab.reach_mm, to = from + cell;
             double weight = std::max(0.0, std::min(to, x0 + half) - std::max(from, x0 - half));
             if (blur > 0) {
                 const double d = (from + to) / 2 - x0, s = blur * 1.41421356237309515;
@@ -50,25 +54,36 @@ std::vector<double> seen_by_camera(const std::vector<double>& rendered, double r
     return seen;
 }
 
-}  // namespace
-
 void EdgeBench::validate() const {
     if (!(bias > 0.1 && bias < 10)) throw InputError(fmt::format("--bias: {}; expected 0.1 to 10", bias));
     if (!(noise > 0 && noise < 0.5)) throw InputError(fmt::format("--noise: {}; expected above 0, below 0.5", noise));
     if (!(std::abs(thickness_off) <= 0.5))
         throw InputError(fmt::format("--thickness-off: {}; expected a part from -0.5 to 0.5", thickness_off));
+    if (gel_from_mm != 0 || gel_to_mm != 0)
+        if (!(gel_from_mm > 0 && gel_to_mm >= gel_from_mm && gel_to_mm <= 1))
+            throw InputError(fmt::format("--gel: {},{}; expected a range of thicknesses in mm that rises, up to 1",
+                                         gel_from_mm, gel_to_mm));
     if (paths < 1024) throw InputError(fmt::format("--paths: {}; expected at least 1024", paths));
 }
 
-std::vector<EdgeProfile> simulate_edge_profiles(const optics::ResinSet& set, const EdgeSetup& setup,
-                                                const std::vector<double>& thickness_mm, const EdgeBench& bench,
-                                                Progress* progress) {
-    std::vector<EdgeProfile> profiles;
-    const double reach_mm = setup.width_mm / 2 + 1;
+std::vector<RenderedSlab> render_slabs(const optics::ResinSet& set, const EdgeSetup& setup,
+                                       const std::vector<double>& thickness_mm, const EdgeBench& bench,
+                                       Progress* progress) {
+    std::vector<RenderedSlab> slabs;
     std::uint64_t address = 0;
     for (const optics::Resin& resin : set.resins)
         for (const double thickness : thickness_mm) {
-            EdgeProfile profile{resin.role, thickness, setup.positions(), {}, {}};
+            RenderedSlab slab{resin.role,
+                              thickness,
+                              setup.stack.gel_above_mm,
+                              setup.stack.gel_below_mm,
+                              setup.width_mm / 2 + beyond_mm,
+                              {}};
+            if (bench.gel_to_mm > 0) {
+                RandomStream random(bench.seed, slabs.size(), 6);
+                for (double* layer : {&slab.gel_above_mm, &slab.gel_below_mm})
+                    *layer = bench.gel_from_mm + (bench.gel_to_mm - bench.gel_from_mm) * random.uniform();
+            }
             for (std::size_t c = 0; c < 3; ++c) {
                 const optics::Medium medium = resin.medium(c);
                 optics::EdgeScene scene{setup.stack,
@@ -79,18 +94,39 @@ std::vector<EdgeProfile> simulate_edge_profiles(const optics::ResinSet& set, con
                                         setup.sheet(c),
                                         bench.paths,
                                         bench.seed + 1000003 * ++address};
-                RandomStream random(bench.seed, address, 5);
-                for (const double v :
-                     seen_by_camera(optics::render_edge(scene, reach_mm, render_step_mm, progress), reach_mm, setup)) {
-                    const double error = bench.noise * std::sqrt(std::max(v, 0.01));
-                    profile.value[c].push_back((v + error * normal(random)) / bench.bias);
-                    profile.error[c].push_back(error / bench.bias);
-                }
+                scene.stack.gel_above_mm = slab.gel_above_mm;
+                scene.stack.gel_below_mm = slab.gel_below_mm;
+                slab.F[c] = optics::render_edge(scene, slab.reach_mm, RenderedSlab::step_mm, progress);
                 if (progress) progress->advance();
             }
-            profiles.push_back(std::move(profile));
+            slabs.push_back(std::move(slab));
         }
+    return slabs;
+}
+
+std::vector<EdgeProfile> noisy_profiles(const std::vector<RenderedSlab>& slabs, const EdgeSetup& setup,
+                                        const EdgeBench& bench) {
+    std::vector<EdgeProfile> profiles;
+    std::uint64_t address = 0;
+    for (const RenderedSlab& slab : slabs) {
+        EdgeProfile profile{slab.resin, slab.thickness_mm, setup.positions(), {}, {}};
+        for (std::size_t c = 0; c < 3; ++c) {
+            RandomStream random(bench.seed, ++address, 5);
+            for (const double v : seen_by_camera(slab, c, profile.x_mm, setup)) {
+                const double error = bench.noise * std::sqrt(std::max(v, 0.01));
+                profile.value[c].push_back((v + error * normal(random)) / bench.bias);
+                profile.error[c].push_back(error / bench.bias);
+            }
+        }
+        profiles.push_back(std::move(profile));
+    }
     return profiles;
+}
+
+std::vector<EdgeProfile> simulate_edge_profiles(const optics::ResinSet& set, const EdgeSetup& setup,
+                                                const std::vector<double>& thickness_mm, const EdgeBench& bench,
+                                                Progress* progress) {
+    return noisy_profiles(render_slabs(set, setup, thickness_mm, bench, progress), setup, bench);
 }
 
 void EdgeSimulationJob::validate() const {
@@ -100,27 +136,34 @@ void EdgeSimulationJob::validate() const {
     bench.validate();
 }
 
-JobResult run_edge_simulation(const EdgeSimulationJob& job, Progress& progress) {
-    job.validate();
-    io::expect_outputs({job.out}, job.overwrite);
-    const EdgeSetup setup = read_edge_setup(job.setup);
+optics::ResinSet simulated_set(const EdgeSimulationJob& job) {
     optics::ResinSet set = io::find_resin_set(job.resins);
     if (!set.channels.is_rgb())
         throw InputError(fmt::format("{}: a set of R, G, B is needed; the camera has three channels.", job.resins));
     if (!job.roles.empty()) set = set.subset(job.roles);
-    progress.begin_stage("paths", 3 * set.resins.size() * job.thickness_mm.size(), "channels");
-    const std::vector<EdgeProfile> profiles =
-        simulate_edge_profiles(set, setup, job.thickness_mm, job.bench, &progress);
-    progress.end_stage();
+    return set;
+}
+
+JobResult write_simulated_profiles(const EdgeSimulationJob& job, const EdgeSetup& setup, const std::string& set_name,
+                                   const std::vector<RenderedSlab>& slabs) {
     const std::string comment =
         fmt::format("simulated from {}: values divided by {}, slabs {:+.1f} % thicker than said, {} paths, seed {}",
-                    set.name, job.bench.bias, 100 * job.bench.thickness_off, job.bench.paths, job.bench.seed);
-    io::write_whole_file(job.out, edge_profiles_text(profiles, comment));
-    const nlohmann::ordered_json json{{"format", "voxtone-calibrate-edge-simulate"},
-                                      {"version", 1},
-                                      {"profiles", job.out},
-                                      {"count", profiles.size()}};
-    return {json.dump(), fmt::format("{}: {} profiles of {}\n", job.out, profiles.size(), set.name)};
+                    set_name, job.bench.bias, 100 * job.bench.thickness_off, job.bench.paths, job.bench.seed);
+    io::write_whole_file(job.out, edge_profiles_text(noisy_profiles(slabs, setup, job.bench), comment));
+    const nlohmann::ordered_json json{
+        {"format", "voxtone-calibrate-edge-simulate"}, {"version", 1}, {"profiles", job.out}, {"count", slabs.size()}};
+    return {json.dump(), fmt::format("{}: {} profiles of {}\n", job.out, slabs.size(), set_name)};
+}
+
+JobResult run_edge_simulation(const EdgeSimulationJob& job, Progress& progress) {
+    job.validate();
+    io::expect_outputs({job.out}, job.overwrite);
+    const EdgeSetup setup = read_edge_setup(job.setup);
+    const optics::ResinSet set = simulated_set(job);
+    progress.begin_stage("paths", 3 * set.resins.size() * job.thickness_mm.size(), "channels");
+    const std::vector<RenderedSlab> slabs = render_slabs(set, setup, job.thickness_mm, job.bench, &progress);
+    progress.end_stage();
+    return write_simulated_profiles(job, setup, set.name, slabs);
 }
 
 }  // namespace voxtone::calibration

@@ -86,7 +86,7 @@ CheckerView find_checker_in(const io::Photograph& photo, const CheckerChart& cha
     if (!px) px = detect(photo, hidden);
     if (!px)
         throw InputError(
-            fmt::format("{}: no colour checker found beside the target. It must be in the picture as a whole, flat, "
+            fmt::format("{}: no colour checker found. It must be in the picture as a whole, flat, "
                         "sharp and without glare; or give the corners "
                         "of its patches by hand with --checker-corners",
                         photo.name));

@@ -23,6 +23,7 @@ Command add_calibrate_edge_command(CLI::App& calibrate, const CalibrateJobs& job
 Command add_calibrate_edge_chart_command(CLI::App& edge, const CalibrateJobs& jobs);
 Command add_calibrate_edge_dictionary_command(CLI::App& edge, const CalibrateJobs& jobs);
 Command add_calibrate_edge_fit_command(CLI::App& edge, const CalibrateJobs& jobs);
+Command add_calibrate_edge_photo_command(CLI::App& edge, const CalibrateJobs& jobs);
 Command add_calibrate_edge_samples_command(CLI::App& edge, const CalibrateJobs& jobs);
 Command add_calibrate_edge_simulate_command(CLI::App& edge, const CalibrateJobs& jobs);
 

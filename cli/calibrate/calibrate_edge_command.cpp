@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// The family `calibrate edge`, and its steps that need no fit: samples and simulate.
+// The family `calibrate edge`, and its first step, samples.
 #include <memory>
 #include <string>
 #include <vector>
@@ -37,11 +37,6 @@ JobResult make_samples(EdgeSamplesArguments& a, const CalibrateJobs& jobs, Progr
     return jobs.edge_samples(a.job, print, progress);
 }
 
-struct EdgeSimulateArguments {
-    calibration::EdgeSimulationJob job;
-    RunOptions run;
-};
-
 }  // namespace
 
 Command add_calibrate_edge_samples_command(CLI::App& edge, const CalibrateJobs& jobs) {
@@ -72,42 +67,6 @@ Command add_calibrate_edge_samples_command(CLI::App& edge, const CalibrateJobs& 
     };
 }
 
-Command add_calibrate_edge_simulate_command(CLI::App& edge, const CalibrateJobs& jobs) {
-    auto arguments = std::make_shared<EdgeSimulateArguments>();
-    EdgeSimulateArguments& a = *arguments;
-    CLI::App* command = edge.add_subcommand(
-        "simulate", "Render the edge profiles that slabs of known resins would give: a rehearsal without a bench");
-    add_resins_option(*command, a.job.resins, ", RGB");
-    command->add_option("--roles", a.job.roles, "resins of the set; empty: all")
-        ->type_name("LIST")
-        ->delimiter(',')
-        ->allow_extra_args(false);
-    command->add_option("--setup", a.job.setup, "figures of the bench (setup.json); empty: those of the paper of 2017")
-        ->type_name("FILE");
-    command->add_option("--thickness", a.job.thickness_mm, "of the slabs, mm")
-        ->type_name("LIST")
-        ->delimiter(',')
-        ->allow_extra_args(false)
-        ->default_str("0.5,1");
-    add_out_option(*command, a.job.out, "FILE", "profiles to write (.csv)");
-    add_overwrite_option(*command, a.job.overwrite);
-    calibration::EdgeBench& bench = a.job.bench;
-    const auto fault = [&](const char* name, double& value, const char* help) {
-        add_value(*command, name, value, help)->group("Faults of the bench");
-    };
-    fault("--bias", bench.bias, "values are divided by it: the mu that a fit should find");
-    fault("--noise", bench.noise, "standard error of a sample of reflectance 1");
-    fault("--thickness-off", bench.thickness_off, "slabs are thicker than they are said to be, by this part");
-    add_count(*command, "--paths", bench.paths, "per resin, slab and channel");
-    add_seed_option(*command, bench.seed, "seed of paths and noise");
-    add_run_options(*command, a.run);
-    add_example(*command, "--resins vero-opaque --setup setup.json --bias 0.913 -o profiles.csv");
-    return [arguments, &jobs] {
-        return run_on_console(arguments->run,
-                              [&](Progress& progress) { return jobs.edge_simulate(arguments->job, progress); });
-    };
-}
-
 Command add_calibrate_edge_command(CLI::App& calibrate, const CalibrateJobs& jobs) {
     CLI::App* command = calibrate.add_subcommand(
         "edge",
@@ -116,7 +75,7 @@ Command add_calibrate_edge_command(CLI::App& calibrate, const CalibrateJobs& job
     std::vector<AddStep> steps;
     for (const auto add :
          {add_calibrate_edge_chart_command, add_calibrate_edge_dictionary_command, add_calibrate_edge_fit_command,
-          add_calibrate_edge_samples_command, add_calibrate_edge_simulate_command})
+          add_calibrate_edge_photo_command, add_calibrate_edge_samples_command, add_calibrate_edge_simulate_command})
         steps.emplace_back([add, &jobs](CLI::App& edge) { return add(edge, jobs); });
     return add_steps(*command, steps);
 }

@@ -5,10 +5,11 @@
 // the photographs and Ceres for the fits.
 #pragma once
 
+#include "voxtone/calibration/bench/bench_photo_job.h"
+#include "voxtone/calibration/bench/bench_simulation_job.h"
 #include "voxtone/calibration/edge/dictionary_job.h"
 #include "voxtone/calibration/edge/edge_fit_job.h"
 #include "voxtone/calibration/edge/edge_samples_job.h"
-#include "voxtone/calibration/edge/edge_simulation_job.h"
 #include "voxtone/calibration/fit/check_job.h"
 #include "voxtone/calibration/fit/fit_job.h"
 #include "voxtone/calibration/photo/photo_job.h"
@@ -24,9 +25,10 @@ struct CalibrateJobs {
     JobResult (*check)(const calibration::CheckJob& job, Progress& progress) = nullptr;
     JobResult (*edge_dictionary)(const calibration::DictionaryJob& job, Progress& progress) = nullptr;
     JobResult (*edge_fit)(const calibration::EdgeFitJob& job, Progress& progress) = nullptr;
+    JobResult (*edge_photo)(const calibration::BenchPhotoJob& job, Progress& progress) = nullptr;
     JobResult (*edge_samples)(const calibration::EdgeSamplesJob& job, const calibration::PrintBoxes& print,
                               Progress& progress) = nullptr;
-    JobResult (*edge_simulate)(const calibration::EdgeSimulationJob& job, Progress& progress) = nullptr;
+    JobResult (*edge_simulate)(const calibration::BenchSimulationJob& job, Progress& progress) = nullptr;
     JobResult (*fit)(const calibration::FitJob& job, Progress& progress) = nullptr;
     JobResult (*photo)(const calibration::PhotoJob& job, Progress& progress) = nullptr;
     JobResult (*profile)(const calibration::ProfileJob& job, Progress& progress) = nullptr;

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <array>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include <CLI/CLI.hpp>
 
 #include "voxtone/cli/calibrate/calibrate_commands.h"
+#include "voxtone/cli/calibrate/photo_options.h"
 #include "voxtone/cli/program/common_options.h"
 #include "voxtone/cli/program/help.h"
 
@@ -22,27 +21,11 @@ struct CalibratePhotoArguments {
     RunOptions run;
 };
 
-std::optional<std::array<Eigen::Vector2d, 4>> four_points(const std::vector<double>& numbers) {
-    if (numbers.empty()) return std::nullopt;
-    std::array<Eigen::Vector2d, 4> points;
-    for (std::size_t i = 0; i < 4; ++i) points[i] = {numbers[2 * i], numbers[2 * i + 1]};
-    return points;
-}
-
-io::SampleCoding coding_of(const std::string& word) {
-    if (word == "linear") return io::SampleCoding::linear;
-    return word == "srgb" ? io::SampleCoding::srgb : io::SampleCoding::unknown;
-}
-
 int run(CalibratePhotoArguments& a, const CalibrateJobs& jobs) {
     a.job.measure.coding = coding_of(a.coding);
     a.job.measure.corners = four_points(a.corners);
     a.job.measure.checker_corners = four_points(a.checker_corners);
     return run_on_console(a.run, [&](Progress& progress) { return jobs.photo(a.job, progress); });
-}
-
-void add_corners_option(CLI::App& command, const char* name, std::vector<double>& corners, const char* help) {
-    command.add_option(name, corners, help)->type_name("X,Y,...")->delimiter(',')->expected(8);
 }
 
 }  // namespace
@@ -66,9 +49,7 @@ Command add_calibrate_photo_command(CLI::App& calibrate, const CalibrateJobs& jo
                        "corners of the slab in the picture, px: upper left, upper right, lower right, lower left");
     add_corners_option(*command, "--checker-corners", a.checker_corners,
                        "corners of the checker's patches in the picture, px, in order round it");
-    add_value(*command, "--coding", a.coding,
-              "how samples stand for light; auto: as the file says, else as the checker's greys say")
-        ->check(CLI::IsMember({"auto", "linear", "srgb"}));
+    add_coding_option(*command, a.coding);
     add_value(*command, "--inner", a.job.measure.inner, "part of a square's edge that is sampled")
         ->check(CLI::Range(0.1, 0.9));
     command->add_option("--overlay", a.job.overlay, "picture of what was sampled; empty: beside the table")

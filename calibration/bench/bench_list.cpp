@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/calibration/bench/bench_list.h"
+
+#include <algorithm>
+#include <charconv>
+
+#include <fmt/format.h>
+
+#include "voxtone/base/error.h"
+#include "voxtone/base/printable.h"
+#include "voxtone/io/files/whole_file.h"
+
+namespace voxtone::calibration {
+namespace {
+
+constexpr std::uint64_t most_list_bytes = 1u << 20;
+constexpr std::string_view list_header = "file,shows,resin,thickness_mm";
+
+std::string_view without_blanks(std::string_view text) {
+    const auto blank = [](char c) { return c == ' ' || c == '\t' || c == '\r' || c == '"'; };
+    while (!text.empty() && blank(text.front())) text.remove_prefix(1);
+    while (!text.empty() && blank(text.back())) text.remove_suffix(1);
+    return text;
+}
+
+std::vector<std::string_view> list_cells(std::string_view line) {
+    std::vector<std::string_view> cells;
+    for (std::size_t from = 0;;) {
+        const std::size_t to = line.find(',', from);
+        cells.push_back(without_blanks(line.substr(from, to - from)));
+        if (to == std::string_view::npos) return cells;
+        from = to + 1;
+    }
+}
+
+class ListReader {
+public:
+    ListReader(std::string_view text, const std::string& source) : text_(text), source_(source) {}
+
+    BenchList read() {
+        if (text_.starts_with("\xEF\xBB\xBF")) text_.remove_prefix(3);
+        bool header = false;
+        while (!text_.empty()) {
+            const std::size_t end = std::min(text_.find('\n'), text_.size());
+            const std::string_view line = without_blanks(text_.substr(0, end));
+            text_.remove_prefix(std::min(end + 1, text_.size()));
+            ++line_;
+            if (line.empty() || line.starts_with('#')) continue;
+            if (header)
+                row(list_cells(line));
+            else if (line == list_header)
+                header = true;
+            else
+                fail(fmt::format("\"{}\", expected the header {}", printable(line.substr(0, 60)), list_header));
+        }
+        if (!header) throw InputError(fmt::format("{}: no header line; expected {}.", source_, list_header));
+        if (list_.checker.empty()) missing("checker", "the photograph of a colour checker, which tells what white is");
+        if (list_.sheet.empty()) missing("sheet", "the printed edge without a slab, which tells its white and black");
+        if (list_.slabs.empty()) missing("slab", "at least one photograph of a slab");
+        return std::move(list_);
+    }
+
+private:
+    [[noreturn]] void fail(const std::string& what) const {
+        throw InputError(fmt::format("{}: line {}: {}.", source_, line_, what));
+    }
+    [[noreturn]] void missing(const char* word, const char* what) const {
+        throw InputError(fmt::format("{}: no line shows \"{}\": {}.", source_, word, what));
+    }
+
+    void one(std::string& place, std::string_view file, std::string_view shows) const {
+        if (!place.empty()) fail(fmt::format("a second photograph shows the {}; one is used", shows));
+        place = file;
+    }
+
+    void row(const std::vector<std::string_view>& cells) {
+        if (cells.size() < 2 || cells.size() > 4)
+            fail(fmt::format("{} cells, but the header has 4 ({})", cells.size(), list_header));
+        const std::string_view file = cells[0], shows = cells[1];
+        const auto more = [&](std::size_t k) { return k < cells.size() ? cells[k] : std::string_view(); };
+        if (file.empty()) fail("no file");
+        if (shows == "slab") {
+            list_.slabs.push_back(slab(file, more(2), more(3)));
+            return;
+        }
+        if (!more(2).empty() || !more(3).empty())
+            fail(fmt::format("resin and thickness belong to a slab, but the line shows \"{}\"", printable(shows)));
+        if (shows == "checker")
+            one(list_.checker, file, shows);
+        else if (shows == "paper")
+            one(list_.paper, file, shows);
+        else if (shows == "sheet")
+            one(list_.sheet, file, shows);
+        else
+            fail(fmt::format("shows \"{}\"; expected checker, paper, sheet or slab", printable(shows.substr(0, 40))));
+    }
+
+    [[nodiscard]] SlabPhotograph slab(std::string_view file, std::string_view resin, std::string_view mm) const {
+        if (resin.empty() || resin.size() > 32 || printable(resin) != resin)
+            fail("the resin of a slab is a short word such as C or W");
+        SlabPhotograph result{std::string(file), std::string(resin), 0};
+        const auto [end, fault] = std::from_chars(mm.data(), mm.data() + mm.size(), result.thickness_mm);
+        if (fault != std::errc() || end != mm.data() + mm.size() ||
+            !(result.thickness_mm >= 0.05 && result.thickness_mm <= 10))
+            fail(fmt::format("thickness_mm is \"{}\"; expected the slab's thickness in mm, from 0.05 to 10",
+                             printable(mm.substr(0, 40))));
+        for (const SlabPhotograph& other : list_.slabs)
+            if (other.file == file) fail(fmt::format("{} is listed twice", printable(file)));
+        return result;
+    }
+
+    std::string_view text_;
+    const std::string& source_;
+    std::size_t line_ = 0;
+    BenchList list_;
+};
+
+}  // namespace
+
+BenchList parse_bench_list(std::string_view text, const std::string& source) {
+    BenchList list = ListReader(text, source).read();
+    // Those of one slab beside each other, in the order in which slabs are met first.
+    std::vector<SlabPhotograph> sorted;
+    for (const SlabPhotograph& first : list.slabs) {
+        const auto same = [&](const SlabPhotograph& s) {
+            return s.resin == first.resin && s.thickness_mm == first.thickness_mm;
+        };
+        if (std::ranges::none_of(sorted, same)) std::ranges::copy_if(list.slabs, std::back_inserter(sorted), same);
+    }
+    list.slabs = std::move(sorted);
+    return list;
+}
+
+BenchList read_bench_list(const std::filesystem::path& file) {
+    const std::vector<std::uint8_t> bytes = io::read_whole_file(file, most_list_bytes);
+    BenchList list = parse_bench_list({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, file.string());
+    for (std::string* name : {&list.checker, &list.paper, &list.sheet})
+        if (!name->empty()) *name = (file.parent_path() / *name).string();
+    for (SlabPhotograph& slab : list.slabs) slab.file = (file.parent_path() / slab.file).string();
+    return list;
+}
+
+std::string bench_list_text(const BenchList& list) {
+    std::string text(list_header);
+    text += fmt::format("\n{},checker,,\n", list.checker);
+    if (!list.paper.empty()) text += fmt::format("{},paper,,\n", list.paper);
+    text += fmt::format("{},sheet,,\n", list.sheet);
+    for (const SlabPhotograph& slab : list.slabs)
+        text += fmt::format("{},slab,{},{}\n", slab.file, slab.resin, slab.thickness_mm);
+    return text;
+}
+
+}  // namespace voxtone::calibration

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What the photograph of the bare sheet says of it: how its white and black look, how soft its edge is, and how much
+// light the diffuse base under its surface reflects, which is what setup.json wants.
+//
+// A base of reflectance R under the surface of the setup looks F(R) bright (optics/edge/edge_response.h, far from the
+// edge); a sheet without a slab is a slab of air. F grows with R, so it is inverted by bisection.
+#pragma once
+
+#include <array>
+
+#include "voxtone/calibration/bench/edge_strip.h"
+#include "voxtone/calibration/edge/edge_setup.h"
+
+namespace voxtone::calibration {
+
+struct SheetReading {
+    std::array<double, 3> seen_white{}, seen_black{};  ///< as the photograph has them
+    std::array<double, 3> white{}, black{};            ///< of the base under the setup's surface
+    std::array<bool, 3> too_bright{};  ///< no base is so bright: white is the largest that a setup may say
+    EdgeBlur edge;
+};
+
+/// How the sheet's base looks without a slab, by kernels of the setup's surface.
+[[nodiscard]] optics::EdgeKernels bare_sheet_kernels(const EdgeSetup& setup);
+
+/// Throws InputError where there is no edge, or it is too soft.
+[[nodiscard]] SheetReading read_sheet(const EdgeStrip& strip, const EdgeSetup& setup, const std::string& name);
+
+}  // namespace voxtone::calibration
