@@ -159,6 +159,8 @@ private:
                          {"corners", view.board.corners},
                          {"residual_px", view.board.residual_px},
                          {"turn_deg", view.board.turn_deg},
+                         {"edge_offset_mm", view.edge.offset_mm},
+                         {"edge_turn_deg", view.edge.turn_deg},
                          {"blur_mm", view.blur_mm},
                          {"left_out", view.strip.left_out_share}});
     }

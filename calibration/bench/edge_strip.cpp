@@ -17,6 +17,7 @@ using Eigen::Vector3d;
 
 constexpr double clipped_part = 0.002;         // of the strip's pixels: more is refused
 constexpr double block_mm = 0.25, off_by = 6;  // of what is left out
+constexpr double least_absolute = 4e-4;        // of a perfect diffuser: less is nothing on a dark slab
 constexpr double least_off = 0.002;            // of the strip's brightest level: less is nothing
 constexpr double likely_alike = 1.5;           // interpolation makes neighbours alike: blocks are as much noisier
 constexpr int trend_blocks = 4;                // on both sides: what changes slowly along the edge may stay
@@ -133,12 +134,11 @@ private:
                 sizes[row] = std::abs(rest[row]);
             }
             deviations.push_back(1.4826 * median(sizes));
-            const double most = std::max(off_by * deviations.back(), least_off * brightest);
+            const double most = std::max(off_by * deviations.back(), std::max(least_off * brightest, least_absolute));
             for (std::size_t row = 0; row < high; ++row) bad[row * wide + column] = std::abs(rest[row]) > most;
         }
         const double rough = median(deviations), noise = likely_alike * noise_of_block(channel);
-        if (rough > noise)
-            strip_.roughness = std::max(strip_.roughness, std::sqrt(rough * rough - noise * noise) / brightest);
+        if (rough > noise) strip_.roughness = std::max(strip_.roughness, std::sqrt(rough * rough - noise * noise));
         for (std::size_t row = 0; row < rows_; ++row)
             for (std::size_t column = 0; column < columns_; ++column)
                 if (bad[of_row_[row] * wide + of_column_[column]]) strip_.left_out[at(row, column)] = true;
@@ -273,6 +273,45 @@ EdgeBlur fit_bare_edge(const EdgeStrip& strip) {
         reach_s /= 2;
     }
     return best;
+}
+
+SeenEdge seen_edge(const EdgeStrip& strip) {
+    constexpr double reach_mm = 2, level_mm = 0.5;
+    const std::size_t columns = strip.x_mm.size(), rows = strip.y_mm.size();
+    const Vector3d steps =
+        side_mean(strip, reach_mm, reach_mm + level_mm) - side_mean(strip, -reach_mm - level_mm, -reach_mm);
+    Eigen::Index channel = 0;
+    SeenEdge edge;
+    edge.step = steps.maxCoeff(&channel);
+    if (edge.step <= 0) return edge;
+    Eigen::VectorXd at(pieces), y(pieces);
+    for (std::size_t piece = 0; piece < pieces; ++piece) {
+        double below = 0, above = 0, inside = 0, count_below = 0, count_above = 0, count = 0, sum_y = 0, sum_rows = 0;
+        for (std::size_t row = rows * piece / pieces; row < rows * (piece + 1) / pieces; ++row, ++sum_rows) {
+            sum_y += strip.y_mm[row];
+            for (std::size_t column = 0; column < columns; ++column) {
+                if (strip.left_out[row * columns + column]) continue;
+                const double x = strip.x_mm[column], v = strip.rho[row * columns + column][channel];
+                if (std::abs(x) < reach_mm)
+                    inside += v, ++count;
+                else if (std::abs(x) < reach_mm + level_mm)
+                    (x < 0 ? below : above) += v, ++(x < 0 ? count_below : count_above);
+            }
+        }
+        const double black = below / std::max(count_below, 1.0), white = above / std::max(count_above, 1.0);
+        // By parts: the mean of the profile within the reach says where its step lies.
+        const auto k = Eigen::Index(piece);
+        at[k] = reach_mm * (white + black - 2 * inside / std::max(count, 1.0)) / (white - black);
+        y[k] = sum_y / std::max(sum_rows, 1.0);
+    }
+    edge.offset_mm = at.mean();
+    const Eigen::VectorXd off = y.array() - y.mean();
+    const double slope = off.dot(at) / off.squaredNorm();
+    const Eigen::VectorXd rest = at.array() - at.mean() - slope * off.array();
+    constexpr double degrees = 180 / 3.14159265358979323846;
+    edge.turn_deg = std::atan(slope) * degrees;
+    edge.turn_error_deg = std::sqrt(rest.squaredNorm() / double(pieces - 2) / off.squaredNorm()) * degrees;
+    return edge;
 }
 
 }  // namespace voxtone::calibration

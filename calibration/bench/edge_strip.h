@@ -32,8 +32,7 @@ struct EdgeStrip {
     std::vector<bool> left_out;                    ///< of each of them
     std::vector<Eigen::Vector3d> mean, error;      ///< of the columns
     double left_out_share = 0, left_out_most = 0;  ///< of all; of the column that has lost most
-    double roughness =
-        0;  ///< how much blocks differ along the edge beyond noise (robust deviation), of the brightest level
+    double roughness = 0;  ///< how much blocks differ along the edge beyond noise: robust deviation of reflectance
 };
 
 /// Where each channel of the photograph clips, and how light becomes reflectance.
@@ -55,5 +54,14 @@ struct EdgeBlur {
     double blur_mm = 0, offset_mm = 0, contrast = 0;  ///< contrast: white - black, mean of the channels
 };
 [[nodiscard]] EdgeBlur fit_bare_edge(const EdgeStrip& strip);
+
+/// Where the edge is seen in the strip, against where the board says: the centroid of the gradient within 2 mm, of the
+/// channel with the largest step, in ten pieces along the edge, and a line through them. A scatter that is the same to
+/// both sides does not move it; light that goes to and fro between slab and sheet does, by less than 0.1 mm.
+struct SeenEdge {
+    double step = 0;  ///< of the channel: white - black side
+    double offset_mm = 0, turn_deg = 0, turn_error_deg = 0;
+};
+[[nodiscard]] SeenEdge seen_edge(const EdgeStrip& strip);
 
 }  // namespace voxtone::calibration

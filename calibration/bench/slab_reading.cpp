@@ -14,12 +14,15 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double most_left_out = 0.12, most_of_column = 0.4;  // of the strip; of a column of it
-constexpr double said_left_out = 0.02, most_roughness = 0.01;
+constexpr double most_left_out = 0.12, most_of_column = 0.4;   // of the strip; of a column of it
+constexpr double said_left_out = 0.02, most_roughness = 0.01;  // of the brightest level, ...
+constexpr double dark_roughness = 0.002;                       // ... or of a perfect diffuser
 constexpr double bare_contrast = 0.8;               // of the sheet's: an edge beside the slab that nothing covers
 constexpr double same_as_bare = 0.02;               // levels within this of the bare sheet's: there is no slab
 constexpr double softer_by = 1.5, softer_px = 0.5;  // than the sheet's edge: refused
 constexpr double shots_differ = 0.01;               // of white
+constexpr double clear_step = 0.05;                 // from here on the edge under the slab is held against the board
+constexpr double most_offset_mm = 0.25, most_bend_deg = 1.5, sure = 4;
 constexpr double same_scale = 0.005, far_edge_mm = 5;
 
 // The sharpest of the bare edges beside the slab.
@@ -66,17 +69,34 @@ void check_slab_is_there(const EdgeStrip& strip, const BenchReference& reference
                         name, (black - white).maxCoeff()));
 }
 
+// Board and edge are on one flat sheet: where they disagree it is bent, or something refracts.
+void check_edge(const SeenEdge& edge, const std::string& name) {
+    if (edge.step < clear_step) return;
+    if (std::abs(edge.offset_mm) > most_offset_mm)
+        throw InputError(
+            fmt::format("{}: the edge under the slab lies {:+.2f} mm from where the board around it says; the sheet is "
+                        "bent, or slab or glass are tilted; lay the sheet on something flat, press the gel out",
+                        name, edge.offset_mm));
+    if (std::abs(edge.turn_deg) > most_bend_deg && std::abs(edge.turn_deg) > sure * edge.turn_error_deg)
+        throw InputError(fmt::format(
+            "{}: the edge under the slab is turned by {:.1f} degrees against the board around it; the sheet "
+            "is bent, or slab or glass are tilted; lay the sheet on something flat, press the gel out",
+            name, edge.turn_deg));
+}
+
 void check_scratches(const EdgeStrip& strip, const std::string& name, std::vector<std::string>& warnings) {
     if (strip.left_out_share > most_left_out || strip.left_out_most > most_of_column)
         throw InputError(
             fmt::format("{}: {:.0f} % of the region differ from what lies above and below (up to {:.0f} % of one place "
                         "across the edge): scratches, bubbles or dust; polish or clean the slab, press the gel out",
                         name, 100 * strip.left_out_share, 100 * strip.left_out_most));
-    if (strip.roughness > most_roughness)
+    const double brightest = side_mean(strip, strip.x_mm.back() / 2, strip.x_mm.back()).maxCoeff();
+    if (strip.roughness > std::max(most_roughness * brightest, dark_roughness))
         throw InputError(
-            fmt::format("{}: neighbouring parts of the region differ by {:.1f} % along the edge, more than noise does: "
+            fmt::format("{}: neighbouring parts of the region differ by {:.4f} (a perfect diffuser is 1) along the "
+                        "edge, more than noise explains: "
                         "scratched all over, or full of bubbles; polish the slab, press the gel out",
-                        name, 100 * strip.roughness));
+                        name, strip.roughness));
     if (strip.left_out_share > said_left_out)
         warnings.push_back(fmt::format("{}: {:.1f} % of the region were left out as scratches, bubbles or dust.", name,
                                        100 * strip.left_out_share));
@@ -97,6 +117,8 @@ SlabView read_slab(const io::Photograph& photo, const BenchReference& reference,
                            {Vector2d::Zero(), reference.width_mm, reference.length_mm});
     check_slab_is_there(view.strip, reference, photo.name);
     check_scratches(view.strip, photo.name, warnings);
+    view.edge = seen_edge(view.strip);
+    check_edge(view.edge, photo.name);
     view.blur_mm = blur_beside(photo, view.board, reference);
     const double sheet_blur = reference.sheet->edge.blur_mm, pitch = 1 / view.board.px_per_mm;
     if (view.blur_mm > softer_by * sheet_blur + softer_px * pitch)

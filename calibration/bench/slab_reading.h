@@ -19,6 +19,7 @@ namespace voxtone::calibration {
 struct SlabView {
     BoardView board;
     EdgeStrip strip;
+    SeenEdge edge;
     double blur_mm = 0;  ///< of the bare edges beside the slab; 0 where none is seen
 };
 

@@ -182,6 +182,9 @@ TEST_CASE("the sheet, the scale and the blur are measured", "[edge]") {
     const Bench::Read read = bench.read();
     CHECK(1 / read.view.board.px_per_mm == Approx(pitch_mm).epsilon(2e-4));
     CHECK(read.view.board.turn_deg == Approx(2).margin(0.02));
+    CHECK(std::abs(read.view.edge.offset_mm) < 0.02);
+    CHECK(std::abs(read.view.edge.turn_deg) < 4 * read.view.edge.turn_error_deg + 0.02);
+    CHECK(read.view.edge.turn_error_deg < 0.3);
     CHECK(read.sheet.edge.blur_mm == Approx(bench.setup.blur_mm).epsilon(0.06));
     CHECK(read.view.blur_mm == Approx(bench.setup.blur_mm).epsilon(0.1));
     CHECK(std::abs(read.sheet.edge.offset_mm) < 0.05 * pitch_mm);
@@ -269,6 +272,27 @@ TEST_CASE("photographs that cannot be measured are refused with a sentence", "[e
         BoardView board;
         CHECK_THROWS_WITH(measure_bench_light(photos, find_checker("colorchecker24"), {}, board, 20),
                           Contains("tone curve"));
+    }
+    SECTION("an edge under the slab that is not where the board says") {
+        // What lies within 15 mm of the edge's middle is from another photograph.
+        const auto inner_of = [&](const BenchCameraOptions& camera, double shift_mm) {
+            return [&, camera, shift_mm](io::Photograph& photo) {
+                const io::Photograph other =
+                    BenchCamera(bench.setup, bench.sheet, camera).of_slab(soft_slab(), 1, {0, 0}, 3);
+                const auto shift = std::uint32_t(std::lround(shift_mm / pitch_mm));
+                pixels(photo, [&](Eigen::Vector3f& v, std::uint32_t x, std::uint32_t y) {
+                    const double reach = 15 / pitch_mm;
+                    if (std::abs(x - photo.width_px / 2.0) < reach && std::abs(y - photo.height_px / 2.0) < reach)
+                        v = other.pixels[other.index(x - shift, y)];
+                });
+            };
+        };
+        BenchCameraOptions turned = bench.camera;
+        turned.turn_deg += 3;
+        bench.spoil = inner_of(turned, 0);
+        refused("the edge under the slab is turned by");
+        bench.spoil = inner_of(bench.camera, 0.5);
+        refused("the edge under the slab lies +0.4");
     }
     SECTION("the sheet moved") {
         bench.spoil = [&](io::Photograph& photo) {
