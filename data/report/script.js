@@ -52,6 +52,7 @@
   });
   document.addEventListener("keydown", (event) => {
     if (event.altKey || event.ctrlKey || event.metaKey || event.target === slider) return;
+    if (document.documentElement.classList.contains("has-cut")) return;
     if (event.key === "ArrowRight" || event.key === "ArrowUp") step(1);
     else if (event.key === "ArrowLeft" || event.key === "ArrowDown") step(-1);
     else return;

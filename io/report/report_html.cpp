@@ -10,39 +10,17 @@
 #include <fmt/core.h>
 
 #include "voxtone/base/contracts.h"
-#include "voxtone/base/embedded_file.h"
 #include "voxtone/base/named_values.h"
 #include "voxtone/base/printable.h"
 #include "voxtone/base/progress_bar.h"
 #include "voxtone/io/files/base64.h"
 #include "voxtone/io/files/markup.h"
-
-namespace voxtone::embedded {
-std::span<const EmbeddedFile> report_assets();
-}
+#include "voxtone/io/report/report_assets.h"
+#include "voxtone/io/report/viewer_section.h"
 
 namespace voxtone::io {
 
 namespace {
-
-std::string_view asset(std::string_view name) {
-    for (const EmbeddedFile& file : embedded::report_assets())
-        if (file.name == name) return file.text;
-    VOXTONE_EXPECT(!"an asset of the report");
-    return {};
-}
-
-/// JSON inside a script element: no '<' may remain that could end it.
-std::string script_json(std::string_view text) {
-    std::string result;
-    for (const char c : json_quoted(text)) {
-        if (c == '<')
-            result += "\\u003c";
-        else
-            result += c;
-    }
-    return result;
-}
 
 /// 1 234 567 with narrow no-break spaces.
 std::string grouped(std::uint64_t number) {
@@ -106,6 +84,14 @@ void add_pictures(std::string& html, const std::vector<ReportPicture>& pictures)
     html += "</div>\n";
 }
 
+std::string style_of(const Report& report) {
+    std::string style(report_asset("style"));
+    if (!report.viewer.empty()) style += report_asset("viewer");
+    return style;
+}
+
+std::string script_of(const Report& report) { return std::string(report_asset("script")) + viewer_script(report); }
+
 void add_head(std::string& html, const Report& report) {
     html += fmt::format(
         "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
@@ -114,7 +100,7 @@ void add_head(std::string& html, const Report& report) {
         "script-src 'unsafe-inline'\">\n<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
         "<title>{} - voxtone</title>\n<style>\n{}</style>\n</head>\n<body>\n<header>\n<h1>{}</h1>\n"
         "<div class=\"soft\">for {} ({})</div>\n</header>\n<main>\n",
-        html_text(report.title), asset("style"), html_text(report.title), html_text(report.printer_name),
+        html_text(report.title), style_of(report), html_text(report.title), html_text(report.printer_name),
         html_text(report.printer_id));
 }
 
@@ -189,7 +175,7 @@ void add_views(std::string& html, const Report& report) {
 void add_prediction(std::string& html, const Report& report) {
     if (!report.prediction) return;
     const ReportPrediction& p = *report.prediction;
-    html += "<section>\n<h2>Predicted against asked for, cell by cell</h2>\n<dl class=\"cards\">\n";
+    html += "<section class=\"detail\">\n<h2>Predicted against asked for, cell by cell</h2>\n<dl class=\"cards\">\n";
     add_card(html, "Mean difference", fmt::format("{:.2f}", p.mean_de2000), "CIEDE2000");
     add_card(html, "Median", fmt::format("{:.2f}", p.median_de2000), "CIEDE2000");
     add_card(html, "95th percentile", fmt::format("{:.2f}", p.p95_de2000), "CIEDE2000");
@@ -215,7 +201,7 @@ void add_prediction(std::string& html, const Report& report) {
 void add_loop(std::string& html, const Report& report) {
     if (!report.loop) return;
     const ReportLoop& loop = *report.loop;
-    html += "<section>\n<h2>The appearance loop</h2>\n";
+    html += "<section class=\"detail\">\n<h2>The appearance loop</h2>\n";
     html += fmt::format("<p class=\"soft\">{}</p>\n", html_text(loop.note));
     html +=
         "<div class=\"table\"><table>\n<thead><tr><th>Iteration</th><th class=\"n\">Mean as seen</th><th></th><th "
@@ -252,7 +238,7 @@ void add_loop(std::string& html, const Report& report) {
 void add_gamut(std::string& html, const Report& report) {
     if (!report.gamut) return;
     const ReportGamut& gamut = *report.gamut;
-    html += "<section>\n<h2>Colours that the resins cannot reach</h2>\n<dl class=\"cards\">\n";
+    html += "<section class=\"detail\">\n<h2>Colours that the resins cannot reach</h2>\n<dl class=\"cards\">\n";
     add_card(html, "Surface that was mapped", fmt::format("{:.1f} %", 100 * gamut.mapped_share),
              "of the coloured surface");
     add_card(html, "Mean difference", fmt::format("{:.2f}", gamut.mean_de2000), "CIEDE2000");
@@ -323,8 +309,9 @@ void add_layers(std::string& html, const Report& report) {
         "<script type=\"application/json\" id=\"layer-data\">[",
         report.layers.size(), grouped(report.size_px[2]));
     for (std::size_t i = 0; i < report.layers.size(); ++i)
-        html += fmt::format("{}{{\"label\":{},\"src\":\"data:image/png;base64,{}\"}}", i ? ",\n" : "",
-                            script_json(layer_label(report.layers[i])), base64(report.layers[i].picture.png));
+        html +=
+            fmt::format("{}{{\"label\":{},\"src\":\"data:image/png;base64,{}\"}}", i ? ",\n" : "",
+                        in_script(json_quoted(layer_label(report.layers[i]))), base64(report.layers[i].picture.png));
     html += "]</script>\n</section>\n";
 }
 
@@ -367,7 +354,7 @@ void add_drawings(std::string& html, const std::vector<ReportDrawing>& drawings)
 
 void add_sections(std::string& html, const Report& report) {
     for (const ReportSection& section : report.sections) {
-        html += fmt::format("<section>\n<h2>{}</h2>\n", html_text(section.title));
+        html += fmt::format("<section class=\"detail\">\n<h2>{}</h2>\n", html_text(section.title));
         for (const std::string& paragraph : section.paragraphs)
             html += fmt::format("<p>{}</p>\n", html_text(paragraph));
         if (!section.pictures.empty()) add_pictures(html, section.pictures);
@@ -381,7 +368,7 @@ void add_time(std::string& html, const Report& report) {
     if (report.stages.empty()) return;
     double longest = 0;
     for (const ReportStage& stage : report.stages) longest = std::max(longest, stage.seconds);
-    html += "<section>\n<h2>Where the time went</h2>\n<div class=\"table\"><table>\n<tbody>\n";
+    html += "<section class=\"detail\">\n<h2>Where the time went</h2>\n<div class=\"table\"><table>\n<tbody>\n";
     for (const ReportStage& stage : report.stages)
         html += fmt::format(
             "<tr><td>{}</td><td class=\"n\">{}</td><td class=\"meter\"><i style=\"--share:{:.2f}%\"></i></td></tr>\n",
@@ -391,22 +378,45 @@ void add_time(std::string& html, const Report& report) {
 
 void add_job(std::string& html, const Report& report) {
     if (report.job.empty()) return;
-    html += "<section>\n<details><summary>The job as it was run</summary>\n<div class=\"table\"><table>\n<tbody>\n";
+    html +=
+        "<section class=\"detail\">\n<details><summary>The job as it was run</summary>\n<div "
+        "class=\"table\"><table>\n<tbody>\n";
     for (const auto& [key, value] : report.job)
         html += fmt::format("<tr><td class=\"key\">{}</td><td class=\"value\">{}</td></tr>\n", html_text(key),
                             html_text(value));
     html += "</tbody>\n</table></div>\n</details>\n</section>\n";
 }
 
+std::size_t picture_bytes(const std::vector<ReportPicture>& pictures) {
+    std::size_t bytes = 0;
+    for (const ReportPicture& picture : pictures) bytes += picture.png.size() / 3 * 4 + 500;
+    return bytes;
+}
+
 }  // namespace
+
+std::size_t still_page_bytes(const Report& report) {
+    std::size_t bytes = 200'000;  // texts, style, scripts
+    for (const ReportView& view : report.views) bytes += picture_bytes(view.pictures);
+    for (const ReportLayer& layer : report.layers) bytes += picture_bytes({layer.picture});
+    if (report.loop) bytes += picture_bytes(report.loop->crops) + picture_bytes(report.loop->sections);
+    for (const ReportSection& section : report.sections) {
+        bytes += picture_bytes(section.pictures);
+        for (const ReportDrawing& drawing : section.drawings) bytes += drawing.svg.size();
+        for (const std::string& paragraph : section.paragraphs) bytes += paragraph.size();
+    }
+    return bytes;
+}
 
 std::string report_html(const Report& report) {
     std::string html;
     add_head(html, report);
     add_verdict(html, report);
-    add_summary(html, report);
     add_warnings(html, report);
+    html += viewer_panels(report);
     add_views(html, report);
+    html += worst_section(report);
+    add_summary(html, report);
     add_prediction(html, report);
     add_loop(html, report);
     add_resins(html, report);
@@ -418,7 +428,7 @@ std::string report_html(const Report& report) {
     html += fmt::format(
         "</main>\n<footer>Made by voxtone {}. Figures for programs: "
         "report.json.</footer>\n<script>\n{}</script>\n</body>\n</html>\n",
-        html_text(report.program_version), asset("script"));
+        html_text(report.program_version), script_of(report));
     return html;
 }
 

@@ -12,7 +12,7 @@
 
 #include "voxtone/io/layers/layer_stack_writer.h"
 #include "voxtone/io/layers/manifest.h"
-#include "voxtone/io/report/report_html.h"
+#include "voxtone/io/report/report.h"
 #include "voxtone/io/shards/shard_number.h"
 
 namespace voxtone::io {

@@ -15,6 +15,7 @@
 #include "voxtone/slicer/job/colour_report.h"
 #include "voxtone/slicer/job/loop_report.h"
 #include "voxtone/slicer/job/verdict.h"
+#include "voxtone/slicer/job/viewer_report.h"
 
 namespace voxtone::slicer {
 
@@ -198,7 +199,10 @@ void ColourPrint::look(const io::StackDescription&, Progress& progress) {
         why_not = error.what();
     }
     volume_.reset();
-    if (prediction_) return;
+    if (prediction_) {
+        prediction_->seen = seen_from(*prediction_, job_.options.loop.viewing_distance_mm);
+        return;
+    }
     prediction_plan_.why_not = "The print is not predicted: " + why_not + ".";
     progress.warn(prediction_plan_.why_not);
 }
@@ -222,8 +226,9 @@ void ColourPrint::add_to(io::Report& report) const {
 }
 
 void ColourPrint::draw(io::Report& report, Progress& progress) const {
-    draw_colour_report({job_, body_, *colour_, parts_.surface_colour(), prediction_}, report, job_.options.out,
-                       progress);
+    const ColourReport sources{job_, body_, *colour_, parts_.surface_colour(), prediction_};
+    draw_colour_report(sources, report, job_.options.out, progress);
+    add_viewer(sources, report, progress);
 }
 
 std::string ColourPrint::summary(const io::Report& report) const { return colour_summary(report); }

@@ -12,7 +12,7 @@
 #include <string>
 
 #include "voxtone/base/progress.h"
-#include "voxtone/io/report/report_html.h"
+#include "voxtone/io/report/report.h"
 #include "voxtone/slicer/job/job_prediction.h"
 #include "voxtone/slicer/prepare/job_body.h"
 #include "voxtone/slicer/prepare/job_colour.h"

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxtone/slicer/job/job_phases.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <mutex>
 #include <system_error>
@@ -11,6 +12,7 @@
 #include "voxtone/base/parallel.h"
 #include "voxtone/io/disk/disk_space.h"
 #include "voxtone/io/files/whole_file.h"
+#include "voxtone/io/report/report_html.h"
 #include "voxtone/io/report/report_json.h"
 #include "voxtone/io/shards/shard_folder.h"
 #include "voxtone/slicer/estimate/phase_estimates.h"
@@ -18,6 +20,7 @@
 #include "voxtone/slicer/job/layered_print.h"
 #include "voxtone/slicer/layers/layer_maker.h"
 #include "voxtone/slicer/look/report_files.h"
+#include "voxtone/slicer/look/viewer_surface.h"
 #include "voxtone/slicer/options/job_file.h"
 #include "voxtone/slicer/prepare/resin_choice.h"
 #include "voxtone/slicer/saved/skin_file.h"
@@ -84,7 +87,12 @@ std::unique_ptr<Print> make_print(const OpenedJob& job, const JobBody& body, con
     return std::make_unique<ColourPrint>(job, body, identity, progress);
 }
 
-void make_layers(Print& print, const LayerRange& range, const LayerTaker& take, std::optional<Thumbnails>& thumbnails,
+void LayerWatchers::see(int k, const io::LayerRuns& layer) {
+    if (thumbnails) thumbnails->offer(k, layer);
+    if (voxels) voxels->offer(k, layer);
+}
+
+void make_layers(Print& print, const LayerRange& range, const LayerTaker& take, LayerWatchers& watchers,
                  JobFigures& figures, Progress& progress) {
     const Stopwatch watch;
     print.expect_layers(range);
@@ -96,7 +104,7 @@ void make_layers(Print& print, const LayerRange& range, const LayerTaker& take, 
         const Stopwatch encode;
         take(k, layer);
         encode_s += encode.total();
-        if (thumbnails) thumbnails->offer(k, layer);
+        watchers.see(k, layer);
         print.see(k, layer);
         progress.advance();
     };
@@ -116,12 +124,26 @@ void make_layers(Print& print, const LayerRange& range, const LayerTaker& take, 
     figures.layers_s = watch.total();
 }
 
-std::string write_report(const OpenedJob& job, const Print& print, io::Report& report, const Stopwatch& since_begin,
-                         Progress& progress) {
+/// Pictures of layers are for browsers that cannot show the voxels: fewer of them leave room for these.
+static void keep_some(std::vector<io::ReportLayer>& layers) {
+    constexpr std::size_t enough = 12;
+    const std::size_t step = std::max<std::size_t>(1, layers.size() / enough);
+    std::vector<io::ReportLayer> kept;
+    for (std::size_t i = 0; i < layers.size(); i += step) kept.push_back(std::move(layers[i]));
+    layers = std::move(kept);
+}
+
+std::string write_report(const OpenedJob& job, const Print& print, io::Report& report,
+                         std::optional<VoxelSample>& voxels, const Stopwatch& since_begin, Progress& progress) {
     const std::filesystem::path& folder = job.options.out;
     if (job.options.report) {
         const Stopwatch watch;
+        if (voxels) keep_some(report.layers);
         print.draw(report, progress);
+        if (voxels) {
+            report.viewer.voxels = voxels->take(voxel_bytes_left(report));
+            report.viewer.voxels->layer_file = io::StackDescription{}.pattern;
+        }
         report.stages.push_back({"draw the report", watch.total()});
     }
     report.total_seconds = since_begin.total();

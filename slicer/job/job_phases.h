@@ -12,11 +12,12 @@
 #include "voxtone/base/progress.h"
 #include "voxtone/base/stopwatch.h"
 #include "voxtone/io/layers/layer_runs.h"
-#include "voxtone/io/report/report_html.h"
+#include "voxtone/io/report/report.h"
 #include "voxtone/slicer/job/job_identity.h"
 #include "voxtone/slicer/job/print.h"
 #include "voxtone/slicer/job/slice_report.h"
 #include "voxtone/slicer/look/thumbnails.h"
+#include "voxtone/slicer/look/voxel_sample.h"
 #include "voxtone/slicer/prepare/job_body.h"
 #include "voxtone/slicer/prepare/opened_job.h"
 
@@ -48,12 +49,21 @@ void expect_disk_space(const OpenedJob& job, const JobBody& body, const LayerRan
 /// Where a finished layer goes; from any thread.
 using LayerTaker = std::function<void(int k, const io::LayerRuns& layer)>;
 
+/// What the report keeps of layers while they are made.
+struct LayerWatchers {
+    std::optional<Thumbnails> thumbnails;
+    std::optional<VoxelSample> voxels;
+    /// From any thread, once for each layer.
+    void see(int k, const io::LayerRuns& layer);
+};
+
 /// Makes the layers of the range, in slabs side by side; each goes to `take` and to those who look on.
-void make_layers(Print& print, const LayerRange& range, const LayerTaker& take, std::optional<Thumbnails>& thumbnails,
+void make_layers(Print& print, const LayerRange& range, const LayerTaker& take, LayerWatchers& watchers,
                  JobFigures& figures, Progress& progress);
 
 /// Draws and writes the report, if it was asked for, and its figures; these as JSON.
 [[nodiscard]] std::string write_report(const OpenedJob& job, const Print& print, io::Report& report,
-                                       const Stopwatch& since_begin, Progress& progress);
+                                       std::optional<VoxelSample>& voxels, const Stopwatch& since_begin,
+                                       Progress& progress);
 
 }  // namespace voxtone::slicer

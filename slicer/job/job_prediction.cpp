@@ -8,6 +8,7 @@
 
 #include "voxtone/base/error.h"
 #include "voxtone/base/stopwatch.h"
+#include "voxtone/halftone/loop/eye_filter.h"
 #include "voxtone/slicer/look/coarse_cells.h"
 #include "voxtone/slicer/options/model_choice.h"
 #include "voxtone/slicer/surface/target_cells.h"
@@ -35,6 +36,13 @@ std::optional<optics::ResinVolume> JobVolume::finish() {
     if (!given_up_) volume = volume_->finish();
     volume_.reset();
     return volume;
+}
+
+SeenPrint seen_from(const JobPrediction& p, double viewing_distance_mm) {
+    const halftone::EyeFilter eye(p.predicted.surface, viewing_distance_mm, halftone::EyeSurround::none);
+    SeenPrint seen{eye.filter(p.target), eye.filter(p.predicted.rgb), {}};
+    seen.difference = colour_differences(seen.target, seen.print);
+    return seen;
 }
 
 JobPrediction prediction_of_loop(const JobLoop& loop, optics::ResinVolume volume) {

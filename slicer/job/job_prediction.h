@@ -40,6 +40,12 @@ private:
     std::string why_not_;
 };
 
+/// Target and print after the eye filter, per cell: as they are seen from the viewing distance.
+struct SeenPrint {
+    std::vector<Eigen::Vector3f> target, print;  ///< linear sRGB, not clamped
+    std::vector<double> difference;              ///< CIEDE2000
+};
+
 struct JobPrediction {
     std::string model;
     optics::ResinVolume volume;
@@ -51,7 +57,10 @@ struct JobPrediction {
     double seconds = 0;
     std::vector<Eigen::Vector3f>
         open_loop;  ///< per cell, what the open loop would have shown; empty without an appearance loop
+    SeenPrint seen;
 };
+
+[[nodiscard]] SeenPrint seen_from(const JobPrediction& prediction, double viewing_distance_mm);
 
 /// What the appearance loop itself predicted of the print that it chose; the volume is that print. RGB resins only.
 [[nodiscard]] JobPrediction prediction_of_loop(const JobLoop& loop, optics::ResinVolume volume);

@@ -11,7 +11,7 @@
 
 #include "voxtone/base/progress.h"
 #include "voxtone/io/layers/manifest.h"
-#include "voxtone/io/report/report_html.h"
+#include "voxtone/io/report/report.h"
 #include "voxtone/slicer/job/job_layers.h"
 #include "voxtone/slicer/job/layer_surfaces.h"
 #include "voxtone/slicer/prepare/job_body.h"

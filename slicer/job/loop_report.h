@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "voxtone/io/layers/manifest.h"
-#include "voxtone/io/report/report_html.h"
+#include "voxtone/io/report/report.h"
 #include "voxtone/slicer/job/job_loop.h"
 #include "voxtone/slicer/prepare/job_body.h"
 

@@ -12,7 +12,7 @@
 #include "voxtone/base/progress.h"
 #include "voxtone/io/layers/layer_runs.h"
 #include "voxtone/io/layers/manifest.h"
-#include "voxtone/io/report/report_html.h"
+#include "voxtone/io/report/report.h"
 #include "voxtone/slicer/estimate/colour_mixtures.h"
 #include "voxtone/slicer/layers/layer_maker.h"
 #include "voxtone/slicer/options/option_values.h"

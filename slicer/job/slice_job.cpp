@@ -166,10 +166,13 @@ SliceResult run_slice_job(const SliceOptions& asked, Progress& progress) {
     if (job.options.until == Until::loop) return keep_loop(job, *print, progress);
     io::LayerStackWriter writer(std::move(folder), job.describe(body.grid, range), job.outputs());
     print->rearrange(progress);
-    std::optional<Thumbnails> thumbnails;
-    if (job.options.report) thumbnails.emplace(range.first, range.layers(), body.grid, job.palette());
+    LayerWatchers watchers;
+    if (job.options.report) {
+        watchers.thumbnails.emplace(range.first, range.layers(), body.grid, job.palette());
+        watchers.voxels.emplace(range.first, range.layers(), body.grid);
+    }
     const auto write = [&](int k, const io::LayerRuns& layer) { writer.write(std::uint32_t(k - range.first), layer); };
-    make_layers(*print, range, write, thumbnails, figures, progress);
+    make_layers(*print, range, write, watchers, figures, progress);
     const io::StackDescription& stack = finish_stack(job, body, identity, writer, figures, progress);
     LoopCheckpoint::remove_from(job.options.out);
     set_stop_advice({});
@@ -177,8 +180,8 @@ SliceResult run_slice_job(const SliceOptions& asked, Progress& progress) {
     print->look(stack, progress);
     progress.begin_stage("report", 0);
     io::Report report = make_report(job, body, stack, *print, figures);
-    if (thumbnails) report.layers = thumbnails->take();
-    std::string json = write_report(job, *print, report, watch, progress);
+    if (watchers.thumbnails) report.layers = watchers.thumbnails->take();
+    std::string json = write_report(job, *print, report, watchers.voxels, watch, progress);
     progress.end_stage();
     const bool bad = report.verdict && report.verdict->level == io::VerdictLevel::bad;
     return {std::move(json), summary_text(*print, report, watch.total(), job.options.report, writer.folder()),

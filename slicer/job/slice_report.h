@@ -8,7 +8,7 @@
 #include <string>
 
 #include "voxtone/io/layers/manifest.h"
-#include "voxtone/io/report/report_html.h"
+#include "voxtone/io/report/report.h"
 #include "voxtone/slicer/job/print.h"
 #include "voxtone/slicer/layers/layer_maker.h"
 #include "voxtone/slicer/prepare/job_body.h"

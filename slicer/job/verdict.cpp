@@ -11,7 +11,6 @@
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 
-#include "voxtone/halftone/loop/eye_filter.h"
 #include "voxtone/slicer/prepare/resin_choice.h"
 #include "voxtone/slicer/surface/target_cells.h"
 
@@ -19,24 +18,25 @@ namespace voxtone::slicer {
 
 namespace {
 
+const std::vector<double> histogram_edges{0, 0.5, 1, 1.5, 2, 3, 4, 5, 7, 10, 15, 20, 30};
 constexpr double much_of_the_surface = 0.1;  // above `bad`: what is so large is seen at once
 
-enum Cause : std::size_t { gamut, thin_wall, neighbours, causes };
-constexpr std::array<const char*, causes> cause_names{"colours out of the resins' reach", "thin walls",
-                                                      "light between neighbouring colours and at edges"};
+using enum LossCause;
+constexpr std::array all_causes{gamut, thin_wall, neighbours};
 
 /// What is off, by cause.
 struct Losses {
-    std::array<double, causes> weight{};  ///< area times difference
+    std::array<double, all_causes.size()> weight{};  ///< area times difference
     double off_mm2 = 0, bad_mm2 = 0, area_mm2 = 0;
     /// Of the thin walls: the median, by weight, and the cell of a wall no thicker that is most off.
     double thickness_mm = 0;
     Eigen::Vector3d place_mm = Eigen::Vector3d::Zero();
 
-    [[nodiscard]] double all() const { return weight[gamut] + weight[thin_wall] + weight[neighbours]; }
-    [[nodiscard]] double share(Cause cause) const { return all() > 0 ? weight[cause] / all() : 0; }
-    [[nodiscard]] Cause main() const {
-        return static_cast<Cause>(std::max_element(weight.begin(), weight.end()) - weight.begin());
+    [[nodiscard]] double& of(LossCause cause) { return weight[std::size_t(cause)]; }
+    [[nodiscard]] double all() const { return weight[0] + weight[1] + weight[2]; }
+    [[nodiscard]] double share(LossCause cause) const { return all() > 0 ? weight[std::size_t(cause)] / all() : 0; }
+    [[nodiscard]] LossCause main() const {
+        return static_cast<LossCause>(std::max_element(weight.begin(), weight.end()) - weight.begin());
     }
 };
 
@@ -58,17 +58,12 @@ void describe_walls(std::vector<ThinCell> cells, Losses& losses) {
         }
         losses.thickness_mm = cell.thickness_mm;
         sum += cell.weight;
-        if (sum >= losses.weight[thin_wall] / 2) return;
+        if (sum >= losses.of(thin_wall) / 2) return;
     }
 }
 
-std::vector<double> seen_differences(const VerdictSources& s, const JobPrediction& p) {
-    const halftone::EyeFilter eye(p.predicted.surface, s.job.options.loop.viewing_distance_mm,
-                                  halftone::EyeSurround::none);
-    return colour_differences(eye.filter(p.target), eye.filter(p.predicted.rgb));
-}
-
-Losses losses_of(const VerdictSources& s, const JobPrediction& p, const std::vector<double>& difference) {
+Losses losses_of(const VerdictSources& s, const JobPrediction& p) {
+    const std::vector<double>& difference = p.seen.difference;
     const VerdictLimits& limits = s.job.options.verdict;
     const double thin_mm = 2 * s.job.options.colour.depth_mm;
     Losses losses;
@@ -80,15 +75,10 @@ Losses losses_of(const VerdictSources& s, const JobPrediction& p, const std::vec
         if (d > limits.bad) losses.bad_mm2 += area;
         if (d <= limits.good) continue;
         losses.off_mm2 += area;
-        if (s.colour.separation.gamut_distance(p.target[i]) >= d / 2) {
-            losses.weight[gamut] += weight;
-            continue;
-        }
-        const Eigen::Vector3d centre(cell.centre_mm[0], cell.centre_mm[1], cell.centre_mm[2]);
-        const double wall =
-            wall_thickness_mm(p.volume, centre, {cell.normal[0], cell.normal[1], cell.normal[2]}, thin_mm);
-        losses.weight[wall < thin_mm ? thin_wall : neighbours] += weight;
-        if (wall < thin_mm) thin.push_back({wall, weight, centre});
+        const CellLoss loss = loss_of_cell(p, s.colour, i, thin_mm);
+        losses.of(loss.cause) += weight;
+        const auto& centre = cell.centre_mm;
+        if (loss.cause == thin_wall) thin.push_back({loss.wall_mm, weight, {centre[0], centre[1], centre[2]}});
     }
     describe_walls(std::move(thin), losses);
     return losses;
@@ -113,7 +103,7 @@ const char* opening(io::VerdictLevel level) {
     return "How it will look was not predicted";
 }
 
-std::string why(Cause cause, const Losses& losses) {
+std::string why(LossCause cause, const Losses& losses) {
     if (cause == thin_wall)
         return fmt::format(
             "light passes through thin walls ({:.1f} mm at x {:.1f}, y {:.1f}, z {:.1f} mm of the print)",
@@ -134,7 +124,7 @@ std::string advice_on_gamut(const VerdictSources& s) {
                        resin->role, resin->now_de2000, resin->mean_de2000);
 }
 
-std::string advice_on(Cause cause, const VerdictSources& s) {
+std::string advice_on(LossCause cause, const VerdictSources& s) {
     if (cause == gamut) return advice_on_gamut(s);
     if (cause == thin_wall)
         return fmt::format("make these walls at least {:g} mm thick, or print it larger ({})",
@@ -145,8 +135,8 @@ std::string advice_on(Cause cause, const VerdictSources& s) {
 }
 
 void add_causes(const Losses& losses, io::ReportVerdict& verdict) {
-    for (const Cause cause : {gamut, thin_wall, neighbours})
-        if (losses.share(cause) >= 0.005) verdict.causes.push_back({cause_names[cause], losses.share(cause)});
+    for (const LossCause cause : all_causes)
+        if (losses.share(cause) >= 0.005) verdict.causes.push_back({std::string(name_of(cause)), losses.share(cause)});
     std::stable_sort(verdict.causes.begin(), verdict.causes.end(),
                      [](const auto& a, const auto& b) { return a.share > b.share; });
 }
@@ -158,17 +148,18 @@ void add_advice(const VerdictSources& s, const Losses& losses, io::ReportVerdict
             "let the resins be rearranged (--iterations 8, or auto): that makes up for much of "
             "the light that spreads and passes");
     for (const io::ReportVerdict::Cause& named : verdict.causes)
-        for (const Cause cause : {gamut, thin_wall, neighbours})
-            if (named.name == cause_names[cause] && named.share >= worth_a_word)
+        for (const LossCause cause : all_causes)
+            if (named.name == name_of(cause) && named.share >= worth_a_word)
                 verdict.advice.push_back(advice_on(cause, s));
 }
 
 void judge_prediction(const VerdictSources& s, const JobPrediction& p, io::ReportVerdict& verdict) {
-    const std::vector<double> difference = seen_differences(s, p);
-    const optics::DifferenceSummary seen = summarize_by_area(p.predicted.surface, difference);
-    const Losses losses = losses_of(s, p, difference);
+    const optics::DifferenceSummary seen = summarize_by_area(p.predicted.surface, p.seen.difference);
+    const Losses losses = losses_of(s, p);
     verdict.seen_mean = seen.mean;
     verdict.seen_p95 = seen.percentile_95;
+    const std::vector<double> share = histogram_by_area(p.predicted.surface, p.seen.difference, histogram_edges);
+    for (std::size_t i = 0; i < share.size(); ++i) verdict.seen_histogram.emplace_back(histogram_edges[i], share[i]);
     verdict.off_share = losses.area_mm2 > 0 ? losses.off_mm2 / losses.area_mm2 : 0;
     verdict.level =
         level_of(seen.mean, losses.area_mm2 > 0 ? losses.bad_mm2 / losses.area_mm2 : 0, s.job.options.verdict);
@@ -204,7 +195,7 @@ void judge_gamut(const VerdictSources& s, io::ReportVerdict& verdict) {
                   "on average over the surface",
                   100 * s.gamut.mapped_share, s.gamut.mean_de2000);
     if (verdict.level == io::VerdictLevel::bad) {
-        verdict.causes.push_back({cause_names[gamut], 1});
+        verdict.causes.push_back({std::string(name_of(gamut)), 1});
         verdict.advice.push_back(advice_on_gamut(s));
         verdict.sentence =
             fmt::format("{}: {} (above {:g} is bad); try this: {}. Light in it was not predicted: {}.",
@@ -243,6 +234,14 @@ double wall_thickness_mm(const optics::ResinVolume& volume, const Eigen::Vector3
     while (depth < voxel && !solid(depth)) depth += step;
     while (depth < most_mm && solid(depth)) depth += step;
     return std::min(depth, most_mm);
+}
+
+CellLoss loss_of_cell(const JobPrediction& p, const JobColour& colour, std::size_t i, double thin_mm) {
+    if (colour.separation.gamut_distance(p.target[i]) >= p.seen.difference[i] / 2) return {gamut, thin_mm};
+    const optics::SurfaceCell& cell = p.predicted.surface.cells[i];
+    const Eigen::Vector3d centre(cell.centre_mm[0], cell.centre_mm[1], cell.centre_mm[2]);
+    const double wall = wall_thickness_mm(p.volume, centre, {cell.normal[0], cell.normal[1], cell.normal[2]}, thin_mm);
+    return {wall < thin_mm ? thin_wall : neighbours, wall};
 }
 
 io::ReportVerdict judge(const VerdictSources& s) {

@@ -16,16 +16,28 @@
 // A model that lost colours (ModelFile::lost_colour) will not look as asked, whatever the figure says of the rest.
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
 
-#include "voxtone/io/report/report_html.h"
+#include "voxtone/base/named_values.h"
+#include "voxtone/io/report/report.h"
 #include "voxtone/slicer/job/job_prediction.h"
 #include "voxtone/slicer/prepare/job_body.h"
 #include "voxtone/slicer/prepare/job_colour.h"
 #include "voxtone/slicer/prepare/opened_job.h"
 
 namespace voxtone::slicer {
+
+enum class LossCause { gamut, thin_wall, neighbours };
+
+struct CellLoss {
+    LossCause cause;
+    double wall_mm;  ///< how thick the body is there, `thin_mm` at most
+};
+/// What limits a cell; `thin_mm`: two shell depths.
+[[nodiscard]] CellLoss loss_of_cell(const JobPrediction& prediction, const JobColour& colour, std::size_t cell,
+                                    double thin_mm);
 
 struct VerdictSources {
     const OpenedJob& job;
@@ -46,3 +58,12 @@ struct VerdictSources {
                                        const Eigen::Vector3d& normal, double most_mm);
 
 }  // namespace voxtone::slicer
+
+template <>
+struct voxtone::NamesOf<voxtone::slicer::LossCause> {
+    using E = slicer::LossCause;
+    static constexpr auto table =
+        std::to_array<Named<E>>({{E::gamut, "colours out of the resins' reach"},
+                                 {E::thin_wall, "thin walls"},
+                                 {E::neighbours, "light between neighbouring colours and at edges"}});
+};

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "voxtone/io/layers/layer_runs.h"
-#include "voxtone/io/report/report_html.h"
+#include "voxtone/io/report/report.h"
 #include "voxtone/slicer/printer/voxel_grid.h"
 
 namespace voxtone::slicer {

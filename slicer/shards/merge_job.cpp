@@ -108,11 +108,10 @@ OpenedJob open_merged(const MergeOptions& options) {
 }
 
 /// A print that is predicted sees its layers; they are made again, and not written.
-void show_layers(Print& print, const LayerRange& range, Progress& progress) {
+void show_layers(Print& print, const LayerRange& range, LayerWatchers& watchers, Progress& progress) {
     JobFigures unused;
-    std::optional<Thumbnails> none;
     make_layers(
-        print, range, [](int, const io::LayerRuns&) {}, none, unused, progress);
+        print, range, [](int, const io::LayerRuns&) {}, watchers, unused, progress);
 }
 
 JobResult write_merged_report(const MergeOptions& options, const io::ShardSet& shards, const Stopwatch& watch,
@@ -136,8 +135,10 @@ JobResult write_merged_report(const MergeOptions& options, const io::ShardSet& s
     const auto phases = phase_estimates(job, body, range, thread_count(), resident_bytes());
     expect_stages(progress, options.predict ? expected_stages(phases, {"layers", "predict", "report"})
                                             : expected_stages(phases, {"report"}));
+    LayerWatchers watchers;
+    if (options.predict && job.options.report) watchers.voxels.emplace(range.first, range.layers(), body.grid);
     if (options.predict)
-        show_layers(*print, range, progress);
+        show_layers(*print, range, watchers, progress);
     else
         print->expect_layers(range);
     print->look(shards.stack, progress);
@@ -147,7 +148,7 @@ JobResult write_merged_report(const MergeOptions& options, const io::ShardSet& s
     report.sections.push_back(shards_section(shards));
     for (const io::ShardRecord& record : shards.records)
         report.peak_memory_bytes = std::max(report.peak_memory_bytes, record.figures.peak_memory_bytes);
-    std::string json = write_report(job, *print, report, watch, progress);
+    std::string json = write_report(job, *print, report, watchers.voxels, watch, progress);
     progress.end_stage();
     std::error_code not_there;
     fs::remove(io::prepared_file(options.out, shards.job()), not_there);

@@ -122,13 +122,13 @@ void make_shard(const OpenedJob& job, const JobBody& body, Print& print, const L
     part.first_layer = record.first_layer;
     part.layers = record.layers;
     io::LayerFiles files(into, part, record.resin_bitmaps);
-    std::optional<Thumbnails> thumbnails;
-    if (job.options.report) thumbnails.emplace(all.first, all.layers(), body.grid, job.palette());
+    LayerWatchers watchers;
+    if (job.options.report) watchers.thumbnails.emplace(all.first, all.layers(), body.grid, job.palette());
     make_layers(
         print, mine, [&](int k, const io::LayerRuns& layer) { files.write(std::uint32_t(k - mine.first), layer); },
-        thumbnails, figures, progress);
+        watchers, figures, progress);
     record.written = files.written();
-    if (thumbnails) record.pictures = thumbnails->take();
+    if (watchers.thumbnails) record.pictures = watchers.thumbnails->take();
 }
 
 io::ShardFigures figures_of(const JobFigures& f, const Stopwatch& since_begin) {

@@ -1,0 +1,78 @@
+// What is known of one place: colours, differences, what lies under it, how thick the body is there.
+
+const PROBE_DEPTHS_MM = [0, 0.1, 0.2, 0.4, 0.7, 1];
+
+class Probe {
+  constructor(surface, voxels, resins, viewingDistance) {
+    this.surface = surface;
+    this.voxels = voxels;
+    this.resins = resins;
+    this.viewingDistance = viewingDistance;
+    this.list = document.getElementById("probe-list");
+    this.mixture = document.getElementById("probe-mixture");
+  }
+
+  /// `hit` of pick(); null: nothing is there.
+  show(hit) {
+    document.getElementById("probe-values").hidden = !hit;
+    document.getElementById("probe-hint").hidden = Boolean(hit);
+    if (!hit) return;
+    this.swatch("probe-target", "target", hit.place);
+    this.swatch("probe-print", "print", hit.place);
+    const { seen, single } = this.surface;
+    const rows = [];
+    if (seen) rows.push([`CIEDE2000 at ${this.viewingDistance} mm`, differenceText(seen[hit.place])]);
+    if (single) rows.push(["CIEDE2000, this spot", differenceText(single[hit.place])]);
+    this.under(hit, rows);
+    rows.push(["x, y, z, mm", hit.at.map((x) => x.toFixed(2)).join("  ")]);
+    if (hit.column !== undefined) rows.push(["column, row", `${hit.column}, ${hit.row}`]);
+    this.list.replaceChildren(...rows.flatMap(([term, text]) => [element("dt", term), element("dd", text)]));
+  }
+
+  swatch(id, name, place) {
+    const look = this.surface.looks.find((one) => one.name === name);
+    const swatch = document.getElementById(id);
+    swatch.parentElement.hidden = !look;
+    if (!look) return;
+    const rgb = look.rgb.subarray(3 * place, 3 * place + 3);
+    swatch.style.background = cssOf(rgb);
+    swatch.parentElement.querySelector("span").textContent = hexOf(rgb);
+  }
+
+  under(hit, rows) {
+    this.mixture.replaceChildren();
+    if (!this.voxels || !this.voxels.layers.length) return;
+    const radius = Math.max(0.15, this.surface.placeMm / 2);
+    const { shares, thickness } = this.voxels.inward(hit.at, hit.normal, PROBE_DEPTHS_MM, radius);
+    const largest = Math.max(...this.voxels.pitch.map((pitch, a) => pitch * this.voxels.step[a]));
+    if (thickness > 0) rows.push(["thickness here", `${thickness.toFixed(thickness < 3 ? 2 : 1)} mm ± ${largest.toFixed(2)}`]);
+    this.mixture.append(element("h4", "Resins by depth"));
+    shares.forEach((share, d) => this.addDepth(share, d));
+  }
+
+  addDepth(share, d) {
+    const row = element("div");
+    row.className = "depth";
+    row.append(element("span", `${PROBE_DEPTHS_MM[d]} to ${PROBE_DEPTHS_MM[d + 1]} mm`));
+    const bar = element("i");
+    const all = [...share.values()].reduce((sum, n) => sum + n, 0);
+    const words = [];
+    this.resins.forEach((resin, r) => {
+      const part = all ? (share.get(r + 1) || 0) / all : 0;
+      if (!part) return;
+      const piece = element("b");
+      piece.style.width = `${100 * part}%`;
+      piece.style.background = cssOf(resin.rgb);
+      bar.append(piece);
+      words.push(`${resin.role || resin.name} ${Math.round(100 * part)} %`);
+    });
+    row.append(bar, element("small", words.join(", ") || "nothing"));
+    this.mixture.append(row);
+  }
+}
+
+const element = (name, text = "") => {
+  const made = document.createElement(name);
+  made.textContent = text;
+  return made;
+};

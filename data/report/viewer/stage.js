@@ -1,0 +1,225 @@
+// The view of the surface: what is shown, from where, and what is under the pointer.
+
+class Stage {
+  /// Throws where there is no WebGL2.
+  constructor(surface, probe) {
+    this.surface = surface;
+    this.probe = probe;
+    this.canvas = document.getElementById("viewer-canvas");
+    this.box = this.canvas.parentElement;
+    this.divider = document.getElementById("viewer-divider");
+    this.mark = document.getElementById("viewer-mark");
+    this.scene = new Scene(this.canvas, surface);
+    this.camera = new Camera(surface.low, surface.high, surface.isPicture);
+    this.names = surface.looks.map((look) => look.name);
+    this.compared = this.names.includes("print") ? "print" : this.names[this.names.length - 1];
+    this.state = { left: this.names[0], right: this.compared, at: 0.5, divided: this.names.length > 1, lit: false };
+    this.section = null;
+    this.marked = null;
+    this.addButtons();
+    this.listen();
+    this.resize();
+    this.camera.reset();
+    this.update();
+  }
+
+  addButtons() {
+    const looks = document.getElementById("viewer-looks");
+    this.lookButtons = this.surface.looks.map((look, i) =>
+      addChoice(looks, `${i + 1} ${look.name}`, look.caption, () => this.show(look.name)));
+    const views = document.getElementById("viewer-views");
+    views.hidden = this.surface.isPicture;
+    if (!this.surface.isPicture)
+      for (const name of Object.keys(VIEWS)) addChoice(views, name, `the ${name} view`, () => this.look(name));
+    this.compare = document.getElementById("viewer-compare");
+    this.compare.hidden = this.names.length < 2;
+    this.compare.addEventListener("click", () => this.toggleCompare());
+    this.lit = document.getElementById("viewer-lit");
+    this.lit.hidden = this.surface.isPicture;
+    this.lit.addEventListener("click", () => this.toggleLight());
+    document.getElementById("viewer-reset").addEventListener("click", () => this.reset());
+  }
+
+  listen() {
+    followPointers(this.canvas, {
+      drag: (dx, dy, event) => this.drag(dx, dy, event),
+      pinch: (factor, x, y, dx, dy) => {
+        this.zoom(factor, x, y);
+        this.pan(dx, dy);
+      },
+      hover: (x, y) => this.probeAt(x, y),
+    });
+    this.canvas.addEventListener("wheel", (event) => {
+      if (document.activeElement !== this.canvas && !event.ctrlKey) return;
+      event.preventDefault();
+      this.zoom(Math.pow(2, -event.deltaY / 300), event.offsetX, event.offsetY);
+    }, { passive: false });
+    this.canvas.addEventListener("dblclick", (event) => this.zoom(2, event.offsetX, event.offsetY));
+    this.divider.addEventListener("pointerdown", (event) => this.divider.setPointerCapture(event.pointerId));
+    this.divider.addEventListener("pointermove", (event) => {
+      const { left, top, width } = this.canvas.getBoundingClientRect();
+      if (this.divider.hasPointerCapture(event.pointerId)) this.divide((event.clientX - left) / width);
+      else this.probeAt(event.clientX - left, event.clientY - top);
+    });
+    this.divider.addEventListener("keydown", (event) => {
+      const by = { ArrowLeft: -0.02, ArrowDown: -0.02, ArrowRight: 0.02, ArrowUp: 0.02 }[event.key];
+      if (event.key === "Home") this.divide(0);
+      else if (event.key === "End") this.divide(1);
+      else if (by) this.divide(this.state.at + by);
+      else return;
+      event.preventDefault();
+      event.stopPropagation();
+    });
+    new ResizeObserver(() => this.resize()).observe(this.canvas);
+  }
+
+  drag(dx, dy, event) {
+    if (this.surface.isPicture || event.shiftKey || event.buttons & 6) this.pan(dx, dy);
+    else this.orbit(-0.4 * dx, 0.4 * dy);
+  }
+
+  orbit(yaw, pitch) {
+    this.camera.orbit(yaw, pitch);
+    this.update();
+  }
+
+  /// By an arrow key: turns a body, moves a picture.
+  step(x, y) {
+    if (this.surface.isPicture) this.pan(60 * x, 60 * y);
+    else this.orbit(-10 * x, 10 * y);
+  }
+
+  pan(dx, dy) {
+    const perPx = 2 / this.canvas.clientHeight;
+    this.camera.pan(-dx * perPx, dy * perPx);
+    this.update();
+  }
+
+  zoom(factor, x = this.canvas.clientWidth / 2, y = this.canvas.clientHeight / 2) {
+    this.camera.zoom(factor, ...this.toView(x, y));
+    this.update();
+  }
+
+  look(name) {
+    this.camera.look(...VIEWS[name]);
+    this.update();
+  }
+
+  reset() {
+    this.camera.reset();
+    this.marked = null;
+    this.update();
+  }
+
+  /// One look alone.
+  show(name) {
+    if (name !== this.names[0]) this.compared = name;
+    this.state = { ...this.state, left: name, right: name, divided: false };
+    this.update();
+  }
+
+  toggleCompare() {
+    const divided = !this.state.divided;
+    const right = this.compared;
+    this.state = { ...this.state, divided, left: divided ? this.names[0] : right, right };
+    this.update();
+  }
+
+  /// Target for what is compared with it, and back; with a divider both change sides.
+  flip() {
+    if (this.names.length < 2) return;
+    const { divided, left, right } = this.state;
+    if (divided) this.state = { ...this.state, left: right, right: left };
+    else this.show(right === this.names[0] ? this.compared : this.names[0]);
+    this.update();
+  }
+
+  toggleLight() {
+    this.state.lit = !this.state.lit;
+    this.update();
+  }
+
+  divide(at) {
+    this.state.at = Math.min(1, Math.max(0, at));
+    this.update();
+  }
+
+  /// Of cut.js: { axis, mm, ... } or null.
+  cut(section) {
+    this.section = section;
+    this.update();
+  }
+
+  /// Turns to a place and marks it.
+  visit(place, normal) {
+    this.camera.lookAt(place, normal, Math.min(10, 4 * this.camera.halfHeight));
+    this.marked = place;
+    this.update();
+    this.probeAt(this.canvas.clientWidth / 2, this.canvas.clientHeight / 2);
+  }
+
+  toView(x, y) {
+    return [(2 * x) / this.canvas.clientWidth - 1, 1 - (2 * y) / this.canvas.clientHeight];
+  }
+
+  plane() {
+    if (!this.section) return null;
+    const { axis, mm } = this.section;
+    const sign = this.camera.axes().towards[axis] >= 0 ? 1 : -1;
+    const plane = [0, 0, 0, sign * mm];
+    plane[axis] = sign;
+    return plane;
+  }
+
+  probeAt(x, y) {
+    this.probed = [x, y];
+    if (this.probing) return;
+    this.probing = true;
+    requestAnimationFrame(() => {
+      this.probing = false;
+      const ray = this.camera.ray(...this.toView(...this.probed));
+      this.probe.show(pick(this.surface, this.scene.normals, ray, this.plane()));
+    });
+  }
+
+  probeMiddle() {
+    this.probeAt(this.canvas.clientWidth / 2, this.canvas.clientHeight / 2);
+  }
+
+  resize() {
+    this.camera.aspect = Math.max(0.1, this.canvas.clientWidth / Math.max(1, this.canvas.clientHeight));
+    this.update();
+  }
+
+  update() {
+    const { left, right, divided, lit } = this.state;
+    this.lookButtons.forEach((button, i) => press(button, !divided && this.names[i] === right));
+    press(this.compare, divided);
+    press(this.lit, lit);
+    this.divider.hidden = !divided;
+    this.divider.style.left = `${100 * this.state.at}%`;
+    this.divider.setAttribute("aria-valuenow", String(Math.round(100 * this.state.at)));
+    this.divider.children[0].textContent = left;
+    this.divider.children[1].textContent = right;
+    document.getElementById("viewer-legend").hidden = left !== "difference" && right !== "difference";
+    this.canvas.dataset.left = left;
+    this.canvas.dataset.right = right;
+    if (this.waiting) return;
+    this.waiting = true;
+    requestAnimationFrame(() => this.draw());
+  }
+
+  draw() {
+    this.waiting = false;
+    const { left, right, divided, at, lit } = this.state;
+    const plane = this.plane();
+    if (this.scene.section && plane) this.scene.section.plane = plane;
+    this.scene.draw(this.camera, { left, right, divider: divided ? at : 0, lit });
+    showScale(this.box, this.canvas.clientHeight / (2 * this.camera.halfHeight));
+    this.mark.hidden = !this.marked;
+    if (!this.marked) return;
+    const [x, y] = this.camera.project(this.marked);
+    this.mark.style.left = `${50 * (x + 1)}%`;
+    this.mark.style.top = `${50 * (1 - y)}%`;
+  }
+}

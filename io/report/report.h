@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What a job has to say for itself, as plain values: the page (report_html.h) and the figures for programs
+// (report_json.h) are made of it.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "voxtone/base/named_values.h"
+#include "voxtone/io/layers/rgb.h"
+#include "voxtone/io/report/viewer.h"
+
+namespace voxtone::io {
+
+struct ReportPicture {
+    std::string caption;
+    std::vector<std::uint8_t> png;  ///< transparent where there is nothing: the page has a grey stage for it
+    std::uint32_t width_px = 0, height_px = 0;
+    double px_per_mm = 0;  ///< 0: not to scale, no scale bar
+};
+
+/// What is seen from one side: usually the target and the prediction, in the same scale.
+struct ReportView {
+    std::string name;  ///< "front"
+    std::vector<ReportPicture> pictures;
+};
+
+struct ReportLayer {
+    std::uint32_t number = 0;  ///< 0 is the bottom
+    double height_mm = 0;      ///< of the layer's middle above the bottom of the stack
+    ReportPicture picture;     ///< all of one size
+};
+
+struct ReportResin {
+    std::string name;           ///< the maker's name
+    std::string role;           ///< "W"
+    std::string material_name;  ///< as the printer's software calls it; may be empty
+    Rgb rgb{};                  ///< its colour in the bitmaps
+    std::uint64_t voxels = 0;
+    double ml = 0;
+};
+
+struct ReportStage {
+    std::string name;
+    double seconds = 0;
+};
+
+enum class VerdictLevel {
+    unknown,  ///< nothing was predicted
+    good,
+    fair,
+    bad,
+};
+
+/// What a print's user wants to know first. Figures are CIEDE2000 over the whole coloured surface, by area.
+struct ReportVerdict {
+    VerdictLevel level = VerdictLevel::unknown;
+    std::string sentence;                       ///< will it look as asked; if not, why, and what to try
+    std::optional<double> seen_mean, seen_p95;  ///< the headline and its tail: as seen from the viewing distance
+    double viewing_distance_mm = 0;
+    double good_up_to = 0, bad_above = 0;  ///< means
+    double off_share = 0;                  ///< of the surface: differs by more than `good_up_to`
+    struct Cause {
+        std::string name;
+        double share = 0;  ///< of all that is off, by area and difference
+    };
+    std::vector<Cause> causes;        ///< the largest first
+    std::vector<std::string> advice;  ///< what to try, the best first
+    /// Share of the surface with a difference as seen in [edge, next edge), the last one everything above.
+    std::vector<std::pair<double, double>> seen_histogram;
+};
+
+/// How the target was brought into what the loaded resins can show.
+struct ReportGamut {
+    double mapped_share = 0;                                 ///< of the coloured surface, in [0, 1]
+    double mean_de2000 = 0, p95_de2000 = 0, max_de2000 = 0;  ///< over the whole coloured surface: asked for - mapped
+};
+
+/// What an appearance model says of the print, against what was asked for; figures weigh the surface by area.
+struct ReportPrediction {
+    std::string model;
+    std::string note;  ///< what it is and what it leaves out; one paragraph
+    std::array<double, 3> cell_um{};
+    std::uint64_t cells = 0;
+    double seconds = 0;
+    double mean_de2000 = 0, median_de2000 = 0, p95_de2000 = 0, max_de2000 = 0;
+    /// Share of the surface with a difference in [edge, next edge), the last one everything above.
+    std::vector<std::pair<double, double>> histogram;
+};
+
+/// One print of the appearance loop: errors against the target, over the colours that the resins can show, by area,
+/// CIEDE2000.
+struct ReportIteration {
+    int number = 0;                        ///< 0: the open loop
+    double mean = 0, median = 0, p95 = 0;  ///< as seen from the viewing distance
+    double cells_mean = 0;                 ///< cell by cell
+    double saturated_share = 0;            ///< of the cells, at their limits, in [0, 1]
+    double seconds = 0;
+};
+
+struct ReportLoop {
+    std::string note;  ///< what was done and why it ended; one paragraph
+    std::vector<ReportIteration> iterations;
+    int best = 0;  ///< number of the one that is printed
+    double seconds = 0;
+    std::vector<ReportPicture> crops, sections;  ///< magnified surface; cut through the resins
+    std::string sections_note;
+};
+
+/// A table of texts; cells that look like numbers are set to the right.
+struct ReportTable {
+    std::string title;
+    std::vector<std::string> header;
+    std::vector<std::vector<std::string>> rows;
+};
+
+/// Lines on a white ground.
+struct ReportDrawing {
+    std::string caption;
+    std::string svg;  ///< of ours (plot_svg.h): goes into the page as it is
+};
+
+struct ReportSection {
+    std::string title;
+    std::vector<std::string> paragraphs;
+    std::vector<ReportTable> tables;
+    std::vector<ReportPicture> pictures;
+    std::vector<ReportDrawing> drawings;
+};
+
+struct Report {
+    std::string title;            ///< the model's name
+    std::string program_version;  ///< "0.1.0"
+    std::string printer_id, printer_name;
+    std::array<double, 3> pitch_um{};
+    std::array<double, 3> size_mm{};         ///< of the body's box
+    std::array<std::uint32_t, 3> size_px{};  ///< columns, rows, layers
+    std::uint64_t body_voxels = 0;
+    std::vector<ReportResin> resins;
+    std::vector<std::string> warnings;
+    std::vector<ReportStage> stages;  ///< one after the other
+    double total_seconds = 0;         ///< of the whole job
+    std::uint64_t peak_memory_bytes = 0;
+    std::uint64_t output_bytes = 0;
+    std::optional<ReportVerdict> verdict;  ///< of a print that shows colours
+    std::optional<ReportGamut> gamut;
+    std::optional<ReportPrediction> prediction;
+    std::optional<ReportLoop> loop;
+    std::string prediction_note;  ///< what the prediction is and what it leaves out; one paragraph
+    std::vector<ReportView> views;
+    ReportViewer viewer;                  ///< stands in the place of `views` and `layers` where a browser can show it
+    std::vector<ReportLayer> layers;      ///< some of them, from the bottom up
+    std::vector<ReportSection> sections;  ///< whatever else there is to tell
+    std::vector<std::pair<std::string, std::string>> job;  ///< every option as resolved
+};
+
+}  // namespace voxtone::io
+
+template <>
+struct voxtone::NamesOf<voxtone::io::VerdictLevel> {
+    using Level = io::VerdictLevel;
+    static constexpr auto table = std::to_array<Named<Level>>(
+        {{Level::unknown, "unknown"}, {Level::good, "good"}, {Level::fair, "fair"}, {Level::bad, "bad"}});
+};

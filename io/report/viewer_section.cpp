@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/io/report/viewer_section.h"
+
+#include <algorithm>
+#include <string_view>
+#include <vector>
+
+#include <fmt/core.h>
+
+#include "voxtone/io/files/markup.h"
+#include "voxtone/io/report/report_assets.h"
+#include "voxtone/io/report/viewer_data.h"
+
+namespace voxtone::io {
+
+namespace {
+
+/// In the order in which they use each other.
+constexpr std::string_view scripts[] = {"unpack", "colours", "controls", "camera", "pick", "voxels",
+                                        "scene",  "probe",   "stage",    "cut",    "start"};
+
+std::string swatch(const Rgb& rgb) {
+    return fmt::format("<span class=\"swatch\" style=\"background:rgb({}, {}, {})\"></span>", rgb[0], rgb[1], rgb[2]);
+}
+
+std::string place_item(const ViewerPlace& place, std::size_t number) {
+    return fmt::format(
+        "<li><button type=\"button\" class=\"place\" data-place=\"{}\" disabled>{}{} {:.1f} at x {:.1f}, y {:.1f}, z "
+        "{:.1f} mm: {}</button></li>\n",
+        number, swatch(place.target), swatch(place.print), place.seen, place.at_mm[0], place.at_mm[1], place.at_mm[2],
+        html_text(place.cause));
+}
+
+/// What to do against each cause that is in the list, once.
+std::string advice_list(const std::vector<ViewerPlace>& worst) {
+    std::vector<std::string_view> causes;
+    std::string html;
+    for (const ViewerPlace& place : worst) {
+        if (place.advice.empty() || std::find(causes.begin(), causes.end(), place.cause) != causes.end()) continue;
+        causes.push_back(place.cause);
+        html += fmt::format("<li>{}: {}</li>\n", html_text(place.cause), html_text(place.advice));
+    }
+    return html.empty() ? html : "<p>What to do there:</p>\n<ul>\n" + html + "</ul>\n";
+}
+
+/// Shares of the surface as bars, one a row.
+std::string histogram_table(const std::vector<std::pair<double, double>>& histogram) {
+    double most = 0;
+    std::size_t last = 0;
+    for (std::size_t i = 0; i < histogram.size(); ++i) {
+        most = std::max(most, histogram[i].second);
+        if (histogram[i].second > 0) last = i;
+    }
+    if (most <= 0) return {};
+    std::string html =
+        "<div class=\"table\"><table>\n<thead><tr><th>CIEDE2000 as seen</th><th class=\"n\">Share of the "
+        "surface</th><th></th></tr></thead>\n<tbody>\n";
+    for (std::size_t i = 0; i <= last; ++i) {
+        const std::string range = i + 1 < histogram.size()
+                                      ? fmt::format("{:g} to {:g}", histogram[i].first, histogram[i + 1].first)
+                                      : fmt::format("{:g} and more", histogram[i].first);
+        html += fmt::format(
+            "<tr><td>{}</td><td class=\"n\">{:.1f} %</td><td class=\"meter\"><i style=\"--share:{:.2f}%\"></i></td>"
+            "</tr>\n",
+            range, 100 * histogram[i].second, 100 * histogram[i].second / most);
+    }
+    return html + "</tbody>\n</table></div>\n";
+}
+
+}  // namespace
+
+std::string viewer_panels(const Report& report) {
+    if (report.viewer.empty()) return {};
+    std::vector<ViewerResin> resins;
+    for (const ReportResin& resin : report.resins) resins.push_back({resin.name, resin.role, resin.rgb});
+    std::string html(report_asset("panels"));
+    html += "<script type=\"application/json\" id=\"viewer-data\">";
+    html += in_script(viewer_json(report.viewer, resins));
+    return html + "</script>\n";
+}
+
+std::string worst_section(const Report& report) {
+    const std::vector<ViewerPlace>& worst = report.viewer.worst;
+    if (worst.empty()) return {};
+    std::string html = fmt::format(
+        "<section>\n<h2>Where it is worst</h2>\n<p class=\"soft\">Places that differ most, seen from {:g} mm: target "
+        "and print, CIEDE2000, and what limits it there.<span class=\"screen-only\"> A click turns the view above to "
+        "the place.</span></p>\n<div class=\"worst-grid\"><div><ol class=\"worst\">\n",
+        report.viewer.viewing_distance_mm);
+    for (std::size_t i = 0; i < worst.size(); ++i) html += place_item(worst[i], i);
+    html += "</ol>\n" + advice_list(worst) + "</div>\n";
+    if (report.verdict) html += histogram_table(report.verdict->seen_histogram);
+    html += "</div>\n";
+    return html + "</section>\n";
+}
+
+std::string viewer_script(const Report& report) {
+    if (report.viewer.empty()) return {};
+    std::string text = "(() => {\n\"use strict\";\n";
+    for (const std::string_view name : scripts) text += report_asset(name);
+    return text + "})();\n";
+}
+
+}  // namespace voxtone::io

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/slicer/look/viewer_surface.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <span>
+
+#include <fmt/core.h>
+
+#include "voxtone/base/contracts.h"
+#include "voxtone/io/pictures/srgb_code.h"
+#include "voxtone/io/report/report_html.h"
+#include "voxtone/slicer/look/clustered_mesh.h"
+#include "voxtone/slicer/look/prediction_files.h"
+
+namespace voxtone::slicer {
+
+namespace {
+
+constexpr double surface_share = 0.65;
+
+/// Bytes of the page for a place, as the bundled cow of 30 mm (11.4, up to 2.7, 1.1) and a photograph (0, 2.7, 1.2)
+/// have them after deflate and base64, and a little more.
+std::size_t most_places(std::size_t bytes, const SurfaceLooks& looks, double of_shape) {
+    constexpr double of_look = 2.9, of_difference = 1.3;
+    const double each = of_shape + of_look * double(looks.looks.size()) +
+                        of_difference * (double(!looks.seen.empty()) + double(!looks.single.empty()));
+    return std::max<std::size_t>(16, std::size_t(double(bytes) / each));
+}
+
+/// Mean values of the new places; `place_of` says where each old one went.
+class Gathered {
+public:
+    Gathered(std::span<const std::uint32_t> place_of, std::size_t places) : place_of_(place_of), count_(places, 0.0f) {
+        for (const std::uint32_t place : place_of) count_[place] += 1;
+    }
+    [[nodiscard]] std::vector<std::uint8_t> codes(const std::vector<Eigen::Vector3f>& rgb) const {
+        VOXTONE_EXPECT(rgb.size() == place_of_.size());
+        std::vector<Eigen::Vector3f> sum(count_.size(), Eigen::Vector3f::Zero());
+        for (std::size_t i = 0; i < rgb.size(); ++i) sum[place_of_[i]] += rgb[i];
+        std::vector<std::uint8_t> codes;
+        codes.reserve(3 * sum.size());
+        for (std::size_t p = 0; p < sum.size(); ++p)
+            for (Eigen::Index c = 0; c < 3; ++c)
+                codes.push_back(io::linear_to_srgb8(count_[p] > 0 ? sum[p][c] / count_[p] : 0));
+        return codes;
+    }
+    [[nodiscard]] io::ViewerDifferences tenths(const std::vector<double>& difference) const {
+        if (difference.empty()) return {};
+        VOXTONE_EXPECT(difference.size() == place_of_.size());
+        std::vector<double> sum(count_.size(), 0.0);
+        for (std::size_t i = 0; i < difference.size(); ++i) sum[place_of_[i]] += difference[i];
+        io::ViewerDifferences tenths;
+        tenths.reserve(sum.size());
+        for (std::size_t p = 0; p < sum.size(); ++p)
+            tenths.push_back(std::uint8_t(std::lround(std::min(25.5, sum[p] / std::max(1.0f, count_[p])) * 10)));
+        return tenths;
+    }
+    [[nodiscard]] std::vector<std::uint8_t> covered() const {
+        std::vector<std::uint8_t> covered;
+        for (const float count : count_) covered.push_back(count > 0 ? 1 : 0);
+        return covered;
+    }
+
+private:
+    std::span<const std::uint32_t> place_of_;
+    std::vector<float> count_;
+};
+
+void add_looks(const SurfaceLooks& looks, const Gathered& gathered, io::ViewerSurface& to) {
+    for (const SurfaceLook& look : looks.looks) to.looks.push_back({look.name, look.caption, gathered.codes(look.rgb)});
+    to.seen = gathered.tenths(looks.seen);
+    to.single = gathered.tenths(looks.single);
+}
+
+std::size_t left(const io::Report& report) {
+    const std::size_t still = io::still_page_bytes(report);
+    return still < io::most_page_bytes ? io::most_page_bytes - still : 0;
+}
+
+}  // namespace
+
+std::size_t surface_bytes_left(const io::Report& report) { return std::size_t(surface_share * double(left(report))); }
+std::size_t voxel_bytes_left(const io::Report& report) {
+    return std::size_t((1 - surface_share) * double(left(report)));
+}
+
+io::ViewerSurface viewer_body(const io::ColouredMesh& mesh, const SurfaceLooks& looks, double grain_mm,
+                              std::size_t bytes) {
+    constexpr double of_shape = 12;
+    constexpr std::size_t opens_at_once = 160'000;  // vertices: twice as many triangles, searched at each probe
+    const ClusteredMesh shape = clustered(mesh.positions_mm, mesh.triangles,
+                                          std::min(opens_at_once, most_places(bytes, looks, of_shape)), grain_mm);
+    io::ViewerSurface out;
+    Eigen::Vector3f low = Eigen::Vector3f::Constant(std::numeric_limits<float>::infinity()), high = -low;
+    for (const Eigen::Vector3f& p : shape.positions_mm) low = low.cwiseMin(p), high = high.cwiseMax(p);
+    for (std::size_t a = 0; a < 3; ++a) {
+        out.low_mm[a] = double(low[Eigen::Index(a)]);
+        out.high_mm[a] = double(high[Eigen::Index(a)]);
+    }
+    out.positions.reserve(3 * shape.positions_mm.size());
+    for (const Eigen::Vector3f& p : shape.positions_mm)
+        for (Eigen::Index a = 0; a < 3; ++a)
+            out.positions.push_back(
+                std::uint16_t(std::lround(65535 * double(p[a] - low[a]) / std::max(1e-6, double(high[a] - low[a])))));
+    for (const auto& t : shape.triangles) out.triangles.insert(out.triangles.end(), t.begin(), t.end());
+    out.place_mm = std::max(grain_mm, shape.cube_mm);
+    add_looks(looks, Gathered(shape.vertex_of, shape.positions_mm.size()), out);
+    out.note = shape.cube_mm > 0
+                   ? fmt::format("{} places about {:.2f} mm apart, each the mean of what was predicted in {:.3f} mm.",
+                                 shape.positions_mm.size(), shape.cube_mm, grain_mm)
+                   : fmt::format("{} places about {:.3f} mm apart.", shape.positions_mm.size(), grain_mm);
+    return out;
+}
+
+io::ViewerSurface viewer_picture(const optics::ResinVolume& volume, const optics::Surface& surface,
+                                 const SurfaceLooks& looks, std::size_t bytes) {
+    constexpr double of_shape = 0.1;
+    const std::array<int, 2> cells = picture_cells(volume, surface.cell_voxels);
+    const std::size_t most = most_places(bytes, looks, of_shape);
+    int across = 1;  // cells that become one
+    const auto size = [&](std::size_t a) { return std::uint32_t((cells[a] + across - 1) / across); };
+    while (std::size_t{size(0)} * size(1) > most) ++across;
+    io::ViewerSurface out;
+    out.size_px = {size(0), size(1)};
+    std::vector<std::uint32_t> place_of;
+    place_of.reserve(surface.cells.size());
+    double top_mm = 0;
+    for (const optics::SurfaceCell& cell : surface.cells) {
+        const std::uint32_t row = std::uint32_t((cells[1] - 1 - cell.cell[1]) / across);
+        place_of.push_back(row * size(0) + std::uint32_t(cell.cell[0] / across));
+        top_mm = std::max(top_mm, double(cell.centre_mm[2]));
+    }
+    const auto& pitch = volume.pitch_mm();
+    const double cell_x = surface.cell_voxels[0] * pitch[0], cell_y = surface.cell_voxels[1] * pitch[1];
+    // The last column and the last row may stick out.
+    out.low_mm = {0, (cells[1] - double(size(1)) * across) * cell_y, 0};
+    out.high_mm = {size(0) * across * cell_x, cells[1] * cell_y, top_mm};
+    out.place_mm = across * cell_x;
+    const Gathered gathered(place_of, std::size_t{size(0)} * size(1));
+    out.covered = gathered.covered();
+    add_looks(looks, gathered, out);
+    out.note = across > 1 ? fmt::format("A pixel is {0:.3f} mm wide, the mean of {1} x {1} that were predicted.",
+                                        out.place_mm, across)
+                          : fmt::format("A pixel is {:.3f} mm wide, as it was predicted.", out.place_mm);
+    return out;
+}
+
+}  // namespace voxtone::slicer
