@@ -63,7 +63,7 @@ Command add_predict_command(CLI::App& program) {
                ->add_option("-o,--out", o.files,
                             "file to write, several by repeating: of a slab from above .png (for the eye) or .exr "
                             "(numbers); of a body .glb or .ply "
-                            "(vertex colours), .png (views)")
+                            "(vertex colours), .png (views); of either .html (a page to turn, probe and cut it)")
                ->required()
                ->type_name("FILE")
                ->allow_extra_args(false),

@@ -15,6 +15,7 @@
 #include "voxtone/base/progress_bar.h"
 #include "voxtone/io/files/base64.h"
 #include "voxtone/io/files/markup.h"
+#include "voxtone/io/report/plot_svg.h"
 #include "voxtone/io/report/report_assets.h"
 #include "voxtone/io/report/viewer_section.h"
 
@@ -93,15 +94,18 @@ std::string style_of(const Report& report) {
 std::string script_of(const Report& report) { return std::string(report_asset("script")) + viewer_script(report); }
 
 void add_head(std::string& html, const Report& report) {
+    const std::string printer = report.printer_name.empty()
+                                    ? std::string()
+                                    : fmt::format("<div class=\"soft\">for {} ({})</div>\n",
+                                                  html_text(report.printer_name), html_text(report.printer_id));
     html += fmt::format(
         "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
         "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; img-src data:; style-src "
         "'unsafe-inline'; "
         "script-src 'unsafe-inline'\">\n<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
         "<title>{} - voxtone</title>\n<style>\n{}</style>\n</head>\n<body>\n<header>\n<h1>{}</h1>\n"
-        "<div class=\"soft\">for {} ({})</div>\n</header>\n<main>\n",
-        html_text(report.title), style_of(report), html_text(report.title), html_text(report.printer_name),
-        html_text(report.printer_id));
+        "{}</header>\n<main>\n",
+        html_text(report.title), style_of(report), html_text(report.title), printer);
 }
 
 void add_summary(std::string& html, const Report& report) {
@@ -198,6 +202,31 @@ void add_prediction(std::string& html, const Report& report) {
     html += fmt::format("</tbody>\n</table></div>\n<p class=\"soft\">{}</p>\n</section>\n", html_text(p.note));
 }
 
+/// The errors as seen, one iteration after the other.
+std::string loop_plot(const ReportLoop& loop) {
+    if (loop.iterations.size() < 2) return {};
+    Plot::Points mean, tail;
+    double most = 0;
+    for (const ReportIteration& i : loop.iterations) {
+        mean.emplace_back(i.number, i.mean);
+        tail.emplace_back(i.number, i.p95);
+        most = std::max(most, i.p95);
+    }
+    PlotAxis x{double(loop.iterations.front().number), double(loop.iterations.back().number), false, {}, "iteration"};
+    for (const ReportIteration& i : loop.iterations)
+        if (loop.iterations.size() <= 12 || i.number % 5 == 0) x.marks.push_back(i.number);
+    const double step = most > 20 ? 10 : most > 8 ? 5 : 1;
+    PlotAxis y{0, std::max(1.0, 1.1 * most), false, {}, "CIEDE2000 as seen"};
+    for (double mark = 0; mark <= y.to; mark += step) y.marks.push_back(mark);
+    Plot plot(x, y, "mean (blue), 95th percentile (grey), printed (dot)", 460, 200);
+    plot.line(tail, "#777777", 1.5, true);
+    plot.line(mean, "#0f6f8f", 2);
+    for (const ReportIteration& i : loop.iterations)
+        if (i.number == loop.best) plot.point(i.number, i.mean, "#0f6f8f");
+    return fmt::format("<div class=\"drawings\"><figure>{}<figcaption>Error by iteration</figcaption></figure></div>\n",
+                       plot.svg());
+}
+
 void add_loop(std::string& html, const Report& report) {
     if (!report.loop) return;
     const ReportLoop& loop = *report.loop;
@@ -222,7 +251,7 @@ void add_loop(std::string& html, const Report& report) {
             name, i.mean, most > 0 ? 100 * i.mean / most : 0, i.median, i.p95, i.cells_mean, 100 * i.saturated_share,
             duration_text(i.seconds));
     }
-    html += "</tbody>\n</table></div>\n";
+    html += "</tbody>\n</table></div>\n" + loop_plot(loop);
     if (!loop.crops.empty()) {
         html += "<h3>Magnified, where the loop changed most</h3>\n";
         add_pictures(html, loop.crops);

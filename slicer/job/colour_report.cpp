@@ -40,18 +40,6 @@ ColouredSurface coloured(const ColourReport& s, Map map) {
     return out;
 }
 
-ColouredSurface target_surface(const ColourReport& s) {
-    return coloured(s, [](const Eigen::Vector3f& rgb) { return rgb; });
-}
-
-/// By the separation's own model.
-ColouredSurface separated_surface(const ColourReport& s) {
-    const halftone::Separation& separation = s.colour.separation;
-    return coloured(s, [&separation](const Eigen::Vector3f& rgb) {
-        return Eigen::Vector3f(separation.predicted(rgb).cast<float>().cwiseMax(0.0f).cwiseMin(1.0f));
-    });
-}
-
 /// Colour differences at points spread evenly over the coloured surface.
 io::ReportGamut gamut_figures(const ColourReport& s) {
     constexpr std::size_t samples = 20000;
@@ -244,6 +232,17 @@ constexpr const char* separation_note =
     "neighbouring colours, at edges and in thin parts.";
 
 }  // namespace
+
+ColouredSurface target_surface(const ColourReport& s) {
+    return coloured(s, [](const Eigen::Vector3f& rgb) { return rgb; });
+}
+
+ColouredSurface separated_surface(const ColourReport& s) {
+    const halftone::Separation& separation = s.colour.separation;
+    return coloured(s, [&separation](const Eigen::Vector3f& rgb) {
+        return Eigen::Vector3f(separation.predicted(rgb).cast<float>().cwiseMax(0.0f).cwiseMin(1.0f));
+    });
+}
 
 void add_colour_report(const ColourReport& s, const std::string& why_not_predicted, io::Report& report) {
     report.gamut = gamut_figures(s);

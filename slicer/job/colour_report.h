@@ -17,6 +17,7 @@
 #include "voxtone/slicer/prepare/job_body.h"
 #include "voxtone/slicer/prepare/job_colour.h"
 #include "voxtone/slicer/prepare/opened_job.h"
+#include "voxtone/slicer/surface/coloured_surface.h"
 #include "voxtone/slicer/surface/surface_colour.h"
 
 namespace voxtone::slicer {
@@ -28,6 +29,10 @@ struct ColourReport {
     const SurfaceColour& surface_colour;
     const std::optional<JobPrediction>& prediction;
 };
+
+/// The visible surface as it was asked for, and as the separation's own model says it will be.
+[[nodiscard]] ColouredSurface target_surface(const ColourReport& sources);
+[[nodiscard]] ColouredSurface separated_surface(const ColourReport& sources);
 
 /// Gamut, prediction and its note, the section on mixtures.
 void add_colour_report(const ColourReport& sources, const std::string& why_not_predicted, io::Report& report);

@@ -19,6 +19,7 @@
 #include "voxtone/optics/colour/spectral_colour.h"
 #include "voxtone/slicer/look/preview.h"
 #include "voxtone/slicer/look/report_files.h"
+#include "voxtone/slicer/look/viewer_surface.h"
 #include "voxtone/slicer/surface/target_cells.h"
 
 namespace voxtone::slicer {
@@ -348,6 +349,13 @@ void draw_layers_report(const JobLayers& layers, const JobBody& body, io::Report
                                                 io::png_bytes(codes, {pictures[v].px_per_mm, pictures[v].px_per_mm}),
                                                 codes.width_px, codes.height_px, pictures[v].px_per_mm});
         }
+    }
+    if (!surfaces[0].triangles.empty()) {
+        const std::array painted{PaintedSurface{"target", captions[0], surfaces[0]},
+                                 PaintedSurface{"print", captions[1], surfaces[1]},
+                                 PaintedSurface{"distance", captions[2], surfaces[2]}};
+        report.viewer.surface =
+            viewer_painted(painted, body.grid.origin_mm, body.is_picture, false, surface_bytes_left(report), &progress);
     }
     if (!body.is_picture) return;
     io::write_whole_file(folder / report_file::target_png, report.views[0].pictures[0].png);

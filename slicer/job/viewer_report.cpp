@@ -2,6 +2,7 @@
 #include "voxtone/slicer/job/viewer_report.h"
 
 #include <algorithm>
+#include <array>
 #include <numeric>
 #include <string>
 
@@ -107,7 +108,16 @@ std::vector<io::ViewerPlace> worst_places(const ColourReport& s, const JobPredic
 void add_viewer(const ColourReport& s, io::Report& report, const Progress& progress) {
     const std::size_t bytes = surface_bytes_left(report);
     progress.check_cancelled();
-    if (!s.prediction) return;
+    if (!s.prediction) {
+        const std::array painted{PaintedSurface{"target", "what was asked for", target_surface(s)},
+                                 PaintedSurface{"print",
+                                                "what the resins can reach on a thick body, by the "
+                                                "separation's own model",
+                                                separated_surface(s)}};
+        report.viewer.surface =
+            viewer_painted(painted, s.body.grid.origin_mm, s.body.is_picture, true, bytes, &progress);
+        return;
+    }
     report.viewer.viewing_distance_mm = s.job.options.loop.viewing_distance_mm;
     report.viewer.worst = worst_places(s, *s.prediction);
     add_predicted_surface(s, *s.prediction, bytes, report);

@@ -151,7 +151,7 @@ Pieces refine(const ColouredSurface& surface, const VertexColourOptions& options
 
 /// Opens the seams: one vertex per position and colour.
 io::ColouredMesh join(const Pieces& mesh, const std::vector<std::array<Eigen::Vector3f, 3>>& colours,
-                      double same_colour) {
+                      double same_colour, std::vector<SurfacePlace>& places) {
     constexpr std::uint32_t none = ~std::uint32_t{0};
     io::ColouredMesh result;
     std::vector<std::uint32_t> first(mesh.positions.size(), none), next;  // lists of the vertices at a position
@@ -173,6 +173,7 @@ io::ColouredMesh join(const Pieces& mesh, const std::vector<std::array<Eigen::Ve
                 first[position] = vertex;
                 result.positions_mm.push_back(mesh.positions[position].cast<float>());
                 result.rgb.push_back(colours[i][c]);
+                places.push_back({mesh.pieces[i].triangle, mesh.pieces[i].uv[c].x(), mesh.pieces[i].uv[c].y()});
             }
             triangle[c] = vertex;
         }
@@ -197,7 +198,10 @@ VertexColours vertex_colours(const ColouredSurface& surface, const VertexColourO
                     surface.colour(piece.triangle, piece.uv[c].x(), piece.uv[c].y()).cwiseMax(0.0f).cwiseMin(1.0f);
         },
         progress);
-    return {join(mesh, colours, options.same_colour), longest_edge(mesh)};
+    VertexColours result;
+    result.mesh = join(mesh, colours, options.same_colour, result.places);
+    result.longest_edge_mm = longest_edge(mesh);
+    return result;
 }
 
 }  // namespace voxtone::slicer

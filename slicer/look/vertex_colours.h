@@ -7,6 +7,8 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <vector>
 
 #include "voxtone/base/progress.h"
 #include "voxtone/io/models/coloured_mesh.h"
@@ -20,9 +22,16 @@ struct VertexColourOptions {
     double same_colour = 4.0 / 255;      ///< corners that differ less in every sRGB code share a vertex
 };
 
+/// A point of the surface: corner0 + u (corner1 - corner0) + v (corner2 - corner0) of a triangle.
+struct SurfacePlace {
+    std::uint32_t triangle;
+    float u, v;
+};
+
 struct VertexColours {
     io::ColouredMesh mesh;
-    double longest_edge_mm = 0;  ///< what was reached
+    std::vector<SurfacePlace> places;  ///< where each vertex took its colour
+    double longest_edge_mm = 0;        ///< what was reached
 };
 
 [[nodiscard]] VertexColours vertex_colours(const ColouredSurface& surface, const VertexColourOptions& options,

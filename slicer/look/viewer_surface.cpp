@@ -15,6 +15,9 @@
 #include "voxtone/io/report/report_html.h"
 #include "voxtone/slicer/look/clustered_mesh.h"
 #include "voxtone/slicer/look/prediction_files.h"
+#include "voxtone/slicer/look/preview.h"
+#include "voxtone/slicer/look/vertex_colours.h"
+#include "voxtone/slicer/surface/target_cells.h"
 
 namespace voxtone::slicer {
 
@@ -110,9 +113,9 @@ io::ViewerSurface viewer_body(const io::ColouredMesh& mesh, const SurfaceLooks& 
     out.place_mm = std::max(grain_mm, shape.cube_mm);
     add_looks(looks, Gathered(shape.vertex_of, shape.positions_mm.size()), out);
     out.note = shape.cube_mm > 0
-                   ? fmt::format("{} places about {:.2f} mm apart, each the mean of what was predicted in {:.3f} mm.",
+                   ? fmt::format("{} places about {:.2f} mm apart, each the mean of what is known in {:.3f} mm.",
                                  shape.positions_mm.size(), shape.cube_mm, grain_mm)
-                   : fmt::format("{} places about {:.3f} mm apart.", shape.positions_mm.size(), grain_mm);
+                   : fmt::format("{} places up to {:.2f} mm apart.", shape.positions_mm.size(), grain_mm);
     return out;
 }
 
@@ -147,6 +150,57 @@ io::ViewerSurface viewer_picture(const optics::ResinVolume& volume, const optics
                                         out.place_mm, across)
                           : fmt::format("A pixel is {:.3f} mm wide, as it was predicted.", out.place_mm);
     return out;
+}
+
+namespace {
+
+/// From above, as fine as the page has room for and no finer than the eye.
+io::ViewerSurface painted_slab(std::span<const PaintedSurface> surfaces, const Eigen::Vector3d& corner_mm,
+                               std::size_t most, const Progress* progress) {
+    static constexpr View top_only[] = {View::top};
+    Eigen::Vector3d low = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity()), high = -low;
+    for (const Eigen::Vector3d& p : surfaces[0].surface.positions_mm) low = low.cwiseMin(p), high = high.cwiseMax(p);
+    PreviewOptions options;
+    options.margin_px = 0;
+    options.colour_per_sample = true;
+    const double area_mm2 = std::max(1e-6, (high.x() - low.x()) * (high.y() - low.y()));
+    options.px_per_mm = std::min(1 / 0.085, 0.98 * std::sqrt(double(most) / area_mm2));
+    io::ViewerSurface out;
+    for (const PaintedSurface& painted : surfaces) {
+        const io::LinearPicture picture = render_views(painted.surface, top_only, options, progress)[0].picture;
+        out.size_px = {picture.width_px, picture.height_px};
+        out.looks.push_back({painted.name, painted.caption, {}});
+        out.covered.clear();
+        for (const Eigen::Vector4f& pixel : picture.pixels) {
+            out.covered.push_back(pixel[3] > 0 ? 1 : 0);
+            for (Eigen::Index c = 0; c < 3; ++c) out.looks.back().rgb.push_back(io::linear_to_srgb8(pixel[c]));
+        }
+    }
+    // The picture stands in the middle of its pixels.
+    const Eigen::Vector2d half = Eigen::Vector2d(out.size_px[0], out.size_px[1]) / options.px_per_mm / 2;
+    const Eigen::Vector3d middle = (low + high) / 2 - corner_mm;
+    out.low_mm = {middle.x() - half.x(), middle.y() - half.y(), low.z() - corner_mm.z()};
+    out.high_mm = {middle.x() + half.x(), middle.y() + half.y(), high.z() - corner_mm.z()};
+    out.place_mm = 1 / options.px_per_mm;
+    out.note = fmt::format("A pixel is {:.3f} mm wide.", out.place_mm);
+    return out;
+}
+
+}  // namespace
+
+io::ViewerSurface viewer_painted(std::span<const PaintedSurface> surfaces, const Eigen::Vector3d& corner_mm,
+                                 bool from_above, bool differences, std::size_t bytes, const Progress* progress) {
+    SurfaceLooks looks;
+    for (const PaintedSurface& painted : surfaces) looks.looks.push_back({painted.name, painted.caption, {}});
+    if (from_above) return painted_slab(surfaces, corner_mm, most_places(bytes, looks, 0.1), progress);
+    VertexColours first = vertex_colours(surfaces[0].surface, {.edge_mm = 0.25, .max_vertices = 150'000}, progress);
+    for (Eigen::Vector3f& p : first.mesh.positions_mm) p -= corner_mm.cast<float>();
+    looks.looks[0].rgb = first.mesh.rgb;
+    for (std::size_t i = 1; i < surfaces.size(); ++i)
+        for (const SurfacePlace& at : first.places)
+            looks.looks[i].rgb.push_back(surfaces[i].surface.colour(at.triangle, at.u, at.v));
+    if (differences) looks.single = colour_differences(looks.looks[0].rgb, looks.looks[1].rgb);
+    return viewer_body(first.mesh, looks, first.longest_edge_mm, bytes);
 }
 
 }  // namespace voxtone::slicer

@@ -8,15 +8,18 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <string>
 #include <vector>
 
 #include <Eigen/Core>
 
+#include "voxtone/base/progress.h"
 #include "voxtone/io/models/coloured_mesh.h"
 #include "voxtone/io/report/report.h"
 #include "voxtone/optics/media/resin_volume.h"
 #include "voxtone/optics/scene/surface.h"
+#include "voxtone/slicer/surface/coloured_surface.h"
 
 namespace voxtone::slicer {
 
@@ -44,5 +47,17 @@ struct SurfaceLooks {
 /// The top of a slab, one look a cell of `surface`.
 [[nodiscard]] io::ViewerSurface viewer_picture(const optics::ResinVolume& volume, const optics::Surface& surface,
                                                const SurfaceLooks& looks, std::size_t bytes);
+
+/// A surface whose colours are known at its points, without a prediction.
+struct PaintedSurface {
+    std::string name, caption;
+    ColouredSurface surface;
+};
+
+/// Surfaces of the same triangles, mm on the tray; `corner_mm`: of the print. The first one's colours say where there
+/// are vertices; a slab is drawn from above. `differences`: whether the second differs from the first in CIEDE2000.
+[[nodiscard]] io::ViewerSurface viewer_painted(std::span<const PaintedSurface> surfaces,
+                                               const Eigen::Vector3d& corner_mm, bool from_above, bool differences,
+                                               std::size_t bytes, const Progress* progress);
 
 }  // namespace voxtone::slicer

@@ -27,6 +27,7 @@
 #include "voxtone/slicer/look/surface_prediction.h"
 #include "voxtone/slicer/options/option_values.h"
 #include "voxtone/slicer/predict/parts_in_sight.h"
+#include "voxtone/slicer/predict/prediction_page.h"
 #include "voxtone/slicer/predict/stack_boundary.h"
 #include "voxtone/slicer/predict/stack_volume.h"
 
@@ -90,7 +91,7 @@ void write_from_above(const ResolvedPrediction& job, const StackVolume& stack, c
         if (job.kinds[i] == PredictedFile::exr)
             io::write_whole_file(
                 file, io::exr_bytes(top_numbers(stack.volume, stack.resins.channels, prediction), px_per_mm));
-        else
+        else if (job.kinds[i] == PredictedFile::png)
             io::write_whole_file(
                 file, io::png_bytes(io::encode_transparent(top_picture(stack.volume, prediction)), px_per_mm));
     }
@@ -149,7 +150,7 @@ void write_body(const ResolvedPrediction& job, const StackVolume& stack, const S
             io::write_whole_file(file, io::glb_bytes(mesh, "predicted", lit));
         else if (job.kinds[i] == PredictedFile::ply)
             io::write_whole_file(file, io::ply_bytes(mesh, body_numbers(stack.resins.channels, prediction)));
-        else
+        else if (job.kinds[i] == PredictedFile::png)
             write_views(file, mesh, job.asked.cell_mm, progress);
     }
 }
@@ -163,6 +164,15 @@ struct PredictFigures {
     double mean_error = 0, largest_error = 0;
     double read_s = 0, surface_s = 0, predict_s = 0, write_s = 0;
 };
+
+void write_pages(const ResolvedPrediction& job, const StackVolume& stack, const SurfacePrediction& prediction,
+                 const PredictFigures& f) {
+    const PredictionPage page{fs::path(job.asked.stack).filename().string(), std::string(name_of(job.model)),
+                              f.from_above, f.cell_um, f.read_s + f.surface_s + f.predict_s};
+    for (std::size_t i = 0; i < job.kinds.size(); ++i)
+        if (job.kinds[i] == PredictedFile::html)
+            io::write_whole_file(job.asked.files[i], prediction_page(page, stack, prediction));
+}
 
 std::array<double, 3> mean_colour(const SurfacePrediction& prediction) {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -426,8 +436,9 @@ ResolvedPrediction resolve(const PredictOptions& o) {
          "lit", "", "would be ignored: it only goes with a .glb");
     for (const std::string& file : o.files) {
         const auto kind = value_of<PredictedFile>(extension(file));
-        need(kind.has_value(), "out", file,
-             "the name says the kind of file: .png or .exr (slab), .glb, .ply or .png (body)");
+        need(
+            kind.has_value(), "out", file,
+            "the name says the kind of file: .png or .exr (slab), .glb, .ply or .png (body), .html (a page of either)");
         job.kinds.push_back(*kind);
     }
     need(o.cell_mm >= 0.01 && o.cell_mm <= 5, "cell", fmt::format("{}mm", o.cell_mm), "must be 0.01 to 5 mm");
@@ -499,6 +510,7 @@ PredictResult run_predict_job(const PredictOptions& options, Progress& progress)
 
     progress.begin_stage("write", 0);
     figures.from_above ? write_from_above(job, stack, prediction) : write_body(job, stack, prediction, progress);
+    write_pages(job, stack, prediction, figures);
     progress.end_stage();
     figures.write_s = watch.lap();
     add_means(prediction, figures);

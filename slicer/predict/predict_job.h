@@ -21,7 +21,7 @@ namespace voxtone::slicer {
 /// One prediction as the user wrote it: texts, until `resolve` makes values of them.
 struct PredictOptions {
     std::string stack;
-    std::vector<std::string> files;  ///< .png, .exr: a slab from above; .png, .glb, .ply: a body
+    std::vector<std::string> files;  ///< .png, .exr: a slab from above; .png, .glb, .ply: a body; .html: both
     std::string model{name_of(PredictionModel::transport)};
     double cell_mm = 0.085;  ///< of the viewing grid; in [0.01, 5]
     ModelOptions quality;
@@ -42,10 +42,11 @@ struct PredictOptions {
 
 /// A kind of file, by the end of its name.
 enum class PredictedFile {
-    png,  ///< a picture, for the eye
-    exr,  ///< a picture, numbers
-    glb,  ///< a body's vertex colours
-    ply,  ///< with numbers
+    png,   ///< a picture, for the eye
+    exr,   ///< a picture, numbers
+    glb,   ///< a body's vertex colours
+    ply,   ///< with numbers
+    html,  ///< a page to turn, probe and cut it
 };
 
 /// One prediction, checked.
@@ -78,6 +79,6 @@ PredictResult run_predict_job(const PredictOptions& options, Progress& progress)
 template <>
 struct voxtone::NamesOf<voxtone::slicer::PredictedFile> {
     using E = slicer::PredictedFile;
-    static constexpr auto table =
-        std::to_array<Named<E>>({{E::png, ".png"}, {E::exr, ".exr"}, {E::glb, ".glb"}, {E::ply, ".ply"}});
+    static constexpr auto table = std::to_array<Named<E>>(
+        {{E::png, ".png"}, {E::exr, ".exr"}, {E::glb, ".glb"}, {E::ply, ".ply"}, {E::html, ".html"}});
 };

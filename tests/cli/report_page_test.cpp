@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Pages that the program wrote, in a real browser: what they show are the numbers of the files beside them.
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <OpenImageIO/imageio.h>
+#include <fmt/core.h>
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include "run_program.h"
+#include "tests/io/report/chromium.h"
+#include "tests/outcomes.h"
+#include "voxtone/io/pictures/picture_writer.h"
+#include "voxtone/io/pictures/srgb_code.h"
+
+using namespace voxtone;
+using namespace voxtone::test;
+using Catch::Contains;
+
+namespace {
+
+struct Numbers {
+    int width = 0, height = 0, channels = 0;
+    std::vector<float> values;
+    [[nodiscard]] std::string hex(int x, int y) const {
+        const float* at =
+            values.data() + (std::size_t(y) * std::size_t(width) + std::size_t(x)) * std::size_t(channels);
+        return fmt::format("#{:02x}{:02x}{:02x}", io::linear_to_srgb8(at[0]), io::linear_to_srgb8(at[1]),
+                           io::linear_to_srgb8(at[2]));
+    }
+};
+
+Numbers read_exr(const std::string& path) {
+    const auto in = OIIO::ImageInput::open(path);
+    REQUIRE(in);
+    const OIIO::ImageSpec& spec = in->spec();
+    Numbers n{spec.width, spec.height, spec.nchannels, {}};
+    n.values.resize(std::size_t(n.width) * std::size_t(n.height) * std::size_t(n.channels));
+    REQUIRE(in->read_image(0, 0, 0, n.channels, OIIO::TypeDesc::FLOAT, n.values.data()));
+    return n;
+}
+
+/// Stripes of colour and a dark square.
+void write_picture(const Folder& folder) {
+    io::Picture8 picture{90, 60, 3, {}};
+    for (int y = 0; y < 60; ++y)
+        for (int x = 0; x < 90; ++x) {
+            const bool dark = x > 50 && x < 75 && y > 20 && y < 45;
+            for (const int code : {60 + 2 * x, 220 - 2 * y, 80 + (x / 15) % 2 * 120})
+                picture.codes.push_back(std::uint8_t(dark ? 25 : std::min(255, code)));
+        }
+    const auto png = io::png_bytes(picture);
+    folder.write("picture.png", {png.begin(), png.end()});
+}
+
+std::string text_of(Chromium& browser, const std::string& id) {
+    return browser.evaluate("document.getElementById('" + id + "').innerText").get<std::string>();
+}
+
+}  // namespace
+
+TEST_CASE("The page of a print shows the numbers of its EXR files, and each of its worst places") {
+    if (find_chromium().empty()) return skip("there is no Chromium on this machine (Debian: chromium)");
+    const Folder folder("page");
+    write_picture(folder);
+    REQUIRE(run_program(fmt::format("slice {} --width 6mm --thickness 2.5mm --iterations 1 --quiet -o {}",
+                                    folder / "picture.png", folder / "out"))
+                .exit_code == 0);
+    const Numbers target = read_exr(folder / "out/target.exr"), print = read_exr(folder / "out/predicted.exr");
+    Chromium browser;
+    browser.open(folder / "out/report.html");
+    (void)browser.evaluate("document.getElementById('viewer-canvas').scrollIntoView({block: 'center'})");
+    browser.draw();
+    const auto [left, top, width, height] = browser.box("#viewer-canvas");
+    // Pixels of a cell, 2 x 1 x 3 voxels of the J750 High Mix.
+    const double cell_x = 2 * 25.4 / 600, cell_y = 25.4 / 300;
+    const double mm_x = target.width * cell_x, mm_y = target.height * cell_y;
+    const double px_per_mm = height / (2 * 0.53 * std::max(mm_y, mm_x * height / width));
+    for (const auto& [column, row] : {std::pair{2, 3}, {20, 11}, {45, 30}, {60, 40}, {target.width - 2, 1}}) {
+        CAPTURE(column, row);
+        browser.move(left + width / 2 + ((column + 0.5) * cell_x - mm_x / 2) * px_per_mm,
+                     top + height / 2 + ((row + 0.5) * cell_y - mm_y / 2) * px_per_mm);
+        REQUIRE(browser.wait_for(
+            fmt::format("document.getElementById('probe-list').innerText.includes('{}, {}')", column, row)));
+        CHECK_THAT(text_of(browser, "probe-values"),
+                   Contains(target.hex(column, row)) && Contains(print.hex(column, row)));
+        CHECK_THAT(text_of(browser, "probe-mixture"), Contains("W "));
+    }
+    // A worst place has the difference that its line in the list says.
+    const int places = browser.evaluate("document.querySelectorAll('button.place').length").get<int>();
+    CHECK(places >= 1);
+    const auto said = browser.evaluate("Number(document.querySelector('button.place').innerText.match(/[\\d.]+/)[0])");
+    (void)browser.evaluate("document.querySelector('button.place').click()");
+    CHECK(browser.wait_for(
+        fmt::format("document.getElementById('probe-list').innerText.includes('{:.1f}')", said.get<double>())));
+    CHECK(browser.complaints() == std::vector<std::string>{});
+    CHECK(browser.requests() == std::vector<std::string>{});
+}
+
+TEST_CASE("predict writes a page too, with the voxels that it read") {
+    const Folder folder("predicted-page");
+    write_picture(folder);
+    REQUIRE(run_program(fmt::format("slice {} --width 4mm --thickness 2mm --iterations 0 --predict none --quiet -o {}",
+                                    folder / "picture.png", folder / "out"))
+                .exit_code == 0);
+    const std::string command = fmt::format("predict {} --quiet --cell 0.17mm -o {}", folder / "out", folder / "page");
+    REQUIRE(run_program(command + "1.html --threads 1").exit_code == 0);
+    REQUIRE(run_program(command + "2.html --threads 2").exit_code == 0);
+    const std::string page = read_file(folder / "page1.html");
+    CHECK_THAT(page, Contains("id=\"viewer-data\"") && Contains("\"surface\"") && Contains("\"voxels\""));
+    // The data have the same bytes for any number of threads; times and memory around them have not.
+    const auto data = [](const std::string& html) {
+        const std::size_t from = html.find("id=\"viewer-data\""), to = html.find("</script>", from);
+        return html.substr(from, to - from);
+    };
+    CHECK(data(page) == data(read_file(folder / "page2.html")));
+    if (find_chromium().empty()) return skip("there is no Chromium on this machine (Debian: chromium)");
+    Chromium browser;
+    browser.open(folder / "page1.html");
+    CHECK(browser.evaluate("document.documentElement.className") == "has-viewer has-cut");
+    CHECK(browser.complaints() == std::vector<std::string>{});
+}
