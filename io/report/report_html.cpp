@@ -454,10 +454,9 @@ std::string report_html(const Report& report) {
     add_sections(html, report);
     add_time(html, report);
     add_job(html, report);
-    html += fmt::format(
-        "</main>\n<footer>Made by voxtone {}. Figures for programs: "
-        "report.json.</footer>\n<script>\n{}</script>\n</body>\n</html>\n",
-        html_text(report.program_version), script_of(report));
+    html += fmt::format("</main>\n<footer>Made by voxtone {}.{}</footer>\n<script>\n{}</script>\n</body>\n</html>\n",
+                        html_text(report.program_version),
+                        report.job.empty() ? "" : " Figures for programs: report.json.", script_of(report));
     return html;
 }
 

@@ -122,9 +122,9 @@ void add_worst(JsonWriter& json, const std::vector<ViewerPlace>& worst) {
 
 }  // namespace
 
-std::string viewer_json(const ReportViewer& viewer, std::span<const ViewerResin> resins) {
+std::string viewer_json(const ReportViewer& viewer, std::span<const ViewerResin> resins, std::string_view about) {
     JsonWriter json;
-    json.begin_object().add("viewing_distance_mm", viewer.viewing_distance_mm);
+    json.begin_object().add("viewing_distance_mm", viewer.viewing_distance_mm).add("about", about);
     json.line().key("resins").begin_list();
     for (const ViewerResin& resin : resins)
         json.begin_object().add("name", resin.name).add("role", resin.role).add("rgb", resin.rgb).end_object();

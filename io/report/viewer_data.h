@@ -12,6 +12,7 @@
 #include <cstddef>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "voxtone/io/layers/rgb.h"
@@ -24,8 +25,9 @@ struct ViewerResin {
     Rgb rgb{};
 };
 
-/// One JSON object. `resins`: materials 1, 2, ... of the voxels.
-[[nodiscard]] std::string viewer_json(const ReportViewer& viewer, std::span<const ViewerResin> resins);
+/// One JSON object. `resins`: materials 1, 2, ... of the voxels. `about`: what the prediction is; may be empty.
+[[nodiscard]] std::string viewer_json(const ReportViewer& viewer, std::span<const ViewerResin> resins,
+                                      std::string_view about);
 
 /// About what the surface takes in the page.
 [[nodiscard]] std::size_t packed_bytes(const ViewerSurface& surface);

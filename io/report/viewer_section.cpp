@@ -31,14 +31,14 @@ std::string place_item(const ViewerPlace& place, std::size_t number) {
         html_text(place.cause));
 }
 
-/// What to do against each cause that is in the list, once.
+/// What to do there, each word once.
 std::string advice_list(const std::vector<ViewerPlace>& worst) {
-    std::vector<std::string_view> causes;
+    std::vector<std::string_view> said;
     std::string html;
     for (const ViewerPlace& place : worst) {
-        if (place.advice.empty() || std::find(causes.begin(), causes.end(), place.cause) != causes.end()) continue;
-        causes.push_back(place.cause);
-        html += fmt::format("<li>{}: {}</li>\n", html_text(place.cause), html_text(place.advice));
+        if (place.advice.empty() || std::find(said.begin(), said.end(), place.advice) != said.end()) continue;
+        said.push_back(place.advice);
+        html += fmt::format("<li>{}</li>\n", html_text(place.advice));
     }
     return html.empty() ? html : "<p>What to do there:</p>\n<ul>\n" + html + "</ul>\n";
 }
@@ -53,7 +53,7 @@ std::string histogram_table(const std::vector<std::pair<double, double>>& histog
     }
     if (most <= 0) return {};
     std::string html =
-        "<div class=\"table\"><table>\n<thead><tr><th>CIEDE2000 as seen</th><th class=\"n\">Share of the "
+        "<div class=\"table detail\"><table>\n<thead><tr><th>CIEDE2000 as seen</th><th class=\"n\">Share of the "
         "surface</th><th></th></tr></thead>\n<tbody>\n";
     for (std::size_t i = 0; i <= last; ++i) {
         const std::string range = i + 1 < histogram.size()
@@ -75,7 +75,7 @@ std::string viewer_panels(const Report& report) {
     for (const ReportResin& resin : report.resins) resins.push_back({resin.name, resin.role, resin.rgb});
     std::string html(report_asset("panels"));
     html += "<script type=\"application/json\" id=\"viewer-data\">";
-    html += in_script(viewer_json(report.viewer, resins));
+    html += in_script(viewer_json(report.viewer, resins, report.prediction_note));
     return html + "</script>\n";
 }
 

@@ -63,7 +63,7 @@ io::ViewerPlace place_of(const ColourReport& s, const JobPrediction& p, std::siz
     place.target = codes_of(p.seen.target[i]);
     place.print = codes_of(p.seen.print[i]);
     place.cause = name_of(loss.cause);
-    if (loss.cause == LossCause::thin_wall) place.cause += fmt::format(", {:.1f} mm", loss.wall_mm);
+    if (loss.cause == LossCause::thin_wall) place.cause += fmt::format(", {:.2f} mm", loss.wall_mm);
     place.advice = advice_on_place(loss.cause, s);
     return place;
 }

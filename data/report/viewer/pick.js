@@ -55,3 +55,18 @@ const pickBody = (surface, normals, ray, plane) => {
     normal: [...normals.subarray(3 * place, 3 * place + 3)],
   };
 };
+
+/// The place nearest to a point of the surface.
+const nearestPlace = (surface, ray, at, normal) => {
+  if (surface.isPicture) return pickPicture(surface, ray);
+  const { positions: p } = surface;
+  let nearest = Infinity;
+  let place = 0;
+  for (let i = 0; i < surface.places; ++i) {
+    const distance = Math.hypot(p[3 * i] - at[0], p[3 * i + 1] - at[1], p[3 * i + 2] - at[2]);
+    if (distance >= nearest) continue;
+    nearest = distance;
+    place = i;
+  }
+  return { at, place, normal };
+};

@@ -64,7 +64,7 @@ class Probe {
       piece.style.width = `${100 * part}%`;
       piece.style.background = cssOf(resin.rgb);
       bar.append(piece);
-      words.push(`${resin.role || resin.name} ${Math.round(100 * part)} %`);
+      words.push(`${resin.role || resin.name} ${part < 0.005 ? "below 1" : Math.round(100 * part)} %`);
     });
     row.append(bar, element("small", words.join(", ") || "nothing"));
     this.mixture.append(row);

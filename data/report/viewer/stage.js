@@ -155,7 +155,8 @@ class Stage {
     this.camera.lookAt(place, normal, Math.min(10, 4 * this.camera.halfHeight));
     this.marked = place;
     this.update();
-    this.probeAt(this.canvas.clientWidth / 2, this.canvas.clientHeight / 2);
+    // Not along the line of sight: the tip of a thin part is easily missed.
+    this.probe.show(nearestPlace(this.surface, this.camera.ray(0, 0), place, normal));
   }
 
   toView(x, y) {

@@ -46,7 +46,7 @@ const startStage = (surface, data, voxels) => {
   section.hidden = false;
   try {
     const stage = new Stage(surface, new Probe(surface, voxels, data.resins, data.viewing_distance_mm));
-    document.getElementById("viewer-note").textContent = surface.note;
+    document.getElementById("viewer-note").textContent = `${surface.note} ${data.about}`;
     document.getElementById("viewer-keys").textContent = surface.isPicture ? KEYS_OF_PICTURES : KEYS_OF_BODIES;
     document.documentElement.classList.add("has-viewer");
     showWorst(stage, data.worst);

@@ -195,6 +195,20 @@ void Chromium::click(double x, double y) {
     draw();
 }
 
+void Chromium::touch(const std::vector<std::array<double, 2>>& from, const std::vector<std::array<double, 2>>& to) {
+    constexpr int steps = 5;
+    for (int i = 0; i <= steps; ++i) {
+        json points = json::array();
+        for (std::size_t p = 0; p < from.size(); ++p)
+            points.push_back({{"x", from[p][0] + (to[p][0] - from[p][0]) * i / steps},
+                              {"y", from[p][1] + (to[p][1] - from[p][1]) * i / steps},
+                              {"id", p}});
+        call("Input.dispatchTouchEvent", {{"type", i == 0 ? "touchStart" : "touchMove"}, {"touchPoints", points}});
+    }
+    call("Input.dispatchTouchEvent", {{"type", "touchEnd"}, {"touchPoints", json::array()}});
+    draw();
+}
+
 void Chromium::wheel(double x, double y, double by) {
     call("Input.dispatchMouseEvent", {{"type", "mouseWheel"}, {"x", x}, {"y", y}, {"deltaX", 0}, {"deltaY", by}});
     draw();

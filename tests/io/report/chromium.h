@@ -38,6 +38,8 @@ public:
     void move(double x, double y);
     void drag(double x, double y, double to_x, double to_y);
     void click(double x, double y);
+    /// Fingers on a touch screen go from places to others; as many as there are places.
+    void touch(const std::vector<std::array<double, 2>>& from, const std::vector<std::array<double, 2>>& to);
     void wheel(double x, double y, double by);
     /// "light" or "dark", as the user's system prefers.
     void prefer(const std::string& scheme);

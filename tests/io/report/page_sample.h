@@ -28,7 +28,8 @@ inline io::Report report(const std::string& title) {
     report.size_mm = {side_mm, side_mm, side_mm};
     report.size_px = {100, 100, 200};
     report.resins = {{"Cyan", "C", "", {0, 150, 200}, 1000, 1.5}, {"White", "W", "", {220, 222, 216}, 9000, 13.5}};
-    report.warnings = {"a warning in words"};
+    report.warnings.assign(
+        7, "a warning in words that is about as long as those that there are, with what to do about it");
     report.stages = {{"layers", 1}};
     report.verdict = io::ReportVerdict{.level = io::VerdictLevel::fair,
                                        .sentence = "It will look much as asked.",
@@ -43,7 +44,9 @@ inline io::Report report(const std::string& title) {
                                        .seen_histogram = {{0, 0.5}, {1, 0.3}, {2, 0.2}}};
     const io::Picture8 pixels{40, 40, 4, std::vector<std::uint8_t>(40 * 40 * 4, 200)};
     const io::ReportPicture picture{"target", io::png_bytes(pixels), 40, 40, 4};
-    report.views = {{"front", {picture, picture}}, {"top", {picture, picture}}};
+    report.views.clear();
+    for (const char* side : {"three-quarter", "front", "right", "back", "left", "top", "bottom"})
+        report.views.push_back({side, {picture, picture, picture, picture}});
     report.layers = {{0, 0.025, picture}, {100, 5.025, picture}};
     report.job = {{"model", title}};
     return report;

@@ -51,8 +51,12 @@ Report sample(const std::string& text) {
                         {picture(text, 1)},
                         {{text, "<svg id=\"curve\"></svg>"}}}};
     report.job = {{text, text}, {"printer", "stratasys-j750-hm"}};
-    report.viewer.surface =
-        ViewerSurface{.size_px = {1, 1}, .covered = {1}, .looks = {{text, text, {1, 2, 3}}}, .note = text};
+    ViewerSurface surface;
+    surface.size_px = {1, 1};
+    surface.covered = {1};
+    surface.looks = {{text, text, {1, 2, 3}}};
+    surface.note = text;
+    report.viewer.surface = surface;
     report.viewer.worst = {{{1, 2, 3}, {0, 0, 1}, 4.5, {1, 2, 3}, {4, 5, 6}, text, text}};
     return report;
 }

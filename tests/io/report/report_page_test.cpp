@@ -179,6 +179,7 @@ TEST_CASE("The probe of a body tells what is there") {
     // The worst place: the camera turns there, and probes it.
     (void)browser.evaluate("document.querySelector('button.place').click()");
     CHECK(browser.wait_for("/ 9\\.00/.test(document.getElementById('probe-list').innerText)"));
+    CHECK(browser.wait_for("!document.getElementById('viewer-mark').hidden"));
     const auto mark = browser.box("#viewer-mark"), canvas = browser.box("#viewer-canvas");
     CHECK(mark[0] + mark[2] / 2 == Approx(canvas[0] + canvas[2] / 2).margin(1));
     CHECK(mark[1] + mark[3] / 2 == Approx(canvas[1] + canvas[3] / 2).margin(1));
@@ -302,6 +303,27 @@ TEST_CASE("The page can be used by keys alone and read by weak eyes") {
     check_silent(browser);
 }
 
+TEST_CASE("Fingers turn, spread and shift the view, and not the page") {
+    NEEDS_CHROMIUM;
+    Chromium browser;
+    browser.open(write_page("fingers", sample::body()));
+    const auto [left, top, width, height] = bring(browser, "#viewer-canvas");
+    const double x = left + width / 4, y = top + height / 2;
+    browser.key("4");
+    const std::string scale = text_of(browser, "#viewer .viewer-scale");
+    const double scrolled = browser.evaluate("window.scrollY").get<double>();
+    const auto before = browser.screenshot();
+    browser.touch({{x, y}}, {{x, y + 150}});
+    CHECK(browser.screenshot() != before);
+    CHECK(text_of(browser, "#viewer .viewer-scale") == scale);
+    // Four times as far apart.
+    browser.touch({{x, y}, {x + 50, y}}, {{x - 75, y}, {x + 125, y}});
+    CHECK(text_of(browser, "#viewer .viewer-scale") != scale);
+    CHECK(browser.evaluate("window.scrollY").get<double>() == scrolled);
+    CHECK(browser.evaluate("window.visualViewport.scale").get<double>() == 1);
+    check_silent(browser);
+}
+
 TEST_CASE("Without WebGL the page shows today's pictures, and the cut all the same") {
     NEEDS_CHROMIUM;
     Chromium browser({"--disable-3d-apis"});
@@ -317,7 +339,9 @@ TEST_CASE("Without WebGL the page shows today's pictures, and the cut all the sa
 TEST_CASE("The page prints on two sheets, without its tools") {
     NEEDS_CHROMIUM;
     Chromium browser;
-    browser.open(write_page("printed", sample::body()));
+    io::Report report = sample::body();
+    for (int i = 0; i < 8; ++i) report.viewer.worst.push_back(report.viewer.worst[std::size_t(i)]);
+    browser.open(write_page("printed", report));
     const std::size_t pages = browser.printed_pages();
     CHECK(pages >= 1);
     CHECK(pages <= 2);
