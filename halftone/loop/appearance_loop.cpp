@@ -238,6 +238,7 @@ private:
     void feedback_step();
     void descent_step();
     void begin_descent_from_best_control(bool last_was_best);
+    void print_and_predict(const SkinMixtures& mixtures, LoopMethod method);
     void predict(optics::ResinVolume volume, LoopMethod method);
     void keep_if_best(const SkinMixtures& mixtures);
     void correct_control();
@@ -363,7 +364,7 @@ void LoopRun::iterate() {
 void LoopRun::feedback_step() {
     const double least = least_mean(state_.steps), least_by_feedback = least_mean(state_.steps, LoopMethod::feedback);
     const SkinMixtures mixtures = mixtures_of(recipes_, state_.control);
-    predict(task_.realise(mixtures), LoopMethod::feedback);
+    print_and_predict(mixtures, LoopMethod::feedback);
     keep_if_best(mixtures);
     const bool best_by_feedback = last_mean() < least_by_feedback;
     if (best_by_feedback) state_.start_control = state_.control;
@@ -395,10 +396,16 @@ void LoopRun::descent_step() {
     settle();
     follow(state_.recent, mixtures);
     if (iterations_made() + 1 == most_) mixtures = state_.recent;
-    predict(task_.realise(mixtures), LoopMethod::descent);
+    print_and_predict(mixtures, LoopMethod::descent);
     keep_if_best(mixtures);
     state_.has_gradient = move_downhill();
     if (!state_.has_gradient) state_.descent = {};
+}
+
+/// The print before is looked at no more: one is held at a time.
+void LoopRun::print_and_predict(const SkinMixtures& mixtures, LoopMethod method) {
+    print_ = {};
+    predict(task_.realise(mixtures), method);
 }
 
 void LoopRun::predict(optics::ResinVolume volume, LoopMethod method) {

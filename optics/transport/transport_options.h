@@ -23,6 +23,10 @@ struct TransportOptions {
     Refinement refinement = Refinement::contrast;  ///< where they are cut finer
     double finest_mm = 0.0425;                     ///< there voxels are cut along axes where they are longer; 0: never
     double colour_mm = 0.8;                        ///< how deep below the surface colour is expected to come and go
+    /// What colour lies deeper: of blocks with cells of their own, or, true, of nodes of diffusion that hold the mean
+    /// of their blocks (a node for 64 cells). Then grids keep their shape whatever is printed, and a gradient ends
+    /// there.
+    bool deep_colour_in_nodes = false;
     /// The first print of a sequence and its twin are swept no more where the last sweep changed less of what is seen
     /// in a channel: the twin of a cow of 30 mm changed 0.015, 0.003 and 0.001 after one, two and three. 0: always
     /// `sweeps`. Not of a prediction that stands alone.

@@ -74,7 +74,7 @@ ViewingGrid::Home ViewingGrid::home_of(const std::array<int, 3>& voxel) const {
 std::size_t ViewingGrid::memory_bytes() const {
     const auto of = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
     return grid.memory_bytes() + of(core_block) + of(core_faces) + of(open_faces) + of(place_of_face) +
-           of(blocks_by_parity[0]) + of(blocks_by_parity[1]) + of(donors) + of(donors_of);
+           of(blocks_by_parity[0]) + of(blocks_by_parity[1]) + of(donors) + of(donors_of) + of(core_shares);
 }
 
 std::int64_t ViewingGrid::cell_of(const Place& at) const {

@@ -12,7 +12,9 @@
 //
 // Transport blocks (4 x 4 x 4 cells, all of them stored): those within `colour_mm` of the surface that is asked for,
 // those at the surface elsewhere, those of several materials, a margin of them, and those on a sheet. Deeper, each
-// block is one node of diffusion. Cells and nodes of diffusion are the same.
+// block is one node of diffusion. Cells and nodes of diffusion are the same. Where deep colour is in nodes, too
+// (TransportOptions), blocks of several materials have cells only as far down as colour is expected, and deeper ones
+// are nodes of the medium of the halftone of their shares.
 #pragma once
 
 #include <array>
@@ -120,6 +122,11 @@ struct ViewingGrid {
     Fine fine;
     ViewingWindow window;
     std::vector<std::uint32_t> core_block;  ///< of each core node
+    /// What core blocks hold, by GridBlock::medium: m up to the number of resins is resin m - 1 alone, of those beyond
+    /// each has its shares here, one a resin.
+    std::size_t resins = 0;
+    bool mixes_core = false;  ///< else a block of several materials has to have cells
+    std::vector<float> core_shares;
     std::vector<std::uint32_t> ghosts;      ///< core nodes on the cut sides of the window, ascending
     std::vector<std::uint32_t> core_faces;  ///< outer faces that lead into the core
     std::vector<std::uint32_t> open_faces;  ///< the others: to the light, a sheet or a mirror

@@ -210,6 +210,7 @@ struct ViewingGridBuilder {
     void find_blocks(double colour_mm, std::span<const std::uint8_t> also, const Surface* asked) {
         want_below(find_surface_blocks(also, asked), colour_mm);
         check();
+        if (self.mixes_core) seed_mixed_where_wanted();
         want_margins();
         check();
         list_blocks();
@@ -228,16 +229,21 @@ struct ViewingGridBuilder {
         for_each(grid.lattice, [&](const Place& at) {
             const std::size_t here = i++;
             if (state[here] == empty) return;
+            const bool seeds_margin = material[here] < 0 && !self.mixes_core;
             if (self.is_ghost(at)) {
-                seed[here] = material[here] < 0;
+                seed[here] = seeds_margin;
                 return;
             }
             const auto [lit, sheet] = beyond(at);
             if (lit && at_surface[here]) surface.push_back(at);
             if (lit || sheet || (!also.empty() && also[here])) wanted[here] = 1;
-            seed[here] = lit || material[here] < 0;
+            seed[here] = lit || seeds_margin || (sheet && self.mixes_core);
         });
         return surface;
+    }
+
+    void seed_mixed_where_wanted() {
+        for (std::size_t here = 0; here < seed.size(); ++here) seed[here] |= wanted[here] && material[here] < 0;
     }
 
     /// What a block that is not empty has around it.
@@ -354,7 +360,7 @@ struct ViewingGridBuilder {
         GridBlock block;
         block.at = at;
         block.kind = BlockKind::core;
-        block.medium = static_cast<std::uint16_t>(material[here]);
+        block.medium = static_cast<std::uint16_t>(material[here]);  // `fill` knows better
         block.core_node = static_cast<std::uint32_t>(self.core_block.size());
         if (self.is_ghost(at)) {
             // Whatever it holds: its light is given, and the halo keeps it out of sight.
@@ -573,7 +579,7 @@ struct ViewingGridBuilder {
 
 }  // namespace
 
-ViewingGrid make_viewing_grid(const Scene& scene, const std::array<int, 3>& view_voxels, double colour_mm,
+ViewingGrid make_viewing_grid(const Scene& scene, const std::array<int, 3>& view_voxels, const ColourDepth& colour,
                               std::span<const std::uint8_t> also, const ViewingWindow& window, const Surface* asked,
                               const Progress* progress) {
     require_resins(scene);
@@ -581,12 +587,14 @@ ViewingGrid make_viewing_grid(const Scene& scene, const std::array<int, 3>& view
     made.window = window;
     made.mirrored = scene.sides == Sides::mirrored;
     made.size = scene.volume->size();
+    made.resins = scene.resins->resins.size();
+    made.mixes_core = colour.deeper_in_nodes;
     made.grid.view_voxels = view_voxels;
     made.grid.directions = make_directions(scene.resins->g, scene.resins->eta);
     made.grid.pitch_mm = scene.volume->pitch_mm();
     ViewingGridBuilder builder{made, made.grid, scene, progress};
     builder.look();
-    builder.find_blocks(colour_mm, also, asked);
+    builder.find_blocks(colour.mm, also, asked);
     builder.list_faces();
     builder.find_laws();
     builder.find_regions();

@@ -13,11 +13,18 @@
 
 namespace voxtone::optics {
 
+/// How deep below the surface colour is expected, and whether what lies deeper may be in nodes.
+struct ColourDepth {
+    double mm = 0;
+    bool deeper_in_nodes = false;
+};
+
 /// `also`: blocks of the window that get transport cells besides, empty or one byte per place. `asked`: the surface
 /// below which colour is expected to come and go, null: all of it. Throws InputError for a material without a resin,
 /// Cancelled.
-[[nodiscard]] ViewingGrid make_viewing_grid(const Scene& scene, const std::array<int, 3>& view_voxels, double colour_mm,
-                                            std::span<const std::uint8_t> also, const ViewingWindow& window,
-                                            const Surface* asked = nullptr, const Progress* progress = nullptr);
+[[nodiscard]] ViewingGrid make_viewing_grid(const Scene& scene, const std::array<int, 3>& view_voxels,
+                                            const ColourDepth& colour, std::span<const std::uint8_t> also,
+                                            const ViewingWindow& window, const Surface* asked = nullptr,
+                                            const Progress* progress = nullptr);
 
 }  // namespace voxtone::optics

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <span>
 #include <unordered_map>
 #include <utility>
 
@@ -302,15 +303,60 @@ private:
     int in_cell_;
 };
 
-/// The material of a block, -1 where there are several, air or not.
-int only_material(const ViewingGrid& viewing, const ResinVolume& volume, const GridBlock& block) {
+/// The voxels of a block, beyond mirrors too.
+void read_block(const ViewingGrid& viewing, const ResinVolume& volume, const GridBlock& block,
+                std::vector<Material>& box) {
     const Place& view = viewing.grid.view_voxels;
-    const Place corner = viewing.corner_of(block), extent{4 * view[0], 4 * view[1], 4 * view[2]};
-    const int material = volume.uniform_material(corner, extent);
+    read_box(volume, viewing.mirrored, viewing.corner_of(block), {4 * view[0], 4 * view[1], 4 * view[2]}, box);
+}
+
+/// The material of a block, -1 where there are several, air or not.
+int only_material(const ViewingGrid& viewing, const ResinVolume& volume, const GridBlock& block,
+                  std::vector<Material>& box) {
+    const Place& view = viewing.grid.view_voxels;
+    const int material = volume.uniform_material(viewing.corner_of(block), {4 * view[0], 4 * view[1], 4 * view[2]});
     if (material >= 0) return material;
-    std::vector<Material> box;
-    read_box(volume, viewing.mirrored, corner, extent, box);
+    read_block(viewing, volume, block, box);
     return std::all_of(box.begin(), box.end(), [&](Material m) { return m == box[0]; }) ? box[0] : -1;
+}
+
+/// Materials of the core blocks, -1 for several; of ghosts 0: they stay as they are.
+std::vector<std::int16_t> core_materials(const ViewingGrid& viewing, const ResinVolume& volume,
+                                         const Progress* progress) {
+    std::vector<std::int16_t> materials(viewing.core_block.size(), 0);
+    const auto look = [&](std::size_t begin, std::size_t end) {
+        std::vector<Material> box;
+        for (std::size_t i = begin; i < end; ++i)
+            if (const GridBlock& block = viewing.grid.blocks[viewing.core_block[i]]; !viewing.is_ghost(block.at))
+                materials[i] = static_cast<std::int16_t>(only_material(viewing, volume, block, box));
+    };
+    parallel_ranges(0, materials.size(), 1 << 8, look, progress);
+    return materials;
+}
+
+/// Numbers the core blocks of several materials and finds their shares.
+void mix_core(ViewingGrid& viewing, const ResinVolume& volume, const std::vector<std::int16_t>& materials,
+              const Progress* progress) {
+    std::vector<std::uint32_t> blocks;
+    for (std::size_t i = 0; i < materials.size(); ++i) {
+        if (materials[i] >= 0) continue;
+        GridBlock& block = viewing.grid.blocks[viewing.core_block[i]];
+        block.medium = static_cast<std::uint32_t>(1 + viewing.resins + blocks.size());
+        blocks.push_back(viewing.core_block[i]);
+    }
+    viewing.core_shares.assign(viewing.resins * blocks.size(), 0.0f);
+    const auto share_out = [&](std::size_t begin, std::size_t end) {
+        std::vector<Material> box;
+        for (std::size_t i = begin; i < end; ++i) {
+            read_block(viewing, volume, viewing.grid.blocks[blocks[i]], box);
+            const std::span<float> shares = std::span(viewing.core_shares).subspan(i * viewing.resins, viewing.resins);
+            for (const Material m : box)
+                if (m != air) ++shares[m - 1u];
+            const auto solid = box.size() - static_cast<std::size_t>(std::count(box.begin(), box.end(), air));
+            for (float& share : shares) share /= static_cast<float>(solid);
+        }
+    };
+    parallel_ranges(0, blocks.size(), 1 << 6, share_out, progress);
 }
 
 }  // namespace
@@ -321,18 +367,19 @@ bool fill(ViewingGrid& viewing, const ResinVolume& volume, std::vector<std::uint
     VOXTONE_EXPECT(volume.pitch_mm() == grid.pitch_mm);
     wanted.assign(grid.block_at.size(), 0);
     bool same = true;
-    for (const std::uint32_t b : viewing.core_block) {
-        GridBlock& block = grid.blocks[b];
-        if (progress) progress->check_cancelled();
-        if (viewing.is_ghost(block.at)) continue;
-        if (const int material = only_material(viewing, volume, block); material > 0) {
-            block.medium = static_cast<std::uint16_t>(material);
+    const std::vector<std::int16_t> materials = core_materials(viewing, volume, progress);
+    for (std::size_t i = 0; i < materials.size(); ++i) {
+        GridBlock& block = grid.blocks[viewing.core_block[i]];
+        if (viewing.is_ghost(block.at) || (viewing.mixes_core && materials[i] < 0)) continue;
+        if (materials[i] > 0) {
+            block.medium = static_cast<std::uint32_t>(materials[i]);
         } else {
             same = false;
             wanted[at3(block.at, grid.lattice)] = 1;
         }
     }
     if (!same) return false;
+    mix_core(viewing, volume, materials, progress);
     if (!CompositionFinder(viewing, volume, false, progress).run()) {
         const bool fits = CompositionFinder(viewing, volume, true, progress).run();
         VOXTONE_ENSURE(fits);

@@ -153,8 +153,9 @@ std::size_t ViewingSequence::Shape::memory_bytes() const {
 
 std::unique_ptr<ViewingSequence::Shape> ViewingSequence::shape_of(const Tile& tile, const Progress* progress) const {
     auto shape = std::make_unique<Shape>();
-    shape->grid = std::make_unique<ViewingGrid>(
-        make_viewing_grid(scene_, view_voxels_, options_.colour_mm, tile.also, tile.window, &surface_, progress));
+    shape->grid = std::make_unique<ViewingGrid>(make_viewing_grid(scene_, view_voxels_,
+                                                                  {options_.colour_mm, options_.deep_colour_in_nodes},
+                                                                  tile.also, tile.window, &surface_, progress));
     ViewingGrid& grid = *shape->grid;
     grid.shrink();
     shape->seen = see(grid, tiles_.size() == 1 ? surface_ : part_of(surface_, tile.near), progress);
@@ -356,6 +357,21 @@ Medium medium_of_part(const ViewingGrid& grid, const ViewingGrid::Fine::Content&
 
 }  // namespace
 
+/// By GridBlock::medium.
+std::vector<TransportMedium> ViewingSequence::core_media(std::size_t channel) const {
+    const ViewingGrid& grid = *live().grid;
+    const std::size_t resins = grid.resins, mixed = grid.core_shares.size() / resins;
+    std::vector<TransportMedium> media(1 + resins + mixed);
+    for (std::size_t r = 0; r < resins; ++r)
+        media[1 + r] = similar_medium(grid.grid.directions, scene_.resins->resins[r].medium(channel));
+    parallel_for(0, mixed, 1 << 8, [&](std::size_t i) {
+        const std::span<const float> shares = std::span(grid.core_shares).subspan(i * resins, resins);
+        const std::vector<double> fractions(shares.begin(), shares.end());
+        media[1 + resins + i] = similar_medium(grid.grid.directions, halftone_(fractions, channel));
+    });
+    return media;
+}
+
 ViewingTransport::Media ViewingSequence::media(std::size_t channel) const {
     const OpticalGrid& grid = live().grid->grid;
     const ResinSet& resins = *scene_.resins;
@@ -363,9 +379,7 @@ ViewingTransport::Media ViewingSequence::media(std::size_t channel) const {
     const SeenMedium seen{halftone_, resins, grid.pitch_mm};
     ViewingTransport::Media media;
     media.cells.resize(live().grid->mixtures.size());
-    media.core.resize(resins.resins.size() + 1);
-    for (std::size_t m = 1; m < media.core.size(); ++m)
-        media.core[m] = similar_medium(grid.directions, resins.resins[m - 1].medium(channel));
+    media.core = core_media(channel);
     parallel_for(1, live().grid->mixtures.size(), 1 << 8,
                  [&](std::size_t m) { media.cells[m] = (*media_of)(seen(live().grid->mixtures[m], channel)); });
     const ViewingGrid::Fine& fine = live().grid->fine;

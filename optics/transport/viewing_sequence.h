@@ -125,6 +125,7 @@ private:
     void make_room(std::size_t bytes);
     void carry_over(const ViewingGrid& from, Fields& fields) const;
     [[nodiscard]] ViewingTransport::Media media(std::size_t channel) const;
+    [[nodiscard]] std::vector<TransportMedium> core_media(std::size_t channel) const;
     [[nodiscard]] Appearance predict(const ResinVolume& volume, Effort effort, const Progress* progress);
     /// Solves all channels of the live tile, with the light of its neighbours where it is to `hear` it, and tells them
     /// its own; `done` is called after each channel.

@@ -16,6 +16,7 @@ optics::TransportPredictor transport_predictor(const ModelOptions& options) {
     transport.cell_mm = options.cell_mm;
     transport.refinement = options.viewing_cells ? optics::Refinement::none : optics::Refinement::contrast;
     transport.colour_mm = options.colour_mm;
+    transport.deep_colour_in_nodes = options.deep_colour_in_nodes;
     transport.memory_bytes = static_cast<std::size_t>(options.memory_bytes);
     return optics::TransportPredictor(transport);
 }

@@ -21,6 +21,7 @@ struct ModelOptions {
     double cell_mm = 0.085;      ///< of the viewing grid
     bool viewing_cells = false;  ///< transport: on viewing cells throughout, none cut into voxels; a third of the time
     double colour_mm = 1;        ///< transport on viewing cells: how deep colour may lie
+    bool deep_colour_in_nodes = false;  ///< as TransportOptions
     int sweeps =
         optics::TransportOptions{}.sweeps;  ///< transport: of discrete ordinates, >= 1; more are nearer and slower
     std::uint64_t memory_bytes = 0;         ///< transport: most to use; 0: no limit

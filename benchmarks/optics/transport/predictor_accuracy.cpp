@@ -196,6 +196,10 @@ int main(int argc, char** argv) {
     app.add_option("--fine", a.fine, "cells of voxels: 0 nowhere, as the loop, 1 where resins meet, 2 everywhere")
         ->check(CLI::Range(0, 2))
         ->capture_default_str();
+    app.add_option("--colour", a.transport.colour_mm, "mm; how deep below the surface there are cells in any case")
+        ->capture_default_str();
+    app.add_flag("--nodes", a.transport.deep_colour_in_nodes,
+                 "deeper colour is in nodes of diffusion, as in the loop on large bodies");
     app.add_option("--cell", a.transport.cell_mm, "mm")->capture_default_str();
     app.add_option("--models", a.models, "folder of the photographs")->capture_default_str();
     auto* report_command = app.add_subcommand("report", "all tables");

@@ -42,7 +42,7 @@ struct Stopped {
         return options;
     }
     [[nodiscard]] ViewingGrid grid(const Progress* progress) const {
-        return make_viewing_grid(scene, view, 0.5, {}, whole(), &surface, progress);
+        return make_viewing_grid(scene, view, {0.5}, {}, whole(), &surface, progress);
     }
 };
 

@@ -98,7 +98,7 @@ TEST_CASE("Blocks are cut where resins meet, and hold in their parts what they h
     const ResinVolume volume = cut_sphere(1.2, 0.6);
     const Scene scene{&volume, &set, Backing::none, Sides::open};
     const BlockLattice lattice(volume.size(), viewing_cell);
-    ViewingGrid grid = make_viewing_grid(scene, viewing_cell, 0.8, {}, {{}, lattice.blocks, {}});
+    ViewingGrid grid = make_viewing_grid(scene, viewing_cell, {0.8}, {}, {{}, lattice.blocks, {}});
     refine(grid, volume, Refinement::none, viewing_cell);
     CHECK_FALSE(grid.fine.any());
     const auto fine_blocks = [&](Refinement which) {

@@ -45,7 +45,7 @@ struct Case {
         const Scene scene{&volume, &set, Backing::black, Sides::mirrored};
         const BlockLattice lattice(volume.size(), viewing_cell);
         const Surface top = find_surface(scene, viewing_cell, SurfacePart::top);
-        grid = make_viewing_grid(scene, viewing_cell, 0.2, {}, {{}, lattice.blocks, {}}, &top);
+        grid = make_viewing_grid(scene, viewing_cell, {0.2}, {}, {{}, lattice.blocks, {}}, &top);
         refine(grid, volume, where, viewing_cell);
         const auto medium = [&] {
             const float sigma_t = 1 + 40 * value();

@@ -44,7 +44,7 @@ struct Problem {
         const Scene scene{&volume, &set, Backing::black, Sides::mirrored};
         const BlockLattice lattice(volume.size(), viewing_cell);
         const Surface top = find_surface(scene, viewing_cell, SurfacePart::top);
-        grid = make_viewing_grid(scene, viewing_cell, 0.2, {}, {{}, lattice.blocks, {}}, &top);
+        grid = make_viewing_grid(scene, viewing_cell, {0.2}, {}, {{}, lattice.blocks, {}}, &top);
         RandomStream random(9, 2);
         D.assign(grid.mixtures.size(), 0.0f);
         for (std::size_t m = 1; m < D.size(); ++m) D[m] = float(0.3 * std::pow(contrast, -random.uniform()));

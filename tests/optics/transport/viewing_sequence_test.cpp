@@ -180,6 +180,33 @@ TEST_CASE("Where colour came no more the cells go, once, and what is seen stays 
     CHECK(sequence.summary().cells > at_first);
 }
 
+TEST_CASE("Deep colour in nodes of diffusion is seen as in cells, in a grid that keeps its shape") {
+    const ResinSet set = vero_opaque();
+    for (const double strength : {0.05, 0.5}) {
+        const ResinVolume white = halftoned_sphere(2.2, 0), deep = halftoned_sphere(2.2, strength, 1.2),
+                          shallow = halftoned_sphere(2.2, strength, 0.6);
+        const Scene scene{&white, &set, Backing::none, Sides::open},
+            deep_scene{&deep, &set, Backing::none, Sides::open};
+        const Surface surface = find_surface(scene, viewing_cell, SurfacePart::all);
+        TransportOptions options = on_viewing_cells(12);
+        options.colour_mm = 0.4;
+        options.first_change = 0;
+        options.deep_colour_in_nodes = true;
+        ViewingSequence sequence(scene, surface, options);
+        const std::size_t cells = sequence.summary().cells;
+        const Appearance seen = sequence.next(deep);
+        CHECK(sequence.summary().cells == cells);
+        const Appearance exact = TransportPredictor(on_viewing_cells(12)).predict(deep_scene, surface);
+        const Distance error = between(seen.value, exact.value);
+        // What the nodes hold is looked at: colour that ends above them is another print.
+        const Distance without = between(ViewingSequence(scene, surface, options).next(shallow).value, exact.value);
+        CAPTURE(strength, error.rms, error.largest, without.rms);
+        CHECK(error.rms < 0.002);
+        CHECK(error.largest < 0.01);
+        CHECK(without.rms > 5 * error.rms);
+    }
+}
+
 TEST_CASE("A slab that is asked for from above has cells below its top, and looks as it does with cells all around") {
     const ResinSet set = vero_opaque();
     const std::array<int, 3> n{142, 71, 130};  // 6 x 6 x 3.5 mm
