@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "voxtone/base/contracts.h"
+#include "voxtone/base/parallel.h"
 
 namespace voxtone::optics {
 namespace {
@@ -86,8 +87,10 @@ int ResinVolume::uniform_material(const std::array<int, 3>& corner, const std::a
 }
 
 std::array<std::uint64_t, 256> ResinVolume::count() const {
-    std::array<std::uint64_t, 256> counts{};
-    for (int bz = 0; bz < blocks_[2]; ++bz)
+    std::vector<std::array<std::uint64_t, 256>> of_slab(static_cast<std::size_t>(blocks_[2]));
+    parallel_for(0, of_slab.size(), 1, [&](std::size_t slab) {
+        auto& counts = of_slab[slab] = {};
+        const int bz = static_cast<int>(slab);
         for (int by = 0; by < blocks_[1]; ++by)
             for (int bx = 0; bx < blocks_[0]; ++bx) {
                 const std::int32_t block = block_[block_index(bx, by, bz)];
@@ -104,6 +107,10 @@ std::array<std::uint64_t, 256> ResinVolume::count() const {
                     for (int y = 0; y < ny; ++y)
                         for (int x = 0; x < nx; ++x) ++counts[voxels[(z * edge + y) * edge + x]];
             }
+    });
+    std::array<std::uint64_t, 256> counts{};
+    for (const auto& slab : of_slab)
+        for (std::size_t m = 0; m < counts.size(); ++m) counts[m] += slab[m];
     return counts;
 }
 

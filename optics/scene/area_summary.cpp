@@ -2,6 +2,7 @@
 #include "voxtone/optics/scene/area_summary.h"
 
 #include <algorithm>
+#include <utility>
 #include <cstdint>
 #include <vector>
 
@@ -12,26 +13,25 @@ namespace voxtone::optics {
 DifferenceSummary summarize_by_area(const Surface& cells, std::span<const double> differences,
                                     std::span<const char> counts) {
     VOXTONE_EXPECT(cells.cells.size() == differences.size() && (counts.empty() || counts.size() == differences.size()));
-    std::vector<std::uint32_t> order;
+    std::vector<std::pair<double, std::uint32_t>> order;  // side by side: sorting does not jump about
+    order.reserve(differences.size());
     for (std::size_t i = 0; i < differences.size(); ++i)
-        if (counts.empty() || counts[i]) order.push_back(static_cast<std::uint32_t>(i));
+        if (counts.empty() || counts[i]) order.emplace_back(differences[i], static_cast<std::uint32_t>(i));
     DifferenceSummary summary;
     summary.count = order.size();
     if (order.empty()) return summary;
-    std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-        return differences[a] != differences[b] ? differences[a] < differences[b] : a < b;
-    });
+    std::sort(order.begin(), order.end());
     double area = 0, sum = 0;
-    for (const std::uint32_t i : order) {
+    for (const auto& [difference, i] : order) {
         area += cells.cells[i].area_mm2;
-        sum += cells.cells[i].area_mm2 * differences[i];
+        sum += cells.cells[i].area_mm2 * difference;
     }
     summary.mean = sum / area;
-    summary.max = differences[order.back()];
+    summary.max = order.back().first;
     const auto percentile = [&](double share) {
         double up_to = 0;
-        for (const std::uint32_t i : order)
-            if ((up_to += cells.cells[i].area_mm2) >= share * area) return differences[i];
+        for (const auto& [difference, i] : order)
+            if ((up_to += cells.cells[i].area_mm2) >= share * area) return difference;
         return summary.max;
     };
     summary.median = percentile(0.5);

@@ -507,8 +507,9 @@ void ViewingDiffusion::cycle(Vector b, Vector x, const Progress* progress) {
     check_cancelled(progress);
     blocks_->cycle(b2_, x2_, progress);
     for (std::size_t i = 0; i < cores; ++i) core_x1_[i] = x2_[n + i];
-    for (std::size_t i = 0; i < 8 * n; ++i)
-        if (middle_[i / 8].inverse[i % 8] > 0) x1_[i] += x2_[i / 8];
+    parallel_for(0, n, stencils_per_task, [&](std::size_t t) {
+        for (std::size_t i = 0; i < 8; ++i) x1_[8 * t + i] += middle_[t].inverse[i] > 0 ? x2_[t] : 0;
+    });
     relax(middle, std::span<const float>(b1_), x1_, core_x1_, true);
     check_cancelled(progress);
     std::copy(core_x1_.begin(), core_x1_.end(), x.core.begin());

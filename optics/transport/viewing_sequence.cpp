@@ -20,7 +20,9 @@
 namespace voxtone::optics {
 namespace {
 
-constexpr int first_rounds = 2;
+/// Of diffusion alone, before light is swept; of a twin, all of white, for which a cut that is a mirror is a good
+/// guess.
+constexpr int first_rounds = 2, twin_rounds = 1;
 constexpr std::uint32_t nowhere = 0xffffffffu;
 
 /// Plain values and lists of them as bytes.
@@ -414,36 +416,38 @@ void ViewingSequence::solve(Fields Tile::*fields, GhostLight& ghosts, bool hear,
     }
 }
 
-void ViewingSequence::begin(Fields Tile::*fields, GhostLight& ghosts, std::span<const float> adjoint_seed,
+void ViewingSequence::begin(Fields Tile::*fields, GhostLight& ghosts, std::span<const float> adjoint_seed, int rounds,
                             const Progress* progress) {
     const bool known = !ghosts.empty();  // of a twin
     if (!known) ghosts.assign(channels(), std::vector<float>(ghost_places_.size()));
     if (tiles_.size() == 1) return;
-    for (int round = known ? 1 : 0; round < first_rounds; ++round)
+    for (int round = known ? 1 : 0; round < rounds; ++round)
         for (std::size_t t = 0; t < tiles_.size(); ++t) {
             look_at(t, progress);
             (tiles_[t].*fields).assign(channels(), {});
-            solve(fields, ghosts, round > 0, {0, 0}, adjoint_seed, progress, [](std::size_t) {});
+            solve(fields, ghosts, round > 0, {}, adjoint_seed, progress, [](std::size_t) {});
+            // Light that has not heard its neighbours is nothing to sweep from.
+            if (round == 0) (tiles_[t].*fields).assign(channels(), {});
         }
 }
 
 Appearance ViewingSequence::only(const ResinVolume& volume, const Progress* progress) {
     keeps_light_ = false;
-    return predict(volume, {options_.sweeps, 0}, progress);
+    return predict(volume, {options_.sweeps, 0, first_rounds}, progress);
 }
 
 Appearance ViewingSequence::twin(const ResinVolume& volume, const Progress* progress) {
-    Appearance appearance = predict(volume, {options_.sweeps, options_.first_change}, progress);
+    Appearance appearance = predict(volume, {options_.sweeps, options_.first_change, twin_rounds}, progress);
     for (Tile& tile : tiles_) tile.light.assign(channels(), {});
     return appearance;
 }
 
 Appearance ViewingSequence::next(const ResinVolume& volume, const Progress* progress) {
     const bool first = tiles_[0].light[0].cells.empty();
-    return predict(
-        volume,
-        first ? Effort{options_.sweeps, options_.first_change} : Effort{options_.next_sweeps, options_.next_change},
-        progress);
+    return predict(volume,
+                   first ? Effort{options_.sweeps, options_.first_change, first_rounds}
+                         : Effort{options_.next_sweeps, options_.next_change, 0},
+                   progress);
 }
 
 Appearance ViewingSequence::predict(const ResinVolume& volume, Effort effort, const Progress* progress) {
@@ -455,7 +459,7 @@ Appearance ViewingSequence::predict(const ResinVolume& volume, Effort effort, co
     volume_ = &volume;
     for (Tile& tile : tiles_)
         if (tile.shape) tile.shape->filled = nullptr;
-    if (tiles_[0].light[0].cells.empty()) begin(&Tile::light, ghost_light_, {}, progress);
+    if (tiles_[0].light[0].cells.empty()) begin(&Tile::light, ghost_light_, {}, effort.rounds, progress);
     Appearance appearance;
     appearance.channels = channels();
     appearance.value.assign(surface_.cells.size() * channels(), 0.0f);
@@ -481,21 +485,22 @@ void ViewingSequence::read_appearance(std::size_t channel, Appearance& to) const
     const ViewingFaces& seen = live().seen;
     const Tile& tile = tiles_[live_];
     const auto flux = transport.flux();
-    std::size_t own = 0;
-    for (std::size_t k = 0; k < tile.near.size() && own < tile.cells.size(); ++k) {
-        if (tile.near[k] != tile.cells[own]) continue;
-        ++own;
+    const auto value_of = [&](std::size_t k) {
         float leaving = 0, furnace = 0;
         for (std::uint32_t e = seen.first[k]; e < seen.first[k + 1]; ++e) {
             leaving += seen.share[e] * flux[seen.face[e]];
             furnace += seen.share[e] * transport.furnace_flux(seen.face[e]);
         }
         // Inside a bubble smaller than a cell the light is that of the cell.
-        to.value[tile.near[k] * channels() + channel] = furnace > 0               ? leaving / furnace
-                                                        : seen.cell[k] != nowhere ? transport.phi(seen.cell[k])
-                                                                                  : 0;
-    }
-    VOXTONE_ENSURE(own == tile.cells.size());
+        return furnace > 0 ? leaving / furnace : seen.cell[k] != nowhere ? transport.phi(seen.cell[k]) : 0;
+    };
+    parallel_ranges(0, tile.near.size(), 1 << 12, [&](std::size_t begin, std::size_t end) {
+        auto own = std::lower_bound(tile.cells.begin(), tile.cells.end(), tile.near[begin]);
+        for (std::size_t k = begin; k < end && own != tile.cells.end(); ++k) {
+            if (tile.near[k] != *own) continue;
+            to.value[*own++ * channels() + channel] = value_of(k);
+        }
+    });
 }
 
 std::vector<float> ViewingSequence::light_of(std::span<const float> adjoint_seed, std::size_t channel) const {
@@ -527,7 +532,7 @@ bool ViewingSequence::gradient(std::span<const float> adjoint_seed, const Gradie
     const std::size_t needed = most + 2 * channels() * fields;
     if (options_.memory_bytes > 0 && needed > options_.memory_bytes) return false;
     const bool first = ghost_adjoint_.empty();
-    if (first) begin(&Tile::adjoint, ghost_adjoint_, adjoint_seed, progress);
+    if (first) begin(&Tile::adjoint, ghost_adjoint_, adjoint_seed, first_rounds, progress);
     // Backwards: the tile that was looked at last is still at hand.
     for (std::size_t t = tiles_.size(); t-- > 0;) {
         look_at(t, progress);
@@ -540,8 +545,8 @@ bool ViewingSequence::gradient(std::span<const float> adjoint_seed, const Gradie
         std::vector<float> by_sigma_t(live().grid->cells()), by_sigma_s(live().grid->cells());
         const bool anew = first || tile.adjoint[0].cells.empty();
         solve(&Tile::adjoint, ghost_adjoint_, true,
-              anew ? Effort{options_.sweeps, 0} : Effort{options_.next_sweeps, 10 * options_.next_change}, adjoint_seed,
-              progress, [&](std::size_t c) {
+              anew ? Effort{options_.sweeps, 0, 0} : Effort{options_.next_sweeps, 10 * options_.next_change, 0},
+              adjoint_seed, progress, [&](std::size_t c) {
                   transport_->derivatives(tile.light[c], by_sigma_t, by_sigma_s, progress);
                   gradient.add(c, *media_of, seen, by_sigma_t, by_sigma_s);
               });

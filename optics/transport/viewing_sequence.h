@@ -17,8 +17,8 @@
 // time, its light is kept in 16-bit steps; its grid too where memory allows, which saves time and changes no bit. What
 // shines across a cut is the light that the neighbour had when it was last looked at, so that light travels from tile
 // to tile as the predictions go on (Schwarz's alternating method). The first prediction goes over the tiles
-// `first_rounds` times with diffusion alone before it sweeps; after a twin once, for a print of dark resins is not lit
-// by its white twin.
+// `first_rounds` times with diffusion alone before it sweeps; a twin once, and a print after it once, for a print of
+// dark resins is not lit by its white twin.
 //
 // Media are those of the halftone (effective_medium.h) of each cell's voxels, seen from above where the surface looks
 // up and from all sides else; where in a cell a resin lies is seen too (seen_medium.h).
@@ -72,10 +72,12 @@ public:
     [[nodiscard]] const TransportSummary& summary() const { return summary_; }
 
 private:
-    /// Most sweeps, and the change that is small enough to stop.
+    /// Most sweeps, the change that is small enough to stop, and how often diffusion goes over the tiles before the
+    /// first one.
     struct Effort {
         int sweeps = 0;
         double enough = 0;
+        int rounds = 0;
     };
     /// Light of all channels, or of all adjoints.
     using Fields = std::vector<ViewingField>;
@@ -133,7 +135,8 @@ private:
     void solve(Fields Tile::*fields, GhostLight& ghosts, bool hear, Effort effort, std::span<const float> adjoint_seed,
                const Progress* progress, Done&& done);
     /// For the first time: diffusion alone, until light has come around.
-    void begin(Fields Tile::*fields, GhostLight& ghosts, std::span<const float> adjoint_seed, const Progress* progress);
+    void begin(Fields Tile::*fields, GhostLight& ghosts, std::span<const float> adjoint_seed, int rounds,
+               const Progress* progress);
     /// Light that stands for d F / d value.
     [[nodiscard]] std::vector<float> light_of(std::span<const float> adjoint_seed, std::size_t channel) const;
     void read_appearance(std::size_t channel, Appearance& to) const;

@@ -169,13 +169,17 @@ void ViewingTransport::start() {
     check();
     // The residual of that guess.
     diffusion_.apply({x_, core_x_}, {z_, core_z_});
-    for (std::size_t i = 0; i < x_.size(); ++i) right_[i] -= z_[i];
+    const auto each_cell = [&](auto&& body) {
+        parallel_ranges(0, x_.size(), 1 << 14, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t cell = begin; cell < end; ++cell) body(cell);
+        });
+    };
+    each_cell([&](std::size_t cell) { right_[cell] -= z_[cell]; });
     for (std::size_t i = 0; i < core_x_.size(); ++i) core_right_[i] -= core_z_[i];
     hold_ghosts();
     constexpr int most_steps = 60;
     open_solves_ += solve_diffusion(options_.start_tolerance, most_steps) == most_steps;
-    for (std::size_t cell = 0; cell < x_.size(); ++cell)
-        if (grid_.medium[cell] == 0) x_[cell] = 0;
+    each_cell([&](std::size_t cell) { x_[cell] = grid_.medium[cell] == 0 ? 0 : x_[cell]; });
     check();
     enter(true);
     check();
@@ -297,12 +301,17 @@ void ViewingTransport::enter(bool start) {
             for (std::size_t slot = 0; slot < 4; ++slot) {
                 Octet& out = out_[4 * std::size_t{viewing_.place_of_face[f]} + slot];
                 const float u = slot & 1 ? -Ju : Ju, v = slot & 2 ? -Jv : Jv;
+                Octet was, is;  // of the flux; the sums keep their order
                 for (std::size_t d = 0; d < 8; ++d) {
                     const float weight = w.v[d] * law.through[slot].v[d];
-                    before += weight * out.v[d];
+                    was.v[d] = weight * out.v[d];
                     out.v[d] += phi + set.cosine[axis].v[d] * Jn + set.cosine[tangent[0]].v[d] * u +
                                 set.cosine[tangent[1]].v[d] * v;
-                    leaving += weight * out.v[d];
+                    is.v[d] = weight * out.v[d];
+                }
+                for (std::size_t d = 0; d < 8; ++d) {
+                    before += was.v[d];
+                    leaving += is.v[d];
                 }
             }
             flux_[f] = leaving * face.area_mm2;
@@ -387,6 +396,34 @@ void ViewingTransport::reflect() {
     });
 }
 
+namespace {
+
+/// Fluxes of a region's light that passes corners become its radiance for the room that there is: of the same direction
+/// first, the surplus everywhere. Loops without branches, which become vectors; sums in the order of the directions.
+void share_out(const float* leaves, const float* room, float* pool) {
+    std::array<float, 64> too_much, free;
+    for (std::size_t k = 0; k < 64; ++k) {
+        const bool over = leaves[k] > room[k];
+        const float share = 1 - room[k] / (over ? leaves[k] : 1.0f);
+        too_much[k] = over ? share * pool[k] : 0.0f;
+        free[k] = over ? 0.0f : room[k] - leaves[k];
+    }
+    float surplus = 0, lack = 0;
+    for (std::size_t k = 0; k < 64; ++k) {
+        surplus += too_much[k];
+        lack += free[k];
+    }
+    const float everywhere = lack > 1e-12f ? surplus / lack : 0;
+    for (std::size_t k = 0; k < 64; ++k) {
+        const bool over = leaves[k] > room[k];
+        const float flux = over ? pool[k] : pool[k] + (room[k] - leaves[k]) * everywhere;
+        const float width = over ? leaves[k] : room[k];
+        pool[k] = width > 0 ? flux / (width > 0 ? width : 1.0f) : pool[k];
+    }
+}
+
+}  // namespace
+
 /// Mean radiance of the light that passes corners of the staircase, per region and direction (transport_directions.h).
 void ViewingTransport::pool(const GridBlock& block, Pool& pool) const {
     if (!block.slanting) return;
@@ -405,33 +442,21 @@ void ViewingTransport::pool(const GridBlock& block, Pool& pool) const {
                                     static_cast<std::size_t>(leaving_octant(face.facing, static_cast<int>(slot))) * 8,
                               in = region +
                                    static_cast<std::size_t>(entering_octant(face.facing, static_cast<int>(slot))) * 8;
+            const Octet &through = law.through[slot], &mirror = law.mirror[slot], &back = law.through[slot ^ 3],
+                        &leaving = out_[4 * std::size_t{viewing_.place_of_face[f]} + slot];
+            Octet flux, passes;
             for (std::size_t d = 0; d < 8; ++d) {
-                const float flux = w.v[d] * face.area_mm2,
-                            passes = flux * std::max(0.0f, 1 - law.through[slot].v[d] - law.mirror[slot].v[d]);
-                leaves[out + d] += passes;
-                room[in + d] += flux * std::max(0.0f, 1 - law.through[slot ^ 3].v[d] - law.mirror[slot].v[d]);
-                pool[out + d] += passes * out_[4 * std::size_t{viewing_.place_of_face[f]} + slot].v[d];
+                flux.v[d] = w.v[d] * face.area_mm2;
+                passes.v[d] = flux.v[d] * std::max(0.0f, 1 - through.v[d] - mirror.v[d]);
             }
+            for (std::size_t d = 0; d < 8; ++d) leaves[out + d] += passes.v[d];
+            for (std::size_t d = 0; d < 8; ++d) room[in + d] += flux.v[d] * std::max(0.0f, 1 - back.v[d] - mirror.v[d]);
+            for (std::size_t d = 0; d < 8; ++d) pool[out + d] += passes.v[d] * leaving.v[d];
         }
     }
-    // From fluxes to radiances for the room that there is: of the same direction first, the surplus everywhere.
-    for (std::size_t region = 0; region < 512; region += 64) {
-        if (!(regions >> region / 64 & 1)) continue;
-        float surplus = 0, lack = 0;
-        for (std::size_t k = region; k < region + 64; ++k) {
-            if (leaves[k] > room[k])
-                surplus += (1 - room[k] / leaves[k]) * pool[k];
-            else
-                lack += room[k] - leaves[k];
-        }
-        const float everywhere = lack > 1e-12f ? surplus / lack : 0;
-        for (std::size_t k = region; k < region + 64; ++k) {
-            if (leaves[k] > room[k])
-                pool[k] /= leaves[k];
-            else if (room[k] > 0)
-                pool[k] = (pool[k] + (room[k] - leaves[k]) * everywhere) / room[k];
-        }
-    }
+    for (std::size_t region = 0; region < 8; ++region)
+        if (regions >> region & 1)
+            share_out(leaves.data() + 64 * region, room.data() + 64 * region, pool.data() + 64 * region);
 }
 
 /// Diffuse light: phi and J at the face, from the cell on this side and the node beyond, by what conducts between.

@@ -241,12 +241,16 @@ TEST_CASE("A slab that is asked for from above has cells below its top, and look
 
 TEST_CASE("A sequence gives the same bits for any number of threads") {
     const ResinSet set = vero_opaque();
-    const ResinVolume first = halftoned_sphere(1.0, 0.5), second = halftoned_sphere(1.0, 0.7);
+    const bool deep_in_nodes = GENERATE(false, true);
+    const ResinVolume first = halftoned_sphere(1.6, 0.5, 0.8), second = halftoned_sphere(1.6, 0.7, 1.0);
     const Scene scene{&first, &set, Backing::none, Sides::open};
+    TransportOptions options = on_viewing_cells();
+    options.colour_mm = 0.2;
+    options.deep_colour_in_nodes = deep_in_nodes;
     const auto run = [&](std::size_t threads) {
         const ThreadLimit limit(threads);
         const Surface surface = find_surface(scene, viewing_cell, SurfacePart::all);
-        ViewingSequence sequence(scene, surface, on_viewing_cells());
+        ViewingSequence sequence(scene, surface, options);
         (void)sequence.next(first);
         return sequence.next(second).value;
     };
@@ -262,6 +266,19 @@ TEST_CASE("Cells of the eye: a body that absorbs nothing is white wherever the s
     const Scene scene{&volume, &set, Backing::none, Sides::open};
     const Surface surface = find_surface(scene, viewing_cell, SurfacePart::all);
     const Appearance seen = TransportPredictor(on_viewing_cells()).predict(scene, surface);
+    for (const float v : seen.value) REQUIRE(std::abs(v - 1) < 1e-3f);
+}
+
+TEST_CASE("Deep colour in nodes: a body that absorbs nothing is white") {
+    ResinSet set = vero_opaque();
+    for (Resin& resin : set.resins) resin.albedo.assign(3, 1.0);
+    const ResinVolume volume = halftoned_sphere(1.6, 0.8, 1.2);
+    const Scene scene{&volume, &set, Backing::none, Sides::open};
+    const Surface surface = find_surface(scene, viewing_cell, SurfacePart::all);
+    TransportOptions options = on_viewing_cells();
+    options.colour_mm = 0.2;
+    options.deep_colour_in_nodes = true;
+    const Appearance seen = TransportPredictor(options).predict(scene, surface);
     for (const float v : seen.value) REQUIRE(std::abs(v - 1) < 1e-3f);
 }
 

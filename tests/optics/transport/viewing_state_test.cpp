@@ -33,12 +33,14 @@ struct SmallBall {
             return draw.uniform() > 0.4 ? 5 : 1 + static_cast<int>(draw.uniform() * 3);
         });
     }
+    bool deep_in_nodes = false;
     [[nodiscard]] ViewingSequence sequence(std::size_t tile_cells) const {
         TransportOptions options;
         options.refinement = Refinement::none;
         options.tile_cells = tile_cells;
         options.tile_halo = 1;
         options.colour_mm = 0.2;
+        options.deep_colour_in_nodes = deep_in_nodes;
         return {scene, surface, options};
     }
     /// What a sequence says of a print, and of its gradient there.
@@ -64,10 +66,12 @@ std::vector<std::byte> state_of(const ViewingSequence& sequence) {
 }  // namespace
 
 TEST_CASE("A sequence that goes on from a saved state says the same, whole and in tiles") {
-    const SmallBall ball;
+    const bool deep_in_nodes = GENERATE(false, true);
+    SmallBall ball;
+    ball.deep_in_nodes = deep_in_nodes;
     for (const std::size_t tile_cells : {ball.surface.cells.size(), std::size_t{1500}}) {
         ViewingSequence whole = ball.sequence(tile_cells);
-        CAPTURE(tile_cells, whole.summary().pieces);
+        CAPTURE(deep_in_nodes, tile_cells, whole.summary().pieces);
         CHECK((whole.summary().pieces > 1) == (tile_cells == 1500));
         std::vector<std::vector<float>> said;
         std::vector<std::vector<std::byte>> states;
