@@ -2,8 +2,8 @@
 #include "voxtone/optics/scene/area_summary.h"
 
 #include <algorithm>
-#include <utility>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "voxtone/base/contracts.h"

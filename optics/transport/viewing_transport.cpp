@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <cstring>
 
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/parallel.h"
@@ -16,6 +17,40 @@ namespace {
 
 constexpr float least_transport_sigma = 0.2f;  // mm^-1; keeps diffusion finite in clear resin, where it is only a guess
 constexpr std::size_t blocks_per_task = 32;
+
+// A vector type of the compiler: left to itself it takes these floats one by one.
+using Four __attribute__((vector_size(16))) = float;
+
+Four four(const float* from) {
+    Four v;
+    std::memcpy(&v, from, sizeof v);
+    return v;
+}
+void put(const Four& v, float* to) { std::memcpy(to, &v, sizeof v); }
+Four above_zero(const Four& v) { return v > 0 ? v : Four{}; }
+
+/// Fluxes of a region's light that passes corners become its radiance for the room that there is: of the same direction
+/// first, the surplus everywhere. Sums are in the order of the directions.
+void share_out(const float* leaves, const float* room, float* pool) {
+    std::array<float, 64> too_much, free;
+    for (std::size_t k = 0; k < 64; k += 4) {
+        const Four out = four(leaves + k), in = four(room + k);
+        const auto over = out > in;
+        put(over ? (1 - in / (over ? out : Four{} + 1)) * four(pool + k) : Four{}, too_much.data() + k);
+        put(over ? Four{} : in - out, free.data() + k);
+    }
+    float surplus = 0, lack = 0;
+    for (std::size_t k = 0; k < 64; ++k) {
+        surplus += too_much[k];
+        lack += free[k];
+    }
+    const float everywhere = lack > 1e-12f ? surplus / lack : 0;
+    for (std::size_t k = 0; k < 64; k += 4) {
+        const Four out = four(leaves + k), in = four(room + k), passing = four(pool + k);
+        const Four flux = out > in ? passing : passing + (in - out) * everywhere, width = out > in ? out : in;
+        put(width > 0 ? flux / (width > 0 ? width : Four{} + 1) : passing, pool + k);
+    }
+}
 
 }  // namespace
 
@@ -302,12 +337,14 @@ void ViewingTransport::enter(bool start) {
                 Octet& out = out_[4 * std::size_t{viewing_.place_of_face[f]} + slot];
                 const float u = slot & 1 ? -Ju : Ju, v = slot & 2 ? -Jv : Jv;
                 Octet was, is;  // of the flux; the sums keep their order
-                for (std::size_t d = 0; d < 8; ++d) {
-                    const float weight = w.v[d] * law.through[slot].v[d];
-                    was.v[d] = weight * out.v[d];
-                    out.v[d] += phi + set.cosine[axis].v[d] * Jn + set.cosine[tangent[0]].v[d] * u +
-                                set.cosine[tangent[1]].v[d] * v;
-                    is.v[d] = weight * out.v[d];
+                for (std::size_t d = 0; d < 8; d += 4) {
+                    const Four weight = four(&w.v[d]) * four(&law.through[slot].v[d]);
+                    put(weight * four(&out.v[d]), &was.v[d]);
+                    put(four(&out.v[d]) +
+                            (phi + four(&set.cosine[axis].v[d]) * Jn + four(&set.cosine[tangent[0]].v[d]) * u +
+                             four(&set.cosine[tangent[1]].v[d]) * v),
+                        &out.v[d]);
+                    put(weight * four(&out.v[d]), &is.v[d]);
                 }
                 for (std::size_t d = 0; d < 8; ++d) {
                     before += was.v[d];
@@ -396,34 +433,6 @@ void ViewingTransport::reflect() {
     });
 }
 
-namespace {
-
-/// Fluxes of a region's light that passes corners become its radiance for the room that there is: of the same direction
-/// first, the surplus everywhere. Loops without branches, which become vectors; sums in the order of the directions.
-void share_out(const float* leaves, const float* room, float* pool) {
-    std::array<float, 64> too_much, free;
-    for (std::size_t k = 0; k < 64; ++k) {
-        const bool over = leaves[k] > room[k];
-        const float share = 1 - room[k] / (over ? leaves[k] : 1.0f);
-        too_much[k] = over ? share * pool[k] : 0.0f;
-        free[k] = over ? 0.0f : room[k] - leaves[k];
-    }
-    float surplus = 0, lack = 0;
-    for (std::size_t k = 0; k < 64; ++k) {
-        surplus += too_much[k];
-        lack += free[k];
-    }
-    const float everywhere = lack > 1e-12f ? surplus / lack : 0;
-    for (std::size_t k = 0; k < 64; ++k) {
-        const bool over = leaves[k] > room[k];
-        const float flux = over ? pool[k] : pool[k] + (room[k] - leaves[k]) * everywhere;
-        const float width = over ? leaves[k] : room[k];
-        pool[k] = width > 0 ? flux / (width > 0 ? width : 1.0f) : pool[k];
-    }
-}
-
-}  // namespace
-
 /// Mean radiance of the light that passes corners of the staircase, per region and direction (transport_directions.h).
 void ViewingTransport::pool(const GridBlock& block, Pool& pool) const {
     if (!block.slanting) return;
@@ -442,21 +451,19 @@ void ViewingTransport::pool(const GridBlock& block, Pool& pool) const {
                                     static_cast<std::size_t>(leaving_octant(face.facing, static_cast<int>(slot))) * 8,
                               in = region +
                                    static_cast<std::size_t>(entering_octant(face.facing, static_cast<int>(slot))) * 8;
-            const Octet &through = law.through[slot], &mirror = law.mirror[slot], &back = law.through[slot ^ 3],
-                        &leaving = out_[4 * std::size_t{viewing_.place_of_face[f]} + slot];
-            Octet flux, passes;
-            for (std::size_t d = 0; d < 8; ++d) {
-                flux.v[d] = w.v[d] * face.area_mm2;
-                passes.v[d] = flux.v[d] * std::max(0.0f, 1 - through.v[d] - mirror.v[d]);
+            const Octet& leaving = out_[4 * std::size_t{viewing_.place_of_face[f]} + slot];
+            for (std::size_t d = 0; d < 8; d += 4) {
+                const Four flux = four(&w.v[d]) * face.area_mm2, mirror = four(&law.mirror[slot].v[d]);
+                const Four passes = flux * above_zero(1 - four(&law.through[slot].v[d]) - mirror);
+                put(four(&leaves[out + d]) + passes, &leaves[out + d]);
+                put(four(&room[in + d]) + flux * above_zero(1 - four(&law.through[slot ^ 3].v[d]) - mirror),
+                    &room[in + d]);
+                put(four(&pool[out + d]) + passes * four(&leaving.v[d]), &pool[out + d]);
             }
-            for (std::size_t d = 0; d < 8; ++d) leaves[out + d] += passes.v[d];
-            for (std::size_t d = 0; d < 8; ++d) room[in + d] += flux.v[d] * std::max(0.0f, 1 - back.v[d] - mirror.v[d]);
-            for (std::size_t d = 0; d < 8; ++d) pool[out + d] += passes.v[d] * leaving.v[d];
         }
     }
-    for (std::size_t region = 0; region < 8; ++region)
-        if (regions >> region & 1)
-            share_out(leaves.data() + 64 * region, room.data() + 64 * region, pool.data() + 64 * region);
+    for (std::size_t region = 0; region < 512; region += 64)
+        if (regions >> region / 64 & 1) share_out(&leaves[region], &room[region], &pool[region]);
 }
 
 /// Diffuse light: phi and J at the face, from the cell on this side and the node beyond, by what conducts between.
@@ -489,11 +496,15 @@ Octet ViewingTransport::returned(const Pool& pool, std::size_t face, std::size_t
         radiance = leaving / through;
     }
     const Octet &back = law.through[slot ^ 3], &mirror = law.mirror[slot], &out = leaves[slot];
-    for (std::size_t d = 0; d < 8; ++d) in.v[d] = mirror.v[d] * out.v[d] + back.v[d] * radiance;
+    for (std::size_t d = 0; d < 8; d += 4)
+        put(four(&mirror.v[d]) * four(&out.v[d]) + four(&back.v[d]) * radiance, &in.v[d]);
     if (law.flat) return in;
     const std::size_t from = std::size_t{outer.region_in_block} * 64 +
                              static_cast<std::size_t>(entering_octant(outer.facing, static_cast<int>(slot))) * 8;
-    for (std::size_t d = 0; d < 8; ++d) in.v[d] += law.room(slot, d) * pool[from + d];
+    for (std::size_t d = 0; d < 8; d += 4) {
+        const Four room = above_zero(1 - four(&back.v[d]) - four(&mirror.v[d]));
+        put(four(&in.v[d]) + room * four(&pool[from + d]), &in.v[d]);
+    }
     return in;
 }
 
