@@ -22,27 +22,38 @@ namespace voxtone::optics {
 
 class SweepScratch {
 public:
-    /// `cells`: a multiple of 64. All zero.
-    explicit SweepScratch(std::size_t cells) : cells_(cells), first_(make(cells)), second_(make(cells)) {}
+    /// Room for so many cells, a multiple of 64. What it holds then is anything.
+    void resize(std::size_t cells) {
+        if (cells > room_) {
+            first_.reset();
+            second_.reset();
+            first_ = make(cells);
+            second_ = make(cells);
+            room_ = cells;
+        }
+        cells_ = cells;
+    }
 
     [[nodiscard]] std::span<Moments> up() { return {as<Moments>(first_), cells_}; }
     [[nodiscard]] std::span<Moments> down() { return {as<Moments>(second_), cells_}; }
     [[nodiscard]] std::span<BlockStencil<4>> equations() { return {as<BlockStencil<4>>(first_), cells_ / 64}; }
     [[nodiscard]] std::span<float> vector(std::size_t i) { return {as<float>(second_) + i * cells_, cells_}; }
-    [[nodiscard]] std::size_t memory_bytes() const { return 2 * cells_ * sizeof(Moments); }
+    [[nodiscard]] std::size_t memory_bytes() const { return 2 * room_ * sizeof(Moments); }
 
 private:
     static_assert(sizeof(BlockStencil<4>) == 64 * sizeof(Moments) && sizeof(Moments) == 4 * sizeof(float));
     static_assert(alignof(BlockStencil<4>) <= __STDCPP_DEFAULT_NEW_ALIGNMENT__);
     // Bytes, in which objects of all these plain types begin to live when they are written.
     using Bytes = std::unique_ptr<std::byte[]>;
-    static Bytes make(std::size_t cells) { return std::make_unique<std::byte[]>(cells * sizeof(Moments)); }
+    static Bytes make(std::size_t cells) {
+        return std::make_unique_for_overwrite<std::byte[]>(cells * sizeof(Moments));
+    }
     template <class T>
     static T* as(const Bytes& bytes) {
         return std::launder(reinterpret_cast<T*>(bytes.get()));
     }
 
-    std::size_t cells_;
+    std::size_t cells_ = 0, room_ = 0;
     Bytes first_, second_;
 };
 

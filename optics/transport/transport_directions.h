@@ -30,7 +30,6 @@
 // everything through). A furnace stays at 1 for any normal; a flat face is a mirror.
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
 
@@ -59,13 +58,6 @@ struct DirectionSet {
 struct FaceLaw {
     std::array<Octet, 4> through, mirror;
     bool flat = true;  ///< nothing is left over
-    /// Share of what leaves with these signs that passes a corner, and share of what enters with them that does.
-    [[nodiscard]] float left_over(std::size_t signs, std::size_t d) const {
-        return flat ? 0 : std::max(0.0f, 1 - through[signs].v[d] - mirror[signs].v[d]);
-    }
-    [[nodiscard]] float room(std::size_t signs, std::size_t d) const {
-        return flat ? 0 : std::max(0.0f, 1 - through[signs ^ 3].v[d] - mirror[signs].v[d]);
-    }
 };
 
 /// Nothing leaves.

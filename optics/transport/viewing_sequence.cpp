@@ -183,25 +183,14 @@ std::unique_ptr<ViewingSequence::Shape> ViewingSequence::shape_of(const Tile& ti
 
 void ViewingSequence::make_live(std::size_t index, const Progress* progress) {
     const Stopwatch watch;
+    ViewingTransport::Room room = transport_ ? transport_->take_room() : ViewingTransport::Room{};
     transport_.reset();
     live_ = index;
     Tile& tile = tiles_[index];
     if (!tile.shape) {
-        make_room(tile.bytes + field_bytes());
+        make_room(tile.bytes + field_bytes() + room.memory_bytes());
         tile.shape = shape_of(tile, progress);
-        const ViewingGrid& grid = *tile.shape->grid;
-        tile.fine_cells = 64 * std::size_t(split_[0] * split_[1] * split_[2]) *
-                          blocks_to_refine(grid, *scene_.volume, options_.refinement).size();
-        tile.bytes = tile.shape->memory_bytes() + ViewingTransport::bytes_for(grid, 0) +
-                     tile.fine_cells * ViewingTransport::bytes_of_part;
-        tile.cells_of_grid = grid.cells();
-        tile.core_nodes = grid.core_block.size();
-        tile.open_faces = grid.open_faces.size();
-        summary_.cells = summary_.nodes = 0;
-        for (const Tile& t : tiles_) {
-            summary_.cells += t.cells_of_grid;
-            summary_.nodes += t.cells_of_grid + t.core_nodes;
-        }
+        measure(tile);
     }
     const ViewingGrid& grid = *tile.shape->grid;
     const std::size_t kept = keeps_light_ ? channels() : 1;
@@ -215,9 +204,47 @@ void ViewingSequence::make_live(std::size_t index, const Progress* progress) {
                             " viewing cells at once needs " + std::to_string((needed >> 20) + 1) +
                             " MiB of memory and " + std::to_string(options_.memory_bytes >> 20) +
                             " are allowed: allow more, expect colour less deep, or take larger cells");
+    if (options_.memory_bytes > 0 && needed + room.memory_bytes() > options_.memory_bytes) room = {};
     make_room(needed);
     if (progress) progress->check_cancelled();
-    transport_ = std::make_unique<ViewingTransport>(grid, options_);
+    transport_ = std::make_unique<ViewingTransport>(grid, options_, std::move(room));
+    summary_.grid_s += watch.total();
+}
+
+/// What the grid of a tile takes and holds, after it was made.
+void ViewingSequence::measure(Tile& tile) {
+    const ViewingGrid& grid = *tile.shape->grid;
+    tile.fine_cells = 64 * std::size_t(split_[0] * split_[1] * split_[2]) *
+                      blocks_to_refine(grid, *scene_.volume, options_.refinement).size();
+    tile.bytes = tile.shape->memory_bytes() + ViewingTransport::bytes_for(grid, 0) +
+                 tile.fine_cells * ViewingTransport::bytes_of_part;
+    tile.cells_of_grid = grid.cells();
+    tile.core_nodes = grid.core_block.size();
+    tile.open_faces = grid.open_faces.size();
+    summary_.cells = summary_.nodes = 0;
+    for (const Tile& t : tiles_) {
+        summary_.cells += t.cells_of_grid;
+        summary_.nodes += t.cells_of_grid + t.core_nodes;
+    }
+}
+
+/// Those of all tiles at once, for making one keeps little more than one thread busy; not where they might have to be
+/// dropped before they are used.
+void ViewingSequence::make_shapes(const Progress* progress) {
+    constexpr double slack = 1.3;  // tiles are not alike
+    const Stopwatch watch;
+    std::vector<std::size_t> missing;
+    for (std::size_t t = 0; t < tiles_.size(); ++t)
+        if (!tiles_[t].shape) missing.push_back(t);
+    if (missing.size() < 2) return;
+    const double one = static_cast<double>(tiles_[0].bytes),
+                 all = one * static_cast<double>(tiles_.size()) + expected_light();
+    if (options_.memory_bytes > 0 && !(slack * all < static_cast<double>(options_.memory_bytes))) return;
+    parallel_for(0, missing.size(), 1, [&](std::size_t i) {
+        Tile& tile = tiles_[missing[i]];
+        tile.shape = shape_of(tile, progress);
+    });
+    for (const std::size_t t : missing) measure(tiles_[t]);
     summary_.grid_s += watch.total();
 }
 
@@ -459,6 +486,7 @@ Appearance ViewingSequence::predict(const ResinVolume& volume, Effort effort, co
     volume_ = &volume;
     for (Tile& tile : tiles_)
         if (tile.shape) tile.shape->filled = nullptr;
+    if (keeps_light_) make_shapes(progress);
     if (tiles_[0].light[0].cells.empty()) begin(&Tile::light, ghost_light_, {}, effort.rounds, progress);
     Appearance appearance;
     appearance.channels = channels();

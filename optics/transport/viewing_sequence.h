@@ -121,6 +121,8 @@ private:
     /// Blocks of `also` that have colour in the last volume; empty where most of them have.
     [[nodiscard]] std::vector<std::uint8_t> still_coloured(const Tile& tile) const;
     [[nodiscard]] std::unique_ptr<Shape> shape_of(const Tile& tile, const Progress* progress) const;
+    void measure(Tile& tile);
+    void make_shapes(const Progress* progress);
     [[nodiscard]] const Shape& live() const { return *tiles_[live_].shape; }
     [[nodiscard]] std::size_t shape_bytes() const;
     /// Drops shapes of other tiles, the last ones first, until so many bytes more are allowed.

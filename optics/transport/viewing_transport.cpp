@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cmath>
 #include <cstring>
+#include <utility>
 
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/parallel.h"
@@ -54,8 +55,18 @@ void share_out(const float* leaves, const float* room, float* pool) {
 
 }  // namespace
 
-ViewingTransport::ViewingTransport(const ViewingGrid& viewing, const TransportOptions& options)
-    : viewing_(viewing), grid_(viewing.grid), options_(options), diffusion_(viewing), scratch_(viewing.cells()) {
+ViewingTransport::ViewingTransport(const ViewingGrid& viewing, const TransportOptions& options, Room room)
+    : viewing_(viewing),
+      grid_(viewing.grid),
+      options_(options),
+      diffusion_(viewing),
+      moments_(std::move(room.moments)),
+      scratch_(std::move(room.scratch)),
+      in_(std::move(room.in)),
+      out_(std::move(room.out)),
+      flux_(std::move(room.flux)),
+      flux_change_(std::move(room.flux_change)) {
+    scratch_.resize(viewing.cells());
     const auto edge = grid_.edge_mm();
     for (std::size_t a = 0; a < 3; ++a) {
         edge_[a] = static_cast<float>(edge[a]);
@@ -90,6 +101,16 @@ ViewingTransport::ViewingTransport(const ViewingGrid& viewing, const TransportOp
                 sums_[l].weight += flux_weight_[axis_of[l]].v[d];
                 sums_[l].through += flux_weight_[axis_of[l]].v[d] * t.v[d];
             }
+}
+
+std::size_t ViewingTransport::Room::memory_bytes() const {
+    const auto of = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
+    return of(moments) + scratch.memory_bytes() + of(in) + of(out) + of(flux) + of(flux_change);
+}
+
+ViewingTransport::Room ViewingTransport::take_room() {
+    return {std::move(moments_), std::move(scratch_), std::move(in_),
+            std::move(out_),     std::move(flux_),    std::move(flux_change_)};
 }
 
 std::size_t ViewingTransport::bytes_for(const ViewingGrid& grid, std::size_t channels) {

@@ -37,7 +37,18 @@ inline constexpr double fine_theta = 1;
 
 class ViewingTransport {
 public:
-    ViewingTransport(const ViewingGrid& grid, const TransportOptions& options);
+    /// The memory that a tile after another works in, so that it need not be asked for and cleared again each time:
+    /// what it holds does not matter.
+    struct Room {
+        std::vector<Moments> moments;
+        SweepScratch scratch;
+        std::vector<Octet> in, out;
+        std::vector<float> flux, flux_change;
+        [[nodiscard]] std::size_t memory_bytes() const;
+    };
+    ViewingTransport(const ViewingGrid& grid, const TransportOptions& options, Room room = {});
+    /// For the next one; this one is of no use then.
+    [[nodiscard]] Room take_room();
     /// A fine cell: its light three times, what it holds twice while blocks are filled.
     static constexpr std::size_t bytes_of_part = 3 * sizeof(Moments) + 10;
     /// What it will take about, with fields of so many channels, besides fine cells.

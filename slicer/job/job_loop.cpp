@@ -28,15 +28,20 @@ optics::ResinVolume shape_of(const PrintParts& parts, const LoadedResins& resins
 
 /// A loop by feedback alone needs no gradient of what lies deep: cells as far down as light is not diffuse, nodes
 /// below. Of 0.8 and 0.4 the bundled cow of 40 mm comes to the same error (docs/benchmarks.md, "Deep colour in nodes").
+/// Not on a sheet, above which thin slabs would look worse (there).
 constexpr double cells_of_feedback_mm = 0.4;
 
-std::unique_ptr<const optics::AppearanceModel> loop_model(const ResolvedJob& job, bool descent, double colour_mm,
+bool wants_deep_colour_in_nodes(const LoopPlan& plan, const optics::Scene& scene) {
+    return !plan.descent && scene.backing == optics::Backing::none;
+}
+
+std::unique_ptr<const optics::AppearanceModel> loop_model(const ResolvedJob& job, bool deep_in_nodes, double colour_mm,
                                                           std::uint64_t memory_bytes) {
     ModelOptions quality;
     quality.cell_mm = job.prediction.cell_mm;
     quality.viewing_cells = true;
-    quality.colour_mm = descent ? colour_mm : std::min(colour_mm, cells_of_feedback_mm);
-    quality.deep_colour_in_nodes = !descent;
+    quality.colour_mm = deep_in_nodes ? std::min(colour_mm, cells_of_feedback_mm) : colour_mm;
+    quality.deep_colour_in_nodes = deep_in_nodes;
     quality.memory_bytes = memory_bytes;
     quality.seed = job.seed;
     constexpr std::uint32_t paths = 256;  // noise goes straight into the halftone
@@ -141,8 +146,8 @@ JobLoop run_job_loop(const LoopProblem& problem, const LoopPlan& plan, const Loo
     const ResolvedJob& job = problem.job;
     const LoopCells& cells = *problem.cells;
     const SkinMap map = cells.map();
-    const auto model =
-        loop_model(job, plan.descent, cells.layers.depth_mm(), job.prediction.memory_bytes - problem.print_bytes);
+    const auto model = loop_model(job, wants_deep_colour_in_nodes(plan, problem.scene), cells.layers.depth_mm(),
+                                  job.prediction.memory_bytes - problem.print_bytes);
     const auto print = [&](const SkinSource* skin) {
         return problem.parts.volume(skin, problem.print_bytes, progress);
     };
