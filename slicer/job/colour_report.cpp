@@ -129,15 +129,43 @@ SurfacePrediction recoloured(const SurfacePrediction& cells, const std::vector<E
     return out;
 }
 
+/// By how much a picture is made smaller for the page, which has room for some hundred px; the files beside it have
+/// every cell.
+std::uint32_t page_step(const io::LinearPicture& picture) {
+    constexpr std::uint32_t most_px = 640;
+    return (std::max(picture.width_px, picture.height_px) + most_px - 1) / most_px;
+}
+
+/// The mean of what is covered of `step` x `step` pixels.
+io::LinearPicture smaller_picture(const io::LinearPicture& large, std::uint32_t step) {
+    io::LinearPicture small{(large.width_px + step - 1) / step, (large.height_px + step - 1) / step, {}};
+    small.pixels.assign(std::size_t{small.width_px} * small.height_px, Eigen::Vector4f::Zero());
+    for (std::uint32_t y = 0; y < large.height_px; ++y)
+        for (std::uint32_t x = 0; x < large.width_px; ++x) {
+            const Eigen::Vector4f& from = large.pixels[std::size_t{y} * large.width_px + x];
+            small.pixels[std::size_t{y / step} * small.width_px + x / step] +=
+                Eigen::Vector4f(from[3] * from[0], from[3] * from[1], from[3] * from[2], from[3]);
+        }
+    for (Eigen::Vector4f& pixel : small.pixels) {
+        if (pixel[3] > 0) pixel.head<3>() /= pixel[3];
+        pixel[3] /= float(step * step);
+    }
+    return small;
+}
+
 /// Pictures of a slab from above, one pixel per cell.
 void draw_predicted_picture(const JobPrediction& p, const optics::Channels& channels, io::Report& report,
                             const std::filesystem::path& folder) {
     const auto px_per_mm = picture_px_per_mm(p.volume, p.predicted.surface.cell_voxels);
     std::vector<io::ReportPicture> pictures;
     const auto draw = [&](const char* caption, const std::vector<Eigen::Vector3f>& rgb, std::string_view file) {
-        const io::Picture8 codes = io::encode_transparent(top_picture(p.volume, recoloured(p.predicted, rgb)));
-        pictures.push_back({caption, io::png_bytes(codes, px_per_mm), codes.width_px, codes.height_px, px_per_mm[0]});
-        if (!file.empty()) io::write_whole_file(folder / file, pictures.back().png);
+        const io::LinearPicture whole = top_picture(p.volume, recoloured(p.predicted, rgb));
+        if (!file.empty()) io::write_whole_file(folder / file, io::png_bytes(io::encode_transparent(whole), px_per_mm));
+        const std::uint32_t step = page_step(whole);
+        const io::Picture8 codes = io::encode_transparent(smaller_picture(whole, step));
+        const std::array<double, 2> page_px_per_mm{px_per_mm[0] / step, px_per_mm[1] / step};
+        pictures.push_back(
+            {caption, io::png_bytes(codes, page_px_per_mm), codes.width_px, codes.height_px, page_px_per_mm[0]});
     };
     draw("target", p.target, report_file::target_png);
     draw("predicted", p.predicted.rgb, report_file::predicted_png);

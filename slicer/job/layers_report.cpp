@@ -351,7 +351,7 @@ void draw_layers_report(const JobLayers& layers, const JobBody& body, io::Report
         }
     }
     if (!surfaces[0].triangles.empty()) {
-        const std::array painted{PaintedSurface{"target", captions[0], surfaces[0]},
+        const std::array painted{PaintedSurface{"target", "total reflectance wanted", surfaces[0]},
                                  PaintedSurface{"print", captions[1], surfaces[1]},
                                  PaintedSurface{"distance", captions[2], surfaces[2]}};
         report.viewer.surface =

@@ -106,8 +106,10 @@ std::vector<io::ViewerPlace> worst_places(const ColourReport& s, const JobPredic
 }
 
 void add_viewer(const ColourReport& s, io::Report& report, const Progress& progress) {
+    constexpr std::size_t least_bytes = 50'000;  // less shows no surface
     const std::size_t bytes = surface_bytes_left(report);
     progress.check_cancelled();
+    if (bytes < least_bytes) return;
     if (!s.prediction) {
         const std::array painted{PaintedSurface{"target", "what was asked for", target_surface(s)},
                                  PaintedSurface{"print",

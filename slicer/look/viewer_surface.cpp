@@ -13,6 +13,7 @@
 #include "voxtone/base/contracts.h"
 #include "voxtone/io/pictures/srgb_code.h"
 #include "voxtone/io/report/report_html.h"
+#include "voxtone/io/report/viewer_data.h"
 #include "voxtone/slicer/look/clustered_mesh.h"
 #include "voxtone/slicer/look/prediction_files.h"
 #include "voxtone/slicer/look/preview.h"
@@ -91,12 +92,22 @@ std::size_t voxel_bytes_left(const io::Report& report) {
     return std::size_t((1 - surface_share) * double(left(report)));
 }
 
-io::ViewerSurface viewer_body(const io::ColouredMesh& mesh, const SurfaceLooks& looks, double grain_mm,
-                              std::size_t bytes) {
-    constexpr double of_shape = 12;
-    constexpr std::size_t opens_at_once = 160'000;  // vertices: twice as many triangles, searched at each probe
-    const ClusteredMesh shape = clustered(mesh.positions_mm, mesh.triangles,
-                                          std::min(opens_at_once, most_places(bytes, looks, of_shape)), grain_mm);
+namespace {
+
+/// Colours that hardly become smaller take more room than was thought: once more then, with fewer places.
+template <class Make>
+io::ViewerSurface fitting(std::size_t bytes, std::size_t most, Make make) {
+    constexpr std::size_t fewest = 64;
+    for (;;) {
+        io::ViewerSurface surface = make(most);
+        const std::size_t taken = io::packed_bytes(surface);
+        if (taken <= bytes || most <= fewest) return surface;
+        most = std::max(fewest, std::size_t(0.95 * double(most) * double(bytes) / double(taken)));
+    }
+}
+
+io::ViewerSurface body_of(const io::ColouredMesh& mesh, const SurfaceLooks& looks, double grain_mm, std::size_t most) {
+    const ClusteredMesh shape = clustered(mesh.positions_mm, mesh.triangles, most, grain_mm);
     io::ViewerSurface out;
     Eigen::Vector3f low = Eigen::Vector3f::Constant(std::numeric_limits<float>::infinity()), high = -low;
     for (const Eigen::Vector3f& p : shape.positions_mm) low = low.cwiseMin(p), high = high.cwiseMax(p);
@@ -119,11 +130,9 @@ io::ViewerSurface viewer_body(const io::ColouredMesh& mesh, const SurfaceLooks& 
     return out;
 }
 
-io::ViewerSurface viewer_picture(const optics::ResinVolume& volume, const optics::Surface& surface,
-                                 const SurfaceLooks& looks, std::size_t bytes) {
-    constexpr double of_shape = 0.1;
+io::ViewerSurface picture_of(const optics::ResinVolume& volume, const optics::Surface& surface,
+                             const SurfaceLooks& looks, std::size_t most) {
     const std::array<int, 2> cells = picture_cells(volume, surface.cell_voxels);
-    const std::size_t most = most_places(bytes, looks, of_shape);
     int across = 1;  // cells that become one
     const auto size = [&](std::size_t a) { return std::uint32_t((cells[a] + across - 1) / across); };
     while (std::size_t{size(0)} * size(1) > most) ++across;
@@ -150,6 +159,23 @@ io::ViewerSurface viewer_picture(const optics::ResinVolume& volume, const optics
                                         out.place_mm, across)
                           : fmt::format("A pixel is {:.3f} mm wide, as it was predicted.", out.place_mm);
     return out;
+}
+
+}  // namespace
+
+io::ViewerSurface viewer_body(const io::ColouredMesh& mesh, const SurfaceLooks& looks, double grain_mm,
+                              std::size_t bytes) {
+    constexpr double of_shape = 12;
+    constexpr std::size_t opens_at_once = 160'000;  // vertices: twice as many triangles, searched at each probe
+    return fitting(bytes, std::min(opens_at_once, most_places(bytes, looks, of_shape)),
+                   [&](std::size_t most) { return body_of(mesh, looks, grain_mm, most); });
+}
+
+io::ViewerSurface viewer_picture(const optics::ResinVolume& volume, const optics::Surface& surface,
+                                 const SurfaceLooks& looks, std::size_t bytes) {
+    constexpr double of_shape = 0.1;
+    return fitting(bytes, most_places(bytes, looks, of_shape),
+                   [&](std::size_t most) { return picture_of(volume, surface, looks, most); });
 }
 
 namespace {
@@ -192,7 +218,9 @@ io::ViewerSurface viewer_painted(std::span<const PaintedSurface> surfaces, const
                                  bool from_above, bool differences, std::size_t bytes, const Progress* progress) {
     SurfaceLooks looks;
     for (const PaintedSurface& painted : surfaces) looks.looks.push_back({painted.name, painted.caption, {}});
-    if (from_above) return painted_slab(surfaces, corner_mm, most_places(bytes, looks, 0.1), progress);
+    if (from_above)
+        return fitting(bytes, most_places(bytes, looks, 0.1),
+                       [&](std::size_t most) { return painted_slab(surfaces, corner_mm, most, progress); });
     VertexColours first = vertex_colours(surfaces[0].surface, {.edge_mm = 0.25, .max_vertices = 150'000}, progress);
     for (Eigen::Vector3f& p : first.mesh.positions_mm) p -= corner_mm.cast<float>();
     looks.looks[0].rgb = first.mesh.rgb;

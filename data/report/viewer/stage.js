@@ -203,11 +203,19 @@ class Stage {
     this.divider.children[0].textContent = left;
     this.divider.children[1].textContent = right;
     document.getElementById("viewer-legend").hidden = left !== "difference" && right !== "difference";
-    this.canvas.dataset.left = left;
-    this.canvas.dataset.right = right;
+    this.describe(left, right);
     if (this.waiting) return;
     this.waiting = true;
     requestAnimationFrame(() => this.draw());
+  }
+
+  /// In words what is shown.
+  describe(left, right) {
+    const words = [...new Set([left, right])].map((name) => {
+      const { caption } = this.surface.looks.find((look) => look.name === name);
+      return caption && caption !== name ? `${name}: ${caption}` : name;
+    });
+    document.getElementById("viewer-shown").textContent = words.join("; ") + ".";
   }
 
   draw() {

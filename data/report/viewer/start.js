@@ -50,6 +50,10 @@ const startStage = (surface, data, voxels) => {
     document.getElementById("viewer-keys").textContent = surface.isPicture ? KEYS_OF_PICTURES : KEYS_OF_BODIES;
     document.documentElement.classList.add("has-viewer");
     showWorst(stage, data.worst);
+    stage.canvas.addEventListener("webglcontextlost", () => {
+      section.hidden = true;
+      document.documentElement.classList.remove("has-viewer");
+    });
     return stage;
   } catch {
     section.hidden = true;
@@ -68,7 +72,7 @@ const start = async () => {
     const differences = surface.seen || surface.single;
     if (differences) {
       const where = surface.seen ? ` as seen from ${data.viewing_distance_mm} mm` : "";
-      const caption = `difference${where}: white 0, yellow 2, orange 5, red 10, black 20 and more`;
+      const caption = `CIEDE2000${where}: white 0, yellow 2, orange 5, red 10, black 20 and more`;
       surface.looks.push({ name: "difference", caption, rgb: differenceLook(differences) });
     }
     stage = startStage(surface, data, voxels);
@@ -86,4 +90,5 @@ const start = async () => {
   document.documentElement.dataset.ready = String(Math.ceil(performance.now()));
 };
 
-start();
+// What cannot be read leaves the page as it is without this script.
+start().catch(() => {});

@@ -131,6 +131,43 @@ TEST_CASE("A body in the page has its colours, and their means where places were
     // A small page: fewer places, no colour that was not there.
     const io::ViewerSurface few = viewer_body(mesh, looks, 0.4, 20'000);
     CHECK(few.positions.size() < all.positions.size() / 2);
-    CHECK(io::packed_bytes(few) < 26'000);
+    CHECK(io::packed_bytes(few) <= 20'000);
     for (std::size_t i = 0; i < few.seen.size(); ++i) CHECK(few.looks[0].rgb[3 * i] == io::linear_to_srgb8(0.2f));
+    // Noise fits too.
+    std::uint32_t state = 1;
+    for (SurfaceLook& look : looks.looks)
+        for (Eigen::Vector3f& rgb : look.rgb)
+            for (float& value : rgb) value = float((state = state * 1664525 + 1013904223) >> 8) / (1 << 24);
+    CHECK(io::packed_bytes(viewer_body(mesh, looks, 0.4, 20'000)) <= 20'000);
+}
+
+TEST_CASE("A picture in the page has the pixels of its cells, the row of the largest y first") {
+    // A slab of 12 x 10 x 2 voxels in cells of 2 x 1 x 2; nothing in one corner.
+    const auto volume = optics::make_resin_volume({12, 10, 2}, {0.05, 0.1, 0.05}, [](int x, int y, int) {
+        return x < 2 && y == 9 ? optics::air : optics::Material{1};
+    });
+    const optics::ResinSet resins = optics::vero_opaque();
+    const optics::Scene scene{.volume = &volume, .resins = &resins, .backing = optics::Backing::black};
+    const optics::Surface surface = optics::find_surface(scene, {2, 1, 2}, optics::SurfacePart::top);
+    SurfaceLooks looks;
+    looks.looks = {{"target", "", {}}};
+    for (const optics::SurfaceCell& cell : surface.cells) {
+        looks.looks[0].rgb.emplace_back(float(cell.cell[0]) / 8, float(cell.cell[1]) / 16, 0.5f);
+        looks.single.push_back(0.1 * (cell.cell[0] + 6 * cell.cell[1]));
+    }
+    const io::ViewerSurface picture = viewer_picture(volume, surface, looks, 1 << 20);
+    REQUIRE(picture.size_px == std::array<std::uint32_t, 2>{6, 10});
+    CHECK(picture.high_mm[0] == Approx(0.6));
+    CHECK(picture.high_mm[1] == Approx(1));
+    CHECK(picture.low_mm[1] == Approx(0).margin(1e-12));
+    for (std::uint32_t row = 0; row < 10; ++row)
+        for (std::uint32_t column = 0; column < 6; ++column) {
+            const std::size_t at = row * 6 + column;
+            const int y = 9 - int(row);
+            CHECK(picture.covered[at] == (column == 0 && y == 9 ? 0 : 1));
+            if (!picture.covered[at]) continue;
+            CHECK(picture.looks[0].rgb[3 * at] == io::linear_to_srgb8(float(column) / 8));
+            CHECK(picture.looks[0].rgb[3 * at + 1] == io::linear_to_srgb8(float(y) / 16));
+            CHECK(int(picture.single[at]) == int(column) + 6 * y);
+        }
 }
