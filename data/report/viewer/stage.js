@@ -152,7 +152,8 @@ class Stage {
 
   /// Turns to a place and marks it.
   visit(place, normal) {
-    this.camera.lookAt(place, normal, Math.min(10, 4 * this.camera.halfHeight));
+    const size = Math.hypot(...this.surface.low.map((low, a) => this.surface.high[a] - low));
+    this.camera.lookAt(place, normal, Math.min(10, size / 4));
     this.marked = place;
     this.update();
     // Not along the line of sight: the tip of a thin part is easily missed.
