@@ -2,7 +2,9 @@
 #include "voxtone/calibration/bench/bench_photo_job.h"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
+#include <cmath>
 #include <filesystem>
 #include <map>
 
@@ -85,6 +87,7 @@ private:
                                 io::read_photograph(list_.sheet, &progress_), std::nullopt};
         if (!list_.paper.empty()) photos.paper = io::read_photograph(list_.paper, &progress_);
         exposure_s_ = photos.sheet.exposure_s;
+        size_px_ = {photos.sheet.width_px, photos.sheet.height_px};
         BenchLightOptions options = job_.light;
         options.width_mm = std::max(reading_.setup.width_mm, job_.length_mm);
         light_ = measure_bench_light(photos, chart, options, board_, job_.square_mm);
@@ -129,6 +132,11 @@ private:
             progress_.check_cancelled();
             const SlabPhotograph& slab = list_.slabs[k];
             io::Photograph photo = io::read_photograph(slab.file, &progress_);
+            if (photo.width_px != size_px_[0] || photo.height_px != size_px_[1])
+                throw InputError(
+                    fmt::format("{}: {} x {} pixels, but the bare sheet's photograph has {} x {}; all must "
+                                "be taken by the same camera in the same place, and not be cropped",
+                                slab.file, photo.width_px, photo.height_px, size_px_[0], size_px_[1]));
             if (photo.exposure_s > 0 && exposure_s_ > 0 && std::abs(photo.exposure_s / exposure_s_ - 1) > 1e-3)
                 throw InputError(
                     fmt::format("{}: exposed {:g} s, but the bare sheet {:g} s; light is compared between "
@@ -192,6 +200,7 @@ private:
     BenchLight light_;
     BoardView board_;
     double exposure_s_ = 0;
+    std::array<std::uint32_t, 2> size_px_{};
     nlohmann::ordered_json json_ = nlohmann::ordered_json::array();
 };
 

@@ -177,6 +177,10 @@ TEST_CASE("edge photo: what cannot be measured is refused, and nothing is left u
     refuse(photo(replaced("K-0.5-1.tif,slab", "none.tif,slab")), 4, "none.tif");
     refuse(photo(replaced("K-0.5-1.tif,slab", "sheet.tif,slab")), 3, "there is no slab");
     refuse(photo(replaced("K-0.5-1.tif,slab", "paper.tif,slab")), 3, "no checkerboard found");
+    static_cast<void>(result_of(run_program(
+        simulate(folder, "--thickness 0.5 --shots 1 --field 80,70 --photos " + (folder / "other"), "K", 1024))));
+    refuse(photo(replaced("K-0.5-1.tif,slab", "../other/K-0.5-1.tif,slab")), 3, "the same camera");
+    refuse(photo(replaced("sheet.tif,sheet", "../other/sheet.tif,sheet")), 3, "the same camera");
     refuse(photo(replaced("checker.tif,checker", "paper.tif,checker")), 3, "no colour checker");
     refuse(photo(replaced("sheet.tif,sheet", "paper.tif,sheet")), 3, "no checkerboard found");
     refuse(photo(replaced("paper.tif,paper", "sheet.tif,paper")), 3, "the light on the white paper");
