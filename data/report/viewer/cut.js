@@ -90,7 +90,9 @@ class Cut {
       const swatch = element("span");
       swatch.className = "swatch";
       swatch.style.background = cssOf(resin.rgb);
-      legend.append(swatch, element("span", `${resin.role ? resin.role + " " : ""}${resin.name}`));
+      const entry = element("span");
+      entry.append(swatch, `${resin.role ? resin.role + " " : ""}${resin.name}`);
+      legend.append(entry);
     }
   }
 
