@@ -3,9 +3,10 @@
 // What light is swept through: blocks, their cells, and the faces at which it comes and goes.
 //
 // The volume is cut into blocks of 4 x 4 x 4 viewing cells (J750: a viewing cell is 2 x 1 x 3 voxels, a block 0.34 mm).
-// Transport blocks have 64 cells, solid ones and others; core blocks, of one material and deep, have none: the light is
-// diffuse there, and one node of diffusion stands for all of it. Faces of cells that lead out of the transport region
-// are kept in a list of their own: to the light, onto a sheet, to a mirror, or into the core.
+// Transport blocks have 64 cells, solid ones and others; core blocks, deep and of one material or of the mean of
+// several (viewing_grid.h), have none: the light is diffuse there, and one node of diffusion stands for all of it.
+// Faces of cells that lead out of the transport region are kept in a list of their own: to the light, onto a sheet, to
+// a mirror, or into the core.
 //
 // Everything here is geometry; optical figures of a channel come from its media. Who makes it:
 // viewing_grid_builder.h.

@@ -6,7 +6,7 @@
 // starts from the light of the one before and takes one, or up to `next_sweeps` where that changed much
 // (`next_change`). What changes in between enters with the first sweep, through sources and extinctions. A block that
 // gets colour deeper than `colour_mm` makes a new grid; the light is carried over. So does, once, a print that leaves
-// many of those blocks without colour again.
+// many of those blocks without colour again. Where deep colour is in nodes (TransportOptions) grids stay as they are.
 //
 // A twin comes before the first prediction: it leaves grids and what shines across cuts to begin with, and is swept
 // until that changes little (`first_change`). The print's light begins with a diffusion solve of its own, not with the
