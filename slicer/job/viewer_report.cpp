@@ -11,11 +11,27 @@
 #include "voxtone/io/pictures/srgb_code.h"
 #include "voxtone/slicer/job/verdict.h"
 #include "voxtone/slicer/look/prediction_files.h"
+#include "voxtone/slicer/look/support_contact.h"
 #include "voxtone/slicer/surface/target_cells.h"
 
 namespace voxtone::slicer {
 
 namespace {
+
+/// Dark where support material will touch the print: those faces come out matt in the glossy mode of printing.
+SurfaceLook support_look(const JobPrediction& p) {
+    const SupportContact contact(p.volume, 0, 1);
+    SurfaceLook look{"support", "dark where support material touches the print, which leaves it matt", {}};
+    for (const optics::SurfaceCell& cell : p.predicted.surface.cells) {
+        optics::Point at{}, outward{};
+        for (std::size_t a = 0; a < 3; ++a) {
+            at[a] = double(cell.centre_mm[a]);
+            outward[a] = double(cell.normal[a]);
+        }
+        look.rgb.push_back(Eigen::Vector3f::Constant(contact.touched(at, outward) ? 0.1f : 0.8f));
+    }
+    return look;
+}
 
 SurfaceLooks predicted_looks(const JobPrediction& p) {
     SurfaceLooks looks;
@@ -76,7 +92,9 @@ void add_predicted_surface(const ColourReport& s, const JobPrediction& p, std::s
     const io::ColouredMesh mesh = body_mesh(p.volume, {0, 0, 0}, p.predicted);
     if (mesh.triangles.empty()) return;
     const double grain_mm = *std::max_element(p.cell_um.begin(), p.cell_um.end()) * 1e-3;
-    report.viewer.surface = viewer_body(mesh, predicted_looks(p), grain_mm, bytes);
+    SurfaceLooks looks = predicted_looks(p);
+    looks.looks.push_back(support_look(p));
+    report.viewer.surface = viewer_body(mesh, looks, grain_mm, bytes);
 }
 
 }  // namespace

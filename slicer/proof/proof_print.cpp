@@ -11,8 +11,8 @@
 #include "voxtone/optics/colour/spectral_colour.h"
 #include "voxtone/optics/layered/layered_appearance.h"
 #include "voxtone/slicer/look/cell_mesh.h"
+#include "voxtone/slicer/look/support_contact.h"
 #include "voxtone/slicer/look/vertex_colours.h"
-#include "voxtone/slicer/proof/support_contact.h"
 #include "voxtone/slicer/surface/surface_colour.h"
 
 namespace voxtone::slicer {

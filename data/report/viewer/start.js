@@ -73,7 +73,10 @@ const start = async () => {
     if (differences) {
       const where = surface.seen ? ` as seen from ${data.viewing_distance_mm} mm` : "";
       const caption = `CIEDE2000${where}: white 0, yellow 2, orange 5, red 10, black 20 and more`;
-      surface.looks.push({ name: "difference", caption, rgb: differenceLook(differences) });
+      // Before what is no colour of the print.
+      const support = surface.looks.findIndex((look) => look.name === "support");
+      const at = support < 0 ? surface.looks.length : support;
+      surface.looks.splice(at, 0, { name: "difference", caption, rgb: differenceLook(differences) });
     }
     stage = startStage(surface, data, voxels);
   }
