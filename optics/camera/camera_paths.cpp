@@ -270,17 +270,20 @@ public:
                        options.samples);
     }
 
-    /// Draws until every tile has what it wants.
+    /// Draws until every tile has what it wants: what is sure first, then by what the spread so far says.
     void draw(Progress& progress) {
-        progress.begin_stage("draw", options_.error > 0 ? 0 : std::uint64_t{options_.samples} * wanted_.size());
-        for (std::uint32_t level = std::min(first_round, options_.samples);; level = next_level(level)) {
-            parallel_for(
-                0, wanted_.size(), 1, [&](std::size_t tile) { raise(tile, std::min(level, wanted_[tile]), progress); },
-                &progress);
-            if (options_.error > 0) plan(level);
-            if (level >= *std::max_element(wanted_.begin(), wanted_.end())) break;
+        while (const std::uint64_t steps = steps_left()) {
+            progress.begin_stage("draw", steps, "samples of a square");
+            const std::uint32_t most = *std::max_element(wanted_.begin(), wanted_.end());
+            for (std::uint32_t level = std::min(first_round, most);; level = next_level(level)) {
+                parallel_for(
+                    0, wanted_.size(), 1,
+                    [&](std::size_t tile) { raise(tile, std::min(level, wanted_[tile]), progress); }, &progress);
+                if (level >= most) break;
+            }
+            progress.end_stage();
+            if (options_.error > 0) plan();
         }
-        progress.end_stage();
     }
 
     void finish() {
@@ -337,15 +340,20 @@ private:
                           static_cast<std::size_t>(x));
     }
 
+    [[nodiscard]] std::uint32_t drawn(std::size_t tile) const {
+        std::uint32_t samples = 0;
+        each_pixel(tile, [&](int, int, std::size_t pixel) { samples = picture_.samples[pixel]; });
+        return samples;
+    }
+    [[nodiscard]] std::uint64_t steps_left() const {
+        std::uint64_t steps = 0;
+        for (std::size_t tile = 0; tile < wanted_.size(); ++tile) steps += wanted_[tile] - drawn(tile);
+        return steps;
+    }
+
     /// A tile's samples up to so many.
     void raise(std::size_t tile, std::uint32_t level, Progress& progress) {
-        std::size_t first_pixel = 0;
-        bool any = false;
-        each_pixel(tile, [&](int, int, std::size_t pixel) {
-            if (!any) first_pixel = pixel;
-            any = true;
-        });
-        for (std::uint32_t from = picture_.samples[first_pixel]; from < level;) {
+        for (std::uint32_t from = drawn(tile); from < level;) {
             progress.check_cancelled();
             const std::uint32_t count = std::min(in_one_go, level - from);
             add(tile, from, count);
@@ -375,9 +383,8 @@ private:
     }
 
     /// Samples that tiles want for their error, from the spread so far.
-    void plan(std::uint32_t level) {
+    void plan() {
         for (std::size_t tile = 0; tile < wanted_.size(); ++tile) {
-            if (wanted_[tile] > level) continue;
             double squares = 0;
             std::size_t pixels = 0;
             each_pixel(tile, [&](int, int, std::size_t pixel) {
@@ -386,7 +393,8 @@ private:
             });
             const double error = std::sqrt(squares / double(pixels)), ratio = error / options_.error;
             if (ratio <= 1) continue;
-            const double more = std::ceil(double(wanted_[tile]) * ratio * ratio);
+            constexpr double spare = 1.05;  // the spread is an estimate, too
+            const double more = std::ceil(spare * double(wanted_[tile]) * ratio * ratio);
             wanted_[tile] = static_cast<std::uint32_t>(std::min(more, double(options_.max_samples)));
         }
     }
