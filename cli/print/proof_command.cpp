@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <chrono>
 #include <memory>
 #include <string>
 #include <utility>
@@ -147,6 +148,7 @@ Command add_proof_command(CLI::App& program) {
                       ->capture_default_str(),
                   add_threads_option(*command, o.threads), add_seed_option(*command, o.seed, "seed of the paths")});
     add_console_options(*command, arguments->console);
+    arguments->console.grace = std::chrono::seconds(20);  // what was drawn is written first
     add_example(*command, "out/cow -o proof.png");
     return [arguments] { return run(*arguments); };
 }

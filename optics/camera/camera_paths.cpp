@@ -4,6 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
+#include <string>
+
+#include <fmt/core.h>
 
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/parallel.h"
@@ -283,7 +287,14 @@ public:
             }
             progress.end_stage();
             if (options_.error > 0) plan();
+            if (steps_left() > 0) progress.note(what_is_wanted());
         }
+    }
+
+    [[nodiscard]] std::string what_is_wanted() const {
+        return fmt::format("for an error of {:g} up to {} samples a pixel are wanted, {:.0f} on average",
+                           options_.error, *std::max_element(wanted_.begin(), wanted_.end()),
+                           std::accumulate(wanted_.begin(), wanted_.end(), 0.0) / double(wanted_.size()));
     }
 
     void finish() {
@@ -308,8 +319,8 @@ public:
     }
 
 private:
-    static constexpr std::uint32_t first_round = 4, in_one_go = 32;
-    static std::uint32_t next_level(std::uint32_t level) { return level + std::clamp(level, 4u, in_one_go * 2); }
+    static constexpr std::uint32_t first_round = 4, in_one_go = 8;
+    static std::uint32_t next_level(std::uint32_t level) { return level + std::clamp(level, 4u, 64u); }
 
     /// Of a pixel's mean.
     [[nodiscard]] double variance(std::size_t pixel, std::size_t channel) const {
