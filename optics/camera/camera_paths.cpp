@@ -178,30 +178,32 @@ private:
             }
             const Point at = along(ray.from, ray.way, met.distance);
             if (met.what != MetInAir::What::print) {
-                diffuse(ray, met, at, random);
+                if (!diffuse(ray, met, at, random)) return;
                 continue;
             }
             if (!mirrored_again(ray, met, at, random)) return;
         }
     }
 
-    /// Light that a diffuser takes from the sky counts at once; the path goes on by the cosine law.
-    void diffuse(AirRay& ray, const MetInAir& met, const Point& at, PathRandom& random) {
-        const Point& n = met.normals.geometric;
+    /// Light that a diffuser takes from the sky counts at once; the path goes on by the cosine law about the shading
+    /// normal. False where that would lead into the body.
+    bool diffuse(AirRay& ray, const MetInAir& met, const Point& at, PathRandom& random) {
+        const Point& n = met.normals.shading;
+        const Point& true_normal = met.normals.geometric;
         ray.weight *= scene_.in_channel(met.reflectance, channel_);
         ray.from = at;
         const double pixel = random.uniform(), u = random.uniform(), v = random.uniform();
         const Point up = scene_.draw_sky(pixel, u, v);
         const double cosine = dot(up, n);
-        if (cosine > 0 && scene_.sees_sky(at, up)) {
+        if (cosine > 0 && dot(up, true_normal) > 0 && scene_.sees_sky(at, up)) {
             const double drawn = scene_.sky_density(up), law = cosine / std::numbers::pi;
             count(ray, law * sky(up) / (drawn + law));
         }
         const double r = std::sqrt(random.uniform()), phi = 2 * std::numbers::pi * random.uniform();
         const double height = std::sqrt(std::max(0.0, 1 - r * r));
         ray.way = entering_direction({n, n}, {-height, r * std::cos(phi), r * std::sin(phi)});
-        ray.density = dot(ray.way, n) / std::numbers::pi;
-        if (!(ray.density > 0)) ray.density = 1e-12;
+        ray.density = std::max(dot(ray.way, n) / std::numbers::pi, 1e-12);
+        return dot(ray.way, true_normal) > 0;
     }
 
     /// At a print that is not the first surface chance decides; false where the path went in.
