@@ -31,7 +31,7 @@ struct AirRay {
 // Stand-ins for a cell's third coordinate: what a random number of a sample is for.
 enum Purpose : std::int32_t { of_place = 0, of_path = 1, of_mirrored = 2 };
 
-/// What the third party to Russian roulette allows: paths of many surfaces, each of which takes little.
+/// Surfaces that a path may meet in air before Russian roulette by order (probability 1/2, twice the weight): unbiased.
 constexpr int patient_orders = 32;
 
 /// Facets drawn at the first surface where it is rough, so that its highlights are not left to chance.

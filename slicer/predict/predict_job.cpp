@@ -110,7 +110,7 @@ void write_views(const std::string& file, const io::ColouredMesh& mesh, double c
 
 /// The print as a material among others: jetted and glossy, behind its surface the resin that most of it is of. Light
 /// fades there as diffuse light does, by sqrt(3 sigma_a (sigma_a + (1 - g) sigma_s)) (A. Ishimaru, "Wave propagation
-/// and scattering in random media", 1978); the thickness is the mean over chords of a convex body by half, 2 V / A.
+/// and scattering in random media", 1978); the thickness is half the mean chord of a convex body, 4 V / A (Cauchy).
 io::LitMaterial material_of(const StackVolume& stack, const SurfacePrediction& prediction) {
     constexpr double jetted_roughness = 0.1;  // a guess until measured
     const auto count = stack.volume.count();
