@@ -118,7 +118,10 @@ Command add_proof_command(CLI::App& program) {
     add_camera_options(*command, o);
     add_scene_options(*command, o);
     group("Noise",
-          {command->add_option("--spp", o.samples, "samples per pixel and channel (with --error: the least)")
+          {command
+               ->add_option("--spp", o.samples,
+                            "samples per pixel, in fours, at least 8 (with --error: the least); inside prints red has "
+                            "half, blue a quarter of them")
                ->type_name("N")
                ->capture_default_str(),
            command
@@ -126,6 +129,12 @@ Command add_proof_command(CLI::App& program) {
                             "wanted standard error of luminance, rms over squares of 16 pixels, 1 is a white diffuser; "
                             "0: --spp decides")
                ->type_name("E")
+               ->capture_default_str(),
+           command
+               ->add_option("--filter", o.filter_px,
+                            "how far pixels gather their light: sigma of a Gaussian, as blurred as a camera's lens; 0: "
+                            "each its own square")
+               ->type_name("PX")
                ->capture_default_str()});
     group("Resins and foreign stacks",
           {add_resins_option(*command, o.resins, "; empty: that of the job, else vero-opaque"),

@@ -26,8 +26,11 @@ LitScene::LitScene(const CameraScene& scene) : scene_(scene), camera_(scene.view
     const Channels channels = scene.prints.empty() ? Channels{} : scene.prints.front().scene->resins->channels;
     light_ = light_of(channels);
     const Eigen::Matrix3Xd weights = linear_srgb_weights(channels.wavelengths_nm);
+    if (!channels.is_rgb())
+        for (Eigen::Index k = 0; k < 3; ++k) derived_.emplace_back(weights.row(k).begin(), weights.row(k).end());
+    std::vector<double>& shares = derived_.emplace_back();
     for (Eigen::Index c = 0; c < weights.cols(); ++c)
-        luminance_.push_back(luminance({weights(0, c), weights(1, c), weights(2, c)}));
+        shares.push_back(luminance({weights(0, c), weights(1, c), weights(2, c)}));
     volumes_.reserve(scene.prints.size());
     for (const ResinBody& print : scene.prints) {
         require_resins(*print.scene);

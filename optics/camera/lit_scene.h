@@ -38,7 +38,9 @@ public:
         return packets_[i * channels() + channel];
     }
     /// Share of each channel in luminance.
-    [[nodiscard]] const std::vector<double>& luminance_weights() const { return luminance_; }
+    [[nodiscard]] const std::vector<double>& luminance_weights() const { return derived_.back(); }
+    /// What is made of the channels, each by weights of them: linear sRGB of wavelengths, luminance.
+    [[nodiscard]] const std::vector<std::vector<double>>& derived() const { return derived_; }
 
     [[nodiscard]] MetInAir met(const Point& from, const Point& way) const;
     [[nodiscard]] bool sees_sky(const Point& from, const Point& way) const;
@@ -55,7 +57,7 @@ private:
     CameraScene scene_;
     Camera camera_;
     std::vector<std::size_t> light_;
-    std::vector<double> luminance_;
+    std::vector<std::vector<double>> derived_;
     std::vector<PathVolume> volumes_;
     std::vector<PacketScene> packets_;
 };

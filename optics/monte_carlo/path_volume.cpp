@@ -72,6 +72,32 @@ std::vector<std::array<int, 3>> steps_around(const std::array<double, 3>& pitch)
     return steps;
 }
 
+constexpr int around = edge + 2 * halo;
+
+/// Whether something solid lies within the halo of a voxel of a block, given the block and its halo: most air is far
+/// from all. A bit a voxel, rows along x.
+class SolidNear {
+public:
+    explicit SolidNear(const std::vector<Material>& box) {
+        std::array<std::array<std::uint32_t, around>, around> rows{}, columns{};  // [z][y]; the second: along y, too
+        for (std::size_t i = 0; i < box.size(); ++i)
+            if (box[i] != air) rows[i / (around * around)][i / around % around] |= 1u << i % around;
+        for (std::size_t z = 0; z < around; ++z)
+            for (std::size_t y = 0; y < edge; ++y)
+                for (std::size_t k = 0; k <= 2 * halo; ++k) columns[z][y] |= rows[z][y + k];
+        for (std::size_t z = 0; z < edge; ++z)
+            for (std::size_t y = 0; y < edge; ++y)
+                for (std::size_t k = 0; k <= 2 * halo; ++k) solid_[z][y] |= columns[z + k][y];
+    }
+    [[nodiscard]] bool operator()(int x, int y, int z) const {
+        constexpr std::uint32_t window = (1u << (2 * halo + 1)) - 1;
+        return (solid_[static_cast<std::size_t>(z)][static_cast<std::size_t>(y)] >> x & window) != 0;
+    }
+
+private:
+    std::array<std::array<std::uint32_t, edge>, edge> solid_{};
+};
+
 /// Blocks of a volume as paths see them.
 class BlockReader {
 public:
@@ -81,7 +107,6 @@ public:
     /// The material of the whole block, or -1 where it has to be read. `corner` in path coordinates.
     [[nodiscard]] int uniform(const std::array<int, 3>& corner, const std::array<int, 3>& inside) const {
         if (!boundary_) return volume_.uniform_material(corner, inside);
-        const int around = edge + 2 * halo;
         const int material = volume_.uniform_material(moved(corner, -offset_ - halo), {around, around, around});
         return material >= 0 && !passes(corner, edge) ? material : -1;
     }
@@ -92,18 +117,21 @@ public:
             volume_.copy_box(corner, {edge, edge, edge}, block);
             return;
         }
-        constexpr int around = edge + 2 * halo;
         std::vector<Material> box(static_cast<std::size_t>(around * around * around));
         volume_.copy_box(moved(corner, -offset_ - halo), {around, around, around}, box);
+        const auto in_box = [](int x, int y, int z) {
+            return static_cast<std::size_t>(((z + halo) * around + y + halo) * around + x + halo);
+        };
+        const SolidNear solid_near(box);
         for (int z = 0; z < edge; ++z)
             for (int y = 0; y < edge; ++y)
                 for (int x = 0; x < edge; ++x) {
-                    Material found = air;
-                    for (const auto& s : steps_) {
-                        found = box[static_cast<std::size_t>(((z + halo + s[2]) * around + y + halo + s[1]) * around +
-                                                             x + halo + s[0])];
-                        if (found != air) break;
-                    }
+                    Material found = box[in_box(x, y, z)];
+                    if (found == air && solid_near(x, y, z))
+                        for (const auto& s : steps_) {
+                            found = box[in_box(x + s[0], y + s[1], z + s[2])];
+                            if (found != air) break;
+                        }
                     block[at(x, y, z)] = found;
                 }
         mark(corner, {0, 0, 0}, edge, near);

@@ -27,15 +27,10 @@ namespace {
 
 using optics::CameraPicture;
 
-/// Linear sRGB, and its standard errors, of a pixel's channels.
-struct PixelColour {
-    Eigen::Vector3f rgb, error;
-};
-PixelColour colour_of(const CameraPicture& picture, const Eigen::Matrix3Xf& weights, std::size_t pixel) {
-    const auto n = static_cast<Eigen::Index>(picture.channels);
-    const Eigen::Map<const Eigen::VectorXf> value(picture.value.data() + pixel * picture.channels, n),
-        error(picture.standard_error.data() + pixel * picture.channels, n);
-    return {weights * value, (weights.cwiseAbs2() * error.cwiseAbs2()).cwiseSqrt()};
+/// Linear sRGB of a pixel's channels.
+Eigen::Vector3f colour_of(const CameraPicture& picture, const Eigen::Matrix3Xf& weights, std::size_t pixel) {
+    return weights * Eigen::Map<const Eigen::VectorXf>(picture.value.data() + pixel * picture.channels,
+                                                       static_cast<Eigen::Index>(picture.channels));
 }
 
 Eigen::Matrix3Xf colour_weights(const ProofScene& scene) {
@@ -48,7 +43,7 @@ io::LinearPicture developed(const CameraPicture& picture, const ProofScene& scen
     io::LinearPicture out{
         static_cast<std::uint32_t>(picture.width_px), static_cast<std::uint32_t>(picture.height_px), {}};
     for (std::size_t p = 0; p < picture.samples.size(); ++p) {
-        const Eigen::Vector3f rgb = scale * colour_of(picture, weights, p).rgb;
+        const Eigen::Vector3f rgb = scale * colour_of(picture, weights, p);
         out.pixels.emplace_back(rgb.x(), rgb.y(), rgb.z(), 1.0f);
     }
     return out;
@@ -83,10 +78,9 @@ io::NumberPicture numbers(const CameraPicture& picture, const ProofScene& scene)
     const Eigen::Matrix3Xf weights = colour_weights(scene);
     const optics::Camera camera(scene.camera.view);
     for (std::size_t p = 0; p < picture.samples.size(); ++p) {
-        const PixelColour colour = colour_of(picture, weights, p);
-        for (const float x : colour.rgb) out.values.push_back(x);
+        for (const float x : colour_of(picture, weights, p)) out.values.push_back(x);
         out.values.push_back(1);
-        for (const float x : colour.error) out.values.push_back(x);
+        for (std::size_t c = 0; c < 3; ++c) out.values.push_back(picture.colour_error[3 * p + c]);
         out.values.push_back(static_cast<float>(picture.samples[p]));
         out.values.push_back(picture.sees[p] == 2 ? roughness_at(scene, camera, p) : 0.0f);
         out.values.push_back(picture.sees[p]);
@@ -119,9 +113,9 @@ void write_files(const CameraPicture& picture, const ProofScene& scene, const Re
     }
 }
 
-/// Sums and squares, values and errors of three channels, and the bytes of the files.
+/// Sums and squares, light and shares, values and errors of three channels, and the bytes of the files.
 void expect_picture_fits(const ResolvedProof& job) {
-    const std::uint64_t needed = std::uint64_t(job.width_px) * std::uint64_t(job.height_px) * 128;
+    const std::uint64_t needed = std::uint64_t(job.width_px) * std::uint64_t(job.height_px) * 320;
     if (needed <= job.memory_bytes / 4) return;
     throw ResourceError(fmt::format(
         "--size {}: a picture of so many pixels takes {:.2f} GiB while it is drawn, more than a quarter of the {:.2f} "
@@ -154,7 +148,7 @@ JobResult describe(const CameraPicture& picture, const ProofScene& scene, const 
     std::string text = fmt::format(
         "{}: {} x {} pixels, {} to {} samples each\n"
         "  standard error of luminance where a body is seen: {:.4f} (rms; 1 is a white diffuser)\n"
-        "  {:.1f} million paths in {:.1f} s, peak memory {:.0f} MB\n",
+        "  {:.1f} million paths from the camera in {:.1f} s, peak memory {:.0f} MB\n",
         fmt::join(job.asked.files, ", "), picture.width_px, picture.height_px, *least, *most, picture.rms_error,
         double(picture.paths) * 1e-6, seconds, double(peak_memory_bytes()) * 1e-6);
     if (!picture.complete) text += "  stopped before it was as wanted: noisier than asked for\n";
@@ -175,7 +169,8 @@ JobResult run_proof_job(const ProofOptions& options, Progress& progress) {
                                                {.samples = options.samples,
                                                 .error = options.error,
                                                 .max_samples = std::max(options.samples, 1u << 16),
-                                                .seed = options.seed},
+                                                .seed = options.seed,
+                                                .filter_px = options.filter_px},
                                                progress);
     if (!picture.complete) {
         progress.forgive();

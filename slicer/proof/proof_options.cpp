@@ -42,6 +42,7 @@ bool is_png_or_exr(const std::string& file) { return file.ends_with(".png") || f
 
 void check_numbers(const ProofOptions& o) {
     need(o.focal_mm >= 10 && o.focal_mm <= 2000, "focal", fmt::format("{:g}", o.focal_mm), "must be 10 to 2000 mm");
+    need(o.filter_px >= 0 && o.filter_px <= 1, "filter", fmt::format("{:g}", o.filter_px), "must be 0 to 1 pixel");
     need(o.samples >= 2 && o.samples <= 1u << 20, "spp", fmt::format("{}", o.samples), "must be 2 to 1048576");
     need(o.error == 0 || (o.error >= 1e-4 && o.error < 1), "error", fmt::format("{:g}", o.error),
          "must be 0 (none wanted), or 0.0001 up to 1");

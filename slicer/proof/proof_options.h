@@ -40,8 +40,9 @@ struct ProofOptions {
     std::string camera, look_at;  ///< "X,Y,Z" mm in the model's frame; empty: by the view
     double focal_mm = 85;         ///< for a frame of 36 mm; in [10, 2000]
     std::string size = "800x600";
-    std::uint32_t samples = 64;    ///< per pixel and channel; with an error: the least
+    std::uint32_t samples = 64;    ///< per pixel, at least 8, in fours; with an error: the least
     double error = 0;              ///< wanted standard error of luminance, 1 is a white diffuser; 0: samples decide
+    double filter_px = 0.5;        ///< sigma of the Gaussian by which a pixel gathers its light; in [0, 1]
     double exposure_ev = 0;        ///< in [-20, 20]
     std::string light = "studio";  ///< or a lat-long picture (EXR, PNG, TIFF)
     double turn_light_deg = 0;     ///< around the vertical, counter-clockwise from above

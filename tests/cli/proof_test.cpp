@@ -85,6 +85,7 @@ TEST_CASE("a proof's files, lights and views are checked before it works") {
     refused("out --view top --camera 0,0,9" + out, 2, "would be ignored");
     refused("out --camera 1,2" + out, 2, "X,Y,Z");
     refused("out --roughness 0,1" + out, 2, "from 0 (smooth) to 0.9");
+    refused("out --filter 2" + out, 2, "must be 0 to 1 pixel");
     refused("out --ground 2" + out, 2, "reflectance from 0 to 1");
     refused((folder / "nothing") + out, 4, "nothing");
     refused((folder / "nothing") + " --light " + (folder / "no.exr") + out, 4, "no.exr");

@@ -11,6 +11,8 @@
 #include <catch2/catch.hpp>
 
 #include "voxtone/base/parallel.h"
+#include "voxtone/optics/camera/pixel_filter.h"
+#include "voxtone/optics/camera/tile_paths.h"
 #include "voxtone/optics/monte_carlo/monte_carlo.h"
 #include "voxtone/optics/numerics/quadrature.h"
 #include "voxtone/optics/scene/fresnel.h"
@@ -65,9 +67,10 @@ CameraView view_of_ball(int width, int height) {
     return view;
 }
 
-CameraPicture take(const CameraScene& scene, std::uint32_t samples, std::uint64_t seed = 1) {
+CameraPicture take(const CameraScene& scene, std::uint32_t samples, std::uint64_t seed = 1, double filter_px = 0) {
     Progress progress;
-    return take_picture(scene, {.samples = samples, .max_samples = 1u << 20, .seed = seed}, progress);
+    return take_picture(scene, {.samples = samples, .max_samples = 1u << 20, .seed = seed, .filter_px = filter_px},
+                        progress);
 }
 
 // The tracer that shares nothing: one ball of one medium, path by path.
@@ -199,11 +202,12 @@ double largest_z(const CameraPicture& picture, const Camera& camera, const Sky& 
 TEST_CASE("in a furnace nothing is seen, smooth or rough") {
     const Ball ball(one_resin({8, 20, 3}, {1, 1, 1}));
     const Sky sky = even_sky();
-    for (const double roughness : {0.0, 0.1, 0.5}) {
-        const EvenFinish finish(roughness);
-        const CameraPicture picture = take(ball.before(view_of_ball(20, 20), sky, &finish), 16);
-        for (const float value : picture.value) CHECK(value == Approx(1).margin(1e-5));
-    }
+    for (const double roughness : {0.0, 0.1, 0.5})
+        for (const double filter_px : {0.0, 0.5}) {
+            const EvenFinish finish(roughness);
+            const CameraPicture picture = take(ball.before(view_of_ball(20, 20), sky, &finish), 16, 1, filter_px);
+            for (const float value : picture.value) CHECK(value == Approx(1).margin(1e-5));
+        }
 }
 
 TEST_CASE("the profile of a ball from its middle to its limb is that of a tracer path by path") {
@@ -328,6 +332,84 @@ TEST_CASE("a ground that lies in the open shows its reflectance under every sky"
     }
 }
 
+TEST_CASE("the errors that a picture tells are those that its seeds have") {
+    const Ball ball(one_resin(profile_sigma, profile_albedo));
+    const Sky sky = studio_sky();
+    CameraScene scene = ball.before(view_of_ball(24, 18), sky);
+    scene.view.position = {2, -80, 50};
+    scene.ground = Ground{{0, 0, 1}, 0.35, {0.6, 0.5, 0.3}};
+    for (const double filter_px : {0.0, 0.5}) {
+        // Variances: per channel over all pixels, then of luminance over those that see the ball.
+        constexpr int seeds = 60;
+        std::vector<CameraPicture> pictures;
+        for (int k = 0; k < seeds; ++k)
+            pictures.push_back(take(scene, 16, 100 + static_cast<std::uint64_t>(k), filter_px));
+        const std::size_t values = pictures[0].value.size();
+        std::array<double, 4> differ{}, told{};
+        for (std::size_t i = 0; i < values; i += 3) {
+            std::array<double, 4> sum{}, squares{};
+            for (const CameraPicture& picture : pictures) {
+                const float* v = picture.value.data() + i;
+                const Light light{static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])};
+                for (std::size_t c = 0; c < 4; ++c) {
+                    const double x = c < 3 ? light[c] : luminance(light);
+                    sum[c] += x, squares[c] += x * x;
+                    if (c < 3) told[c] += std::pow(static_cast<double>(picture.standard_error[i + c]), 2) / seeds;
+                }
+            }
+            for (std::size_t c = 0; c < 4; ++c) {
+                const double variance = (squares[c] - sum[c] * sum[c] / seeds) / (seeds - 1);
+                if (c < 3 || pictures[0].sees[i / 3] >= 2) differ[c] += variance;
+            }
+        }
+        const auto bodies =
+            std::count_if(pictures[0].sees.begin(), pictures[0].sees.end(), [](int s) { return s >= 2; });
+        for (const CameraPicture& picture : pictures)
+            told[3] += double(bodies) * std::pow(picture.rms_error, 2) / seeds;
+        for (std::size_t c = 0; c < 4; ++c) {
+            INFO("filter " << filter_px << ", channel " << c << ": " << differ[c] << " told " << told[c]);
+            CHECK(told[c] > 0.9 * differ[c]);
+            CHECK(told[c] < 1.3 * differ[c]);
+        }
+    }
+}
+
+TEST_CASE("a filter blurs and keeps the light, and noise falls to a third") {
+    const Ball ball(one_resin(profile_sigma, profile_albedo));
+    const Sky sky = even_sky();
+    const CameraScene scene = ball.before(view_of_ball(48, 48), sky);
+    const CameraPicture square = take(scene, 400, 1, 0), gauss = take(scene, 400, 2, 0.5);
+    const auto mean_inside = [](const CameraPicture& picture) {  // of the ball's middle
+        double sum = 0;
+        for (std::size_t y = 16; y < 32; ++y)
+            for (std::size_t x = 16; x < 32; ++x) sum += static_cast<double>(picture.value[3 * (y * 48 + x) + 1]);
+        return sum / 256;
+    };
+    CHECK(mean_inside(gauss) == Approx(mean_inside(square)).epsilon(0.01));
+    // 4 pi sigma^2 samples' worth where the Gaussian is not cut off.
+    CHECK(std::pow(square.rms_error / gauss.rms_error, 2) == Approx(3.2).margin(0.4));
+    // The weights of a step that lies on a pixel's edge, by error functions, cut off at 1.5 pixels.
+    const PixelFilter filter(0.5);
+    const auto cut = [](double x) {
+        return std::erf(x / (0.5 * std::sqrt(2.0))) / std::erf(1.5 / (0.5 * std::sqrt(2.0)));
+    };
+    CHECK(filter.mean()[0] == Approx(0.5 * (1 - cut(0.5))));
+    CHECK(filter.mean()[1] == Approx(cut(0.5)));
+    CHECK(filter.mean()[0] + filter.mean()[1] + filter.mean()[2] == Approx(1));
+    double mean = 0, mean_square = 0;
+    for (int k = 0; k < 1000; ++k) {
+        const double w = filter.weight(0.5 + (k + 0.5) / 1000);
+        mean += w / 1000, mean_square += w * w / 1000;
+    }
+    CHECK(filter.mean()[2] == Approx(mean).epsilon(1e-4));
+    CHECK(filter.mean_square()[2] == Approx(mean_square).epsilon(1e-4));
+}
+
+TEST_CASE("channels that make little light have fewer paths") {
+    CHECK(channel_periods(std::array{0.2126, 0.7152, 0.0722}) == std::vector<std::uint32_t>{2, 1, 4});
+    CHECK(channel_periods(std::array{0.3, 0.3, 0.1, 0.0}) == std::vector<std::uint32_t>{1, 1, 2, 4});
+}
+
 TEST_CASE("a picture has the same bits for any number of threads") {
     const Ball ball(one_resin(profile_sigma, profile_albedo));
     const Sky sky = studio_sky();
@@ -343,7 +425,7 @@ TEST_CASE("a picture has the same bits for any number of threads") {
     CHECK(one.value == two.value);
     CHECK(one.standard_error == two.standard_error);
     CHECK(one.samples == two.samples);
-    CHECK(*std::max_element(one.samples.begin(), one.samples.end()) > 4);
+    CHECK(*std::max_element(one.samples.begin(), one.samples.end()) > 8);
 }
 
 TEST_CASE("a wanted error is reached, and a picture that is stopped keeps what it has") {
