@@ -240,7 +240,7 @@ private:
     void begin_descent_from_best_control(bool last_was_best);
     void print_and_predict(const SkinMixtures& mixtures, LoopMethod method);
     void predict(optics::ResinVolume volume, LoopMethod method);
-    void keep_if_best(const SkinMixtures& mixtures);
+    void keep_if_best(const std::function<SkinMixtures()>& mixtures);
     void correct_control();
     [[nodiscard]] bool move_downhill();
     [[nodiscard]] bool by_last_method() const;
@@ -363,8 +363,11 @@ void LoopRun::iterate() {
 /// Prints the control colours, and decides what comes next: another correction, the target itself, or the descent.
 void LoopRun::feedback_step() {
     const double least = least_mean(state_.steps), least_by_feedback = least_mean(state_.steps, LoopMethod::feedback);
-    const SkinMixtures mixtures = mixtures_of(recipes_, state_.control);
-    print_and_predict(mixtures, LoopMethod::feedback);
+    // Mixtures take as much memory as light: they are made again rather than held while the print is looked at.
+    const auto mixtures = [&] { return mixtures_of(recipes_, state_.control); };
+    print_ = {};
+    optics::ResinVolume print = task_.realise(mixtures());
+    predict(std::move(print), LoopMethod::feedback);
     keep_if_best(mixtures);
     const bool best_by_feedback = last_mean() < least_by_feedback;
     if (best_by_feedback) state_.start_control = state_.control;
@@ -397,7 +400,7 @@ void LoopRun::descent_step() {
     follow(state_.recent, mixtures);
     if (iterations_made() + 1 == most_) mixtures = state_.recent;
     print_and_predict(mixtures, LoopMethod::descent);
-    keep_if_best(mixtures);
+    keep_if_best([&] { return mixtures; });
     state_.has_gradient = move_downhill();
     if (!state_.has_gradient) state_.descent = {};
 }
@@ -428,10 +431,11 @@ void LoopRun::predict(optics::ResinVolume volume, LoopMethod method) {
     expect_steps(progress_, ++predictions_ + predictions_left());
 }
 
-void LoopRun::keep_if_best(const SkinMixtures& mixtures) {
+void LoopRun::keep_if_best(const std::function<SkinMixtures()>& mixtures) {
     if (!(last_mean() < state_.steps[state_.best].seen.mean)) return;
     state_.best = state_.steps.size() - 1;
-    state_.best_mixtures = mixtures;
+    state_.best_mixtures = {};
+    state_.best_mixtures = mixtures();
     state_.shown = rgb_;
     best_remarks_ = remarks_;
 }

@@ -39,7 +39,7 @@
 // (negative values; clamp them before Lab), so that differences in the dark beside bright areas count for more than a
 // person sees. `EyeSurround::none` leaves it out.
 //
-// Time for a million cells (67 cm2): 2.1 core-seconds to build, 2.1 to filter, 0.6 for `smoothed`. Memory: 0.3 kB per
+// Time for a million cells (67 cm2): 2.1 core-seconds to build, 2.1 to filter, 0.6 for `smoothed`. Memory: 0.2 kB per
 // cell. Same bits for any number of threads.
 #pragma once
 

@@ -12,6 +12,85 @@ namespace {
 
 constexpr int edge = ResinVolume::block_edge;
 constexpr std::size_t block_voxels = std::size_t{edge} * edge * edge;
+using Block = std::array<Material, block_voxels>;
+
+/// What begins a packed block: its bits a voxel, and what their values stand for; of 8 bits, materials themselves.
+constexpr std::size_t head_bytes = 64;
+constexpr std::size_t most_in_palette = 16;
+
+/// Reads a packed block.
+class PackedBlock {
+public:
+    explicit PackedBlock(const std::uint8_t* head) : palette_(head + 1), voxels_(head + head_bytes), bits_(head[0]) {}
+    [[nodiscard]] Material operator[](std::size_t voxel) const {
+        Material material = air;
+        copy(voxel, 1, &material);
+        return material;
+    }
+    void copy(std::size_t first, std::size_t count, Material* to) const {
+        switch (bits_) {
+            case 1:
+                return unpack<1>(first, count, to);
+            case 2:
+                return unpack<2>(first, count, to);
+            case 4:
+                return unpack<4>(first, count, to);
+            default:
+                std::copy_n(voxels_ + first, count, to);
+        }
+    }
+
+private:
+    template <unsigned bits>
+    void unpack(std::size_t first, std::size_t count, Material* to) const {
+        constexpr std::size_t per_byte = 8 / bits;
+        for (std::size_t i = first; i < first + count; ++i)
+            *to++ = palette_[voxels_[i / per_byte] >> (i % per_byte * bits) & ((1u << bits) - 1)];
+    }
+
+    const std::uint8_t *palette_, *voxels_;
+    unsigned bits_;
+};
+
+unsigned bits_for(std::size_t materials) {
+    if (materials > most_in_palette) return 8;
+    return materials > 4 ? 4 : materials > 2 ? 2 : 1;
+}
+
+/// Appends a block; where it begins, in units.
+std::int32_t append_packed(const Block& block, std::vector<std::uint8_t>& packed) {
+    std::array<std::uint8_t, 256> value{};
+    std::array<bool, 256> known{};
+    std::array<Material, 256> palette{};
+    std::size_t materials = 0;
+    for (const Material m : block)
+        if (!known[m]) {
+            known[m] = true;
+            value[m] = static_cast<std::uint8_t>(materials);
+            palette[materials++] = m;
+        }
+    const unsigned bits = bits_for(materials);
+    const std::size_t begin = packed.size(), per_byte = 8 / bits;
+    packed.resize(begin + head_bytes + block_voxels / per_byte);
+    std::uint8_t* const head = packed.data() + begin;
+    head[0] = static_cast<std::uint8_t>(bits);
+    if (bits == 8) {
+        std::copy(block.begin(), block.end(), head + head_bytes);
+    } else {
+        std::copy_n(palette.begin(), materials, head + 1);
+        for (std::size_t i = 0; i < block_voxels; ++i)
+            head[head_bytes + i / per_byte] |= static_cast<std::uint8_t>(value[block[i]] << (i % per_byte * bits));
+    }
+    return static_cast<std::int32_t>(begin / head_bytes);
+}
+
+const std::uint8_t* head_of(const std::vector<std::uint8_t>& packed, std::int32_t block) {
+    return packed.data() + static_cast<std::size_t>(block) * head_bytes;
+}
+
+std::size_t place_in_block(int x, int y, int z) {
+    return static_cast<std::size_t>(((z % edge) * edge + y % edge) * edge + x % edge);
+}
 
 }  // namespace
 
@@ -25,8 +104,7 @@ Material ResinVolume::at(int x, int y, int z) const {
     if (x < 0 || y < 0 || z < 0 || x >= size_[0] || y >= size_[1] || z >= size_[2]) return air;
     const std::int32_t block = block_[block_index(x / edge, y / edge, z / edge)];
     if (block < 0) return static_cast<Material>(-1 - block);
-    return voxels_[static_cast<std::size_t>(block) * block_voxels +
-                   static_cast<std::size_t>(((z % edge) * edge + y % edge) * edge + x % edge)];
+    return PackedBlock(head_of(packed_, block))[place_in_block(x, y, z)];
 }
 
 void ResinVolume::copy_box(const std::array<int, 3>& corner, const std::array<int, 3>& extent,
@@ -48,10 +126,8 @@ void ResinVolume::copy_box(const std::array<int, 3>& corner, const std::array<in
                 if (block < 0) {
                     std::fill(to, to + (end - x), static_cast<Material>(-1 - block));
                 } else {
-                    const Material* const from =
-                        voxels_.data() + static_cast<std::size_t>(block) * block_voxels +
-                        static_cast<std::size_t>(((z % edge) * edge + y % edge) * edge + x % edge);
-                    std::copy(from, from + (end - x), to);
+                    PackedBlock(head_of(packed_, block))
+                        .copy(place_in_block(x, y, z), static_cast<std::size_t>(end - x), to);
                 }
                 x = end;
             }
@@ -78,10 +154,11 @@ int ResinVolume::uniform_material(const std::array<int, 3>& corner, const std::a
                     if (-1 - block != first) return -1;
                     continue;
                 }
+                const PackedBlock voxels(head_of(packed_, block));
                 for (int z = std::max(low[2], bz * edge); z < std::min(high[2], (bz + 1) * edge); ++z)
                     for (int y = std::max(low[1], by * edge); y < std::min(high[1], (by + 1) * edge); ++y)
                         for (int x = std::max(low[0], bx * edge); x < std::min(high[0], (bx + 1) * edge); ++x)
-                            if (at(x, y, z) != first) return -1;
+                            if (voxels[place_in_block(x, y, z)] != first) return -1;
             }
     return first;
 }
@@ -102,10 +179,10 @@ std::array<std::uint64_t, 256> ResinVolume::count() const {
                                                                     static_cast<std::uint64_t>(nz);
                     continue;
                 }
-                const Material* const voxels = voxels_.data() + static_cast<std::size_t>(block) * block_voxels;
+                const PackedBlock voxels(head_of(packed_, block));
                 for (int z = 0; z < nz; ++z)
                     for (int y = 0; y < ny; ++y)
-                        for (int x = 0; x < nx; ++x) ++counts[voxels[(z * edge + y) * edge + x]];
+                        for (int x = 0; x < nx; ++x) ++counts[voxels[place_in_block(x, y, z)]];
             }
     });
     std::array<std::uint64_t, 256> counts{};
@@ -114,7 +191,7 @@ std::array<std::uint64_t, 256> ResinVolume::count() const {
     return counts;
 }
 
-std::size_t ResinVolume::memory_bytes() const { return block_.size() * sizeof(block_[0]) + voxels_.size(); }
+std::size_t ResinVolume::memory_bytes() const { return block_.size() * sizeof(block_[0]) + packed_.size(); }
 
 ResinVolumeBuilder::ResinVolumeBuilder(const std::array<int, 3>& size, const std::array<double, 3>& pitch_mm) {
     for (std::size_t a = 0; a < 3; ++a) {
@@ -151,7 +228,7 @@ void ResinVolumeBuilder::add_block_row(std::span<const Material> voxels) {
 
 void ResinVolumeBuilder::append_blocks(const Material* first, std::size_t row_stride, std::size_t plane_stride,
                                        int rows, int layers) {
-    std::array<Material, block_voxels> block;
+    Block block;
     for (int bx = 0; bx < volume_.blocks_[0]; ++bx) {
         const Material* const corner = first + static_cast<std::size_t>(bx * edge);
         const int nx = std::min(edge, volume_.size_[0] - bx * edge);
@@ -171,8 +248,7 @@ void ResinVolumeBuilder::append_blocks(const Material* first, std::size_t row_st
             volume_.block_.push_back(-1 - *corner);
             continue;
         }
-        volume_.block_.push_back(static_cast<std::int32_t>(volume_.voxels_.size() / block_voxels));
-        volume_.voxels_.insert(volume_.voxels_.end(), block.begin(), block.end());
+        volume_.block_.push_back(append_packed(block, volume_.packed_));
     }
 }
 
@@ -188,7 +264,7 @@ ResinVolume stacked(std::vector<ResinVolume> parts) {
     whole.blocks_ = parts.front().blocks_;
     whole.pitch_mm_ = parts.front().pitch_mm_;
     whole.size_[2] = whole.blocks_[2] = 0;
-    std::size_t blocks = 0, voxels = 0;
+    std::size_t blocks = 0, packed = 0;
     for (std::size_t i = 0; i < parts.size(); ++i) {
         const ResinVolume& part = parts[i];
         VOXTONE_EXPECT(part.size_[0] == whole.size_[0] && part.size_[1] == whole.size_[1] &&
@@ -196,15 +272,15 @@ ResinVolume stacked(std::vector<ResinVolume> parts) {
         whole.size_[2] += part.size_[2];
         whole.blocks_[2] += part.blocks_[2];
         blocks += part.block_.size();
-        voxels += part.voxels_.size();
+        packed += part.packed_.size();
     }
     // Room for all at once: memory that is only reserved costs nothing until it is written, part by part.
     whole.block_.reserve(blocks);
-    whole.voxels_.reserve(voxels);
+    whole.packed_.reserve(packed);
     for (ResinVolume& part : parts) {
-        const auto offset = static_cast<std::int32_t>(whole.voxels_.size() / block_voxels);
+        const auto offset = static_cast<std::int32_t>(whole.packed_.size() / head_bytes);
         for (const std::int32_t block : part.block_) whole.block_.push_back(block < 0 ? block : block + offset);
-        whole.voxels_.insert(whole.voxels_.end(), part.voxels_.begin(), part.voxels_.end());
+        whole.packed_.insert(whole.packed_.end(), part.packed_.begin(), part.packed_.end());
         part = ResinVolume();
     }
     return whole;
@@ -216,7 +292,7 @@ ResinVolume all_of(const ResinVolume& volume, Material material) {
     twin.blocks_ = volume.blocks_;
     twin.pitch_mm_ = volume.pitch_mm_;
     twin.block_.reserve(volume.block_.size());
-    std::array<Material, block_voxels> voxels;
+    Block voxels;
     std::size_t i = 0;
     for (int bz = 0; bz < volume.blocks_[2]; ++bz)
         for (int by = 0; by < volume.blocks_[1]; ++by)
@@ -226,11 +302,12 @@ ResinVolume all_of(const ResinVolume& volume, Material material) {
                     twin.block_.push_back(block == -1 - air ? block : -1 - material);
                     continue;
                 }
-                const Material* const from = volume.voxels_.data() + static_cast<std::size_t>(block) * block_voxels;
+                PackedBlock(head_of(volume.packed_, block)).copy(0, block_voxels, voxels.data());
                 std::size_t solid = 0;
-                for (std::size_t v = 0; v < block_voxels; ++v) {
-                    voxels[v] = from[v] == air ? air : material;
-                    solid += from[v] != air;
+                for (Material& voxel : voxels) {
+                    if (voxel == air) continue;
+                    voxel = material;
+                    ++solid;
                 }
                 // What sticks out of the volume is air in a block and no part of it.
                 std::size_t inside = 1;
@@ -241,11 +318,10 @@ ResinVolume all_of(const ResinVolume& volume, Material material) {
                 if (solid == inside) {
                     twin.block_.push_back(-1 - material);
                 } else {
-                    twin.block_.push_back(static_cast<std::int32_t>(twin.voxels_.size() / block_voxels));
-                    twin.voxels_.insert(twin.voxels_.end(), voxels.begin(), voxels.end());
+                    twin.block_.push_back(append_packed(voxels, twin.packed_));
                 }
             }
-    twin.voxels_.shrink_to_fit();
+    twin.packed_.shrink_to_fit();
     return twin;
 }
 

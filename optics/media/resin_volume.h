@@ -5,7 +5,8 @@
 // Voxel (x, y, z) covers [x, x + 1) pitch_x x [y, y + 1) pitch_y x [z, z + 1) pitch_z, in mm from the volume's corner;
 // x runs right, y away, z up, layer 0 is the bottom. Material 0 is air, material m is resin m - 1 of the set in use.
 //
-// Storage: blocks of 16^3 voxels; a block of one material costs 4 bytes, others 4 KiB. Immutable after construction.
+// Storage: blocks of 16^3 voxels; a block of one material costs 4 bytes, others 64 bytes and 1, 2, 4 or 8 bits a voxel
+// where they hold up to 2, 4, 16 or more materials. Immutable after construction.
 #pragma once
 
 #include <array>
@@ -45,8 +46,8 @@ private:
 
     std::array<int, 3> size_{}, blocks_{};
     std::array<double, 3> pitch_mm_{};
-    std::vector<std::int32_t> block_;  ///< >= 0: where its voxels begin in voxels_ / 4096; < 0: -1 - material
-    std::vector<Material> voxels_;
+    std::vector<std::int32_t> block_;  ///< >= 0: where it begins in packed_, in units of 64 bytes; < 0: -1 - material
+    std::vector<std::uint8_t> packed_;
 };
 
 /// Builds a volume from the bottom, layer by layer (holds 16 layers besides the blocks that are done) or row of blocks

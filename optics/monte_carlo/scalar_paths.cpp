@@ -17,14 +17,15 @@ double face_area(std::size_t axis, const std::array<double, 3>& pitch) {
 
 PathStarts::PathStarts(const Scene& scene, const Surface& surface, bool smooth) : share_(surface.faces.size()) {
     const auto& pitch = scene.volume->pitch_mm();
-    for (const SurfaceCell& cell : surface.cells) {
+    for (std::size_t c = 0; c < surface.cells.size(); ++c) {
+        const SurfaceCell& cell = surface.cells[c];
         VOXTONE_EXPECT(cell.faces > 0 && cell.first_face + cell.faces <= surface.faces.size());
         double total = 0, sum = 0;
         const auto area = [&](std::uint32_t f) {
             const std::uint32_t face = cell.first_face + f;
             const auto axis = static_cast<std::size_t>(surface.faces[face].facing) / 2;
             return face_area(axis, pitch) *
-                   (smooth ? std::max(1e-6, std::abs(static_cast<double>(surface.face_normal[face][axis]))) : 1.0);
+                   (smooth ? std::max(1e-6, std::abs(static_cast<double>(surface.normal_at(c, face)[axis]))) : 1.0);
         };
         for (std::uint32_t f = 0; f < cell.faces; ++f) total += area(f);
         for (std::uint32_t f = 0; f < cell.faces; ++f) {

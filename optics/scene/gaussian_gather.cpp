@@ -117,16 +117,23 @@ HWY_AFTER_NAMESPACE();
 namespace voxtone::optics {
 HWY_EXPORT(accumulate);
 
+GaussianGather::GaussianGather(std::span<const SurfacePoint> points, double spread_mm, double slack_mm)
+    : GaussianGather(points, points, {}, spread_mm, slack_mm) {}
+
 GaussianGather::GaussianGather(std::span<const SurfacePoint> from, std::span<const SurfacePoint> to,
-                               std::vector<std::uint32_t> fallback, double spread_mm, double slack_mm)
+                               std::span<const std::uint32_t> fallback, double spread_mm, double slack_mm)
     : to_(to),
-      fallback_(std::move(fallback)),
+      fallback_(fallback),
+      same_(fallback.empty()),
       spread_(static_cast<float>(spread_mm)),
       slack_(static_cast<float>(slack_mm)) {
-    VOXTONE_EXPECT(spread_mm > 0 && fallback_.size() == to.size());
+    VOXTONE_EXPECT(spread_mm > 0);
+    VOXTONE_EXPECT(same_ ? from.data() == to.data() && from.size() == to.size() : fallback.size() == to.size());
     const float reach = reach_spreads * spread_, edge = 0.7F * reach;
     BinnedPoints near = sort_into_bins(from.size(), [&](std::size_t i) { return bin_of(from[i].at, edge); });
-    BinnedPoints groups = sort_into_bins(to.size(), [&](std::size_t i) { return bin_of(to[i].at, edge); });
+    BinnedPoints others;
+    if (!same_) others = sort_into_bins(to.size(), [&](std::size_t i) { return bin_of(to[i].at, edge); });
+    BinnedPoints& groups = same_ ? near : others;
     constexpr std::int64_t around = 2;  // bins: 1 / 0.7, rounded up
     ranges_begin_.push_back(0);
     for (std::size_t k = 0; k < groups.bins.size(); ++k) {
@@ -143,9 +150,9 @@ GaussianGather::GaussianGather(std::span<const SurfacePoint> from, std::span<con
     }
     from_sorted_.reserve(from.size());
     for (const std::uint32_t i : near.order) from_sorted_.push_back(from[i]);
-    from_order_ = std::move(near.order);
-    to_order_ = std::move(groups.order);
     group_begin_ = std::move(groups.begin);
+    from_order_ = std::move(near.order);
+    to_order_ = std::move(others.order);
 }
 
 void GaussianGather::apply(std::span<const float> in, std::span<float> out, std::size_t channels) const {
@@ -160,17 +167,18 @@ void GaussianGather::apply(std::span<const float> in, std::span<float> out, std:
 template <int Channels>
 void GaussianGather::apply_channels(const float* in, float* out) const {
     constexpr std::size_t n = Channels;
+    const std::span<const std::uint32_t> to_order = this->to_order();
     const float reach = reach_spreads * spread_;
     const Kernel kernel{1 / (spread_ * spread_), reach * reach, 4 * slack_ * slack_};
     const auto work = [&](std::size_t first_group, std::size_t last_group) {
         std::vector<Candidate> near;
         for (std::size_t g = first_group; g < last_group; ++g) {
             const std::uint32_t begin = group_begin_[g], end = group_begin_[g + 1];
-            std::array<float, 3> low = to_[to_order_[begin]].at, high = low;
+            std::array<float, 3> low = to_[to_order[begin]].at, high = low;
             for (std::uint32_t i = begin; i < end; ++i)
                 for (std::size_t a = 0; a < 3; ++a) {
-                    low[a] = std::min(low[a], to_[to_order_[i]].at[a] - reach);
-                    high[a] = std::max(high[a], to_[to_order_[i]].at[a] + reach);
+                    low[a] = std::min(low[a], to_[to_order[i]].at[a] - reach);
+                    high[a] = std::max(high[a], to_[to_order[i]].at[a] + reach);
                 }
             near.clear();
             for (std::uint32_t r = ranges_begin_[g]; r < ranges_begin_[g + 1]; ++r)
@@ -187,15 +195,15 @@ void GaussianGather::apply_channels(const float* in, float* out) const {
                 const std::size_t used = std::min<std::size_t>(lanes, end - i);
                 Lanes q;
                 for (std::size_t l = 0; l < lanes; ++l) {
-                    const SurfacePoint& p = to_[to_order_[i + std::min(l, used - 1)]];
+                    const SurfacePoint& p = to_[to_order[i + std::min(l, used - 1)]];
                     q.x[l] = p.at[0], q.y[l] = p.at[1], q.z[l] = p.at[2];
                     q.nx[l] = p.normal[0], q.ny[l] = p.normal[1], q.nz[l] = p.normal[2];
                 }
                 HWY_DYNAMIC_DISPATCH(accumulate)(kernel, near, n, q);
                 for (std::size_t l = 0; l < used; ++l) {
-                    const std::uint32_t t = to_order_[i + l];
+                    const std::uint32_t t = to_order[i + l], instead = same_ ? t : fallback_[t];
                     for (std::size_t c = 0; c < n; ++c)
-                        out[t * n + c] = q.weight[l] > 0 ? q.sum[c][l] / q.weight[l] : in[fallback_[t] * n + c];
+                        out[t * n + c] = q.weight[l] > 0 ? q.sum[c][l] / q.weight[l] : in[instead * n + c];
                 }
             }
         }

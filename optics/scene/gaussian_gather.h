@@ -10,7 +10,7 @@
 // keeps a constant and treats borders as if nothing lay beyond.
 //
 // Points are summed in an order of their own, without fused operations: the same bits for any number of threads and any
-// width of vectors. Memory: 40 bytes per point besides the points.
+// width of vectors. Memory: 32 bytes per point of `from` and, where these are others, 4 per point of `to`.
 #pragma once
 
 #include <array>
@@ -31,21 +31,25 @@ struct SurfacePoint {
 class GaussianGather {
 public:
     /// `fallback[i]`: the point of `from` that point i of `to` takes its value from where it sees none. `slack_mm`: a
-    /// chord may leave the surface by this much besides. `to` must outlive this.
+    /// chord may leave the surface by this much besides. `to` and `fallback` must outlive this.
     GaussianGather(std::span<const SurfacePoint> from, std::span<const SurfacePoint> to,
-                   std::vector<std::uint32_t> fallback, double spread_mm, double slack_mm);
+                   std::span<const std::uint32_t> fallback, double spread_mm, double slack_mm);
+    /// Among the same points: each takes its own value where it sees none.
+    GaussianGather(std::span<const SurfacePoint> points, double spread_mm, double slack_mm);
     /// `channels` values per point, interleaved.
     void apply(std::span<const float> in, std::span<float> out, std::size_t channels) const;
 
 private:
+    [[nodiscard]] std::span<const std::uint32_t> to_order() const { return same_ ? from_order_ : to_order_; }
     template <int Channels>
     void apply_channels(const float* in, float* out) const;
     std::span<const SurfacePoint> to_;
-    std::vector<SurfacePoint> from_sorted_;  ///< in the order of from_order_: read in one go
-    std::vector<std::uint32_t> fallback_;
+    std::vector<SurfacePoint> from_sorted_;    ///< in the order of from_order_: read in one go
+    std::span<const std::uint32_t> fallback_;  ///< empty among the same points
+    bool same_;
     float spread_, slack_;
-    std::vector<std::uint32_t> from_order_, to_order_;             ///< points sorted by bin
-    std::vector<std::uint32_t> group_begin_;                       ///< in to_order_; one more than there are groups
+    std::vector<std::uint32_t> from_order_, to_order_;             ///< points sorted by bin; among the same, one order
+    std::vector<std::uint32_t> group_begin_;                       ///< in to_order(); one more than there are groups
     std::vector<std::uint32_t> ranges_begin_;                      ///< per group
     std::vector<std::pair<std::uint32_t, std::uint32_t>> ranges_;  ///< in from_order_: who may be near
 };

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <tuple>
+#include <type_traits>
 
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/parallel.h"
@@ -100,16 +102,17 @@ private:
                         if (scene_.backing != Backing::none && f == 4 && z == 0) continue;
                         const auto axis = static_cast<std::size_t>(f / 2);
                         std::array<double, 3> n{};
+                        bool slants = false;
                         if (on_terrace(patch, {x, y, z}, f)) {
                             n[axis] = s[axis];
                         } else {
                             if (smooth[0] == 0 && smooth[1] == 0 && smooth[2] == 0)
                                 smooth = gradient(patch, corner, low);
-                            n = smooth;
-                            if (n[axis] * s[axis] <= 0) {  // a kink that the smooth surface does not have
-                                n = {};
+                            slants = smooth[axis] * s[axis] > 0;  // else a kink that the smooth surface does not have
+                            if (slants)
+                                n = smooth;
+                            else
                                 n[axis] = s[axis];
-                            }
                         }
                         const double a = pitch[(axis + 1) % 3] * pitch[(axis + 2) % 3];
                         const double stands_for = a / (std::abs(n[0]) + std::abs(n[1]) + std::abs(n[2]));
@@ -120,9 +123,7 @@ private:
                         }
                         area += stands_for;
                         face_area += a;
-                        out.faces.push_back({at, static_cast<Facing>(f)});
-                        out.face_normal.push_back(
-                            {static_cast<float>(n[0]), static_cast<float>(n[1]), static_cast<float>(n[2])});
+                        out.faces.push_back({at, static_cast<Facing>(f), slants});
                         ++cell.faces;
                     }
                 }
@@ -135,6 +136,8 @@ private:
         }
         cell.area_mm2 = static_cast<float>(area);
         out.cells.push_back(cell);
+        out.slope.push_back(
+            {static_cast<float>(smooth[0]), static_cast<float>(smooth[1]), static_cast<float>(smooth[2])});
     }
 
     [[nodiscard]] bool on_terrace(const Patch& patch, const std::array<int, 3>& at, int f) const {
@@ -233,7 +236,26 @@ void append(Surface& to, const Surface& from) {
         to.cells.push_back(cell);
     }
     to.faces.insert(to.faces.end(), from.faces.begin(), from.faces.end());
-    to.face_normal.insert(to.face_normal.end(), from.face_normal.begin(), from.face_normal.end());
+    to.slope.insert(to.slope.end(), from.slope.begin(), from.slope.end());
+}
+
+/// In order of z, y, x of the viewing grid.
+void sort_cells(Surface& surface) {
+    std::vector<std::uint32_t> order(surface.cells.size());
+    std::iota(order.begin(), order.end(), 0u);
+    const auto place = [&](std::uint32_t i) {
+        const auto& at = surface.cells[i].cell;
+        return std::tuple(at[2], at[1], at[0]);
+    };
+    std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return place(a) < place(b); });
+    const auto sorted = [&](const auto& values) {
+        std::remove_cvref_t<decltype(values)> in_order;
+        in_order.reserve(values.size());
+        for (const std::uint32_t i : order) in_order.push_back(values[i]);
+        return in_order;
+    };
+    surface.cells = sorted(surface.cells);
+    surface.slope = sorted(surface.slope);
 }
 
 /// Of the tiles that touch the box.
@@ -262,9 +284,7 @@ Surface surface_near(const Scene& scene, const std::array<int, 3>& cell, const V
         append(all, row);
         row = {};
     }
-    std::sort(all.cells.begin(), all.cells.end(), [](const SurfaceCell& a, const SurfaceCell& b) {
-        return std::tie(a.cell[2], a.cell[1], a.cell[0]) < std::tie(b.cell[2], b.cell[1], b.cell[0]);
-    });
+    sort_cells(all);
     return all;
 }
 
@@ -298,7 +318,6 @@ Surface top_surface(const Scene& scene, const std::array<int, 3>& cell, const Pr
                     const int z = top[static_cast<std::size_t>(y) * nx + static_cast<std::size_t>(x)];
                     if (z < 0) continue;
                     out.faces.push_back({{x, y, z}, Facing::plus_z});
-                    out.face_normal.push_back({0.0f, 0.0f, 1.0f});
                     centre[0] += pitch[0] * (x + 0.5);
                     centre[1] += pitch[1] * (y + 0.5);
                     centre[2] += pitch[2] * (z + 1);
@@ -316,6 +335,14 @@ Surface top_surface(const Scene& scene, const std::array<int, 3>& cell, const Pr
 }
 
 }  // namespace
+
+std::array<float, 3> Surface::normal_at(std::size_t cell, std::size_t face) const {
+    if (faces[face].slants) return slope[cell];
+    const auto facing = static_cast<std::size_t>(faces[face].facing);
+    std::array<float, 3> normal{};
+    normal[facing / 2] = facing % 2 ? 1.0f : -1.0f;
+    return normal;
+}
 
 std::array<int, 3> cell_voxels(const std::array<double, 3>& pitch_mm, double cell_mm) {
     std::array<int, 3> voxels{};
@@ -357,8 +384,7 @@ Surface part_of(const Surface& surface, std::span<const std::uint32_t> cells) {
         cell.first_face = static_cast<std::uint32_t>(part.faces.size());
         part.cells.push_back(cell);
         part.faces.insert(part.faces.end(), surface.faces.begin() + first, surface.faces.begin() + last);
-        part.face_normal.insert(part.face_normal.end(), surface.face_normal.begin() + first,
-                                surface.face_normal.begin() + last);
+        if (!surface.slope.empty()) part.slope.push_back(surface.slope[i]);
     }
     return part;
 }

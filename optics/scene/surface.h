@@ -30,6 +30,8 @@ inline constexpr std::array<std::array<int, 3>, 6> step_of{
 struct SurfaceFace {
     std::array<std::int32_t, 3> voxel{};  ///< the solid side
     Facing facing{};
+    bool slants =
+        false;  ///< the smooth surface there has the slope of the face's cell and not the face's own direction
 };
 
 /// A piece of surface that is seen as one: the exposed faces of the voxels of one cell of the viewing grid.
@@ -46,7 +48,10 @@ struct Surface {
     std::array<int, 3> cell_voxels{};
     std::vector<SurfaceCell> cells;
     std::vector<SurfaceFace> faces;
-    std::vector<std::array<float, 3>> face_normal;  ///< per face: of the smooth surface
+    /// Per cell: the smooth surface's normal at those of its faces that slant; empty where none of the faces does.
+    std::vector<std::array<float, 3>> slope;
+    /// Of the smooth surface, at a face of a cell.
+    [[nodiscard]] std::array<float, 3> normal_at(std::size_t cell, std::size_t face) const;
 };
 
 enum class SurfacePart {

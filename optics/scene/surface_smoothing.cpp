@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/parallel.h"
@@ -37,10 +36,8 @@ SurfaceSmoothing::SurfaceSmoothing(std::span<const SurfacePoint> points, double 
     // Narrow: a lattice fine enough that a Gaussian of its own brings the values back, and no smoothing between.
     const bool narrow = rest < 5 * point_mm;
     const double pitch = narrow ? rest / 1.4 : rest / 3;
-    std::vector<std::uint32_t> self(points.size());
-    std::iota(self.begin(), self.end(), 0U);
     if (pitch < 1.5 * point_mm) {
-        back_ = std::make_unique<GaussianGather>(points, points, std::move(self), rest, point_mm);
+        back_ = std::make_unique<GaussianGather>(points, rest, point_mm);
         return;
     }
     const auto edge = static_cast<float>(pitch);
@@ -85,10 +82,8 @@ SurfaceSmoothing::SurfaceSmoothing(std::span<const SurfacePoint> points, double 
     double back = std::sqrt(left2);
     if (!narrow) {
         back = std::min(back, 1.3 * pitch);
-        std::vector<std::uint32_t> own(clusters_.size());
-        std::iota(own.begin(), own.end(), 0U);
         const double between = std::sqrt(std::max(left2 - back * back, 0.01 * left2));
-        between_ = std::make_unique<GaussianGather>(clusters_, clusters_, std::move(own), between, 0.5 * pitch);
+        between_ = std::make_unique<GaussianGather>(clusters_, between, 0.5 * pitch);
     }
     back_ = std::make_unique<GaussianGather>(clusters_, points_, cluster_of_, back, 0.5 * pitch);
     cluster_order_ = std::move(boxes.order);

@@ -8,7 +8,7 @@
 // boxes' own blur with them. Error of the transfer function: below 0.01. Work per point and call does not grow with the
 // spread.
 //
-// Memory: 20 bytes per point besides the points (48 where there is no lattice). Results are the same bits for any
+// Memory: 16 bytes per point besides the points (32 where there is no lattice). Results are the same bits for any
 // number of threads.
 #pragma once
 
@@ -33,6 +33,9 @@ public:
     /// Smoothing of values that were smoothed by `done_mm` before, so that together they make `spread_mm`. `point_mm`:
     /// typical distance of points. The points must outlive this.
     SurfaceSmoothing(std::span<const SurfacePoint> points, double spread_mm, double done_mm, double point_mm);
+    // Refers to parts of itself.
+    SurfaceSmoothing(const SurfaceSmoothing&) = delete;
+    SurfaceSmoothing& operator=(const SurfaceSmoothing&) = delete;
     void apply(std::span<const float> in, std::span<float> out, std::size_t channels) const;
 
 private:

@@ -463,8 +463,10 @@ struct ViewingGridBuilder {
             for (std::uint32_t e = seen.first[i]; e < seen.first[i + 1]; ++e) {
                 const Facing facing = grid.faces[seen.face[e]].facing;
                 for (std::size_t f = cell.first_face; f < cell.first_face + cell.faces; ++f)
-                    if (surface.faces[f].facing == facing)
-                        for (std::size_t a = 0; a < 3; ++a) normal[seen.face[e]][a] += surface.face_normal[f][a];
+                    if (surface.faces[f].facing == facing) {
+                        const std::array<float, 3> n = surface.normal_at(i, f);
+                        for (std::size_t a = 0; a < 3; ++a) normal[seen.face[e]][a] += n[a];
+                    }
             }
         }
         find_ways(normal);

@@ -28,7 +28,7 @@ constexpr double serial = 0.05;
 constexpr double work_bytes = 4e7, bytes_per_thread = 8e6;
 constexpr double prepared_bytes_per_cell = 900;
 constexpr double descent_bytes = 1.6e8, descent_bytes_per_cell = 6400;
-constexpr double feedback_bytes = 1.4e8, feedback_bytes_per_cell = 3600;
+constexpr double feedback_bytes = 1.4e8, feedback_bytes_per_cell = 2700;
 constexpr double kept_bytes = 5e7, kept_bytes_per_cell = 1800;  // of the loop, while a model predicts
 constexpr double predicted_bytes = 1.5e8, predicted_bytes_per_cell = 6000;
 constexpr double drawn_bytes = 1e8, drawn_bytes_per_cell = 2500;

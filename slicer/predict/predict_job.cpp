@@ -57,8 +57,8 @@ bool seen_from_above(const ResolvedPrediction& job, const StackHead& head) {
 }
 
 std::uint64_t surface_bytes(const optics::Surface& surface) {
-    return surface.cells.size() * sizeof(optics::SurfaceCell) +
-           surface.faces.size() * (sizeof(optics::SurfaceFace) + sizeof(float) * 3);
+    return surface.cells.size() * (sizeof(optics::SurfaceCell) + sizeof(float) * 3) +
+           surface.faces.size() * sizeof(optics::SurfaceFace);
 }
 
 /// "auto": nothing.
@@ -496,6 +496,7 @@ PredictResult run_predict_job(const PredictOptions& options, Progress& progress)
     progress.begin_stage("predict", 0);
     const ModelMaker maker = [&](bool white) {
         ModelOptions quality = model_options(job, quick, job.memory_bytes - held);
+        set_depth_of_cells(quality, scene.backing);
         quality.boundary = boundary ? &*boundary : nullptr;
         quality.follow_outside = job.outside == LightOutside::followed;
         if (white) quality.seed = ~quality.seed;

@@ -39,9 +39,9 @@ optics::Surface first_cells(const optics::Surface& surface, const Groups& groups
         cell.first_face = static_cast<std::uint32_t>(some.faces.size());
         for (std::size_t f = from; f < from + cell.faces; ++f) {
             some.faces.push_back(surface.faces[f]);
-            some.face_normal.push_back(surface.face_normal[f]);
         }
         some.cells.push_back(cell);
+        if (!surface.slope.empty()) some.slope.push_back(surface.slope[i]);
     }
     return some;
 }

@@ -77,7 +77,7 @@ TEST_CASE("The white twin is solid where the volume is, and of one resin") {
             for (int x = 0; x < size[0]; ++x) wrong += twin.at(x, y, z) != (made(x, y, z) == 0 ? 0 : 7);
     CHECK(wrong == 0);
     CHECK(twin.count()[7] + twin.count()[0] == static_cast<std::uint64_t>(37 * 50 * 41));
-    // Blocks along x = 16 and beyond are whole, also those that the border cuts: 4096 bytes for each of the others.
+    // Blocks along x = 16 and beyond are whole, also those that the border cuts: 576 bytes for each of the others.
     CHECK(twin.uniform_material({16, 0, 0}, {21, 50, 41}) == 7);
     CHECK(twin.memory_bytes() < volume.memory_bytes() / 2);
 }
@@ -101,8 +101,7 @@ TEST_CASE("The surface of a box is its six sides, sharp at the edges, and the lo
     for (const auto& cell : surface.cells) area += cell.area_mm2;
     const double a = 40 * j750[0], b = 24 * j750[1], c = 60 * j750[2];
     CHECK(area == Approx(2 * (a * b + b * c + a * c)).epsilon(1e-5));
-    for (const auto& n : surface.face_normal)
-        REQUIRE(std::max({std::abs(n[0]), std::abs(n[1]), std::abs(n[2])}) == Approx(1));
+    for (const SurfaceFace& face : surface.faces) REQUIRE_FALSE(face.slants);
     scene.backing = Backing::black;
     CHECK(find_surface(scene, {2, 1, 3}, SurfacePart::all).faces.size() == 2 * (40 * 60 + 24 * 60) + 40 * 24);
     const Surface top = find_surface(scene, {2, 1, 3}, SurfacePart::top);
@@ -116,7 +115,9 @@ TEST_CASE("Mirrored sides have no surface") {
     const Scene scene{&volume, nullptr, Backing::black, Sides::mirrored};
     const Surface surface = find_surface(scene, {2, 1, 3}, SurfacePart::all);
     CHECK(surface.faces.size() == 80);
-    for (const auto& n : surface.face_normal) REQUIRE(n[2] == 1.0f);
+    for (const SurfaceCell& cell : surface.cells)
+        for (std::size_t f = cell.first_face; f < cell.first_face + cell.faces; ++f)
+            REQUIRE(surface.normal_at(0, f)[2] == 1.0f);
 }
 
 TEST_CASE("A sphere of voxels has the area and the normals of a sphere") {
@@ -139,4 +140,27 @@ TEST_CASE("A sphere of voxels has the area and the normals of a sphere") {
     }
     CHECK(area == Approx(4 * M_PI * r * r).epsilon(0.02));
     CHECK(turned / area < 3.5 * M_PI / 180);
+}
+
+TEST_CASE("Blocks of any number of materials give back their voxels, and take as many bits a voxel as they need") {
+    const std::array<int, 3> size{64, 16, 16};  // four blocks
+    const auto bytes_with = [&](int materials) {
+        const auto material = [&](int x, int y, int z) { return 3 + (x * 7 + y * 5 + z * 3) % materials; };
+        const ResinVolume volume = make_resin_volume(size, j750, material);
+        std::vector<Material> box(64 * 16 * 16);
+        volume.copy_box({0, 0, 0}, size, box);
+        std::size_t i = 0, wrong = 0;
+        for (int z = 0; z < 16; ++z)
+            for (int y = 0; y < 16; ++y)
+                for (int x = 0; x < 64; ++x, ++i)
+                    wrong += box[i] != material(x, y, z) || volume.at(x, y, z) != material(x, y, z);
+        CHECK(wrong == 0);
+        return volume.memory_bytes() / 4;
+    };
+    constexpr std::size_t voxels = 16 * 16 * 16, head = 64, place = 4;
+    CHECK(bytes_with(1) == place);
+    CHECK(bytes_with(2) == place + head + voxels / 8);
+    for (const int materials : {3, 4}) CHECK(bytes_with(materials) == place + head + voxels / 4);
+    for (const int materials : {5, 16}) CHECK(bytes_with(materials) == place + head + voxels / 2);
+    for (const int materials : {17, 250}) CHECK(bytes_with(materials) == place + head + voxels);
 }

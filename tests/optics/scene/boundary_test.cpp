@@ -141,8 +141,8 @@ Surface one_face(const std::array<int, 3>& voxel, const std::array<float, 3>& no
     cell.faces = 1;
     cell.normal = normal;
     surface.cells = {cell};
-    surface.faces = {{voxel, Facing::plus_z}};
-    surface.face_normal = {normal};
+    surface.faces = {{voxel, Facing::plus_z, true}};
+    surface.slope = {normal};
     return surface;
 }
 

@@ -41,11 +41,12 @@ TEST_CASE("No face stands for more than its own area, also where the body is ali
         const Scene scene{.volume = &volume, .resins = &resins};
         const Surface surface = find_surface(scene, cell, SurfacePart::all);
         std::size_t too_large = 0, no_direction = 0;
-        for (const SurfaceCell& of_surface : surface.cells) {
+        for (std::size_t c = 0; c < surface.cells.size(); ++c) {
+            const SurfaceCell& of_surface = surface.cells[c];
             double most = 0;
             for (std::uint32_t f = 0; f < of_surface.faces; ++f) {
                 most += face_area(surface.faces[of_surface.first_face + f]);
-                const auto& n = surface.face_normal[of_surface.first_face + f];
+                const auto n = surface.normal_at(c, of_surface.first_face + f);
                 no_direction += std::abs(std::hypot(n[0], n[1], n[2]) - 1) > 1e-5;
             }
             too_large += !(of_surface.area_mm2 <= 1.0001 * most);
