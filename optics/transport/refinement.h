@@ -1,14 +1,27 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // Which blocks of a viewing grid are cut finer, and what their parts hold.
+//
+// How much the resins of a block differ to the eye: what the error of cells that average them grows with.
+//
+// A resin looks as a thick body of it reflects diffuse light (H. C. van de Hulst, "Multiple Light Scattering", Academic
+// Press 1980, Ch. 11), without its surface:
+//
+//   A = (1 - s) (1 - 0.139 s) / (1 + 1.17 s),   s = sqrt((1 - albedo) / (1 - g albedo)),
+//
+// and L = 116 A^(1/3) - 16, 0 at the least, per channel. A block's contrast is the standard deviation of L over what
+// its cells hold, by volume, or half of the difference of its mean from that of a neighbour, where that is more; root
+// mean square over the channels.
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "voxtone/base/progress.h"
 #include "voxtone/optics/media/resin_volume.h"
+#include "voxtone/optics/media/resins.h"
 #include "voxtone/optics/transport/transport_options.h"
 #include "voxtone/optics/transport/viewing_grid.h"
 
@@ -19,15 +32,26 @@ namespace voxtone::optics {
 [[nodiscard]] std::array<int, 3> parts_of_cell(const std::array<int, 3>& view_voxels,
                                                const std::array<double, 3>& pitch_mm, double finest_mm);
 
-/// The transport blocks that `refine` would cut, ascending.
+/// The transport blocks that are to be cut, by geometry and resins alone, ascending: a body of one resin has none
+/// unless `which` is all.
 [[nodiscard]] std::vector<std::uint32_t> blocks_to_refine(const ViewingGrid& viewing, const ResinVolume& volume,
                                                           Refinement which);
 
-/// Cuts blocks of a grid that was filled with this volume (viewing_palette.h), and fills their parts: those that
-/// `which` names (transport_options.h). Where they hold more than `most_contents` different things (at least whole
-/// resins and nothing), the rest are taken to be full of one of their resins. Throws Cancelled, with the grid of no use
-/// any more.
-void refine(ViewingGrid& viewing, const ResinVolume& volume, Refinement which, const std::array<int, 3>& split,
-            const Progress* progress = nullptr, std::size_t most_contents = 65536);
+/// L of each resin, [resin * channels + channel].
+[[nodiscard]] std::vector<float> lightness_of_resins(const ResinSet& resins);
+
+/// Of each transport block of a grid that was filled (viewing_palette.h).
+[[nodiscard]] std::vector<float> contrast_of_blocks(const ViewingGrid& viewing, const ResinSet& resins);
+
+/// Of those, in a grid that was filled with a volume of these resins (viewing_palette.h), the ones whose contrast
+/// is `least` or more.
+[[nodiscard]] std::vector<std::uint32_t> blocks_of_contrast(const ViewingGrid& viewing, const ResinSet& resins,
+                                                            std::vector<std::uint32_t> blocks, double least);
+
+/// Cuts these blocks, ascending, of a grid that was filled with this volume (viewing_palette.h), and fills their parts.
+/// Where they hold more than `most_contents` different things (at least whole resins and nothing), the rest are taken
+/// to be full of one of their resins. Throws Cancelled, with the grid of no use any more.
+void refine(ViewingGrid& viewing, const ResinVolume& volume, std::span<const std::uint32_t> blocks,
+            const std::array<int, 3>& split, const Progress* progress = nullptr, std::size_t most_contents = 65536);
 
 }  // namespace voxtone::optics

@@ -21,8 +21,10 @@ struct TransportOptions {
     int sweeps = 3;                                ///< >= 1
     double cell_mm = 0.085;                        ///< viewing cell: what a person resolves at 300 mm
     Refinement refinement = Refinement::contrast;  ///< where they are cut finer
-    double finest_mm = 0.0425;                     ///< there voxels are cut along axes where they are longer; 0: never
-    double colour_mm = 0.8;                        ///< how deep below the surface colour is expected to come and go
+    /// Of Refinement::contrast, in units of L* (refinement.h): blocks of less stay whole. 0: none does.
+    double least_contrast = 5;
+    double finest_mm = 0.0425;  ///< there voxels are cut along axes where they are longer; 0: never
+    double colour_mm = 0.8;     ///< how deep below the surface colour is expected to come and go
     /// What colour lies deeper: of blocks with cells of their own, or, true, of nodes of diffusion that hold the mean
     /// of their blocks (a node for 64 cells). Then grids keep their shape whatever is printed, and a gradient ends
     /// there.

@@ -291,7 +291,10 @@ void ViewingSequence::look_at(std::size_t index, const Progress* progress) {
 void ViewingSequence::refine_tile(Tile& tile, const Progress* progress) {
     if (options_.refinement == Refinement::none) return;
     ViewingGrid& grid = *tile.shape->grid;
-    refine(grid, *volume_, options_.refinement, split_, progress);
+    std::vector<std::uint32_t> blocks = blocks_to_refine(grid, *volume_, options_.refinement);
+    if (options_.refinement == Refinement::contrast)
+        blocks = blocks_of_contrast(grid, *scene_.resins, std::move(blocks), options_.least_contrast);
+    refine(grid, *volume_, blocks, split_, progress);
     if (grid.fine.first == tile.fine_blocks) return;
     tile.fine_blocks = grid.fine.first;
     for (Fields* const fields : {&tile.light, &tile.adjoint})
@@ -502,6 +505,8 @@ Appearance ViewingSequence::predict(const ResinVolume& volume, Effort effort, co
         });
     }
     count_memory(0);
+    // Another tile comes next: what this one worked in is not held while the next print is made.
+    if (tiles_.size() > 1) transport_.reset();
     summary_.total_s += watch.total();
     if (!keeps_light_) summary_.clipped_values = 0;  // of light that nobody will use
     appearance.remarks = remarks_of(summary_);

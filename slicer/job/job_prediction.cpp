@@ -85,6 +85,7 @@ JobPrediction predict_print(const ResolvedJob& job, PredictionModel model, const
         quality.cell_mm = coarse ? eye_cell_mm : job.prediction.cell_mm;
         quality.viewing_cells = coarse.has_value();
         quality.memory_bytes = memory - std::min(memory, std::uint64_t{2 * prediction.volume.memory_bytes()});
+        set_depth_of_cells(quality, scene.backing);
         quality.boundary = boundary ? &*boundary : nullptr;
         quality.seed = white ? ~job.seed : job.seed;
         return make_model(model, quality);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxtone/slicer/options/model_choice.h"
 
+#include <algorithm>
+
 #include "voxtone/base/machine_memory.h"
 #include "voxtone/optics/monte_carlo/monte_carlo.h"
 #include "voxtone/optics/profiles/layered_profile_model.h"
@@ -32,6 +34,13 @@ std::unique_ptr<const optics::AppearanceModel> make_monte_carlo(const ModelOptio
 }
 
 }  // namespace
+
+void set_depth_of_cells(ModelOptions& options, optics::Backing backing) {
+    if (backing != optics::Backing::none) return;
+    constexpr double cells_mm = 0.4;
+    options.colour_mm = std::min(options.colour_mm, cells_mm);
+    options.deep_colour_in_nodes = true;
+}
 
 std::unique_ptr<const optics::AppearanceModel> make_model(PredictionModel model, const ModelOptions& options) {
     switch (model) {

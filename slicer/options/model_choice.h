@@ -33,6 +33,10 @@ struct ModelOptions {
     std::uint64_t seed = 1;
 };
 
+/// For a prediction that stands alone: the colour of a body that lies on nothing has cells as far down as light is not
+/// diffuse, and nodes below; above a sheet thin slabs would look worse (docs/benchmarks.md, "Deep colour in nodes").
+void set_depth_of_cells(ModelOptions& options, optics::Backing backing);
+
 [[nodiscard]] std::unique_ptr<const optics::AppearanceModel> make_model(PredictionModel model,
                                                                         const ModelOptions& options);
 

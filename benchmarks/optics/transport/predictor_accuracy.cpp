@@ -152,31 +152,52 @@ void speed(const Arguments& a) {
     }
 }
 
+struct Dial {
+    std::string cut;  ///< in words
+    optics::Refinement refinement;
+    double least_contrast;
+    int sweeps;
+};
+
+/// From cells of the eye everywhere to cells of voxels everywhere, and from one sweep to five.
+std::vector<Dial> dials(const optics::TransportOptions& usual) {
+    using optics::Refinement;
+    std::vector<Dial> all{{"no block", Refinement::none, 0, usual.sweeps}};
+    for (const double least : {40, 30, 25, 20, 15, 10, 8, 5, 0})
+        all.push_back({least > 0 ? fmt::format("contrast of {} and more", least) : "wherever resins meet",
+                       Refinement::contrast, least, usual.sweeps});
+    all.push_back({"every block", Refinement::all, 0, usual.sweeps});
+    for (const int sweeps : {1, 2, 4, 5}) all.push_back({"as it is", usual.refinement, usual.least_contrast, sweeps});
+    return all;
+}
+
 void dial(const Arguments& a) {
     fmt::print(
-        "| cells of voxels | sweeps | mean without noise | largest case | us/cell | s/cm2 "
-        "|\n|---|---|---|---|---|---|\n");
+        "| cut into voxels | sweeps | mean without noise | looked at, unseen | largest case | us/cell | s/cm2 "
+        "|\n|---|---|---|---|---|---|---|\n");
     std::vector<Reference> all;
     for (const fs::path& file : references(a)) all.push_back(read_reference(file));
-    for (const auto refinement : {optics::Refinement::none, optics::Refinement::contrast, optics::Refinement::all})
-        for (int sweeps = 1; sweeps <= 5; ++sweeps) {
-            optics::TransportOptions options = a.transport;
-            options.refinement = refinement;
-            options.sweeps = sweeps;
-            double sum = 0, worst = 0, seconds = 0, cells = 0, area = 0;
-            for (const Reference& reference : all) {
-                const Comparison c = compare(reference, options);
-                sum += c.mean_without_noise;
-                worst = std::max(worst, c.mean_without_noise);
-                seconds += c.core_seconds;
-                cells += static_cast<double>(c.optical_cells);
-                area += c.area_mm2;
-            }
-            fmt::print("| {} | {} | {:.2f} | {:.2f} | {:.2f} | {:.2f} |\n",
-                       std::array{"none", "where resins meet", "all"}[static_cast<std::size_t>(refinement)], sweeps,
-                       sum / static_cast<double>(all.size()), worst, 1e6 * seconds / cells, 100 * seconds / area);
-            std::fflush(stdout);
+    for (const Dial& set : dials(a.transport)) {
+        optics::TransportOptions options = a.transport;
+        options.refinement = set.refinement;
+        options.least_contrast = set.least_contrast;
+        options.sweeps = set.sweeps;
+        std::array<double, 2> sum{}, cases{};  // unseen, looked at while tuning
+        double worst = 0, seconds = 0, cells = 0, area = 0;
+        for (const Reference& reference : all) {
+            const Comparison c = compare(reference, options);
+            sum[reference.of.tuning] += c.mean_without_noise;
+            ++cases[reference.of.tuning];
+            worst = std::max(worst, c.mean_without_noise);
+            seconds += c.core_seconds;
+            cells += static_cast<double>(c.optical_cells);
+            area += c.area_mm2;
         }
+        fmt::print("| {} | {} | {:.3f} | {:.3f}, {:.3f} | {:.2f} | {:.2f} | {:.2f} |\n", set.cut, set.sweeps,
+                   (sum[0] + sum[1]) / static_cast<double>(all.size()), sum[1] / cases[1], sum[0] / cases[0], worst,
+                   1e6 * seconds / cells, 100 * seconds / area);
+        std::fflush(stdout);
+    }
 }
 
 void picture(const Arguments& a) {
@@ -196,6 +217,8 @@ int main(int argc, char** argv) {
     app.add_option("--fine", a.fine, "cells of voxels: 0 nowhere, as the loop, 1 where resins meet, 2 everywhere")
         ->check(CLI::Range(0, 2))
         ->capture_default_str();
+    app.add_option("--contrast", a.transport.least_contrast, "L*; blocks of less are not cut, with --fine 1")
+        ->capture_default_str();
     app.add_option("--colour", a.transport.colour_mm, "mm; how deep below the surface there are cells in any case")
         ->capture_default_str();
     app.add_flag("--nodes", a.transport.deep_colour_in_nodes,
@@ -210,7 +233,7 @@ int main(int argc, char** argv) {
     auto* compare_command = app.add_subcommand("compare", "a row per case");
     compare_command->add_option("--refine", a.refine, "cut voxels into so many parts along x, y, z");
     compare_command->add_option("--cells", a.cells, "folder for the colours of every cell, CSV");
-    auto* dial_command = app.add_subcommand("dial", "sweeps and refinement");
+    auto* dial_command = app.add_subcommand("dial", "refinement and sweeps: error and price");
     auto* homogeneous_command = app.add_subcommand("homogeneous", "bodies of one colour");
     auto* speed_command = app.add_subcommand("speed", "cost");
     for (CLI::App* command : {report_command, make_command, compare_command, dial_command}) {

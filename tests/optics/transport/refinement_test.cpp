@@ -99,10 +99,10 @@ TEST_CASE("Blocks are cut where resins meet, and hold in their parts what they h
     const Scene scene{&volume, &set, Backing::none, Sides::open};
     const BlockLattice lattice(volume.size(), viewing_cell);
     ViewingGrid grid = make_viewing_grid(scene, viewing_cell, {0.8}, {}, {{}, lattice.blocks, {}});
-    refine(grid, volume, Refinement::none, viewing_cell);
+    refine(grid, volume, blocks_to_refine(grid, volume, Refinement::none), viewing_cell);
     CHECK_FALSE(grid.fine.any());
     const auto fine_blocks = [&](Refinement which) {
-        refine(grid, volume, which, parts_of_cell(viewing_cell, j750, 0.0425));
+        refine(grid, volume, blocks_to_refine(grid, volume, which), parts_of_cell(viewing_cell, j750, 0.0425));
         return std::count_if(grid.fine.first.begin(), grid.fine.first.end(),
                              [](std::uint32_t first) { return first != not_fine; });
     };
@@ -119,7 +119,8 @@ TEST_CASE("Blocks are cut where resins meet, and hold in their parts what they h
     CHECK(cells[5] > 0.1);
     // More contents than numbers: whole resins have one, and stand for what has none.
     CHECK(grid.fine.contents.size() > 30);
-    refine(grid, volume, Refinement::contrast, parts_of_cell(viewing_cell, j750, 0.0425), nullptr, 10);
+    refine(grid, volume, blocks_to_refine(grid, volume, Refinement::contrast),
+           parts_of_cell(viewing_cell, j750, 0.0425), nullptr, 10);
     CHECK(grid.fine.contents.size() == 10);
     CHECK(*std::max_element(grid.fine.medium.begin(), grid.fine.medium.end()) < 10);
 }

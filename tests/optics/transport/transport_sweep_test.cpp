@@ -46,7 +46,7 @@ struct Case {
         const BlockLattice lattice(volume.size(), viewing_cell);
         const Surface top = find_surface(scene, viewing_cell, SurfacePart::top);
         grid = make_viewing_grid(scene, viewing_cell, {0.2}, {}, {{}, lattice.blocks, {}}, &top);
-        refine(grid, volume, where, viewing_cell);
+        refine(grid, volume, blocks_to_refine(grid, volume, where), viewing_cell);
         const auto medium = [&] {
             const float sigma_t = 1 + 40 * value();
             return TransportMedium{sigma_t, sigma_t * (0.3f + 0.7f * value())};
