@@ -19,24 +19,27 @@
   }
 
   window.addEventListener("beforeprint", () => {
+    for (const picture of document.images) picture.loading = "eager";
     for (const details of document.querySelectorAll("details")) details.open = true;
   });
 
   const data = document.getElementById("layer-data");
   if (!data) return;
-  const layers = JSON.parse(data.textContent);
+  let read = null;
+  const layers = () => (read = read || JSON.parse(data.textContent));
   const picture = document.getElementById("layer-picture");
   const slider = document.getElementById("layer-slider");
   const label = document.getElementById("layer-label");
   const play = document.getElementById("layer-play");
   let timer = 0;
   const draw = () => {
-    const layer = layers[slider.value];
+    const layer = layers()[slider.value];
     picture.src = layer.src;
     picture.alt = label.textContent = layer.label;
   };
   const step = (by) => {
-    slider.value = (Number(slider.value) + by + layers.length) % layers.length;
+    const count = layers().length;
+    slider.value = (Number(slider.value) + by + count) % count;
     draw();
   };
   const pause = () => {
@@ -60,5 +63,6 @@
     event.preventDefault();
   });
   document.querySelector(".scrub").hidden = false;
-  draw();
+  // A browser that comes back to the page keeps where the slider was.
+  if (slider.value !== slider.defaultValue) draw();
 })();

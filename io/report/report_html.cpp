@@ -65,7 +65,7 @@ std::string stage(const ReportPicture& picture, std::string_view id = "") {
     VOXTONE_EXPECT(picture.width_px > 0 && picture.height_px > 0);
     std::string html = fmt::format(
         "<div class=\"stage\"><div class=\"scaled\" style=\"--aspect:{:.5f}\"><img{} alt=\"{}\" width=\"{}\" "
-        "height=\"{}\" "
+        "height=\"{}\" loading=\"lazy\" decoding=\"async\" "
         "src=\"data:image/png;base64,{}\">",
         static_cast<double>(picture.width_px) / picture.height_px, id.empty() ? "" : fmt::format(" id=\"{}\"", id),
         html_text(picture.caption), picture.width_px, picture.height_px, base64(picture.png));
@@ -90,8 +90,6 @@ std::string style_of(const Report& report) {
     if (!report.viewer.empty()) style += report_asset("viewer");
     return style;
 }
-
-std::string script_of(const Report& report) { return std::string(report_asset("script")) + viewer_script(report); }
 
 void add_head(std::string& html, const Report& report) {
     const std::string printer = report.printer_name.empty()
@@ -454,9 +452,10 @@ std::string report_html(const Report& report) {
     add_sections(html, report);
     add_time(html, report);
     add_job(html, report);
-    html += fmt::format("</main>\n<footer>Made by voxtone {}.{}</footer>\n<script>\n{}</script>\n</body>\n</html>\n",
-                        html_text(report.program_version),
-                        report.job.empty() ? "" : " Figures for programs: report.json.", script_of(report));
+    html +=
+        fmt::format("</main>\n<footer>Made by voxtone {}.{}</footer>\n<script>\n{}</script>\n{}</body>\n</html>\n",
+                    html_text(report.program_version), report.job.empty() ? "" : " Figures for programs: report.json.",
+                    report_asset("script"), viewer_voxels(report));
     return html;
 }
 

@@ -48,6 +48,12 @@ struct ViewerLayer {
     std::vector<std::byte> deflated;
 };
 
+/// Layers that were taken for the viewer, each from the bottom up.
+struct ViewerLayers {
+    std::vector<ViewerLayer> thinned;  ///< some columns and rows of some layers
+    std::vector<ViewerLayer> whole;
+};
+
 /// Some of the printed voxels: every step-th along each axis; besides, some layers whole.
 struct ViewerVoxels {
     std::array<std::uint32_t, 3> size{};  ///< of the print: columns, rows, layers

@@ -102,14 +102,6 @@ void add_layers(JsonWriter& json, const char* name, const std::vector<ViewerLaye
     json.end_list();
 }
 
-void add_voxels(JsonWriter& json, const ViewerVoxels& v) {
-    json.line().key("voxels").begin_object();
-    json.add("size", v.size).add("pitch_mm", v.pitch_mm).add("step", v.step).add("layer_file", v.layer_file);
-    add_layers(json, "layers", v.layers);
-    add_layers(json, "whole", v.whole);
-    json.end_object();
-}
-
 void add_worst(JsonWriter& json, const std::vector<ViewerPlace>& worst) {
     json.line().key("worst").begin_list();
     for (const ViewerPlace& place : worst) {
@@ -130,8 +122,17 @@ std::string viewer_json(const ReportViewer& viewer, std::span<const ViewerResin>
         json.begin_object().add("name", resin.name).add("role", resin.role).add("rgb", resin.rgb).end_object();
     json.end_list();
     if (viewer.surface) add_surface(json, *viewer.surface);
-    if (viewer.voxels) add_voxels(json, *viewer.voxels);
     add_worst(json, viewer.worst);
+    json.end_object();
+    return json.text();
+}
+
+std::string voxels_json(const ViewerVoxels& v) {
+    JsonWriter json;
+    json.begin_object();
+    json.add("size", v.size).add("pitch_mm", v.pitch_mm).add("step", v.step).add("layer_file", v.layer_file);
+    add_layers(json, "layers", v.layers);
+    add_layers(json, "whole", v.whole);
     json.end_object();
     return json.text();
 }

@@ -25,9 +25,12 @@ struct ViewerResin {
     Rgb rgb{};
 };
 
-/// One JSON object. `resins`: materials 1, 2, ... of the voxels. `about`: what the prediction is; may be empty.
+/// All but the voxels, as one JSON object. `resins`: materials 1, 2, ... of them. `about`: what the prediction is; may
+/// be empty.
 [[nodiscard]] std::string viewer_json(const ReportViewer& viewer, std::span<const ViewerResin> resins,
                                       std::string_view about);
+
+[[nodiscard]] std::string voxels_json(const ViewerVoxels& voxels);
 
 /// About what the surface takes in the page.
 [[nodiscard]] std::size_t packed_bytes(const ViewerSurface& surface);

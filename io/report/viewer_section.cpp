@@ -16,8 +16,19 @@ namespace voxtone::io {
 namespace {
 
 /// In the order in which they use each other.
-constexpr std::string_view scripts[] = {"unpack", "colours", "controls", "camera", "pick", "voxels",
-                                        "scene",  "probe",   "stage",    "cut",    "start"};
+constexpr std::string_view scripts[] = {"unpack", "colours", "controls", "camera", "surface", "pick",
+                                        "voxels", "scene",   "probe",    "stage",  "cut",     "start"};
+
+/// One classic script.
+std::string viewer_script() {
+    std::string text = "(() => {\n\"use strict\";\n";
+    for (const std::string_view name : scripts) text += report_asset(name);
+    return text + "})();\n";
+}
+
+std::string data_script(std::string_view id, std::string_view json) {
+    return fmt::format("<script type=\"application/json\" id=\"{}\">{}</script>\n", id, in_script(json));
+}
 
 std::string swatch(const Rgb& rgb) {
     return fmt::format("<span class=\"swatch\" style=\"background:rgb({}, {}, {})\"></span>", rgb[0], rgb[1], rgb[2]);
@@ -74,9 +85,12 @@ std::string viewer_panels(const Report& report) {
     std::vector<ViewerResin> resins;
     for (const ReportResin& resin : report.resins) resins.push_back({resin.name, resin.role, resin.rgb});
     std::string html(report_asset("panels"));
-    html += "<script type=\"application/json\" id=\"viewer-data\">";
-    html += in_script(viewer_json(report.viewer, resins, report.prediction_note));
-    return html + "</script>\n";
+    html += data_script("viewer-data", viewer_json(report.viewer, resins, report.prediction_note));
+    return html + "<script>\n" + viewer_script() + "</script>\n";
+}
+
+std::string viewer_voxels(const Report& report) {
+    return report.viewer.voxels ? data_script("voxel-data", voxels_json(*report.viewer.voxels)) : std::string();
 }
 
 std::string worst_section(const Report& report) {
@@ -92,13 +106,6 @@ std::string worst_section(const Report& report) {
     if (report.verdict) html += histogram_table(report.verdict->seen_histogram);
     html += "</div>\n";
     return html + "</section>\n";
-}
-
-std::string viewer_script(const Report& report) {
-    if (report.viewer.empty()) return {};
-    std::string text = "(() => {\n\"use strict\";\n";
-    for (const std::string_view name : scripts) text += report_asset(name);
-    return text + "})();\n";
 }
 
 }  // namespace voxtone::io

@@ -10,11 +10,12 @@
 
 namespace voxtone::io {
 
-/// Panels and data; empty where there is nothing to show.
+/// Panels, data and the script that shows them before the browser has read the rest of the page; empty where there is
+/// nothing to show.
 [[nodiscard]] std::string viewer_panels(const Report& report);
+/// The voxels, for the end of the page: nobody looks at them first.
+[[nodiscard]] std::string viewer_voxels(const Report& report);
 /// A section that can be read without the viewer too; empty where no place is known.
 [[nodiscard]] std::string worst_section(const Report& report);
-/// One classic script; empty where there is nothing to show.
-[[nodiscard]] std::string viewer_script(const Report& report);
 
 }  // namespace voxtone::io

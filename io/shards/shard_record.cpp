@@ -108,6 +108,27 @@ ReportLayer picture_in(const JsonObject& json) {
     return layer;
 }
 
+void add_viewer_layers(JsonWriter& json, const char* key, const std::vector<ViewerLayer>& layers) {
+    json.line().key(key).begin_list();
+    for (const ViewerLayer& layer : layers) {
+        const std::span bytes(reinterpret_cast<const std::uint8_t*>(layer.deflated.data()), layer.deflated.size());
+        json.line().begin_object().add("layer", layer.number).add("deflated", base64(bytes)).end_object();
+    }
+    json.end_list();
+}
+
+std::vector<ViewerLayer> viewer_layers_in(const JsonObject& json, const char* key, const ShardRecord& record) {
+    std::vector<ViewerLayer> layers;
+    for (const JsonObject& one : json.objects(key)) {
+        one.allow_only({"layer", "deflated"});
+        const auto number = std::uint32_t(one.integer("layer", 0, 1'000'000));
+        if (number < record.first_layer || number - record.first_layer >= record.layers)
+            one.fail("layer", "is none of this shard's");
+        layers.push_back({number, base64_bytes(one.text("deflated"))});
+    }
+    return layers;
+}
+
 std::string text_of(const ShardRecord& r, const std::string& seal) {
     JsonWriter json;
     json.begin_object().add("format", "voxtone-shard").add("version", 1);
@@ -121,6 +142,8 @@ std::string text_of(const ShardRecord& r, const std::string& seal) {
     add_layers(json, r);
     add_figures(json, r.figures);
     add_pictures(json, r.pictures);
+    add_viewer_layers(json, "viewer_thinned", r.viewer.thinned);
+    add_viewer_layers(json, "viewer_whole", r.viewer.whole);
     if (!seal.empty()) json.line().add(seal_key, seal);
     json.end_object();
     return json.text() + "\n";
@@ -132,8 +155,10 @@ std::string seal_of(const ShardRecord& record) {
 }
 
 ShardRecord record_in(const JsonObject& json, const std::string& source) {
-    json.allow_only({"format", "version", "shard", "of", "first_task", "first_layer", "layers", "program", "host",
-                     "job", "stack", "resin_bitmaps", "digests", "bytes", "voxels", "figures", "pictures", seal_key});
+    json.allow_only({"format",      "version",       "shard",          "of",           "first_task",
+                     "first_layer", "layers",        "program",        "host",         "job",
+                     "stack",       "resin_bitmaps", "digests",        "bytes",        "voxels",
+                     "figures",     "pictures",      "viewer_thinned", "viewer_whole", seal_key});
     if (json.text("format") != "voxtone-shard") json.fail("format", "is not \"voxtone-shard\"");
     if (json.integer("version", 0, 1'000'000) != 1) json.fail("version", "is not 1, the only one that is known here");
     ShardRecord r;
@@ -152,6 +177,8 @@ ShardRecord record_in(const JsonObject& json, const std::string& source) {
     r.written = layers_in(json, r.layers, r.stack.resins.size() + 1);
     r.figures = figures_in(json.object("figures"));
     for (const JsonObject& picture : json.objects("pictures")) r.pictures.push_back(picture_in(picture));
+    r.viewer.thinned = viewer_layers_in(json, "viewer_thinned", r);
+    r.viewer.whole = viewer_layers_in(json, "viewer_whole", r);
     return r;
 }
 

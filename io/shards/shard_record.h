@@ -13,6 +13,7 @@
 #include "voxtone/io/layers/layer_stack_writer.h"
 #include "voxtone/io/layers/manifest.h"
 #include "voxtone/io/report/report.h"
+#include "voxtone/io/report/viewer.h"
 #include "voxtone/io/shards/shard_number.h"
 
 namespace voxtone::io {
@@ -37,6 +38,7 @@ struct ShardRecord {
     WrittenLayers written;
     ShardFigures figures;
     std::vector<ReportLayer> pictures;  ///< of layers, for the report
+    ViewerLayers viewer;                ///< layers that the report's viewer may carry
 };
 
 [[nodiscard]] std::string shard_json(const ShardRecord& record);

@@ -144,13 +144,26 @@ void VoxelSample::offer(int k, const io::LayerRuns& layer) {
     if (whole) whole_[k] = std::move(all);
 }
 
+io::ViewerLayers VoxelSample::take_layers() {
+    io::ViewerLayers taken;
+    for (auto& [k, layer] : std::exchange(thinned_, {})) taken.thinned.push_back(std::move(layer));
+    for (auto& [k, layer] : std::exchange(whole_, {})) taken.whole.push_back(std::move(layer));
+    return taken;
+}
+
+void VoxelSample::put(const io::ViewerLayers& layers) {
+    for (const io::ViewerLayer& layer : layers.thinned) thinned_[int(layer.number)] = layer;
+    for (const io::ViewerLayer& layer : layers.whole) whole_[int(layer.number)] = layer;
+}
+
 io::ViewerVoxels VoxelSample::take(std::size_t bytes) {
     io::ViewerVoxels v;
     v.size = {std::uint32_t(grid_.size[0]), std::uint32_t(grid_.size[1]), std::uint32_t(grid_.size[2])};
     v.pitch_mm = {grid_.pitch_mm.x(), grid_.pitch_mm.y(), grid_.pitch_mm.z()};
     v.step = step_;
-    for (auto& [k, layer] : std::exchange(thinned_, {})) v.layers.push_back(std::move(layer));
-    for (auto& [k, layer] : std::exchange(whole_, {})) v.whole.push_back(std::move(layer));
+    io::ViewerLayers taken = take_layers();
+    v.layers = std::move(taken.thinned);
+    v.whole = std::move(taken.whole);
     make_fit(v, bytes);
     return v;
 }

@@ -34,6 +34,9 @@ public:
 
     /// Takes what it needs of the layer. From any thread, once for each layer.
     void offer(int k, const io::LayerRuns& layer);
+    /// What it has so far, to be put into another one of the same layers and grid; nothing is left here.
+    [[nodiscard]] io::ViewerLayers take_layers();
+    void put(const io::ViewerLayers& layers);
     /// What it has, in about `bytes` of the page; nothing is left here.
     [[nodiscard]] io::ViewerVoxels take(std::size_t bytes);
 

@@ -108,10 +108,11 @@ OpenedJob open_merged(const MergeOptions& options) {
 }
 
 /// A print that is predicted sees its layers; they are made again, and not written.
-void show_layers(Print& print, const LayerRange& range, LayerWatchers& watchers, Progress& progress) {
+void show_layers(Print& print, const LayerRange& range, Progress& progress) {
     JobFigures unused;
+    LayerWatchers nobody;
     make_layers(
-        print, range, [](int, const io::LayerRuns&) {}, watchers, unused, progress);
+        print, range, [](int, const io::LayerRuns&) {}, nobody, unused, progress);
 }
 
 JobResult write_merged_report(const MergeOptions& options, const io::ShardSet& shards, const Stopwatch& watch,
@@ -135,10 +136,13 @@ JobResult write_merged_report(const MergeOptions& options, const io::ShardSet& s
     const auto phases = phase_estimates(job, body, range, thread_count(), resident_bytes());
     expect_stages(progress, options.predict ? expected_stages(phases, {"layers", "predict", "report"})
                                             : expected_stages(phases, {"report"}));
-    LayerWatchers watchers;
-    if (options.predict && job.options.report) watchers.voxels.emplace(range.first, range.layers(), body.grid);
+    std::optional<VoxelSample> voxels;
+    if (job.options.report) {
+        voxels.emplace(range.first, range.layers(), body.grid);
+        for (const io::ShardRecord& record : shards.records) voxels->put(record.viewer);
+    }
     if (options.predict)
-        show_layers(*print, range, watchers, progress);
+        show_layers(*print, range, progress);
     else
         print->expect_layers(range);
     print->look(shards.stack, progress);
@@ -148,7 +152,7 @@ JobResult write_merged_report(const MergeOptions& options, const io::ShardSet& s
     report.sections.push_back(shards_section(shards));
     for (const io::ShardRecord& record : shards.records)
         report.peak_memory_bytes = std::max(report.peak_memory_bytes, record.figures.peak_memory_bytes);
-    std::string json = write_report(job, *print, report, watchers.voxels, watch, progress);
+    std::string json = write_report(job, *print, report, voxels, watch, progress);
     progress.end_stage();
     std::error_code not_there;
     fs::remove(io::prepared_file(options.out, shards.job()), not_there);

@@ -123,12 +123,16 @@ void make_shard(const OpenedJob& job, const JobBody& body, Print& print, const L
     part.layers = record.layers;
     io::LayerFiles files(into, part, record.resin_bitmaps);
     LayerWatchers watchers;
-    if (job.options.report) watchers.thumbnails.emplace(all.first, all.layers(), body.grid, job.palette());
+    if (job.options.report) {
+        watchers.thumbnails.emplace(all.first, all.layers(), body.grid, job.palette());
+        watchers.voxels.emplace(all.first, all.layers(), body.grid);
+    }
     make_layers(
         print, mine, [&](int k, const io::LayerRuns& layer) { files.write(std::uint32_t(k - mine.first), layer); },
         watchers, figures, progress);
     record.written = files.written();
     if (watchers.thumbnails) record.pictures = watchers.thumbnails->take();
+    if (watchers.voxels) record.viewer = watchers.voxels->take_layers();
 }
 
 io::ShardFigures figures_of(const JobFigures& f, const Stopwatch& since_begin) {

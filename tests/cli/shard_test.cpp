@@ -57,6 +57,14 @@ bool is_one_sentence(const Outcome& outcome) {
     return std::count(outcome.err.begin(), outcome.err.end(), '\n') == 1 && outcome.err.starts_with("voxtone: ");
 }
 
+/// What the report's viewer cuts.
+std::string voxels_of_page(const Folder& folder, const std::string& out) {
+    const std::string page = read_file(folder / (out + "/report.html"));
+    const std::size_t from = page.find("id=\"voxel-data\"");
+    REQUIRE(from != page.npos);
+    return page.substr(from, page.find("</script>", from) - from);
+}
+
 }  // namespace
 
 TEST_CASE("A job in shards, merged, is the job, bit for bit") {
@@ -77,6 +85,7 @@ TEST_CASE("A job in shards, merged, is the job, bit for bit") {
         }
         REQUIRE(merge(folder, out).exit_code == 0);
         CHECK(stack_in(folder, out) == whole);
+        CHECK(voxels_of_page(folder, out) == voxels_of_page(folder, "whole"));
         CHECK(run_program(fmt::format("verify --quiet {}", folder / out)).exit_code == 0);
     }
 }

@@ -237,6 +237,7 @@ class Cut {
   showInView() {
     if (!this.stage) return;
     if (!this.inView || !this.picture) {
+      if (!this.stage.section) return;
       this.stage.scene.showSection(null);
       this.stage.cut(null);
       return;

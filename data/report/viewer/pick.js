@@ -1,8 +1,10 @@
 // What a line of sight meets: the nearest point of the surface and the place whose colour is shown there.
 
-/// `plane`: what is beyond is cut away. Null where the line meets nothing.
-const pick = (surface, normals, ray, plane) =>
-  surface.isPicture ? pickPicture(surface, ray) : pickBody(surface, normals, ray, plane);
+/// `plane`: what is beyond is cut away. Null where the line meets nothing, or nothing is unpacked yet.
+const pick = (surface, ray, plane) => {
+  if (surface.isPicture) return surface.covered ? pickPicture(surface, ray) : null;
+  return surface.positions ? pickBody(surface, ray, plane) : null;
+};
 
 const pickPicture = (surface, ray) => {
   const { low, high, size, covered } = surface;
@@ -16,7 +18,7 @@ const pickPicture = (surface, ray) => {
 };
 
 /// T. Moeller, B. Trumbore, "Fast, minimum storage ray/triangle intersection", J. Graphics Tools 2 (1997), both sides.
-const pickBody = (surface, normals, ray, plane) => {
+const pickBody = (surface, ray, plane) => {
   const { positions: p, triangles } = surface;
   const [fx, fy, fz] = ray.from;
   const [dx, dy, dz] = ray.along;
@@ -52,7 +54,7 @@ const pickBody = (surface, normals, ray, plane) => {
   const place = triangles[found + corner];
   return {
     at: ray.from.map((x, a) => x + nearest * ray.along[a]), place,
-    normal: [...normals.subarray(3 * place, 3 * place + 3)],
+    normal: [...surface.normals.subarray(3 * place, 3 * place + 3)],
   };
 };
 

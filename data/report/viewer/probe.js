@@ -3,9 +3,11 @@
 const PROBE_DEPTHS_MM = [0, 0.1, 0.2, 0.4, 0.7, 1];
 
 class Probe {
-  constructor(surface, voxels, resins, viewingDistance) {
+  constructor(surface, resins, viewingDistance) {
     this.surface = surface;
-    this.voxels = voxels;
+    /// Once there are such.
+    this.voxels = null;
+    this.hit = null;
     this.resins = resins;
     this.viewingDistance = viewingDistance;
     this.list = document.getElementById("probe-list");
@@ -14,6 +16,7 @@ class Probe {
 
   /// `hit` of pick(); null: nothing is there.
   show(hit) {
+    this.hit = hit;
     document.getElementById("probe-values").hidden = !hit;
     document.getElementById("probe-hint").hidden = Boolean(hit);
     if (!hit) return;
@@ -29,11 +32,16 @@ class Probe {
     this.list.replaceChildren(...rows.flatMap(([term, text]) => [element("dt", term), element("dd", text)]));
   }
 
+  /// With what has been unpacked since.
+  again() {
+    this.show(this.hit);
+  }
+
   swatch(id, name, place) {
-    const look = this.surface.looks.find((one) => one.name === name);
+    const look = this.surface.look(name);
     const swatch = document.getElementById(id);
-    swatch.parentElement.hidden = !look;
-    if (!look) return;
+    swatch.parentElement.hidden = !look || !look.rgb;
+    if (!look || !look.rgb) return;
     const rgb = look.rgb.subarray(3 * place, 3 * place + 3);
     swatch.style.background = cssOf(rgb);
     swatch.parentElement.querySelector("span").textContent = hexOf(rgb);
@@ -41,7 +49,7 @@ class Probe {
 
   under(hit, rows) {
     this.mixture.replaceChildren();
-    if (!this.voxels || !this.voxels.layers.length) return;
+    if (!this.voxels || !this.voxels.complete) return;
     const radius = Math.max(0.15, this.surface.placeMm / 2);
     const { shares, thickness } = this.voxels.inward(hit.at, hit.normal, PROBE_DEPTHS_MM, radius);
     const largest = Math.max(...this.voxels.pitch.map((pitch, a) => pitch * this.voxels.step[a]));

@@ -57,8 +57,7 @@ class Scene {
     for (const name of ["toClip", "divider", "light", "towards", "cut", "textured", "leftTexture", "rightTexture"])
       this.uniforms[name] = gl.getUniformLocation(this.program, name);
     this.looks = new Map();
-    if (surface.isPicture) this.addPicture();
-    else this.addBody();
+    this.array = null;
     this.section = null;
   }
 
@@ -92,16 +91,34 @@ class Scene {
     gl.vertexAttribPointer(at, size, type, normalised, 0, 0);
   }
 
+  has(name) {
+    return this.looks.has(name);
+  }
+
+  /// A look that the surface has unpacked, and with the first one the surface itself.
+  add({ name, rgb }) {
+    if (this.surface.isPicture) {
+      if (!this.array) this.addRectangle();
+      this.looks.set(name, this.pictureTexture(rgb));
+    } else {
+      if (!this.array) this.addBody();
+      this.looks.set(name, this.buffer(rgb));
+    }
+  }
+
   addBody() {
     const gl = this.gl;
-    const { positions, triangles } = this.surface;
-    this.normals = normalsOf(positions, triangles);
     this.array = gl.createVertexArray();
     gl.bindVertexArray(this.array);
-    this.attribute("place", this.buffer(positions), 3, gl.FLOAT);
-    this.attribute("normal", this.buffer(this.normals), 3, gl.FLOAT);
-    this.buffer(triangles, gl.ELEMENT_ARRAY_BUFFER);
-    for (const look of this.surface.looks) this.looks.set(look.name, this.buffer(look.rgb));
+    this.attribute("place", this.buffer(this.surface.positions), 3, gl.FLOAT);
+    this.buffer(this.surface.triangles, gl.ELEMENT_ARRAY_BUFFER);
+  }
+
+  /// Only light needs them.
+  addNormals() {
+    this.normalBuffer = this.buffer(this.surface.normals);
+    this.gl.bindVertexArray(this.array);
+    this.attribute("normal", this.normalBuffer, 3, this.gl.FLOAT);
   }
 
   /// A rectangle in the plane of the box's upper side.
@@ -127,18 +144,22 @@ class Scene {
     return texture;
   }
 
-  addPicture() {
-    const { low, high, size, covered } = this.surface;
+  addRectangle() {
+    const { low, high } = this.surface;
     const z = high[2];
     this.array = this.rectangle([[low[0], high[1], z], [high[0], high[1], z], [low[0], low[1], z], [high[0], low[1], z]]);
-    for (const look of this.surface.looks) {
-      const rgba = new Uint8Array(4 * covered.length);
-      for (let i = 0; i < covered.length; ++i) {
-        rgba.set(look.rgb.subarray(3 * i, 3 * i + 3), 4 * i);
-        rgba[4 * i + 3] = covered[i] ? 255 : 0;
-      }
-      this.looks.set(look.name, this.texture(size[0], size[1], rgba, true));
+  }
+
+  pictureTexture(rgb) {
+    const { size, covered } = this.surface;
+    const rgba = new Uint8Array(4 * covered.length);
+    for (let i = 0, from = 0, to = 0; i < covered.length; ++i) {
+      rgba[to++] = rgb[from++];
+      rgba[to++] = rgb[from++];
+      rgba[to++] = rgb[from++];
+      rgba[to++] = covered[i] ? 255 : 0;
     }
+    return this.texture(size[0], size[1], rgba, true);
   }
 
   /// The resins on the plane of a cut: `corners` upper left, upper right, lower left, lower right; null: no cut.
@@ -155,7 +176,7 @@ class Scene {
     };
   }
 
-  /// `state`: left, right (names of looks), divider in [0, 1], lit, background (three shares).
+  /// `state`: left, right (names of looks that it has), divider in [0, 1], lit, background (three shares).
   draw(camera, state) {
     const gl = this.gl;
     const ratio = window.devicePixelRatio || 1;
@@ -190,6 +211,7 @@ class Scene {
     const right = this.looks.get(state.right);
     gl.bindVertexArray(this.array);
     gl.uniform1i(this.uniforms.textured, this.surface.isPicture ? 1 : 0);
+    if (state.lit && !this.surface.isPicture && !this.normalBuffer) this.addNormals();
     if (this.surface.isPicture) {
       this.bindTextures(left, right);
       gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
@@ -226,26 +248,3 @@ class Scene {
     return this.blankTexture;
   }
 }
-
-/// Of vertices: the mean of their triangles', by area.
-const normalsOf = (positions, triangles) => {
-  const normals = new Float32Array(positions.length);
-  for (let t = 0; t < triangles.length; t += 3) {
-    const [a, b, c] = [3 * triangles[t], 3 * triangles[t + 1], 3 * triangles[t + 2]];
-    const ux = positions[b] - positions[a], uy = positions[b + 1] - positions[a + 1], uz = positions[b + 2] - positions[a + 2];
-    const vx = positions[c] - positions[a], vy = positions[c + 1] - positions[a + 1], vz = positions[c + 2] - positions[a + 2];
-    const nx = uy * vz - uz * vy, ny = uz * vx - ux * vz, nz = ux * vy - uy * vx;
-    for (const i of [a, b, c]) {
-      normals[i] += nx;
-      normals[i + 1] += ny;
-      normals[i + 2] += nz;
-    }
-  }
-  for (let i = 0; i < normals.length; i += 3) {
-    const length = Math.hypot(normals[i], normals[i + 1], normals[i + 2]) || 1;
-    normals[i] /= length;
-    normals[i + 1] /= length;
-    normals[i + 2] /= length;
-  }
-  return normals;
-};

@@ -18,9 +18,18 @@ class Stage {
     this.marked = null;
     this.addButtons();
     this.listen();
+    /// Fulfilled with the first picture, rejected where it cannot be unpacked.
+    this.drawn = new Promise((drawn, failed) => Object.assign(this, { succeed: drawn, fail: failed }));
     this.resize();
     this.camera.reset();
     this.update();
+  }
+
+  /// Unpacks a look and gives it to the scene, for which the browser may have to wait.
+  async load(name) {
+    await this.surface.fetchShape();
+    await this.surface.fetchLook(name);
+    if (!this.scene.has(name)) this.scene.add(this.surface.look(name));
   }
 
   addButtons() {
@@ -179,8 +188,7 @@ class Stage {
     this.probing = true;
     requestAnimationFrame(() => {
       this.probing = false;
-      const ray = this.camera.ray(...this.toView(...this.probed));
-      this.probe.show(pick(this.surface, this.scene.normals, ray, this.plane()));
+      this.probe.show(pick(this.surface, this.camera.ray(...this.toView(...this.probed)), this.plane()));
     });
   }
 
@@ -213,7 +221,7 @@ class Stage {
   /// In words what is shown.
   describe(left, right) {
     const words = [...new Set([left, right])].map((name) => {
-      const { caption } = this.surface.looks.find((look) => look.name === name);
+      const { caption } = this.surface.look(name);
       return caption && caption !== name ? `${name}: ${caption}` : name;
     });
     document.getElementById("viewer-shown").textContent = words.join("; ") + ".";
@@ -222,9 +230,15 @@ class Stage {
   draw() {
     this.waiting = false;
     const { left, right, divided, at, lit } = this.state;
+    if (!this.scene.has(left) || !this.scene.has(right)) {
+      // What is shown stays until what is wanted is there.
+      this.load(left).then(() => this.load(right)).then(() => this.update(), this.fail);
+      return;
+    }
     const plane = this.plane();
     if (this.scene.section && plane) this.scene.section.plane = plane;
     this.scene.draw(this.camera, { left, right, divider: divided ? at : 0, lit });
+    this.succeed();
     showScale(this.box, this.canvas.clientHeight / (2 * this.camera.halfHeight));
     this.mark.hidden = !this.marked;
     if (!this.marked) return;

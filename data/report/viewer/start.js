@@ -1,12 +1,13 @@
 // Where the page comes to life. Without it, or where a browser lacks WebGL2, the page shows fixed views.
 
-const listenToKeys = (stage, cut) => {
+/// `tools`: the cut once there is one.
+const listenToKeys = (stage, tools) => {
   const keys = {
     " ": () => stage.flip(), d: () => stage.toggleCompare(), l: () => stage.toggleLight(), 0: () => stage.reset(),
     p: () => stage.probeMiddle(), "+": () => stage.zoom(1.25), "=": () => stage.zoom(1.25), "-": () => stage.zoom(0.8),
     ArrowLeft: () => stage.step(1, 0), ArrowRight: () => stage.step(-1, 0),
     ArrowUp: () => stage.step(0, 1), ArrowDown: () => stage.step(0, -1),
-    c: () => cut && cut.toggleInView(),
+    c: () => tools.cut && tools.cut.toggleInView(),
   };
   document.addEventListener("keydown", (event) => {
     if (event.ctrlKey || event.altKey || event.metaKey) return;
@@ -41,57 +42,82 @@ const showWorst = (stage, worst) => {
   }
 };
 
-const startStage = (surface, data, voxels) => {
+const startStage = (surface, data) => {
   const section = document.getElementById("viewer");
   section.hidden = false;
+  document.documentElement.classList.add("has-viewer");
   try {
-    const stage = new Stage(surface, new Probe(surface, voxels, data.resins, data.viewing_distance_mm));
+    const stage = new Stage(surface, new Probe(surface, data.resins, data.viewing_distance_mm));
     document.getElementById("viewer-note").textContent = `${surface.note} ${data.about}`;
     document.getElementById("viewer-keys").textContent = surface.isPicture ? KEYS_OF_PICTURES : KEYS_OF_BODIES;
-    document.documentElement.classList.add("has-viewer");
-    showWorst(stage, data.worst);
-    stage.canvas.addEventListener("webglcontextlost", () => {
-      section.hidden = true;
-      document.documentElement.classList.remove("has-viewer");
-    });
+    stage.canvas.addEventListener("webglcontextlost", endStage);
     return stage;
   } catch {
-    section.hidden = true;
+    endStage();
     return null;
   }
 };
 
+const endStage = () => {
+  document.getElementById("viewer").hidden = true;
+  document.documentElement.classList.remove("has-viewer");
+};
+
+/// Milliseconds since the page was asked for.
+const note = (what) => {
+  document.documentElement.dataset[what] = String(Math.ceil(performance.now()));
+};
+
+/// The voxels, which stand at the end of the page.
+const startCut = (data, stage) => {
+  const text = document.getElementById("voxel-data");
+  const packed = text && JSON.parse(text.textContent);
+  if (!packed || !packed.layers.length) return null;
+  document.getElementById("cut").hidden = false;
+  document.documentElement.classList.add("has-cut");
+  const cut = new Cut(new Voxels(packed), data.resins, Boolean(data.surface && data.surface.size_px));
+  cut.stage = stage;
+  cut.inViewButton.hidden = !stage;
+  if (stage) stage.probe.voxels = cut.voxels;
+  return cut;
+};
+
+/// What the first picture could do without.
+const unpackRest = async (stage, cut) => {
+  if (stage) await stage.surface.fetchDifferences();
+  if (cut) await cut.voxels.loadAll();
+  if (!stage) return;
+  stage.probe.again();
+  for (const name of stage.names) {
+    await others();
+    await stage.surface.fetchLook(name);
+  }
+};
+
+const parsed = () => new Promise((done) => {
+  if (document.readyState === "loading") document.addEventListener("DOMContentLoaded", done);
+  else done();
+});
+
+// First the picture that people open the page for, then what they ask of it.
 const start = async () => {
   const text = document.getElementById("viewer-data");
   if (!text || typeof DecompressionStream === "undefined") return;
   const data = JSON.parse(text.textContent);
-  const voxels = data.voxels && data.voxels.layers.length ? new Voxels(data.voxels) : null;
-  let stage = null;
-  if (data.surface) {
-    const surface = await unpackSurface(data.surface);
-    const differences = surface.seen || surface.single;
-    if (differences) {
-      const where = surface.seen ? ` as seen from ${data.viewing_distance_mm} mm` : "";
-      const caption = `CIEDE2000${where}: white 0, yellow 2, orange 5, red 10, black 20 and more`;
-      // Before what is no colour of the print.
-      const support = surface.looks.findIndex((look) => look.name === "support");
-      const at = support < 0 ? surface.looks.length : support;
-      surface.looks.splice(at, 0, { name: "difference", caption, rgb: differenceLook(differences) });
-    }
-    stage = startStage(surface, data, voxels);
+  const tools = { cut: null };
+  const stage = data.surface ? startStage(new Surface(data.surface, data.viewing_distance_mm), data) : null;
+  if (stage) {
+    listenToKeys(stage, tools);
+    await stage.drawn;
+    await new Promise(requestAnimationFrame);
+    note("shown");
   }
-  let cut = null;
-  if (voxels) {
-    document.getElementById("cut").hidden = false;
-    cut = new Cut(voxels, data.resins, Boolean(data.surface && data.surface.size_px));
-    cut.stage = stage;
-    cut.inViewButton.hidden = !stage;
-    document.documentElement.classList.add("has-cut");
-  }
-  if (stage) listenToKeys(stage, cut);
-  if (voxels) await voxels.ready;
-  document.documentElement.dataset.ready = String(Math.ceil(performance.now()));
+  await parsed();
+  if (stage) showWorst(stage, data.worst);
+  tools.cut = startCut(data, stage);
+  await unpackRest(stage, tools.cut);
+  note("ready");
 };
 
 // What cannot be read leaves the page as it is without this script.
-start().catch(() => {});
+start().catch(endStage);

@@ -1,6 +1,7 @@
 // Numbers out of the page's data: base64, deflated, differences (io/report/viewer_data.h says how they were packed).
 
 const bytesOf = (base64) => {
+  if (Uint8Array.fromBase64) return Uint8Array.fromBase64(base64);
   const text = atob(base64);
   const bytes = new Uint8Array(text.length);
   for (let i = 0; i < text.length; ++i) bytes[i] = text.charCodeAt(i);
@@ -8,9 +9,15 @@ const bytesOf = (base64) => {
 };
 
 const inflated = async (base64) => {
-  const stream = new Blob([bytesOf(base64)]).stream().pipeThrough(new DecompressionStream("deflate"));
-  return new Uint8Array(await new Response(stream).arrayBuffer());
+  const { readable, writable } = new DecompressionStream("deflate");
+  const writer = writable.getWriter();
+  const written = Promise.all([writer.write(bytesOf(base64)), writer.close()]);
+  const [buffer] = await Promise.all([new Response(readable).arrayBuffer(), written]);
+  return new Uint8Array(buffer);
 };
+
+/// Until what the browser has been asked for meanwhile is done: keys, pointers, frames.
+const others = () => new Promise((done) => setTimeout(done));
 
 /// Three codes a place.
 const unpackColours = async (base64, places) => {
@@ -57,24 +64,4 @@ const unpackTriangles = async (base64, indices) => {
     triangles[i] = index;
   }
   return triangles;
-};
-
-/// The surface with all that is known of its places.
-const unpackSurface = async (packed) => {
-  const surface = {
-    low: packed.low_mm, high: packed.high_mm, places: packed.places, placeMm: packed.place_mm, note: packed.note,
-    isPicture: Boolean(packed.size_px), size: packed.size_px,
-  };
-  if (surface.isPicture) {
-    surface.covered = await inflated(packed.covered);
-  } else {
-    surface.positions = await unpackPositions(packed.positions, packed.places, packed.low_mm, packed.high_mm);
-    surface.triangles = await unpackTriangles(packed.triangles, packed.indices);
-  }
-  surface.looks = [];
-  for (const { name, caption, rgb } of packed.looks)
-    surface.looks.push({ name, caption, rgb: await unpackColours(rgb, packed.places) });
-  if (packed.seen) surface.seen = await inflated(packed.seen);
-  if (packed.single) surface.single = await inflated(packed.single);
-  return surface;
 };

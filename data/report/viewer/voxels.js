@@ -1,5 +1,5 @@
 // The printed voxels that the page carries: every step-th along each axis, and some layers whole. Columns run along +x,
-// rows from the largest y, layers from the bottom; two voxels a byte.
+// rows from the largest y, layers from the bottom; two voxels a byte. A layer is unpacked when it is first asked for.
 
 class Voxels {
   constructor(packed) {
@@ -11,16 +11,28 @@ class Voxels {
     this.columns = Math.ceil(this.size[0] / this.step[0]);
     this.rows = Math.ceil(this.size[1] / this.step[1]);
     this.rowBytes = (this.columns + 1) >> 1;
-    this.layers = [];
+    this.layers = packed.layers.map(() => null);
     this.whole = new Map();
-    this.ready = this.load();
+    this.complete = false;
   }
 
-  async load() {
-    this.layers = await Promise.all(this.packed.layers.map((layer) => inflated(layer.data)));
+  async load(k) {
+    if (!this.layers[k]) this.layers[k] = await inflated(this.packed.layers[k].data);
   }
 
-  /// Of the thinned voxels; 0 is air.
+  /// All layers, in slices between which keys and pointers are heard.
+  async loadAll() {
+    let since = performance.now();
+    for (let k = 0; k < this.layers.length; ++k) {
+      await this.load(k);
+      if (performance.now() - since < 8) continue;
+      await others();
+      since = performance.now();
+    }
+    this.complete = true;
+  }
+
+  /// Of the thinned voxels that are unpacked; 0 is air.
   at(column, row, layer) {
     const byte = this.layers[layer][row * this.rowBytes + (column >> 1)];
     return column & 1 ? byte >> 4 : byte & 15;
@@ -49,7 +61,6 @@ class Voxels {
   /// A picture of materials: across along x (y where the cut is through x), down from the largest y (z where the cut is
   /// upright). `pitch`: of a pixel, mm; `origin`: the upper left corner's mm; `voxel`: which one a pixel stands for.
   async cut(axis, index) {
-    await this.ready;
     if (axis === 2) {
       const number = this.first + index;
       const whole = this.packed.whole.find((layer) => layer.number === number);
@@ -57,7 +68,10 @@ class Voxels {
     }
     const counts = [this.columns, this.rows, this.layers.length];
     // Rows count from the largest y.
-    const fixed = axis === 1 ? Math.floor((this.size[1] - 1 - index) / this.step[1]) : Math.floor(index / this.step[axis]);
+    const along = axis === 1 ? Math.floor((this.size[1] - 1 - index) / this.step[1]) : Math.floor(index / this.step[axis]);
+    const fixed = Math.min(counts[axis] - 1, Math.max(0, along));
+    if (axis === 2) await this.load(fixed);
+    else await this.loadAll();
     const across = axis === 0 ? 1 : 0;
     const down = axis === 2 ? 1 : 2;
     const picture = {
@@ -67,7 +81,7 @@ class Voxels {
       exact: this.step[across] === 1 && this.step[down] === 1 && this.step[axis] === 1,
     };
     const place = [0, 0, 0];
-    place[axis] = Math.min(counts[axis] - 1, Math.max(0, fixed));
+    place[axis] = fixed;
     for (let v = 0, i = 0; v < picture.height; ++v)
       for (let u = 0; u < picture.width; ++u, ++i) {
         // y runs against the rows, z against the lines of the picture.

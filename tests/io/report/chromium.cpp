@@ -10,6 +10,7 @@
 
 #include <array>
 #include <chrono>
+#include <cmath>
 #include <map>
 #include <span>
 #include <stdexcept>
@@ -165,7 +166,8 @@ double Chromium::open(const fs::path& page, int width, int height, double second
     call("Page.navigate", {{"url", page_url_}});
     wait_for("document.readyState === 'complete'", seconds);
     wait_for("document.documentElement.dataset.ready", seconds);
-    return evaluate("Number(document.documentElement.dataset.ready) / 1000").get<double>();
+    const json shown = evaluate("Number(document.documentElement.dataset.shown) / 1000");
+    return shown.is_number() ? shown.get<double>() : std::nan("");
 }
 
 void Chromium::pointer(const char* type, double x, double y, const char* button, int buttons) {

@@ -26,8 +26,8 @@ public:
     Chromium(const Chromium&) = delete;
     Chromium& operator=(const Chromium&) = delete;
 
-    /// Opens the file and waits until the page's script says that it is done, or `seconds` have passed. How long it
-    /// took, in seconds of the browser's own clock, from the start of the navigation.
+    /// Opens the file and waits until the page's script says that all is unpacked, or `seconds` have passed. How long
+    /// its first picture took, in seconds of the browser's own clock, from the start of the navigation; NaN: none came.
     double open(const std::filesystem::path& page, int width = 1400, int height = 900, double seconds = 60);
     [[nodiscard]] nlohmann::json evaluate(const std::string& expression);
     /// Until the expression is true.

@@ -374,6 +374,8 @@ TEST_CASE("Pages of one and of eight megabytes open soon") {
         // Without a GPU, beside other tests; WANTED is what a user is promised.
         CHECK(seconds < 15);
         WANTED(seconds < 1);
+        // What nobody looks at first is unpacked after it.
+        CHECK(browser.evaluate("Number(document.documentElement.dataset.ready) / 1000").get<double>() > seconds);
         CHECK(browser.evaluate("document.documentElement.classList.contains('has-viewer')").get<bool>());
         check_silent(browser);
     }

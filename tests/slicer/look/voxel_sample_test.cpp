@@ -104,3 +104,20 @@ TEST_CASE("Voxels of a volume are those of its layers, for any number of threads
             CHECK(from_volume.layers[i].deflated == from_layers.layers[i].deflated);
     }
 }
+
+TEST_CASE("Samples of parts of the layers, put together, are the sample of all") {
+    const double most = 0.3 * 23 * 14 * 31;
+    const io::ViewerVoxels whole = sampled(grid, most, 1 << 20);
+    VoxelSample together(0, grid.size[2], grid, most);
+    for (const auto& [first, end] : {std::pair{20, 31}, {0, 7}, {7, 20}}) {
+        VoxelSample part(0, grid.size[2], grid, most);
+        for (int k = first; k < end; ++k) part.offer(k, layer_of(grid, k));
+        together.put(part.take_layers());
+        CHECK(part.take_layers().thinned.empty());
+    }
+    const io::ViewerVoxels all = together.take(1 << 20);
+    check_voxels(all, 0);
+    REQUIRE(all.whole.size() == whole.whole.size());
+    REQUIRE(all.layers.size() == whole.layers.size());
+    for (std::size_t i = 0; i < all.layers.size(); ++i) CHECK(all.layers[i].deflated == whole.layers[i].deflated);
+}
