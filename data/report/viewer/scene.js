@@ -44,10 +44,22 @@ void main() {
 
 const ATTRIBUTES = ["place", "normal", "leftColour", "rightColour", "texel"];
 
+/// Whether pictures are made by the processor, for which smoothing edges takes longer than all the rest of a picture.
+const drawsInSoftware = () => {
+  const gl = document.createElement("canvas").getContext("webgl2");
+  if (!gl) return false;
+  let name = gl.getParameter(gl.RENDERER);
+  const more = name === "WebKit WebGL" && gl.getExtension("WEBGL_debug_renderer_info");
+  if (more) name = gl.getParameter(more.UNMASKED_RENDERER_WEBGL);
+  gl.getExtension("WEBGL_lose_context")?.loseContext();
+  return /swiftshader|llvmpipe|softpipe|software|basic render/i.test(name);
+};
+
 class Scene {
   /// Throws where there is no WebGL2.
   constructor(canvas, surface) {
-    const gl = canvas.getContext("webgl2", { antialias: true, alpha: true, premultipliedAlpha: true });
+    const antialias = !drawsInSoftware();
+    const gl = canvas.getContext("webgl2", { antialias, alpha: true, premultipliedAlpha: true });
     if (!gl) throw new Error("no WebGL2");
     this.gl = gl;
     this.canvas = canvas;
