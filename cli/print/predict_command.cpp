@@ -8,6 +8,7 @@
 #include <CLI/CLI.hpp>
 
 #include "voxtone/base/units.h"
+#include "voxtone/cli/print/foreign_stack_options.h"
 #include "voxtone/cli/print/print_commands.h"
 #include "voxtone/cli/program/common_options.h"
 #include "voxtone/cli/program/console.h"
@@ -121,24 +122,7 @@ Command add_predict_command(CLI::App& program) {
                           "what lies under the print [auto|black|white|none]; auto: what the job said, else black "
                           "under a slab, none under a body")
              ->capture_default_str()});
-    group("Resins and foreign stacks",
-          {add_resins_option(*command, o.resins, "; empty: that of the job, else vero-opaque"),
-           command
-               ->add_option("--assign", o.assign,
-                            "foreign stacks: which colour is which resin: \"#00aeef=C,#ec008c=M\"; none: no material")
-               ->type_name("LIST")
-               ->delimiter(',')
-               ->allow_extra_args(false),
-           command
-               ->add_option(
-                   "--printer", o.printer,
-                   "foreign stacks: voxel size of this printer (`voxtone list printers`), and how its bitmaps lie "
-                   "(flip_x, flip_y, swap_xy of its profile)")
-               ->type_name("ID|FILE"),
-           command
-               ->add_option("--pitch", o.pitch,
-                            "foreign stacks: voxel size along columns, rows, layers: 42.33,84.67,27um")
-               ->type_name("X,Y,Z")});
+    add_foreign_stack_options(*command, o.resins, o.assign, o.printer, o.pitch);
     group("Run", {command
                       ->add_option("--memory", o.memory_gib,
                                    "most memory for volume and prediction, GiB; 0: half of the machine's")

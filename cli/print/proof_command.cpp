@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 #include <CLI/CLI.hpp>
 
+#include "voxtone/cli/print/foreign_stack_options.h"
 #include "voxtone/cli/print/print_commands.h"
 #include "voxtone/cli/program/common_options.h"
 #include "voxtone/cli/program/console.h"
@@ -136,22 +137,7 @@ Command add_proof_command(CLI::App& program) {
                             "each its own square")
                ->type_name("PX")
                ->capture_default_str()});
-    group("Resins and foreign stacks",
-          {add_resins_option(*command, o.resins, "; empty: that of the job, else vero-opaque"),
-           command
-               ->add_option("--assign", o.assign,
-                            "foreign stacks: which colour is which resin: \"#00aeef=C,#ec008c=M\"; none: no material")
-               ->type_name("LIST")
-               ->delimiter(',')
-               ->allow_extra_args(false),
-           command
-               ->add_option("--printer", o.printer,
-                            "foreign stacks: voxel size of this printer (`voxtone list printers`)")
-               ->type_name("ID|FILE"),
-           command
-               ->add_option("--pitch", o.pitch,
-                            "foreign stacks: voxel size along columns, rows, layers: 42.33,84.67,27um")
-               ->type_name("X,Y,Z")});
+    add_foreign_stack_options(*command, o.resins, o.assign, o.printer, o.pitch);
     group("Run", {command->add_option("--memory", o.memory_gib, "most memory, GiB; 0: half of the machine's")
                       ->type_name("GIB")
                       ->capture_default_str(),

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What one has to say of a stack that another program made, for every verb that reads any stack
+// (slicer/predict/stack_volume.h).
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace CLI {
+class App;
+}  // namespace CLI
+
+namespace voxtone::cli {
+
+/// --resins, --assign, --printer, --pitch, under one heading of --help.
+void add_foreign_stack_options(CLI::App& command, std::string& resins, std::vector<std::string>& assign,
+                               std::string& printer, std::string& pitch);
+
+}  // namespace voxtone::cli
