@@ -320,9 +320,11 @@ void LoopRun::prepare_misfit() {
 }
 
 void LoopRun::predict_open_loop() {
+    // A print that takes more memory than is allowed says so before anything is predicted.
+    optics::ResinVolume print = task_.open_loop();
     if (options_.intent != Intent::absolute) state_.white = sequence_->twin(*task_.scene.volume, &progress_).value;
     watch_.lap();
-    predict(task_.open_loop(), LoopMethod::open_loop);
+    predict(std::move(print), LoopMethod::open_loop);
     state_.open = state_.shown = rgb_;
     best_remarks_ = remarks_;
     state_.control = state_.start_control = target_;

@@ -456,8 +456,6 @@ void ViewingSequence::begin(Fields Tile::*fields, GhostLight& ghosts, std::span<
             look_at(t, progress);
             (tiles_[t].*fields).assign(channels(), {});
             solve(fields, ghosts, round > 0, {}, adjoint_seed, progress, [](std::size_t) {});
-            // Light that has not heard its neighbours is nothing to sweep from.
-            if (round == 0) (tiles_[t].*fields).assign(channels(), {});
         }
 }
 

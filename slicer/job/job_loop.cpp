@@ -17,12 +17,11 @@ namespace voxtone::slicer {
 
 namespace {
 
-/// All of the white resin, or of the core where there is none: the open loop's print is made again when it is looked
-/// at.
+/// All of the white resin, or of the core where there is none.
 optics::ResinVolume shape_of(const PrintParts& parts, const LoadedResins& resins, std::uint64_t print_bytes,
                              const Progress& progress) {
     const int white = resins.set.find("W");
-    return optics::all_of(parts.volume(nullptr, print_bytes, progress),
+    return optics::all_of(parts.shape(print_bytes, progress),
                           static_cast<optics::Material>((white >= 0 ? white : resins.core) + 1));
 }
 
@@ -49,8 +48,8 @@ std::unique_ptr<const optics::AppearanceModel> loop_model(const ResolvedJob& job
     return make_model(job.loop.model, quality);
 }
 
-/// Keeps the state of the loop after each iteration, while the next print is made; a state that cannot be written is no
-/// reason to stop.
+/// Keeps the state of the loop while the next print is made: after each iteration, or, where writing takes more than a
+/// second, as often as a tenth of the loop's time allows. A state that cannot be written is no reason to stop.
 class CheckpointKeeper {
 public:
     CheckpointKeeper(const LoopCheckpoint& checkpoint, Progress& progress)
@@ -63,8 +62,11 @@ public:
     /// Both stay as they are until `finish` comes back.
     void keep(const halftone::LoopState& state, const optics::AppearanceSequence& sequence) {
         finish();
+        if (write_s_ > 1 && since_write_.total() < share_of_writing * write_s_) return;
+        since_write_ = {};
         writing_ = std::async(std::launch::async, [this, &state, &sequence] {
             checkpoint_.write(state, sequence);
+            write_s_ = since_write_.total();
             tell_how_to_go_on();
         });
     }
@@ -81,6 +83,7 @@ public:
     }
 
 private:
+    static constexpr double share_of_writing = 10;
     void tell_how_to_go_on() const {
         set_stop_advice(
             fmt::format("the appearance loop is saved in {}: the same command with --resume goes on, with --resume "
@@ -91,6 +94,8 @@ private:
     const LoopCheckpoint& checkpoint_;
     Progress& progress_;
     bool warned_ = false;
+    Stopwatch since_write_;
+    double write_s_ = 0;  ///< of the last one
     std::future<void> writing_;
 };
 

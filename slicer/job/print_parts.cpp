@@ -50,7 +50,18 @@ LayerSources PrintParts::sources(const SkinSource* skin) const {
 
 optics::ResinVolume PrintParts::volume(const SkinSource* skin, std::uint64_t memory_bytes,
                                        const Progress& progress) const {
-    const LayerMaker maker(sources(skin));
+    return volume_of(sources(skin), memory_bytes, progress);
+}
+
+optics::ResinVolume PrintParts::shape(std::uint64_t memory_bytes, const Progress& progress) const {
+    LayerSources all_core = sources(nullptr);
+    all_core.core_only = true;
+    return volume_of(all_core, memory_bytes, progress);
+}
+
+optics::ResinVolume PrintParts::volume_of(const LayerSources& sources, std::uint64_t memory_bytes,
+                                          const Progress& progress) const {
+    const LayerMaker maker(sources);
     const VoxelGrid& grid = body_.grid;
     LayerVolume volume(LayerWindow{{}, grid.size}, {grid.pitch_mm.x(), grid.pitch_mm.y(), grid.pitch_mm.z()},
                        LayerVolume::same_materials(), memory_bytes);

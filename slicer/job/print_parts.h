@@ -39,11 +39,15 @@ public:
     /// All layers as a volume. Throws ResourceError where it takes more than `memory_bytes`.
     [[nodiscard]] optics::ResinVolume volume(const SkinSource* skin, std::uint64_t memory_bytes,
                                              const Progress& progress) const;
+    /// The same voxels, all of the core resin: a third of the work.
+    [[nodiscard]] optics::ResinVolume shape(std::uint64_t memory_bytes, const Progress& progress) const;
     /// Visits the blocks that touch a box of voxels and have shell voxels, from several threads at once.
     void for_each_block(const optics::VoxelBox& box, const std::function<void(const ShellBlock&)>& visit,
                         const Progress& progress) const;
 
 private:
+    [[nodiscard]] optics::ResinVolume volume_of(const LayerSources& sources, std::uint64_t memory_bytes,
+                                                const Progress& progress) const;
     PrintParts(const ResolvedJob& job, const JobBody& body, const LoadedResins& resins, double shell_mm);
 
     const JobBody& body_;

@@ -80,7 +80,7 @@ void push_row(io::LayerRuns& layer, int width, std::span<const Span> spans, cons
 }
 
 bool shows_core_only(const LayerSources& s) {
-    if (s.surface.triangles.empty()) return true;
+    if (s.core_only || s.surface.triangles.empty()) return true;
     const auto* by_colour = std::get_if<MixtureSources>(&s.resins);
     if (!by_colour || by_colour->skin || !by_colour->colour.constant()) return false;
     const Eigen::Vector3f rgb = by_colour->colour.at(s.surface.source_triangle[0], 0, 0);

@@ -39,6 +39,7 @@ struct LayerSources {
     const SurfaceShell& shell;
     io::Material core;                                          ///< material of voxels below the shell
     std::variant<MixtureSources, const WrappedLayers*> resins;  ///< of the shell
+    bool core_only = false;                                     ///< no shell: the body's shape
 };
 
 /// The body's voxels in the layers [first, last), thin features included; those from `counted_from` on are counted.

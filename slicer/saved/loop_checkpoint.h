@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // The state of an appearance loop on disk, so that an interrupted job can go on to the same bits: OUT/loop.checkpoint,
-// written after each iteration under a temporary name and renamed, removed when the job is done. With the light that
+// written after an iteration under a temporary name and renamed, removed when the job is done. With the light that
 // the predictor keeps it has some 200 bytes for each surface cell and 50 for each cell that light is followed through:
 // 216 MB for a body of 30 mm. So the loop waits for a copy of it in memory alone, and the disk is waited for beside the
 // next iteration, unless the copy would be too large (job_loop.h).

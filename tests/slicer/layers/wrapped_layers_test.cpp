@@ -62,17 +62,21 @@ struct Wrapped {
         solid.emplace(mesh, grid);
         measured.emplace(surface);
         shell.emplace(*measured, grid, wrapped->shell_mm());
-        const LayerMaker maker({*solid, nullptr, surface, *shell, base, &*wrapped});
-        voxels.resize(grid.voxels());
+        voxels = made({*solid, nullptr, surface, *shell, base, &*wrapped});
+    }
+    [[nodiscard]] std::vector<io::Material> made(const LayerSources& sources) const {
+        const LayerMaker maker(sources);
+        std::vector<io::Material> all(grid.voxels());
         for (int slab = 0; slab * maker.slab_layers() < grid.size[2]; ++slab)
             (void)maker.make(slab, 0, grid.size[2], [&](int k, const io::LayerRuns& layer) {
                 for (std::uint32_t y = 0; y < layer.height_px(); ++y) {
                     int i = 0;
                     for (const io::Run run : layer.row(y))
                         for (int n = 0; n < run.length; ++n)
-                            voxels[index(i++, grid.size[1] - 1 - int(y), k)] = io::Material(run.material);
+                            all[index(i++, grid.size[1] - 1 - int(y), k)] = io::Material(run.material);
                 }
             });
+        return all;
     }
     [[nodiscard]] std::size_t index(int i, int j, int k) const {
         return (std::size_t(k) * std::size_t(grid.size[1]) + std::size_t(j)) * std::size_t(grid.size[0]) +
@@ -150,6 +154,18 @@ MeshDiagnosis diagnosis_of(const LayerSurface& surface) {
 }
 
 }  // namespace
+
+TEST_CASE("A body of core alone has the voxels of the body with its shell") {
+    const Wrapped w(shapes::sphere(1.5, 40), pitch, {{{0, 0.1}, {1, 0.2}}});
+    LayerSources sources{*w.solid, nullptr, w.surface, *w.shell, base, &*w.wrapped};
+    sources.core_only = true;
+    const std::vector<io::Material> core = w.made(sources);
+    REQUIRE(std::count(w.voxels.begin(), w.voxels.end(), black) > 0);
+    std::size_t wrong = 0;
+    for (std::size_t i = 0; i < core.size(); ++i)
+        wrong += core[i] != (w.voxels[i] == io::background ? io::background : base);
+    CHECK(wrong == 0);
+}
 
 TEST_CASE(
     "Columns of a flat slab have their stack's layers in order, each border within a voxel, thicknesses exact on "
