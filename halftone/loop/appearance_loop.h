@@ -92,7 +92,7 @@ struct LoopStep {
     optics::DifferenceSummary seen;   ///< after the eye filter
     optics::DifferenceSummary cells;  ///< as they are
     double saturated_share = 0;       ///< of the cells, at their limits, in the step that made this iterate
-    double seconds = 0;               ///< of distributing and predicting
+    double seconds = 0;  ///< of distributing and predicting; 0: of predicting, the print is made before the white twin
 };
 
 /// With what the model's sequence keeps (AppearanceSequence::write_state) enough to go on later, to the same bits.

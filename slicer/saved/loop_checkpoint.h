@@ -3,8 +3,8 @@
 // The state of an appearance loop on disk, so that an interrupted job can go on to the same bits: OUT/loop.checkpoint,
 // written after an iteration under a temporary name and renamed, removed when the job is done. With the light that
 // the predictor keeps it has some 200 bytes for each surface cell and 50 for each cell that light is followed through:
-// 216 MB for a body of 30 mm. So the loop waits for a copy of it in memory alone, and the disk is waited for beside the
-// next iteration, unless the copy would be too large (job_loop.h).
+// 216 MB for a body of 30 mm. It is written while the next print is made, without a copy; a state that takes more than
+// a second is written less often (CheckpointKeeper in job_loop.cpp).
 //
 // A state belongs to one job, and another job's is refused. Two digests in the file say whose it is: one of what a job
 // is known by before its model is read, so that a wrong state is refused before time is spent; and one of the job's
