@@ -17,7 +17,7 @@
 #include <vector>
 
 #include "voxtone/base/progress.h"
-#include "voxtone/optics/camera/camera_paths.h"
+#include "voxtone/optics/camera/camera_picture.h"
 #include "voxtone/optics/camera/lit_scene.h"
 #include "voxtone/optics/camera/pixel_filter.h"
 #include "voxtone/optics/camera/tile_paths.h"
