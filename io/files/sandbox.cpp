@@ -83,9 +83,7 @@ bool is_alone() {
     return false;
 }
 
-/// The filter is one thread's: another one would stay outside.
 bool filter_files(std::span<const std::string> readable) {
-    if (!is_alone()) return false;
     landlock_ruleset_attr handled{};
     handled.handled_access_fs = (LANDLOCK_ACCESS_FS_MAKE_SYM << 1) - 1;  // all that its first version knows
     const int rules = static_cast<int>(syscall(SYS_landlock_create_ruleset, &handled, sizeof handled, 0));
@@ -156,9 +154,12 @@ bool filter_calls() {
 std::uint8_t raise_walls(std::span<const std::string> readable, const WallLimits& limits) {
     prctl(PR_SET_DUMPABLE, 0);  // no other process of the same user looks in, and no core is left
     std::uint8_t missing = 0;
-    set_limits(limits);  // first: what is mapped already is read from a file
+    // The filter of files is one thread's: another one would stay outside. And one that starts late, to end at once,
+    // maps 64 MB for what it allocates, which would be taken from what the reader may have.
+    const bool alone = is_alone();
+    set_limits(limits);  // before the filters: what is mapped already is read from a file
     const bool for_good = prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) == 0;
-    if (!for_good || !filter_files(readable)) missing |= no_file_filter;
+    if (!for_good || !alone || !filter_files(readable)) missing |= no_file_filter;
     if (!for_good || !filter_calls()) missing |= no_call_filter;
     return missing;
 }
