@@ -19,7 +19,7 @@ namespace voxtone::io {
 
 struct ReportPicture {
     std::string caption;
-    std::vector<std::uint8_t> png;  ///< transparent where there is nothing: the page has a grey stage for it
+    std::vector<std::uint8_t> file;  ///< PNG or WebP, transparent where there is nothing: the page has a grey stage
     std::uint32_t width_px = 0, height_px = 0;
     double px_per_mm = 0;  ///< 0: not to scale, no scale bar
 };

@@ -15,6 +15,7 @@
 #include "voxtone/base/progress_bar.h"
 #include "voxtone/io/files/base64.h"
 #include "voxtone/io/files/markup.h"
+#include "voxtone/io/pictures/webp.h"
 #include "voxtone/io/report/plot_svg.h"
 #include "voxtone/io/report/report_assets.h"
 #include "voxtone/io/report/viewer_section.h"
@@ -60,15 +61,19 @@ double scale_bar_mm(double width_mm) {
     return power * (most >= 5 ? 5 : most >= 2 ? 2 : 1);
 }
 
+std::string data_url(const ReportPicture& picture) {
+    return fmt::format("data:image/{};base64,{}", is_webp(picture.file) ? "webp" : "png", base64(picture.file));
+}
+
 /// A picture on its stage, with a scale bar below where it is to scale. `id`: of the image, may be empty.
 std::string stage(const ReportPicture& picture, std::string_view id = "") {
     VOXTONE_EXPECT(picture.width_px > 0 && picture.height_px > 0);
     std::string html = fmt::format(
         "<div class=\"stage\"><div class=\"scaled\" style=\"--aspect:{:.5f}\"><img{} alt=\"{}\" width=\"{}\" "
         "height=\"{}\" loading=\"lazy\" decoding=\"async\" "
-        "src=\"data:image/png;base64,{}\">",
+        "src=\"{}\">",
         static_cast<double>(picture.width_px) / picture.height_px, id.empty() ? "" : fmt::format(" id=\"{}\"", id),
-        html_text(picture.caption), picture.width_px, picture.height_px, base64(picture.png));
+        html_text(picture.caption), picture.width_px, picture.height_px, data_url(picture));
     if (picture.px_per_mm > 0) {
         const double width_mm = picture.width_px / picture.px_per_mm, bar_mm = scale_bar_mm(width_mm);
         html += fmt::format("<div class=\"scale\" style=\"width:{:.3f}%\"></div><span>{:g} mm</span>",
@@ -336,9 +341,8 @@ void add_layers(std::string& html, const Report& report) {
         "<script type=\"application/json\" id=\"layer-data\">[",
         report.layers.size(), grouped(report.size_px[2]));
     for (std::size_t i = 0; i < report.layers.size(); ++i)
-        html +=
-            fmt::format("{}{{\"label\":{},\"src\":\"data:image/png;base64,{}\"}}", i ? ",\n" : "",
-                        in_script(json_quoted(layer_label(report.layers[i]))), base64(report.layers[i].picture.png));
+        html += fmt::format("{}{{\"label\":{},\"src\":\"{}\"}}", i ? ",\n" : "",
+                            in_script(json_quoted(layer_label(report.layers[i]))), data_url(report.layers[i].picture));
     html += "]</script>\n</section>\n";
 }
 
@@ -416,7 +420,7 @@ void add_job(std::string& html, const Report& report) {
 
 std::size_t picture_bytes(const std::vector<ReportPicture>& pictures) {
     std::size_t bytes = 0;
-    for (const ReportPicture& picture : pictures) bytes += picture.png.size() / 3 * 4 + 500;
+    for (const ReportPicture& picture : pictures) bytes += picture.file.size() / 3 * 4 + 500;
     return bytes;
 }
 

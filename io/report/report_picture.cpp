@@ -3,10 +3,12 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include "voxtone/io/files/base64.h"
 #include "voxtone/io/pictures/picture_writer.h"
 #include "voxtone/io/pictures/png_pixels.h"
+#include "voxtone/io/pictures/webp.h"
 
 namespace voxtone::io {
 
@@ -22,18 +24,18 @@ std::string_view between(std::string_view text, std::string_view begin, std::str
     return text.substr(first + begin.size(), last - first - begin.size());
 }
 
-/// The last picture of the first view: the target comes before what is predicted of it.
+/// The second picture of the first view, or the only one: the target comes before what is predicted of it, and maps of
+/// differences and other prints after that.
 std::string_view picture_in(std::string_view html) {
     std::size_t at = 0;
     const std::string_view view = between(html, "<div class=\"view\"", "<div class=\"view\"", at);
     std::size_t end = 0;
     const std::string_view whole = view.empty() ? between(html, "<div class=\"view\"", "</section>", end) : view;
-    std::string_view last;
-    for (std::size_t i = 0;;) {
-        const std::string_view picture = between(whole, "src=\"data:image/png;base64,", "\"", i);
-        if (picture.empty()) return last;
-        last = picture;
-    }
+    std::size_t i = 0;
+    const std::string_view first = between(whole, "src=\"data:image/", "\"", i);
+    const std::string_view second = between(whole, "src=\"data:image/", "\"", i);
+    const std::string_view data = second.empty() ? first : second;
+    return data.substr(std::min(data.size(), data.find(',') + 1));
 }
 
 /// Sums of the pixels that fall together; colour is weighed by its coverage.
@@ -41,10 +43,10 @@ struct SmallPicture {
     std::uint32_t width_px, height_px, step;
     std::vector<std::array<std::uint32_t, 4>> sums;
 
-    SmallPicture(const PngHeader& large, std::uint32_t most_px)
-        : step(std::max(1u, (std::max(large.width_px, large.height_px) + most_px - 1) / most_px)) {
-        width_px = (large.width_px + step - 1) / step;
-        height_px = (large.height_px + step - 1) / step;
+    SmallPicture(std::uint32_t large_width_px, std::uint32_t large_height_px, std::uint32_t most_px)
+        : step(std::max(1u, (std::max(large_width_px, large_height_px) + most_px - 1) / most_px)) {
+        width_px = (large_width_px + step - 1) / step;
+        height_px = (large_height_px + step - 1) / step;
         sums.resize(std::size_t{width_px} * height_px);
     }
     void add(std::uint32_t y, std::span<const std::uint8_t> rgba) {
@@ -67,16 +69,35 @@ struct SmallPicture {
     }
 };
 
+constexpr const char* source = "the picture of a report";
+
+Picture8 small_webp(std::span<const std::uint8_t> file, std::uint32_t most_px) {
+    const Picture8 large = read_webp(file, source);
+    const std::span<const std::uint8_t> codes = large.codes;
+    SmallPicture small(large.width_px, large.height_px, most_px);
+    const std::size_t row_bytes = std::size_t{4} * large.width_px;
+    for (std::uint32_t y = 0; y < large.height_px; ++y) small.add(y, codes.subspan(y * row_bytes, row_bytes));
+    return small.picture();
+}
+
+Picture8 small_png(std::span<const std::uint8_t> file, std::uint32_t most_px) {
+    const PngHeader header = read_png_header(file, source);
+    SmallPicture small(header.width_px, header.height_px, most_px);
+    read_png(file, source, [&](std::uint32_t y, std::span<const std::uint8_t> rgba) { small.add(y, rgba); });
+    return small.picture();
+}
+
 }  // namespace
+
+ReportPicture report_picture(std::string caption, const Picture8& picture, double px_per_mm) {
+    return {std::move(caption), webp_bytes(picture), picture.width_px, picture.height_px, px_per_mm};
+}
 
 std::vector<std::uint8_t> small_report_picture(std::string_view html, std::uint32_t most_px) {
     const std::vector<std::byte> bytes = base64_bytes(picture_in(html));
     if (bytes.empty()) return {};
-    const std::span png(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
-    const std::string source = "the picture of a report";
-    SmallPicture small(read_png_header(png, source), most_px);
-    read_png(png, source, [&](std::uint32_t y, std::span<const std::uint8_t> rgba) { small.add(y, rgba); });
-    return png_bytes(small.picture());
+    const std::span file(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
+    return png_bytes(is_webp(file) ? small_webp(file, most_px) : small_png(file, most_px));
 }
 
 }  // namespace voxtone::io

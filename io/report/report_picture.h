@@ -1,17 +1,24 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// What a print will look like, small, out of its report page: for pages that show many prints.
+// Pictures of prints: into a report page, and small out of one, for pages that show many prints.
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <string_view>
 #include <vector>
 
+#include "voxtone/io/pictures/picture_writer.h"
+#include "voxtone/io/report/report.h"
+
 namespace voxtone::io {
 
-/// A PNG of at most `most_px` a side of the prediction in the first view of the page that report_html made, or of the
-/// target where nothing is predicted; empty where the page shows no view. Throws InputError where what is there is no
-/// picture.
+/// A page carries dozens of them beside what its viewer needs, so they are lossy (io/pictures/webp.h).
+[[nodiscard]] ReportPicture report_picture(std::string caption, const Picture8& picture, double px_per_mm);
+
+/// A PNG of at most `most_px` a side of the prediction in the first view of the page that report_html made, its second
+/// picture, or of the first where there is one; empty where the page shows no view. Throws InputError where what is
+/// there is no picture.
 [[nodiscard]] std::vector<std::uint8_t> small_report_picture(std::string_view html, std::uint32_t most_px);
 
 }  // namespace voxtone::io

@@ -90,7 +90,7 @@ void add_pictures(JsonWriter& json, const std::vector<ReportLayer>& pictures) {
         const ReportPicture& picture = layer.picture;
         json.line().begin_object().add("layer", layer.number).add("height_mm", layer.height_mm);
         json.add("width_px", picture.width_px).add("height_px", picture.height_px);
-        json.add("px_per_mm", picture.px_per_mm).add("png", base64(picture.png)).end_object();
+        json.add("px_per_mm", picture.px_per_mm).add("png", base64(picture.file)).end_object();
     }
     json.end_list();
 }
@@ -104,7 +104,7 @@ ReportLayer picture_in(const JsonObject& json) {
     layer.picture.width_px = std::uint32_t(json.integer("width_px", 1, most_px));
     layer.picture.height_px = std::uint32_t(json.integer("height_px", 1, most_px));
     layer.picture.px_per_mm = json.number("px_per_mm", 0, 1e6);
-    for (const std::byte b : base64_bytes(json.text("png"))) layer.picture.png.push_back(std::uint8_t(b));
+    for (const std::byte b : base64_bytes(json.text("png"))) layer.picture.file.push_back(std::uint8_t(b));
     return layer;
 }
 

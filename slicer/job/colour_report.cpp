@@ -13,10 +13,12 @@
 #include "voxtone/io/files/whole_file.h"
 #include "voxtone/io/models/glb_writer.h"
 #include "voxtone/io/pictures/picture_writer.h"
+#include "voxtone/io/report/report_picture.h"
 #include "voxtone/optics/colour/colour.h"
 #include "voxtone/slicer/look/prediction_files.h"
 #include "voxtone/slicer/look/preview.h"
 #include "voxtone/slicer/look/report_files.h"
+#include "voxtone/slicer/look/report_views.h"
 #include "voxtone/slicer/look/vertex_colours.h"
 #include "voxtone/slicer/surface/area_samples.h"
 #include "voxtone/slicer/surface/target_cells.h"
@@ -77,12 +79,6 @@ io::ReportSection mixtures_section(const ColourReport& s) {
             : std::string("Colours were separated as if resins mixed ideally (--mixing ideal); in print, voxels of "
                           "strong resins look brighter."));
     return section;
-}
-
-io::ReportPicture report_picture(const char* caption, const Preview& preview) {
-    const io::Picture8 codes = io::encode_transparent(preview.picture);
-    return {caption, io::png_bytes(codes, {preview.px_per_mm, preview.px_per_mm}), codes.width_px, codes.height_px,
-            preview.px_per_mm};
 }
 
 io::ReportPrediction predicted_figures(const JobPrediction& p) {
@@ -163,9 +159,7 @@ void draw_predicted_picture(const JobPrediction& p, const optics::Channels& chan
         if (!file.empty()) io::write_whole_file(folder / file, io::png_bytes(io::encode_transparent(whole), px_per_mm));
         const std::uint32_t step = page_step(whole);
         const io::Picture8 codes = io::encode_transparent(smaller_picture(whole, step));
-        const std::array<double, 2> page_px_per_mm{px_per_mm[0] / step, px_per_mm[1] / step};
-        pictures.push_back(
-            {caption, io::png_bytes(codes, page_px_per_mm), codes.width_px, codes.height_px, page_px_per_mm[0]});
+        pictures.push_back(io::report_picture(caption, codes, px_per_mm[0] / step));
     };
     draw("target", p.target, report_file::target_png);
     draw("predicted", p.predicted.rgb, report_file::predicted_png);
@@ -186,46 +180,22 @@ void write_body_colours(const ColouredSurface& surface, const std::filesystem::p
     io::write_whole_file(file, io::glb_bytes(vertex_colours(surface, {}, &progress).mesh, name));
 }
 
-/// Views of the surface beside each other, one picture of each a column.
-class Views {
-public:
-    Views(const ColouredSurface& target, const ColourReport& s, io::Report& report, const Progress& progress)
-        : views_(s.body.is_picture ? std::span<const View>(top_only) : all_views()),
-          report_(report),
-          progress_(progress) {
-        options_.samples = 3;
-        if (s.body.is_picture) options_.margin_px = 0;
-        options_.px_per_mm =
-            std::min(fitting_scale(target, views_, s.body.is_picture ? 1000 : 640, options_), 1 / 0.085);
-        // The colours are filtered to the printer's resolution, which a small picture of a large body undersamples.
-        options_.colour_per_sample = 1 / options_.px_per_mm > 1.5 * s.body.grid.pitch_mm.y();
-        for (const View view : views_) report_.views.push_back({view_name(view), {}});
-    }
-
-    void add(const char* caption, const ColouredSurface& surface) {
-        const std::vector<Preview> shown = render_views(surface, views_, options_, &progress_);
-        for (std::size_t v = 0; v < views_.size(); ++v)
-            report_.views[v].pictures.push_back(report_picture(caption, shown[v]));
-    }
-
-private:
-    static constexpr View top_only[] = {View::top};
-    std::span<const View> views_;
-    PreviewOptions options_;
-    io::Report& report_;
-    const Progress& progress_;
-};
+ReportViews views_of(const ColouredSurface& target, const ColourReport& s, io::Report& report,
+                     const Progress& progress) {
+    // Colours are filtered to the printer's resolution.
+    return {target, s.body.is_picture, s.body.grid.pitch_mm.y(), report, progress};
+}
 
 /// Without a prediction: what the separation says.
 void draw_separated(const ColourReport& s, io::Report& report, const std::filesystem::path& folder,
                     const Progress& progress) {
     const ColouredSurface target = target_surface(s), predicted = separated_surface(s);
-    Views views(target, s, report, progress);
-    views.add("target", target);
-    views.add("predicted", predicted);
+    ReportViews views = views_of(target, s, report, progress);
+    const io::Picture8 asked = views.add("target", target), shown = views.add("predicted", predicted);
     if (s.body.is_picture) {
-        io::write_whole_file(folder / report_file::target_png, report.views[0].pictures[0].png);
-        io::write_whole_file(folder / report_file::predicted_png, report.views[0].pictures[1].png);
+        const std::array<double, 2> px_per_mm{views.px_per_mm(), views.px_per_mm()};
+        io::write_whole_file(folder / report_file::target_png, io::png_bytes(asked, px_per_mm));
+        io::write_whole_file(folder / report_file::predicted_png, io::png_bytes(shown, px_per_mm));
     } else {
         write_body_colours(target, folder / report_file::target_glb, "target", progress);
         write_body_colours(predicted, folder / report_file::predicted_glb, "predicted", progress);
@@ -241,7 +211,7 @@ void draw_predicted_body(const ColourReport& s, const JobPrediction& p, io::Repo
     if (cells.triangles.empty()) return draw_separated(s, report, folder, progress);
     const ColouredSurface target = target_surface(s);
     std::vector<Eigen::Vector3d> positions;
-    Views views(target, s, report, progress);
+    ReportViews views = views_of(target, s, report, progress);
     views.add("target", target);
     views.add("predicted", mesh_surface(cells, positions));
     io::write_whole_file(folder / report_file::predicted_glb, io::glb_bytes(cells, "predicted"));

@@ -19,6 +19,7 @@
 #include "voxtone/optics/colour/spectral_colour.h"
 #include "voxtone/slicer/look/preview.h"
 #include "voxtone/slicer/look/report_files.h"
+#include "voxtone/slicer/look/report_views.h"
 #include "voxtone/slicer/look/viewer_surface.h"
 #include "voxtone/slicer/surface/target_cells.h"
 
@@ -333,23 +334,9 @@ void draw_layers_report(const JobLayers& layers, const JobBody& body, io::Report
     static constexpr std::array captions{
         "target: total reflectance wanted", "total reflectance of the stacks",
         "distance of the profiles: white 0, yellow 0.02, orange 0.05, red 0.1, black 0.2"};
-    static constexpr View top_only[] = {View::top};
-    const std::span<const View> views = body.is_picture ? std::span<const View>(top_only) : all_views();
-    PreviewOptions options;
-    options.samples = 3;
-    options.colour_per_sample = true;
-    if (body.is_picture) options.margin_px = 0;
-    options.px_per_mm = std::min(fitting_scale(surfaces[0], views, body.is_picture ? 1000 : 640, options), 1 / 0.085);
-    for (const View view : views) report.views.push_back({view_name(view), {}});
-    for (std::size_t s = 0; s < surfaces.size(); ++s) {
-        const std::vector<Preview> pictures = render_views(surfaces[s], views, options, &progress);
-        for (std::size_t v = 0; v < views.size(); ++v) {
-            const io::Picture8 codes = io::encode_transparent(pictures[v].picture);
-            report.views[v].pictures.push_back({captions[s],
-                                                io::png_bytes(codes, {pictures[v].px_per_mm, pictures[v].px_per_mm}),
-                                                codes.width_px, codes.height_px, pictures[v].px_per_mm});
-        }
-    }
+    ReportViews views(surfaces[0], body.is_picture, 0, report, progress);
+    std::array<io::Picture8, 3> drawn;
+    for (std::size_t s = 0; s < surfaces.size(); ++s) drawn[s] = views.add(captions[s], surfaces[s]);
     if (!surfaces[0].triangles.empty()) {
         const std::array painted{PaintedSurface{"target", "total reflectance wanted", surfaces[0]},
                                  PaintedSurface{"print", captions[1], surfaces[1]},
@@ -358,9 +345,9 @@ void draw_layers_report(const JobLayers& layers, const JobBody& body, io::Report
             viewer_painted(painted, body.grid.origin_mm, body.is_picture, false, surface_bytes_left(report), &progress);
     }
     if (!body.is_picture) return;
-    io::write_whole_file(folder / report_file::target_png, report.views[0].pictures[0].png);
-    io::write_whole_file(folder / report_file::predicted_png, report.views[0].pictures[1].png);
-    io::write_whole_file(folder / report_file::difference_png, report.views[0].pictures[2].png);
+    static constexpr std::array files{report_file::target_png, report_file::predicted_png, report_file::difference_png};
+    for (std::size_t s = 0; s < files.size(); ++s)
+        io::write_whole_file(folder / files[s], io::png_bytes(drawn[s], {views.px_per_mm(), views.px_per_mm()}));
 }
 
 std::string layers_summary(const JobLayers& layers) {

@@ -9,6 +9,7 @@
 #include "voxtone/base/peak_memory.h"
 #include "voxtone/io/pictures/picture_writer.h"
 #include "voxtone/io/report/report_html.h"
+#include "voxtone/io/report/report_picture.h"
 #include "voxtone/slicer/look/prediction_files.h"
 #include "voxtone/slicer/look/preview.h"
 #include "voxtone/slicer/look/viewer_surface.h"
@@ -39,8 +40,7 @@ void add_resins(const StackVolume& stack, io::Report& report) {
 }
 
 io::ReportPicture picture_of(const char* caption, const io::LinearPicture& linear, double px_per_mm) {
-    const io::Picture8 codes = io::encode_transparent(linear);
-    return {caption, io::png_bytes(codes), codes.width_px, codes.height_px, px_per_mm};
+    return io::report_picture(caption, io::encode_transparent(linear), px_per_mm);
 }
 
 void add_body_views(const StackVolume& stack, const SurfacePrediction& prediction, double cell_mm, io::Report& report) {

@@ -77,7 +77,7 @@ class Cut {
   /// What is carried of the print.
   describe() {
     const { step, size, packed } = this.voxels;
-    const words = step.map((s) => (s === 1 ? "every" : s === 2 ? "every second" : `every ${s}th`));
+    const words = step.map((s) => ["", "every", "every second", "every third"][s] || `every ${s}th`);
     const carried = step.every((s) => s === 1)
       ? "The page carries every voxel"
       : `The page carries ${words[0]} voxel along x, ${words[1]} along y and ${words[2]} layer`;

@@ -100,7 +100,7 @@ TEST_CASE("Pictures are in the page as they are") {
                                       {{'M', 'a'}, "TWE="},
                                       {{'M'}, "TQ=="},
                                       {{0xFB, 0xFF, 0xFE, 0x00}, "+//+AA=="}}) {
-        three.png = bytes;
+        three.file = bytes;
         report.views = {{"v", {three}}};
         CHECK_THAT(report_html(report), Contains("base64," + text + "\""));
     }

@@ -378,5 +378,5 @@ TEST_CASE("A cut shows the layers upright") {
     CHECK(picture.width_px == 2);
     CHECK(picture.height_px == 2);
     CHECK(picture.px_per_mm == 1);
-    CHECK(picture.png.size() > 50);
+    CHECK(picture.file.size() > 50);
 }

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// A report's views: what several surfaces of one shape look like, from each side, pictures of a side beside each other.
+#pragma once
+
+#include <span>
+
+#include "voxtone/base/progress.h"
+#include "voxtone/io/pictures/picture_writer.h"
+#include "voxtone/io/report/report.h"
+#include "voxtone/slicer/look/preview.h"
+
+namespace voxtone::slicer {
+
+class ReportViews {
+public:
+    /// In a scale that shows all of `framed` from every side, a picture's from above alone. `finest_mm`: what the
+    /// colours are filtered to; a picture that has coarser pixels averages them, 0: any does.
+    ReportViews(const ColouredSurface& framed, bool is_picture, double finest_mm, io::Report& report,
+                const Progress& progress);
+
+    /// Draws it from every side. The first side's picture, for a file.
+    io::Picture8 add(const char* caption, const ColouredSurface& surface);
+
+    [[nodiscard]] double px_per_mm() const { return options_.px_per_mm; }
+
+private:
+    std::span<const View> views_;
+    PreviewOptions options_;
+    io::Report& report_;
+    const Progress& progress_;
+};
+
+}  // namespace voxtone::slicer
