@@ -15,9 +15,10 @@ std::vector<std::string> remarks_of(const TransportSummary& s) {
     if (s.kept_values > 0) {
         const double share = static_cast<double>(s.clipped_values) / static_cast<double>(s.kept_values);
         if (share > much_clipped)
-            remarks.push_back("the prediction kept " + percent(share) +
-                              " of its light clipped to what 16 bits hold (0 to 2 times the light around the body): "
-                              "dark or very bright places may be wrong there; compare with --model monte-carlo");
+            remarks.push_back(
+                "the prediction kept " + percent(share) +
+                " of its light clipped to what 16 bits hold (from 0 to 2 times the light around the body): "
+                "dark or very bright places may be wrong there; compare with --model monte-carlo");
     }
     if (s.cut_for_memory)
         remarks.push_back("the prediction was cut into " + std::to_string(s.pieces) +

@@ -64,7 +64,7 @@ struct TransportSummary {
     /// Largest of all channels: sum of those changes / what leaves, both as flux.
     double mean_change = 0;
     int open_solves = 0;  ///< diffusion solves that ended without reaching their tolerance
-    /// Values of light that were put into 16 bits to be kept, and those that were clipped there (viewing_field.h).
+    /// Values of light that were put into 16 bits to be kept, and those that lost what is seen there (viewing_field.h).
     std::size_t kept_values = 0, clipped_values = 0;
 };
 

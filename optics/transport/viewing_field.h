@@ -36,10 +36,12 @@ struct ViewingField {
 inline constexpr float phi_step = 2.0f / 65535, J_step = 1.0f / 32767;
 inline constexpr float signed_step = 2 * phi_step, signed_zero = 32768;  ///< of phi of an adjoint
 
-/// Whether a code holds this to half a step.
-[[nodiscard]] inline bool phi_fits(float phi) { return phi > -0.5f * phi_step && phi < 2 + 0.5f * phi_step; }
-[[nodiscard]] inline bool signed_fits(float phi) { return std::abs(phi) < 2 + 0.5f * signed_step; }
-[[nodiscard]] inline bool J_fits(float J) { return std::abs(J) < 1 + 0.5f * J_step; }
+/// Whether a code holds this, or all of it but what nobody sees: corrections by diffusion leave dark places with light
+/// a little below none.
+inline constexpr float unseen = 1.0f / 256;
+[[nodiscard]] inline bool phi_fits(float phi) { return phi > -unseen && phi < 2 + unseen; }
+[[nodiscard]] inline bool signed_fits(float phi) { return std::abs(phi) < 2 + unseen; }
+[[nodiscard]] inline bool J_fits(float J) { return std::abs(J) < 1 + unseen; }
 
 [[nodiscard]] inline std::uint16_t phi_code(float phi) {
     return static_cast<std::uint16_t>(std::clamp(phi * (1 / phi_step) + 0.5f, 0.0f, 65535.0f));

@@ -9,6 +9,7 @@
 
 #include "voxtone/base/random.h"
 #include "voxtone/optics/transport/transport.h"
+#include "voxtone/optics/transport/viewing_field.h"
 
 using namespace voxtone::optics;
 
@@ -59,6 +60,19 @@ TEST_CASE("What went less than well in a prediction is remarked, and nothing els
     late.mean_change = 0.057;
     REQUIRE(remarks_of(late).size() == 1);
     CHECK(says(remarks_of(late), "by 5.7 % on average"));
+}
+
+TEST_CASE("Light is clipped where it is seen, not where a correction leaves a little below none") {
+    CHECK(phi_fits(-0.003f));
+    CHECK_FALSE(phi_fits(-0.005f));
+    CHECK(phi_fits(2.003f));
+    CHECK_FALSE(phi_fits(2.005f));
+    CHECK(phi_code(-0.003f) == 0);
+    CHECK(phi_code(2.003f) == 65535);
+    CHECK(signed_fits(-2));
+    CHECK_FALSE(signed_fits(-2.005f));
+    CHECK(J_fits(1));
+    CHECK_FALSE(J_fits(-1.005f));
 }
 
 TEST_CASE("Open solves and late changes are counted where they happen") {
