@@ -121,8 +121,8 @@ struct ReportTable {
 
 /// Lines on a white ground.
 struct ReportDrawing {
-    std::string caption;
-    std::string svg;  ///< of ours (plot_svg.h): goes into the page as it is
+    std::string caption;  ///< may be empty
+    std::string svg;      ///< of ours (plot_svg.h): goes into the page as it is
 };
 
 struct ReportSection {
@@ -131,6 +131,8 @@ struct ReportSection {
     std::vector<ReportTable> tables;
     std::vector<ReportPicture> pictures;
     std::vector<ReportDrawing> drawings;
+    std::string listing = {};  ///< lines in letters of one width; may be empty
+    bool printed = false;      ///< also where the page is put on paper
 };
 
 struct Report {
@@ -139,7 +141,7 @@ struct Report {
     std::string printer_id, printer_name;
     std::array<double, 3> pitch_um{};
     std::array<double, 3> size_mm{};         ///< of the body's box
-    std::array<std::uint32_t, 3> size_px{};  ///< columns, rows, layers
+    std::array<std::uint32_t, 3> size_px{};  ///< columns, rows, layers; no layers: the page is of no stack
     std::uint64_t body_voxels = 0;
     std::vector<ReportResin> resins;
     std::vector<std::string> warnings;

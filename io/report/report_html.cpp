@@ -111,6 +111,9 @@ void add_head(std::string& html, const Report& report) {
         html_text(report.title), style_of(report), html_text(report.title), printer);
 }
 
+/// Else there is nothing to print, and nothing to assign resins to.
+bool is_of_a_stack(const Report& report) { return report.size_px[2] > 0; }
+
 void add_summary(std::string& html, const Report& report) {
     double ml = 0;
     for (const ReportResin& resin : report.resins) ml += resin.ml;
@@ -168,7 +171,8 @@ void add_warnings(std::string& html, const Report& report) {
 
 void add_views(std::string& html, const Report& report) {
     if (report.views.empty()) return;
-    html += "<section class=\"views\">\n<h2>What to expect</h2>\n<div class=\"tabs\"></div>\n";
+    html += fmt::format("<section class=\"views\">\n<h2>{}</h2>\n<div class=\"tabs\"></div>\n",
+                        html_text(report.viewer.heading));
     for (const ReportView& view : report.views) {
         html += fmt::format("<div class=\"view\" data-name=\"{0}\"><h3>{0}</h3>\n", html_text(view.name));
         add_pictures(html, view.pictures);
@@ -284,7 +288,7 @@ void add_gamut(std::string& html, const Report& report) {
 }
 
 void add_resins(std::string& html, const Report& report) {
-    if (report.resins.empty()) return;
+    if (report.resins.empty() || !is_of_a_stack(report)) return;
     html +=
         "<section>\n<h2>Resin assignment</h2>\n<p class=\"soft\">In the printer's software, assign each bitmap colour "
         "the resin "
@@ -378,19 +382,22 @@ void add_table(std::string& html, const ReportTable& table) {
 void add_drawings(std::string& html, const std::vector<ReportDrawing>& drawings) {
     html += "<div class=\"drawings\">\n";
     for (const ReportDrawing& drawing : drawings)
-        html +=
-            fmt::format("<figure>{}<figcaption>{}</figcaption></figure>\n", drawing.svg, html_text(drawing.caption));
+        html += drawing.caption.empty() ? fmt::format("<figure>{}</figure>\n", drawing.svg)
+                                        : fmt::format("<figure>{}<figcaption>{}</figcaption></figure>\n", drawing.svg,
+                                                      html_text(drawing.caption));
     html += "</div>\n";
 }
 
 void add_sections(std::string& html, const Report& report) {
     for (const ReportSection& section : report.sections) {
-        html += fmt::format("<section class=\"detail\">\n<h2>{}</h2>\n", html_text(section.title));
+        html += fmt::format("<section{}>\n<h2>{}</h2>\n", section.printed ? "" : " class=\"detail\"",
+                            html_text(section.title));
         for (const std::string& paragraph : section.paragraphs)
             html += fmt::format("<p>{}</p>\n", html_text(paragraph));
         if (!section.pictures.empty()) add_pictures(html, section.pictures);
         if (!section.drawings.empty()) add_drawings(html, section.drawings);
         for (const ReportTable& table : section.tables) add_table(html, table);
+        if (!section.listing.empty()) html += fmt::format("<pre>{}</pre>\n", html_text(section.listing));
         html += "</section>\n";
     }
 }
@@ -447,7 +454,7 @@ std::string report_html(const Report& report) {
     html += viewer_panels(report);
     add_views(html, report);
     html += worst_section(report);
-    add_summary(html, report);
+    if (is_of_a_stack(report)) add_summary(html, report);
     add_prediction(html, report);
     add_loop(html, report);
     add_resins(html, report);

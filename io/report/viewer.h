@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "voxtone/io/layers/rgb.h"
@@ -20,6 +21,13 @@ struct ViewerLook {
     std::string name;               ///< of a button: "target"
     std::string caption;            ///< what is seen, in a sentence's length
     std::vector<std::uint8_t> rgb;  ///< sRGB codes, three a place
+};
+
+/// A part of a picture that has a name and figures of its own: a square of a printed target.
+struct ViewerPart {
+    std::string name;
+    std::vector<std::pair<std::string, std::string>> figures;  ///< what, how much
+    std::vector<std::pair<std::size_t, double>> shares;  ///< number of a resin of the report, from 0, and its part
 };
 
 /// A difference in tenths of CIEDE2000 for every place; 255: 25.5 and more.
@@ -34,9 +42,14 @@ struct ViewerSurface {
     std::vector<std::uint32_t> triangles;       ///< of a body, three vertices each, counter-clockwise from outside
     std::vector<std::uint8_t> covered;          ///< of a picture: 0 where there is nothing
     std::vector<ViewerLook> looks;              ///< target first, print second where there are such
-    ViewerDifferences seen;                     ///< from the viewing distance; may be empty
-    ViewerDifferences single;                   ///< place by place, before the eye blurs; may be empty
-    std::string note;                           ///< what a place is
+    std::string asked = "target";               ///< the looks that the probe compares, by their names
+    std::string expected = "print";
+    ViewerDifferences seen;              ///< from the viewing distance; may be empty
+    ViewerDifferences single;            ///< place by place, before the eye blurs; may be empty
+    std::vector<ViewerPart> parts;       ///< of a picture; may be empty
+    std::vector<std::uint16_t> part_of;  ///< a place: the number of its part, from 1; 0: none
+    bool to_scale = true;                ///< false: its mm are nothing to measure by
+    std::string note;                    ///< what a place is
 
     [[nodiscard]] bool is_picture() const { return size_px[0] > 0; }
 };
@@ -70,9 +83,11 @@ struct ViewerPlace {
     double seen = 0;                          ///< CIEDE2000 from the viewing distance
     Rgb target{}, print{};                    ///< as seen from there
     std::string cause, advice;                ///< a few words each
+    std::string name = {};                    ///< instead of where it is; may be empty
 };
 
 struct ReportViewer {
+    std::string heading = "What to expect";
     std::optional<ViewerSurface> surface;
     std::optional<ViewerVoxels> voxels;
     std::vector<ViewerPlace> worst;  ///< the worst first

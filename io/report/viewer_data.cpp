@@ -70,16 +70,42 @@ std::string packed_triangles(const std::vector<std::uint32_t>& triangles) {
     return packed(bytes);
 }
 
+/// Low bytes of all numbers, then high bytes.
+std::string packed_numbers(const std::vector<std::uint16_t>& numbers) {
+    Bytes bytes;
+    for (const int shift : {0, 8})
+        for (const std::uint16_t number : numbers) bytes.push_back(static_cast<std::uint8_t>(number >> shift));
+    return packed(bytes);
+}
+
+void add_parts(JsonWriter& json, const ViewerSurface& s) {
+    if (s.parts.empty()) return;
+    VOXTONE_EXPECT(s.part_of.size() == s.covered.size());
+    json.add("part_of", packed_numbers(s.part_of)).key("parts").begin_list();
+    for (const ViewerPart& part : s.parts) {
+        json.begin_object().add("name", part.name).key("figures").begin_list();
+        for (const auto& [what, text] : part.figures)
+            json.begin_object().add("what", what).add("text", text).end_object();
+        json.end_list().key("shares").begin_list();
+        for (const auto& [resin, share] : part.shares)
+            json.begin_object().add("resin", resin).add("share", share).end_object();
+        json.end_list().end_object();
+    }
+    json.end_list();
+}
+
 void add_surface(JsonWriter& json, const ViewerSurface& s) {
     const std::size_t places = s.is_picture() ? std::size_t{s.size_px[0]} * s.size_px[1] : s.positions.size() / 3;
     json.line().key("surface").begin_object();
     json.add("low_mm", s.low_mm).add("high_mm", s.high_mm).add("place_mm", s.place_mm).add("places", places);
     if (s.is_picture()) {
         json.add("size_px", s.size_px).add("covered", packed(s.covered));
+        add_parts(json, s);
     } else {
         json.add("positions", packed_positions(s.positions));
         json.add("indices", s.triangles.size()).add("triangles", packed_triangles(s.triangles));
     }
+    json.add("asked", s.asked).add("expected", s.expected).add("to_scale", s.to_scale);
     json.add("note", s.note).key("looks").begin_list();
     for (const ViewerLook& look : s.looks) {
         VOXTONE_EXPECT(look.rgb.size() == 3 * places);
@@ -116,7 +142,8 @@ void add_worst(JsonWriter& json, const std::vector<ViewerPlace>& worst) {
 
 std::string viewer_json(const ReportViewer& viewer, std::span<const ViewerResin> resins, std::string_view about) {
     JsonWriter json;
-    json.begin_object().add("viewing_distance_mm", viewer.viewing_distance_mm).add("about", about);
+    json.begin_object().add("heading", viewer.heading).add("viewing_distance_mm", viewer.viewing_distance_mm);
+    json.add("about", about).add("cut", viewer.voxels.has_value());
     json.line().key("resins").begin_list();
     for (const ViewerResin& resin : resins)
         json.begin_object().add("name", resin.name).add("role", resin.role).add("rgb", resin.rgb).end_object();

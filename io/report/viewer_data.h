@@ -7,6 +7,7 @@
 //   positions     the same in 16 bits: low bytes of x of all vertices, then high bytes; then y, then z
 //   triangles     index minus the index before, zigzag, as LEB128
 //   differences   bytes as they are
+//   parts         numbers: low bytes of all places, then high bytes
 #pragma once
 
 #include <cstddef>

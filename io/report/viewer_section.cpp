@@ -34,12 +34,29 @@ std::string swatch(const Rgb& rgb) {
     return fmt::format("<span class=\"swatch\" style=\"background:rgb({}, {}, {})\"></span>", rgb[0], rgb[1], rgb[2]);
 }
 
+/// A name, or where it is.
+std::string place_text(const ViewerPlace& place) {
+    if (!place.name.empty()) return fmt::format("{:.2f} {}", place.seen, html_text(place.name));
+    return fmt::format("{:.1f} at x {:.1f}, y {:.1f}, z {:.1f} mm", place.seen, place.at_mm[0], place.at_mm[1],
+                       place.at_mm[2]);
+}
+
 std::string place_item(const ViewerPlace& place, std::size_t number) {
     return fmt::format(
-        "<li><button type=\"button\" class=\"place\" data-place=\"{}\" disabled>{}{} {:.1f} at x {:.1f}, y {:.1f}, z "
-        "{:.1f} mm: {}</button></li>\n",
-        number, swatch(place.target), swatch(place.print), place.seen, place.at_mm[0], place.at_mm[1], place.at_mm[2],
-        html_text(place.cause));
+        "<li><button type=\"button\" class=\"place\" data-place=\"{}\" disabled>{}{} {}: {}</button></li>\n", number,
+        swatch(place.target), swatch(place.print), place_text(place), html_text(place.cause));
+}
+
+/// What the list is of.
+std::string worst_sentence(const ReportViewer& viewer) {
+    if (viewer.surface && !viewer.surface->parts.empty())
+        return fmt::format("Squares that differ most: {} and {}, CIEDE2000, and the value that is farthest off.",
+                           viewer.surface->asked, viewer.surface->expected);
+    const std::string from =
+        viewer.viewing_distance_mm > 0 ? fmt::format(", seen from {:g} mm", viewer.viewing_distance_mm) : "";
+    return fmt::format("Places that differ most{}: {} and {}, CIEDE2000, and what limits it there.", from,
+                       viewer.surface ? viewer.surface->asked : "target",
+                       viewer.surface ? viewer.surface->expected : "print");
 }
 
 /// What to do there, each word once.
@@ -97,10 +114,9 @@ std::string worst_section(const Report& report) {
     const std::vector<ViewerPlace>& worst = report.viewer.worst;
     if (worst.empty()) return {};
     std::string html = fmt::format(
-        "<section>\n<h2>Where it is worst</h2>\n<p class=\"soft\">Places that differ most, seen from {:g} mm: target "
-        "and print, CIEDE2000, and what limits it there.<span class=\"screen-only\"> A click turns the view above to "
-        "the place.</span></p>\n<div class=\"worst-grid\"><div><ol class=\"worst\">\n",
-        report.viewer.viewing_distance_mm);
+        "<section>\n<h2>Where it is worst</h2>\n<p class=\"soft\">{}<span class=\"screen-only\"> A click turns the "
+        "view above to the place.</span></p>\n<div class=\"worst-grid\"><div><ol class=\"worst\">\n",
+        html_text(worst_sentence(report.viewer)));
     for (std::size_t i = 0; i < worst.size(); ++i) html += place_item(worst[i], i);
     html += "</ol>\n" + advice_list(worst) + "</div>\n";
     if (report.verdict) html += histogram_table(report.verdict->seen_histogram);

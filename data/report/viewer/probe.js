@@ -20,16 +20,38 @@ class Probe {
     document.getElementById("probe-values").hidden = !hit;
     document.getElementById("probe-hint").hidden = Boolean(hit);
     if (!hit) return;
-    this.swatch("probe-target", "target", hit.place);
-    this.swatch("probe-print", "print", hit.place);
-    const { seen, single } = this.surface;
+    const { asked, expected, parts } = this.surface;
+    this.swatch("probe-target", asked, hit.place);
+    this.swatch("probe-print", expected, hit.place);
     const rows = [];
+    if (parts.length) this.showPart(hit, rows);
+    else this.showPlace(hit, rows);
+    this.list.replaceChildren(...rows.flatMap(([term, text]) => [element("dt", term), element("dd", text)]));
+  }
+
+  showPlace(hit, rows) {
+    const { seen, single } = this.surface;
     if (seen) rows.push([`CIEDE2000 at ${this.viewingDistance} mm`, differenceText(seen[hit.place])]);
     if (single) rows.push(["CIEDE2000, this spot", differenceText(single[hit.place])]);
     this.under(hit, rows);
     rows.push(["x, y, z, mm", hit.at.map((x) => x.toFixed(2)).join("  ")]);
     if (hit.column !== undefined) rows.push(["column, row", `${hit.column}, ${hit.row}`]);
-    this.list.replaceChildren(...rows.flatMap(([term, text]) => [element("dt", term), element("dd", text)]));
+  }
+
+  /// What is known of the part that the place belongs to, and other looks' colours of the place itself.
+  showPart(hit, rows) {
+    const { surface } = this;
+    const part = surface.partAt(hit.place);
+    rows.push(["square", part ? part.name : "none: nothing is predicted here"]);
+    if (part) rows.push(...part.figures.map(({ what, text }) => [what, text]));
+    for (const { name, rgb } of surface.looks)
+      if (rgb && ![surface.asked, surface.expected, "difference"].includes(name))
+        rows.push([`${name}, this spot`, hexOf(rgb.subarray(3 * hit.place, 3 * hit.place + 3))]);
+    if (surface.toScale) rows.push(["x, y, mm", hit.at.slice(0, 2).map((x) => x.toFixed(1)).join("  ")]);
+    this.mixture.replaceChildren();
+    if (!part) return;
+    this.mixture.append(element("h4", "Resins"));
+    this.addShares("", new Map(part.shares.map(({ resin, share }) => [resin + 1, share])));
   }
 
   /// With what has been unpacked since.
@@ -44,7 +66,9 @@ class Probe {
     if (!look || !look.rgb) return;
     const rgb = look.rgb.subarray(3 * place, 3 * place + 3);
     swatch.style.background = cssOf(rgb);
-    swatch.parentElement.querySelector("span").textContent = hexOf(rgb);
+    const caption = swatch.parentElement.querySelector("figcaption");
+    caption.firstChild.textContent = `${name} `;
+    caption.querySelector("span").textContent = hexOf(rgb);
   }
 
   under(hit, rows) {
@@ -55,13 +79,14 @@ class Probe {
     const largest = Math.max(...this.voxels.pitch.map((pitch, a) => pitch * this.voxels.step[a]));
     if (thickness > 0) rows.push(["thickness here", `${thickness.toFixed(thickness < 3 ? 2 : 1)} mm ± ${largest.toFixed(2)}`]);
     this.mixture.append(element("h4", "Resins by depth"));
-    shares.forEach((share, d) => this.addDepth(share, d));
+    shares.forEach((share, d) => this.addShares(`${PROBE_DEPTHS_MM[d]} to ${PROBE_DEPTHS_MM[d + 1]} mm`, share));
   }
 
-  addDepth(share, d) {
+  /// A bar of resins, by their materials.
+  addShares(where, share) {
     const row = element("div");
     row.className = "depth";
-    row.append(element("span", `${PROBE_DEPTHS_MM[d]} to ${PROBE_DEPTHS_MM[d + 1]} mm`));
+    row.append(element("span", where));
     const bar = element("i");
     const all = [...share.values()].reduce((sum, n) => sum + n, 0);
     const words = [];

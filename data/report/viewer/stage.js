@@ -12,7 +12,7 @@ class Stage {
     this.scene = new Scene(this.canvas, surface);
     this.camera = new Camera(surface.low, surface.high, surface.isPicture);
     this.names = surface.looks.map((look) => look.name);
-    this.compared = this.names.includes("print") ? "print" : this.names[this.names.length - 1];
+    this.compared = this.names.includes(surface.expected) ? surface.expected : this.names[this.names.length - 1];
     this.state = { left: this.names[0], right: this.compared, at: 0.5, divided: this.names.length > 1, lit: false };
     this.section = null;
     this.marked = null;
@@ -239,7 +239,8 @@ class Stage {
     if (this.scene.section && plane) this.scene.section.plane = plane;
     this.scene.draw(this.camera, { left, right, divider: divided ? at : 0, lit });
     this.succeed();
-    showScale(this.box, this.canvas.clientHeight / (2 * this.camera.halfHeight));
+    this.box.querySelector(".viewer-scale").hidden = !this.surface.toScale;
+    if (this.surface.toScale) showScale(this.box, this.canvas.clientHeight / (2 * this.camera.halfHeight));
     this.mark.hidden = !this.marked;
     if (!this.marked) return;
     const [x, y] = this.camera.project(this.marked);

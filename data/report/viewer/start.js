@@ -26,10 +26,10 @@ const listenToKeys = (stage, tools) => {
 const KEYS_OF_BODIES =
   "1, 2, 3 … show one alone; space flips; d compares with a divider (arrows move it where it has the focus); drag or " +
   "arrows turn; shift with drag pans; wheel (after a click), pinch, + and − zoom; 0 resets; l lights; p probes the " +
-  "middle; c cuts the body.";
+  "middle";
 const KEYS_OF_PICTURES =
   "1, 2, 3 … show one alone; space flips; d compares with a divider (arrows move it where it has the focus); drag or " +
-  "arrows pan; wheel (after a click), pinch, + and − zoom; 0 resets; p probes the middle; c cuts the body.";
+  "arrows pan; wheel (after a click), pinch, + and − zoom; 0 resets; p probes the middle";
 
 const showWorst = (stage, worst) => {
   for (const button of document.querySelectorAll("button.place")) {
@@ -48,8 +48,12 @@ const startStage = (surface, data) => {
   document.documentElement.classList.add("has-viewer");
   try {
     const stage = new Stage(surface, new Probe(surface, data.resins, data.viewing_distance_mm));
+    section.querySelector("h2").textContent = data.heading;
     document.getElementById("viewer-note").textContent = `${surface.note} ${data.about}`;
-    document.getElementById("viewer-keys").textContent = surface.isPicture ? KEYS_OF_PICTURES : KEYS_OF_BODIES;
+    document.getElementById("viewer-keys").textContent =
+      `${surface.isPicture ? KEYS_OF_PICTURES : KEYS_OF_BODIES}${data.cut ? "; c cuts the body" : ""}.`;
+    if (surface.parts.length)
+      document.getElementById("probe-hint").textContent = "Point at a square, or press p for the middle.";
     stage.canvas.addEventListener("webglcontextlost", endStage);
     return stage;
   } catch {

@@ -11,6 +11,12 @@ class Surface {
     this.note = packed.note;
     this.isPicture = Boolean(packed.size_px);
     this.size = packed.size_px;
+    /// Names of the looks that are compared.
+    this.asked = packed.asked;
+    this.expected = packed.expected;
+    this.toScale = packed.to_scale;
+    /// Of a picture: what has a name and figures of its own.
+    this.parts = packed.parts || [];
     this.looks = packed.looks.map(({ name, caption }) => ({ name, caption }));
     this.fetched = new Map();
     if (packed.seen || packed.single) this.addDifference(packed.seen ? ` as seen from ${distance} mm` : "");
@@ -39,6 +45,7 @@ class Surface {
       const { packed } = this;
       if (this.isPicture) {
         this.covered = await inflated(packed.covered);
+        if (packed.part_of) this.partOf = await unpackNumbers(packed.part_of, packed.places);
       } else {
         this.triangles = await unpackTriangles(packed.triangles, packed.indices);
         this.positions = await unpackPositions(packed.positions, packed.places, packed.low_mm, packed.high_mm);
@@ -63,6 +70,11 @@ class Surface {
       if (this.packed.seen) this.seen = await inflated(this.packed.seen);
       if (this.packed.single) this.single = await inflated(this.packed.single);
     });
+  }
+
+  /// Which part a place belongs to; undefined: none.
+  partAt(place) {
+    return this.partOf && this.parts[this.partOf[place] - 1];
   }
 
   get normals() {

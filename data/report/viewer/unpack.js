@@ -30,6 +30,12 @@ const unpackColours = async (base64, places) => {
   return rgb;
 };
 
+/// Numbers of 16 bits.
+const unpackNumbers = async (base64, count) => {
+  const packed = await inflated(base64);
+  return Uint16Array.from({ length: count }, (_, i) => packed[i] + 256 * packed[count + i]);
+};
+
 /// Three coordinates a vertex, mm.
 const unpackPositions = async (base64, count, low, high) => {
   const packed = await inflated(base64);
