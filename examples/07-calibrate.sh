@@ -18,11 +18,13 @@ mkdir -p "$out"
 "$voxtone" calibrate simulate "$out/target/target.json" --resins "$here/07-resins.json" --overwrite \
     --tilt-x 8 --turn 20 --lamp 1500 --lamp-azimuth 200 --vignetting 0.25 --exposure 0.8 --dust 150 --scratches 12 --seed 2 -o "$out/photo-2.tif"
 
-# 3. What the squares reflect; look at patches-overlay.png to see what was sampled.
-"$voxtone" calibrate photo "$out/photo-1.tif" "$out/photo-2.tif" --target "$out/target/target.json" --overwrite -o "$out/patches.csv"
+# 3. What the squares reflect; look at patches-overlay.png to see what was sampled. straight.png is the target alone.
+"$voxtone" calibrate photo "$out/photo-1.tif" "$out/photo-2.tif" --target "$out/target/target.json" \
+    --picture "$out/straight.png" --overwrite -o "$out/patches.csv"
 
-# 4. The resins, and how well they predict what the squares truly reflect. Mixtures are dithers of the printer's voxels.
-"$voxtone" calibrate fit "$out/patches.csv" --printer stratasys-j750-hm --name recovered --overwrite -o "$out/resins.json"
+# 4. The resins, with a page to look at, and how well they predict what the squares truly reflect. Mixtures are dithers of the printer's voxels.
+"$voxtone" calibrate fit "$out/patches.csv" --printer stratasys-j750-hm --name recovered --overwrite -o "$out/resins.json" \
+    --report "$out/resins.html" --target "$out/target/target.json" --picture "$out/straight.png"
 "$voxtone" calibrate check "$out/resins.json" "$out/truth.csv" --printer stratasys-j750-hm
 
 # 5. Slicing with them.

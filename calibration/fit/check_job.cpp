@@ -2,14 +2,22 @@
 #include "voxtone/calibration/fit/check_job.h"
 
 #include "voxtone/calibration/fit/fit_text.h"
+#include "voxtone/calibration/fit/patch_page.h"
 #include "voxtone/calibration/patches/patch_check.h"
+#include "voxtone/io/disk/output_files.h"
+#include "voxtone/io/files/whole_file.h"
 #include "voxtone/io/profiles/resin_file.h"
 
 namespace voxtone::calibration {
 
 JobResult run_check_job(const CheckJob& job, Progress& progress) {
+    job.map.validate(job.page);
+    if (!job.page.empty()) io::expect_outputs({job.page}, job.overwrite);
     const PatchTable table = read_measured_patches(job.patches, job.measured, job.model, progress);
-    const PatchCheck check = check_resins(io::find_resin_set(job.resins), table, job.model);
+    const optics::ResinSet set = io::find_resin_set(job.resins);
+    const PatchCheck check = check_resins(set, table, job.model);
+    if (!job.page.empty())
+        io::write_whole_file(job.page, check_report_html(table, check, set, read_patch_map(table, job.map, progress)));
     return {check_json(check, table), check_text(check, table)};
 }
 

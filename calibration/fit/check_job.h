@@ -6,6 +6,7 @@
 #include <string>
 
 #include "voxtone/base/job_result.h"
+#include "voxtone/calibration/fit/patch_map.h"
 #include "voxtone/calibration/patches/measured_patches.h"
 
 namespace voxtone::calibration {
@@ -15,9 +16,12 @@ struct CheckJob {
     std::string patches;  ///< file (calibration/patches/patch_file.h)
     MeasuredPatchOptions measured;
     PatchModelOptions model;  ///< g and eta are the set's
+    std::string page;         ///< to look at (patch_page.h); empty: none
+    PatchMapFiles map;        ///< of the page
+    bool overwrite = false;   ///< a page that is there is replaced
 };
 
-/// Throws Error (with its exit code).
+/// Throws Error (with its exit code); nothing is written then.
 [[nodiscard]] JobResult run_check_job(const CheckJob& job, Progress& progress);
 
 }  // namespace voxtone::calibration

@@ -40,6 +40,7 @@ void FitJob::validate() const {
     if (!prior.empty() && g_sweep)
         throw UsageError(
             "--g-sweep with --prior: what the edges say holds at their own g alone. Leave one of them out.");
+    map.validate(report);
     calibration::validate(options_of(*this));
 }
 
@@ -52,6 +53,7 @@ JobResult run_fit_job(const FitJob& job, Progress& progress) {
         options.model.g = options.prior.g, options.model.eta = options.prior.eta;
     }
     const PatchTable table = read_measured_patches(job.patches, job.measured, options.model, progress);
+    const PatchMap map = job.report.empty() ? PatchMap{} : read_patch_map(table, job.map, progress);
     const bool checked = !job.check.empty();
     const PatchTable others =
         checked ? read_measured_patches(job.check, job.measured, options.model, progress) : PatchTable{};
@@ -71,7 +73,7 @@ JobResult run_fit_job(const FitJob& job, Progress& progress) {
         extras.sweep = sweep_g(table, extras.checked, options, progress);
         text += sweep_text(extras.sweep);
     }
-    if (!job.report.empty()) io::write_whole_file(job.report, fit_report_html(fit, table, options));
+    if (!job.report.empty()) io::write_whole_file(job.report, fit_report_html(fit, table, options, map));
     text += fmt::format("\nWrote {} and {}\n", job.out, side_file(job.out).string());
     return {fit_json(fit, table, extras), text};
 }

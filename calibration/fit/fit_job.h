@@ -7,6 +7,7 @@
 #include <string>
 
 #include "voxtone/base/job_result.h"
+#include "voxtone/calibration/fit/patch_map.h"
 #include "voxtone/calibration/fit/resin_fit.h"
 #include "voxtone/calibration/patches/measured_patches.h"
 
@@ -22,6 +23,7 @@ struct FitJob {
     bool g_sweep = false;    ///< also fit for other g (g_sweep.h)
     std::string out;         ///< resin set; errors and doubts go beside it, as NAME.fit.json
     std::string report;      ///< page (fit_report.h); empty: none
+    PatchMapFiles map;       ///< of the page
     bool overwrite = false;  ///< files that are there are replaced
 
     /// Throws UsageError or InputError that names the option, its value and the rule.

@@ -8,37 +8,20 @@
 #include <fmt/format.h>
 
 #include "voxtone/calibration/fit/fit_text.h"
+#include "voxtone/calibration/fit/patch_page.h"
 #include "voxtone/calibration/fit/resin_coordinates.h"
 #include "voxtone/calibration/patches/patch_file.h"
-#include "voxtone/io/files/markup.h"
 #include "voxtone/io/report/plot_svg.h"
-#include "voxtone/optics/colour/colour.h"
+#include "voxtone/io/report/report_html.h"
 #include "voxtone/optics/layered/layer_on_base.h"
 
 namespace voxtone::calibration {
 
 namespace {
 
-using io::html_text;
 using io::Plot;
 using io::PlotAxis;
 using optics::Medium;
-
-const char* const style = R"(<style>
-body{font-family:sans-serif;margin:24px;max-width:1250px;color:#222;background:#fff}
-table{border-collapse:collapse;font-size:13px}td,th{padding:2px 10px;text-align:right;border-bottom:1px solid #ddd}
-td:first-child,th:first-child,td:last-child,th:last-child{text-align:left}
-.patches{display:flex;flex-wrap:wrap;gap:10px;background:#808080;padding:14px}
-.patch{width:112px;font-size:11px;color:#fff}.swatch{display:flex;height:56px}.swatch div{flex:1}
-.plots{display:flex;flex-wrap:wrap;gap:8px}pre{background:#f5f5f5;padding:10px;overflow-x:auto;font-size:12px}p{max-width:900px}
-</style>)";
-
-std::string css(const Eigen::Vector3d& rgb) {
-    const auto code = [](double linear) {
-        return static_cast<int>(std::lround(255 * optics::srgb_encode(std::clamp(linear, 0.0, 1.0))));
-    };
-    return fmt::format("#{:02x}{:02x}{:02x}", code(rgb[0]), code(rgb[1]), code(rgb[2]));
-}
 
 // The colour in which a channel or a resin is drawn.
 std::string channel_colour(const PatchTable& table, std::size_t channel) {
@@ -64,49 +47,25 @@ public:
                 dark_ = r;
     }
 
-    std::string html() const {
-        return fmt::format(
-            "<!doctype html><html lang=\"en\"><head><meta charset=\"utf-8\"><title>Calibration {0}</title>"
-            "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src "
-            "'unsafe-inline'\">{1}</head><body>\n"
-            "<h1>Calibration {0}</h1>\n<p>{2}. g = {3}, eta = {4}.</p>\n{5}{6}{7}{8}</body></html>\n",
-            html_text(fit_.set.name), style, html_text(fit_.set.source), fit_.set.g, fit_.set.eta, patches(), resins(),
-            principles(), values());
+    io::Report report(const PatchMap& map, double noise) const {
+        io::Report report = patch_report(table_, fit_.patches, fit_.set, map, noise);
+        report.title = fmt::format("Calibration {}", fit_.set.name);
+        report.sections[0].paragraphs.push_back(
+            fmt::format("{}. g = {}, eta = {}.", fit_.set.source, fit_.set.g, fit_.set.eta));
+        report.warnings = fit_.warnings;
+        report.sections.push_back(resins());
+        report.sections.push_back(principles());
+        report.sections.push_back(values());
+        return report;
     }
 
 private:
     Medium medium(std::size_t resin, std::size_t channel) const { return fit_.set.resins[resin].medium(channel); }
 
-    std::string patches() const {
-        const auto& d = fit_.patches.differences;
-        std::string text = fmt::format(
-            "<h2>Patches</h2>\n<p>Left measured, right predicted; CIEDE2000: mean {:.2f}, median {:.2f}, 95 % {:.2f}, "
-            "largest {:.2f}. "
-            "Noise counts here, most of all in dark patches.</p>\n",
-            d.mean, d.median, d.percentile_95, d.max);
-        std::vector<std::string> backings;
-        for (const Patch& patch : table_.patches)
-            if (std::ranges::find(backings, patch.backing) == backings.end()) backings.push_back(patch.backing);
-        for (const std::string& backing : backings) {
-            text += "<div class=\"patches\">\n";
-            for (std::size_t p = 0; p < table_.patches.size(); ++p) {
-                if (table_.patches[p].backing != backing) continue;
-                const CheckedPatch& of = fit_.patches.patches[p];
-                text += fmt::format(
-                    "<div class=\"patch\"><div class=\"swatch\"><div style=\"background:{}\"></div><div "
-                    "style=\"background:{}\"></div></div>{}<br>"
-                    "{:.2f}, &plusmn;{:.4f}</div>\n",
-                    css(of.measured_rgb), css(of.predicted_rgb), html_text(patch_name(table_.patches[p])),
-                    of.difference, of.worst);
-            }
-            text += "</div><br>\n";
-        }
-        return text + "<p>Under each patch its CIEDE2000 and its largest error of a reflectance.</p>\n";
-    }
-
     // Values over the channels, with errors.
-    std::string resins() const {
-        std::string text = "<h2>Resins</h2>\n<div class=\"plots\">\n";
+    io::ReportSection resins() const {
+        io::ReportSection section;
+        section.title = "Resins";
         const bool rgb = table_.channels.is_rgb();
         PlotAxis x{-0.5, 2.5, false, {}, "R, G, B"};
         if (!rgb) {
@@ -135,9 +94,10 @@ private:
             }
             draw(sigma, resin.sigma_t, at, rgb, [](double value) { return value; });
             draw(albedo, resin.albedo, at, rgb, [&](double value) { return v_of_albedo(value, g); });
-            text += sigma.svg() + albedo.svg();
+            section.drawings.push_back({"", sigma.svg()});
+            section.drawings.push_back({"", albedo.svg()});
         }
-        return text + "</div>\n";
+        return section;
     }
 
     template <class At, class Map>
@@ -173,15 +133,15 @@ private:
         return -1;
     }
 
-    std::string principles() const {
+    io::ReportSection principles() const {
         const double g = fit_.set.g;
-        std::string text =
-            "<h2>What the Principles see</h2>\n<p>1: reflectance of a base without end against its albedo. 2: of each "
-            "base's square upon the other, "
-            "against the square's optical thickness; flat ends tell nothing. 3: every resin's square upon the dark (to "
-            "the right) and the light base "
-            "(up), on a net of albedos (grey) and optical thicknesses (blue); where the net is narrow, noise "
-            "decides.</p>\n<div class=\"plots\">\n";
+        io::ReportSection section;
+        section.title = "What the Principles see";
+        section.paragraphs.push_back(
+            "1: reflectance of a base without end against its albedo. 2: of each base's square upon the other, against "
+            "the square's optical thickness; flat ends tell nothing. 3: every resin's square upon the dark (to the "
+            "right) and the light base (up), on a net of albedos (grey) and optical thicknesses (blue); where the net "
+            "is narrow, noise decides.");
         const std::vector<double> tenths{0, 0.2, 0.4, 0.6, 0.8, 1};
         const auto rho = [&](double albedo, double tau, const optics::OrdinateBase& base) {
             return optics::OrdinateLayer(*plan_, {tau * (1 - albedo), tau * albedo}, 1, false).upon(base).rho;
@@ -202,7 +162,7 @@ private:
                 if (seen >= 0)
                     first.point(v_of_albedo(fit_.resins[base].albedo[c].value, g), seen, channel_colour(table_, c));
             }
-        text += first.svg();
+        section.drawings.push_back({"", first.svg()});
 
         for (const auto& [top, below] : {std::pair{light_, dark_}, std::pair{dark_, light_}}) {
             Plot second({0.05, 50, true, {0.1, 1, 10}, "optical thickness of the square"},
@@ -218,7 +178,7 @@ private:
                 const double seen = measured(fit_.resins[top].role, fit_.resins[below].role, c, &mm);
                 if (seen >= 0) second.point(fit_.resins[top].sigma_t[c].value * mm, seen, channel_colour(table_, c));
             }
-            text += second.svg();
+            section.drawings.push_back({"", second.svg()});
         }
 
         for (const std::size_t c : shown_channels(table_)) {
@@ -249,13 +209,16 @@ private:
                 third.point(on_dark, on_light, channel_colour(table_, c));
                 third.label(on_dark, on_light, role, "#222");
             }
-            text += third.svg();
+            section.drawings.push_back({"", third.svg()});
         }
-        return text + "</div>\n";
+        return section;
     }
 
-    std::string values() const {
-        return fmt::format("<h2>Values</h2>\n<pre>{}</pre>\n", html_text(fit_text(fit_, table_)));
+    io::ReportSection values() const {
+        io::ReportSection section;
+        section.title = "Values";
+        section.listing = fit_text(fit_, table_);
+        return section;
     }
 
     const ResinFit& fit_;
@@ -266,8 +229,9 @@ private:
 
 }  // namespace
 
-std::string fit_report_html(const ResinFit& fit, const PatchTable& table, const FitOptions& options) {
-    return Page(fit, table, options).html();
+std::string fit_report_html(const ResinFit& fit, const PatchTable& table, const FitOptions& options,
+                            const PatchMap& map) {
+    return io::report_html(Page(fit, table, options).report(map, options.noise));
 }
 
 }  // namespace voxtone::calibration

@@ -10,6 +10,7 @@
 #include "voxtone/base/error.h"
 #include "voxtone/calibration/patches/patch_file.h"
 #include "voxtone/calibration/photo/photo_overlay.h"
+#include "voxtone/calibration/photo/target_picture.h"
 #include "voxtone/calibration/target/target_file.h"
 #include "voxtone/io/disk/output_files.h"
 #include "voxtone/io/files/whole_file.h"
@@ -28,6 +29,7 @@ std::string overlay_name(const PhotoJob& job, std::size_t photo) {
 std::vector<std::filesystem::path> outputs(const PhotoJob& job) {
     std::vector<std::filesystem::path> files{job.out};
     for (std::size_t p = 0; p < job.photos.size(); ++p) files.emplace_back(overlay_name(job, p));
+    if (!job.picture.empty()) files.emplace_back(job.picture);
     return files;
 }
 
@@ -35,6 +37,7 @@ std::vector<std::filesystem::path> outputs(const PhotoJob& job) {
 std::vector<PhotoMeasurement> measure_all(const PhotoJob& job, const Target& target, Progress& progress) {
     const CheckerChart chart = find_checker(job.checker);
     std::vector<PhotoMeasurement> photos;
+    TargetPicture picture(target);
     progress.begin_stage("photographs", job.photos.size(), "photographs");
     for (std::size_t p = 0; p < job.photos.size(); ++p) {
         progress.check_cancelled();
@@ -42,10 +45,12 @@ std::vector<PhotoMeasurement> measure_all(const PhotoJob& job, const Target& tar
         PhotoMeasurement& photo = photos.back();
         for (const std::string& warning : photo.warnings) progress.warn(warning);
         io::write_whole_file(overlay_name(job, p), io::png_bytes(photo_overlay(photo, chart)));
+        if (!job.picture.empty()) picture.add(photo);
         photo.photograph.pixels = {};
         progress.advance();
     }
     progress.end_stage();
+    if (!job.picture.empty()) io::write_whole_file(job.picture, io::png_bytes(picture.mean()));
     return photos;
 }
 

@@ -20,6 +20,7 @@ struct PhotoJob {
     PhotoMeasureOptions measure;             ///< corners by hand are those of one photograph
     std::string out;                         ///< table of patches (calibration/patches/patch_file.h)
     std::string overlay;     ///< picture of what was sampled, the next ones as NAME-2.png, ...; empty: beside the table
+    std::string picture;     ///< the target as it was measured, straightened (target_picture.h); empty: none
     bool overwrite = false;  ///< files that are there are replaced
 
     /// Throws UsageError that names the option and the rule it breaks.

@@ -33,9 +33,13 @@ Command add_calibrate_check_command(CLI::App& calibrate, const CalibrateJobs& jo
         calibrate.add_subcommand("check", "How well a resin set predicts measured patches, as CIEDE2000");
     add_resins_option(*command, a.job.resins, {}, "resins")->required();
     command->add_option("patches", a.job.patches, "CSV of measured patches")->required()->type_name("FILE");
+    command->add_option("-o,--out", a.job.page, "page to look at: patches measured and predicted")
+        ->type_name("FILE.html");
+    add_overwrite_option(*command, a.job.overwrite);
+    add_patch_map_options(*command, a.job.map);
     add_patch_options(*command, a.run.lengths, a.patches, a.job.measured);
     add_run_options(*command, a.run);
-    add_example(*command, "my-resins.json other-patches.csv");
+    add_example(*command, "my-resins.json other-patches.csv -o check.html");
     return [arguments, &jobs] { return run(*arguments, jobs); };
 }
 

@@ -52,6 +52,7 @@ Command add_calibrate_fit_command(CLI::App& calibrate, const CalibrateJobs& jobs
     add_overwrite_option(*command, a.job.overwrite);
     command->add_option("--report", a.job.report, "page to look at: patches measured and predicted, curves, errors")
         ->type_name("FILE.html");
+    add_patch_map_options(*command, a.job.map);
     command->add_option("--name", a.job.name, "name of the set; empty: that of the file");
     add_fit_options(*command, a.job.fit);
     add_patch_options(*command, a.run.lengths, a.patches, a.job.measured);

@@ -54,6 +54,10 @@ Command add_calibrate_photo_command(CLI::App& calibrate, const CalibrateJobs& jo
         ->check(CLI::Range(0.1, 0.9));
     command->add_option("--overlay", a.job.overlay, "picture of what was sampled; empty: beside the table")
         ->type_name("FILE");
+    command
+        ->add_option("--picture", a.job.picture,
+                     "PNG of the target as it was measured, straightened: the --picture of `calibrate fit --report`")
+        ->type_name("FILE.png");
     add_run_options(*command, a.run);
     add_example(*command, "front.tif turned.tif --target target/target.json -o patches.csv");
     return [arguments, &jobs] { return run(*arguments, jobs); };

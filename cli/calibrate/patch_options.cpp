@@ -31,6 +31,19 @@ void add_patch_options(CLI::App& command, LengthOptions& lengths, PatchOptions& 
         ->group("Model");
 }
 
+void add_patch_map_options(CLI::App& command, calibration::PatchMapFiles& files) {
+    command
+        .add_option("--target", files.target,
+                    "the page shows the patches where they lie on this target (target.json); empty: as a chart")
+        ->type_name("FILE")
+        ->group("Page");
+    command
+        .add_option("--picture", files.picture,
+                    "the page shows this photograph of the target too: what `calibrate photo --picture` wrote")
+        ->type_name("FILE.png")
+        ->group("Page");
+}
+
 void set_patch_model(const PatchOptions& options, calibration::PatchModelOptions& model) {
     if (!options.printer.empty() && !options.pitch.empty())
         throw UsageError("--printer and --pitch both give the voxel's size; give one of them");

