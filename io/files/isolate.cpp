@@ -256,12 +256,36 @@ bool IsolatedProgram::wait_for_answer(const Progress* progress) const {
     }
 }
 
+/// What a reader has read lies in memory that the system counts as a file.
+void IsolatedProgram::tell_of_file_limit() const {
+    rlimit files{};
+    getrlimit(RLIMIT_FSIZE, &files);
+    if (files.rlim_cur == RLIM_INFINITY || files.rlim_cur > limits_.memory_bytes) return;
+    throw TryAgain(fmt::format(
+        "reading {} makes more than the {} that a file of this process may have (`ulimit -f`); nothing is known to be "
+        "wrong with the file: try again with a higher limit",
+        what_, human(files.rlim_cur)));
+}
+
+/// Its lines to us and the libraries that it opens.
+void IsolatedProgram::tell_of_descriptor_limit() const {
+    constexpr rlim_t few = 16;
+    rlimit descriptors{};
+    getrlimit(RLIMIT_NOFILE, &descriptors);
+    if (descriptors.rlim_cur > few) return;
+    throw TryAgain(fmt::format(
+        "reading {} needs more open files than the {} that this process may have (`ulimit -n`); nothing is known to be "
+        "wrong with the file: try again with a higher limit",
+        what_, descriptors.rlim_cur));
+}
+
 void IsolatedProgram::tell_no_memory(bool outside) const {
     if (outside)
         throw TryAgain(fmt::format(
             "reading {} needs more memory than the address space that this process is limited to (`ulimit -v`, or a "
             "scheduler's limit); nothing is known to be wrong with the file: try again with a higher limit",
             what_));
+    tell_of_file_limit();
     throw ResourceError(fmt::format(
         "reading {} needs more than the {} of memory that it may take; it is very large, or made to fill the memory: "
         "{}make it smaller",
@@ -288,6 +312,7 @@ void IsolatedProgram::tell_end() {
             "the program that reads {} was killed by the system or another program, most likely because the machine's "
             "memory was used up; nothing is known to be wrong with the file: try again with more memory free",
             what_));
+    tell_of_descriptor_limit();
     // The loader of programs cannot map the libraries: it says so where nobody listens and leaves with 127.
     rlimit space{};
     getrlimit(RLIMIT_AS, &space);

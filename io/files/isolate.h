@@ -81,6 +81,8 @@ private:
     [[nodiscard]] bool wait_for_answer(const Progress* progress) const;
     std::vector<std::byte> take_answer();
     [[noreturn]] void tell_end();
+    void tell_of_file_limit() const;
+    void tell_of_descriptor_limit() const;
     [[noreturn]] void tell_no_memory(bool outside) const;
     int reap();
 
