@@ -35,6 +35,8 @@ std::optional<double> most_surface_mm2(const SliceOptions& options) {
 
 }  // namespace
 
+bool JobWeight::is_known() const { return memory_bytes < beyond_every_machine; }
+
 JobWeight weigh(const SliceOptions& options, const std::vector<std::string>& command, const JobState* known) {
     constexpr double allowance = 1.25;  // the peak of one job differs by a few percent from run to run
     if (known && known->command == command && known->figures && known->figures->peak_memory_bytes > 0)

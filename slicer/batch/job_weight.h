@@ -17,9 +17,10 @@
 namespace voxtone::slicer {
 
 struct JobWeight {
-    std::uint64_t memory_bytes = 0;  ///< at its peak
-    int threads = 0;                 ///< that the job was told to take; 0: as many as it is given
-    bool bound = false;              ///< the memory is no more than a bound, that of a body like a full box
+    std::uint64_t memory_bytes = 0;       ///< at its peak
+    int threads = 0;                      ///< that the job was told to take; 0: as many as it is given
+    bool bound = false;                   ///< the memory is no more than a bound, that of a body like a full box
+    [[nodiscard]] bool is_known() const;  ///< something can be said of the memory
 };
 
 /// Changes nothing on disk, reads no model, throws nothing. Where nothing can be said of its size the bound is beyond

@@ -91,6 +91,8 @@ void QueuedJob::take_end_of_weighing() {
 }
 
 void QueuedJob::warn_that_it_runs_alone(std::uint64_t memory_there_is) const {
+    if (!weight_.is_known())
+        return tell(JobEvent::Kind::warned, "how much memory it needs cannot be told beforehand: it runs alone");
     tell(JobEvent::Kind::warned, fmt::format("may need {} of memory, more than the {} there are: it runs alone",
                                              io::bytes_text(weight_.memory_bytes), io::bytes_text(memory_there_is)));
 }

@@ -43,6 +43,8 @@ TEST_CASE("the bound of a job grows with its surface, and goes where nothing is 
 TEST_CASE("of a body of unknown size nothing is said", "[batch]") {
     CHECK(weight_of(body_of(0)).bound);
     CHECK(weight_of(body_of(0)).memory_bytes > (std::uint64_t{1} << 50));
+    CHECK_FALSE(weight_of(body_of(0)).is_known());
+    CHECK(weight_of(body_of(20)).is_known());
 }
 
 TEST_CASE("a job that was done before takes what it took", "[batch]") {
