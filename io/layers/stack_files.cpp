@@ -2,6 +2,7 @@
 #include "voxtone/io/layers/stack_files.h"
 
 #include <algorithm>
+#include <fstream>
 #include <map>
 #include <set>
 #include <system_error>
@@ -25,6 +26,13 @@ constexpr std::uint64_t most_sheet_bytes = std::uint64_t{1} << 20;
 
 std::string text_or_nothing(const JsonObject& object, std::string_view key) {
     return object.is_text(key) ? object.text(key) : std::string();
+}
+
+/// Or cannot be opened, which the reader of archives has words for.
+bool begins_as_zip(const fs::path& file) {
+    std::ifstream in(file, std::ios::binary);
+    char mark[2] = {};
+    return !in || (in.read(mark, 2) && mark[0] == 'P' && mark[1] == 'K');
 }
 
 StackOrigin origin_in(const fs::path& folder) {
@@ -141,6 +149,11 @@ void StackFiles::add_missing(const std::string& name) {
 
 void StackFiles::open_gcvf() {
     listing_.kind = StackKind::gcvf;
+    if (!begins_as_zip(root_))
+        throw InputError(
+            fmt::format("{}: is no layer stack, neither a folder of layers nor a GCVF container; a model or a picture "
+                        "becomes one with `voxtone slice`",
+                        root_.string()));
     zip_ = std::make_unique<ZipReader>(root_);
     std::map<std::string, std::size_t> index;
     for (std::size_t i = 0; i < zip_->names().size(); ++i) index.emplace(zip_->names()[i], i);

@@ -2,6 +2,7 @@
 #include "voxtone/io/models/model_reader.h"
 
 #include <algorithm>
+#include <array>
 
 #include <fmt/format.h>
 
@@ -24,6 +25,12 @@ bool is_model_name(const std::filesystem::path& path) {
     const std::string extension = extension_of(path);
     return extension == "obj" || extension == "ply" || extension == "stl" || extension == "gltf" ||
            extension == "glb" || extension == "3mf";
+}
+
+bool is_picture_name(const std::filesystem::path& path) {
+    static constexpr std::array<std::string_view, 15> extensions{
+        "png", "jpg", "jpeg", "tif", "tiff", "bmp", "tga", "gif", "webp", "exr", "hdr", "ppm", "pgm", "pbm", "pnm"};
+    return std::ranges::find(extensions, extension_of(path)) != extensions.end();
 }
 
 ModelFile read_model(const std::filesystem::path& path, const ReadOptions& options) {

@@ -54,5 +54,9 @@ namespace voxtone::io {
 [[nodiscard]] std::string extension_of(const std::filesystem::path& path);
 /// Whether the name ends as that of a model (.obj .ply .stl .gltf .glb .3mf, any case).
 [[nodiscard]] bool is_model_name(const std::filesystem::path& path);
+/// As such names end, for messages.
+inline constexpr std::string_view model_name_endings = ".obj, .ply, .stl, .gltf, .glb, .3mf";
+/// By its extension; files without it may hold a picture all the same.
+[[nodiscard]] bool is_picture_name(const std::filesystem::path& path);
 
 }  // namespace voxtone::io

@@ -22,12 +22,23 @@ void append(std::vector<std::string>& to, const std::vector<std::string>& from) 
     to.insert(to.end(), from.begin(), from.end());
 }
 
+/// What has no picture's name may be a model that cannot be read.
+io::Picture read_named_picture(const std::string& file, const io::ReadOptions& reading) {
+    try {
+        return io::read_picture(file, reading);
+    } catch (const InputError& error) {
+        if (io::is_picture_name(file)) throw;
+        throw InputError(fmt::format("{}; if it is a model, export it as one that can be read ({})", error.what(),
+                                     io::model_name_endings));
+    }
+}
+
 io::ModelFile read_input(const ResolvedJob& job, std::vector<io::SideFile>& side_files, const Progress& progress) {
     io::ReadOptions reading = job.reading;
     reading.progress = &progress;
     if (!job.is_picture) reading.texture = job.texture;
     if (!job.is_picture) return io::read_model(job.model, reading, side_files);
-    return make_picture_slab(io::read_picture(job.model, reading), job.picture.width_mm, job.picture.thickness_mm)
+    return make_picture_slab(read_named_picture(job.model, reading), job.picture.width_mm, job.picture.thickness_mm)
         .model;
 }
 

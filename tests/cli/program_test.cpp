@@ -58,6 +58,15 @@ TEST_CASE("Missing and invalid inputs have their own exit codes and one clear se
     folder.write("empty.obj", "");
     CHECK(run_program("slice " + (folder / "empty.obj") + out).exit_code == 3);
     folder.write("marker.obj", marker_obj());
+    folder.write("marker.fbx", marker_obj());
+    const Outcome unread = run_program("slice " + (folder / "marker.fbx") + out);
+    CHECK(unread.exit_code == 3);
+    CHECK_THAT(unread.err, Contains("PNG, JPEG") && Contains("if it is a model") && Contains(".obj, .ply"));
+    for (const char* verb : {"predict ", "proof "}) {
+        const Outcome unsliced = run_program(verb + (folder / "marker.obj") + " -o " + (folder / "x.png"));
+        CHECK(unsliced.exit_code == 3);
+        CHECK_THAT(unsliced.err, Contains("no layer stack") && Contains("voxtone slice"));
+    }
     const std::string slice = "slice " + (folder / "marker.obj") + out;
     CHECK(run_program(slice + " --printer no-such-printer").exit_code == 3);
     CHECK(run_program(slice + " --resins no-such-set").exit_code == 3);
@@ -72,6 +81,23 @@ TEST_CASE("Missing and invalid inputs have their own exit codes and one clear se
     folder.write("mine/letter.txt", "dear");
     CHECK(run_program("slice " + (folder / "marker.obj") + " -o " + (folder / "mine")).exit_code != 0);
     CHECK(read_tree(folder / "mine").size() == 1);
+}
+
+TEST_CASE("A limit of this process is named, and not the file that was read under it") {
+    const Folder folder("limits");
+    folder.write("marker.obj", marker_obj());
+    for (const auto& [limit, word] : {std::pair{"-n 8", "ulimit -n"}, {"-f 1", "ulimit -f"}}) {
+        CAPTURE(limit);
+        // Into pipes: files are what is limited.
+        const std::string line = fmt::format("(ulimit {} && exec {} slice {} --size 8mm -o {}) 2>&1 | cat >{}", limit,
+                                             VOXTONE_PROGRAM, folder / "marker.obj", folder / "out", folder / "said");
+        (void)run_shell(line);
+        // How many descriptors are open already is the caller's: the program may not get as far as to its reader.
+        const std::string said = read_file(folder / "said");
+        CHECK_THAT(said, Contains(word) || Contains("Too many open files"));
+        CHECK_THAT(said, !Contains("damaged"));
+        CHECK_FALSE(std::filesystem::exists(folder / "out/manifest.json"));
+    }
 }
 
 TEST_CASE("Colour that is lost is said once; with --strict it ends the job with 3") {
