@@ -16,6 +16,7 @@
 
 #include "voxtone/base/error.h"
 #include "voxtone/io/codecs/icc_to_srgb.h"
+#include "voxtone/io/codecs/image_rows.h"
 #include "voxtone/io/codecs/no_threads.h"
 
 namespace voxtone::io {
@@ -199,7 +200,7 @@ private:
     template <class Value>
     void read(std::vector<Value>& pixels, OIIO::TypeDesc type, Value opaque) {
         pixels.resize(4 * count_);
-        if (!input_.read_image(0, 0, 0, channels_, type, pixels.data()))
+        if (!read_rows(input_, channels_, type, pixels.data()))
             throw InputError(fmt::format("the picture {} cannot be decoded ({}); it is damaged or cut short", name_,
                                          input_.geterror()));
         const bool second_is_alpha = spec_.alpha_channel == 1;

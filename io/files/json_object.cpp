@@ -119,6 +119,8 @@ JsonObject JsonObject::read(const std::filesystem::path& file) {
         if (text.size() > most)
             throw InputError(fmt::format("{}: larger than 64 MiB, which no file of this kind is", file.string()));
     }
+    if (std::error_code none; stream.bad() && std::filesystem::is_directory(file, none))
+        throw FileError(fmt::format("{}: is a folder; name the file in it", file.string()));
     if (stream.bad()) throw FileError(fmt::format("{}: reading failed", file.string()));
     return parse(text, file.string());
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxtone/io/pictures/photograph.h"
+#include "voxtone/io/pictures/picture.h"
 
 #include <cmath>
 
@@ -128,6 +129,24 @@ TEST_CASE("what is no photograph is refused") {
     for (std::size_t cut = 0; cut + 20 < whole.size(); cut += whole.size() / 12) {
         write_whole_file(folder.path() / "cut.png", std::span(whole).first(cut));
         CHECK_THROWS_AS(read_photograph(folder.path() / "cut.png"), InputError);
+    }
+}
+
+TEST_CASE("a TIFF that was cut short or damaged is refused, and not black where its rows are missing") {
+    const TemporaryFolder folder;
+    const std::vector<std::uint8_t> whole = photograph_bytes(smooth(200, 300), "a.tif");
+    write_whole_file(folder.path() / "whole.tif", whole);
+    CHECK(read_photograph(folder.path() / "whole.tif").pixels.size() == 200 * 300);
+    for (const double part : {0.3, 0.6, 0.9, 0.99}) {
+        CAPTURE(part);
+        write_whole_file(folder.path() / "cut.tif", std::span(whole).first(std::size_t(part * double(whole.size()))));
+        CHECK_THROWS_AS(read_photograph(folder.path() / "cut.tif"), InputError);
+        CHECK_THROWS_AS(read_picture(folder.path() / "cut.tif"), InputError);
+        std::vector<std::uint8_t> damaged = whole;
+        for (std::size_t k = 0; k < 500; ++k) damaged[std::size_t(part * 0.9 * double(whole.size())) + k] ^= 0x5a;
+        write_whole_file(folder.path() / "damaged.tif", damaged);
+        CHECK_THROWS_AS(read_photograph(folder.path() / "damaged.tif"), InputError);
+        CHECK_THROWS_AS(read_picture(folder.path() / "damaged.tif"), InputError);
     }
 }
 
