@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Places in boxes: of voxels, of cells, of blocks of 4 x 4 x 4 cells. x runs fastest, then y, then z. For the .cpp
-// files of this room alone.
+// Places in boxes: of voxels, of cells, of blocks of 4 x 4 x 4 cells. x runs fastest, then y, then z.
 #pragma once
 
 #include <array>
@@ -28,6 +27,6 @@ void for_each(const Place& n, Body&& body) {
             for (int x = 0; x < n[0]; ++x) body(Place{x, y, z});
 }
 /// Index of a cell in its block.
-inline std::size_t place_in_block(int x, int y, int z) { return static_cast<std::size_t>((z * 4 + y) * 4 + x); }
+inline std::size_t place_in_block(const Place& at) { return static_cast<std::size_t>((at[2] * 4 + at[1]) * 4 + at[0]); }
 
 }  // namespace voxtone::optics

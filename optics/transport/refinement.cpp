@@ -52,28 +52,27 @@ Key with(Key part, Material m, int filled) {
 
 class BlockFiller {
 public:
-    BlockFiller(const ViewingGrid& viewing, const ResinVolume& volume)
-        : viewing_(viewing), volume_(volume), view_(viewing.grid.view_voxels), split_(viewing.fine.split) {
+    BlockFiller(const ViewingGrid& grid, const ResinVolume& volume)
+        : grid_(grid), volume_(volume), view_(grid.view_voxels), split_(grid.fine.split) {
         for (std::size_t a = 0; a < 3; ++a) extent_[a] = 4 * view_[a];
     }
 
     void fill(std::size_t t, Key* to) {
-        const OpticalGrid& grid = viewing_.grid;
-        const GridBlock& block = grid.blocks[grid.transport_blocks[t]];
-        corner_ = viewing_.corner_of(block);
-        axis_ = viewing_.towards[t] / 2;
-        plus_ = viewing_.towards[t] % 2 == 1;
-        read_box(volume_, viewing_.mirrored, corner_, extent_, box_);
-        std::uint32_t donor = viewing_.donors_of[t];
-        const std::uint32_t end = viewing_.donors_of[t + 1];
+        const GridBlock& block = grid_.transport_block(t);
+        corner_ = grid_.corner_of(block.at);
+        axis_ = grid_.towards[t] / 2;
+        plus_ = grid_.towards[t] % 2 == 1;
+        read_box(volume_, grid_.mirrored, corner_, extent_, box_);
+        std::uint32_t donor = grid_.donors_of[t];
+        const std::uint32_t end = grid_.donors_of[t + 1];
         for_each({4, 4, 4}, [&](const Place& cell) {
-            const std::size_t place = place_in_block(cell[0], cell[1], cell[2]);
+            const std::size_t place = place_in_block(cell);
             if (!(block.solid >> place & 1)) {
                 each_part(cell, [&](const Place&, std::size_t i) { to[i] = 0; });
                 return;
             }
             const std::uint32_t first = donor;
-            while (donor < end && viewing_.donors[donor].to == block.first_cell + place) ++donor;
+            while (donor < end && grid_.donors[donor].to == block.first_cell + place) ++donor;
             fill_cell(cell, first, donor, to);
         });
     }
@@ -81,7 +80,7 @@ public:
 private:
     template <class Body>
     void each_part(const Place& cell, Body&& body) const {
-        for_each(split_, [&](const Place& part) { body(part, viewing_.fine.part(cell, part)); });
+        for_each(split_, [&](const Place& part) { body(part, grid_.fine.part(cell, part)); });
     }
 
     /// Each column of voxels across the surface, outermost first, with what a cell beyond gave it, is stretched over
@@ -90,10 +89,10 @@ private:
     void fill_cell(const Place& cell, std::uint32_t first_donor, std::uint32_t end_donor, Key* to) {
         bool above = end_donor - first_donor <= 1;
         if (above && first_donor < end_donor) {
-            const Place& from = viewing_.donors[first_donor].from;
+            const Place& from = grid_.donors[first_donor].from;
             for (std::size_t a = 0; a < 3; ++a)
                 above &= from[a] - corner_[a] - cell[a] * view_[a] == (a == axis_ ? (plus_ ? view_[a] : -view_[a]) : 0);
-            if (above) read_box(volume_, viewing_.mirrored, from, view_, donor_);
+            if (above) read_box(volume_, grid_.mirrored, from, view_, donor_);
         }
         const bool given = above && first_donor < end_donor;
         Place across = split_;
@@ -107,7 +106,7 @@ private:
             const int parts = split_[axis_];
             for (int depth = 0; depth < parts; ++depth) {
                 part[axis_] = plus_ ? parts - 1 - depth : depth;
-                to[viewing_.fine.part(cell, part)] = above ? stretched(depth, parts) : mixed;
+                to[grid_.fine.part(cell, part)] = above ? stretched(depth, parts) : mixed;
             }
         });
     }
@@ -129,7 +128,7 @@ private:
         }
     }
 
-    const ViewingGrid& viewing_;
+    const ViewingGrid& grid_;
     const ResinVolume& volume_;
     Place view_, split_, extent_{}, corner_{};
     std::size_t axis_ = 2;
@@ -140,11 +139,11 @@ private:
 /// Numbers what parts hold: whole resins first, the rest in the order in which it is met.
 class ContentNumbers {
 public:
-    ContentNumbers(ViewingGrid& viewing, std::size_t most)
-        : viewing_(viewing), contents_(viewing.fine.contents), most_(most), of_mixture_(viewing.mixtures.size(), 0) {
+    ContentNumbers(ViewingGrid& grid, std::size_t most)
+        : grid_(grid), contents_(grid.fine.contents), most_(most), of_mixture_(grid.mixtures.size(), 0) {
         contents_.assign(1, {});
         (void)of_key(nothing);
-        for (const ViewingGrid::Mixture& mixture : viewing.mixtures)
+        for (const ViewingGrid::Mixture& mixture : grid.mixtures)
             for (const auto& hold : mixture.holds) (void)of_key(key_of_one(hold.material));
     }
     [[nodiscard]] std::uint16_t of_key(Key key) {
@@ -161,7 +160,7 @@ public:
     }
     [[nodiscard]] std::uint16_t of_mixture(std::uint16_t mixture) {
         std::uint16_t& number = of_mixture_[mixture];
-        if (number == 0) number = add({{}, mixture}, viewing_.mixtures[mixture].holds.front().material);
+        if (number == 0) number = add({{}, mixture}, grid_.mixtures[mixture].holds.front().material);
         return number;
     }
 
@@ -177,22 +176,22 @@ private:
         return static_cast<std::uint16_t>(contents_.size() - 1);
     }
 
-    const ViewingGrid& viewing_;
+    const ViewingGrid& grid_;
     std::vector<ViewingGrid::Fine::Content>& contents_;
     std::size_t most_;
     std::unordered_map<Key, std::uint16_t> of_key_;
     std::vector<std::uint16_t> of_mixture_;
 };
 
-void number_contents(ViewingGrid& viewing, const std::vector<Key>& keys, std::size_t most) {
-    ViewingGrid::Fine& fine = viewing.fine;
-    ContentNumbers numbers(viewing, most);
+void number_contents(ViewingGrid& grid, const std::vector<Key>& keys, std::size_t most) {
+    ViewingGrid::Fine& fine = grid.fine;
+    ContentNumbers numbers(grid, most);
     Key last = 0;
     std::uint16_t number = 0;
     for (std::size_t t = 0; t < fine.first.size(); ++t) {
         if (fine.first[t] == not_fine) continue;
         for_each({4, 4, 4}, [&](const Place& cell) {
-            const std::uint16_t mixture = viewing.grid.medium[64 * t + place_in_block(cell[0], cell[1], cell[2])];
+            const std::uint16_t mixture = grid.medium[64 * t + place_in_block(cell)];
             for_each(fine.split, [&](const Place& part) {
                 const std::size_t i = fine.first[t] + fine.part(cell, part);
                 if (keys[i] == mixed) {
@@ -218,19 +217,18 @@ std::array<int, 3> parts_of_cell(const std::array<int, 3>& view_voxels, const st
 
 namespace {
 
-bool is_lit(const OpticalGrid& grid, const GridBlock& block) {
+bool is_lit(const ViewingGrid& grid, const GridBlock& block) {
     const auto first = grid.faces.begin() + block.first_face;
     return std::any_of(first, first + block.faces, [](const OuterFace& face) { return face.kind == FaceKind::light; });
 }
 
 /// The one resin of a block, air besides it or not; 0 of air alone, -1 of several.
-std::int16_t only_resin(const ViewingGrid& viewing, const ResinVolume& volume, const GridBlock& block,
+std::int16_t only_resin(const ViewingGrid& grid, const ResinVolume& volume, const GridBlock& block,
                         std::vector<Material>& box) {
-    Place extent{};
-    for (std::size_t a = 0; a < 3; ++a) extent[a] = 4 * viewing.grid.view_voxels[a];
-    const Place corner = viewing.corner_of(block);
+    const Place extent = grid.block_voxels();
+    const Place corner = grid.corner_of(block.at);
     if (const int whole = volume.uniform_material(corner, extent); whole >= 0) return static_cast<std::int16_t>(whole);
-    read_box(volume, viewing.mirrored, corner, extent, box);
+    read_box(volume, grid.mirrored, corner, extent, box);
     Material only = air;
     for (const Material m : box) {
         if (m == air || m == only) continue;
@@ -242,14 +240,13 @@ std::int16_t only_resin(const ViewingGrid& viewing, const ResinVolume& volume, c
 
 }  // namespace
 
-std::vector<std::uint32_t> blocks_to_refine(const ViewingGrid& viewing, const ResinVolume& volume, Refinement which) {
-    const OpticalGrid& grid = viewing.grid;
+std::vector<std::uint32_t> blocks_to_refine(const ViewingGrid& grid, const ResinVolume& volume, Refinement which) {
     std::vector<std::uint32_t> chosen;
     if (which == Refinement::none) return chosen;
     std::vector<std::int16_t> only(grid.blocks.size());
     parallel_ranges(0, only.size(), 64, [&](std::size_t first, std::size_t last) {
         std::vector<Material> box;
-        for (std::size_t b = first; b < last; ++b) only[b] = only_resin(viewing, volume, grid.blocks[b], box);
+        for (std::size_t b = first; b < last; ++b) only[b] = only_resin(grid, volume, grid.blocks[b], box);
     });
     for (std::size_t t = 0; t < grid.transport_blocks.size(); ++t) {
         const std::uint32_t b = grid.transport_blocks[t];
@@ -298,12 +295,12 @@ private:
     std::vector<double> sum_;
 };
 
-ToneSums tones_of_mixtures(const ViewingGrid& viewing, const ResinSet& resins) {
+ToneSums tones_of_mixtures(const ViewingGrid& grid, const ResinSet& resins) {
     const std::size_t channels = resins.channels.size();
     const std::vector<float> lightness = lightness_of_resins(resins);
-    ToneSums of(viewing.mixtures.size(), channels);
-    for (std::size_t m = 0; m < viewing.mixtures.size(); ++m)
-        for (const auto& hold : viewing.mixtures[m].holds)
+    ToneSums of(grid.mixtures.size(), channels);
+    for (std::size_t m = 0; m < grid.mixtures.size(); ++m)
+        for (const auto& hold : grid.mixtures[m].holds)
             of.add(m, static_cast<double>(hold.share), lightness.data() + (hold.material - 1u) * channels);
     return of;
 }
@@ -322,10 +319,9 @@ std::vector<float> lightness_of_resins(const ResinSet& resins) {
     return lightness;
 }
 
-std::vector<float> contrast_of_blocks(const ViewingGrid& viewing, const ResinSet& resins) {
-    const OpticalGrid& grid = viewing.grid;
+std::vector<float> contrast_of_blocks(const ViewingGrid& grid, const ResinSet& resins) {
     const std::size_t channels = resins.channels.size(), count = grid.blocks.size();
-    const ToneSums of_mixtures = tones_of_mixtures(viewing, resins);
+    const ToneSums of_mixtures = tones_of_mixtures(grid, resins);
     ToneSums of_blocks(count, channels);
     parallel_for(0, grid.transport_blocks.size(), 64, [&](std::size_t t) {
         for (std::size_t cell = 64 * t; cell < 64 * t + 64; ++cell)
@@ -351,32 +347,32 @@ std::vector<float> contrast_of_blocks(const ViewingGrid& viewing, const ResinSet
     return contrast;
 }
 
-std::vector<std::uint32_t> blocks_of_contrast(const ViewingGrid& viewing, const ResinSet& resins,
+std::vector<std::uint32_t> blocks_of_contrast(const ViewingGrid& grid, const ResinSet& resins,
                                               std::vector<std::uint32_t> blocks, double least) {
     if (least <= 0 || blocks.empty()) return blocks;
-    const std::vector<float> contrast = contrast_of_blocks(viewing, resins);
+    const std::vector<float> contrast = contrast_of_blocks(grid, resins);
     std::erase_if(blocks, [&](std::uint32_t t) { return static_cast<double>(contrast[t]) < least; });
     return blocks;
 }
 
-void refine(ViewingGrid& viewing, const ResinVolume& volume, std::span<const std::uint32_t> chosen,
+void refine(ViewingGrid& grid, const ResinVolume& volume, std::span<const std::uint32_t> chosen,
             const std::array<int, 3>& split, const Progress* progress, std::size_t most_contents) {
-    ViewingGrid::Fine& fine = viewing.fine;
+    ViewingGrid::Fine& fine = grid.fine;
     fine = {};
     if (chosen.empty()) return;
     fine.split = split;
-    fine.first.assign(viewing.grid.transport_blocks.size(), not_fine);
+    fine.first.assign(grid.transport_blocks.size(), not_fine);
     const std::size_t parts = 64 * fine.parts();
     VOXTONE_EXPECT(chosen.size() * parts < not_fine);
     for (std::size_t i = 0; i < chosen.size(); ++i) fine.first[chosen[i]] = static_cast<std::uint32_t>(i * parts);
     fine.medium.resize(chosen.size() * parts);
     std::vector<Key> keys(fine.medium.size());
     const auto fill_range = [&](std::size_t first, std::size_t last) {
-        BlockFiller filler(viewing, volume);
+        BlockFiller filler(grid, volume);
         for (std::size_t i = first; i < last; ++i) filler.fill(chosen[i], keys.data() + fine.first[chosen[i]]);
     };
     parallel_ranges(0, chosen.size(), 32, fill_range, progress);
-    number_contents(viewing, keys, most_contents);
+    number_contents(grid, keys, most_contents);
 }
 
 }  // namespace voxtone::optics

@@ -34,24 +34,24 @@ namespace voxtone::optics {
 
 /// The transport blocks that are to be cut, by geometry and resins alone, ascending: a body of one resin has none
 /// unless `which` is all.
-[[nodiscard]] std::vector<std::uint32_t> blocks_to_refine(const ViewingGrid& viewing, const ResinVolume& volume,
+[[nodiscard]] std::vector<std::uint32_t> blocks_to_refine(const ViewingGrid& grid, const ResinVolume& volume,
                                                           Refinement which);
 
 /// L of each resin, [resin * channels + channel].
 [[nodiscard]] std::vector<float> lightness_of_resins(const ResinSet& resins);
 
 /// Of each transport block of a grid that was filled (viewing_palette.h).
-[[nodiscard]] std::vector<float> contrast_of_blocks(const ViewingGrid& viewing, const ResinSet& resins);
+[[nodiscard]] std::vector<float> contrast_of_blocks(const ViewingGrid& grid, const ResinSet& resins);
 
 /// Of those, in a grid that was filled with a volume of these resins (viewing_palette.h), the ones whose contrast
 /// is `least` or more.
-[[nodiscard]] std::vector<std::uint32_t> blocks_of_contrast(const ViewingGrid& viewing, const ResinSet& resins,
+[[nodiscard]] std::vector<std::uint32_t> blocks_of_contrast(const ViewingGrid& grid, const ResinSet& resins,
                                                             std::vector<std::uint32_t> blocks, double least);
 
 /// Cuts these blocks, ascending, of a grid that was filled with this volume (viewing_palette.h), and fills their parts.
 /// Where they hold more than `most_contents` different things (at least whole resins and nothing), the rest are taken
 /// to be full of one of their resins. Throws Cancelled, with the grid of no use any more.
-void refine(ViewingGrid& viewing, const ResinVolume& volume, std::span<const std::uint32_t> blocks,
+void refine(ViewingGrid& grid, const ResinVolume& volume, std::span<const std::uint32_t> blocks,
             const std::array<int, 3>& split, const Progress* progress = nullptr, std::size_t most_contents = 65536);
 
 }  // namespace voxtone::optics

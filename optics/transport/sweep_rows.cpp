@@ -13,11 +13,11 @@ struct Plane {
     std::size_t first = 0, count = 0;
 };
 
-const GridBlock& block_of(const OpticalGrid& grid, std::size_t row) {
-    return grid.blocks[grid.transport_blocks[grid.transport_rows[row]]];
+const GridBlock& block_of(const ViewingGrid& grid, std::size_t row) {
+    return grid.transport_block(grid.transport_rows[row]);
 }
 
-std::vector<Plane> planes_of(const OpticalGrid& grid, bool down) {
+std::vector<Plane> planes_of(const ViewingGrid& grid, bool down) {
     std::vector<Plane> planes;
     const std::size_t rows = grid.transport_rows.size() - 1;
     for (std::size_t row = 0; row < rows; ++row) {
@@ -43,7 +43,7 @@ double SweepRows::at_once() const {
     return double(serial.size()) / longest;
 }
 
-SweepRows sweep_rows(const OpticalGrid& grid, bool down, std::size_t fronts) {
+SweepRows sweep_rows(const ViewingGrid& grid, bool down, std::size_t fronts) {
     SweepRows made;
     if (grid.transport_rows.size() < 2) return made;
     const std::size_t rows = grid.transport_rows.size() - 1;

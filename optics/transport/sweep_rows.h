@@ -15,7 +15,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "voxtone/optics/transport/optical_grid.h"
+#include "voxtone/optics/transport/viewing_grid.h"
 
 namespace voxtone::optics {
 
@@ -43,6 +43,6 @@ struct SweepRows {
 };
 
 /// Of light that runs up, or down. `fronts`: planes that may be crossed at once, at least 1.
-[[nodiscard]] SweepRows sweep_rows(const OpticalGrid& grid, bool down, std::size_t fronts);
+[[nodiscard]] SweepRows sweep_rows(const ViewingGrid& grid, bool down, std::size_t fronts);
 
 }  // namespace voxtone::optics

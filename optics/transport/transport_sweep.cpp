@@ -60,18 +60,18 @@ HWY_INLINE void add_to(Moments& sum, const V4& v) {
 
 /// Fine and coarse.
 std::array<CellKind, 2> cell_kinds(const SweepJob& job) {
-    const CellKind coarse{{4, 4, 4}, job.grid->edge_mm(), job.theta};
+    const CellKind coarse{{4, 4, 4}, job.grid.edge_mm(), job.cells.theta};
     CellKind fine = coarse;
-    if (job.fine.split[0] == 0) return {fine, coarse};
+    if (!job.grid.fine.any()) return {fine, coarse};
     for (std::size_t a = 0; a < 3; ++a) {
-        fine.n[a] *= job.fine.split[a];
-        fine.h[a] /= job.fine.split[a];
+        fine.n[a] *= job.grid.fine.split[a];
+        fine.h[a] /= job.grid.fine.split[a];
     }
-    fine.theta = job.fine.theta;
+    fine.theta = job.parts.theta;
     return {fine, coarse};
 }
 
-Octant make_octant(const OpticalGrid& grid, int octant, const std::array<CellKind, 2>& kinds) {
+Octant make_octant(const ViewingGrid& grid, int octant, const std::array<CellKind, 2>& kinds) {
     Octant o{};
     const DirectionSet& set = grid.directions;
     V8 cosine[3];
@@ -215,7 +215,7 @@ struct Outside {
     const Octant& o;
 
     /// Where a face keeps its light, among the core's with `into_core` set.
-    [[nodiscard]] std::size_t place(std::size_t face) const { return job.place[face]; }
+    [[nodiscard]] std::size_t place(std::size_t face) const { return job.grid.place_of_face[face]; }
     [[nodiscard]] std::size_t slot(std::size_t place, int axis) const {
         return 4 * (place & ~std::size_t{into_core}) + static_cast<unsigned>(o.signs[axis]);
     }
@@ -266,13 +266,13 @@ private:
 
 void sweep_block(const SweepJob& job, const Octant& o, const std::vector<MediumWays>& media_ways,
                  const GridBlock& block, const BlockFaces& faces) {
-    const OpticalGrid& grid = *job.grid;
+    const ViewingGrid& grid = job.grid;
     const Ways ways = o.ways[1];
     const MediumWays* const media = media_ways.data();
     const std::uint16_t* const medium = grid.medium.data() + block.first_cell;
     const std::uint8_t* const outer = grid.outer.data() + block.first_cell;
-    const Moments* const light = job.light.data() + block.first_cell;
-    Moments* const sum = job.sum.data() + block.first_cell;
+    const Moments* const light = job.cells.light.data() + block.first_cell;
+    Moments* const sum = job.cells.sum.data() + block.first_cell;
     const std::int32_t* const links = block.first_link < 0 ? nullptr : grid.face_of_cell.data() + block.first_link;
     const Outside outside{job, o};
     for (int kz = 0; kz < ways.nz; ++kz) {
@@ -325,14 +325,14 @@ void sweep_block(const SweepJob& job, const Octant& o, const std::vector<MediumW
 /// enters there, and what leaves is their mean.
 void sweep_fine_block(const SweepJob& job, const Octant& o, const std::vector<MediumWays>& media_ways, std::size_t t,
                       const GridBlock& block, const BlockFaces& faces) {
-    const OpticalGrid& grid = *job.grid;
-    const FineSweep& fine = job.fine;
+    const ViewingGrid& grid = job.grid;
+    const ViewingGrid::Fine& fine = grid.fine;
     const Ways ways = o.ways[0];
     const MediumWays* const media = media_ways.data();
     const std::array<int, 3> split = fine.split;
     const std::uint16_t* const medium = fine.medium.data() + fine.first[t];
-    const Moments* const light = fine.light.data() + fine.first[t];
-    Moments* const sum = fine.sum.data() + fine.first[t];
+    const Moments* const light = job.parts.light.data() + fine.first[t];
+    Moments* const sum = job.parts.sum.data() + fine.first[t];
     const std::uint8_t* const outer = grid.outer.data() + block.first_cell;
     const std::int32_t* const links = block.first_link < 0 ? nullptr : grid.face_of_cell.data() + block.first_link;
     const Outside outside{job, o};
@@ -404,7 +404,7 @@ struct Front {
 };
 
 void sweep(const SweepJob& job, int half) {
-    const OpticalGrid& grid = *job.grid;
+    const ViewingGrid& grid = job.grid;
     const std::array<CellKind, 2> kinds = cell_kinds(job);
     const std::array<int, 3>&fine = kinds[0].n, &coarse = kinds[1].n;
     const std::array<int, 3> ratio{fine[0] / coarse[0], fine[1] / coarse[1], fine[2] / coarse[2]};
@@ -417,15 +417,15 @@ void sweep(const SweepJob& job, int half) {
         const auto i = static_cast<std::size_t>(k);
         octants[i] = make_octant(grid, k + 4 * half, kinds);
         Front& front = fronts[i];
-        front.y.resize(per_y * across * job.rows->fronts);
+        front.y.resize(per_y * across * job.rows.fronts);
         front.z.resize(per_z * across * deep);
-        front.y_fine.assign(across * job.rows->fronts, 0);
+        front.y_fine.assign(across * job.rows.fronts, 0);
         front.z_fine.assign(across * deep, 0);
     }
-    const bool any_fine = job.fine.split[0] > 0;
+    const bool any_fine = grid.fine.any();
     MediaWays media;
     for (std::size_t kind = 0; kind < 2; ++kind) {
-        const std::span<const TransportMedium> of = kind == 0 ? job.fine.media : job.media;
+        const std::span<const TransportMedium> of = kind == 0 ? job.parts.media : job.cells.media;
         media[kind].resize(of.size());
         for (std::size_t m = 0; m < of.size(); ++m)
             fit_medium(octants[0].ways[kind], of[m], static_cast<double>(kinds[kind].theta), media[kind][m]);
@@ -446,11 +446,11 @@ void sweep(const SweepJob& job, int half) {
         const std::size_t begin = grid.transport_rows[row], end = grid.transport_rows[row + 1];
         for (std::size_t i = begin; i < end; ++i) {
             const std::size_t t = o.back[0] ? end - 1 - (i - begin) : i;
-            const GridBlock& block = grid.blocks[grid.transport_blocks[t]];
-            const bool in_parts = any_fine && job.fine.first[t] != not_fine;
+            const GridBlock& block = grid.transport_block(t);
+            const bool in_parts = any_fine && grid.fine.first[t] != not_fine;
             const auto bx = static_cast<std::size_t>(block.at[0]);
             const std::size_t bz = static_cast<std::size_t>(block.at[1]) * across + bx;
-            const std::size_t by = job.rows->front[row] * across + bx;
+            const std::size_t by = job.rows.front[row] * across + bx;
             const BlockFaces faces{as_vectors(front_x.data()), as_vectors(front.y.data() + per_y * by),
                                    as_vectors(front.z.data() + per_z * bz)};
             fit(faces.x, x_fine, in_parts, 1, 2);
@@ -470,10 +470,10 @@ void sweep(const SweepJob& job, int half) {
         cross_row(row, 2 * back);
         cross_row(row, 2 * back + 1);
     };
-    if (job.rows->fronts > 1)
-        parallel_graph(std::span<const RowFollowers>(job.rows->followers), cross);
+    if (job.rows.fronts > 1)
+        parallel_graph(std::span<const RowFollowers>(job.rows.followers), cross);
     else
-        for (const std::uint32_t task : job.rows->serial) cross(task);
+        for (const std::uint32_t task : job.rows.serial) cross(task);
 }
 
 }  // namespace voxtone::optics::HWY_NAMESPACE

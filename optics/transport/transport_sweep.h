@@ -30,9 +30,9 @@
 #include <span>
 
 #include "voxtone/base/progress.h"
-#include "voxtone/optics/transport/optical_grid.h"
 #include "voxtone/optics/transport/sweep_rows.h"
 #include "voxtone/optics/transport/transport_medium.h"
+#include "voxtone/optics/transport/viewing_grid.h"
 
 namespace voxtone::optics {
 
@@ -41,36 +41,23 @@ struct alignas(16) Moments {
     float phi = 0, x = 0, y = 0, z = 0;
 };
 
-inline constexpr std::uint32_t into_core = 0x80000000u;
-
-/// Cells of blocks that are cut finer than the others (ViewingGrid::Fine), and their light.
-struct FineSweep {
-    std::array<int, 3> split{};  ///< into how many a cell is cut along each axis; 0: no block is
-    /// Of each transport block, the place of its first fine cell; `not_fine` where it has none.
-    std::span<const std::uint32_t> first;
-    std::span<const std::uint16_t> medium;   ///< per fine cell: into `media`; 0 is air
-    std::span<const TransportMedium> media;  ///< of this channel
-    std::span<const Moments> light;
-    std::span<Moments> sum;
-    float theta = 1;
+/// The cells of one kind of blocks: whole ones, or the parts of those that are cut finer (ViewingGrid::Fine).
+struct SweepCells {
+    std::span<const TransportMedium> media;  ///< by what the grid says that they hold, of this channel
+    std::span<const Moments> light;          ///< phi and J of what is scattered
+    std::span<Moments> sum;                  ///< their share is added
+    float theta = 1;                         ///< weight of the differences
 };
-inline constexpr std::uint32_t not_fine = 0xffffffffu;
 
 struct SweepJob {
-    const OpticalGrid* grid = nullptr;
-    std::span<const TransportMedium> media;  ///< by OpticalGrid::medium, of this channel
-    std::span<const Moments> light;          ///< per cell: phi and J of what is scattered
-    std::span<Moments> sum;                  ///< per cell: their share is added
-    std::span<const Octet> in;  ///< [place * 4 + tangential signs]: radiance that enters through open faces
+    const ViewingGrid& grid;
+    SweepCells cells, parts;
+    std::span<const Octet> in;  ///< [open face * 4 + tangential signs]: radiance that enters
     std::span<Octet> out;       ///< the same, that leaves
-    /// Per outer face: its place in `in` and `out`, or with `into_core` set that in `core_in` and `core_out`.
-    std::span<const std::uint32_t> place;
-    /// phi and net current outwards: psi = phi - 3 |Omega . e| J comes in.
+    /// Per face into the core phi and net current outwards: psi = phi - 3 |Omega . e| J comes in.
     std::span<const std::array<float, 2>> core_in;
-    std::span<float> core_out;  ///< [core face * 4 + tangential signs]: sum w |Omega . e| psi that leaves
-    float theta = 1;            ///< weight of the differences
-    FineSweep fine = {};
-    const SweepRows* rows = nullptr;     ///< of this half; crossed at once where they have several fronts
+    std::span<float> core_out;           ///< [core face * 4 + tangential signs]: sum w |Omega . e| psi that leaves
+    const SweepRows& rows;               ///< of this half; crossed at once where they have several fronts
     const Progress* progress = nullptr;  ///< asked for cancellation before every row of blocks
 };
 

@@ -63,7 +63,7 @@ struct FaceDirections {
 void derivatives_by_moments(const DerivativeScene& scene, std::span<const ViewingField::Code> forward,
                             std::span<const Moments> adjoint, std::span<float> by_sigma_t,
                             std::span<float> by_sigma_s) {
-    const OpticalGrid& grid = scene.viewing.grid;
+    const ViewingGrid& grid = scene.grid;
     const auto linear = static_cast<float>(grid.directions.linear);
     const float V = scene.scaled_volume;
     parallel_ranges(0, adjoint.size(), 1 << 14, [&](std::size_t begin, std::size_t end) {
@@ -81,12 +81,12 @@ void derivatives_by_moments(const DerivativeScene& scene, std::span<const Viewin
 
 void add_derivatives_at_faces(const DerivativeScene& scene, const LightOnFaces& forward, const LightOnFaces& adjoint,
                               std::span<float> by_sigma_t) {
-    const OpticalGrid& grid = scene.viewing.grid;
+    const ViewingGrid& grid = scene.grid;
     const DirectionSet& set = grid.directions;
     const auto edge = grid.edge_mm();
     const float V = scene.scaled_volume;
     parallel_for(0, grid.transport_blocks.size(), 32, [&](std::size_t t) {
-        const GridBlock& block = grid.blocks[grid.transport_blocks[t]];
+        const GridBlock& block = grid.transport_block(t);
         std::array<float, 64> sum{}, faces{};
         for (std::size_t f = block.first_face; f < block.first_face + block.faces; ++f) {
             const OuterFace& face = grid.faces[f];
@@ -97,7 +97,7 @@ void add_derivatives_at_faces(const DerivativeScene& scene, const LightOnFaces& 
             const float depth = 0.5f * static_cast<float>(edge[axis]) * scene.media[grid.medium[face.cell]].sigma_t;
             Octet fade;
             for (std::size_t d = 0; d < 8; ++d) fade.v[d] = std::exp(-depth / directions.normal.v[d]);
-            const std::size_t at = 4 * std::size_t{scene.viewing.place_of_face[f]};
+            const std::size_t at = 4 * std::size_t{scene.grid.place_of_face[f]};
             const FaceLight a = directions.rest(&forward.out[at], &forward.in[at], fade),
                             b = directions.rest(&adjoint.out[at], &adjoint.in[at], fade);
             FaceDirections::each([&](std::size_t s, std::size_t d) {

@@ -16,7 +16,7 @@ namespace voxtone::optics {
 
 /// A grid, the media of its mixtures and a cell's volume times the scale of the adjoint.
 struct DerivativeScene {
-    const ViewingGrid& viewing;
+    const ViewingGrid& grid;
     std::span<const TransportMedium> media;
     float scaled_volume;
 };

@@ -177,8 +177,7 @@ void find_diagonal(BlockStencil<n>& block, const Low& low, const float* loss) {
 
 }  // namespace
 
-ViewingDiffusion::ViewingDiffusion(const ViewingGrid& viewing) : grid_(viewing) {
-    const OpticalGrid& grid = viewing.grid;
+ViewingDiffusion::ViewingDiffusion(const ViewingGrid& grid) : grid_(grid) {
     for (std::size_t a = 0; a < 3; ++a) {
         // c = A / (h / 2 / D1 + h / 2 / D2) = (2 A / h) D1 D2 / (D1 + D2)
         const std::size_t b = (a + 1) % 3, c = (a + 2) % 3;
@@ -186,13 +185,13 @@ ViewingDiffusion::ViewingDiffusion(const ViewingGrid& viewing) : grid_(viewing) 
         k_[a] = static_cast<float>(2 * edge[b] * edge[c] / edge[a]);
     }
     const std::size_t n = grid.transport_blocks.size();
-    std::vector<std::int32_t> place(grid.blocks.size(), -1);
+    std::vector<std::int32_t> place(grid_.blocks.size(), -1);
     for (std::size_t t = 0; t < n; ++t) place[grid.transport_blocks[t]] = static_cast<std::int32_t>(t);
     neighbour_.resize(n);
     side_of_.resize(n);
     std::vector<MultigridPlan::Contact> pairs;
     for (std::size_t t = 0; t < n; ++t) {
-        const GridBlock& block = grid.blocks[grid.transport_blocks[t]];
+        const GridBlock& block = grid.transport_block(t);
         parity_[static_cast<std::size_t>((block.at[0] + block.at[1] + block.at[2]) & 1)].push_back(
             static_cast<std::uint32_t>(t));
         for (std::size_t f = 0; f < 6; ++f) {
@@ -206,29 +205,29 @@ ViewingDiffusion::ViewingDiffusion(const ViewingGrid& viewing) : grid_(viewing) 
             } else {
                 side_of_[t][f] = static_cast<std::int32_t>(sides_.size());
                 sides_.push_back(
-                    {static_cast<std::uint32_t>(t), grid.blocks[other].core_node, static_cast<std::uint8_t>(f)});
+                    {static_cast<std::uint32_t>(t), grid_.blocks[other].core_node, static_cast<std::uint8_t>(f)});
             }
         }
     }
     const auto blocks = static_cast<std::uint32_t>(n);
     for (const CoreSide& side : sides_) pairs.push_back({side.block, blocks + side.core});
-    for (const std::uint32_t b : viewing.core_block)
+    for (const std::uint32_t b : grid.core_block)
         for (std::size_t a = 0; a < 3; ++a) {
-            const std::int32_t other = grid.blocks[b].neighbour[2 * a + 1];
-            if (other < 0 || grid.blocks[static_cast<std::size_t>(other)].kind != BlockKind::core) continue;
-            contacts_.push_back({grid.blocks[b].core_node, grid.blocks[static_cast<std::size_t>(other)].core_node,
+            const std::int32_t other = grid_.blocks[b].neighbour[2 * a + 1];
+            if (other < 0 || grid_.blocks[static_cast<std::size_t>(other)].kind != BlockKind::core) continue;
+            contacts_.push_back({grid_.blocks[b].core_node, grid_.blocks[static_cast<std::size_t>(other)].core_node,
                                  static_cast<std::uint8_t>(a)});
             pairs.push_back({blocks + contacts_.back().a, blocks + contacts_.back().b});
         }
     std::vector<std::array<float, 3>> centre;
-    centre.reserve(n + viewing.core_block.size());
+    centre.reserve(n + grid.core_block.size());
     const auto middle = [&](std::uint32_t b) {
-        const auto& at = grid.blocks[b].at;
+        const auto& at = grid_.blocks[b].at;
         return std::array<float, 3>{static_cast<float>(at[0]) + 0.5f, static_cast<float>(at[1]) + 0.5f,
                                     static_cast<float>(at[2]) + 0.5f};
     };
     for (const std::uint32_t b : grid.transport_blocks) centre.push_back(middle(b));
-    for (const std::uint32_t b : viewing.core_block) centre.push_back(middle(b));
+    for (const std::uint32_t b : grid.core_block) centre.push_back(middle(b));
     plan_ = std::make_unique<MultigridPlan>(std::move(centre), pairs);
     middle_.resize(n);
     fine_low_.resize(n);
@@ -238,7 +237,7 @@ ViewingDiffusion::ViewingDiffusion(const ViewingGrid& viewing) : grid_(viewing) 
     fine_side_.resize(16 * sides_.size());
     middle_side_.resize(4 * sides_.size());
     middle_loss_.resize(8 * n);
-    const std::size_t cores = viewing.core_block.size();
+    const std::size_t cores = grid.core_block.size();
     core_conductance_.resize(contacts_.size());
     core_x1_.resize(cores);
     core_b1_.resize(cores);
@@ -262,9 +261,8 @@ void ViewingDiffusion::prepare(std::span<const float> D_of_medium, std::span<con
 /// Equations of the cells.
 void ViewingDiffusion::make_fine(std::span<const float> D_of_medium, std::span<const float> D_of_core,
                                  std::span<const float> cell_loss, std::span<BlockStencil<4>> blocks) {
-    const OpticalGrid& grid = grid_.grid;
-    const auto D_at = [&](std::size_t cell) { return D_of_medium[grid.medium[cell]]; };
-    const auto core_D = [&](std::uint32_t core) { return D_of_core[grid.blocks[grid_.core_block[core]].medium]; };
+    const auto D_at = [&](std::size_t cell) { return D_of_medium[grid_.medium[cell]]; };
+    const auto core_D = [&](std::uint32_t core) { return D_of_core[grid_.blocks[grid_.core_block[core]].medium]; };
     parallel_for(0, neighbour_.size(), stencils_per_task, [&](std::size_t t) {
         constexpr int m = 6;
         Patch<4> D;
@@ -365,9 +363,8 @@ void ViewingDiffusion::close_middle() {
 
 /// One node a block, and those of the core.
 void ViewingDiffusion::make_coarse(std::span<const float> D_of_core, std::span<const float> core_loss) {
-    const OpticalGrid& grid = grid_.grid;
     const std::size_t n = neighbour_.size();
-    const auto core_D = [&](std::uint32_t core) { return D_of_core[grid.blocks[grid_.core_block[core]].medium]; };
+    const auto core_D = [&](std::uint32_t core) { return D_of_core[grid_.blocks[grid_.core_block[core]].medium]; };
     std::vector<float> conductance, loss(n + core_loss.size());
     for (std::size_t t = 0; t < n; ++t) {
         for (std::size_t i = 0; i < 8; ++i) loss[t] += middle_loss_[8 * t + i];
@@ -542,10 +539,9 @@ void ViewingDiffusion::apply(Vector x, Vector out) const {
 ViewingDiffusion::Flows ViewingDiffusion::flows(std::size_t t, std::span<const float> D_of_medium,
                                                 std::span<const float> D_of_core, Vector x) const {
     constexpr int m = 6;
-    const OpticalGrid& grid = grid_.grid;
     Patch<4> D, value;
     gather<4>(
-        D, t, neighbour_[t], side_of_[t], sides_, [&](std::size_t cell) { return D_of_medium[grid.medium[cell]]; },
+        D, t, neighbour_[t], side_of_[t], sides_, [&](std::size_t cell) { return D_of_medium[grid_.medium[cell]]; },
         [](std::uint32_t) { return 0.0f; });
     gather<4>(value, t, neighbour_[t], side_of_[t], sides_, At{x.cells.data()}, At{x.core.data()});
     Flows sum;
@@ -563,11 +559,11 @@ ViewingDiffusion::Flows ViewingDiffusion::flows(std::size_t t, std::span<const f
     for (std::size_t f = 0; f < 6; ++f) {
         if (side_of_[t][f] < 0) continue;
         const std::uint32_t core = sides_[static_cast<std::size_t>(side_of_[t][f])].core;
-        const float beyond = D_of_core[grid.blocks[grid_.core_block[core]].medium], sign = f % 2 ? 1.0f : -1.0f;
+        const float beyond = D_of_core[grid_.blocks[grid_.core_block[core]].medium], sign = f % 2 ? 1.0f : -1.0f;
         for (int j = 0; j < 4; ++j)
             for (int i = 0; i < 4; ++i) {
                 const auto place = static_cast<std::size_t>(on_side<4>(f, i, j)), cell = 64 * t + place;
-                sum[f / 2][place] += sign * (side_contact(f / 2, D_of_medium[grid.medium[cell]], beyond) *
+                sum[f / 2][place] += sign * (side_contact(f / 2, D_of_medium[grid_.medium[cell]], beyond) *
                                              (x.cells[cell] - x.core[core]));
             }
     }

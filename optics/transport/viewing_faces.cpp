@@ -18,8 +18,7 @@ constexpr int cells_around = 2;       // cells around that are looked at
 /// Looks for the faces of one surface cell after the other.
 class FaceFinder {
 public:
-    FaceFinder(const ViewingGrid& viewing, const Surface& surface)
-        : viewing_(viewing), grid_(viewing.grid), surface_(surface) {
+    FaceFinder(const ViewingGrid& grid, const Surface& surface) : grid_(grid), surface_(surface) {
         for (std::size_t a = 0; a < 3; ++a) edge_[a] = grid_.view_voxels[a] * grid_.pitch_mm[a];
         seen_.first.reserve(surface.cells.size() + 1);
         seen_.cell.reserve(surface.cells.size());
@@ -55,7 +54,7 @@ private:
         }
     }
 
-    /// From the surface cell to the middle of a face of a viewing cell, or of the cell itself (facing -1).
+    /// From the surface cell to the middle of a face of a grid cell, or of the cell itself (facing -1).
     [[nodiscard]] double distance2(const SurfaceCell& cell, const Place& at, int facing) const {
         double sum = 0;
         for (std::size_t a = 0; a < 3; ++a) {
@@ -66,12 +65,12 @@ private:
         return sum;
     }
 
-    /// body(place, viewing cell) of the solid ones up to r places away.
+    /// body(place, grid cell) of the solid ones up to r places away.
     template <class Body>
     void each_cell_near(int r, Body&& body) const {
         for_each({2 * r + 1, 2 * r + 1, 2 * r + 1}, [&](const Place& k) {
             const Place at{home_[0] + k[0] - r, home_[1] + k[1] - r, home_[2] + k[2] - r};
-            if (const std::int64_t there = viewing_.cell_of(at); there >= 0) body(at, there);
+            if (const std::int64_t there = grid_.cell_of(at); there >= 0) body(at, there);
         });
     }
 
@@ -85,7 +84,7 @@ private:
         near_.clear();
         std::array<double, 6> weights{};
         each_cell_near(1, [&](const Place& at, std::int64_t there) {
-            viewing_.each_face(static_cast<std::uint32_t>(there), [&](std::uint32_t f) {
+            grid_.each_face(static_cast<std::uint32_t>(there), [&](std::uint32_t f) {
                 const auto facing = static_cast<std::size_t>(grid_.faces[f].facing);
                 if (grid_.faces[f].kind != FaceKind::light || area_[facing] == 0) return;
                 const double weight =
@@ -121,7 +120,7 @@ private:
         for (int r = 1; r <= cells_around; ++r) {
             each_cell_near(r, [&](const Place& at, std::int64_t there) {
                 solid.take(distance2(cell, at, -1), there);
-                viewing_.each_face(static_cast<std::uint32_t>(there), [&](std::uint32_t f) {
+                grid_.each_face(static_cast<std::uint32_t>(there), [&](std::uint32_t f) {
                     const OuterFace& face = grid_.faces[f];
                     if (face.kind != FaceKind::light) return;
                     const auto facing = static_cast<std::size_t>(face.facing);
@@ -143,20 +142,19 @@ private:
         seen_.cell.push_back(solid.index < 0 ? 0xffffffffu : static_cast<std::uint32_t>(solid.index));
     }
 
-    const ViewingGrid& viewing_;
-    const OpticalGrid& grid_;
+    const ViewingGrid& grid_;
     const Surface& surface_;
-    std::array<double, 3> edge_{};  ///< of a viewing cell
+    std::array<double, 3> edge_{};  ///< of a grid cell
     std::array<double, 6> area_{};  ///< of the cell's faces, by facing
-    Place home_{};                  ///< viewing cell of its centre
+    Place home_{};                  ///< grid cell of its centre
     std::vector<std::pair<std::uint32_t, double>> near_;
     ViewingFaces seen_;
 };
 
 }  // namespace
 
-ViewingFaces see(const ViewingGrid& viewing, const Surface& surface, const Progress* progress) {
-    return FaceFinder(viewing, surface).run(progress);
+ViewingFaces see(const ViewingGrid& grid, const Surface& surface, const Progress* progress) {
+    return FaceFinder(grid, surface).run(progress);
 }
 
 }  // namespace voxtone::optics

@@ -23,6 +23,6 @@ struct ViewingFaces {
     std::vector<std::uint32_t> cell;  ///< the solid cell nearest to each surface cell; 0xffffffff: none near
 };
 /// Throws Cancelled.
-[[nodiscard]] ViewingFaces see(const ViewingGrid& viewing, const Surface& surface, const Progress* progress = nullptr);
+[[nodiscard]] ViewingFaces see(const ViewingGrid& grid, const Surface& surface, const Progress* progress = nullptr);
 
 }  // namespace voxtone::optics

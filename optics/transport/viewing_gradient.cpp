@@ -42,7 +42,7 @@ ViewingGradient::ViewingGradient(const ViewingGrid& grid, const SeenMedium& seen
       channels_(channels),
       by_medium_(grid.cells() * channels),
       first_row_(grid.mixtures.size()) {
-    const auto& view = grid.grid.view_voxels;
+    const auto& view = grid.view_voxels;
     std::uint32_t rows = 0;
     for (std::size_t m = 1; m < grid.mixtures.size(); ++m) {
         const bool one = grid.mixtures[m].holds.size() == 1;
@@ -56,7 +56,7 @@ ViewingGradient::ViewingGradient(const ViewingGrid& grid, const SeenMedium& seen
 std::size_t ViewingGradient::row(std::size_t mixture, const ViewingGrid::Home& home) const {
     const std::uint32_t first = first_row_[mixture];
     if (!(first & alone)) return first + std::size_t{home.layer};
-    const auto& view = grid_.grid.view_voxels;
+    const auto& view = grid_.view_voxels;
     return (first & ~alone) + static_cast<std::size_t>((home.axis > 0 ? view[0] : 0) + (home.axis > 1 ? view[1] : 0)) +
            home.layer;
 }
@@ -68,7 +68,7 @@ void ViewingGradient::add(std::size_t channel, const TransportMedia& media_of, c
         for (std::size_t cell = begin; cell < end; ++cell)
             by_medium_[cell * channels_ + channel] = {upper_half(by_sigma_t[cell]), upper_half(by_sigma_s[cell])};
     });
-    const auto& view = grid_.grid.view_voxels;
+    const auto& view = grid_.view_voxels;
     parallel_ranges(1, grid_.mixtures.size(), 1 << 8, [&](std::size_t begin, std::size_t end) {
         std::vector<Pair> by_share;
         for (std::size_t m = begin; m < end; ++m) {
@@ -101,7 +101,7 @@ void ViewingGradient::take(const std::array<int, 3>& voxel, std::size_t first_re
     }
     const auto cell = static_cast<std::size_t>(home.cell);
     const auto* const by_medium = by_medium_.data() + cell * channels_;
-    const auto* by_share = table_.data() + (row(grid_.grid.medium[cell], home) * resins_ + first_resin) * channels_;
+    const auto* by_share = table_.data() + (row(grid_.medium[cell], home) * resins_ + first_resin) * channels_;
     for (float& to : out) {
         float sum = 0;
         for (std::size_t c = 0; c < channels_; ++c, ++by_share)

@@ -3,8 +3,6 @@
 
 #include <algorithm>
 
-#include "voxtone/optics/transport/lattice.h"
-
 namespace voxtone::optics {
 
 BlockLattice::BlockLattice(const std::array<int, 3>& size, const std::array<int, 3>& view_voxels) {
@@ -15,36 +13,34 @@ BlockLattice::BlockLattice(const std::array<int, 3>& size, const std::array<int,
     shift_voxels[2] = blocks[2] * block_voxels[2] - size[2];
 }
 
-std::array<std::int32_t, 3> ViewingGrid::corner_of(const GridBlock& block) const {
+Place ViewingGrid::corner_of(const Place& block) const {
     Place corner{};
-    for (std::size_t a = 0; a < 3; ++a) corner[a] = block.at[a] * 4 * grid.view_voxels[a] - grid.shift_voxels[a];
+    for (std::size_t a = 0; a < 3; ++a) corner[a] = block[a] * 4 * view_voxels[a] - shift_voxels[a];
     return corner;
 }
 
 void ViewingGrid::shrink() {
-    grid.blocks.shrink_to_fit();
-    grid.transport_blocks.shrink_to_fit();
-    grid.face_of_cell.shrink_to_fit();
-    grid.faces.shrink_to_fit();
-    for (auto* list : {&core_block, &ghosts, &core_faces, &open_faces, &place_of_face, &blocks_by_parity[0],
-                       &blocks_by_parity[1], &donors_of})
+    blocks.shrink_to_fit();
+    transport_blocks.shrink_to_fit();
+    face_of_cell.shrink_to_fit();
+    faces.shrink_to_fit();
+    for (auto* list : {&core_block, &ghosts, &core_faces, &open_faces, &place_of_face, &donors_of})
         list->shrink_to_fit();
     donors.shrink_to_fit();
 }
 
-ViewingGrid::Home ViewingGrid::home_of(const std::array<int, 3>& voxel) const {
-    const Place& view = grid.view_voxels;
+ViewingGrid::Home ViewingGrid::home_of(const Place& voxel) const {
+    const Place& view = view_voxels;
     Place at{}, in{};
     Home home;
     home.share = 1 / static_cast<float>(view[0] * view[1] * view[2]);
     for (std::size_t a = 0; a < 3; ++a) {
-        const int v = voxel[a] + grid.shift_voxels[a];
-        if (v < 0 || v >= 4 * grid.lattice[a] * view[a]) return {};
+        const int v = voxel[a] + shift_voxels[a];
+        if (v < 0 || v >= 4 * lattice[a] * view[a]) return {};
         at[a] = v / view[a];
         in[a] = v % view[a];
         // A cell that sticks out of a mirrored side holds the image too.
-        if (mirrored && a < 2 && 2 * size[a] - 1 - voxel[a] < (at[a] + 1) * view[a] - grid.shift_voxels[a])
-            home.share *= 2;
+        if (mirrored && a < 2 && 2 * size[a] - 1 - voxel[a] < (at[a] + 1) * view[a] - shift_voxels[a]) home.share *= 2;
     }
     Place to = at;
     home.cell = cell_of(to);
@@ -58,7 +54,7 @@ ViewingGrid::Home ViewingGrid::home_of(const std::array<int, 3>& voxel) const {
                                        [](const Donor&donor, std::int64_t cell) { return donor.to < cell; });
              d != last && d->to == next; ++d) {
             bool same = true;
-            for (std::size_t a = 0; a < 3; ++a) same &= d->from[a] == at[a] * view[a] - grid.shift_voxels[a];
+            for (std::size_t a = 0; a < 3; ++a) same &= d->from[a] == at[a] * view[a] - shift_voxels[a];
             if (same) home.cell = next;
         }
     }
@@ -73,21 +69,22 @@ ViewingGrid::Home ViewingGrid::home_of(const std::array<int, 3>& voxel) const {
 
 std::size_t ViewingGrid::memory_bytes() const {
     const auto of = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
-    return grid.memory_bytes() + of(core_block) + of(core_faces) + of(open_faces) + of(place_of_face) +
-           of(blocks_by_parity[0]) + of(blocks_by_parity[1]) + of(donors) + of(donors_of) + of(core_shares);
+    return of(blocks) + of(block_at) + of(transport_rows) + of(transport_blocks) + of(medium) + of(outer) +
+           of(face_of_cell) + of(faces) + of(laws) + of(law) + of(core_block) + of(core_faces) + of(open_faces) +
+           of(place_of_face) + of(donors) + of(donors_of) + of(core_shares);
 }
 
 std::int64_t ViewingGrid::cell_of(const Place& at) const {
     Place block{};
     for (std::size_t a = 0; a < 3; ++a) {
-        if (at[a] < 0 || at[a] >= 4 * grid.lattice[a]) return -1;
+        if (at[a] < 0 || at[a] >= 4 * lattice[a]) return -1;
         block[a] = at[a] / 4;
     }
-    const std::int32_t b = grid.block_at[at3(block, grid.lattice)];
+    const std::int32_t b = block_at[at3(block, lattice)];
     if (b < 0) return -1;
-    const GridBlock& home = grid.blocks[static_cast<std::size_t>(b)];
+    const GridBlock& home = blocks[static_cast<std::size_t>(b)];
     if (home.kind == BlockKind::core) return -1;
-    const std::size_t place = place_in_block(at[0] % 4, at[1] % 4, at[2] % 4);
+    const std::size_t place = place_in_block({at[0] % 4, at[1] % 4, at[2] % 4});
     return home.solid >> place & 1 ? static_cast<std::int64_t>(home.first_cell + place) : -1;
 }
 

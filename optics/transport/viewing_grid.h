@@ -24,9 +24,61 @@
 #include <utility>
 #include <vector>
 
-#include "voxtone/optics/transport/optical_grid.h"
+#include "voxtone/optics/scene/surface.h"
+#include "voxtone/optics/transport/lattice.h"
+#include "voxtone/optics/transport/transport_directions.h"
 
 namespace voxtone::optics {
+
+/// Bit 6 of ViewingGrid::outer.
+inline constexpr std::uint8_t not_solid = 64;
+
+enum class BlockKind : std::uint8_t { transport, core };
+
+struct GridBlock {
+    Place at{};  ///< in the lattice of blocks
+    BlockKind kind{};
+    bool slanting = false;         ///< has faces of a surface that is no face of the lattice: light passes corners
+    std::uint32_t medium = 0;      ///< of a core block
+    std::uint32_t first_cell = 0;  ///< of its cells; none in a core block
+    std::uint32_t core_node = 0;   ///< of a core block
+    std::uint64_t solid = 0;       ///< which of its 64 cells are
+    std::int32_t first_link = -1;  ///< into `face_of_cell`; -1: no cell of it has an outer face
+    std::uint32_t first_face = 0, faces = 0;
+    std::array<std::int32_t, 6> neighbour{-1, -1, -1, -1, -1, -1};
+};
+
+enum class FaceKind : std::uint8_t { light, black_sheet, white_sheet, mirror, core };
+
+/// A face through which a transport cell borders on something that is not a transport cell.
+struct OuterFace {
+    std::uint32_t cell = 0;
+    std::uint32_t beyond = 0;  ///< the core node on the other side
+    FaceKind kind{};
+    Facing facing{};
+    std::uint8_t region_in_block = 0;  ///< of 2 x 2 x 2 cells, in which light that passes corners is pooled
+    float area_mm2 = 0;
+};
+
+/// Marks a place of ViewingGrid::place_of_face as one among the faces into the core.
+inline constexpr std::uint32_t into_core = 0x80000000u;
+
+/// Octant of the light that leaves through a face, of these signs along it (bits as in sweep_half).
+[[nodiscard]] constexpr int leaving_octant(Facing facing, int signs) {
+    const int f = static_cast<int>(facing), against = f % 2 == 0 ? 1 : 0;
+    switch (f / 2) {
+        case 0:
+            return against | signs << 1;
+        case 1:
+            return (signs & 1) | against << 1 | (signs & 2) << 1;
+        default:
+            return signs | against << 2;
+    }
+}
+/// Octant of the light that enters there, of the same signs along the face.
+[[nodiscard]] constexpr int entering_octant(Facing facing, int signs) {
+    return leaving_octant(facing, signs) ^ (1 << static_cast<int>(facing) / 2);
+}
 
 /// The lattice of blocks of 4 x 4 x 4 viewing cells over a volume: from voxel 0 along x and y, from the top along z.
 struct BlockLattice {
@@ -49,6 +101,9 @@ struct ViewingWindow {
     std::array<bool, 6> cut{};
 };
 
+/// Of ViewingGrid::Fine::first: the block is not cut.
+inline constexpr std::uint32_t not_fine = 0xffffffffu;
+
 /// Made by viewing_grid_builder.h.
 struct ViewingGrid {
     ViewingGrid() = default;
@@ -60,27 +115,52 @@ struct ViewingGrid {
         std::uint8_t axis = 2, layer = 0;  ///< as of Mixture
         float share = 0;
     };
-    [[nodiscard]] Home home_of(const std::array<int, 3>& voxel) const;
+    [[nodiscard]] Home home_of(const Place& voxel) const;
 
     /// The solid transport cell at a place of the viewing grid, or -1.
-    [[nodiscard]] std::int64_t cell_of(const std::array<std::int32_t, 3>& at) const;
+    [[nodiscard]] std::int64_t cell_of(const Place& at) const;
     /// The outer faces of a cell.
     template <class Body>
     void each_face(std::uint32_t cell, Body&& body) const;
+    [[nodiscard]] Place block_voxels() const { return {4 * view_voxels[0], 4 * view_voxels[1], 4 * view_voxels[2]}; }
     /// The lowest voxel of a block.
-    [[nodiscard]] std::array<std::int32_t, 3> corner_of(const GridBlock& block) const;
-    [[nodiscard]] bool is_ghost(const std::array<std::int32_t, 3>& block) const {
+    [[nodiscard]] Place corner_of(const Place& block) const;
+    [[nodiscard]] const GridBlock& transport_block(std::size_t t) const { return blocks[transport_blocks[t]]; }
+    [[nodiscard]] bool is_ghost(const Place& block) const {
         for (std::size_t a = 0; a < 3; ++a)
-            if ((window.cut[2 * a] && block[a] == 0) || (window.cut[2 * a + 1] && block[a] == grid.lattice[a] - 1))
+            if ((window.cut[2 * a] && block[a] == 0) || (window.cut[2 * a + 1] && block[a] == lattice[a] - 1))
                 return true;
         return false;
     }
-    [[nodiscard]] std::size_t cells() const { return grid.medium.size(); }
+    /// Of a cell.
+    [[nodiscard]] std::array<double, 3> edge_mm() const {
+        std::array<double, 3> edge{};
+        for (std::size_t a = 0; a < 3; ++a) edge[a] = view_voxels[a] * pitch_mm[a];
+        return edge;
+    }
+    [[nodiscard]] const FaceLaw& law_of(std::size_t face) const { return laws[law[face]]; }
+    [[nodiscard]] std::size_t cells() const { return medium.size(); }
     [[nodiscard]] std::size_t memory_bytes() const;
     /// Frees what the vectors hold in reserve.
     void shrink();
 
-    OpticalGrid grid;
+    std::array<int, 3> view_voxels{2, 1, 3};  ///< voxels per cell
+    DirectionSet directions;
+    std::array<int, 3> lattice{};       ///< blocks along each axis
+    std::array<int, 3> shift_voxels{};  ///< voxel 0 lies so many voxels inside the first block
+    std::array<double, 3> pitch_mm{};
+    std::vector<GridBlock> blocks;       ///< ascending in z, y, x
+    std::vector<std::int32_t> block_at;  ///< of each lattice place, -1: air
+    /// First transport block of each row of blocks along x, with an end mark.
+    std::vector<std::uint32_t> transport_rows;
+    std::vector<std::uint32_t> transport_blocks;
+    std::vector<std::uint16_t> medium;       ///< per cell: number of what it holds (ViewingGrid::mixtures); 0 is air
+    std::vector<std::uint8_t> outer;         ///< per cell: bit f is set where face f is an outer one; or `not_solid`
+    std::vector<std::int32_t> face_of_cell;  ///< first outer face of a cell, per cell of blocks that have any
+    std::vector<OuterFace> faces;            ///< those of a cell in order of `Facing`
+    std::vector<FaceLaw> laws;               ///< of faces; 0 lets nothing through
+    std::vector<std::uint32_t> law;          ///< per face
+
     /// What a cell holds: share of its volume by resin and by layer across the light's way, the one nearest to the air
     /// first.
     struct Holding {
@@ -92,7 +172,7 @@ struct ViewingGrid {
         std::vector<Holding> holds;  ///< ascending in layer, then material
         std::uint8_t axis = 2;       ///< along which light comes
     };
-    std::vector<Mixture> mixtures;  ///< of cells, by OpticalGrid::medium; 0 is air
+    std::vector<Mixture> mixtures;  ///< of cells, by ViewingGrid::medium; 0 is air
 
     /// Blocks whose cells are cut into parts no larger than voxels. Shape and faces stay those of the cells.
     struct Fine {
@@ -132,13 +212,11 @@ struct ViewingGrid {
     std::vector<std::uint32_t> open_faces;  ///< the others: to the light, a sheet or a mirror
     /// Of each outer face among the open ones; `into_core` and among the core's.
     std::vector<std::uint32_t> place_of_face;
-    /// Transport blocks whose neighbours are of the other parity.
-    std::array<std::vector<std::uint32_t>, 2> blocks_by_parity;
 
     /// A cell that is not solid, and the solid one that holds its resin.
     struct Donor {
-        std::uint32_t to;                  ///< cell
-        std::array<std::int32_t, 3> from;  ///< its lowest voxel
+        std::uint32_t to;  ///< cell
+        Place from;        ///< its lowest voxel
     };
     bool mirrored = false;
     std::array<int, 3> size{};             ///< of the volume
@@ -149,11 +227,10 @@ struct ViewingGrid {
 
 template <class Body>
 void ViewingGrid::each_face(std::uint32_t cell, Body&& body) const {
-    const unsigned bits = grid.outer[cell];
+    const unsigned bits = outer[cell];
     if (bits == 0 || bits & not_solid) return;
-    const GridBlock& home = grid.blocks[grid.transport_blocks[cell / 64]];
-    const auto first =
-        static_cast<std::uint32_t>(grid.face_of_cell[static_cast<std::size_t>(home.first_link) + cell % 64]);
+    const GridBlock& home = transport_block(cell / 64);
+    const auto first = static_cast<std::uint32_t>(face_of_cell[static_cast<std::size_t>(home.first_link) + cell % 64]);
     for (std::uint32_t f = first; f < first + static_cast<std::uint32_t>(std::popcount(bits)); ++f) body(f);
 }
 

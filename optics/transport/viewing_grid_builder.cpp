@@ -18,8 +18,7 @@ namespace voxtone::optics {
 namespace {
 
 struct ViewingGridBuilder {
-    ViewingGrid& self;
-    OpticalGrid& grid;
+    ViewingGrid& grid;
     const Scene& scene;
     const Progress* progress;
     Place block_voxels{}, view{}, cells{};  // cells: of the lattice
@@ -32,12 +31,7 @@ struct ViewingGridBuilder {
     std::vector<std::uint8_t> fills{};
     std::vector<std::uint8_t> wanted{}, seed{};  // of each place: gets transport cells; a margin grows from it
 
-    [[nodiscard]] Place corner_of(const Place& block) const {
-        Place corner{};
-        for (std::size_t a = 0; a < 3; ++a) corner[a] = block[a] * block_voxels[a] - grid.shift_voxels[a];
-        return corner;
-    }
-    [[nodiscard]] bool mirrored(std::size_t axis) const { return self.mirrored && axis < 2; }
+    [[nodiscard]] bool mirrored(std::size_t axis) const { return grid.mirrored && axis < 2; }
     void check() const {
         if (progress) progress->check_cancelled();
     }
@@ -47,8 +41,8 @@ struct ViewingGridBuilder {
         const BlockLattice whole(scene.volume->size(), view);
         block_voxels = whole.block_voxels;
         for (std::size_t a = 0; a < 3; ++a) {
-            grid.lattice[a] = self.window.end[a] - self.window.begin[a];
-            grid.shift_voxels[a] = whole.shift_voxels[a] - self.window.begin[a] * block_voxels[a];
+            grid.lattice[a] = grid.window.end[a] - grid.window.begin[a];
+            grid.shift_voxels[a] = whole.shift_voxels[a] - grid.window.begin[a] * block_voxels[a];
             cells[a] = 4 * grid.lattice[a];
         }
         in_cell = view[0] * view[1] * view[2];
@@ -77,7 +71,7 @@ struct ViewingGridBuilder {
         const Place block{static_cast<int>(x), static_cast<int>(row % static_cast<std::size_t>(grid.lattice[1])),
                           static_cast<int>(row / static_cast<std::size_t>(grid.lattice[1]))};
         const std::size_t here = at3(block, grid.lattice);
-        const Place corner = corner_of(block);
+        const Place corner = grid.corner_of(block);
         const int only = scene.volume->uniform_material(corner, block_voxels);
         if (only >= 0) {
             state[here] = only == air ? empty : full;
@@ -85,12 +79,12 @@ struct ViewingGridBuilder {
             material[here] = static_cast<std::int16_t>(only);
             return;
         }
-        read_box(*scene.volume, self.mirrored, corner, block_voxels, box);
+        read_box(*scene.volume, grid.mirrored, corner, block_voxels, box);
         std::array<std::uint8_t, 64> fill{};
         std::int16_t found = 0;
         bool any_air = false, open = false;
         for_each({4, 4, 4}, [&](const Place& at) {
-            std::uint8_t& sum = fill[place_in_block(at[0], at[1], at[2])];
+            std::uint8_t& sum = fill[place_in_block(at)];
             for (std::size_t a = 0; a < 2; ++a)  // beyond a mirror there is nothing
                 if (mirrored(a) && corner[a] + at[a] * view[a] >= scene.volume->size()[a]) {
                     any_air = open = true;
@@ -119,7 +113,7 @@ struct ViewingGridBuilder {
 
     [[nodiscard]] Material some_material(const Place& block) const {
         std::vector<Material> box;
-        read_box(*scene.volume, self.mirrored, corner_of(block), block_voxels, box);
+        read_box(*scene.volume, grid.mirrored, grid.corner_of(block), block_voxels, box);
         return *std::max_element(box.begin(), box.end());
     }
 
@@ -131,9 +125,7 @@ struct ViewingGridBuilder {
             in[a] = cell[a] % 4;
         }
         const std::size_t here = at3(block, grid.lattice);
-        return state[here] == full    ? in_cell
-               : state[here] == empty ? 0
-                                      : fills[fill_of[here] + place_in_block(in[0], in[1], in[2])];
+        return state[here] == full ? in_cell : state[here] == empty ? 0 : fills[fill_of[here] + place_in_block(in)];
     }
     [[nodiscard]] static Place beside(const Place& cell, std::size_t f) {
         return {cell[0] + step_of[f][0], cell[1] + step_of[f][1], cell[2] + step_of[f][2]};
@@ -210,7 +202,7 @@ struct ViewingGridBuilder {
     void find_blocks(double colour_mm, std::span<const std::uint8_t> also, const Surface* asked) {
         want_below(find_surface_blocks(also, asked), colour_mm);
         check();
-        if (self.mixes_core) seed_mixed_where_wanted();
+        if (grid.mixes_core) seed_mixed_where_wanted();
         want_margins();
         check();
         list_blocks();
@@ -229,15 +221,15 @@ struct ViewingGridBuilder {
         for_each(grid.lattice, [&](const Place& at) {
             const std::size_t here = i++;
             if (state[here] == empty) return;
-            const bool seeds_margin = material[here] < 0 && !self.mixes_core;
-            if (self.is_ghost(at)) {
+            const bool seeds_margin = material[here] < 0 && !grid.mixes_core;
+            if (grid.is_ghost(at)) {
                 seed[here] = seeds_margin;
                 return;
             }
             const auto [lit, sheet] = beyond(at);
             if (lit && at_surface[here]) surface.push_back(at);
             if (lit || sheet || (!also.empty() && also[here])) wanted[here] = 1;
-            seed[here] = lit || seeds_margin || (sheet && self.mixes_core);
+            seed[here] = lit || seeds_margin || (sheet && grid.mixes_core);
         });
         return surface;
     }
@@ -262,7 +254,7 @@ struct ViewingGridBuilder {
             found.lit |= kind == FaceKind::light;
             found.sheet |= kind == FaceKind::black_sheet || kind == FaceKind::white_sheet;
         }
-        found.sheet |= scene.backing != Backing::none && corner_of(at)[2] <= 0;
+        found.sheet |= scene.backing != Backing::none && grid.corner_of(at)[2] <= 0;
         return found;
     }
 
@@ -335,7 +327,7 @@ struct ViewingGridBuilder {
             if (state[here] == empty) return;
             const auto index = static_cast<std::uint32_t>(grid.blocks.size());
             grid.block_at[here] = static_cast<std::int32_t>(index);
-            if (!wanted[here] || self.is_ghost(at)) {
+            if (!wanted[here] || grid.is_ghost(at)) {
                 grid.blocks.push_back(core_block(at, index));
                 return;
             }
@@ -348,7 +340,6 @@ struct ViewingGridBuilder {
                 grid.transport_rows.push_back(static_cast<std::uint32_t>(grid.transport_blocks.size()));
             row = this_row;
             grid.transport_blocks.push_back(index);
-            self.blocks_by_parity[static_cast<std::size_t>((at[0] + at[1] + at[2]) & 1)].push_back(index);
             grid.blocks.push_back(block);
         });
         grid.transport_rows.push_back(static_cast<std::uint32_t>(grid.transport_blocks.size()));
@@ -361,13 +352,13 @@ struct ViewingGridBuilder {
         block.at = at;
         block.kind = BlockKind::core;
         block.medium = static_cast<std::uint16_t>(material[here]);  // `fill` knows better
-        block.core_node = static_cast<std::uint32_t>(self.core_block.size());
-        if (self.is_ghost(at)) {
+        block.core_node = static_cast<std::uint32_t>(grid.core_block.size());
+        if (grid.is_ghost(at)) {
             // Whatever it holds: its light is given, and the halo keeps it out of sight.
             if (material[here] < 0) block.medium = some_material(at);
-            self.ghosts.push_back(block.core_node);
+            grid.ghosts.push_back(block.core_node);
         }
-        self.core_block.push_back(index);
+        grid.core_block.push_back(index);
         return block;
     }
 
@@ -391,7 +382,7 @@ struct ViewingGridBuilder {
             check();
             GridBlock& block = grid.blocks[b];
             const std::size_t here = at3(block.at, grid.lattice);
-            self.donors_of.push_back(static_cast<std::uint32_t>(self.donors.size()));
+            grid.donors_of.push_back(static_cast<std::uint32_t>(grid.donors.size()));
             bool inner = state[here] == full;
             for (const std::int32_t other : block.neighbour)
                 inner &= other >= 0 && grid.blocks[static_cast<std::size_t>(other)].kind != BlockKind::core &&
@@ -404,7 +395,7 @@ struct ViewingGridBuilder {
             block.first_link = static_cast<std::int32_t>(grid.face_of_cell.size());
             block.first_face = static_cast<std::uint32_t>(grid.faces.size());
             for_each({4, 4, 4}, [&](const Place& at) {
-                const std::size_t place = place_in_block(at[0], at[1], at[2]);
+                const std::size_t place = place_in_block(at);
                 const Place cell{4 * block.at[0] + at[0], 4 * block.at[1] + at[1], 4 * block.at[2] + at[2]};
                 grid.face_of_cell.push_back(static_cast<std::int32_t>(grid.faces.size()));
                 if (!solid_at(cell)) return;
@@ -425,16 +416,16 @@ struct ViewingGridBuilder {
                         if (other.kind != BlockKind::core) continue;
                         face.kind = FaceKind::core;
                         face.beyond = other.core_node;
-                        self.place_of_face.push_back(into_core | static_cast<std::uint32_t>(self.core_faces.size()));
-                        self.core_faces.push_back(static_cast<std::uint32_t>(grid.faces.size()));
+                        grid.place_of_face.push_back(into_core | static_cast<std::uint32_t>(grid.core_faces.size()));
+                        grid.core_faces.push_back(static_cast<std::uint32_t>(grid.faces.size()));
                     } else {
                         face.kind = kind_of(next, f);
-                        self.place_of_face.push_back(static_cast<std::uint32_t>(self.open_faces.size()));
-                        self.open_faces.push_back(static_cast<std::uint32_t>(grid.faces.size()));
+                        grid.place_of_face.push_back(static_cast<std::uint32_t>(grid.open_faces.size()));
+                        grid.open_faces.push_back(static_cast<std::uint32_t>(grid.faces.size()));
                         if (fill_at(next) > 0 && receiver(next) == cell) {
                             Place from{};
                             for (std::size_t a = 0; a < 3; ++a) from[a] = next[a] * view[a] - grid.shift_voxels[a];
-                            self.donors.push_back({face.cell, from});
+                            grid.donors.push_back({face.cell, from});
                         }
                     }
                     outer |= static_cast<std::uint8_t>(1u << f);
@@ -443,7 +434,7 @@ struct ViewingGridBuilder {
             });
             block.faces = static_cast<std::uint32_t>(grid.faces.size()) - block.first_face;
         }
-        self.donors_of.push_back(static_cast<std::uint32_t>(self.donors.size()));
+        grid.donors_of.push_back(static_cast<std::uint32_t>(grid.donors.size()));
     }
 
     /// The laws of the faces: of the mean normal of the voxel faces seen through each; where there are none, of faces
@@ -455,7 +446,7 @@ struct ViewingGridBuilder {
             box.end[a] = box.begin[a] + grid.lattice[a] * block_voxels[a];
         }
         const Surface surface = find_surface_near(scene, grid.view_voxels, box, progress);
-        const ViewingFaces seen = see(self, surface, progress);
+        const ViewingFaces seen = see(grid, surface, progress);
         check();
         std::vector<std::array<float, 3>> normal(grid.faces.size());
         for (std::size_t i = 0; i < surface.cells.size(); ++i) {
@@ -479,7 +470,7 @@ struct ViewingGridBuilder {
         }
         grid.law.assign(grid.faces.size(), 0);
         std::map<std::array<int, 3>, std::uint32_t> known;
-        for (const std::uint32_t f : self.open_faces) {
+        for (const std::uint32_t f : grid.open_faces) {
             check();
             const OuterFace& face = grid.faces[f];
             const auto axis = static_cast<std::size_t>(face.facing) / 2;
@@ -518,7 +509,7 @@ struct ViewingGridBuilder {
         for (std::size_t t = 0; t < n; ++t) place[grid.transport_blocks[t]] = static_cast<std::int32_t>(t);
         std::vector<std::uint8_t> known(n, 0);
         for (std::size_t t = 0; t < n; ++t) {
-            const GridBlock& block = grid.blocks[grid.transport_blocks[t]];
+            const GridBlock& block = grid.transport_block(t);
             for (std::size_t f = block.first_face; f < block.first_face + block.faces; ++f)
                 for (std::size_t a = 0; a < 3; ++a) way[t][a] += normal[f][a];
             if (way[t] == std::array<float, 3>{}) continue;
@@ -528,7 +519,7 @@ struct ViewingGridBuilder {
         for (; !front.empty(); front.swap(next)) {
             next.clear();
             for (const std::uint32_t t : front)
-                for (const std::int32_t other : grid.blocks[grid.transport_blocks[t]].neighbour) {
+                for (const std::int32_t other : grid.transport_block(t).neighbour) {
                     if (other < 0 || place[static_cast<std::size_t>(other)] < 0) continue;
                     const auto to = static_cast<std::size_t>(place[static_cast<std::size_t>(other)]);
                     if (known[to] == 1) continue;
@@ -538,12 +529,12 @@ struct ViewingGridBuilder {
                 }
             for (const std::uint32_t t : next) known[t] = 1;
         }
-        self.towards.assign(n, static_cast<std::uint8_t>(Facing::plus_z));
+        grid.towards.assign(n, static_cast<std::uint8_t>(Facing::plus_z));
         for (std::size_t t = 0; t < n; ++t) {
             std::size_t axis = 2;
             for (std::size_t a = 0; a < 3; ++a)
                 if (std::abs(way[t][a]) > std::abs(way[t][axis])) axis = a;
-            self.towards[t] = static_cast<std::uint8_t>(2 * axis + (way[t][axis] >= 0 ? 1 : 0));
+            grid.towards[t] = static_cast<std::uint8_t>(2 * axis + (way[t][axis] >= 0 ? 1 : 0));
         }
     }
 
@@ -551,16 +542,16 @@ struct ViewingGridBuilder {
     [[nodiscard]] std::array<float, 3> normal_near(std::uint32_t f,
                                                    const std::vector<std::array<float, 3>>& normal) const {
         const OuterFace& face = grid.faces[f];
-        const GridBlock& block = grid.blocks[grid.transport_blocks[face.cell / 64]];
+        const GridBlock& block = grid.transport_block(face.cell / 64);
         const int place = static_cast<int>(face.cell % 64);
         const Place cell{4 * block.at[0] + place % 4, 4 * block.at[1] + place / 4 % 4, 4 * block.at[2] + place / 16};
         const auto axis = static_cast<std::size_t>(face.facing) / 2;
         const float sign = static_cast<int>(face.facing) % 2 ? 1.0f : -1.0f;
         std::array<float, 3> sum{};
         for_each({3, 3, 3}, [&](const Place& k) {
-            const std::int64_t other = self.cell_of({cell[0] + k[0] - 1, cell[1] + k[1] - 1, cell[2] + k[2] - 1});
+            const std::int64_t other = grid.cell_of({cell[0] + k[0] - 1, cell[1] + k[1] - 1, cell[2] + k[2] - 1});
             if (other < 0) return;
-            self.each_face(static_cast<std::uint32_t>(other), [&](std::uint32_t g) {
+            grid.each_face(static_cast<std::uint32_t>(other), [&](std::uint32_t g) {
                 if (normal[g][axis] * sign <= 0) return;
                 for (std::size_t a = 0; a < 3; ++a) sum[a] += normal[g][a];
             });
@@ -591,10 +582,10 @@ ViewingGrid make_viewing_grid(const Scene& scene, const std::array<int, 3>& view
     made.size = scene.volume->size();
     made.resins = scene.resins->resins.size();
     made.mixes_core = colour.deeper_in_nodes;
-    made.grid.view_voxels = view_voxels;
-    made.grid.directions = make_directions(scene.resins->g, scene.resins->eta);
-    made.grid.pitch_mm = scene.volume->pitch_mm();
-    ViewingGridBuilder builder{made, made.grid, scene, progress};
+    made.view_voxels = view_voxels;
+    made.directions = make_directions(scene.resins->g, scene.resins->eta);
+    made.pitch_mm = scene.volume->pitch_mm();
+    ViewingGridBuilder builder{made, scene, progress};
     builder.look();
     builder.find_blocks(colour.mm, also, asked);
     builder.list_faces();

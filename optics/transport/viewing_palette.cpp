@@ -112,25 +112,25 @@ private:
 /// The voxels that count in a solid cell: its own and those of cells that gave it their resin, with their layers.
 class CellVoxels {
 public:
-    CellVoxels(const ViewingGrid& viewing, const ResinVolume& volume)
-        : viewing_(viewing), volume_(volume), view_(viewing.grid.view_voxels) {
+    CellVoxels(const ViewingGrid& grid, const ResinVolume& volume)
+        : grid_(grid), volume_(volume), view_(grid.view_voxels) {
         for (std::size_t a = 0; a < 3; ++a) extent_[a] = 4 * view_[a];
     }
     void enter_block(std::size_t t) {
-        block_ = &viewing_.grid.blocks[viewing_.grid.transport_blocks[t]];
-        corner_ = viewing_.corner_of(*block_);
-        axis_ = static_cast<std::size_t>(viewing_.towards[t] / 2);
-        plus_ = viewing_.towards[t] % 2 == 1;
-        first_donor_ = end_donor_ = viewing_.donors_of[t];
-        last_donor_ = viewing_.donors_of[t + 1];
-        read_box(volume_, viewing_.mirrored, corner_, extent_, box_);
+        block_ = &grid_.transport_block(t);
+        corner_ = grid_.corner_of(block_->at);
+        axis_ = static_cast<std::size_t>(grid_.towards[t] / 2);
+        plus_ = grid_.towards[t] % 2 == 1;
+        first_donor_ = end_donor_ = grid_.donors_of[t];
+        last_donor_ = grid_.donors_of[t + 1];
+        read_box(volume_, grid_.mirrored, corner_, extent_, box_);
     }
     /// Solid cells of a block are to come in the order of their places.
     void enter_cell(const Place& at) {
         at_ = at;
-        const std::size_t cell = block_->first_cell + place_in_block(at[0], at[1], at[2]);
+        const std::size_t cell = block_->first_cell + place_in_block(at);
         first_donor_ = end_donor_;
-        while (end_donor_ < last_donor_ && viewing_.donors[end_donor_].to == cell) ++end_donor_;
+        while (end_donor_ < last_donor_ && grid_.donors[end_donor_].to == cell) ++end_donor_;
     }
     [[nodiscard]] std::size_t axis() const { return axis_; }
 
@@ -142,8 +142,8 @@ public:
             body(box_[at3(voxel, extent_)], layer_of(in[axis_]));
         });
         for (std::uint32_t d = first_donor_; d < end_donor_; ++d) {
-            const Place& from = viewing_.donors[d].from;
-            read_box(volume_, viewing_.mirrored, from, view_, donor_);
+            const Place& from = grid_.donors[d].from;
+            read_box(volume_, grid_.mirrored, from, view_, donor_);
             const int before = from[axis_] - corner_[axis_] - at_[axis_] * view_[axis_];
             std::size_t k = 0;
             for_each(view_, [&](const Place& in) { body(donor_[k++], layer_of(before + in[axis_])); });
@@ -156,7 +156,7 @@ private:
         return plus_ ? layers - 1 - layer : layer;
     }
 
-    const ViewingGrid& viewing_;
+    const ViewingGrid& grid_;
     const ResinVolume& volume_;
     Place view_, extent_{}, corner_{}, at_{};
     const GridBlock* block_ = nullptr;
@@ -170,20 +170,19 @@ private:
 class CompositionFinder {
 public:
     /// `rounded`: to eighths, without layers.
-    CompositionFinder(ViewingGrid& viewing, const ResinVolume& volume, bool rounded, const Progress* progress)
-        : viewing_(viewing),
-          grid_(viewing.grid),
+    CompositionFinder(ViewingGrid& grid, const ResinVolume& volume, bool rounded, const Progress* progress)
+        : grid_(grid),
           volume_(volume),
           rounded_(rounded),
           progress_(progress),
-          in_cell_(static_cast<int>(product(viewing.grid.view_voxels))) {}
+          in_cell_(static_cast<int>(product(grid.view_voxels))) {}
 
     /// False where there are too many different ones; the numbers of the cells are of no use then.
     [[nodiscard]] bool run() {
         const std::size_t ranges = (grid_.transport_blocks.size() + range - 1) / range;
         std::vector<CompositionTable> tables(ranges);
         const auto number = [&](std::size_t r) {
-            CellVoxels voxels(viewing_, volume_);
+            CellVoxels voxels(grid_, volume_);
             for (std::size_t t = r * range; t < end_of(r); ++t) number_block(t, voxels, tables[r]);
         };
         parallel_for(0, ranges, 1, number, progress_);
@@ -197,18 +196,16 @@ private:
     }
 
     void number_block(std::size_t t, CellVoxels& voxels, CompositionTable& table) {
-        const GridBlock& block = grid_.blocks[grid_.transport_blocks[t]];
-        const Place& view = grid_.view_voxels;
-        const int only =
-            volume_.uniform_material(viewing_.corner_of(block), Place{4 * view[0], 4 * view[1], 4 * view[2]});
+        const GridBlock& block = grid_.transport_block(t);
+        const int only = volume_.uniform_material(grid_.corner_of(block.at), grid_.block_voxels());
         std::uint16_t* const number = grid_.medium.data() + block.first_cell;
-        if (only > 0 && viewing_.donors_of[t] == viewing_.donors_of[t + 1]) {
+        if (only > 0 && grid_.donors_of[t] == grid_.donors_of[t + 1]) {
             std::fill_n(number, 64, number_of_one(static_cast<Material>(only), table));
             return;
         }
         voxels.enter_block(t);
         for_each({4, 4, 4}, [&](const Place& at) {
-            const std::size_t place = place_in_block(at[0], at[1], at[2]);
+            const std::size_t place = place_in_block(at);
             if (!(block.solid >> place & 1)) return;
             voxels.enter_cell(at);
             number[place] = rounded_ ? rounded_number(voxels, table) : exact_number(voxels, table);
@@ -273,7 +270,7 @@ private:
         list_mixtures(all);
         const auto renumber = [&](std::size_t r) {
             for (std::size_t t = r * range; t < end_of(r); ++t) {
-                const GridBlock& block = grid_.blocks[grid_.transport_blocks[t]];
+                const GridBlock& block = grid_.transport_block(t);
                 for (std::size_t place = 0; place < 64; ++place) {
                     std::uint16_t& number = grid_.medium[block.first_cell + place];
                     number = block.solid >> place & 1 ? common[r][number] : std::uint16_t{0};
@@ -286,17 +283,16 @@ private:
 
     void list_mixtures(CompositionTable& all) {
         const auto whole = static_cast<float>(rounded_ ? 8 : in_cell_);
-        viewing_.mixtures.assign(1, {});
+        grid_.mixtures.assign(1, {});
         for (const CompositionTable::Entry& entry : all.entries()) {
-            ViewingGrid::Mixture& mixture = viewing_.mixtures.emplace_back();
+            ViewingGrid::Mixture& mixture = grid_.mixtures.emplace_back();
             mixture.axis = entry.axis;
             for (const Counts::Count& c : entry.counts.counts)
                 mixture.holds.push_back({c.material, c.layer, static_cast<float>(c.n) / whole});
         }
     }
 
-    ViewingGrid& viewing_;
-    OpticalGrid& grid_;
+    ViewingGrid& grid_;
     const ResinVolume& volume_;
     bool rounded_;
     const Progress* progress_;
@@ -304,52 +300,49 @@ private:
 };
 
 /// The voxels of a block, beyond mirrors too.
-void read_block(const ViewingGrid& viewing, const ResinVolume& volume, const GridBlock& block,
+void read_block(const ViewingGrid& grid, const ResinVolume& volume, const GridBlock& block,
                 std::vector<Material>& box) {
-    const Place& view = viewing.grid.view_voxels;
-    read_box(volume, viewing.mirrored, viewing.corner_of(block), {4 * view[0], 4 * view[1], 4 * view[2]}, box);
+    read_box(volume, grid.mirrored, grid.corner_of(block.at), grid.block_voxels(), box);
 }
 
 /// The material of a block, -1 where there are several, air or not.
-int only_material(const ViewingGrid& viewing, const ResinVolume& volume, const GridBlock& block,
+int only_material(const ViewingGrid& grid, const ResinVolume& volume, const GridBlock& block,
                   std::vector<Material>& box) {
-    const Place& view = viewing.grid.view_voxels;
-    const int material = volume.uniform_material(viewing.corner_of(block), {4 * view[0], 4 * view[1], 4 * view[2]});
+    const int material = volume.uniform_material(grid.corner_of(block.at), grid.block_voxels());
     if (material >= 0) return material;
-    read_block(viewing, volume, block, box);
+    read_block(grid, volume, block, box);
     return std::all_of(box.begin(), box.end(), [&](Material m) { return m == box[0]; }) ? box[0] : -1;
 }
 
 /// Materials of the core blocks, -1 for several; of ghosts 0: they stay as they are.
-std::vector<std::int16_t> core_materials(const ViewingGrid& viewing, const ResinVolume& volume,
-                                         const Progress* progress) {
-    std::vector<std::int16_t> materials(viewing.core_block.size(), 0);
+std::vector<std::int16_t> core_materials(const ViewingGrid& grid, const ResinVolume& volume, const Progress* progress) {
+    std::vector<std::int16_t> materials(grid.core_block.size(), 0);
     const auto look = [&](std::size_t begin, std::size_t end) {
         std::vector<Material> box;
         for (std::size_t i = begin; i < end; ++i)
-            if (const GridBlock& block = viewing.grid.blocks[viewing.core_block[i]]; !viewing.is_ghost(block.at))
-                materials[i] = static_cast<std::int16_t>(only_material(viewing, volume, block, box));
+            if (const GridBlock& block = grid.blocks[grid.core_block[i]]; !grid.is_ghost(block.at))
+                materials[i] = static_cast<std::int16_t>(only_material(grid, volume, block, box));
     };
     parallel_ranges(0, materials.size(), 1 << 8, look, progress);
     return materials;
 }
 
 /// Numbers the core blocks of several materials and finds their shares.
-void mix_core(ViewingGrid& viewing, const ResinVolume& volume, const std::vector<std::int16_t>& materials,
+void mix_core(ViewingGrid& grid, const ResinVolume& volume, const std::vector<std::int16_t>& materials,
               const Progress* progress) {
     std::vector<std::uint32_t> blocks;
     for (std::size_t i = 0; i < materials.size(); ++i) {
         if (materials[i] >= 0) continue;
-        GridBlock& block = viewing.grid.blocks[viewing.core_block[i]];
-        block.medium = static_cast<std::uint32_t>(1 + viewing.resins + blocks.size());
-        blocks.push_back(viewing.core_block[i]);
+        GridBlock& block = grid.blocks[grid.core_block[i]];
+        block.medium = static_cast<std::uint32_t>(1 + grid.resins + blocks.size());
+        blocks.push_back(grid.core_block[i]);
     }
-    viewing.core_shares.assign(viewing.resins * blocks.size(), 0.0f);
+    grid.core_shares.assign(grid.resins * blocks.size(), 0.0f);
     const auto share_out = [&](std::size_t begin, std::size_t end) {
         std::vector<Material> box;
         for (std::size_t i = begin; i < end; ++i) {
-            read_block(viewing, volume, viewing.grid.blocks[blocks[i]], box);
-            const std::span<float> shares = std::span(viewing.core_shares).subspan(i * viewing.resins, viewing.resins);
+            read_block(grid, volume, grid.blocks[blocks[i]], box);
+            const std::span<float> shares = std::span(grid.core_shares).subspan(i * grid.resins, grid.resins);
             for (const Material m : box)
                 if (m != air) ++shares[m - 1u];
             const auto solid = box.size() - static_cast<std::size_t>(std::count(box.begin(), box.end(), air));
@@ -361,16 +354,14 @@ void mix_core(ViewingGrid& viewing, const ResinVolume& volume, const std::vector
 
 }  // namespace
 
-bool fill(ViewingGrid& viewing, const ResinVolume& volume, std::vector<std::uint8_t>& wanted,
-          const Progress* progress) {
-    OpticalGrid& grid = viewing.grid;
+bool fill(ViewingGrid& grid, const ResinVolume& volume, std::vector<std::uint8_t>& wanted, const Progress* progress) {
     VOXTONE_EXPECT(volume.pitch_mm() == grid.pitch_mm);
     wanted.assign(grid.block_at.size(), 0);
     bool same = true;
-    const std::vector<std::int16_t> materials = core_materials(viewing, volume, progress);
+    const std::vector<std::int16_t> materials = core_materials(grid, volume, progress);
     for (std::size_t i = 0; i < materials.size(); ++i) {
-        GridBlock& block = grid.blocks[viewing.core_block[i]];
-        if (viewing.is_ghost(block.at) || (viewing.mixes_core && materials[i] < 0)) continue;
+        GridBlock& block = grid.blocks[grid.core_block[i]];
+        if (grid.is_ghost(block.at) || (grid.mixes_core && materials[i] < 0)) continue;
         if (materials[i] > 0) {
             block.medium = static_cast<std::uint32_t>(materials[i]);
         } else {
@@ -379,9 +370,9 @@ bool fill(ViewingGrid& viewing, const ResinVolume& volume, std::vector<std::uint
         }
     }
     if (!same) return false;
-    mix_core(viewing, volume, materials, progress);
-    if (!CompositionFinder(viewing, volume, false, progress).run()) {
-        const bool fits = CompositionFinder(viewing, volume, true, progress).run();
+    mix_core(grid, volume, materials, progress);
+    if (!CompositionFinder(grid, volume, false, progress).run()) {
+        const bool fits = CompositionFinder(grid, volume, true, progress).run();
         VOXTONE_ENSURE(fits);
     }
     return true;

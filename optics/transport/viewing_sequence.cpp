@@ -162,7 +162,7 @@ std::unique_ptr<ViewingSequence::Shape> ViewingSequence::shape_of(const Tile& ti
     grid.shrink();
     shape->seen = see(grid, tiles_.size() == 1 ? surface_ : part_of(surface_, tile.near), progress);
     const auto place_of = [&](std::uint32_t block) {
-        std::array<int, 3> at = grid.grid.blocks[block].at;
+        std::array<int, 3> at = grid.blocks[block].at;
         for (std::size_t a = 0; a < 3; ++a) at[a] += tile.window.begin[a];
         return at;
     };
@@ -172,7 +172,7 @@ std::unique_ptr<ViewingSequence::Shape> ViewingSequence::shape_of(const Tile& ti
                    ? static_cast<std::uint32_t>(found - ghost_places_.begin())
                    : nowhere;
     };
-    for (std::uint32_t b = 0; b < grid.grid.blocks.size(); ++b) {
+    for (std::uint32_t b = 0; b < grid.blocks.size(); ++b) {
         const std::array<int, 3> at = place_of(b);
         if (!VoxelBox{tile.begin, tile.end}.holds(at)) continue;
         if (const std::uint32_t ghost = ghost_at(at); ghost != nowhere) shape->tells.emplace_back(b, ghost);
@@ -331,18 +331,18 @@ std::vector<std::uint8_t> ViewingSequence::still_coloured(const Tile& tile) cons
             }
     // A new grid costs about as much as half of its cells cost in a prediction.
     constexpr std::size_t worth = 16;
-    if (worth * (all - left) < live().grid->grid.transport_blocks.size()) still.clear();
+    if (worth * (all - left) < live_grid().transport_blocks.size()) still.clear();
     return still;
 }
 
 /// Light of the cells that both grids have; where the new one has cells in what was core, the core's.
-void ViewingSequence::carry_over(const ViewingGrid& from, Fields& fields) const {
-    const OpticalGrid &was = from.grid, &is = live().grid->grid;
+void ViewingSequence::carry_over(const ViewingGrid& was, Fields& fields) const {
+    const ViewingGrid& is = live_grid();
     for (ViewingField& field : fields) {
         if (field.cells.empty()) continue;
         ViewingField next;
-        next.cells.resize(live().grid->cells());
-        next.core.resize(live().grid->core_block.size());
+        next.cells.resize(is.cells());
+        next.core.resize(is.core_block.size());
         for (std::size_t place = 0; place < is.block_at.size(); ++place) {
             if (is.block_at[place] < 0) continue;
             const GridBlock &to = is.blocks[static_cast<std::size_t>(is.block_at[place])],
@@ -362,7 +362,7 @@ void ViewingSequence::carry_over(const ViewingGrid& from, Fields& fields) const 
             }
         }
         // Blocks with open faces are the same in both, and so is their order.
-        VOXTONE_ENSURE(from.open_faces.size() == live().grid->open_faces.size());
+        VOXTONE_ENSURE(was.open_faces.size() == is.open_faces.size());
         next.out = std::move(field.out);
         field = std::move(next);
     }
@@ -391,37 +391,37 @@ Medium medium_of_part(const ViewingGrid& grid, const ViewingGrid::Fine::Content&
 
 /// By GridBlock::medium.
 std::vector<TransportMedium> ViewingSequence::core_media(std::size_t channel) const {
-    const ViewingGrid& grid = *live().grid;
+    const ViewingGrid& grid = live_grid();
     const std::size_t resins = grid.resins, mixed = grid.core_shares.size() / resins;
     std::vector<TransportMedium> media(1 + resins + mixed);
     for (std::size_t r = 0; r < resins; ++r)
-        media[1 + r] = similar_medium(grid.grid.directions, scene_.resins->resins[r].medium(channel));
+        media[1 + r] = similar_medium(grid.directions, scene_.resins->resins[r].medium(channel));
     parallel_for(0, mixed, 1 << 8, [&](std::size_t i) {
         const std::span<const float> shares = std::span(grid.core_shares).subspan(i * resins, resins);
         const std::vector<double> fractions(shares.begin(), shares.end());
-        media[1 + resins + i] = similar_medium(grid.grid.directions, halftone_(fractions, channel));
+        media[1 + resins + i] = similar_medium(grid.directions, halftone_(fractions, channel));
     });
     return media;
 }
 
 ViewingTransport::Media ViewingSequence::media(std::size_t channel) const {
-    const OpticalGrid& grid = live().grid->grid;
+    const ViewingGrid& grid = live_grid();
     const ResinSet& resins = *scene_.resins;
     const auto media_of = shared_media(grid.directions, grid.edge_mm(), viewing_theta);
     const SeenMedium seen{halftone_, resins, grid.pitch_mm};
     ViewingTransport::Media media;
-    media.cells.resize(live().grid->mixtures.size());
+    media.cells.resize(live_grid().mixtures.size());
     media.core = core_media(channel);
-    parallel_for(1, live().grid->mixtures.size(), 1 << 8,
-                 [&](std::size_t m) { media.cells[m] = (*media_of)(seen(live().grid->mixtures[m], channel)); });
-    const ViewingGrid::Fine& fine = live().grid->fine;
+    parallel_for(1, live_grid().mixtures.size(), 1 << 8,
+                 [&](std::size_t m) { media.cells[m] = (*media_of)(seen(live_grid().mixtures[m], channel)); });
+    const ViewingGrid::Fine& fine = live_grid().fine;
     if (!fine.any()) return media;
     std::array<double, 3> edge = grid.edge_mm();
     for (std::size_t a = 0; a < 3; ++a) edge[a] /= fine.split[a];
     const auto part_of = shared_media(grid.directions, edge, fine_theta);
     media.parts.resize(fine.contents.size());
     parallel_for(1, fine.contents.size(), 1 << 8, [&](std::size_t m) {
-        media.parts[m] = (*part_of)(medium_of_part(*live().grid, fine.contents[m], seen, channel));
+        media.parts[m] = (*part_of)(medium_of_part(live_grid(), fine.contents[m], seen, channel));
     });
     return media;
 }
@@ -440,7 +440,7 @@ void ViewingSequence::solve(Fields Tile::*fields, GhostLight& ghosts, bool hear,
         transport_->solve(in, (tiles_[live_].*fields)[c], effort.sweeps, summary_, progress, light, around,
                           effort.enough);
         for (const auto& [block, place] : live().tells)
-            ghosts[c][place] = transport_->mean_phi(live().grid->grid.blocks[block]);
+            ghosts[c][place] = transport_->mean_phi(live_grid().blocks[block]);
         done(c);
         if (!keeps_light_) (tiles_[live_].*fields)[c] = {};
     }
@@ -537,7 +537,7 @@ void ViewingSequence::read_appearance(std::size_t channel, Appearance& to) const
 std::vector<float> ViewingSequence::light_of(std::span<const float> adjoint_seed, std::size_t channel) const {
     const ViewingFaces& seen = live().seen;
     const Tile& tile = tiles_[live_];
-    std::vector<float> light(live().grid->grid.faces.size(), 0.0f);
+    std::vector<float> light(live_grid().faces.size(), 0.0f);
     for (std::size_t k = 0; k < tile.near.size(); ++k) {
         float furnace = 0;
         for (std::uint32_t e = seen.first[k]; e < seen.first[k + 1]; ++e)
@@ -569,11 +569,11 @@ bool ViewingSequence::gradient(std::span<const float> adjoint_seed, const Gradie
         look_at(t, progress);
         make_room(needed);
         Tile& tile = tiles_[t];
-        const OpticalGrid& grid = live().grid->grid;
+        const ViewingGrid& grid = live_grid();
         const auto media_of = shared_media(grid.directions, grid.edge_mm(), viewing_theta);
         const SeenMedium seen{halftone_, *scene_.resins, grid.pitch_mm};
-        ViewingGradient gradient(*live().grid, seen, channels());
-        std::vector<float> by_sigma_t(live().grid->cells()), by_sigma_s(live().grid->cells());
+        ViewingGradient gradient(live_grid(), seen, channels());
+        std::vector<float> by_sigma_t(live_grid().cells()), by_sigma_s(live_grid().cells());
         const bool anew = first || tile.adjoint[0].cells.empty();
         solve(&Tile::adjoint, ghost_adjoint_, true,
               anew ? Effort{options_.sweeps, 0, 0} : Effort{options_.next_sweeps, 10 * options_.next_change, 0},

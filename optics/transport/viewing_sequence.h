@@ -124,10 +124,11 @@ private:
     void measure(Tile& tile);
     void make_shapes(const Progress* progress);
     [[nodiscard]] const Shape& live() const { return *tiles_[live_].shape; }
+    [[nodiscard]] const ViewingGrid& live_grid() const { return *live().grid; }
     [[nodiscard]] std::size_t shape_bytes() const;
     /// Drops shapes of other tiles, the last ones first, until so many bytes more are allowed.
     void make_room(std::size_t bytes);
-    void carry_over(const ViewingGrid& from, Fields& fields) const;
+    void carry_over(const ViewingGrid& was, Fields& fields) const;
     [[nodiscard]] ViewingTransport::Media media(std::size_t channel) const;
     [[nodiscard]] std::vector<TransportMedium> core_media(std::size_t channel) const;
     [[nodiscard]] Appearance predict(const ResinVolume& volume, Effort effort, const Progress* progress);

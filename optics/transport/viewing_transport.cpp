@@ -55,18 +55,17 @@ void share_out(const float* leaves, const float* room, float* pool) {
 
 }  // namespace
 
-ViewingTransport::ViewingTransport(const ViewingGrid& viewing, const TransportOptions& options, Room room)
-    : viewing_(viewing),
-      grid_(viewing.grid),
+ViewingTransport::ViewingTransport(const ViewingGrid& grid, const TransportOptions& options, Room room)
+    : grid_(grid),
       options_(options),
-      diffusion_(viewing),
+      diffusion_(grid),
       moments_(std::move(room.moments)),
       scratch_(std::move(room.scratch)),
       in_(std::move(room.in)),
       out_(std::move(room.out)),
       flux_(std::move(room.flux)),
       flux_change_(std::move(room.flux_change)) {
-    scratch_.resize(viewing.cells());
+    scratch_.resize(grid.cells());
     const auto edge = grid_.edge_mm();
     for (std::size_t a = 0; a < 3; ++a) {
         edge_[a] = static_cast<float>(edge[a]);
@@ -74,21 +73,21 @@ ViewingTransport::ViewingTransport(const ViewingGrid& viewing, const TransportOp
             flux_weight_[a].v[d] = grid_.directions.weight.v[d] * grid_.directions.cosine[a].v[d];
     }
     volume_ = edge_[0] * edge_[1] * edge_[2];
-    const std::size_t cells = viewing.cells(), faces = grid_.faces.size();
+    const std::size_t cells = grid.cells(), faces = grid_.faces.size();
     moments_.resize(cells);
     x_ = scratch_.vector(0);
     right_ = scratch_.vector(1);
     p_ = scratch_.vector(2);
     z_ = scratch_.vector(3);
-    core_phi_.resize(viewing.core_block.size());
+    core_phi_.resize(grid.core_block.size());
     core_x_.resize(core_phi_.size());
     core_right_.resize(core_phi_.size());
     core_p_.resize(core_phi_.size());
     core_z_.resize(core_phi_.size());
-    in_.resize(4 * viewing.open_faces.size());
-    out_.resize(4 * viewing.open_faces.size());
-    core_in_.resize(viewing.core_faces.size());
-    core_out_.resize(4 * viewing.core_faces.size());
+    in_.resize(4 * grid.open_faces.size());
+    out_.resize(4 * grid.open_faces.size());
+    core_in_.resize(grid.core_faces.size());
+    core_out_.resize(4 * grid.core_faces.size());
     flux_.resize(faces);
     flux_change_.resize(faces);
     std::vector<std::uint8_t> axis_of(grid_.laws.size(), 0);
@@ -174,7 +173,7 @@ void ViewingTransport::make_equations(const std::vector<float>& D, const std::ve
             const TransportMedium& m = media_->cells[grid_.medium[cell]];
             x_[cell] = volume_ * (m.sigma_t - m.sigma_s);
         }
-        const GridBlock& block = grid_.blocks[grid_.transport_blocks[t]];
+        const GridBlock& block = grid_.transport_block(t);
         for (std::size_t f = block.first_face; f < block.first_face + block.faces; ++f)
             if (grid_.faces[f].kind != FaceKind::core) x_[grid_.faces[f].cell] += exchange(f).loss;
     });
@@ -185,7 +184,7 @@ void ViewingTransport::make_equations(const std::vector<float>& D, const std::ve
         const float held =
             1e4f * (diffusion_.core_contact(0, widest, widest) + diffusion_.core_contact(1, widest, widest) +
                     diffusion_.core_contact(2, widest, widest));
-        for (const std::uint32_t ghost : viewing_.ghosts) core_x_[ghost] = held;
+        for (const std::uint32_t ghost : grid_.ghosts) core_x_[ghost] = held;
     }
     check();
     diffusion_.prepare(D, core_D, x_, core_x_, scratch_.equations(), progress_);
@@ -201,7 +200,7 @@ int ViewingTransport::solve_diffusion(double tolerance, int most_steps) {
 }
 
 float ViewingTransport::core_absorption(std::size_t core) const {
-    const TransportMedium& m = media_->core[grid_.blocks[viewing_.core_block[core]].medium];
+    const TransportMedium& m = media_->core[grid_.blocks[grid_.core_block[core]].medium];
     return 64 * volume_ * (m.sigma_t - m.sigma_s);
 }
 
@@ -214,10 +213,10 @@ void ViewingTransport::start() {
     const float guess = scale_ > 0 ? 0.0f : 1.0f;  // 1 is exact where nothing is absorbed
     std::fill(x_.begin(), x_.end(), guess);
     std::fill(core_x_.begin(), core_x_.end(), guess);
-    for (std::size_t i = 0; i < ghost_phi_.size(); ++i) core_x_[viewing_.ghosts[i]] = ghost_phi_[i];
+    for (std::size_t i = 0; i < ghost_phi_.size(); ++i) core_x_[grid_.ghosts[i]] = ghost_phi_[i];
     std::fill(right_.begin(), right_.end(), 0.0f);
     std::fill(core_right_.begin(), core_right_.end(), 0.0f);
-    for (const std::uint32_t f : viewing_.open_faces) {
+    for (const std::uint32_t f : grid_.open_faces) {
         const OuterFace& face = grid_.faces[f];
         if (face.kind == FaceKind::light)
             right_[face.cell] += exchange(f).gain * sums_[grid_.law[f]].through * light(f);
@@ -261,8 +260,8 @@ void ViewingTransport::load(const ViewingField& field) {
     else
         spread_over_parts();
     for (std::size_t i = 0; i < core_phi_.size(); ++i) core_phi_[i] = rescale * field.core[i];
-    for (std::size_t i = 0; i < ghost_phi_.size(); ++i) core_phi_[viewing_.ghosts[i]] = ghost_phi_[i];
-    parallel_ranges(0, viewing_.open_faces.size(), 1 << 10, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = 0; i < ghost_phi_.size(); ++i) core_phi_[grid_.ghosts[i]] = ghost_phi_[i];
+    parallel_ranges(0, grid_.open_faces.size(), 1 << 10, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i)
             for (std::size_t k = 0; k < 32; ++k)
                 out_[4 * i + k / 8].v[k % 8] = step * (static_cast<float>(field.out[32 * i + k]) - zero);
@@ -300,8 +299,8 @@ void ViewingTransport::store(ViewingField& field, TransportSummary& summary) con
         }
     });
     field.core = core_phi_;
-    field.out.resize(32 * viewing_.open_faces.size());
-    parallel_ranges(0, viewing_.open_faces.size(), 1 << 10, [&](std::size_t begin, std::size_t end) {
+    field.out.resize(32 * grid_.open_faces.size());
+    parallel_ranges(0, grid_.open_faces.size(), 1 << 10, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i)
             for (std::size_t k = 0; k < 32; ++k) field.out[32 * i + k] = code(out_[4 * i + k / 8].v[k % 8]);
     });
@@ -316,7 +315,7 @@ void ViewingTransport::enter(bool start) {
     std::array<float, 3> area{};
     for (std::size_t a = 0; a < 3; ++a) area[a] = volume_ / edge_[a];
     parallel_for(0, grid_.transport_blocks.size(), blocks_per_task, [&](std::size_t t) {
-        const GridBlock& block = grid_.blocks[grid_.transport_blocks[t]];
+        const GridBlock& block = grid_.transport_block(t);
         ViewingDiffusion::Flows J = diffusion_.flows(t, D_, core_D_, {x_, core_x_});
         const std::size_t first = 64 * t;
         for (std::size_t f = block.first_face; f < block.first_face + block.faces; ++f) {
@@ -339,7 +338,7 @@ void ViewingTransport::enter(bool start) {
             m.y += J[1][place];
             m.z += J[2][place];
         }
-        if (viewing_.fine.any() && viewing_.fine.first[t] != not_fine) enter_parts(t, J);
+        if (grid_.fine.any() && grid_.fine.first[t] != not_fine) enter_parts(t, J);
         for (std::size_t f = block.first_face; f < block.first_face + block.faces; ++f) {
             const OuterFace& face = grid_.faces[f];
             if (face.kind == FaceKind::core) continue;
@@ -355,7 +354,7 @@ void ViewingTransport::enter(bool start) {
             const float Jn = 3 * (plus ? j[axis] : -j[axis]), Ju = 3 * j[tangent[0]], Jv = 3 * j[tangent[1]];
             float leaving = 0, before = 0;
             for (std::size_t slot = 0; slot < 4; ++slot) {
-                Octet& out = out_[4 * std::size_t{viewing_.place_of_face[f]} + slot];
+                Octet& out = out_[4 * std::size_t{grid_.place_of_face[f]} + slot];
                 const float u = slot & 1 ? -Ju : Ju, v = slot & 2 ? -Jv : Jv;
                 Octet was, is;  // of the flux; the sums keep their order
                 for (std::size_t d = 0; d < 8; d += 4) {
@@ -381,9 +380,9 @@ void ViewingTransport::enter(bool start) {
 
 /// The correction, linear over each cell of a block, in its parts.
 void ViewingTransport::enter_parts(std::size_t t, const ViewingDiffusion::Flows& J) {
-    const ViewingGrid::Fine& fine = viewing_.fine;
+    const ViewingGrid::Fine& fine = grid_.fine;
     for_each({4, 4, 4}, [&](const Place& cell) {
-        const std::size_t place = place_in_block(cell[0], cell[1], cell[2]), at = 64 * t + place;
+        const std::size_t place = place_in_block(cell), at = 64 * t + place;
         if (grid_.medium[at] == 0) return;
         const float D = D_[grid_.medium[at]];
         for_each(fine.split, [&](const Place& part) {
@@ -404,10 +403,10 @@ void ViewingTransport::enter_parts(std::size_t t, const ViewingDiffusion::Flows&
 /// What the last sweep changed in a block's parts, as sources of its cells in scratch_.up().phi; the parts and their
 /// means become the sweep's.
 void ViewingTransport::gather_parts(std::size_t t) {
-    const ViewingGrid::Fine& fine = viewing_.fine;
+    const ViewingGrid::Fine& fine = grid_.fine;
     const float share = 1 / static_cast<float>(fine.parts()), volume = volume_ * share;
     for_each({4, 4, 4}, [&](const Place& cell) {
-        const std::size_t at = 64 * t + place_in_block(cell[0], cell[1], cell[2]);
+        const std::size_t at = 64 * t + place_in_block(cell);
         float source = 0;
         Moments mean;
         for_each(fine.split, [&](const Place& part) {
@@ -427,11 +426,11 @@ void ViewingTransport::gather_parts(std::size_t t) {
 }
 
 void ViewingTransport::spread_over_parts() {
-    const ViewingGrid::Fine& fine = viewing_.fine;
+    const ViewingGrid::Fine& fine = grid_.fine;
     for (std::size_t t = 0; t < fine.first.size(); ++t) {
         if (fine.first[t] == not_fine) continue;
         for_each({4, 4, 4}, [&](const Place& cell) {
-            const Moments& m = moments_[64 * t + place_in_block(cell[0], cell[1], cell[2])];
+            const Moments& m = moments_[64 * t + place_in_block(cell)];
             for_each(fine.split, [&](const Place& part) { parts_[fine.first[t] + fine.part(cell, part)] = m; });
         });
     }
@@ -440,11 +439,11 @@ void ViewingTransport::spread_over_parts() {
 /// The faces send back what they reflect.
 void ViewingTransport::reflect() {
     parallel_for(0, grid_.transport_blocks.size(), blocks_per_task, [&](std::size_t t) {
-        const GridBlock& block = grid_.blocks[grid_.transport_blocks[t]];
+        const GridBlock& block = grid_.transport_block(t);
         Pool passing;
         pool(block, passing);
         for (std::size_t face = block.first_face; face < block.first_face + block.faces; ++face) {
-            const std::uint32_t place = viewing_.place_of_face[face];
+            const std::uint32_t place = grid_.place_of_face[face];
             if (place & into_core)
                 core_in_[place & ~into_core] = from_core(face);
             else
@@ -472,7 +471,7 @@ void ViewingTransport::pool(const GridBlock& block, Pool& pool) const {
                                     static_cast<std::size_t>(leaving_octant(face.facing, static_cast<int>(slot))) * 8,
                               in = region +
                                    static_cast<std::size_t>(entering_octant(face.facing, static_cast<int>(slot))) * 8;
-            const Octet& leaving = out_[4 * std::size_t{viewing_.place_of_face[f]} + slot];
+            const Octet& leaving = out_[4 * std::size_t{grid_.place_of_face[f]} + slot];
             for (std::size_t d = 0; d < 8; d += 4) {
                 const Four flux = four(&w.v[d]) * face.area_mm2, mirror = four(&law.mirror[slot].v[d]);
                 const Four passes = flux * above_zero(1 - four(&law.through[slot].v[d]) - mirror);
@@ -493,7 +492,7 @@ std::array<float, 2> ViewingTransport::from_core(std::size_t face) const {
     const auto axis = static_cast<std::size_t>(outer.facing) / 2;
     const std::uint16_t medium = grid_.medium[outer.cell];
     const float here = 2 * D_[medium] / edge_[axis];
-    const float there = core_D_[grid_.blocks[viewing_.core_block[outer.beyond]].medium] / (2 * edge_[axis]);
+    const float there = core_D_[grid_.blocks[grid_.core_block[outer.beyond]].medium] / (2 * edge_[axis]);
     const float phi_here = moments_[outer.cell].phi, phi_there = core_phi_[outer.beyond];
     return {(here * phi_here + there * phi_there) / (here + there),
             here * there / (here + there) * (phi_here - phi_there)};
@@ -503,7 +502,7 @@ std::array<float, 2> ViewingTransport::from_core(std::size_t face) const {
 Octet ViewingTransport::returned(const Pool& pool, std::size_t face, std::size_t slot) const {
     const OuterFace& outer = grid_.faces[face];
     const auto axis = static_cast<std::size_t>(outer.facing) / 2;
-    const Octet* const leaves = out_.data() + 4 * std::size_t{viewing_.place_of_face[face]};
+    const Octet* const leaves = out_.data() + 4 * std::size_t{grid_.place_of_face[face]};
     Octet in;
     const FaceLaw& law = grid_.law_of(face);
     float radiance = light(face);
@@ -534,27 +533,23 @@ void ViewingTransport::sweep() {
     const std::size_t threads = thread_count(), fronts = threads > 2 ? threads / 2 + 2 : 1;
     parallel_for(0, 2, 1, [&](std::size_t half) {
         const SweepRows rows = sweep_rows(grid_, half == 1, fronts);
-        const SweepJob job{.grid = &grid_,
-                           .media = media_->cells,
-                           .light = moments_,
-                           .sum = half == 0 ? scratch_.up() : scratch_.down(),
+        const SweepJob job{.grid = grid_,
+                           .cells = {.media = media_->cells,
+                                     .light = moments_,
+                                     .sum = half == 0 ? scratch_.up() : scratch_.down(),
+                                     .theta = static_cast<float>(viewing_theta)},
+                           .parts = {.media = media_->parts,
+                                     .light = parts_,
+                                     .sum = half == 0 ? parts_up_ : parts_down_,
+                                     .theta = static_cast<float>(fine_theta)},
                            .in = in_,
                            .out = out_,
-                           .place = viewing_.place_of_face,
                            .core_in = core_in_,
                            .core_out = core_out_,
-                           .theta = static_cast<float>(viewing_theta),
-                           .fine = {.split = viewing_.fine.split,
-                                    .first = viewing_.fine.first,
-                                    .medium = viewing_.fine.medium,
-                                    .media = media_->parts,
-                                    .light = parts_,
-                                    .sum = half == 0 ? parts_up_ : parts_down_,
-                                    .theta = static_cast<float>(fine_theta)},
-                           .rows = &rows,
+                           .rows = rows,
                            .progress = progress_};
-        std::fill(job.sum.begin(), job.sum.end(), Moments{});
-        std::fill(job.fine.sum.begin(), job.fine.sum.end(), Moments{});
+        std::fill(job.cells.sum.begin(), job.cells.sum.end(), Moments{});
+        std::fill(job.parts.sum.begin(), job.parts.sum.end(), Moments{});
         sweep_half(job, half == 1);
     });
 }
@@ -571,8 +566,8 @@ void ViewingTransport::correct() {
             moments_[cell] = now;
         }
     });
-    parallel_for(0, viewing_.fine.first.size(), blocks_per_task, [&](std::size_t t) {
-        if (viewing_.fine.first[t] != not_fine) gather_parts(t);
+    parallel_for(0, grid_.fine.first.size(), blocks_per_task, [&](std::size_t t) {
+        if (grid_.fine.first[t] != not_fine) gather_parts(t);
     });
     parallel_ranges(0, moments_.size(), 1 << 14, [&](std::size_t begin, std::size_t end) {
         for (std::size_t cell = begin; cell < end; ++cell) right_[cell] = up[cell].phi;
@@ -580,7 +575,7 @@ void ViewingTransport::correct() {
     check();
     // What the surface will send back, and what the core got and gave.
     parallel_for(0, grid_.transport_blocks.size(), blocks_per_task, [&](std::size_t t) {
-        const GridBlock& block = grid_.blocks[grid_.transport_blocks[t]];
+        const GridBlock& block = grid_.transport_block(t);
         Pool passing;
         pool(block, passing);
         for (std::size_t f = block.first_face; f < block.first_face + block.faces; ++f) {
@@ -590,7 +585,7 @@ void ViewingTransport::correct() {
             float sum = 0;
             for (std::size_t slot = 0; slot < 4; ++slot) {
                 const Octet from = returned(passing, f, slot);
-                const Octet& was = in_[4 * std::size_t{viewing_.place_of_face[f]} + slot];
+                const Octet& was = in_[4 * std::size_t{grid_.place_of_face[f]} + slot];
                 for (std::size_t d = 0; d < 8; ++d) sum += w.v[d] * (from.v[d] - was.v[d]);
             }
             right_[face.cell] += exchange(f).gain * sum;
@@ -604,13 +599,13 @@ void ViewingTransport::correct() {
             by_J[a] += 12 * flux_weight_[a].v[d] * grid_.directions.cosine[a].v[d];
         }
     for (std::size_t c = 0; c < core_in_.size(); ++c) {
-        const OuterFace& face = grid_.faces[viewing_.core_faces[c]];
+        const OuterFace& face = grid_.faces[grid_.core_faces[c]];
         const auto a = static_cast<std::size_t>(face.facing) / 2;
         const float out = core_out_[4 * c] + core_out_[4 * c + 1] + core_out_[4 * c + 2] + core_out_[4 * c + 3];
         core_right_[face.beyond] += face.area_mm2 * (out - by_phi[a] * core_in_[c][0] + by_J[a] * core_in_[c][1]);
     }
     for (const ViewingDiffusion::CoreContact& c : diffusion_.core_contacts()) {
-        const auto D = [&](std::uint32_t core) { return core_D_[grid_.blocks[viewing_.core_block[core]].medium]; };
+        const auto D = [&](std::uint32_t core) { return core_D_[grid_.blocks[grid_.core_block[core]].medium]; };
         const float flow = diffusion_.core_contact(c.axis, D(c.a), D(c.b)) * (core_phi_[c.a] - core_phi_[c.b]);
         core_right_[c.a] -= flow;
         core_right_[c.b] += flow;
@@ -627,22 +622,22 @@ void ViewingTransport::correct() {
 /// No residual where the light is given.
 void ViewingTransport::hold_ghosts() {
     if (ghost_phi_.empty()) return;
-    for (const std::uint32_t ghost : viewing_.ghosts) core_right_[ghost] = 0;
+    for (const std::uint32_t ghost : grid_.ghosts) core_right_[ghost] = 0;
 }
 
 void ViewingTransport::solve(const Media& media, ViewingField& field, int sweeps, TransportSummary& summary,
                              const Progress* progress, std::span<const float> light, std::span<const float> ghost_phi,
                              double enough) {
-    VOXTONE_EXPECT(media.cells.size() == viewing_.mixtures.size());
+    VOXTONE_EXPECT(media.cells.size() == grid_.mixtures.size());
     media_ = &media;
     progress_ = progress;
-    for (auto* const parts : {&parts_, &parts_up_, &parts_down_}) parts->resize(viewing_.fine.medium.size());
+    for (auto* const parts : {&parts_, &parts_up_, &parts_down_}) parts->resize(grid_.fine.medium.size());
     check();
     take_light(light, ghost_phi);
     VOXTONE_EXPECT(field.cells.empty() || (field.scale > 0) == (scale_ > 0));
     VOXTONE_EXPECT(field.cells.empty() ||
-                   (field.cells.size() == viewing_.cells() && field.core.size() == viewing_.core_block.size() &&
-                    field.out.size() == 32 * viewing_.open_faces.size()));
+                   (field.cells.size() == grid_.cells() && field.core.size() == grid_.core_block.size() &&
+                    field.out.size() == 32 * grid_.open_faces.size()));
     Stopwatch watch;
     prepare();
     std::fill(flux_.begin(), flux_.end(), 0.0f);
@@ -673,7 +668,7 @@ void ViewingTransport::solve(const Media& media, ViewingField& field, int sweeps
     TransportSummary first_guess;  // diffusion alone: what is clipped of it does not matter to the sweeps to come
     store(field, sweeps > 0 ? summary : first_guess);
     last_change_ = 0;
-    for (const std::uint32_t f : viewing_.open_faces)
+    for (const std::uint32_t f : grid_.open_faces)
         if (grid_.faces[f].kind == FaceKind::light)
             last_change_ = std::max(last_change_, static_cast<double>(std::abs(flux_change_[f]) / furnace_flux(f)));
 }
@@ -681,7 +676,7 @@ void ViewingTransport::solve(const Media& media, ViewingField& field, int sweeps
 void ViewingTransport::derivatives(const ViewingField& forward, std::span<float> by_sigma_t,
                                    std::span<float> by_sigma_s, const Progress* progress) {
     VOXTONE_EXPECT(scale_ > 0 && forward.scale == 0 && forward.cells.size() == moments_.size());
-    const DerivativeScene scene{viewing_, media_->cells, volume_ * scale_};
+    const DerivativeScene scene{grid_, media_->cells, volume_ * scale_};
     const auto check_cancelled = [progress] {
         if (progress) progress->check_cancelled();
     };
@@ -698,7 +693,7 @@ void ViewingTransport::derivatives(const ViewingField& forward, std::span<float>
 
 double ViewingTransport::relative_change() const {
     double change = 0, all = 0;
-    for (const std::uint32_t f : viewing_.open_faces)
+    for (const std::uint32_t f : grid_.open_faces)
         if (grid_.faces[f].kind == FaceKind::light) {
             change += static_cast<double>(std::abs(flux_change_[f]));
             all += static_cast<double>(std::abs(flux_[f]));
@@ -707,18 +702,18 @@ double ViewingTransport::relative_change() const {
 }
 
 void ViewingTransport::take_light(std::span<const float> light, std::span<const float> ghost_phi) {
-    VOXTONE_EXPECT(ghost_phi.empty() || ghost_phi.size() == viewing_.ghosts.size());
+    VOXTONE_EXPECT(ghost_phi.empty() || ghost_phi.size() == grid_.ghosts.size());
     light_.clear();
     ghost_phi_.assign(ghost_phi.begin(), ghost_phi.end());
     scale_ = 0;
     if (light.empty()) return;
     VOXTONE_EXPECT(light.size() == grid_.faces.size());
-    for (const std::uint32_t f : viewing_.open_faces)
+    for (const std::uint32_t f : grid_.open_faces)
         if (grid_.faces[f].kind == FaceKind::light) scale_ = std::max(scale_, std::abs(light[f]));
     for (const float phi : ghost_phi) scale_ = std::max(scale_, std::abs(phi));
     if (!(scale_ > 0)) scale_ = 1;  // no light at all
     for (float& phi : ghost_phi_) phi /= scale_;
-    for (const std::uint32_t f : viewing_.open_faces)
+    for (const std::uint32_t f : grid_.open_faces)
         light_.push_back(grid_.faces[f].kind == FaceKind::light ? light[f] / scale_ : 0);
 }
 

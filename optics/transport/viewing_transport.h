@@ -95,7 +95,7 @@ private:
     [[nodiscard]] Exchange exchange(std::size_t face) const;
     /// Radiance that comes in from outside.
     [[nodiscard]] float light(std::size_t face) const {
-        if (scale_ > 0) return light_[viewing_.place_of_face[face]];
+        if (scale_ > 0) return light_[grid_.place_of_face[face]];
         return grid_.faces[face].kind == FaceKind::light ? 1.0f : 0.0f;
     }
     [[nodiscard]] float core_absorption(std::size_t core) const;
@@ -123,8 +123,7 @@ private:
     [[nodiscard]] std::array<float, 2> from_core(std::size_t face) const;
     [[nodiscard]] Octet returned(const Pool& pool, std::size_t face, std::size_t slot) const;
 
-    const ViewingGrid& viewing_;
-    const OpticalGrid& grid_;
+    const ViewingGrid& grid_;
     TransportOptions options_;
     ViewingDiffusion diffusion_;
     const Media* media_ = nullptr;

@@ -33,7 +33,7 @@ struct FilledSlab {
     [[nodiscard]] float contrast_at(int x, int y) const {
         const std::vector<float> contrast = contrast_of_blocks(grid, set);
         for (std::size_t t = 0; t < contrast.size(); ++t) {
-            const auto corner = grid.corner_of(grid.grid.blocks[grid.grid.transport_blocks[t]]);
+            const auto corner = grid.corner_of(grid.transport_block(t).at);
             if (corner[0] <= x && x < corner[0] + 8 && corner[1] <= y && y < corner[1] + 4 && corner[2] + 12 >= 48)
                 return contrast[t];
         }

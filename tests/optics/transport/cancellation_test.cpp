@@ -66,26 +66,23 @@ TEST_CASE("Grids are not made any more once that is cancelled", "[cancellation]"
 
 TEST_CASE("A sweep and a solve of diffusion leave off in the middle", "[cancellation]") {
     const Stopped stopped;
-    const ViewingGrid viewing = stopped.grid(nullptr);
-    const OpticalGrid& grid = viewing.grid;
-    const std::vector<TransportMedium> media(viewing.mixtures.size(), TransportMedium{20, 18});
-    const std::vector<Moments> light(viewing.cells(), Moments{1, 0, 0, 0});
-    std::vector<Moments> sum(viewing.cells());
-    const std::vector<Octet> in(4 * viewing.open_faces.size());
+    const ViewingGrid grid = stopped.grid(nullptr);
+    const std::vector<TransportMedium> media(grid.mixtures.size(), TransportMedium{20, 18});
+    const std::vector<Moments> light(grid.cells(), Moments{1, 0, 0, 0});
+    std::vector<Moments> sum(grid.cells());
+    const std::vector<Octet> in(4 * grid.open_faces.size());
     std::vector<Octet> out(in.size());
-    const std::vector<std::array<float, 2>> core_in(viewing.core_faces.size());
-    std::vector<float> core_out(4 * viewing.core_faces.size());
+    const std::vector<std::array<float, 2>> core_in(grid.core_faces.size());
+    std::vector<float> core_out(4 * grid.core_faces.size());
     const SweepRows rows = sweep_rows(grid, false, 1);
-    SweepJob job{.grid = &grid,
-                 .media = media,
-                 .light = light,
-                 .sum = sum,
+    SweepJob job{.grid = grid,
+                 .cells = {.media = media, .light = light, .sum = sum},
+                 .parts = {},
                  .in = in,
                  .out = out,
-                 .place = viewing.place_of_face,
                  .core_in = core_in,
                  .core_out = core_out,
-                 .rows = &rows};
+                 .rows = rows};
     job.progress = &stopped.stop;
     CHECK_THROWS_AS(sweep_half(job, false), Cancelled);
     for (const Moments& m : sum) REQUIRE(m.phi == 0);
@@ -93,9 +90,9 @@ TEST_CASE("A sweep and a solve of diffusion leave off in the middle", "[cancella
     sweep_half(job, false);
     CHECK(std::any_of(sum.begin(), sum.end(), [](const Moments& m) { return m.phi > 0; }));
 
-    ViewingDiffusion diffusion(viewing);
-    const std::vector<float> D(viewing.mixtures.size(), 0.1f), D_core(stopped.resins.resins.size() + 1, 0.1f),
-        loss(viewing.cells(), 0.1f), core_loss(viewing.core_block.size(), 0.1f);
+    ViewingDiffusion diffusion(grid);
+    const std::vector<float> D(grid.mixtures.size(), 0.1f), D_core(stopped.resins.resins.size() + 1, 0.1f),
+        loss(grid.cells(), 0.1f), core_loss(grid.core_block.size(), 0.1f);
     std::vector<BlockStencil<4>> blocks(grid.transport_blocks.size());
     CHECK_THROWS_AS(diffusion.prepare(D, D_core, loss, core_loss, blocks, &stopped.stop), Cancelled);
     diffusion.prepare(D, D_core, loss, core_loss, blocks);
@@ -103,7 +100,7 @@ TEST_CASE("A sweep and a solve of diffusion leave off in the middle", "[cancella
         std::vector<float> cells, core;
         ViewingDiffusion::Vector vector() { return {cells, core}; }
     };
-    const Room nothing{std::vector<float>(viewing.cells()), std::vector<float>(viewing.core_block.size())};
+    const Room nothing{std::vector<float>(grid.cells()), std::vector<float>(grid.core_block.size())};
     Room x = nothing, right = nothing, p = nothing, z = nothing;
     std::fill(right.cells.begin(), right.cells.end(), 1.0f);
     CHECK_THROWS_AS(diffusion.solve(x.vector(), right.vector(), p.vector(), z.vector(), 1e-3, 10, &stopped.stop),

@@ -64,7 +64,7 @@ double rms(const std::vector<float>& a, const std::vector<float>& b) {
 
 /// Volume of each resin in the cells and in the parts of the fine blocks, mm^3.
 std::array<std::vector<double>, 2> held(const ViewingGrid& viewing) {
-    const auto edge = viewing.grid.edge_mm();
+    const auto edge = viewing.edge_mm();
     const double cell = edge[0] * edge[1] * edge[2], part = cell / double(viewing.fine.parts());
     std::array<std::vector<double>, 2> sums{std::vector<double>(6), std::vector<double>(6)};
     for (std::size_t t = 0; t < viewing.fine.first.size(); ++t) {
@@ -75,7 +75,7 @@ std::array<std::vector<double>, 2> held(const ViewingGrid& viewing) {
         const auto add_mixture = [&](std::size_t mixture, double volume, std::vector<double>& to) {
             for (const auto& one : viewing.mixtures[mixture].holds) to[one.material] += volume * double(one.share);
         };
-        for (std::size_t k = 0; k < 64; ++k) add_mixture(viewing.grid.medium[64 * t + k], cell, sums[0]);
+        for (std::size_t k = 0; k < 64; ++k) add_mixture(viewing.medium[64 * t + k], cell, sums[0]);
         for (std::size_t i = 0; i < 64 * viewing.fine.parts(); ++i) {
             const auto& content = viewing.fine.contents[viewing.fine.medium[viewing.fine.first[t] + i]];
             add(content.holds, part, sums[1]);
@@ -107,7 +107,7 @@ TEST_CASE("Blocks are cut where resins meet, and hold in their parts what they h
                              [](std::uint32_t first) { return first != not_fine; });
     };
     const auto all = fine_blocks(Refinement::all), contrast = fine_blocks(Refinement::contrast);
-    CHECK(all == std::ptrdiff_t(grid.grid.transport_blocks.size()));
+    CHECK(all == std::ptrdiff_t(grid.transport_blocks.size()));
     CHECK(contrast < all);
     CHECK(contrast > all / 2);
     const auto [cells, parts] = held(grid);

@@ -81,25 +81,18 @@ struct Result {
 Result swept(const Case& c, std::size_t fronts = 1) {
     Result result(c);
     for (const bool down : {false, true}) {
-        const SweepRows rows = sweep_rows(c.grid.grid, down, fronts);
-        const SweepJob job{.grid = &c.grid.grid,
-                           .media = c.media,
-                           .light = c.light,
-                           .sum = result.sum,
+        const SweepRows rows = sweep_rows(c.grid, down, fronts);
+        const SweepJob job{.grid = c.grid,
+                           .cells = {.media = c.media, .light = c.light, .sum = result.sum, .theta = float(theta)},
+                           .parts = {.media = c.media_of_parts,
+                                     .light = c.light_of_parts,
+                                     .sum = result.sum_of_parts,
+                                     .theta = float(theta_of_parts)},
                            .in = c.in,
                            .out = result.out,
-                           .place = c.grid.place_of_face,
                            .core_in = c.core_in,
                            .core_out = result.core_out,
-                           .theta = float(theta),
-                           .fine = {.split = c.grid.fine.split,
-                                    .first = c.grid.fine.first,
-                                    .medium = c.grid.fine.medium,
-                                    .media = c.media_of_parts,
-                                    .light = c.light_of_parts,
-                                    .sum = result.sum_of_parts,
-                                    .theta = float(theta_of_parts)},
-                           .rows = &rows};
+                           .rows = rows};
         sweep_half(job, down);
     }
     return result;
@@ -109,12 +102,12 @@ Result swept(const Case& c, std::size_t fronts = 1) {
 class Twin {
 public:
     Twin(const Case& c, Result& result, int octant, std::size_t d) : c_(c), result_(result), octant_(octant), d_(d) {
-        const DirectionSet& set = c.grid.grid.directions;
+        const DirectionSet& set = c.grid.directions;
         split_ = c.grid.fine.any() ? c.grid.fine.split : whole_cell;
         for (std::size_t a = 0; a < 3; ++a) {
             cosine_[a] = double(set.cosine[a].v[d]);
             back_[a] = octant >> a & 1;
-            n_[a] = 4 * c.grid.grid.lattice[a] * split_[a];
+            n_[a] = 4 * c.grid.lattice[a] * split_[a];
         }
         for (std::size_t a = 0; a < 3; ++a)
             left_[a].assign(std::size_t(n_[0]) * std::size_t(n_[1]) * std::size_t(n_[2]), 0.0);
@@ -122,7 +115,7 @@ public:
     }
     void run() {
         std::array<int, 3> k{};
-        const auto& lattice = c_.grid.grid.lattice;
+        const auto& lattice = c_.grid.lattice;
         // Upstream cells first: whole cells in the order of the lattice, their parts within.
         for (k[2] = 0; k[2] < 4 * lattice[2]; ++k[2])
             for (k[1] = 0; k[1] < 4 * lattice[1]; ++k[1])
@@ -139,12 +132,11 @@ private:
         std::array<std::int64_t, 6> face;
         face.fill(-1);
         c_.grid.each_face(std::uint32_t(cell),
-                          [&](std::uint32_t f) { face[std::size_t(c_.grid.grid.faces[f].facing)] = f; });
+                          [&](std::uint32_t f) { face[std::size_t(c_.grid.faces[f].facing)] = f; });
         if (first == not_fine) {
             std::array<int, 3> low{};
             for (std::size_t a = 0; a < 3; ++a) low[a] = at[a] * split_[a];
-            cross_leaf(low, split_, face, c_.media[c_.grid.grid.medium[cell]], c_.light[cell], result_.sum[cell],
-                       theta);
+            cross_leaf(low, split_, face, c_.media[c_.grid.medium[cell]], c_.light[cell], result_.sum[cell], theta);
             return;
         }
         const std::array<int, 3> in_block{at[0] % 4, at[1] % 4, at[2] % 4};
@@ -181,8 +173,8 @@ private:
     void cross_leaf(const std::array<int, 3>& low, const std::array<int, 3>& size,
                     const std::array<std::int64_t, 6>& face, const TransportMedium& medium, const Moments& light,
                     Moments& sum, double weight) {
-        const DirectionSet& set = c_.grid.grid.directions;
-        const auto edge = c_.grid.grid.edge_mm();
+        const DirectionSet& set = c_.grid.directions;
+        const auto edge = c_.grid.edge_mm();
         const double J[3]{double(light.x), double(light.y), double(light.z)};
         double along = 0, all = 0, arriving = 0, way = 0;
         std::array<double, 3> enters{}, omega{};
@@ -318,7 +310,7 @@ TEST_CASE("Rows that are crossed at once make the bits of rows crossed one after
 
 TEST_CASE("A sweep offers as many tasks at once as its planes have rows", "[transport-sweep]") {
     const Case c(Refinement::none);
-    const OpticalGrid& grid = c.grid.grid;
+    const ViewingGrid& grid = c.grid;
     const SweepRows serial = sweep_rows(grid, false, 1), wave = sweep_rows(grid, false, 100);
     const std::size_t rows = grid.transport_rows.size() - 1;
     CHECK(serial.serial.size() == 2 * rows);

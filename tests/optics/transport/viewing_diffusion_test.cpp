@@ -54,9 +54,8 @@ struct Problem {
         core_loss.assign(grid.core_block.size(), float(64 * loss * 0.3 * edge));
         // Light leaves through the top.
         for (const std::uint32_t f : grid.open_faces)
-            if (grid.grid.faces[f].kind == FaceKind::light)
-                cell_loss[grid.grid.faces[f].cell] += float(0.2 * edge * edge);
-        stencils.resize(grid.grid.transport_blocks.size());
+            if (grid.faces[f].kind == FaceKind::light) cell_loss[grid.faces[f].cell] += float(0.2 * edge * edge);
+        stencils.resize(grid.transport_blocks.size());
     }
     [[nodiscard]] Values zeros() const {
         return {std::vector<float>(grid.cells()), std::vector<float>(grid.core_block.size())};
@@ -67,7 +66,7 @@ struct Problem {
         for (float& v : values.cells) v = float(random.uniform());
         for (float& v : values.core) v = float(random.uniform());
         for (std::size_t i = 0; i < values.cells.size(); ++i)
-            if (grid.grid.medium[i] == 0) values.cells[i] = 0;
+            if (grid.medium[i] == 0) values.cells[i] = 0;
         return values;
     }
 };
@@ -120,7 +119,7 @@ TEST_CASE("The equations of diffusion are symmetric and lose what is lost") {
     diffusion.apply(one.span(), Au.span());
     double lost = 0, all = 0;
     for (std::size_t i = 0; i < Au.cells.size(); ++i) {
-        if (problem.grid.grid.medium[i] == 0) continue;
+        if (problem.grid.medium[i] == 0) continue;
         lost = std::max(lost, double(std::abs(Au.cells[i] - problem.cell_loss[i])));
         all = std::max(all, double(problem.cell_loss[i]));
     }
