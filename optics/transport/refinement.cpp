@@ -149,25 +149,25 @@ public:
     [[nodiscard]] std::uint16_t of_key(Key key) {
         if (key == 0) return 0;
         if (const auto found = of_key_.find(key); found != of_key_.end()) return found->second;
-        ViewingGrid::Fine::Content content;
+        ViewingGrid::Mixture content;
         for (Key rest = key; rest != 0; rest >>= 16)
-            content.holds.emplace_back(static_cast<Material>(rest >> 8 & 255),
-                                       static_cast<float>(rest & 255) / twelfths);
-        const Material some = content.holds.back().first;
+            content.holds.push_back(
+                {static_cast<Material>(rest >> 8 & 255), 0, static_cast<float>(rest & 255) / twelfths});
+        const Material some = content.holds.back().material;
         const std::uint16_t number = add(std::move(content), some);
         of_key_.emplace(key, number);
         return number;
     }
     [[nodiscard]] std::uint16_t of_mixture(std::uint16_t mixture) {
         std::uint16_t& number = of_mixture_[mixture];
-        if (number == 0) number = add({{}, mixture}, grid_.mixtures[mixture].holds.front().material);
+        if (number == 0) number = add(grid_.mixtures[mixture], grid_.mixtures[mixture].holds.front().material);
         return number;
     }
 
 private:
     [[nodiscard]] static Key key_of_one(Material m) { return Key{m} << 8 | Key{twelfths}; }
     /// Where there are more than can be numbered a part is taken to be full of one of its resins.
-    [[nodiscard]] std::uint16_t add(ViewingGrid::Fine::Content content, Material some) {
+    [[nodiscard]] std::uint16_t add(ViewingGrid::Mixture content, Material some) {
         if (contents_.size() >= most_) {
             const auto whole = of_key_.find(key_of_one(some));
             return whole == of_key_.end() ? std::uint16_t{1} : whole->second;
@@ -177,7 +177,7 @@ private:
     }
 
     const ViewingGrid& grid_;
-    std::vector<ViewingGrid::Fine::Content>& contents_;
+    std::vector<ViewingGrid::Mixture>& contents_;
     std::size_t most_;
     std::unordered_map<Key, std::uint16_t> of_key_;
     std::vector<std::uint16_t> of_mixture_;

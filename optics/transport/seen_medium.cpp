@@ -18,6 +18,11 @@ double SeenMedium::fall(const Medium& mean, std::size_t axis) const {
 }
 
 Medium SeenMedium::operator()(const ViewingGrid::Mixture& mixture, std::size_t channel) const {
+    if (mixture.holds.size() == 1) {
+        const auto [material, layer, share] = mixture.holds[0];
+        const Medium whole = resins.resins[material - 1u].medium(channel);
+        return {static_cast<double>(share) * whole.sigma_a, static_cast<double>(share) * whole.sigma_s};
+    }
     std::vector<double> fractions(resins.resins.size());
     double filled = 0;
     int layers = 0;

@@ -176,16 +176,10 @@ struct ViewingGrid {
 
     /// Blocks whose cells are cut into parts no larger than voxels. Shape and faces stay those of the cells.
     struct Fine {
-        /// Resins, each with the share of the part's volume that it fills; where there are none, one of
-        /// `mixtures`.
-        struct Content {
-            std::vector<std::pair<Material, float>> holds;
-            std::uint16_t mixture = 0;
-        };
         std::array<int, 3> split{};         ///< parts of a cell along each axis, a multiple of its voxels; 0: no block
         std::vector<std::uint32_t> first;   ///< first part of each transport block, or `not_fine`
         std::vector<std::uint16_t> medium;  ///< of each part: into `contents`, whose first one is air
-        std::vector<Content> contents;
+        std::vector<Mixture> contents;
         [[nodiscard]] bool any() const { return split[0] > 0; }
         [[nodiscard]] std::size_t parts() const {
             return static_cast<std::size_t>(split[0]) * static_cast<std::size_t>(split[1]) *

@@ -368,27 +368,6 @@ void ViewingSequence::carry_over(const ViewingGrid& was, Fields& fields) const {
     }
 }
 
-namespace {
-
-Medium medium_of_part(const ViewingGrid& grid, const ViewingGrid::Fine::Content& content, const SeenMedium& seen,
-                      std::size_t channel) {
-    if (content.holds.empty()) return seen(grid.mixtures[content.mixture], channel);
-    const auto& resins = seen.resins.resins;
-    if (content.holds.size() == 1) {
-        const auto [material, share] = content.holds[0];
-        const Medium whole = resins[material - 1u].medium(channel);
-        return {static_cast<double>(share) * whole.sigma_a, static_cast<double>(share) * whole.sigma_s};
-    }
-    std::vector<double> fractions(resins.size());
-    double filled = 0;
-    for (const auto& [material, share] : content.holds) filled += static_cast<double>(share);
-    for (const auto& [material, share] : content.holds) fractions[material - 1u] += static_cast<double>(share) / filled;
-    const Medium medium = seen.halftone(fractions, channel);
-    return {filled * medium.sigma_a, filled * medium.sigma_s};
-}
-
-}  // namespace
-
 /// By GridBlock::medium.
 std::vector<TransportMedium> ViewingSequence::core_media(std::size_t channel) const {
     const ViewingGrid& grid = live_grid();
@@ -420,9 +399,8 @@ ViewingTransport::Media ViewingSequence::media(std::size_t channel) const {
     for (std::size_t a = 0; a < 3; ++a) edge[a] /= fine.split[a];
     const auto part_of = shared_media(grid.directions, edge, fine_theta);
     media.parts.resize(fine.contents.size());
-    parallel_for(1, fine.contents.size(), 1 << 8, [&](std::size_t m) {
-        media.parts[m] = (*part_of)(medium_of_part(live_grid(), fine.contents[m], seen, channel));
-    });
+    parallel_for(1, fine.contents.size(), 1 << 8,
+                 [&](std::size_t m) { media.parts[m] = (*part_of)(seen(fine.contents[m], channel)); });
     return media;
 }
 

@@ -69,18 +69,12 @@ std::array<std::vector<double>, 2> held(const ViewingGrid& viewing) {
     std::array<std::vector<double>, 2> sums{std::vector<double>(6), std::vector<double>(6)};
     for (std::size_t t = 0; t < viewing.fine.first.size(); ++t) {
         if (viewing.fine.first[t] == not_fine) continue;
-        const auto add = [&](const auto& holds, double volume, std::vector<double>& to) {
-            for (const auto& one : holds) to[std::get<0>(one)] += volume * double(std::get<1>(one));
+        const auto add = [&](const ViewingGrid::Mixture& mixture, double volume, std::vector<double>& to) {
+            for (const auto& one : mixture.holds) to[one.material] += volume * double(one.share);
         };
-        const auto add_mixture = [&](std::size_t mixture, double volume, std::vector<double>& to) {
-            for (const auto& one : viewing.mixtures[mixture].holds) to[one.material] += volume * double(one.share);
-        };
-        for (std::size_t k = 0; k < 64; ++k) add_mixture(viewing.medium[64 * t + k], cell, sums[0]);
-        for (std::size_t i = 0; i < 64 * viewing.fine.parts(); ++i) {
-            const auto& content = viewing.fine.contents[viewing.fine.medium[viewing.fine.first[t] + i]];
-            add(content.holds, part, sums[1]);
-            if (content.holds.empty()) add_mixture(content.mixture, part, sums[1]);
-        }
+        for (std::size_t k = 0; k < 64; ++k) add(viewing.mixtures[viewing.medium[64 * t + k]], cell, sums[0]);
+        for (std::size_t i = 0; i < 64 * viewing.fine.parts(); ++i)
+            add(viewing.fine.contents[viewing.fine.medium[viewing.fine.first[t] + i]], part, sums[1]);
     }
     return sums;
 }
