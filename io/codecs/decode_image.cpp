@@ -17,6 +17,7 @@
 #include "voxtone/base/error.h"
 #include "voxtone/io/codecs/icc_to_srgb.h"
 #include "voxtone/io/codecs/image_rows.h"
+#include "voxtone/io/codecs/jpeg_end.h"
 #include "voxtone/io/codecs/no_threads.h"
 
 namespace voxtone::io {
@@ -350,6 +351,11 @@ DecodedImage decode_image(std::span<const std::byte> bytes, const std::string& n
             name));
     if (format == "gif") check_gif_canvas(bytes, name, options);
     if (format == "openexr") check_exr_header(bytes, name);
+    if (format == "jpeg" && !jpeg_has_its_end(bytes))
+        throw InputError(
+            fmt::format("the picture {} ends before its end mark: it is cut short, and rows of it are missing; copy or "
+                        "save it again",
+                        name));
     use_no_threads();
     try {
         const std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::create(format);

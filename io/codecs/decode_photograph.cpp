@@ -68,7 +68,7 @@ Photograph decode_photograph(const std::filesystem::path& file) {
                           {},
                           spec.get_float_attribute("ExposureTime", 0)};
     photograph.pixels.resize(std::size_t(spec.width) * std::size_t(spec.height));
-    if (!read_rows(*input, 3, OIIO::TypeDesc::FLOAT, photograph.pixels.data()))
+    if (!read_rows(*input, 3, OIIO::TypeDesc(OIIO::TypeDesc::FLOAT), photograph.pixels.data()))
         throw InputError(fmt::format("the photograph {} cannot be decoded ({}); it is damaged or cut short",
                                      file.string(), input->geterror()));
     return photograph;

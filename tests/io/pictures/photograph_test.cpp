@@ -9,6 +9,7 @@
 
 #include "tests/io/files/temporary_folder.h"
 #include "voxtone/base/error.h"
+#include "voxtone/io/codecs/jpeg_end.h"
 #include "voxtone/io/codecs/photograph_writer.h"
 #include "voxtone/io/files/whole_file.h"
 
@@ -148,6 +149,17 @@ TEST_CASE("a TIFF that was cut short or damaged is refused, and not black where 
         CHECK_THROWS_AS(read_photograph(folder.path() / "damaged.tif"), InputError);
         CHECK_THROWS_AS(read_picture(folder.path() / "damaged.tif"), InputError);
     }
+}
+
+TEST_CASE("a JPEG ends with a mark that no thumbnail and no code can be taken for") {
+    // Start, a segment that holds an end mark, a scan with a stuffed byte and a restart, end; then somebody's bytes.
+    const std::vector<int> codes{0xff, 0xd8, 0xff, 0xe1, 0, 4,    0xff, 0xd9, 0xff, 0xda, 0,    3,
+                                 9,    0x12, 0xff, 0,    7, 0xff, 0xd0, 0x34, 0xff, 0xff, 0xd9, 5};
+    std::vector<std::byte> bytes;
+    for (const int code : codes) bytes.push_back(std::byte(code));
+    CHECK(jpeg_has_its_end(bytes));
+    for (std::size_t size = 0; size < bytes.size(); ++size)
+        CHECK(jpeg_has_its_end(std::span(bytes).first(size)) == (size + 1 >= bytes.size()));
 }
 
 TEST_CASE("the time of exposure is read from EXIF and EXR") {
