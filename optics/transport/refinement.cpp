@@ -63,38 +63,28 @@ public:
         axis_ = grid_.towards[t] / 2;
         plus_ = grid_.towards[t] % 2 == 1;
         read_box(volume_, grid_.mirrored, corner_, extent_, box_);
-        std::uint32_t donor = grid_.donors_of[t];
-        const std::uint32_t end = grid_.donors_of[t + 1];
         for_each({4, 4, 4}, [&](const Place& cell) {
-            const std::size_t place = place_in_block(cell);
-            if (!(block.solid >> place & 1)) {
-                each_part(cell, [&](const Place&, std::size_t i) { to[i] = 0; });
-                return;
-            }
-            const std::uint32_t first = donor;
-            while (donor < end && grid_.donors[donor].to == block.first_cell + place) ++donor;
-            fill_cell(cell, first, donor, to);
+            const auto place = static_cast<std::uint32_t>(place_in_block(cell));
+            if (block.solid >> place & 1)
+                fill_cell(cell, grid_.donors_to(block.first_cell + place), to);
+            else
+                for_each(split_, [&](const Place& part) { to[grid_.fine.part(cell, part)] = 0; });
         });
     }
 
 private:
-    template <class Body>
-    void each_part(const Place& cell, Body&& body) const {
-        for_each(split_, [&](const Place& part) { body(part, grid_.fine.part(cell, part)); });
-    }
-
     /// Each column of voxels across the surface, outermost first, with what a cell beyond gave it, is stretched over
     /// the column of parts: so many parts, or so much of one, to each voxel that light comes to them in their order and
     /// through as much of each as in the print. Where others gave, parts hold the mixture.
-    void fill_cell(const Place& cell, std::uint32_t first_donor, std::uint32_t end_donor, Key* to) {
-        bool above = end_donor - first_donor <= 1;
-        if (above && first_donor < end_donor) {
-            const Place& from = grid_.donors[first_donor].from;
+    void fill_cell(const Place& cell, std::span<const ViewingGrid::Donor> donors, Key* to) {
+        bool above = donors.size() <= 1;
+        if (donors.size() == 1) {
+            const Place& from = donors[0].from;
             for (std::size_t a = 0; a < 3; ++a)
                 above &= from[a] - corner_[a] - cell[a] * view_[a] == (a == axis_ ? (plus_ ? view_[a] : -view_[a]) : 0);
             if (above) read_box(volume_, grid_.mirrored, from, view_, donor_);
         }
-        const bool given = above && first_donor < end_donor;
+        const bool given = above && !donors.empty();
         Place across = split_;
         across[axis_] = 1;
         for_each(across, [&](Place part) {

@@ -48,15 +48,10 @@ ViewingGrid::Home ViewingGrid::home_of(const Place& voxel) const {
         to = {at[0] + step_of[f][0], at[1] + step_of[f][1], at[2] + step_of[f][2]};
         const std::int64_t next = cell_of(to);
         if (next < 0) continue;
-        const auto block = static_cast<std::size_t>(next / 64);
-        const auto first = donors.begin() + donors_of[block], last = donors.begin() + donors_of[block + 1];
-        for (auto d = std::lower_bound(first, last, next,
-                                       [](const Donor&donor, std::int64_t cell) { return donor.to < cell; });
-             d != last && d->to == next; ++d) {
-            bool same = true;
-            for (std::size_t a = 0; a < 3; ++a) same &= d->from[a] == at[a] * view[a] - shift_voxels[a];
-            if (same) home.cell = next;
-        }
+        Place from{};
+        for (std::size_t a = 0; a < 3; ++a) from[a] = at[a] * view[a] - shift_voxels[a];
+        for (const Donor& donor : donors_to(static_cast<std::uint32_t>(next)))
+            if (donor.from == from) home.cell = next;
     }
     if (home.cell < 0) return {};
     const std::uint8_t facing = towards[static_cast<std::size_t>(home.cell / 64)];
@@ -65,6 +60,13 @@ ViewingGrid::Home ViewingGrid::home_of(const Place& voxel) const {
               layer = std::clamp((at[home.axis] - to[home.axis]) * layers + in[home.axis], 0, layers - 1);
     home.layer = static_cast<std::uint8_t>(facing % 2 == 1 ? layers - 1 - layer : layer);
     return home;
+}
+
+std::span<const ViewingGrid::Donor> ViewingGrid::donors_to(std::uint32_t cell) const {
+    const std::size_t t = cell / 64;
+    const auto of_block = std::span(donors).subspan(donors_of[t], donors_of[t + 1] - donors_of[t]);
+    const auto found = std::ranges::equal_range(of_block, cell, {}, &Donor::to);
+    return {found.begin(), found.end()};
 }
 
 std::size_t ViewingGrid::memory_bytes() const {

@@ -119,6 +119,13 @@ struct ViewingGrid {
 
     /// The solid transport cell at a place of the viewing grid, or -1.
     [[nodiscard]] std::int64_t cell_of(const Place& at) const;
+    /// A cell that is not solid, and the solid one that holds its resin.
+    struct Donor {
+        std::uint32_t to;  ///< cell
+        Place from;        ///< its lowest voxel
+    };
+    /// Those whose resin this cell holds.
+    [[nodiscard]] std::span<const Donor> donors_to(std::uint32_t cell) const;
     /// The outer faces of a cell.
     template <class Body>
     void each_face(std::uint32_t cell, Body&& body) const;
@@ -207,11 +214,6 @@ struct ViewingGrid {
     /// Of each outer face among the open ones; `into_core` and among the core's.
     std::vector<std::uint32_t> place_of_face;
 
-    /// A cell that is not solid, and the solid one that holds its resin.
-    struct Donor {
-        std::uint32_t to;  ///< cell
-        Place from;        ///< its lowest voxel
-    };
     bool mirrored = false;
     std::array<int, 3> size{};             ///< of the volume
     std::vector<std::uint8_t> towards;     ///< of each transport block: the facing of the surface near it

@@ -121,16 +121,11 @@ public:
         corner_ = grid_.corner_of(block_->at);
         axis_ = static_cast<std::size_t>(grid_.towards[t] / 2);
         plus_ = grid_.towards[t] % 2 == 1;
-        first_donor_ = end_donor_ = grid_.donors_of[t];
-        last_donor_ = grid_.donors_of[t + 1];
         read_box(volume_, grid_.mirrored, corner_, extent_, box_);
     }
-    /// Solid cells of a block are to come in the order of their places.
     void enter_cell(const Place& at) {
         at_ = at;
-        const std::size_t cell = block_->first_cell + place_in_block(at);
-        first_donor_ = end_donor_;
-        while (end_donor_ < last_donor_ && grid_.donors[end_donor_].to == cell) ++end_donor_;
+        donors_ = grid_.donors_to(block_->first_cell + static_cast<std::uint32_t>(place_in_block(at)));
     }
     [[nodiscard]] std::size_t axis() const { return axis_; }
 
@@ -141,8 +136,7 @@ public:
             const Place voxel{at_[0] * view_[0] + in[0], at_[1] * view_[1] + in[1], at_[2] * view_[2] + in[2]};
             body(box_[at3(voxel, extent_)], layer_of(in[axis_]));
         });
-        for (std::uint32_t d = first_donor_; d < end_donor_; ++d) {
-            const Place& from = grid_.donors[d].from;
+        for (const auto& [to, from] : donors_) {
             read_box(volume_, grid_.mirrored, from, view_, donor_);
             const int before = from[axis_] - corner_[axis_] - at_[axis_] * view_[axis_];
             std::size_t k = 0;
@@ -162,7 +156,7 @@ private:
     const GridBlock* block_ = nullptr;
     std::size_t axis_ = 2;
     bool plus_ = true;
-    std::uint32_t first_donor_ = 0, end_donor_ = 0, last_donor_ = 0;
+    std::span<const ViewingGrid::Donor> donors_;
     std::vector<Material> box_, donor_;
 };
 
