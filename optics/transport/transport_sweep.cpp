@@ -264,118 +264,138 @@ private:
     }
 };
 
-/// A block on one octant's way: its cells, or where it is cut finer their parts. Outer faces are those of whole cells:
-/// all parts of one get the light that enters there, and what leaves is their mean.
-template <bool in_parts>
-struct BlockSweep {
-    const Octant& o;
-    const MediumWays* media;
-    const BlockFaces& faces;
-    const Outside outside;
-    const Ways ways;
-    const std::array<int, 3> split;
-    const std::uint16_t* medium;
-    const Moments* light;
-    Moments* sum;
-    const std::uint8_t* outer;
-    const std::int32_t* links;  ///< null: no cell has an outer face
-    int first[3]{}, last[3]{};  ///< part of a cell that light enters first, and leaves last
-    float share[3]{};
-
-    BlockSweep(const SweepJob& job, const Octant& octant, const MediaWays& media_ways, std::size_t t,
-               const BlockFaces& block_faces)
-        : o(octant),
-          media(media_ways[in_parts ? 0 : 1].data()),
-          faces(block_faces),
-          outside{job, octant},
-          ways(octant.ways[in_parts ? 0 : 1]),
-          split(in_parts ? job.grid.fine.split : std::array{1, 1, 1}) {
-        const ViewingGrid& grid = job.grid;
-        const GridBlock& block = grid.transport_block(t);
-        const std::size_t first_cell = in_parts ? grid.fine.first[t] : block.first_cell;
-        const SweepCells& cells = in_parts ? job.parts : job.cells;
-        medium = (in_parts ? grid.fine.medium : grid.medium).data() + first_cell;
-        light = cells.light.data() + first_cell;
-        sum = cells.sum.data() + first_cell;
-        outer = grid.outer.data() + block.first_cell;
-        links = block.first_link < 0 ? nullptr : grid.face_of_cell.data() + block.first_link;
-        if constexpr (!in_parts) return;
-        for (std::size_t a = 0; a < 3; ++a) {
-            share[a] = 1.0f / static_cast<float>(split[(a + 1) % 3] * split[(a + 2) % 3]);
-            (o.back[a] ? first : last)[a] = split[a] - 1;
-        }
-        for (std::size_t f = block.first_face; f < block.first_face + block.faces; ++f) {
-            const auto facing = static_cast<unsigned>(grid.faces[f].facing);
-            if (o.out_bit[facing / 2] == facing) outside.clear(static_cast<int>(facing / 2), f);
-        }
-    }
-
-    void run() const {
-        for (int kz = 0; kz < ways.nz; ++kz)
-            for (int ky = 0; ky < ways.ny; ++ky)
-                cross_row(o.back[1] ? ways.ny - 1 - ky : ky, o.back[2] ? ways.nz - 1 - kz : kz);
-    }
-
-private:
-    /// The place of a cell's part along axis a; of a whole cell 0, as the compiler knows.
-    [[nodiscard]] HWY_INLINE int part(int a, int at) const { return in_parts ? at % split[a] : 0; }
-    [[nodiscard]] HWY_INLINE int cell(int a, int at) const { return in_parts ? at / split[a] : at; }
-    [[nodiscard]] HWY_INLINE bool enters(int a, int at) const { return !in_parts || part(a, at) == first[a]; }
-    [[nodiscard]] HWY_INLINE bool leaves(int a, int at) const { return !in_parts || part(a, at) == last[a]; }
-
-    void cross_row(int y, int z) const {
-        const int row = (z * ways.ny + y) * ways.nx, cells = (cell(2, z) * 4 + cell(1, y)) * 4;
-        V8 px = faces.x[z * ways.ny + y];
-        V8* const row_y = faces.y + z * ways.nx;
-        V8* const row_z = faces.z + y * ways.nx;
-        if (outer_bits(y, z, cells) != 0)
-            outer_row(y, z, row, cells, row_y, row_z, px);
-        else if (o.back[0])
-            inner_row<-1>(o, ways, media, medium, light, sum, row, row_y, row_z, px);
-        else
-            inner_row<1>(o, ways, media, medium, light, sum, row, row_y, row_z, px);
-        faces.x[z * ways.ny + y] = px;
-    }
-
-    /// Of the row's cells; faces across y and z concern the parts along them alone.
-    [[nodiscard]] HWY_INLINE unsigned outer_bits(int y, int z, int cells) const {
-        unsigned any = 0;
-        if (!links) return any;
-        for (int x = 0; x < 4; ++x) any |= outer[cells + x];
-        for (int a = 1; a < 3; ++a) {
-            if (!enters(a, a == 1 ? y : z)) any &= ~(1u << o.in_bit[a]);
-            if (!leaves(a, a == 1 ? y : z)) any &= ~(1u << o.out_bit[a]);
-        }
-        return any;
-    }
-
-    HWY_INLINE void outer_row(int y, int z, int row, int cells, V8* row_y, V8* row_z, V8& px) const {
-        const int step = o.back[0] ? -1 : 1;
-        for (int kx = 0, x = o.back[0] ? ways.nx - 1 : 0; kx < ways.nx; ++kx, x += step) {
-            const int home = cells + cell(0, x), at[3] = {x, y, z};
-            const unsigned bits = outer[home];
-            if (bits & not_solid) continue;
-            const auto face_of = [&](unsigned bit) {
-                return static_cast<std::size_t>(links[home]) +
-                       static_cast<unsigned>(__builtin_popcount(bits & ((1u << bit) - 1)));
-            };
-            V8 p[3] = {px, row_y[x], row_z[x]};
-            for (int a = 0; a < 3; ++a)
-                if (bits >> o.in_bit[a] & 1 && enters(a, at[a])) outside.take(a, face_of(o.in_bit[a]), p[a]);
-            cross_cell(o, ways, media[medium[row + x]], light[row + x], sum[row + x], p[0], p[1], p[2]);
-            px = p[0];
-            row_y[x] = p[1];
-            row_z[x] = p[2];
-            for (int a = 0; a < 3; ++a) {
-                if (!(bits >> o.out_bit[a] & 1) || !leaves(a, at[a])) continue;
-                if constexpr (in_parts)
-                    outside.give_part(a, face_of(o.out_bit[a]), p[a], share[a]);
+void sweep_block(const SweepJob& job, const Octant& o, const std::vector<MediumWays>& media_ways,
+                 const GridBlock& block, const BlockFaces& faces) {
+    const ViewingGrid& grid = job.grid;
+    const Ways ways = o.ways[1];
+    const MediumWays* const media = media_ways.data();
+    const std::uint16_t* const medium = grid.medium.data() + block.first_cell;
+    const std::uint8_t* const outer = grid.outer.data() + block.first_cell;
+    const Moments* const light = job.cells.light.data() + block.first_cell;
+    Moments* const sum = job.cells.sum.data() + block.first_cell;
+    const std::int32_t* const links = block.first_link < 0 ? nullptr : grid.face_of_cell.data() + block.first_link;
+    const Outside outside{job, o};
+    for (int kz = 0; kz < ways.nz; ++kz) {
+        const int z = o.back[2] ? ways.nz - 1 - kz : kz;
+        for (int ky = 0; ky < ways.ny; ++ky) {
+            const int y = o.back[1] ? ways.ny - 1 - ky : ky;
+            const int row = (z * ways.ny + y) * ways.nx;
+            V8 px = faces.x[z * ways.ny + y];
+            V8* const row_y = faces.y + z * ways.nx;
+            V8* const row_z = faces.z + y * ways.nx;
+            unsigned any = 0;
+            if (links)
+                for (int x = 0; x < ways.nx; ++x) any |= outer[row + x];
+            if (any == 0) {
+                if (o.back[0])
+                    inner_row<-1>(o, ways, media, medium, light, sum, row, row_y, row_z, px);
                 else
-                    outside.give(a, face_of(o.out_bit[a]), p[a]);
+                    inner_row<1>(o, ways, media, medium, light, sum, row, row_y, row_z, px);
+                faces.x[z * ways.ny + y] = px;
+                continue;
             }
+            const int step = o.back[0] ? -1 : 1;
+            for (int kx = 0, x = o.back[0] ? ways.nx - 1 : 0; kx < ways.nx; ++kx, x += step) {
+                const int cell = row + x;
+                const unsigned bits = outer[cell];
+                if (bits & not_solid) continue;
+                const auto first_face = static_cast<std::size_t>(links[cell]);
+                const auto face_of = [&](unsigned bit) {
+                    return first_face + static_cast<unsigned>(__builtin_popcount(bits & ((1u << bit) - 1)));
+                };
+                const auto take = [&](int axis, unsigned bit, V8& p) { outside.take(axis, face_of(bit), p); };
+                const auto give = [&](int axis, unsigned bit, const V8& p) { outside.give(axis, face_of(bit), p); };
+                V8 py = row_y[x], pz = row_z[x];
+                if (bits >> o.in_bit[0] & 1) take(0, o.in_bit[0], px);
+                if (bits >> o.in_bit[1] & 1) take(1, o.in_bit[1], py);
+                if (bits >> o.in_bit[2] & 1) take(2, o.in_bit[2], pz);
+                cross_cell(o, ways, media[medium[cell]], light[cell], sum[cell], px, py, pz);
+                row_y[x] = py;
+                row_z[x] = pz;
+                if (bits >> o.out_bit[0] & 1) give(0, o.out_bit[0], px);
+                if (bits >> o.out_bit[1] & 1) give(1, o.out_bit[1], py);
+                if (bits >> o.out_bit[2] & 1) give(2, o.out_bit[2], pz);
+            }
+            faces.x[z * ways.ny + y] = px;
         }
     }
-};
+}
+
+/// A block of fine cells. Its outer faces are those of the cells that these are parts of: all parts get the light that
+/// enters there, and what leaves is their mean.
+void sweep_fine_block(const SweepJob& job, const Octant& o, const std::vector<MediumWays>& media_ways, std::size_t t,
+                      const GridBlock& block, const BlockFaces& faces) {
+    const ViewingGrid& grid = job.grid;
+    const ViewingGrid::Fine& fine = grid.fine;
+    const Ways ways = o.ways[0];
+    const MediumWays* const media = media_ways.data();
+    const std::array<int, 3> split = fine.split;
+    const std::uint16_t* const medium = fine.medium.data() + fine.first[t];
+    const Moments* const light = job.parts.light.data() + fine.first[t];
+    Moments* const sum = job.parts.sum.data() + fine.first[t];
+    const std::uint8_t* const outer = grid.outer.data() + block.first_cell;
+    const std::int32_t* const links = block.first_link < 0 ? nullptr : grid.face_of_cell.data() + block.first_link;
+    const Outside outside{job, o};
+    float share[3];
+    int first[3], last[3];  // part of a cell that light enters first, and leaves last
+    for (std::size_t a = 0; a < 3; ++a) {
+        share[a] = 1.0f / static_cast<float>(split[(a + 1) % 3] * split[(a + 2) % 3]);
+        first[a] = o.back[a] ? split[a] - 1 : 0;
+        last[a] = o.back[a] ? 0 : split[a] - 1;
+    }
+    for (std::size_t f = block.first_face; f < block.first_face + block.faces; ++f) {
+        const auto facing = static_cast<unsigned>(grid.faces[f].facing);
+        if (o.out_bit[facing / 2] == facing) outside.clear(static_cast<int>(facing / 2), f);
+    }
+    for (int kz = 0; kz < ways.nz; ++kz) {
+        const int z = o.back[2] ? ways.nz - 1 - kz : kz;
+        for (int ky = 0; ky < ways.ny; ++ky) {
+            const int y = o.back[1] ? ways.ny - 1 - ky : ky;
+            const int row = (z * ways.ny + y) * ways.nx, cells = (z / split[2] * 4 + y / split[1]) * 4;
+            V8 px = faces.x[z * ways.ny + y];
+            V8* const row_y = faces.y + z * ways.nx;
+            V8* const row_z = faces.z + y * ways.nx;
+            unsigned any = 0;
+            if (links)
+                for (int x = 0; x < 4; ++x) any |= outer[cells + x];
+            // Faces across y and z concern the parts along them alone.
+            for (int a = 1; a < 3; ++a) {
+                const int part = a == 1 ? y % split[1] : z % split[2];
+                if (part != first[a]) any &= ~(1u << o.in_bit[a]);
+                if (part != last[a]) any &= ~(1u << o.out_bit[a]);
+            }
+            if (any == 0) {
+                if (o.back[0])
+                    inner_row<-1>(o, ways, media, medium, light, sum, row, row_y, row_z, px);
+                else
+                    inner_row<1>(o, ways, media, medium, light, sum, row, row_y, row_z, px);
+                faces.x[z * ways.ny + y] = px;
+                continue;
+            }
+            const int step = o.back[0] ? -1 : 1;
+            for (int kx = 0, x = o.back[0] ? ways.nx - 1 : 0; kx < ways.nx; ++kx, x += step) {
+                const int cell = cells + x / split[0], part[3] = {x % split[0], y % split[1], z % split[2]};
+                const unsigned bits = outer[cell];
+                if (bits & not_solid) continue;
+                const auto face_of = [&](unsigned bit) {
+                    return static_cast<std::size_t>(links[cell]) +
+                           static_cast<unsigned>(__builtin_popcount(bits & ((1u << bit) - 1)));
+                };
+                V8 p[3] = {px, row_y[x], row_z[x]};
+                for (int a = 0; a < 3; ++a)
+                    if (bits >> o.in_bit[a] & 1 && part[a] == first[a]) outside.take(a, face_of(o.in_bit[a]), p[a]);
+                cross_cell(o, ways, media[medium[row + x]], light[row + x], sum[row + x], p[0], p[1], p[2]);
+                px = p[0];
+                row_y[x] = p[1];
+                row_z[x] = p[2];
+                for (int a = 0; a < 3; ++a)
+                    if (bits >> o.out_bit[a] & 1 && part[a] == last[a])
+                        outside.give_part(a, face_of(o.out_bit[a]), p[a], share[a]);
+            }
+            faces.x[z * ways.ny + y] = px;
+        }
+    }
+}
 
 /// The radiance on the faces between blocks along one octant's way.
 struct Front {
@@ -437,9 +457,9 @@ void sweep(const SweepJob& job, int half) {
             fit(faces.y, front.y_fine[by], in_parts, 0, 2);
             fit(faces.z, front.z_fine[bz], in_parts, 0, 1);
             if (in_parts)
-                BlockSweep<true>(job, o, media, t, faces).run();
+                sweep_fine_block(job, o, media[0], t, block, faces);
             else
-                BlockSweep<false>(job, o, media, t, faces).run();
+                sweep_block(job, o, media[1], block, faces);
         }
     };
     // All four octants of one way along z cross a plane of blocks before the next one, and both ways along x a row,
