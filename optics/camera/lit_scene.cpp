@@ -32,15 +32,18 @@ LitScene::LitScene(const CameraScene& scene) : scene_(scene), camera_(scene.view
     for (Eigen::Index c = 0; c < weights.cols(); ++c)
         shares.push_back(luminance({weights(0, c), weights(1, c), weights(2, c)}));
     volumes_.reserve(scene.prints.size());
+    spheres_.reserve(scene.prints.size());
     for (const ResinBody& print : scene.prints) {
         require_resins(*print.scene);
         VOXTONE_EXPECT(print.boundary && print.scene->resins->channels == channels);
         VOXTONE_EXPECT(print.scene->backing == Backing::none && print.scene->sides == Sides::open);
         volumes_.emplace_back(*print.scene, print.boundary);
+        spheres_.emplace_back(*print.scene, volumes_.back());
         for (std::size_t c = 0; c < light_.size(); ++c) {
             PacketScene packet = packet_scene(*print.scene, volumes_.back(), c, default_roulette_weight);
             packet.finish = print.finish;
             packet.tells_exits = true;
+            packet.spheres = packet_spheres(spheres_.back(), c);
             packets_.push_back(packet);
         }
     }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "voxtone/optics/camera/camera_scene.h"
+#include "voxtone/optics/monte_carlo/clear_spheres.h"
 #include "voxtone/optics/monte_carlo/path_packets.h"
 
 namespace voxtone::optics {
@@ -59,6 +60,7 @@ private:
     std::vector<std::size_t> light_;
     std::vector<std::vector<double>> derived_;
     std::vector<PathVolume> volumes_;
+    std::vector<ClearSpheres> spheres_;
     std::vector<PacketScene> packets_;
 };
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "voxtone/base/contracts.h"
 #include "voxtone/optics/monte_carlo/rough_boundary.h"
 #include "voxtone/optics/monte_carlo/scalar_paths.h"
 
@@ -77,6 +78,7 @@ private:
         Mask collides, crosses, met;    ///< at its end: a particle, the side of the box, the boundary
         Mask outside, mirrored;         ///< beyond the side: no volume; its image
         Mask ends, leaves;              ///< absorbed; gone through the surface
+        Mask even;                      ///< scattered evenly in the resin of the spheres
         bool any_crosses;
         Int place[3], base, block_index, content, material;
     };
@@ -98,6 +100,7 @@ private:
 
         std::size_t lost = 0;
         if constexpr (bounded) {
+            if (!hn::AllFalse(d, e.even)) cross_sphere(row, e.even);
             if (!hn::AllFalse(d, e.met)) lost += leave_or_turn(row, e.met, e.u);
         }
         const Mask over = hn::Or(e.ends, e.leaves);
@@ -128,7 +131,7 @@ private:
         e.depth = hn::Load(d, lanes_.depth.data() + row);
         e.majorant = hn::Load(d, lanes_.majorant.data() + row);
         e.weight = hn::Load(d, lanes_.weight.data() + row);
-        e.ends = e.leaves = e.met = hn::Lt(e.u, hn::Zero(d));  // none
+        e.ends = e.leaves = e.met = e.even = hn::Lt(e.u, hn::Zero(d));  // none
     }
 
     /// To the particle, the side of the box or the boundary, what comes first.
@@ -237,6 +240,115 @@ private:
         e.ends = hn::And(hn::AndNot(survives, faint), e.alive);
         e.weight = hn::IfThenElse(e.ends, hn::Zero(d), hn::IfThenElse(faint, least, e.weight));
         scatter(e.u, hn::ShiftRight<16>(e.draws[2]), real, e.dir);
+        if constexpr (bounded) {
+            if (scene_.spheres.fitting) find_even(e, hn::AndNot(e.ends, real));
+        }
+    }
+
+    /// Which real scatterings in the resin of the spheres were even: a share even_share / (2 p(c)) of those by an angle
+    /// of cosine c, by the draw that found them real. Of Henyey and Greenstein's 1 / (2 p(c)) is (1 - g^2)^2 / D^3.
+    HWY_INLINE void find_even(Event& e, Mask real) const {
+        const Float D = hn::Add(hn::Mul(e.u, constant(2 * scene_.g)), constant(1 - scene_.g));
+        const auto sigma_t = static_cast<double>(scene_.sigma_t[static_cast<std::size_t>(scene_.spheres.material)]);
+        const auto g = static_cast<double>(scene_.g);
+        const Float share = constant(static_cast<float>(sigma_t * even_share(g) * (1 - g * g) * (1 - g * g)));
+        const Mask chosen = hn::Lt(hn::Mul(hn::Mul(unit(e.draws[3]), e.majorant), hn::Mul(D, hn::Mul(D, D))), share);
+        const Mask there = hn::RebindMask(Tag(), hn::Eq(e.material, hn::Set(IntTag(), scene_.spheres.material)));
+        e.even = hn::And(hn::And(real, chosen), there);
+    }
+
+    /// From where light was scattered evenly to the skin of the largest sphere that has room there.
+    HWY_NOINLINE void cross_sphere(std::size_t row, Mask even) {
+        const Tag d;
+        const IntTag di;
+        const PacketSpheres& spheres = scene_.spheres;
+        Float at[3];
+        Int cell[3];
+        for (std::size_t a = 0; a < 3; ++a) {
+            at[a] = hn::Load(d, lanes_.at[a].data() + row);
+            cell[a] = hn::Min(hn::ShiftRight<3>(hn::ConvertTo(di, at[a])), hn::Set(di, spheres.cells[a] - 1));
+        }
+        const Int index = hn::Add(
+            hn::Mul(hn::Add(hn::Mul(cell[2], hn::Set(di, spheres.cells[1])), cell[1]), hn::Set(di, spheres.cells[0])),
+            cell[0]);
+        const Int read = hn::GatherOffset(di, reinterpret_cast<const std::int32_t*>(spheres.fitting),
+                                          hn::IfThenElseZero(hn::RebindMask(di, even), index));
+        const Int fitting = hn::And(read, hn::Set(di, 255)),
+                  sphere = hn::Max(hn::Sub(fitting, hn::Set(di, 1)), hn::Zero(di));
+        const Float kept = gather(spheres.weights, sphere);
+        const Mask room = hn::RebindMask(d, hn::Gt(fitting, hn::Zero(di)));
+        const Mask crosses = hn::And(hn::And(even, room), hn::Gt(kept, hn::Zero(d)));
+        if (hn::AllFalse(d, crosses)) return;
+
+        Bits draws[3];
+        draw_again(row, crosses, draws);
+        Float normal[3];
+        even_direction(draws[0], draws[1], normal);
+        const Float radius = gather(spheres.radius_mm.data(), fitting);
+        for (std::size_t a = 0; a < 3; ++a) {
+            const Float moved = hn::Add(at[a], hn::Mul(hn::Mul(radius, normal[a]), constant(1 / scene_.pitch_mm[a])));
+            at[a] = hn::IfThenElse(crosses, moved, at[a]);
+            hn::Store(at[a], d, lanes_.at[a].data() + row);
+        }
+        turn(leaving_cosine(sphere, draws[2]), draws[1], normal);
+        for (std::size_t a = 0; a < 3; ++a) {
+            const Float old = hn::Load(d, lanes_.direction[a].data() + row);
+            hn::Store(hn::IfThenElse(crosses, normal[a], old), d, lanes_.direction[a].data() + row);
+        }
+        const Float weight = hn::Load(d, lanes_.weight.data() + row);
+        hn::Store(hn::IfThenElse(crosses, hn::Mul(weight, kept), weight), d, lanes_.weight.data() + row);
+        arrive(row, crosses);
+    }
+
+    /// More random numbers for some paths; the others' generators stay as they are.
+    HWY_INLINE void draw_again(std::size_t row, Mask who, Bits (&draws)[3]) {
+        const BitTag db;
+        Random random{hn::Load(db, lanes_.random[0].data() + row), hn::Load(db, lanes_.random[1].data() + row),
+                      hn::Load(db, lanes_.random[2].data() + row), hn::Load(db, lanes_.random[3].data() + row)};
+        const Bits before[4] = {random.s0, random.s1, random.s2, random.s3};
+        for (Bits& draw : draws) draw = random.next();
+        const Bits after[4] = {random.s0, random.s1, random.s2, random.s3};
+        for (std::size_t k = 0; k < 4; ++k)
+            hn::Store(hn::IfThenElse(hn::RebindMask(db, who), after[k], before[k]), db, lanes_.random[k].data() + row);
+    }
+
+    HWY_INLINE void even_direction(Bits height, Bits turn_bits, Float* direction) const {
+        const Float one = constant(1), z = hn::Sub(hn::Mul(unit(height), constant(2)), constant(1 - 0x1p-23f));
+        const Float sine = hn::Sqrt(hn::Max(hn::Mul(hn::Sub(one, z), hn::Add(one, z)), hn::Zero(Tag())));
+        azimuth(hn::ShiftRight<16>(turn_bits), direction[0], direction[1]);
+        direction[0] = hn::Mul(direction[0], sine);
+        direction[1] = hn::Mul(direction[1], sine);
+        direction[2] = z;
+    }
+
+    /// Of a path that leaves a sphere, to its normal.
+    HWY_INLINE Float leaving_cosine(Int sphere, Bits draw) const {
+        const Tag d;
+        const IntTag di;
+        constexpr int intervals = static_cast<int>(FirstPassage::intervals);
+        const Float place = hn::Mul(unit(draw), constant(static_cast<float>(intervals)));
+        const Int whole = hn::ConvertTo(di, place);
+        const Int entry = hn::Add(hn::Mul(sphere, hn::Set(di, intervals + 1)), whole);
+        const Float low = gather(scene_.spheres.cosines, entry),
+                    high = gather(scene_.spheres.cosines, hn::Add(entry, hn::Set(di, 1)));
+        return hn::Add(low, hn::Mul(hn::Sub(high, low), hn::Sub(place, hn::ConvertTo(d, whole))));
+    }
+
+    /// Paths that stand somewhere new: the boxes around them.
+    HWY_INLINE void arrive(std::size_t row, Mask who) {
+        const Tag d;
+        Event e;
+        for (std::size_t a = 0; a < 3; ++a) {
+            e.voxel[a] = hn::Floor(hn::Load(d, lanes_.at[a].data() + row));
+            e.low[a] = hn::Load(d, lanes_.low[a].data() + row);
+            e.high[a] = hn::Load(d, lanes_.high[a].data() + row);
+        }
+        e.majorant = hn::Load(d, lanes_.majorant.data() + row);
+        e.crosses = who;
+        e.any_crosses = true;
+        e.outside = hn::Not(who);
+        look_up(row, e);
+        enter_box(row, e, who);
     }
 
     /// The side of the box: another box, the surface, or a mirror.
@@ -452,7 +564,7 @@ private:
     /// dir, where `real`: turned by the angle of Henyey and Greenstein. With D = 1 - g + 2 g u, u uniform,
     ///   1 - cos = 2 (1 - g)^2 (1 - u) (1 + g u) / D^2,
     /// the inverse of its distribution, free of cancellation and of a special case for g = 0.
-    HWY_INLINE void scatter(Float u, Bits turn, Mask real, Float* dir) const {
+    HWY_INLINE void scatter(Float u, Bits turn_bits, Mask real, Float* dir) const {
         const Tag d;
         const Float one = constant(1);
         const float g = scene_.g;
@@ -460,10 +572,22 @@ private:
         const Float m = hn::Div(
             hn::Mul(hn::Mul(hn::Sub(one, u), constant(2 * (1 - g) * (1 - g))), hn::Add(one, hn::Mul(u, constant(g)))),
             hn::Mul(D, D));
-        const Float cosine = hn::Sub(one, m);
-        const Float sine = hn::Sqrt(hn::Max(hn::Mul(m, hn::Sub(constant(2), m)), hn::Zero(d)));
+        Float to[3] = {dir[0], dir[1], dir[2]};
+        turn(hn::Sub(one, m), hn::Sqrt(hn::Max(hn::Mul(m, hn::Sub(constant(2), m)), hn::Zero(d))), turn_bits, to);
+        for (std::size_t c = 0; c < 3; ++c) dir[c] = hn::IfThenElse(real, to[c], dir[c]);
+    }
+
+    HWY_INLINE void turn(Float cosine, Bits turn_bits, Float* dir) const {
+        const Float one = constant(1);
+        const Float square = hn::Mul(hn::Sub(one, cosine), hn::Add(one, cosine));
+        turn(cosine, hn::Sqrt(hn::Max(square, hn::Zero(Tag()))), turn_bits, dir);
+    }
+
+    /// dir by an angle, the azimuth by chance.
+    HWY_INLINE void turn(Float cosine, Float sine, Bits turn_bits, Float* dir) const {
+        const Float one = constant(1);
         Float a, b;
-        azimuth(turn, a, b);
+        azimuth(turn_bits, a, b);
         a = hn::Mul(a, sine);
         b = hn::Mul(b, sine);
         // Two directions across dir (Duff et al. 2017, "Building an orthonormal basis, revisited").
@@ -479,7 +603,7 @@ private:
         // One of Newton's steps keeps the length 1.
         const Float square = hn::Add(hn::Mul(to[0], to[0]), hn::Add(hn::Mul(to[1], to[1]), hn::Mul(to[2], to[2])));
         const Float scale = hn::Sub(constant(1.5f), hn::Mul(constant(0.5f), square));
-        for (std::size_t c = 0; c < 3; ++c) dir[c] = hn::IfThenElse(real, not_parallel(hn::Mul(to[c], scale)), dir[c]);
+        for (std::size_t c = 0; c < 3; ++c) dir[c] = not_parallel(hn::Mul(to[c], scale));
     }
 
     /// Paths that are over: counted and replaced, but for those that a white sheet sends back.
@@ -600,6 +724,20 @@ PacketScene packet_scene(const Scene& scene, const PathVolume& volume, std::size
     packet.roulette_weight = static_cast<float>(roulette_weight);
     packet.backing = scene.backing;
     packet.sides = scene.sides;
+    return packet;
+}
+
+PacketSpheres packet_spheres(const ClearSpheres& spheres, std::size_t channel) {
+    PacketSpheres packet;
+    if (spheres.material() == air) return packet;
+    VOXTONE_EXPECT(spheres.radii_mm().size() < packet.radius_mm.size());
+    packet.material = spheres.material();
+    packet.fitting = spheres.fitting().data();
+    packet.cells = spheres.cells();
+    std::transform(spheres.radii_mm().begin(), spheres.radii_mm().end(), packet.radius_mm.begin() + 1,
+                   [](double r) { return static_cast<float>(r); });
+    packet.weights = spheres.weights(channel).data();
+    packet.cosines = spheres.cosines(channel).data();
     return packet;
 }
 

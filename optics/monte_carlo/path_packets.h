@@ -3,6 +3,9 @@
 // Many light paths at once through the voxels of a volume: the vector twin of scalar_paths.h, the same physics with
 // free paths drawn as path_volume.h says, in single precision.
 //
+// Where the scene names spheres, paths deep inside step through these (first_passage.h): the same light by fewer
+// events.
+//
 // Every lane of a packet carries its own path and does one event at a time: it meets a particle, or the side of its
 // box. A path that ends makes room for the next. What a path does is a function of its start alone, never of the lane,
 // of the paths beside it or of the machine: no operation depends on the vector's length, none is fused. Run-time
@@ -12,6 +15,7 @@
 #include <array>
 #include <cstdint>
 
+#include "voxtone/optics/monte_carlo/clear_spheres.h"
 #include "voxtone/optics/monte_carlo/path_random.h"
 #include "voxtone/optics/monte_carlo/path_volume.h"
 #include "voxtone/optics/monte_carlo/surface_finish.h"
@@ -49,6 +53,15 @@ public:
     virtual std::array<float, 3> entering_up(std::array<std::uint32_t, 4>& random) = 0;
 };
 
+/// Spheres of one resin that paths may cross in one step (clear_spheres.h); `fitting` nullptr: none.
+struct PacketSpheres {
+    std::int32_t material = 0;
+    const std::uint8_t* fitting = nullptr;
+    std::array<int, 3> cells{};
+    std::array<float, 33> radius_mm{};                   ///< by how many fit, the largest of these
+    const float *weights = nullptr, *cosines = nullptr;  ///< weight 0: no step
+};
+
 /// What stays the same for all paths of one channel.
 struct PacketScene {
     const std::uint16_t* voxels = nullptr;
@@ -65,12 +78,15 @@ struct PacketScene {
     std::size_t materials = 0;
     std::array<float, 256> sigma_t{}, albedo{};  ///< per material
     float g = 0, eta = 1, roulette_weight = 0.1f;
+    PacketSpheres spheres;
     Backing backing = Backing::none;
     Sides sides = Sides::open;
 };
 
 [[nodiscard]] PacketScene packet_scene(const Scene& scene, const PathVolume& volume, std::size_t channel,
                                        double roulette_weight);
+/// Which must outlive the packets.
+[[nodiscard]] PacketSpheres packet_spheres(const ClearSpheres& spheres, std::size_t channel);
 
 /// Traces all paths of the source.
 void trace_packets(const PacketScene& scene, PathSource& source);
