@@ -4,8 +4,9 @@
 //
 // A path begins at a random place of a pixel and goes where light could have come from (reciprocity):
 //   resin     reflected or refracted by Fresnel's equations at a surface that is smooth or rough (rough_boundary.h);
-//             within, scattered and absorbed voxel by voxel (path_packets.h); out again, to whatever is there: another
-//             part of the body, another body, the ground, the sky. Nothing is cut off: Russian roulette only
+//             within, scattered and absorbed voxel by voxel (path_packets.h), deep inside by steps through spheres
+//             (first_passage.h); out again, to whatever is there: another part of the body, another body, the ground,
+//             the sky. Nothing is cut off: Russian roulette only
 //   diffuser  (the ground, a target beside its print): the sky drawn by its luminance and a direction drawn by the
 //             cosine law, weighed by the balance heuristic (E. Veach, L. Guibas, "Optimally combining sampling
 //             techniques for Monte Carlo rendering", SIGGRAPH 1995)
@@ -14,8 +15,8 @@
 //
 // In the air one path carries all channels; in a print each channel has its own, and channels that make little of the
 // luminance have fewer: of linear sRGB red half as many as green, blue a quarter (tile_paths.h). A pixel gathers its
-// samples by a filter (pixel_filter.h). Unbiased but for the filter's blur; the noise is estimated from the spread of
-// the samples (exposure.h). The same bits for any number of threads.
+// samples by a filter (pixel_filter.h). Unbiased but for the filter's blur and the tables of the spheres; the noise is
+// estimated from the spread of the samples (exposure.h). The same bits for any number of threads.
 //
 // Memory of linear sRGB: 200 bytes a pixel besides the bodies.
 #pragma once

@@ -17,7 +17,7 @@
 // mu is tabulated by paths. W follows from it: psi = sum over l of (2 l + 1) phi_l i_l(k r) P_l(mu), the average over
 // all directions s of the discrete mode exp(k s.x) sum of (2 l + 1) phi_l P_l(s.d), obeys the equation of transport, so
 // that its mean does not change on the way: 1 = psi(0) = W E[psi(r, mu)]. Without absorption W = 1 exactly; else the
-// error of a table's mean cosine, 0.3 / sqrt(paths), changes 1 - W by that times mean free path over radius.
+// error of a table's mean cosine, 0.3 / sqrt(paths), changes 1 - W by that times 2 / (radius sigma_t (1 - albedo g)).
 // For albedos >= least_albedo.
 #pragma once
 
