@@ -11,6 +11,7 @@ namespace voxtone::optics {
 namespace {
 
 constexpr int cell_side = ClearSpheres::cell_edge;
+// A choice, not tuned: a print is seldom clear farther than that, and a step is at worst 0.7 of what has room.
 constexpr double largest_mm = 5, growth = std::numbers::sqrt2;
 
 /// The one material of a cell, air where it is not all of one or the boundary may pass.
@@ -91,7 +92,9 @@ void ClearSpheres::choose_material(const Scene& scene, const std::vector<Materia
         if (medium.albedo() >= FirstPassage::least_albedo) thickest = std::max(thickest, medium.sigma_t());
     }
     if (thickest <= 0) return;
-    for (double r = FirstPassage::least_optical_radius / thickest; r <= largest_mm; r *= growth) radii_.push_back(r);
+    for (double r = FirstPassage::least_optical_radius / thickest; r <= largest_mm && radii_.size() < most_radii;
+         r *= growth)
+        radii_.push_back(r);
     if (!radii_.empty()) material_ = material;
 }
 

@@ -20,6 +20,7 @@ namespace voxtone::optics {
 class ClearSpheres {
 public:
     static constexpr int cell_edge = 8;
+    static constexpr std::size_t most_radii = 32;
 
     ClearSpheres(const Scene& scene, const PathVolume& volume);
 

@@ -36,12 +36,15 @@ Orders ratios_of_mode(const Medium& medium, double g, double k) {
     return ratio;
 }
 
-/// The decay for which order 0 holds, too: k phi_1 = sigma_a phi_0.
+/// The least decay for which order 0 holds, too: k phi_1 = sigma_a phi_0. Up to it all ratios are positive (the decays
+/// of the orders above lie between those of all: tridiagonal matrices); forward scattering has others beyond.
 double decay(const Medium& medium, double g) {
     double low = 0, high = 0.9 * medium.sigma_t();
     for (int step = 0; step < 60; ++step) {
         const double k = 0.5 * (low + high);
-        (k * ratios_of_mode(medium, g, k)[1] < medium.sigma_a ? low : high) = k;
+        const Orders ratio = ratios_of_mode(medium, g, k);
+        const bool beyond = std::any_of(ratio.begin(), ratio.end(), [](double r) { return r < 0; });
+        (!beyond && k * ratio[1] < medium.sigma_a ? low : high) = k;
     }
     return 0.5 * (low + high);
 }

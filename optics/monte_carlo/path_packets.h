@@ -58,8 +58,8 @@ struct PacketSpheres {
     std::int32_t material = 0;
     const std::uint8_t* fitting = nullptr;
     std::array<int, 3> cells{};
-    std::array<float, 33> radius_mm{};                   ///< by how many fit, the largest of these
-    const float *weights = nullptr, *cosines = nullptr;  ///< weight 0: no step
+    std::array<float, ClearSpheres::most_radii + 1> radius_mm{};  ///< by how many fit, the largest of these
+    const float *weights = nullptr, *cosines = nullptr;           ///< weight 0: no step
 };
 
 /// What stays the same for all paths of one channel.

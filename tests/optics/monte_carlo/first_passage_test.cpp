@@ -78,6 +78,19 @@ TEST_CASE("what leaves a sphere is as much, and as steep, as if every scattering
         }
 }
 
+TEST_CASE("resins that scatter forward lose no more in a sphere than walks say") {
+    const std::array<double, 4> radii{0.7, 1, 1.4, 2};
+    for (const double g : {0.8, 0.9}) {
+        const Medium medium{0.09, 8.91};
+        const FirstPassage passage(medium, g, radii);
+        const Left left = walked(medium, g, radii[3], 20000);
+        const double lost = 1 - passage.weight(3);
+        INFO("g " << g << ": lost " << lost << " for " << left.lost << " +- " << left.lost_error);
+        CHECK(std::abs(lost - left.lost) < 4 * left.lost_error);
+        CHECK(std::abs(1.1 * lost - left.lost) > 4 * left.lost_error);
+    }
+}
+
 TEST_CASE("where nothing absorbs a step through a sphere keeps all light, and small spheres have none") {
     const FirstPassage passage({0, 10}, 0.4, std::array{0.3, 0.8, 1.2});
     CHECK(passage.first() == 1);
