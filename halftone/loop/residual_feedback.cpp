@@ -22,9 +22,9 @@ Eigen::Vector3f root(const Eigen::Vector3f& rgb) {
 
 Eigen::Vector3f cube(const Eigen::Vector3f& v) { return v.array().cube().matrix(); }
 
-/// The control colour after a step, and which channels could not follow.
+/// The control colour after a step, which channels could not follow, and by how much.
 struct Step {
-    Eigen::Vector3f control;
+    Eigen::Vector3f control, missed;
     std::array<bool, 3> saturated{};
     [[nodiscard]] bool any() const { return saturated[0] || saturated[1] || saturated[2]; }
 };
@@ -37,6 +37,7 @@ Step step(const Eigen::Vector3f& control, const Eigen::Vector3f& residual,
     const Eigen::Vector3f wanted = (options.gain * residual).cwiseMax(-options.most_step).cwiseMin(options.most_step);
     s.control = into_gamut(cube((before + wanted).cwiseMax(0.0f).cwiseMin(1.0f)));
     const Eigen::Vector3f moved = root(s.control) - before;
+    s.missed = (wanted - moved).cwiseAbs();
     for (Eigen::Index c = 0; c < 3; ++c)
         s.saturated[static_cast<std::size_t>(c)] =
             std::abs(wanted[c]) > least && moved[c] * wanted[c] < 0.5f * wanted[c] * wanted[c];
@@ -47,23 +48,23 @@ Step step(const Eigen::Vector3f& control, const Eigen::Vector3f& residual,
 
 Eigen::Vector3f nearest_colour(const Eigen::Vector3f& target, const Eigen::Vector3f& from,
                                const std::array<bool, 3>& saturated) {
-    constexpr double least = 1e-4;  // keeps the slope of Oklab finite
-    const Eigen::Vector3d wanted = optics::oklab_from_linear_srgb(target.cast<double>());
-    const Eigen::Vector3d weight(1, 2, 2);
+    constexpr double least = 1e-4;  // the cube root has a slope
+    const Eigen::Vector3d lab = optics::lab_from_linear_srgb(target.cast<double>());
+    const Eigen::Matrix3d W = optics::ciede2000_metric(lab);
     Eigen::Vector3d v;
     for (Eigen::Index c = 0; c < 3; ++c)
         v[c] = std::clamp<double>(saturated[static_cast<std::size_t>(c)] ? from[c] : target[c], least, 1.0);
-    const auto cost = [&](const Eigen::Vector3d& rgb) {
-        return weight.cwiseProduct(optics::oklab_from_linear_srgb(rgb) - wanted).squaredNorm();
+    const auto off = [&](const Eigen::Vector3d& rgb) -> Eigen::Vector3d {
+        return W * (optics::lab_from_linear_srgb(rgb) - lab);
     };
-    double now = cost(v), damping = 1e-3;
-    // Gauss-Newton in the cube roots of the free channels, which are about as straight as Oklab in them.
+    Eigen::Vector3d residual = off(v);
+    double now = residual.squaredNorm(), damping = 1e-3;
+    // Gauss-Newton in the cube roots of the free channels, in which Lab is about straight.
     for (int iteration = 0; iteration < 12 && damping < 1e3; ++iteration) {
         const Eigen::Vector3d slope = 3 * v.array().pow(2.0 / 3).matrix();
-        Eigen::Matrix3d J = weight.asDiagonal() * optics::oklab_derivative(v) * slope.asDiagonal();
+        Eigen::Matrix3d J = W * optics::lab_derivative(v) * slope.asDiagonal();
         for (Eigen::Index c = 0; c < 3; ++c)
             if (saturated[static_cast<std::size_t>(c)]) J.col(c).setZero();
-        const Eigen::Vector3d residual = weight.cwiseProduct(optics::oklab_from_linear_srgb(v) - wanted);
         Eigen::Matrix3d normal = J.transpose() * J;
         for (Eigen::Index c = 0; c < 3; ++c)
             normal(c, c) += damping * (normal(c, c) + 1e-6) + (saturated[static_cast<std::size_t>(c)] ? 1 : 0);
@@ -74,13 +75,15 @@ Eigen::Vector3f nearest_colour(const Eigen::Vector3f& target, const Eigen::Vecto
                 const double r = std::clamp(std::cbrt(v[c]) + change[c], std::cbrt(least), 1.0);
                 next[c] = r * r * r;
             }
-        const double then = cost(next);
+        const Eigen::Vector3d residual_then = off(next);
+        const double then = residual_then.squaredNorm();
         if (!(then < now)) {
             damping *= 10;
             continue;
         }
-        const bool done = now - then < 1e-7;
+        const bool done = now - then < 1e-3;
         v = next;
+        residual = residual_then;
         now = then;
         damping = std::max(damping / 10, 1e-6);
         if (done) break;
@@ -99,33 +102,51 @@ std::vector<Eigen::Vector3f> as_wrong_as_seen(std::span<const Eigen::Vector3f> t
     return colours;
 }
 
+namespace {
+
+/// The step of one cell; `relaxed` becomes what it is asked for. The channel that misses most is given up first, and
+/// the others asked for the colour that is nearest then: at the gamut's edge one channel's limit stops them all,
+/// although they could go back.
+Step relaxing_step(const Eigen::Vector3f& control, const Eigen::Vector3f& target, const Eigen::Vector3f& predicted,
+                   const std::function<Eigen::Vector3f(const Eigen::Vector3f&)>& into_gamut,
+                   const FeedbackOptions& options, Eigen::Vector3f& relaxed) {
+    const Eigen::Vector3f seen = root(predicted);
+    relaxed = target;
+    Step moved = step(control, root(target) - seen, into_gamut, options);
+    std::array<bool, 3> given_up{};
+    for (int turn = 0; turn < 2; ++turn) {
+        std::size_t most = 3;
+        for (std::size_t c = 0; c < 3; ++c)
+            if (moved.saturated[c] && !given_up[c] &&
+                (most == 3 ||
+                 moved.missed[static_cast<Eigen::Index>(c)] > moved.missed[static_cast<Eigen::Index>(most)]))
+                most = c;
+        if (most == 3) break;
+        given_up[most] = true;
+        relaxed = nearest_colour(target, predicted, given_up);
+        moved = step(control, root(relaxed) - seen, into_gamut, options);
+    }
+    return moved;
+}
+
+}  // namespace
+
 std::size_t feed_back(std::span<const Eigen::Vector3f> target, std::span<const Eigen::Vector3f> predicted,
                       const std::function<Eigen::Vector3f(const Eigen::Vector3f&)>& into_gamut,
                       const FeedbackOptions& options, std::span<Eigen::Vector3f> control,
                       std::span<Eigen::Vector3f> relaxed) {
     VOXTONE_EXPECT(predicted.size() == target.size() && control.size() == target.size() &&
                    relaxed.size() == target.size());
-    std::atomic<std::size_t> saturated_cells{0};
+    std::atomic<std::size_t> relaxed_cells{0};
     parallel_ranges(0, target.size(), 256, [&](std::size_t first, std::size_t last) {
-        std::size_t saturated = 0;
+        std::size_t count = 0;
         for (std::size_t i = first; i < last; ++i) {
-            const Eigen::Vector3f seen = root(predicted[i]);
-            relaxed[i] = target[i];
-            Step moved = step(control[i], root(target[i]) - seen, into_gamut, options);
-            if (moved.any()) {
-                ++saturated;
-                if (!(moved.saturated[0] && moved.saturated[1] && moved.saturated[2])) {
-                    relaxed[i] = nearest_colour(target[i], predicted[i], moved.saturated);
-                    moved = step(control[i], root(relaxed[i]) - seen, into_gamut, options);
-                } else {
-                    relaxed[i] = predicted[i];
-                }
-            }
-            control[i] = moved.control;
+            control[i] = relaxing_step(control[i], target[i], predicted[i], into_gamut, options, relaxed[i]).control;
+            count += relaxed[i] != target[i];
         }
-        saturated_cells += saturated;
+        relaxed_cells += count;
     });
-    return saturated_cells;
+    return relaxed_cells;
 }
 
 }  // namespace voxtone::halftone

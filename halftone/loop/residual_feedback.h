@@ -15,12 +15,15 @@
 //
 // Local limits. Beside bright places no ink makes a cell dark, beside dark ones no white makes it bright, and each
 // channel has its own limits: control colours end at the gamut's edge while the error stays. A channel is saturated
-// when its control cannot follow the residual by more than half. The other channels then go where the colour, saturated
-// channels as predicted, is nearest to the target:
+// when its control cannot follow the residual by more than half. The one that misses most is given up, and the others
+// go where the colour, that channel as predicted, is nearest to the target:
 //
-//   min over free channels of | W (oklab(v) - oklab(target)) |,   W = diag(1, 2, 2),
+//   min over the other channels of | W (Lab(v) - Lab(target)) |,   |W d| = CIEDE2000 of a small d at the target;
 //
-// so that white beside black turns a little grey and not blue. That is the relaxed target of the cell.
+// then once more, if one of them cannot follow either. So white beside black turns grey and not blue: near grey a step
+// of chroma is seen as well as two or three of lightness. That is the relaxed target of the cell. (Oklab, its a and b
+// weighed by 2, was the distance before, and a cell was given up whose channels were all saturated: spot at 30 mm came
+// to 2.94 by four corrections that come to 2.35 now; docs/benchmarks.md, "The colour that is nearest".)
 //
 // Based on the idea of O. Elek et al., "Scattering-aware texture reproduction for 3D printing", ACM TOG 36, 6 (2017);
 // the relaxation is our own. Gauss-Newton is written out for it: three unknowns, for each saturated cell.
@@ -56,7 +59,7 @@ std::size_t feed_back(std::span<const Eigen::Vector3f> target, std::span<const E
                       const FeedbackOptions& options, std::span<Eigen::Vector3f> control,
                       std::span<Eigen::Vector3f> relaxed);
 
-/// The colour nearest to `target` (Oklab, a and b weighed by 2) whose channels in `saturated` are those of `from`.
+/// The colour nearest to `target` (by CIEDE2000's metric there) whose channels in `saturated` are those of `from`.
 [[nodiscard]] Eigen::Vector3f nearest_colour(const Eigen::Vector3f& target, const Eigen::Vector3f& from,
                                              const std::array<bool, 3>& saturated);
 

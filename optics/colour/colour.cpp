@@ -67,10 +67,44 @@ double lab_curve(double t) {
 
 double lab_curve_inverse(double f) { return f > lab_edge ? f * f * f : 3 * lab_edge * lab_edge * (f - 4.0 / 29); }
 
+double lab_slope(double t) {
+    return t > lab_edge * lab_edge * lab_edge ? std::cbrt(t) / (3 * t) : 1 / (3 * lab_edge * lab_edge);
+}
+
 double power_7(double x) {
     const double x2 = x * x;
     return x2 * x2 * x2 * x;
 }
+
+constexpr double degree = 3.14159265358979323846 / 180, pow_25_7 = 6103515625.0;
+
+/// Of CIEDE2000: what a is stretched by for a mean chroma.
+double stretch_of_a(double mean_c) {
+    const double mean_c7 = power_7(mean_c);
+    return 1 + 0.5 * (1 - std::sqrt(mean_c7 / (mean_c7 + pow_25_7)));
+}
+
+/// Degrees in [0, 360); 0 of a grey.
+double hue_of(double a, double b) {
+    if (a == 0 && b == 0) return 0;
+    const double h = std::atan2(b, a) / degree;
+    return h < 0 ? h + 360 : h;
+}
+
+/// Of CIEDE2000, for the mean of two colours.
+struct DifferenceWeights {
+    double S_L, S_C, S_H, R_T;
+    DifferenceWeights(double mean_L, double mean_C, double mean_h) {
+        const double T = 1 - 0.17 * std::cos((mean_h - 30) * degree) + 0.24 * std::cos(2 * mean_h * degree) +
+                         0.32 * std::cos((3 * mean_h + 6) * degree) - 0.20 * std::cos((4 * mean_h - 63) * degree);
+        const double from_275 = (mean_h - 275) / 25, from_50 = (mean_L - 50) * (mean_L - 50);
+        const double rotation = 30 * std::exp(-from_275 * from_275), mean_C7 = power_7(mean_C);
+        S_L = 1 + 0.015 * from_50 / std::sqrt(20 + from_50);
+        S_C = 1 + 0.045 * mean_C;
+        S_H = 1 + 0.015 * mean_C * T;
+        R_T = -std::sin(2 * rotation * degree) * 2 * std::sqrt(mean_C7 / (mean_C7 + pow_25_7));
+    }
+};
 
 }  // namespace
 
@@ -113,6 +147,14 @@ Vector3d lab_from_linear_srgb(const Vector3d& rgb) { return lab_from_xyz(xyz_fro
 
 Vector3d linear_srgb_from_lab(const Vector3d& lab) { return linear_srgb_from_xyz(xyz_from_lab(lab)); }
 
+Matrix3d lab_derivative(const Vector3d& rgb) {
+    const Vector3d t = xyz_from_linear_srgb(rgb).cwiseQuotient(d65_white());
+    Matrix3d of_curves;
+    of_curves << 0, 116, 0, 500, -500, 0, 0, 200, -200;
+    const Vector3d slope = t.unaryExpr(&lab_slope).cwiseQuotient(d65_white());
+    return of_curves * slope.asDiagonal() * xyz_from_linear_srgb_matrix();
+}
+
 Vector3d adapt_white(const Vector3d& xyz, const Vector3d& from, const Vector3d& to) {
     const Vector3d gain = (bradford() * to).cwiseQuotient(bradford() * from);
     return bradford().inverse() * gain.cwiseProduct(bradford() * xyz);
@@ -136,18 +178,11 @@ Matrix3d oklab_derivative(const Vector3d& rgb) {
 }
 
 double ciede2000(const Vector3d& lab_1, const Vector3d& lab_2) {
-    constexpr double degree = 3.14159265358979323846 / 180, opposite = 180 + 1e-9;
-    const double mean_c = 0.5 * (std::hypot(lab_1[1], lab_1[2]) + std::hypot(lab_2[1], lab_2[2]));
-    const double mean_c7 = power_7(mean_c), pow_25_7 = 6103515625.0;
-    const double G = 0.5 * (1 - std::sqrt(mean_c7 / (mean_c7 + pow_25_7)));
-    const double a1 = (1 + G) * lab_1[1], a2 = (1 + G) * lab_2[1];
+    constexpr double opposite = 180 + 1e-9;
+    const double stretch = stretch_of_a(0.5 * (std::hypot(lab_1[1], lab_1[2]) + std::hypot(lab_2[1], lab_2[2])));
+    const double a1 = stretch * lab_1[1], a2 = stretch * lab_2[1];
     const double c1 = std::hypot(a1, lab_1[2]), c2 = std::hypot(a2, lab_2[2]);
-    const auto hue = [&](double a, double b) {
-        if (a == 0 && b == 0) return 0.0;
-        const double h = std::atan2(b, a) / degree;
-        return h < 0 ? h + 360 : h;
-    };
-    const double h1 = hue(a1, lab_1[2]), h2 = hue(a2, lab_2[2]);
+    const double h1 = hue_of(a1, lab_1[2]), h2 = hue_of(a2, lab_2[2]);
 
     double dh = 0, mean_h = h1 + h2;  // a grey has no hue: the other's hue counts
     if (c1 * c2 > 0) {
@@ -160,16 +195,23 @@ double ciede2000(const Vector3d& lab_1, const Vector3d& lab_2) {
         }
     }
     const double dL = lab_2[0] - lab_1[0], dC = c2 - c1, dH = 2 * std::sqrt(c1 * c2) * std::sin(0.5 * dh * degree);
-    const double mean_L = 0.5 * (lab_1[0] + lab_2[0]), mean_C = 0.5 * (c1 + c2), mean_C7 = power_7(mean_C);
-    const double T = 1 - 0.17 * std::cos((mean_h - 30) * degree) + 0.24 * std::cos(2 * mean_h * degree) +
-                     0.32 * std::cos((3 * mean_h + 6) * degree) - 0.20 * std::cos((4 * mean_h - 63) * degree);
-    const double from_275 = (mean_h - 275) / 25, from_50 = (mean_L - 50) * (mean_L - 50);
-    const double rotation = 30 * std::exp(-from_275 * from_275);
-    const double S_L = 1 + 0.015 * from_50 / std::sqrt(20 + from_50), S_C = 1 + 0.045 * mean_C,
-                 S_H = 1 + 0.015 * mean_C * T;
-    const double R_T = -std::sin(2 * rotation * degree) * 2 * std::sqrt(mean_C7 / (mean_C7 + pow_25_7));
-    const double l = dL / S_L, c = dC / S_C, h = dH / S_H;
-    return std::sqrt(std::max(0.0, l * l + c * c + h * h + R_T * c * h));
+    const DifferenceWeights weights(0.5 * (lab_1[0] + lab_2[0]), 0.5 * (c1 + c2), mean_h);
+    const double l = dL / weights.S_L, c = dC / weights.S_C, h = dH / weights.S_H;
+    return std::sqrt(std::max(0.0, l * l + c * c + h * h + weights.R_T * c * h));
+}
+
+Matrix3d ciede2000_metric(const Vector3d& lab) {
+    const double stretch = stretch_of_a(std::hypot(lab[1], lab[2])), a = stretch * lab[1];
+    const double hue = hue_of(a, lab[2]), cosine = std::cos(hue * degree), sine = std::sin(hue * degree);
+    const DifferenceWeights weights(lab[0], std::hypot(a, lab[2]), hue);
+    const Eigen::RowVector3d c = Eigen::RowVector3d(0, cosine * stretch, sine) / weights.S_C,
+                             h = Eigen::RowVector3d(0, -sine * stretch, cosine) / weights.S_H;
+    Matrix3d W;
+    W.row(0) = Eigen::RowVector3d(1 / weights.S_L, 0, 0);
+    // c^2 + h^2 + R_T c h as a sum of squares.
+    W.row(1) = c + 0.5 * weights.R_T * h;
+    W.row(2) = std::sqrt(1 - 0.25 * weights.R_T * weights.R_T) * h;
+    return W;
 }
 
 DifferenceSummary summarize(std::span<const double> differences) {

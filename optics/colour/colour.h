@@ -34,6 +34,8 @@ namespace voxtone::optics {
 
 [[nodiscard]] Eigen::Vector3d lab_from_linear_srgb(const Eigen::Vector3d& rgb);
 [[nodiscard]] Eigen::Vector3d linear_srgb_from_lab(const Eigen::Vector3d& lab);
+/// d lab_i / d rgb_j.
+[[nodiscard]] Eigen::Matrix3d lab_derivative(const Eigen::Vector3d& rgb);
 
 /// XYZ under one white that looks like `xyz` under another (Bradford).
 [[nodiscard]] Eigen::Vector3d adapt_white(const Eigen::Vector3d& xyz, const Eigen::Vector3d& from,
@@ -48,6 +50,8 @@ namespace voxtone::optics {
 /// CIEDE2000 colour difference, k_L = k_C = k_H = 1. Symmetric. Hues within 1e-9 degrees of opposite count as exactly
 /// opposite, as they are in Sharma's pairs 10 and 14, where a rounding would otherwise choose the branch.
 [[nodiscard]] double ciede2000(const Eigen::Vector3d& lab_1, const Eigen::Vector3d& lab_2);
+/// W with ciede2000(lab, lab + d) = |W d| for small d.
+[[nodiscard]] Eigen::Matrix3d ciede2000_metric(const Eigen::Vector3d& lab);
 
 /// What is reported of a set of colour differences.
 struct DifferenceSummary {

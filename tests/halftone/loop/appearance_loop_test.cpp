@@ -125,14 +125,25 @@ TEST_CASE("Feedback moves a control colour by the residual, and relaxes the targ
     CHECK(relaxed[1].z() < relaxed[1].y() + 0.1f);
 }
 
+TEST_CASE("Feedback asks the other channels to follow one whose limit stops them all", "[loop]") {
+    const auto darker = [](const Eigen::Vector3f& rgb) -> Eigen::Vector3f { return rgb.cwiseMin(0.8f); };
+    const std::vector<Eigen::Vector3f> target{{0.9f, 0.9f, 0.9f}}, predicted{{0.5f, 0.7f, 0.8f}};
+    std::vector<Eigen::Vector3f> control{{0.8f, 0.8f, 0.8f}}, relaxed(1);
+    CHECK(feed_back(target, predicted, darker, {}, control, relaxed) == 1);
+    CHECK(relaxed[0].x() == Approx(0.5f));
+    CHECK(control[0].x() == Approx(0.8f));
+    // Grey rather than blue, though no channel can get lighter.
+    CHECK(control[0].y() < 0.8f);
+    CHECK(control[0].z() < control[0].y());
+}
+
 TEST_CASE("The nearest colour keeps the channels that are saturated and is a minimum in the others", "[loop]") {
     const Eigen::Vector3f target(0.9f, 0.85f, 0.8f), from(0.5f, 0.1f, 0.1f);
     const Eigen::Vector3f v = nearest_colour(target, from, {true, false, false});
     CHECK(v.x() == 0.5f);
+    const Eigen::Vector3d lab = optics::lab_from_linear_srgb(target.cast<double>());
     const auto cost = [&](const Eigen::Vector3f& rgb) {
-        const Eigen::Vector3d d =
-            optics::oklab_from_linear_srgb(rgb.cast<double>()) - optics::oklab_from_linear_srgb(target.cast<double>());
-        return std::hypot(d.x(), 2 * d.y(), 2 * d.z());
+        return (optics::ciede2000_metric(lab) * (optics::lab_from_linear_srgb(rgb.cast<double>()) - lab)).norm();
     };
     for (int c = 1; c < 3; ++c)
         for (const float step : {-0.02f, 0.02f}) {

@@ -68,6 +68,28 @@ TEST_CASE("Colours survive the way to Lab, XYZ and Oklab and back") {
     CHECK(difference(oklab_from_linear_srgb(linear_srgb_from_xyz({0, 1, 0})), {0.922, -0.671, 0.263}) < 1e-3);
 }
 
+TEST_CASE("Lab has the slope that differences show, and CIEDE2000 the metric") {
+    RandomStream random(7, 8);
+    constexpr double h = 1e-6;
+    for (int trial = 0; trial < 500; ++trial) {
+        const Vector3d rgb(random.uniform(), random.uniform(), random.uniform());
+        const Eigen::Matrix3d slope = lab_derivative(rgb);
+        for (int c = 0; c < 3; ++c) {
+            Vector3d more = rgb, less = rgb;
+            more[c] += h * rgb[c];
+            less[c] -= h * rgb[c];
+            const Vector3d by_difference = (lab_from_linear_srgb(more) - lab_from_linear_srgb(less)) / (2 * h * rgb[c]);
+            CHECK(difference(slope.col(c), by_difference) < 1e-4 * (1 + slope.col(c).norm()));
+        }
+        const Vector3d lab = lab_from_linear_srgb(rgb);
+        const Vector3d d = 0.01 * Vector3d(random.uniform() - 0.5, random.uniform() - 0.5, random.uniform() - 0.5);
+        CHECK((ciede2000_metric(lab) * d).norm() == Approx(ciede2000(lab - 0.5 * d, lab + 0.5 * d)).epsilon(1e-3));
+    }
+    // Below the cube root's end.
+    CHECK(difference(lab_derivative({1e-4, 1e-4, 1e-4}) * Vector3d(1e-4, 1e-4, 1e-4),
+                     lab_from_linear_srgb({1e-4, 1e-4, 1e-4})) < 1e-9);
+}
+
 TEST_CASE("The ColorChecker goes from Lab D50 to sRGB") {
     for (const auto& patch : reference("colorchecker24.json").at("patches")) {
         for (const std::string when : {"before", "after"}) {
