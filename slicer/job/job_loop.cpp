@@ -28,7 +28,7 @@ optics::ResinVolume shape_of(const PrintParts& parts, const LoadedResins& resins
 /// A loop by feedback alone needs no gradient of what lies deep: cells as far down as light is not diffuse, nodes
 /// below. Of 0.8 and 0.4 the bundled cow of 40 mm comes to the same error (docs/benchmarks.md, "Deep colour in nodes").
 /// Not on a sheet, above which thin slabs would look worse (there).
-constexpr double cells_of_feedback_mm = 0.4;
+constexpr double cells_of_feedback_mm = 0.15;
 
 bool wants_deep_colour_in_nodes(const LoopPlan& plan, const optics::Scene& scene) {
     return !plan.descent && scene.backing == optics::Backing::none;
