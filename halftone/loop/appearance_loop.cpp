@@ -159,9 +159,9 @@ std::size_t steps_by(LoopMethod method, const std::vector<LoopStep>& steps) {
         std::count_if(steps.begin(), steps.end(), [&](const LoopStep& s) { return s.method == method; }));
 }
 
-/// Steps of feedback have arrived where the next one should hardly move the error any more: it gains as much of the last
-/// one's gain as that one did of the gain before. Spot has, as seen, at 30 mm 4.92, 3.01, 2.57, 2.41, then 2.35 (2.5 %,
-/// by a sixth of the loop's time); at 60 mm 2.58, 2.12, 1.75, 1.44, 1.35, then 1.34.
+/// Steps of feedback have arrived where the next one should hardly move the error any more: it gains as much of the
+/// last one's gain as that one did of the gain before. Spot has, as seen, at 30 mm 4.92, 3.01, 2.57, 2.41, then 2.35
+/// (2.5 %, by a sixth of the loop's time); at 60 mm 2.58, 2.12, 1.75, 1.44, 1.35, then 1.34.
 bool feedback_has_settled(const std::vector<LoopStep>& steps) {
     if (steps.back().method != LoopMethod::feedback || steps_by(LoopMethod::feedback, steps) < 2) return false;
     const auto mean = [&](std::size_t before) { return steps[steps.size() - 1 - before].seen.mean; };
@@ -243,7 +243,7 @@ private:
     void begin_descent_from_best_control(bool last_was_best);
     void print_and_predict(const SkinMixtures& mixtures, LoopMethod method);
     void predict(optics::ResinVolume volume, LoopMethod method);
-    void keep_if_best(const std::function<SkinMixtures()>& mixtures);
+    void keep_if_best(const SkinMixtures& mixtures);
     void correct_control();
     [[nodiscard]] bool move_downhill();
     [[nodiscard]] bool by_last_method() const;
@@ -368,12 +368,11 @@ void LoopRun::iterate() {
 /// Prints the control colours, and decides what comes next: another correction, the target itself, or the descent.
 void LoopRun::feedback_step() {
     const double least = least_mean(state_.steps), least_by_feedback = least_mean(state_.steps, LoopMethod::feedback);
-    // Mixtures take as much memory as light: they are made again rather than held while the print is looked at.
-    const auto mixtures = [&] { return mixtures_of(recipes_, state_.control); };
+    // Mixtures take as much memory as light: they are made again of the control colours rather than held.
     print_ = {};
-    optics::ResinVolume print = task_.realise(mixtures());
+    optics::ResinVolume print = task_.realise(mixtures_of(recipes_, state_.control));
     predict(std::move(print), LoopMethod::feedback);
-    keep_if_best(mixtures);
+    keep_if_best({});
     const bool best_by_feedback = last_mean() < least_by_feedback;
     if (best_by_feedback) state_.start_control = state_.control;
     if (has_gradient() && iterations_made() < most_) {
@@ -405,7 +404,7 @@ void LoopRun::descent_step() {
     follow(state_.recent, mixtures);
     if (iterations_made() + 1 == most_) mixtures = state_.recent;
     print_and_predict(mixtures, LoopMethod::descent);
-    keep_if_best([&] { return mixtures; });
+    keep_if_best(mixtures);
     state_.has_gradient = move_downhill();
     if (!state_.has_gradient) state_.descent = {};
 }
@@ -436,11 +435,10 @@ void LoopRun::predict(optics::ResinVolume volume, LoopMethod method) {
     expect_steps(progress_, ++predictions_ + predictions_left());
 }
 
-void LoopRun::keep_if_best(const std::function<SkinMixtures()>& mixtures) {
+void LoopRun::keep_if_best(const SkinMixtures& mixtures) {
     if (!(last_mean() < state_.steps[state_.best].seen.mean)) return;
     state_.best = state_.steps.size() - 1;
-    state_.best_mixtures = {};
-    state_.best_mixtures = mixtures();
+    state_.best_mixtures = mixtures;
     state_.shown = rgb_;
     best_remarks_ = remarks_;
 }
@@ -499,7 +497,16 @@ LoopResult LoopRun::finish() {
     for (const std::string& remark : best_remarks_) progress_.warn(remark);
     LoopResult result{std::move(state_),       std::move(in_gamut_), cancelled_,
                       std::move(why_stopped_), std::nullopt,         std::move(best_remarks_)};
-    if (result.state.best > 0) result.best = result.state.best_mixtures;
+    const LoopState& state = result.state;
+    switch (state.steps[state.best].method) {
+        case LoopMethod::open_loop:
+            break;
+        case LoopMethod::feedback:  // the best of all is the best by feedback too
+            result.best = mixtures_of(recipes_, state.start_control);
+            break;
+        case LoopMethod::descent:
+            result.best = state.best_mixtures;
+    }
     return result;
 }
 

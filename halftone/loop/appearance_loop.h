@@ -104,7 +104,7 @@ struct LoopState {
     std::vector<Eigen::Vector3f> start_control;  ///< of the best iterate by feedback: where descent starts
     DescentState descent;                        ///< without cells until it begins
     SkinMixtures recent;         ///< running mean of what it printed, the last step for a half; without cells before
-    SkinMixtures best_mixtures;  ///< without cells: the open loop
+    SkinMixtures best_mixtures;  ///< of a best iterate by descent; by feedback they are those of start_control
     std::vector<Eigen::Vector3f> open, shown;  ///< predicted colours of the open loop and of the best iterate
     double saturated_share = 0;                ///< LoopStep::saturated_share of the next iterate
     bool has_gradient = true;                  ///< false once the model said that it has none

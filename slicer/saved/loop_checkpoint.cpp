@@ -20,7 +20,7 @@ namespace {
 
 // The file: magic, digest of the job as it was opened, digest of the job with its target, state, what the sequence
 // keeps, digest of all before. Native byte order: it is read where it was written.
-constexpr std::string_view magic = "voxtone-loop 12\n", any_magic = "voxtone-loop ";  // of any version
+constexpr std::string_view magic = "voxtone-loop 13\n", any_magic = "voxtone-loop ";  // of any version
 constexpr std::size_t digest_size = sizeof(std::uint64_t);
 constexpr std::size_t head_size = magic.size() + 2 * digest_size;
 
@@ -250,11 +250,21 @@ std::optional<halftone::ResumedLoop> LoopCheckpoint::read(Progress& progress) co
                (d.shared.empty() || d.shared.size() == d.momentum.size()) && d.scale.size() == cells &&
                d.rate.size() == cells * parts && d.divisor.size() == stepped && d.fall.size() == stepped * parts;
     };
+    const auto best_is_there = [&] {
+        switch (state.steps[state.best].method) {
+            case halftone::LoopMethod::open_loop:
+                break;
+            case halftone::LoopMethod::feedback:
+                return state.start_control.size() == cells_;
+            case halftone::LoopMethod::descent:
+                return state.best_mixtures.cells() == cells_;
+        }
+        return state.best == 0;
+    };
     if (!file.good || state.steps.empty() || state.best >= state.steps.size() || !fits(state.control, false) ||
         !fits(state.start_control, true) || !descent_fits(state.descent) ||
         (state.descent.mixtures.cells() != 0 && state.descent.mixtures.cells() != cells_) ||
-        (state.recent.cells() != 0 && state.recent.cells() != cells_) ||
-        (state.best > 0 && state.best_mixtures.cells() != cells_) || !fits(state.open, false) ||
+        (state.recent.cells() != 0 && state.recent.cells() != cells_) || !best_is_there() || !fits(state.open, false) ||
         !fits(state.shown, false))
         throw broken_file(file_);
     const auto rest = std::as_bytes(file.bytes);

@@ -19,6 +19,7 @@ namespace {
 halftone::LoopState some_state(std::size_t cells) {
     halftone::LoopState state;
     state.steps.resize(3);
+    state.steps[1].method = halftone::LoopMethod::descent;
     state.steps[1].seen.mean = 1.25;
     state.white.assign(3 * cells, 0.875f);
     state.best = 1;
@@ -167,7 +168,7 @@ TEST_CASE("Whose state it is can be told before the model is read", "[loop]") {
     CHECK_THROWS_AS(LoopCheckpoint(folder.path(), another_job, a_job, target).read(quiet), InputError);
     write("voxtone-loop 8\nwhatever that version had there");
     CHECK_THROWS_WITH(LoopCheckpoint::expect_same_job(folder.path(), opened_job), Catch::Contains("another version"));
-    write("voxtone-loop 12\n1234567");
+    write("voxtone-loop 13\n1234567");
     CHECK_THROWS_AS(LoopCheckpoint::expect_same_job(folder.path(), opened_job), FileError);
     write("");
     CHECK_THROWS_AS(LoopCheckpoint::expect_same_job(folder.path(), opened_job), FileError);
