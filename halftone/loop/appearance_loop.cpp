@@ -163,7 +163,7 @@ std::size_t steps_by(LoopMethod method, const std::vector<LoopStep>& steps) {
 /// last one's gain as that one did of the gain before. Spot has, as seen, at 30 mm 4.92, 3.01, 2.57, 2.41, then 2.35
 /// (2.5 %, by a sixth of the loop's time); at 60 mm 2.58, 2.12, 1.75, 1.44, 1.35, then 1.34.
 bool feedback_has_settled(const std::vector<LoopStep>& steps) {
-    if (steps.back().method != LoopMethod::feedback || steps_by(LoopMethod::feedback, steps) < 2) return false;
+    if (steps.back().method != LoopMethod::feedback || steps_by(LoopMethod::feedback, steps) < 3) return false;
     const auto mean = [&](std::size_t before) { return steps[steps.size() - 1 - before].seen.mean; };
     const double gain = std::abs(mean(1) - mean(0)), before = std::abs(mean(2) - mean(1));
     const double next = gain < before ? gain * gain / before : gain;

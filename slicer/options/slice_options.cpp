@@ -195,8 +195,7 @@ std::vector<OptionSpec> make_table() {
                   "feedback: each place corrects itself; descent: feedback, then along the gradient of the whole "
                   "print, which is sharper and takes "
                   "two to three times the time and 1.5 times the memory; auto: descent up to 15 cm2 of coloured "
-                  "surface, feedback "
-                  "beyond",
+                  "surface (of bodies 5, but with --intent contrast), feedback beyond",
                   names_of<LoopMethod>()),
              &O::loop_method),
         of_the_run(flag(spec("resume", Kind::flag, "", loop,

@@ -40,11 +40,13 @@ LoopPlan plan_loop(const ResolvedJob& job, const JobBody& body, const LoadedResi
         return none(
             "The model is white all over and the print all of white resin: there is nothing to rearrange and nothing "
             "to predict.");
-    const double area_mm2 = coloured_area_mm2(*body.surface);
+    const double area_mm2 = coloured_area_mm2(*body.surface),
+                 most_cm2 = body.is_picture || options.intent == halftone::Intent::contrast ? descent_cm2
+                                                                                            : descent_of_body_cm2;
     LoopPlan plan{.wanted = true,
                   .iterations = options.iterations.value_or(-1),
                   .descent = options.method == LoopMethod::descent ||
-                             (options.method == LoopMethod::automatic && area_mm2 <= 100 * descent_cm2),
+                             (options.method == LoopMethod::automatic && area_mm2 <= 100 * most_cm2),
                   .why_not = ""};
     const double bytes = least_bytes(area_mm2, job.prediction.cell_mm), allowed = double(job.prediction.memory_bytes);
     if (!options.iterations && !job.resume && allowed > 0 && bytes > allowed)
