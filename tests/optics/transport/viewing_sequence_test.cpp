@@ -305,6 +305,29 @@ TEST_CASE("Cells of the eye: a flat surface looks alike wherever it cuts the cel
     }
 }
 
+TEST_CASE("Deep colour in nodes: margins suffice wherever a flat surface cuts the cells") {
+    const ResinSet set = vero_opaque();
+    for (const int resin : {1, 2, 3, 4, 5})
+        for (int empty = 0; empty < 12; ++empty) {  // of the layers of a block
+            const int n = 120;
+            const ResinVolume volume =
+                make_resin_volume({8, 4, n + empty}, j750, [&](int, int, int z) { return z < n ? resin : 0; });
+            const Scene scene{&volume, &set, Backing::black, Sides::mirrored};
+            const Surface surface = find_surface(scene, viewing_cell, SurfacePart::top);
+            TransportOptions options = on_viewing_cells(10);
+            options.colour_mm = 0.15;
+            options.deep_colour_in_nodes = true;
+            const Appearance cells = TransportPredictor(options).predict(scene, surface);
+            const SlabLayer layer{static_cast<Material>(resin), n};
+            for (std::size_t i = 0; i < cells.value.size(); ++i) {
+                const double exact = exact_appearance(set, {&layer, 1}, Backing::black, i % 3),
+                             error = double(cells.value[i]) - exact;
+                INFO("resin " << resin << ", layers of air " << empty << ", channel " << i % 3 << ": error " << error);
+                CHECK(std::abs(error) < 0.002);
+            }
+        }
+}
+
 TEST_CASE("Cells of the eye: a sphere of one colour looks as it does to cells of half their size") {
     ResinSet set = vero_opaque();
     Resin mixture;
