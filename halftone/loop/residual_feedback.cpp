@@ -26,7 +26,6 @@ Eigen::Vector3f cube(const Eigen::Vector3f& v) { return v.array().cube().matrix(
 struct Step {
     Eigen::Vector3f control, missed;
     std::array<bool, 3> saturated{};
-    [[nodiscard]] bool any() const { return saturated[0] || saturated[1] || saturated[2]; }
 };
 
 Step step(const Eigen::Vector3f& control, const Eigen::Vector3f& residual,

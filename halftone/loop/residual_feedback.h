@@ -53,7 +53,7 @@ struct FeedbackOptions {
 
 /// Moves `control` (linear sRGB per cell, in gamut). `into_gamut` maps any colour in [0, 1]^3 to one that can be shown.
 /// `relaxed`: what the cell is asked for now (the target where nothing is saturated). Returns how many cells are
-/// saturated.
+/// asked for another colour than their target.
 std::size_t feed_back(std::span<const Eigen::Vector3f> target, std::span<const Eigen::Vector3f> predicted,
                       const std::function<Eigen::Vector3f(const Eigen::Vector3f&)>& into_gamut,
                       const FeedbackOptions& options, std::span<Eigen::Vector3f> control,
