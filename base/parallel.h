@@ -15,6 +15,7 @@
 #include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/parallel_for_each.h>
+#include <oneapi/tbb/parallel_sort.h>
 
 #include "voxtone/base/progress.h"
 
@@ -60,6 +61,12 @@ void parallel_for(std::size_t begin, std::size_t end, std::size_t grain, Body&& 
             for (std::size_t i = first; i < last; ++i) body(i);
         },
         progress);
+}
+
+/// Sorts with `<`, which must order all values: then the result is the same for any number of threads.
+template <class Value>
+void parallel_sort(std::span<Value> values) {
+    tbb::parallel_sort(values.begin(), values.end());
 }
 
 /// Tasks of which some wait for others: calls body(i) for every i below `followers.size()`, once all tasks that have i

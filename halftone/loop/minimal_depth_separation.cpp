@@ -15,6 +15,9 @@ namespace {
 
 constexpr std::size_t nodes = 33;
 
+/// CIEDE2000 from where on a colour is moved towards what can be shown; all the way from twice as much.
+constexpr double moved_from = 1;
+
 float share_within(double excess, double tolerance) {
     return static_cast<float>(std::clamp((3 * tolerance - excess) / (2 * tolerance), 0.0, 1.0));
 }
@@ -33,6 +36,7 @@ MinimalDepthSeparation::MinimalDepthSeparation(const optics::ResinSet& resins, c
         skins_.push_back(std::make_unique<const Skin>(resins, skin, options, progress));
     }
     weight_.resize(nodes * nodes * nodes * skins_.size());
+    std::vector<char> in_gamut(nodes * nodes * nodes);
     parallel_for(
         0, nodes * nodes, 8,
         [&](std::size_t row) {
@@ -44,6 +48,7 @@ MinimalDepthSeparation::MinimalDepthSeparation(const optics::ResinSet& resins, c
             for (std::size_t red = 0; red < nodes; ++red) {
                 const Eigen::Vector3f rgb(coordinate(red), coordinate(row % nodes), coordinate(row / nodes));
                 const double least = deepest().gamut_distance(rgb);
+                in_gamut[row * nodes + red] = least < 0.5 * moved_from;
                 float left = 1, *const weight = weight_.data() + (row * nodes + red) * skins_.size();
                 for (std::size_t s = 0; s + 1 < skins_.size(); ++s) {
                     weight[s] = left * share_within(skins_[s]->separation.gamut_distance(rgb) - least, tolerance);
@@ -53,6 +58,25 @@ MinimalDepthSeparation::MinimalDepthSeparation(const optics::ResinSet& resins, c
             }
         },
         progress);
+    well_in_gamut_.assign(in_gamut.size(), 0);
+    for (std::size_t z = 0; z + 1 < nodes; ++z)
+        for (std::size_t y = 0; y + 1 < nodes; ++y)
+            for (std::size_t x = 0; x + 1 < nodes; ++x) {
+                bool all = true;
+                for (std::size_t corner = 0; corner < 8; ++corner)
+                    all = all &&
+                          in_gamut[((z + (corner >> 2)) * nodes + y + (corner >> 1 & 1)) * nodes + x + (corner & 1)];
+                well_in_gamut_[(z * nodes + y) * nodes + x] = all;
+            }
+}
+
+bool MinimalDepthSeparation::well_in_gamut(const Eigen::Vector3f& rgb) const {
+    std::size_t at = 0;
+    for (int c = 2; c >= 0; --c) {
+        const float place = std::cbrt(std::clamp(rgb[c], 0.0f, 1.0f)) * static_cast<float>(nodes - 1);
+        at = at * nodes + std::min(static_cast<std::size_t>(place), nodes - 2);
+    }
+    return well_in_gamut_[at] != 0;
 }
 
 const float* MinimalDepthSeparation::weights(const Eigen::Vector3f& rgb) const {
@@ -86,8 +110,9 @@ void MinimalDepthSeparation::separate(const Eigen::Vector3f& rgb, std::span<floa
 }
 
 Eigen::Vector3f MinimalDepthSeparation::into_gamut(const Eigen::Vector3f& rgb) const {
+    if (well_in_gamut(rgb)) return rgb;
     const double distance = deepest().gamut_distance(rgb);
-    const auto moved = static_cast<float>(std::clamp(distance - 1, 0.0, 1.0));
+    const auto moved = static_cast<float>(std::clamp(distance - moved_from, 0.0, 1.0));
     if (moved <= 0) return rgb;
     return rgb + moved * (deepest().predicted(rgb).cast<float>() - rgb);
 }

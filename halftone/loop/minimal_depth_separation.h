@@ -54,10 +54,14 @@ private:
     /// Share of each skin, at the nodes of a lattice even in the cube root of each channel, red fastest.
     [[nodiscard]] const float* weights(const Eigen::Vector3f& rgb) const;
 
+    /// All of the lattice's nodes around are in gamut.
+    [[nodiscard]] bool well_in_gamut(const Eigen::Vector3f& rgb) const;
+
     SkinLayers layers_;
     std::size_t resins_, core_;
     std::vector<std::unique_ptr<const Skin>> skins_;
-    std::vector<float> weight_;  ///< [node * skins + skin]
+    std::vector<float> weight_;        ///< [node * skins + skin]
+    std::vector<char> well_in_gamut_;  ///< of the lattice's cubes, by their lowest node: their nodes are within 0.5
 };
 
 }  // namespace voxtone::halftone

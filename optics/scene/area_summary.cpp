@@ -1,37 +1,52 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxtone/optics/scene/area_summary.h"
 
-#include <algorithm>
 #include <cstdint>
-#include <utility>
+#include <span>
 #include <vector>
 
 #include "voxtone/base/contracts.h"
+#include "voxtone/base/parallel.h"
 
 namespace voxtone::optics {
+
+namespace {
+
+/// Side by side: neither sorting nor summing jumps about.
+struct Piece {
+    double difference;
+    std::uint32_t cell;
+    float area;  ///< mm^2
+    bool operator<(const Piece& other) const {
+        return difference != other.difference ? difference < other.difference : cell < other.cell;
+    }
+};
+
+}  // namespace
 
 DifferenceSummary summarize_by_area(const Surface& cells, std::span<const double> differences,
                                     std::span<const char> counts) {
     VOXTONE_EXPECT(cells.cells.size() == differences.size() && (counts.empty() || counts.size() == differences.size()));
-    std::vector<std::pair<double, std::uint32_t>> order;  // side by side: sorting does not jump about
+    std::vector<Piece> order;
     order.reserve(differences.size());
     for (std::size_t i = 0; i < differences.size(); ++i)
-        if (counts.empty() || counts[i]) order.emplace_back(differences[i], static_cast<std::uint32_t>(i));
+        if (counts.empty() || counts[i])
+            order.push_back({differences[i], static_cast<std::uint32_t>(i), cells.cells[i].area_mm2});
     DifferenceSummary summary;
     summary.count = order.size();
     if (order.empty()) return summary;
-    std::sort(order.begin(), order.end());
+    parallel_sort(std::span(order));
     double area = 0, sum = 0;
-    for (const auto& [difference, i] : order) {
-        area += cells.cells[i].area_mm2;
-        sum += cells.cells[i].area_mm2 * difference;
+    for (const Piece& piece : order) {
+        area += piece.area;
+        sum += piece.area * piece.difference;
     }
     summary.mean = sum / area;
-    summary.max = order.back().first;
+    summary.max = order.back().difference;
     const auto percentile = [&](double share) {
         double up_to = 0;
-        for (const auto& [difference, i] : order)
-            if ((up_to += cells.cells[i].area_mm2) >= share * area) return difference;
+        for (const Piece& piece : order)
+            if ((up_to += piece.area) >= share * area) return piece.difference;
         return summary.max;
     };
     summary.median = percentile(0.5);

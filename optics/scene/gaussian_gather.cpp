@@ -129,12 +129,12 @@ GaussianGather::GaussianGather(std::span<const SurfacePoint> from, std::span<con
       slack_(static_cast<float>(slack_mm)) {
     VOXTONE_EXPECT(spread_mm > 0);
     VOXTONE_EXPECT(same_ ? from.data() == to.data() && from.size() == to.size() : fallback.size() == to.size());
-    const float reach = reach_spreads * spread_, edge = 0.7F * reach;
+    const float reach = reach_spreads * spread_, edge = reach;
     BinnedPoints near = sort_into_bins(from.size(), [&](std::size_t i) { return bin_of(from[i].at, edge); });
     BinnedPoints others;
     if (!same_) others = sort_into_bins(to.size(), [&](std::size_t i) { return bin_of(to[i].at, edge); });
     BinnedPoints& groups = same_ ? near : others;
-    constexpr std::int64_t around = 2;  // bins: 1 / 0.7, rounded up
+    constexpr std::int64_t around = 1;
     ranges_begin_.push_back(0);
     for (std::size_t k = 0; k < groups.bins.size(); ++k) {
         const BoxPlace g = place_of(to[groups.order[groups.begin[k]]].at, edge);

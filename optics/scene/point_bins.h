@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -49,7 +50,7 @@ template <class BinOf>
 BinnedPoints sort_into_bins(std::size_t count, BinOf&& bin_of_point) {
     std::vector<std::pair<Bin, std::uint32_t>> sorted(count);
     parallel_for(0, count, 4096, [&](std::size_t i) { sorted[i] = {bin_of_point(i), static_cast<std::uint32_t>(i)}; });
-    std::sort(sorted.begin(), sorted.end());
+    parallel_sort(std::span(sorted));
     BinnedPoints s;
     s.order.resize(count);
     for (std::size_t i = 0; i < count; ++i) {

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "voxtone/base/contracts.h"
+#include "voxtone/base/parallel.h"
 #include "voxtone/optics/transport/lattice.h"
 
 namespace voxtone::optics {
@@ -43,6 +44,10 @@ Centres group_nodes(const Centres& centre, int group, MultigridPlan::Level& fine
     struct Key {
         Place at;  // of the group
         Index node;
+        bool operator<(const Key& other) const {
+            return std::array{at[2], at[1], at[0]} < std::array{other.at[2], other.at[1], other.at[0]} ||
+                   (at == other.at && node < other.node);
+        }
     };
     const std::size_t n = centre.size();
     std::vector<Key> keys(n);
@@ -50,9 +55,7 @@ Centres group_nodes(const Centres& centre, int group, MultigridPlan::Level& fine
         for (std::size_t a = 0; a < 3; ++a) keys[i].at[a] = static_cast<std::int32_t>(centre[i][a]) / group;
         keys[i].node = static_cast<Index>(i);
     }
-    std::stable_sort(keys.begin(), keys.end(), [](const Key& p, const Key& q) {
-        return std::array{p.at[2], p.at[1], p.at[0]} < std::array{q.at[2], q.at[1], q.at[0]};
-    });
+    parallel_sort(std::span(keys));
     fine.parent.resize(n);
     Centres coarse;
     std::vector<float> children;
@@ -81,7 +84,7 @@ std::vector<Link> links_between_parents(const MultigridPlan::Level& fine) {
             const Index p = fine.parent[i], q = fine.parent[fine.column[e]];
             if (p < q) links.push_back({{p, q}, e});
         }
-    std::sort(links.begin(), links.end());
+    parallel_sort(std::span(links));
     return links;
 }
 

@@ -48,8 +48,9 @@ std::unique_ptr<const optics::AppearanceModel> loop_model(const ResolvedJob& job
     return make_model(job.loop.model, quality);
 }
 
-/// Keeps the state of the loop while the next print is made: after each iteration, or, where writing takes more than a
-/// second, as often as a tenth of the loop's time allows. A state that cannot be written is no reason to stop.
+/// Keeps the state of the loop while the next print is made: after each iteration, or, where writing takes longer than
+/// anybody would notice, as often as a twentieth of the loop's time allows. A state that cannot be written is no reason
+/// to stop.
 class CheckpointKeeper {
 public:
     CheckpointKeeper(const LoopCheckpoint& checkpoint, Progress& progress)
@@ -62,7 +63,7 @@ public:
     /// Both stay as they are until `finish` comes back.
     void keep(const halftone::LoopState& state, const optics::AppearanceSequence& sequence) {
         finish();
-        if (write_s_ > 1 && since_write_.total() < share_of_writing * write_s_) return;
+        if (write_s_ > unnoticed_s && since_write_.total() < share_of_writing * write_s_) return;
         since_write_ = {};
         writing_ = std::async(std::launch::async, [this, &state, &sequence] {
             checkpoint_.write(state, sequence);
@@ -83,7 +84,7 @@ public:
     }
 
 private:
-    static constexpr double share_of_writing = 10;
+    static constexpr double share_of_writing = 20, unnoticed_s = 0.05;
     void tell_how_to_go_on() const {
         set_stop_advice(
             fmt::format("the appearance loop is saved in {}: the same command with --resume goes on, with --resume "

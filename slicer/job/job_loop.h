@@ -83,9 +83,9 @@ struct JobLoop {
 /// Whether there is anything that a loop could choose, whatever memory it takes. Empty: yes; else why not, a sentence.
 [[nodiscard]] std::string nothing_to_rearrange(const JobBody& body, const LoadedResins& resins);
 
-/// Goes on after `before` where there is one. Writes the checkpoint after each iteration, or where that takes more than
-/// a second as often as a tenth of the time allows; where it cannot be written the loop goes on, with a warning; says
-/// how to go on to who stops it (set_stop_advice). Throws ResourceError, Cancelled.
+/// Goes on after `before` where there is one. Writes the checkpoint after each iteration, or where that takes longer
+/// than anybody would notice as often as a twentieth of the time allows; where it cannot be written the loop goes on,
+/// with a warning; says how to go on to who stops it (set_stop_advice). Throws ResourceError, Cancelled.
 [[nodiscard]] JobLoop run_job_loop(const LoopProblem& problem, const LoopPlan& plan, const LoopCheckpoint& checkpoint,
                                    std::optional<halftone::ResumedLoop> before, Progress& progress);
 
