@@ -60,7 +60,7 @@ struct LoopOptions {
     bool descent = true;  ///< after feedback, where the model has a gradient
 };
 
-inline constexpr int most_iterations = 12;     ///< of a loop that has no limit
+inline constexpr int most_iterations = 10;     ///< of a loop that has no limit
 inline constexpr int feedback_iterations = 3;  ///< before the descent
 
 struct LoopTask {

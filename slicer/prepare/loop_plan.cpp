@@ -68,7 +68,7 @@ LoopCost expected_cost(const LoopPlan& plan, double area_mm2, double cell_mm, st
     constexpr double first_s = 6e-5, feedback_s = 2.5e-5, descent_s = 6.1e-5;  // a surface cell
     constexpr double feedback_bytes = 2900, descent_bytes = 4500;              // a surface cell, where not limited
     constexpr double when_short = 2.5;                                         // 1.4 in pieces, 3 without what is kept
-    constexpr int usual_by_feedback = 4, usual_by_descent = 12;
+    constexpr int usual_by_feedback = 4, usual_by_descent = halftone::most_iterations;
     const double cells = area_mm2 / (cell_mm * cell_mm);
     LoopCost cost;
     cost.iterations = plan.iterations >= 0 ? plan.iterations : plan.descent ? usual_by_descent : usual_by_feedback;
