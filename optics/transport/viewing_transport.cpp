@@ -311,7 +311,6 @@ void ViewingTransport::store(ViewingField& field, TransportSummary& summary) con
 // J of a cell is half of what flows through the faces on either side, from x_ and, at the start, the light that comes
 // in. Adds phi and J, spread linearly over the cell, to the moments of cells and to what leaves through faces.
 void ViewingTransport::enter(bool start) {
-    const auto& set = grid_.directions;
     std::array<float, 3> area{};
     for (std::size_t a = 0; a < 3; ++a) area[a] = volume_ / edge_[a];
     parallel_for(0, grid_.transport_blocks.size(), blocks_per_task, [&](std::size_t t) {
@@ -339,43 +338,49 @@ void ViewingTransport::enter(bool start) {
             m.z += J[2][place];
         }
         if (grid_.fine.any() && grid_.fine.first[t] != not_fine) enter_parts(t, J);
-        for (std::size_t f = block.first_face; f < block.first_face + block.faces; ++f) {
-            const OuterFace& face = grid_.faces[f];
-            if (face.kind == FaceKind::core) continue;
-            const auto facing = static_cast<std::size_t>(face.facing), axis = facing / 2;
-            const bool plus = facing % 2 == 1;
-            const std::size_t tangent[2] = {axis == 0 ? 1u : 0u, axis == 2 ? 1u : 2u};
-            const FaceLaw& law = grid_.law_of(f);
-            const Octet& w = flux_weight_[axis];
-            const std::size_t at = face.cell - first;
-            const std::array<float, 3> j{J[0][at], J[1][at], J[2][at]};
-            const float phi =
-                x_[face.cell] - (plus ? 0.5f : -0.5f) * edge_[axis] * j[axis] / D_[grid_.medium[face.cell]];
-            const float Jn = 3 * (plus ? j[axis] : -j[axis]), Ju = 3 * j[tangent[0]], Jv = 3 * j[tangent[1]];
-            float leaving = 0, before = 0;
-            for (std::size_t slot = 0; slot < 4; ++slot) {
-                Octet& out = out_[4 * std::size_t{grid_.place_of_face[f]} + slot];
-                const float u = slot & 1 ? -Ju : Ju, v = slot & 2 ? -Jv : Jv;
-                Octet was, is;  // of the flux; the sums keep their order
-                for (std::size_t d = 0; d < 8; d += 4) {
-                    const Four weight = four(&w.v[d]) * four(&law.through[slot].v[d]);
-                    put(weight * four(&out.v[d]), &was.v[d]);
-                    put(four(&out.v[d]) +
-                            (phi + four(&set.cosine[axis].v[d]) * Jn + four(&set.cosine[tangent[0]].v[d]) * u +
-                             four(&set.cosine[tangent[1]].v[d]) * v),
-                        &out.v[d]);
-                    put(weight * four(&out.v[d]), &is.v[d]);
-                }
-                for (std::size_t d = 0; d < 8; ++d) {
-                    before += was.v[d];
-                    leaving += is.v[d];
-                }
-            }
-            flux_[f] = leaving * face.area_mm2;
-            flux_change_[f] = (leaving - before) * face.area_mm2;
-        }
+        enter_faces(t, J);
     });
     for (std::size_t i = 0; i < core_phi_.size(); ++i) core_phi_[i] += core_x_[i];
+}
+
+/// The correction in what leaves through the faces of a block, and in their fluxes.
+void ViewingTransport::enter_faces(std::size_t t, const ViewingDiffusion::Flows& J) {
+    const auto& set = grid_.directions;
+    const GridBlock& block = grid_.transport_block(t);
+    const std::size_t first = 64 * t;
+    for (std::size_t f = block.first_face; f < block.first_face + block.faces; ++f) {
+        const OuterFace& face = grid_.faces[f];
+        if (face.kind == FaceKind::core) continue;
+        const auto facing = static_cast<std::size_t>(face.facing), axis = facing / 2;
+        const bool plus = facing % 2 == 1;
+        const std::size_t tangent[2] = {axis == 0 ? 1u : 0u, axis == 2 ? 1u : 2u};
+        const FaceLaw& law = grid_.law_of(f);
+        const Octet& w = flux_weight_[axis];
+        const std::size_t at = face.cell - first;
+        const std::array<float, 3> j{J[0][at], J[1][at], J[2][at]};
+        const float phi = x_[face.cell] - (plus ? 0.5f : -0.5f) * edge_[axis] * j[axis] / D_[grid_.medium[face.cell]];
+        const float Jn = 3 * (plus ? j[axis] : -j[axis]), Ju = 3 * j[tangent[0]], Jv = 3 * j[tangent[1]];
+        float leaving = 0, before = 0;
+        for (std::size_t slot = 0; slot < 4; ++slot) {
+            Octet& out = out_[4 * std::size_t{grid_.place_of_face[f]} + slot];
+            const float u = slot & 1 ? -Ju : Ju, v = slot & 2 ? -Jv : Jv;
+            Octet was, is;  // of the flux; the sums keep their order
+            for (std::size_t d = 0; d < 8; d += 4) {
+                const Four weight = four(&w.v[d]) * four(&law.through[slot].v[d]);
+                put(weight * four(&out.v[d]), &was.v[d]);
+                put(four(&out.v[d]) + (phi + four(&set.cosine[axis].v[d]) * Jn +
+                                       four(&set.cosine[tangent[0]].v[d]) * u + four(&set.cosine[tangent[1]].v[d]) * v),
+                    &out.v[d]);
+                put(weight * four(&out.v[d]), &is.v[d]);
+            }
+            for (std::size_t d = 0; d < 8; ++d) {
+                before += was.v[d];
+                leaving += is.v[d];
+            }
+        }
+        flux_[f] = leaving * face.area_mm2;
+        flux_change_[f] = (leaving - before) * face.area_mm2;
+    }
 }
 
 /// The correction, linear over each cell of a block, in its parts.
@@ -554,8 +559,8 @@ void ViewingTransport::sweep() {
     });
 }
 
-/// The diffusion correction, into x_ and core_x_, from what the sweep changed; moments_ become the sweep's.
-void ViewingTransport::correct() {
+/// What the sweep changed, as sources in right_; moments_ become the sweep's.
+void ViewingTransport::take_sweep() {
     const std::span<Moments> up = scratch_.up(), down = scratch_.down();
     parallel_ranges(0, moments_.size(), 1 << 14, [&](std::size_t begin, std::size_t end) {
         for (std::size_t cell = begin; cell < end; ++cell) {
@@ -572,8 +577,10 @@ void ViewingTransport::correct() {
     parallel_ranges(0, moments_.size(), 1 << 14, [&](std::size_t begin, std::size_t end) {
         for (std::size_t cell = begin; cell < end; ++cell) right_[cell] = up[cell].phi;
     });
-    check();
-    // What the surface will send back, and what the core got and gave.
+}
+
+/// What the surface will send back more than it did.
+void ViewingTransport::add_sources_at_faces() {
     parallel_for(0, grid_.transport_blocks.size(), blocks_per_task, [&](std::size_t t) {
         const GridBlock& block = grid_.transport_block(t);
         Pool passing;
@@ -591,6 +598,10 @@ void ViewingTransport::correct() {
             right_[face.cell] += exchange(f).gain * sum;
         }
     });
+}
+
+/// What the core got and gave, and what it absorbs.
+void ViewingTransport::find_core_sources() {
     for (std::size_t i = 0; i < core_right_.size(); ++i) core_right_[i] = -core_absorption(i) * core_phi_[i];
     std::array<float, 3> by_phi{}, by_J{};
     for (std::size_t a = 0; a < 3; ++a)
@@ -610,6 +621,14 @@ void ViewingTransport::correct() {
         core_right_[c.a] -= flow;
         core_right_[c.b] += flow;
     }
+}
+
+/// The diffusion correction, into x_ and core_x_, from what the sweep changed; moments_ become the sweep's.
+void ViewingTransport::correct() {
+    take_sweep();
+    check();
+    add_sources_at_faces();
+    find_core_sources();
     hold_ghosts();
     check();
     make_equations(eased_, core_eased_);

@@ -112,11 +112,15 @@ private:
     void load(const ViewingField& field);
     void store(ViewingField& field, TransportSummary& summary) const;
     void enter(bool start);
+    void enter_faces(std::size_t t, const ViewingDiffusion::Flows& J);
     void enter_parts(std::size_t t, const ViewingDiffusion::Flows& J);
     void gather_parts(std::size_t t);
     void spread_over_parts();
     void reflect();
     void sweep();
+    void take_sweep();
+    void add_sources_at_faces();
+    void find_core_sources();
     void correct();
     using Pool = std::array<float, 512>;  ///< of a block: [region][octant][direction]
     void pool(const GridBlock& block, Pool& pool) const;
