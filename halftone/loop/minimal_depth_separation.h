@@ -40,7 +40,8 @@ public:
     void separate(const Eigen::Vector3f& rgb, std::span<float> fractions) const;
     /// The separation for the deepest skin: its gamut is that of all.
     [[nodiscard]] const Separation& deepest() const { return skins_.back()->separation; }
-    /// A colour that can be shown stays; others go to the one that the deepest skin shows for them.
+    /// A colour of which the deepest skin is at most 1 CIEDE2000 off stays; from 2 on it goes to what that skin shows
+    /// for it, in between part of the way.
     [[nodiscard]] Eigen::Vector3f into_gamut(const Eigen::Vector3f& rgb) const;
 
 private:
@@ -53,15 +54,14 @@ private:
     };
     /// Share of each skin, at the nodes of a lattice even in the cube root of each channel, red fastest.
     [[nodiscard]] const float* weights(const Eigen::Vector3f& rgb) const;
-
-    /// All of the lattice's nodes around are in gamut.
+    /// All of the lattice's nodes around are within `at_node` of what is shown for them.
     [[nodiscard]] bool well_in_gamut(const Eigen::Vector3f& rgb) const;
 
     SkinLayers layers_;
     std::size_t resins_, core_;
     std::vector<std::unique_ptr<const Skin>> skins_;
     std::vector<float> weight_;        ///< [node * skins + skin]
-    std::vector<char> well_in_gamut_;  ///< of the lattice's cubes, by their lowest node: their nodes are within 0.5
+    std::vector<char> well_in_gamut_;  ///< of the lattice's cubes, by their lowest node
 };
 
 }  // namespace voxtone::halftone

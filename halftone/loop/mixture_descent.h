@@ -42,9 +42,9 @@ namespace voxtone::halftone {
 /// Rates are without unit: exponents per unit of d. The figures were chosen on the fitting set (benchmarks/sets.json,
 /// without the colour checker and the gratings): `appearance_loop_benchmark slabs --crop 10x10 --set iterations=12`
 /// (docs/benchmarks.md, "What the descent looks at"); the most that rates may become on pieces of 8 x 6 mm by Monte
-/// Carlo, ten iterations ("Steps that do not swing").
+/// Carlo, ten iterations ("Steps that swing less").
 struct DescentOptions {
-    /// rate_o: of the first step far from the target, and the most it may become.
+    /// rate_o: of the first step far from the target, and the most it may become after it.
     float own_rate = 0.36f, most_own_rate = 0.35f;
     float shared_rate = 0.1f, most_shared_rate = 0.5f;  ///< rate_s, likewise
     float least_rate = 0.01f;                           ///< of all
