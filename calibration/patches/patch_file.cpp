@@ -296,11 +296,6 @@ std::string mixture_text(const PatchMixture& mixture) {
 
 std::string patch_name(const Patch& patch) { return fmt::format("{} on {}", mixture_text(patch.top), patch.backing); }
 
-std::string channel_name(const optics::Channels& channels, std::size_t channel) {
-    if (channels.is_rgb()) return std::string(1, "RGB"[channel]);
-    return fmt::format("{} nm", channels.wavelengths_nm[channel]);
-}
-
 PatchTable parse_patches(std::string_view text, std::string source) { return Reader(text, std::move(source)).read(); }
 
 PatchTable read_patches(const std::filesystem::path& file) {

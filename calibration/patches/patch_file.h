@@ -22,8 +22,6 @@ namespace voxtone::calibration {
 
 /// "C:10+W:90 on K", for messages.
 [[nodiscard]] std::string patch_name(const Patch& patch);
-/// "R" or "450 nm".
-[[nodiscard]] std::string channel_name(const optics::Channels& channels, std::size_t channel);
 
 /// Throws InputError that names file, line, column and patch: missing columns, rows of another length, values that are
 /// no numbers, negative or above 1, fractions that do not sum to 100, a patch measured twice with different values (a

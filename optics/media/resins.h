@@ -15,6 +15,8 @@
 #include <string_view>
 #include <vector>
 
+#include "voxtone/optics/colour/channels.h"
+
 namespace voxtone::optics {
 
 /// Scattering and absorption of one medium in one channel, mm^-1.
@@ -24,14 +26,6 @@ struct Medium {
     [[nodiscard]] double sigma_t() const { return sigma_a + sigma_s; }
     /// 1 for a medium that does neither scatter nor absorb: nothing is lost there.
     [[nodiscard]] double albedo() const { return sigma_t() > 0 ? sigma_s / sigma_t() : 1.0; }
-};
-
-/// What the numbers of a resin stand for: three colour channels or a list of wavelengths.
-struct Channels {
-    std::vector<double> wavelengths_nm;  ///< empty: R, G, B
-    [[nodiscard]] bool is_rgb() const { return wavelengths_nm.empty(); }
-    [[nodiscard]] std::size_t size() const { return is_rgb() ? 3 : wavelengths_nm.size(); }
-    friend bool operator==(const Channels&, const Channels&) = default;
 };
 
 struct Resin {
