@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Measured patches of a calibration target: a thin square of one mixture of resins upon a thick base of one resin.
+// Measured patches: of a calibration target, thin squares of one mixture of resins upon a thick base of one resin, or of
+// a chart of mixtures, as a rule thick.
 //
 // Values are 45/0 directional reflectance relative to a perfect diffuser, rho(45 -> 0) = pi L_o / E
-// (optics/layered/directional.h), one per channel: R, G, B or wavelengths. Iser, Rittig, Wilkie 2025, Secs. 3.1
-// and 3.5.
+// (optics/layered/directional.h), one per channel: R, G, B, wavelengths, or X/Xn, Y/Yn, Z/Zn
+// (optics::colorimetric_channels). Iser, Rittig, Wilkie 2025, Secs. 3.1 and 3.5.
 #pragma once
 
 #include <string>
@@ -26,8 +27,8 @@ using PatchMixture = std::vector<ResinShare>;
 
 struct Patch {
     PatchMixture top;
-    std::string backing;        ///< role of the base's resin
-    double thickness_mm = 0;    ///< of the square
+    std::string backing;        ///< role of the base's resin; empty where the patch has no end
+    double thickness_mm = 0;    ///< of the square; 0: thick, without end
     double base_mm = 0;         ///< thickness of the base under it; 0: not known, taken as without end
     std::vector<double> rho;    ///< per channel
     std::vector<double> error;  ///< standard error per channel; empty: not known
@@ -38,6 +39,10 @@ struct PatchTable {
     std::string source;  ///< file or instrument
     optics::Channels channels;
     std::vector<Patch> patches;
+    /// Mixtures measured as colours or spectra: thick unless told, values signed, and repeats of one mixture are rows of
+    /// their own. Otherwise a target, of which no square is there twice.
+    bool is_chart = false;
+    std::vector<std::string> notes = {};  ///< what was assumed or recognised when it was read, one sentence each
 };
 
 }  // namespace voxtone::calibration
