@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Measured patches: of a calibration target, thin squares of one mixture of resins upon a thick base of one resin, or of
-// a chart of mixtures, as a rule thick.
+// Measured patches: of a calibration target, thin squares of one mixture of resins upon a thick base of one resin, or
+// of a chart of mixtures, as a rule thick.
 //
 // Values are 45/0 directional reflectance relative to a perfect diffuser, rho(45 -> 0) = pi L_o / E
 // (optics/layered/directional.h), one per channel: R, G, B, wavelengths, or X/Xn, Y/Yn, Z/Zn
@@ -39,8 +39,8 @@ struct PatchTable {
     std::string source;  ///< file or instrument
     optics::Channels channels;
     std::vector<Patch> patches;
-    /// Mixtures measured as colours or spectra: thick unless told, values signed, and repeats of one mixture are rows of
-    /// their own. Otherwise a target, of which no square is there twice.
+    /// Mixtures measured as colours or spectra: thick unless told, values signed, and repeats of one mixture are rows
+    /// of their own. Otherwise a target, of which no square is there twice.
     bool is_chart = false;
     std::vector<std::string> notes = {};  ///< what was assumed or recognised when it was read, one sentence each
 };

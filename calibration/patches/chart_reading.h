@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// A chart of mixtures as a file writes it, whatever its format, and the table that it becomes.
+//
+// Shares are fractions of the volume or percent, told apart by the sums of all rows together. They must sum to 1 within
+// 0.2 %, and sum to it exactly afterwards. Ink percentages of a device (CMYK) say what lies beside white, whose share
+// is the rest.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "voxtone/calibration/patches/measured_values.h"
+#include "voxtone/calibration/patches/patch_table.h"
+
+namespace voxtone::calibration {
+
+inline constexpr std::size_t most_chart_patches = 100000;
+
+struct ChartReading {
+    PatchTable table;  ///< `top`: every resin with its share as written, 0 too; `rho`, `error`: as written
+    Quantity quantity = Quantity::lab;
+    MeasuringConditions conditions;
+    bool rest_is_white = false;  ///< shares are ink percentages of a device, and W is the rest
+};
+
+/// Throws InputError that names the row: shares below 0, sums that are not 1, ink percentages above 100 together,
+/// thickness without backing, and all that make_rho, check_coverage and check_repeats refuse.
+[[nodiscard]] PatchTable finished_chart(ChartReading reading, std::optional<optics::Illuminant> illuminant);
+
+/// Group of each patch, counted from 0 in the order of the table: patches of one mixture (shares to 0.0001), thickness,
+/// base and backing are repeats.
+[[nodiscard]] std::vector<std::size_t> repeat_groups(const PatchTable& table);
+
+/// Two measurements of one mixture that differ by more than this, CIEDE2000, are not both right.
+inline constexpr double most_repeat_difference = 5;
+/// Throws InputError that names two such rows.
+void check_repeats(const PatchTable& table);
+
+}  // namespace voxtone::calibration

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Mixtures of resins as text: "C:10+W:90", shares in percent.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "voxtone/calibration/patches/patch_table.h"
+
+namespace voxtone::calibration {
+
+/// "C:10+W:90" and back. Throws InputError.
+[[nodiscard]] PatchMixture parse_mixture(std::string_view text);
+[[nodiscard]] std::string mixture_text(const PatchMixture& mixture);
+
+/// "C:10+W:90 on K", or "C:10+W:90" where it is thick, for messages.
+[[nodiscard]] std::string patch_name(const Patch& patch);
+
+/// Throws InputError unless `role` can be one; `whole` is shown.
+void check_role(std::string_view role, std::string_view whole);
+
+}  // namespace voxtone::calibration

@@ -1,0 +1,295 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/calibration/patches/target_csv.h"
+
+#include <algorithm>
+#include <map>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "voxtone/base/contracts.h"
+#include "voxtone/base/error.h"
+#include "voxtone/base/printable.h"
+#include "voxtone/calibration/patches/measured_values.h"
+#include "voxtone/calibration/patches/patch_mixture.h"
+#include "voxtone/calibration/patches/table_cells.h"
+#include "voxtone/io/files/json_keys.h"
+
+namespace voxtone::calibration {
+
+namespace {
+
+constexpr std::size_t most_columns = 20000, most_patches = 100000;
+
+// What a column of the table holds.
+struct Column {
+    enum class Kind { top, backing, thickness, base, value, error } kind;
+    std::size_t channel = 0;
+};
+
+class TargetReader {
+public:
+    TargetReader(std::string_view text, std::string source, std::optional<optics::Illuminant> illuminant)
+        : text_(text), illuminant_(illuminant) {
+        table_.source = std::move(source);
+    }
+
+    PatchTable read() {
+        std::size_t from = 0;
+        while (from < text_.size()) {
+            std::size_t to = text_.find('\n', from);
+            if (to == std::string_view::npos) to = text_.size();
+            const std::string_view line = trimmed(text_.substr(from, to - from));
+            from = to + 1;
+            ++line_;
+            if (line.starts_with('#')) note(line.substr(1));
+            if (line.empty() || line.starts_with('#')) continue;
+            if (columns_.empty())
+                header(line);
+            else
+                row(line);
+        }
+        if (columns_.empty())
+            fail("has no header line; expected top,backing,thickness_mm,R,G,B or wavelengths in nm in place of R,G,B");
+        if (table_.patches.empty()) fail("has a header and no patches; give one line per measured square");
+        if (colorimetric()) make_rho(table_, quantity_, conditions_, illuminant_);
+        return std::move(table_);
+    }
+
+private:
+    bool colorimetric() const { return quantity_ == Quantity::lab || quantity_ == Quantity::xyz; }
+    void note(std::string_view comment) {
+        const std::size_t colon = comment.find(':');
+        if (colon != std::string_view::npos)
+            note_condition(conditions_, comment.substr(0, colon), comment.substr(colon + 1));
+    }
+
+    [[noreturn]] void fail(const std::string& what) const {
+        throw InputError(fmt::format("{}: {}.", table_.source, what));
+    }
+    [[noreturn]] void fail_here(const std::string& what) const {
+        throw InputError(fmt::format("{}: line {}: {}.", table_.source, line_, what));
+    }
+
+    static std::optional<std::pair<Quantity, std::size_t>> letter_channel(std::string_view name) {
+        constexpr std::string_view letters = "RGBLabXYZ";
+        constexpr Quantity quantities[] = {Quantity::rgb, Quantity::lab, Quantity::xyz};
+        const std::size_t at = name.size() == 1 ? letters.find(name) : std::string_view::npos;
+        if (at == std::string_view::npos) return std::nullopt;
+        return std::pair(quantities[at / 3], at % 3);
+    }
+
+    void header(std::string_view line) {
+        const auto names = split(line, ',');
+        if (names.size() == 1 && line.find_first_of(";\t") != std::string_view::npos)
+            fail_here(
+                "columns are separated by semicolons or tabs; save the table with commas (and points in numbers)");
+        if (names.size() > most_columns) fail_here(fmt::format("{} columns, more than {}", names.size(), most_columns));
+        const std::vector<std::string> first{"top", "backing", "thickness_mm"};
+        for (std::size_t k = 0; k < first.size(); ++k) {
+            if (k < names.size() && names[k] == first[k]) continue;
+            fail_here(fmt::format("column {} is {}, expected \"{}\": the header begins top,backing,thickness_mm", k + 1,
+                                  k < names.size() ? shown(names[k]) : "missing", first[k]));
+        }
+        columns_ = {{Column::Kind::top}, {Column::Kind::backing}, {Column::Kind::thickness}};
+        // Values first, so that an error column may stand before its channel.
+        std::vector<double> wavelengths;
+        std::map<std::string_view, std::size_t> channels;
+        for (std::size_t k = 3; k < names.size(); ++k) {
+            const std::string_view name = names[k];
+            if (name == "base_mm" || name.ends_with("_se")) continue;
+            const auto nm = number(name);
+            const auto letter = nm ? std::nullopt : letter_channel(name);
+            if (!nm && !letter) {
+                const std::vector<std::string> known{"base_mm", "R", "G", "B", "R_se", "G_se", "B_se",
+                                                     "L",       "a", "b", "X", "Y",    "Z"};
+                fail_here(fmt::format("column {}: {}; a wavelength is a number in nm", k + 1,
+                                      io::unknown_key_message(printable(name.substr(0, 40)), known)));
+            }
+            if (nm && !(*nm >= 100 && *nm <= 20000))
+                fail_here(fmt::format("column {}: a wavelength of {} nm; expected 100 to 20000", k + 1, *nm));
+            const Quantity quantity = nm ? Quantity::spectrum : letter->first;
+            if (!channels.empty() && quantity != quantity_)
+                fail_here(
+                    "R, G, B and wavelengths in one table, or L, a, b or X, Y, Z beside them; give three channels of "
+                    "one kind, or wavelengths");
+            quantity_ = quantity;
+            if (!channels.try_emplace(name, nm ? wavelengths.size() : letter->second).second)
+                fail_here(fmt::format("column {} is there twice", shown(name)));
+            if (nm) wavelengths.push_back(*nm);
+        }
+        if (channels.empty())
+            fail_here("no channel; after thickness_mm come R,G,B or L,a,b or X,Y,Z or wavelengths in nm");
+        if (wavelengths.empty() && channels.size() != 3)
+            fail_here(fmt::format("of {} some are missing; all three are needed",
+                                  quantity_ == Quantity::rgb   ? "R, G and B"
+                                  : quantity_ == Quantity::lab ? "L, a and b"
+                                                               : "X, Y and Z"));
+        for (std::size_t k = 1; k < wavelengths.size(); ++k)
+            if (!(wavelengths[k] > wavelengths[k - 1]))
+                fail_here(fmt::format("wavelengths must rise, {} comes after {}", wavelengths[k], wavelengths[k - 1]));
+        table_.channels.wavelengths_nm = wavelengths;
+        std::size_t errors = 0;
+        for (std::size_t k = 3; k < names.size(); ++k) {
+            std::string_view name = names[k];
+            if (name == "base_mm") {
+                if (std::ranges::any_of(columns_, [](const Column& c) { return c.kind == Column::Kind::base; }))
+                    fail_here("column \"base_mm\" is there twice");
+                columns_.push_back({Column::Kind::base});
+                continue;
+            }
+            const bool error = name.ends_with("_se");
+            if (error) name.remove_suffix(3), ++errors;
+            const auto channel = channels.find(name);
+            if (channel == channels.end()) fail_here(fmt::format("column {} belongs to no channel", shown(names[k])));
+            columns_.push_back({error ? Column::Kind::error : Column::Kind::value, channel->second});
+        }
+        if (errors != 0 && errors != channels.size())
+            fail_here(fmt::format("{} of {} channels have a standard error; give it for all or for none", errors,
+                                  channels.size()));
+        has_errors_ = errors != 0;
+    }
+
+    void row(std::string_view line) {
+        if (table_.patches.size() >= most_patches) fail_here(fmt::format("more than {} patches", most_patches));
+        const auto cells = split(line, ',');
+        if (cells.size() != columns_.size())
+            fail_here(fmt::format("{} cells, but the header has {}; every patch needs them all", cells.size(),
+                                  columns_.size()));
+        Patch patch;
+        patch.where = fmt::format("{}: line {}", table_.source, line_);
+        try {
+            patch.top = parse_mixture(cells[0]);
+            check_role(cells[1], cells[1]);
+        } catch (const InputError& error) {
+            throw InputError(fmt::format("{}: {}", patch.where, error.what()));
+        }
+        patch.backing = cells[1];
+        patch.rho.resize(table_.channels.size());  // of L, a, b and X, Y, Z the same three, until all rows are known
+        if (has_errors_) patch.error.resize(table_.channels.size());
+        const std::string name = patch_name(patch);
+        for (std::size_t k = 2; k < cells.size(); ++k) {
+            const auto value = number(cells[k]);
+            if (!value) fail_here(fmt::format("patch {}, column {}: {} is no number", name, k + 1, shown(cells[k])));
+            const Column& column = columns_[k];
+            switch (column.kind) {
+                case Column::Kind::thickness:
+                    patch.thickness_mm = *value;
+                    break;
+                case Column::Kind::base:
+                    patch.base_mm = *value;
+                    break;
+                case Column::Kind::error:
+                    patch.error[column.channel] = *value;
+                    break;
+                default:
+                    patch.rho[column.channel] = *value;
+            }
+        }
+        check(patch, name);
+        if (!known(patch, name)) table_.patches.push_back(std::move(patch));
+    }
+
+    void check(const Patch& patch, const std::string& name) const {
+        if (!(patch.thickness_mm >= 0.001 && patch.thickness_mm <= 1000))
+            fail_here(
+                fmt::format("patch {}: thickness_mm is {}; expected mm, from 0.001 to 1000", name, patch.thickness_mm));
+        if (!(patch.base_mm == 0 || (patch.base_mm >= 0.001 && patch.base_mm <= 10000)))
+            fail_here(
+                fmt::format("patch {}: base_mm is {}; expected mm, from 0.001 to 10000, or 0 where it is not known",
+                            name, patch.base_mm));
+        for (std::size_t c = 0; c < patch.rho.size() && !colorimetric(); ++c) {
+            const double rho = patch.rho[c];
+            const std::string channel = channel_name(table_.channels, c);
+            if (has_errors_ && !(patch.error[c] > 0 && patch.error[c] <= 1))
+                fail_here(fmt::format("patch {}: the standard error of {} is {}; expected more than 0 and at most 1",
+                                      name, channel, patch.error[c]));
+            if (rho < (has_errors_ ? -6 * patch.error[c] : 0))
+                fail_here(fmt::format(
+                    "patch {}: {} is {}, but a reflectance cannot be negative; look at the dark level that was "
+                    "subtracted, or give standard errors (R_se, ...) if this is noise",
+                    name, channel, rho));
+            if (rho > 1)
+                fail_here(fmt::format(
+                    "patch {}: {} is {}, above 1, more than a perfect diffuser reflects; divide by the white "
+                    "reference's reflectance, and give shares, not percent",
+                    name, channel, rho));
+        }
+    }
+
+    // Whether the same square has been there; with other values it cannot be known which to believe.
+    bool known(const Patch& patch, const std::string& name) {
+        const std::string key = fmt::format("{} {} {}", name, patch.thickness_mm, patch.base_mm);
+        const auto [entry, is_new] = seen_.try_emplace(key, table_.patches.size());
+        if (is_new) return false;
+        const Patch& other = table_.patches[entry->second];
+        if (other.rho == patch.rho && other.error == patch.error) return true;
+        const std::size_t channel = static_cast<std::size_t>(
+            std::mismatch(patch.rho.begin(), patch.rho.end(), other.rho.begin()).first - patch.rho.begin());
+        const std::string values =
+            channel < patch.rho.size()
+                ? fmt::format("{} {} there and {} here", value_name(channel), other.rho[channel], patch.rho[channel])
+                : "other standard errors";
+        fail_here(fmt::format(
+            "patch {} of {} mm was measured already ({}) with other values: {}; keep one row, the mean of both", name,
+            patch.thickness_mm, other.where, values));
+    }
+
+    std::string value_name(std::size_t channel) const {
+        if (!colorimetric()) return channel_name(table_.channels, channel);
+        return std::string(1, (quantity_ == Quantity::lab ? "Lab" : "XYZ")[channel]);
+    }
+
+    std::string_view text_;
+    std::optional<optics::Illuminant> illuminant_;
+    PatchTable table_;
+    Quantity quantity_ = Quantity::rgb;
+    MeasuringConditions conditions_;
+    std::size_t line_ = 0;
+    std::vector<Column> columns_;
+    bool has_errors_ = false;
+    std::map<std::string, std::size_t> seen_;
+};
+
+}  // namespace
+
+bool is_target_csv(std::string_view text) {
+    for (std::size_t from = 0; from < text.size();) {
+        const std::size_t to = std::min(text.find_first_of("\r\n", from), text.size());
+        const std::string_view line = trimmed(text.substr(from, to - from));
+        from = to + 1;
+        if (line.empty() || line.starts_with('#')) continue;
+        return trimmed(line.substr(0, line.find_first_of(",;\t"))) == "top";
+    }
+    return true;
+}
+
+PatchTable read_target_csv(std::string_view text, std::string source, std::optional<optics::Illuminant> illuminant) {
+    return TargetReader(text, std::move(source), illuminant).read();
+}
+
+std::string target_csv_text(const PatchTable& table, std::string_view comment) {
+    VOXTONE_EXPECT(!table.is_chart);
+    const bool base = std::ranges::any_of(table.patches, [](const Patch& p) { return p.base_mm > 0; });
+    const bool errors =
+        !table.patches.empty() && std::ranges::all_of(table.patches, [](const Patch& p) { return !p.error.empty(); });
+    const std::vector<std::string> names = written_names(table.channels, errors);
+    const std::size_t channels = table.channels.size();
+    std::string text = comment_lines(comment) + comment_lines(written_illuminant(table.channels));
+    text += "top,backing,thickness_mm";
+    for (std::size_t c = 0; c < channels; ++c) text += fmt::format(",{}", names[c]);
+    if (base) text += ",base_mm";
+    for (std::size_t c = channels; c < names.size(); ++c) text += fmt::format(",{}", names[c]);
+    text += '\n';
+    for (const Patch& patch : table.patches) {
+        const std::vector<double> values = written_values(table.channels, patch, errors);
+        text += fmt::format("{},{},{}", mixture_text(patch.top), patch.backing, patch.thickness_mm);
+        for (std::size_t c = 0; c < channels; ++c) text += fmt::format(",{}", values[c]);
+        if (base) text += fmt::format(",{}", patch.base_mm);
+        for (std::size_t c = channels; c < values.size(); ++c) text += fmt::format(",{}", values[c]);
+        text += '\n';
+    }
+    return text;
+}
+
+}  // namespace voxtone::calibration
