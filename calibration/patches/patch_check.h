@@ -3,7 +3,7 @@
 // What a set of resins predicts of patches, against what was measured: Iser, Rittig, Wilkie 2025, Sec. 6.1.
 //
 // Colours are those of the reflectances under D65: R, G, B taken as linear sRGB, spectra through the CIE 1931 observer
-// (optics/colour/spectral_colour.h); differences are CIEDE2000.
+// (optics/colour/channels.h), and those of a printer's own channels likewise; differences are CIEDE2000.
 #pragma once
 
 #include <vector>
@@ -18,10 +18,10 @@
 namespace voxtone::calibration {
 
 struct CheckedPatch {
-    std::vector<double> predicted;  ///< rho per channel
+    std::vector<double> predicted;  ///< rho per channel of the set
     Eigen::Vector3d measured_rgb = Eigen::Vector3d::Zero(), predicted_rgb = Eigen::Vector3d::Zero();  ///< linear sRGB
     double difference = 0;                                                                            ///< CIEDE2000
-    double worst = 0;  ///< largest |predicted - measured| over the channels
+    double worst = 0;  ///< largest |predicted - measured| over the channels; of linear sRGB where these differ
 };
 
 struct PatchCheck {
@@ -30,10 +30,14 @@ struct PatchCheck {
     double rms = 0;                         ///< of predicted - measured, over patches and channels
 };
 
-/// Compares predictions, [patch][channel], with a table.
+/// Compares predictions, [patch][channel], with a table; `channels`: of the predictions, where they are not the table's.
 [[nodiscard]] PatchCheck compare_patches(const PatchTable& table, const std::vector<std::vector<double>>& predicted);
+[[nodiscard]] PatchCheck compare_patches(const PatchTable& table, const std::vector<std::vector<double>>& predicted,
+                                         const optics::Channels& channels);
 
-/// g and eta are the set's. Throws InputError where set and table have other channels or a resin is not in the set.
+/// Thin squares upon a base by the patch model, thick mixtures by optics::FlatColour with the set's residual. g and eta
+/// are the set's; its channels need not be the table's, since each has a colour by its own observer. Throws InputError
+/// where a resin is not in the set, or where some patches of a table are thick and others not.
 [[nodiscard]] PatchCheck check_resins(const optics::ResinSet& set, const PatchTable& table, PatchModelOptions options);
 
 }  // namespace voxtone::calibration

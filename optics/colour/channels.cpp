@@ -40,6 +40,13 @@ Eigen::Matrix3Xd linear_srgb_weights(const Channels& channels) {
     return weights;
 }
 
+Eigen::Matrix3d linear_srgb_of(const Eigen::Vector3d& white) {
+    Eigen::Matrix3d map;
+    for (Eigen::Index k = 0; k < 3; ++k)
+        map.col(k) = linear_srgb_from_xyz(adapt_white(Eigen::Vector3d::Unit(k), white, d65_white()));
+    return map;
+}
+
 Eigen::Matrix3Xd d65_weights(const Channels& channels) {
     return xyz_from_linear_srgb_matrix() * linear_srgb_weights(channels);
 }

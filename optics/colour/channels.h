@@ -46,6 +46,8 @@ struct Channels {
 
 /// Columns M_c with linear sRGB = M rho: white, adapted to D65 (Bradford), is (1, 1, 1). R, G, B: the identity.
 [[nodiscard]] Eigen::Matrix3Xd linear_srgb_weights(const Channels& channels);
+/// From XYZ under another white to linear sRGB, adapted (Bradford).
+[[nodiscard]] Eigen::Matrix3d linear_srgb_of(const Eigen::Vector3d& white);
 /// Columns with CIE XYZ under D65 = W rho, adapted (Bradford); white has d65_white().
 [[nodiscard]] Eigen::Matrix3Xd d65_weights(const Channels& channels);
 

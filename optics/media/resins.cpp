@@ -25,6 +25,25 @@ bool same_letters(std::string_view a, std::string_view b) {
     return std::equal(a.begin(), a.end(), b.begin(), b.end(), [&](char x, char y) { return lower(x) == lower(y); });
 }
 
+void validate_measured(const ResinSet& set) {
+    if (!(set.dot_spread >= 0 && set.dot_spread <= 1))
+        throw InputError(fmt::format(
+            "Resin set \"{}\": dot_spread is {}; it must lie between 0 (sharp voxels) and 1 (an ideal mixture).", set.name,
+            set.dot_spread));
+    const FlatMeasurement& measured = set.measured;
+    if (!(measured.surface >= 0 && measured.surface < 1))
+        throw InputError(fmt::format(
+            "Resin set \"{}\": the surface's reflection is {}; a share of light must lie in [0, 1).", set.name,
+            measured.surface));
+    if (!(measured.gain >= 0.1 && measured.gain <= 10))
+        throw InputError(fmt::format("Resin set \"{}\": the instrument's gain is {}; expected 0.1 to 10, 1 as a rule.",
+                                     set.name, measured.gain));
+    if (!set.residual.empty() && set.residual.lengths().size() != set.resins.size())
+        throw InputError(
+            fmt::format("Resin set \"{}\": its residual is of {} resins, but the set has {}.", set.name,
+                        set.residual.lengths().size(), set.resins.size()));
+}
+
 void validate_resin(const ResinSet& set, const Resin& resin) {
     const std::size_t channels = set.channels.size();
     if (resin.role.empty()) {
@@ -103,6 +122,7 @@ int ResinSet::find(std::string_view role) const {
 ResinSet ResinSet::subset(std::span<const std::string> roles) const {
     ResinSet chosen = *this;
     chosen.resins.clear();
+    std::vector<std::size_t> indices;
     for (const std::string& role : roles) {
         const int index = find(role);
         if (index < 0) {
@@ -115,7 +135,9 @@ ResinSet ResinSet::subset(std::span<const std::string> roles) const {
             throw InputError(fmt::format("Resin \"{}\" is asked for twice; name each resin once.", role));
         }
         chosen.resins.push_back(resins[static_cast<std::size_t>(index)]);
+        indices.push_back(static_cast<std::size_t>(index));
     }
+    chosen.residual = residual.subset(indices);
     return chosen;
 }
 
@@ -144,6 +166,7 @@ void ResinSet::validate() const {
                         name, eta));
     }
     validate_channels(*this);
+    validate_measured(*this);
     for (std::size_t r = 0; r < resins.size(); ++r) {
         validate_resin(*this, resins[r]);
         if (find(resins[r].role) != static_cast<int>(r)) {
