@@ -19,7 +19,7 @@
 #include "voxtone/io/files/whole_file.h"
 #include "voxtone/io/models/glb_writer.h"
 #include "voxtone/io/models/ply_writer.h"
-#include "voxtone/optics/colour/spectral_colour.h"
+#include "voxtone/optics/colour/channels.h"
 #include "voxtone/slicer/look/coarse_cells.h"
 #include "voxtone/slicer/look/prediction_files.h"
 #include "voxtone/slicer/look/prediction_time.h"
@@ -123,7 +123,7 @@ io::LitMaterial material_of(const StackVolume& stack, const SurfacePrediction& p
         kept[static_cast<Eigen::Index>(c)] =
             std::exp(-std::sqrt(3 * m.sigma_a * (m.sigma_a + (1 - stack.resins.g) * m.sigma_s)));
     }
-    const Eigen::Vector3d rgb = optics::linear_srgb_weights(stack.resins.channels.wavelengths_nm) * kept;
+    const Eigen::Vector3d rgb = optics::linear_srgb_weights(stack.resins.channels) * kept;
     const auto& pitch = stack.volume.pitch_mm();
     const double volume =
         double(std::accumulate(count.begin() + 1, count.end(), std::uint64_t{0})) * pitch[0] * pitch[1] * pitch[2];

@@ -12,9 +12,8 @@
 namespace voxtone::slicer {
 
 std::string channels_text(const optics::Channels& channels) {
-    return channels.is_rgb()
-               ? std::string("rgb")
-               : fmt::format("{} wavelengths ({:g} nm)", channels.size(), fmt::join(channels.wavelengths_nm, ", "));
+    if (!channels.is_spectral()) return optics::channels_text(channels);
+    return fmt::format("{} wavelengths ({:g} nm)", channels.size(), fmt::join(channels.wavelengths_nm, ", "));
 }
 
 std::vector<std::string> material_files(const LayeredOptions& options, const LoadedResins& resins) {

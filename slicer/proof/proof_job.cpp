@@ -18,7 +18,7 @@
 #include "voxtone/io/pictures/exr_writer.h"
 #include "voxtone/io/pictures/picture_writer.h"
 #include "voxtone/optics/camera/camera_paths.h"
-#include "voxtone/optics/colour/spectral_colour.h"
+#include "voxtone/optics/colour/channels.h"
 #include "voxtone/slicer/proof/proof_scene.h"
 
 namespace voxtone::slicer {
@@ -34,7 +34,7 @@ Eigen::Vector3f colour_of(const CameraPicture& picture, const Eigen::Matrix3Xf& 
 }
 
 Eigen::Matrix3Xf colour_weights(const ProofScene& scene) {
-    return optics::linear_srgb_weights(scene.channels().wavelengths_nm).cast<float>();
+    return optics::linear_srgb_weights(scene.channels()).cast<float>();
 }
 
 io::LinearPicture developed(const CameraPicture& picture, const ProofScene& scene, double exposure_ev) {
@@ -65,7 +65,7 @@ float roughness_at(const ProofScene& scene, const optics::Camera& camera, std::s
     return static_cast<float>(roughness);
 }
 
-/// R, G, B; then A, 1; "error.R"...; spectral sets have their channels besides; "samples", "roughness" and "seen" (0
+/// R, G, B; then A, 1; "error.R"...; sets of other channels have these besides; "samples", "roughness" and "seen" (0
 /// sky, 1 ground, 2 print, 3 target).
 io::NumberPicture numbers(const CameraPicture& picture, const ProofScene& scene) {
     const optics::Channels& channels = scene.channels();
@@ -73,8 +73,9 @@ io::NumberPicture numbers(const CameraPicture& picture, const ProofScene& scene)
                           static_cast<std::uint32_t>(picture.height_px),
                           {"R", "G", "B", "A", "error.R", "error.G", "error.B", "samples", "roughness", "seen"},
                           {}};
-    for (const double nm : channels.wavelengths_nm) out.names.push_back(fmt::format("{:g}nm", nm));
-    for (const double nm : channels.wavelengths_nm) out.names.push_back(fmt::format("error.{:g}nm", nm));
+    if (!channels.is_rgb())
+        for (const char* of : {"", "error."})
+            for (std::size_t c = 0; c < channels.size(); ++c) out.names.push_back(of + channel_word(channels, c));
     const Eigen::Matrix3Xf weights = colour_weights(scene);
     const optics::Camera camera(scene.camera.view);
     for (std::size_t p = 0; p < picture.samples.size(); ++p) {

@@ -20,7 +20,8 @@ constexpr double noisy = 0.05, cut = 0.05;  // shares of the light that are wort
 bool is_file(const std::string& material) { return std::filesystem::path(material).extension() == ".json"; }
 
 std::string channels_text(const optics::Channels& channels) {
-    return channels.is_rgb() ? "rgb" : fmt::format("{} nm", fmt::join(channels.wavelengths_nm, ", "));
+    if (!channels.is_spectral()) return optics::channels_text(channels);
+    return fmt::format("{} nm", fmt::join(channels.wavelengths_nm, ", "));
 }
 
 void expect_same(const optics::Channels& channels, const std::string& file, const optics::Channels& expected,
@@ -210,8 +211,7 @@ std::vector<optics::ResinLayer> StackSetting::resin_layers(std::span<const halft
 }
 
 std::string StackSetting::channel_name(std::size_t channel) const {
-    if (channels_.is_rgb()) return std::string(1, "RGB"[channel]);
-    return fmt::format("{:g} nm", channels_.wavelengths_nm[channel]);
+    return optics::channel_name(channels_, channel);
 }
 
 std::vector<std::string> StackSetting::channel_names() const {
