@@ -69,13 +69,16 @@ private:
         io::ReportSection section;
         section.title = "Resins";
         const bool points = !table_.channels.is_spectral();
-        PlotAxis x{-0.5, double(table_.channels.size()) - 0.5, false, {}, table_.channels.is_rgb() ? "R, G, B" : "channel"};
+        PlotAxis x{
+            -0.5, double(table_.channels.size()) - 0.5, false, {}, table_.channels.is_rgb() ? "R, G, B" : "channel"};
         if (!points) {
             const auto& nm = table_.channels.wavelengths_nm;
             x = {nm.front() - 5, nm.back() + 5, false, {}, "wavelength, nm"};
             for (double mark = 50 * std::ceil(nm.front() / 50); mark <= nm.back(); mark += 50) x.marks.push_back(mark);
         }
-        const auto at = [&](std::size_t c) { return points ? static_cast<double>(c) : table_.channels.wavelengths_nm[c]; };
+        const auto at = [&](std::size_t c) {
+            return points ? static_cast<double>(c) : table_.channels.wavelengths_nm[c];
+        };
         for (const FittedResin& resin : fit_.resins) {
             double least = 1e9, most = 0;
             for (const FittedValue& s : resin.sigma_t)

@@ -216,9 +216,8 @@ ResinFit fit_resins(const PatchTable& table, const FitOptions& options, const Pr
     const TargetRoles roles = find_target_roles(table, options.expected, options.noise);
     const ResinPrior& prior = options.prior;
     if (!prior.resins.empty() && !table.channels.is_rgb())
-        throw InputError(fmt::format(
-            "{}: it has {}, the prior {} has R, G and B; measure the patches as R, G, B.", table.source,
-            channels_text(table.channels), prior.source));
+        throw InputError(fmt::format("{}: it has {}, the prior {} has R, G and B; measure the patches as R, G, B.",
+                                     table.source, channels_text(table.channels), prior.source));
     VOXTONE_EXPECT(prior.resins.empty() || (prior.g == options.model.g && prior.eta == options.model.eta));
     const ChannelFitter fitter(table, roles, options.model, options.noise, prior);
     const std::size_t channels = table.channels.size();

@@ -24,7 +24,7 @@ struct CheckedPatch {
     std::vector<double> off;        ///< predicted - measured, per channel of `compared_in`
     Eigen::Vector3d measured_rgb = Eigen::Vector3d::Zero(), predicted_rgb = Eigen::Vector3d::Zero();  ///< linear sRGB
     double difference = 0;                                                                            ///< CIEDE2000
-    double worst = 0;  ///< largest |off|
+    double worst = 0;                                                                                 ///< largest |off|
 };
 
 struct PatchCheck {

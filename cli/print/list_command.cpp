@@ -60,7 +60,11 @@ std::string printer_text(const slicer::PrinterProfile& p) {
 Json resin_set_json(const optics::ResinSet& set) {
     Json resins = Json::array();
     for (const optics::Resin& resin : set.resins) resins.push_back({{"name", resin.name}, {"role", resin.role}});
-    return {{"name", set.name}, {"source", set.source}, {"channels", set.channels.size()}, {"channels_are", optics::channels_text(set.channels)}, {"resins", resins}};
+    return {{"name", set.name},
+            {"source", set.source},
+            {"channels", set.channels.size()},
+            {"channels_are", optics::channels_text(set.channels)},
+            {"resins", resins}};
 }
 
 std::string resin_set_text(const optics::ResinSet& set) {

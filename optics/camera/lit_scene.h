@@ -45,10 +45,10 @@ public:
 
     [[nodiscard]] MetInAir met(const Point& from, const Point& way) const;
     [[nodiscard]] bool sees_sky(const Point& from, const Point& way) const;
-    /// Of a light or a reflectance in linear sRGB: what a channel has of it, a mean by weights that sum to 1, so that it
-    /// is exact for what is grey, and a reflectance stays in [0, 1]. Channels of wavelengths take red from 580 nm, blue
-    /// below 490 nm, green between; a printer's own take R, G and B by what they give to each of them (where that is
-    /// above 0), which leaves the colours of lamps too pale where channels overlap.
+    /// Of a light or a reflectance in linear sRGB: what a channel has of it, a mean by weights that sum to 1, so that
+    /// it is exact for what is grey, and a reflectance stays in [0, 1]. Channels of wavelengths take red from 580 nm,
+    /// blue below 490 nm, green between; a printer's own take R, G and B by what they give to each of them (where that
+    /// is above 0), which leaves the colours of lamps too pale where channels overlap.
     [[nodiscard]] double in_channel(const Light& light, std::size_t channel) const {
         const Light& share = light_[channel];
         return share[0] * light[0] + share[1] * light[1] + share[2] * light[2];

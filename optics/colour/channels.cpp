@@ -57,7 +57,8 @@ std::string channel_name(const Channels& channels, std::size_t channel) {
 std::string channel_word(const Channels& channels, std::size_t channel) {
     VOXTONE_EXPECT(channel < channels.size());
     if (channels.is_own()) return fmt::format("c{}", channel + 1);
-    return channels.is_rgb() ? channel_name(channels, channel) : fmt::format("{:g}nm", channels.wavelengths_nm[channel]);
+    return channels.is_rgb() ? channel_name(channels, channel)
+                             : fmt::format("{:g}nm", channels.wavelengths_nm[channel]);
 }
 
 std::string channels_text(const Channels& channels) {

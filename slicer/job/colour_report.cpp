@@ -150,8 +150,7 @@ io::LinearPicture smaller_picture(const io::LinearPicture& large, std::uint32_t 
 }
 
 /// Pictures of a slab from above, one pixel per cell.
-void draw_predicted_picture(const JobPrediction& p, io::Report& report,
-                            const std::filesystem::path& folder) {
+void draw_predicted_picture(const JobPrediction& p, io::Report& report, const std::filesystem::path& folder) {
     const auto px_per_mm = picture_px_per_mm(p.volume, p.predicted.surface.cell_voxels);
     std::vector<io::ReportPicture> pictures;
     const auto draw = [&](const char* caption, const std::vector<Eigen::Vector3f>& rgb, std::string_view file) {

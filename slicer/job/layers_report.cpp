@@ -59,9 +59,8 @@ std::vector<DrawnChannel> drawn_channels(const optics::Channels& channels) {
     const std::size_t last = channels.size() - 1;
     std::vector<DrawnChannel> drawn;
     const bool own = channels.is_own();
-    for (const auto& [index, colour] :
-         {std::pair{std::size_t{0}, own ? violet : blue}, std::pair{last / 2, own ? brown : green},
-          std::pair{last, own ? grey : red}})
+    for (const auto& [index, colour] : {std::pair{std::size_t{0}, own ? violet : blue},
+                                        std::pair{last / 2, own ? brown : green}, std::pair{last, own ? grey : red}})
         if (drawn.empty() || drawn.back().index != index)
             drawn.push_back({index, colour, optics::channel_name(channels, index)});
     return drawn;

@@ -114,9 +114,11 @@ void write_files(const CameraPicture& picture, const ProofScene& scene, const Re
     }
 }
 
-/// Sums and squares, light and shares, values and errors of three channels, and the bytes of the files.
-void expect_picture_fits(const ResolvedProof& job) {
-    const std::uint64_t needed = std::uint64_t(job.width_px) * std::uint64_t(job.height_px) * 320;
+/// Sums and squares, light and shares, values and errors of the channels, and the bytes of the files.
+void expect_picture_fits(const ResolvedProof& job, std::size_t channels) {
+    constexpr std::uint64_t of_three = 320, of_each_more = 80;
+    const std::uint64_t needed = std::uint64_t(job.width_px) * std::uint64_t(job.height_px) *
+                                 (of_three + of_each_more * (std::max<std::size_t>(channels, 3) - 3));
     if (needed <= job.memory_bytes / 4) return;
     throw ResourceError(fmt::format(
         "--size {}: a picture of so many pixels takes {:.2f} GiB while it is drawn, more than a quarter of the {:.2f} "
@@ -161,11 +163,12 @@ JobResult describe(const CameraPicture& picture, const ProofScene& scene, const 
 
 JobResult run_proof_job(const ProofOptions& options, Progress& progress) {
     const ResolvedProof job = resolve(options);
-    expect_picture_fits(job);
+    expect_picture_fits(job, 3);
     io::expect_outputs({options.files.begin(), options.files.end()}, options.overwrite);
     const ThreadLimit threads(static_cast<std::size_t>(options.threads));
     Stopwatch watch;
     const auto scene = make_proof_scene(job, progress);
+    expect_picture_fits(job, scene->channels().size());
     const CameraPicture picture = take_picture(scene->camera,
                                                {.samples = options.samples,
                                                 .error = options.error,

@@ -210,9 +210,7 @@ std::vector<optics::ResinLayer> StackSetting::resin_layers(std::span<const halft
     return of_resin;
 }
 
-std::string StackSetting::channel_name(std::size_t channel) const {
-    return optics::channel_name(channels_, channel);
-}
+std::string StackSetting::channel_name(std::size_t channel) const { return optics::channel_name(channels_, channel); }
 
 std::vector<std::string> StackSetting::channel_names() const {
     std::vector<std::string> names;

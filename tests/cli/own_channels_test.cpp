@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// A set in channels of its own, through the whole program: vero-opaque with each of its channels in two halves must make
-// the prints that vero-opaque makes, and they must be seen as those.
+// A set in channels of its own, through the whole program: vero-opaque with each of its channels in two halves must
+// make the prints that vero-opaque makes, and they must be seen as those.
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -37,8 +37,8 @@ nlohmann::json slice(const Folder& folder, const std::string& resins, const std:
 
 std::array<double, 3> mean_seen(const Folder& folder, const std::string& stack, const std::string& resins) {
     const std::string file = folder / (stack + ".exr");
-    const Outcome outcome = run_program(fmt::format("predict --overwrite --json --model transport {} --resins {} -o {}",
-                                                    folder / stack, resins, file));
+    const Outcome outcome = run_program(
+        fmt::format("predict --overwrite --json --model transport {} --resins {} -o {}", folder / stack, resins, file));
     REQUIRE(outcome.exit_code == 0);
     const std::size_t begin = outcome.out.rfind('\n', outcome.out.size() - 2);
     const auto result = nlohmann::json::parse(outcome.out.substr(begin == std::string::npos ? 0 : begin + 1));

@@ -10,10 +10,12 @@
 #include <catch2/catch.hpp>
 
 #include "tests/calibration/patches/target_samples.h"
+#include "tests/optics/colour/split_channels.h"
 #include "voxtone/base/error.h"
 #include "voxtone/base/parallel.h"
 #include "voxtone/calibration/fit/channel_fit.h"
 #include "voxtone/calibration/fit/fit_report.h"
+#include "voxtone/calibration/fit/patch_page.h"
 #include "voxtone/calibration/fit/principles.h"
 #include "voxtone/calibration/patches/patch_file.h"
 #include "voxtone/io/files/markup.h"
@@ -434,8 +436,8 @@ TEST_CASE("Any set is checked by any table, each through its own observer") {
     CHECK(check_resins(optics::vero_opaque(), of_own, {}).differences.max < 1e-4);
 
     const std::string page = check_report_html(xyz, check_resins(own, xyz, {}), own, chart_of_patches(xyz));
-    CHECK_THAT(page, Contains("C on W") && Contains("Measured R, G, B") && !Contains("standard errors") &&
-                         !Contains("nan "));
+    CHECK_THAT(page,
+               Contains("C on W") && Contains("Measured R, G, B") && !Contains("standard errors") && !Contains("nan "));
     const std::string by_channel = check_report_html(of_own, exact, own, chart_of_patches(of_own));
     CHECK_THAT(by_channel, Contains("in channel ") && !Contains("nan "));
 }

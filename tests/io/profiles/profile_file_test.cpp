@@ -79,7 +79,8 @@ std::string changed(const ProfileFile& file, const std::string& from, const std:
 }  // namespace
 
 TEST_CASE("Profiles written and read again are the same") {
-    for (const ProfileFile& file : {layer(), target(), own_channels()}) check_same(parse_profile(profile_text(file), "text"), file);
+    for (const ProfileFile& file : {layer(), target(), own_channels()})
+        check_same(parse_profile(profile_text(file), "text"), file);
     CHECK(target().is_target());
     CHECK_FALSE(layer().is_target());
     const TemporaryFolder folder;

@@ -431,8 +431,8 @@ TEST_CASE("a filter blurs and keeps the light, and noise falls to a third") {
 
 TEST_CASE("a printer's own channels take light by what they give to R, G and B") {
     const Sky sky = even_sky();
-    for (const Channels& channels : {optics::testing::split_channels(optics::testing::green_twice),
-                                     optics::testing::overlapping_channels()}) {
+    for (const Channels& channels :
+         {optics::testing::split_channels(optics::testing::green_twice), optics::testing::overlapping_channels()}) {
         ResinSet set = one_resin({8, 20, 3}, {1, 1, 1});
         set.channels = channels;
         set.resins[0].sigma_t_per_mm.assign(4, 8), set.resins[0].albedo.assign(4, 0.9);

@@ -51,8 +51,8 @@ inline Channels overlapping_channels() {
     Channels channels;
     channels.xyz = {{0.6, 0.2, -0.01}, {0.3, 0.5, 0.05}, {-0.1, 0.25, 0.2}, {}};
     for (std::size_t k = 0; k < 3; ++k)
-        channels.xyz[3][k] = white[static_cast<Eigen::Index>(k)] - channels.xyz[0][k] - channels.xyz[1][k] -
-                             channels.xyz[2][k];
+        channels.xyz[3][k] =
+            white[static_cast<Eigen::Index>(k)] - channels.xyz[0][k] - channels.xyz[1][k] - channels.xyz[2][k];
     return channels;
 }
 

@@ -89,8 +89,9 @@ TEST_CASE("Prints in channels of their own are predicted as the R, G, B prints t
             CHECK(worst < 1e-5f);
         }
         if (relative) {
-            const io::NumberPicture picture = top_numbers(volume, optics::testing::split_channels({0, 1, 1, 2}),
-                                                          predicted(optics::testing::split_set(rgb, {0, 1, 1, 2}), true));
+            const io::NumberPicture picture =
+                top_numbers(volume, optics::testing::split_channels({0, 1, 1, 2}),
+                            predicted(optics::testing::split_set(rgb, {0, 1, 1, 2}), true));
             CHECK(picture.names == std::vector<std::string>{"R", "G", "B", "A", "c1", "c2", "c3", "c4"});
         }
     }
@@ -103,9 +104,9 @@ TEST_CASE("Colours are relative to white as colours, whatever the channels") {
         optics::make_resin_volume({4, 4, 4}, {0.1, 0.1, 0.1}, [](int, int, int) { return 1; });
     const optics::Scene scene{&volume, &set, optics::Backing::none, optics::Sides::open};
     Progress quiet;
-    const SurfacePrediction prediction =
-        predict_surface(scene, optics::find_surface(scene, {1, 1, 1}, optics::SurfacePart::all),
-                        [](bool white) { return std::make_unique<const FourChannels>(white); }, set.find("W"), quiet);
+    const SurfacePrediction prediction = predict_surface(
+        scene, optics::find_surface(scene, {1, 1, 1}, optics::SurfacePart::all),
+        [](bool white) { return std::make_unique<const FourChannels>(white); }, set.find("W"), quiet);
     const Eigen::Matrix3Xd M = optics::linear_srgb_weights(set.channels);
     const Eigen::Vector3d body = M * Eigen::Vector4d(0.1, 0.2, 0.3, 0.4), paper = M * Eigen::Vector4d(0.8, 0.9, 0.7, 1);
     CHECK((prediction.rgb[0].cast<double>() - body.cwiseQuotient(paper)).norm() < 1e-6);
