@@ -22,7 +22,8 @@ double prediction_seconds(PredictionModel model, const ModelOptions& quality, co
             break;
     }
     // Larger cells than the eye's are predicted in the eye's, and quickly.
-    if (coarse_cells(pitch_mm, quality.cell_mm)) return quick_s_per_cell * of_rgb * area_mm2 / (eye_cell_mm * eye_cell_mm);
+    if (coarse_cells(pitch_mm, quality.cell_mm))
+        return quick_s_per_cell * of_rgb * area_mm2 / (eye_cell_mm * eye_cell_mm);
     return transport_s_per_cell * of_rgb * cells;
 }
 

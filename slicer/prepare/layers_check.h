@@ -20,6 +20,6 @@ void check_layers(const LayeredOptions& options, const io::ProfileMap& map, cons
 [[nodiscard]] std::vector<std::string> material_files(const LayeredOptions& options, const LoadedResins& resins);
 
 /// "R, G, B", "3 wavelengths (450, 550, 650 nm)", "4 channels of their own".
-[[nodiscard]] std::string channels_text(const optics::Channels& channels);
+[[nodiscard]] std::string channels_in_full(const optics::Channels& channels);
 
 }  // namespace voxtone::slicer

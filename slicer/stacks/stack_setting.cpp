@@ -19,7 +19,7 @@ constexpr double noisy = 0.05, cut = 0.05;  // shares of the light that are wort
 
 bool is_file(const std::string& material) { return std::filesystem::path(material).extension() == ".json"; }
 
-std::string channels_text(const optics::Channels& channels) {
+std::string channels_in_full(const optics::Channels& channels) {
     if (!channels.is_spectral()) return optics::channels_text(channels);
     return fmt::format("{} nm", fmt::join(channels.wavelengths_nm, ", "));
 }
@@ -30,7 +30,7 @@ void expect_same(const optics::Channels& channels, const std::string& file, cons
     throw InputError(fmt::format(
         "{}: its channels are {}, those of {} are {}; all profiles of a stack are of the same channels: measure "
         "or convert one of them",
-        file, channels_text(channels), of, channels_text(expected)));
+        file, channels_in_full(channels), of, channels_in_full(expected)));
 }
 
 void warn_of(const std::string& what, double negative, double beyond, Progress& progress) {
