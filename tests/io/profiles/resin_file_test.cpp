@@ -79,7 +79,7 @@ TEST_CASE("Faulty channels name file, key and rule") {
     CHECK_THAT(fault("[0.3, 0.5, 0.05]", "[0.15, 0.25, 0.025], [0.15, 0.25, 0.025]"),
                Contains("sigma_t_per_mm") && Contains("4 entries, expected 5"));
     std::string rows;
-    for (int c = 0; c < 30; ++c) rows += "[0.01, 0, 0], ";
+    for (int c = 0; c < 29; ++c) rows += "[0.01, 0, 0], ";
     CHECK_THAT(fault("[0.3, 0.5, 0.05]", rows + "[0, 0.5, 0.05]"), Contains("33 rows") && Contains("1 to 32"));
     CHECK_THAT(fault("[0.3, 0.5, 0.05]", "[0.3, 2e6, 0.05]"), Contains("`channels.xyz"));
 }
