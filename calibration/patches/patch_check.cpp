@@ -11,52 +11,49 @@
 #include "voxtone/base/error.h"
 #include "voxtone/base/parallel.h"
 #include "voxtone/calibration/patches/patch_file.h"
-#include "voxtone/optics/colour/spectral_colour.h"
+#include "voxtone/optics/colour/observed_colour.h"
 
 namespace voxtone::calibration {
 
-PatchCheck compare_patches(const PatchTable& table, const std::vector<std::vector<double>>& predicted) {
+namespace {
+
+std::vector<double> list_of(const Eigen::Vector3d& rgb) { return {rgb[0], rgb[1], rgb[2]}; }
+
+}  // namespace
+
+PatchCheck compare_patches(const PatchTable& table, const std::vector<std::vector<double>>& predicted,
+                           const optics::Channels& channels) {
     VOXTONE_EXPECT(predicted.size() == table.patches.size());
-    const Eigen::Matrix3Xd weights = optics::linear_srgb_weights(table.channels.wavelengths_nm);
-    const auto colour = [&](const std::vector<double>& rho) {
-        return Eigen::Vector3d(weights *
-                               Eigen::Map<const Eigen::VectorXd>(rho.data(), static_cast<Eigen::Index>(rho.size())));
-    };
+    const optics::ObservedColour<double> of_table(table.channels), of_set(channels);
+    const bool same = channels == table.channels;
     PatchCheck check;
+    if (same) check.compared_in = channels;
     std::vector<double> differences;
     double squares = 0;
     for (std::size_t p = 0; p < predicted.size(); ++p) {
-        const std::vector<double>& measured = table.patches[p].rho;
         CheckedPatch& patch = check.patches.emplace_back();
+        VOXTONE_EXPECT(predicted[p].size() == of_set.channels());
         patch.predicted = predicted[p];
-        patch.measured_rgb = colour(measured);
-        patch.predicted_rgb = colour(predicted[p]);
+        patch.measured_rgb = of_table.absolute(table.patches[p].rho.data());
+        patch.predicted_rgb = of_set.absolute(predicted[p].data());
         patch.difference = optics::ciede2000(optics::lab_from_linear_srgb(patch.predicted_rgb),
                                              optics::lab_from_linear_srgb(patch.measured_rgb));
         differences.push_back(patch.difference);
+        const std::vector<double> measured = same ? table.patches[p].rho : list_of(patch.measured_rgb);
+        patch.off = same ? predicted[p] : list_of(patch.predicted_rgb);
         for (std::size_t c = 0; c < measured.size(); ++c) {
-            const double error = predicted[p][c] - measured[c];
-            patch.worst = std::max(patch.worst, std::abs(error));
-            squares += error * error;
+            patch.off[c] -= measured[c];
+            patch.worst = std::max(patch.worst, std::abs(patch.off[c]));
+            squares += patch.off[c] * patch.off[c];
         }
     }
     check.differences = optics::summarize(differences);
-    const std::size_t values = predicted.size() * table.channels.size();
+    const std::size_t values = predicted.size() * check.compared_in.size();
     check.rms = values > 0 ? std::sqrt(squares / static_cast<double>(values)) : 0;
     return check;
 }
 
 PatchCheck check_resins(const optics::ResinSet& set, const PatchTable& table, PatchModelOptions options) {
-    if (set.channels != table.channels) {
-        const auto name = [](const optics::Channels& c) {
-            return c.is_rgb() ? std::string("R, G, B")
-                              : fmt::format("{} wavelengths from {} to {} nm", c.size(), c.wavelengths_nm.front(),
-                                            c.wavelengths_nm.back());
-        };
-        throw InputError(fmt::format(
-            "{}: the patches have {}, the resin set \"{}\" has {}; measure and calibrate with the same channels.",
-            table.source, name(table.channels), set.name, name(set.channels)));
-    }
     std::vector<std::string> roles;
     for (const optics::Resin& resin : set.resins) roles.push_back(resin.role);
     for (const Patch& patch : table.patches) {
@@ -77,7 +74,7 @@ PatchCheck check_resins(const optics::ResinSet& set, const PatchTable& table, Pa
         const std::vector<double> rho = model.rho(media);
         for (std::size_t p = 0; p < rho.size(); ++p) predicted[p][c] = rho[p];
     });
-    return compare_patches(table, predicted);
+    return compare_patches(table, predicted, set.channels);
 }
 
 }  // namespace voxtone::calibration

@@ -8,6 +8,7 @@
 #include "voxtone/base/embedded_file.h"
 #include "voxtone/base/error.h"
 #include "voxtone/base/printable.h"
+#include "voxtone/io/files/json_channels.h"
 #include "voxtone/io/files/json_keys.h"
 #include "voxtone/io/files/json_object.h"
 #include "voxtone/io/files/json_writer.h"
@@ -22,6 +23,13 @@ namespace {
 std::optional<double> number_if(const JsonObject& json, const char* key, double least, double most) {
     if (!json.has(key)) return std::nullopt;
     return json.number(key, least, most);
+}
+
+void write_set_channels(JsonWriter& json, const optics::Channels& channels) {
+    if (channels.is_own()) return write_own_channels(json, channels);
+    json.begin_object().add("kind", channels.is_rgb() ? "rgb" : "wavelength");
+    if (channels.is_spectral()) json.add("nm", channels.wavelengths_nm);
+    json.end_object();
 }
 
 optics::ResinSet resins_from_json(const JsonObject& json, const std::string& source) {
@@ -39,8 +47,10 @@ optics::ResinSet resins_from_json(const JsonObject& json, const std::string& sou
         channels.allow_only({"kind", "nm"});
         set.channels.wavelengths_nm = channels.numbers("nm", 0, 1, 1e5);
         if (set.channels.wavelengths_nm.empty()) channels.fail("nm", "is empty, expected at least one wavelength");
+    } else if (kind == "own") {
+        set.channels = json_own_channels(channels);
     } else {
-        channels.fail("kind", fmt::format("is {}, expected \"rgb\" or \"wavelength\"", json_quoted(kind)));
+        channels.fail("kind", fmt::format("is {}, expected \"rgb\", \"wavelength\" or \"own\"", json_quoted(kind)));
     }
     set.g = json.number("g", -1, 1);
     set.eta = json.number("eta", 1, 10);
@@ -82,9 +92,9 @@ std::string resin_set_text(const optics::ResinSet& set) {
     JsonWriter json;
     json.begin_object().add("format", "voxtone-resins").add("version", 1).add("name", set.name);
     json.line().add("source", set.source);
-    json.line().key("channels").begin_object().add("kind", set.channels.is_rgb() ? "rgb" : "wavelength");
-    if (!set.channels.is_rgb()) json.add("nm", set.channels.wavelengths_nm);
-    json.end_object().add("g", set.g).add("eta", set.eta);
+    json.line().key("channels");
+    write_set_channels(json, set.channels);
+    json.add("g", set.g).add("eta", set.eta);
     if (!set.currency.empty()) json.add("currency", set.currency);
     json.line().key("resins").begin_list();
     for (const optics::Resin& resin : set.resins) {
