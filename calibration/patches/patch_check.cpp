@@ -10,16 +10,40 @@
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/error.h"
 #include "voxtone/base/parallel.h"
-#include "voxtone/calibration/patches/patch_mixture.h"
-#include "voxtone/optics/colour/channels.h"
+#include "voxtone/calibration/patches/patch_file.h"
+#include "voxtone/optics/colour/observed_colour.h"
 #include "voxtone/optics/layered/flat_colour.h"
 
 namespace voxtone::calibration {
 
 namespace {
 
-Eigen::Vector3d seen_colour(const Eigen::Matrix3Xd& weights, const std::vector<double>& rho) {
-    return weights * Eigen::Map<const Eigen::VectorXd>(rho.data(), static_cast<Eigen::Index>(rho.size()));
+std::vector<double> list_of(const Eigen::Vector3d& rgb) { return {rgb[0], rgb[1], rgb[2]}; }
+
+// Differences of patches whose predictions and predicted colours are known.
+void measure_differences(const PatchTable& table, const optics::Channels& channels, PatchCheck& check) {
+    const optics::ObservedColour<double> of_table(table.channels);
+    const bool same = channels == table.channels;
+    if (same) check.compared_in = channels;
+    std::vector<double> differences;
+    double squares = 0;
+    for (std::size_t p = 0; p < check.patches.size(); ++p) {
+        CheckedPatch& patch = check.patches[p];
+        patch.measured_rgb = of_table.absolute(table.patches[p].rho.data());
+        patch.difference = optics::ciede2000(optics::lab_from_linear_srgb(patch.predicted_rgb),
+                                             optics::lab_from_linear_srgb(patch.measured_rgb));
+        differences.push_back(patch.difference);
+        const std::vector<double> measured = same ? table.patches[p].rho : list_of(patch.measured_rgb);
+        patch.off = same ? patch.predicted : list_of(patch.predicted_rgb);
+        for (std::size_t c = 0; c < measured.size(); ++c) {
+            patch.off[c] -= measured[c];
+            patch.worst = std::max(patch.worst, std::abs(patch.off[c]));
+            squares += patch.off[c] * patch.off[c];
+        }
+    }
+    check.differences = optics::summarize(differences);
+    const std::size_t values = check.patches.size() * check.compared_in.size();
+    check.rms = values > 0 ? std::sqrt(squares / static_cast<double>(values)) : 0;
 }
 
 std::vector<std::string> roles_in(const optics::ResinSet& set) {
@@ -41,7 +65,7 @@ void expect_resins(const optics::ResinSet& set, const PatchTable& table) {
     }
 }
 
-// rho of every patch in the set's channels, [patch][channel], by the model of thin squares upon a base.
+// rho of every square upon its base in the set's channels, [patch][channel].
 std::vector<std::vector<double>> predict_squares(const optics::ResinSet& set, const PatchTable& table,
                                                  PatchModelOptions options) {
     options.g = set.g, options.eta = set.eta;
@@ -56,75 +80,51 @@ std::vector<std::vector<double>> predict_squares(const optics::ResinSet& set, co
     return predicted;
 }
 
-// One patch of a chart: a thick piece of a mixture, read as the set was measured, its residual included.
-void predict_mixture(const optics::FlatColour& flat, const optics::ResinSet& set, const Eigen::Matrix3d& to_rgb,
-                     const Patch& patch, CheckedPatch& checked) {
-    std::vector<double> shares(set.resins.size());
-    for (const ResinShare& share : patch.top) shares[static_cast<std::size_t>(set.find(share.role))] += share.fraction;
-    checked.predicted = flat.reading(shares);
-    checked.predicted_rgb = to_rgb * flat.xyz(shares);
-}
-
-void measure_differences(const PatchTable& table, const optics::Channels& channels, PatchCheck& check) {
-    const Eigen::Matrix3Xd weights = optics::linear_srgb_weights(table.channels);
-    const bool same = channels == table.channels;
-    std::vector<double> differences;
-    double squares = 0;
-    for (std::size_t p = 0; p < check.patches.size(); ++p) {
-        CheckedPatch& patch = check.patches[p];
-        patch.measured_rgb = seen_colour(weights, table.patches[p].rho);
-        patch.difference = optics::ciede2000(optics::lab_from_linear_srgb(patch.predicted_rgb),
-                                             optics::lab_from_linear_srgb(patch.measured_rgb));
-        differences.push_back(patch.difference);
-        const std::size_t values = same ? channels.size() : 3;
-        for (std::size_t c = 0; c < values; ++c) {
-            const auto k = static_cast<Eigen::Index>(c);
-            const double error = same ? patch.predicted[c] - table.patches[p].rho[c]
-                                      : patch.predicted_rgb[k] - patch.measured_rgb[k];
-            patch.worst = std::max(patch.worst, std::abs(error));
-            squares += error * error / static_cast<double>(values);
-        }
-    }
-    check.differences = optics::summarize(differences);
-    check.rms = check.patches.empty() ? 0 : std::sqrt(squares / static_cast<double>(check.patches.size()));
-}
-
 bool is_thick(const Patch& patch) { return patch.thickness_mm == 0 && patch.backing.empty(); }
+
+// Thick pieces of mixtures, read as the set was measured, its residual included.
+PatchCheck check_mixtures(const optics::ResinSet& set, const PatchTable& table, const PatchModelOptions& options) {
+    PatchCheck check;
+    check.patches.resize(table.patches.size());
+    const optics::FlatColour flat(set, options.pitch_mm);
+    const Eigen::Matrix3d to_rgb = optics::linear_srgb_of(flat.white());
+    parallel_for(0, table.patches.size(), 64, [&](std::size_t p) {
+        const Patch& patch = table.patches[p];
+        if (!is_thick(patch))
+            throw InputError(fmt::format(
+                "{}: patch {} has a thickness, but others of its table are thick; give all of them one, or none.",
+                patch.where, patch_name(patch)));
+        std::vector<double> shares(set.resins.size());
+        for (const ResinShare& share : patch.top)
+            shares[static_cast<std::size_t>(set.find(share.role))] += share.fraction;
+        check.patches[p].predicted = flat.reading(shares);
+        check.patches[p].predicted_rgb = to_rgb * flat.xyz(shares);
+    });
+    measure_differences(table, set.channels, check);
+    return check;
+}
 
 }  // namespace
 
 PatchCheck compare_patches(const PatchTable& table, const std::vector<std::vector<double>>& predicted,
                            const optics::Channels& channels) {
     VOXTONE_EXPECT(predicted.size() == table.patches.size());
-    const Eigen::Matrix3Xd weights = optics::linear_srgb_weights(channels);
+    const optics::ObservedColour<double> of_set(channels);
     PatchCheck check;
-    for (const std::vector<double>& rho : predicted)
-        check.patches.push_back({rho, Eigen::Vector3d::Zero(), seen_colour(weights, rho), 0, 0});
+    for (const std::vector<double>& rho : predicted) {
+        VOXTONE_EXPECT(rho.size() == of_set.channels());
+        CheckedPatch& patch = check.patches.emplace_back();
+        patch.predicted = rho;
+        patch.predicted_rgb = of_set.absolute(rho.data());
+    }
     measure_differences(table, channels, check);
     return check;
 }
 
-PatchCheck compare_patches(const PatchTable& table, const std::vector<std::vector<double>>& predicted) {
-    return compare_patches(table, predicted, table.channels);
-}
-
 PatchCheck check_resins(const optics::ResinSet& set, const PatchTable& table, PatchModelOptions options) {
     expect_resins(set, table);
-    if (!std::ranges::any_of(table.patches, is_thick))
-        return compare_patches(table, predict_squares(set, table, options), set.channels);
-    PatchCheck check;
-    check.patches.resize(table.patches.size());
-    const optics::FlatColour flat(set, options.pitch_mm);
-    const Eigen::Matrix3d to_rgb = optics::linear_srgb_of(flat.white());
-    parallel_for(0, table.patches.size(), 64, [&](std::size_t p) {
-        if (!is_thick(table.patches[p]))
-            throw InputError(fmt::format("{}: patch {} has a thickness, but others of its table are thick; give all of "
-                                         "them a thickness, or none.",
-                                         table.patches[p].where, patch_name(table.patches[p])));
-        predict_mixture(flat, set, to_rgb, table.patches[p], check.patches[p]);
-    });
-    measure_differences(table, set.channels, check);
-    return check;
+    if (std::ranges::any_of(table.patches, is_thick)) return check_mixtures(set, table, options);
+    return compare_patches(table, predict_squares(set, table, options), set.channels);
 }
 
 }  // namespace voxtone::calibration

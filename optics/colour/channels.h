@@ -11,7 +11,7 @@
 
 #include <array>
 #include <cstddef>
-#include <span>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -36,11 +36,17 @@ struct Channels {
     friend bool operator==(const Channels&, const Channels&) = default;
 };
 
+/// What is wrong with them: wavelengths that do not rise, too many channels, weights that make no white (sums farther
+/// than 1e-4 from the illuminant's); nothing where all is well.
+[[nodiscard]] std::optional<std::string> fault_of(const Channels& channels);
+
 /// X, Y and Z themselves, each relative to the white: what a colorimeter measures.
 [[nodiscard]] Channels colorimetric_channels(Illuminant illuminant);
 
 /// "R", "450 nm" or "channel 2" (from 1).
 [[nodiscard]] std::string channel_name(const Channels& channels, std::size_t channel);
+/// The same in a word, for columns and files: "R", "450nm" or "c2".
+[[nodiscard]] std::string channel_word(const Channels& channels, std::size_t channel);
 /// "R, G, B", "31 wavelengths from 400 to 700 nm" or "4 channels of their own".
 [[nodiscard]] std::string channels_text(const Channels& channels);
 

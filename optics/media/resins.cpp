@@ -75,32 +75,6 @@ void validate_resin(const ResinSet& set, const Resin& resin) {
     }
 }
 
-void validate_channels(const ResinSet& set) {
-    const Channels& channels = set.channels;
-    VOXTONE_EXPECT(channels.wavelengths_nm.empty() || channels.xyz.empty());
-    for (std::size_t i = 0; i < channels.wavelengths_nm.size(); ++i) {
-        const double nm = channels.wavelengths_nm[i];
-        if (!(nm > 0 && std::isfinite(nm)) || (i > 0 && !(nm > channels.wavelengths_nm[i - 1])))
-            throw InputError(
-                fmt::format("Resin set \"{}\": wavelength number {} is {} nm; wavelengths must be positive and rise.",
-                            set.name, i + 1, nm));
-    }
-    if (!channels.is_own()) return;
-    if (channels.size() > max_own_channels)
-        throw InputError(fmt::format("Resin set \"{}\" has {} channels of its own; at most {} are possible.", set.name,
-                                     channels.size(), max_own_channels));
-    const Eigen::Vector3d white = colorimetric_white(channels.illuminant);
-    for (std::size_t k = 0; k < 3; ++k) {
-        double sum = 0;
-        for (const auto& weight : channels.xyz) sum += weight[k];
-        if (!(std::abs(sum - white[static_cast<Eigen::Index>(k)]) <= 1e-4))
-            throw InputError(fmt::format(
-                "Resin set \"{}\": the channels' weights to {} sum to {}, but the white of their illuminant has {}; a "
-                "perfect diffuser must be white.",
-                set.name, "XYZ"[k], sum, white[static_cast<Eigen::Index>(k)]));
-    }
-}
-
 }  // namespace
 
 Medium Resin::medium(std::size_t channel) const {
@@ -165,7 +139,7 @@ void ResinSet::validate() const {
             fmt::format("Resin set \"{}\": eta is {}; the refractive index must be at least 1 (resins have about 1.5).",
                         name, eta));
     }
-    validate_channels(*this);
+    if (const auto fault = fault_of(channels)) throw InputError(fmt::format("Resin set \"{}\": {}.", name, *fault));
     validate_measured(*this);
     for (std::size_t r = 0; r < resins.size(); ++r) {
         validate_resin(*this, resins[r]);
