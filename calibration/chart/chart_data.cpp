@@ -30,8 +30,7 @@ TableObserver observer_of(const Channels& channels) {
         TableObserver own{channels.illuminant, optics::colorimetric_white(channels.illuminant), {}};
         own.weights.resize(3, static_cast<Eigen::Index>(channels.size()));
         for (std::size_t c = 0; c < channels.size(); ++c)
-            own.weights.col(static_cast<Eigen::Index>(c)) =
-                Eigen::Map<const Eigen::Vector3d>(channels.xyz[c].data());
+            own.weights.col(static_cast<Eigen::Index>(c)) = Eigen::Map<const Eigen::Vector3d>(channels.xyz[c].data());
         return own;
     }
     if (channels.is_rgb()) return {Illuminant::d65, optics::d65_white(), optics::xyz_from_linear_srgb_matrix()};
@@ -42,7 +41,6 @@ TableObserver observer_of(const Channels& channels) {
     return spectral;
 }
 
-
 std::vector<std::string> roles_of(const PatchTable& table) {
     std::set<std::string> roles;
     for (const Patch& patch : table.patches)
@@ -52,10 +50,11 @@ std::vector<std::string> roles_of(const PatchTable& table) {
 
 void expect_thick(const Patch& patch) {
     if (patch.thickness_mm == 0 && patch.backing.empty()) return;
-    throw InputError(fmt::format(
-        "{}: patch {} is {} mm thick upon {}, but a chart of mixtures is fitted as thick, where nothing shines through; "
-        "leave thickness_mm and backing out if its patches hide what is under them.",
-        patch.where, mixture_text(patch.top), patch.thickness_mm, patch.backing));
+    throw InputError(
+        fmt::format("{}: patch {} is {} mm thick upon {}, but a chart of mixtures is fitted as thick, where nothing "
+                    "shines through; "
+                    "leave thickness_mm and backing out if its patches hide what is under them.",
+                    patch.where, mixture_text(patch.top), patch.thickness_mm, patch.backing));
 }
 
 }  // namespace
@@ -78,8 +77,9 @@ ChartData chart_data(const PatchTable& table) {
     for (const Patch& patch : table.patches) {
         expect_thick(patch);
         const auto [entry, is_new] = rows.try_emplace(mixture_text(patch.top), sums.size());
-        const Eigen::Vector3d xyz = observer.weights * Eigen::Map<const Eigen::VectorXd>(
-                                                           patch.rho.data(), static_cast<Eigen::Index>(patch.rho.size()));
+        const Eigen::Vector3d xyz =
+            observer.weights *
+            Eigen::Map<const Eigen::VectorXd>(patch.rho.data(), static_cast<Eigen::Index>(patch.rho.size()));
         measured.push_back(optics::lab_roots(xyz, data.white));
         if (is_new) {
             sums.emplace_back(Eigen::Vector3d::Zero());
@@ -90,8 +90,8 @@ ChartData chart_data(const PatchTable& table) {
     }
     const auto mixtures = static_cast<Eigen::Index>(sums.size()), resins = static_cast<Eigen::Index>(data.roles.size());
     if (mixtures < 2)
-        throw InputError(fmt::format("{}: one mixture alone tells nothing of its resins; measure a chart of them.",
-                                     table.source));
+        throw InputError(
+            fmt::format("{}: one mixture alone tells nothing of its resins; measure a chart of them.", table.source));
     data.repeats = Eigen::VectorXd::Zero(mixtures);
     for (const std::size_t row : data.row_of) data.repeats[static_cast<Eigen::Index>(row)] += 1;
     data.shares = Eigen::MatrixXd::Zero(mixtures, resins);

@@ -64,8 +64,7 @@ void predict_fold(const ChartData& data, const std::vector<int>& fold, int k, in
         const Eigen::VectorXd shares = data.shares.row(left[i]).transpose();
         out.physics.row(left[i]) = physics.row(row);
         out.corrected.row(left[i]) =
-            physics.row(row) +
-            residual({shares.data(), static_cast<std::size_t>(shares.size())}).transpose();
+            physics.row(row) + residual({shares.data(), static_cast<std::size_t>(shares.size())}).transpose();
     }
 }
 
@@ -128,17 +127,18 @@ void expect_enough(const ChartData& data, const PatchTable& table, const ChartFi
                                          fmt::join(data.roles, ", ")));
     if (data.resins() < 3) return;
     const Eigen::RowVector3d middle = data.lab.colwise().mean();
-    const Eigen::Matrix3d spread =
-        (data.lab.rowwise() - middle).transpose() * (data.lab.rowwise() - middle) / static_cast<double>(data.mixtures());
+    const Eigen::Matrix3d spread = (data.lab.rowwise() - middle).transpose() * (data.lab.rowwise() - middle) /
+                                   static_cast<double>(data.mixtures());
     // The smaller axis of the a, b cloud about white: patches of one hue lie on a line from it.
-    const Eigen::Matrix2d ab = data.lab.rightCols<2>().transpose() * data.lab.rightCols<2>() /
-                               static_cast<double>(data.mixtures());
+    const Eigen::Matrix2d ab =
+        data.lab.rightCols<2>().transpose() * data.lab.rightCols<2>() / static_cast<double>(data.mixtures());
     const double half = ab.trace() / 2, narrow = half - std::sqrt(std::max(half * half - ab.determinant(), 0.0));
     if (narrow < 4 || spread.trace() < 4)
-        throw InputError(fmt::format(
-            "{}: all patches are of one hue, from which {} resins cannot be told apart; measure mixtures all around the "
-            "colours that the resins make (calibrate chart).",
-            table.source, data.resins()));
+        throw InputError(
+            fmt::format("{}: all patches are of one hue, from which {} resins cannot be told apart; measure mixtures "
+                        "all around the "
+                        "colours that the resins make (calibrate chart).",
+                        table.source, data.resins()));
 }
 
 optics::ResinSet set_of(const ChartData& data, const ObserverParts& parts, const PatchTable& table,
@@ -226,8 +226,7 @@ ChartFit fit_chart(const PatchTable& table, const ChartFitOptions& options, cons
         result.set.residual = make_residual(data, left, shape);
         for (Eigen::Index i = 0; i < data.mixtures(); ++i) {
             const Eigen::VectorXd shares = data.shares.row(i).transpose();
-            fitted.row(i) +=
-                result.set.residual({shares.data(), static_cast<std::size_t>(shares.size())}).transpose();
+            fitted.row(i) += result.set.residual({shares.data(), static_cast<std::size_t>(shares.size())}).transpose();
         }
         result.residual_size = optics::summarize(root_differences(fitted, fit.roots)).mean;
     }
@@ -238,9 +237,7 @@ ChartFit fit_chart(const PatchTable& table, const ChartFitOptions& options, cons
     LeftOut out = empty_prediction(data);
     parallel_for(
         0, static_cast<std::size_t>(folds), 1,
-        [&](std::size_t k) {
-            predict_fold(data, fold, static_cast<int>(k), channels, chosen, shape, progress, out);
-        },
+        [&](std::size_t k) { predict_fold(data, fold, static_cast<int>(k), channels, chosen, shape, progress, out); },
         progress);
     add_held_out(data, out, result);
     add_limits(data, result);

@@ -5,8 +5,8 @@
 // thick mixtures do not tell, from the white of another set.
 //
 // Errors that are reported are of mixtures that took no part: the mixtures are cut into folds, repeats of one mixture
-// together, and each fold is predicted by a fit of the others. Lengths and noise of the residual are chosen on all (they
-// are as many numbers as resins, and one).
+// together, and each fold is predicted by a fit of the others. Lengths and noise of the residual are chosen on all
+// (they are as many numbers as resins, and one).
 #pragma once
 
 #include <optional>
@@ -46,11 +46,11 @@ struct HeldOutPatch {
 struct ChartFit {
     optics::ResinSet set;
     optics::DifferenceSummary fitted, held_out, held_out_physics, noise;  ///< CIEDE2000; noise: of repeats
-    std::vector<ChannelChoice> curve;     ///< of the numbers of channels that were tried
-    std::vector<HeldOutPatch> worst;      ///< largest held-out differences, first
-    std::vector<HeldOutPatch> solids;     ///< held-out difference of each resin's solid, where it was measured
-    double residual_size = 0;             ///< mean CIEDE2000 between predictions with and without it
-    std::vector<std::string> warnings;    ///< where the set must not be trusted
+    std::vector<ChannelChoice> curve;   ///< of the numbers of channels that were tried
+    std::vector<HeldOutPatch> worst;    ///< largest held-out differences, first
+    std::vector<HeldOutPatch> solids;   ///< held-out difference of each resin's solid, where it was measured
+    double residual_size = 0;           ///< mean CIEDE2000 between predictions with and without it
+    std::vector<std::string> warnings;  ///< where the set must not be trusted
     double seconds = 0;
 };
 

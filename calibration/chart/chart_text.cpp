@@ -12,7 +12,8 @@ namespace {
 using ChartJson = nlohmann::ordered_json;
 
 std::string summary_text(std::string_view what, const optics::DifferenceSummary& d) {
-    return fmt::format("  {:<34} {:>6.2f} {:>7.2f} {:>7.2f} {:>8.2f}\n", what, d.mean, d.median, d.percentile_95, d.max);
+    return fmt::format("  {:<34} {:>6.2f} {:>7.2f} {:>7.2f} {:>8.2f}\n", what, d.mean, d.median, d.percentile_95,
+                       d.max);
 }
 
 ChartJson summary_json(const optics::DifferenceSummary& d) {

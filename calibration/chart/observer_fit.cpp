@@ -114,8 +114,8 @@ std::vector<double> root_differences(const Eigen::MatrixX3d& predicted, const Ei
     const Eigen::Vector3d black(16, 0, 0);
     std::vector<double> differences;
     for (Eigen::Index i = 0; i < predicted.rows(); ++i)
-        differences.push_back(optics::ciede2000(map * predicted.row(i).transpose() - black,
-                                                map * measured.row(i).transpose() - black));
+        differences.push_back(
+            optics::ciede2000(map * predicted.row(i).transpose() - black, map * measured.row(i).transpose() - black));
     return differences;
 }
 

@@ -23,8 +23,8 @@ namespace voxtone::calibration {
 
 /// What the unknowns stand for.
 struct ObserverParts {
-    Eigen::MatrixXd a, s;         ///< resins x channels; s of the white resin is 1
-    Eigen::MatrixX3d weights;     ///< channels x 3, columns sum to 1: XYZ relative to white
+    Eigen::MatrixXd a, s;      ///< resins x channels; s of the white resin is 1
+    Eigen::MatrixX3d weights;  ///< channels x 3, columns sum to 1: XYZ relative to white
     double surface = 0, gain = 1;
 };
 

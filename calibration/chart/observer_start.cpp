@@ -39,7 +39,8 @@ double absorption(const ChartData& data, Eigen::Index resin, double nm) {
     if (role == "Y") return 0.003 + 2.5 * (1 - step(nm, 495, 8));
     if (role == "K") return 0.9;
     const Eigen::Vector3d lab = data.lab.row(purest_patch(data, resin)).transpose();
-    const Eigen::Vector3d xyz = optics::adapt_white(optics::xyz_from_lab(lab, data.white), data.white, optics::d65_white());
+    const Eigen::Vector3d xyz =
+        optics::adapt_white(optics::xyz_from_lab(lab, data.white), data.white, optics::d65_white());
     return absorption_by_colour(optics::linear_srgb_from_xyz(xyz), nm);
 }
 

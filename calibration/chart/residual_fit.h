@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// What physics leaves of a chart as a smooth function of shares (optics/media/colour_residual.h): the mean of a Gaussian
-// process whose kernel is the residual's, one length a resin, and whose noise is a share of its variance.
+// What physics leaves of a chart as a smooth function of shares (optics/media/colour_residual.h): the mean of a
+// Gaussian process whose kernel is the residual's, one length a resin, and whose noise is a share of its variance.
 //
-//   weights = (K + nu / repeats)^-1 D,     left out itself, a mixture would be off by  weights_i / (K + nu / repeats)^-1_ii
+//   weights = (K + nu / repeats)^-1 D,     left out itself, a mixture would be off by  weights_i / (K + nu /
+//   repeats)^-1_ii
 //
 // Lengths and nu are those of the least mean CIEDE2000 of mixtures that were left out (Rasmussen, Williams 2006, Sec.
 // 5.4.2), found one after the other from one length for all.

@@ -32,8 +32,7 @@ double ColourResidual::kernel(double distance) { return (1 + root_3 * distance) 
 Eigen::RowVectorXd ColourResidual::place(std::span<const double> shares, std::span<const double> lengths) {
     VOXTONE_EXPECT(shares.size() == lengths.size());
     Eigen::RowVectorXd x(static_cast<Eigen::Index>(shares.size()));
-    for (std::size_t r = 0; r < shares.size(); ++r)
-        x[static_cast<Eigen::Index>(r)] = place_of(shares[r], lengths[r]);
+    for (std::size_t r = 0; r < shares.size(); ++r) x[static_cast<Eigen::Index>(r)] = place_of(shares[r], lengths[r]);
     return x;
 }
 

@@ -28,20 +28,19 @@ bool same_letters(std::string_view a, std::string_view b) {
 void validate_measured(const ResinSet& set) {
     if (!(set.dot_spread >= 0 && set.dot_spread <= 1))
         throw InputError(fmt::format(
-            "Resin set \"{}\": dot_spread is {}; it must lie between 0 (sharp voxels) and 1 (an ideal mixture).", set.name,
-            set.dot_spread));
+            "Resin set \"{}\": dot_spread is {}; it must lie between 0 (sharp voxels) and 1 (an ideal mixture).",
+            set.name, set.dot_spread));
     const FlatMeasurement& measured = set.measured;
     if (!(measured.surface >= 0 && measured.surface < 1))
-        throw InputError(fmt::format(
-            "Resin set \"{}\": the surface's reflection is {}; a share of light must lie in [0, 1).", set.name,
-            measured.surface));
+        throw InputError(
+            fmt::format("Resin set \"{}\": the surface's reflection is {}; a share of light must lie in [0, 1).",
+                        set.name, measured.surface));
     if (!(measured.gain >= 0.1 && measured.gain <= 10))
         throw InputError(fmt::format("Resin set \"{}\": the instrument's gain is {}; expected 0.1 to 10, 1 as a rule.",
                                      set.name, measured.gain));
     if (!set.residual.empty() && set.residual.lengths().size() != set.resins.size())
-        throw InputError(
-            fmt::format("Resin set \"{}\": its residual is of {} resins, but the set has {}.", set.name,
-                        set.residual.lengths().size(), set.resins.size()));
+        throw InputError(fmt::format("Resin set \"{}\": its residual is of {} resins, but the set has {}.", set.name,
+                                     set.residual.lengths().size(), set.resins.size()));
 }
 
 void validate_resin(const ResinSet& set, const Resin& resin) {

@@ -11,8 +11,8 @@
 #include <map>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 #include "voxtone/base/random.h"
 #include "voxtone/calibration/chart/chart_fit.h"
@@ -36,8 +36,7 @@ Cut cut_table(const PatchTable& table, std::size_t count, std::uint64_t draw) {
     for (const Patch& patch : table.patches) key.try_emplace(mixture_text(patch.top), 0);
     std::vector<std::pair<double, std::string>> order;
     std::uint64_t index = 0;
-    for (const auto& [mixture, unused] : key)
-        order.emplace_back(RandomStream(draw, index++, 1).uniform(), mixture);
+    for (const auto& [mixture, unused] : key) order.emplace_back(RandomStream(draw, index++, 1).uniform(), mixture);
     std::sort(order.begin(), order.end());
     if (count == 0) count = order.size() / 2;
     for (std::size_t k = 0; k < order.size(); ++k) key[order[k].second] = k < count ? 1 : 0;
@@ -84,8 +83,8 @@ int main(int argc, char** argv) {
                 seconds += fit.seconds / draws;
                 taken += static_cast<double>(fit.set.channels.size()) / draws;
             }
-            fmt::print("{:>6}  {:>8.1f}  {:.2f}   {:.2f}            {:.2f}   {:.2f}   {:.1f}\n", count, taken, mean, most,
-                       physics_mean, physics_most, seconds);
+            fmt::print("{:>6}  {:>8.1f}  {:.2f}   {:.2f}            {:.2f}   {:.2f}   {:.1f}\n", count, taken, mean,
+                       most, physics_mean, physics_most, seconds);
             std::fflush(stdout);
         }
     return 0;
