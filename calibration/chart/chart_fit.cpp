@@ -23,7 +23,10 @@ namespace voxtone::calibration {
 namespace {
 
 constexpr int least_channels = 3, most_channels = 12;
-constexpr int choice_folds = 5;
+constexpr std::size_t choice_folds = 5;
+// Few mixtures are cut anew several times: one cut of thirty says little.
+constexpr Eigen::Index cut_mixtures = 240;
+constexpr Eigen::Index most_cuts = 8;
 // Fewer channels are taken where they are as good within this: every one costs light transport its price.
 constexpr double as_good = 1.01;
 
@@ -32,10 +35,10 @@ ObserverModel model_of(const ChartData& data, int channels, const ChartFitOption
 }
 
 // Fold of each mixture: an even cut of a shuffled order.
-std::vector<int> folds_of(Eigen::Index mixtures, int folds) {
+std::vector<int> folds_of(Eigen::Index mixtures, int folds, std::uint64_t cut = 0) {
     std::vector<std::size_t> order(static_cast<std::size_t>(mixtures));
     std::iota(order.begin(), order.end(), std::size_t{0});
-    RandomStream random(20261125, 0);
+    RandomStream random(20261125, cut);
     for (std::size_t k = order.size(); k > 1; --k)
         std::swap(order[k - 1], order[static_cast<std::size_t>(random.uniform() * static_cast<double>(k))]);
     std::vector<int> fold(order.size());
@@ -90,20 +93,29 @@ std::vector<ChannelChoice> channel_curve(const ChartData& data, const ChartFitOp
                                          const Progress* progress) {
     const std::vector<int> tried = candidates(data, options);
     if (tried.size() == 1) return {};
-    const std::vector<int> fold = folds_of(data.mixtures(), choice_folds);
-    std::vector<LeftOut> left(tried.size(), empty_prediction(data));
+    const auto cuts = static_cast<std::size_t>(std::clamp<Eigen::Index>(cut_mixtures / data.mixtures(), 1, most_cuts));
+    std::vector<std::vector<int>> fold;
+    for (std::size_t cut = 0; cut < cuts; ++cut)
+        fold.push_back(folds_of(data.mixtures(), static_cast<int>(choice_folds), cut));
+    std::vector<LeftOut> left(tried.size() * cuts, empty_prediction(data));
+    const std::size_t fits = cuts * choice_folds;
     // The largest first: they take longest.
     parallel_for(
-        0, tried.size() * choice_folds, 1,
+        0, tried.size() * fits, 1,
         [&](std::size_t task) {
-            const std::size_t at = tried.size() - 1 - task / choice_folds;
-            predict_fold(data, fold, static_cast<int>(task % choice_folds), tried[at], options,
-                         usual_residual_shape(data.resins()), progress, left[at]);
+            const std::size_t at = tried.size() - 1 - task / fits, cut = task % fits / choice_folds;
+            predict_fold(data, fold[cut], static_cast<int>(task % choice_folds), tried[at], options,
+                         usual_residual_shape(data.resins()), progress, left[at * cuts + cut]);
         },
         progress);
     std::vector<ChannelChoice> curve;
-    for (std::size_t k = 0; k < tried.size(); ++k)
-        curve.push_back({tried[k], mean_difference(left[k].physics, data), mean_difference(left[k].corrected, data)});
+    for (std::size_t k = 0; k < tried.size(); ++k) {
+        ChannelChoice& choice = curve.emplace_back(ChannelChoice{tried[k], 0, 0});
+        for (std::size_t cut = 0; cut < cuts; ++cut) {
+            choice.physics += mean_difference(left[k * cuts + cut].physics, data) / static_cast<double>(cuts);
+            choice.with_residual += mean_difference(left[k * cuts + cut].corrected, data) / static_cast<double>(cuts);
+        }
+    }
     return curve;
 }
 

@@ -12,7 +12,7 @@ namespace voxtone::optics {
 
 namespace {
 
-constexpr Eigen::Index table_samples = 129;
+constexpr Eigen::Index table_samples = 193;
 // Nearer to 1 the modes of a half-space lose digits; it is black within 1e-9 of the last sample there.
 constexpr double darkest = 1 - 1e-9;
 
