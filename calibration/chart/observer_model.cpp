@@ -12,6 +12,10 @@ namespace {
 // A surface of resin throws back 4 %; more is no surface.
 constexpr double most_surface = 0.05;
 
+// An instrument's white is a perfect diffuser's within a tenth. Left free, the gain takes a part of what absorption
+// does: colours are as good, but white would carry light less far than its reflectance says.
+constexpr double gain_range = 0.1;
+
 // Order of the unknowns: ln a [resin][channel], ln s of all but white [resin][channel], ln w [channel][XYZ], surface,
 // gain.
 double logistic(double x) { return 1 / (1 + std::exp(-x)); }
@@ -37,7 +41,7 @@ ObserverParts ObserverModel::parts(const Eigen::VectorXd& unknowns) const {
         for (Eigen::Index k = 0; k < 3; ++k) parts.weights(c, k) = std::exp(unknowns[at++]);
     for (Eigen::Index k = 0; k < 3; ++k) parts.weights.col(k) /= parts.weights.col(k).sum();
     parts.surface = most_surface * logistic(unknowns[at++]);
-    parts.gain = std::exp(unknowns[at]);
+    parts.gain = 1 + gain_range * std::tanh(unknowns[at]);
     return parts;
 }
 
@@ -51,7 +55,7 @@ Eigen::VectorXd ObserverModel::unknowns_of(const ObserverParts& parts) const {
     for (Eigen::Index c = 0; c < channels_; ++c)
         for (Eigen::Index k = 0; k < 3; ++k) unknowns[at++] = std::log(parts.weights(c, k));
     unknowns[at++] = std::log(parts.surface / (most_surface - parts.surface));
-    unknowns[at] = std::log(parts.gain);
+    unknowns[at] = std::atanh((parts.gain - 1) / gain_range);
     return unknowns;
 }
 
@@ -87,7 +91,8 @@ Eigen::Vector3d ObserverModel::colour(const ObserverParts& parts, const Eigen::R
             by_unknown(k, at++) = parts.weights(c, k) * (seen[c] - colour[k]);
         }
     by_unknown.col(at++).setConstant(parts.gain * parts.surface * (1 - parts.surface / most_surface));
-    by_unknown.col(at) = colour;
+    const double towards_end = (parts.gain - 1) / gain_range;
+    by_unknown.col(at) = gain_range * (1 - towards_end * towards_end) / parts.gain * colour;
     return colour;
 }
 

@@ -7,8 +7,8 @@
 //   XYZ_k / white_k = gain sum_c (w_ck / sum_j w_jk) (surface + rho(A_c, S_c))      (half_space_reflectance.h)
 //
 // Unknowns: ln a, ln s, ln w (the sum in the denominator makes a perfect diffuser white), a root of the surface's
-// reflection and ln gain: K (2 R - 1 + 3) + 2 of them for R resins. Colour of thick mixtures tells absorption relative
-// to scattering alone: lengths come from elsewhere.
+// reflection and one for the gain, which stays within a tenth of 1: K (2 R - 1 + 3) + 2 of them for R resins. Colour of
+// thick mixtures tells absorption relative to scattering alone: lengths come from elsewhere.
 #pragma once
 
 #include <string>
