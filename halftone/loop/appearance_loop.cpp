@@ -21,6 +21,7 @@
 #include "voxtone/halftone/loop/relative_colours.h"
 #include "voxtone/halftone/loop/residual_feedback.h"
 #include "voxtone/halftone/loop/seen_error.h"
+#include "voxtone/optics/layered/mixture_correction.h"
 #include "voxtone/optics/scene/surface_smoothing.h"
 
 namespace voxtone::halftone {
@@ -262,6 +263,8 @@ private:
     std::optional<EyeFilter> wide_;
     const Colours target_;            ///< as the resins can show it on a thick body
     const RelativeColours relative_;  ///< to the white of the state
+    const optics::MixtureCorrection correction_;
+    std::vector<Eigen::Matrix3f> corrections_;  ///< of the last print's cells; empty for a set without a residual
     const SeenError error_;
     const std::unique_ptr<optics::AppearanceSequence> sequence_;
     Neighbourhood around_;
@@ -289,6 +292,7 @@ LoopRun::LoopRun(const LoopTask& task, const LoopOptions& options, Progress& pro
       in_gamut_(cells_in_gamut(recipes_, task.target)),
       target_(mapped_target()),
       relative_(task.scene.resins->channels, state_.white),
+      correction_(*task.scene.resins, options.intent == Intent::absolute ? -1 : task.white_resin),
       error_(*task.surface, task.target, in_gamut_, options.viewing_distance_mm),
       sequence_(task.model->sequence(task.scene, *task.surface, &progress)),
       around_(*task.surface),
@@ -420,6 +424,10 @@ void LoopRun::predict(optics::ResinVolume volume, LoopMethod method) {
     print_ = std::move(volume);
     const optics::Appearance seen = sequence_->next(print_, &progress_);
     rgb_ = relative_.colours(seen);
+    if (correction_.any()) {
+        corrections_ = correction_.of_surface(print_, *task_.surface, &progress_);
+        optics::correct_colours(corrections_, rgb_);
+    }
     remarks_ = seen.remarks;
     LoopStep step;
     step.iteration = static_cast<int>(state_.steps.size());
@@ -456,7 +464,9 @@ void LoopRun::correct_control() {
 /// One step of the descent from the last print. False where the model has no gradient.
 bool LoopRun::move_downhill() {
     if (!misfit_) prepare_misfit();
-    const std::vector<float> seed = relative_.adjoint((*misfit_)(rgb_).by_colour);
+    Colours by_colour = (*misfit_)(rgb_).by_colour;
+    if (correction_.any()) optics::correct_derivatives(corrections_, by_colour);
+    const std::vector<float> seed = relative_.adjoint(by_colour);
     std::vector<float> mixture_gradient = task_.mixture_gradient(
         [&](const LoopTask::GradientVisitor& visit) { return sequence_->gradient(seed, visit, &progress_); });
     if (mixture_gradient.empty()) return false;

@@ -13,6 +13,9 @@
 // two. What is predicted are the voxels themselves, as the screen laid them: its error is fed back like any other. Any
 // AppearanceModel serves.
 //
+// Where the set has a residual, what the model sees is corrected for the mixture around each place
+// (optics/layered/mixture_correction.h); the gradient takes the corrections of the last print as fixed.
+//
 // Before the first step targets are mapped into the gamut of the resins on a thick body (the separation's mapping: hue
 // kept; local contrast given back, map_targets.h); what a place cannot show because of its neighbours or of what lies
 // behind it is found out on the way, and targets are relaxed.
@@ -65,7 +68,8 @@ inline constexpr int feedback_iterations = 3;  ///< before the descent
 
 struct LoopTask {
     const optics::AppearanceModel* model = nullptr;
-    optics::Scene scene;  ///< its volume is the shape, all of the white resin: what media-relative values refer to
+    optics::Scene scene;   ///< its volume is the shape, all of the white resin: what media-relative values refer to
+    int white_resin = -1;  ///< of the scene's volume; where the set has a residual, relative colours refer to it
     std::function<optics::ResinVolume()> open_loop;  ///< the print that the loop begins with
     const optics::Surface* surface = nullptr;
     const MinimalDepthSeparation* recipes = nullptr;

@@ -15,11 +15,12 @@ AppearanceColour::AppearanceColour(const optics::ShellAppearance& appearance, co
             fmt::format("colour separation was told of {} channels, but the resin set has {}: what colour they are is "
                         "unknown; give the channels of the set",
                         channels.size(), appearance.channels()));
+    if (!appearance.set().residual.empty()) correction_.emplace(appearance.set(), appearance.geometry().white());
     if (channels.is_rgb()) return;
     from_channels_ = optics::ObservedColour<double>(channels).relative_weights(appearance.white_appearance().data());
 }
 
-Eigen::Vector3d AppearanceColour::rgb(std::span<const double> fractions) const {
+Eigen::Vector3d AppearanceColour::physics(std::span<const double> fractions) const {
     Eigen::Vector3d colour;
     if (from_channels_.size() == 0) {
         appearance_.media_relative(fractions, {colour.data(), 3});
@@ -30,7 +31,7 @@ Eigen::Vector3d AppearanceColour::rgb(std::span<const double> fractions) const {
     return from_channels_ * value;
 }
 
-Eigen::Vector3d AppearanceColour::rgb(std::span<const double> fractions, Gradient& gradient) const {
+Eigen::Vector3d AppearanceColour::physics(std::span<const double> fractions, Gradient& gradient) const {
     const auto n = static_cast<Eigen::Index>(fractions.size());
     gradient.resize(3, n);
     Eigen::Vector3d colour;
@@ -44,6 +45,19 @@ Eigen::Vector3d AppearanceColour::rgb(std::span<const double> fractions, Gradien
                            {by_fraction.data(), std::size_t(by_fraction.size())});
     gradient = from_channels_ * by_fraction;
     return from_channels_ * value;
+}
+
+Eigen::Vector3d AppearanceColour::rgb(std::span<const double> fractions) const {
+    if (!correction_) return physics(fractions);
+    return correction_->of(fractions) * physics(fractions);
+}
+
+Eigen::Vector3d AppearanceColour::rgb(std::span<const double> fractions, Gradient& gradient) const {
+    const Eigen::Vector3d plain = physics(fractions, gradient);
+    if (!correction_) return plain;
+    const Eigen::Matrix3d correction = correction_->of(fractions);
+    gradient = (correction * gradient).eval();
+    return correction * plain;
 }
 
 }  // namespace voxtone::halftone

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxtone/optics/layered/flat_colour.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "voxtone/base/contracts.h"
+#include "voxtone/optics/colour/channels.h"
 #include "voxtone/optics/colour/colour.h"
 
 namespace voxtone::optics {
@@ -39,7 +41,9 @@ FlatColour::FlatColour(const ResinSet& set, const std::array<double, 3>& pitch_m
       residual_(set.residual),
       measured_(set.measured),
       weights_(xyz_of_channels(set.channels)),
-      white_(set.channels.is_own() ? colorimetric_white(set.channels.illuminant) : d65_white()) {}
+      white_(set.channels.is_own() ? colorimetric_white(set.channels.illuminant) : d65_white()),
+      to_rgb_(linear_srgb_of(white_)),
+      from_rgb_(to_rgb_.inverse()) {}
 
 std::vector<double> FlatColour::reading(std::span<const double> shares) const {
     std::vector<double> rho(static_cast<std::size_t>(weights_.cols()));
@@ -69,6 +73,11 @@ Eigen::Vector3d FlatColour::ratio(std::span<const double> shares) const {
     for (Eigen::Index k = 0; k < 3; ++k)
         ratio[k] = plain[k] > 0 ? std::clamp(corrected[k] / plain[k], 1 / largest_ratio, largest_ratio) : 1;
     return ratio;
+}
+
+Eigen::Matrix3d FlatColour::correction(std::span<const double> shares) const {
+    if (!corrects()) return Eigen::Matrix3d::Identity();
+    return to_rgb_ * ratio(shares).asDiagonal() * from_rgb_;
 }
 
 }  // namespace voxtone::optics

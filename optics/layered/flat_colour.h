@@ -34,6 +34,9 @@ public:
     /// xyz / physics; (1, 1, 1) without a residual.
     [[nodiscard]] Eigen::Vector3d ratio(std::span<const double> shares) const;
     [[nodiscard]] bool corrects() const { return !residual_.empty(); }
+    /// The same for linear sRGB: correction(shares) * rgb is rgb with its XYZ times `ratio`; the identity without a
+    /// residual.
+    [[nodiscard]] Eigen::Matrix3d correction(std::span<const double> shares) const;
 
     /// rho per channel, gain and surface included: what a check compares.
     [[nodiscard]] std::vector<double> reading(std::span<const double> shares) const;
@@ -45,6 +48,7 @@ private:
     FlatMeasurement measured_;
     Eigen::Matrix3Xd weights_;
     Eigen::Vector3d white_;
+    Eigen::Matrix3d to_rgb_, from_rgb_;  ///< linear sRGB of XYZ under `white_`, and back
 };
 
 /// CIELAB's f of XYZ / white, and back: straight below (6/29)^3, so that negative values keep their sign.

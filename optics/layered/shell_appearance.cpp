@@ -131,6 +131,7 @@ ShellAppearance& ShellAppearance::operator=(ShellAppearance&&) noexcept = defaul
 std::size_t ShellAppearance::channels() const { return tables_->tables.size(); }
 std::size_t ShellAppearance::resins() const { return tables_->set.resins.size(); }
 const ShellGeometry& ShellAppearance::geometry() const { return tables_->geometry; }
+const ResinSet& ShellAppearance::set() const { return tables_->set; }
 std::span<const double> ShellAppearance::white_appearance() const { return tables_->white; }
 
 void ShellAppearance::appearance(std::span<const double> fractions, std::span<double> out) const {

@@ -62,6 +62,7 @@ public:
     [[nodiscard]] std::size_t channels() const;
     [[nodiscard]] std::size_t resins() const;
     [[nodiscard]] const ShellGeometry& geometry() const;
+    [[nodiscard]] const ResinSet& set() const;
 
     /// Appearance per channel of a shell of this mixture. `fractions`: one per resin; `out`: one per channel.
     void appearance(std::span<const double> fractions, std::span<double> out) const;

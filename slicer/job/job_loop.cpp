@@ -17,12 +17,16 @@ namespace voxtone::slicer {
 
 namespace {
 
-/// All of the white resin, or of the core where there is none.
+/// The white resin, or that of the core where there is none.
+int white_of(const LoadedResins& resins) {
+    const int white = resins.set.find("W");
+    return white >= 0 ? white : resins.core;
+}
+
+/// All of the white resin.
 optics::ResinVolume shape_of(const PrintParts& parts, const LoadedResins& resins, std::uint64_t print_bytes,
                              const Progress& progress) {
-    const int white = resins.set.find("W");
-    return optics::all_of(parts.shape(print_bytes, progress),
-                          static_cast<optics::Material>((white >= 0 ? white : resins.core) + 1));
+    return optics::all_of(parts.shape(print_bytes, progress), static_cast<optics::Material>(white_of(resins) + 1));
 }
 
 /// A loop by feedback alone needs no gradient of what lies deep: cells in the blocks that light enters and in their
@@ -161,6 +165,7 @@ JobLoop run_job_loop(const LoopProblem& problem, const LoopPlan& plan, const Loo
     halftone::LoopTask task;
     task.model = model.get();
     task.scene = problem.scene;
+    task.white_resin = white_of(problem.resins);
     task.surface = &cells.seen.surface;
     task.recipes = problem.recipes.get();
     task.target = cells.seen.target;

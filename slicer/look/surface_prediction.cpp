@@ -5,6 +5,7 @@
 
 #include "voxtone/base/contracts.h"
 #include "voxtone/optics/colour/observed_colour.h"
+#include "voxtone/optics/layered/mixture_correction.h"
 
 namespace voxtone::slicer {
 
@@ -62,6 +63,9 @@ SurfacePrediction predict_surface(const optics::Scene& scene, optics::Surface su
     } else {
         prediction.rgb = colours_of(prediction, scene.resins->channels, nullptr);
     }
+    const optics::MixtureCorrection correction(*scene.resins, white_resin);
+    if (correction.any())
+        optics::correct_colours(correction.of_surface(*scene.volume, prediction.surface, &progress), prediction.rgb);
     for (const std::string& remark : prediction.remarks) progress.warn(remark);
     return prediction;
 }

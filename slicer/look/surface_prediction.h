@@ -8,6 +8,9 @@
 // channel by channel; colours are made of both appearances first and divided then (optics/colour/observed_colour.h),
 // which is the same for R, G, B alone.
 //
+// Colours of a set with a residual are corrected for the mixture around each place (optics/layered/
+// mixture_correction.h); values by channel are the model's own.
+//
 // Where the model draws random numbers the two appearances are drawn apart and their errors add as for independent
 // values: the error of a / w is sqrt(error_a^2 + (a / w)^2 error_w^2) / w.
 #pragma once

@@ -286,6 +286,37 @@ TEST_CASE("A spectral set is separated by the colour of its spectrum under D65")
     CHECK(summary.max < 3);  // at the edge of the gamut
 }
 
+TEST_CASE("A set with a residual is separated by its corrected colours") {
+    optics::ResinSet set = optics::vero_opaque();
+    // Cyan and yellow together darker and greener than physics says, pale magenta redder.
+    Eigen::MatrixXd centres(3, 5);
+    centres << 0.3, 0, 0.3, 0, 0.4, 0, 0.1, 0, 0, 0.9, 0, 0, 0, 0, 1;
+    Eigen::MatrixX3d weights(3, 3);
+    weights << -0.04, -0.02, -0.03, 0.03, 0.01, 0.01, 0.01, 0.01, 0.01;
+    const optics::ShellAppearance plain_appearance = appearance_of(set);
+    set.residual = {{1, 1, 1, 1, 1}, centres, weights};
+    const optics::ShellAppearance appearance = appearance_of(set);
+    const Separation separation(appearance);
+    const AppearanceColour colour(appearance, {}), plain(plain_appearance, {});
+    const std::vector<double> white{0, 0, 0, 0, 1}, green{0.3, 0, 0.3, 0, 0.4};
+    CHECK((colour.rgb(white) - Eigen::Vector3d::Ones()).norm() < 1e-12);
+    const auto lab = [](const Eigen::Vector3d& rgb) { return optics::lab_from_linear_srgb(rgb); };
+    CHECK(optics::ciede2000(lab(colour.rgb(green)), lab(plain.rgb(green))) > 2);
+
+    std::vector<double> differences, uncorrected;
+    for (int n = 0; n < 600; ++n) {
+        RandomStream random(4, static_cast<std::uint64_t>(n));
+        const Eigen::Vector3d target = colour.rgb(random_mixture(random, 5, 4, n % 2 == 1));
+        if (target.minCoeff() < 0 || target.maxCoeff() > 1) continue;
+        const std::vector<double> found = separation.fractions(target.cast<float>());
+        differences.push_back(optics::ciede2000(lab(target), lab(colour.rgb(found))));
+        uncorrected.push_back(optics::ciede2000(lab(target), lab(plain.rgb(found))));
+    }
+    REQUIRE(differences.size() > 300);
+    CHECK(optics::summarize(differences).mean < 0.5);
+    CHECK(optics::summarize(uncorrected).mean > 2 * optics::summarize(differences).mean);
+}
+
 TEST_CASE("A set in channels of its own is separated as the R, G, B set that shows the same colours") {
     const optics::ResinSet rgb = optics::vero_opaque(),
                            own = optics::testing::split_set(rgb, optics::testing::green_twice);
