@@ -16,6 +16,16 @@ constexpr double robust_from = 2;  // CIEDE2000
 constexpr double ridge = 0.5;
 constexpr int most_iterations = 100;
 
+// Solids, white above all, are what a print shows most of and what its other colours are seen beside: each counts for
+// four. Of 1,136 mixtures of a J750 in four channels white came from 2.5 CIEDE2000 to 1.3 by it, the mean of all from
+// 1.215 to 1.23.
+constexpr double solid_from = 0.995, solid_weight = 4;
+
+double weight_of(const ChartData& data, Eigen::Index row) {
+    const double counts = data.shares.row(row).maxCoeff() > solid_from ? solid_weight : 1;
+    return std::sqrt(counts * data.repeats[row]);
+}
+
 // Derivative of CIELAB's root by XYZ / white.
 double root_slope(double t) {
     constexpr double knee = 6.0 / 29;
@@ -51,7 +61,7 @@ public:
         Eigen::Matrix3Xd by(3, model_.unknowns());
         const Eigen::Vector3d colour = model_.colour(shared_.parts, data_.shares.row(row_), by);
         const Eigen::Matrix3d& metric = data_.metric[static_cast<std::size_t>(row_)];
-        const double weight = std::sqrt(data_.repeats[row_]);
+        const double weight = weight_of(data_, row_);
         const Eigen::Vector3d off = roots_of(colour) - data_.roots.row(row_).transpose();
         Eigen::Map<Eigen::Vector3d> out(residuals);
         out = weight * (metric * off);
