@@ -4,9 +4,9 @@
 //
 //   minimise sum_i L(|W_i (lab roots of colour_i(u) - measured roots_i)|^2 n_i) + lambda^2 |u - u_0|^2
 //
-// |W d| is CIEDE2000 of a small difference, n_i the measurements of a mixture, four times as many for a solid, L(s) = 2
-// b^2 (sqrt(1 + s / b^2) - 1) with b = 2 CIEDE2000, so that a few wrong patches do not bend the rest, u_0 the start
-// (observer_start.h), lambda = 1/2: a factor e^2 in an absorption counts as much as a patch that is off by 1.
+// |W d| is CIEDE2000 of a small difference, n_i the measurements of a mixture, four times as many for a solid,
+// L(s) = 2 b^2 (sqrt(1 + s / b^2) - 1) with b = 2 CIEDE2000, so that a few wrong patches do not bend the rest, u_0 the
+// start (observer_start.h), lambda = 1/2: a factor e^2 in an absorption counts as much as a patch that is off by 1.
 // Levenberg-Marquardt (Ceres), exact derivatives; the same bits for any number of threads.
 #pragma once
 
