@@ -6,8 +6,10 @@
 #include <fmt/format.h>
 
 #include "voxtone/base/error.h"
+#include "voxtone/calibration/chart/chart_text.h"
 #include "voxtone/calibration/fit/fit_report.h"
 #include "voxtone/calibration/fit/fit_text.h"
+#include "voxtone/calibration/fit/patch_page.h"
 #include "voxtone/io/disk/output_files.h"
 #include "voxtone/io/files/whole_file.h"
 #include "voxtone/io/profiles/resin_file.h"
@@ -32,6 +34,40 @@ FitOptions options_of(const FitJob& job) {
     return options;
 }
 
+void expect_chart_options(const FitJob& job) {
+    const auto refuse = [&](bool given, std::string_view option, std::string_view why) {
+        if (given)
+            throw UsageError(
+                fmt::format("{} with {}, a chart of mixtures: {}. Leave it out.", option, job.patches, why));
+    };
+    refuse(!job.prior.empty(), "--prior", "a chart's channels are not those of the edges");
+    refuse(job.g_sweep, "--g-sweep", "thick mixtures look the same with any g");
+    refuse(!job.map.target.empty(), "--target", "its patches lie on no target");
+}
+
+JobResult fit_of_chart(const FitJob& job, const PatchTable& table, const FitOptions& fit, Progress& progress) {
+    expect_chart_options(job);
+    ChartFitOptions options = job.chart;
+    options.name = fit.name;
+    options.g = fit.model.g, options.eta = fit.model.eta;
+    options.expected = fit.expected;
+    options.lengths_from = io::find_resin_set(job.lengths_from);
+    const PatchTable others =
+        job.check.empty() ? PatchTable{} : read_measured_patches(job.check, job.measured, fit.model, progress);
+    const ChartFit found = fit_chart(table, options, &progress);
+    for (const std::string& warning : found.warnings) progress.warn(warning);
+    io::write_whole_file(job.out, io::resin_set_text(found.set));
+    io::write_whole_file(side_file(job.out), chart_fit_json(found) + "\n");
+    std::string text = chart_fit_text(found);
+    const PatchTable& shown = job.check.empty() ? table : others;
+    const PatchCheck check = check_resins(found.set, shown, fit.model);
+    if (!job.check.empty()) text += fmt::format("\n{}\n{}", job.check, check_text(check, others));
+    if (!job.report.empty())
+        io::write_whole_file(job.report, check_report_html(shown, check, found.set, chart_of_patches(shown)));
+    text += fmt::format("\nWrote {} and {}\n", job.out, side_file(job.out).string());
+    return {chart_fit_json(found), text};
+}
+
 }  // namespace
 
 void FitJob::validate() const {
@@ -53,6 +89,7 @@ JobResult run_fit_job(const FitJob& job, Progress& progress) {
         options.model.g = options.prior.g, options.model.eta = options.prior.eta;
     }
     const PatchTable table = read_measured_patches(job.patches, job.measured, options.model, progress);
+    if (table.is_chart) return fit_of_chart(job, table, options, progress);
     const PatchMap map = job.report.empty() ? PatchMap{} : read_patch_map(table, job.map, progress);
     const bool checked = !job.check.empty();
     const PatchTable others =

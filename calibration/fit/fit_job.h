@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// `voxtone calibrate fit`: from a file of patches to a file of resins (calibration/fit/resin_fit.h), with what is known
-// of their errors beside it, a page to look at, a check with other patches and a sweep over g.
+// `voxtone calibrate fit`: from a file of patches to a file of resins, with what is known of their errors beside it.
+// Thin squares of a target: calibration/fit/resin_fit.h, with a page to look at, a check with other patches and a sweep
+// over g. A chart of mixtures: calibration/chart/chart_fit.h.
 #pragma once
 
 #include <string>
 
 #include "voxtone/base/job_result.h"
+#include "voxtone/calibration/chart/chart_fit.h"
 #include "voxtone/calibration/fit/patch_map.h"
 #include "voxtone/calibration/fit/resin_fit.h"
 #include "voxtone/calibration/patches/measured_patches.h"
@@ -16,7 +18,9 @@ namespace voxtone::calibration {
 struct FitJob {
     std::string patches;  ///< file (calibration/patches/patch_file.h)
     MeasuredPatchOptions measured;
-    FitOptions fit;          ///< its name does not count:
+    FitOptions fit;                            ///< of a target; its name does not count:
+    ChartFitOptions chart;                     ///< of a chart of mixtures; its name, g, eta and lengths neither
+    std::string lengths_from = "vero-opaque";  ///< set or file whose white gives a chart's lengths
     std::string prior;       ///< NAME.edge.json of edge profiles (resin_prior.h), whose g and eta hold; empty: none
     std::string name;        ///< of the set; empty: that of the file `out`
     std::string check;       ///< file of other patches to predict with the result; empty: none

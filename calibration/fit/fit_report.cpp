@@ -26,6 +26,8 @@ using optics::Medium;
 // The colour in which a channel or a resin is drawn.
 std::string channel_colour(const PatchTable& table, std::size_t channel) {
     if (table.channels.is_rgb()) return channel == 0 ? "#c62828" : channel == 1 ? "#2e7d32" : "#1565c0";
+    // A printer's own channels have no hue of their own: they are told apart by turns around the circle.
+    if (table.channels.is_own()) return fmt::format("hsl({:.0f},45%,45%)", std::fmod(137.5 * double(channel), 360));
     const double nm = table.channels.wavelengths_nm[channel];
     return fmt::format("hsl({:.0f},70%,40%)", std::clamp(270 - (nm - 420) * 270 / 240, 0.0, 280.0));
 }
@@ -66,14 +68,17 @@ private:
     io::ReportSection resins() const {
         io::ReportSection section;
         section.title = "Resins";
-        const bool rgb = table_.channels.is_rgb();
-        PlotAxis x{-0.5, 2.5, false, {}, "R, G, B"};
-        if (!rgb) {
+        const bool points = !table_.channels.is_spectral();
+        PlotAxis x{
+            -0.5, double(table_.channels.size()) - 0.5, false, {}, table_.channels.is_rgb() ? "R, G, B" : "channel"};
+        if (!points) {
             const auto& nm = table_.channels.wavelengths_nm;
             x = {nm.front() - 5, nm.back() + 5, false, {}, "wavelength, nm"};
             for (double mark = 50 * std::ceil(nm.front() / 50); mark <= nm.back(); mark += 50) x.marks.push_back(mark);
         }
-        const auto at = [&](std::size_t c) { return rgb ? static_cast<double>(c) : table_.channels.wavelengths_nm[c]; };
+        const auto at = [&](std::size_t c) {
+            return points ? static_cast<double>(c) : table_.channels.wavelengths_nm[c];
+        };
         for (const FittedResin& resin : fit_.resins) {
             double least = 1e9, most = 0;
             for (const FittedValue& s : resin.sigma_t)
@@ -92,8 +97,8 @@ private:
                 albedo.line({{x.from, v_of_albedo(mark, g)}, {x.to, v_of_albedo(mark, g)}}, "#ddd", 1);
                 albedo.label(x.from, v_of_albedo(mark, g), fmt::format("{:g}", mark), "#777");
             }
-            draw(sigma, resin.sigma_t, at, rgb, [](double value) { return value; });
-            draw(albedo, resin.albedo, at, rgb, [&](double value) { return v_of_albedo(value, g); });
+            draw(sigma, resin.sigma_t, at, points, [](double value) { return value; });
+            draw(albedo, resin.albedo, at, points, [&](double value) { return v_of_albedo(value, g); });
             section.drawings.push_back({"", sigma.svg()});
             section.drawings.push_back({"", albedo.svg()});
         }

@@ -79,12 +79,19 @@ Json patches_json(const PatchCheck& check, const PatchTable& table) {
     Json json = differences_json(check.differences);
     json["rms"] = check.rms;
     json["list"] = Json::array();
-    for (std::size_t p = 0; p < check.patches.size(); ++p)
-        json["list"].push_back({{"patch", patch_name(table.patches[p])},
-                                {"thickness_mm", table.patches[p].thickness_mm},
-                                {"de2000", check.patches[p].difference},
-                                {"measured", table.patches[p].rho},
-                                {"predicted", check.patches[p].predicted}});
+    for (std::size_t p = 0; p < check.patches.size(); ++p) {
+        const CheckedPatch& patch = check.patches[p];
+        Json entry{{"patch", patch_name(table.patches[p])},
+                   {"thickness_mm", table.patches[p].thickness_mm},
+                   {"de2000", patch.difference},
+                   {"measured", table.patches[p].rho},
+                   {"predicted", patch.predicted}};
+        if (check.compared_in != table.channels)  // the two lists have nothing to do with each other
+            for (const auto& [key, rgb] :
+                 {std::pair{"measured_rgb", patch.measured_rgb}, std::pair{"predicted_rgb", patch.predicted_rgb}})
+                entry[key] = {rgb[0], rgb[1], rgb[2]};
+        json["list"].push_back(std::move(entry));
+    }
     return json;
 }
 

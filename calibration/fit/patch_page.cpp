@@ -98,7 +98,7 @@ private:
         return s;
     }
 
-    std::string values(const std::vector<double>& rho) const {
+    std::string values(const Eigen::Vector3d& rho) const {
         std::string text;
         for (const double value : rho) text += fmt::format("{}{:.4f}", text.empty() ? "" : "  ", value);
         return text;
@@ -107,36 +107,34 @@ private:
     /// Of the channel that is farthest off.
     std::size_t worst_channel(std::size_t p) const {
         std::size_t worst = 0;
-        const auto off = [&](std::size_t c) {
-            return std::abs(check_.patches[p].predicted[c] - table_.patches[p].rho[c]);
-        };
-        for (std::size_t c = 1; c < table_.channels.size(); ++c)
-            if (off(c) > off(worst)) worst = c;
+        const std::vector<double>& off = check_.patches[p].off;
+        for (std::size_t c = 1; c < off.size(); ++c)
+            if (std::abs(off[c]) > std::abs(off[worst])) worst = c;
         return worst;
     }
 
     std::string worst_error(std::size_t p) const {
         const std::size_t c = worst_channel(p);
-        const double off = check_.patches[p].predicted[c] - table_.patches[p].rho[c];
-        return fmt::format("{:+.4f} in {}", off, channel_name(table_.channels, c));
+        return fmt::format("{:+.4f} in {}", check_.patches[p].off[c], channel_name(check_.compared_in, c));
     }
 
     /// How large that is for what was measured; empty where its noise is not known.
     std::string in_noise(std::size_t p) const {
+        if (check_.compared_in != table_.channels) return {};
         const std::size_t c = worst_channel(p);
         const Patch& patch = table_.patches[p];
         const double error = patch.error.empty() ? noise_ : patch.error[c];
         if (!(error > 0)) return {};
-        return fmt::format("{:.1f} standard errors", std::abs(check_.patches[p].predicted[c] - patch.rho[c]) / error);
+        return fmt::format("{:.1f} standard errors", std::abs(check_.patches[p].off[c]) / error);
     }
 
     io::ViewerPart part(std::size_t p) const {
         const Patch& patch = table_.patches[p];
         io::ViewerPart part{patch_name(patch), {}, {}};
         part.figures.emplace_back("CIEDE2000", fmt::format("{:.2f}", check_.patches[p].difference));
-        if (table_.channels.is_rgb()) {
-            part.figures.emplace_back("measured R, G, B", values(patch.rho));
-            part.figures.emplace_back("predicted", values(check_.patches[p].predicted));
+        if (check_.compared_in.is_rgb()) {
+            part.figures.emplace_back("measured R, G, B", values(check_.patches[p].measured_rgb));
+            part.figures.emplace_back("predicted", values(check_.patches[p].predicted_rgb));
         }
         part.figures.emplace_back("farthest off", worst_error(p));
         if (const std::string noise = in_noise(p); !noise.empty()) part.figures.emplace_back("that is", noise);
@@ -195,14 +193,14 @@ private:
             "of a reflectance {:.4f}. Noise counts here, most of all in dark patches.",
             d.count, d.mean, d.median, d.percentile_95, d.max, check_.rms));
         io::ReportTable table{"", {"Patch", "CIEDE2000", "Farthest off", ""}, {}};
-        const bool rgb = table_.channels.is_rgb();
+        const bool rgb = check_.compared_in.is_rgb();
         if (rgb) table.header.insert(table.header.end(), {"Measured R, G, B", "Predicted"});
         for (const std::size_t p : worst_first()) {
             table.rows.push_back({patch_name(table_.patches[p]), fmt::format("{:.2f}", check_.patches[p].difference),
                                   worst_error(p), in_noise(p)});
             if (!rgb) continue;
-            table.rows.back().push_back(values(table_.patches[p].rho));
-            table.rows.back().push_back(values(check_.patches[p].predicted));
+            table.rows.back().push_back(values(check_.patches[p].measured_rgb));
+            table.rows.back().push_back(values(check_.patches[p].predicted_rgb));
         }
         section.tables.push_back(table);
         return section;

@@ -216,9 +216,8 @@ ResinFit fit_resins(const PatchTable& table, const FitOptions& options, const Pr
     const TargetRoles roles = find_target_roles(table, options.expected, options.noise);
     const ResinPrior& prior = options.prior;
     if (!prior.resins.empty() && !table.channels.is_rgb())
-        throw InputError(fmt::format(
-            "{}: its channels are wavelengths, those of the prior {} R, G and B; measure the patches as R, G, B.",
-            table.source, prior.source));
+        throw InputError(fmt::format("{}: it has {}, the prior {} has R, G and B; measure the patches as R, G, B.",
+                                     table.source, channels_text(table.channels), prior.source));
     VOXTONE_EXPECT(prior.resins.empty() || (prior.g == options.model.g && prior.eta == options.model.eta));
     const ChannelFitter fitter(table, roles, options.model, options.noise, prior);
     const std::size_t channels = table.channels.size();
@@ -269,7 +268,7 @@ ResinFit fit_resins(const PatchTable& table, const FitOptions& options, const Pr
     std::vector<std::vector<double>> predicted(table.patches.size(), std::vector<double>(channels));
     for (std::size_t c = 0; c < channels; ++c)
         for (std::size_t p = 0; p < predicted.size(); ++p) predicted[p][c] = fits[c].predicted[p];
-    result.patches = compare_patches(table, predicted);
+    result.patches = compare_patches(table, predicted, table.channels);
     result.seconds = watch.total();
     return result;
 }

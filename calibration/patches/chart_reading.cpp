@@ -105,6 +105,32 @@ void check_layers(PatchTable& table) {
             table.source, unseen));
 }
 
+// Colours as the eye compares them: under the illuminant that they were measured for, spectra and R, G, B under D65.
+std::vector<Eigen::Vector3d> labs_of(const PatchTable& table) {
+    const optics::Channels& channels = table.channels;
+    const Eigen::Vector3d white = optics::colorimetric_white(channels.illuminant);
+    const Eigen::Matrix3Xd weights = optics::linear_srgb_weights(channels);
+    std::vector<Eigen::Vector3d> labs;
+    for (const Patch& patch : table.patches) {
+        const Eigen::Map<const Eigen::VectorXd> rho(patch.rho.data(), static_cast<Eigen::Index>(patch.rho.size()));
+        labs.push_back(channels.is_own() ? optics::lab_from_xyz(rho.head<3>().cwiseProduct(white), white)
+                                         : optics::lab_from_linear_srgb(weights * rho));
+    }
+    return labs;
+}
+
+Eigen::Vector3d median_of(const std::vector<Eigen::Vector3d>& colours, const std::vector<std::size_t>& group) {
+    Eigen::Vector3d median;
+    std::vector<double> values(group.size());
+    for (Eigen::Index c = 0; c < 3; ++c) {
+        std::ranges::transform(group, values.begin(), [&](std::size_t p) { return colours[p][c]; });
+        const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+        std::nth_element(values.begin(), middle, values.end());
+        median[c] = values.size() % 2 == 1 ? *middle : (*middle + *std::max_element(values.begin(), middle)) / 2;
+    }
+    return median;
+}
+
 }  // namespace
 
 PatchTable finished_chart(ChartReading reading, std::optional<optics::Illuminant> illuminant) {
@@ -139,30 +165,28 @@ std::vector<std::size_t> repeat_groups(const PatchTable& table) {
 }
 
 void check_repeats(const PatchTable& table) {
-    // Against the first of a group only, so that a file of one mixture takes no square of its length.
-    constexpr std::size_t most_compared = 32;
-    const Eigen::Matrix3Xd weights = optics::linear_srgb_weights(table.channels);
     const std::vector<std::size_t> groups = repeat_groups(table);
-    struct Seen {
-        std::size_t patch;
-        Eigen::Vector3d lab;
-    };
-    std::vector<std::vector<Seen>> seen(table.patches.size());
-    for (std::size_t p = 0; p < table.patches.size(); ++p) {
-        const Patch& patch = table.patches[p];
-        const Eigen::Map<const Eigen::VectorXd> rho(patch.rho.data(), static_cast<Eigen::Index>(patch.rho.size()));
-        const Eigen::Vector3d lab = optics::lab_from_linear_srgb(weights * rho);
-        std::vector<Seen>& group = seen[groups[p]];
-        for (const Seen& other : group) {
-            const double difference = optics::ciede2000(lab, other.lab);
-            if (difference <= most_repeat_difference) continue;
-            throw InputError(fmt::format(
-                "{}: {} was measured already ({}), and differs from there by {:.1f} CIEDE2000, more than {} that "
-                "printing twice explains: one of the two is another patch, or is damaged; measure both again, or leave "
-                "the wrong one out.",
-                patch.where, patch_name(patch), table.patches[other.patch].where, difference, most_repeat_difference));
-        }
-        if (group.size() < most_compared) group.push_back({p, lab});
+    const std::vector<Eigen::Vector3d> colours = labs_of(table);
+    std::vector<std::vector<std::size_t>> members(table.patches.size());
+    for (std::size_t p = 0; p < groups.size(); ++p) members[groups[p]].push_back(p);
+    for (const std::vector<std::size_t>& group : members) {
+        if (group.size() < 2) continue;
+        const auto difference = [&](const Eigen::Vector3d& from) {
+            return [&colours, from](std::size_t p) { return optics::ciede2000(colours[p], from); };
+        };
+        // Of two it cannot be known which is right; of more, the median says so.
+        const bool pair = group.size() == 2;
+        const Eigen::Vector3d middle = pair ? colours[group[0]] : median_of(colours, group);
+        const std::size_t wrong = pair ? group[1] : *std::ranges::max_element(group, {}, difference(middle));
+        const std::size_t other = pair ? group[0] : *std::ranges::min_element(group, {}, difference(middle));
+        const double apart = difference(middle)(wrong);
+        if (apart <= most_repeat_difference) continue;
+        throw InputError(fmt::format(
+            "{}: {} was measured {} ({}), and differs from {} by {:.1f} CIEDE2000, more than {} that printing twice "
+            "explains: one of them is another patch, or is damaged; measure again, or leave the wrong one out.",
+            table.patches[wrong].where, patch_name(table.patches[wrong]),
+            pair ? "already" : fmt::format("{} times", group.size()), table.patches[other].where,
+            pair ? "there" : "the median of all", apart, most_repeat_difference));
     }
 }
 

@@ -9,11 +9,13 @@ namespace voxtone::calibration {
 
 PatchTable read_measured_patches(const std::string& file, const MeasuredPatchOptions& options,
                                  const PatchModelOptions& model, Progress& progress) {
-    PatchTable table = read_patches(file);
+    PatchTable table = read_patches(file, options.illuminant);
+    for (const std::string& note : table.notes) progress.warn(note);
     apply_white_reference(table, options.white);
     if (options.base_mm)
         for (Patch& patch : table.patches) patch.base_mm = *options.base_mm;
-    const bool mixed = std::ranges::any_of(table.patches, [](const Patch& patch) { return patch.top.size() > 1; });
+    const bool mixed =
+        !table.is_chart && std::ranges::any_of(table.patches, [](const Patch& patch) { return patch.top.size() > 1; });
     if (mixed && model.ideal_mixtures())
         progress.warn(
             "mixtures are taken as ideal; those of a printed target are dithers of voxels, and extinctions come out up "

@@ -15,9 +15,11 @@ namespace voxtone::calibration {
 struct MeasuredPatchOptions {
     double white = 1;               ///< reflectance of the white reference that the values were divided by, in (0, 1]
     std::optional<double> base_mm;  ///< thickness of the base under all squares; none: what the table says
+    std::optional<optics::Illuminant> illuminant = {};  ///< of Lab and XYZ; none: what the file says, else D50
 };
 
-/// Throws InputError, FileError. Warns where `model` takes mixtures as ideal.
+/// Throws InputError, FileError. Warns of what was assumed, and where `model` takes the
+/// mixtures of a target as ideal.
 [[nodiscard]] PatchTable read_measured_patches(const std::string& file, const MeasuredPatchOptions& options,
                                                const PatchModelOptions& model, Progress& progress);
 

@@ -11,65 +11,65 @@
 #include "voxtone/base/error.h"
 #include "voxtone/base/parallel.h"
 #include "voxtone/calibration/patches/patch_file.h"
-#include "voxtone/optics/colour/spectral_colour.h"
+#include "voxtone/optics/colour/observed_colour.h"
+#include "voxtone/optics/layered/flat_colour.h"
 
 namespace voxtone::calibration {
 
-PatchCheck compare_patches(const PatchTable& table, const std::vector<std::vector<double>>& predicted) {
-    VOXTONE_EXPECT(predicted.size() == table.patches.size());
-    const Eigen::Matrix3Xd weights = optics::linear_srgb_weights(table.channels.wavelengths_nm);
-    const auto colour = [&](const std::vector<double>& rho) {
-        return Eigen::Vector3d(weights *
-                               Eigen::Map<const Eigen::VectorXd>(rho.data(), static_cast<Eigen::Index>(rho.size())));
-    };
-    PatchCheck check;
+namespace {
+
+std::vector<double> list_of(const Eigen::Vector3d& rgb) { return {rgb[0], rgb[1], rgb[2]}; }
+
+// Differences of patches whose predictions and predicted colours are known.
+void measure_differences(const PatchTable& table, const optics::Channels& channels, PatchCheck& check) {
+    const optics::ObservedColour<double> of_table(table.channels);
+    const bool same = channels == table.channels;
+    if (same) check.compared_in = channels;
     std::vector<double> differences;
     double squares = 0;
-    for (std::size_t p = 0; p < predicted.size(); ++p) {
-        const std::vector<double>& measured = table.patches[p].rho;
-        CheckedPatch& patch = check.patches.emplace_back();
-        patch.predicted = predicted[p];
-        patch.measured_rgb = colour(measured);
-        patch.predicted_rgb = colour(predicted[p]);
+    for (std::size_t p = 0; p < check.patches.size(); ++p) {
+        CheckedPatch& patch = check.patches[p];
+        patch.measured_rgb = of_table.absolute(table.patches[p].rho.data());
         patch.difference = optics::ciede2000(optics::lab_from_linear_srgb(patch.predicted_rgb),
                                              optics::lab_from_linear_srgb(patch.measured_rgb));
         differences.push_back(patch.difference);
+        const std::vector<double> measured = same ? table.patches[p].rho : list_of(patch.measured_rgb);
+        patch.off = same ? patch.predicted : list_of(patch.predicted_rgb);
         for (std::size_t c = 0; c < measured.size(); ++c) {
-            const double error = predicted[p][c] - measured[c];
-            patch.worst = std::max(patch.worst, std::abs(error));
-            squares += error * error;
+            patch.off[c] -= measured[c];
+            patch.worst = std::max(patch.worst, std::abs(patch.off[c]));
+            squares += patch.off[c] * patch.off[c];
         }
     }
     check.differences = optics::summarize(differences);
-    const std::size_t values = predicted.size() * table.channels.size();
+    const std::size_t values = check.patches.size() * check.compared_in.size();
     check.rms = values > 0 ? std::sqrt(squares / static_cast<double>(values)) : 0;
-    return check;
 }
 
-PatchCheck check_resins(const optics::ResinSet& set, const PatchTable& table, PatchModelOptions options) {
-    if (set.channels != table.channels) {
-        const auto name = [](const optics::Channels& c) {
-            return c.is_rgb() ? std::string("R, G, B")
-                              : fmt::format("{} wavelengths from {} to {} nm", c.size(), c.wavelengths_nm.front(),
-                                            c.wavelengths_nm.back());
-        };
-        throw InputError(fmt::format(
-            "{}: the patches have {}, the resin set \"{}\" has {}; measure and calibrate with the same channels.",
-            table.source, name(table.channels), set.name, name(set.channels)));
-    }
+std::vector<std::string> roles_in(const optics::ResinSet& set) {
     std::vector<std::string> roles;
     for (const optics::Resin& resin : set.resins) roles.push_back(resin.role);
+    return roles;
+}
+
+void expect_resins(const optics::ResinSet& set, const PatchTable& table) {
     for (const Patch& patch : table.patches) {
-        std::vector<std::string> needed{patch.backing};
+        std::vector<std::string> needed;
+        if (!patch.backing.empty()) needed.push_back(patch.backing);
         for (const ResinShare& share : patch.top) needed.push_back(share.role);
         for (const std::string& role : needed)
             if (set.find(role) < 0)
                 throw InputError(fmt::format("{}: patch {}: the resin set \"{}\" has no resin {}; it has {}.",
                                              patch.where.empty() ? table.source : patch.where, patch_name(patch),
-                                             set.name, role, fmt::join(roles, ", ")));
+                                             set.name, role, fmt::join(roles_in(set), ", ")));
     }
+}
+
+// rho of every square upon its base in the set's channels, [patch][channel].
+std::vector<std::vector<double>> predict_squares(const optics::ResinSet& set, const PatchTable& table,
+                                                 PatchModelOptions options) {
     options.g = set.g, options.eta = set.eta;
-    const PatchModel model(table.patches, roles, options);
+    const PatchModel model(table.patches, roles_in(set), options);
     std::vector<std::vector<double>> predicted(table.patches.size(), std::vector<double>(set.channels.size()));
     parallel_for(0, set.channels.size(), 1, [&](std::size_t c) {
         std::vector<optics::Medium> media;
@@ -77,7 +77,54 @@ PatchCheck check_resins(const optics::ResinSet& set, const PatchTable& table, Pa
         const std::vector<double> rho = model.rho(media);
         for (std::size_t p = 0; p < rho.size(); ++p) predicted[p][c] = rho[p];
     });
-    return compare_patches(table, predicted);
+    return predicted;
+}
+
+bool is_thick(const Patch& patch) { return patch.thickness_mm == 0 && patch.backing.empty(); }
+
+// Thick pieces of mixtures, read as the set was measured, its residual included.
+PatchCheck check_mixtures(const optics::ResinSet& set, const PatchTable& table, const PatchModelOptions& options) {
+    PatchCheck check;
+    check.patches.resize(table.patches.size());
+    const optics::FlatColour flat(set, options.pitch_mm);
+    const Eigen::Matrix3d to_rgb = optics::linear_srgb_of(flat.white());
+    parallel_for(0, table.patches.size(), 64, [&](std::size_t p) {
+        const Patch& patch = table.patches[p];
+        if (!is_thick(patch))
+            throw InputError(fmt::format(
+                "{}: patch {} has a thickness, but others of its table are thick; give all of them one, or none.",
+                patch.where, patch_name(patch)));
+        std::vector<double> shares(set.resins.size());
+        for (const ResinShare& share : patch.top)
+            shares[static_cast<std::size_t>(set.find(share.role))] += share.fraction;
+        check.patches[p].predicted = flat.reading(shares);
+        check.patches[p].predicted_rgb = to_rgb * flat.xyz(shares);
+    });
+    measure_differences(table, set.channels, check);
+    return check;
+}
+
+}  // namespace
+
+PatchCheck compare_patches(const PatchTable& table, const std::vector<std::vector<double>>& predicted,
+                           const optics::Channels& channels) {
+    VOXTONE_EXPECT(predicted.size() == table.patches.size());
+    const optics::ObservedColour<double> of_set(channels);
+    PatchCheck check;
+    for (const std::vector<double>& rho : predicted) {
+        VOXTONE_EXPECT(rho.size() == of_set.channels());
+        CheckedPatch& patch = check.patches.emplace_back();
+        patch.predicted = rho;
+        patch.predicted_rgb = of_set.absolute(rho.data());
+    }
+    measure_differences(table, channels, check);
+    return check;
+}
+
+PatchCheck check_resins(const optics::ResinSet& set, const PatchTable& table, PatchModelOptions options) {
+    expect_resins(set, table);
+    if (std::ranges::any_of(table.patches, is_thick)) return check_mixtures(set, table, options);
+    return compare_patches(table, predict_squares(set, table, options), set.channels);
 }
 
 }  // namespace voxtone::calibration

@@ -50,7 +50,9 @@ public:
                 row(line);
         }
         if (columns_.empty())
-            fail("has no header line; expected top,backing,thickness_mm,R,G,B or wavelengths in nm in place of R,G,B");
+            fail(
+                "has no header line; a target begins top,backing,thickness_mm,R,G,B, a chart with a line such as "
+                "W,C,M,Y,K,L,a,b");
         if (table_.patches.empty()) fail("has a header and no patches; give one line per measured square");
         if (colorimetric()) make_rho(table_, quantity_, conditions_, illuminant_);
         return std::move(table_);

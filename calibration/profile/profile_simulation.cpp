@@ -80,7 +80,8 @@ SlabProfiles slab_profiles(const optics::ResinSet& set, const std::string& role,
                            const optics::HankelGrid& grid, std::uint32_t paths, std::uint64_t seed,
                            const Progress* progress) {
     if (!set.channels.is_rgb())
-        throw InputError(fmt::format("resin set {} is of wavelengths; photographs have red, green and blue", set.name));
+        throw InputError(fmt::format("resin set {} has {}; photographs have red, green and blue", set.name,
+                                     channels_text(set.channels)));
     if (!(thickness_mm > 0 && std::isfinite(thickness_mm)))
         throw InputError(fmt::format("the slab is {} mm thick; it must be above 0", thickness_mm));
     const std::vector<std::string> roles{role};

@@ -53,7 +53,7 @@ void warn_of_base(const Target& target, const std::optional<optics::ResinSet>& s
 }
 
 TargetColours preview_colours(const TargetJob& job, const Target& target, const std::optional<optics::ResinSet>& set) {
-    if (set && set->channels.is_rgb()) return reflected_colours(target, *set);
+    if (set) return reflected_colours(target, *set);
     VOXTONE_EXPECT(job.display_rgb.size() == target.roles.size());
     std::vector<Eigen::Vector3d> colours;
     for (const auto& [red, green, blue] : job.display_rgb)

@@ -11,6 +11,7 @@
 #include "voxtone/calibration/patches/patch_model.h"
 #include "voxtone/calibration/target/ideal_patch.h"
 #include "voxtone/calibration/target/marker_pattern.h"
+#include "voxtone/optics/colour/observed_colour.h"
 
 namespace voxtone::calibration {
 
@@ -42,12 +43,10 @@ std::vector<std::vector<double>> dithered_squares(const Target& target, const op
 }  // namespace
 
 TargetColours reflected_colours(const Target& target, const optics::ResinSet& all, MixtureKind mixtures) {
-    if (!all.channels.is_rgb())
-        throw InputError(fmt::format(
-            "the resin set {} is spectral; a photograph has red, green and blue: give an RGB set", all.name));
     const optics::ResinSet set = all.subset(target.roles);
     const IdealPatches patches(set);
-    const auto colour = [](const std::vector<double>& rho) { return Eigen::Vector3d(rho[0], rho[1], rho[2]); };
+    const optics::ObservedColour<double> observed(set.channels);
+    const auto colour = [&](const std::vector<double>& rho) { return observed.absolute(rho.data()); };
     TargetColours colours;
     colours.light = colour(patches.reflectance({{target.light, 1.0}}, target.top_mm, target.light, target.base_mm));
     colours.dark = colour(patches.reflectance({{target.dark, 1.0}}, target.top_mm, target.dark, target.base_mm));

@@ -11,6 +11,17 @@ void add_patch_options(CLI::App& command, LengthOptions& lengths, PatchOptions& 
                        calibration::MeasuredPatchOptions& measured) {
     add_value(command, "--white", measured.white,
               "reflectance of the white reference that the values were divided by: 0.99 for Spectralon of 99 %");
+    command
+        .add_option_function<std::string>(
+            "--illuminant",
+            [&measured](const std::string& word) {
+                measured.illuminant = word == "D65" ? optics::Illuminant::d65
+                                      : word == "A" ? optics::Illuminant::a
+                                                    : optics::Illuminant::d50;
+            },
+            "of a chart's L,a,b or X,Y,Z; empty: what the file says, else D50")
+        ->type_name("D50|D65|A")
+        ->check(CLI::IsMember({"D50", "D65", "A"}));
     lengths
         .add(command, "--base", measured.base_mm,
              "thickness of the base under the squares, for all patches; empty: the table's base_mm, else without end")

@@ -60,11 +60,16 @@ std::string printer_text(const slicer::PrinterProfile& p) {
 Json resin_set_json(const optics::ResinSet& set) {
     Json resins = Json::array();
     for (const optics::Resin& resin : set.resins) resins.push_back({{"name", resin.name}, {"role", resin.role}});
-    return {{"name", set.name}, {"source", set.source}, {"channels", set.channels.size()}, {"resins", resins}};
+    return {{"name", set.name},
+            {"source", set.source},
+            {"channels", set.channels.size()},
+            {"channels_are", optics::channels_text(set.channels)},
+            {"resins", resins}};
 }
 
 std::string resin_set_text(const optics::ResinSet& set) {
     std::string text = fmt::format("{:<20} {}\n", set.name, set.source);
+    text += detail("channels: " + optics::channels_text(set.channels));
     for (const optics::Resin& resin : set.resins) text += detail(fmt::format("{:<3} {}", resin.role, resin.name));
     return text;
 }

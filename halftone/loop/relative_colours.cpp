@@ -2,40 +2,28 @@
 #include "voxtone/halftone/loop/relative_colours.h"
 
 #include "voxtone/base/parallel.h"
-#include "voxtone/optics/colour/spectral_colour.h"
 
 namespace voxtone::halftone {
 
 RelativeColours::RelativeColours(const optics::Channels& channels, const std::vector<float>& white)
-    : white_(white),
-      channels_(channels.size()),
-      weights_(optics::linear_srgb_weights(channels.wavelengths_nm).cast<float>()) {}
+    : white_(white), observed_(channels) {}
 
 std::vector<Eigen::Vector3f> RelativeColours::colours(const optics::Appearance& seen) const {
-    std::vector<Eigen::Vector3f> rgb(seen.value.size() / channels_);
+    const std::size_t channels = observed_.channels();
+    std::vector<Eigen::Vector3f> rgb(seen.value.size() / channels);
     parallel_for(0, rgb.size(), 4096, [&](std::size_t i) {
-        Eigen::VectorXf value(static_cast<Eigen::Index>(channels_));
-        for (std::size_t c = 0; c < channels_; ++c) {
-            const std::size_t at = i * channels_ + c;
-            value[static_cast<Eigen::Index>(c)] = white_.empty()   ? seen.value[at]
-                                                  : white_[at] > 0 ? seen.value[at] / white_[at]
-                                                                   : 0;
-        }
-        rgb[i] = weights_ * value;
+        const float* value = seen.value.data() + i * channels;
+        rgb[i] = white_.empty() ? observed_.absolute(value) : observed_.relative(value, white_.data() + i * channels);
     });
     return rgb;
 }
 
 std::vector<float> RelativeColours::adjoint(std::span<const Eigen::Vector3f> by_colour) const {
-    std::vector<float> out(by_colour.size() * channels_);
+    const std::size_t channels = observed_.channels();
+    std::vector<float> out(by_colour.size() * channels);
     parallel_for(0, by_colour.size(), 4096, [&](std::size_t i) {
-        const Eigen::VectorXf by = weights_.transpose() * by_colour[i];
-        for (std::size_t c = 0; c < channels_; ++c) {
-            const std::size_t at = i * channels_ + c;
-            out[at] = white_.empty()   ? by[static_cast<Eigen::Index>(c)]
-                      : white_[at] > 0 ? by[static_cast<Eigen::Index>(c)] / white_[at]
-                                       : 0;
-        }
+        const std::size_t at = i * channels;
+        observed_.adjoint(by_colour[i], white_.empty() ? nullptr : white_.data() + at, out.data() + at);
     });
     return out;
 }

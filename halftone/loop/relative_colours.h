@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// What a model predicts, read as colours: linear sRGB = M (v / w), M the set's weights of channels
-// (optics/colour/spectral_colour.h), v the appearance of a cell by channel, w that of the same place in white resin
-// (media-relative), or 1. Also the transpose, which takes a derivative by colour to one by appearance: what the
-// adjoint prediction starts from.
+// What a model predicts, read as colours (optics/colour/observed_colour.h): linear sRGB = (M v) / (M w), M the set's
+// weights of channels, v the appearance of a cell by channel, w that of the same place in white resin (media-relative);
+// M v where no white is given. Also the transpose, which takes a derivative by colour to one by appearance: what the
+// adjoint prediction starts from,
 //
-// A place without any light, w = 0, is black, and nothing can be done about it.
+//   d F / d v = M^T (d F / d colour / (M w)).
+//
+// A place without any light, M w = 0, is black, and nothing can be done about it.
 #pragma once
 
 #include <span>
@@ -13,14 +15,14 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/optics/media/resins.h"
+#include "voxtone/optics/colour/observed_colour.h"
 #include "voxtone/optics/scene/appearance_model.h"
 
 namespace voxtone::halftone {
 
 class RelativeColours {
 public:
-    /// `white`: w, cell by cell and channel by channel; empty: 1. Keeps a reference to it.
+    /// `white`: w, cell by cell and channel by channel; empty: absolute colours. Keeps a reference to it.
     RelativeColours(const optics::Channels& channels, const std::vector<float>& white);
 
     /// Per cell.
@@ -30,8 +32,7 @@ public:
 
 private:
     const std::vector<float>& white_;
-    std::size_t channels_;
-    Eigen::Matrix3Xf weights_;
+    optics::ObservedColour<float> observed_;
 };
 
 }  // namespace voxtone::halftone

@@ -4,47 +4,46 @@
 #include <fmt/core.h>
 
 #include "voxtone/base/error.h"
-#include "voxtone/optics/colour/spectral_colour.h"
+#include "voxtone/optics/colour/observed_colour.h"
 
 namespace voxtone::halftone {
 
-AppearanceColour::AppearanceColour(const optics::ShellAppearance& appearance, std::span<const double> wavelengths_nm)
+AppearanceColour::AppearanceColour(const optics::ShellAppearance& appearance, const optics::Channels& channels)
     : appearance_(appearance) {
-    const std::size_t channels = wavelengths_nm.empty() ? 3 : wavelengths_nm.size();
-    if (appearance.channels() != channels)
+    if (appearance.channels() != channels.size())
         throw InputError(
-            fmt::format("colour separation was told of {} channels, but the resin set has {}: without their "
-                        "wavelengths its colour is unknown; give one wavelength per channel",
-                        channels, appearance.channels()));
-    if (wavelengths_nm.empty()) return;
-    from_spectrum_ = optics::linear_srgb_weights(wavelengths_nm);
+            fmt::format("colour separation was told of {} channels, but the resin set has {}: what colour they are is "
+                        "unknown; give the channels of the set",
+                        channels.size(), appearance.channels()));
+    if (channels.is_rgb()) return;
+    from_channels_ = optics::ObservedColour<double>(channels).relative_weights(appearance.white_appearance().data());
 }
 
 Eigen::Vector3d AppearanceColour::rgb(std::span<const double> fractions) const {
     Eigen::Vector3d colour;
-    if (from_spectrum_.size() == 0) {
+    if (from_channels_.size() == 0) {
         appearance_.media_relative(fractions, {colour.data(), 3});
         return colour;
     }
-    Eigen::VectorXd spectrum(from_spectrum_.cols());
-    appearance_.media_relative(fractions, {spectrum.data(), std::size_t(spectrum.size())});
-    return from_spectrum_ * spectrum;
+    Eigen::VectorXd value(from_channels_.cols());
+    appearance_.appearance(fractions, {value.data(), std::size_t(value.size())});
+    return from_channels_ * value;
 }
 
 Eigen::Vector3d AppearanceColour::rgb(std::span<const double> fractions, Gradient& gradient) const {
     const auto n = static_cast<Eigen::Index>(fractions.size());
     gradient.resize(3, n);
     Eigen::Vector3d colour;
-    if (from_spectrum_.size() == 0) {
+    if (from_channels_.size() == 0) {
         appearance_.media_relative(fractions, {colour.data(), 3}, {gradient.data(), std::size_t(3 * n)});
         return colour;
     }
-    Eigen::VectorXd spectrum(from_spectrum_.cols());
-    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> by_fraction(from_spectrum_.cols(), n);
-    appearance_.media_relative(fractions, {spectrum.data(), std::size_t(spectrum.size())},
-                               {by_fraction.data(), std::size_t(by_fraction.size())});
-    gradient = from_spectrum_ * by_fraction;
-    return from_spectrum_ * spectrum;
+    Eigen::VectorXd value(from_channels_.cols());
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> by_fraction(from_channels_.cols(), n);
+    appearance_.appearance(fractions, {value.data(), std::size_t(value.size())},
+                           {by_fraction.data(), std::size_t(by_fraction.size())});
+    gradient = from_channels_ * by_fraction;
+    return from_channels_ * value;
 }
 
 }  // namespace voxtone::halftone

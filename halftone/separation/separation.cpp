@@ -42,7 +42,7 @@ bool is_clear(const optics::ShellAppearance& appearance, std::size_t resin) {
 
 Separation::Separation(const optics::ShellAppearance& appearance, const SeparationOptions& options,
                        const Progress* progress, const std::vector<float>& lattice)
-    : colour_(appearance, options.wavelengths_nm), resins_(appearance.resins()), nodes_(options.nodes) {
+    : colour_(appearance, options.channels), resins_(appearance.resins()), nodes_(options.nodes) {
     validate(options);
     VOXTONE_EXPECT(resins_ >= 1 && resins_ <= std::size_t(max_resins));
     if (!take(lattice)) solve(options, progress);

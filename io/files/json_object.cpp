@@ -148,6 +148,11 @@ bool JsonObject::is_text(std::string_view key) const {
     return found != node_->value->end() && found->is_string();
 }
 
+bool JsonObject::is_object(std::string_view key) const {
+    const auto found = node_->value->find(std::string(key));
+    return found != node_->value->end() && found->is_object();
+}
+
 std::vector<std::string> JsonObject::keys() const {
     std::vector<std::string> result;
     for (const auto& item : node_->value->items()) result.push_back(item.key());

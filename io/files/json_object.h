@@ -32,8 +32,9 @@ public:
     void allow_only(std::initializer_list<std::string_view> known) const;
     void allow_only(std::span<const std::string> known) const;
     [[nodiscard]] bool has(std::string_view key) const;
-    /// Whether the value is a text: for keys that may hold something else too.
+    /// Whether the value is a text, an object: for keys that may hold something else too.
     [[nodiscard]] bool is_text(std::string_view key) const;
+    [[nodiscard]] bool is_object(std::string_view key) const;
     [[nodiscard]] std::vector<std::string> keys() const;
 
     /// A text as it is; a number, true and false as they are written; a list of texts with commas between.

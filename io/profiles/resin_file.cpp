@@ -8,9 +8,11 @@
 #include "voxtone/base/embedded_file.h"
 #include "voxtone/base/error.h"
 #include "voxtone/base/printable.h"
+#include "voxtone/io/files/json_channels.h"
 #include "voxtone/io/files/json_keys.h"
 #include "voxtone/io/files/json_object.h"
 #include "voxtone/io/files/json_writer.h"
+#include "voxtone/io/profiles/resin_correction.h"
 
 namespace voxtone::embedded {
 std::span<const EmbeddedFile> resins();
@@ -24,8 +26,16 @@ std::optional<double> number_if(const JsonObject& json, const char* key, double 
     return json.number(key, least, most);
 }
 
+void write_set_channels(JsonWriter& json, const optics::Channels& channels) {
+    if (channels.is_own()) return write_own_channels(json, channels);
+    json.begin_object().add("kind", channels.is_rgb() ? "rgb" : "wavelength");
+    if (channels.is_spectral()) json.add("nm", channels.wavelengths_nm);
+    json.end_object();
+}
+
 optics::ResinSet resins_from_json(const JsonObject& json, const std::string& source) {
-    json.allow_only({"format", "version", "name", "source", "note", "channels", "g", "eta", "resins", "currency"});
+    json.allow_only({"format", "version", "name", "source", "note", "channels", "g", "eta", "resins", "currency",
+                     "dot_spread", "measured", "residual"});
     if (json.text("format") != "voxtone-resins") json.fail("format", "is not \"voxtone-resins\": this is no resin set");
     if (json.integer("version", 0, 1000000) != 1) json.fail("version", "is not 1, the only version this program knows");
     optics::ResinSet set;
@@ -39,8 +49,10 @@ optics::ResinSet resins_from_json(const JsonObject& json, const std::string& sou
         channels.allow_only({"kind", "nm"});
         set.channels.wavelengths_nm = channels.numbers("nm", 0, 1, 1e5);
         if (set.channels.wavelengths_nm.empty()) channels.fail("nm", "is empty, expected at least one wavelength");
+    } else if (kind == "own") {
+        set.channels = json_own_channels(channels);
     } else {
-        channels.fail("kind", fmt::format("is {}, expected \"rgb\" or \"wavelength\"", json_quoted(kind)));
+        channels.fail("kind", fmt::format("is {}, expected \"rgb\", \"wavelength\" or \"own\"", json_quoted(kind)));
     }
     set.g = json.number("g", -1, 1);
     set.eta = json.number("eta", 1, 10);
@@ -59,6 +71,7 @@ optics::ResinSet resins_from_json(const JsonObject& json, const std::string& sou
             entry.fail("price_per_kg",
                        "is by weight and the resin's weight is not known: give \"density_g_per_ml\" too");
     }
+    read_correction(json, set);
     try {
         set.validate();
     } catch (const InputError& error) {
@@ -82,9 +95,9 @@ std::string resin_set_text(const optics::ResinSet& set) {
     JsonWriter json;
     json.begin_object().add("format", "voxtone-resins").add("version", 1).add("name", set.name);
     json.line().add("source", set.source);
-    json.line().key("channels").begin_object().add("kind", set.channels.is_rgb() ? "rgb" : "wavelength");
-    if (!set.channels.is_rgb()) json.add("nm", set.channels.wavelengths_nm);
-    json.end_object().add("g", set.g).add("eta", set.eta);
+    json.line().key("channels");
+    write_set_channels(json, set.channels);
+    json.add("g", set.g).add("eta", set.eta);
     if (!set.currency.empty()) json.add("currency", set.currency);
     json.line().key("resins").begin_list();
     for (const optics::Resin& resin : set.resins) {
@@ -94,7 +107,9 @@ std::string resin_set_text(const optics::ResinSet& set) {
         if (resin.price_per_kg) json.add("price_per_kg", *resin.price_per_kg);
         json.end_object();
     }
-    json.end_list().end_object();
+    json.end_list();
+    write_correction(json, set);
+    json.end_object();
     return json.text() + "\n";
 }
 

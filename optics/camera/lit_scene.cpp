@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "voxtone/base/contracts.h"
-#include "voxtone/optics/colour/spectral_colour.h"
+#include "voxtone/optics/colour/channels.h"
 #include "voxtone/optics/monte_carlo/scalar_paths.h"
 
 namespace voxtone::optics {
@@ -12,10 +12,16 @@ namespace {
 
 Point less(const Point& a, const Point& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
 
-std::vector<std::size_t> light_of(const Channels& channels) {
-    if (channels.is_rgb()) return {0, 1, 2};
-    std::vector<std::size_t> light;
-    for (const double nm : channels.wavelengths_nm) light.push_back(nm >= 580 ? 0 : nm >= 490 ? 1 : 2);
+std::vector<Light> light_of(const Channels& channels, const Eigen::Matrix3Xd& to_srgb) {
+    constexpr Light red{1, 0, 0}, green{0, 1, 0}, blue{0, 0, 1}, grey{1.0 / 3, 1.0 / 3, 1.0 / 3};
+    if (channels.is_rgb()) return {red, green, blue};
+    std::vector<Light> light;
+    for (const double nm : channels.wavelengths_nm) light.push_back(nm >= 580 ? red : nm >= 490 ? green : blue);
+    for (Eigen::Index c = 0; channels.is_own() && c < to_srgb.cols(); ++c) {
+        const Eigen::Vector3d given = to_srgb.col(c).cwiseMax(0);
+        const double sum = given.sum();
+        light.push_back(sum > 0 ? Light{given[0] / sum, given[1] / sum, given[2] / sum} : grey);
+    }
     return light;
 }
 
@@ -24,8 +30,8 @@ std::vector<std::size_t> light_of(const Channels& channels) {
 LitScene::LitScene(const CameraScene& scene) : scene_(scene), camera_(scene.view) {
     VOXTONE_EXPECT(scene.sky != nullptr);
     const Channels channels = scene.prints.empty() ? Channels{} : scene.prints.front().scene->resins->channels;
-    light_ = light_of(channels);
-    const Eigen::Matrix3Xd weights = linear_srgb_weights(channels.wavelengths_nm);
+    const Eigen::Matrix3Xd weights = linear_srgb_weights(channels);
+    light_ = light_of(channels, weights);
     if (!channels.is_rgb())
         for (Eigen::Index k = 0; k < 3; ++k) derived_.emplace_back(weights.row(k).begin(), weights.row(k).end());
     std::vector<double>& shares = derived_.emplace_back();

@@ -40,14 +40,19 @@ public:
     }
     /// Share of each channel in luminance.
     [[nodiscard]] const std::vector<double>& luminance_weights() const { return derived_.back(); }
-    /// What is made of the channels, each by weights of them: linear sRGB of wavelengths, luminance.
+    /// What is made of the channels, each by weights of them: linear sRGB where they are something else, luminance.
     [[nodiscard]] const std::vector<std::vector<double>>& derived() const { return derived_; }
 
     [[nodiscard]] MetInAir met(const Point& from, const Point& way) const;
     [[nodiscard]] bool sees_sky(const Point& from, const Point& way) const;
-    /// Of a light or a reflectance in linear sRGB: what a channel has of it. Channels of wavelengths take red from
-    /// 580 nm, blue below 490 nm, green between: exact for what is grey.
-    [[nodiscard]] double in_channel(const Light& light, std::size_t channel) const { return light[light_[channel]]; }
+    /// Of a light or a reflectance in linear sRGB: what a channel has of it, a mean by weights that sum to 1, so that
+    /// it is exact for what is grey, and a reflectance stays in [0, 1]. Channels of wavelengths take red from 580 nm,
+    /// blue below 490 nm, green between; a printer's own take R, G and B by what they give to each of them (where that
+    /// is above 0), which leaves the colours of lamps too pale where channels overlap.
+    [[nodiscard]] double in_channel(const Light& light, std::size_t channel) const {
+        const Light& share = light_[channel];
+        return share[0] * light[0] + share[1] * light[1] + share[2] * light[2];
+    }
 
 private:
     [[nodiscard]] Point in_sky(const Point& way) const {
@@ -57,7 +62,7 @@ private:
 
     CameraScene scene_;
     Camera camera_;
-    std::vector<std::size_t> light_;
+    std::vector<Light> light_;  ///< shares of R, G and B in a channel's light
     std::vector<std::vector<double>> derived_;
     std::vector<PathVolume> volumes_;
     std::vector<ClearSpheres> spheres_;

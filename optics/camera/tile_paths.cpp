@@ -32,11 +32,12 @@ double roughness_at(const ResinBody& print, const Point& at, const MetInAir& met
 }  // namespace
 
 std::vector<std::uint32_t> channel_periods(std::span<const double> luminance_weights) {
-    const double largest = *std::max_element(luminance_weights.begin(), luminance_weights.end());
+    double largest = 0;
+    for (const double weight : luminance_weights) largest = std::max(largest, std::abs(weight));
     std::vector<std::uint32_t> periods;
     for (const double weight : luminance_weights) {
         std::uint32_t period = 1;
-        while (period < bundle_samples && 2 * period * weight <= largest) period *= 2;
+        while (period < bundle_samples && 2 * period * std::abs(weight) <= largest) period *= 2;
         periods.push_back(period);
     }
     return periods;

@@ -1,12 +1,43 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxtone/optics/colour/channels.h"
 
+#include <cmath>
+
 #include <fmt/format.h>
 
 #include "voxtone/base/contracts.h"
 #include "voxtone/optics/colour/colour.h"
 
 namespace voxtone::optics {
+
+namespace {
+
+std::optional<std::string> fault_of_wavelengths(const std::vector<double>& nm) {
+    for (std::size_t i = 0; i < nm.size(); ++i)
+        if (!(nm[i] > 0 && std::isfinite(nm[i])) || (i > 0 && !(nm[i] > nm[i - 1])))
+            return fmt::format("wavelength number {} is {} nm; wavelengths must be positive and rise", i + 1, nm[i]);
+    return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<std::string> fault_of(const Channels& channels) {
+    VOXTONE_EXPECT(channels.wavelengths_nm.empty() || channels.xyz.empty());
+    if (!channels.is_own()) return fault_of_wavelengths(channels.wavelengths_nm);
+    if (channels.size() > max_own_channels)
+        return fmt::format("there are {} channels; a printer's own are at most {}", channels.size(), max_own_channels);
+    const Eigen::Vector3d white = colorimetric_white(channels.illuminant);
+    for (std::size_t k = 0; k < 3; ++k) {
+        double sum = 0;
+        for (const auto& weight : channels.xyz) sum += weight[k];
+        if (const double wanted = white[static_cast<Eigen::Index>(k)]; !(std::abs(sum - wanted) <= 1e-4))
+            return fmt::format(
+                "the channels' weights to {} sum to {}, but the white of {} has {}: a perfect diffuser, 1 in every "
+                "channel, must be white; scale the weights, or name the illuminant that they are for",
+                "XYZ"[k], sum, name_of(channels.illuminant), wanted);
+    }
+    return std::nullopt;
+}
 
 Channels colorimetric_channels(Illuminant illuminant) {
     const Eigen::Vector3d white = colorimetric_white(illuminant);
@@ -21,6 +52,13 @@ std::string channel_name(const Channels& channels, std::size_t channel) {
     if (channels.is_rgb()) return std::string(1, "RGB"[channel]);
     if (channels.is_own()) return fmt::format("channel {}", channel + 1);
     return fmt::format("{} nm", channels.wavelengths_nm[channel]);
+}
+
+std::string channel_word(const Channels& channels, std::size_t channel) {
+    VOXTONE_EXPECT(channel < channels.size());
+    if (channels.is_own()) return fmt::format("c{}", channel + 1);
+    return channels.is_rgb() ? channel_name(channels, channel)
+                             : fmt::format("{:g}nm", channels.wavelengths_nm[channel]);
 }
 
 std::string channels_text(const Channels& channels) {
@@ -38,6 +76,13 @@ Eigen::Matrix3Xd linear_srgb_weights(const Channels& channels) {
         weights.col(static_cast<Eigen::Index>(c)) = linear_srgb_from_xyz(
             adapt_white(Eigen::Map<const Eigen::Vector3d>(channels.xyz[c].data()), white, d65_white()));
     return weights;
+}
+
+Eigen::Matrix3d linear_srgb_of(const Eigen::Vector3d& white) {
+    Eigen::Matrix3d map;
+    for (Eigen::Index k = 0; k < 3; ++k)
+        map.col(k) = linear_srgb_from_xyz(adapt_white(Eigen::Vector3d::Unit(k), white, d65_white()));
+    return map;
 }
 
 Eigen::Matrix3Xd d65_weights(const Channels& channels) {

@@ -11,7 +11,7 @@
 
 #include <array>
 #include <cstddef>
-#include <span>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -36,16 +36,24 @@ struct Channels {
     friend bool operator==(const Channels&, const Channels&) = default;
 };
 
+/// What is wrong with them: wavelengths that do not rise, too many channels, weights that make no white (sums farther
+/// than 1e-4 from the illuminant's); nothing where all is well.
+[[nodiscard]] std::optional<std::string> fault_of(const Channels& channels);
+
 /// X, Y and Z themselves, each relative to the white: what a colorimeter measures.
 [[nodiscard]] Channels colorimetric_channels(Illuminant illuminant);
 
 /// "R", "450 nm" or "channel 2" (from 1).
 [[nodiscard]] std::string channel_name(const Channels& channels, std::size_t channel);
+/// The same in a word, for columns and files: "R", "450nm" or "c2".
+[[nodiscard]] std::string channel_word(const Channels& channels, std::size_t channel);
 /// "R, G, B", "31 wavelengths from 400 to 700 nm" or "4 channels of their own".
 [[nodiscard]] std::string channels_text(const Channels& channels);
 
 /// Columns M_c with linear sRGB = M rho: white, adapted to D65 (Bradford), is (1, 1, 1). R, G, B: the identity.
 [[nodiscard]] Eigen::Matrix3Xd linear_srgb_weights(const Channels& channels);
+/// From XYZ under another white to linear sRGB, adapted (Bradford).
+[[nodiscard]] Eigen::Matrix3d linear_srgb_of(const Eigen::Vector3d& white);
 /// Columns with CIE XYZ under D65 = W rho, adapted (Bradford); white has d65_white().
 [[nodiscard]] Eigen::Matrix3Xd d65_weights(const Channels& channels);
 

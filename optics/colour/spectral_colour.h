@@ -7,13 +7,26 @@
 // differs from sRGB's white in the fourth digit: use `spectral_white` as the white of what was computed here.
 #pragma once
 
+#include <array>
 #include <span>
 
 #include <Eigen/Core>
 
-namespace voxtone::optics {
+#include "voxtone/base/named_values.h"
 
+namespace voxtone {
+
+namespace optics {
 enum class Illuminant { d65, d50, a };
+}
+
+template <>
+struct NamesOf<optics::Illuminant> {
+    static constexpr auto table = std::to_array<Named<optics::Illuminant>>(
+        {{optics::Illuminant::d50, "D50"}, {optics::Illuminant::d65, "D65"}, {optics::Illuminant::a, "A"}});
+};
+
+namespace optics {
 
 /// Columns w such that XYZ = weights * rho for reflectances at these wavelengths (nm, rising, at least one). Between
 /// them the spectrum is linear, beyond the first and last constant.
@@ -29,4 +42,6 @@ enum class Illuminant { d65, d50, a };
 /// XYZ of a perfect diffuser.
 [[nodiscard]] Eigen::Vector3d spectral_white(Illuminant illuminant);
 
-}  // namespace voxtone::optics
+}  // namespace optics
+
+}  // namespace voxtone

@@ -21,10 +21,11 @@ EffectiveMedium::EffectiveMedium(const ResinSet& resins, const std::array<double
     : resins_(resins.resins.size()), k_0_(constants.k_0), k_1_(constants.k_1) {
     const auto [least, most] = std::minmax_element(pitch_mm.begin(), pitch_mm.end());
     VOXTONE_EXPECT(*least > 0 || (*least == 0 && *most == 0));
-    ideal_ = *least == 0;
+    const double sharp = 1 - resins.dot_spread;
+    ideal_ = *least == 0 || sharp == 0;
     double chord = 0, absorbing = 0, b = 0;
     if (!ideal_) {
-        chord = 2 / (1 / pitch_mm[0] + 1 / pitch_mm[1] + 1 / pitch_mm[2]);
+        chord = sharp * 2 / (1 / pitch_mm[0] + 1 / pitch_mm[1] + 1 / pitch_mm[2]);
         const std::size_t first = seen == SeenFrom::above ? 2 : 0;
         const double share = 1.0 / static_cast<double>(3 - first);
         for (std::size_t up = first; up < 3; ++up) {

@@ -27,6 +27,10 @@
 // which has its way into the voxel and out of it). Flat voxels have b = 0: light that goes down has to go through them.
 // One resin, equal resins and voxels of vanishing size give Eq. 7; a body that absorbs nothing stays so.
 //
+// Droplets run together before they are cured. How far is one number of the set, its dot spread s in [0, 1]: l above is
+// (1 - s) times the voxel's, so that s = 0 are sharp voxels, on which the constants rest, and s = 1 is Eq. 7, to which
+// measured mixtures of a J750 are nearer (data/resins/README.md).
+//
 // The constants are one set for all resins and printers, fitted to Monte Carlo of halftones of random resins by
 // benchmarks/optics/media/halftone_departure.cpp. Errors, in units of L* of a channel read as a grey: 0.1 to 0.2 rms,
 // against 0.7 to 1.3 by Eq. 7 (docs/halftone-departure.md). They belong to the blue-noise screen.

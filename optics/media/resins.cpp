@@ -25,6 +25,24 @@ bool same_letters(std::string_view a, std::string_view b) {
     return std::equal(a.begin(), a.end(), b.begin(), b.end(), [&](char x, char y) { return lower(x) == lower(y); });
 }
 
+void validate_measured(const ResinSet& set) {
+    if (!(set.dot_spread >= 0 && set.dot_spread <= 1))
+        throw InputError(fmt::format(
+            "Resin set \"{}\": dot_spread is {}; it must lie between 0 (sharp voxels) and 1 (an ideal mixture).",
+            set.name, set.dot_spread));
+    const FlatMeasurement& measured = set.measured;
+    if (!(measured.surface >= 0 && measured.surface < 1))
+        throw InputError(
+            fmt::format("Resin set \"{}\": the surface's reflection is {}; a share of light must lie in [0, 1).",
+                        set.name, measured.surface));
+    if (!(measured.gain >= 0.1 && measured.gain <= 10))
+        throw InputError(fmt::format("Resin set \"{}\": the instrument's gain is {}; expected 0.1 to 10, 1 as a rule.",
+                                     set.name, measured.gain));
+    if (!set.residual.empty() && set.residual.lengths().size() != set.resins.size())
+        throw InputError(fmt::format("Resin set \"{}\": its residual is of {} resins, but the set has {}.", set.name,
+                                     set.residual.lengths().size(), set.resins.size()));
+}
+
 void validate_resin(const ResinSet& set, const Resin& resin) {
     const std::size_t channels = set.channels.size();
     if (resin.role.empty()) {
@@ -56,32 +74,6 @@ void validate_resin(const ResinSet& set, const Resin& resin) {
     }
 }
 
-void validate_channels(const ResinSet& set) {
-    const Channels& channels = set.channels;
-    VOXTONE_EXPECT(channels.wavelengths_nm.empty() || channels.xyz.empty());
-    for (std::size_t i = 0; i < channels.wavelengths_nm.size(); ++i) {
-        const double nm = channels.wavelengths_nm[i];
-        if (!(nm > 0 && std::isfinite(nm)) || (i > 0 && !(nm > channels.wavelengths_nm[i - 1])))
-            throw InputError(
-                fmt::format("Resin set \"{}\": wavelength number {} is {} nm; wavelengths must be positive and rise.",
-                            set.name, i + 1, nm));
-    }
-    if (!channels.is_own()) return;
-    if (channels.size() > max_own_channels)
-        throw InputError(fmt::format("Resin set \"{}\" has {} channels of its own; at most {} are possible.", set.name,
-                                     channels.size(), max_own_channels));
-    const Eigen::Vector3d white = colorimetric_white(channels.illuminant);
-    for (std::size_t k = 0; k < 3; ++k) {
-        double sum = 0;
-        for (const auto& weight : channels.xyz) sum += weight[k];
-        if (!(std::abs(sum - white[static_cast<Eigen::Index>(k)]) <= 1e-4))
-            throw InputError(fmt::format(
-                "Resin set \"{}\": the channels' weights to {} sum to {}, but the white of their illuminant has {}; a "
-                "perfect diffuser must be white.",
-                set.name, "XYZ"[k], sum, white[static_cast<Eigen::Index>(k)]));
-    }
-}
-
 }  // namespace
 
 Medium Resin::medium(std::size_t channel) const {
@@ -103,6 +95,7 @@ int ResinSet::find(std::string_view role) const {
 ResinSet ResinSet::subset(std::span<const std::string> roles) const {
     ResinSet chosen = *this;
     chosen.resins.clear();
+    std::vector<std::size_t> indices;
     for (const std::string& role : roles) {
         const int index = find(role);
         if (index < 0) {
@@ -115,7 +108,9 @@ ResinSet ResinSet::subset(std::span<const std::string> roles) const {
             throw InputError(fmt::format("Resin \"{}\" is asked for twice; name each resin once.", role));
         }
         chosen.resins.push_back(resins[static_cast<std::size_t>(index)]);
+        indices.push_back(static_cast<std::size_t>(index));
     }
+    chosen.residual = residual.subset(indices);
     return chosen;
 }
 
@@ -143,7 +138,8 @@ void ResinSet::validate() const {
             fmt::format("Resin set \"{}\": eta is {}; the refractive index must be at least 1 (resins have about 1.5).",
                         name, eta));
     }
-    validate_channels(*this);
+    if (const auto fault = fault_of(channels)) throw InputError(fmt::format("Resin set \"{}\": {}.", name, *fault));
+    validate_measured(*this);
     for (std::size_t r = 0; r < resins.size(); ++r) {
         validate_resin(*this, resins[r]);
         if (find(resins[r].role) != static_cast<int>(r)) {

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "voxtone/optics/colour/channels.h"
+#include "voxtone/optics/media/colour_residual.h"
 
 namespace voxtone::optics {
 
@@ -39,6 +40,18 @@ struct Resin {
     [[nodiscard]] Medium medium(std::size_t channel) const;
 };
 
+/// How an instrument looks at a flat patch. Specular light is left out, or is part of `FlatMeasurement::surface`.
+enum class MeasuringGeometry { directional_45_0, diffuse_8 };
+
+/// What the instrument adds to the resins' own light where a set was fitted to measured patches:
+/// reading = gain (surface + rho). 45/0 without anything added where nobody said.
+struct FlatMeasurement {
+    MeasuringGeometry geometry = MeasuringGeometry::directional_45_0;
+    double surface = 0;  ///< neutral light from the surface, a share of a perfect diffuser's, >= 0
+    double gain = 1;     ///< > 0: the instrument's white over the model's
+    friend bool operator==(const FlatMeasurement&, const FlatMeasurement&) = default;
+};
+
 struct ResinSet {
     std::string name;
     std::string source;
@@ -47,6 +60,12 @@ struct ResinSet {
     double eta = 1.5;  ///< refractive index, >= 1
     std::vector<Resin> resins;
     std::string currency = {};  ///< of the prices: "EUR"
+
+    /// How far droplets of a halftone run together, in [0, 1]: a voxel's optical sizes (effective_medium.h) are
+    /// (1 - dot_spread) times those of a sharp one. 0: sharp voxels; 1: an ideal mixture, Eq. 7.
+    double dot_spread = 0;
+    FlatMeasurement measured = {};
+    ColourResidual residual = {};  ///< what physics leaves of measured mixtures; shares as in `resins`
 
     /// Index of the resin with this role, or -1. Letter case counts only between roles that differ in nothing else.
     [[nodiscard]] int find(std::string_view role) const;

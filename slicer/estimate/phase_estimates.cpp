@@ -83,7 +83,7 @@ double prediction_cost(const OpenedJob& job, const JobBody& body, PredictionMode
     ModelOptions quality;
     quality.cell_mm = job.options.prediction.cell_mm;
     const std::array pitch_mm{body.grid.pitch_mm.x(), body.grid.pitch_mm.y(), body.grid.pitch_mm.z()};
-    return prediction_seconds(model, quality, pitch_mm, area_mm2);
+    return prediction_seconds(model, quality, pitch_mm, area_mm2, job.resins.set.channels.size());
 }
 
 }  // namespace
@@ -114,7 +114,8 @@ std::vector<PhaseEstimate> phase_estimates(const OpenedJob& job, const JobBody& 
             expected_cost(loop, amounts.area_mm2, options.prediction.cell_mm, options.prediction.memory_bytes);
         phases.add("prepare the loop", recipes_s + preparation_s_per_cell * amounts.cells,
                    with(0, prepared_bytes_per_cell));
-        phases.add("appearance loop", cost.cpu_seconds, looping);
+        const double of_rgb = double(job.resins.set.channels.size()) / 3;  // light is followed channel by channel
+        phases.add("appearance loop", of_rgb * cost.cpu_seconds, looping);
     }
     phases.add("layers",
                layers_s + layers_s_per_voxel * amounts.voxels + layers_s_per_shell_voxel * amounts.shell_voxels,

@@ -166,7 +166,8 @@ LayerSources ColourPrint::sources() const { return parts_.sources(skin_ ? &*skin
 
 void ColourPrint::expect_layers(const LayerRange& range) {
     const bool all_layers = range.first == 0 && range.last + 1 == body_.grid.size[2];
-    const bool reusable = loop_ && job_.resins.set.channels.wavelengths_nm.empty();
+    // A spectral set is asked for its spectra, which the loop does not keep.
+    const bool reusable = loop_ && !job_.resins.set.channels.is_spectral();
     prediction_plan_ = plan_prediction(job_.options, body_, all_layers, reusable, all_white_);
     // The volume and its white twin are held at once.
     if (prediction_plan_.by != PredictionPlan::By::nothing)

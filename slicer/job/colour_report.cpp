@@ -150,8 +150,7 @@ io::LinearPicture smaller_picture(const io::LinearPicture& large, std::uint32_t 
 }
 
 /// Pictures of a slab from above, one pixel per cell.
-void draw_predicted_picture(const JobPrediction& p, const optics::Channels& channels, io::Report& report,
-                            const std::filesystem::path& folder) {
+void draw_predicted_picture(const JobPrediction& p, io::Report& report, const std::filesystem::path& folder) {
     const auto px_per_mm = picture_px_per_mm(p.volume, p.predicted.surface.cell_voxels);
     std::vector<io::ReportPicture> pictures;
     const auto draw = [&](const char* caption, const std::vector<Eigen::Vector3f>& rgb, std::string_view file) {
@@ -170,7 +169,7 @@ void draw_predicted_picture(const JobPrediction& p, const optics::Channels& chan
     }
     report.views.push_back({"top", std::move(pictures)});
     io::write_whole_file(folder / report_file::predicted_exr,
-                         io::exr_bytes(top_numbers(p.volume, channels, p.predicted), px_per_mm));
+                         io::exr_bytes(top_numbers(p.volume, p.channels, p.predicted), px_per_mm));
     io::write_whole_file(folder / report_file::target_exr,
                          io::exr_bytes(top_picture(p.volume, recoloured(p.predicted, p.target)), px_per_mm));
 }
@@ -267,7 +266,7 @@ void draw_colour_report(const ColourReport& s, io::Report& report, const std::fi
     if (!s.prediction)
         draw_separated(s, report, folder, progress);
     else if (s.body.is_picture)
-        draw_predicted_picture(*s.prediction, s.job.resins.set.channels, report, folder);
+        draw_predicted_picture(*s.prediction, report, folder);
     else
         draw_predicted_body(s, *s.prediction, report, folder, progress);
 }

@@ -85,7 +85,8 @@ Materials measured_materials(const LayeredOptions& options, const io::ProfileMap
         throw InputError(fmt::format(
             "{}: its profiles are for {}, those of the materials ({}, ...) for {}; the search compares channel by "
             "channel",
-            options.profiles, channels_text(map.channels), setting.materials[0], channels_text(stacks.channels())));
+            options.profiles, channels_in_full(map.channels), setting.materials[0],
+            channels_in_full(stacks.channels())));
     return {stacks.materials(0, options.thickness_mm, {}, progress), stacks.turned_back(), false};
 }
 

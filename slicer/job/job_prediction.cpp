@@ -69,6 +69,7 @@ JobPrediction predict_print(const ResolvedJob& job, PredictionModel model, const
     const Stopwatch watch;
     JobPrediction prediction;
     prediction.model = name_of(model);
+    prediction.channels = resins.set.channels;
     prediction.volume = std::move(volume);
     progress.begin_stage("predict", 0);
     const optics::Scene scene = scene_of(prediction.volume, resins, body, job.picture.backing);

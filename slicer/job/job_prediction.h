@@ -50,6 +50,7 @@ struct JobPrediction {
     std::string model;
     optics::ResinVolume volume;
     SurfacePrediction predicted;
+    optics::Channels channels;            ///< of the values in `predicted`
     std::vector<Eigen::Vector3f> target;  ///< per cell, linear sRGB
     std::vector<double> difference;       ///< per cell, CIEDE2000
     optics::DifferenceSummary summary;    ///< by area
@@ -62,7 +63,8 @@ struct JobPrediction {
 
 [[nodiscard]] SeenPrint seen_from(const JobPrediction& prediction, double viewing_distance_mm);
 
-/// What the appearance loop itself predicted of the print that it chose; the volume is that print. RGB resins only.
+/// What the appearance loop itself predicted of the print that it chose; the volume is that print. Colours only:
+/// what the loop saw by channel is not kept.
 [[nodiscard]] JobPrediction prediction_of_loop(const JobLoop& loop, optics::ResinVolume volume);
 
 /// `known`: the cells of this print; null: they are found here. Throws what the model throws.

@@ -16,7 +16,7 @@
 #include "voxtone/io/pictures/picture_writer.h"
 #include "voxtone/io/pictures/srgb_code.h"
 #include "voxtone/io/report/plot_svg.h"
-#include "voxtone/optics/colour/spectral_colour.h"
+#include "voxtone/optics/colour/channels.h"
 #include "voxtone/slicer/look/preview.h"
 #include "voxtone/slicer/look/report_files.h"
 #include "voxtone/slicer/look/report_views.h"
@@ -45,21 +45,24 @@ std::string stack_text(const ClusterStack& cluster, const LoadedResins& resins) 
     return text.empty() ? std::string("the base alone") : text;
 }
 
-/// Channels that are drawn: all of RGB, or the first, the middle and the last wavelength.
+/// Channels that are drawn: all of RGB, or the first, the middle and the last of others. A printer's own have no
+/// order and no hue.
 struct DrawnChannel {
     std::size_t index;
     const char* colour;
     std::string name;
 };
 std::vector<DrawnChannel> drawn_channels(const optics::Channels& channels) {
-    constexpr const char *red = "#c62828", *green = "#2e7d32", *blue = "#1565c0";
+    constexpr const char *red = "#c62828", *green = "#2e7d32", *blue = "#1565c0", *violet = "#6a1b9a",
+                         *brown = "#795548", *grey = "#546e7a";
     if (channels.is_rgb()) return {{0, red, "red"}, {1, green, "green"}, {2, blue, "blue"}};
     const std::size_t last = channels.size() - 1;
     std::vector<DrawnChannel> drawn;
-    for (const auto& [index, colour] :
-         {std::pair{std::size_t{0}, blue}, std::pair{last / 2, green}, std::pair{last, red}})
+    const bool own = channels.is_own();
+    for (const auto& [index, colour] : {std::pair{std::size_t{0}, own ? violet : blue},
+                                        std::pair{last / 2, own ? brown : green}, std::pair{last, own ? grey : red}})
         if (drawn.empty() || drawn.back().index != index)
-            drawn.push_back({index, colour, fmt::format("{:g} nm", channels.wavelengths_nm[index])});
+            drawn.push_back({index, colour, optics::channel_name(channels, index)});
     return drawn;
 }
 
@@ -100,7 +103,7 @@ io::ReportDrawing profile_drawing(const JobLayers& layers, std::size_t number, c
 Eigen::Vector3f total_colour(const optics::Channels& channels, const halftone::ChannelProfiles& profiles) {
     Eigen::VectorXd totals(static_cast<Eigen::Index>(profiles.size()));
     for (std::size_t c = 0; c < profiles.size(); ++c) totals[static_cast<Eigen::Index>(c)] = profiles[c][0];
-    return (optics::linear_srgb_weights(channels.wavelengths_nm) * totals).cast<float>().cwiseMax(0.0f).cwiseMin(1.0f);
+    return (optics::linear_srgb_weights(channels) * totals).cast<float>().cwiseMax(0.0f).cwiseMin(1.0f);
 }
 
 /// The surface in one colour for each cluster.

@@ -15,7 +15,7 @@ namespace {
 std::vector<std::string> channel_names(const optics::Channels& channels, std::array<const char*, 3> rgb) {
     if (channels.is_rgb()) return {rgb.begin(), rgb.end()};
     std::vector<std::string> names;
-    for (const double nm : channels.wavelengths_nm) names.push_back(fmt::format("{:g}nm", nm));
+    for (std::size_t c = 0; c < channels.size(); ++c) names.push_back(channel_word(channels, c));
     return names;
 }
 

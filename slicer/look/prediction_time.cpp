@@ -6,24 +6,25 @@
 namespace voxtone::slicer {
 
 double prediction_seconds(PredictionModel model, const ModelOptions& quality, const std::array<double, 3>& pitch_mm,
-                          double area_mm2) {
+                          double area_mm2, std::size_t channels) {
     // Seconds on two cores of 2.5 GHz, by `voxtone predict` of a photograph 10 mm wide and `slice --predict-cell` of
-    // the bundled cow at 10 mm; of paths: docs/heterogeneous.md, in white.
+    // the bundled cow at 10 mm, R, G and B; of paths: docs/heterogeneous.md, in white.
     constexpr double transport_s_per_cell = 1.5e-4, quick_s_per_cell = 6e-5, layered_s_per_cell = 1.7e-4,
                      s_per_path = 7e-7;
-    constexpr double channels = 3, print_and_white = 2;
-    const double cells = area_mm2 / (quality.cell_mm * quality.cell_mm);
+    constexpr double print_and_white = 2;
+    const double cells = area_mm2 / (quality.cell_mm * quality.cell_mm), of_rgb = double(channels) / 3;
     switch (model) {
         case PredictionModel::monte_carlo:
-            return s_per_path * print_and_white * channels * quality.paths * cells;
+            return s_per_path * print_and_white * double(channels) * quality.paths * cells;
         case PredictionModel::layered_profile:
-            return layered_s_per_cell * cells;
+            return layered_s_per_cell * of_rgb * cells;
         case PredictionModel::transport:
             break;
     }
     // Larger cells than the eye's are predicted in the eye's, and quickly.
-    if (coarse_cells(pitch_mm, quality.cell_mm)) return quick_s_per_cell * area_mm2 / (eye_cell_mm * eye_cell_mm);
-    return transport_s_per_cell * cells;
+    if (coarse_cells(pitch_mm, quality.cell_mm))
+        return quick_s_per_cell * of_rgb * area_mm2 / (eye_cell_mm * eye_cell_mm);
+    return transport_s_per_cell * of_rgb * cells;
 }
 
 }  // namespace voxtone::slicer

@@ -5,13 +5,14 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 
 #include "voxtone/slicer/options/model_choice.h"
 
 namespace voxtone::slicer {
 
-/// Seconds for a surface of this area seen in cells of `quality.cell_mm`, and for its white twin.
+/// Seconds for a surface of this area seen in cells of `quality.cell_mm` and so many channels, and for its white twin.
 [[nodiscard]] double prediction_seconds(PredictionModel model, const ModelOptions& quality,
-                                        const std::array<double, 3>& pitch_mm, double area_mm2);
+                                        const std::array<double, 3>& pitch_mm, double area_mm2, std::size_t channels);
 
 }  // namespace voxtone::slicer

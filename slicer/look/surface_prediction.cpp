@@ -4,11 +4,24 @@
 #include <cmath>
 
 #include "voxtone/base/contracts.h"
-#include "voxtone/optics/colour/spectral_colour.h"
+#include "voxtone/optics/colour/observed_colour.h"
 
 namespace voxtone::slicer {
 
 namespace {
+
+std::vector<Eigen::Vector3f> colours_of(const SurfacePrediction& prediction, const optics::Channels& channels,
+                                        const std::vector<float>* white) {
+    const optics::ObservedColour<float> observed(channels);
+    VOXTONE_ENSURE(observed.channels() == prediction.channels);
+    std::vector<Eigen::Vector3f> rgb(prediction.surface.cells.size());
+    for (std::size_t i = 0; i < rgb.size(); ++i) {
+        const std::size_t at = i * prediction.channels;
+        const float* value = prediction.value.data() + at;
+        rgb[i] = white ? observed.relative(value, white->data() + at) : observed.absolute(value);
+    }
+    return rgb;
+}
 
 /// Divides by the white of the same place. A place without any light (nothing white can do about it) is 0.
 void make_relative(SurfacePrediction& prediction, const optics::Appearance& white) {
@@ -42,17 +55,14 @@ SurfacePrediction predict_surface(const optics::Scene& scene, optics::Surface su
         optics::Scene white = scene;
         white.volume = &twin;
         const optics::Appearance appearance = make_model(true)->predict(white, prediction.surface, &progress);
+        prediction.rgb = colours_of(prediction, scene.resins->channels, &appearance.value);
         make_relative(prediction, appearance);
         for (const std::string& remark : appearance.remarks)
             prediction.remarks.push_back("of the white that colours refer to: " + remark);
+    } else {
+        prediction.rgb = colours_of(prediction, scene.resins->channels, nullptr);
     }
     for (const std::string& remark : prediction.remarks) progress.warn(remark);
-    const Eigen::Matrix3Xf weights = optics::linear_srgb_weights(scene.resins->channels.wavelengths_nm).cast<float>();
-    VOXTONE_ENSURE(static_cast<std::size_t>(weights.cols()) == prediction.channels);
-    prediction.rgb.resize(prediction.surface.cells.size());
-    for (std::size_t i = 0; i < prediction.rgb.size(); ++i)
-        prediction.rgb[i] = weights * Eigen::Map<const Eigen::VectorXf>(
-                                          prediction.value.data() + i * prediction.channels, weights.cols());
     return prediction;
 }
 

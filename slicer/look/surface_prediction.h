@@ -5,6 +5,9 @@
 //
 //   media-relative value = appearance / appearance of the same cell, the whole body being of white resin
 //
+// channel by channel; colours are made of both appearances first and divided then (optics/colour/observed_colour.h),
+// which is the same for R, G, B alone.
+//
 // Where the model draws random numbers the two appearances are drawn apart and their errors add as for independent
 // values: the error of a / w is sqrt(error_a^2 + (a / w)^2 error_w^2) / w.
 #pragma once

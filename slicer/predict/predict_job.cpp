@@ -19,7 +19,7 @@
 #include "voxtone/io/files/whole_file.h"
 #include "voxtone/io/models/glb_writer.h"
 #include "voxtone/io/models/ply_writer.h"
-#include "voxtone/optics/colour/spectral_colour.h"
+#include "voxtone/optics/colour/channels.h"
 #include "voxtone/slicer/look/coarse_cells.h"
 #include "voxtone/slicer/look/prediction_files.h"
 #include "voxtone/slicer/look/prediction_time.h"
@@ -123,7 +123,7 @@ io::LitMaterial material_of(const StackVolume& stack, const SurfacePrediction& p
         kept[static_cast<Eigen::Index>(c)] =
             std::exp(-std::sqrt(3 * m.sigma_a * (m.sigma_a + (1 - stack.resins.g) * m.sigma_s)));
     }
-    const Eigen::Vector3d rgb = optics::linear_srgb_weights(stack.resins.channels.wavelengths_nm) * kept;
+    const Eigen::Vector3d rgb = optics::linear_srgb_weights(stack.resins.channels) * kept;
     const auto& pitch = stack.volume.pitch_mm();
     const double volume =
         double(std::accumulate(count.begin() + 1, count.end(), std::uint64_t{0})) * pitch[0] * pitch[1] * pitch[2];
@@ -240,7 +240,7 @@ double guessed_area_mm2(const std::array<int, 3>& voxels, const std::array<doubl
 /// The stages that are still to come, for the time that is shown as left; `read_s`: of the layers, 0 where they are
 /// read.
 void expect_rest(const ResolvedPrediction& job, double read_s, double area_mm2, const std::array<double, 3>& pitch_mm,
-                 Progress& progress) {
+                 std::size_t channels, Progress& progress) {
     // Two cores of 2.5 GHz, by `voxtone predict` of the bundled cow at 15 and 30 mm.
     constexpr double surface_s_per_mm2 = 3e-4, write_s_per_mm2 = 5e-4;
     ModelOptions quality = job.asked.quality;
@@ -250,7 +250,7 @@ void expect_rest(const ResolvedPrediction& job, double read_s, double area_mm2, 
         stages.push_back({"read layers", read_s});
         stages.push_back({"find the surface", surface_s_per_mm2 * area_mm2});
     }
-    stages.push_back({"predict", prediction_seconds(job.model, quality, pitch_mm, area_mm2)});
+    stages.push_back({"predict", prediction_seconds(job.model, quality, pitch_mm, area_mm2, channels)});
     stages.push_back({"write", write_s_per_mm2 * area_mm2});
     expect_stages(progress, std::move(stages));
 }
@@ -314,8 +314,9 @@ ReadStack read_stack(const ResolvedPrediction& job, Progress& progress) {
         expect_white(job, head);
         expect_files_fit(job, seen_from_above(job, head));
         expect_memory(job, head);
+        constexpr std::size_t usual_channels = 3;  // what the resins have is known with the layers
         expect_rest(job, read_s_per_voxel * voxels_of(head), guessed_area_mm2(head.size, head.pitch_mm, job.view),
-                    head.pitch_mm, progress);
+                    head.pitch_mm, usual_channels, progress);
     };
     // The volume and, for relative values, its white twin are held at once.
     stack.volume = read_stack_volume({.stack = options.stack,
@@ -492,7 +493,7 @@ PredictResult run_predict_job(const PredictOptions& options, Progress& progress)
 
     double area_mm2 = 0;
     for (const optics::SurfaceCell& cell : cells.surface.cells) area_mm2 += double(cell.area_mm2);
-    expect_rest(job, 0, area_mm2, stack.volume.pitch_mm(), progress);
+    expect_rest(job, 0, area_mm2, stack.volume.pitch_mm(), stack.resins.channels.size(), progress);
     progress.begin_stage("predict", 0);
     const ModelMaker maker = [&](bool white) {
         ModelOptions quality = model_options(job, quick, job.memory_bytes - held);

@@ -101,7 +101,7 @@ std::unique_ptr<const halftone::MinimalDepthSeparation> prepare_recipes(const op
     optics::ShellGeometry below = shell;
     below.core_mm += shell.shell_mm - layers.depth_mm();
     halftone::SeparationOptions separation;
-    separation.wavelengths_nm = resins.channels.wavelengths_nm;
+    separation.channels = resins.channels;
     constexpr int nodes = 33;
     separation.nodes = nodes;
     return std::make_unique<const halftone::MinimalDepthSeparation>(resins, below, layers, separation, &progress);

@@ -56,7 +56,7 @@ struct JobColour {
 private:
     static halftone::SeparationOptions separation_options(const optics::ResinSet& resins) {
         halftone::SeparationOptions options;
-        options.wavelengths_nm = resins.channels.wavelengths_nm;
+        options.channels = resins.channels;
         return options;
     }
 };

@@ -11,10 +11,9 @@
 
 namespace voxtone::slicer {
 
-std::string channels_text(const optics::Channels& channels) {
-    return channels.is_rgb()
-               ? std::string("rgb")
-               : fmt::format("{} wavelengths ({:g} nm)", channels.size(), fmt::join(channels.wavelengths_nm, ", "));
+std::string channels_in_full(const optics::Channels& channels) {
+    if (!channels.is_spectral()) return optics::channels_text(channels);
+    return fmt::format("{} wavelengths ({:g} nm)", channels.size(), fmt::join(channels.wavelengths_nm, ", "));
 }
 
 std::vector<std::string> material_files(const LayeredOptions& options, const LoadedResins& resins) {
@@ -52,7 +51,7 @@ void check_layers(const LayeredOptions& options, const io::ProfileMap& map, cons
             "{}: its profiles are for {}, those of the resins {} for {}; the search compares channel by channel: make "
             "the map "
             "with the channels of the resins, or choose another --resins",
-            options.profiles, channels_text(map.channels), resins.set.name, channels_text(resins.set.channels)));
+            options.profiles, channels_in_full(map.channels), resins.set.name, channels_in_full(resins.set.channels)));
     if (resins.set.resins.size() < 2)
         throw InputError(
             "--model layered-profile: only one resin is loaded, so there are no layers to choose; load at least two, "

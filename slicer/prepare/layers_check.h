@@ -19,7 +19,7 @@ void check_layers(const LayeredOptions& options, const io::ProfileMap& map, cons
 /// The measured profile of each loaded resin. Throws as check_layers does.
 [[nodiscard]] std::vector<std::string> material_files(const LayeredOptions& options, const LoadedResins& resins);
 
-/// "rgb", "3 wavelengths (450, 550, 650 nm)".
-[[nodiscard]] std::string channels_text(const optics::Channels& channels);
+/// "R, G, B", "3 wavelengths (450, 550, 650 nm)", "4 channels of their own".
+[[nodiscard]] std::string channels_in_full(const optics::Channels& channels);
 
 }  // namespace voxtone::slicer

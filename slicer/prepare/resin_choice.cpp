@@ -45,8 +45,8 @@ double mean_loss(const OpenedJob& job, const JobBody& body, const LoadedResins& 
     const optics::ShellAppearance appearance(resins.set, shell_geometry(job.options.colour, resins, body.grid.pitch_mm,
                                                                         slab_under_colour(job.options, body)));
     halftone::SeparationOptions options;
-    options.wavelengths_nm = resins.set.channels.wavelengths_nm;
-    const halftone::AppearanceColour colour(appearance, options.wavelengths_nm);
+    options.channels = resins.set.channels;
+    const halftone::AppearanceColour colour(appearance, options.channels);
     const auto n = static_cast<Eigen::Index>(resins.set.resins.size());
     const auto white = static_cast<Eigen::Index>(appearance.geometry().white());
     halftone::Unknowns penalty = halftone::Unknowns::Constant(n, options.ink_penalty);

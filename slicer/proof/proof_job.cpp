@@ -18,7 +18,7 @@
 #include "voxtone/io/pictures/exr_writer.h"
 #include "voxtone/io/pictures/picture_writer.h"
 #include "voxtone/optics/camera/camera_paths.h"
-#include "voxtone/optics/colour/spectral_colour.h"
+#include "voxtone/optics/colour/channels.h"
 #include "voxtone/slicer/proof/proof_scene.h"
 
 namespace voxtone::slicer {
@@ -34,7 +34,7 @@ Eigen::Vector3f colour_of(const CameraPicture& picture, const Eigen::Matrix3Xf& 
 }
 
 Eigen::Matrix3Xf colour_weights(const ProofScene& scene) {
-    return optics::linear_srgb_weights(scene.channels().wavelengths_nm).cast<float>();
+    return optics::linear_srgb_weights(scene.channels()).cast<float>();
 }
 
 io::LinearPicture developed(const CameraPicture& picture, const ProofScene& scene, double exposure_ev) {
@@ -65,7 +65,7 @@ float roughness_at(const ProofScene& scene, const optics::Camera& camera, std::s
     return static_cast<float>(roughness);
 }
 
-/// R, G, B; then A, 1; "error.R"...; spectral sets have their channels besides; "samples", "roughness" and "seen" (0
+/// R, G, B; then A, 1; "error.R"...; sets of other channels have these besides; "samples", "roughness" and "seen" (0
 /// sky, 1 ground, 2 print, 3 target).
 io::NumberPicture numbers(const CameraPicture& picture, const ProofScene& scene) {
     const optics::Channels& channels = scene.channels();
@@ -73,8 +73,9 @@ io::NumberPicture numbers(const CameraPicture& picture, const ProofScene& scene)
                           static_cast<std::uint32_t>(picture.height_px),
                           {"R", "G", "B", "A", "error.R", "error.G", "error.B", "samples", "roughness", "seen"},
                           {}};
-    for (const double nm : channels.wavelengths_nm) out.names.push_back(fmt::format("{:g}nm", nm));
-    for (const double nm : channels.wavelengths_nm) out.names.push_back(fmt::format("error.{:g}nm", nm));
+    if (!channels.is_rgb())
+        for (const char* of : {"", "error."})
+            for (std::size_t c = 0; c < channels.size(); ++c) out.names.push_back(of + channel_word(channels, c));
     const Eigen::Matrix3Xf weights = colour_weights(scene);
     const optics::Camera camera(scene.camera.view);
     for (std::size_t p = 0; p < picture.samples.size(); ++p) {
@@ -113,9 +114,11 @@ void write_files(const CameraPicture& picture, const ProofScene& scene, const Re
     }
 }
 
-/// Sums and squares, light and shares, values and errors of three channels, and the bytes of the files.
-void expect_picture_fits(const ResolvedProof& job) {
-    const std::uint64_t needed = std::uint64_t(job.width_px) * std::uint64_t(job.height_px) * 320;
+/// Sums and squares, light and shares, values and errors of the channels, and the bytes of the files.
+void expect_picture_fits(const ResolvedProof& job, std::size_t channels) {
+    constexpr std::uint64_t of_three = 320, of_each_more = 80;
+    const std::uint64_t needed = std::uint64_t(job.width_px) * std::uint64_t(job.height_px) *
+                                 (of_three + of_each_more * (std::max<std::size_t>(channels, 3) - 3));
     if (needed <= job.memory_bytes / 4) return;
     throw ResourceError(fmt::format(
         "--size {}: a picture of so many pixels takes {:.2f} GiB while it is drawn, more than a quarter of the {:.2f} "
@@ -160,11 +163,12 @@ JobResult describe(const CameraPicture& picture, const ProofScene& scene, const 
 
 JobResult run_proof_job(const ProofOptions& options, Progress& progress) {
     const ResolvedProof job = resolve(options);
-    expect_picture_fits(job);
+    expect_picture_fits(job, 3);
     io::expect_outputs({options.files.begin(), options.files.end()}, options.overwrite);
     const ThreadLimit threads(static_cast<std::size_t>(options.threads));
     Stopwatch watch;
     const auto scene = make_proof_scene(job, progress);
+    expect_picture_fits(job, scene->channels().size());
     const CameraPicture picture = take_picture(scene->camera,
                                                {.samples = options.samples,
                                                 .error = options.error,

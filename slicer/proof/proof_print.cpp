@@ -8,7 +8,7 @@
 #include <fmt/core.h>
 
 #include "voxtone/base/error.h"
-#include "voxtone/optics/colour/spectral_colour.h"
+#include "voxtone/optics/colour/channels.h"
 #include "voxtone/optics/layered/layered_appearance.h"
 #include "voxtone/slicer/look/cell_mesh.h"
 #include "voxtone/slicer/look/support_contact.h"
@@ -63,7 +63,7 @@ Vector3d paper_white(const StackVolume& stack) {
     if (stack.white < 0) return Vector3d::Ones();
     const optics::ResinSet& set = stack.resins;
     const optics::OrdinatePlan plan = optics::appearance_plan(set.g, set.eta);
-    const Eigen::Matrix3Xd weights = optics::linear_srgb_weights(set.channels.wavelengths_nm);
+    const Eigen::Matrix3Xd weights = optics::linear_srgb_weights(set.channels);
     Vector3d white = Vector3d::Zero();
     for (std::size_t c = 0; c < set.channels.size(); ++c) {
         const double seen = optics::appearance(

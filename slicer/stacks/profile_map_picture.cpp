@@ -8,7 +8,7 @@
 #include <Eigen/Core>
 
 #include "voxtone/io/pictures/srgb_code.h"
-#include "voxtone/optics/colour/spectral_colour.h"
+#include "voxtone/optics/colour/channels.h"
 
 namespace voxtone::slicer {
 namespace {
@@ -148,7 +148,7 @@ ComparisonPicture draw_comparison(const io::BssrdfFile& data, const ProfileMapRe
     drawn.least_per_mm2 = drawn.most_per_mm2 * std::pow(10, -decades);
 
     std::vector<Panel> panels;
-    const Eigen::Matrix3Xd to_srgb = optics::linear_srgb_weights(data.channels.wavelengths_nm);
+    const Eigen::Matrix3Xd to_srgb = optics::linear_srgb_weights(data.channels);
     for (const Spreads& spread : spreads) panels.push_back(albedo_panel(cut, spread, to_srgb));
     for (const Spreads& spread : spreads)
         panels.push_back(width_panel(cut, spread[drawn.channel], drawn.least_mm, drawn.most_mm));

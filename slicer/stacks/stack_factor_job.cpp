@@ -18,10 +18,10 @@ using Json = nlohmann::ordered_json;
 /// Of the light, beyond which a window is said to be too small.
 constexpr double most_beyond_window = 0.05;
 
-/// "red" or "550 nm".
+/// "red", "550 nm" or "channel 2".
 std::string colour_name(const optics::Channels& channels, std::size_t c) {
     static constexpr const char* rgb[] = {"red", "green", "blue"};
-    return channels.is_rgb() ? std::string(rgb[c]) : fmt::format("{} nm", channels.wavelengths_nm[c]);
+    return channels.is_rgb() ? std::string(rgb[c]) : channel_name(channels, c);
 }
 
 std::optional<std::size_t> drawn_point(const StackFactorJob& job, const optics::SampledBssrdf& responses) {

@@ -19,8 +19,9 @@ constexpr double noisy = 0.05, cut = 0.05;  // shares of the light that are wort
 
 bool is_file(const std::string& material) { return std::filesystem::path(material).extension() == ".json"; }
 
-std::string channels_text(const optics::Channels& channels) {
-    return channels.is_rgb() ? "rgb" : fmt::format("{} nm", fmt::join(channels.wavelengths_nm, ", "));
+std::string channels_in_full(const optics::Channels& channels) {
+    if (!channels.is_spectral()) return optics::channels_text(channels);
+    return fmt::format("{} nm", fmt::join(channels.wavelengths_nm, ", "));
 }
 
 void expect_same(const optics::Channels& channels, const std::string& file, const optics::Channels& expected,
@@ -29,7 +30,7 @@ void expect_same(const optics::Channels& channels, const std::string& file, cons
     throw InputError(fmt::format(
         "{}: its channels are {}, those of {} are {}; all profiles of a stack are of the same channels: measure "
         "or convert one of them",
-        file, channels_text(channels), of, channels_text(expected)));
+        file, channels_in_full(channels), of, channels_in_full(expected)));
 }
 
 void warn_of(const std::string& what, double negative, double beyond, Progress& progress) {
@@ -209,10 +210,7 @@ std::vector<optics::ResinLayer> StackSetting::resin_layers(std::span<const halft
     return of_resin;
 }
 
-std::string StackSetting::channel_name(std::size_t channel) const {
-    if (channels_.is_rgb()) return std::string(1, "RGB"[channel]);
-    return fmt::format("{:g} nm", channels_.wavelengths_nm[channel]);
-}
+std::string StackSetting::channel_name(std::size_t channel) const { return optics::channel_name(channels_, channel); }
 
 std::vector<std::string> StackSetting::channel_names() const {
     std::vector<std::string> names;

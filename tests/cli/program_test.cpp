@@ -220,6 +220,6 @@ TEST_CASE("list names the printers and the resin sets") {
         CHECK_THAT(printers.out, Contains(id));
     const Outcome resins = run_program("list resins");
     CHECK(resins.exit_code == 0);
-    CHECK_THAT(resins.out, Contains("vero-opaque"));
+    CHECK_THAT(resins.out, Contains("vero-opaque") && Contains("channels: R, G, B"));
     CHECK(run_program("list cows").exit_code == 2);
 }

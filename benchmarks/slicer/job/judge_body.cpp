@@ -12,7 +12,7 @@
 #include "voxtone/base/parallel.h"
 #include "voxtone/base/progress.h"
 #include "voxtone/base/random.h"
-#include "voxtone/optics/colour/spectral_colour.h"
+#include "voxtone/optics/colour/observed_colour.h"
 #include "voxtone/optics/scene/surface_smoothing.h"
 #include "voxtone/slicer/mesh/mesh_boundary.h"
 #include "voxtone/slicer/predict/stack_volume.h"
@@ -83,12 +83,12 @@ optics::Surface take_windows(const optics::Surface& whole, const std::vector<cha
     return optics::part_of(whole, chosen);
 }
 
-void smooth_white(const optics::Surface& surface, std::vector<float>& white, double cell_mm) {
+void smooth_white(const optics::Surface& surface, std::vector<float>& white, std::size_t channels, double cell_mm) {
     std::vector<optics::SurfacePoint> points;
     for (const optics::SurfaceCell& c : surface.cells)
         points.push_back({c.centre_mm, c.normal, std::max(c.area_mm2, 1e-9F)});
     std::vector<float> smooth(white.size());
-    optics::SurfaceSmoothing(points, white_spread_mm, 0, cell_mm).apply(white, smooth, 3);
+    optics::SurfaceSmoothing(points, white_spread_mm, 0, cell_mm).apply(white, smooth, channels);
     white = std::move(smooth);
 }
 
@@ -97,7 +97,7 @@ void smooth_white(const optics::Surface& surface, std::vector<float>& white, dou
 BodyJudgement judge_body(const slicer::SliceOptions& options, const Effort& effort, const WindowChoice& choice) {
     Progress progress;
     const slicer::StackVolume stack = slicer::read_stack_volume({.stack = options.out}, progress);
-    VOXTONE_EXPECT(!stack.of_picture && stack.white >= 0 && stack.resins.channels.is_rgb());
+    VOXTONE_EXPECT(!stack.of_picture && stack.white >= 0);
     const slicer::JobBody body =
         slicer::prepare_body(slicer::resolve(options), slicer::find_printer(options.printer), progress);
     const optics::Scene scene{.volume = &stack.volume, .resins = &stack.resins};
@@ -133,16 +133,13 @@ BodyJudgement judge_body(const slicer::SliceOptions& options, const Effort& effo
     white_scene.volume = &twin;
     std::vector<float> white = traced(white_scene, volume_digest(twin), j.surface,
                                       {effort.white_paths, 3, &boundary, boundary_name}, effort.cache);
-    smooth_white(j.surface, white, effort.cell_mm);
+    const optics::ObservedColour<float> observed(stack.resins.channels);
+    const std::size_t channels = observed.channels();
+    smooth_white(j.surface, white, channels, effort.cell_mm);
     j.trace_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    const Eigen::Matrix3f weights = optics::linear_srgb_weights({}).cast<float>();
     for (std::size_t h = 0; h < 2; ++h)
-        for (std::size_t i = 0; i < j.surface.cells.size(); ++i) {
-            Eigen::Vector3f relative;
-            for (std::size_t c = 0; c < 3; ++c)
-                relative[static_cast<Eigen::Index>(c)] = value[h][3 * i + c] / std::max(white[3 * i + c], 1e-6F);
-            j.half[h].push_back(weights * relative);
-        }
+        for (std::size_t i = 0; i < j.surface.cells.size(); ++i)
+            j.half[h].push_back(observed.relative(value[h].data() + i * channels, white.data() + i * channels));
     return result;
 }
 

@@ -10,7 +10,7 @@
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/parallel.h"
 #include "voxtone/base/progress.h"
-#include "voxtone/optics/colour/spectral_colour.h"
+#include "voxtone/optics/colour/observed_colour.h"
 #include "voxtone/slicer/predict/stack_volume.h"
 #include "voxtone/slicer/prepare/job_body.h"
 #include "voxtone/slicer/prepare/job_colour.h"
@@ -105,16 +105,11 @@ Judgement judge_slab(const slicer::SliceOptions& options, const Effort& effort) 
                       size[1] % cell[1] == 0);
     j.trace_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 
-    const Eigen::Matrix3Xf weights = optics::linear_srgb_weights(stack.resins.channels.wavelengths_nm).cast<float>();
+    const optics::ObservedColour<float> observed(stack.resins.channels);
     for (std::size_t h = 0; h < 2; ++h) {
         j.half[h].resize(j.surface.cells.size());
-        for (std::size_t i = 0; i < j.half[h].size(); ++i) {
-            Eigen::VectorXf relative(weights.cols());
-            for (Eigen::Index c = 0; c < weights.cols(); ++c)
-                relative[c] = value[h][i * channels + static_cast<std::size_t>(c)] /
-                              white[i * channels + static_cast<std::size_t>(c)];
-            j.half[h][i] = weights * relative;
-        }
+        for (std::size_t i = 0; i < j.half[h].size(); ++i)
+            j.half[h][i] = observed.relative(value[h].data() + i * channels, white.data() + i * channels);
     }
     return j;
 }

@@ -9,6 +9,7 @@
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/progress.h"
 #include "voxtone/optics/colour/colour.h"
+#include "voxtone/optics/colour/observed_colour.h"
 #include "voxtone/optics/transport/viewing_sequence.h"
 #include "voxtone/slicer/predict/stack_volume.h"
 
@@ -48,7 +49,9 @@ Far summary(std::vector<double> d) {
 std::string tile_seams(const std::filesystem::path& folder, std::size_t tile_cells) {
     Progress progress;
     const slicer::StackVolume stack = slicer::read_stack_volume({.stack = folder}, progress);
-    VOXTONE_EXPECT(stack.white >= 0 && stack.resins.channels.is_rgb());
+    VOXTONE_EXPECT(stack.white >= 0);
+    const optics::ObservedColour<float> observed(stack.resins.channels);
+    const std::size_t channels = observed.channels();
     const optics::ResinVolume white = optics::all_of(stack.volume, static_cast<optics::Material>(stack.white + 1));
     const optics::Scene scene{
         .volume = &white, .resins = &stack.resins, .backing = stack.backing.value_or(optics::Backing::none)};
@@ -90,11 +93,9 @@ std::string tile_seams(const std::filesystem::path& folder, std::size_t tile_cel
         std::vector<double> all, at_cuts;
         for (std::size_t i = 0; i < surface.cells.size(); ++i) {
             const auto lab = [&](const optics::Appearance& seen) {
-                Eigen::Vector3d rgb;
-                for (std::size_t c = 0; c < 3; ++c)
-                    rgb[static_cast<Eigen::Index>(c)] = static_cast<double>(seen.value[3 * i + c]) /
-                                                        std::max(static_cast<double>(paper.value[3 * i + c]), 1e-6);
-                return optics::lab_from_linear_srgb(rgb.cwiseMax(0));
+                const Eigen::Vector3f rgb =
+                    observed.relative(seen.value.data() + i * channels, paper.value.data() + i * channels);
+                return optics::lab_from_linear_srgb(rgb.cast<double>().cwiseMax(0));
             };
             all.push_back(optics::ciede2000(lab(row.whole), lab(row.parts)));
             if (near[i]) at_cuts.push_back(all.back());

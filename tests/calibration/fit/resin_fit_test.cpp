@@ -10,10 +10,12 @@
 #include <catch2/catch.hpp>
 
 #include "tests/calibration/patches/target_samples.h"
+#include "tests/optics/colour/split_channels.h"
 #include "voxtone/base/error.h"
 #include "voxtone/base/parallel.h"
 #include "voxtone/calibration/fit/channel_fit.h"
 #include "voxtone/calibration/fit/fit_report.h"
+#include "voxtone/calibration/fit/patch_page.h"
 #include "voxtone/calibration/fit/principles.h"
 #include "voxtone/calibration/patches/patch_file.h"
 #include "voxtone/io/files/markup.h"
@@ -394,15 +396,60 @@ TEST_CASE("Nonsense in, doubts or a refusal out, and never a broken number") {
     }
 }
 
-TEST_CASE("A check refuses patches of other channels or resins") {
+TEST_CASE("A check refuses patches of resins that the set has not") {
     const PatchTable table = measured('B', 0);
     CHECK(check_resins(optics::vero_opaque(), table, {}).differences.max < 1e-6);
     optics::ResinSet four = optics::vero_opaque();
     four.resins.erase(four.resins.begin());
     CHECK_THROWS_WITH(check_resins(four, table, {}), Contains("C on W") && Contains("no resin C"));
-    optics::ResinSet spectral = optics::vero_opaque();
-    spectral.channels.wavelengths_nm = {450, 550, 650};
-    CHECK_THROWS_WITH(check_resins(spectral, table, {}), Contains("3 wavelengths"));
+}
+
+TEST_CASE("Any set is checked by any table, each through its own observer") {
+    const PatchTable rgb = measured('B', 0.005);
+    const optics::ResinSet own = optics::testing::split_set(optics::vero_opaque(), optics::testing::green_twice);
+    const PatchCheck plain = check_resins(optics::vero_opaque(), rgb, {}), check = check_resins(own, rgb, {});
+    CHECK(plain.compared_in == rgb.channels);
+    CHECK(check.compared_in.is_rgb());
+    CHECK(check.differences.mean == Approx(plain.differences.mean).margin(1e-6));
+    CHECK(check.rms == Approx(plain.rms).margin(1e-9));
+    for (std::size_t p = 0; p < rgb.patches.size(); ++p) {
+        CHECK(check.patches[p].predicted.size() == 4);
+        CHECK(check.patches[p].worst == Approx(plain.patches[p].worst).margin(1e-9));
+    }
+    // A table of X, Y, Z of the same colours.
+    PatchTable xyz = rgb;
+    xyz.channels = optics::colorimetric_channels(optics::Illuminant::d65);
+    const Eigen::Matrix3d to_xyz = Eigen::Matrix3d(optics::linear_srgb_weights(xyz.channels)).inverse();
+    for (Patch& patch : xyz.patches) {
+        Eigen::Map<Eigen::Vector3d> rho(patch.rho.data());
+        rho = (to_xyz * rho).eval();
+        patch.error.clear();
+    }
+    for (const optics::ResinSet& set : {optics::vero_opaque(), own})
+        CHECK(check_resins(set, xyz, {}).differences.mean == Approx(plain.differences.mean).margin(1e-6));
+    // Set and table in the same own channels are compared by these.
+    PatchTable of_own = target('B', {"C", "M", "Y"});
+    measure(of_own, own, 0.0, 1);
+    const PatchCheck exact = check_resins(own, of_own, {});
+    CHECK(exact.compared_in == own.channels);
+    CHECK(exact.rms < 1e-9);
+    CHECK(check_resins(optics::vero_opaque(), of_own, {}).differences.max < 1e-4);
+
+    const std::string page = check_report_html(xyz, check_resins(own, xyz, {}), own, chart_of_patches(xyz));
+    CHECK_THAT(page,
+               Contains("C on W") && Contains("Measured R, G, B") && !Contains("standard errors") && !Contains("nan "));
+    const std::string by_channel = check_report_html(of_own, exact, own, chart_of_patches(of_own));
+    CHECK_THAT(by_channel, Contains("in channel ") && !Contains("nan "));
+}
+
+TEST_CASE("A fit in channels of a printer's own is drawn by channel") {
+    const optics::ResinSet truth = optics::testing::split_set(optics::vero_opaque(), optics::testing::green_twice);
+    PatchTable table = target('A', {"C", "M", "Y"});
+    measure(table, truth, 0.005, 1);
+    const ResinFit fit = fit_resins(table, {});
+    CHECK(fit.set.channels == truth.channels);
+    const std::string page = fit_report_html(fit, table, {}, chart_of_patches(table));
+    CHECK_THAT(page, Contains("channel 4") && !Contains("nan ") && !Contains("inf "));
 }
 
 TEST_CASE("The report shows every patch, holds no broken number, and lets no name become markup") {

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/optics/colour/split_channels.h"
 #include "voxtone/base/error.h"
 #include "voxtone/base/parallel.h"
 #include "voxtone/base/random.h"
@@ -265,11 +266,11 @@ TEST_CASE("A spectral set is separated by the colour of its spectrum under D65")
     const optics::ShellAppearance appearance = appearance_of(set);
     REQUIRE_THROWS_AS(Separation(appearance), InputError);
     SeparationOptions options;
-    options.wavelengths_nm = set.channels.wavelengths_nm;
+    options.channels = set.channels;
     const Separation separation(appearance, options);
     CHECK(separation.fractions({1, 1, 1})[4] == 1.0);
     CHECK((separation.predicted({1, 1, 1}) - Eigen::Vector3d::Ones()).norm() < 1e-4);
-    const AppearanceColour colour(appearance, options.wavelengths_nm);
+    const AppearanceColour colour(appearance, options.channels);
     std::vector<double> differences;
     for (int n = 0; n < 1000; ++n) {
         RandomStream random(2, static_cast<std::uint64_t>(n));
@@ -283,6 +284,56 @@ TEST_CASE("A spectral set is separated by the colour of its spectrum under D65")
     INFO("mean " << summary.mean << ", max " << summary.max);
     CHECK(summary.mean < 0.5);
     CHECK(summary.max < 3);  // at the edge of the gamut
+}
+
+TEST_CASE("A set in channels of its own is separated as the R, G, B set that shows the same colours") {
+    const optics::ResinSet rgb = optics::vero_opaque(),
+                           own = optics::testing::split_set(rgb, optics::testing::green_twice);
+    const optics::ShellAppearance of_rgb = appearance_of(rgb), of_own = appearance_of(own);
+    REQUIRE_THROWS_WITH(Separation(of_own), Catch::Contains("told of 3 channels") && Catch::Contains("has 4"));
+    SeparationOptions options;
+    options.nodes = 9;
+    const Separation as_rgb(of_rgb, options);
+    options.channels = own.channels;
+    const Separation as_own(of_own, options);
+    const AppearanceColour rgb_colour(of_rgb, {}), own_colour(of_own, own.channels);
+    for (int n = 0; n < 500; ++n) {
+        RandomStream random(9, static_cast<std::uint64_t>(n));
+        const std::vector<double> f = random_mixture(random, 5, 4, n % 2 == 1);
+        AppearanceColour::Gradient by_rgb, by_own;
+        REQUIRE((rgb_colour.rgb(f) - own_colour.rgb(f)).norm() < 1e-12);
+        REQUIRE((rgb_colour.rgb(f, by_rgb) - own_colour.rgb(f, by_own)).norm() < 1e-12);
+        REQUIRE((by_rgb - by_own).norm() < 1e-10 * by_rgb.norm());
+        const Eigen::Vector3f target = rgb_colour.rgb(f).cwiseMax(0).cwiseMin(1).cast<float>();
+        const std::vector<double> a = as_rgb.fractions(target), b = as_own.fractions(target);
+        for (std::size_t r = 0; r < 5; ++r) REQUIRE(std::abs(a[r] - b[r]) < 1e-4);
+        REQUIRE((as_rgb.predicted(target) - as_own.predicted(target)).norm() < 1e-4);
+    }
+}
+
+TEST_CASE("The colour of a shell in channels that overlap is that of print and white, with derivatives") {
+    optics::ResinSet set = optics::testing::split_set(optics::vero_opaque(), optics::testing::green_twice);
+    set.channels = optics::testing::overlapping_channels();
+    const optics::ShellAppearance appearance = appearance_of(set);
+    const AppearanceColour colour(appearance, set.channels);
+    const Eigen::Matrix3Xd M = optics::linear_srgb_weights(set.channels);
+    const auto of = [&](std::span<const double> light) {
+        return Eigen::Vector3d(M * Eigen::Map<const Eigen::Vector4d>(light.data()));
+    };
+    for (int n = 0; n < 50; ++n) {
+        RandomStream random(10, static_cast<std::uint64_t>(n));
+        const std::vector<double> f = random_mixture(random, 5, 4, n % 2 == 1);
+        AppearanceColour::Gradient gradient;
+        const Eigen::Vector3d rgb = colour.rgb(f, gradient);
+        REQUIRE((rgb - of(appearance.appearance(f)).cwiseQuotient(of(appearance.white_appearance()))).norm() < 1e-12);
+        for (std::size_t r = 0; r < 5; ++r) {
+            constexpr double step = 1e-5;
+            std::vector<double> above = f, below = f;
+            above[r] += step, below[r] -= step;
+            const Eigen::Vector3d difference = (colour.rgb(above) - colour.rgb(below)) / (2 * step);
+            REQUIRE((difference - gradient.col(static_cast<Eigen::Index>(r))).norm() < 1e-3 * gradient.norm() + 1e-6);
+        }
+    }
 }
 
 TEST_CASE("The separation has the same bits for one thread and for several") {

@@ -74,6 +74,12 @@ TEST_CASE("Resin sets are what their schema says", "[schema]") {
     CHECK(schema_faults("resins", text) == Faults{});
     set.channels.wavelengths_nm = {450, 550.5, 650};
     CHECK(schema_faults("resins", resin_set_text(set)) == Faults{});
+    set.channels = optics::colorimetric_channels(optics::Illuminant::d50);
+    const std::string own = resin_set_text(set);
+    CHECK(schema_faults("resins", own) == Faults{});
+    CHECK(refused("resins", own, "\"own\"", "\"mine\""));
+    CHECK(refused("resins", own, "\"D50\"", "\"F11\""));
+    CHECK(refused("resins", own, "[0, 1, 0]", "[0, 1]"));
     CHECK(refused("resins", text, "\"albedo\"", "\"albdo\""));
     CHECK(refused("resins", text, "\"g\": 0.4", "\"g\": 1"));
     CHECK(refused("resins", text, "0.98]", "1.98]"));
@@ -85,6 +91,8 @@ TEST_CASE("Scattering profiles are what their schema says", "[schema]") {
     const std::string text = profile_text(layer);
     CHECK(schema_faults("profile", text) == Faults{});
     CHECK(schema_faults("profile", profile_text(target)) == Faults{});
+    const ProfileFile own{"own", "", optics::colorimetric_channels(optics::Illuminant::a), {3, {0, {}, samples(1)}}};
+    CHECK(schema_faults("profile", profile_text(own)) == Faults{});
     CHECK(refused("profile", text, "\"T\": ", "\"U\": "));
     CHECK(refused("profile", text, ", \"thickness_mm\": 2", ""));
     CHECK(refused("profile", text, "\"spacing_mm\": 0.1", "\"spacing_mm\": -0.1"));
@@ -98,6 +106,10 @@ TEST_CASE("A profile map is what its schema says", "[schema]") {
     map.width_px = 2, map.height_px = 1;
     map.cluster = {0, 1};
     map.target.assign(2, {3, optics::RadialSamples{0.1, {4, 3, 2, 1}, {}, {}}});
+    map.channels = optics::colorimetric_channels(optics::Illuminant::d65);
+    write_profile_map(map, folder.path() / "map.json");
+    CHECK(schema_faults("profile-map", text_of(folder.path() / "map.json")) == Faults{});
+    map.channels = {};
     write_profile_map(map, folder.path() / "map.json");
     const std::string text = text_of(folder.path() / "map.json");
     CHECK(schema_faults("profile-map", text) == Faults{});

@@ -30,6 +30,13 @@ ProfileFile target() {
     return file;
 }
 
+ProfileFile own_channels() {
+    ProfileFile file = target();
+    file.channels = optics::colorimetric_channels(optics::Illuminant::a);
+    file.by_channel.push_back(file.by_channel[0]);
+    return file;
+}
+
 void check_same(const optics::RadialSamples& a, const optics::RadialSamples& b) {
     CHECK(a.spacing_mm == b.spacing_mm);
     CHECK(a.light == b.light);
@@ -72,7 +79,8 @@ std::string changed(const ProfileFile& file, const std::string& from, const std:
 }  // namespace
 
 TEST_CASE("Profiles written and read again are the same") {
-    for (const ProfileFile& file : {layer(), target()}) check_same(parse_profile(profile_text(file), "text"), file);
+    for (const ProfileFile& file : {layer(), target(), own_channels()})
+        check_same(parse_profile(profile_text(file), "text"), file);
     CHECK(target().is_target());
     CHECK_FALSE(layer().is_target());
     const TemporaryFolder folder;
@@ -90,6 +98,8 @@ TEST_CASE("Profiles that are faulty name file, key and rule") {
     CHECK_THAT(bad("\"rgb\"", "[]"), Contains("`channels`") && Contains("has 0 wavelengths"));
     CHECK_THAT(bad("\"rgb\"", "[450, 550, 550]"), Contains("`channels`") && Contains("rise"));
     CHECK_THAT(bad("\"rgb\"", "[450, 550]"), Contains("`R.light`") && Contains("3 entries, expected 2"));
+    const std::string own = R"({"kind": "own", "illuminant": "D65", "xyz": [[0.5, 0.5, 0.5], [0.4, 0.5, 0.5]]})";
+    CHECK_THAT(bad("\"rgb\"", own), Contains("`channels.xyz`") && Contains("to X sum to 0.9") && Contains("white"));
     CHECK_THAT(bad("\"channels\": \"rgb\", ", ""), Contains("`channels`") && Contains("missing"));
     CHECK_THAT(bad("\"thickness_mm\": 3", "\"thickness_mm\": 0"), Contains("`thickness_mm`") && Contains("is 0"));
     CHECK_THAT(bad(", \"thickness_mm\": 3", ""), Contains("`thickness_mm`") && Contains("missing"));

@@ -10,7 +10,9 @@
 
 #include <catch2/catch.hpp>
 
+#include "tests/optics/colour/split_channels.h"
 #include "voxtone/base/parallel.h"
+#include "voxtone/optics/camera/lit_scene.h"
 #include "voxtone/optics/camera/pixel_filter.h"
 #include "voxtone/optics/camera/tile_paths.h"
 #include "voxtone/optics/monte_carlo/monte_carlo.h"
@@ -427,7 +429,32 @@ TEST_CASE("a filter blurs and keeps the light, and noise falls to a third") {
     CHECK(filter.mean_square()[2] == Approx(mean_square).epsilon(1e-4));
 }
 
+TEST_CASE("a printer's own channels take light by what they give to R, G and B") {
+    const Sky sky = even_sky();
+    for (const Channels& channels :
+         {optics::testing::split_channels(optics::testing::green_twice), optics::testing::overlapping_channels()}) {
+        ResinSet set = one_resin({8, 20, 3}, {1, 1, 1});
+        set.channels = channels;
+        set.resins[0].sigma_t_per_mm.assign(4, 8), set.resins[0].albedo.assign(4, 0.9);
+        const Ball ball(set, 8);
+        const LitScene lit(ball.before(view_of_ball(4, 4), sky));
+        REQUIRE(lit.channels() == 4);
+        REQUIRE(lit.derived().size() == 4);  // R, G, B and luminance
+        for (std::size_t c = 0; c < 4; ++c) {
+            CHECK(lit.in_channel({0.3, 0.3, 0.3}, c) == Approx(0.3));
+            const double coloured = lit.in_channel({0.9, 0.4, 0.1}, c);
+            CHECK((coloured >= 0.1 && coloured <= 0.9));
+        }
+    }
+    ResinSet set = optics::testing::split_set(one_resin({8, 20, 3}, {1, 1, 1}), optics::testing::green_twice);
+    const Ball ball(set, 8);
+    const LitScene lit(ball.before(view_of_ball(4, 4), sky));
+    const std::array<double, 4> halves{0.9, 0.4, 0.4, 0.1};
+    for (std::size_t c = 0; c < 4; ++c) CHECK(lit.in_channel({0.9, 0.4, 0.1}, c) == Approx(halves[c]).margin(1e-9));
+}
+
 TEST_CASE("channels that make little light have fewer paths") {
+    CHECK(channel_periods(std::array{0.8, -0.4, 0.5, 0.1}) == std::vector<std::uint32_t>{1, 2, 1, 4});
     CHECK(channel_periods(std::array{0.2126, 0.7152, 0.0722}) == std::vector<std::uint32_t>{2, 1, 4});
     CHECK(channel_periods(std::array{0.3, 0.3, 0.1, 0.0}) == std::vector<std::uint32_t>{1, 1, 2, 4});
 }

@@ -1,10 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxtone/slicer/look/surface_prediction.h"
 
+#include <algorithm>
+#include <array>
 #include <string>
 #include <vector>
 
 #include <catch2/catch.hpp>
+
+#include "tests/optics/colour/split_channels.h"
+#include "voxtone/optics/transport/transport.h"
+#include "voxtone/slicer/look/prediction_files.h"
 
 using namespace voxtone;
 using namespace voxtone::slicer;
@@ -25,6 +31,23 @@ private:
     std::string remark_;
 };
 
+/// The same light everywhere, another in each of four channels.
+class FourChannels final : public optics::AppearanceModel {
+public:
+    explicit FourChannels(bool white) : white_(white) {}
+    [[nodiscard]] optics::Appearance predict(const optics::Scene& /*scene*/, const optics::Surface& surface,
+                                             const Progress* /*progress*/) const override {
+        optics::Appearance seen{4, {}, {}, {}};
+        for (std::size_t i = 0; i < surface.cells.size(); ++i)
+            for (const float value : white_ ? std::array{0.8f, 0.9f, 0.7f, 1.0f} : std::array{0.1f, 0.2f, 0.3f, 0.4f})
+                seen.value.push_back(value);
+        return seen;
+    }
+
+private:
+    bool white_;
+};
+
 class Listens final : public Progress {
 public:
     std::vector<std::string> warnings;
@@ -34,6 +57,61 @@ private:
 };
 
 }  // namespace
+
+TEST_CASE("Prints in channels of their own are predicted as the R, G, B prints that show the same colours") {
+    const optics::ResinSet rgb = optics::vero_opaque();
+    // Stripes of cyan, magenta, yellow and black on white.
+    const optics::ResinVolume volume = optics::make_resin_volume(
+        {24, 12, 30}, {0.0423, 0.0847, 0.027}, [](int x, int, int z) { return z < 24 ? 5 : 1 + x / 6; });
+    const auto predicted = [&](const optics::ResinSet& set, bool relative) {
+        const optics::Scene scene{&volume, &set, optics::Backing::black, optics::Sides::open};
+        Progress quiet;
+        const auto model = [](bool) {
+            optics::TransportOptions options;
+            options.refinement = optics::Refinement::none;
+            return std::make_unique<const optics::TransportPredictor>(options);
+        };
+        return predict_surface(scene, optics::find_surface(scene, {2, 1, 3}, optics::SurfacePart::top), model,
+                               relative ? set.find("W") : -1, quiet);
+    };
+    for (const bool relative : {true, false}) {
+        const SurfacePrediction as_rgb = predicted(rgb, relative);
+        for (const optics::testing::Parts& parts : {optics::testing::green_twice, optics::testing::all_twice}) {
+            const SurfacePrediction own = predicted(optics::testing::split_set(rgb, parts), relative);
+            REQUIRE(own.channels == parts.size());
+            REQUIRE(own.rgb.size() == as_rgb.rgb.size());
+            float worst = 0;
+            for (std::size_t i = 0; i < own.rgb.size(); ++i) {
+                worst = std::max(worst, (own.rgb[i] - as_rgb.rgb[i]).cwiseAbs().maxCoeff());
+                for (std::size_t c = 0; c < parts.size(); ++c)
+                    REQUIRE(own.value[i * parts.size() + c] == Approx(as_rgb.value[3 * i + parts[c]]).epsilon(1e-5));
+            }
+            CHECK(worst < 1e-5f);
+        }
+        if (relative) {
+            const io::NumberPicture picture =
+                top_numbers(volume, optics::testing::split_channels({0, 1, 1, 2}),
+                            predicted(optics::testing::split_set(rgb, {0, 1, 1, 2}), true));
+            CHECK(picture.names == std::vector<std::string>{"R", "G", "B", "A", "c1", "c2", "c3", "c4"});
+        }
+    }
+}
+
+TEST_CASE("Colours are relative to white as colours, whatever the channels") {
+    optics::ResinSet set = optics::testing::split_set(optics::vero_opaque(), optics::testing::green_twice);
+    set.channels = optics::testing::overlapping_channels();
+    const optics::ResinVolume volume =
+        optics::make_resin_volume({4, 4, 4}, {0.1, 0.1, 0.1}, [](int, int, int) { return 1; });
+    const optics::Scene scene{&volume, &set, optics::Backing::none, optics::Sides::open};
+    Progress quiet;
+    const SurfacePrediction prediction = predict_surface(
+        scene, optics::find_surface(scene, {1, 1, 1}, optics::SurfacePart::all),
+        [](bool white) { return std::make_unique<const FourChannels>(white); }, set.find("W"), quiet);
+    const Eigen::Matrix3Xd M = optics::linear_srgb_weights(set.channels);
+    const Eigen::Vector3d body = M * Eigen::Vector4d(0.1, 0.2, 0.3, 0.4), paper = M * Eigen::Vector4d(0.8, 0.9, 0.7, 1);
+    CHECK((prediction.rgb[0].cast<double>() - body.cwiseQuotient(paper)).norm() < 1e-6);
+    CHECK(prediction.value[2] == Approx(0.3 / 0.7));
+}
 
 TEST_CASE("What a model remarks of the body and of its white twin is kept and warned of") {
     const optics::ResinSet set = optics::vero_opaque();

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Measured mixtures as a fit takes them: shares by resin, colours as CIELAB's roots f(X/Xn), f(Y/Yn), f(Z/Zn), and how
+// much a small step of them is seen: |W d| is CIEDE2000 (optics::ciede2000_metric). Repeats of one mixture are one row,
+// their mean; how far they lie from it is the noise.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "voxtone/calibration/patches/patch_table.h"
+#include "voxtone/optics/colour/colour.h"
+
+namespace voxtone::calibration {
+
+struct ChartData {
+    std::vector<std::string> roles;
+    optics::Illuminant illuminant = optics::Illuminant::d50;
+    Eigen::Vector3d white;                ///< XYZ of the illuminant
+    Eigen::MatrixXd shares;               ///< a mixture a row, a resin a column; rows sum to 1
+    Eigen::MatrixX3d roots, lab;          ///< measured, means of repeats
+    Eigen::VectorXd repeats;              ///< measurements of each mixture
+    std::vector<Eigen::Matrix3d> metric;  ///< CIEDE2000 of a small step d of the roots is |W d|
+    std::vector<std::size_t> row_of;      ///< of each patch of the table
+    std::vector<std::string> names;       ///< "C:25+W:75"
+    optics::DifferenceSummary noise;      ///< CIEDE2000 of repeats from their mean; count 0: none was repeated
+
+    [[nodiscard]] Eigen::Index mixtures() const { return shares.rows(); }
+    [[nodiscard]] Eigen::Index resins() const { return shares.cols(); }
+};
+
+/// `table` is of thick patches. Throws InputError where one is not, where there are fewer than two mixtures, and where
+/// no patch has a colour.
+[[nodiscard]] ChartData chart_data(const PatchTable& table);
+
+/// The rows `keep` alone.
+[[nodiscard]] ChartData chart_rows(const ChartData& data, const std::vector<Eigen::Index>& keep);
+
+/// lab = lab_of_roots * roots - (16, 0, 0)
+[[nodiscard]] Eigen::Matrix3d lab_of_roots();
+
+}  // namespace voxtone::calibration

@@ -1,0 +1,261 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/calibration/chart/chart_fit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "voxtone/base/contracts.h"
+#include "voxtone/base/error.h"
+#include "voxtone/base/parallel.h"
+#include "voxtone/base/random.h"
+#include "voxtone/base/stopwatch.h"
+#include "voxtone/calibration/chart/chart_lengths.h"
+#include "voxtone/calibration/chart/observer_fit.h"
+#include "voxtone/calibration/chart/observer_start.h"
+#include "voxtone/calibration/chart/residual_fit.h"
+
+namespace voxtone::calibration {
+
+namespace {
+
+constexpr int least_channels = 3, most_channels = 12;
+constexpr std::size_t choice_folds = 5;
+// Few mixtures are cut anew several times: one cut of thirty says little.
+constexpr Eigen::Index cut_mixtures = 240;
+constexpr Eigen::Index most_cuts = 8;
+// Fewer channels are taken where they are as good within this: every one costs light transport its price.
+constexpr double as_good = 1.01;
+
+ObserverModel model_of(const ChartData& data, int channels, const ChartFitOptions& options) {
+    return {data.resins(), white_resin(data), channels, options.g, options.eta, options.geometry};
+}
+
+// Fold of each mixture: an even cut of a shuffled order.
+std::vector<int> folds_of(Eigen::Index mixtures, int folds, std::uint64_t cut = 0) {
+    std::vector<std::size_t> order(static_cast<std::size_t>(mixtures));
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    RandomStream random(20261125, cut);
+    for (std::size_t k = order.size(); k > 1; --k)
+        std::swap(order[k - 1], order[static_cast<std::size_t>(random.uniform() * static_cast<double>(k))]);
+    std::vector<int> fold(order.size());
+    for (std::size_t k = 0; k < order.size(); ++k) fold[order[k]] = static_cast<int>(k) % folds;
+    return fold;
+}
+
+struct LeftOut {
+    Eigen::MatrixX3d physics, corrected;  ///< roots of every mixture by a fit without its fold
+};
+
+// One fold: what the others say of it.
+void predict_fold(const ChartData& data, const std::vector<int>& fold, int k, int channels,
+                  const ChartFitOptions& options, const ResidualShape& shape, const Progress* progress, LeftOut& out) {
+    std::vector<Eigen::Index> kept, left;
+    for (std::size_t i = 0; i < fold.size(); ++i) (fold[i] == k ? left : kept).push_back(static_cast<Eigen::Index>(i));
+    if (left.empty()) return;
+    const ChartData part = chart_rows(data, kept);
+    const ObserverModel model = model_of(data, channels, options);
+    const ObserverFit fit = fit_observer(part, model, observer_start(part, channels), progress);
+    const Eigen::MatrixX3d physics = predicted_roots(model, fit.parts, data.shares(left, Eigen::all));
+    const optics::ColourResidual residual =
+        options.residual ? make_residual(part, part.roots - fit.roots, shape) : optics::ColourResidual();
+    for (std::size_t i = 0; i < left.size(); ++i) {
+        const auto row = static_cast<Eigen::Index>(i);
+        const Eigen::VectorXd shares = data.shares.row(left[i]).transpose();
+        out.physics.row(left[i]) = physics.row(row);
+        out.corrected.row(left[i]) =
+            physics.row(row) + residual({shares.data(), static_cast<std::size_t>(shares.size())}).transpose();
+    }
+}
+
+double mean_difference(const Eigen::MatrixX3d& predicted, const ChartData& data) {
+    return optics::summarize(root_differences(predicted, data.roots)).mean;
+}
+
+LeftOut empty_prediction(const ChartData& data) {
+    return {Eigen::MatrixX3d::Zero(data.mixtures(), 3), Eigen::MatrixX3d::Zero(data.mixtures(), 3)};
+}
+
+// Numbers of channels that so many mixtures can bear: not more unknowns than measured values.
+std::vector<int> candidates(const ChartData& data, const ChartFitOptions& options) {
+    if (options.channels > 0) return {options.channels};
+    std::vector<int> tried;
+    for (const int channels : {3, 4, 5, 6, 8})
+        if (channels == least_channels || model_of(data, channels, options).unknowns() < 3 * data.mixtures())
+            tried.push_back(channels);
+    return tried;
+}
+
+std::vector<ChannelChoice> channel_curve(const ChartData& data, const ChartFitOptions& options,
+                                         const Progress* progress) {
+    const std::vector<int> tried = candidates(data, options);
+    if (tried.size() == 1) return {};
+    const auto cuts = static_cast<std::size_t>(std::clamp<Eigen::Index>(cut_mixtures / data.mixtures(), 1, most_cuts));
+    std::vector<std::vector<int>> fold;
+    for (std::size_t cut = 0; cut < cuts; ++cut)
+        fold.push_back(folds_of(data.mixtures(), static_cast<int>(choice_folds), cut));
+    std::vector<LeftOut> left(tried.size() * cuts, empty_prediction(data));
+    const std::size_t fits = cuts * choice_folds;
+    // The largest first: they take longest.
+    parallel_for(
+        0, tried.size() * fits, 1,
+        [&](std::size_t task) {
+            const std::size_t at = tried.size() - 1 - task / fits, cut = task % fits / choice_folds;
+            predict_fold(data, fold[cut], static_cast<int>(task % choice_folds), tried[at], options,
+                         usual_residual_shape(data.resins()), progress, left[at * cuts + cut]);
+        },
+        progress);
+    std::vector<ChannelChoice> curve;
+    for (std::size_t k = 0; k < tried.size(); ++k) {
+        ChannelChoice& choice = curve.emplace_back(ChannelChoice{tried[k], 0, 0});
+        for (std::size_t cut = 0; cut < cuts; ++cut) {
+            choice.physics += mean_difference(left[k * cuts + cut].physics, data) / static_cast<double>(cuts);
+            choice.with_residual += mean_difference(left[k * cuts + cut].corrected, data) / static_cast<double>(cuts);
+        }
+    }
+    return curve;
+}
+
+int best_channels(const std::vector<ChannelChoice>& curve, const ChartFitOptions& options) {
+    if (curve.empty()) return options.channels > 0 ? options.channels : least_channels;
+    const auto error = [](const ChannelChoice& choice) { return choice.with_residual; };
+    const double least = std::ranges::min(curve, {}, error).with_residual;
+    return std::ranges::find_if(curve, [&](const ChannelChoice& c) { return error(c) <= as_good * least; })->channels;
+}
+
+void expect_enough(const ChartData& data, const PatchTable& table, const ChartFitOptions& options) {
+    const int least = std::max(options.channels, least_channels);
+    if (data.mixtures() <= std::max<Eigen::Index>(least, data.resins()))
+        throw InputError(fmt::format(
+            "{}: {} different mixtures are too few for {} resins in {} channels; measure at least {} (30 or more are "
+            "of use: calibrate chart).",
+            table.source, data.mixtures(), data.resins(), least, std::max<Eigen::Index>(least, data.resins()) + 1));
+    for (const std::string& role : options.expected)
+        if (std::ranges::find(data.roles, role) == data.roles.end())
+            throw InputError(fmt::format("{}: no patch holds the resin {}; it has {}.", table.source, role,
+                                         fmt::join(data.roles, ", ")));
+    if (data.resins() < 3) return;
+    const Eigen::RowVector3d middle = data.lab.colwise().mean();
+    const Eigen::Matrix3d spread = (data.lab.rowwise() - middle).transpose() * (data.lab.rowwise() - middle) /
+                                   static_cast<double>(data.mixtures());
+    // The smaller axis of the a, b cloud about white: patches of one hue lie on a line from it.
+    const Eigen::Matrix2d ab =
+        data.lab.rightCols<2>().transpose() * data.lab.rightCols<2>() / static_cast<double>(data.mixtures());
+    const double half = ab.trace() / 2, narrow = half - std::sqrt(std::max(half * half - ab.determinant(), 0.0));
+    if (narrow < 4 || spread.trace() < 4)
+        throw InputError(
+            fmt::format("{}: all patches are of one hue, from which {} resins cannot be told apart; measure mixtures "
+                        "all around the "
+                        "colours that the resins make (calibrate chart).",
+                        table.source, data.resins()));
+}
+
+optics::ResinSet set_of(const ChartData& data, const ObserverParts& parts, const PatchTable& table,
+                        const ChartFitOptions& options) {
+    optics::ResinSet set;
+    set.name = options.name;
+    set.g = options.g, set.eta = options.eta;
+    set.dot_spread = 1;  // Eq. 7 is what was fitted
+    set.channels.illuminant = data.illuminant;
+    const Eigen::Index channels = parts.weights.rows();
+    for (Eigen::Index c = 0; c < channels; ++c)
+        set.channels.xyz.push_back({parts.weights(c, 0) * data.white[0], parts.weights(c, 1) * data.white[1],
+                                    parts.weights(c, 2) * data.white[2]});
+    const std::vector<double> scattering = white_scattering(set.channels, options.g, options.lengths_from);
+    for (Eigen::Index r = 0; r < data.resins(); ++r) {
+        const std::string& role = data.roles[static_cast<std::size_t>(r)];
+        optics::Resin resin{role, role, {}, {}};
+        for (Eigen::Index c = 0; c < channels; ++c) {
+            const double sum = parts.a(r, c) + parts.s(r, c);
+            resin.sigma_t_per_mm.push_back(scattering[static_cast<std::size_t>(c)] * sum);
+            resin.albedo.push_back(parts.s(r, c) / sum);
+        }
+        set.resins.push_back(std::move(resin));
+    }
+    set.measured = {options.geometry, parts.surface, parts.gain};
+    set.source = fmt::format("voxtone calibrate fit, {} mixtures of {}; lengths from the white of {}", data.mixtures(),
+                             table.source, options.lengths_from.name);
+    return set;
+}
+
+// Where a set must not be trusted: mixtures that hold more of a resin than any patch did.
+void add_limits(const ChartData& data, ChartFit& fit) {
+    for (Eigen::Index r = 0; r < data.resins(); ++r) {
+        const double most = data.shares.col(r).maxCoeff();
+        if (most < 0.95)
+            fit.warnings.push_back(fmt::format(
+                "no patch holds more than {:.0f} % of {}: colours of mixtures beyond that are the model's word alone",
+                100 * most, data.roles[static_cast<std::size_t>(r)]));
+    }
+}
+
+void add_held_out(const ChartData& data, const LeftOut& left, ChartFit& fit) {
+    const std::vector<double> differences = root_differences(left.corrected, data.roots);
+    fit.held_out = optics::summarize(differences);
+    fit.held_out_physics = optics::summarize(root_differences(left.physics, data.roots));
+    std::vector<std::size_t> order(differences.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) { return differences[a] > differences[b]; });
+    constexpr std::size_t told = 8;
+    for (std::size_t k = 0; k < std::min(told, order.size()); ++k)
+        fit.worst.push_back({data.names[order[k]], differences[order[k]]});
+    for (std::size_t i = 0; i < differences.size(); ++i)
+        if (data.shares.row(static_cast<Eigen::Index>(i)).maxCoeff() > 0.999)
+            fit.solids.push_back({data.names[i], differences[i]});
+}
+
+}  // namespace
+
+ChartFit fit_chart(const PatchTable& table, const ChartFitOptions& options, const Progress* progress) {
+    VOXTONE_EXPECT(options.folds >= 2);
+    if (options.channels != 0 && (options.channels < least_channels || options.channels > most_channels))
+        throw InputError(fmt::format("{} channels: a fit takes {} to {}, or auto.", options.channels, least_channels,
+                                     most_channels));
+    const Stopwatch watch;
+    const ChartData data = chart_data(table);
+    expect_enough(data, table, options);
+    ChartFit result;
+    result.noise = data.noise;
+    result.curve = channel_curve(data, options, progress);
+    const int channels = best_channels(result.curve, options);
+
+    const ObserverModel model = model_of(data, channels, options);
+    const ObserverFit fit = fit_observer(data, model, observer_start(data, channels), progress);
+    const Eigen::MatrixX3d left = data.roots - fit.roots;
+    ResidualShape shape = usual_residual_shape(data.resins());
+    ChartFitOptions chosen = options;
+    if (options.residual) {
+        const ChosenResidual residual = choose_residual_shape(data, left, progress);
+        shape = residual.shape;
+        chosen.residual = residual.helps;
+    }
+    result.set = set_of(data, fit.parts, table, options);
+    Eigen::MatrixX3d fitted = fit.roots;
+    if (chosen.residual) {
+        result.set.residual = make_residual(data, left, shape);
+        for (Eigen::Index i = 0; i < data.mixtures(); ++i) {
+            const Eigen::VectorXd shares = data.shares.row(i).transpose();
+            fitted.row(i) += result.set.residual({shares.data(), static_cast<std::size_t>(shares.size())}).transpose();
+        }
+        result.residual_size = optics::summarize(root_differences(fitted, fit.roots)).mean;
+    }
+    result.fitted = optics::summarize(root_differences(fitted, data.roots));
+
+    const int folds = static_cast<int>(std::min<Eigen::Index>(options.folds, data.mixtures()));
+    const std::vector<int> fold = folds_of(data.mixtures(), folds);
+    LeftOut out = empty_prediction(data);
+    parallel_for(
+        0, static_cast<std::size_t>(folds), 1,
+        [&](std::size_t k) { predict_fold(data, fold, static_cast<int>(k), channels, chosen, shape, progress, out); },
+        progress);
+    add_held_out(data, out, result);
+    add_limits(data, result);
+    if (!fit.converged) result.warnings.emplace_back("the least squares stopped before it came to rest");
+    result.seconds = watch.total();
+    return result;
+}
+
+}  // namespace voxtone::calibration

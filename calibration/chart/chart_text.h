@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What the fit of a chart has to say: as text for people, as one JSON object for programs.
+//
+//   {"format": "voxtone-chart-fit", "version": 1, "seconds", "channels", "mixtures", "fitted": DIFFERENCES,
+//    "held_out": DIFFERENCES, "held_out_physics": DIFFERENCES, "repeats": DIFFERENCES,
+//    "residual": {"centres", "mean_de2000"}, "measured": {"surface", "gain"},
+//    "curve": [{"channels", "physics", "with_residual"}], "worst": [{"mixture", "de2000"}], "solids": [...],
+//    "warnings": [...]}
+//   DIFFERENCES: {"count", "mean_de2000", "median_de2000", "p95_de2000", "max_de2000"}
+#pragma once
+
+#include <string>
+
+#include "voxtone/calibration/chart/chart_fit.h"
+
+namespace voxtone::calibration {
+
+[[nodiscard]] std::string chart_fit_text(const ChartFit& fit);
+[[nodiscard]] std::string chart_fit_json(const ChartFit& fit);
+
+}  // namespace voxtone::calibration

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/calibration/chart/observer_start.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "voxtone/optics/colour/colour.h"
+
+namespace voxtone::calibration {
+
+namespace {
+
+double bell(double nm, double middle, double width) {
+    const double x = (nm - middle) / width;
+    return std::exp(-0.5 * x * x);
+}
+
+// 0 far below `edge`, 1 far above.
+double step(double nm, double edge, double width) { return 1 / (1 + std::exp(-(nm - edge) / width)); }
+
+Eigen::Index purest_patch(const ChartData& data, Eigen::Index resin) {
+    Eigen::Index best = 0;
+    data.shares.col(resin).maxCoeff(&best);
+    return best;
+}
+
+// Absorption over white's scattering of a resin of no known role, from what its purest patch reflects.
+double absorption_by_colour(const Eigen::Vector3d& rgb, double nm) {
+    const double blue = 1 - step(nm, 495, 8), red = step(nm, 585, 8), green = 1 - blue - red;
+    const double seen = std::clamp(red * rgb[0] + green * rgb[1] + blue * rgb[2], 0.02, 0.95);
+    return (1 - seen) * (1 - seen) / (2 * seen);  // Kubelka and Munk's K/S
+}
+
+double absorption(const ChartData& data, Eigen::Index resin, double nm) {
+    const std::string& role = data.roles[static_cast<std::size_t>(resin)];
+    if (role == "W") return 0.004;
+    if (role == "C") return 0.02 + 2 * step(nm, 570, 15);
+    if (role == "M") return 0.05 + 1.2 * bell(nm, 540, 30);
+    if (role == "Y") return 0.003 + 2.5 * (1 - step(nm, 495, 8));
+    if (role == "K") return 0.9;
+    const Eigen::Vector3d lab = data.lab.row(purest_patch(data, resin)).transpose();
+    const Eigen::Vector3d xyz =
+        optics::adapt_white(optics::xyz_from_lab(lab, data.white), data.white, optics::d65_white());
+    return absorption_by_colour(optics::linear_srgb_from_xyz(xyz), nm);
+}
+
+}  // namespace
+
+Eigen::Index white_resin(const ChartData& data) {
+    const auto named = std::ranges::find(data.roles, "W");
+    if (named != data.roles.end()) return named - data.roles.begin();
+    Eigen::Index lightest = 0;
+    for (Eigen::Index r = 1; r < data.resins(); ++r)
+        if (data.lab(purest_patch(data, r), 0) > data.lab(purest_patch(data, lightest), 0)) lightest = r;
+    return lightest;
+}
+
+ObserverParts observer_start(const ChartData& data, Eigen::Index channels) {
+    ObserverParts start;
+    const Eigen::Index resins = data.resins(), white = white_resin(data);
+    start.a.resize(resins, channels), start.s.setConstant(resins, channels, 0.45);
+    start.s.row(white).setOnes();
+    start.weights.resize(channels, 3);
+    const double first = 430, last = 650;
+    for (Eigen::Index c = 0; c < channels; ++c) {
+        const double nm = first + (last - first) * static_cast<double>(c) / static_cast<double>(channels - 1);
+        for (Eigen::Index r = 0; r < resins; ++r) start.a(r, c) = absorption(data, r, nm);
+        const double floor = 1e-3;
+        start.weights(c, 0) = 1.06 * bell(nm, 600, 38) + 0.36 * bell(nm, 445, 20) + floor;
+        start.weights(c, 1) = bell(nm, 555, 42) + floor;
+        start.weights(c, 2) = bell(nm, 450, 22) + floor;
+    }
+    for (Eigen::Index k = 0; k < 3; ++k) start.weights.col(k) /= start.weights.col(k).sum();
+    start.surface = 0.015, start.gain = 1;
+    return start;
+}
+
+}  // namespace voxtone::calibration

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Where a fit of observer and resins starts, and what it leans on where patches are few: bands evenly over the visible
+// range, seen by rough bells for the three cones' responses; absorption of C, M, Y, K and W as such inks have it; of
+// any other role after the reddest, greenest and bluest light of the patch that holds most of it. Curves are ours,
+// drawn by hand; nothing was fitted to them.
+#pragma once
+
+#include "voxtone/calibration/chart/chart_data.h"
+#include "voxtone/calibration/chart/observer_model.h"
+
+namespace voxtone::calibration {
+
+/// The resin that scattering is told relative to: W, else the one whose patches are the lightest.
+[[nodiscard]] Eigen::Index white_resin(const ChartData& data);
+
+[[nodiscard]] ObserverParts observer_start(const ChartData& data, Eigen::Index channels);
+
+}  // namespace voxtone::calibration
