@@ -22,12 +22,6 @@ namespace fs = std::filesystem;
 /// OUT.fit.json beside OUT.json.
 fs::path side_file(const fs::path& out) { return fs::path(out).replace_extension(".fit.json"); }
 
-std::vector<fs::path> outputs(const FitJob& job) {
-    std::vector<fs::path> files{job.out, side_file(job.out)};
-    if (!job.report.empty()) files.emplace_back(job.report);
-    return files;
-}
-
 FitOptions options_of(const FitJob& job) {
     FitOptions options = job.fit;
     options.name = job.name.empty() ? fs::path(job.out).stem().string() : job.name;
@@ -45,7 +39,26 @@ void expect_chart_options(const FitJob& job) {
     refuse(!job.map.target.empty(), "--target", "its patches lie on no target");
 }
 
-JobResult fit_of_chart(const FitJob& job, const PatchTable& table, const FitOptions& fit, Progress& progress) {
+}  // namespace
+
+void FitJob::validate() const {
+    if (patches.empty()) throw UsageError("calibrate fit: no file of measured patches");
+    if (out.empty()) throw UsageError("--out is missing: the resin set to write");
+    if (!prior.empty() && g_sweep)
+        throw UsageError(
+            "--g-sweep with --prior: what the edges say holds at their own g alone. Leave one of them out.");
+    map.validate(report);
+    calibration::validate(options_of(*this));
+}
+
+std::vector<fs::path> FitJob::outputs() const {
+    std::vector<fs::path> files{out, side_file(out)};
+    if (!report.empty()) files.emplace_back(report);
+    return files;
+}
+
+JobResult run_chart_fit(const FitJob& job, const PatchTable& table, Progress& progress) {
+    const FitOptions fit = options_of(job);
     expect_chart_options(job);
     ChartFitOptions options = job.chart;
     options.name = fit.name;
@@ -68,28 +81,16 @@ JobResult fit_of_chart(const FitJob& job, const PatchTable& table, const FitOpti
     return {chart_fit_json(found), text};
 }
 
-}  // namespace
-
-void FitJob::validate() const {
-    if (patches.empty()) throw UsageError("calibrate fit: no file of measured patches");
-    if (out.empty()) throw UsageError("--out is missing: the resin set to write");
-    if (!prior.empty() && g_sweep)
-        throw UsageError(
-            "--g-sweep with --prior: what the edges say holds at their own g alone. Leave one of them out.");
-    map.validate(report);
-    calibration::validate(options_of(*this));
-}
-
 JobResult run_fit_job(const FitJob& job, Progress& progress) {
     job.validate();
-    io::expect_outputs(outputs(job), job.overwrite);
+    io::expect_outputs(job.outputs(), job.overwrite);
     FitOptions options = options_of(job);
     if (!job.prior.empty()) {
         options.prior = read_resin_prior(job.prior);
         options.model.g = options.prior.g, options.model.eta = options.prior.eta;
     }
     const PatchTable table = read_measured_patches(job.patches, job.measured, options.model, progress);
-    if (table.is_chart) return fit_of_chart(job, table, options, progress);
+    if (table.is_chart) return run_chart_fit(job, table, progress);
     const PatchMap map = job.report.empty() ? PatchMap{} : read_patch_map(table, job.map, progress);
     const bool checked = !job.check.empty();
     const PatchTable others =

@@ -5,7 +5,9 @@
 // over g. A chart of mixtures: calibration/chart/chart_fit.h.
 #pragma once
 
+#include <filesystem>
 #include <string>
+#include <vector>
 
 #include "voxtone/base/job_result.h"
 #include "voxtone/calibration/chart/chart_fit.h"
@@ -32,9 +34,14 @@ struct FitJob {
 
     /// Throws UsageError or InputError that names the option, its value and the rule.
     void validate() const;
+    /// Files that are written.
+    [[nodiscard]] std::vector<std::filesystem::path> outputs() const;
 };
 
 /// Throws Error (with its exit code); nothing is written then.
 [[nodiscard]] JobResult run_fit_job(const FitJob& job, Progress& progress);
+
+/// The same of a chart that was read already, once its outputs were asked for; `job.patches` names it in messages.
+[[nodiscard]] JobResult run_chart_fit(const FitJob& job, const PatchTable& table, Progress& progress);
 
 }  // namespace voxtone::calibration

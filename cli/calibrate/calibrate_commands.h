@@ -15,6 +15,7 @@ Command add_calibrate_simulate_command(CLI::App& calibrate, const CalibrateJobs&
 Command add_calibrate_photo_command(CLI::App& calibrate, const CalibrateJobs& jobs);
 Command add_calibrate_fit_command(CLI::App& calibrate, const CalibrateJobs& jobs);
 Command add_calibrate_check_command(CLI::App& calibrate, const CalibrateJobs& jobs);
+Command add_calibrate_icc_command(CLI::App& calibrate, const CalibrateJobs& jobs);
 Command add_calibrate_profile_command(CLI::App& calibrate, const CalibrateJobs& jobs);
 Command add_calibrate_simulate_profile_command(CLI::App& calibrate, const CalibrateJobs& jobs);
 

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <charconv>
 #include <memory>
 #include <string>
 
@@ -7,6 +6,7 @@
 
 #include "voxtone/base/error.h"
 #include "voxtone/cli/calibrate/calibrate_commands.h"
+#include "voxtone/cli/calibrate/chart_options.h"
 #include "voxtone/cli/calibrate/patch_options.h"
 #include "voxtone/cli/program/help.h"
 
@@ -17,27 +17,14 @@ namespace {
 struct CalibrateFitArguments {
     calibration::FitJob job;
     PatchOptions patches;
-    std::string channels = "auto";
-    bool no_residual = false;
-    std::string geometry = "45/0";
+    ChartOptions chart;
     RunOptions run;
 };
-
-int channels_of(const std::string& word) {
-    if (word == "auto") return 0;
-    int channels = 0;
-    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), channels);
-    if (error != std::errc() || end != word.data() + word.size() || channels < 3 || channels > 12)
-        throw UsageError("--channels is " + word + "; give auto or a number from 3 to 12");
-    return channels;
-}
 
 int run(CalibrateFitArguments& a, const CalibrateJobs& jobs) {
     return run_on_console(a.run, [&](Progress& progress) {
         set_patch_model(a.patches, a.job.fit.model);
-        a.job.chart.channels = channels_of(a.channels);
-        a.job.chart.residual = !a.no_residual;
-        if (a.geometry == "d/8") a.job.chart.geometry = optics::MeasuringGeometry::diffuse_8;
+        set_chart_fit(a.chart, a.job.chart);
         return jobs.fit(a.job, progress);
     });
 }
@@ -51,21 +38,6 @@ void add_fit_options(CLI::App& command, calibration::FitOptions& fit) {
     add_value(command, "--g", fit.model.g, "mean cosine of the scattering angle; patches cannot tell it")
         ->group("Model");
     add_value(command, "--eta", fit.model.eta, "refractive index; patches cannot tell it")->group("Model");
-}
-
-void add_chart_options(CLI::App& command, CalibrateFitArguments& a) {
-    add_value(command, "--channels", a.channels,
-              "channels of the set: as many as cross-validation finds best, or a number from 3 to 12")
-        ->type_name("auto|N")
-        ->group("Charts of mixtures");
-    command.add_flag("--no-residual", a.no_residual, "leave out what physics leaves: no residual in the set")
-        ->group("Charts of mixtures");
-    add_value(command, "--lengths-from", a.job.lengths_from,
-              "set or file whose white's scattering gives mm, which thick mixtures do not tell")
-        ->group("Charts of mixtures");
-    add_value(command, "--geometry", a.geometry, "how the instrument looks")
-        ->check(CLI::IsMember({"45/0", "d/8"}))
-        ->group("Charts of mixtures");
 }
 
 }  // namespace
@@ -103,7 +75,7 @@ Command add_calibrate_fit_command(CLI::App& calibrate, const CalibrateJobs& jobs
     command->add_flag(
         "--g-sweep", a.job.g_sweep,
         "also fit for g from -0.9 to 0.9 and print how well each explains the patches (of --check, if given)");
-    add_chart_options(*command, a);
+    add_chart_options(*command, a.chart, a.job);
     add_run_options(*command, a.run);
     add_example(*command, "patches.csv --resins C,M,Y,K,W -o my-resins.json --report my-resins.html");
     return [arguments, &jobs] { return run(*arguments, jobs); };

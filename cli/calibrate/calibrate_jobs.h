@@ -12,6 +12,7 @@
 #include "voxtone/calibration/edge/edge_samples_job.h"
 #include "voxtone/calibration/fit/check_job.h"
 #include "voxtone/calibration/fit/fit_job.h"
+#include "voxtone/calibration/fit/icc_job.h"
 #include "voxtone/calibration/photo/photo_job.h"
 #include "voxtone/calibration/photo/photo_simulation_job.h"
 #include "voxtone/calibration/profile/profile_job.h"
@@ -30,6 +31,7 @@ struct CalibrateJobs {
                               Progress& progress) = nullptr;
     JobResult (*edge_simulate)(const calibration::BenchSimulationJob& job, Progress& progress) = nullptr;
     JobResult (*fit)(const calibration::FitJob& job, Progress& progress) = nullptr;
+    JobResult (*icc)(const calibration::IccJob& job, Progress& progress) = nullptr;
     JobResult (*photo)(const calibration::PhotoJob& job, Progress& progress) = nullptr;
     JobResult (*profile)(const calibration::ProfileJob& job, Progress& progress) = nullptr;
     calibration::ExposureFile (*exposure)(const std::string& text) = nullptr;  ///< of a word, for `profile`

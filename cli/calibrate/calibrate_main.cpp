@@ -15,6 +15,7 @@ constexpr voxtone::cli::CalibrateJobs jobs{.check = voxtone::calibration::run_ch
                                            .edge_samples = voxtone::calibration::run_edge_samples_job,
                                            .edge_simulate = voxtone::calibration::run_bench_simulation,
                                            .fit = voxtone::calibration::run_fit_job,
+                                           .icc = voxtone::calibration::run_icc_job,
                                            .photo = voxtone::calibration::run_photo_job,
                                            .profile = voxtone::calibration::run_profile_job,
                                            .exposure = voxtone::calibration::parse_exposure,

@@ -2,6 +2,7 @@
 #include "voxtone/io/codecs/read_here.h"
 
 #include "voxtone/base/error.h"
+#include "voxtone/io/codecs/decode_device_profile.h"
 #include "voxtone/io/codecs/decode_image.h"
 #include "voxtone/io/codecs/decode_photograph.h"
 #include "voxtone/io/codecs/given_texture.h"
@@ -9,6 +10,7 @@
 #include "voxtone/io/codecs/parse_gltf.h"
 #include "voxtone/io/codecs/parse_with_assimp.h"
 #include "voxtone/io/files/file_reader.h"
+#include "voxtone/io/files/read_bytes.h"
 #include "voxtone/io/models/finish_model.h"
 #include "voxtone/io/pictures/packed_image.h"
 
@@ -56,6 +58,9 @@ std::vector<std::byte> answer(std::span<const std::byte> bytes) {
             return pack(decode_picture(request.path, options));
         case ReadKind::photograph:
             return pack(decode_photograph(request.path));
+        case ReadKind::device_profile:
+            return pack(
+                decode_device_profile(read_bytes(request.path, request.max_file_bytes), request.path, request.samples));
     }
     throw InputError("what is to be read is of an unknown kind");
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxtone/io/files/deflate.h"
 
+#include <algorithm>
+
 #include <zlib.h>
 
 #include "voxtone/base/contracts.h"
@@ -27,6 +29,21 @@ std::vector<std::byte> inflated(std::span<const std::byte> bytes, std::size_t si
                                   reinterpret_cast<const Bytef*>(bytes.data()), bytes.size());
     if (result != Z_OK || given != size) throw InputError("holds other bytes than it says");
     return out;
+}
+
+std::vector<std::byte> inflated_up_to(std::span<const std::byte> bytes, std::size_t most) {
+    for (std::size_t size = std::min(most, 4 * bytes.size() + 1024);; size = std::min(most, 4 * size)) {
+        std::vector<std::byte> out(size);
+        uLongf given = size;
+        const int result = uncompress(reinterpret_cast<Bytef*>(out.data()), &given,
+                                      reinterpret_cast<const Bytef*>(bytes.data()), bytes.size());
+        if (result == Z_OK) {
+            out.resize(given);
+            return out;
+        }
+        if (result != Z_BUF_ERROR) throw InputError("is damaged");
+        if (size == most) throw InputError("is cut short, or larger than it may be");
+    }
 }
 
 }  // namespace voxtone::io

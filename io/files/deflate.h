@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Bytes made smaller with zlib, for files of our own.
+// Bytes made smaller with zlib, in files of our own and in parts of others.
 #pragma once
 
 #include <cstddef>
@@ -14,5 +14,7 @@ namespace voxtone::io {
 
 /// What was deflated. Throws InputError where it does not give `size` bytes; no more than these are taken of memory.
 [[nodiscard]] std::vector<std::byte> inflated(std::span<const std::byte> bytes, std::size_t size);
+/// The same where nothing says how large it is. Throws InputError where it is damaged or has more than `most` bytes.
+[[nodiscard]] std::vector<std::byte> inflated_up_to(std::span<const std::byte> bytes, std::size_t most);
 
 }  // namespace voxtone::io

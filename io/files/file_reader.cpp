@@ -12,13 +12,13 @@ namespace voxtone::io {
 
 namespace {
 
-const std::string protocol = "voxtone-read 2, voxtone " VOXTONE_VERSION;
+const std::string protocol = "voxtone-read 3, voxtone " VOXTONE_VERSION;
 
 }  // namespace
 
 std::vector<std::byte> pack(const ReadRequest& r) {
     PackedWriter writer;
-    writer(protocol, r.kind, r.path, r.max_file_bytes, r.max_pixels, r.max_unpacked_bytes, r.texture);
+    writer(protocol, r.kind, r.path, r.max_file_bytes, r.max_pixels, r.max_unpacked_bytes, r.texture, r.samples);
     return std::move(writer.bytes);
 }
 
@@ -31,7 +31,7 @@ ReadRequest unpack_request(std::span<const std::byte> bytes) {
             "voxtone-read is of another version ({}) than the program that asks it ({}); install voxtone again",
             protocol, asked));
     ReadRequest r;
-    reader(r.kind, r.path, r.max_file_bytes, r.max_pixels, r.max_unpacked_bytes, r.texture);
+    reader(r.kind, r.path, r.max_file_bytes, r.max_pixels, r.max_unpacked_bytes, r.texture, r.samples);
     reader.expect_end();
     return r;
 }
@@ -39,8 +39,13 @@ ReadRequest unpack_request(std::span<const std::byte> bytes) {
 std::unique_ptr<IsolatedProgram> start_reader(ReadKind kind, const std::filesystem::path& path,
                                               const ReadOptions& options) {
     return start_reader(path.filename().string(),
-                        {kind, path.string(), options.max_file_bytes, options.max_pixels, options.max_unpacked_bytes,
-                         options.texture.string()},
+                        {kind,
+                         path.string(),
+                         options.max_file_bytes,
+                         options.max_pixels,
+                         options.max_unpacked_bytes,
+                         options.texture.string(),
+                         {}},
                         isolation_limits(options));
 }
 

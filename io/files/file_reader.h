@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// The program `voxtone-read`, in which every model, picture and photograph is parsed (io/codecs): how it is asked.
-// Libraries of formats (assimp, OpenImageIO and what they load, Little CMS) are linked into it alone.
+// The program `voxtone-read`, in which every model, picture, photograph and ICC profile is parsed (io/codecs): how it
+// is asked. Libraries of formats (assimp, OpenImageIO and what they load, Little CMS) are linked into it alone.
 #pragma once
 
 #include <cstddef>
@@ -18,9 +18,10 @@
 namespace voxtone::io {
 
 enum class ReadKind : std::uint8_t {
-    model,       ///< answered by packed ModelParts (io/models/model_parts.h)
-    picture,     ///< by a packed DecodedImage
-    photograph,  ///< by a packed Photograph
+    model,           ///< answered by packed ModelParts (io/models/model_parts.h)
+    picture,         ///< by a packed DecodedImage
+    photograph,      ///< by a packed Photograph
+    device_profile,  ///< by a packed DeviceProfile (io/profiles/device_profile.h)
 };
 
 struct ReadRequest {
@@ -28,6 +29,7 @@ struct ReadRequest {
     std::string path;
     std::uint64_t max_file_bytes = 0, max_pixels = 0, max_unpacked_bytes = 0;  ///< as ReadOptions has them
     std::string texture{};                                                     ///< given to a model; empty: none
+    std::vector<double> samples{};                                             ///< asked of a device profile
 };
 
 [[nodiscard]] std::vector<std::byte> pack(const ReadRequest& request);

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/calibration/chart/icc_measurements.h"
+
+#include <algorithm>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "voxtone/base/error.h"
+#include "voxtone/calibration/patches/cgats_file.h"
+#include "voxtone/calibration/patches/chart_reading.h"
+#include "voxtone/calibration/patches/cxf_file.h"
+#include "voxtone/calibration/patches/table_cells.h"
+
+namespace voxtone::calibration {
+
+namespace {
+
+double inks_of(const Patch& patch) {
+    double sum = 0;
+    for (const ResinShare& share : patch.top) sum += share.fraction;
+    return sum;
+}
+
+// Ink percentages that no volume can hold; as finished_chart tells percent from shares.
+void drop_overfull(ChartReading& reading) {
+    if (!reading.rest_is_white) return;
+    std::vector<Patch>& patches = reading.table.patches;
+    double largest = 0;
+    for (const Patch& patch : patches)
+        for (const ResinShare& share : patch.top) largest = std::max(largest, share.fraction);
+    const double whole = largest > 1 ? 100 : 1;
+    constexpr double rounding = 1e-6;
+    const std::size_t dropped =
+        std::erase_if(patches, [&](const Patch& patch) { return inks_of(patch) > whole * (1 + rounding); });
+    if (dropped > 0)
+        reading.table.notes.push_back(
+            fmt::format("{}: {} measured patches have ink percentages above 100 together, which no volume holds; they "
+                        "are left out.",
+                        reading.table.source, dropped));
+}
+
+void rename_roles(PatchTable& table, const std::map<std::string, std::string>& names) {
+    for (Patch& patch : table.patches) {
+        for (ResinShare& share : patch.top) {
+            const auto found = names.find(share.role);
+            if (found == names.end())
+                throw InputError(
+                    fmt::format("{}: has a resin {}, which is no channel of the profile", patch.where, share.role));
+            share.role = found->second;
+        }
+        std::ranges::sort(patch.top, {}, &ResinShare::role);
+    }
+}
+
+// Names that the readers give to inks, and those that the user has for them.
+std::map<std::string, std::string> names_of(std::span<const std::string> roles, const std::string& rest) {
+    std::map<std::string, std::string> names{{"W", rest}};
+    const bool process = roles.size() == 3 || roles.size() == 4;
+    for (std::size_t c = 0; c < roles.size(); ++c) names[process ? std::string(1, "CMYK"[c]) : roles[c]] = roles[c];
+    return names;
+}
+
+}  // namespace
+
+std::optional<IccMeasurements> icc_measurements(const io::DeviceProfile& profile, std::span<const std::string> roles,
+                                                const std::string& rest, std::vector<std::string>& notes) {
+    for (const io::MeasurementText& text : profile.measurements) {
+        const std::string tag(trimmed(text.tag));
+        const std::string source = fmt::format("{} ({})", profile.name, tag);
+        const bool cxf = is_xml(text.text);
+        if (!cxf && !is_cgats(text.text)) {
+            notes.push_back(
+                fmt::format("{}: names measurements ({}) and does not hold them.", source, shown(text.text)));
+            continue;
+        }
+        try {
+            ChartReading reading = cxf ? read_cxf(text.text, source) : read_cgats(text.text, source);
+            drop_overfull(reading);
+            IccMeasurements found{finished_chart(std::move(reading), {}), tag};
+            rename_roles(found.table, names_of(roles, rest));
+            return found;
+        } catch (const InputError& error) {
+            notes.push_back(
+                fmt::format("{}: the measurements that it carries cannot be used, its table is taken instead: {}",
+                            source, error.what()));
+        }
+    }
+    return std::nullopt;
+}
+
+}  // namespace voxtone::calibration
