@@ -102,7 +102,7 @@ public:
 
 private:
     [[nodiscard]] std::filesystem::path file() const { return folder_.path() / "printer.icc"; }
-    io::testing::TemporaryFolder folder_;
+    io::TemporaryFolder folder_;
 };
 
 double share_of(const Patch& patch, const std::string& role) {
