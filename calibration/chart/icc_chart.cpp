@@ -49,7 +49,7 @@ void expect_resin_channels(const io::DeviceProfile& profile) {
     throw InputError(fmt::format(
         "{}: its channels are {}, from which the printer's software chooses resins by itself, so that no mixture is "
         "known; give a profile whose channels are the resins (CMYK, CMY or nCLR), or a measured chart.",
-        profile.name, shown(space)));
+        profile.name, trimmed(space)));
 }
 
 void expect_table(const io::DeviceProfile& profile) {
