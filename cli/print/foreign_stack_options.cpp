@@ -10,7 +10,7 @@ namespace voxtone::cli {
 void add_foreign_stack_options(CLI::App& command, std::string& resins, std::vector<std::string>& assign,
                                std::string& printer, std::string& pitch) {
     const auto options = {
-        add_resins_option(command, resins, "; empty: that of the job, else vero-opaque"),
+        add_resins_option(command, resins, "; empty: that of the job, else that of --printer, else vero-opaque"),
         command
             .add_option("--assign", assign,
                         "foreign stacks: which colour is which resin: \"#00aeef=C,#ec008c=M\"; none: no material")

@@ -63,6 +63,7 @@ struct ResinSet {
 
     /// How far droplets of a halftone run together, in [0, 1]: a voxel's optical sizes (effective_medium.h) are
     /// (1 - dot_spread) times those of a sharp one. 0: sharp voxels; 1: an ideal mixture, Eq. 7.
+    /// Light paths: droplet_spread.h.
     double dot_spread = 0;
     FlatMeasurement measured = {};
     ColourResidual residual = {};  ///< what physics leaves of measured mixtures; shares as in `resins`

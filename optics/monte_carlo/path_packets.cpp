@@ -222,6 +222,40 @@ private:
                 hn::GatherOffset(di, reinterpret_cast<const std::int32_t*>(scene_.voxels), hn::ShiftLeft<1>(entry));
         }
         e.material = hn::And(e.content, hn::Set(di, 255));
+        if (scene_.droplets.chance > 0) {
+            const Mask met = hn::And(e.collides, hn::RebindMask(Tag(), several));
+            if (!hn::AllFalse(Tag(), met)) {
+                const Int found = droplet_material(row, met, e.base, e.place[0], e.place[1], e.place[2]);
+                e.material = hn::IfThenElse(hn::Gt(found, hn::Zero(di)), found, e.material);
+            }
+        }
+    }
+
+    /// What particles that were met belong to (droplet_spread.h); air: to the voxel that they were met in.
+    HWY_NOINLINE Int droplet_material(std::size_t row, Mask met, Int base, Int x, Int y, Int z) {
+        const Tag d;
+        const IntTag di;
+        const BitTag db;
+        Bits draws[3];
+        draw_again(row, met, draws);
+        const auto folded = [&](Int place, Bits draw, int reach) {
+            const Bits step = hn::ShiftRight<16>(hn::Mul(draw, hn::Set(db, static_cast<std::uint32_t>(2 * reach + 1))));
+            Int p = hn::And(place, hn::Set(di, 15));
+            p = hn::Add(p, hn::Sub(hn::BitCast(di, step), hn::Set(di, reach)));
+            p = hn::IfThenElse(hn::Lt(p, hn::Zero(di)), hn::Sub(hn::Set(di, -1), p), p);
+            return hn::IfThenElse(hn::Gt(p, hn::Set(di, 15)), hn::Sub(hn::Set(di, 31), p), p);
+        };
+        const std::array<int, 3>& reach = scene_.droplets.reach;
+        const Bits half = hn::Set(db, 0xffff);
+        const Int local =
+            hn::Add(hn::ShiftLeft<8>(folded(z, hn::And(draws[1], half), reach[2])),
+                    hn::Add(hn::ShiftLeft<4>(folded(y, hn::ShiftRight<16>(draws[0]), reach[1])),
+                            folded(x, hn::And(draws[0], half), reach[0])));
+        const Int entry = hn::IfThenElseZero(hn::RebindMask(di, met), hn::Add(base, local));
+        const Int found = hn::GatherOffset(di, reinterpret_cast<const std::int32_t*>(scene_.voxels),
+                                           hn::ShiftLeft<1>(entry));
+        const Mask elsewhere = hn::And(met, hn::Lt(unit(draws[2]), constant(static_cast<float>(scene_.droplets.chance))));
+        return hn::IfThenElseZero(hn::RebindMask(di, elsewhere), hn::And(found, hn::Set(di, 255)));
     }
 
     /// Particles: real ones absorb and scatter, the majorant's others do nothing. Russian roulette by weight.
@@ -718,6 +752,7 @@ PacketScene packet_scene(const Scene& scene, const PathVolume& volume, std::size
         packet.sigma_t[r + 1] = static_cast<float>(medium.sigma_t());
         packet.albedo[r + 1] = static_cast<float>(medium.albedo());
     }
+    packet.droplets = DropletSpread(scene.resins->dot_spread, scene.volume->pitch_mm());
     packet.materials = scene.resins->resins.size() + 1;
     packet.g = static_cast<float>(scene.resins->g);
     packet.eta = static_cast<float>(scene.resins->eta);

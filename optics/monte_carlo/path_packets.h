@@ -15,6 +15,7 @@
 #include <array>
 #include <cstdint>
 
+#include "voxtone/optics/media/droplet_spread.h"
 #include "voxtone/optics/monte_carlo/clear_spheres.h"
 #include "voxtone/optics/monte_carlo/path_random.h"
 #include "voxtone/optics/monte_carlo/path_volume.h"
@@ -78,6 +79,7 @@ struct PacketScene {
     std::size_t materials = 0;
     std::array<float, 256> sigma_t{}, albedo{};  ///< per material
     float g = 0, eta = 1, roulette_weight = 0.1f;
+    DropletSpread droplets;  ///< within blocks of path_volume.h, at whose sides the box is folded back
     PacketSpheres spheres;
     Backing backing = Backing::none;
     Sides sides = Sides::open;

@@ -51,7 +51,7 @@ private:
     std::vector<float> share_;  ///< per face: the running share of its cell's faces, by area; the last is 1
 };
 
-/// All that a path needs to know; lives as long as the scene.
+/// All that a path needs to know; lives as long as the scene. Voxels are sharp, whatever the set's dot spread.
 class ScalarPaths {
 public:
     explicit ScalarPaths(const Scene& scene, double roulette_weight = default_roulette_weight)

@@ -20,7 +20,7 @@ struct SliceOptions {
     std::string model;
     std::string out;
     std::string printer = "stratasys-j750-hm";
-    std::string resins = "vero-opaque";
+    std::string resins;             ///< set or file; empty: the printer's default
     std::vector<std::string> load;  ///< roles of the loaded resins; empty: what the printer loads by default
     std::string core = "W";
 

@@ -33,7 +33,7 @@ struct PredictOptions {
     bool overwrite = false;           ///< files that are there are replaced
     bool absolute = false;            ///< instead of relative to the white resin
     bool lit = false;                 ///< .glb: a material for lights instead of colours as they are
-    std::string resins;               ///< set or file; empty: that of the job, else vero-opaque
+    std::string resins;               ///< set or file; empty: that of the job, else the printer's
     std::string printer, pitch;       ///< of foreign stacks
     std::vector<std::string> assign;  ///< "#rrggbb=ROLE", of foreign stacks
     double memory_gib = 0;            ///< 0: half of the machine's

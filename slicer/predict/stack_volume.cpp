@@ -102,7 +102,6 @@ Assignment assign(const std::vector<NamedColour>& colours, const optics::ResinSe
 
 optics::ResinSet resin_set(const StackVolumeOptions& options, const std::string& of_job) {
     if (!options.resins.empty()) return io::find_resin_set(options.resins);
-    if (of_job.empty()) return optics::vero_opaque();
     try {
         return io::find_resin_set(of_job);
     } catch (const Error& error) {
@@ -129,7 +128,7 @@ void expect_all_layers(const io::StackReader& stack, const std::string& name) {
 /// The resin set that the job of a stack names, seen from here.
 std::string set_of(const io::StackOrigin& origin, const std::filesystem::path& stack) {
     const auto folder = stack.filename() == io::manifest_name ? stack.parent_path() : stack;
-    return origin.resins.empty() ? SliceOptions{}.resins : input_named_in(folder, origin.resins);
+    return origin.resins.empty() ? optics::vero_opaque().name : input_named_in(folder, origin.resins);
 }
 
 void tell(const StackVolumeOptions& options, const Assignment& assignment, const LayerWindow& window,
@@ -269,13 +268,18 @@ std::array<double, 3> foreign_pitch_mm(const io::StackReader& stack, const Stack
 struct BitmapFrame {
     std::array<double, 3> pitch_mm{};  ///< along the model's x, y, z
     io::Orientation orientation;
+    optics::ResinSet resins;
 };
 
 /// The printer that was named mirrors what it prints, so its bitmaps are mirrored.
 BitmapFrame foreign_frame(const io::StackReader& stack, const StackVolumeOptions& options) {
     std::optional<PrinterProfile> printer;
     if (!options.printer.empty()) printer = find_printer(options.printer);
-    BitmapFrame frame{foreign_pitch_mm(stack, options, printer), {}};
+    BitmapFrame frame{foreign_pitch_mm(stack, options, printer), {}, {}};
+    if (!options.resins.empty() || printer)
+        frame.resins = io::find_resin_set(options.resins.empty() ? printer->default_resins : options.resins);
+    else
+        frame.resins = optics::vero_opaque();
     if (printer) frame.orientation = printer->orientation;
     if (frame.orientation.swap_xy) std::swap(frame.pitch_mm[0], frame.pitch_mm[1]);
     return frame;
@@ -379,7 +383,7 @@ StackVolume read_foreign(const io::StackReader& stack, const StackVolumeOptions&
     expect_all_layers(stack, options.stack);
     const BitmapFrame frame = foreign_frame(stack, options);
     const std::array<double, 3>& pitch_mm = frame.pitch_mm;
-    const optics::ResinSet set = resin_set(options, "");
+    const optics::ResinSet& set = frame.resins;
     Assignment assignment = assign(foreign_colours(stack, options, set), set, options.stack);
     warn_of_swaps(options, set, progress);
     const ForeignBody body = find_body(stack, assignment, frame.orientation, options.stack, progress);

@@ -30,6 +30,7 @@ OpenedJob open_job(const SliceOptions& asked) {
         take_width(job.options, *job.map);
     }
     job.printer = find_printer(job.options.printer);
+    if (job.options.resins.empty()) job.options.resins = job.options.asked.resins = job.printer.default_resins;
     job.resins = load_resins(job.options, job.printer);
     check_thickness(job.options, job.printer);
     if (job.map) check_layers(*job.options.layered, *job.map, job.resins);

@@ -36,6 +36,7 @@ struct PrinterProfile {
     int min_layers = 1;
     io::Rgb background_rgb{};
     std::vector<io::LayerFormat> formats;               ///< written by default
+    std::string default_resins;                         ///< resin set of a job that names none, or its file
     std::vector<std::string> default_roles;             ///< loaded by default; at most max_resins
     std::map<std::string, io::Rgb> colours;             ///< bitmap colour of each role
     std::map<std::string, std::string> material_names;  ///< what the printer's software calls the resin of a role

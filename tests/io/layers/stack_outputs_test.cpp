@@ -236,7 +236,7 @@ TEST_CASE("a volume counts what the stack counts, and a uniform core is tiles", 
 
 TEST_CASE("resin sets", "[resin-file]") {
     const auto names = known_resin_sets();
-    CHECK(names == std::vector<std::string>{"vero-opaque", "vero-opaque-clear"});
+    CHECK(names == std::vector<std::string>{"j750-opaque", "vero-opaque", "vero-opaque-clear"});
     // The set in the code and the one in data/ are one.
     const auto ours = optics::vero_opaque(), file = find_resin_set("vero-opaque");
     CHECK(file.name == ours.name);

@@ -11,6 +11,7 @@
 #include "tests/optics/transport/slab_scene.h"
 #include "voxtone/base/error.h"
 #include "voxtone/base/parallel.h"
+#include "voxtone/base/random.h"
 
 using namespace voxtone;
 using namespace voxtone::optics;
@@ -185,4 +186,32 @@ TEST_CASE("Every vector unit gives the same bits") {
     hwy::SetSupportedTargetsForTest(0);
     REQUIRE(values.size() > 1);
     for (const auto& other : values) CHECK(other == values[0]);
+}
+
+TEST_CASE("Droplets that have run together look like the ideal mixture, sharp ones do not") {
+    // A halftone of 30 % cyan and 10 % black in white, every voxel drawn by itself.
+    const std::vector<double> shares{0.3, 0, 0, 0.1, 0.6};
+    ResinSet set = with_mixtures(vero_opaque(), {shares});
+    const ResinVolume halftone = make_resin_volume({64, 32, 96}, slab_pitch_mm, [](int x, int y, int z) {
+        const double u =
+            unit_interval(philox4x32({std::uint32_t(x), std::uint32_t(y), std::uint32_t(z), 0}, {7, 7})[0]);
+        return u < 0.3 ? 1 : u < 0.4 ? 4 : 5;
+    });
+    const auto seen = [&](double spread) {
+        set.dot_spread = spread;
+        const Scene scene{&halftone, &set, Backing::black, Sides::mirrored};
+        const Surface surface = find_surface(scene, {64, 32, 1}, SurfacePart::top);
+        return MonteCarlo({.paths = 400'000}).predict(scene, surface);
+    };
+    const Appearance sharp = seen(0), half = seen(0.5), run = seen(1);
+    for (std::size_t c = 0; c < 3; ++c) {
+        const std::vector<SlabLayer> ideal{{6, 96}};
+        const double exact = exact_appearance(set, ideal, Backing::black, c);
+        INFO("channel " << c << ": sharp " << sharp.value[c] << ", half " << half.value[c] << ", run " << run.value[c]
+                        << " +- " << run.standard_error[c] << ", ideal " << exact);
+        CHECK(sharp.value[c] - exact > 20 * sharp.standard_error[c]);
+        CHECK(std::abs(run.value[c] - exact) < 0.15 * (sharp.value[c] - exact));
+        CHECK(half.value[c] > run.value[c]);
+        CHECK(half.value[c] < sharp.value[c]);
+    }
 }
