@@ -56,7 +56,7 @@ LoadedResins load_roles(const ResolvedJob& job, const PrinterProfile& printer, c
 }
 
 LoadedResins load_resins(const ResolvedJob& job, const PrinterProfile& printer) {
-    const optics::ResinSet all = io::find_resin_set(job.resins);
+    const optics::ResinSet all = io::find_resin_set(job.resins.empty() ? printer.default_resins : job.resins);
     return load_roles(job, printer, all, roles_to_load(job, printer, all));
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxtone/slicer/prepare/opened_job.h"
 
+#include "voxtone/io/profiles/resin_file.h"
 #include "voxtone/slicer/prepare/layers_check.h"
 
 namespace voxtone::slicer {
@@ -20,6 +21,14 @@ void check_thickness(const ResolvedJob& job, const PrinterProfile& printer) {
                       "thicker (--thickness)");
 }
 
+/// The printer's; those of published profiles where a map has other channels than these.
+std::string usual_resins(const OpenedJob& job) {
+    const std::string& of_printer = job.printer.default_resins;
+    const bool by_channel = job.map && job.options.layered->materials.empty();
+    if (by_channel && io::find_resin_set(of_printer).channels != job.map->channels) return optics::vero_opaque().name;
+    return of_printer;
+}
+
 }  // namespace
 
 OpenedJob open_job(const SliceOptions& asked) {
@@ -30,7 +39,7 @@ OpenedJob open_job(const SliceOptions& asked) {
         take_width(job.options, *job.map);
     }
     job.printer = find_printer(job.options.printer);
-    if (job.options.resins.empty()) job.options.resins = job.options.asked.resins = job.printer.default_resins;
+    if (job.options.resins.empty()) job.options.resins = job.options.asked.resins = usual_resins(job);
     job.resins = load_resins(job.options, job.printer);
     check_thickness(job.options, job.printer);
     if (job.map) check_layers(*job.options.layered, *job.map, job.resins);

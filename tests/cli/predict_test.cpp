@@ -187,7 +187,8 @@ TEST_CASE("A spectral resin set gives a picture for the eye and numbers per wave
 TEST_CASE("predict makes meshes of bodies") {
     const Folder folder("body");
     folder.write("marker.obj", marker_obj());
-    REQUIRE(run_program(fmt::format("slice --quiet --no-report --iterations 0 --size 2mm {} -o {}",
+    REQUIRE(run_program(fmt::format("slice --quiet --no-report --iterations 0 --resins vero-opaque --size 2mm {} "
+                                    "-o {}",
                                     folder / "marker.obj", folder / "out"))
                 .exit_code == 0);
     const Outcome outcome = run_program(fmt::format(

@@ -5,7 +5,7 @@
 //
 //   appearance_loop_benchmark slabs     photographs (benchmarks/sets.json: fitting and held-out), text, star, colour
 //   checker, gratings: 20 mm wide, 4 mm thick, J750
-//                                       High Mix, Vero Opaque, on black
+//                                       High Mix, --resins, on black
 //   appearance_loop_benchmark bodies    meshes, in windows (judge_body.h)
 //   appearance_loop_benchmark flat      slabs of one colour each, 8 mm: the mean of the middle 4 mm
 //   appearance_loop_benchmark seams     what cutting a body into tiles does to its predictions, for a stack that slice
@@ -44,7 +44,7 @@ namespace fs = std::filesystem;
 
 struct Arguments {
     fs::path models = fs::path(VOXTONE_SOURCE_DIR) / "../shared/models", work = "build/loop-benchmark";
-    std::string only, crop;
+    std::string only, crop, resins = "vero-opaque";
     std::vector<std::string> set;
     std::uint32_t paths = 256, body_paths = 64;
     std::size_t windows = 40;
@@ -79,6 +79,7 @@ SlabRow judge_target(const Arguments& a, const Target& target, const std::vector
     std::optional<Eye> eye;
     for (std::size_t v = 0; v < 2; ++v) {
         slicer::SliceOptions options;
+        options.resins = a.resins;
         options.model = target.picture.string();
         options.out = (a.work / fmt::format("{}.{}", target.name, v)).string();
         options.width_mm = target.width_mm;
@@ -119,6 +120,7 @@ void run_flat(const Arguments& a) {
         FlatRow row{target.rgb, {}, 0};
         for (std::size_t v = 0; v < 2; ++v) {
             slicer::SliceOptions options;
+            options.resins = a.resins;
             options.model = target.picture.string();
             options.out = (a.work / fmt::format("{}.{}", target.picture.stem().string(), v)).string();
             options.width_mm = flat_mm;
@@ -146,6 +148,7 @@ void run_bodies(const Arguments& a) {
         row.name = target.held_out ? target.name + " (held out)" : target.name;
         for (std::size_t v = 0; v < 2; ++v) {
             slicer::SliceOptions options;
+            options.resins = a.resins;
             options.model = target.model.string();
             options.out = (a.work / fmt::format("{}.{}", target.name, v)).string();
             options.size_mm = target.size_mm * a.scale;
@@ -182,6 +185,7 @@ int main(int argc, char** argv) {
     app.add_option("--models", a.models, "folder of the models")->capture_default_str();
     app.add_option("--only", a.only, "only targets whose name contains this");
     app.add_option("--crop", a.crop, "only the middle of each target, WIDTHxHEIGHT in mm: 6x4");
+    app.add_option("--resins", a.resins, "set or file, of both prints")->capture_default_str();
     app.add_option("--set", a.set, "KEY=VALUE: option of slice for the loop's prints; may be repeated");
     app.add_option("--paths", a.paths, "Monte Carlo paths per cell, channel and half")->capture_default_str();
     app.add_option("--viewing-distance", a.viewing_distance_mm, "mm")->capture_default_str();

@@ -21,6 +21,7 @@ std::span<const std::uint8_t> bytes_of(const std::string& text) {
 
 std::string describe(const optics::ResinSet& set) {
     std::string text = fmt::format("g {} eta {}\n", set.g, set.eta);
+    if (set.dot_spread > 0) text += fmt::format("dot spread {}\n", set.dot_spread);
     for (const optics::Resin& r : set.resins)
         text += fmt::format("{} {} {}\n", r.role, fmt::join(r.sigma_t_per_mm, " "), fmt::join(r.albedo, " "));
     return text;
