@@ -31,9 +31,7 @@ FitOptions options_of(const FitJob& job) {
 
 void expect_chart_options(const FitJob& job) {
     const auto refuse = [&](bool given, std::string_view option, std::string_view why) {
-        if (given)
-            throw UsageError(
-                fmt::format("{} with {}, a chart: {}. Leave it out.", option, job.patches, why));
+        if (given) throw UsageError(fmt::format("{} with {}, a chart: {}. Leave it out.", option, job.patches, why));
     };
     refuse(!job.prior.empty(), "--prior", "a chart's channels are not those of the edges");
     refuse(job.g_sweep, "--g-sweep", "its colours look the same with any g");
@@ -45,8 +43,8 @@ JobResult run_layer_fit(const FitJob& job, const LayerChart& chart, Progress& pr
     const FitOptions fit = options_of(job);
     expect_chart_options(job);
     if (!job.report.empty())
-        throw UsageError(fmt::format("--report with {}, stacks of layers: there is no page of them. Leave it out.",
-                                     job.patches));
+        throw UsageError(
+            fmt::format("--report with {}, stacks of layers: there is no page of them. Leave it out.", job.patches));
     for (const std::string& note : chart.notes) progress.warn(note);
     const auto others = job.check.empty() ? std::nullopt : read_layer_chart(job.check, job.measured.illuminant);
     if (!job.check.empty() && !others)

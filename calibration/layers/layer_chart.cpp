@@ -119,7 +119,8 @@ LayerChart parse_csv(std::string_view text, LayerChart chart, std::optional<opti
 void add_palette(const io::JsonObject& file, LayerChart& chart) {
     for (const io::JsonObject& colour : file.objects("palette")) {
         std::string role = colour.text("color");
-        std::erase_if(role, [](char c) { return !((c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9')); });
+        std::erase_if(
+            role, [](char c) { return !((c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9')); });
         if (!is_role(role) || std::ranges::find(chart.roles, role) != chart.roles.end())
             role = fmt::format("R{}", chart.roles.size());
         chart.roles.push_back(role);

@@ -151,8 +151,7 @@ LayerCheck check_layers(const optics::ResinSet& set, const LayerChart& chart) {
     for (const std::string& role : chart.roles) {
         const int found = set.find(role);
         if (found < 0)
-            throw InputError(
-                fmt::format("{}: the resin set \"{}\" has no resin {}.", chart.source, set.name, role));
+            throw InputError(fmt::format("{}: the resin set \"{}\" has no resin {}.", chart.source, set.name, role));
         resin.push_back(static_cast<std::size_t>(found));
     }
     const StackReflectance stacks(chart.stacks, set.g, set.eta);

@@ -19,7 +19,7 @@ namespace voxtone::calibration {
 struct LayerFitOptions {
     std::string name;
     int channels = 0;  ///< 3 to 12; 0: usual_layer_channels
-    int folds = 5;     ///< of the cross-validation; 0: none
+    int folds = 3;     ///< of the cross-validation; 0: none
     double g = 0.4, eta = 1.5;
 };
 

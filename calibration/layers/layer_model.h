@@ -37,7 +37,7 @@ private:
     Eigen::Index resins_, channels_;
     StackReflectance stacks_;
     ObserverParts parts_;
-    Eigen::MatrixXd rho_;                   ///< stacks x channels
+    Eigen::MatrixXd rho_;                       ///< stacks x channels
     std::vector<Eigen::MatrixXd> by_a_, by_s_;  ///< of each channel, stacks x resins: by ln a, ln s
 };
 

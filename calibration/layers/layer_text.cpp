@@ -30,9 +30,8 @@ std::string dumped(const LayerJson& json) { return json.dump(-1, ' ', false, Lay
 
 std::string layer_fit_text(const LayerFit& fit) {
     const optics::ResinSet& set = fit.set;
-    std::string text =
-        fmt::format("{} resins in {} channels of their own from {} stacks of layers, {:.1f} s\n\n", set.resins.size(),
-                    set.channels.size(), fit.fitted.count, fit.seconds);
+    std::string text = fmt::format("{} resins in {} channels of their own from {} stacks of layers, {:.1f} s\n\n",
+                                   set.resins.size(), set.channels.size(), fit.fitted.count, fit.seconds);
     text += difference_heading();
     if (fit.held_out.count > 0) text += difference_line("stacks left out of the fit", fit.held_out);
     text += difference_line("stacks that were fitted", fit.fitted);

@@ -26,8 +26,8 @@ StackReflectance::StackReflectance(std::span<const LayerStack> stacks, double g,
             VOXTONE_EXPECT(layer->resin < 64);
             const auto [at, is_new] = known.try_emplace({below, *layer}, nodes_.size());
             if (is_new)
-                nodes_.push_back({below, *layer,
-                                  (below == nothing ? 0 : nodes_[below].holds) | std::uint64_t{1} << layer->resin});
+                nodes_.push_back(
+                    {below, *layer, (below == nothing ? 0 : nodes_[below].holds) | std::uint64_t{1} << layer->resin});
             below = at->second;
         }
         top_.push_back(below);

@@ -52,9 +52,9 @@ std::string printer_text(const slicer::PrinterProfile& p) {
     text += detail(fmt::format(
         "{}; voxel {:.3f} x {:.3f} x {:.3f} um; {}", tray_text(p), p.pitch_um.x(), p.pitch_um.y(), p.pitch_um.z(),
         p.min_layers > 1 ? fmt::format("no fewer than {} layers", p.min_layers) : std::string("any number of layers")));
-    text += detail(fmt::format("{} resins at once, {} of {} by default; writes {}", p.max_resins,
-                               fmt::join(p.default_roles, ","), p.default_resins,
-                               fmt::join(names_of(p.formats), ", ")));
+    text +=
+        detail(fmt::format("{} resins at once, {} of {} by default; writes {}", p.max_resins,
+                           fmt::join(p.default_roles, ","), p.default_resins, fmt::join(names_of(p.formats), ", ")));
     for (const std::string& warning : p.warnings()) text += detail(warning);
     return text;
 }

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // Where droplets of a halftone have run to before they were cured, for light paths, which see voxels one by one: with
-// probability `chance` a particle belongs to a voxel that is drawn evenly from the box of `reach` voxels to each side of
-// the one it is met in, else to that one. So each place holds the share 1 - s of its own voxel and the share s of the
-// mean around it; the mean of the print stays what it was. What effective_medium.h makes of the same number is the
+// probability `chance` a particle belongs to a voxel that is drawn evenly from the box of `reach` voxels to each side
+// of the one it is met in, else to that one. So each place holds the share 1 - s of its own voxel and the share s of
+// the mean around it; the mean of the print stays what it was. What effective_medium.h makes of the same number is the
 // colour of a halftone without end.
 //
 // `reach_mm` is a choice: about a mean free path of white resin, within which light does not tell voxels apart, so that
@@ -19,7 +19,7 @@ namespace voxtone::optics {
 struct DropletSpread {
     static constexpr double reach_mm = 0.1;
 
-    double chance = 0;          ///< the set's dot spread s, [0, 1]
+    double chance = 0;           ///< the set's dot spread s, [0, 1]
     std::array<int, 3> reach{};  ///< voxels, 0 to 15
 
     DropletSpread() = default;

@@ -247,14 +247,14 @@ private:
         };
         const std::array<int, 3>& reach = scene_.droplets.reach;
         const Bits half = hn::Set(db, 0xffff);
-        const Int local =
-            hn::Add(hn::ShiftLeft<8>(folded(z, hn::And(draws[1], half), reach[2])),
-                    hn::Add(hn::ShiftLeft<4>(folded(y, hn::ShiftRight<16>(draws[0]), reach[1])),
-                            folded(x, hn::And(draws[0], half), reach[0])));
+        const Int local = hn::Add(hn::ShiftLeft<8>(folded(z, hn::And(draws[1], half), reach[2])),
+                                  hn::Add(hn::ShiftLeft<4>(folded(y, hn::ShiftRight<16>(draws[0]), reach[1])),
+                                          folded(x, hn::And(draws[0], half), reach[0])));
         const Int entry = hn::IfThenElseZero(hn::RebindMask(di, met), hn::Add(base, local));
-        const Int found = hn::GatherOffset(di, reinterpret_cast<const std::int32_t*>(scene_.voxels),
-                                           hn::ShiftLeft<1>(entry));
-        const Mask elsewhere = hn::And(met, hn::Lt(unit(draws[2]), constant(static_cast<float>(scene_.droplets.chance))));
+        const Int found =
+            hn::GatherOffset(di, reinterpret_cast<const std::int32_t*>(scene_.voxels), hn::ShiftLeft<1>(entry));
+        const Mask elsewhere =
+            hn::And(met, hn::Lt(unit(draws[2]), constant(static_cast<float>(scene_.droplets.chance))));
         return hn::IfThenElseZero(hn::RebindMask(di, elsewhere), hn::And(found, hn::Set(di, 255)));
     }
 

@@ -151,9 +151,9 @@ std::vector<OptionSpec> make_table() {
                                "picture for a mesh that has texture coordinates and no picture for them; those that "
                                "the mesh has stay; empty: none"),
                           &O::texture)),
-        names(input_or_known,
-              text(spec("resins", Kind::text, "SET|FILE", colour, "resin set; see `voxtone list resins`; empty: the printer's default"),
-                   &O::resins)),
+        names(input_or_known, text(spec("resins", Kind::text, "SET|FILE", colour,
+                                        "resin set; see `voxtone list resins`; empty: the printer's default"),
+                                   &O::resins)),
         list(spec("load", Kind::list, "ROLES", colour,
                   "resins that are loaded, by role (C,M,Y,K,W); empty: the printer's default"),
              &O::load),
