@@ -14,6 +14,7 @@
 #include "voxtone/base/random.h"
 #include "voxtone/base/stopwatch.h"
 #include "voxtone/calibration/chart/chart_lengths.h"
+#include "voxtone/calibration/chart/colour_fit.h"
 #include "voxtone/calibration/chart/observer_fit.h"
 #include "voxtone/calibration/chart/observer_start.h"
 #include "voxtone/calibration/chart/residual_fit.h"

@@ -11,19 +11,6 @@ namespace {
 
 using ChartJson = nlohmann::ordered_json;
 
-std::string summary_text(std::string_view what, const optics::DifferenceSummary& d) {
-    return fmt::format("  {:<34} {:>6.2f} {:>7.2f} {:>7.2f} {:>8.2f}\n", what, d.mean, d.median, d.percentile_95,
-                       d.max);
-}
-
-ChartJson summary_json(const optics::DifferenceSummary& d) {
-    return {{"count", d.count},
-            {"mean_de2000", d.mean},
-            {"median_de2000", d.median},
-            {"p95_de2000", d.percentile_95},
-            {"max_de2000", d.max}};
-}
-
 ChartJson patches_of(const std::vector<HeldOutPatch>& patches) {
     ChartJson list = ChartJson::array();
     for (const HeldOutPatch& patch : patches)
@@ -40,15 +27,32 @@ std::string patches_text(const std::vector<HeldOutPatch>& patches) {
 
 }  // namespace
 
+std::string difference_heading() {
+    return fmt::format("  {:<34} {:>6} {:>7} {:>7} {:>8}\n", "CIEDE2000", "mean", "median", "95 %", "largest");
+}
+
+std::string difference_line(std::string_view what, const optics::DifferenceSummary& d) {
+    return fmt::format("  {:<34} {:>6.2f} {:>7.2f} {:>7.2f} {:>8.2f}\n", what, d.mean, d.median, d.percentile_95,
+                       d.max);
+}
+
+nlohmann::ordered_json difference_json(const optics::DifferenceSummary& d) {
+    return {{"count", d.count},
+            {"mean_de2000", d.mean},
+            {"median_de2000", d.median},
+            {"p95_de2000", d.percentile_95},
+            {"max_de2000", d.max}};
+}
+
 std::string chart_fit_text(const ChartFit& fit) {
     const optics::ResinSet& set = fit.set;
     std::string text = fmt::format("{} resins in {} channels of their own from {} mixtures, {:.1f} s\n\n",
                                    set.resins.size(), set.channels.size(), fit.fitted.count, fit.seconds);
-    text += fmt::format("  {:<34} {:>6} {:>7} {:>7} {:>8}\n", "CIEDE2000", "mean", "median", "95 %", "largest");
-    text += summary_text("mixtures left out of the fit", fit.held_out);
-    text += summary_text("  the same by physics alone", fit.held_out_physics);
-    text += summary_text("mixtures that were fitted", fit.fitted);
-    if (fit.noise.count > 0) text += summary_text("repeats from their own mean", fit.noise);
+    text += difference_heading();
+    text += difference_line("mixtures left out of the fit", fit.held_out);
+    text += difference_line("  the same by physics alone", fit.held_out_physics);
+    text += difference_line("mixtures that were fitted", fit.fitted);
+    if (fit.noise.count > 0) text += difference_line("repeats from their own mean", fit.noise);
     if (!fit.curve.empty()) {
         text += "\nMixtures left out, by number of channels: mean by physics, with residual\n";
         for (const ChannelChoice& choice : fit.curve)
@@ -74,10 +78,10 @@ std::string chart_fit_json(const ChartFit& fit) {
                    {"seconds", fit.seconds},
                    {"channels", set.channels.size()},
                    {"mixtures", fit.fitted.count},
-                   {"fitted", summary_json(fit.fitted)},
-                   {"held_out", summary_json(fit.held_out)},
-                   {"held_out_physics", summary_json(fit.held_out_physics)},
-                   {"repeats", summary_json(fit.noise)},
+                   {"fitted", difference_json(fit.fitted)},
+                   {"held_out", difference_json(fit.held_out)},
+                   {"held_out_physics", difference_json(fit.held_out_physics)},
+                   {"repeats", difference_json(fit.noise)},
                    {"residual", {{"centres", set.residual.centres().rows()}, {"mean_de2000", fit.residual_size}}},
                    {"measured", {{"surface", set.measured.surface}, {"gain", set.measured.gain}}},
                    {"curve", ChartJson::array()},

@@ -1,113 +1,37 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxtone/calibration/chart/observer_fit.h"
 
-#include <cmath>
-
-#include <ceres/ceres.h>
-
-#include "voxtone/base/parallel.h"
-#include "voxtone/optics/layered/flat_colour.h"
+#include "voxtone/calibration/chart/colour_fit.h"
 
 namespace voxtone::calibration {
 
 namespace {
-
-constexpr double robust_from = 2;  // CIEDE2000
-constexpr double ridge = 0.5;
-constexpr int most_iterations = 100;
 
 // Solids, white above all, are what a print shows most of and what its other colours are seen beside: each counts for
 // four. Of 1,136 mixtures of a J750 in four channels white came from 2.5 CIEDE2000 to 1.3 by it, the mean of all from
 // 1.215 to 1.23.
 constexpr double solid_from = 0.995, solid_weight = 4;
 
-double weight_of(const ChartData& data, Eigen::Index row) {
-    const double counts = data.shares.row(row).maxCoeff() > solid_from ? solid_weight : 1;
-    return std::sqrt(counts * data.repeats[row]);
+Eigen::VectorXd counts_of(const ChartData& data) {
+    Eigen::VectorXd counts = data.repeats;
+    for (Eigen::Index i = 0; i < counts.size(); ++i)
+        if (data.shares.row(i).maxCoeff() > solid_from) counts[i] *= solid_weight;
+    return counts;
 }
 
-// Derivative of CIELAB's root by XYZ / white.
-double root_slope(double t) {
-    constexpr double knee = 6.0 / 29;
-    return t > knee * knee * knee ? 1 / (3 * std::cbrt(t) * std::cbrt(t)) : 1 / (3 * knee * knee);
-}
-
-Eigen::Vector3d roots_of(const Eigen::Vector3d& relative) {
-    return optics::lab_roots(relative, Eigen::Vector3d::Ones());
-}
-
-// What all mixtures share of one set of unknowns, taken apart once for each.
-class SharedParts : public ceres::EvaluationCallback {
+class MixtureColours : public ColourModel {
 public:
-    SharedParts(const ObserverModel& model, const Eigen::VectorXd& unknowns) : model_(model), unknowns_(unknowns) {}
-    void PrepareForEvaluation(bool, bool new_point) override {
-        if (new_point) parts = model_.parts(unknowns_);
-    }
-    ObserverParts parts;
-
-private:
-    const ObserverModel& model_;
-    const Eigen::VectorXd& unknowns_;
-};
-
-class MixtureColour : public ceres::CostFunction {
-public:
-    MixtureColour(const ChartData& data, Eigen::Index row, const ObserverModel& model, const SharedParts& shared)
-        : data_(data), row_(row), model_(model), shared_(shared) {
-        set_num_residuals(3);
-        mutable_parameter_block_sizes()->push_back(static_cast<int>(model.unknowns()));
-    }
-    bool Evaluate(const double* const*, double* residuals, double** jacobians) const override {
-        Eigen::Matrix3Xd by(3, model_.unknowns());
-        const Eigen::Vector3d colour = model_.colour(shared_.parts, data_.shares.row(row_), by);
-        const Eigen::Matrix3d& metric = data_.metric[static_cast<std::size_t>(row_)];
-        const double weight = weight_of(data_, row_);
-        const Eigen::Vector3d off = roots_of(colour) - data_.roots.row(row_).transpose();
-        Eigen::Map<Eigen::Vector3d> out(residuals);
-        out = weight * (metric * off);
-        if (!jacobians || !jacobians[0]) return true;
-        const Eigen::Matrix3d slope = colour.unaryExpr(&root_slope).asDiagonal();
-        Eigen::Map<Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor>>(jacobians[0], 3, model_.unknowns()) =
-            weight * (metric * slope) * by;
-        return true;
+    MixtureColours(const ChartData& data, const ObserverModel& model) : data_(data), model_(model) {}
+    [[nodiscard]] Eigen::Index unknowns() const override { return model_.unknowns(); }
+    void prepare(const Eigen::VectorXd& unknowns, bool) override { parts_ = model_.parts(unknowns); }
+    [[nodiscard]] Eigen::Vector3d colour(Eigen::Index row, Eigen::Ref<Eigen::Matrix3Xd> by_unknown) const override {
+        return model_.colour(parts_, data_.shares.row(row), by_unknown);
     }
 
 private:
     const ChartData& data_;
-    Eigen::Index row_;
     const ObserverModel& model_;
-    const SharedParts& shared_;
-};
-
-class NearStart : public ceres::CostFunction {
-public:
-    explicit NearStart(Eigen::VectorXd start) : start_(std::move(start)) {
-        set_num_residuals(static_cast<int>(start_.size()));
-        mutable_parameter_block_sizes()->push_back(static_cast<int>(start_.size()));
-    }
-    bool Evaluate(const double* const* unknowns, double* residuals, double** jacobians) const override {
-        const Eigen::Index n = start_.size();
-        Eigen::Map<Eigen::VectorXd> out(residuals, n);
-        out = ridge * (Eigen::Map<const Eigen::VectorXd>(unknowns[0], n) - start_);
-        if (jacobians && jacobians[0])
-            Eigen::Map<Eigen::MatrixXd>(jacobians[0], n, n) = ridge * Eigen::MatrixXd::Identity(n, n);
-        return true;
-    }
-
-private:
-    Eigen::VectorXd start_;
-};
-
-class StopOnRequest : public ceres::IterationCallback {
-public:
-    explicit StopOnRequest(const Progress* progress) : progress_(progress) {}
-    ceres::CallbackReturnType operator()(const ceres::IterationSummary&) override {
-        if (progress_) progress_->check_cancelled();
-        return ceres::SOLVER_CONTINUE;
-    }
-
-private:
-    const Progress* progress_;
+    ObserverParts parts_;
 };
 
 }  // namespace
@@ -119,42 +43,14 @@ Eigen::MatrixX3d predicted_roots(const ObserverModel& model, const ObserverParts
     return roots;
 }
 
-std::vector<double> root_differences(const Eigen::MatrixX3d& predicted, const Eigen::MatrixX3d& measured) {
-    const Eigen::Matrix3d map = lab_of_roots();
-    const Eigen::Vector3d black(16, 0, 0);
-    std::vector<double> differences;
-    for (Eigen::Index i = 0; i < predicted.rows(); ++i)
-        differences.push_back(
-            optics::ciede2000(map * predicted.row(i).transpose() - black, map * measured.row(i).transpose() - black));
-    return differences;
-}
-
 ObserverFit fit_observer(const ChartData& data, const ObserverModel& model, const ObserverParts& start,
                          const Progress* progress) {
     Eigen::VectorXd unknowns = model.unknowns_of(start);
-    SharedParts shared(model, unknowns);
-    shared.parts = start;
-    ceres::Problem::Options ownership;
-    ownership.evaluation_callback = &shared;
-    ceres::Problem problem(ownership);
-    for (Eigen::Index i = 0; i < data.mixtures(); ++i)
-        problem.AddResidualBlock(new MixtureColour(data, i, model, shared), new ceres::SoftLOneLoss(robust_from),
-                                 unknowns.data());
-    problem.AddResidualBlock(new NearStart(unknowns), nullptr, unknowns.data());
-    ceres::Solver::Options options;
-    options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
-    options.max_num_iterations = most_iterations;
-    options.function_tolerance = 1e-6;
-    options.num_threads = 1;
-    options.logging_type = ceres::SILENT;
-    StopOnRequest stop(progress);
-    options.callbacks.push_back(&stop);
-    ceres::Solver::Summary summary;
-    ceres::Solve(options, &problem, &summary);
+    MixtureColours colours(data, model);
     ObserverFit fit;
+    fit.converged = fit_colours({data.roots, data.metric, counts_of(data)}, colours, unknowns, progress);
     fit.parts = model.parts(unknowns);
     fit.roots = predicted_roots(model, fit.parts, data.shares);
-    fit.converged = summary.termination_type == ceres::CONVERGENCE;
     return fit;
 }
 

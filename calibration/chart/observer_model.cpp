@@ -22,6 +22,39 @@ double logistic(double x) { return 1 / (1 + std::exp(-x)); }
 
 }  // namespace
 
+void read_observer(const Eigen::Ref<const Eigen::VectorXd>& unknowns, ObserverParts& parts) {
+    Eigen::Index at = 0;
+    for (Eigen::Index c = 0; c < parts.weights.rows(); ++c)
+        for (Eigen::Index k = 0; k < 3; ++k) parts.weights(c, k) = std::exp(unknowns[at++]);
+    for (Eigen::Index k = 0; k < 3; ++k) parts.weights.col(k) /= parts.weights.col(k).sum();
+    parts.surface = most_surface * logistic(unknowns[at++]);
+    parts.gain = 1 + gain_range * std::tanh(unknowns[at]);
+}
+
+Eigen::VectorXd observer_unknowns(const ObserverParts& parts) {
+    Eigen::VectorXd unknowns(3 * parts.weights.rows() + 2);
+    Eigen::Index at = 0;
+    for (Eigen::Index c = 0; c < parts.weights.rows(); ++c)
+        for (Eigen::Index k = 0; k < 3; ++k) unknowns[at++] = std::log(parts.weights(c, k));
+    unknowns[at++] = std::log(parts.surface / (most_surface - parts.surface));
+    unknowns[at] = std::atanh((parts.gain - 1) / gain_range);
+    return unknowns;
+}
+
+void add_observer_derivatives(const ObserverParts& parts, const Eigen::VectorXd& seen,
+                              Eigen::Ref<Eigen::Matrix3Xd> by_unknown) {
+    const Eigen::Vector3d colour = parts.weights.transpose() * seen;
+    Eigen::Index at = 0;
+    for (Eigen::Index c = 0; c < parts.weights.rows(); ++c)
+        for (Eigen::Index k = 0; k < 3; ++k) {
+            by_unknown.col(at).setZero();
+            by_unknown(k, at++) = parts.weights(c, k) * (seen[c] - colour[k]);
+        }
+    by_unknown.col(at++).setConstant(parts.gain * parts.surface * (1 - parts.surface / most_surface));
+    const double towards_end = (parts.gain - 1) / gain_range;
+    by_unknown.col(at) = gain_range * (1 - towards_end * towards_end) / parts.gain * colour;
+}
+
 ObserverModel::ObserverModel(Eigen::Index resins, Eigen::Index white, Eigen::Index channels, double g, double eta,
                              optics::MeasuringGeometry geometry)
     : resins_(resins), white_(white), channels_(channels), reflectance_(g, eta, geometry) {
@@ -37,11 +70,7 @@ ObserverParts ObserverModel::parts(const Eigen::VectorXd& unknowns) const {
         for (Eigen::Index c = 0; c < channels_; ++c) parts.a(r, c) = std::exp(unknowns[at++]);
     for (Eigen::Index r = 0; r < resins_; ++r)
         for (Eigen::Index c = 0; r != white_ && c < channels_; ++c) parts.s(r, c) = std::exp(unknowns[at++]);
-    for (Eigen::Index c = 0; c < channels_; ++c)
-        for (Eigen::Index k = 0; k < 3; ++k) parts.weights(c, k) = std::exp(unknowns[at++]);
-    for (Eigen::Index k = 0; k < 3; ++k) parts.weights.col(k) /= parts.weights.col(k).sum();
-    parts.surface = most_surface * logistic(unknowns[at++]);
-    parts.gain = 1 + gain_range * std::tanh(unknowns[at]);
+    read_observer(unknowns.tail(unknowns.size() - at), parts);
     return parts;
 }
 
@@ -52,10 +81,7 @@ Eigen::VectorXd ObserverModel::unknowns_of(const ObserverParts& parts) const {
         for (Eigen::Index c = 0; c < channels_; ++c) unknowns[at++] = std::log(parts.a(r, c));
     for (Eigen::Index r = 0; r < resins_; ++r)
         for (Eigen::Index c = 0; r != white_ && c < channels_; ++c) unknowns[at++] = std::log(parts.s(r, c));
-    for (Eigen::Index c = 0; c < channels_; ++c)
-        for (Eigen::Index k = 0; k < 3; ++k) unknowns[at++] = std::log(parts.weights(c, k));
-    unknowns[at++] = std::log(parts.surface / (most_surface - parts.surface));
-    unknowns[at] = std::atanh((parts.gain - 1) / gain_range);
+    unknowns.tail(unknowns.size() - at) = observer_unknowns(parts);
     return unknowns;
 }
 
@@ -85,14 +111,7 @@ Eigen::Vector3d ObserverModel::colour(const ObserverParts& parts, const Eigen::R
     for (Eigen::Index r = 0; r < resins_; ++r)
         for (Eigen::Index c = 0; r != white_ && c < channels_; ++c)
             by_unknown.col(at++) = by_scattering[c] * shares[r] * parts.s(r, c) * parts.weights.row(c).transpose();
-    for (Eigen::Index c = 0; c < channels_; ++c)
-        for (Eigen::Index k = 0; k < 3; ++k) {
-            by_unknown.col(at).setZero();
-            by_unknown(k, at++) = parts.weights(c, k) * (seen[c] - colour[k]);
-        }
-    by_unknown.col(at++).setConstant(parts.gain * parts.surface * (1 - parts.surface / most_surface));
-    const double towards_end = (parts.gain - 1) / gain_range;
-    by_unknown.col(at) = gain_range * (1 - towards_end * towards_end) / parts.gain * colour;
+    add_observer_derivatives(parts, seen, by_unknown.rightCols(by_unknown.cols() - at));
     return colour;
 }
 

@@ -28,6 +28,13 @@ struct ObserverParts {
     double surface = 0, gain = 1;
 };
 
+/// The last 3 K + 2 unknowns, ln w, surface and gain, of parts whose `weights` have their size: read, written, and the
+/// derivatives of a colour by them where the channels are seen as `seen`, gain and surface included.
+void read_observer(const Eigen::Ref<const Eigen::VectorXd>& unknowns, ObserverParts& parts);
+[[nodiscard]] Eigen::VectorXd observer_unknowns(const ObserverParts& parts);
+void add_observer_derivatives(const ObserverParts& parts, const Eigen::VectorXd& seen,
+                              Eigen::Ref<Eigen::Matrix3Xd> by_unknown);
+
 class ObserverModel {
 public:
     ObserverModel(Eigen::Index resins, Eigen::Index white, Eigen::Index channels, double g, double eta,

@@ -24,13 +24,6 @@ Eigen::Index purest_patch(const ChartData& data, Eigen::Index resin) {
     return best;
 }
 
-// Absorption over white's scattering of a resin of no known role, from what its purest patch reflects.
-double absorption_by_colour(const Eigen::Vector3d& rgb, double nm) {
-    const double blue = 1 - step(nm, 495, 8), red = step(nm, 585, 8), green = 1 - blue - red;
-    const double seen = std::clamp(red * rgb[0] + green * rgb[1] + blue * rgb[2], 0.02, 0.95);
-    return (1 - seen) * (1 - seen) / (2 * seen);  // Kubelka and Munk's K/S
-}
-
 double absorption(const ChartData& data, Eigen::Index resin, double nm) {
     const std::string& role = data.roles[static_cast<std::size_t>(resin)];
     if (role == "W") return 0.004;
@@ -38,13 +31,36 @@ double absorption(const ChartData& data, Eigen::Index resin, double nm) {
     if (role == "M") return 0.05 + 1.2 * bell(nm, 540, 30);
     if (role == "Y") return 0.003 + 2.5 * (1 - step(nm, 495, 8));
     if (role == "K") return 0.9;
-    const Eigen::Vector3d lab = data.lab.row(purest_patch(data, resin)).transpose();
-    const Eigen::Vector3d xyz =
-        optics::adapt_white(optics::xyz_from_lab(lab, data.white), data.white, optics::d65_white());
-    return absorption_by_colour(optics::linear_srgb_from_xyz(xyz), nm);
+    return absorption_by_colour(data.lab.row(purest_patch(data, resin)).transpose(), data.white, nm);
 }
 
 }  // namespace
+
+double absorption_by_colour(const Eigen::Vector3d& lab, const Eigen::Vector3d& white, double nm) {
+    const Eigen::Vector3d xyz = optics::adapt_white(optics::xyz_from_lab(lab, white), white, optics::d65_white());
+    const Eigen::Vector3d rgb = optics::linear_srgb_from_xyz(xyz);
+    const double blue = 1 - step(nm, 495, 8), red = step(nm, 585, 8), green = 1 - blue - red;
+    const double seen = std::clamp(red * rgb[0] + green * rgb[1] + blue * rgb[2], 0.02, 0.95);
+    return (1 - seen) * (1 - seen) / (2 * seen);
+}
+
+double start_nm(Eigen::Index channel, Eigen::Index channels) {
+    const double first = 430, last = 650;
+    return first + (last - first) * static_cast<double>(channel) / static_cast<double>(channels - 1);
+}
+
+Eigen::MatrixX3d start_weights(Eigen::Index channels) {
+    Eigen::MatrixX3d weights(channels, 3);
+    const double floor = 1e-3;
+    for (Eigen::Index c = 0; c < channels; ++c) {
+        const double nm = start_nm(c, channels);
+        weights(c, 0) = 1.06 * bell(nm, 600, 38) + 0.36 * bell(nm, 445, 20) + floor;
+        weights(c, 1) = bell(nm, 555, 42) + floor;
+        weights(c, 2) = bell(nm, 450, 22) + floor;
+    }
+    for (Eigen::Index k = 0; k < 3; ++k) weights.col(k) /= weights.col(k).sum();
+    return weights;
+}
 
 Eigen::Index white_resin(const ChartData& data) {
     const auto named = std::ranges::find(data.roles, "W");
@@ -60,17 +76,9 @@ ObserverParts observer_start(const ChartData& data, Eigen::Index channels) {
     const Eigen::Index resins = data.resins(), white = white_resin(data);
     start.a.resize(resins, channels), start.s.setConstant(resins, channels, 0.45);
     start.s.row(white).setOnes();
-    start.weights.resize(channels, 3);
-    const double first = 430, last = 650;
-    for (Eigen::Index c = 0; c < channels; ++c) {
-        const double nm = first + (last - first) * static_cast<double>(c) / static_cast<double>(channels - 1);
-        for (Eigen::Index r = 0; r < resins; ++r) start.a(r, c) = absorption(data, r, nm);
-        const double floor = 1e-3;
-        start.weights(c, 0) = 1.06 * bell(nm, 600, 38) + 0.36 * bell(nm, 445, 20) + floor;
-        start.weights(c, 1) = bell(nm, 555, 42) + floor;
-        start.weights(c, 2) = bell(nm, 450, 22) + floor;
-    }
-    for (Eigen::Index k = 0; k < 3; ++k) start.weights.col(k) /= start.weights.col(k).sum();
+    for (Eigen::Index c = 0; c < channels; ++c)
+        for (Eigen::Index r = 0; r < resins; ++r) start.a(r, c) = absorption(data, r, start_nm(c, channels));
+    start.weights = start_weights(channels);
     start.surface = 0.015, start.gain = 1;
     return start;
 }

@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxtone/calibration/fit/check_job.h"
 
+#include <fmt/format.h>
+
+#include "voxtone/base/error.h"
 #include "voxtone/calibration/fit/fit_text.h"
 #include "voxtone/calibration/fit/patch_page.h"
+#include "voxtone/calibration/layers/layer_text.h"
 #include "voxtone/calibration/patches/patch_check.h"
 #include "voxtone/io/disk/output_files.h"
 #include "voxtone/io/files/whole_file.h"
@@ -13,6 +17,14 @@ namespace voxtone::calibration {
 JobResult run_check_job(const CheckJob& job, Progress& progress) {
     job.map.validate(job.page);
     if (!job.page.empty()) io::expect_outputs({job.page}, job.overwrite);
+    if (const auto layers = read_layer_chart(job.patches, job.measured.illuminant)) {
+        if (!job.page.empty())
+            throw UsageError(
+                fmt::format("--out with {}, stacks of layers: there is no page of them. Leave it out.", job.patches));
+        for (const std::string& note : layers->notes) progress.warn(note);
+        const LayerCheck check = check_layers(io::find_resin_set(job.resins), *layers);
+        return {layer_check_json(check), layer_check_text(check)};
+    }
     const PatchTable table = read_measured_patches(job.patches, job.measured, job.model, progress);
     const optics::ResinSet set = io::find_resin_set(job.resins);
     const PatchCheck check = check_resins(set, table, job.model);

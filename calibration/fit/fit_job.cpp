@@ -10,6 +10,7 @@
 #include "voxtone/calibration/fit/fit_report.h"
 #include "voxtone/calibration/fit/fit_text.h"
 #include "voxtone/calibration/fit/patch_page.h"
+#include "voxtone/calibration/layers/layer_text.h"
 #include "voxtone/io/disk/output_files.h"
 #include "voxtone/io/files/whole_file.h"
 #include "voxtone/io/profiles/resin_file.h"
@@ -30,13 +31,33 @@ FitOptions options_of(const FitJob& job) {
 
 void expect_chart_options(const FitJob& job) {
     const auto refuse = [&](bool given, std::string_view option, std::string_view why) {
-        if (given)
-            throw UsageError(
-                fmt::format("{} with {}, a chart of mixtures: {}. Leave it out.", option, job.patches, why));
+        if (given) throw UsageError(fmt::format("{} with {}, a chart: {}. Leave it out.", option, job.patches, why));
     };
     refuse(!job.prior.empty(), "--prior", "a chart's channels are not those of the edges");
-    refuse(job.g_sweep, "--g-sweep", "thick mixtures look the same with any g");
+    refuse(job.g_sweep, "--g-sweep", "its colours look the same with any g");
     refuse(!job.map.target.empty(), "--target", "its patches lie on no target");
+}
+
+/// Layers in the place of patches: no page shows them yet.
+JobResult run_layer_fit(const FitJob& job, const LayerChart& chart, Progress& progress) {
+    const FitOptions fit = options_of(job);
+    expect_chart_options(job);
+    if (!job.report.empty())
+        throw UsageError(
+            fmt::format("--report with {}, stacks of layers: there is no page of them. Leave it out.", job.patches));
+    for (const std::string& note : chart.notes) progress.warn(note);
+    const auto others = job.check.empty() ? std::nullopt : read_layer_chart(job.check, job.measured.illuminant);
+    if (!job.check.empty() && !others)
+        throw InputError(fmt::format("--check {}: holds no stacks of layers, which {} does.", job.check, job.patches));
+    const LayerFit found = fit_layers(
+        chart, {.name = fit.name, .channels = job.chart.channels, .g = fit.model.g, .eta = fit.model.eta}, &progress);
+    for (const std::string& warning : found.warnings) progress.warn(warning);
+    std::string text = layer_fit_text(found);
+    if (others) text += fmt::format("\n{}\n{}", job.check, layer_check_text(check_layers(found.set, *others)));
+    io::write_whole_file(job.out, io::resin_set_text(found.set));
+    io::write_whole_file(side_file(job.out), layer_fit_json(found) + "\n");
+    text += fmt::format("\nWrote {} and {}\n", job.out, side_file(job.out).string());
+    return {layer_fit_json(found), text};
 }
 
 }  // namespace
@@ -84,6 +105,8 @@ JobResult run_chart_fit(const FitJob& job, const PatchTable& table, Progress& pr
 JobResult run_fit_job(const FitJob& job, Progress& progress) {
     job.validate();
     io::expect_outputs(job.outputs(), job.overwrite);
+    if (const auto layers = read_layer_chart(job.patches, job.measured.illuminant))
+        return run_layer_fit(job, *layers, progress);
     FitOptions options = options_of(job);
     if (!job.prior.empty()) {
         options.prior = read_resin_prior(job.prior);

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// How well measured stacks of layers are fitted: a random half of them is, and judges nothing; the other half judges.
+//
+//   layer_benchmark FILE... [--channels K] [--draw D] [--reversed]
+//
+// Mean, median and 95th percentile of CIEDE2000, seconds. --reversed: the same with the layers above
+// every base upside down: how much their order says.
+#include <algorithm>
+#include <numeric>
+#include <vector>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include "voxtone/base/random.h"
+#include "voxtone/calibration/layers/layer_fit.h"
+
+namespace {
+
+using namespace voxtone;
+using namespace voxtone::calibration;
+
+// Order of the layers above the base.
+void turn_over(LayerChart& chart) {
+    for (LayerStack& stack : chart.stacks) std::reverse(stack.begin(), stack.end() - 1);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    CLI::App app("How well measured stacks of layers are fitted: a half is, the other half judges.");
+    std::vector<std::string> files;
+    int channels = 0;
+    std::uint64_t draw = 0;
+    bool reversed = false;
+    app.add_option("files", files)->required();
+    app.add_option("--channels", channels, "0: as calibrate fit takes them");
+    app.add_option("--draw", draw);
+    app.add_flag("--reversed", reversed, "layers above the base upside down");
+    CLI11_PARSE(app, argc, argv);
+    fmt::print("  mean  median   95 %  seconds  channels\n");
+    for (const std::string& file : files) {
+        auto chart = read_layer_chart(file);
+        if (!chart) {
+            fmt::print("{}: no stacks of layers\n", file);
+            continue;
+        }
+        if (reversed) turn_over(*chart);
+        std::vector<std::size_t> order(chart->stacks.size());
+        std::iota(order.begin(), order.end(), std::size_t{0});
+        RandomStream random(draw, 7);
+        for (std::size_t k = order.size(); k > 1; --k)
+            std::swap(order[k - 1], order[static_cast<std::size_t>(random.uniform() * static_cast<double>(k))]);
+        const auto middle = order.begin() + static_cast<std::ptrdiff_t>(order.size() / 2);
+        const LayerFit fit = fit_layers(chart_stacks(*chart, {order.begin(), middle}),
+                                        {.name = "half", .channels = channels, .folds = 0});
+        const LayerCheck check = check_layers(fit.set, chart_stacks(*chart, {middle, order.end()}));
+        fmt::print("{:>6.2f}  {:>6.2f}  {:>5.2f}  {:>7.1f}  {:>8}  {} (fitted half {:.2f}, gain {:.3f})\n",
+                   check.summary.mean, check.summary.median, check.summary.percentile_95, fit.seconds,
+                   fit.set.channels.size(), file, fit.fitted.mean, fit.set.measured.gain);
+        std::fflush(stdout);
+    }
+    return 0;
+}

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/calibration/chart/colour_fit.h"
+
+#include <cmath>
+
+#include <ceres/ceres.h>
+
+#include "voxtone/calibration/chart/chart_data.h"
+#include "voxtone/optics/colour/colour.h"
+#include "voxtone/optics/layered/flat_colour.h"
+
+namespace voxtone::calibration {
+
+namespace {
+
+constexpr double robust_from = 2;  // CIEDE2000
+constexpr double ridge = 0.5;
+constexpr int most_iterations = 100;
+
+// Derivative of CIELAB's root by XYZ / white.
+double root_slope(double t) {
+    constexpr double knee = 6.0 / 29;
+    return t > knee * knee * knee ? 1 / (3 * std::cbrt(t) * std::cbrt(t)) : 1 / (3 * knee * knee);
+}
+
+// What all colours share of one set of unknowns is made once for each.
+class Preparation : public ceres::EvaluationCallback {
+public:
+    Preparation(ColourModel& model, const Eigen::VectorXd& unknowns) : model_(model), unknowns_(unknowns) {}
+    void PrepareForEvaluation(bool with_derivatives, bool new_point) override {
+        if (!new_point && (derived_ || !with_derivatives)) return;
+        model_.prepare(unknowns_, with_derivatives);
+        derived_ = with_derivatives;
+    }
+
+private:
+    ColourModel& model_;
+    const Eigen::VectorXd& unknowns_;
+    bool derived_ = false;
+};
+
+class ColourError : public ceres::CostFunction {
+public:
+    ColourError(const ColourTargets& targets, Eigen::Index row, const ColourModel& model)
+        : targets_(targets), row_(row), model_(model) {
+        set_num_residuals(3);
+        mutable_parameter_block_sizes()->push_back(static_cast<int>(model.unknowns()));
+    }
+    bool Evaluate(const double* const*, double* residuals, double** jacobians) const override {
+        Eigen::Matrix3Xd by(3, model_.unknowns());
+        const Eigen::Vector3d colour = model_.colour(row_, by);
+        const Eigen::Matrix3d& metric = targets_.metric[static_cast<std::size_t>(row_)];
+        const double weight = std::sqrt(targets_.counts[row_]);
+        const Eigen::Vector3d off = roots_of(colour) - targets_.roots.row(row_).transpose();
+        Eigen::Map<Eigen::Vector3d> out(residuals);
+        out = weight * (metric * off);
+        if (!jacobians || !jacobians[0]) return true;
+        const Eigen::Matrix3d slope = colour.unaryExpr(&root_slope).asDiagonal();
+        Eigen::Map<Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor>>(jacobians[0], 3, model_.unknowns()) =
+            weight * (metric * slope) * by;
+        return true;
+    }
+
+private:
+    const ColourTargets& targets_;
+    Eigen::Index row_;
+    const ColourModel& model_;
+};
+
+class NearStart : public ceres::CostFunction {
+public:
+    explicit NearStart(Eigen::VectorXd start) : start_(std::move(start)) {
+        set_num_residuals(static_cast<int>(start_.size()));
+        mutable_parameter_block_sizes()->push_back(static_cast<int>(start_.size()));
+    }
+    bool Evaluate(const double* const* unknowns, double* residuals, double** jacobians) const override {
+        const Eigen::Index n = start_.size();
+        Eigen::Map<Eigen::VectorXd> out(residuals, n);
+        out = ridge * (Eigen::Map<const Eigen::VectorXd>(unknowns[0], n) - start_);
+        if (jacobians && jacobians[0])
+            Eigen::Map<Eigen::MatrixXd>(jacobians[0], n, n) = ridge * Eigen::MatrixXd::Identity(n, n);
+        return true;
+    }
+
+private:
+    Eigen::VectorXd start_;
+};
+
+class StopOnRequest : public ceres::IterationCallback {
+public:
+    explicit StopOnRequest(const Progress* progress) : progress_(progress) {}
+    ceres::CallbackReturnType operator()(const ceres::IterationSummary&) override {
+        if (progress_) progress_->check_cancelled();
+        return ceres::SOLVER_CONTINUE;
+    }
+
+private:
+    const Progress* progress_;
+};
+
+}  // namespace
+
+Eigen::Vector3d roots_of(const Eigen::Vector3d& relative) {
+    return optics::lab_roots(relative, Eigen::Vector3d::Ones());
+}
+
+std::vector<double> root_differences(const Eigen::MatrixX3d& predicted, const Eigen::MatrixX3d& measured) {
+    const Eigen::Matrix3d map = lab_of_roots();
+    const Eigen::Vector3d black(16, 0, 0);
+    std::vector<double> differences;
+    for (Eigen::Index i = 0; i < predicted.rows(); ++i)
+        differences.push_back(
+            optics::ciede2000(map * predicted.row(i).transpose() - black, map * measured.row(i).transpose() - black));
+    return differences;
+}
+
+bool fit_colours(const ColourTargets& targets, ColourModel& model, Eigen::VectorXd& unknowns,
+                 const Progress* progress) {
+    Preparation preparation(model, unknowns);
+    ceres::Problem::Options ownership;
+    ownership.evaluation_callback = &preparation;
+    ceres::Problem problem(ownership);
+    for (Eigen::Index i = 0; i < targets.roots.rows(); ++i)
+        problem.AddResidualBlock(new ColourError(targets, i, model), new ceres::SoftLOneLoss(robust_from),
+                                 unknowns.data());
+    problem.AddResidualBlock(new NearStart(unknowns), nullptr, unknowns.data());
+    ceres::Solver::Options options;
+    options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
+    options.max_num_iterations = most_iterations;
+    options.function_tolerance = 1e-6;
+    options.num_threads = 1;
+    options.logging_type = ceres::SILENT;
+    StopOnRequest stop(progress);
+    options.callbacks.push_back(&stop);
+    ceres::Solver::Summary summary;
+    ceres::Solve(options, &problem, &summary);
+    return summary.termination_type == ceres::CONVERGENCE;
+}
+
+}  // namespace voxtone::calibration

@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/calibration/layers/layer_chart.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "voxtone/base/error.h"
+#include "voxtone/calibration/patches/measured_values.h"
+#include "voxtone/calibration/patches/patch_mixture.h"
+#include "voxtone/calibration/patches/table_cells.h"
+#include "voxtone/io/files/json_object.h"
+#include "voxtone/io/files/whole_file.h"
+
+namespace voxtone::calibration {
+
+namespace {
+
+constexpr std::uint64_t most_bytes = std::uint64_t{64} << 20;
+constexpr std::size_t most_stacks = 100000, most_layers = 1000;
+constexpr double least_mm = 0.001, most_mm = 1000;
+
+std::string_view first_line(std::string_view text) {
+    while (!text.empty()) {
+        const std::string_view line = text.substr(0, text.find_first_of("\r\n"));
+        if (!trimmed(line).empty() && !trimmed(line).starts_with('#')) return trimmed(line);
+        text.remove_prefix(std::min(line.size() + 1, text.size()));
+    }
+    return {};
+}
+
+std::size_t resin_of(LayerChart& chart, std::string_view role) {
+    const auto known = std::ranges::find(chart.roles, role);
+    if (known != chart.roles.end()) return static_cast<std::size_t>(known - chart.roles.begin());
+    chart.roles.emplace_back(role);
+    return chart.roles.size() - 1;
+}
+
+ChartLayer parse_layer(LayerChart& chart, std::string_view text, const std::string& where) {
+    const std::size_t blank = text.find_last_of(" \t");
+    const auto mm = blank == std::string_view::npos ? std::nullopt : number(trimmed(text.substr(blank)));
+    const std::string_view role = trimmed(text.substr(0, std::min(blank, text.size())));
+    if (!mm || !(*mm >= least_mm && *mm <= most_mm) || !is_role(role))
+        throw InputError(
+            fmt::format("{}: the layer {} is not a resin's role and its thickness in mm, such as W 0.08; layers are "
+                        "listed from the top, with commas between.",
+                        where, shown(text)));
+    return {resin_of(chart, role), *mm};
+}
+
+void add_stack(LayerChart& chart, std::vector<double>& lab, LayerStack stack, const std::vector<double>& colour,
+               const std::string& where) {
+    if (chart.stacks.size() >= most_stacks)
+        throw InputError(fmt::format("{}: more than {} stacks.", where, most_stacks));
+    if (stack.empty() || stack.size() > most_layers)
+        throw InputError(fmt::format("{}: {} layers; expected 1 to {}.", where, stack.size(), most_layers));
+    if (!(colour[0] >= -1 && colour[0] <= 110) || !(std::abs(colour[1]) <= 200) || !(std::abs(colour[2]) <= 200))
+        throw InputError(fmt::format("{}: L, a, b of {}, {}, {} is no colour that a print has.", where, colour[0],
+                                     colour[1], colour[2]));
+    chart.stacks.push_back(std::move(stack));
+    lab.insert(lab.end(), colour.begin(), colour.end());
+}
+
+void finish(LayerChart& chart, const std::vector<double>& lab, std::string_view named,
+            std::optional<optics::Illuminant> illuminant) {
+    if (chart.stacks.empty()) throw InputError(fmt::format("{}: no stack of layers.", chart.source));
+    chart.lab = Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>>(
+        lab.data(), static_cast<Eigen::Index>(chart.stacks.size()), 3);
+    PatchTable lights;
+    lights.source = chart.source;
+    make_rho(lights, Quantity::lab, {std::string(named), {}}, illuminant);
+    chart.illuminant = lights.channels.illuminant;
+    chart.notes = lights.notes;
+}
+
+LayerChart parse_csv(std::string_view text, LayerChart chart, std::optional<optics::Illuminant> illuminant) {
+    MeasuringConditions conditions;
+    std::vector<double> lab;
+    bool header = true;
+    for (std::size_t from = 0, line = 1; from < text.size(); ++line) {
+        const std::size_t to = std::min(text.find('\n', from), text.size());
+        const std::string_view row = trimmed(text.substr(from, to - from));
+        from = to + 1;
+        const std::string where = fmt::format("{}: line {}", chart.source, line);
+        if (row.starts_with('#')) {
+            if (const auto colon = row.find(':'); colon != std::string_view::npos)
+                note_condition(conditions, row.substr(1, colon - 1), row.substr(colon + 1));
+            continue;
+        }
+        if (row.empty()) continue;
+        const auto cells = split_quoted(row, ',');
+        if (std::exchange(header, false)) {
+            if (cells.size() != 4 || in_capitals(cells[1]) != "L" || in_capitals(cells[2]) != "A" ||
+                in_capitals(cells[3]) != "B")
+                throw InputError(fmt::format("{}: a chart of stacks begins with layers,L,a,b.", where));
+            continue;
+        }
+        if (cells.size() != 4)
+            throw InputError(fmt::format(
+                "{}: {} cells, but the header has 4; put the layers between quotes: \"Y 0.08, W 0.8\",92.9,-7.4,18.0.",
+                where, cells.size()));
+        std::vector<double> colour;
+        for (std::size_t k = 1; k < 4; ++k) {
+            const auto value = number(cells[k]);
+            if (!value) throw InputError(fmt::format("{}: {} is no number.", where, shown(cells[k])));
+            colour.push_back(*value);
+        }
+        LayerStack stack;
+        for (const std::string_view layer : split(cells[0], ',')) stack.push_back(parse_layer(chart, layer, where));
+        add_stack(chart, lab, std::move(stack), colour, where);
+    }
+    finish(chart, lab, conditions.illuminant, illuminant);
+    return chart;
+}
+
+// A colour's name as a role: letters and digits, once only.
+void add_palette(const io::JsonObject& file, LayerChart& chart) {
+    for (const io::JsonObject& colour : file.objects("palette")) {
+        std::string role = colour.text("color");
+        std::erase_if(
+            role, [](char c) { return !((c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9')); });
+        if (!is_role(role) || std::ranges::find(chart.roles, role) != chart.roles.end())
+            role = fmt::format("R{}", chart.roles.size());
+        chart.roles.push_back(role);
+    }
+}
+
+LayerChart parse_json(std::string_view text, LayerChart chart, std::optional<optics::Illuminant> illuminant) {
+    const io::JsonObject file = io::JsonObject::parse(text, chart.source);
+    if (!file.has("entries") || !file.has("palette"))
+        file.fail("entries",
+                  "is missing: a chart of stacks in JSON has a palette and entries with recipe and lab, as "
+                  "ChromaPrint3D writes them");
+    add_palette(file, chart);
+    if (chart.roles.empty()) file.fail("palette", "is empty");
+    const std::string order = file.has("layer_order") ? file.text("layer_order") : "Top2Bottom";
+    if (order != "Top2Bottom" && order != "Bottom2Top")
+        file.fail("layer_order", "is neither Top2Bottom nor Bottom2Top");
+    const double mm = file.number("layer_height_mm", least_mm, most_mm);
+    const ChartLayer base{file.integer("base_channel_idx", 0, chart.roles.size() - 1),
+                          mm * static_cast<double>(file.integer("base_layers", 1, 10000))};
+    std::vector<double> lab;
+    std::size_t entry = 0;
+    for (const io::JsonObject& one : file.objects("entries")) {
+        LayerStack stack;
+        for (const std::uint64_t resin : one.integers("recipe", 0, 0, chart.roles.size() - 1))
+            stack.push_back({resin, mm});
+        if (order == "Bottom2Top") std::ranges::reverse(stack);
+        stack.push_back(base);
+        add_stack(chart, lab, std::move(stack), one.numbers("lab", 3, -1000, 1000),
+                  fmt::format("{}: entries[{}]", chart.source, entry++));
+    }
+    finish(chart, lab, "", illuminant);
+    return chart;
+}
+
+}  // namespace
+
+bool is_layer_chart(std::string_view text) {
+    const std::string_view line = first_line(text);
+    return line.starts_with('{') || in_capitals(line.substr(0, 7)) == "LAYERS,";
+}
+
+LayerChart parse_layer_chart(std::string_view text, std::string source, std::optional<optics::Illuminant> illuminant) {
+    LayerChart chart;
+    chart.source = std::move(source);
+    return first_line(text).starts_with('{') ? parse_json(text, std::move(chart), illuminant)
+                                             : parse_csv(text, std::move(chart), illuminant);
+}
+
+std::optional<LayerChart> read_layer_chart(const std::filesystem::path& file,
+                                           std::optional<optics::Illuminant> illuminant) {
+    const auto bytes = io::read_whole_file(file, most_bytes);
+    std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
+    if (!is_layer_chart(text)) return std::nullopt;
+    return parse_layer_chart(text, file.string(), illuminant);
+}
+
+std::string stack_text(const LayerChart& chart, std::size_t stack) {
+    std::string text;
+    for (const ChartLayer& layer : chart.stacks[stack])
+        text += fmt::format("{}{} {:.3g}", text.empty() ? "" : ", ", chart.roles[layer.resin], layer.thickness_mm);
+    return text;
+}
+
+LayerChart chart_stacks(const LayerChart& chart, const std::vector<std::size_t>& keep) {
+    LayerChart part = chart;
+    part.stacks.clear();
+    part.lab.resize(static_cast<Eigen::Index>(keep.size()), 3);
+    for (std::size_t i = 0; i < keep.size(); ++i) {
+        part.stacks.push_back(chart.stacks[keep[i]]);
+        part.lab.row(static_cast<Eigen::Index>(i)) = chart.lab.row(static_cast<Eigen::Index>(keep[i]));
+    }
+    return part;
+}
+
+}  // namespace voxtone::calibration

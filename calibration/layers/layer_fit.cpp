@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/calibration/layers/layer_fit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <Eigen/LU>
+
+#include "voxtone/base/error.h"
+#include "voxtone/base/parallel.h"
+#include "voxtone/base/random.h"
+#include "voxtone/base/stopwatch.h"
+#include "voxtone/calibration/chart/chart_data.h"
+#include "voxtone/calibration/chart/colour_fit.h"
+#include "voxtone/calibration/chart/observer_start.h"
+#include "voxtone/calibration/layers/layer_model.h"
+#include "voxtone/optics/colour/observed_colour.h"
+
+namespace voxtone::calibration {
+
+namespace {
+
+constexpr int least_channels = 3, most_channels = 12;
+constexpr std::size_t told = 8;
+
+ColourTargets targets_of(const LayerChart& chart) {
+    ColourTargets targets;
+    targets.roots.resize(chart.lab.rows(), 3);
+    targets.counts = Eigen::VectorXd::Ones(chart.lab.rows());
+    const Eigen::Matrix3d map = lab_of_roots(), back = map.inverse();
+    for (Eigen::Index i = 0; i < chart.lab.rows(); ++i) {
+        const Eigen::Vector3d lab = chart.lab.row(i).transpose();
+        targets.roots.row(i) = (back * (lab + Eigen::Vector3d(16, 0, 0))).transpose();
+        targets.metric.push_back(optics::ciede2000_metric(lab) * map);
+    }
+    return targets;
+}
+
+struct Fitted {
+    ObserverParts parts;
+    bool converged = false;
+};
+
+Fitted fit_parts(const LayerChart& chart, int channels, const LayerFitOptions& options, const Progress* progress) {
+    LayerModel model(chart, channels, options.g, options.eta);
+    Eigen::VectorXd unknowns = model.unknowns_of(layer_start(chart, channels));
+    Fitted fitted;
+    fitted.converged = fit_colours(targets_of(chart), model, unknowns, progress);
+    fitted.parts = model.parts(unknowns);
+    return fitted;
+}
+
+std::vector<double> differences_of(const LayerChart& chart, const ObserverParts& parts,
+                                   const LayerFitOptions& options) {
+    LayerModel model(chart, parts.a.cols(), options.g, options.eta);
+    return root_differences(model.roots(parts), targets_of(chart).roots);
+}
+
+std::vector<HeldOutPatch> worst_of(const LayerChart& chart, const std::vector<double>& differences) {
+    std::vector<std::size_t> order(differences.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) { return differences[a] > differences[b]; });
+    std::vector<HeldOutPatch> worst;
+    for (std::size_t k = 0; k < std::min(told, order.size()); ++k)
+        worst.push_back({stack_text(chart, order[k]), differences[order[k]]});
+    return worst;
+}
+
+std::vector<double> left_out(const LayerChart& chart, int channels, const LayerFitOptions& options,
+                             const Progress* progress) {
+    const std::size_t n = chart.stacks.size(), folds = std::min(static_cast<std::size_t>(options.folds), n);
+    std::vector<std::size_t> order(n);
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    RandomStream random(20261125, 0);
+    for (std::size_t k = n; k > 1; --k)
+        std::swap(order[k - 1], order[static_cast<std::size_t>(random.uniform() * static_cast<double>(k))]);
+    std::vector<double> differences(n);
+    for (std::size_t fold = 0; fold < folds; ++fold) {
+        std::vector<std::size_t> kept, left;
+        for (std::size_t k = 0; k < n; ++k) (k % folds == fold ? left : kept).push_back(order[k]);
+        const Fitted fitted = fit_parts(chart_stacks(chart, kept), channels, options, progress);
+        const std::vector<double> judged = differences_of(chart_stacks(chart, left), fitted.parts, options);
+        for (std::size_t k = 0; k < left.size(); ++k) differences[left[k]] = judged[k];
+    }
+    return differences;
+}
+
+optics::ResinSet set_of(const LayerChart& chart, const ObserverParts& parts, const LayerFitOptions& options) {
+    optics::ResinSet set;
+    set.name = options.name;
+    set.g = options.g, set.eta = options.eta;
+    set.channels.illuminant = chart.illuminant;
+    const Eigen::Vector3d white = optics::colorimetric_white(chart.illuminant);
+    for (Eigen::Index c = 0; c < parts.weights.rows(); ++c)
+        set.channels.xyz.push_back(
+            {parts.weights(c, 0) * white[0], parts.weights(c, 1) * white[1], parts.weights(c, 2) * white[2]});
+    for (std::size_t r = 0; r < chart.roles.size(); ++r) {
+        optics::Resin resin{chart.roles[r], chart.roles[r], {}, {}};
+        for (Eigen::Index c = 0; c < parts.weights.rows(); ++c) {
+            const auto row = static_cast<Eigen::Index>(r);
+            resin.sigma_t_per_mm.push_back(parts.a(row, c) + parts.s(row, c));
+            resin.albedo.push_back(parts.s(row, c) / (parts.a(row, c) + parts.s(row, c)));
+        }
+        set.resins.push_back(std::move(resin));
+    }
+    set.measured = {optics::MeasuringGeometry::directional_45_0, parts.surface, parts.gain};
+    set.source = fmt::format("voxtone calibrate fit, {} stacks of layers of {}", chart.stacks.size(), chart.source);
+    return set;
+}
+
+void expect_enough(const LayerChart& chart, int channels) {
+    if (channels < least_channels || channels > most_channels)
+        throw InputError(
+            fmt::format("{} channels: a fit takes {} to {}, or auto.", channels, least_channels, most_channels));
+    const std::size_t least = chart.roles.size() * static_cast<std::size_t>(channels);
+    if (chart.roles.size() > 64)
+        throw InputError(fmt::format("{}: {} resins; at most 64.", chart.source, chart.roles.size()));
+    if (chart.stacks.size() >= least) return;
+    throw InputError(
+        fmt::format("{}: {} stacks are too few for {} resins in {} channels; measure at least {}, or ask for fewer "
+                    "channels.",
+                    chart.source, chart.stacks.size(), chart.roles.size(), channels, least));
+}
+
+}  // namespace
+
+LayerFit fit_layers(const LayerChart& chart, const LayerFitOptions& options, const Progress* progress) {
+    const Stopwatch watch;
+    const int channels = options.channels > 0 ? options.channels : usual_layer_channels;
+    expect_enough(chart, channels);
+    LayerFit result;
+    const Fitted fitted = fit_parts(chart, channels, options, progress);
+    if (!fitted.converged) result.warnings.emplace_back("the least squares stopped before it came to rest");
+    result.set = set_of(chart, fitted.parts, options);
+    std::vector<double> differences = differences_of(chart, fitted.parts, options);
+    result.fitted = optics::summarize(differences);
+    if (options.folds > 1) {
+        differences = left_out(chart, channels, options, progress);
+        result.held_out = optics::summarize(differences);
+    }
+    result.worst = worst_of(chart, differences);
+    result.seconds = watch.total();
+    return result;
+}
+
+LayerCheck check_layers(const optics::ResinSet& set, const LayerChart& chart) {
+    std::vector<std::size_t> resin;
+    for (const std::string& role : chart.roles) {
+        const int found = set.find(role);
+        if (found < 0)
+            throw InputError(fmt::format("{}: the resin set \"{}\" has no resin {}.", chart.source, set.name, role));
+        resin.push_back(static_cast<std::size_t>(found));
+    }
+    const StackReflectance stacks(chart.stacks, set.g, set.eta);
+    const std::size_t channels = set.channels.size();
+    std::vector<std::vector<double>> rho(channels);
+    parallel_for(0, channels, 1, [&](std::size_t c) {
+        std::vector<optics::Medium> media;
+        for (const std::size_t r : resin) media.push_back(set.resins[r].medium(c));
+        rho[c] = stacks.rho(stacks.laws(std::move(media)));
+    });
+    const optics::ObservedColour<double> observed(set.channels);
+    const Eigen::Vector3d white = optics::colorimetric_white(chart.illuminant);
+    LayerCheck check;
+    for (std::size_t i = 0; i < chart.stacks.size(); ++i) {
+        std::vector<double> reading;
+        for (const std::vector<double>& channel : rho)
+            reading.push_back(set.measured.gain * (set.measured.surface + channel[i]));
+        const Eigen::Vector3d lab = chart.lab.row(static_cast<Eigen::Index>(i)).transpose();
+        const Eigen::Vector3d xyz = optics::adapt_white(optics::xyz_from_lab(lab, white), white, optics::d65_white());
+        check.differences.push_back(optics::ciede2000(optics::lab_from_linear_srgb(observed.absolute(reading.data())),
+                                                      optics::lab_from_xyz(xyz)));
+    }
+    check.summary = optics::summarize(check.differences);
+    check.worst = worst_of(chart, check.differences);
+    return check;
+}
+
+}  // namespace voxtone::calibration

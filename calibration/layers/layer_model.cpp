@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/calibration/layers/layer_model.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "voxtone/base/parallel.h"
+#include "voxtone/calibration/chart/observer_start.h"
+#include "voxtone/optics/colour/colour.h"
+
+namespace voxtone::calibration {
+
+namespace {
+
+// Of a logarithm: forward differences are wrong by 2e-4 of the slope; laws of layers carry noise of some 1e-9.
+constexpr double step = 3e-4;
+constexpr double usual_scattering_per_mm = 10;
+
+// How much of a resin a stack shows: its share of the layers above the base, the uppermost counting once more.
+double shown_of(const LayerStack& stack, std::size_t resin) {
+    double sum = 0, of = 0;
+    for (std::size_t k = 0; k + 1 < stack.size() || k == 0; ++k) {
+        const double counts = k == 0 ? 2 : 1;
+        sum += counts;
+        if (stack[k].resin == resin) of += counts;
+    }
+    return of / sum;
+}
+
+}  // namespace
+
+ObserverParts layer_start(const LayerChart& chart, Eigen::Index channels) {
+    const auto resins = static_cast<Eigen::Index>(chart.roles.size());
+    const Eigen::Vector3d white = optics::colorimetric_white(chart.illuminant);
+    ObserverParts start;
+    start.weights = start_weights(channels);
+    start.s.setConstant(resins, channels, usual_scattering_per_mm);
+    start.a.resize(resins, channels);
+    for (Eigen::Index r = 0; r < resins; ++r) {
+        const auto resin = static_cast<std::size_t>(r);
+        const auto most =
+            std::ranges::max_element(chart.stacks, {}, [&](const LayerStack& stack) { return shown_of(stack, resin); });
+        const Eigen::Vector3d lab = chart.lab.row(most - chart.stacks.begin()).transpose();
+        for (Eigen::Index c = 0; c < channels; ++c)
+            start.a(r, c) = usual_scattering_per_mm * absorption_by_colour(lab, white, start_nm(c, channels));
+    }
+    start.surface = 0.015, start.gain = 1;
+    return start;
+}
+
+LayerModel::LayerModel(const LayerChart& chart, Eigen::Index channels, double g, double eta)
+    : resins_(static_cast<Eigen::Index>(chart.roles.size())), channels_(channels), stacks_(chart.stacks, g, eta) {}
+
+ObserverParts LayerModel::parts(const Eigen::VectorXd& unknowns) const {
+    ObserverParts parts;
+    parts.a.resize(resins_, channels_), parts.s.resize(resins_, channels_), parts.weights.resize(channels_, 3);
+    Eigen::Index at = 0;
+    for (Eigen::Index r = 0; r < resins_; ++r)
+        for (Eigen::Index c = 0; c < channels_; ++c) parts.a(r, c) = std::exp(unknowns[at++]);
+    for (Eigen::Index r = 0; r < resins_; ++r)
+        for (Eigen::Index c = 0; c < channels_; ++c) parts.s(r, c) = std::exp(unknowns[at++]);
+    read_observer(unknowns.tail(unknowns.size() - at), parts);
+    return parts;
+}
+
+Eigen::VectorXd LayerModel::unknowns_of(const ObserverParts& parts) const {
+    Eigen::VectorXd unknowns(this->unknowns());
+    Eigen::Index at = 0;
+    for (Eigen::Index r = 0; r < resins_; ++r)
+        for (Eigen::Index c = 0; c < channels_; ++c) unknowns[at++] = std::log(parts.a(r, c));
+    for (Eigen::Index r = 0; r < resins_; ++r)
+        for (Eigen::Index c = 0; c < channels_; ++c) unknowns[at++] = std::log(parts.s(r, c));
+    unknowns.tail(unknowns.size() - at) = observer_unknowns(parts);
+    return unknowns;
+}
+
+void LayerModel::prepare(const Eigen::VectorXd& unknowns, bool with_derivatives) {
+    parts_ = parts(unknowns);
+    const auto channels = static_cast<std::size_t>(channels_), resins = static_cast<std::size_t>(resins_);
+    const auto medium = [&](Eigen::Index r, Eigen::Index c) { return optics::Medium{parts_.a(r, c), parts_.s(r, c)}; };
+    std::vector<StackReflectance::Laws> laws(channels);
+    std::vector<std::vector<double>> seen(channels);
+    parallel_for(0, channels, 1, [&](std::size_t c) {
+        std::vector<optics::Medium> media;
+        for (Eigen::Index r = 0; r < resins_; ++r) media.push_back(medium(r, static_cast<Eigen::Index>(c)));
+        laws[c] = stacks_.laws(std::move(media));
+        seen[c] = stacks_.rho(laws[c]);
+    });
+    const auto stacks = static_cast<Eigen::Index>(seen[0].size());
+    rho_.resize(stacks, channels_);
+    for (std::size_t c = 0; c < channels; ++c)
+        rho_.col(static_cast<Eigen::Index>(c)) = Eigen::Map<const Eigen::VectorXd>(seen[c].data(), stacks);
+    if (!with_derivatives) return;
+    by_a_.assign(channels, Eigen::MatrixXd(stacks, resins_));
+    by_s_ = by_a_;
+    parallel_for(0, channels * resins * 2, 1, [&](std::size_t task) {
+        const std::size_t c = task / (2 * resins), resin = task / 2 % resins;
+        const auto r = static_cast<Eigen::Index>(resin);
+        const bool scattering = task % 2 == 1;
+        optics::Medium moved = medium(r, static_cast<Eigen::Index>(c));
+        (scattering ? moved.sigma_s : moved.sigma_a) *= std::exp(step);
+        const std::vector<double> there = stacks_.rho(laws[c], resin, moved);
+        (scattering ? by_s_ : by_a_)[c].col(r) =
+            (Eigen::Map<const Eigen::VectorXd>(there.data(), stacks) - rho_.col(static_cast<Eigen::Index>(c))) / step;
+    });
+}
+
+Eigen::Vector3d LayerModel::colour(Eigen::Index row, Eigen::Ref<Eigen::Matrix3Xd> by_unknown) const {
+    const Eigen::VectorXd seen = parts_.gain * (parts_.surface + rho_.row(row).transpose().array());
+    const Eigen::Vector3d colour = parts_.weights.transpose() * seen;
+    if (by_a_.empty()) return colour;
+    Eigen::Index at = 0;
+    for (const auto* by : {&by_a_, &by_s_})
+        for (Eigen::Index r = 0; r < resins_; ++r)
+            for (Eigen::Index c = 0; c < channels_; ++c)
+                by_unknown.col(at++) =
+                    parts_.gain * (*by)[static_cast<std::size_t>(c)](row, r) * parts_.weights.row(c).transpose();
+    add_observer_derivatives(parts_, seen, by_unknown.rightCols(by_unknown.cols() - at));
+    return colour;
+}
+
+Eigen::MatrixX3d LayerModel::roots(const ObserverParts& parts) {
+    prepare(unknowns_of(parts), false);
+    Eigen::MatrixX3d roots = (parts_.gain * (parts_.surface + rho_.array())).matrix() * parts_.weights;
+    for (Eigen::Index i = 0; i < roots.rows(); ++i) roots.row(i) = roots_of(roots.row(i).transpose()).transpose();
+    return roots;
+}
+
+}  // namespace voxtone::calibration

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What the fit and the check of stacks of layers have to say: as text for people, as one JSON object for programs.
+//
+//   {"format": "voxtone-layer-fit", "version": 1, "seconds", "channels", "stacks", "fitted": DIFFERENCES,
+//    "held_out": DIFFERENCES, "measured": {"surface", "gain"}, "worst": [{"stack", "de2000"}], "warnings": [...]}
+//   {"format": "voxtone-layer-check", "version": 1, "stacks": DIFFERENCES, "worst": [...]}
+//   DIFFERENCES as in calibration/chart/chart_text.h
+#pragma once
+
+#include <string>
+
+#include "voxtone/calibration/layers/layer_fit.h"
+
+namespace voxtone::calibration {
+
+[[nodiscard]] std::string layer_fit_text(const LayerFit& fit);
+[[nodiscard]] std::string layer_fit_json(const LayerFit& fit);
+[[nodiscard]] std::string layer_check_text(const LayerCheck& check);
+[[nodiscard]] std::string layer_check_json(const LayerCheck& check);
+
+}  // namespace voxtone::calibration
