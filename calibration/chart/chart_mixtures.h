@@ -19,8 +19,8 @@ namespace voxtone::calibration {
 /// The fewest patches that hold every solid and every half of two resins.
 [[nodiscard]] std::size_t least_chart_patches(std::size_t resins);
 
-/// `count` mixtures of the set's resins in whole percent, the same at every call, in the order in which they were taken.
-/// Contract: two resins or more, count >= least_chart_patches.
+/// `count` mixtures of the set's resins in whole percent, the same at every call, in the order in which they were
+/// taken. Contract: two resins or more, count >= least_chart_patches.
 [[nodiscard]] std::vector<std::vector<int>> chart_mixtures(const optics::ResinSet& set, std::size_t count);
 
 }  // namespace voxtone::calibration

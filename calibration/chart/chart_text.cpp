@@ -11,6 +11,8 @@ namespace {
 
 using ChartJson = nlohmann::ordered_json;
 
+ChartJson object_of(const optics::DifferenceSummary& d) { return ChartJson::parse(difference_json(d)); }
+
 ChartJson patches_of(const std::vector<HeldOutPatch>& patches) {
     ChartJson list = ChartJson::array();
     for (const HeldOutPatch& patch : patches)
@@ -36,12 +38,13 @@ std::string difference_line(std::string_view what, const optics::DifferenceSumma
                        d.max);
 }
 
-nlohmann::ordered_json difference_json(const optics::DifferenceSummary& d) {
-    return {{"count", d.count},
-            {"mean_de2000", d.mean},
-            {"median_de2000", d.median},
-            {"p95_de2000", d.percentile_95},
-            {"max_de2000", d.max}};
+std::string difference_json(const optics::DifferenceSummary& d) {
+    return ChartJson{{"count", d.count},
+                     {"mean_de2000", d.mean},
+                     {"median_de2000", d.median},
+                     {"p95_de2000", d.percentile_95},
+                     {"max_de2000", d.max}}
+        .dump();
 }
 
 std::string chart_fit_text(const ChartFit& fit) {
@@ -78,10 +81,10 @@ std::string chart_fit_json(const ChartFit& fit) {
                    {"seconds", fit.seconds},
                    {"channels", set.channels.size()},
                    {"mixtures", fit.fitted.count},
-                   {"fitted", difference_json(fit.fitted)},
-                   {"held_out", difference_json(fit.held_out)},
-                   {"held_out_physics", difference_json(fit.held_out_physics)},
-                   {"repeats", difference_json(fit.noise)},
+                   {"fitted", object_of(fit.fitted)},
+                   {"held_out", object_of(fit.held_out)},
+                   {"held_out_physics", object_of(fit.held_out_physics)},
+                   {"repeats", object_of(fit.noise)},
                    {"residual", {{"centres", set.residual.centres().rows()}, {"mean_de2000", fit.residual_size}}},
                    {"measured", {{"surface", set.measured.surface}, {"gain", set.measured.gain}}},
                    {"curve", ChartJson::array()},

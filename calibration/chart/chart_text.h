@@ -13,8 +13,6 @@
 #include <string>
 #include <string_view>
 
-#include <nlohmann/json_fwd.hpp>
-
 #include "voxtone/calibration/chart/chart_fit.h"
 
 namespace voxtone::calibration {
@@ -22,7 +20,8 @@ namespace voxtone::calibration {
 /// A table of differences: its heading, and a line of it.
 [[nodiscard]] std::string difference_heading();
 [[nodiscard]] std::string difference_line(std::string_view what, const optics::DifferenceSummary& differences);
-[[nodiscard]] nlohmann::ordered_json difference_json(const optics::DifferenceSummary& differences);
+/// One JSON object.
+[[nodiscard]] std::string difference_json(const optics::DifferenceSummary& differences);
 
 [[nodiscard]] std::string chart_fit_text(const ChartFit& fit);
 [[nodiscard]] std::string chart_fit_json(const ChartFit& fit);

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "voxtone/base/error.h"
+#include "voxtone/calibration/chart/chart_order.h"
 #include "voxtone/calibration/chart/chart_text.h"
 #include "voxtone/calibration/fit/fit_report.h"
 #include "voxtone/calibration/fit/fit_text.h"
@@ -88,6 +89,7 @@ JobResult run_chart_fit(const FitJob& job, const PatchTable& table, Progress& pr
     options.lengths_from = io::find_resin_set(job.lengths_from);
     const PatchTable others =
         job.check.empty() ? PatchTable{} : read_measured_patches(job.check, job.measured, fit.model, progress);
+    expect_order(table, options);
     const ChartFit found = fit_chart(table, options, &progress);
     for (const std::string& warning : found.warnings) progress.warn(warning);
     io::write_whole_file(job.out, io::resin_set_text(found.set));

@@ -12,6 +12,8 @@ namespace {
 
 using LayerJson = nlohmann::ordered_json;
 
+LayerJson object_of(const optics::DifferenceSummary& d) { return LayerJson::parse(difference_json(d)); }
+
 LayerJson worst_json(const std::vector<HeldOutPatch>& worst) {
     LayerJson list = LayerJson::array();
     for (const HeldOutPatch& stack : worst) list.push_back({{"stack", stack.mixture}, {"de2000", stack.difference}});
@@ -48,8 +50,8 @@ std::string layer_fit_json(const LayerFit& fit) {
                    {"seconds", fit.seconds},
                    {"channels", fit.set.channels.size()},
                    {"stacks", fit.fitted.count},
-                   {"fitted", difference_json(fit.fitted)},
-                   {"held_out", difference_json(fit.held_out)},
+                   {"fitted", object_of(fit.fitted)},
+                   {"held_out", object_of(fit.held_out)},
                    {"measured", {{"surface", fit.set.measured.surface}, {"gain", fit.set.measured.gain}}},
                    {"worst", worst_json(fit.worst)},
                    {"warnings", fit.warnings}});
@@ -63,7 +65,7 @@ std::string layer_check_text(const LayerCheck& check) {
 std::string layer_check_json(const LayerCheck& check) {
     return dumped({{"format", "voxtone-layer-check"},
                    {"version", 1},
-                   {"stacks", difference_json(check.summary)},
+                   {"stacks", object_of(check.summary)},
                    {"worst", worst_json(check.worst)}});
 }
 

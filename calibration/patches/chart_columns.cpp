@@ -24,7 +24,20 @@ constexpr std::size_t most_columns_of_chart = 5000, most_roles = 64;
 
 // What a name may mean, by itself.
 struct Meaning {
-    enum class Of { role, ink, numbered_ink, device_rgb, quantity, wavelength, thickness, backing, base, unused } of;
+    enum class Of {
+        role,
+        ink,
+        numbered_ink,
+        device_rgb,
+        quantity,
+        wavelength,
+        thickness,
+        backing,
+        base,
+        row,
+        column,
+        unused
+    } of;
     std::string role = {};              // of a resin or an ink
     Quantity quantity = Quantity::lab;  // of `quantity`
     std::size_t channel = 0;            // of it, 0 to 2; of a numbered ink its number, from 0
@@ -72,12 +85,11 @@ std::optional<std::pair<Quantity, std::size_t>> measured_channel(std::string_vie
 // What programs and people write beside the measurement.
 bool is_bookkeeping(std::string_view capitals) {
     static const std::set<std::string_view> names{
-        "",      "ID",          "NAME",        "NO",           "NR",       "NUMBER",      "INDEX",
-        "PATCH", "PATCH_ID",    "ROW",         "COLUMN",       "COL",      "PAGE",        "STRIP",
-        "PLACE", "ORDER",       "DATE",        "TIME",         "COMMENT",  "COMMENTS",    "NOTE",
-        "NOTES", "INFO",        "STRING",      "TAG",          "REPEAT",   "INSTRUMENT",  "LCH_L",
-        "LCH_C", "LCH_H",       "LAB_C",       "LAB_H",        "XYY_X",    "XYY_Y",       "GLOSS",
-        "MODE",  "CHI_SQD_PAR", "SPECTRAL_NM", "SPECTRAL_PCT", "XYY_CAPY", "SPECTRAL_DEC"};
+        "",           "ID",       "NAME",        "NO",          "NR",           "NUMBER",   "INDEX",       "PATCH",
+        "PATCH_ID",   "COL",      "PAGE",        "STRIP",       "PLACE",        "ORDER",    "DATE",        "TIME",
+        "COMMENT",    "COMMENTS", "NOTE",        "NOTES",       "INFO",         "STRING",   "TAG",         "REPEAT",
+        "INSTRUMENT", "LCH_L",    "LCH_C",       "LCH_H",       "LAB_C",        "LAB_H",    "XYY_X",       "XYY_Y",
+        "GLOSS",      "MODE",     "CHI_SQD_PAR", "SPECTRAL_NM", "SPECTRAL_PCT", "XYY_CAPY", "SPECTRAL_DEC"};
     return names.contains(capitals) || capitals.starts_with("SAMPLE") || capitals.starts_with("D_") ||
            capitals.starts_with("DE_") || capitals.starts_with("STDEV_") || capitals.starts_with("MEAN_");
 }
@@ -97,6 +109,8 @@ Meaning meaning_of_whole(std::string_view name) {
     if (capitals == "THICKNESS_MM") return {.of = Of::thickness};
     if (capitals == "BASE_MM") return {.of = Of::base};
     if (capitals == "BACKING") return {.of = Of::backing};
+    if (capitals == "ROW") return {.of = Of::row};
+    if (capitals == "COLUMN") return {.of = Of::column};
     if (is_bookkeeping(capitals)) return {.of = Of::unused};
     if (capitals == "RGB_R" || capitals == "RGB_G" || capitals == "RGB_B") return {.of = Of::device_rgb};
     if (capitals.size() == 6 && capitals.starts_with("CMYK_") &&
@@ -258,6 +272,8 @@ private:
             column = share(m, k);
         } else if (m.of == Of::thickness || m.of == Of::backing || m.of == Of::base) {
             column.kind = m.of == Of::thickness ? Kind::thickness : m.of == Of::backing ? Kind::backing : Kind::base;
+        } else if (m.of == Of::row || m.of == Of::column) {
+            column.kind = m.of == Of::row ? Kind::row : Kind::column;
         }
         if (column.kind != Kind::unused && !placed_.insert({column.kind, column.index}).second)
             fail(fmt::format("column {} is there twice", shown(names_[k])));
@@ -333,6 +349,13 @@ ChartColumns chart_columns(std::span<const std::string_view> names, const std::s
     return HeaderReader(names, where).read();
 }
 
+bool is_unmeasured(const ChartColumns& columns, std::span<const std::string_view> cells) {
+    VOXTONE_EXPECT(cells.size() == columns.columns.size());
+    for (std::size_t k = 0; k < cells.size(); ++k)
+        if (columns.columns[k].kind == Kind::value && !cells[k].empty()) return false;
+    return true;
+}
+
 Patch chart_row(const ChartColumns& columns, std::span<const std::string_view> cells, std::string where) {
     VOXTONE_EXPECT(cells.size() == columns.columns.size());
     Patch patch;
@@ -348,6 +371,13 @@ Patch chart_row(const ChartColumns& columns, std::span<const std::string_view> c
                 throw InputError(fmt::format("{}: the backing {} is no role of a resin, a short word such as W.",
                                              patch.where, shown(cells[k])));
             patch.backing = cells[k];
+            continue;
+        }
+        if (column.kind == Kind::row || column.kind == Kind::column) {
+            // What other programs call a row may be a word.
+            const auto place = number(cells[k]);
+            if (place && *place >= 1 && *place <= 10000)
+                (column.kind == Kind::row ? patch.row : patch.column) = static_cast<int>(*place);
             continue;
         }
         const bool of_layer = column.kind == Kind::thickness || column.kind == Kind::base;

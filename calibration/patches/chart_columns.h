@@ -11,7 +11,8 @@
 //   400, 400 nm, NM_400, SPECTRAL_NM400, SPECTRAL_400, SPEC_400      a wavelength
 //   thickness_mm, backing, base_mm     of the patch
 //   NAME_se                            standard error of a measured column
-//   SAMPLE_ID, name, row, LCH_C, ...   known, and not used
+//   row, column                        place on the printed chart, from 1
+//   SAMPLE_ID, name, LCH_C, ...        known, and not used
 //
 // Where several quantities are measured, spectra go before L, a, b, and these before X, Y, Z.
 #pragma once
@@ -26,7 +27,7 @@
 namespace voxtone::calibration {
 
 struct ChartColumns {
-    enum class Kind { unused, share, thickness, backing, base, value, error };
+    enum class Kind { unused, share, thickness, backing, base, value, error, row, column };
     struct Column {
         Kind kind = Kind::unused;
         std::size_t index = 0;  ///< of the share, or of the channel
@@ -46,6 +47,9 @@ struct ChartColumns {
 /// `where` begins the messages of the InputError: nothing is measured, no resin, a column twice, a part of L, a, b, an
 /// error without its channel, device RGB, a Y that may be yellow.
 [[nodiscard]] ChartColumns chart_columns(std::span<const std::string_view> names, const std::string& where);
+
+/// Whether nothing is measured in a row: every measured cell is empty. Contract: as many cells as columns.
+[[nodiscard]] bool is_unmeasured(const ChartColumns& columns, std::span<const std::string_view> cells);
 
 /// A row as a patch of a ChartReading. Contract: as many cells as columns. Throws InputError for what is no number.
 [[nodiscard]] Patch chart_row(const ChartColumns& columns, std::span<const std::string_view> cells, std::string where);

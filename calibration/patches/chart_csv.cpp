@@ -45,6 +45,12 @@ public:
                 "{}: has no header line; a chart begins with a line such as W,C,M,Y,K,L,a,b, and a target with "
                 "top,backing,thickness_mm,R,G,B.",
                 reading_.table.source));
+        if (unmeasured_ > 0 && reading_.table.patches.empty())
+            throw InputError(fmt::format("{}: no patch is measured yet: its {} lines have no colour; fill them in.",
+                                         reading_.table.source, unmeasured_));
+        if (unmeasured_ > 0)
+            reading_.table.notes.push_back(
+                fmt::format("{}: {} patches have no colour and are left out.", reading_.table.source, unmeasured_));
         return std::move(reading_);
     }
 
@@ -77,6 +83,10 @@ private:
         if (cells.size() != columns_->columns.size())
             throw InputError(fmt::format("{}: {} cells, but the header has {}; every patch needs them all.", where(),
                                          cells.size(), columns_->columns.size()));
+        if (is_unmeasured(*columns_, cells)) {
+            ++unmeasured_;
+            return;
+        }
         reading_.table.patches.push_back(chart_row(*columns_, cells, where()));
     }
 
@@ -84,7 +94,7 @@ private:
     ChartReading reading_;
     std::optional<ChartColumns> columns_;
     char separator_ = ',';
-    std::size_t line_ = 0;
+    std::size_t line_ = 0, unmeasured_ = 0;
 };
 
 // Roles in the order in which they come; white first, as people write it.

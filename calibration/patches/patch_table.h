@@ -33,6 +33,7 @@ struct Patch {
     std::vector<double> rho;    ///< per channel
     std::vector<double> error;  ///< standard error per channel; empty: not known
     std::string where;          ///< file and line, for messages
+    int row = 0, column = 0;    ///< on a printed chart, from 1 at the upper left; 0: not known
 };
 
 struct PatchTable {

@@ -276,7 +276,8 @@ MeasuredTable average_photos(const std::vector<PhotoMeasurement>& photos, const 
     VOXTONE_EXPECT(!photos.empty());
     MeasuredTable result;
     const double count = double(photos.size());
-    std::vector<std::string> below;
+    std::vector<std::string> below, outside;
+    result.table.is_chart = target.is_chart();
     for (std::size_t s = 0; s < target.squares.size(); ++s) {
         Vector3d mean = Vector3d::Zero(), error2 = Vector3d::Zero(), spread2 = Vector3d::Zero();
         for (const PhotoMeasurement& photo : photos) {
@@ -291,20 +292,33 @@ MeasuredTable average_photos(const std::vector<PhotoMeasurement>& photos, const 
                 "{} differs by {:.3f} between the photographs: the light or the exposure of one of them is off.",
                 square_name(target, s), spread2.cwiseSqrt().maxCoeff()));
         const Vector3d error = (error2 / count).cwiseMax(spread2 / count).cwiseSqrt();
-        if (mean.minCoeff() < 0) below.push_back(square_name(target, s));
+        constexpr double sure = 3;
+        if ((mean.array() < -sure * error.array()).any())
+            outside.push_back(square_name(target, s));
+        else if (mean.minCoeff() < 0)
+            below.push_back(square_name(target, s));
         Patch patch{target.squares[s].top, target.squares[s].backing, target.top_mm, target.base_mm, {}, {},
                     square_name(target, s)};
+        if (target.is_chart()) patch.backing.clear(), patch.thickness_mm = patch.base_mm = 0;
         for (int channel = 0; channel < 3; ++channel) {
-            patch.rho.push_back(std::clamp(mean[channel], 0.0, 1.0));
+            patch.rho.push_back(target.is_chart() ? mean[channel] : std::clamp(mean[channel], 0.0, 1.0));
             patch.error.push_back(error[channel]);
         }
         result.table.patches.push_back(std::move(patch));
         result.spread.push_back(spread2.cwiseSqrt());
     }
+    const std::string_view written = target.is_chart() ? "it is written as it is" : "it is written as 0";
     if (!below.empty())
         result.warnings.push_back(fmt::format(
-            "In {} square(s), first of all {}, a channel came out below 0 by less than its error; it is written as 0.",
-            below.size(), below.front()));
+            "In {} square(s), first of all {}, a channel came out below 0 by less than three of its errors; "
+            "{}.",
+            below.size(), below.front(), written));
+    if (!outside.empty())
+        result.warnings.push_back(fmt::format(
+            "In {} square(s), first of all {}, a channel lies below 0 by more than three of its errors: these inks are "
+            "more saturated than linear sRGB can say; {}. Resins for such inks come from a chart (calibrate chart), "
+            "whose channels are fitted to them.",
+            outside.size(), outside.front(), written));
     return result;
 }
 

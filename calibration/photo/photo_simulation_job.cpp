@@ -1,17 +1,24 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxtone/calibration/photo/photo_simulation_job.h"
 
+#include <algorithm>
+#include <cmath>
+#include <numbers>
 #include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
+#include "voxtone/base/error.h"
+#include "voxtone/base/random.h"
 #include "voxtone/calibration/patches/patch_file.h"
 #include "voxtone/calibration/target/target_file.h"
 #include "voxtone/io/codecs/photograph_writer.h"
 #include "voxtone/io/disk/output_files.h"
 #include "voxtone/io/files/whole_file.h"
 #include "voxtone/io/profiles/resin_file.h"
+#include "voxtone/optics/layered/flat_colour.h"
 
 namespace voxtone::calibration {
 namespace {
@@ -34,6 +41,54 @@ PatchTable true_table(const Target& target, const TargetColours& colours) {
     return table;
 }
 
+bool is_table(const PhotoSimulationJob& job) { return std::filesystem::path(job.out).extension() == ".csv"; }
+
+/// Normal, by Box and Muller.
+double deviate(RandomStream& random) {
+    return std::sqrt(-2 * std::log(1 - random.uniform())) * std::cos(2 * std::numbers::pi * random.uniform());
+}
+
+/// The form of the chart, filled in.
+std::string measured_form(const PhotoSimulationJob& job, const Target& target, const optics::ResinSet& set) {
+    const optics::FlatColour flat(set);
+    const optics::Illuminant light = set.channels.is_own() ? set.channels.illuminant : optics::Illuminant::d65;
+    const auto places = square_places(target);
+    std::string text = fmt::format(
+        "# {} of {} as an instrument would read it, noise {} in L, a and b\n# illuminant: {}\n"
+        "patch,row,column,{},L,a,b\n",
+        job.target, set.name, job.lab_noise, name_of(light), fmt::join(target.roles, ","));
+    for (std::size_t s = 0; s < target.squares.size(); ++s) {
+        std::vector<double> shares(set.resins.size());
+        text += fmt::format("{},{},{}", s + 1, places[s][0], places[s][1]);
+        for (const std::string& role : target.roles) {
+            const auto share = std::ranges::find(target.squares[s].top, role, &ResinShare::role);
+            const double part = share == target.squares[s].top.end() ? 0 : share->fraction;
+            shares[static_cast<std::size_t>(set.find(role))] = part;
+            text += fmt::format(",{:.4g}", part);
+        }
+        RandomStream random(job.photo.seed, s);
+        const Eigen::Vector3d lab = flat.lab(shares);
+        for (Eigen::Index k = 0; k < 3; ++k) text += fmt::format(",{:.2f}", lab[k] + job.lab_noise * deviate(random));
+        text += "\n";
+    }
+    return text;
+}
+
+JobResult simulate_table(const PhotoSimulationJob& job, const Target& target) {
+    if (!target.is_chart())
+        throw UsageError(
+            fmt::format("--out {}: a table is simulated of charts (calibrate chart); {} is a target for "
+                        "photographs: name a .png, .tif or .exr.",
+                        job.out, job.target));
+    const optics::ResinSet set = io::find_resin_set(job.resins).subset(target.roles);
+    io::write_whole_file(job.out, measured_form(job, target, set));
+    const nlohmann::ordered_json json{{"format", "voxtone-calibrate-simulate"},
+                                      {"version", 1},
+                                      {"table", job.out},
+                                      {"patches", target.squares.size()}};
+    return {json.dump(), fmt::format("{}: {} patches of {}\n", job.out, target.squares.size(), set.name)};
+}
+
 nlohmann::ordered_json points_json(const std::vector<Eigen::Vector2d>& points) {
     nlohmann::ordered_json list = nlohmann::ordered_json::array();
     for (const Eigen::Vector2d& p : points) list.push_back({p.x(), p.y()});
@@ -42,12 +97,17 @@ nlohmann::ordered_json points_json(const std::vector<Eigen::Vector2d>& points) {
 
 }  // namespace
 
-void PhotoSimulationJob::validate() const { photo.validate(); }
+void PhotoSimulationJob::validate() const {
+    photo.validate();
+    if (!(lab_noise >= 0 && lab_noise <= 10))
+        throw InputError(fmt::format("--lab-noise is {}; it must lie between 0 and 10", lab_noise));
+}
 
 JobResult run_photo_simulation(const PhotoSimulationJob& job, Progress& progress) {
     job.validate();
     io::expect_outputs(outputs(job), job.overwrite);
     const Target target = read_target(job.target);
+    if (is_table(job)) return simulate_table(job, target);
     const optics::ResinSet set = io::find_resin_set(job.resins);
     progress.begin_stage("photograph", 0);
     const TargetColours colours = reflected_colours(target, set, job.mixtures);

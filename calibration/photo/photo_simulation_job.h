@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // `voxtone calibrate simulate`: the photograph that a target would give if printed with known resins
-// (photo_simulation.h), as a file.
+// (photo_simulation.h), as a file; of a chart also the table that a spectrophotometer would give: L, a, b of thick
+// patches as the set is measured (optics/layered/flat_colour.h), with noise of its own in each.
 #pragma once
 
 #include <string>
@@ -15,11 +16,12 @@ namespace voxtone::calibration {
 struct PhotoSimulationJob {
     PhotoOptions photo;
     std::string target;                      ///< its description (calibration/target/target_file.h)
-    std::string resins = "vero-opaque";      ///< set or file, RGB
+    std::string resins = "vero-opaque";      ///< set or file
     std::string checker = "colorchecker24";  ///< chart, or its file
     MixtureKind mixtures = MixtureKind::dithered;
     bool eight_bits = false;  ///< of sRGB codes instead of 16 linear ones
-    std::string out;          ///< .png, .tif or .exr
+    std::string out;          ///< .png, .tif or .exr; .csv: the table of a chart
+    double lab_noise = 0.3;   ///< of the table's L, a, b, standard deviation, [0, 10]
     std::string truth;        ///< table of what the squares truly reflect; empty: none
     bool overwrite = false;   ///< files that are there are replaced
 

@@ -11,6 +11,9 @@
 
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/error.h"
+#include "voxtone/base/random.h"
+#include "voxtone/calibration/chart/chart_mixtures.h"
+#include "voxtone/calibration/patches/patch_mixture.h"
 #include "voxtone/calibration/target/ideal_patch.h"
 #include "voxtone/calibration/target/target_file.h"
 #include "voxtone/calibration/target/target_scene.h"
@@ -28,6 +31,64 @@ constexpr double preview_px_per_mm = 8;
 std::optional<optics::ResinSet> known_resins(const TargetJob& job, const Target& target) {
     if (job.resin_set.empty()) return std::nullopt;
     return io::find_resin_set(job.resin_set).subset(target.roles);
+}
+
+constexpr std::size_t most_chart_patches_printed = 2000;
+
+/// What colours are expected of resins of which nothing is known: shares alone decide then.
+optics::ResinSet grey_resins(const std::vector<std::string>& roles) {
+    optics::ResinSet set = optics::vero_opaque();
+    const optics::Resin grey = set.resins[static_cast<std::size_t>(set.find("K"))];
+    set.resins.clear();
+    for (const std::string& role : roles) {
+        set.resins.push_back(grey);
+        set.resins.back().name = set.resins.back().role = role;
+    }
+    return set;
+}
+
+optics::ResinSet expected_resins(const TargetJob& job) {
+    const std::vector<std::string>& roles = job.layout.roles;
+    if (!job.resin_set.empty()) return io::find_resin_set(job.resin_set).subset(roles);
+    const optics::ResinSet usual = optics::vero_opaque();
+    const bool known = std::ranges::all_of(roles, [&](const std::string& role) { return usual.find(role) >= 0; });
+    return known ? usual.subset(roles) : grey_resins(roles);
+}
+
+std::vector<PatchMixture> shuffled_chart(const TargetJob& job) {
+    const std::vector<std::string>& roles = job.layout.roles;
+    const std::size_t least = least_chart_patches(roles.size());
+    if (job.patches < least || job.patches > most_chart_patches_printed)
+        throw UsageError(fmt::format("--patches {}: with {} resins a chart has {} to {} patches", job.patches,
+                                     roles.size(), least, most_chart_patches_printed));
+    std::vector<PatchMixture> chart;
+    for (const std::vector<int>& percents : chart_mixtures(expected_resins(job), job.patches)) {
+        PatchMixture& mixture = chart.emplace_back();
+        for (std::size_t r = 0; r < roles.size(); ++r)
+            if (percents[r] > 0) mixture.push_back({roles[r], percents[r] / 100.0});
+        std::ranges::sort(mixture, {}, &ResinShare::role);
+    }
+    RandomStream random(20261125, job.patches);
+    for (std::size_t k = chart.size(); k > 1; --k)
+        std::swap(chart[k - 1], chart[static_cast<std::size_t>(random.uniform() * static_cast<double>(k))]);
+    return chart;
+}
+
+std::string chart_form(const Target& target) {
+    std::string text = fmt::format(
+        "# Fill in L, a, b (D50, 2 degree), row by row from the upper left, markers upright\n"
+        "patch,row,column,{},L,a,b\n",
+        fmt::join(target.roles, ","));
+    const auto places = square_places(target);
+    for (std::size_t s = 0; s < target.squares.size(); ++s) {
+        text += fmt::format("{},{},{}", s + 1, places[s][0], places[s][1]);
+        for (const std::string& role : target.roles) {
+            const auto share = std::ranges::find(target.squares[s].top, role, &ResinShare::role);
+            text += fmt::format(",{:.2f}", share == target.squares[s].top.end() ? 0.0 : share->fraction);
+        }
+        text += ",,,\n";
+    }
+    return text;
 }
 
 /// What light goes through the base, where that can be told.
@@ -66,6 +127,7 @@ void write_description(const TargetJob& job, const Target& target, const std::op
     const io::LinearPicture preview = target_preview(target, preview_colours(job, target, set), preview_px_per_mm);
     io::write_whole_file(out / "target.png", io::png_bytes(io::encode_over(preview, Eigen::Vector3f::Zero())));
     io::write_whole_file(out / "target.json", target_text(target));
+    if (target.is_chart()) io::write_whole_file(out / "chart.csv", chart_form(target));
 }
 
 JobResult result_of(const TargetJob& job, const Target& target, const Eigen::Vector3d& size_mm,
@@ -80,10 +142,11 @@ JobResult result_of(const TargetJob& job, const Target& target, const Eigen::Vec
                                       {"layers", stack.layers},
                                       {"ml", ml},
                                       {"content_sha256", stack.content_sha256}};
-    return {json.dump(), fmt::format("{}: layout {}, {} squares, {:.1f} x {:.1f} x {:.2f} mm, {} layers, {:.1f} ml; "
-                                     "described by target.json, drawn in target.png\n",
-                                     job.out, target.layout, target.squares.size(), size_mm.x(), size_mm.y(),
-                                     size_mm.z(), stack.layers, ml)};
+    return {json.dump(), fmt::format("{}: {}, {} squares, {:.1f} x {:.1f} x {:.2f} mm, {} layers, {:.1f} ml; "
+                                     "described by target.json, drawn in target.png{}\n",
+                                     job.out, target.is_chart() ? "chart" : "layout " + target.layout,
+                                     target.squares.size(), size_mm.x(), size_mm.y(), size_mm.z(), stack.layers, ml,
+                                     target.is_chart() ? "; measurements go into chart.csv" : "")};
 }
 
 }  // namespace
@@ -94,9 +157,14 @@ void TargetJob::validate() const {
 
 JobResult run_target_job(const TargetJob& job, const PrintBoxes& print, Progress& progress) {
     job.validate();
-    const Target target = lay_out_target(job.layout);
+    TargetOptions layout = job.layout;
+    if (job.patches > 0) {
+        layout.layout = TargetLayout::chart;
+        layout.chart = shuffled_chart(job);
+    }
+    const Target target = lay_out_target(layout);
     const std::optional<optics::ResinSet> set = known_resins(job, target);
-    warn_of_base(target, set, progress);
+    if (!target.is_chart()) warn_of_base(target, set, progress);
     const Eigen::Vector3d size_mm(target.size_mm.x(), target.size_mm.y(), target.base_mm + target.top_mm);
     const io::StackDescription stack = print(target_boxes(target), size_mm, progress);
     write_description(job, target, set);

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// `voxtone calibrate target`: a target laid out, printed, described (target_file.h) and drawn. How boxes become layers
-// of a printer is not known here: the caller brings it.
+// `voxtone calibrate target` and `calibrate chart`: a target laid out, printed, described (target_file.h) and drawn.
+// How boxes become layers of a printer is not known here: the caller brings it.
+//
+// A chart's mixtures are chosen by calibration/chart/chart_mixtures.h and shuffled, so that colour and place have
+// nothing to do with each other: light that falls off does no harm, and a chart that was measured turned or mirrored
+// makes no sense. chart.csv is its form, a line a patch in measuring order, for the instrument's L, a, b.
 #pragma once
 
 #include <array>
@@ -18,8 +22,9 @@
 namespace voxtone::calibration {
 
 struct TargetJob {
-    TargetOptions layout;   ///< for the printer's voxels
-    std::string resin_set;  ///< the resins as far as they are known, or a file of them; empty: nothing is known
+    TargetOptions layout;     ///< for the printer's voxels; without a chart's mixtures
+    std::size_t patches = 0;  ///< of a chart; 0: a target
+    std::string resin_set;    ///< the resins as far as they are known, or a file of them; empty: nothing is known
     std::vector<std::array<std::uint8_t, 3>>
         display_rgb;  ///< sRGB of `layout.roles`, for the picture; contract: as many
     std::string out;  ///< folder of the stack, for target.json and target.png

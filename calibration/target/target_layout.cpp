@@ -78,6 +78,7 @@ std::vector<PatchMixture> equal_mixtures(std::vector<std::string> roles) {
 }
 
 std::vector<PatchMixture> mixtures(const TargetOptions& o) {
+    if (o.layout == TargetLayout::chart) return o.chart;
     if (o.layout == TargetLayout::e) return equal_mixtures(o.roles);
     std::vector<PatchMixture> all;
     for (const std::string& role : o.roles) all.push_back({{role, 1.0}});
@@ -92,13 +93,13 @@ std::vector<PatchMixture> mixtures(const TargetOptions& o) {
     return all;
 }
 
-/// Columns of each half, so that the whole is nearest to 3 x 2, as pictures are.
-int columns_of_half(int squares, double pitch_mm, double frame_mm) {
+/// Columns of each part, so that the whole is nearest to 3 x 2, as pictures are.
+int columns_of_part(int squares, int parts, double pitch_mm, double frame_mm) {
     int best = 1;
     double best_ratio = 1e9;
     for (int columns = 1; columns <= squares; ++columns) {
         const int rows = (squares + columns - 1) / columns;
-        const double width = 2 * columns * pitch_mm + frame_mm, height = rows * pitch_mm + frame_mm;
+        const double width = parts * columns * pitch_mm + frame_mm, height = rows * pitch_mm + frame_mm;
         const double ratio = std::abs(std::log(width / height / 1.5));
         if (ratio < best_ratio) {
             best_ratio = ratio;
@@ -146,7 +147,8 @@ Target lay_out_target(const TargetOptions& o) {
     Target target;
     target.printer = o.printer;
     target.pitch_um = o.pitch_um;
-    target.layout.assign(1, static_cast<char>('A' + static_cast<int>(o.layout)));
+    const bool chart = o.layout == TargetLayout::chart;
+    target.layout = chart ? "chart" : std::string(1, static_cast<char>('A' + static_cast<int>(o.layout)));
     target.roles = o.roles;
     target.light = o.light;
     target.dark = o.dark;
@@ -155,14 +157,15 @@ Target lay_out_target(const TargetOptions& o) {
 
     const std::vector<PatchMixture> tops = mixtures(o);
     const double pitch = o.square_mm + o.gap_mm, frame = o.marker_mm + 2 * o.quiet_mm;
-    const int columns = columns_of_half(static_cast<int>(tops.size()), pitch, 2 * frame + 2 * o.gap_mm);
+    const int parts = chart ? 1 : 2;
+    const int columns = columns_of_part(static_cast<int>(tops.size()), parts, pitch, 2 * frame + parts * o.gap_mm);
     const int rows = (static_cast<int>(tops.size()) + columns - 1) / columns;
     const Eigen::Vector2d half(columns * pitch + o.gap_mm, rows * pitch + o.gap_mm);
-    target.size_mm = {2 * half.x() + 2 * frame, half.y() + 2 * frame};
+    target.size_mm = {parts * half.x() + 2 * frame, half.y() + 2 * frame};
     const Eigen::Vector2d light_corner(frame, frame), dark_corner(frame + half.x(), frame);
-    target.dark_half = {dark_corner, dark_corner + half};
+    if (!chart) target.dark_half = {dark_corner, dark_corner + half};
 
-    for (const bool on_light : {true, false})
+    for (const bool on_light : chart ? std::vector{true} : std::vector{true, false})
         for (std::size_t s = 0; s < tops.size(); ++s) {
             const int column = static_cast<int>(s) % columns, row = static_cast<int>(s) / columns;
             const Eigen::Vector2d corner =
@@ -191,14 +194,17 @@ void Target::validate(const std::string& where) const {
          "\"roles\" must be two or more different ones");
     rule(known(light) && known(dark) && light != dark,
          "\"light\" and \"dark\" must be two different ones of \"roles\"");
-    rule(layout == "A" || layout == "B" || layout == "C" || layout == "E", "\"layout\" must be A, B, C or E");
+    rule(layout == "A" || layout == "B" || layout == "C" || layout == "E" || is_chart(),
+         "\"layout\" must be A, B, C, E or chart");
     rule(top_mm > 0 && base_mm > 0, "\"top_mm\" and \"base_mm\" must be positive");
     const Area slab{Eigen::Vector2d::Zero(), size_mm};
     rule((size_mm.array() > 0).all() && size_mm.allFinite(), "\"size_mm\" must be positive");
     const auto inside = [&](const Area& a) {
         return (a.size().array() > 0).all() && slab.contains(a.min_mm) && slab.contains(a.max_mm);
     };
-    rule(inside(dark_half), "\"dark_half_mm\" must lie on the target");
+    rule(is_chart() ? dark_half.size().isZero() : inside(dark_half),
+         is_chart() ? "a chart has no dark half: \"dark_half_mm\" must be 0, 0, 0, 0"
+                    : "\"dark_half_mm\" must lie on the target");
     rule(!squares.empty(), "there is no square");
     for (std::size_t s = 0; s < squares.size(); ++s) {
         const TargetSquare& square = squares[s];
@@ -258,7 +264,7 @@ std::vector<TargetBox> target_boxes(const Target& target) {
     };
     std::vector<TargetBox> boxes;
     boxes.push_back(box({Eigen::Vector2d::Zero(), target.size_mm}, 0, top, light));
-    boxes.push_back(box(target.dark_half, 0, top, dark));
+    if (!target.is_chart()) boxes.push_back(box(target.dark_half, 0, top, dark));
     for (const TargetSquare& square : target.squares)
         boxes.push_back(box(square.area, target.base_mm, top, shares(square.top)));
     for (const TargetMarker& marker : target.markers) {
@@ -273,6 +279,19 @@ std::vector<TargetBox> target_boxes(const Target& target) {
             }
     }
     return boxes;
+}
+
+std::vector<std::array<int, 2>> square_places(const Target& target) {
+    std::set<double> left, top;
+    for (const TargetSquare& square : target.squares) {
+        left.insert(square.area.min_mm.x());
+        top.insert(-square.area.max_mm.y());
+    }
+    std::vector<std::array<int, 2>> places;
+    for (const TargetSquare& square : target.squares)
+        places.push_back({static_cast<int>(std::distance(top.begin(), top.find(-square.area.max_mm.y()))) + 1,
+                          static_cast<int>(std::distance(left.begin(), left.find(square.area.min_mm.x()))) + 1});
+    return places;
 }
 
 std::string square_name(const Target& target, std::size_t square) {

@@ -8,6 +8,8 @@
 //   layout B  A, the dark and the light resin 10:90 and 90:10, every other resin with the light one 10:90
 //   layout C  B, and the shares 5, 25 and 50 % as well
 //   layout E  all equal mixtures of one, two, three ... resins: the chart of Elek et al. 2017, supplement, Sec. 6
+//   chart     any mixtures, each once, row by row from the upper left, thick and upon the light resin alone: for a
+//             spectrophotometer (calibrate chart)
 //
 // Every square lies once upon each half; the number of squares grows linearly with that of resins, that of layout E
 // doubles with every resin. Squares are let into
@@ -29,14 +31,15 @@
 
 namespace voxtone::calibration {
 
-enum class TargetLayout { a, b, c, e = 4 };  ///< letters from A
+enum class TargetLayout { a, b, c, e = 4, chart };  ///< letters from A
 
 struct TargetOptions {
     TargetLayout layout = TargetLayout::b;
-    std::vector<std::string> roles;  ///< of the resins, two or more, all different
-    std::string light = "W";         ///< role of the light half and of the frame; one of `roles`
-    std::string dark = "K";          ///< role of the dark half and of the markers; one of `roles`, not the light one
-    std::string printer;             ///< id of its profile
+    std::vector<PatchMixture> chart;  ///< of the layout of that name, in the order in which they lie
+    std::vector<std::string> roles;   ///< of the resins, two or more, all different
+    std::string light = "W";          ///< role of the light half and of the frame; one of `roles`
+    std::string dark = "K";           ///< role of the dark half and of the markers; one of `roles`, not the light one
+    std::string printer;              ///< id of its profile
     std::array<double, 3>
         pitch_um{};  ///< of its voxels; squares get the nearest whole number of layers, the base at least its thickness
     double square_mm = 10;  ///< edge of a square, [1, 100]
@@ -77,21 +80,25 @@ struct TargetMarker {
 struct Target {
     std::string printer;
     std::array<double, 3> pitch_um{};
-    std::string layout;  ///< "A", "B", "C", "E"
+    std::string layout;  ///< "A", "B", "C", "E", "chart"
     std::vector<std::string> roles;
     std::string light, dark;
     double top_mm = 0, base_mm = 0;
     Eigen::Vector2d size_mm = Eigen::Vector2d::Zero();
-    Area dark_half;  ///< what is around it is light
+    Area dark_half;  ///< what is around it is light; a chart has none
     std::vector<TargetSquare> squares;
     std::vector<TargetMarker> markers;  ///< upper left, upper right, lower right, lower left
 
+    [[nodiscard]] bool is_chart() const { return layout == "chart"; }
     /// Throws InputError naming the part and the rule it breaks: outside, overlapping, unknown roles, fractions, ...
     void validate(const std::string& where) const;
 };
 
 /// Throws InputError that names the option and the rule it breaks.
 [[nodiscard]] Target lay_out_target(const TargetOptions& options);
+
+/// Row and column of each square, from the upper left and from 1.
+[[nodiscard]] std::vector<std::array<int, 2>> square_places(const Target& target);
 
 /// A share of each resin of `roles` within a box; later boxes of a list replace what earlier ones hold there.
 struct TargetBox {

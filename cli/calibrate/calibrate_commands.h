@@ -11,6 +11,7 @@ namespace voxtone::cli {
 Command add_calibrate_command(CLI::App& program, const CalibrateJobs& jobs);
 
 Command add_calibrate_target_command(CLI::App& calibrate, const CalibrateJobs& jobs);
+Command add_calibrate_chart_command(CLI::App& calibrate, const CalibrateJobs& jobs);
 Command add_calibrate_simulate_command(CLI::App& calibrate, const CalibrateJobs& jobs);
 Command add_calibrate_photo_command(CLI::App& calibrate, const CalibrateJobs& jobs);
 Command add_calibrate_fit_command(CLI::App& calibrate, const CalibrateJobs& jobs);

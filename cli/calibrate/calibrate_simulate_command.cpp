@@ -69,8 +69,10 @@ Command add_calibrate_simulate_command(CLI::App& calibrate, const CalibrateJobs&
     command->add_option("target", a.job.target, "description of the target (target.json)")
         ->type_name("FILE")
         ->required();
-    add_resins_option(*command, a.job.resins, ", RGB");
-    add_out_option(*command, a.job.out, "FILE", "photograph to write: .png, .tif (16 bits, linear) or .exr");
+    add_resins_option(*command, a.job.resins);
+    add_out_option(
+        *command, a.job.out, "FILE",
+        "photograph to write: .png, .tif (16 bits, linear) or .exr; of a chart .csv, what a spectrophotometer reads");
     add_overwrite_option(*command, a.job.overwrite);
     command->add_option("--truth", a.job.truth, "write what the squares truly reflect, as a patch table")
         ->type_name("FILE");
@@ -85,6 +87,7 @@ Command add_calibrate_simulate_command(CLI::App& calibrate, const CalibrateJobs&
     add_geometry_options(*command, a.job.photo);
     add_camera_options(*command, a.job.photo, a.white_balance);
     add_dirt_options(*command, a.job.photo);
+    add_value(*command, "--lab-noise", a.job.lab_noise, "a table of a chart: standard deviation of L, a and b");
     add_run_options(*command, a.run);
     add_example(*command, "target/target.json -o rehearsal.tif");
     return [arguments, &jobs] { return run(*arguments, jobs); };

@@ -67,15 +67,11 @@ JobResult make_target(CalibrateTargetArguments& a, const CalibrateJobs& jobs, Pr
 }
 
 int run(CalibrateTargetArguments& a, const CalibrateJobs& jobs) {
-    a.job.layout.layout = static_cast<calibration::TargetLayout>(a.layout[0] - 'A');
+    if (a.job.patches == 0) a.job.layout.layout = static_cast<calibration::TargetLayout>(a.layout[0] - 'A');
     return run_on_console(a.run, [&](Progress& progress) { return make_target(a, jobs, progress); });
 }
 
-void add_layout_options(CLI::App& command, calibration::TargetOptions& layout, LengthOptions& lengths) {
-    add_value(command, "--light", layout.light, "role of the resin of the light half and of the frame")
-        ->type_name("ROLE");
-    add_value(command, "--dark", layout.dark, "role of the resin of the dark half and of the markers")
-        ->type_name("ROLE");
+void add_size_options(CLI::App& command, calibration::TargetOptions& layout, LengthOptions& lengths) {
     lengths.add(command, "--square", layout.square_mm, "edge of a square")->group(fine_tuning);
     lengths.add(command, "--top", layout.top_mm, "thickness of the squares, rounded to whole layers")
         ->group(fine_tuning);
@@ -84,6 +80,14 @@ void add_layout_options(CLI::App& command, calibration::TargetOptions& layout, L
     lengths.add(command, "--gap", layout.gap_mm, "between squares")->group(fine_tuning);
     lengths.add(command, "--marker", layout.marker_mm, "edge of a marker")->group(fine_tuning);
     lengths.add(command, "--quiet-zone", layout.quiet_mm, "light around a marker")->group(fine_tuning);
+}
+
+void add_layout_options(CLI::App& command, calibration::TargetOptions& layout, LengthOptions& lengths) {
+    add_value(command, "--light", layout.light, "role of the resin of the light half and of the frame")
+        ->type_name("ROLE");
+    add_value(command, "--dark", layout.dark, "role of the resin of the dark half and of the markers")
+        ->type_name("ROLE");
+    add_size_options(command, layout, lengths);
 }
 
 /// All but the layout.
@@ -117,6 +121,21 @@ Command add_calibrate_target_command(CLI::App& calibrate, const CalibrateJobs& j
         ->check(CLI::IsMember({"A", "B", "C", "E"}));
     add_target_options(command, *arguments);
     add_example(*command, "--resins C,M,Y,K,W --resin-set vero-opaque -o target");
+    return [arguments, &jobs] { return run(*arguments, jobs); };
+}
+
+Command add_calibrate_chart_command(CLI::App& calibrate, const CalibrateJobs& jobs) {
+    auto arguments = std::make_shared<CalibrateTargetArguments>();
+    calibration::TargetOptions& layout = arguments->job.layout;
+    arguments->job.patches = 120;
+    layout.square_mm = 8, layout.top_mm = 2, layout.base_mm = 1, layout.gap_mm = 1;
+    CLI::App* command = calibrate.add_subcommand(
+        "chart",
+        "Make a printable chart of the mixtures that tell most: a stack, a form for the spectrophotometer (chart.csv), "
+        "its\ndescription (target.json) and a picture");
+    add_count(*command, "--patches", arguments->job.patches, "mixtures: 30, 60, 120, 242 or any number");
+    add_target_options(command, *arguments);
+    add_example(*command, "--resins C,M,Y,K,W --patches 120 -o chart");
     return [arguments, &jobs] { return run(*arguments, jobs); };
 }
 

@@ -51,8 +51,7 @@ int main(int argc, char** argv) {
             Eigen::Index best = -1;
             double least = 1e30;
             for (Eigen::Index i = 0; i < data.mixtures(); ++i) {
-                const double far =
-                    (place_of(data.shares.row(i).transpose()) - place_of(wanted)).matrix().squaredNorm();
+                const double far = (place_of(data.shares.row(i).transpose()) - place_of(wanted)).matrix().squaredNorm();
                 if (!taken[static_cast<std::size_t>(i)] && far < least) least = far, best = i;
             }
             if (best >= 0) taken[static_cast<std::size_t>(best)] = true;
