@@ -76,7 +76,7 @@ std::vector<PatchMixture> shuffled_chart(const TargetJob& job) {
 
 std::string chart_form(const Target& target) {
     std::string text = fmt::format(
-        "# Fill in L, a, b (D50, 2 degree), row by row from the upper left, markers upright\n"
+        "# illuminant: D50\n# Fill in L, a, b (2 degree), row by row from the upper left, markers upright\n"
         "patch,row,column,{},L,a,b\n",
         fmt::join(target.roles, ","));
     const auto places = square_places(target);
