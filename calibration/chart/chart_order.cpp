@@ -31,14 +31,23 @@ struct Order {
     Place (*of)(const Place& place, const Place& size);  ///< where the colour was measured that stands at a place
 };
 
-constexpr std::array<Order, 4> orders{
-    {{"turned by 180 degrees", [](const Place& p, const Place& s) { return Place{s[0] + 1 - p[0], s[1] + 1 - p[1]}; }},
-     {"mirrored, left for right", [](const Place& p, const Place& s) { return Place{p[0], s[1] + 1 - p[1]}; }},
-     {"mirrored, top for bottom", [](const Place& p, const Place& s) { return Place{s[0] + 1 - p[0], p[1]}; }},
-     {"column by column instead of row by row", [](const Place& p, const Place& s) {
-          const int index = (p[1] - 1) * s[0] + p[0] - 1;  // the place of a patch in a walk down the columns
-          return Place{index / s[1] + 1, index % s[1] + 1};
-      }}}};
+constexpr std::array<Order, 4> orders{{{"turned by 180 degrees",
+                                        [](const Place& p, const Place& s) {
+                                            return Place{s[0] + 1 - p[0], s[1] + 1 - p[1]};
+                                        }},
+                                       {"mirrored, left for right",
+                                        [](const Place& p, const Place& s) {
+                                            return Place{p[0], s[1] + 1 - p[1]};
+                                        }},
+                                       {"mirrored, top for bottom",
+                                        [](const Place& p, const Place& s) {
+                                            return Place{s[0] + 1 - p[0], p[1]};
+                                        }},
+                                       {"column by column instead of row by row", [](const Place& p, const Place& s) {
+                                            const int index = (p[1] - 1) * s[0] + p[0] -
+                                                              1;  // the place of a patch in a walk down the columns
+                                            return Place{index / s[1] + 1, index % s[1] + 1};
+                                        }}}};
 
 double error_of(const PatchTable& table, const ChartFitOptions& options) {
     const ChartData data = chart_data(table);
