@@ -39,15 +39,15 @@ std::size_t resin_of(LayerChart& chart, std::string_view role) {
 }
 
 ChartLayer parse_layer(LayerChart& chart, std::string_view text, const std::string& where) {
-    const std::size_t blank = text.find_last_of(" \t");
-    const auto mm = blank == std::string_view::npos ? std::nullopt : number(trimmed(text.substr(blank)));
-    const std::string_view role = trimmed(text.substr(0, std::min(blank, text.size())));
-    if (!mm || !(*mm >= least_mm && *mm <= most_mm) || !is_role(role))
+    const std::size_t blank = std::min(text.find_last_of(" \t"), text.size());
+    const std::string_view role = trimmed(text.substr(0, blank));
+    const double mm = number(trimmed(text.substr(blank))).value_or(0);
+    if (!(mm >= least_mm && mm <= most_mm) || !is_role(role))
         throw InputError(
             fmt::format("{}: the layer {} is not a resin's role and its thickness in mm, such as W 0.08; layers are "
                         "listed from the top, with commas between.",
                         where, shown(text)));
-    return {resin_of(chart, role), *mm};
+    return {resin_of(chart, role), mm};
 }
 
 void add_stack(LayerChart& chart, std::vector<double>& lab, LayerStack stack, const std::vector<double>& colour,

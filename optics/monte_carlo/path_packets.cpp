@@ -233,7 +233,6 @@ private:
 
     /// What particles that were met belong to (droplet_spread.h); air: to the voxel that they were met in.
     HWY_NOINLINE Int droplet_material(std::size_t row, Mask met, Int base, Int x, Int y, Int z) {
-        const Tag d;
         const IntTag di;
         const BitTag db;
         Bits draws[3];

@@ -3,6 +3,7 @@
 
 #include <catch2/catch.hpp>
 
+#include <filesystem>
 #include <numeric>
 
 #include "tests/calibration/chart/chart_samples.h"
@@ -53,7 +54,7 @@ LayerChart upside_down(LayerChart chart) {
 }
 
 LayerChart measured_stacks() {
-    return *read_layer_chart(std::string(VOXTONE_SOURCE_DIR) + "/tests/data/layers/cmyb-5-layers.json",
+    return *read_layer_chart(std::filesystem::path(VOXTONE_SOURCE_DIR) / "tests/data/layers/cmyb-5-layers.json",
                              optics::Illuminant::d50);
 }
 
