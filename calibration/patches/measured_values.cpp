@@ -202,7 +202,9 @@ void check_coverage(const PatchTable& table) {
 
 std::vector<std::string> written_names(const optics::Channels& channels, bool with_errors) {
     std::vector<std::string> names;
-    if (channels.is_own()) {
+    if (channels == optics::wide_channels()) {
+        names = {"wR", "wG", "wB"};
+    } else if (channels.is_own()) {
         VOXTONE_EXPECT(is_colorimetric(channels));
         names = with_errors ? std::vector<std::string>{"X", "Y", "Z"} : std::vector<std::string>{"L", "a", "b"};
     } else {
@@ -218,7 +220,7 @@ std::vector<std::string> written_names(const optics::Channels& channels, bool wi
 std::vector<double> written_values(const optics::Channels& channels, const Patch& patch, bool with_errors) {
     VOXTONE_EXPECT(patch.rho.size() == channels.size() && (!with_errors || patch.error.size() == channels.size()));
     std::vector<double> values = patch.rho, errors = with_errors ? patch.error : std::vector<double>{};
-    if (channels.is_own()) {
+    if (is_colorimetric(channels)) {
         const Eigen::Vector3d white = optics::colorimetric_white(channels.illuminant);
         for (std::size_t c = 0; c < 3; ++c) {
             values[c] *= white[static_cast<Eigen::Index>(c)];
@@ -234,7 +236,7 @@ std::vector<double> written_values(const optics::Channels& channels, const Patch
 }
 
 std::string written_illuminant(const optics::Channels& channels) {
-    return channels.is_own() ? fmt::format("illuminant: {}", name_of(channels.illuminant)) : "";
+    return is_colorimetric(channels) ? fmt::format("illuminant: {}", name_of(channels.illuminant)) : "";
 }
 
 }  // namespace voxtone::calibration

@@ -48,8 +48,8 @@ void make_rho(PatchTable& table, Quantity quantity, const MeasuringConditions& c
 void check_coverage(const PatchTable& table);
 
 /// How a table's values are written: names of columns, and the numbers of a patch with its standard errors if
-/// `with_errors`. Colorimetric channels are written as L, a, b, with errors as X, Y, Z. Contract: R, G, B, wavelengths
-/// or colorimetric channels.
+/// `with_errors`. Colorimetric channels are written as L, a, b, with errors as X, Y, Z, wide ones as wR, wG, wB.
+/// Contract: R, G, B, wavelengths, wide or colorimetric channels.
 [[nodiscard]] std::vector<std::string> written_names(const optics::Channels& channels, bool with_errors);
 [[nodiscard]] std::vector<double> written_values(const optics::Channels& channels, const Patch& patch,
                                                  bool with_errors);

@@ -73,7 +73,9 @@ private:
         throw InputError(fmt::format("{}: line {}: {}.", table_.source, line_, what));
     }
 
+    static bool is_wide(std::string_view name) { return name == "wR" || name == "wG" || name == "wB"; }
     static std::optional<std::pair<Quantity, std::size_t>> letter_channel(std::string_view name) {
+        if (is_wide(name)) return letter_channel(name.substr(1));
         constexpr std::string_view letters = "RGBLabXYZ";
         constexpr Quantity quantities[] = {Quantity::rgb, Quantity::lab, Quantity::xyz};
         const std::size_t at = name.size() == 1 ? letters.find(name) : std::string_view::npos;
@@ -103,19 +105,20 @@ private:
             const auto nm = number(name);
             const auto letter = nm ? std::nullopt : letter_channel(name);
             if (!nm && !letter) {
-                const std::vector<std::string> known{"base_mm", "R", "G", "B", "R_se", "G_se", "B_se",
-                                                     "L",       "a", "b", "X", "Y",    "Z"};
+                const std::vector<std::string> known{"base_mm", "R", "G", "B", "R_se", "G_se", "B_se", "L",
+                                                     "a",       "b", "X", "Y", "Z",    "wR",   "wG",   "wB"};
                 fail_here(fmt::format("column {}: {}; a wavelength is a number in nm", k + 1,
                                       io::unknown_key_message(printable(name.substr(0, 40)), known)));
             }
             if (nm && !(*nm >= 100 && *nm <= 20000))
                 fail_here(fmt::format("column {}: a wavelength of {} nm; expected 100 to 20000", k + 1, *nm));
             const Quantity quantity = nm ? Quantity::spectrum : letter->first;
-            if (!channels.empty() && quantity != quantity_)
+            if (!channels.empty() && (quantity != quantity_ || is_wide(name) != table_.channels.is_own()))
                 fail_here(
                     "R, G, B and wavelengths in one table, or L, a, b or X, Y, Z beside them; give three channels of "
                     "one kind, or wavelengths");
             quantity_ = quantity;
+            if (is_wide(name)) table_.channels = optics::wide_channels();
             if (!channels.try_emplace(name, nm ? wavelengths.size() : letter->second).second)
                 fail_here(fmt::format("column {} is there twice", shown(name)));
             if (nm) wavelengths.push_back(*nm);
@@ -130,7 +133,7 @@ private:
         for (std::size_t k = 1; k < wavelengths.size(); ++k)
             if (!(wavelengths[k] > wavelengths[k - 1]))
                 fail_here(fmt::format("wavelengths must rise, {} comes after {}", wavelengths[k], wavelengths[k - 1]));
-        table_.channels.wavelengths_nm = wavelengths;
+        if (!table_.channels.is_own()) table_.channels.wavelengths_nm = wavelengths;
         std::size_t errors = 0;
         for (std::size_t k = 3; k < names.size(); ++k) {
             std::string_view name = names[k];

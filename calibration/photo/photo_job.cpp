@@ -134,7 +134,7 @@ JobResult run_photo_job(const PhotoJob& job, Progress& progress) {
     io::expect_outputs(outputs(job), job.overwrite);
     const Target target = read_target(job.target);
     const std::vector<PhotoMeasurement> photos = measure_all(job, target, progress);
-    const MeasuredTable measured = average_photos(photos, target);
+    const MeasuredTable measured = average_photos(photos, target, job.channels);
     for (const std::string& warning : measured.warnings) progress.warn(warning);
     const std::vector<Eigen::Vector3d> spread = spreads(measured, photos);
     io::write_whole_file(job.out, patch_table_text(measured.table, table_comment(job, target, spread)));

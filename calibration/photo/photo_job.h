@@ -18,7 +18,8 @@ struct PhotoJob {
     std::string target;                      ///< its description (calibration/target/target_file.h)
     std::string checker = "colorchecker24";  ///< chart beside the target, or its file
     PhotoMeasureOptions measure;             ///< corners by hand are those of one photograph
-    std::string out;                         ///< table of patches (calibration/patches/patch_file.h)
+    PhotoChannels channels = PhotoChannels::automatic;
+    std::string out;         ///< table of patches (calibration/patches/patch_file.h)
     std::string overlay;     ///< picture of what was sampled, the next ones as NAME-2.png, ...; empty: beside the table
     std::string picture;     ///< the target as it was measured, straightened (target_picture.h); empty: none
     bool overwrite = false;  ///< files that are there are replaced

@@ -5,9 +5,11 @@
 #include <cmath>
 
 #include <fmt/format.h>
+#include <Eigen/LU>
 
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/error.h"
+#include "voxtone/optics/colour/channels.h"
 
 namespace voxtone::calibration {
 
@@ -28,6 +30,9 @@ constexpr double steep_light = 0.5;      // least light on target and checker / 
 constexpr double steepest_light = 0.25;  // less is refused
 constexpr double chart_doubt = 0.03;     // residual of the chart in linear sRGB
 constexpr double chart_wrong = 0.05;     // more is refused
+
+/// From linear sRGB to wide channels.
+Eigen::Matrix3d to_wide() { return Eigen::Matrix3d(optics::linear_srgb_weights(optics::wide_channels())).inverse(); }
 
 [[noreturn]] void refuse(const std::string& photo, const std::string& what) {
     throw InputError(fmt::format("{}: {}", photo, what));
@@ -144,11 +149,13 @@ void check_light(PhotoMeasurement& m, const std::vector<LitSample>& frame) {
 void check_halves(const PhotoMeasurement& m, const Target& target) {
     const Vector3d frame = m.model.frame_reflectance();
     for (std::size_t s = 0; s < target.squares.size(); ++s) {
-        if (m.rho[s].maxCoeff() > 1.02)
+        // A saturated yellow is above 1 in sRGB's red, and nothing is in wide primaries.
+        const double most = (to_wide() * m.rho[s]).maxCoeff();
+        if (most > 1.02)
             refuse(m.photograph.name,
                    fmt::format("{} would reflect {:.3f}, more than a perfect white: the checker and the target are not "
                                "in the same light, or there is glare on the square",
-                               square_name(target, s), m.rho[s].maxCoeff()));
+                               square_name(target, s), most));
         const TargetSquare& square = target.squares[s];
         if (square.top.size() == 1 && square.top[0].role == target.dark && square.backing == target.dark &&
             m.rho[s].mean() > 0.7 * frame.mean())
@@ -272,53 +279,112 @@ PhotoMeasurement measure_photo(io::Photograph photograph, const Target& target, 
     return result;
 }
 
-MeasuredTable average_photos(const std::vector<PhotoMeasurement>& photos, const Target& target) {
+namespace {
+
+struct Mean {
+    Vector3d rho = Vector3d::Zero(), error = Vector3d::Zero();
+};
+
+/// Squares with a channel below 0, by more than three of its errors or by less.
+struct NegativeSquares {
+    std::vector<std::size_t> surely, hardly;
+};
+
+NegativeSquares negative_squares(const std::vector<Mean>& means) {
+    constexpr double sure = 3;
+    NegativeSquares squares;
+    for (std::size_t s = 0; s < means.size(); ++s) {
+        if ((means[s].rho.array() < -sure * means[s].error.array()).any())
+            squares.surely.push_back(s);
+        else if (means[s].rho.minCoeff() < 0)
+            squares.hardly.push_back(s);
+    }
+    return squares;
+}
+
+/// How values below 0 are written.
+enum class Told { cut, signed_rgb, wide };
+
+void tell_negative(const NegativeSquares& negative, Told told, const Target& target, MeasuredTable& result) {
+    const std::string_view written = told == Told::cut ? "written as 0" : "written as it is";
+    if (!negative.hardly.empty() && told != Told::wide)
+        result.warnings.push_back(fmt::format(
+            "In {} square(s), first of all {}, a channel came out below 0 by less than three of its errors; it is {}.",
+            negative.hardly.size(), square_name(target, negative.hardly.front()), written));
+    if (negative.surely.empty()) return;
+    const std::string where = fmt::format(
+        "In {} square(s), first of all {}, a channel of linear sRGB lies below 0 by more than three of its errors: "
+        "these "
+        "inks are more saturated than it can say",
+        negative.surely.size(), square_name(target, negative.surely.front()));
+    if (told == Told::wide)
+        result.warnings.push_back(where + "; the table is in wide channels (wR, wG, wB).");
+    else if (told == Told::cut)
+        result.warnings.push_back(where + "; it is written as 0, and resins will be wrong: use --channels wide.");
+    else
+        result.warnings.push_back(where + "; it is written as it is.");
+}
+
+void widen(std::vector<Mean>& means) {
+    const Eigen::Matrix3d map = to_wide();
+    for (Mean& mean : means) {
+        mean.rho = map * mean.rho;
+        mean.error = (map.cwiseAbs2() * mean.error.cwiseAbs2()).cwiseSqrt();
+    }
+}
+
+}  // namespace
+
+MeasuredTable average_photos(const std::vector<PhotoMeasurement>& photos, const Target& target,
+                             PhotoChannels channels) {
     VOXTONE_EXPECT(!photos.empty());
     MeasuredTable result;
     const double count = double(photos.size());
-    std::vector<std::string> below, outside;
-    result.table.is_chart = target.is_chart();
+    std::vector<Mean> means;
     for (std::size_t s = 0; s < target.squares.size(); ++s) {
-        Vector3d mean = Vector3d::Zero(), error2 = Vector3d::Zero(), spread2 = Vector3d::Zero();
+        Mean mean;
+        Vector3d error2 = Vector3d::Zero(), spread2 = Vector3d::Zero();
         for (const PhotoMeasurement& photo : photos) {
-            mean += photo.rho[s] / count;
+            mean.rho += photo.rho[s] / count;
             error2 += photo.error[s].cwiseAbs2() / count;
         }
         for (const PhotoMeasurement& photo : photos)
-            spread2 += (photo.rho[s] - mean).cwiseAbs2() / std::max(1.0, count - 1);
+            spread2 += (photo.rho[s] - mean.rho).cwiseAbs2() / std::max(1.0, count - 1);
         constexpr double differ = 0.02;
         if (spread2.cwiseSqrt().maxCoeff() > differ)
             result.warnings.push_back(fmt::format(
                 "{} differs by {:.3f} between the photographs: the light or the exposure of one of them is off.",
                 square_name(target, s), spread2.cwiseSqrt().maxCoeff()));
-        const Vector3d error = (error2 / count).cwiseMax(spread2 / count).cwiseSqrt();
-        constexpr double sure = 3;
-        if ((mean.array() < -sure * error.array()).any())
-            outside.push_back(square_name(target, s));
-        else if (mean.minCoeff() < 0)
-            below.push_back(square_name(target, s));
+        mean.error = (error2 / count).cwiseMax(spread2 / count).cwiseSqrt();
+        means.push_back(mean);
+        result.spread.push_back(spread2.cwiseSqrt());
+    }
+    const NegativeSquares negative = negative_squares(means);
+    const bool wide = !target.is_chart() && (channels == PhotoChannels::wide ||
+                                             (channels == PhotoChannels::automatic && !negative.surely.empty()));
+    tell_negative(negative, wide ? Told::wide : target.is_chart() ? Told::signed_rgb : Told::cut, target, result);
+    if (wide) {
+        widen(means);
+        result.table.channels = optics::wide_channels();
+        if (const NegativeSquares still = negative_squares(means); !still.surely.empty())
+            result.warnings.push_back(fmt::format(
+                "In {} square(s), first of all {}, a wide channel lies below 0 by more than three of its errors, which "
+                "no ink can: glare, a checker that is not what its file says, or a camera whose colours no matrix "
+                "relates to it. Look at the overlay.",
+                still.surely.size(), square_name(target, still.surely.front())));
+    }
+    result.table.is_chart = target.is_chart();
+    for (std::size_t s = 0; s < means.size(); ++s) {
         Patch patch{target.squares[s].top, target.squares[s].backing, target.top_mm, target.base_mm, {}, {},
                     square_name(target, s)};
         if (target.is_chart()) patch.backing.clear(), patch.thickness_mm = patch.base_mm = 0;
         for (int channel = 0; channel < 3; ++channel) {
-            patch.rho.push_back(target.is_chart() ? mean[channel] : std::clamp(mean[channel], 0.0, 1.0));
-            patch.error.push_back(error[channel]);
+            const double rho = means[s].rho[channel];
+            patch.rho.push_back(target.is_chart() ? rho : std::clamp(rho, wide ? -1.0 : 0.0, 1.0));
+            patch.error.push_back(means[s].error[channel]);
         }
         result.table.patches.push_back(std::move(patch));
-        result.spread.push_back(spread2.cwiseSqrt());
     }
-    const std::string_view written = target.is_chart() ? "it is written as it is" : "it is written as 0";
-    if (!below.empty())
-        result.warnings.push_back(fmt::format(
-            "In {} square(s), first of all {}, a channel came out below 0 by less than three of its errors; "
-            "{}.",
-            below.size(), below.front(), written));
-    if (!outside.empty())
-        result.warnings.push_back(fmt::format(
-            "In {} square(s), first of all {}, a channel lies below 0 by more than three of its errors: these inks are "
-            "more saturated than linear sRGB can say; {}. Resins for such inks come from a chart (calibrate chart), "
-            "whose channels are fitted to them.",
-            outside.size(), outside.front(), written));
     return result;
 }
 

@@ -47,6 +47,13 @@ struct PhotoMeasurement {
 /// Where the light of a target's frame is sampled: places of the light resin away from all else.
 [[nodiscard]] std::vector<Area> frame_areas(const Target& target);
 
+/// What the squares of a target are told in. A chart's are always linear sRGB, signed: its fit finds channels itself.
+enum class PhotoChannels {
+    automatic,  ///< linear sRGB, or wide where a channel lies below 0 by more than three of its errors
+    rgb,        ///< linear sRGB; what is below 0 is written as 0, and told
+    wide,       ///< optics::wide_channels, in which no ink is negative, signed
+};
+
 struct MeasuredTable {
     PatchTable table;
     std::vector<Eigen::Vector3d> spread;  ///< between photographs; zero for one
@@ -54,6 +61,7 @@ struct MeasuredTable {
 };
 
 /// The mean of one or more photographs of the same target. Throws InputError.
-[[nodiscard]] MeasuredTable average_photos(const std::vector<PhotoMeasurement>& photos, const Target& target);
+[[nodiscard]] MeasuredTable average_photos(const std::vector<PhotoMeasurement>& photos, const Target& target,
+                                           PhotoChannels channels = PhotoChannels::automatic);
 
 }  // namespace voxtone::calibration

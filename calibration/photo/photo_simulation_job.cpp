@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <Eigen/LU>
 #include <nlohmann/json.hpp>
 
 #include "voxtone/base/error.h"
@@ -18,6 +19,7 @@
 #include "voxtone/io/disk/output_files.h"
 #include "voxtone/io/files/whole_file.h"
 #include "voxtone/io/profiles/resin_file.h"
+#include "voxtone/optics/colour/channels.h"
 #include "voxtone/optics/layered/flat_colour.h"
 
 namespace voxtone::calibration {
@@ -32,9 +34,14 @@ std::vector<std::filesystem::path> outputs(const PhotoSimulationJob& job) {
 /// What the squares reflect, as if it had been measured.
 PatchTable true_table(const Target& target, const TargetColours& colours) {
     PatchTable table;
+    const bool wide =
+        std::ranges::any_of(colours.squares, [](const Eigen::Vector3d& rgb) { return rgb.minCoeff() < 0; });
+    if (wide) table.channels = optics::wide_channels();
+    const Eigen::Matrix3d map = wide ? Eigen::Matrix3d(optics::linear_srgb_weights(table.channels)).inverse()
+                                     : Eigen::Matrix3d::Identity().eval();
     for (std::size_t s = 0; s < target.squares.size(); ++s) {
         const TargetSquare& square = target.squares[s];
-        const Eigen::Vector3d& rho = colours.squares[s];
+        const Eigen::Vector3d rho = map * colours.squares[s];
         table.patches.push_back(
             {square.top, square.backing, target.top_mm, target.base_mm, {rho[0], rho[1], rho[2]}, {}, {}});
     }

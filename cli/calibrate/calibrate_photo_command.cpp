@@ -16,13 +16,17 @@ namespace {
 
 struct CalibratePhotoArguments {
     calibration::PhotoJob job;
-    std::string coding = "auto";
+    std::string coding = "auto", channels = "auto";
     std::vector<double> corners, checker_corners;
     RunOptions run;
 };
 
 int run(CalibratePhotoArguments& a, const CalibrateJobs& jobs) {
     a.job.measure.coding = coding_of(a.coding);
+    using calibration::PhotoChannels;
+    a.job.channels = a.channels == "rgb"    ? PhotoChannels::rgb
+                     : a.channels == "wide" ? PhotoChannels::wide
+                                            : PhotoChannels::automatic;
     a.job.measure.corners = four_points(a.corners);
     a.job.measure.checker_corners = four_points(a.checker_corners);
     return run_on_console(a.run, [&](Progress& progress) { return jobs.photo(a.job, progress); });
@@ -50,6 +54,10 @@ Command add_calibrate_photo_command(CLI::App& calibrate, const CalibrateJobs& jo
     add_corners_option(*command, "--checker-corners", a.checker_corners,
                        "corners of the checker's patches in the picture, px, in order round it");
     add_coding_option(*command, a.coding);
+    add_value(*command, "--channels", a.channels,
+              "of a target's squares: rgb, linear sRGB; wide, in which no ink is negative; auto: wide where an ink is "
+              "surely negative in rgb")
+        ->check(CLI::IsMember({"auto", "rgb", "wide"}));
     add_value(*command, "--inner", a.job.measure.inner, "part of a square's edge that is sampled")
         ->check(CLI::Range(0.1, 0.9));
     command->add_option("--overlay", a.job.overlay, "picture of what was sampled; empty: beside the table")

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include <fmt/format.h>
+#include <Eigen/LU>
 
 #include "voxtone/base/contracts.h"
 #include "voxtone/optics/colour/colour.h"
@@ -45,6 +46,21 @@ Channels colorimetric_channels(Illuminant illuminant) {
     channels.xyz = {{white.x(), 0, 0}, {0, white.y(), 0}, {0, 0, white.z()}};
     channels.illuminant = illuminant;
     return channels;
+}
+
+const Channels& wide_channels() {
+    static const Channels wide = [] {
+        Eigen::Matrix3d primaries;  // X, Y, Z of each for Y / y = 1
+        primaries << 0.7347, 0.1596, 0.0366, 0.2653, 0.8404, 0.0001, 0, 0, 0.9633;
+        const Eigen::Vector3d amounts = primaries.inverse() * d50_white();
+        Channels channels;
+        for (Eigen::Index c = 0; c < 3; ++c) {
+            const Eigen::Vector3d xyz = amounts[c] * primaries.col(c);
+            channels.xyz.push_back({xyz[0], xyz[1], xyz[2]});
+        }
+        return channels;
+    }();
+    return wide;
 }
 
 std::string channel_name(const Channels& channels, std::size_t channel) {

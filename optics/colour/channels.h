@@ -43,6 +43,10 @@ struct Channels {
 /// X, Y and Z themselves, each relative to the white: what a colorimeter measures.
 [[nodiscard]] Channels colorimetric_channels(Illuminant illuminant);
 
+/// R, G and B of primaries so wide that no ink is negative in them: ROMM RGB, ISO 22028-2, x, y of (0.7347, 0.2653),
+/// (0.1596, 0.8404), (0.0366, 0.0001), white D50.
+[[nodiscard]] const Channels& wide_channels();
+
 /// "R", "450 nm" or "channel 2" (from 1).
 [[nodiscard]] std::string channel_name(const Channels& channels, std::size_t channel);
 /// The same in a word, for columns and files: "R", "450nm" or "c2".

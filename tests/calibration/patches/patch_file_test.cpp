@@ -69,6 +69,20 @@ TEST_CASE("A table of patches written and read again is the same") {
     }
 }
 
+TEST_CASE("Tables in wide channels are written and read again, and not mixed with others") {
+    PatchTable table;
+    table.channels = optics::wide_channels();
+    table.patches = {{{{"C", 1}}, "K", 0.675, 5, {0.05, 0.2, 0.7}, {0.001, 0.002, 0.001}, {}}};
+    const std::string text = patch_table_text(table);
+    CHECK_THAT(text, Contains("wR,wG,wB,base_mm,wR_se"));
+    const PatchTable again = parsed(text);
+    CHECK(again.channels == optics::wide_channels());
+    CHECK(again.patches[0].rho == table.patches[0].rho);
+    CHECK(again.patches[0].error == table.patches[0].error);
+    CHECK_THROWS_WITH(parsed("top,backing,thickness_mm,wR,G,wB\nC,K,0.6,0.1,0.1,0.1\n"),
+                      Contains("three channels of one kind"));
+}
+
 TEST_CASE("Values relative to a white reference become relative to a perfect diffuser") {
     PatchTable table = parsed("top,backing,thickness_mm,450,550,450_se,550_se\nW,W,1,0.8,1,0.01,0.02\n");
     apply_white_reference(table, 0.99);

@@ -2,6 +2,7 @@
 //
 // Rendered photographs of targets whose reflectances are known: every square within 0.005 of the truth, or a clear
 // refusal where that is expected. Fixed seeds.
+#include <algorithm>
 #include <functional>
 #include <optional>
 #include <string>
@@ -11,6 +12,8 @@
 #include "photo_samples.h"
 #include "voxtone/base/error.h"
 #include "voxtone/base/random.h"
+#include "voxtone/calibration/fit/resin_fit.h"
+#include "voxtone/optics/colour/observed_colour.h"
 
 #ifdef __SANITIZE_ADDRESS__
 // Nine tables of OpenCV's conversion to Lab, 4.7 MB, are there until the process ends. That nothing else of OpenCV's is
@@ -36,6 +39,19 @@ struct Rendered {
 const Rendered& rendered() {
     static const Rendered all;
     return all;
+}
+
+/// Inks that sRGB cannot say and a camera can, in the channels that a photograph measures them in.
+optics::ResinSet saturated_inks() {
+    optics::ResinSet set = optics::vero_opaque();
+    set.name = "saturated";
+    set.channels = optics::wide_channels();
+    set.resins = {{"Cyan", "C", {9, 5, 8}, {0.89, 0.97, 0.988}},
+                  {"Magenta", "M", {3, 4, 9}, {0.988, 0.8, 0.965}},
+                  {"Yellow", "Y", {3, 4, 17}, {0.996, 0.993, 0.75}},
+                  {"Black", "K", {5, 5.5, 6.5}, {0.35, 0.35, 0.35}},
+                  {"White", "W", {6, 9, 24}, {0.9991, 0.9997, 0.999}}};
+    return set;
 }
 
 PhotoOptions options_of(const std::function<void(PhotoOptions&)>& change, std::uint64_t seed) {
@@ -71,6 +87,59 @@ void check(const std::vector<Variant>& variants) {
 using O = PhotoOptions;
 
 }  // namespace
+
+TEST_CASE("inks more saturated than sRGB are measured and fitted as well as others, in wide channels") {
+    const Target target = target_of(TargetLayout::b);
+    const CheckerChart chart = find_checker("colorchecker24");
+    const auto measured = [&](const TargetColours& truth) {
+        SimulatedPhoto photo = simulate_photo(target, truth, chart, options_of([](O&) {}, 7));
+        std::vector<PhotoMeasurement> photos;
+        photos.push_back(measure_photo(std::move(photo.photograph), target, chart, {}));
+        CHECK(worst_error(photos[0].rho, truth) < wanted);
+        return photos;
+    };
+    const auto least = [](const PatchTable& table) {
+        double found = 1;
+        for (const Patch& patch : table.patches) found = std::min(found, std::ranges::min(patch.rho));
+        return found;
+    };
+    // Mean CIEDE2000 of all squares by the resins that are fitted to a table.
+    const auto fitted_error = [&](const PatchTable& table, const TargetColours& truth) {
+        FitOptions options;
+        options.name = "fitted";
+        const TargetColours found = reflected_colours(target, fit_resins(table, options).set);
+        double sum = 0;
+        for (std::size_t s = 0; s < truth.squares.size(); ++s)
+            sum += optics::ciede2000(optics::lab_from_linear_srgb(found.squares[s]),
+                                     optics::lab_from_linear_srgb(truth.squares[s]));
+        return sum / double(truth.squares.size());
+    };
+    const TargetColours truth = reflected_colours(target, saturated_inks());
+    double most_negative = 0;
+    for (const Eigen::Vector3d& rgb : truth.squares) most_negative = std::min(most_negative, rgb.minCoeff());
+    REQUIRE(most_negative < -0.03);
+    const auto photos = measured(truth);
+    const MeasuredTable wide = average_photos(photos, target);
+    CHECK(wide.table.channels == optics::wide_channels());
+    CHECK(least(wide.table) > 0);
+    const optics::ObservedColour<double> observed(wide.table.channels);
+    for (std::size_t s = 0; s < truth.squares.size(); ++s)
+        CHECK((observed.absolute(wide.table.patches[s].rho.data()) - truth.squares[s]).cwiseAbs().maxCoeff() < wanted);
+    CHECK_THAT(wide.warnings.back(), Catch::Contains("more saturated") && Catch::Contains("wide channels"));
+    const MeasuredTable cut = average_photos(photos, target, PhotoChannels::rgb);
+    CHECK(cut.table.channels.is_rgb());
+    CHECK(least(cut.table) == 0);
+    CHECK_THAT(cut.warnings.back(), Catch::Contains("written as 0") && Catch::Contains("--channels wide"));
+    // Others stay what they were.
+    const MeasuredTable usual = average_photos(measured(rendered().truth), target);
+    CHECK(usual.table.channels.is_rgb());
+
+    const double of_wide = fitted_error(wide.table, truth), of_cut = fitted_error(cut.table, truth),
+                 of_usual = fitted_error(usual.table, rendered().truth);
+    INFO("CIEDE2000 of fitted squares: wide " << of_wide << ", cut to sRGB " << of_cut << ", usual inks " << of_usual);
+    CHECK(of_wide < 1.5 * of_usual);
+    CHECK(of_cut > 3 * of_wide);
+}
 
 TEST_CASE("photographs from any side are measured within 0.005") {
     check({{"straight", [](O&) {}},

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxtone/optics/colour/channels.h"
 
+#include <Eigen/LU>
 #include <catch2/catch.hpp>
 
 #include "voxtone/base/error.h"
@@ -67,6 +68,18 @@ TEST_CASE("A set whose channels do not sum to white, or are too many, is refused
     CHECK_THROWS_WITH(set.validate(), Catch::Contains("weights to Z sum to") && Catch::Contains("must be white"));
     set.channels.xyz.assign(33, {0, 0, 0});
     CHECK_THROWS_WITH(set.validate(), Catch::Contains("33 channels") && Catch::Contains("at most 32"));
+}
+
+TEST_CASE("Wide channels are ROMM RGB: sRGB lies inside, and white is white") {
+    const Channels& wide = wide_channels();
+    CHECK_FALSE(fault_of(wide));
+    const Eigen::Matrix3d to_wide = Eigen::Matrix3d(linear_srgb_weights(wide)).inverse();
+    // What others publish of sRGB in ROMM RGB, three decimals.
+    Eigen::Matrix3d published;
+    published << 0.529, 0.330, 0.141, 0.098, 0.873, 0.028, 0.017, 0.118, 0.865;
+    CHECK((to_wide - published).cwiseAbs().maxCoeff() < 1e-3);
+    CHECK((to_wide * Eigen::Vector3d::Ones() - Eigen::Vector3d::Ones()).norm() < 1e-4);
+    CHECK(channels_text(wide) == "3 channels of their own");
 }
 
 }  // namespace voxtone::optics
