@@ -41,20 +41,51 @@ TableObserver observer_of(const Channels& channels) {
     return spectral;
 }
 
+bool is_thin(const Patch& patch) { return patch.thickness_mm > 0; }
+
 std::vector<std::string> roles_of(const PatchTable& table) {
     std::set<std::string> roles;
     for (const Patch& patch : table.patches)
-        for (const ResinShare& share : patch.top) roles.insert(share.role);
+        for (const ResinShare& share : patch.top)
+            if (!is_thin(patch)) roles.insert(share.role);
     return {roles.begin(), roles.end()};
 }
 
-void expect_thick(const Patch& patch) {
-    if (patch.thickness_mm == 0 && patch.backing.empty()) return;
-    throw InputError(
-        fmt::format("{}: patch {} is {} mm thick upon {}, but a chart of mixtures is fitted as thick, where nothing "
-                    "shines through; "
-                    "leave thickness_mm and backing out if its patches hide what is under them.",
-                    patch.where, mixture_text(patch.top), patch.thickness_mm, patch.backing));
+Eigen::Vector3d xyz_of(const Patch& patch, const TableObserver& observer) {
+    return observer.weights *
+           Eigen::Map<const Eigen::VectorXd>(patch.rho.data(), static_cast<Eigen::Index>(patch.rho.size()));
+}
+
+Eigen::Matrix3d root_metric(const Eigen::Vector3d& roots) {
+    return optics::ciede2000_metric(lab_of_roots() * roots - Eigen::Vector3d(16, 0, 0)) * lab_of_roots();
+}
+
+void add_squares(const PatchTable& table, bool own_instrument, ChartData& data) {
+    const TableObserver observer = observer_of(table.channels);
+    for (const Patch& patch : table.patches) {
+        if (!is_thin(patch)) {
+            if (!own_instrument) continue;
+            throw InputError(
+                fmt::format("{}: patch {} is thick; squares that are to tell lengths have a thickness_mm "
+                            "that light gets through.",
+                            patch.where, mixture_text(patch.top)));
+        }
+        PatchMixture held = patch.top;
+        held.push_back({patch.backing, 1});
+        for (const ResinShare& share : held)
+            if (std::ranges::find(data.roles, share.role) == data.roles.end())
+                throw InputError(
+                    fmt::format("{}: the square {} upon {} holds the resin {}, which no thick mixture of the chart "
+                                "does; measure a mixture of it too, or leave the square out.",
+                                patch.where, mixture_text(patch.top), patch.backing, share.role));
+        const Eigen::Vector3d xyz = optics::adapt_white(xyz_of(patch, observer), observer.white, data.white);
+        const Eigen::Index row = data.squares.roots.rows();
+        data.squares.roots.conservativeResize(row + 1, 3);
+        data.squares.roots.row(row) = optics::lab_roots(xyz, data.white).transpose();
+        data.squares.metric.push_back(root_metric(data.squares.roots.row(row).transpose()));
+        data.squares.patches.push_back(patch);
+        data.squares.own_instrument.push_back(own_instrument);
+    }
 }
 
 }  // namespace
@@ -65,7 +96,7 @@ Eigen::Matrix3d lab_of_roots() {
     return map;
 }
 
-ChartData chart_data(const PatchTable& table) {
+ChartData chart_data(const PatchTable& table, const PatchTable& squares) {
     ChartData data;
     data.roles = roles_of(table);
     const TableObserver observer = observer_of(table.channels);
@@ -73,27 +104,25 @@ ChartData chart_data(const PatchTable& table) {
     std::map<std::string, std::size_t> rows;
     std::vector<Eigen::Vector3d> sums;
     std::vector<Eigen::Vector3d> measured;
+    std::vector<Eigen::Index> row_of;
     std::vector<const Patch*> first;
     for (const Patch& patch : table.patches) {
-        expect_thick(patch);
+        if (is_thin(patch)) continue;
         const auto [entry, is_new] = rows.try_emplace(mixture_text(patch.top), sums.size());
-        const Eigen::Vector3d xyz =
-            observer.weights *
-            Eigen::Map<const Eigen::VectorXd>(patch.rho.data(), static_cast<Eigen::Index>(patch.rho.size()));
-        measured.push_back(optics::lab_roots(xyz, data.white));
+        measured.push_back(optics::lab_roots(xyz_of(patch, observer), data.white));
         if (is_new) {
             sums.emplace_back(Eigen::Vector3d::Zero());
             first.push_back(&patch);
         }
         sums[entry->second] += measured.back();
-        data.row_of.push_back(entry->second);
+        row_of.push_back(static_cast<Eigen::Index>(entry->second));
     }
     const auto mixtures = static_cast<Eigen::Index>(sums.size()), resins = static_cast<Eigen::Index>(data.roles.size());
     if (mixtures < 2)
         throw InputError(
             fmt::format("{}: one mixture alone tells nothing of its resins; measure a chart of them.", table.source));
     data.repeats = Eigen::VectorXd::Zero(mixtures);
-    for (const std::size_t row : data.row_of) data.repeats[static_cast<Eigen::Index>(row)] += 1;
+    for (const Eigen::Index row : row_of) data.repeats[row] += 1;
     data.shares = Eigen::MatrixXd::Zero(mixtures, resins);
     data.roots.resize(mixtures, 3), data.lab.resize(mixtures, 3);
     for (Eigen::Index i = 0; i < mixtures; ++i) {
@@ -104,22 +133,37 @@ ChartData chart_data(const PatchTable& table) {
         data.roots.row(i) = (sums[k] / data.repeats[i]).transpose();
         const Eigen::Vector3d lab = lab_of_roots() * data.roots.row(i).transpose() - Eigen::Vector3d(16, 0, 0);
         data.lab.row(i) = lab.transpose();
-        data.metric.push_back(optics::ciede2000_metric(lab) * lab_of_roots());
+        data.metric.push_back(root_metric(data.roots.row(i).transpose()));
     }
     std::vector<double> apart;
     for (std::size_t p = 0; p < measured.size(); ++p) {
-        const auto row = static_cast<Eigen::Index>(data.row_of[p]);
+        const Eigen::Index row = row_of[p];
         if (data.repeats[row] < 2) continue;
         const Eigen::Vector3d lab = lab_of_roots() * measured[p] - Eigen::Vector3d(16, 0, 0);
         apart.push_back(optics::ciede2000(lab, data.lab.row(row).transpose()));
     }
     data.noise = optics::summarize(apart);
+    add_squares(table, false, data);
+    add_squares(squares, true, data);
     return data;
+}
+
+ThinSquares square_rows(const ThinSquares& squares, const std::vector<Eigen::Index>& keep) {
+    ThinSquares part;
+    part.roots = squares.roots(keep, Eigen::all);
+    for (const Eigen::Index row : keep) {
+        const auto i = static_cast<std::size_t>(row);
+        part.patches.push_back(squares.patches[i]);
+        part.own_instrument.push_back(squares.own_instrument[i]);
+        part.metric.push_back(squares.metric[i]);
+    }
+    return part;
 }
 
 ChartData chart_rows(const ChartData& data, const std::vector<Eigen::Index>& keep) {
     ChartData part;
     part.roles = data.roles, part.illuminant = data.illuminant, part.white = data.white;
+    part.squares = data.squares;
     part.shares = data.shares(keep, Eigen::all);
     part.roots = data.roots(keep, Eigen::all);
     part.lab = data.lab(keep, Eigen::all);

@@ -15,6 +15,14 @@
 
 namespace voxtone::calibration {
 
+/// Squares of known thickness upon a base, which tell lengths. They need not be on the chart.
+struct ThinSquares {
+    std::vector<Patch> patches;
+    std::vector<bool> own_instrument;     ///< not the chart's: a perfect diffuser is 1, no surface is seen
+    Eigen::MatrixX3d roots;               ///< measured
+    std::vector<Eigen::Matrix3d> metric;  ///< as those of mixtures
+};
+
 struct ChartData {
     std::vector<std::string> roles;
     optics::Illuminant illuminant = optics::Illuminant::d50;
@@ -23,20 +31,21 @@ struct ChartData {
     Eigen::MatrixX3d roots, lab;          ///< measured, means of repeats
     Eigen::VectorXd repeats;              ///< measurements of each mixture
     std::vector<Eigen::Matrix3d> metric;  ///< CIEDE2000 of a small step d of the roots is |W d|
-    std::vector<std::size_t> row_of;      ///< of each patch of the table
     std::vector<std::string> names;       ///< "C:25+W:75"
-    optics::DifferenceSummary noise;      ///< CIEDE2000 of repeats from their mean; count 0: none was repeated
+    ThinSquares squares;
+    optics::DifferenceSummary noise;  ///< CIEDE2000 of repeats from their mean; count 0: none was repeated
 
     [[nodiscard]] Eigen::Index mixtures() const { return shares.rows(); }
     [[nodiscard]] Eigen::Index resins() const { return shares.cols(); }
 };
 
-/// `table` is of thick patches. Throws InputError where one is not, where there are fewer than two mixtures, and where
-/// no patch has a colour.
-[[nodiscard]] ChartData chart_data(const PatchTable& table);
+/// Thick patches of `table` are mixtures, thin ones squares, and so are the patches of `squares`. Throws InputError
+/// where there are fewer than two mixtures, and where a square is of a resin that no mixture holds.
+[[nodiscard]] ChartData chart_data(const PatchTable& table, const PatchTable& squares = {});
 
-/// The rows `keep` alone.
+/// The mixtures `keep` alone, with all squares; the squares `keep` alone.
 [[nodiscard]] ChartData chart_rows(const ChartData& data, const std::vector<Eigen::Index>& keep);
+[[nodiscard]] ThinSquares square_rows(const ThinSquares& squares, const std::vector<Eigen::Index>& keep);
 
 /// lab = lab_of_roots * roots - (16, 0, 0)
 [[nodiscard]] Eigen::Matrix3d lab_of_roots();

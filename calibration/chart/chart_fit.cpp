@@ -18,6 +18,7 @@
 #include "voxtone/calibration/chart/observer_fit.h"
 #include "voxtone/calibration/chart/observer_start.h"
 #include "voxtone/calibration/chart/residual_fit.h"
+#include "voxtone/calibration/chart/square_colours.h"
 
 namespace voxtone::calibration {
 
@@ -32,7 +33,35 @@ constexpr Eigen::Index most_cuts = 8;
 constexpr double as_good = 1.01;
 
 ObserverModel model_of(const ChartData& data, int channels, const ChartFitOptions& options) {
-    return {data.resins(), white_resin(data), channels, options.g, options.eta, options.geometry};
+    return {data.resins(),
+            white_resin(data),
+            channels,
+            {.g = options.g,
+             .eta = options.eta,
+             .geometry = options.geometry,
+             .pitch_mm = options.pitch_mm,
+             .lengths = !data.squares.patches.empty()}};
+}
+
+optics::Channels channels_of(const ChartData& data, const ObserverParts& parts) {
+    optics::Channels channels;
+    channels.illuminant = data.illuminant;
+    for (Eigen::Index c = 0; c < parts.weights.rows(); ++c)
+        channels.xyz.push_back({parts.weights(c, 0) * data.white[0], parts.weights(c, 1) * data.white[1],
+                                parts.weights(c, 2) * data.white[2]});
+    return channels;
+}
+
+Eigen::VectorXd scattering_of(const ChartData& data, const ObserverParts& parts, const ChartFitOptions& options) {
+    const std::vector<double> of = white_scattering(channels_of(data, parts), options.g, options.lengths_from);
+    return Eigen::Map<const Eigen::VectorXd>(of.data(), static_cast<Eigen::Index>(of.size()));
+}
+
+ObserverParts start_of(const ChartData& data, int channels, const ChartFitOptions& options) {
+    ObserverParts start = observer_start(data, channels);
+    start.scattering = scattering_of(data, start, options);
+    if (options.pitch_mm[0] > 0) start.dot_spread = 0.5;
+    return start;
 }
 
 // Fold of each mixture: an even cut of a shuffled order.
@@ -49,17 +78,37 @@ std::vector<int> folds_of(Eigen::Index mixtures, int folds, std::uint64_t cut = 
 
 struct LeftOut {
     Eigen::MatrixX3d physics, corrected;  ///< roots of every mixture by a fit without its fold
+    Eigen::MatrixX3d squares;             ///< the same of every thin square
+    std::vector<ObserverParts> parts;     ///< of each fold's fit; empty: not wanted
 };
+
+struct Rows {
+    std::vector<Eigen::Index> kept, left;
+};
+
+Rows rows_of(const std::vector<int>& fold, int k) {
+    Rows rows;
+    for (std::size_t i = 0; i < fold.size(); ++i)
+        (fold[i] == k ? rows.left : rows.kept).push_back(static_cast<Eigen::Index>(i));
+    return rows;
+}
 
 // One fold: what the others say of it.
 void predict_fold(const ChartData& data, const std::vector<int>& fold, int k, int channels,
                   const ChartFitOptions& options, const ResidualShape& shape, const Progress* progress, LeftOut& out) {
-    std::vector<Eigen::Index> kept, left;
-    for (std::size_t i = 0; i < fold.size(); ++i) (fold[i] == k ? left : kept).push_back(static_cast<Eigen::Index>(i));
+    const auto [kept, left] = rows_of(fold, k);
     if (left.empty()) return;
-    const ChartData part = chart_rows(data, kept);
+    ChartData part = chart_rows(data, kept);
+    const int folds = *std::ranges::max_element(fold) + 1;
+    const auto [kept_squares, left_squares] = rows_of(folds_of(data.squares.roots.rows(), folds), k);
+    part.squares = square_rows(data.squares, kept_squares);
     const ObserverModel model = model_of(data, channels, options);
-    const ObserverFit fit = fit_observer(part, model, observer_start(part, channels), progress);
+    const ObserverFit fit = fit_observer(part, model, start_of(part, channels, options), progress);
+    if (!out.parts.empty()) out.parts[static_cast<std::size_t>(k)] = fit.parts;
+    const ThinSquares others = square_rows(data.squares, left_squares);
+    const Eigen::MatrixX3d square_roots = SquareColours(others, data.roles, model).roots(fit.parts);
+    for (std::size_t i = 0; i < left_squares.size(); ++i)
+        out.squares.row(left_squares[i]) = square_roots.row(static_cast<Eigen::Index>(i));
     const Eigen::MatrixX3d physics = predicted_roots(model, fit.parts, data.shares(left, Eigen::all));
     const optics::ColourResidual residual =
         options.residual ? make_residual(part, part.roots - fit.roots, shape) : optics::ColourResidual();
@@ -77,7 +126,10 @@ double mean_difference(const Eigen::MatrixX3d& predicted, const ChartData& data)
 }
 
 LeftOut empty_prediction(const ChartData& data) {
-    return {Eigen::MatrixX3d::Zero(data.mixtures(), 3), Eigen::MatrixX3d::Zero(data.mixtures(), 3)};
+    return {Eigen::MatrixX3d::Zero(data.mixtures(), 3),
+            Eigen::MatrixX3d::Zero(data.mixtures(), 3),
+            Eigen::MatrixX3d::Zero(data.squares.roots.rows(), 3),
+            {}};
 }
 
 // Numbers of channels that so many mixtures can bear: not more unknowns than measured values.
@@ -159,26 +211,23 @@ optics::ResinSet set_of(const ChartData& data, const ObserverParts& parts, const
     optics::ResinSet set;
     set.name = options.name;
     set.g = options.g, set.eta = options.eta;
-    set.dot_spread = 1;  // Eq. 7 is what was fitted
-    set.channels.illuminant = data.illuminant;
-    const Eigen::Index channels = parts.weights.rows();
-    for (Eigen::Index c = 0; c < channels; ++c)
-        set.channels.xyz.push_back({parts.weights(c, 0) * data.white[0], parts.weights(c, 1) * data.white[1],
-                                    parts.weights(c, 2) * data.white[2]});
-    const std::vector<double> scattering = white_scattering(set.channels, options.g, options.lengths_from);
+    set.dot_spread = parts.dot_spread;
+    set.channels = channels_of(data, parts);
     for (Eigen::Index r = 0; r < data.resins(); ++r) {
         const std::string& role = data.roles[static_cast<std::size_t>(r)];
         optics::Resin resin{role, role, {}, {}};
-        for (Eigen::Index c = 0; c < channels; ++c) {
+        for (Eigen::Index c = 0; c < parts.weights.rows(); ++c) {
             const double sum = parts.a(r, c) + parts.s(r, c);
-            resin.sigma_t_per_mm.push_back(scattering[static_cast<std::size_t>(c)] * sum);
+            resin.sigma_t_per_mm.push_back(parts.scattering[c] * sum);
             resin.albedo.push_back(parts.s(r, c) / sum);
         }
         set.resins.push_back(std::move(resin));
     }
     set.measured = {options.geometry, parts.surface, parts.gain};
-    set.source = fmt::format("voxtone calibrate fit, {} mixtures of {}; lengths from the white of {}", data.mixtures(),
-                             table.source, options.lengths_from.name);
+    set.source =
+        fmt::format("voxtone calibrate fit, {} mixtures of {}; lengths from {}", data.mixtures(), table.source,
+                    data.squares.patches.empty() ? "the white of " + options.lengths_from.name
+                                                 : fmt::format("{} thin squares", data.squares.patches.size()));
     return set;
 }
 
@@ -191,6 +240,28 @@ void add_limits(const ChartData& data, ChartFit& fit) {
                 "no patch holds more than {:.0f} % of {}: colours of mixtures beyond that are the model's word alone",
                 100 * most, data.roles[static_cast<std::size_t>(r)]));
     }
+}
+
+// Standard error of an estimate from those that left a fold out each (Efron 1982).
+double jackknife_error(const std::vector<double>& left_out) {
+    const auto folds = static_cast<double>(left_out.size());
+    const double mean = std::reduce(left_out.begin(), left_out.end()) / folds;
+    double sum = 0;
+    for (const double value : left_out) sum += (value - mean) * (value - mean);
+    return std::sqrt((folds - 1) / folds * sum);
+}
+
+void add_parameter_errors(const ChartData& data, const ObserverModel& model, const LeftOut& left, ChartFit& fit) {
+    const auto error_of = [&](auto value) {
+        std::vector<double> values;
+        for (const ObserverParts& parts : left.parts) values.push_back(value(parts));
+        return jackknife_error(values);
+    };
+    if (model.fits_spread()) fit.dot_spread_error = error_of([](const ObserverParts& p) { return p.dot_spread; });
+    if (!model.options().lengths) return;
+    for (Eigen::Index c = 0; c < model.channels(); ++c)
+        fit.length_error.push_back(error_of([c](const ObserverParts& p) { return std::log(p.scattering[c]); }));
+    fit.squares_held_out = optics::summarize(root_differences(left.squares, data.squares.roots));
 }
 
 void add_held_out(const ChartData& data, const LeftOut& left, ChartFit& fit) {
@@ -216,7 +287,7 @@ ChartFit fit_chart(const PatchTable& table, const ChartFitOptions& options, cons
         throw InputError(fmt::format("{} channels: a fit takes {} to {}, or auto.", options.channels, least_channels,
                                      most_channels));
     const Stopwatch watch;
-    const ChartData data = chart_data(table);
+    const ChartData data = chart_data(table, options.squares);
     expect_enough(data, table, options);
     ChartFit result;
     result.noise = data.noise;
@@ -224,7 +295,12 @@ ChartFit fit_chart(const PatchTable& table, const ChartFitOptions& options, cons
     const int channels = best_channels(result.curve, options);
 
     const ObserverModel model = model_of(data, channels, options);
-    const ObserverFit fit = fit_observer(data, model, observer_start(data, channels), progress);
+    ObserverFit fit = fit_observer(data, model, start_of(data, channels, options), progress);
+    if (!model.options().lengths) fit.parts.scattering = scattering_of(data, fit.parts, options);
+    if (model.fits_spread() && !model.options().lengths) {
+        fit = fit_observer(data, model, fit.parts, progress);
+        fit.parts.scattering = scattering_of(data, fit.parts, options);
+    }
     const Eigen::MatrixX3d left = data.roots - fit.roots;
     ResidualShape shape = usual_residual_shape(data.resins());
     ChartFitOptions chosen = options;
@@ -248,12 +324,14 @@ ChartFit fit_chart(const PatchTable& table, const ChartFitOptions& options, cons
     const int folds = static_cast<int>(std::min<Eigen::Index>(options.folds, data.mixtures()));
     const std::vector<int> fold = folds_of(data.mixtures(), folds);
     LeftOut out = empty_prediction(data);
+    out.parts.resize(static_cast<std::size_t>(folds));
     parallel_for(
         0, static_cast<std::size_t>(folds), 1,
         [&](std::size_t k) { predict_fold(data, fold, static_cast<int>(k), channels, chosen, shape, progress, out); },
         progress);
     add_held_out(data, out, result);
     add_limits(data, result);
+    add_parameter_errors(data, model, out, result);
     if (!fit.converged) result.warnings.emplace_back("the least squares stopped before it came to rest");
     result.seconds = watch.total();
     return result;

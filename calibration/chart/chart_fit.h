@@ -6,9 +6,10 @@
 //
 // Errors that are reported are of mixtures that took no part: the mixtures are cut into folds, repeats of one mixture
 // together, and each fold is predicted by a fit of the others. Lengths and noise of the residual are chosen on all
-// (they are as many numbers as resins, and one).
+// (they are as many numbers as resins, and one). Thin squares, where there are some, are cut into the same folds.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -27,8 +28,10 @@ struct ChartFitOptions {
     bool residual = true;  ///< keep what physics leaves
     optics::MeasuringGeometry geometry = optics::MeasuringGeometry::directional_45_0;
     double g = 0.4, eta = 1.5;
+    std::array<double, 3> pitch_mm{};   ///< of the voxels: their dot spread is fitted; 0: Eq. 7
     int folds = 10;                     ///< of the last cross-validation, >= 2
-    optics::ResinSet lengths_from;      ///< whose white's scattering gives mm
+    optics::ResinSet lengths_from;      ///< whose white's scattering gives mm, or starts what squares tell of it
+    PatchTable squares;                 ///< thin squares of the same resins, read by another instrument; empty: none
     std::vector<std::string> expected;  ///< roles that must be there; empty: those of the table
 };
 
@@ -46,11 +49,14 @@ struct HeldOutPatch {
 struct ChartFit {
     optics::ResinSet set;
     optics::DifferenceSummary fitted, held_out, held_out_physics, noise;  ///< CIEDE2000; noise: of repeats
-    std::vector<ChannelChoice> curve;   ///< of the numbers of channels that were tried
-    std::vector<HeldOutPatch> worst;    ///< largest held-out differences, first
-    std::vector<HeldOutPatch> solids;   ///< held-out difference of each resin's solid, where it was measured
-    double residual_size = 0;           ///< mean CIEDE2000 between predictions with and without it
-    std::vector<std::string> warnings;  ///< where the set must not be trusted
+    std::vector<ChannelChoice> curve;            ///< of the numbers of channels that were tried
+    std::vector<HeldOutPatch> worst;             ///< largest held-out differences, first
+    std::vector<HeldOutPatch> solids;            ///< held-out difference of each resin's solid, where it was measured
+    optics::DifferenceSummary squares_held_out;  ///< CIEDE2000 of thin squares left out; count 0: there are none
+    std::vector<double> length_error;            ///< relative standard error of white's scattering, by jackknife
+    double dot_spread_error = 0;                 ///< standard error, by jackknife over the folds; 0: it was not fitted
+    double residual_size = 0;                    ///< mean CIEDE2000 between predictions with and without it
+    std::vector<std::string> warnings;           ///< where the set must not be trusted
     double seconds = 0;
 };
 

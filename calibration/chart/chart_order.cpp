@@ -52,7 +52,8 @@ constexpr std::array<Order, 4> orders{{{"turned by 180 degrees",
 double error_of(const PatchTable& table, const ChartFitOptions& options) {
     const ChartData data = chart_data(table);
     if (data.mixtures() <= data.resins()) return 0;
-    const ObserverModel model(data.resins(), white_resin(data), channels, options.g, options.eta, options.geometry);
+    const ObserverModel model(data.resins(), white_resin(data), channels,
+                              {.g = options.g, .eta = options.eta, .geometry = options.geometry});
     const ObserverFit fit = fit_observer(data, model, observer_start(data, channels));
     return optics::summarize(root_differences(fit.roots, data.roots)).mean;
 }

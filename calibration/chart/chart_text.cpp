@@ -55,6 +55,7 @@ std::string chart_fit_text(const ChartFit& fit) {
     text += difference_line("mixtures left out of the fit", fit.held_out);
     text += difference_line("  the same by physics alone", fit.held_out_physics);
     text += difference_line("mixtures that were fitted", fit.fitted);
+    if (fit.squares_held_out.count > 0) text += difference_line("thin squares left out", fit.squares_held_out);
     if (fit.noise.count > 0) text += difference_line("repeats from their own mean", fit.noise);
     if (!fit.curve.empty()) {
         text += "\nMixtures left out, by number of channels: mean by physics, with residual\n";
@@ -67,6 +68,18 @@ std::string chart_fit_text(const ChartFit& fit) {
     else
         text += fmt::format("\nResidual: {} mixtures, {:.2f} CIEDE2000 in the mean\n", set.residual.centres().rows(),
                             fit.residual_size);
+    if (fit.squares_held_out.count > 0) {
+        text += "White scatters, from thin squares, per mm:";
+        const int white = set.find("W");
+        for (std::size_t c = 0; c < fit.length_error.size() && white >= 0; ++c) {
+            const double sigma_s = set.resins[static_cast<std::size_t>(white)].medium(c).sigma_s;
+            text += fmt::format(" {:.2f} +- {:.2f}", sigma_s, sigma_s * fit.length_error[c]);
+        }
+        text += "\n";
+    }
+    if (fit.dot_spread_error > 0)
+        text += fmt::format("Dot spread {:.2f} +- {:.2f}: 0 are sharp voxels, 1 an ideal mixture\n", set.dot_spread,
+                            fit.dot_spread_error);
     text += fmt::format("Largest errors of mixtures left out: {}\n", patches_text(fit.worst));
     if (!fit.solids.empty()) text += fmt::format("Solids, left out: {}\n", patches_text(fit.solids));
     text += fmt::format("The instrument sees {:.2f} % of neutral light from the surface; its gain is {:.3f}\n",
@@ -86,6 +99,9 @@ std::string chart_fit_json(const ChartFit& fit) {
                    {"held_out_physics", object_of(fit.held_out_physics)},
                    {"repeats", object_of(fit.noise)},
                    {"residual", {{"centres", set.residual.centres().rows()}, {"mean_de2000", fit.residual_size}}},
+                   {"squares_held_out", object_of(fit.squares_held_out)},
+                   {"length_error", fit.length_error},
+                   {"dot_spread", {{"value", set.dot_spread}, {"error", fit.dot_spread_error}}},
                    {"measured", {{"surface", set.measured.surface}, {"gain", set.measured.gain}}},
                    {"curve", ChartJson::array()},
                    {"worst", patches_of(fit.worst)},

@@ -2,6 +2,7 @@
 #include "voxtone/calibration/chart/observer_fit.h"
 
 #include "voxtone/calibration/chart/colour_fit.h"
+#include "voxtone/calibration/chart/square_colours.h"
 
 namespace voxtone::calibration {
 
@@ -12,26 +13,41 @@ namespace {
 // 1.215 to 1.23.
 constexpr double solid_from = 0.995, solid_weight = 4;
 
-Eigen::VectorXd counts_of(const ChartData& data) {
-    Eigen::VectorXd counts = data.repeats;
-    for (Eigen::Index i = 0; i < counts.size(); ++i)
-        if (data.shares.row(i).maxCoeff() > solid_from) counts[i] *= solid_weight;
-    return counts;
+// Mixtures, then squares.
+ColourTargets targets_of(const ChartData& data) {
+    const Eigen::Index mixtures = data.mixtures(), squares = data.squares.roots.rows();
+    ColourTargets targets{Eigen::MatrixX3d(mixtures + squares, 3), data.metric,
+                          Eigen::VectorXd::Ones(mixtures + squares)};
+    targets.roots << data.roots, data.squares.roots;
+    targets.metric.insert(targets.metric.end(), data.squares.metric.begin(), data.squares.metric.end());
+    targets.counts.head(mixtures) = data.repeats;
+    for (Eigen::Index i = 0; i < mixtures; ++i)
+        if (data.shares.row(i).maxCoeff() > solid_from) targets.counts[i] *= solid_weight;
+    return targets;
 }
 
-class MixtureColours : public ColourModel {
+class ChartColours : public ColourModel {
 public:
-    MixtureColours(const ChartData& data, const ObserverModel& model) : data_(data), model_(model) {}
+    ChartColours(const ChartData& data, const ObserverModel& model, const ObserverParts& known)
+        : data_(data), model_(model), known_(known), squares_(data.squares, data.roles, model) {}
     [[nodiscard]] Eigen::Index unknowns() const override { return model_.unknowns(); }
-    void prepare(const Eigen::VectorXd& unknowns, bool) override { parts_ = model_.parts(unknowns); }
+    void prepare(const Eigen::VectorXd& unknowns, bool with_derivatives) override {
+        parts_ = model_.parts(unknowns, known_);
+        law_ = model_.law(parts_);
+        squares_.prepare(parts_, with_derivatives);
+    }
     [[nodiscard]] Eigen::Vector3d colour(Eigen::Index row, Eigen::Ref<Eigen::Matrix3Xd> by_unknown) const override {
-        return model_.colour(parts_, data_.shares.row(row), by_unknown);
+        if (row >= data_.mixtures()) return squares_.colour(row - data_.mixtures(), by_unknown);
+        return model_.colour(parts_, law_, data_.shares.row(row), by_unknown);
     }
 
 private:
     const ChartData& data_;
     const ObserverModel& model_;
+    const ObserverParts& known_;
     ObserverParts parts_;
+    optics::EffectiveMedium law_;
+    SquareColours squares_;
 };
 
 }  // namespace
@@ -46,11 +62,12 @@ Eigen::MatrixX3d predicted_roots(const ObserverModel& model, const ObserverParts
 ObserverFit fit_observer(const ChartData& data, const ObserverModel& model, const ObserverParts& start,
                          const Progress* progress) {
     Eigen::VectorXd unknowns = model.unknowns_of(start);
-    MixtureColours colours(data, model);
+    ChartColours colours(data, model, start);
     ObserverFit fit;
-    fit.converged = fit_colours({data.roots, data.metric, counts_of(data)}, colours, unknowns, progress);
-    fit.parts = model.parts(unknowns);
+    fit.converged = fit_colours(targets_of(data), colours, unknowns, progress);
+    fit.parts = model.parts(unknowns, start);
     fit.roots = predicted_roots(model, fit.parts, data.shares);
+    fit.square_roots = SquareColours(data.squares, data.roles, model).roots(fit.parts);
     return fit;
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Observer and resins of a chart of thick mixtures by least squares (colour_fit.h): every measurement counts once, a
-// solid four times.
+// Observer and resins of a chart by least squares (colour_fit.h), thick mixtures and the squares that tell lengths at
+// once: every measurement counts once, a solid four times.
 #pragma once
 
 #include "voxtone/base/progress.h"
@@ -12,11 +12,12 @@ namespace voxtone::calibration {
 
 struct ObserverFit {
     ObserverParts parts;
-    Eigen::MatrixX3d roots;  ///< predicted of the mixtures that were fitted
+    Eigen::MatrixX3d roots;         ///< predicted of the mixtures that were fitted
+    Eigen::MatrixX3d square_roots;  ///< of the squares
     bool converged = false;
 };
 
-/// From observer_start.h, exact derivatives.
+/// From `start` (observer_start.h), whose scattering and dot spread hold where they are not fitted. Exact derivatives.
 [[nodiscard]] ObserverFit fit_observer(const ChartData& data, const ObserverModel& model, const ObserverParts& start,
                                        const Progress* progress = nullptr);
 

@@ -43,6 +43,9 @@ void expect_chart_options(const FitJob& job) {
 JobResult run_layer_fit(const FitJob& job, const LayerChart& chart, Progress& progress) {
     const FitOptions fit = options_of(job);
     expect_chart_options(job);
+    if (!job.squares.empty())
+        throw UsageError(fmt::format(
+            "--squares with {}, stacks of layers, which tell lengths themselves. Leave it out.", job.patches));
     if (!job.report.empty())
         throw UsageError(
             fmt::format("--report with {}, stacks of layers: there is no page of them. Leave it out.", job.patches));
@@ -84,9 +87,10 @@ JobResult run_chart_fit(const FitJob& job, const PatchTable& table, Progress& pr
     expect_chart_options(job);
     ChartFitOptions options = job.chart;
     options.name = fit.name;
-    options.g = fit.model.g, options.eta = fit.model.eta;
+    options.g = fit.model.g, options.eta = fit.model.eta, options.pitch_mm = fit.model.pitch_mm;
     options.expected = fit.expected;
     options.lengths_from = io::find_resin_set(job.lengths_from);
+    if (!job.squares.empty()) options.squares = read_measured_patches(job.squares, job.measured, fit.model, progress);
     const PatchTable others =
         job.check.empty() ? PatchTable{} : read_measured_patches(job.check, job.measured, fit.model, progress);
     expect_order(table, options);
@@ -116,6 +120,9 @@ JobResult run_fit_job(const FitJob& job, Progress& progress) {
     }
     const PatchTable table = read_measured_patches(job.patches, job.measured, options.model, progress);
     if (table.is_chart) return run_chart_fit(job, table, progress);
+    if (!job.squares.empty())
+        throw UsageError(
+            fmt::format("--squares with {}, which is a target of squares itself. Leave it out.", job.patches));
     const PatchMap map = job.report.empty() ? PatchMap{} : read_patch_map(table, job.map, progress);
     const bool checked = !job.check.empty();
     const PatchTable others =

@@ -23,6 +23,7 @@ struct FitJob {
     FitOptions fit;                            ///< of a target; its name does not count:
     ChartFitOptions chart;                     ///< of a chart of mixtures; its name, g, eta and lengths neither
     std::string lengths_from = "vero-opaque";  ///< set or file whose white gives a chart's lengths
+    std::string squares;                       ///< file of thin squares that tell a chart's lengths; empty: none
     std::string prior;       ///< NAME.edge.json of edge profiles (resin_prior.h), whose g and eta hold; empty: none
     std::string name;        ///< of the set; empty: that of the file `out`
     std::string check;       ///< file of other patches to predict with the result; empty: none

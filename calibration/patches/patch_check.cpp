@@ -65,37 +65,43 @@ void expect_resins(const optics::ResinSet& set, const PatchTable& table) {
     }
 }
 
-// rho of every square upon its base in the set's channels, [patch][channel].
+// rho of every square upon its base in the set's channels, [patch][channel]; of a chart as its instrument reads it.
 std::vector<std::vector<double>> predict_squares(const optics::ResinSet& set, const PatchTable& table,
                                                  PatchModelOptions options) {
-    options.g = set.g, options.eta = set.eta;
+    options.g = set.g, options.eta = set.eta, options.dot_spread = set.dot_spread;
+    const optics::FlatMeasurement read = table.is_chart ? set.measured : optics::FlatMeasurement{};
     const PatchModel model(table.patches, roles_in(set), options);
     std::vector<std::vector<double>> predicted(table.patches.size(), std::vector<double>(set.channels.size()));
     parallel_for(0, set.channels.size(), 1, [&](std::size_t c) {
         std::vector<optics::Medium> media;
         for (const optics::Resin& resin : set.resins) media.push_back(resin.medium(c));
         const std::vector<double> rho = model.rho(media);
-        for (std::size_t p = 0; p < rho.size(); ++p) predicted[p][c] = rho[p];
+        for (std::size_t p = 0; p < rho.size(); ++p) predicted[p][c] = read.gain * (read.surface + rho[p]);
     });
     return predicted;
 }
 
 bool is_thick(const Patch& patch) { return patch.thickness_mm == 0 && patch.backing.empty(); }
 
-// Thick pieces of mixtures, read as the set was measured, its residual included.
+// Thick pieces of mixtures, read as the set was measured, its residual included, and the thin ones of the same table.
 PatchCheck check_mixtures(const optics::ResinSet& set, const PatchTable& table, const PatchModelOptions& options) {
     PatchCheck check;
     check.patches.resize(table.patches.size());
     const optics::FlatColour flat(set, options.pitch_mm);
     const Eigen::Matrix3d to_rgb = optics::linear_srgb_of(flat.white());
+    PatchTable thin = table;
+    std::erase_if(thin.patches, is_thick);
+    const optics::ObservedColour<double> of_set(set.channels);
+    std::vector<std::vector<double>> squares = predict_squares(set, thin, options);
+    for (std::size_t p = 0, square = 0; p < table.patches.size(); ++p) {
+        if (is_thick(table.patches[p])) continue;
+        check.patches[p].predicted = std::move(squares[square++]);
+        check.patches[p].predicted_rgb = of_set.absolute(check.patches[p].predicted.data());
+    }
     parallel_for(0, table.patches.size(), 64, [&](std::size_t p) {
-        const Patch& patch = table.patches[p];
-        if (!is_thick(patch))
-            throw InputError(fmt::format(
-                "{}: patch {} has a thickness, but others of its table are thick; give all of them one, or none.",
-                patch.where, patch_name(patch)));
+        if (!is_thick(table.patches[p])) return;
         std::vector<double> shares(set.resins.size());
-        for (const ResinShare& share : patch.top)
+        for (const ResinShare& share : table.patches[p].top)
             shares[static_cast<std::size_t>(set.find(share.role))] += share.fraction;
         check.patches[p].predicted = flat.reading(shares);
         check.patches[p].predicted_rgb = to_rgb * flat.xyz(shares);

@@ -39,8 +39,7 @@ struct PatchCheck {
                                          const optics::Channels& channels);
 
 /// Thin squares upon a base by the patch model, thick mixtures by optics::FlatColour with the set's residual; g and eta
-/// are the set's. Throws InputError where a resin is not in the set, or some patches of a table are thick and others
-/// not.
+/// and dot spread are the set's. Throws InputError where a resin is not in the set.
 [[nodiscard]] PatchCheck check_resins(const optics::ResinSet& set, const PatchTable& table, PatchModelOptions options);
 
 }  // namespace voxtone::calibration

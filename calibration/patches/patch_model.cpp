@@ -25,7 +25,7 @@ std::size_t index_of(std::vector<T>& list, const T& value) {
 optics::ResinSet one_channel(std::span<const Medium> resins, const PatchModelOptions& options) {
     optics::ResinSet set;
     set.channels.wavelengths_nm = {500};
-    set.g = options.g, set.eta = options.eta;
+    set.g = options.g, set.eta = options.eta, set.dot_spread = options.dot_spread;
     for (const Medium& medium : resins) set.resins.push_back({"", "", {medium.sigma_t()}, {medium.albedo()}});
     return set;
 }

@@ -31,6 +31,12 @@ void add_chart_options(CLI::App& command, ChartOptions& options, calibration::Fi
     add_value(command, "--lengths-from", job.lengths_from,
               "set or file whose white's scattering gives mm, which thick mixtures do not tell")
         ->group(group);
+    command
+        .add_option("--squares", job.squares,
+                    "thin squares of the same resins (a target's table): they tell mm in place of --lengths-from, in "
+                    "one fit with the chart. Rows of the chart with a thickness_mm and a backing do so too")
+        ->type_name("FILE")
+        ->group(group);
     add_value(command, "--geometry", options.geometry, "how the instrument looks")
         ->check(CLI::IsMember({"45/0", "d/8"}))
         ->group(group);

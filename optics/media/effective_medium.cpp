@@ -23,7 +23,7 @@ EffectiveMedium::EffectiveMedium(const ResinSet& resins, const std::array<double
     VOXTONE_EXPECT(*least > 0 || (*least == 0 && *most == 0));
     const double sharp = 1 - resins.dot_spread;
     ideal_ = *least == 0 || sharp == 0;
-    double chord = 0, absorbing = 0, b = 0;
+    double chord = 0, absorbing = 0;
     if (!ideal_) {
         chord = sharp * 2 / (1 / pitch_mm[0] + 1 / pitch_mm[1] + 1 / pitch_mm[2]);
         const std::size_t first = seen == SeenFrom::above ? 2 : 0;
@@ -32,14 +32,14 @@ EffectiveMedium::EffectiveMedium(const ResinSet& resins, const std::array<double
             const double along = pitch_mm[up], across = std::sqrt(pitch_mm[(up + 1) % 3] * pitch_mm[(up + 2) % 3]);
             const double h = along / (across + 0.5 * along);
             absorbing += share * chord * (1 + constants.a * (h - 0.4));
-            b += share * constants.b_1 * std::max(h - constants.h_0, 0.0);
+            b_ += share * constants.b_1 * std::max(h - constants.h_0, 0.0);
         }
     }
     for (std::size_t c = 0; c < resins.channels.size(); ++c)
         for (const Resin& resin : resins.resins) {
             const Medium m = resin.medium(c);
             const double t = absorbing * m.sigma_a, u = chord * (1 - resins.g) * m.sigma_s;
-            constants_.push_back({m.sigma_a, m.sigma_s, t, u, 1 / (1 + b * u)});
+            constants_.push_back({m.sigma_a, m.sigma_s, t, u, 1 / (1 + b_ * u)});
         }
 }
 
@@ -96,6 +96,42 @@ void EffectiveMedium::gradient(const Point& p, std::size_t channel, double by_ab
                                  p.medium.sigma_s * (q * dW / p.W + v / p.V);
         out[r] = by_absorption * d_sigma_a + by_scattering * d_sigma_s;
     }
+}
+
+void EffectiveMedium::by_resins(const Point& p, std::span<const double> f, std::size_t channel, ByResins& out) const {
+    VOXTONE_EXPECT(f.size() == resins_);
+    const std::span<const Constants> of = constants(channel);
+    out.by_absorption.assign(resins_, {}), out.by_scattering.assign(resins_, {});
+    out.by_chord = {};
+    if (ideal()) {
+        for (std::size_t r = 0; r < resins_; ++r) {
+            out.by_absorption[r].sigma_a = f[r] * of[r].sigma_a;
+            out.by_scattering[r].sigma_s = f[r] * of[r].sigma_s;
+        }
+        return;
+    }
+    const auto step = [&](double dA, double dW, double dS, double dV) {
+        return Medium{(dA - p.medium.sigma_a * dW) / p.W,
+                      dS / p.scattering_norm - p.medium.sigma_s * (q * dW / p.W + dV / p.V)};
+    };
+    Medium chord;
+    for (std::size_t r = 0; r < resins_; ++r) {
+        const auto& [sigma_a, sigma_s, t, u, v] = of[r];
+        const double w = 1 / (1 + p.k * t), wq = power(w);
+        // t_i by a step of its logarithm: absorption's own, and half of what a longer chord does.
+        const double dw = -p.k * t * w * w;
+        const Medium by_t = step(f[r] * dw * sigma_a, f[r] * dw, f[r] * q * wq / w * dw * v * sigma_s, 0);
+        const Medium by_a = step(f[r] * w * sigma_a, 0, 0, 0);
+        out.by_absorption[r] = {by_t.sigma_a + by_a.sigma_a, by_t.sigma_s + by_a.sigma_s};
+        // u_i by a step of its logarithm: it moves v_i and, for all resins, k.
+        const double dv = -b_ * u * v * v, dV = f[r] * dv;
+        const double dk = k_1_ * (f[r] * (dv + v) * u - p.u * dV) / p.V;
+        const Medium by_u = step(p.A_k * dk, p.W_k * dk, p.S_k * dk + f[r] * wq * dv * sigma_s, dV);
+        const Medium by_s = step(0, 0, f[r] * wq * v * sigma_s, 0);
+        out.by_scattering[r] = {by_u.sigma_a + by_s.sigma_a, by_u.sigma_s + by_s.sigma_s};
+        chord.sigma_a += by_t.sigma_a + by_u.sigma_a, chord.sigma_s += by_t.sigma_s + by_u.sigma_s;
+    }
+    out.by_chord = chord;
 }
 
 Medium EffectiveMedium::bound(std::size_t channel) const {

@@ -74,6 +74,13 @@ public:
     /// out[r] = by_absorption d sigma_a* / d f_r + by_scattering d sigma_s* / d f_r, every fraction taken as free.
     void gradient(const Point& point, std::size_t channel, double by_absorption, double by_scattering,
                   std::span<double> out) const;
+    /// Derivatives of the medium by what the resins are: by ln sigma_a and ln sigma_s of each, and by the logarithm of
+    /// the voxels' chord, which is that of 1 - dot_spread (0 of ideal mixtures).
+    struct ByResins {
+        std::vector<Medium> by_absorption, by_scattering;  ///< one per resin
+        Medium by_chord;
+    };
+    void by_resins(const Point& point, std::span<const double> fractions, std::size_t channel, ByResins& out) const;
 
     [[nodiscard]] bool ideal() const { return ideal_; }
     /// No mixture absorbs or scatters more than this.
@@ -81,13 +88,13 @@ public:
 
 private:
     struct Constants {
-        double sigma_a, sigma_s, t, u, v;
+        double sigma_a, sigma_s, t, u, v;  ///< as above
     };
     [[nodiscard]] std::span<const Constants> constants(std::size_t channel) const {
         return {constants_.data() + channel * resins_, resins_};
     }
     std::size_t resins_ = 0;
-    double k_0_ = 0, k_1_ = 0;
+    double k_0_ = 0, k_1_ = 0, b_ = 0;
     bool ideal_ = true;
     std::vector<Constants> constants_;  ///< [channel * resins + resin]
 };

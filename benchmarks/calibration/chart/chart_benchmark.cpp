@@ -2,10 +2,11 @@
 //
 // How well a chart of measured mixtures is fitted: judged on the mixtures of the same table that took no part.
 //
-//   chart_benchmark TABLE [--fit N,...] [--draws D] [--channels K,...] [--no-residual]
+//   chart_benchmark TABLE [--fit N,...] [--draws D] [--channels K,...] [--no-residual] [--printer ID]
 //
 // For every N (0: a half of them) and K (0: auto) D random draws of N mixtures are fitted, and all others predicted:
-// mean and 95th percentile of CIEDE2000 over the draws, of physics alone as well, and seconds. The table is not in the
+// mean and 95th percentile of CIEDE2000 over the draws, of physics alone as well, and seconds; with a printer, the dot
+// spread of its voxels is fitted too. The table is not in the
 // tree: whoever has measured one names it.
 #include <algorithm>
 #include <map>
@@ -20,6 +21,7 @@
 #include "voxtone/calibration/patches/patch_file.h"
 #include "voxtone/calibration/patches/patch_mixture.h"
 #include "voxtone/io/profiles/resin_file.h"
+#include "voxtone/slicer/printer/printer.h"
 
 namespace {
 
@@ -59,32 +61,42 @@ int main(int argc, char** argv) {
     app.add_option("--fit", counts, "mixtures that are fitted; 0: a half")->delimiter(',');
     app.add_option("--channels", channels, "0: auto")->delimiter(',');
     app.add_option("--draws", draws);
+    std::string printer;
+    app.add_option("--printer", printer, "whose voxels mixtures are made of; empty: ideal mixtures");
     app.add_flag("--no-residual", no_residual);
     CLI11_PARSE(app, argc, argv);
     const PatchTable table = read_patches(file);
-    fmt::print("fitted  channels  mean   95 %   physics: mean   95 %   seconds\n");
+    PatchModelOptions voxels;
+    if (!printer.empty()) {
+        const auto pitch = slicer::find_printer(printer).sliced_pitch_mm();
+        voxels.pitch_mm = {pitch.x(), pitch.y(), pitch.z()};
+    }
+    fmt::print("fitted  channels  mean   95 %   physics: mean   95 %   seconds  dot spread\n");
     for (const std::size_t count : counts)
         for (const int wanted : channels) {
-            double mean = 0, most = 0, physics_mean = 0, physics_most = 0, seconds = 0, taken = 0;
+            double mean = 0, most = 0, physics_mean = 0, physics_most = 0, seconds = 0, taken = 0, spread = 0,
+                   spread_error = 0;
             for (int draw = 0; draw < draws; ++draw) {
                 const Cut cut = cut_table(table, count, static_cast<std::uint64_t>(draw));
                 ChartFitOptions options;
                 options.name = "drawn";
                 options.channels = wanted;
                 options.residual = !no_residual;
+                options.pitch_mm = voxels.pitch_mm;
                 options.lengths_from = io::find_resin_set("vero-opaque");
                 const ChartFit fit = fit_chart(cut.fitted, options);
-                const auto judged = check_resins(fit.set, cut.judged, {}).differences;
+                const auto judged = check_resins(fit.set, cut.judged, voxels).differences;
                 optics::ResinSet plain = fit.set;
                 plain.residual = {};
-                const auto by_physics = check_resins(plain, cut.judged, {}).differences;
+                const auto by_physics = check_resins(plain, cut.judged, voxels).differences;
                 mean += judged.mean / draws, most += judged.percentile_95 / draws;
                 physics_mean += by_physics.mean / draws, physics_most += by_physics.percentile_95 / draws;
+                spread += fit.set.dot_spread / draws, spread_error += fit.dot_spread_error / draws;
                 seconds += fit.seconds / draws;
                 taken += static_cast<double>(fit.set.channels.size()) / draws;
             }
-            fmt::print("{:>6}  {:>8.1f}  {:.2f}   {:.2f}            {:.2f}   {:.2f}   {:.1f}\n", count, taken, mean,
-                       most, physics_mean, physics_most, seconds);
+            fmt::print("{:>6}  {:>8.1f}  {:.2f}   {:.2f}            {:.2f}   {:.2f}   {:.1f}      {:.2f} +- {:.2f}\n",
+                       count, taken, mean, most, physics_mean, physics_most, seconds, spread, spread_error);
             std::fflush(stdout);
         }
     return 0;

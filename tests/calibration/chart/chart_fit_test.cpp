@@ -9,6 +9,7 @@
 #include "voxtone/calibration/chart/chart_lengths.h"
 #include "voxtone/calibration/chart/observer_model.h"
 #include "voxtone/calibration/patches/patch_check.h"
+#include "voxtone/calibration/patches/patch_model.h"
 #include "voxtone/io/profiles/resin_file.h"
 
 namespace voxtone::calibration {
@@ -27,24 +28,34 @@ ChartFitOptions options_for(int channels) {
 }  // namespace
 
 TEST_CASE("The observer model's derivatives are those of its values") {
-    const ObserverModel model(3, 2, 4, 0.4, 1.5, optics::MeasuringGeometry::directional_45_0);
+    const auto [pitch, lengths] = GENERATE(table<double, bool>({{0, false}, {0.03, false}, {0, true}, {0.05, true}}));
+    CAPTURE(pitch, lengths);
+    const ObserverModel model(3, 1, 4, {.pitch_mm = {pitch, 2 * pitch, pitch / 2}, .lengths = lengths});
     Eigen::VectorXd unknowns(model.unknowns());
     RandomStream random(3, 0);
     for (Eigen::Index i = 0; i < unknowns.size(); ++i) unknowns[i] = 2 * random.uniform() - 1.5;
     const Eigen::RowVector3d shares(0.2, 0.3, 0.5);
+    ObserverParts known;
+    known.scattering = Eigen::Vector4d(20, 15, 12, 9);
     Eigen::Matrix3Xd by(3, model.unknowns()), unused(3, model.unknowns());
-    const Eigen::Vector3d colour = model.colour(model.parts(unknowns), shares, by);
-    CHECK((model.colours(model.parts(unknowns), shares).row(0).transpose() - colour).norm() < 1e-14);
-    CHECK((model.unknowns_of(model.parts(unknowns)).head(4) - unknowns.head(4)).norm() < 1e-12);
+    const auto colour = [&](const Eigen::VectorXd& at, Eigen::Matrix3Xd& slopes) {
+        const ObserverParts parts = model.parts(at, known);
+        return model.colour(parts, model.law(parts), shares, slopes);
+    };
+    const Eigen::Vector3d value = colour(unknowns, by);
+    const ObserverParts parts = model.parts(unknowns, known);
+    CHECK((model.colours(parts, shares).row(0).transpose() - value).norm() < 1e-14);
+    CHECK((model.unknowns_of(parts).head(model.observer_at()) - unknowns.head(model.observer_at())).norm() < 1e-12);
     for (Eigen::Index i = 0; i < unknowns.size(); ++i) {
         const double step = 1e-6;
         Eigen::VectorXd up = unknowns, down = unknowns;
         up[i] += step, down[i] -= step;
-        const Eigen::Vector3d slope =
-            (model.colour(model.parts(up), shares, unused) - model.colour(model.parts(down), shares, unused)) /
-            (2 * step);
+        const Eigen::Vector3d slope = (colour(up, unused) - colour(down, unused)) / (2 * step);
         CAPTURE(i);
         CHECK((by.col(i) - slope).norm() < 1e-6 * (1 + slope.norm()));
+        // Lengths tell on thick pieces by their voxels alone.
+        const bool of_length = lengths && i >= model.length_at(0) && i < model.spread_at();
+        CHECK((slope.norm() > 1e-7) == !(of_length && pitch == 0));
     }
 }
 
@@ -124,6 +135,112 @@ TEST_CASE("Lengths come from the white of another set, channel by channel") {
     CHECK_THROWS_WITH(white_scattering(vero.channels, 0.4, vero.subset(inks)), Contains("no white resin W"));
 }
 
+namespace {
+
+// Squares of the resins and of halves with white, 0.1 to 0.4 mm thick, upon white and black.
+PatchTable drawn_squares(const optics::ResinSet& set, PatchModelOptions options, bool as_chart) {
+    PatchTable table;
+    table.source = "squares";
+    table.channels = set.channels;
+    for (const char* role : {"C", "M", "Y", "K", "W"})
+        for (const double share : {1.0, 0.5})
+            for (const double thickness : {0.1, 0.2, 0.4})
+                for (const char* backing : {"W", "K"}) {
+                    Patch patch;
+                    patch.top = {{role, share}};
+                    if (share < 1 && std::string(role) == "W") continue;
+                    if (share < 1) patch.top.push_back({"W", 1 - share});
+                    patch.thickness_mm = thickness, patch.backing = backing;
+                    table.patches.push_back(patch);
+                }
+    std::vector<std::string> roles;
+    for (const optics::Resin& resin : set.resins) roles.push_back(resin.role);
+    options.dot_spread = set.dot_spread;
+    const PatchModel model(table.patches, roles, options);
+    for (std::size_t c = 0; c < set.channels.size(); ++c) {
+        std::vector<optics::Medium> media;
+        for (const optics::Resin& resin : set.resins) media.push_back(resin.medium(c));
+        const std::vector<double> rho = model.rho(media);
+        for (std::size_t p = 0; p < rho.size(); ++p)
+            table.patches[p].rho.push_back(as_chart ? set.measured.gain * (set.measured.surface + rho[p]) : rho[p]);
+    }
+    if (!as_chart) return table;
+    // As the chart's own table tells them: X/Xn, Y/Yn, Z/Zn.
+    const Eigen::Vector3d white = optics::colorimetric_white(set.channels.illuminant);
+    for (Patch& patch : table.patches) {
+        Eigen::Vector3d xyz = Eigen::Vector3d::Zero();
+        for (std::size_t c = 0; c < patch.rho.size(); ++c)
+            xyz += patch.rho[c] * Eigen::Map<const Eigen::Vector3d>(set.channels.xyz[c].data());
+        xyz = xyz.cwiseQuotient(white);
+        patch.rho = {xyz[0], xyz[1], xyz[2]};
+    }
+    return table;
+}
+
+double worst_length(const optics::ResinSet& fitted, const optics::ResinSet& truth) {
+    double worst = 0;
+    for (std::size_t c = 0; c < truth.channels.size(); ++c) {
+        const auto of = [&](const optics::ResinSet& set) {
+            return set.resins[static_cast<std::size_t>(set.find("W"))].medium(c).sigma_s;
+        };
+        worst = std::max(worst, std::abs(std::log(of(fitted) / of(truth))));
+    }
+    return worst;
+}
+
+}  // namespace
+
+TEST_CASE("Thin squares tell a chart's lengths, in its own table or in another one") {
+    const optics::ResinSet truth = testing::wide_gamut_set();
+    const PatchTable chart = testing::drawn_chart(truth, 120, 1, 0.03);
+    const ChartFit without = fit_chart(chart, options_for(4));
+    CHECK(worst_length(without.set, truth) > 0.25);
+    CHECK(without.squares_held_out.count == 0);
+
+    ChartFitOptions options = options_for(4);
+    options.squares = drawn_squares(truth, {}, false);
+    const ChartFit other = fit_chart(chart, options);
+    PatchTable own = chart;
+    const PatchTable squares = drawn_squares(truth, {}, true);
+    own.patches.insert(own.patches.end(), squares.patches.begin(), squares.patches.end());
+    const ChartFit same = fit_chart(own, options_for(4));
+    for (const ChartFit* fit : {&other, &same}) {
+        CHECK(worst_length(fit->set, truth) < 0.1);
+        CHECK(fit->squares_held_out.count == squares.patches.size());
+        CHECK(fit->squares_held_out.mean < 0.6);
+        CHECK(fit->length_error.size() == 4);
+        CHECK(fit->held_out.mean < 1.2 * without.held_out.mean + 0.1);
+    }
+    // And a check of both kinds of rows in one table.
+    CHECK(check_resins(same.set, own, {}).differences.mean < 0.6);
+    CHECK(check_resins(without.set, own, {}).differences.mean > check_resins(same.set, own, {}).differences.mean + 0.2);
+}
+
+TEST_CASE("How far droplets run together is found from a chart, with its error") {
+    optics::ResinSet truth = testing::wide_gamut_set();
+    truth.dot_spread = GENERATE(0.1, 0.6);
+    const std::array<double, 3> pitch{25.4 / 600, 25.4 / 300, 0.027};
+    PatchTable chart = testing::drawn_chart(truth, 200, 1, 0);
+    const optics::FlatColour flat(truth, pitch);
+    for (Patch& patch : chart.patches) {
+        std::vector<double> shares(5);
+        for (const ResinShare& share : patch.top)
+            shares[static_cast<std::size_t>(truth.find(share.role))] = share.fraction;
+        const Eigen::Vector3d xyz = flat.xyz(shares).cwiseQuotient(flat.white());
+        patch.rho = {xyz[0], xyz[1], xyz[2]};
+    }
+    ChartFitOptions options = options_for(4);
+    options.pitch_mm = pitch;
+    PatchModelOptions voxels;
+    voxels.pitch_mm = pitch;
+    options.squares = drawn_squares(truth, voxels, false);
+    const ChartFit fit = fit_chart(chart, options);
+    CAPTURE(fit.set.dot_spread, fit.dot_spread_error);
+    CHECK(fit.set.dot_spread == Approx(truth.dot_spread).margin(0.12));
+    CHECK(fit.dot_spread_error > 0);
+    CHECK(fit.dot_spread_error < 0.2);
+}
+
 TEST_CASE("Charts that cannot be fitted are refused in a sentence") {
     const optics::ResinSet truth = testing::wide_gamut_set();
     const auto refused = [](const PatchTable& table, const ChartFitOptions& options) -> std::string {
@@ -145,9 +262,13 @@ TEST_CASE("Charts that cannot be fitted are refused in a sentence") {
     ChartFitOptions wanted = options_for(3);
     wanted.expected = {"T"};
     CHECK_THAT(refused(testing::drawn_chart(truth, 40, 1, 0), wanted), Contains("no patch holds the resin T"));
-    PatchTable thin = testing::drawn_chart(truth, 40, 1, 0);
-    thin.patches[3].thickness_mm = 0.5, thin.patches[3].backing = "W";
-    CHECK_THAT(refused(thin, options_for(3)), Contains("0.5 mm thick upon W"));
+    PatchTable clear = testing::drawn_chart(truth, 40, 1, 0);
+    clear.patches.push_back(clear.patches[3]);
+    clear.patches.back().thickness_mm = 0.5, clear.patches.back().backing = "T";
+    CHECK_THAT(refused(clear, options_for(3)), Contains("upon T holds the resin T, which no thick mixture"));
+    ChartFitOptions with_thick = options_for(3);
+    with_thick.squares = testing::drawn_chart(truth, 6, 1, 0);
+    CHECK_THAT(refused(testing::drawn_chart(truth, 40, 1, 0), with_thick), Contains("is thick; squares"));
 }
 
 }  // namespace voxtone::calibration
