@@ -242,6 +242,33 @@ void add_limits(const ChartData& data, ChartFit& fit) {
     }
 }
 
+// Whether a chart tells how far droplets run together: only where that explains it better than an ideal mixture, whose
+// resins are fitted too. Said in a sentence.
+bool tells_spread(const ChartData& data, const ChartFitOptions& options, const Progress* progress, ChartFit& fit) {
+    if (options.pitch_mm[0] == 0) {
+        fit.dot_spread_text = "Mixtures are taken as ideal (dot spread 1): no printer or pitch was named.";
+        return false;
+    }
+    constexpr int of_channels = 4;
+    constexpr double clearly = 0.97;
+    ChartFitOptions ideal = options;
+    ideal.pitch_mm = {};
+    const auto fitted = [&](const ChartFitOptions& law) {
+        const int channels = law.channels > 0 ? law.channels : of_channels;
+        const ObserverFit found =
+            fit_observer(data, model_of(data, channels, law), start_of(data, channels, law), progress);
+        return std::pair(mean_difference(found.roots, data), found.parts.dot_spread);
+    };
+    const auto [of_ideal, one] = fitted(ideal);
+    const auto [of_spread, spread] = fitted(options);
+    if (of_spread < clearly * of_ideal) return true;
+    fit.dot_spread_text = fmt::format(
+        "The chart does not tell the dot spread: by physics alone its mixtures are off by {:.2f} CIEDE2000 where they "
+        "are ideal (1), by {:.2f} at {:.2f}; 1 is kept.",
+        of_ideal, of_spread, spread);
+    return false;
+}
+
 // Standard error of an estimate from those that left a fold out each (Efron 1982).
 double jackknife_error(const std::vector<double>& left_out) {
     const auto folds = static_cast<double>(left_out.size());
@@ -281,16 +308,18 @@ void add_held_out(const ChartData& data, const LeftOut& left, ChartFit& fit) {
 
 }  // namespace
 
-ChartFit fit_chart(const PatchTable& table, const ChartFitOptions& options, const Progress* progress) {
-    VOXTONE_EXPECT(options.folds >= 2);
-    if (options.channels != 0 && (options.channels < least_channels || options.channels > most_channels))
-        throw InputError(fmt::format("{} channels: a fit takes {} to {}, or auto.", options.channels, least_channels,
-                                     most_channels));
+ChartFit fit_chart(const PatchTable& table, const ChartFitOptions& asked, const Progress* progress) {
+    VOXTONE_EXPECT(asked.folds >= 2);
+    if (asked.channels != 0 && (asked.channels < least_channels || asked.channels > most_channels))
+        throw InputError(
+            fmt::format("{} channels: a fit takes {} to {}, or auto.", asked.channels, least_channels, most_channels));
     const Stopwatch watch;
-    const ChartData data = chart_data(table, options.squares);
-    expect_enough(data, table, options);
+    const ChartData data = chart_data(table, asked.squares);
+    expect_enough(data, table, asked);
     ChartFit result;
     result.noise = data.noise;
+    ChartFitOptions options = asked;
+    if (!tells_spread(data, asked, progress, result)) options.pitch_mm = {};
     result.curve = channel_curve(data, options, progress);
     const int channels = best_channels(result.curve, options);
 
@@ -332,6 +361,9 @@ ChartFit fit_chart(const PatchTable& table, const ChartFitOptions& options, cons
     add_held_out(data, out, result);
     add_limits(data, result);
     add_parameter_errors(data, model, out, result);
+    if (model.fits_spread())
+        result.dot_spread_text = fmt::format("Dot spread {:.2f} +- {:.2f}: 0 are sharp voxels, 1 an ideal mixture.",
+                                             result.set.dot_spread, result.dot_spread_error);
     if (!fit.converged) result.warnings.emplace_back("the least squares stopped before it came to rest");
     result.seconds = watch.total();
     return result;

@@ -54,9 +54,10 @@ struct ChartFit {
     std::vector<HeldOutPatch> solids;            ///< held-out difference of each resin's solid, where it was measured
     optics::DifferenceSummary squares_held_out;  ///< CIEDE2000 of thin squares left out; count 0: there are none
     std::vector<double> length_error;            ///< relative standard error of white's scattering, by jackknife
-    double dot_spread_error = 0;                 ///< standard error, by jackknife over the folds; 0: it was not fitted
-    double residual_size = 0;                    ///< mean CIEDE2000 between predictions with and without it
-    std::vector<std::string> warnings;           ///< where the set must not be trusted
+    double dot_spread_error = 0;        ///< standard error, by jackknife over the folds; 0: the chart does not tell it
+    std::string dot_spread_text;        ///< what the chart says of it, a sentence
+    double residual_size = 0;           ///< mean CIEDE2000 between predictions with and without it
+    std::vector<std::string> warnings;  ///< where the set must not be trusted
     double seconds = 0;
 };
 

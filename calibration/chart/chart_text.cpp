@@ -77,9 +77,7 @@ std::string chart_fit_text(const ChartFit& fit) {
         }
         text += "\n";
     }
-    if (fit.dot_spread_error > 0)
-        text += fmt::format("Dot spread {:.2f} +- {:.2f}: 0 are sharp voxels, 1 an ideal mixture\n", set.dot_spread,
-                            fit.dot_spread_error);
+    text += fit.dot_spread_text + "\n";
     text += fmt::format("Largest errors of mixtures left out: {}\n", patches_text(fit.worst));
     if (!fit.solids.empty()) text += fmt::format("Solids, left out: {}\n", patches_text(fit.solids));
     text += fmt::format("The instrument sees {:.2f} % of neutral light from the surface; its gain is {:.3f}\n",

@@ -8,9 +8,9 @@
 #include "voxtone/base/error.h"
 #include "voxtone/calibration/chart/chart_order.h"
 #include "voxtone/calibration/chart/chart_text.h"
+#include "voxtone/calibration/fit/chart_page.h"
 #include "voxtone/calibration/fit/fit_report.h"
 #include "voxtone/calibration/fit/fit_text.h"
-#include "voxtone/calibration/fit/patch_page.h"
 #include "voxtone/calibration/layers/layer_text.h"
 #include "voxtone/io/disk/output_files.h"
 #include "voxtone/io/files/whole_file.h"
@@ -103,7 +103,7 @@ JobResult run_chart_fit(const FitJob& job, const PatchTable& table, Progress& pr
     const PatchCheck check = check_resins(found.set, shown, fit.model);
     if (!job.check.empty()) text += fmt::format("\n{}\n{}", job.check, check_text(check, others));
     if (!job.report.empty())
-        io::write_whole_file(job.report, check_report_html(shown, check, found.set, chart_of_patches(shown)));
+        io::write_whole_file(job.report, chart_fit_html(found, shown, check, chart_of_patches(shown)));
     text += fmt::format("\nWrote {} and {}\n", job.out, side_file(job.out).string());
     return {chart_fit_json(found), text};
 }

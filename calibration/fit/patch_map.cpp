@@ -121,7 +121,8 @@ void add_photograph(PatchMap& map, const Target& target, const io::Photograph& p
 
 PatchMap chart_of_patches(const PatchTable& table) {
     constexpr double square_mm = 10, step_mm = 12, px_per_mm = 4;
-    constexpr std::size_t most_columns = 16;
+    const std::size_t most_columns =
+        std::max<std::size_t>(16, std::size_t(std::ceil(std::sqrt(1.6 * double(table.patches.size())))));
     std::vector<std::string> backings;
     for (const Patch& patch : table.patches)
         if (std::ranges::find(backings, patch.backing) == backings.end()) backings.push_back(patch.backing);
@@ -136,6 +137,14 @@ PatchMap chart_of_patches(const PatchTable& table) {
             columns = std::max(columns, column);
         }
         ++rows;
+    }
+    const auto is_placed = [](const Patch& patch) { return patch.row > 0 && patch.column > 0; };
+    if (std::ranges::all_of(table.patches, is_placed)) {
+        columns = rows = 1;
+        for (std::size_t p = 0; p < places.size(); ++p) {
+            places[p] = {std::size_t(table.patches[p].column - 1), std::size_t(table.patches[p].row - 1)};
+            columns = std::max(columns, places[p].first + 1), rows = std::max(rows, places[p].second + 1);
+        }
     }
     PatchMap map = empty_map(Vector2d(columns, std::max<std::size_t>(rows, 1)) * step_mm, px_per_mm, places.size());
     for (std::size_t p = 0; p < places.size(); ++p) {

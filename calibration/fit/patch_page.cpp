@@ -41,8 +41,9 @@ public:
         report.viewer.worst = worst();
         report.prediction_note =
             map_.is_target ? "Markers, frame and what lies between the squares show the squares of the same resins."
-                           : "A chart: one row for each resin below. Where the squares lie on their target is not "
-                             "known (--target).";
+            : table_.is_chart
+                ? "A chart: patches stand where their table says, else in its order."
+                : "One row for each resin below. Where the squares lie on their target is not known (--target).";
         report.views = {{"patches", stills(*report.viewer.surface)}};
         report.sections.push_back(section());
         return report;
@@ -138,7 +139,8 @@ private:
         }
         part.figures.emplace_back("farthest off", worst_error(p));
         if (const std::string noise = in_noise(p); !noise.empty()) part.figures.emplace_back("that is", noise);
-        part.figures.emplace_back("thickness", fmt::format("{:g} mm", patch.thickness_mm));
+        part.figures.emplace_back("thickness",
+                                  patch.thickness_mm > 0 ? fmt::format("{:g} mm", patch.thickness_mm) : "thick");
         for (const ResinShare& share : patch.top)
             if (const int resin = set_.find(share.role); resin >= 0)
                 part.shares.emplace_back(std::size_t(resin), share.fraction);

@@ -58,8 +58,10 @@ int main(int argc, char** argv) {
         }
         PatchTable fitted = table, judged = table;
         fitted.patches.clear(), judged.patches.clear();
-        for (std::size_t p = 0; p < table.patches.size(); ++p)
-            (taken[data.row_of[p]] ? fitted : judged).patches.push_back(table.patches[p]);
+        for (const Patch& patch : table.patches) {
+            const auto row = std::ranges::find(data.names, mixture_text(patch.top)) - data.names.begin();
+            (taken[static_cast<std::size_t>(row)] ? fitted : judged).patches.push_back(patch);
+        }
         ChartFitOptions options;
         options.name = "picked";
         options.lengths_from = io::find_resin_set("vero-opaque");

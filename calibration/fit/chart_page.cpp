@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/calibration/fit/chart_page.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "voxtone/calibration/fit/patch_page.h"
+#include "voxtone/io/report/plot_svg.h"
+#include "voxtone/io/report/report_html.h"
+#include "voxtone/optics/colour/colour.h"
+
+namespace voxtone::calibration {
+
+namespace {
+
+using io::ReportSection;
+using io::ReportTable;
+
+std::string number(double value) { return fmt::format("{:.2f}", value); }
+
+ReportSection unseen_mixtures(const ChartFit& fit) {
+    ReportSection section;
+    section.title = "Mixtures that took no part";
+    section.printed = true;
+    section.paragraphs.push_back(
+        fmt::format("What this set is worth: every mixture was foretold by a fit of others. Its mean error is {:.2f} "
+                    "CIEDE2000; below 1 hardly anybody sees a difference side by side.",
+                    fit.held_out.mean));
+    ReportTable figures{"CIEDE2000", {"", "Mean", "Median", "95 %", "Largest"}, {}};
+    const auto add = [&](const char* what, const optics::DifferenceSummary& d) {
+        if (d.count > 0)
+            figures.rows.push_back({what, number(d.mean), number(d.median), number(d.percentile_95), number(d.max)});
+    };
+    add("Mixtures left out of the fit", fit.held_out);
+    add("The same by physics alone, without the residual", fit.held_out_physics);
+    add("Mixtures that were fitted", fit.fitted);
+    add("Thin squares left out", fit.squares_held_out);
+    add("Repeats of one mixture from their mean: the noise", fit.noise);
+    section.tables.push_back(figures);
+    ReportTable worst{"Largest errors of mixtures left out", {"Mixture, %", "CIEDE2000"}, {}};
+    for (const HeldOutPatch& patch : fit.worst) worst.rows.push_back({patch.mixture, number(patch.difference)});
+    section.tables.push_back(worst);
+    if (!fit.solids.empty()) {
+        ReportTable solids{"Solids, left out", {"Resin", "CIEDE2000"}, {}};
+        for (const HeldOutPatch& patch : fit.solids) solids.rows.push_back({patch.mixture, number(patch.difference)});
+        section.tables.push_back(solids);
+    }
+    return section;
+}
+
+// Errors left out over the number of channels.
+std::string curve_plot(const std::vector<ChannelChoice>& curve) {
+    double most = 0;
+    io::Plot::Points physics, corrected;
+    std::vector<double> counts;
+    for (const ChannelChoice& choice : curve) {
+        counts.push_back(choice.channels);
+        physics.emplace_back(choice.channels, choice.physics);
+        corrected.emplace_back(choice.channels, choice.with_residual);
+        most = std::max({most, choice.physics, choice.with_residual});
+    }
+    const double step = most > 4 ? 2 : most > 2 ? 1 : 0.5, top = step * std::ceil(most / step + 0.2);
+    std::vector<double> marks;
+    for (double mark = 0; mark <= top + 1e-9; mark += step) marks.push_back(mark);
+    io::Plot plot({counts.front() - 0.5, counts.back() + 0.5, false, counts, "channels"},
+                  {0, top, false, marks, "mean CIEDE2000, left out"}, "How many channels");
+    plot.line(physics, "#d9730d");
+    plot.line(corrected, "#1565c0");
+    for (const auto& [x, y] : physics) plot.point(x, y, "#d9730d");
+    for (const auto& [x, y] : corrected) plot.point(x, y, "#1565c0");
+    plot.label(physics[0].first + 0.2, physics[0].second, "physics", "#d9730d");
+    plot.label(corrected.back().first - 1.6, corrected.back().second + 0.06 * top, "with residual", "#1565c0");
+    return plot.svg();
+}
+
+// Albedo of each resin over the channels: what the set knows of its hue.
+std::string albedo_plot(const optics::ResinSet& set) {
+    const auto channels = static_cast<double>(set.channels.size());
+    std::vector<double> at;
+    for (std::size_t c = 0; c < set.channels.size(); ++c) at.push_back(static_cast<double>(c + 1));
+    io::Plot plot({0.5, channels + 0.5, false, at, "channel"}, {0, 1.1, false, {0, 0.25, 0.5, 0.75, 1}, "albedo"},
+                  "Resins by channel");
+    const std::vector<std::string> usual{"#0097a7", "#c2185b", "#f9a825", "#212121", "#9e9e9e", "#6a1b9a"};
+    for (std::size_t r = 0; r < set.resins.size(); ++r) {
+        const std::string_view roles = "CMYKW";
+        const std::size_t known = set.resins[r].role.size() == 1 ? roles.find(set.resins[r].role[0]) : roles.npos;
+        const std::string& colour = usual[known == roles.npos ? 5 : known];
+        io::Plot::Points line;
+        for (std::size_t c = 0; c < at.size(); ++c) line.emplace_back(at[c], set.resins[r].albedo[c]);
+        plot.line(line, colour);
+        plot.label(line.back().first + 0.05, line.back().second, set.resins[r].role, colour);
+    }
+    return plot.svg();
+}
+
+ReportSection channels_of(const ChartFit& fit) {
+    const optics::ResinSet& set = fit.set;
+    ReportSection section;
+    section.title = "Channels and resins";
+    section.paragraphs.push_back(fmt::format(
+        "{} channels; {}. g = {}, eta = {}; the instrument sees {:.2f} % of neutral light from the surface, its gain "
+        "is {:.3f}.",
+        set.channels.size(), set.source, set.g, set.eta, 100 * set.measured.surface, set.measured.gain));
+    section.paragraphs.push_back(
+        set.residual.empty()
+            ? std::string("No residual: none was wanted, or it made mixtures that were left out no better.")
+            : fmt::format("What physics leaves is corrected by a residual over {} mixtures, {:.2f} CIEDE2000 in the "
+                          "mean; it fades away from them.",
+                          set.residual.centres().rows(), fit.residual_size));
+    section.paragraphs.push_back(fit.dot_spread_text);
+    if (!fit.curve.empty()) section.drawings.push_back({"", curve_plot(fit.curve)});
+    section.drawings.push_back({"", albedo_plot(set)});
+    ReportTable weights{"Share of the eye's white in each channel, %, and white's scattering",
+                        {"Channel", "X", "Y", "Z", "per mm"},
+                        {}};
+    const Eigen::Vector3d white = optics::colorimetric_white(set.channels.illuminant);
+    const int resin = set.find("W");
+    for (std::size_t c = 0; c < set.channels.size(); ++c) {
+        std::vector<std::string> row{fmt::format("{}", c + 1)};
+        for (std::size_t k = 0; k < 3; ++k)
+            row.push_back(fmt::format("{:.1f}", 100 * set.channels.xyz[c][k] / white[static_cast<Eigen::Index>(k)]));
+        std::string scatters = resin < 0 ? std::string() : number(set.resins[std::size_t(resin)].medium(c).sigma_s);
+        if (c < fit.length_error.size() && resin >= 0)
+            scatters +=
+                fmt::format(" +- {:.2f}", set.resins[std::size_t(resin)].medium(c).sigma_s * fit.length_error[c]);
+        row.push_back(scatters);
+        weights.rows.push_back(row);
+    }
+    section.tables.push_back(weights);
+    return section;
+}
+
+}  // namespace
+
+std::string chart_fit_html(const ChartFit& fit, const PatchTable& table, const PatchCheck& check, const PatchMap& map) {
+    io::Report report = patch_report(table, check, fit.set, map, 0);
+    report.title = fmt::format("Fit of {}", fit.set.name);
+    report.warnings = fit.warnings;
+    report.total_seconds = fit.seconds;
+    report.sections.insert(report.sections.begin(), {unseen_mixtures(fit), channels_of(fit)});
+    return io::report_html(report);
+}
+
+}  // namespace voxtone::calibration
