@@ -4,6 +4,7 @@
 //
 //   {"format": "voxtone-chart-fit", "version": 1, "seconds", "channels", "mixtures", "fitted": DIFFERENCES,
 //    "held_out": DIFFERENCES, "held_out_physics": DIFFERENCES, "repeats": DIFFERENCES,
+//    "squares_held_out": DIFFERENCES, "length_error": [relative, by channel], "dot_spread": {"value", "error"},
 //    "residual": {"centres", "mean_de2000"}, "measured": {"surface", "gain"},
 //    "curve": [{"channels", "physics", "with_residual"}], "worst": [{"mixture", "de2000"}], "solids": [...],
 //    "warnings": [...]}

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxtone/optics/layered/mixture_correction.h"
 
+#include <algorithm>
+
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/parallel.h"
 #include "voxtone/optics/scene/surface_mixtures.h"
@@ -32,6 +34,14 @@ std::vector<Eigen::Matrix3f> MixtureCorrection::of_surface(const ResinVolume& pr
         },
         progress);
     return corrections;
+}
+
+Eigen::Matrix3f MixtureCorrection::at(const ResinVolume& print, const std::array<float, 3>& place_mm) const {
+    std::vector<float> mixture(resins_);
+    mixture_at(print, place_mm, mixture);
+    const std::vector<double> shares(mixture.begin(), mixture.end());
+    if (std::ranges::all_of(shares, [](double share) { return share == 0; })) return Eigen::Matrix3f::Identity();
+    return of(shares).cast<float>();
 }
 
 void correct_colours(std::span<const Eigen::Matrix3f> corrections, std::span<Eigen::Vector3f> rgb) {

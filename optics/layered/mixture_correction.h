@@ -35,6 +35,9 @@ public:
     [[nodiscard]] std::vector<Eigen::Matrix3f> of_surface(const ResinVolume& print, const Surface& surface,
                                                           const Progress* progress = nullptr) const;
 
+    /// About one place of a volume, mm from its corner; the identity where nothing solid is near.
+    [[nodiscard]] Eigen::Matrix3f at(const ResinVolume& print, const std::array<float, 3>& place_mm) const;
+
 private:
     FlatColour flat_;
     std::size_t resins_;

@@ -32,11 +32,12 @@ AxisWeights axis_weights(double place_mm, double pitch_mm) {
     return axis;
 }
 
-void add_box(const ResinVolume& volume, const SurfaceCell& cell, std::vector<Material>& box, std::span<float> shares) {
+void add_box(const ResinVolume& volume, const std::array<float, 3>& place_mm, std::vector<Material>& box,
+             std::span<float> shares) {
     std::array<AxisWeights, 3> axes;
     std::array<int, 3> corner{}, extent{};
     for (std::size_t a = 0; a < 3; ++a) {
-        axes[a] = axis_weights(static_cast<double>(cell.centre_mm[a]), volume.pitch_mm()[a]);
+        axes[a] = axis_weights(static_cast<double>(place_mm[a]), volume.pitch_mm()[a]);
         corner[a] = axes[a].first, extent[a] = static_cast<int>(axes[a].weight.size());
     }
     box.resize(axes[0].weight.size() * axes[1].weight.size() * axes[2].weight.size());
@@ -52,6 +53,15 @@ void add_box(const ResinVolume& volume, const SurfaceCell& cell, std::vector<Mat
 
 }  // namespace
 
+void mixture_at(const ResinVolume& volume, const std::array<float, 3>& place_mm, std::span<float> shares) {
+    std::vector<Material> box;
+    std::ranges::fill(shares, 0.0f);
+    add_box(volume, place_mm, box, shares);
+    float sum = 0;
+    for (const float share : shares) sum += share;
+    for (float& share : shares) share = sum > 0 ? share / sum : 0;
+}
+
 std::vector<float> surface_mixtures(const ResinVolume& volume, const Surface& surface, std::size_t resins,
                                     const Progress* progress) {
     std::vector<float> mixtures(surface.cells.size() * resins, 0.0f);
@@ -61,7 +71,7 @@ std::vector<float> surface_mixtures(const ResinVolume& volume, const Surface& su
             std::vector<Material> box;
             for (std::size_t i = first; i < last; ++i) {
                 const std::span<float> shares(mixtures.data() + i * resins, resins);
-                add_box(volume, surface.cells[i], box, shares);
+                add_box(volume, surface.cells[i].centre_mm, box, shares);
                 float sum = 0;
                 for (const float share : shares) sum += share;
                 VOXTONE_EXPECT(sum > 0);

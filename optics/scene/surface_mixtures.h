@@ -9,7 +9,9 @@
 // becomes the mixture that it stands for. What it cannot see: that light goes farther in white and in red.
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include "voxtone/base/progress.h"
@@ -21,5 +23,8 @@ namespace voxtone::optics {
 /// [cell * resins + resin]; shares of a cell sum to 1. The same bits for any number of threads.
 [[nodiscard]] std::vector<float> surface_mixtures(const ResinVolume& volume, const Surface& surface, std::size_t resins,
                                                   const Progress* progress = nullptr);
+
+/// The same about one place of the volume, mm from its corner; all 0 where nothing solid is near.
+void mixture_at(const ResinVolume& volume, const std::array<float, 3>& place_mm, std::span<float> shares);
 
 }  // namespace voxtone::optics

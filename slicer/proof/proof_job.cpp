@@ -3,7 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <optional>
+#include <vector>
 
 #include <fmt/core.h>
 #include <fmt/ranges.h>
@@ -19,6 +20,7 @@
 #include "voxtone/io/pictures/picture_writer.h"
 #include "voxtone/optics/camera/camera_paths.h"
 #include "voxtone/optics/colour/channels.h"
+#include "voxtone/slicer/proof/proof_colours.h"
 #include "voxtone/slicer/proof/proof_scene.h"
 
 namespace voxtone::slicer {
@@ -27,23 +29,14 @@ namespace {
 
 using optics::CameraPicture;
 
-/// Linear sRGB of a pixel's channels.
-Eigen::Vector3f colour_of(const CameraPicture& picture, const Eigen::Matrix3Xf& weights, std::size_t pixel) {
-    return weights * Eigen::Map<const Eigen::VectorXf>(picture.value.data() + pixel * picture.channels,
-                                                       static_cast<Eigen::Index>(picture.channels));
-}
+using Colours = std::vector<Eigen::Vector3f>;
 
-Eigen::Matrix3Xf colour_weights(const ProofScene& scene) {
-    return optics::linear_srgb_weights(scene.channels()).cast<float>();
-}
-
-io::LinearPicture developed(const CameraPicture& picture, const ProofScene& scene, double exposure_ev) {
-    const Eigen::Matrix3Xf weights = colour_weights(scene);
+io::LinearPicture developed(const CameraPicture& picture, const Colours& colours, double exposure_ev) {
     const auto scale = static_cast<float>(std::exp2(exposure_ev));
     io::LinearPicture out{
         static_cast<std::uint32_t>(picture.width_px), static_cast<std::uint32_t>(picture.height_px), {}};
-    for (std::size_t p = 0; p < picture.samples.size(); ++p) {
-        const Eigen::Vector3f rgb = scale * colour_of(picture, weights, p);
+    for (const Eigen::Vector3f& colour : colours) {
+        const Eigen::Vector3f rgb = scale * colour;
         out.pixels.emplace_back(rgb.x(), rgb.y(), rgb.z(), 1.0f);
     }
     return out;
@@ -51,23 +44,15 @@ io::LinearPicture developed(const CameraPicture& picture, const ProofScene& scen
 
 /// The alpha of the print that the middle of a pixel sees: matt where support touched it.
 float roughness_at(const ProofScene& scene, const optics::Camera& camera, std::size_t pixel) {
-    const auto width = static_cast<std::size_t>(camera.width_px());
-    const optics::Point way = camera.direction(double(pixel % width) + 0.5, double(pixel / width) + 0.5);
-    double nearest = std::numeric_limits<double>::infinity(), roughness = 0;
-    for (const optics::ResinBody& print : scene.camera.prints) {
-        const optics::Point from = optics::along(camera.position(), print.corner_mm, -1);
-        double distance = 0;
-        optics::BoundaryNormals normals;
-        if (!print.boundary->meets(from, way, distance, normals) || distance >= nearest) continue;
-        nearest = distance;
-        roughness = print.finish->roughness(optics::along(from, way, distance), normals.geometric);
-    }
-    return static_cast<float>(roughness);
+    const std::optional<SeenPrint> seen = seen_print(scene, camera, pixel);
+    if (!seen) return 0;
+    return static_cast<float>(
+        scene.camera.prints[seen->print].finish->roughness(seen->place_mm, seen->normals.geometric));
 }
 
 /// R, G, B; then A, 1; "error.R"...; sets of other channels have these besides; "samples", "roughness" and "seen" (0
 /// sky, 1 ground, 2 print, 3 target).
-io::NumberPicture numbers(const CameraPicture& picture, const ProofScene& scene) {
+io::NumberPicture numbers(const CameraPicture& picture, const Colours& colours, const ProofScene& scene) {
     const optics::Channels& channels = scene.channels();
     io::NumberPicture out{static_cast<std::uint32_t>(picture.width_px),
                           static_cast<std::uint32_t>(picture.height_px),
@@ -76,10 +61,9 @@ io::NumberPicture numbers(const CameraPicture& picture, const ProofScene& scene)
     if (!channels.is_rgb())
         for (const char* of : {"", "error."})
             for (std::size_t c = 0; c < channels.size(); ++c) out.names.push_back(of + channel_word(channels, c));
-    const Eigen::Matrix3Xf weights = colour_weights(scene);
     const optics::Camera camera(scene.camera.view);
     for (std::size_t p = 0; p < picture.samples.size(); ++p) {
-        for (const float x : colour_of(picture, weights, p)) out.values.push_back(x);
+        for (const float x : colours[p]) out.values.push_back(x);
         out.values.push_back(1);
         for (std::size_t c = 0; c < 3; ++c) out.values.push_back(picture.colour_error[3 * p + c]);
         out.values.push_back(static_cast<float>(picture.samples[p]));
@@ -104,11 +88,12 @@ std::string comment_of(const CameraPicture& picture, const ResolvedProof& job) {
 
 void write_files(const CameraPicture& picture, const ProofScene& scene, const ResolvedProof& job) {
     const std::string comment = comment_of(picture, job);
+    const Colours colours = proof_colours(picture, scene);
     for (const std::string& file : job.asked.files) {
         if (file.ends_with(".exr"))
-            io::write_whole_file(file, io::exr_bytes(numbers(picture, scene), {0, 0}, comment));
+            io::write_whole_file(file, io::exr_bytes(numbers(picture, colours, scene), {0, 0}, comment));
         else
-            io::write_whole_file(file, io::png_bytes(io::encode_over(developed(picture, scene, job.asked.exposure_ev),
+            io::write_whole_file(file, io::png_bytes(io::encode_over(developed(picture, colours, job.asked.exposure_ev),
                                                                      Eigen::Vector3f::Zero()),
                                                      {0, 0}, comment));
     }

@@ -9,6 +9,8 @@
 #include <nlohmann/json.hpp>
 
 #include "run_program.h"
+#include "voxtone/io/profiles/resin_file.h"
+#include "voxtone/optics/media/resins.h"
 
 using namespace voxtone::test;
 using Catch::Matchers::Contains;
@@ -63,6 +65,37 @@ TEST_CASE("a proof shows the print upright on its ground, the same for any numbe
         0);
     CHECK(read_file(folder / "a.png") == read_file(folder / "b.png"));
     CHECK(read_file(folder / "a.exr") == read_file(folder / "b.exr"));
+}
+
+TEST_CASE("a proof shows prints as a set's residual says, and leaves all else as it was") {
+    const Folder folder("proof-residual");
+    const std::string stack = marker_stack(folder);
+    const auto shot = [&](double step) {
+        voxtone::optics::ResinSet set = voxtone::optics::vero_opaque();
+        // The same step of all three roots for every mixture.
+        set.residual = {std::vector<double>(5, 30), Eigen::MatrixXd::Constant(1, 5, 0.2),
+                        Eigen::MatrixX3d::Constant(1, 3, step)};
+        folder.write("set.json", voxtone::io::resin_set_text(set));
+        const std::string file = folder / fmt::format("{}.png", step);
+        REQUIRE(run_program(fmt::format("proof --quiet {} --resins {} --size 96x64 --spp 8 --view front -o {}", stack,
+                                        folder / "set.json", file))
+                    .exit_code == 0);
+        return read_png(file);
+    };
+    const Bitmap plain = shot(1e-9), lighter = shot(0.05);
+    CHECK(plain.at(1, 1) == lighter.at(1, 1));
+    CHECK(plain.at(48, 62) == lighter.at(48, 62));
+    int changed = 0;
+    double by = 0;
+    for (int y = 0; y < 64; ++y)
+        for (int x = 0; x < 96; ++x) {
+            if (lighter.at(x, y) == plain.at(x, y)) continue;
+            ++changed;
+            by += lighter.at(x, y)[1] - plain.at(x, y)[1];
+        }
+    CHECK(changed > 500);
+    CHECK(changed < 5000);  // not the ground, not the sky
+    CHECK(by / changed > 8);
 }
 
 TEST_CASE("a proof's files, lights and views are checked before it works") {
