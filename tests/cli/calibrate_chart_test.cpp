@@ -31,7 +31,8 @@ TEST_CASE("a chart is printed, filled in, fitted together with squares, shown an
         REQUIRE(outcome.exit_code == 0);
         return outcome;
     };
-    run(fmt::format("chart --quiet --printer stratasys-j750-hm --resins C,M,Y,K,W --patches 24 --square 3mm -o {}", folder / "chart"));
+    run(fmt::format("chart --quiet --printer stratasys-j750-hm --resins C,M,Y,K,W --patches 24 --square 3mm -o {}",
+                    folder / "chart"));
     CHECK_THAT(read_file(folder / "chart/chart.csv"), Contains("row,column") && Contains("L,a,b"));
     // The form alone says nothing yet.
     const Outcome empty =
