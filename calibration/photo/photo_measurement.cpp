@@ -333,6 +333,24 @@ void widen(std::vector<Mean>& means) {
     }
 }
 
+// A square that is lighter than a perfect diffuser: by more than its error something is wrong.
+void tell_too_light(const std::vector<Mean>& means, const Target& target, MeasuredTable& result) {
+    std::size_t squares = 0, first = 0;
+    double most = 1;
+    for (std::size_t s = 0; s < means.size(); ++s) {
+        const double rho = means[s].rho.maxCoeff();
+        if (rho <= 1) continue;
+        if (squares++ == 0) first = s;
+        most = std::max(most, rho);
+    }
+    if (squares > 0)
+        result.warnings.push_back(fmt::format(
+            "In {} square(s), first of all {}, a channel lies above that of a perfect diffuser, up to {:.3f}, and is "
+            "written as 1: an ink more saturated than R, G, B can say (--channels wide), gloss, uneven light, or a "
+            "checker that is not what its file says. Look at the overlay.",
+            squares, square_name(target, first), most));
+}
+
 }  // namespace
 
 MeasuredTable average_photos(const std::vector<PhotoMeasurement>& photos, const Target& target,
@@ -374,6 +392,7 @@ MeasuredTable average_photos(const std::vector<PhotoMeasurement>& photos, const 
                 still.surely.size(), square_name(target, still.surely.front())));
     }
     result.table.is_chart = target.is_chart();
+    if (!target.is_chart()) tell_too_light(means, target, result);
     for (std::size_t s = 0; s < means.size(); ++s) {
         Patch patch{target.squares[s].top, target.squares[s].backing, target.top_mm, target.base_mm, {}, {},
                     square_name(target, s)};

@@ -136,9 +136,13 @@ TEST_CASE("inks more saturated than sRGB are measured and fitted as well as othe
     const MeasuredTable cut = average_photos(photos, target, PhotoChannels::rgb);
     CHECK(cut.table.channels.is_rgb());
     CHECK(least(cut.table) == 0);
-    CHECK_THAT(cut.warnings.back(), Catch::Contains("written as 0") && Catch::Contains("--channels wide"));
+    REQUIRE(cut.warnings.size() >= 2);
+    CHECK_THAT(cut.warnings[cut.warnings.size() - 2],
+               Catch::Contains("written as 0") && Catch::Contains("--channels wide"));
+    CHECK_THAT(cut.warnings.back(), Catch::Contains("written as 1") && Catch::Contains("--channels wide"));
     // Others stay what they were.
-    const MeasuredTable usual = average_photos(measured(rendered().truth), target);
+    auto usual_photos = measured(rendered().truth);
+    const MeasuredTable usual = average_photos(usual_photos, target);
     CHECK(usual.table.channels.is_rgb());
 
     const double of_wide = fitted_error(wide.table, truth), of_cut = fitted_error(cut.table, truth),
@@ -146,6 +150,12 @@ TEST_CASE("inks more saturated than sRGB are measured and fitted as well as othe
     INFO("CIEDE2000 of fitted squares: wide " << of_wide << ", cut to sRGB " << of_cut << ", usual inks " << of_usual);
     CHECK(of_wide < 1.5 * of_usual);
     CHECK(of_cut > 3 * of_wide);
+
+    usual_photos[0].rho[0][1] = 1.03;
+    const MeasuredTable light = average_photos(usual_photos, target);
+    CHECK(light.table.patches[0].rho[1] == 1);
+    CHECK_THAT(light.warnings.back(), Catch::Contains("up to 1.030, and is written as 1"));
+    CHECK(usual.warnings.size() + 1 == light.warnings.size());
 }
 
 TEST_CASE("photographs from any side are measured within 0.005") {
