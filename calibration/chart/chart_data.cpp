@@ -118,6 +118,11 @@ ChartData chart_data(const PatchTable& table, const PatchTable& squares) {
         row_of.push_back(static_cast<Eigen::Index>(entry->second));
     }
     const auto mixtures = static_cast<Eigen::Index>(sums.size()), resins = static_cast<Eigen::Index>(data.roles.size());
+    if (mixtures == 0)
+        throw InputError(fmt::format(
+            "{}: all patches are thin squares upon a base; a chart tells its colours by thick mixtures. Add "
+            "some, or write the squares as a target: top,backing,thickness_mm,R,G,B.",
+            table.source));
     if (mixtures < 2)
         throw InputError(
             fmt::format("{}: one mixture alone tells nothing of its resins; measure a chart of them.", table.source));

@@ -266,6 +266,9 @@ TEST_CASE("Charts that cannot be fitted are refused in a sentence") {
     clear.patches.push_back(clear.patches[3]);
     clear.patches.back().thickness_mm = 0.5, clear.patches.back().backing = "T";
     CHECK_THAT(refused(clear, options_for(3)), Contains("upon T holds the resin T, which no thick mixture"));
+    PatchTable thin = testing::drawn_chart(truth, 40, 1, 0);
+    for (Patch& patch : thin.patches) patch.thickness_mm = 0.5, patch.backing = "W";
+    CHECK_THAT(refused(thin, options_for(3)), Contains("all patches are thin squares"));
     ChartFitOptions with_thick = options_for(3);
     with_thick.squares = testing::drawn_chart(truth, 6, 1, 0);
     CHECK_THAT(refused(testing::drawn_chart(truth, 40, 1, 0), with_thick), Contains("is thick; squares"));
