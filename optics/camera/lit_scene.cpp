@@ -3,6 +3,8 @@
 
 #include <limits>
 
+#include <Eigen/LU>
+
 #include "voxtone/base/contracts.h"
 #include "voxtone/optics/colour/channels.h"
 #include "voxtone/optics/monte_carlo/scalar_paths.h"
@@ -11,6 +13,17 @@ namespace voxtone::optics {
 namespace {
 
 Point less(const Point& a, const Point& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+
+// Of all weights that give every colour back, the nearest to these: L + W^T (W W^T)^-1 (1 - W L). Sums stay 1.
+void make_exact(const Eigen::Matrix3Xd& to_srgb, std::vector<Light>& light) {
+    Eigen::MatrixX3d weights(to_srgb.cols(), 3);
+    for (Eigen::Index c = 0; c < weights.rows(); ++c)
+        weights.row(c) = Eigen::Map<const Eigen::RowVector3d>(light[static_cast<std::size_t>(c)].data());
+    const Eigen::Matrix3d both = to_srgb * to_srgb.transpose();
+    weights += to_srgb.transpose() * both.fullPivLu().solve(Eigen::Matrix3d::Identity() - to_srgb * weights);
+    for (Eigen::Index c = 0; c < weights.rows(); ++c)
+        Eigen::Map<Eigen::RowVector3d>(light[static_cast<std::size_t>(c)].data()) = weights.row(c);
+}
 
 std::vector<Light> light_of(const Channels& channels, const Eigen::Matrix3Xd& to_srgb) {
     constexpr Light red{1, 0, 0}, green{0, 1, 0}, blue{0, 0, 1}, grey{1.0 / 3, 1.0 / 3, 1.0 / 3};
@@ -22,6 +35,7 @@ std::vector<Light> light_of(const Channels& channels, const Eigen::Matrix3Xd& to
         const double sum = given.sum();
         light.push_back(sum > 0 ? Light{given[0] / sum, given[1] / sum, given[2] / sum} : grey);
     }
+    if (channels.is_own()) make_exact(to_srgb, light);
     return light;
 }
 

@@ -3,6 +3,7 @@
 // What a ray in the air meets first, and what the sky sends along it, for one channel at a time.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <vector>
 
@@ -45,13 +46,13 @@ public:
 
     [[nodiscard]] MetInAir met(const Point& from, const Point& way) const;
     [[nodiscard]] bool sees_sky(const Point& from, const Point& way) const;
-    /// Of a light or a reflectance in linear sRGB: what a channel has of it, a mean by weights that sum to 1, so that
-    /// it is exact for what is grey, and a reflectance stays in [0, 1]. Channels of wavelengths take red from 580 nm,
-    /// blue below 490 nm, green between; a printer's own take R, G and B by what they give to each of them (where that
-    /// is above 0), which leaves the colours of lamps too pale where channels overlap.
+    /// Of a light or a reflectance in linear sRGB: what a channel has of it, by weights that sum to 1, so that it is
+    /// exact for what is grey. Channels of wavelengths take red from 580 nm, blue below 490 nm, green between; a
+    /// printer's own are seen together as the colour that was asked for, unless it is so saturated that a channel
+    /// would have less than nothing of it: 0 then.
     [[nodiscard]] double in_channel(const Light& light, std::size_t channel) const {
         const Light& share = light_[channel];
-        return share[0] * light[0] + share[1] * light[1] + share[2] * light[2];
+        return std::max(0.0, share[0] * light[0] + share[1] * light[1] + share[2] * light[2]);
     }
 
 private:

@@ -137,14 +137,15 @@ void TilePaths::colour_as_sent(const AirRay& ray) {
 /// Takes a diffuser's colour.
 void TilePaths::colour_by(AirRay& ray, const Light& reflectance) {
     if (ray.channel != all_channels) {
-        ray.weight *= scene_.in_channel(reflectance, static_cast<std::size_t>(ray.channel));
+        ray.weight *= std::min(1.0, scene_.in_channel(reflectance, static_cast<std::size_t>(ray.channel)));
         return;
     }
     // The weight is that of the brightest, so that roulette spares it.
     const double largest = std::max({reflectance[0], reflectance[1], reflectance[2]});
     ray.weight *= largest;
     if (largest > 0)
-        for (std::size_t c = 0; c < colour_.size(); ++c) colour_[c] *= scene_.in_channel(reflectance, c) / largest;
+        for (std::size_t c = 0; c < colour_.size(); ++c)
+            colour_[c] *= std::min(1.0, scene_.in_channel(reflectance, c)) / largest;
 }
 
 /// The mirrored part and the part that enters are both followed.

@@ -429,7 +429,7 @@ TEST_CASE("a filter blurs and keeps the light, and noise falls to a third") {
     CHECK(filter.mean_square()[2] == Approx(mean_square).epsilon(1e-4));
 }
 
-TEST_CASE("a printer's own channels take light by what they give to R, G and B") {
+TEST_CASE("a printer's own channels show lamps and diffusers in the colours that were asked for") {
     const Sky sky = even_sky();
     for (const Channels& channels :
          {optics::testing::split_channels(optics::testing::green_twice), optics::testing::overlapping_channels()}) {
@@ -442,8 +442,13 @@ TEST_CASE("a printer's own channels take light by what they give to R, G and B")
         REQUIRE(lit.derived().size() == 4);  // R, G, B and luminance
         for (std::size_t c = 0; c < 4; ++c) {
             CHECK(lit.in_channel({0.3, 0.3, 0.3}, c) == Approx(0.3));
-            const double coloured = lit.in_channel({0.9, 0.4, 0.1}, c);
-            CHECK((coloured >= 0.1 && coloured <= 0.9));
+            CHECK(lit.in_channel({1, 0, 0}, c) >= 0);
+        }
+        const Light cream{0.85, 0.8, 0.65};
+        for (std::size_t k = 0; k < 3; ++k) {
+            double seen = 0;
+            for (std::size_t c = 0; c < 4; ++c) seen += lit.derived()[k][c] * lit.in_channel(cream, c);
+            CHECK(seen == Approx(cream[k]).epsilon(1e-9));
         }
     }
     ResinSet set = optics::testing::split_set(one_resin({8, 20, 3}, {1, 1, 1}), optics::testing::green_twice);
