@@ -9,37 +9,12 @@
 
 #include "voxtone/base/error.h"
 #include "voxtone/calibration/patches/patch_mixture.h"
+#include "voxtone/calibration/patches/table_observer.h"
 #include "voxtone/optics/layered/flat_colour.h"
 
 namespace voxtone::calibration {
 
 namespace {
-
-using optics::Channels;
-using optics::Illuminant;
-
-// XYZ of a table's values under the illuminant that its colours are told in: spectra under D50, as charts are.
-struct TableObserver {
-    Illuminant illuminant;
-    Eigen::Vector3d white;
-    Eigen::Matrix3Xd weights;
-};
-
-TableObserver observer_of(const Channels& channels) {
-    if (channels.is_own()) {
-        TableObserver own{channels.illuminant, optics::colorimetric_white(channels.illuminant), {}};
-        own.weights.resize(3, static_cast<Eigen::Index>(channels.size()));
-        for (std::size_t c = 0; c < channels.size(); ++c)
-            own.weights.col(static_cast<Eigen::Index>(c)) = Eigen::Map<const Eigen::Vector3d>(channels.xyz[c].data());
-        return own;
-    }
-    if (channels.is_rgb()) return {Illuminant::d65, optics::d65_white(), optics::xyz_from_linear_srgb_matrix()};
-    TableObserver spectral{Illuminant::d50, optics::d50_white(),
-                           optics::xyz_weights(channels.wavelengths_nm, Illuminant::d50)};
-    const Eigen::Vector3d summed = spectral.weights.rowwise().sum();
-    for (Eigen::Index k = 0; k < 3; ++k) spectral.weights.row(k) *= spectral.white[k] / summed[k];
-    return spectral;
-}
 
 bool is_thin(const Patch& patch) { return patch.thickness_mm > 0; }
 
@@ -61,7 +36,7 @@ Eigen::Matrix3d root_metric(const Eigen::Vector3d& roots) {
 }
 
 void add_squares(const PatchTable& table, bool own_instrument, ChartData& data) {
-    const TableObserver observer = observer_of(table.channels);
+    const TableObserver observer = table_observer(table.channels, optics::Illuminant::d50);
     for (const Patch& patch : table.patches) {
         if (!is_thin(patch)) {
             if (!own_instrument) continue;
@@ -88,6 +63,21 @@ void add_squares(const PatchTable& table, bool own_instrument, ChartData& data) 
     }
 }
 
+// Means of repeats, by the mixture that each thick patch of the table is.
+void add_spectra(const PatchTable& table, const TableObserver& observer, const std::vector<Eigen::Index>& mixture_of,
+                 ChartData& data) {
+    data.nm = table.channels.wavelengths_nm;
+    data.observer = (observer.white.cwiseInverse().asDiagonal() * observer.weights).transpose();
+    data.spectra = Eigen::MatrixXd::Zero(data.mixtures(), data.observer.rows());
+    std::size_t thick = 0;
+    for (const Patch& patch : table.patches) {
+        if (is_thin(patch)) continue;
+        const Eigen::Index row = mixture_of[thick++];
+        data.spectra.row(row) +=
+            Eigen::Map<const Eigen::RowVectorXd>(patch.rho.data(), data.spectra.cols()) / data.repeats[row];
+    }
+}
+
 }  // namespace
 
 Eigen::Matrix3d lab_of_roots() {
@@ -99,7 +89,7 @@ Eigen::Matrix3d lab_of_roots() {
 ChartData chart_data(const PatchTable& table, const PatchTable& squares) {
     ChartData data;
     data.roles = roles_of(table);
-    const TableObserver observer = observer_of(table.channels);
+    const TableObserver observer = table_observer(table.channels, optics::Illuminant::d50);
     data.illuminant = observer.illuminant, data.white = observer.white;
     std::map<std::string, std::size_t> rows;
     std::vector<Eigen::Vector3d> sums;
@@ -140,6 +130,7 @@ ChartData chart_data(const PatchTable& table, const PatchTable& squares) {
         data.lab.row(i) = lab.transpose();
         data.metric.push_back(root_metric(data.roots.row(i).transpose()));
     }
+    if (!table.channels.is_own() && !table.channels.is_rgb()) add_spectra(table, observer, row_of, data);
     std::vector<double> apart;
     for (std::size_t p = 0; p < measured.size(); ++p) {
         const Eigen::Index row = row_of[p];
@@ -169,6 +160,8 @@ ChartData chart_rows(const ChartData& data, const std::vector<Eigen::Index>& kee
     ChartData part;
     part.roles = data.roles, part.illuminant = data.illuminant, part.white = data.white;
     part.squares = data.squares;
+    part.observer = data.observer, part.nm = data.nm;
+    if (data.spectra.size() > 0) part.spectra = data.spectra(keep, Eigen::all);
     part.shares = data.shares(keep, Eigen::all);
     part.roots = data.roots(keep, Eigen::all);
     part.lab = data.lab(keep, Eigen::all);

@@ -10,174 +10,15 @@
 
 #include "voxtone/base/contracts.h"
 #include "voxtone/base/error.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/base/random.h"
 #include "voxtone/base/stopwatch.h"
-#include "voxtone/calibration/chart/chart_lengths.h"
+#include "voxtone/calibration/chart/chart_folds.h"
 #include "voxtone/calibration/chart/colour_fit.h"
 #include "voxtone/calibration/chart/observer_fit.h"
-#include "voxtone/calibration/chart/observer_start.h"
 #include "voxtone/calibration/chart/residual_fit.h"
-#include "voxtone/calibration/chart/square_colours.h"
 
 namespace voxtone::calibration {
 
 namespace {
-
-constexpr int least_channels = 3, most_channels = 12;
-constexpr std::size_t choice_folds = 5;
-// Few mixtures are cut anew several times: one cut of thirty says little.
-constexpr Eigen::Index cut_mixtures = 240;
-constexpr Eigen::Index most_cuts = 8;
-// Fewer channels are taken where they are as good within this: every one costs light transport its price.
-constexpr double as_good = 1.01;
-
-ObserverModel model_of(const ChartData& data, int channels, const ChartFitOptions& options) {
-    return {data.resins(),
-            white_resin(data),
-            channels,
-            {.g = options.g,
-             .eta = options.eta,
-             .geometry = options.geometry,
-             .pitch_mm = options.pitch_mm,
-             .lengths = !data.squares.patches.empty()}};
-}
-
-optics::Channels channels_of(const ChartData& data, const ObserverParts& parts) {
-    optics::Channels channels;
-    channels.illuminant = data.illuminant;
-    for (Eigen::Index c = 0; c < parts.weights.rows(); ++c)
-        channels.xyz.push_back({parts.weights(c, 0) * data.white[0], parts.weights(c, 1) * data.white[1],
-                                parts.weights(c, 2) * data.white[2]});
-    return channels;
-}
-
-Eigen::VectorXd scattering_of(const ChartData& data, const ObserverParts& parts, const ChartFitOptions& options) {
-    const std::vector<double> of = white_scattering(channels_of(data, parts), options.g, options.lengths_from);
-    return Eigen::Map<const Eigen::VectorXd>(of.data(), static_cast<Eigen::Index>(of.size()));
-}
-
-ObserverParts start_of(const ChartData& data, int channels, const ChartFitOptions& options) {
-    ObserverParts start = observer_start(data, channels);
-    start.scattering = scattering_of(data, start, options);
-    if (options.pitch_mm[0] > 0) start.dot_spread = 0.5;
-    return start;
-}
-
-// Fold of each mixture: an even cut of a shuffled order.
-std::vector<int> folds_of(Eigen::Index mixtures, int folds, std::uint64_t cut = 0) {
-    std::vector<std::size_t> order(static_cast<std::size_t>(mixtures));
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    RandomStream random(20261125, cut);
-    for (std::size_t k = order.size(); k > 1; --k)
-        std::swap(order[k - 1], order[static_cast<std::size_t>(random.uniform() * static_cast<double>(k))]);
-    std::vector<int> fold(order.size());
-    for (std::size_t k = 0; k < order.size(); ++k) fold[order[k]] = static_cast<int>(k) % folds;
-    return fold;
-}
-
-struct LeftOut {
-    Eigen::MatrixX3d physics, corrected;  ///< roots of every mixture by a fit without its fold
-    Eigen::MatrixX3d squares;             ///< the same of every thin square
-    std::vector<ObserverParts> parts;     ///< of each fold's fit; empty: not wanted
-};
-
-struct Rows {
-    std::vector<Eigen::Index> kept, left;
-};
-
-Rows rows_of(const std::vector<int>& fold, int k) {
-    Rows rows;
-    for (std::size_t i = 0; i < fold.size(); ++i)
-        (fold[i] == k ? rows.left : rows.kept).push_back(static_cast<Eigen::Index>(i));
-    return rows;
-}
-
-// One fold: what the others say of it.
-void predict_fold(const ChartData& data, const std::vector<int>& fold, int k, int channels,
-                  const ChartFitOptions& options, const ResidualShape& shape, const Progress* progress, LeftOut& out) {
-    const auto [kept, left] = rows_of(fold, k);
-    if (left.empty()) return;
-    ChartData part = chart_rows(data, kept);
-    const int folds = *std::ranges::max_element(fold) + 1;
-    const auto [kept_squares, left_squares] = rows_of(folds_of(data.squares.roots.rows(), folds), k);
-    part.squares = square_rows(data.squares, kept_squares);
-    const ObserverModel model = model_of(data, channels, options);
-    const ObserverFit fit = fit_observer(part, model, start_of(part, channels, options), progress);
-    if (!out.parts.empty()) out.parts[static_cast<std::size_t>(k)] = fit.parts;
-    const ThinSquares others = square_rows(data.squares, left_squares);
-    const Eigen::MatrixX3d square_roots = SquareColours(others, data.roles, model).roots(fit.parts);
-    for (std::size_t i = 0; i < left_squares.size(); ++i)
-        out.squares.row(left_squares[i]) = square_roots.row(static_cast<Eigen::Index>(i));
-    const Eigen::MatrixX3d physics = predicted_roots(model, fit.parts, data.shares(left, Eigen::all));
-    const optics::ColourResidual residual =
-        options.residual ? make_residual(part, part.roots - fit.roots, shape) : optics::ColourResidual();
-    for (std::size_t i = 0; i < left.size(); ++i) {
-        const auto row = static_cast<Eigen::Index>(i);
-        const Eigen::VectorXd shares = data.shares.row(left[i]).transpose();
-        out.physics.row(left[i]) = physics.row(row);
-        out.corrected.row(left[i]) =
-            physics.row(row) + residual({shares.data(), static_cast<std::size_t>(shares.size())}).transpose();
-    }
-}
-
-double mean_difference(const Eigen::MatrixX3d& predicted, const ChartData& data) {
-    return optics::summarize(root_differences(predicted, data.roots)).mean;
-}
-
-LeftOut empty_prediction(const ChartData& data) {
-    return {Eigen::MatrixX3d::Zero(data.mixtures(), 3),
-            Eigen::MatrixX3d::Zero(data.mixtures(), 3),
-            Eigen::MatrixX3d::Zero(data.squares.roots.rows(), 3),
-            {}};
-}
-
-// Numbers of channels that so many mixtures can bear: not more unknowns than measured values.
-std::vector<int> candidates(const ChartData& data, const ChartFitOptions& options) {
-    if (options.channels > 0) return {options.channels};
-    std::vector<int> tried;
-    for (const int channels : {3, 4, 5, 6, 8})
-        if (channels == least_channels || model_of(data, channels, options).unknowns() < 3 * data.mixtures())
-            tried.push_back(channels);
-    return tried;
-}
-
-std::vector<ChannelChoice> channel_curve(const ChartData& data, const ChartFitOptions& options,
-                                         const Progress* progress) {
-    const std::vector<int> tried = candidates(data, options);
-    if (tried.size() == 1) return {};
-    const auto cuts = static_cast<std::size_t>(std::clamp<Eigen::Index>(cut_mixtures / data.mixtures(), 1, most_cuts));
-    std::vector<std::vector<int>> fold;
-    for (std::size_t cut = 0; cut < cuts; ++cut)
-        fold.push_back(folds_of(data.mixtures(), static_cast<int>(choice_folds), cut));
-    std::vector<LeftOut> left(tried.size() * cuts, empty_prediction(data));
-    const std::size_t fits = cuts * choice_folds;
-    // The largest first: they take longest.
-    parallel_for(
-        0, tried.size() * fits, 1,
-        [&](std::size_t task) {
-            const std::size_t at = tried.size() - 1 - task / fits, cut = task % fits / choice_folds;
-            predict_fold(data, fold[cut], static_cast<int>(task % choice_folds), tried[at], options,
-                         usual_residual_shape(data.resins()), progress, left[at * cuts + cut]);
-        },
-        progress);
-    std::vector<ChannelChoice> curve;
-    for (std::size_t k = 0; k < tried.size(); ++k) {
-        ChannelChoice& choice = curve.emplace_back(ChannelChoice{tried[k], 0, 0});
-        for (std::size_t cut = 0; cut < cuts; ++cut) {
-            choice.physics += mean_difference(left[k * cuts + cut].physics, data) / static_cast<double>(cuts);
-            choice.with_residual += mean_difference(left[k * cuts + cut].corrected, data) / static_cast<double>(cuts);
-        }
-    }
-    return curve;
-}
-
-int best_channels(const std::vector<ChannelChoice>& curve, const ChartFitOptions& options) {
-    if (curve.empty()) return options.channels > 0 ? options.channels : least_channels;
-    const auto error = [](const ChannelChoice& choice) { return choice.with_residual; };
-    const double least = std::ranges::min(curve, {}, error).with_residual;
-    return std::ranges::find_if(curve, [&](const ChannelChoice& c) { return error(c) <= as_good * least; })->channels;
-}
 
 void expect_enough(const ChartData& data, const PatchTable& table, const ChartFitOptions& options) {
     const int least = std::max(options.channels, least_channels);
@@ -212,7 +53,7 @@ optics::ResinSet set_of(const ChartData& data, const ObserverParts& parts, const
     set.name = options.name;
     set.g = options.g, set.eta = options.eta;
     set.dot_spread = parts.dot_spread;
-    set.channels = channels_of(data, parts);
+    set.channels = chart_channels(data, parts);
     for (Eigen::Index r = 0; r < data.resins(); ++r) {
         const std::string& role = data.roles[static_cast<std::size_t>(r)];
         optics::Resin resin{role, role, {}, {}};
@@ -256,9 +97,9 @@ bool tells_spread(const ChartData& data, const ChartFitOptions& options, const P
     ChartFitOptions ideal = options;
     ideal.pitch_mm = {};
     const auto fitted = [&](const ChartFitOptions& law) {
-        const int channels = law.channels > 0 ? law.channels : of_channels;
+        const ObserverChoice usual{law.channels > 0 ? law.channels : of_channels, false};
         const ObserverFit found =
-            fit_observer(data, model_of(data, channels, law), start_of(data, channels, law), progress);
+            fit_observer(data, chart_model(data, usual, law), chart_start(data, usual, law), progress);
         return std::pair(mean_difference(found.roots, data), found.parts.dot_spread);
     };
     const auto [of_ideal, one] = fitted(ideal);
@@ -323,14 +164,15 @@ ChartFit fit_chart(const PatchTable& table, const ChartFitOptions& asked, const 
     ChartFitOptions options = asked;
     if (!tells_spread(data, asked, progress, result)) options.pitch_mm = {};
     result.curve = channel_curve(data, options, progress);
-    const int channels = best_channels(result.curve, options);
+    const ObserverChoice choice = best_choice(result.curve, options);
+    result.observer = choice;
 
-    const ObserverModel model = model_of(data, channels, options);
-    ObserverFit fit = fit_observer(data, model, start_of(data, channels, options), progress);
-    if (!model.options().lengths) fit.parts.scattering = scattering_of(data, fit.parts, options);
+    const ObserverModel model = chart_model(data, choice, options);
+    ObserverFit fit = fit_observer(data, model, chart_start(data, choice, options), progress);
+    if (!model.options().lengths) fit.parts.scattering = chart_scattering(data, fit.parts, options);
     if (model.fits_spread() && !model.options().lengths) {
         fit = fit_observer(data, model, fit.parts, progress);
-        fit.parts.scattering = scattering_of(data, fit.parts, options);
+        fit.parts.scattering = chart_scattering(data, fit.parts, options);
     }
     const Eigen::MatrixX3d left = data.roots - fit.roots;
     ResidualShape shape = usual_residual_shape(data.resins());
@@ -353,13 +195,7 @@ ChartFit fit_chart(const PatchTable& table, const ChartFitOptions& asked, const 
     result.fitted = optics::summarize(root_differences(fitted, data.roots));
 
     const int folds = static_cast<int>(std::min<Eigen::Index>(options.folds, data.mixtures()));
-    const std::vector<int> fold = folds_of(data.mixtures(), folds);
-    LeftOut out = empty_prediction(data);
-    out.parts.resize(static_cast<std::size_t>(folds));
-    parallel_for(
-        0, static_cast<std::size_t>(folds), 1,
-        [&](std::size_t k) { predict_fold(data, fold, static_cast<int>(k), channels, chosen, shape, progress, out); },
-        progress);
+    const LeftOut out = leave_out(data, folds, choice, chosen, shape, progress);
     add_held_out(data, out, result);
     add_limits(data, result);
     add_parameter_errors(data, model, out, result);

@@ -27,6 +27,8 @@ std::string patches_text(const std::vector<HeldOutPatch>& patches) {
     return text;
 }
 
+std::string observer_word(const ObserverChoice& choice) { return choice.of_spectra ? "spectra" : "fitted"; }
+
 }  // namespace
 
 std::string difference_heading() {
@@ -60,8 +62,9 @@ std::string chart_fit_text(const ChartFit& fit) {
     if (!fit.curve.empty()) {
         text += "\nMixtures left out, by number of channels: mean by physics, with residual\n";
         for (const ChannelChoice& choice : fit.curve)
-            text += fmt::format("  {:>2}  {:.2f}  {:.2f}{}\n", choice.channels, choice.physics, choice.with_residual,
-                                static_cast<std::size_t>(choice.channels) == set.channels.size() ? "  taken" : "");
+            text += fmt::format("  {:>2}  {:.2f}  {:.2f}{}{}\n", choice.observer.channels, choice.physics,
+                                choice.with_residual, choice.observer.of_spectra ? "  bands of the spectra" : "",
+                                choice.observer == fit.observer ? "  taken" : "");
     }
     if (set.residual.empty())
         text += "\nNo residual: none was wanted, or it made mixtures that were left out no better.\n";
@@ -91,6 +94,7 @@ std::string chart_fit_json(const ChartFit& fit) {
                    {"version", 1},
                    {"seconds", fit.seconds},
                    {"channels", set.channels.size()},
+                   {"observer", observer_word(fit.observer)},
                    {"mixtures", fit.fitted.count},
                    {"fitted", object_of(fit.fitted)},
                    {"held_out", object_of(fit.held_out)},
@@ -106,8 +110,10 @@ std::string chart_fit_json(const ChartFit& fit) {
                    {"solids", patches_of(fit.solids)},
                    {"warnings", fit.warnings}};
     for (const ChannelChoice& choice : fit.curve)
-        json["curve"].push_back(
-            {{"channels", choice.channels}, {"physics", choice.physics}, {"with_residual", choice.with_residual}});
+        json["curve"].push_back({{"channels", choice.observer.channels},
+                                 {"observer", observer_word(choice.observer)},
+                                 {"physics", choice.physics},
+                                 {"with_residual", choice.with_residual}});
     return json.dump(-1, ' ', false, ChartJson::error_handler_t::replace);
 }
 

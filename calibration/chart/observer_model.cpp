@@ -27,17 +27,19 @@ double logistic(double x) { return 1 / (1 + std::exp(-x)); }
 
 void read_observer(const Eigen::Ref<const Eigen::VectorXd>& unknowns, ObserverParts& parts) {
     Eigen::Index at = 0;
-    for (Eigen::Index c = 0; c < parts.weights.rows(); ++c)
-        for (Eigen::Index k = 0; k < 3; ++k) parts.weights(c, k) = std::exp(unknowns[at++]);
-    for (Eigen::Index k = 0; k < 3; ++k) parts.weights.col(k) /= parts.weights.col(k).sum();
+    if (unknowns.size() > 2) {
+        for (Eigen::Index c = 0; c < parts.weights.rows(); ++c)
+            for (Eigen::Index k = 0; k < 3; ++k) parts.weights(c, k) = std::exp(unknowns[at++]);
+        for (Eigen::Index k = 0; k < 3; ++k) parts.weights.col(k) /= parts.weights.col(k).sum();
+    }
     parts.surface = most_surface * logistic(unknowns[at++]);
     parts.gain = 1 + gain_range * std::tanh(unknowns[at]);
 }
 
-Eigen::VectorXd observer_unknowns(const ObserverParts& parts) {
-    Eigen::VectorXd unknowns(3 * parts.weights.rows() + 2);
+Eigen::VectorXd observer_unknowns(const ObserverParts& parts, bool with_weights) {
+    Eigen::VectorXd unknowns((with_weights ? 3 * parts.weights.rows() : 0) + 2);
     Eigen::Index at = 0;
-    for (Eigen::Index c = 0; c < parts.weights.rows(); ++c)
+    for (Eigen::Index c = 0; with_weights && c < parts.weights.rows(); ++c)
         for (Eigen::Index k = 0; k < 3; ++k) unknowns[at++] = std::log(parts.weights(c, k));
     unknowns[at++] = std::log(parts.surface / (most_surface - parts.surface));
     unknowns[at] = std::atanh((parts.gain - 1) / gain_range);
@@ -48,7 +50,7 @@ void add_observer_derivatives(const ObserverParts& parts, const Eigen::VectorXd&
                               Eigen::Ref<Eigen::Matrix3Xd> by_unknown) {
     const Eigen::Vector3d colour = parts.weights.transpose() * seen;
     Eigen::Index at = 0;
-    for (Eigen::Index c = 0; c < parts.weights.rows(); ++c)
+    for (Eigen::Index c = 0; by_unknown.cols() > 2 && c < parts.weights.rows(); ++c)
         for (Eigen::Index k = 0; k < 3; ++k) {
             by_unknown.col(at).setZero();
             by_unknown(k, at++) = parts.weights(c, k) * (seen[c] - colour[k]);
@@ -87,6 +89,7 @@ ObserverParts ObserverModel::parts(const Eigen::VectorXd& unknowns, const Observ
             if (!is_white(r)) parts.s(r, c) = std::exp(unknowns[scattering_at(r, c)]);
         }
     parts.scattering = known.scattering, parts.dot_spread = known.dot_spread;
+    if (options_.known_observer) parts.weights = known.weights;
     if (options_.lengths) parts.scattering = unknowns.segment(length_at(0), channels_).array().exp();
     if (fits_spread()) parts.dot_spread = logistic(spread_scale * unknowns[spread_at()]);
     read_observer(unknowns.tail(unknowns.size() - observer_at()), parts);
@@ -105,7 +108,7 @@ Eigen::VectorXd ObserverModel::unknowns_of(const ObserverParts& parts) const {
         const double spread = std::clamp(parts.dot_spread, least_spread, 1 - least_spread);
         unknowns[spread_at()] = std::log(spread / (1 - spread)) / spread_scale;
     }
-    unknowns.tail(unknowns.size() - observer_at()) = observer_unknowns(parts);
+    unknowns.tail(unknowns.size() - observer_at()) = observer_unknowns(parts, !options_.known_observer);
     return unknowns;
 }
 

@@ -9,8 +9,9 @@
 //
 // Unknowns: ln a, ln s, ln w (the sum in the denominator makes a perfect diffuser white), a root of the surface's
 // reflection and one for the gain, which stays within a tenth of 1: K (2 R - 1 + 3) + 2 of them for R resins. Where the
-// pitch of the voxels is known, one more for the dot spread; where thin squares tell lengths (square_colours.h), K more
-// for ln S_c. Without either, S_c plays no part: colour of thick ideal mixtures tells ratios alone.
+// pitch of the voxels is known, one more for the dot spread; where spectra give the observer, 3 K fewer; where thin
+// squares tell lengths (square_colours.h), K more for ln S_c. Without either, S_c plays no part: colour of thick ideal
+// mixtures tells ratios alone.
 #pragma once
 
 #include <array>
@@ -39,12 +40,13 @@ struct ObserverModelOptions {
     optics::MeasuringGeometry geometry = optics::MeasuringGeometry::directional_45_0;
     std::array<double, 3> pitch_mm{};  ///< of the voxels that mixtures are made of; 0: Eq. 7
     bool lengths = false;              ///< fit the scattering of white too
+    bool known_observer = false;       ///< weights are known, not fitted
 };
 
-/// The last 3 K + 2 unknowns, ln w, surface and gain, of parts whose `weights` have their size: read, written, and the
-/// derivatives of a colour by them where the channels are seen as `seen`, gain and surface included.
+/// The last unknowns, ln w where they are fitted, surface and gain, of parts whose `weights` have their size: read,
+/// written, and the derivatives of a colour by them where the channels are seen as `seen`, gain and surface included.
 void read_observer(const Eigen::Ref<const Eigen::VectorXd>& unknowns, ObserverParts& parts);
-[[nodiscard]] Eigen::VectorXd observer_unknowns(const ObserverParts& parts);
+[[nodiscard]] Eigen::VectorXd observer_unknowns(const ObserverParts& parts, bool with_weights);
 void add_observer_derivatives(const ObserverParts& parts, const Eigen::VectorXd& seen,
                               Eigen::Ref<Eigen::Matrix3Xd> by_unknown);
 
@@ -52,12 +54,14 @@ class ObserverModel {
 public:
     ObserverModel(Eigen::Index resins, Eigen::Index white, Eigen::Index channels, const ObserverModelOptions& options);
 
-    [[nodiscard]] Eigen::Index unknowns() const { return observer_at() + 3 * channels_ + 2; }
+    [[nodiscard]] Eigen::Index unknowns() const {
+        return observer_at() + (options_.known_observer ? 0 : 3 * channels_) + 2;
+    }
     [[nodiscard]] Eigen::Index resins() const { return resins_; }
     [[nodiscard]] Eigen::Index channels() const { return channels_; }
     [[nodiscard]] const ObserverModelOptions& options() const { return options_; }
     [[nodiscard]] bool fits_spread() const { return options_.pitch_mm[0] > 0; }
-    /// `known`: parts whose `scattering` holds where it is not fitted, and whose dot spread where that is not.
+    /// `known`: parts whose `scattering`, dot spread and weights hold where they are not fitted.
     [[nodiscard]] ObserverParts parts(const Eigen::VectorXd& unknowns, const ObserverParts& known) const;
     /// The inverse of `parts`.
     [[nodiscard]] Eigen::VectorXd unknowns_of(const ObserverParts& parts) const;

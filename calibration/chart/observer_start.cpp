@@ -18,12 +18,6 @@ double bell(double nm, double middle, double width) {
 // 0 far below `edge`, 1 far above.
 double step(double nm, double edge, double width) { return 1 / (1 + std::exp(-(nm - edge) / width)); }
 
-Eigen::Index purest_patch(const ChartData& data, Eigen::Index resin) {
-    Eigen::Index best = 0;
-    data.shares.col(resin).maxCoeff(&best);
-    return best;
-}
-
 double absorption(const ChartData& data, Eigen::Index resin, double nm) {
     const std::string& role = data.roles[static_cast<std::size_t>(resin)];
     if (role == "W") return 0.004;
@@ -36,12 +30,16 @@ double absorption(const ChartData& data, Eigen::Index resin, double nm) {
 
 }  // namespace
 
+double absorption_by_reflectance(double rho) {
+    const double seen = std::clamp(rho, 0.02, 0.95);
+    return (1 - seen) * (1 - seen) / (2 * seen);
+}
+
 double absorption_by_colour(const Eigen::Vector3d& lab, const Eigen::Vector3d& white, double nm) {
     const Eigen::Vector3d xyz = optics::adapt_white(optics::xyz_from_lab(lab, white), white, optics::d65_white());
     const Eigen::Vector3d rgb = optics::linear_srgb_from_xyz(xyz);
     const double blue = 1 - step(nm, 495, 8), red = step(nm, 585, 8), green = 1 - blue - red;
-    const double seen = std::clamp(red * rgb[0] + green * rgb[1] + blue * rgb[2], 0.02, 0.95);
-    return (1 - seen) * (1 - seen) / (2 * seen);
+    return absorption_by_reflectance(red * rgb[0] + green * rgb[1] + blue * rgb[2]);
 }
 
 double start_nm(Eigen::Index channel, Eigen::Index channels) {
@@ -62,6 +60,12 @@ Eigen::MatrixX3d start_weights(Eigen::Index channels) {
     return weights;
 }
 
+Eigen::Index purest_patch(const ChartData& data, Eigen::Index resin) {
+    Eigen::Index best = 0;
+    data.shares.col(resin).maxCoeff(&best);
+    return best;
+}
+
 Eigen::Index white_resin(const ChartData& data) {
     const auto named = std::ranges::find(data.roles, "W");
     if (named != data.roles.end()) return named - data.roles.begin();
@@ -73,13 +77,12 @@ Eigen::Index white_resin(const ChartData& data) {
 
 ObserverParts observer_start(const ChartData& data, Eigen::Index channels) {
     ObserverParts start;
-    const Eigen::Index resins = data.resins(), white = white_resin(data);
-    start.a.resize(resins, channels), start.s.setConstant(resins, channels, 0.45);
-    start.s.row(white).setOnes();
-    for (Eigen::Index c = 0; c < channels; ++c)
-        for (Eigen::Index r = 0; r < resins; ++r) start.a(r, c) = absorption(data, r, start_nm(c, channels));
+    start.a.resize(data.resins(), channels), start.s.setConstant(data.resins(), channels, 0.45);
+    start.s.row(white_resin(data)).setOnes();
     start.weights = start_weights(channels);
     start.surface = 0.015, start.gain = 1;
+    for (Eigen::Index c = 0; c < channels; ++c)
+        for (Eigen::Index r = 0; r < data.resins(); ++r) start.a(r, c) = absorption(data, r, start_nm(c, channels));
     return start;
 }
 

@@ -14,10 +14,14 @@ namespace voxtone::calibration {
 /// The resin that scattering is told relative to: W, else the one whose patches are the lightest.
 [[nodiscard]] Eigen::Index white_resin(const ChartData& data);
 
+/// The mixture that holds most of a resin.
+[[nodiscard]] Eigen::Index purest_patch(const ChartData& data, Eigen::Index resin);
+
 /// The bands: wavelength of one, nm; weights to XYZ relative to white of all, columns sum to 1.
 [[nodiscard]] double start_nm(Eigen::Index channel, Eigen::Index channels);
 [[nodiscard]] Eigen::MatrixX3d start_weights(Eigen::Index channels);
-/// Absorption over scattering at a wavelength of what has this colour, by Kubelka and Munk's K/S.
+/// Absorption over scattering of what reflects so much, by Kubelka and Munk's K/S, and of what has this colour.
+[[nodiscard]] double absorption_by_reflectance(double rho);
 [[nodiscard]] double absorption_by_colour(const Eigen::Vector3d& lab, const Eigen::Vector3d& white, double nm);
 
 [[nodiscard]] ObserverParts observer_start(const ChartData& data, Eigen::Index channels);

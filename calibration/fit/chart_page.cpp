@@ -53,12 +53,14 @@ ReportSection unseen_mixtures(const ChartFit& fit) {
 // Errors left out over the number of channels.
 std::string curve_plot(const std::vector<ChannelChoice>& curve) {
     double most = 0;
-    io::Plot::Points physics, corrected;
+    io::Plot::Points physics, corrected, physics_of_bands, corrected_of_bands;
     std::vector<double> counts;
     for (const ChannelChoice& choice : curve) {
-        counts.push_back(choice.channels);
-        physics.emplace_back(choice.channels, choice.physics);
-        corrected.emplace_back(choice.channels, choice.with_residual);
+        const int channels = choice.observer.channels;
+        if (counts.empty() || counts.back() != channels) counts.push_back(channels);
+        const bool bands = choice.observer.of_spectra;
+        (bands ? physics_of_bands : physics).emplace_back(channels, choice.physics);
+        (bands ? corrected_of_bands : corrected).emplace_back(channels, choice.with_residual);
         most = std::max({most, choice.physics, choice.with_residual});
     }
     const double step = most > 4 ? 2 : most > 2 ? 1 : 0.5, top = step * std::ceil(most / step + 0.2);
@@ -66,12 +68,22 @@ std::string curve_plot(const std::vector<ChannelChoice>& curve) {
     for (double mark = 0; mark <= top + 1e-9; mark += step) marks.push_back(mark);
     io::Plot plot({counts.front() - 0.5, counts.back() + 0.5, false, counts, "channels"},
                   {0, top, false, marks, "mean CIEDE2000, left out"}, "How many channels");
-    plot.line(physics, "#d9730d");
-    plot.line(corrected, "#1565c0");
-    for (const auto& [x, y] : physics) plot.point(x, y, "#d9730d");
-    for (const auto& [x, y] : corrected) plot.point(x, y, "#1565c0");
+    const auto draw = [&](const io::Plot::Points& line, const char* colour) {
+        plot.line(line, colour);
+        for (const auto& [x, y] : line) plot.point(x, y, colour);
+    };
+    draw(physics, "#d9730d");
+    draw(corrected, "#1565c0");
+    draw(physics_of_bands, "#c0a000");
+    draw(corrected_of_bands, "#2e7d32");
     plot.label(physics[0].first + 0.2, physics[0].second, "physics", "#d9730d");
     plot.label(corrected.back().first - 1.6, corrected.back().second + 0.06 * top, "with residual", "#1565c0");
+    if (!physics_of_bands.empty()) {
+        plot.label(physics_of_bands[0].first + 0.2, physics_of_bands[0].second - 0.08 * top,
+                   "physics, bands of the spectra", "#c0a000");
+        plot.label(corrected_of_bands.back().first - 1.6, corrected_of_bands.back().second - 0.08 * top,
+                   "with residual, bands of the spectra", "#2e7d32");
+    }
     return plot.svg();
 }
 

@@ -70,7 +70,7 @@ Eigen::VectorXd LayerModel::unknowns_of(const ObserverParts& parts) const {
         for (Eigen::Index c = 0; c < channels_; ++c) unknowns[at++] = std::log(parts.a(r, c));
     for (Eigen::Index r = 0; r < resins_; ++r)
         for (Eigen::Index c = 0; c < channels_; ++c) unknowns[at++] = std::log(parts.s(r, c));
-    unknowns.tail(unknowns.size() - at) = observer_unknowns(parts);
+    unknowns.tail(unknowns.size() - at) = observer_unknowns(parts, true);
     return unknowns;
 }
 

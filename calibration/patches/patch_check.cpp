@@ -11,6 +11,7 @@
 #include "voxtone/base/error.h"
 #include "voxtone/base/parallel.h"
 #include "voxtone/calibration/patches/patch_file.h"
+#include "voxtone/calibration/patches/table_observer.h"
 #include "voxtone/optics/colour/observed_colour.h"
 #include "voxtone/optics/layered/flat_colour.h"
 
@@ -22,14 +23,17 @@ std::vector<double> list_of(const Eigen::Vector3d& rgb) { return {rgb[0], rgb[1]
 
 // Differences of patches whose predictions and predicted colours are known.
 void measure_differences(const PatchTable& table, const optics::Channels& channels, PatchCheck& check) {
-    const optics::ObservedColour<double> of_table(table.channels);
+    // Spectra are seen in the light in which the set tells its colours: another one moves them by half a unit.
+    const TableObserver observer =
+        table_observer(table.channels, channels.is_own() ? channels.illuminant : optics::Illuminant::d65);
+    const Eigen::Matrix3Xd of_table = optics::linear_srgb_of(observer.white) * observer.weights;
     const bool same = channels == table.channels;
     if (same) check.compared_in = channels;
     std::vector<double> differences;
     double squares = 0;
     for (std::size_t p = 0; p < check.patches.size(); ++p) {
         CheckedPatch& patch = check.patches[p];
-        patch.measured_rgb = of_table.absolute(table.patches[p].rho.data());
+        patch.measured_rgb = of_table * Eigen::Map<const Eigen::VectorXd>(table.patches[p].rho.data(), of_table.cols());
         patch.difference = optics::ciede2000(optics::lab_from_linear_srgb(patch.predicted_rgb),
                                              optics::lab_from_linear_srgb(patch.measured_rgb));
         differences.push_back(patch.difference);

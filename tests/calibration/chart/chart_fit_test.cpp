@@ -1,13 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxtone/calibration/chart/chart_fit.h"
 
+#include <algorithm>
+
 #include <catch2/catch.hpp>
 
 #include "tests/calibration/chart/chart_samples.h"
 #include "voxtone/base/error.h"
 #include "voxtone/base/parallel.h"
 #include "voxtone/calibration/chart/chart_lengths.h"
+#include "voxtone/calibration/chart/colour_fit.h"
+#include "voxtone/calibration/chart/observer_bands.h"
 #include "voxtone/calibration/chart/observer_model.h"
+#include "voxtone/calibration/chart/observer_start.h"
 #include "voxtone/calibration/patches/patch_check.h"
 #include "voxtone/calibration/patches/patch_model.h"
 #include "voxtone/io/profiles/resin_file.h"
@@ -28,15 +33,18 @@ ChartFitOptions options_for(int channels) {
 }  // namespace
 
 TEST_CASE("The observer model's derivatives are those of its values") {
-    const auto [pitch, lengths] = GENERATE(table<double, bool>({{0, false}, {0.03, false}, {0, true}, {0.05, true}}));
-    CAPTURE(pitch, lengths);
-    const ObserverModel model(3, 1, 4, {.pitch_mm = {pitch, 2 * pitch, pitch / 2}, .lengths = lengths});
+    const auto [pitch, lengths, known_observer] = GENERATE(table<double, bool, bool>(
+        {{0, false, false}, {0.03, false, false}, {0, true, false}, {0.05, true, false}, {0.05, true, true}}));
+    CAPTURE(pitch, lengths, known_observer);
+    const ObserverModel model(
+        3, 1, 4, {.pitch_mm = {pitch, 2 * pitch, pitch / 2}, .lengths = lengths, .known_observer = known_observer});
     Eigen::VectorXd unknowns(model.unknowns());
     RandomStream random(3, 0);
     for (Eigen::Index i = 0; i < unknowns.size(); ++i) unknowns[i] = 2 * random.uniform() - 1.5;
     const Eigen::RowVector3d shares(0.2, 0.3, 0.5);
     ObserverParts known;
     known.scattering = Eigen::Vector4d(20, 15, 12, 9);
+    known.weights = start_weights(4);
     Eigen::Matrix3Xd by(3, model.unknowns()), unused(3, model.unknowns());
     const auto colour = [&](const Eigen::VectorXd& at, Eigen::Matrix3Xd& slopes) {
         const ObserverParts parts = model.parts(at, known);
@@ -214,6 +222,55 @@ TEST_CASE("Thin squares tell a chart's lengths, in its own table or in another o
     // And a check of both kinds of rows in one table.
     CHECK(check_resins(same.set, own, {}).differences.mean < 0.6);
     CHECK(check_resins(without.set, own, {}).differences.mean > check_resins(same.set, own, {}).differences.mean + 0.2);
+}
+
+TEST_CASE("Spectra give an observer of few bands outright, which is taken where it foretells better") {
+    const PatchTable others = testing::drawn_spectra(300, 2, 0);
+    const auto fitted = [](std::size_t patches) {
+        return fit_chart(testing::drawn_spectra(patches, 1, 0.001), options_for(6));
+    };
+    // Thirty spectra choose no bands that serve others; a hundred and twenty do.
+    const ChartFit few = fitted(30), many = fitted(120);
+    for (const ChartFit* fit : {&few, &many}) {
+        REQUIRE(fit->curve.size() == 2);
+        CHECK(!fit->curve[0].observer.of_spectra);
+        CHECK(fit->curve[1].observer.of_spectra);
+    }
+    CHECK(!few.observer.of_spectra);
+    CHECK(many.observer.of_spectra);
+    CHECK(many.curve[1].physics < 0.9 * many.curve[0].physics);
+    CHECK(check_resins(many.set, others, {}).differences.mean < 0.3);
+    CHECK_NOTHROW(many.set.validate());
+}
+
+TEST_CASE("Bands of spectra give their colours by weights that are no less than zero") {
+    const ChartData data = chart_data(testing::drawn_spectra(200, 1, 0)),
+                    others = chart_data(testing::drawn_spectra(200, 2, 0));
+    double before = 10;
+    for (const Eigen::Index count : {3, 4, 6, 9}) {
+        const ObserverBands bands = observer_bands(data.spectra, data.observer, count);
+        CHECK(bands.weights.minCoeff() >= 0);
+        CHECK((bands.weights.colwise().sum().array() - 1).abs().maxCoeff() < 1e-12);
+        CHECK(std::ranges::is_sorted(bands.nodes));
+        Eigen::MatrixX3d seen = others.spectra(Eigen::all, bands.nodes) * bands.weights;
+        Eigen::MatrixX3d even = Eigen::MatrixX3d::Zero(others.mixtures(), 3);
+        // As many even bands, each the light around it.
+        for (Eigen::Index w = 0; w < data.observer.rows(); ++w) {
+            const Eigen::Index band = w * count / data.observer.rows();
+            even += others.spectra.col((2 * band + 1) * data.observer.rows() / (2 * count)) * data.observer.row(w);
+        }
+        const auto differ = [&](Eigen::MatrixX3d& colours) {
+            for (Eigen::Index i = 0; i < colours.rows(); ++i)
+                colours.row(i) = roots_of(colours.row(i).transpose()).transpose();
+            return optics::summarize(root_differences(colours, others.roots)).mean;
+        };
+        const double now = differ(seen);
+        CAPTURE(count, now);
+        CHECK(now < 0.7 * before);
+        CHECK(now < 0.75 * differ(even));
+        before = now;
+    }
+    CHECK(before < 0.2);
 }
 
 TEST_CASE("How far droplets run together is found from a chart, with its error") {

@@ -11,6 +11,7 @@
 #include "voxtone/calibration/patches/patch_table.h"
 #include "voxtone/optics/colour/colour.h"
 #include "voxtone/optics/layered/flat_colour.h"
+#include "voxtone/optics/layered/half_space_reflectance.h"
 
 namespace voxtone::testing {
 
@@ -69,6 +70,45 @@ inline calibration::PatchTable drawn_chart(const optics::ResinSet& set, std::siz
         for (std::size_t r = 0; r < 5; ++r)
             if (shares[r] > 0) patch.top.push_back({set.resins[r].role, shares[r]});
         patch.rho = {xyz[0], xyz[1], xyz[2]};
+        table.patches.push_back(patch);
+    }
+    return table;
+}
+
+/// The same of resins whose spectra are smooth curves, measured from 400 to 700 nm; `noise` in units of reflectance.
+inline calibration::PatchTable drawn_spectra(std::size_t count, std::uint64_t seed, double noise) {
+    calibration::PatchTable table;
+    table.source = "spectra";
+    table.is_chart = true;
+    for (int nm = 400; nm <= 700; nm += 10) table.channels.wavelengths_nm.push_back(nm);
+    const optics::HalfSpaceReflectance reflectance(0.4, 1.5, optics::MeasuringGeometry::directional_45_0);
+    const auto bell = [](double nm, double middle, double width) {
+        return std::exp(-0.5 * (nm - middle) * (nm - middle) / (width * width));
+    };
+    const std::string roles = "CMYKW";
+    for (std::size_t p = 0; p < count; ++p) {
+        std::vector<double> shares(5);
+        if (p < 5)
+            shares[p] = 1;
+        else
+            shares = drawn_shares(seed, p);
+        calibration::Patch patch;
+        for (std::size_t r = 0; r < 5; ++r)
+            if (shares[r] > 0) patch.top.push_back({roles.substr(r, 1), shares[r]});
+        RandomStream random(seed, p, 1);
+        for (const double nm : table.channels.wavelengths_nm) {
+            const double absorbs[] = {9 * bell(nm, 640, 45) + 3 * bell(nm, 580, 30) + 0.1,
+                                      5 * bell(nm, 565, 18) + 4 * bell(nm, 525, 22) + 0.8 * bell(nm, 410, 30) + 0.05,
+                                      14 / (1 + std::exp((nm - 488) / 9)) + 0.01, 6.0, 0.01 + 0.2 * bell(nm, 390, 12)};
+            const double white = 16 * std::pow(550 / nm, 1.2);
+            optics::Medium medium;
+            for (std::size_t r = 0; r < 5; ++r) {
+                medium.sigma_a += shares[r] * absorbs[r];
+                medium.sigma_s += shares[r] * white * (r == 4 ? 1 : r == 3 ? 0.3 : 0.5);
+            }
+            patch.rho.push_back(0.97 * (0.008 + reflectance(medium)) +
+                                noise * std::sqrt(12.0) * (random.uniform() - 0.5));
+        }
         table.patches.push_back(patch);
     }
     return table;

@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/calibration/chart/chart_folds.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "voxtone/base/parallel.h"
+#include "voxtone/base/random.h"
+#include "voxtone/calibration/chart/chart_lengths.h"
+#include "voxtone/calibration/chart/colour_fit.h"
+#include "voxtone/calibration/chart/observer_fit.h"
+#include "voxtone/calibration/chart/observer_start.h"
+#include "voxtone/calibration/chart/spectral_start.h"
+#include "voxtone/calibration/chart/square_colours.h"
+
+namespace voxtone::calibration {
+
+namespace {
+
+constexpr int choice_folds = 5;
+// Few mixtures are cut anew several times: one cut of thirty says little.
+constexpr Eigen::Index cut_mixtures = 240;
+constexpr Eigen::Index most_cuts = 8;
+// Fewer channels are taken where they are as good within this: every one costs light transport its price.
+constexpr double as_good = 1.01;
+
+struct Rows {
+    std::vector<Eigen::Index> kept, left;
+};
+
+Rows rows_of(const std::vector<int>& fold, int k) {
+    Rows rows;
+    for (std::size_t i = 0; i < fold.size(); ++i)
+        (fold[i] == k ? rows.left : rows.kept).push_back(static_cast<Eigen::Index>(i));
+    return rows;
+}
+
+// One fold: what the others say of it.
+void predict_fold(const ChartData& data, const std::vector<int>& fold, int k, const ObserverChoice& choice,
+                  const ChartFitOptions& options, const ResidualShape& shape, const Progress* progress, LeftOut& out) {
+    const auto [kept, left] = rows_of(fold, k);
+    if (left.empty()) return;
+    ChartData part = chart_rows(data, kept);
+    const int folds = *std::ranges::max_element(fold) + 1;
+    const auto [kept_squares, left_squares] = rows_of(folds_of(data.squares.roots.rows(), folds), k);
+    part.squares = square_rows(data.squares, kept_squares);
+    const ObserverModel model = chart_model(data, choice, options);
+    const ObserverFit fit = fit_observer(part, model, chart_start(part, choice, options), progress);
+    out.parts[static_cast<std::size_t>(k)] = fit.parts;
+    const ThinSquares others = square_rows(data.squares, left_squares);
+    const Eigen::MatrixX3d square_roots = SquareColours(others, data.roles, model).roots(fit.parts);
+    for (std::size_t i = 0; i < left_squares.size(); ++i)
+        out.squares.row(left_squares[i]) = square_roots.row(static_cast<Eigen::Index>(i));
+    const Eigen::MatrixX3d physics = predicted_roots(model, fit.parts, data.shares(left, Eigen::all));
+    const optics::ColourResidual residual =
+        options.residual ? make_residual(part, part.roots - fit.roots, shape) : optics::ColourResidual();
+    for (std::size_t i = 0; i < left.size(); ++i) {
+        const auto row = static_cast<Eigen::Index>(i);
+        const Eigen::VectorXd shares = data.shares.row(left[i]).transpose();
+        out.physics.row(left[i]) = physics.row(row);
+        out.corrected.row(left[i]) =
+            physics.row(row) + residual({shares.data(), static_cast<std::size_t>(shares.size())}).transpose();
+    }
+}
+
+LeftOut empty_prediction(const ChartData& data, int folds) {
+    return {Eigen::MatrixX3d::Zero(data.mixtures(), 3), Eigen::MatrixX3d::Zero(data.mixtures(), 3),
+            Eigen::MatrixX3d::Zero(data.squares.roots.rows(), 3),
+            std::vector<ObserverParts>(static_cast<std::size_t>(folds))};
+}
+
+std::vector<ObserverChoice> candidates(const ChartData& data, const ChartFitOptions& options) {
+    std::vector<ObserverChoice> tried;
+    const std::vector<int> counts = options.channels > 0 ? std::vector{options.channels} : std::vector{3, 4, 5, 6, 8};
+    for (const int channels : counts) {
+        const ObserverChoice fitted{channels, false}, bands{channels, true};
+        if (channels == counts.front() || chart_model(data, fitted, options).unknowns() < 3 * data.mixtures())
+            tried.push_back(fitted);
+        if (data.spectra.cols() >= channels) tried.push_back(bands);
+    }
+    return tried;
+}
+
+}  // namespace
+
+ObserverModel chart_model(const ChartData& data, const ObserverChoice& choice, const ChartFitOptions& options) {
+    return {data.resins(),
+            white_resin(data),
+            choice.channels,
+            {.g = options.g,
+             .eta = options.eta,
+             .geometry = options.geometry,
+             .pitch_mm = options.pitch_mm,
+             .lengths = !data.squares.patches.empty(),
+             .known_observer = choice.of_spectra}};
+}
+
+optics::Channels chart_channels(const ChartData& data, const ObserverParts& parts) {
+    optics::Channels channels;
+    channels.illuminant = data.illuminant;
+    for (Eigen::Index c = 0; c < parts.weights.rows(); ++c)
+        channels.xyz.push_back({parts.weights(c, 0) * data.white[0], parts.weights(c, 1) * data.white[1],
+                                parts.weights(c, 2) * data.white[2]});
+    return channels;
+}
+
+Eigen::VectorXd chart_scattering(const ChartData& data, const ObserverParts& parts, const ChartFitOptions& options) {
+    const std::vector<double> of = white_scattering(chart_channels(data, parts), options.g, options.lengths_from);
+    return Eigen::Map<const Eigen::VectorXd>(of.data(), static_cast<Eigen::Index>(of.size()));
+}
+
+ObserverParts chart_start(const ChartData& data, const ObserverChoice& choice, const ChartFitOptions& options) {
+    ObserverParts start =
+        choice.of_spectra
+            ? spectral_start(data, choice.channels, {.g = options.g, .eta = options.eta, .geometry = options.geometry})
+            : observer_start(data, choice.channels);
+    start.scattering = chart_scattering(data, start, options);
+    if (options.pitch_mm[0] > 0) start.dot_spread = 0.5;
+    return start;
+}
+
+std::vector<int> folds_of(Eigen::Index count, int folds, std::uint64_t cut) {
+    std::vector<std::size_t> order(static_cast<std::size_t>(count));
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    RandomStream random(20261125, cut);
+    for (std::size_t k = order.size(); k > 1; --k)
+        std::swap(order[k - 1], order[static_cast<std::size_t>(random.uniform() * static_cast<double>(k))]);
+    std::vector<int> fold(order.size());
+    for (std::size_t k = 0; k < order.size(); ++k) fold[order[k]] = static_cast<int>(k) % folds;
+    return fold;
+}
+
+LeftOut leave_out(const ChartData& data, int folds, const ObserverChoice& choice, const ChartFitOptions& options,
+                  const ResidualShape& shape, const Progress* progress) {
+    const std::vector<int> fold = folds_of(data.mixtures(), folds);
+    LeftOut out = empty_prediction(data, folds);
+    parallel_for(
+        0, static_cast<std::size_t>(folds), 1,
+        [&](std::size_t k) { predict_fold(data, fold, static_cast<int>(k), choice, options, shape, progress, out); },
+        progress);
+    return out;
+}
+
+std::vector<ChannelChoice> channel_curve(const ChartData& data, const ChartFitOptions& options,
+                                         const Progress* progress) {
+    const std::vector<ObserverChoice> tried = candidates(data, options);
+    if (tried.size() == 1) return {};
+    const auto cuts = static_cast<std::size_t>(std::clamp<Eigen::Index>(cut_mixtures / data.mixtures(), 1, most_cuts));
+    std::vector<std::vector<int>> fold;
+    for (std::size_t cut = 0; cut < cuts; ++cut) fold.push_back(folds_of(data.mixtures(), choice_folds, cut));
+    std::vector<LeftOut> left(tried.size() * cuts, empty_prediction(data, choice_folds));
+    const std::size_t fits = cuts * choice_folds;
+    // The largest first: they take longest.
+    parallel_for(
+        0, tried.size() * fits, 1,
+        [&](std::size_t task) {
+            const std::size_t at = tried.size() - 1 - task / fits, cut = task % fits / choice_folds;
+            predict_fold(data, fold[cut], static_cast<int>(task % choice_folds), tried[at], options,
+                         usual_residual_shape(data.resins()), progress, left[at * cuts + cut]);
+        },
+        progress);
+    std::vector<ChannelChoice> curve;
+    for (std::size_t k = 0; k < tried.size(); ++k) {
+        ChannelChoice& choice = curve.emplace_back(ChannelChoice{tried[k], 0, 0});
+        for (std::size_t cut = 0; cut < cuts; ++cut) {
+            choice.physics += mean_difference(left[k * cuts + cut].physics, data) / static_cast<double>(cuts);
+            choice.with_residual += mean_difference(left[k * cuts + cut].corrected, data) / static_cast<double>(cuts);
+        }
+    }
+    return curve;
+}
+
+ObserverChoice best_choice(const std::vector<ChannelChoice>& curve, const ChartFitOptions& options) {
+    if (curve.empty()) return {options.channels > 0 ? options.channels : least_channels, false};
+    const auto error = [](const ChannelChoice& choice) { return choice.with_residual; };
+    const double least = std::ranges::min(curve, {}, error).with_residual;
+    return std::ranges::find_if(curve, [&](const ChannelChoice& c) { return error(c) <= as_good * least; })->observer;
+}
+
+double mean_difference(const Eigen::MatrixX3d& predicted, const ChartData& data) {
+    return optics::summarize(root_differences(predicted, data.roots)).mean;
+}
+
+}  // namespace voxtone::calibration

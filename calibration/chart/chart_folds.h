@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Fits of parts of a chart, judged by what took no part: mixtures, repeats of one together, and thin squares are cut
+// into folds, and each is predicted by a fit of the others. What that says of choices of channels.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "voxtone/base/progress.h"
+#include "voxtone/calibration/chart/chart_data.h"
+#include "voxtone/calibration/chart/chart_options.h"
+#include "voxtone/calibration/chart/observer_model.h"
+#include "voxtone/calibration/chart/residual_fit.h"
+
+namespace voxtone::calibration {
+
+inline constexpr int least_channels = 3, most_channels = 12;
+
+/// The model of a choice, and where its fit starts. What the start knows of the observer holds where the model does not
+/// fit it.
+[[nodiscard]] ObserverModel chart_model(const ChartData& data, const ObserverChoice& choice,
+                                        const ChartFitOptions& options);
+[[nodiscard]] ObserverParts chart_start(const ChartData& data, const ObserverChoice& choice,
+                                        const ChartFitOptions& options);
+
+/// The channels that parts stand for; sigma_s of white in them, mm^-1, by the set that gives lengths.
+[[nodiscard]] optics::Channels chart_channels(const ChartData& data, const ObserverParts& parts);
+[[nodiscard]] Eigen::VectorXd chart_scattering(const ChartData& data, const ObserverParts& parts,
+                                               const ChartFitOptions& options);
+
+/// Fold of each of `count` rows: an even cut of a shuffled order.
+[[nodiscard]] std::vector<int> folds_of(Eigen::Index count, int folds, std::uint64_t cut = 0);
+
+struct LeftOut {
+    Eigen::MatrixX3d physics, corrected;  ///< roots of every mixture by a fit without its fold
+    Eigen::MatrixX3d squares;             ///< the same of every thin square
+    std::vector<ObserverParts> parts;     ///< of each fold's fit
+};
+
+/// Every fold by the others. Throws Cancelled.
+[[nodiscard]] LeftOut leave_out(const ChartData& data, int folds, const ObserverChoice& choice,
+                                const ChartFitOptions& options, const ResidualShape& shape, const Progress* progress);
+
+/// Choices that so many mixtures can bear, cross-validated; fewer channels first. Empty: there is one alone.
+[[nodiscard]] std::vector<ChannelChoice> channel_curve(const ChartData& data, const ChartFitOptions& options,
+                                                       const Progress* progress);
+/// The fewest channels that are as good as the best. `curve` may be empty.
+[[nodiscard]] ObserverChoice best_choice(const std::vector<ChannelChoice>& curve, const ChartFitOptions& options);
+
+/// Mean CIEDE2000 of all mixtures.
+[[nodiscard]] double mean_difference(const Eigen::MatrixX3d& predicted, const ChartData& data);
+
+}  // namespace voxtone::calibration
