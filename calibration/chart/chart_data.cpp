@@ -6,6 +6,7 @@
 #include <set>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "voxtone/base/error.h"
 #include "voxtone/calibration/patches/patch_mixture.h"
@@ -86,7 +87,7 @@ Eigen::Matrix3d lab_of_roots() {
     return map;
 }
 
-ChartData chart_data(const PatchTable& table, const PatchTable& squares) {
+ChartData chart_data(const PatchTable& table, const PatchTable& squares, const ResinPrior& edges) {
     ChartData data;
     data.roles = roles_of(table);
     const TableObserver observer = table_observer(table.channels, optics::Illuminant::d50);
@@ -141,6 +142,11 @@ ChartData chart_data(const PatchTable& table, const PatchTable& squares) {
     data.noise = optics::summarize(apart);
     add_squares(table, false, data);
     add_squares(squares, true, data);
+    data.edges = edge_values(edges, data.roles);
+    if (!edges.resins.empty() && data.edges.empty())
+        throw InputError(
+            fmt::format("{}: its edges know of no resin of {}, which holds {}; they would tell no lengths.",
+                        edges.source, table.source, fmt::join(data.roles, ", ")));
     return data;
 }
 
@@ -159,7 +165,7 @@ ThinSquares square_rows(const ThinSquares& squares, const std::vector<Eigen::Ind
 ChartData chart_rows(const ChartData& data, const std::vector<Eigen::Index>& keep) {
     ChartData part;
     part.roles = data.roles, part.illuminant = data.illuminant, part.white = data.white;
-    part.squares = data.squares;
+    part.squares = data.squares, part.edges = data.edges;
     part.observer = data.observer, part.nm = data.nm;
     if (data.spectra.size() > 0) part.spectra = data.spectra(keep, Eigen::all);
     part.shares = data.shares(keep, Eigen::all);

@@ -10,6 +10,7 @@
 
 #include <Eigen/Core>
 
+#include "voxtone/calibration/chart/edge_values.h"
 #include "voxtone/calibration/patches/patch_table.h"
 #include "voxtone/optics/colour/colour.h"
 
@@ -33,20 +34,25 @@ struct ChartData {
     std::vector<Eigen::Matrix3d> metric;  ///< CIEDE2000 of a small step d of the roots is |W d|
     std::vector<std::string> names;       ///< "C:25+W:75"
     ThinSquares squares;
+    std::vector<EdgeValue> edges;     ///< what edge profiles know of the resins
     Eigen::MatrixXd spectra;          ///< a mixture a row, a wavelength a column; empty: colours were measured
     Eigen::MatrixX3d observer;        ///< wavelengths x 3: XYZ / white of light of each; columns sum to 1
     std::vector<double> nm;           ///< the wavelengths
     optics::DifferenceSummary noise;  ///< CIEDE2000 of repeats from their mean; count 0: none was repeated
 
+    /// Whether anything tells millimetres.
+    [[nodiscard]] bool tells_lengths() const { return !squares.patches.empty() || !edges.empty(); }
     [[nodiscard]] Eigen::Index mixtures() const { return shares.rows(); }
     [[nodiscard]] Eigen::Index resins() const { return shares.cols(); }
 };
 
-/// Thick patches of `table` are mixtures, thin ones squares, and so are the patches of `squares`. Throws InputError
-/// where there are fewer than two mixtures, and where a square is of a resin that no mixture holds.
-[[nodiscard]] ChartData chart_data(const PatchTable& table, const PatchTable& squares = {});
+/// Thick patches of `table` are mixtures, thin ones squares, and so are the patches of `squares`; `edges` may have no
+/// resins. Throws InputError where there are fewer than two mixtures, where a square is of a resin that no mixture
+/// holds, and where edges know of no resin of the chart.
+[[nodiscard]] ChartData chart_data(const PatchTable& table, const PatchTable& squares = {},
+                                   const ResinPrior& edges = {});
 
-/// The mixtures `keep` alone, with all squares; the squares `keep` alone.
+/// The mixtures `keep` alone, with all squares and edges; the squares `keep` alone.
 [[nodiscard]] ChartData chart_rows(const ChartData& data, const std::vector<Eigen::Index>& keep);
 [[nodiscard]] ThinSquares square_rows(const ThinSquares& squares, const std::vector<Eigen::Index>& keep);
 

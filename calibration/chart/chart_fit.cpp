@@ -47,6 +47,14 @@ void expect_enough(const ChartData& data, const PatchTable& table, const ChartFi
                         table.source, data.resins()));
 }
 
+std::string lengths_of(const ChartData& data, const ChartFitOptions& options) {
+    std::vector<std::string> from;
+    if (!data.squares.patches.empty()) from.push_back(fmt::format("{} thin squares", data.squares.patches.size()));
+    if (!data.edges.empty())
+        from.push_back(fmt::format("{} values of the edges {}", data.edges.size(), options.edges.source));
+    return from.empty() ? "the white of " + options.lengths_from.name : fmt::format("{}", fmt::join(from, " and "));
+}
+
 optics::ResinSet set_of(const ChartData& data, const ObserverParts& parts, const PatchTable& table,
                         const ChartFitOptions& options) {
     optics::ResinSet set;
@@ -65,10 +73,8 @@ optics::ResinSet set_of(const ChartData& data, const ObserverParts& parts, const
         set.resins.push_back(std::move(resin));
     }
     set.measured = {options.geometry, parts.surface, parts.gain};
-    set.source =
-        fmt::format("voxtone calibrate fit, {} mixtures of {}; lengths from {}", data.mixtures(), table.source,
-                    data.squares.patches.empty() ? "the white of " + options.lengths_from.name
-                                                 : fmt::format("{} thin squares", data.squares.patches.size()));
+    set.source = fmt::format("voxtone calibrate fit, {} mixtures of {}; lengths from {}", data.mixtures(), table.source,
+                             lengths_of(data, options));
     return set;
 }
 
@@ -131,7 +137,8 @@ void add_parameter_errors(const ChartData& data, const ObserverModel& model, con
     if (!model.options().lengths) return;
     for (Eigen::Index c = 0; c < model.channels(); ++c)
         fit.length_error.push_back(error_of([c](const ObserverParts& p) { return std::log(p.scattering[c]); }));
-    fit.squares_held_out = optics::summarize(root_differences(left.squares, data.squares.roots));
+    if (!data.squares.patches.empty())
+        fit.squares_held_out = optics::summarize(root_differences(left.squares, data.squares.roots));
 }
 
 void add_held_out(const ChartData& data, const LeftOut& left, ChartFit& fit) {
@@ -157,7 +164,7 @@ ChartFit fit_chart(const PatchTable& table, const ChartFitOptions& asked, const 
         throw InputError(
             fmt::format("{} channels: a fit takes {} to {}, or auto.", asked.channels, least_channels, most_channels));
     const Stopwatch watch;
-    const ChartData data = chart_data(table, asked.squares);
+    const ChartData data = chart_data(table, asked.squares, asked.edges);
     expect_enough(data, table, asked);
     ChartFit result;
     result.noise = data.noise;
@@ -199,6 +206,9 @@ ChartFit fit_chart(const PatchTable& table, const ChartFitOptions& asked, const 
     add_held_out(data, out, result);
     add_limits(data, result);
     add_parameter_errors(data, model, out, result);
+    for (const std::string& sentence :
+         edge_disagreements(data.edges, edge_residuals(data.edges, model, fit.parts, data.illuminant), data.roles))
+        result.warnings.push_back(sentence);
     if (model.fits_spread())
         result.dot_spread_text = fmt::format("Dot spread {:.2f} +- {:.2f}: 0 are sharp voxels, 1 an ideal mixture.",
                                              result.set.dot_spread, result.dot_spread_error);

@@ -44,6 +44,10 @@ void predict_fold(const ChartData& data, const std::vector<int>& fold, int k, co
     const int folds = *std::ranges::max_element(fold) + 1;
     const auto [kept_squares, left_squares] = rows_of(folds_of(data.squares.roots.rows(), folds), k);
     part.squares = square_rows(data.squares, kept_squares);
+    const std::vector<int> edge_fold = folds_of(static_cast<Eigen::Index>(data.edges.size()), folds);
+    part.edges.clear();
+    for (std::size_t i = 0; i < data.edges.size(); ++i)
+        if (edge_fold[i] != k) part.edges.push_back(data.edges[i]);
     const ObserverModel model = chart_model(data, choice, options);
     const ObserverFit fit = fit_observer(part, model, chart_start(part, choice, options), progress);
     out.parts[static_cast<std::size_t>(k)] = fit.parts;
@@ -91,7 +95,7 @@ ObserverModel chart_model(const ChartData& data, const ObserverChoice& choice, c
              .eta = options.eta,
              .geometry = options.geometry,
              .pitch_mm = options.pitch_mm,
-             .lengths = !data.squares.patches.empty(),
+             .lengths = data.tells_lengths(),
              .known_observer = choice.of_spectra}};
 }
 

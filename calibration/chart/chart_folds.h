@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Fits of parts of a chart, judged by what took no part: mixtures, repeats of one together, and thin squares are cut
-// into folds, and each is predicted by a fit of the others. What that says of choices of channels.
+// Fits of parts of a chart, judged by what took no part: mixtures, repeats of one together, thin squares and what edges
+// know are cut into folds, and each is predicted by a fit of the others. What that says of choices of channels.
 #pragma once
 
 #include <cstdint>

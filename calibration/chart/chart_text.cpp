@@ -71,8 +71,8 @@ std::string chart_fit_text(const ChartFit& fit) {
     else
         text += fmt::format("\nResidual: {} mixtures, {:.2f} CIEDE2000 in the mean\n", set.residual.centres().rows(),
                             fit.residual_size);
-    if (fit.squares_held_out.count > 0) {
-        text += "White scatters, from thin squares, per mm:";
+    if (!fit.length_error.empty()) {
+        text += "White scatters, from what tells lengths, per mm:";
         const int white = set.find("W");
         for (std::size_t c = 0; c < fit.length_error.size() && white >= 0; ++c) {
             const double sigma_s = set.resins[static_cast<std::size_t>(white)].medium(c).sigma_s;

@@ -67,6 +67,34 @@ private:
     const ColourModel& model_;
 };
 
+// Few and cheap: their derivatives by central differences.
+class OtherErrors : public ceres::CostFunction {
+public:
+    explicit OtherErrors(const ColourModel& model) : model_(model) {
+        set_num_residuals(static_cast<int>(model.others()));
+        mutable_parameter_block_sizes()->push_back(static_cast<int>(model.unknowns()));
+    }
+    bool Evaluate(const double* const* unknowns, double* residuals, double** jacobians) const override {
+        constexpr double step = 1e-4;
+        const Eigen::VectorXd at = Eigen::Map<const Eigen::VectorXd>(unknowns[0], model_.unknowns());
+        Eigen::Map<Eigen::VectorXd>(residuals, model_.others()) = model_.other_residuals(at);
+        if (!jacobians || !jacobians[0]) return true;
+        Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> by(
+            jacobians[0], model_.others(), at.size());
+        for (Eigen::Index i = 0; i < at.size(); ++i) {
+            Eigen::VectorXd moved = at;
+            moved[i] = at[i] + step;
+            by.col(i) = model_.other_residuals(moved);
+            moved[i] = at[i] - step;
+            by.col(i) = (by.col(i) - model_.other_residuals(moved)) / (2 * step);
+        }
+        return true;
+    }
+
+private:
+    const ColourModel& model_;
+};
+
 class NearStart : public ceres::CostFunction {
 public:
     explicit NearStart(Eigen::VectorXd start) : start_(std::move(start)) {
@@ -123,6 +151,7 @@ bool fit_colours(const ColourTargets& targets, ColourModel& model, Eigen::Vector
     for (Eigen::Index i = 0; i < targets.roots.rows(); ++i)
         problem.AddResidualBlock(new ColourError(targets, i, model), new ceres::SoftLOneLoss(robust_from),
                                  unknowns.data());
+    if (model.others() > 0) problem.AddResidualBlock(new OtherErrors(model), nullptr, unknowns.data());
     problem.AddResidualBlock(new NearStart(unknowns), nullptr, unknowns.data());
     ceres::Solver::Options options;
     options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;

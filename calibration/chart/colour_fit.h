@@ -2,10 +2,11 @@
 //
 // Least squares of measured colours in the eye's own metric, whatever predicts them:
 //
-//   minimise sum_i L(n_i |W_i (f(colour_i(u)) - roots_i)|^2) + lambda^2 |u - u_0|^2
+//   minimise sum_i L(n_i |W_i (f(colour_i(u)) - roots_i)|^2) + sum_j o_j(u)^2 + lambda^2 |u - u_0|^2
 //
 // colour_i is XYZ / white, f CIELAB's root, |W d| is CIEDE2000 of a small difference d of roots, n_i how much a colour
 // counts, L(s) = 2 b^2 (sqrt(1 + s / b^2) - 1) with b = 2 CIEDE2000, so that a few wrong patches do not bend the rest,
+// o_j what is known besides,
 // u_0 the start, lambda = 1/2: a factor e^2 in an absorption counts as much as a patch that is off by 1.
 // Levenberg-Marquardt (Ceres); the same bits for any number of threads.
 #pragma once
@@ -33,6 +34,9 @@ public:
     virtual void prepare(const Eigen::VectorXd& unknowns, bool with_derivatives) = 0;
     /// XYZ / white of target `row`, and its derivatives by the unknowns where `prepare` was told so.
     [[nodiscard]] virtual Eigen::Vector3d colour(Eigen::Index row, Eigen::Ref<Eigen::Matrix3Xd> by_unknown) const = 0;
+    /// What is known besides: so many residuals, in standard errors, and their values.
+    [[nodiscard]] virtual Eigen::Index others() const { return 0; }
+    [[nodiscard]] virtual Eigen::VectorXd other_residuals(const Eigen::VectorXd&) const { return {}; }
 };
 
 /// From `unknowns` to the best; false where they did not come to rest. Throws Cancelled.

@@ -40,6 +40,10 @@ public:
         if (row >= data_.mixtures()) return squares_.colour(row - data_.mixtures(), by_unknown);
         return model_.colour(parts_, law_, data_.shares.row(row), by_unknown);
     }
+    [[nodiscard]] Eigen::Index others() const override { return 2 * static_cast<Eigen::Index>(data_.edges.size()); }
+    [[nodiscard]] Eigen::VectorXd other_residuals(const Eigen::VectorXd& unknowns) const override {
+        return edge_residuals(data_.edges, model_, model_.parts(unknowns, known_), data_.illuminant);
+    }
 
 private:
     const ChartData& data_;

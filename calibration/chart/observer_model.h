@@ -83,6 +83,7 @@ public:
     [[nodiscard]] Eigen::Index length_at(Eigen::Index channel) const { return (2 * resins_ - 1) * channels_ + channel; }
     [[nodiscard]] Eigen::Index spread_at() const { return length_at(options_.lengths ? channels_ : 0); }
     [[nodiscard]] Eigen::Index observer_at() const { return spread_at() + (fits_spread() ? 1 : 0); }
+    [[nodiscard]] const optics::HalfSpaceReflectance& reflectance() const { return reflectance_; }
     [[nodiscard]] bool is_white(Eigen::Index resin) const { return resin == white_; }
     /// Derivative of the dot spread by its unknown.
     [[nodiscard]] static double spread_by_unknown(const ObserverParts& parts);

@@ -19,7 +19,7 @@ constexpr double root_counts = 60;
 // The three bands as a chart of colours whose observer sees one band each.
 ChartData chart_of_bands(const ChartData& data, const std::array<Eigen::Index, 3>& columns) {
     ChartData bands = data;
-    bands.squares = {}, bands.spectra.resize(0, 0);
+    bands.squares = {}, bands.edges.clear(), bands.spectra.resize(0, 0);
     for (Eigen::Index i = 0; i < data.mixtures(); ++i)
         bands.roots.row(i) =
             roots_of({data.spectra(i, columns[0]), data.spectra(i, columns[1]), data.spectra(i, columns[2])})

@@ -5,7 +5,7 @@
 //
 // The paper prints all equal mixtures (calibration/target/target_layout.h, layout E; any other target will do) and
 // searches the missing values by brute force. Here the edges' values are a prior with their errors
-// (calibration/fit/resin_prior.h), the missing ones are searched by brute force, one resin after the other, and then
+// (calibration/resins/resin_prior.h), the missing ones are searched by brute force, one resin after the other, and then
 // all of them go through one least squares with the halftone's medium (calibration/fit/channel_fit.h). What edges tell
 // stays as they tell it; extinction and albedo of a channel with a doubt are replaced by those of the common fit, with
 // its errors: there the albedo leans on the edges, the extinction on the chart.

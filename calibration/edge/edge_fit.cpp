@@ -10,7 +10,7 @@
 #include "voxtone/base/error.h"
 #include "voxtone/base/parallel.h"
 #include "voxtone/base/stopwatch.h"
-#include "voxtone/calibration/fit/resin_coordinates.h"
+#include "voxtone/calibration/resins/resin_coordinates.h"
 
 namespace voxtone::calibration {
 namespace {

@@ -11,7 +11,7 @@
 // and g: given, one for all resins, or one each, found in the same way. A set of resins has one g; where resins have
 // their own, they are brought to the set's by similarity (sigma_a and sigma_s (1 - g) kept; Eqs. 4 to 6).
 //
-// Errors are standard errors of v and ln sigma_t (calibration/fit/resin_coordinates.h): `low` and `high` lie one of
+// Errors are standard errors of v and ln sigma_t (calibration/resins/resin_coordinates.h): `low` and `high` lie one of
 // them away; what they hold: edge_objective.h. That of mu: leaving out one resin after the other (jackknife).
 #pragma once
 

@@ -10,7 +10,7 @@
 
 #include "voxtone/base/error.h"
 #include "voxtone/calibration/edge/wavelet_gradient.h"
-#include "voxtone/calibration/fit/resin_coordinates.h"
+#include "voxtone/calibration/resins/resin_coordinates.h"
 
 namespace voxtone::calibration {
 namespace {

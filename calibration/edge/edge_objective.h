@@ -7,7 +7,7 @@
 //
 // Norms are root mean squares over the samples, so that they do not depend on how many there are; gradients
 // (wavelet_gradient.h) are per 0.0276 mm, the pitch of the paper's camera, so that lambda means the same for any pitch.
-// One resin in one channel at one g: minimised over v and ln sigma_t (calibration/fit/resin_coordinates.h) by
+// One resin in one channel at one g: minimised over v and ln sigma_t (calibration/resins/resin_coordinates.h) by
 // reweighted Gauss-Newton steps with Levenberg's damping from the best places of a coarse net.
 #pragma once
 

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "voxtone/calibration/fit/resin_coordinates.h"
+#include "voxtone/calibration/resins/resin_coordinates.h"
 #include "voxtone/io/files/base64.h"
 #include "voxtone/io/files/markup.h"
 #include "voxtone/io/pictures/picture_writer.h"

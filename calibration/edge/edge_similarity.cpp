@@ -7,7 +7,7 @@
 #include <memory>
 
 #include "voxtone/base/parallel.h"
-#include "voxtone/calibration/fit/resin_coordinates.h"
+#include "voxtone/calibration/resins/resin_coordinates.h"
 
 namespace voxtone::calibration {
 namespace {

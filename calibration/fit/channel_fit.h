@@ -23,7 +23,7 @@
 #include <Eigen/Core>
 
 #include "voxtone/calibration/fit/principles.h"
-#include "voxtone/calibration/fit/resin_prior.h"
+#include "voxtone/calibration/resins/resin_prior.h"
 
 namespace voxtone::calibration {
 

@@ -79,10 +79,10 @@ std::string curve_plot(const std::vector<ChannelChoice>& curve) {
     plot.label(physics[0].first + 0.2, physics[0].second, "physics", "#d9730d");
     plot.label(corrected.back().first - 1.6, corrected.back().second + 0.06 * top, "with residual", "#1565c0");
     if (!physics_of_bands.empty()) {
-        plot.label(physics_of_bands[0].first + 0.2, physics_of_bands[0].second - 0.08 * top,
-                   "physics, bands of the spectra", "#c0a000");
-        plot.label(corrected_of_bands.back().first - 1.6, corrected_of_bands.back().second - 0.08 * top,
-                   "with residual, bands of the spectra", "#2e7d32");
+        plot.label(physics_of_bands[0].first + 0.2, physics_of_bands[0].second + 0.08 * top, "physics, bands",
+                   "#c0a000");
+        plot.label(corrected_of_bands.back().first - 2.2, corrected_of_bands.back().second - 0.1 * top,
+                   "with residual, bands", "#2e7d32");
     }
     return plot.svg();
 }
@@ -112,9 +112,10 @@ ReportSection channels_of(const ChartFit& fit) {
     ReportSection section;
     section.title = "Channels and resins";
     section.paragraphs.push_back(fmt::format(
-        "{} channels; {}. g = {}, eta = {}; the instrument sees {:.2f} % of neutral light from the surface, its gain "
+        "{} channels{}; {}. g = {}, eta = {}; the instrument sees {:.2f} % of neutral light from the surface, its gain "
         "is {:.3f}.",
-        set.channels.size(), set.source, set.g, set.eta, 100 * set.measured.surface, set.measured.gain));
+        set.channels.size(), fit.observer.of_spectra ? ", bands of the measured spectra" : "", set.source, set.g,
+        set.eta, 100 * set.measured.surface, set.measured.gain));
     section.paragraphs.push_back(
         set.residual.empty()
             ? std::string("No residual: none was wanted, or it made mixtures that were left out no better.")

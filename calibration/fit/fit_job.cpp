@@ -34,7 +34,6 @@ void expect_chart_options(const FitJob& job) {
     const auto refuse = [&](bool given, std::string_view option, std::string_view why) {
         if (given) throw UsageError(fmt::format("{} with {}, a chart: {}. Leave it out.", option, job.patches, why));
     };
-    refuse(!job.prior.empty(), "--prior", "a chart's channels are not those of the edges");
     refuse(job.g_sweep, "--g-sweep", "its colours look the same with any g");
     refuse(!job.map.target.empty(), "--target", "its patches lie on no target");
 }
@@ -43,6 +42,9 @@ void expect_chart_options(const FitJob& job) {
 JobResult run_layer_fit(const FitJob& job, const LayerChart& chart, Progress& progress) {
     const FitOptions fit = options_of(job);
     expect_chart_options(job);
+    if (!job.prior.empty())
+        throw UsageError(fmt::format("--prior with {}, stacks of layers, which tell lengths themselves. Leave it out.",
+                                     job.patches));
     if (!job.squares.empty())
         throw UsageError(fmt::format(
             "--squares with {}, stacks of layers, which tell lengths themselves. Leave it out.", job.patches));
@@ -82,13 +84,21 @@ std::vector<fs::path> FitJob::outputs() const {
     return files;
 }
 
-JobResult run_chart_fit(const FitJob& job, const PatchTable& table, Progress& progress) {
-    const FitOptions fit = options_of(job);
+FitOptions fit_options(const FitJob& job) {
+    FitOptions options = options_of(job);
+    if (job.prior.empty()) return options;
+    options.prior = read_resin_prior(job.prior);
+    options.model.g = options.prior.g, options.model.eta = options.prior.eta;
+    return options;
+}
+
+JobResult run_chart_fit(const FitJob& job, const FitOptions& fit, const PatchTable& table, Progress& progress) {
     expect_chart_options(job);
     ChartFitOptions options = job.chart;
     options.name = fit.name;
     options.g = fit.model.g, options.eta = fit.model.eta, options.pitch_mm = fit.model.pitch_mm;
     options.expected = fit.expected;
+    options.edges = fit.prior;
     options.lengths_from = io::find_resin_set(job.lengths_from);
     if (!job.squares.empty()) options.squares = read_measured_patches(job.squares, job.measured, fit.model, progress);
     const PatchTable others =
@@ -113,13 +123,9 @@ JobResult run_fit_job(const FitJob& job, Progress& progress) {
     io::expect_outputs(job.outputs(), job.overwrite);
     if (const auto layers = read_layer_chart(job.patches, job.measured.illuminant))
         return run_layer_fit(job, *layers, progress);
-    FitOptions options = options_of(job);
-    if (!job.prior.empty()) {
-        options.prior = read_resin_prior(job.prior);
-        options.model.g = options.prior.g, options.model.eta = options.prior.eta;
-    }
+    const FitOptions options = fit_options(job);
     const PatchTable table = read_measured_patches(job.patches, job.measured, options.model, progress);
-    if (table.is_chart) return run_chart_fit(job, table, progress);
+    if (table.is_chart) return run_chart_fit(job, options, table, progress);
     if (!job.squares.empty())
         throw UsageError(
             fmt::format("--squares with {}, which is a target of squares itself. Leave it out.", job.patches));

@@ -42,7 +42,11 @@ struct FitJob {
 /// Throws Error (with its exit code); nothing is written then.
 [[nodiscard]] JobResult run_fit_job(const FitJob& job, Progress& progress);
 
+/// The options of a job: its name, and what its edges know. Throws FileError, InputError.
+[[nodiscard]] FitOptions fit_options(const FitJob& job);
+
 /// The same of a chart that was read already, once its outputs were asked for; `job.patches` names it in messages.
-[[nodiscard]] JobResult run_chart_fit(const FitJob& job, const PatchTable& table, Progress& progress);
+[[nodiscard]] JobResult run_chart_fit(const FitJob& job, const FitOptions& fit, const PatchTable& table,
+                                      Progress& progress);
 
 }  // namespace voxtone::calibration

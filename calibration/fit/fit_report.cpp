@@ -9,8 +9,8 @@
 
 #include "voxtone/calibration/fit/fit_text.h"
 #include "voxtone/calibration/fit/patch_page.h"
-#include "voxtone/calibration/fit/resin_coordinates.h"
 #include "voxtone/calibration/patches/patch_file.h"
+#include "voxtone/calibration/resins/resin_coordinates.h"
 #include "voxtone/io/report/plot_svg.h"
 #include "voxtone/io/report/report_html.h"
 #include "voxtone/optics/layered/layer_on_base.h"

@@ -46,7 +46,7 @@ JobResult run_icc_job(const IccJob& job, Progress& progress) {
     io::expect_outputs(files, fit.overwrite);
     const IccChart chart = read_icc_chart(job.profile, job.options, &progress);
     for (const std::string& note : chart.table.notes) progress.warn(note);
-    JobResult result = run_chart_fit(fit, chart.table, progress);
+    JobResult result = run_chart_fit(fit, fit_options(fit), chart.table, progress);
     if (!job.chart.empty()) {
         io::write_whole_file(job.chart, patch_table_text(chart.table, icc_origin(chart)));
         result.text += fmt::format("Wrote {}\n", job.chart);

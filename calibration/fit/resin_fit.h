@@ -23,10 +23,10 @@
 #include <vector>
 
 #include "voxtone/base/progress.h"
-#include "voxtone/calibration/fit/resin_prior.h"
 #include "voxtone/calibration/patches/patch_check.h"
 #include "voxtone/calibration/patches/patch_model.h"
 #include "voxtone/calibration/patches/patch_table.h"
+#include "voxtone/calibration/resins/resin_prior.h"
 #include "voxtone/optics/media/resins.h"
 
 namespace voxtone::calibration {

@@ -9,6 +9,8 @@
 #include "tests/calibration/patches/target_samples.h"
 #include "voxtone/calibration/patches/patch_file.h"
 #include "voxtone/io/profiles/resin_file.h"
+#include "voxtone/optics/colour/colour.h"
+#include "voxtone/optics/layered/flat_colour.h"
 
 using namespace voxtone;
 using namespace voxtone::test;
@@ -167,6 +169,42 @@ TEST_CASE("calibrate fit takes what edges found as a prior, with their g") {
     refused("--g-sweep --prior " + (folder / "my.edge.json"), 2, "--g-sweep with --prior");
     refused("--prior " + (folder / "nothing.edge.json"), 4, "nothing.edge.json");
     refused("--prior " + (folder / "joined.json"), 3, "voxtone-edge-fit");
+}
+
+TEST_CASE("calibrate fit takes what edges found beside a chart of mixtures") {
+    const Folder folder("calibrate_chart_prior");
+    folder.write("my.edge.json", edge_results());
+    std::string text = "C,M,Y,W,R,G,B\n";
+    const optics::ResinSet vero = optics::vero_opaque();
+    const optics::FlatColour flat(vero);
+    for (int i = 0; i < 40; ++i) {
+        // Shares of five resins by a rank-one lattice; every fourth mixture is a resin alone or half of it with white.
+        std::vector<double> shares(vero.resins.size());
+        for (const std::string role : {"C", "M", "Y"})
+            shares[static_cast<std::size_t>(vero.find(role))] =
+                i < 8 ? (std::string("CMYCMYWW")[static_cast<std::size_t>(i)] == role[0] ? (i < 3 ? 1.0 : 0.5) : 0.0)
+                      : std::fmod(0.05 + i * (role == "C"   ? 0.245
+                                              : role == "M" ? 0.570
+                                                            : 0.755),
+                                  1.0) /
+                            3;
+        double sum = 0;
+        for (const double share : shares) sum += share;
+        shares[static_cast<std::size_t>(vero.find("W"))] = 1 - sum;
+        const Eigen::Vector3d rgb = optics::linear_srgb_from_xyz(flat.xyz(shares));
+        text += fmt::format("{},{},{},{},{},{},{}\n", shares[static_cast<std::size_t>(vero.find("C"))],
+                            shares[static_cast<std::size_t>(vero.find("M"))],
+                            shares[static_cast<std::size_t>(vero.find("Y"))],
+                            shares[static_cast<std::size_t>(vero.find("W"))], rgb[0], rgb[1], rgb[2]);
+    }
+    folder.write("chart.csv", text);
+    const Outcome joined =
+        run_program(fmt::format("calibrate fit {} --channels 3 --prior {} -o {}", folder / "chart.csv",
+                                folder / "my.edge.json", folder / "joined.json"));
+    INFO(joined.err);
+    REQUIRE(joined.exit_code == 0);
+    CHECK_THAT(joined.out, Contains("White scatters"));
+    CHECK_THAT(io::read_resin_set(folder / "joined.json").source, Contains("my.edge.json"));
 }
 
 TEST_CASE("calibrate edge chart prints all equal mixtures, and edge fit wants the voxels with its patches") {

@@ -15,7 +15,7 @@
 #include "benchmarks/calibration/edge/edge_rehearsal.h"
 #include "tests/calibration/patches/target_samples.h"
 #include "voxtone/calibration/edge/edge_chart.h"
-#include "voxtone/calibration/fit/resin_coordinates.h"
+#include "voxtone/calibration/resins/resin_coordinates.h"
 #include "voxtone/calibration/target/target_layout.h"
 
 namespace {

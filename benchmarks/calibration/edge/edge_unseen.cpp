@@ -13,7 +13,7 @@
 
 #include "benchmarks/calibration/edge/edge_rehearsal.h"
 #include "voxtone/base/random.h"
-#include "voxtone/calibration/fit/resin_coordinates.h"
+#include "voxtone/calibration/resins/resin_coordinates.h"
 
 namespace {
 

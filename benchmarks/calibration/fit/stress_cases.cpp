@@ -12,8 +12,8 @@
 
 #include "tests/calibration/patches/target_samples.h"
 #include "voxtone/base/parallel.h"
-#include "voxtone/calibration/fit/resin_coordinates.h"
 #include "voxtone/calibration/fit/resin_fit.h"
+#include "voxtone/calibration/resins/resin_coordinates.h"
 
 namespace voxtone::calibration::stress {
 

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "stress_cases.h"
-#include "voxtone/calibration/fit/resin_coordinates.h"
+#include "voxtone/calibration/resins/resin_coordinates.h"
 
 namespace voxtone::calibration::stress {
 

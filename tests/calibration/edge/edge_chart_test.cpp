@@ -10,7 +10,7 @@
 
 #include "tests/calibration/patches/target_samples.h"
 #include "voxtone/calibration/edge/edge_fit_text.h"
-#include "voxtone/calibration/fit/resin_coordinates.h"
+#include "voxtone/calibration/resins/resin_coordinates.h"
 #include "voxtone/calibration/target/target_layout.h"
 
 using namespace voxtone;

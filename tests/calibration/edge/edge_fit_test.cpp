@@ -15,7 +15,7 @@
 #include "voxtone/calibration/edge/dictionary_file.h"
 #include "voxtone/calibration/edge/dictionary_job.h"
 #include "voxtone/calibration/edge/edge_simulation_job.h"
-#include "voxtone/calibration/fit/resin_coordinates.h"
+#include "voxtone/calibration/resins/resin_coordinates.h"
 #include "voxtone/io/files/whole_file.h"
 #include "voxtone/optics/edge/edge_scene_paths.h"
 

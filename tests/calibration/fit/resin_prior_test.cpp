@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // Patches beside what was known before: together they are better than either, and they disagree aloud.
-#include "voxtone/calibration/fit/resin_prior.h"
+#include "voxtone/calibration/resins/resin_prior.h"
 
 #include <cmath>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/fit/resin_prior.h"
+#include "voxtone/calibration/resins/resin_prior.h"
 
 #include <algorithm>
 #include <cmath>
