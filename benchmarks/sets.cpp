@@ -9,7 +9,7 @@ namespace {
 std::vector<SetEntry> entries(const char* kind) {
     constexpr double least_mm = 1, most_mm = 1000;
     const auto all = io::JsonObject::read(std::filesystem::path(VOXTONE_SOURCE_DIR) / "benchmarks/sets.json");
-    all.allow_only({"rules", "pictures", "bodies"});
+    all.allow_only({"rules", "pictures", "bodies", "pages"});
     std::vector<SetEntry> found;
     for (const io::JsonObject& entry : all.objects(kind)) {
         entry.allow_only({"name", "set", "file", "size_mm", "shows", "licence", "source", "sha256"});
@@ -28,5 +28,12 @@ std::vector<SetEntry> entries(const char* kind) {
 
 std::vector<SetEntry> pictures() { return entries("pictures"); }
 std::vector<SetEntry> bodies() { return entries("bodies"); }
+
+bool is_held_out_page(const std::string& name) {
+    const auto all = io::JsonObject::read(std::filesystem::path(VOXTONE_SOURCE_DIR) / "benchmarks/sets.json");
+    for (const io::JsonObject& page : all.objects("pages"))
+        if (page.text("name") == name) return page.text("set") == "held-out";
+    all.fail("pages", "must name the page " + name);
+}
 
 }  // namespace voxtone::benchmarks

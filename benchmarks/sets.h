@@ -20,4 +20,7 @@ struct SetEntry {
 [[nodiscard]] std::vector<SetEntry> pictures();
 [[nodiscard]] std::vector<SetEntry> bodies();
 
+/// Of a page that a benchmark draws itself. Throws InputError for one that is not named.
+[[nodiscard]] bool is_held_out_page(const std::string& name);
+
 }  // namespace voxtone::benchmarks

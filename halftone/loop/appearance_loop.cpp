@@ -15,12 +15,12 @@
 #include "voxtone/base/parallel.h"
 #include "voxtone/base/stopwatch.h"
 #include "voxtone/halftone/loop/eye_filter.h"
+#include "voxtone/halftone/loop/loop_measure.h"
 #include "voxtone/halftone/loop/lost_contrast.h"
 #include "voxtone/halftone/loop/map_targets.h"
 #include "voxtone/halftone/loop/misfit.h"
 #include "voxtone/halftone/loop/relative_colours.h"
 #include "voxtone/halftone/loop/residual_feedback.h"
-#include "voxtone/halftone/loop/seen_error.h"
 #include "voxtone/optics/layered/mixture_correction.h"
 #include "voxtone/optics/scene/surface_smoothing.h"
 
@@ -111,10 +111,10 @@ void expect_finite(std::span<const Eigen::Vector3f> target) {
 }
 
 /// Of the steps by `method`, or of all. Infinite where there is none.
-double least_mean(const std::vector<LoopStep>& steps, std::optional<LoopMethod> method = {}) {
+double least_score(const std::vector<LoopStep>& steps, std::optional<LoopMethod> method = {}) {
     double mean = std::numeric_limits<double>::infinity();
     for (const LoopStep& step : steps)
-        if (!method || step.method == *method) mean = std::min(mean, step.seen.mean);
+        if (!method || step.method == *method) mean = std::min(mean, step.score);
     return mean;
 }
 
@@ -131,7 +131,7 @@ void follow(SkinMixtures& recent, const SkinMixtures& now) {
 float feedback_gain(const std::vector<LoopStep>& steps) {
     float gain = 1;
     for (std::size_t i = 1; i < steps.size(); ++i)
-        if (steps[i].seen.mean > steps[i - 1].seen.mean) gain *= gain_after_overshoot;
+        if (steps[i].score > steps[i - 1].score) gain *= gain_after_overshoot;
     return gain;
 }
 
@@ -143,8 +143,8 @@ std::size_t patience_with(LoopMethod method) {
 /// the loop's own steps, for a dark picture that the open loop shows well is worse for a while before it is better.
 std::size_t steps_without_gain(const std::vector<LoopStep>& steps, std::size_t most) {
     const auto least = [](auto first, auto last) {
-        double mean = first->seen.mean;
-        for (; first != last; ++first) mean = std::min(mean, first->seen.mean);
+        double mean = first->score;
+        for (; first != last; ++first) mean = std::min(mean, first->score);
         return mean;
     };
     for (std::size_t last = std::min(most, steps.size() - 1); last > 0; --last) {
@@ -165,7 +165,7 @@ std::size_t steps_by(LoopMethod method, const std::vector<LoopStep>& steps) {
 /// (2.5 %, by a sixth of the loop's time); at 60 mm 2.58, 2.12, 1.75, 1.44, 1.35, then 1.34.
 bool feedback_has_settled(const std::vector<LoopStep>& steps) {
     if (steps.back().method != LoopMethod::feedback || steps_by(LoopMethod::feedback, steps) < 3) return false;
-    const auto mean = [&](std::size_t before) { return steps[steps.size() - 1 - before].seen.mean; };
+    const auto mean = [&](std::size_t before) { return steps[steps.size() - 1 - before].score; };
     const double gain = std::abs(mean(1) - mean(0)), before = std::abs(mean(2) - mean(1));
     const double next = gain < before ? gain * gain / before : gain;
     return next < (1 - worthwhile) * mean(0);
@@ -232,10 +232,11 @@ private:
         if (auto settled = std::exchange(settle_, nullptr)) settled();
     }
     [[nodiscard]] bool descending() const { return state_.descent.mixtures.cells() != 0; }
-    [[nodiscard]] double last_mean() const { return state_.steps.back().seen.mean; }
+    [[nodiscard]] double last_score() const { return state_.steps.back().score; }
     [[nodiscard]] Eigen::Vector3f into_gamut(const Eigen::Vector3f& rgb) const { return recipes_.into_gamut(rgb); }
     [[nodiscard]] const EyeFilter& wide_filter();
     [[nodiscard]] Colours mapped_target();
+    void know_the_open_loop();
     [[nodiscard]] std::vector<float> contrast_part_of_cells();
     void prepare_misfit();
 
@@ -244,6 +245,10 @@ private:
     void begin_descent_from_best_control(bool last_was_best);
     void print_and_predict(const SkinMixtures& mixtures, LoopMethod method);
     void predict(optics::ResinVolume volume, LoopMethod method);
+    void hold_regions(Colours& control, std::vector<char>& held) const;
+    [[nodiscard]] SkinMixtures mixtures_for(std::span<const Eigen::Vector3f> control,
+                                            const std::vector<char>& held) const;
+    void hurry(const std::vector<RegionLook>& looks);
     void keep_if_best(const SkinMixtures& mixtures);
     void correct_control();
     [[nodiscard]] bool move_downhill();
@@ -265,7 +270,9 @@ private:
     const RelativeColours relative_;  ///< to the white of the state
     const optics::MixtureCorrection correction_;
     std::vector<Eigen::Matrix3f> corrections_;  ///< of the last print's cells; empty for a set without a residual
-    const SeenError error_;
+    const LoopMeasure measure_;
+    Colours wanted_;                      ///< the target at the level of the print's paper; empty before it is known
+    std::vector<RegionLook> open_looks_;  ///< of regions in the open loop
     const std::unique_ptr<optics::AppearanceSequence> sequence_;
     Neighbourhood around_;
     std::optional<MisfitFunction> misfit_;
@@ -293,7 +300,7 @@ LoopRun::LoopRun(const LoopTask& task, const LoopOptions& options, Progress& pro
       target_(mapped_target()),
       relative_(task.scene.resins->channels, state_.white),
       correction_(*task.scene.resins, options.intent == Intent::absolute ? -1 : task.white_resin),
-      error_(*task.surface, task.target, in_gamut_, options.viewing_distance_mm),
+      measure_(*task.surface, task.target, target_, in_gamut_, options.viewing_distance_mm),
       sequence_(task.model->sequence(task.scene, *task.surface, &progress)),
       around_(*task.surface),
       descent_wanted_(options.descent && task.mixture_gradient) {
@@ -314,16 +321,14 @@ Colours LoopRun::mapped_target() {
 /// Needs the open loop's colours.
 std::vector<float> LoopRun::contrast_part_of_cells() {
     if (options_.intent == Intent::contrast) return std::vector<float>(target_.size(), part_for_contrast);
-    const EyeFilter& eye = error_.eye();
-    return contrast_parts(lost_contrast(eye.filter(target_), eye.filter(state_.open), wide_filter()),
+    const EyeFilter& eye = measure_.eye();
+    return contrast_parts(lost_contrast(eye.filter(wanted_), eye.filter(state_.open), wide_filter()),
                           most_contrast_part);
 }
 
 void LoopRun::prepare_misfit() {
-    std::vector<float> weight(target_.size(), 1.0f);
-    for (std::size_t i = 0; i < target_.size(); ++i)
-        if (!in_gamut_[i]) weight[i] = out_of_gamut_weight;
-    misfit_.emplace(*task_.surface, error_.eye(), target_, weight, &wide_filter(), contrast_part_of_cells());
+    misfit_.emplace(*task_.surface, measure_.eye(), wanted_, measure_.weights(state_.urgency, out_of_gamut_weight),
+                    &wide_filter(), contrast_part_of_cells());
 }
 
 void LoopRun::predict_open_loop() {
@@ -333,6 +338,8 @@ void LoopRun::predict_open_loop() {
     watch_.lap();
     predict(std::move(print), LoopMethod::open_loop);
     state_.open = state_.shown = rgb_;
+    state_.urgency.assign(measure_.regions().size(), 1.0f);
+    know_the_open_loop();
     best_remarks_ = remarks_;
     state_.control = state_.start_control = target_;
     correct_control();
@@ -345,10 +352,18 @@ void LoopRun::resume(ResumedLoop from) {
     if (from.state.white.size() != values || !sequence_->read_state(from.sequence))
         throw InputError("the saved state of the appearance loop does not fit its model: begin anew with --overwrite");
     state_ = std::move(from.state);
+    know_the_open_loop();
+}
+
+void LoopRun::know_the_open_loop() {
+    const LoopMeasure::Value open = measure_(state_.open, {});
+    open_looks_ = open.looks;
+    wanted_ = target_;
+    for (Eigen::Vector3f& colour : wanted_) colour *= open.paper;
 }
 
 void LoopRun::iterate() {
-    why_stopped_ = "all iterations were made";
+    why_stopped_ = all_iterations_made;
     try {
         // A resumed loop may have been at its end already.
         while (!gains_no_more() && iterations_made() < most_) {
@@ -371,22 +386,22 @@ void LoopRun::iterate() {
 
 /// Prints the control colours, and decides what comes next: another correction, the target itself, or the descent.
 void LoopRun::feedback_step() {
-    const double least = least_mean(state_.steps), least_by_feedback = least_mean(state_.steps, LoopMethod::feedback);
+    const double least = least_score(state_.steps), least_by_feedback = least_score(state_.steps, LoopMethod::feedback);
     // Mixtures take as much memory as light: they are made again of the control colours rather than held.
     print_ = {};
-    optics::ResinVolume print = task_.realise(mixtures_of(recipes_, state_.control));
+    optics::ResinVolume print = task_.realise(mixtures_for(state_.control, state_.held));
     predict(std::move(print), LoopMethod::feedback);
     keep_if_best({});
-    const bool best_by_feedback = last_mean() < least_by_feedback;
-    if (best_by_feedback) state_.start_control = state_.control;
+    const bool best_by_feedback = last_score() < least_by_feedback;
+    if (best_by_feedback) state_.start_control = state_.control, state_.start_held = state_.held;
     if (has_gradient() && iterations_made() < most_) {
-        const bool no_good = state_.steps[1].seen.mean >= worthwhile * state_.steps[0].seen.mean;
+        const bool no_good = state_.steps[1].score >= worthwhile * state_.steps[0].score;
         if (no_good && iterations_made() == 1) {
             // Pages of type are better off without feedback, dark pictures are not: look at both.
             state_.control = target_;
             return;
         }
-        const bool gained = last_mean() < worthwhile * least;
+        const bool gained = last_score() < worthwhile * least;
         if (!gained || no_good || iterations_made() >= feedback_iterations)
             begin_descent_from_best_control(best_by_feedback);
     }
@@ -395,8 +410,9 @@ void LoopRun::feedback_step() {
 
 /// The gradient is at hand if the last print was the one to start from.
 void LoopRun::begin_descent_from_best_control(bool last_was_best) {
-    state_.descent = begin_descent(mixtures_of(recipes_, state_.start_control),
-                                   first_rates(least_mean(state_.steps, LoopMethod::feedback)));
+    hold_regions(state_.start_control, state_.start_held);
+    state_.descent = begin_descent(mixtures_for(state_.start_control, state_.start_held),
+                                   first_rates(least_score(state_.steps, LoopMethod::feedback)));
     if (last_was_best) state_.has_gradient = move_downhill();
     if (!state_.has_gradient) state_.descent = {};
 }
@@ -432,9 +448,10 @@ void LoopRun::predict(optics::ResinVolume volume, LoopMethod method) {
     LoopStep step;
     step.iteration = static_cast<int>(state_.steps.size());
     step.method = method;
-    step.cells = error_.of_cells(rgb_);
-    seen_ = error_.eye().filter(rgb_);
-    step.seen = error_.as_seen(seen_);
+    const LoopMeasure::Value value = measure_(rgb_, open_looks_);
+    step.seen = value.seen, step.cells = value.cells, step.score = value.score, step.paper = value.paper;
+    seen_ = measure_.eye().filter(rgb_);
+    if (!open_looks_.empty()) hurry(value.looks);
     step.saturated_share = state_.saturated_share;
     step.seconds = watch_.lap();
     state_.steps.push_back(step);
@@ -443,8 +460,19 @@ void LoopRun::predict(optics::ResinVolume volume, LoopMethod method) {
     expect_steps(progress_, ++predictions_ + predictions_left());
 }
 
+/// Regions that are worse than without a loop count more in the next step, until they are not.
+void LoopRun::hurry(const std::vector<RegionLook>& looks) {
+    constexpr float more = 1.5f, less = 0.85f, most = 16;
+    for (std::size_t r = 0; r < looks.size(); ++r) {
+        float& urgency = state_.urgency[r];
+        urgency =
+            worse_by(looks[r], open_looks_[r]) > 0 ? std::min(most, more * urgency) : std::max(1.0f, less * urgency);
+    }
+    if (misfit_) misfit_->set_weights(measure_.weights(state_.urgency, out_of_gamut_weight));
+}
+
 void LoopRun::keep_if_best(const SkinMixtures& mixtures) {
-    if (!(last_mean() < state_.steps[state_.best].seen.mean)) return;
+    if (!(last_score() < state_.steps[state_.best].score)) return;
     state_.best = state_.steps.size() - 1;
     state_.best_mixtures = mixtures;
     state_.shown = rgb_;
@@ -453,12 +481,34 @@ void LoopRun::keep_if_best(const SkinMixtures& mixtures) {
 
 void LoopRun::correct_control() {
     Colours relaxed(rgb_.size());
-    if (seen_target_.empty()) seen_target_ = error_.eye().filter(target_);
+    if (seen_target_.empty()) seen_target_ = measure_.eye().filter(wanted_);
     const std::size_t saturated = feed_back(
-        target_, as_wrong_as_seen(target_, seen_target_, seen_),
+        wanted_, as_wrong_as_seen(wanted_, seen_target_, seen_),
         [this](const Eigen::Vector3f& rgb) { return into_gamut(rgb); }, {.gain = feedback_gain(state_.steps)},
         state_.control, relaxed);
     state_.saturated_share = rgb_.empty() ? 0 : double(saturated) / double(rgb_.size());
+    hold_regions(state_.control, state_.held);
+}
+
+/// Regions that feedback made worse are asked for what the open loop prints there: beside white, black that is to lose
+/// the tint of its neighbours' light becomes a lighter mixture of other resins.
+void LoopRun::hold_regions(Colours& control, std::vector<char>& held) const {
+    held.assign(state_.urgency.size(), 0);
+    for (std::size_t r = 0; r < held.size(); ++r) {
+        if (state_.urgency[r] <= 1) continue;
+        held[r] = 1;
+        for (const std::uint32_t i : measure_.regions()[r].cells) control[i] = target_[i];
+    }
+}
+
+/// In held regions as deep as colour goes, as the open loop has it: in a thin skin black over white is no black.
+SkinMixtures LoopRun::mixtures_for(std::span<const Eigen::Vector3f> control, const std::vector<char>& held) const {
+    SkinMixtures skin = mixtures_of(recipes_, control);
+    for (std::size_t r = 0; r < held.size(); ++r) {
+        if (!held[r]) continue;
+        for (const std::uint32_t i : measure_.regions()[r].cells) recipes_.separate_in_depth(control[i], skin.cell(i));
+    }
+    return skin;
 }
 
 /// One step of the descent from the last print. False where the model has no gradient.
@@ -497,8 +547,8 @@ std::size_t LoopRun::predictions_left() const {
 
 /// The best print's mean, and all but a twentieth of its surface, are within what can be seen.
 bool LoopRun::nothing_visible_left() const {
-    const optics::DifferenceSummary& best = state_.steps[state_.best].seen;
-    return options_.iterations < 0 && best.mean < just_noticeable && best.percentile_95 < just_noticeable;
+    const LoopStep& best = state_.steps[state_.best];
+    return options_.iterations < 0 && best.score < just_noticeable && best.seen.percentile_95 < just_noticeable;
 }
 
 LoopResult LoopRun::finish() {
@@ -512,7 +562,7 @@ LoopResult LoopRun::finish() {
         case LoopMethod::open_loop:
             break;
         case LoopMethod::feedback:  // the best of all is the best by feedback too
-            result.best = mixtures_of(recipes_, state.start_control);
+            result.best = mixtures_for(state.start_control, state.start_held);
             break;
         case LoopMethod::descent:
             result.best = state.best_mixtures;

@@ -63,6 +63,8 @@ struct LoopOptions {
     bool descent = true;  ///< after feedback, where the model has a gradient
 };
 
+/// LoopResult::why_stopped of a loop that might have gained more.
+inline constexpr std::string_view all_iterations_made = "all iterations were made";
 inline constexpr int most_iterations = 10;     ///< of a loop that has no limit
 inline constexpr int feedback_iterations = 3;  ///< before the descent
 
@@ -95,6 +97,8 @@ struct LoopStep {
     LoopMethod method = LoopMethod::open_loop;
     optics::DifferenceSummary seen;   ///< after the eye filter
     optics::DifferenceSummary cells;  ///< as they are
+    double score = 0;                 ///< what the loop goes by (loop_measure.h)
+    float paper = 1;                  ///< level of its paper (paper.h)
     double saturated_share = 0;       ///< of the cells, at their limits, in the step that made this iterate
     double seconds = 0;  ///< of distributing and predicting; 0: of predicting, the print is made before the white twin
 };
@@ -110,8 +114,10 @@ struct LoopState {
     SkinMixtures recent;         ///< running mean of what it printed, the last step for a half; without cells before
     SkinMixtures best_mixtures;  ///< of a best iterate by descent; by feedback they are those of start_control
     std::vector<Eigen::Vector3f> open, shown;  ///< predicted colours of the open loop and of the best iterate
-    double saturated_share = 0;                ///< LoopStep::saturated_share of the next iterate
-    bool has_gradient = true;                  ///< false once the model said that it has none
+    std::vector<char> held, start_held;  ///< of each region: control, start_control are the open loop's there, in depth
+    std::vector<float> urgency;  ///< of each region: what the descent counts it more by, while it is worse than it was
+    double saturated_share = 0;  ///< LoopStep::saturated_share of the next iterate
+    bool has_gradient = true;    ///< false once the model said that it has none
 };
 
 /// A state to go on from, and what the sequence kept then.

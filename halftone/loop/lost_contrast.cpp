@@ -22,23 +22,45 @@ float lightness_of(const Eigen::Vector3f& rgb) {
 
 }  // namespace
 
-std::vector<float> lost_contrast(std::span<const Eigen::Vector3f> seen_target, std::span<const Eigen::Vector3f> seen,
-                                 const EyeFilter& wide) {
+namespace {
+
+/// S(t^2), S(t p).
+std::vector<Eigen::Vector3f> products(std::span<const Eigen::Vector3f> seen_target,
+                                      std::span<const Eigen::Vector3f> seen, const EyeFilter& wide) {
     VOXTONE_EXPECT(seen.size() == seen_target.size());
     const std::size_t n = seen.size();
-    std::vector<Eigen::Vector3f> light(n), product(n), lost(n);
+    std::vector<Eigen::Vector3f> light(n), product(n);
     parallel_for(0, n, 1024, [&](std::size_t i) {
         light[i] = {lightness_of(seen_target[i]), lightness_of(seen[i]), 0};
     });
     const std::vector<Eigen::Vector3f> mean = wide.smoothed(light);
     parallel_for(0, n, 1024, [&](std::size_t i) {
         const float t = light[i][0] - mean[i][0], p = light[i][1] - mean[i][1];
-        product[i] = {t * t, t * (t - p), 0};
+        product[i] = {t * t, t * p, 0};
     });
-    product = wide.smoothed(product);
+    return wide.smoothed(product);
+}
+
+}  // namespace
+
+std::vector<FineContrast> fine_contrast(std::span<const Eigen::Vector3f> seen_target,
+                                        std::span<const Eigen::Vector3f> seen, const EyeFilter& wide) {
+    std::vector<FineContrast> contrast;
+    for (const Eigen::Vector3f& product : products(seen_target, seen, wide)) {
+        const float wanted = std::sqrt(std::max(product[0], 0.0f));
+        contrast.push_back({wanted, wanted > least_contrast ? product[1] / product[0] : 1});
+    }
+    return contrast;
+}
+
+std::vector<float> lost_contrast(std::span<const Eigen::Vector3f> seen_target, std::span<const Eigen::Vector3f> seen,
+                                 const EyeFilter& wide) {
+    const std::vector<Eigen::Vector3f> product = products(seen_target, seen, wide);
+    const std::size_t n = product.size();
+    std::vector<Eigen::Vector3f> lost(n);
     parallel_for(0, n, 1024, [&](std::size_t i) {
         const float wanted = std::sqrt(std::max(product[i][0], 0.0f));
-        lost[i].setConstant(wanted > least_contrast ? std::max(product[i][1] / wanted, 0.0f) : 0);
+        lost[i].setConstant(wanted > least_contrast ? std::max((product[i][0] - product[i][1]) / wanted, 0.0f) : 0);
     });
     lost = wide.smoothed(wide.smoothed(lost));
     std::vector<float> u(n);

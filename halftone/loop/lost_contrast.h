@@ -27,6 +27,13 @@ namespace voxtone::halftone {
 [[nodiscard]] std::vector<float> lost_contrast(std::span<const Eigen::Vector3f> seen_target,
                                                std::span<const Eigen::Vector3f> seen, const EyeFilter& wide);
 
+struct FineContrast {
+    float wanted = 0;  ///< sqrt(S(t^2)): of the target, in Oklab's lightness
+    float kept = 1;    ///< S(t p) / S(t^2): the part of it that the print has
+};
+[[nodiscard]] std::vector<FineContrast> fine_contrast(std::span<const Eigen::Vector3f> seen_target,
+                                                      std::span<const Eigen::Vector3f> seen, const EyeFilter& wide);
+
 /// k per cell; `most` in [0, 1].
 [[nodiscard]] std::vector<float> contrast_parts(std::vector<float> lost, float most);
 

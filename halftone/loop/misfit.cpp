@@ -53,8 +53,13 @@ MisfitFunction::MisfitFunction(const optics::Surface& surface, const EyeFilter& 
     for (const optics::SurfaceCell& cell : surface.cells) mean += cell.area_mm2;
     mean /= static_cast<double>(std::max<std::size_t>(1, surface.cells.size()));
     for (const optics::SurfaceCell& cell : surface.cells) area_.push_back(static_cast<float>(cell.area_mm2 / mean));
+    weight_.assign(area_.size(), 1);
+    if (!weight.empty()) set_weights(weight);
+}
+
+void MisfitFunction::set_weights(std::span<const float> weight) {
+    VOXTONE_EXPECT(weight.size() == area_.size());
     weight_.assign(weight.begin(), weight.end());
-    weight_.resize(area_.size(), 1);
 }
 
 Misfit MisfitFunction::operator()(std::span<const Eigen::Vector3f> predicted) const {

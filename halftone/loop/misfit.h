@@ -46,6 +46,8 @@ public:
     MisfitFunction(const optics::Surface& surface, const EyeFilter& eye, std::span<const Eigen::Vector3f> target,
                    std::span<const float> weight = {}, const EyeFilter* wide = nullptr,
                    std::vector<float> contrast_part = {});
+    /// Per cell, from now on.
+    void set_weights(std::span<const float> weight);
     [[nodiscard]] Misfit operator()(std::span<const Eigen::Vector3f> predicted) const;
 
 private:

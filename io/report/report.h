@@ -57,6 +57,20 @@ enum class VerdictLevel {
     bad,
 };
 
+/// A connected piece of one flat colour, or type and lines of it, as a person sees it.
+struct ReportRegion {
+    std::string kind;                  ///< "paper", "solid", "type and lines"
+    std::string asked, printed;        ///< "red (255, 0, 0)", sRGB
+    std::array<double, 3> place_mm{};  ///< of a cell in its middle, in the print
+    double area_mm2 = 0;
+    double de2000 = 0;                        ///< between the means
+    double unevenness = 0;                    ///< root mean square within it, in CIELAB
+    double contrast = 0, contrast_asked = 0;  ///< of type and lines against what surrounds them, (a - b) / (a + b)
+    bool out_of_reach = false;                ///< no mixture of the loaded resins is much nearer
+    bool good = true;
+    std::string why;  ///< what is wrong with it, a clause; empty where it is good
+};
+
 /// What a print's user wants to know first. Figures are CIEDE2000 over the whole coloured surface, by area.
 struct ReportVerdict {
     VerdictLevel level = VerdictLevel::unknown;
@@ -69,8 +83,9 @@ struct ReportVerdict {
         std::string name;
         double share = 0;  ///< of all that is off, by area and difference
     };
-    std::vector<Cause> causes;        ///< the largest first
-    std::vector<std::string> advice;  ///< what to try, the best first
+    std::vector<Cause> causes;               ///< the largest first
+    std::vector<std::string> advice;         ///< what to try, the best first
+    std::vector<ReportRegion> regions = {};  ///< the worst first
     /// Share of the surface with a difference as seen in [edge, next edge), the last one everything above.
     std::vector<std::pair<double, double>> seen_histogram;
 };

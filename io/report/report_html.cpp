@@ -130,6 +130,25 @@ void add_summary(std::string& html, const Report& report) {
     html += "</dl>\n";
 }
 
+/// Solids, type and paper, the worst first.
+void add_regions(std::string& html, const std::vector<ReportRegion>& regions) {
+    constexpr std::size_t most = 8;
+    if (regions.empty()) return;
+    html +=
+        "<table>\n<caption>Solids, type and paper, the worst first</caption>\n<tr><th>Asked for</th><th>Printed "
+        "as</th><th>mm²</th><th>CIEDE2000</th><th>Unevenness</th><th></th></tr>\n";
+    for (std::size_t i = 0; i < std::min(most, regions.size()); ++i) {
+        const ReportRegion& region = regions[i];
+        html +=
+            fmt::format("<tr><td>{} {}</td><td>{}</td><td>{:.1f}</td><td>{:.1f}</td><td>{:.1f}</td><td>{}</td></tr>\n",
+                        html_text(region.kind), html_text(region.asked), html_text(region.printed), region.area_mm2,
+                        region.de2000, region.unevenness, html_text(region.why));
+    }
+    html += "</table>\n";
+    if (regions.size() > most)
+        html += fmt::format("<p class=\"soft\">{} more are in report.json.</p>\n", regions.size() - most);
+}
+
 /// The headline: one sentence, one figure with its meaning.
 void add_verdict(std::string& html, const Report& report) {
     if (!report.verdict) return;
@@ -158,6 +177,7 @@ void add_verdict(std::string& html, const Report& report) {
         for (const std::string& advice : v.advice) html += fmt::format("<li>{}</li>\n", html_text(advice));
         html += "</ul>\n";
     }
+    add_regions(html, v.regions);
     html += "</section>\n";
 }
 

@@ -220,8 +220,10 @@ std::vector<io::ReportStage> ColourPrint::stages_after_layers() const {
 void ColourPrint::add_to(io::Report& report) const {
     add_colour_report({job_, body_, *colour_, parts_.surface_colour(), prediction_}, prediction_plan_.why_not, report);
     if (loop_) report.loop = loop_report(*loop_, body_, prediction_ ? &prediction_->volume : nullptr, job_.palette());
-    report.verdict = judge(
-        {job_, body_, *colour_, prediction_, prediction_plan_.why_not, *report.gamut, loop_.has_value(), all_white_});
+    report.verdict =
+        judge({job_, body_, *colour_, prediction_, prediction_plan_.why_not, *report.gamut, loop_.has_value(),
+               loop_ && loop_plan_.iterations >= 0 && loop_->result.why_stopped == halftone::all_iterations_made,
+               all_white_});
     if (!loop_plan_.why_not.empty() && !all_white_) report.warnings.push_back(loop_plan_.why_not);
     add_remarks(loop_, prediction_, report);
 }

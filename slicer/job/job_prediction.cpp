@@ -9,6 +9,8 @@
 #include "voxtone/base/error.h"
 #include "voxtone/base/stopwatch.h"
 #include "voxtone/halftone/loop/eye_filter.h"
+#include "voxtone/halftone/loop/misfit.h"
+#include "voxtone/halftone/loop/paper.h"
 #include "voxtone/slicer/look/coarse_cells.h"
 #include "voxtone/slicer/options/model_choice.h"
 #include "voxtone/slicer/surface/target_cells.h"
@@ -40,8 +42,18 @@ std::optional<optics::ResinVolume> JobVolume::finish() {
 
 SeenPrint seen_from(const JobPrediction& p, double viewing_distance_mm) {
     const halftone::EyeFilter eye(p.predicted.surface, viewing_distance_mm, halftone::EyeSurround::none);
-    SeenPrint seen{eye.filter(p.target), eye.filter(p.predicted.rgb), {}};
+    SeenPrint seen;
+    seen.paper = halftone::paper_level(p.predicted.surface, p.target, p.predicted.rgb);
+    std::vector<Eigen::Vector3f> print = p.predicted.rgb;
+    for (Eigen::Vector3f& rgb : print) rgb /= seen.paper;
+    seen.target = eye.filter(p.target), seen.print = eye.filter(print);
     seen.difference = colour_differences(seen.target, seen.print);
+    seen.regions = halftone::colour_regions(p.predicted.surface, p.target);
+    const std::vector<Eigen::Vector3f> near_target = eye.smoothed(p.target), near = eye.smoothed(print);
+    seen.looks = halftone::look_at(seen.regions, p.predicted.surface, near_target, near);
+    const halftone::EyeFilter wide(p.predicted.surface, halftone::wider * viewing_distance_mm,
+                                   halftone::EyeSurround::none);
+    seen.fine = halftone::fine_contrast(near_target, near, wide);
     return seen;
 }
 

@@ -13,6 +13,8 @@
 #include <vector>
 
 #include "voxtone/base/progress.h"
+#include "voxtone/halftone/loop/colour_regions.h"
+#include "voxtone/halftone/loop/lost_contrast.h"
 #include "voxtone/io/layers/layer_runs.h"
 #include "voxtone/optics/colour/colour.h"
 #include "voxtone/slicer/job/job_loop.h"
@@ -40,10 +42,15 @@ private:
     std::string why_not_;
 };
 
-/// Target and print after the eye filter, per cell: as they are seen from the viewing distance.
+/// Target and print after the eye filter, per cell: as they are seen from the viewing distance by who takes the print's
+/// own paper for white (halftone/loop/paper.h), and region by region (halftone/loop/colour_regions.h).
 struct SeenPrint {
-    std::vector<Eigen::Vector3f> target, print;  ///< linear sRGB, not clamped
+    std::vector<Eigen::Vector3f> target, print;  ///< linear sRGB, not clamped; the print over its paper's level
     std::vector<double> difference;              ///< CIEDE2000
+    float paper = 1;                             ///< the level
+    std::vector<halftone::ColourRegion> regions;
+    std::vector<halftone::RegionLook> looks;
+    std::vector<halftone::FineContrast> fine;  ///< per cell: within a millimetre
 };
 
 struct JobPrediction {

@@ -11,6 +11,7 @@
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 
+#include "voxtone/slicer/job/region_verdict.h"
 #include "voxtone/slicer/prepare/resin_choice.h"
 #include "voxtone/slicer/surface/target_cells.h"
 
@@ -84,9 +85,32 @@ Losses losses_of(const VerdictSources& s, const JobPrediction& p) {
     return losses;
 }
 
-io::VerdictLevel level_of(double mean, double bad_share, const VerdictLimits& limits) {
-    if (mean > limits.bad) return io::VerdictLevel::bad;
-    return mean > limits.good || bad_share > much_of_the_surface ? io::VerdictLevel::fair : io::VerdictLevel::good;
+/// Nobody overlooks it.
+bool is_bad(const io::ReportRegion& region, const VerdictLimits& limits) {
+    constexpr double far = 3;
+    return !region.good &&
+           ((region.contrast_asked > 0 && region.contrast_asked < 1) || region.de2000 > far * limits.bad);
+}
+
+io::VerdictLevel level_of(double mean, double bad_share, const std::vector<io::ReportRegion>& regions,
+                          const VerdictLimits& limits) {
+    if (mean > limits.bad || std::ranges::any_of(regions, [&](const auto& r) { return is_bad(r, limits); }))
+        return io::VerdictLevel::bad;
+    return mean > limits.good || bad_share > much_of_the_surface ||
+                   !std::ranges::all_of(regions, &io::ReportRegion::good)
+               ? io::VerdictLevel::fair
+               : io::VerdictLevel::good;
+}
+
+/// ", but red (255, 0, 0), 12.0 mm2 at x 1.0, y 2.0, z 3.0 mm, is printed as ..."
+std::string worst_of(const std::vector<io::ReportRegion>& regions) {
+    if (regions.empty() || regions.front().good) return {};
+    const io::ReportRegion& worst = regions.front();
+    const auto more = std::ranges::count_if(regions, [](const auto& region) { return !region.good; }) - 1;
+    return fmt::format("; {}{}, {:.1f} mm2 at x {:.1f}, y {:.1f}, z {:.1f} mm, {}{}",
+                       worst.kind == "solid" ? "" : worst.kind + " in ", worst.asked, worst.area_mm2, worst.place_mm[0],
+                       worst.place_mm[1], worst.place_mm[2], worst.why,
+                       more > 0 ? fmt::format(" ({} more: report)", more) : "");
 }
 
 const char* opening(io::VerdictLevel level) {
@@ -129,9 +153,7 @@ std::string advice_on(LossCause cause, const VerdictSources& s) {
     if (cause == thin_wall)
         return fmt::format("make these walls at least {:g} mm thick, or print it larger ({})",
                            2 * s.job.options.colour.depth_mm, s.body.is_picture ? "--thickness" : "--size");
-    return s.job.options.loop.intent == halftone::Intent::contrast
-               ? "print it larger: details are blurred over half a millimetre whatever their size"
-               : "print it larger, or give local contrast the preference (--intent contrast)";
+    return "print it larger: details are blurred over half a millimetre whatever their size";
 }
 
 void add_causes(const Losses& losses, io::ReportVerdict& verdict) {
@@ -145,8 +167,10 @@ void add_advice(const VerdictSources& s, const Losses& losses, io::ReportVerdict
     constexpr double worth_a_word = 0.2;
     if (!s.looped && losses.share(gamut) < 1 - worth_a_word)
         verdict.advice.emplace_back(
-            "let the resins be rearranged (--iterations 8, or auto): that makes up for much of "
+            "let the resins be rearranged (--iterations auto): that makes up for much of "
             "the light that spreads and passes");
+    if (s.looped && s.cut_short && losses.share(gamut) < 1 - worth_a_word)
+        verdict.advice.emplace_back("let the resins be rearranged until it gains no more (--iterations auto)");
     for (const io::ReportVerdict::Cause& named : verdict.causes)
         for (const LossCause cause : all_causes)
             if (named.name == name_of(cause) && named.share >= worth_a_word)
@@ -156,13 +180,14 @@ void add_advice(const VerdictSources& s, const Losses& losses, io::ReportVerdict
 void judge_prediction(const VerdictSources& s, const JobPrediction& p, io::ReportVerdict& verdict) {
     const optics::DifferenceSummary seen = summarize_by_area(p.predicted.surface, p.seen.difference);
     const Losses losses = losses_of(s, p);
+    verdict.regions = judge_regions(p, s.colour, s.job.options.verdict);
     verdict.seen_mean = seen.mean;
     verdict.seen_p95 = seen.percentile_95;
     const std::vector<double> share = histogram_by_area(p.predicted.surface, p.seen.difference, histogram_edges);
     for (std::size_t i = 0; i < share.size(); ++i) verdict.seen_histogram.emplace_back(histogram_edges[i], share[i]);
     verdict.off_share = losses.area_mm2 > 0 ? losses.off_mm2 / losses.area_mm2 : 0;
-    verdict.level =
-        level_of(seen.mean, losses.area_mm2 > 0 ? losses.bad_mm2 / losses.area_mm2 : 0, s.job.options.verdict);
+    verdict.level = level_of(seen.mean, losses.area_mm2 > 0 ? losses.bad_mm2 / losses.area_mm2 : 0, verdict.regions,
+                             s.job.options.verdict);
     verdict.sentence = fmt::format(
         "{}: seen from {:g} mm it differs by {:.1f} CIEDE2000 on average (up to {:g} is good, "
         "above {:g} bad)",
@@ -177,6 +202,7 @@ void judge_prediction(const VerdictSources& s, const JobPrediction& p, io::Repor
         verdict.sentence +=
             fmt::format(", {} because {}", losses.share(losses.main()) > 0.9 ? "nearly all of it" : "mostly",
                         why(losses.main(), losses));
+    verdict.sentence += worst_of(verdict.regions);
     if (!verdict.advice.empty()) verdict.sentence += fmt::format("; try this: {}", verdict.advice.front());
     verdict.sentence += ".";
 }

@@ -3,9 +3,12 @@
 // Will the print look as asked, and if not, why, and what to try: one sentence and one figure.
 //
 // The figure is the mean CIEDE2000 between what is predicted and what was asked for, both after the eye filter
-// (halftone/loop/eye_filter.h, at the viewing distance), over the whole coloured surface by area: colours that the
-// resins cannot reach count, as they do for whoever looks at it. Good and bad are options (VerdictLimits). Where more
-// than a tenth of the surface is above `bad`, a good mean is called fair at best.
+// (halftone/loop/eye_filter.h, at the viewing distance), the print over the level of its own paper (paper.h), over the
+// whole coloured surface by area: colours that the resins cannot reach count, as they do for whoever looks at it. The
+// loop tells the same figure. Good and bad are options (VerdictLimits). Where more than a tenth of the surface is above
+// `bad`, or a solid, type or paper is not good (region_verdict.h), a good mean is called fair at best; where type that
+// was legible cannot be read, or a solid is off by more than three times `bad`, it is called bad. The sentence names
+// the worst of them.
 //
 // Why: each cell that is off by more than `good` counts with area times difference for the first of
 //   - out of gamut: the thick body's separation alone is off by half of the cell's difference or more;
@@ -47,6 +50,7 @@ struct VerdictSources {
     const std::string& why_not_predicted;  ///< a sentence, or empty
     const io::ReportGamut& gamut;
     bool looped = false;     ///< the resins were rearranged
+    bool cut_short = false;  ///< and might have gained more, had they been rearranged more often
     bool all_white = false;  ///< white was asked for everywhere, and white resin is printed
 };
 

@@ -9,6 +9,7 @@
 
 #include "run_program.h"
 #include "tests/io/files/schema.h"
+#include "voxtone/io/pictures/picture_writer.h"
 
 using namespace voxtone;
 using namespace voxtone::test;
@@ -85,6 +86,41 @@ TEST_CASE("A thin wall gets its word, limits are the user's, and --strict makes 
     CHECK(report_in(folder)["verdict"]["level"] == "fair");
     CHECK(run_program(slice + "--strict --verdict-good 80 --verdict-bad 90").exit_code == 0);
     CHECK(run_program(slice + "--verdict-good 6").exit_code == 2);
+}
+
+TEST_CASE("A white sheet is not good whose red is orange and whose fine type cannot be read") {
+    const Folder folder("sheet");
+    // 10 x 6 mm at 0.1 mm: a red square of 2 mm in a corner, and lines of 0.2 mm, 0.3 mm apart.
+    io::Picture8 sheet{100, 60, 3, {}};
+    for (int y = 0; y < 60; ++y)
+        for (int x = 0; x < 100; ++x) {
+            const bool red = x >= 70 && x < 90 && y >= 10 && y < 30,
+                       ink = x >= 10 && x < 50 && y >= 20 && y < 50 && x % 5 < 2;
+            for (int c = 0; c < 3; ++c) sheet.codes.push_back(ink || (red && c > 0) ? 0 : 255);
+        }
+    const std::vector<std::uint8_t> png = io::png_bytes(sheet);
+    folder.write("sheet.png", std::string(png.begin(), png.end()));
+    REQUIRE(run_program("slice --quiet --overwrite --iterations 1 " + folder / "sheet.png" +
+                        " --width 10mm --thickness 2mm --resins vero-opaque -o " + folder / "out")
+                .exit_code == 0);
+    const auto verdict = report_in(folder)["verdict"];
+    INFO(verdict.dump(1));
+    CHECK(verdict["seen_de2000"]["mean"] < 5);
+    CHECK(verdict["level"] != "good");
+    CHECK(io::schema_faults("report", read_file(folder.path() / "out/report.json")).empty());
+    const auto& regions = verdict["regions"];
+    const auto of = [&](const std::string& kind) {
+        return *std::find_if(regions.begin(), regions.end(), [&](const auto& r) { return r["kind"] == kind; });
+    };
+    CHECK(of("solid")["asked"] == "red (255, 0, 0)");
+    CHECK_FALSE(of("solid")["good"].get<bool>());
+    CHECK(of("paper")["asked"] == "white (255, 255, 255)");
+    CHECK_THAT(of("fine detail")["why"].get<std::string>(), Contains("hard to read"));
+    const std::string sentence = verdict["sentence"];
+    CHECK_THAT(sentence, Contains(regions[0]["why"].get<std::string>()) && Contains(" mm2 at x "));
+    CHECK_THAT(read_file(folder.path() / "out/report.html"), Contains("Solids, type and paper, the worst first"));
+    // The loop was cut short: it is told to go on, never to print larger before.
+    CHECK_THAT(verdict["advice"][0].get<std::string>(), Contains("until it gains no more"));
 }
 
 TEST_CASE("A printer with few slots is loaded with the resins that the model needs") {

@@ -7,6 +7,8 @@
 //   checker, gratings: 20 mm wide, 4 mm thick, J750
 //                                       High Mix, --resins, on black
 //   appearance_loop_benchmark bodies    meshes, in windows (judge_body.h)
+//   appearance_loop_benchmark graphics   solids, type, a logo (graphics_pages.h), judged region by region, adapted to
+//   the print's paper
 //   appearance_loop_benchmark flat      slabs of one colour each, 8 mm: the mean of the middle 4 mm
 //   appearance_loop_benchmark seams     what cutting a body into tiles does to its predictions, for a stack that slice
 //   made appearance_loop_benchmark report    slabs and bodies appearance_loop_benchmark targets   only writes the
@@ -23,6 +25,8 @@
 #include "body_tables.h"
 #include "body_targets.h"
 #include "flat_slabs.h"
+#include "graphics_pages.h"
+#include "graphics_scores.h"
 #include "gratings.h"
 #include "judge_body.h"
 #include "judge_slab.h"
@@ -112,6 +116,38 @@ void run_slabs(const Arguments& a) {
     fmt::print("{}", text);
 }
 
+void run_graphics(const Arguments& a) {
+    const ThreadLimit limit(a.threads);
+    const std::vector<Variant> ways = variants(parse_set(a.set));
+    std::vector<std::string> missing;
+    const std::vector<Target> found = make_graphics(a.models, a.work, a.only, missing);
+    for (const std::string& name : missing) fmt::print("{}: not in {}; left out\n", name, a.models.string());
+    std::vector<GraphicRow> rows;
+    for (const Target& target : found) {
+        GraphicRow row{target.name, target.held_out, {}};
+        std::array<Judgement, 2> judged;
+        for (std::size_t v = 0; v < 2; ++v) {
+            slicer::SliceOptions options;
+            options.resins = a.resins;
+            options.model = target.picture.string();
+            options.out = (a.work / fmt::format("{}.{}", target.name, v)).string();
+            options.width_mm = target.width_mm;
+            options.threads = static_cast<int>(a.threads);
+            set_options(ways[v].set, options);
+            const Print print = make_print(options, a.reuse);
+            judged[v] = judge_slab(print.options, {.paths = a.paths, .cache = a.work / "traced"});
+            row.scores[v] = graphic_scores(judged[v], a.viewing_distance_mm);
+            fmt::print(stderr, "{} {}: {:.1f} s printed, {:.1f} s traced, as seen {:.2f}\n", target.name, ways[v].name,
+                       print.seconds, judged[v].trace_seconds, row.scores[v].seen);
+        }
+        write_strip(a.work / (target.name + ".strip.png"), {&judged[0], &judged[1]});
+        rows.push_back(row);
+    }
+    const std::string text = graphics_table(rows);
+    io::write_whole_file(a.work / "graphics.md", text);
+    fmt::print("{}", text);
+}
+
 void run_flat(const Arguments& a) {
     const ThreadLimit limit(a.threads);
     const std::vector<Variant> ways = variants(parse_set(a.set));
@@ -196,6 +232,7 @@ int main(int argc, char** argv) {
     app.add_flag("--reuse", a.reuse, "take finished prints in --work that were made with the same options");
     app.fallthrough();
     app.add_subcommand("slabs", "photographs and pages")->callback([&] { run_slabs(a); });
+    app.add_subcommand("graphics", "solids, type, a logo: region by region")->callback([&] { run_graphics(a); });
     app.add_subcommand("flat", "slabs of one colour each")->callback([&] { run_flat(a); });
     CLI::App* seams = app.add_subcommand("seams", "tiles against the whole body");
     seams->add_option("stack", a.stack, "output folder of slice")->required();

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/halftone/loop/paper.h"
+
+#include <algorithm>
+
+#include "voxtone/base/contracts.h"
+
+namespace voxtone::halftone {
+
+namespace {
+
+constexpr float no_paper = 0.83f, all_paper = 0.95f;  // linear, of the darkest channel: L* 93 and 98
+constexpr double half_trusted = 0.1;                  // of the surface: half of what its level says is believed
+constexpr double adaptation = 0.85;                   // D
+constexpr float least_level = 0.2f;
+
+}  // namespace
+
+float paper_weight(const Eigen::Vector3f& target) {
+    const float x = std::clamp((target.minCoeff() - no_paper) / (all_paper - no_paper), 0.0f, 1.0f);
+    return x * x * (3 - 2 * x);
+}
+
+float paper_level(const optics::Surface& surface, std::span<const Eigen::Vector3f> target,
+                  std::span<const Eigen::Vector3f> print) {
+    VOXTONE_EXPECT(target.size() == surface.cells.size() && print.size() == target.size());
+    const Eigen::Vector3f luminance(0.2126f, 0.7152f, 0.0722f);
+    double paper = 0, light = 0, area = 0;
+    for (std::size_t i = 0; i < target.size(); ++i) {
+        const double a = surface.cells[i].area_mm2, w = a * static_cast<double>(paper_weight(target[i]));
+        area += a, paper += w;
+        light += w * static_cast<double>(luminance.dot(print[i]));
+    }
+    if (paper <= 0) return 1;
+    const double share = paper / area,
+                 trust = adaptation * share * share / (share * share + half_trusted * half_trusted);
+    return std::max(least_level, static_cast<float>(1 - trust * (1 - light / paper)));
+}
+
+}  // namespace voxtone::halftone

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/halftone/loop/colour_regions.h"
+
+#include <catch2/catch.hpp>
+
+#include <functional>
+
+#include "flat_surface.h"
+#include "voxtone/base/random.h"
+#include "voxtone/halftone/loop/loop_measure.h"
+#include "voxtone/halftone/loop/paper.h"
+
+using namespace voxtone;
+using namespace voxtone::halftone;
+
+namespace {
+
+constexpr int n = 120;
+constexpr double cell_mm = 0.085;
+using Colours = std::vector<Eigen::Vector3f>;
+
+Colours painted(const std::function<Eigen::Vector3f(int x, int y)>& paint) {
+    Colours rgb;
+    for (int y = 0; y < n; ++y)
+        for (int x = 0; x < n; ++x) rgb.push_back(paint(x, y));
+    return rgb;
+}
+
+const Eigen::Vector3f white(1, 1, 1), red(0.7f, 0.02f, 0.03f), black(0.01f, 0.01f, 0.01f);
+
+bool in_square(int x, int y) { return x >= 10 && x < 50 && y >= 10 && y < 50; }
+// Strokes of three cells.
+bool in_stroke(int x, int y) { return x >= 70 && x < 110 && y % 12 < 3 && y >= 24 && y < 96; }
+
+// A red square and black strokes on white, with edges that are blurred as cells see them.
+Colours card() {
+    return painted([](int x, int y) -> Eigen::Vector3f {
+        if (in_square(x, y)) return x == 10 ? Eigen::Vector3f(0.5f * (white + red)) : red;
+        return in_stroke(x, y) ? black : white;
+    });
+}
+
+}  // namespace
+
+TEST_CASE("A card has paper, a solid and strokes; blurred edges are none of them", "[loop]") {
+    const optics::Surface surface = test::flat_surface(n, n, cell_mm);
+    const std::vector<ColourRegion> regions = colour_regions(surface, card());
+    REQUIRE(regions.size() == 3);
+    CHECK(regions[0].kind == RegionKind::paper);
+    CHECK(regions[1].kind == RegionKind::solid);
+    CHECK((regions[1].target - red).norm() < 1e-4f);
+    CHECK(regions[1].cells.size() == 39 * 40);
+    CHECK(regions[1].area_mm2 == Approx(39 * 40 * cell_mm * cell_mm).epsilon(1e-4));
+    // 0.6 mm are seven cells.
+    CHECK(regions[1].interior.size() == (39 - 14) * (40 - 14));
+    CHECK(regions[2].kind == RegionKind::strokes);
+    CHECK(regions[2].cells.size() == 6 * 3 * 40);
+    CHECK(cells_around(surface, regions[1], 1).size() == 41 * 42 - 39 * 40);
+}
+
+TEST_CASE("What photographs hold is no region", "[loop]") {
+    const optics::Surface surface = test::flat_surface(n, n, cell_mm);
+    const auto noise = [](int x, int y) {
+        return 0.02f * static_cast<float>(RandomStream(1, static_cast<std::uint64_t>(y * n + x)).uniform());
+    };
+    CHECK(colour_regions(surface,
+                         painted([&](int x, int y) { return Eigen::Vector3f::Constant(0.2f + noise(x, y)).eval(); }))
+              .empty());
+    // A sky: flat for millimetres, without an edge.
+    CHECK(colour_regions(surface, painted([](int x, int y) {
+                             return Eigen::Vector3f(0.2f, 0.3f + 0.001f * static_cast<float>(x),
+                                                    0.5f + 0.001f * static_cast<float>(y));
+                         }))
+              .empty());
+}
+
+TEST_CASE("A region is judged by its mean and by its evenness", "[loop]") {
+    const optics::Surface surface = test::flat_surface(n, n, cell_mm);
+    const Colours target = card();
+    const std::vector<ColourRegion> regions = colour_regions(surface, target);
+    const auto look = [&](const Colours& print) { return look_at(regions, surface, target, print)[1]; };
+    const RegionLook same = look(target);
+    CHECK(same.difference == Approx(0).margin(1e-6));
+    CHECK(same.unevenness == Approx(0).margin(1e-3));
+    const auto changed = [&](const std::function<float(int x)>& factor) {
+        Colours print = target;
+        for (int y = 0; y < n; ++y)
+            for (int x = 0; x < n; ++x) print[static_cast<std::size_t>(y * n + x)] *= factor(x);
+        return look(print);
+    };
+    const RegionLook lighter = changed([](int) { return 1.3f; }),
+                     striped = changed([](int x) { return x / 5 % 2 ? 1.3f : 0.7f; });
+    CHECK(lighter.difference > 3);
+    CHECK(lighter.unevenness < 0.1);
+    CHECK(striped.difference < 1);
+    CHECK(striped.unevenness > 5);
+    CHECK(worse_by(lighter, same) ==
+          Approx(lighter.difference - same.difference + 2 * lighter.unevenness).margin(0.01));
+    CHECK(worse_by(same, striped) == 0);
+}
+
+TEST_CASE("Paper is white that there is much of; its level is what a person adapts to", "[loop]") {
+    const optics::Surface surface = test::flat_surface(n, n, cell_mm);
+    const auto level = [&](int columns_of_paper) {
+        const Colours target = painted([&](int x, int) { return x < columns_of_paper ? white : black; });
+        Colours print = target;
+        for (Eigen::Vector3f& rgb : print) rgb *= 0.8f;
+        return paper_level(surface, target, print);
+    };
+    CHECK(level(0) == 1);
+    CHECK(level(n) == Approx(1 - 0.85 * 0.2 / 1.01).epsilon(1e-4));
+    CHECK(level(n / 10) == Approx(1 - 0.85 * 0.2 / 2).epsilon(1e-3));
+    CHECK(level(2) > 0.99);
+    CHECK(paper_weight(Eigen::Vector3f(1, 1, 0.8f)) == 0);
+}
+
+TEST_CASE("The measure forgives darker paper, and no solid that is worse than without a loop", "[loop]") {
+    const optics::Surface surface = test::flat_surface(n, n, cell_mm);
+    const Colours target = card();
+    const std::vector<char> in(target.size(), 1);
+    const LoopMeasure measure(surface, target, target, in, 300);
+    Colours darker = target;
+    for (Eigen::Vector3f& rgb : darker) rgb *= 0.8f;
+    const LoopMeasure::Value open = measure(target, {}), dimmed = measure(darker, open.looks);
+    CHECK(open.score < 0.01);
+    CHECK(dimmed.paper == Approx(1 - 0.85 * 0.2).epsilon(0.02));
+    CHECK(dimmed.seen.mean < 1.5);
+    // The square alone, by as much: less of the surface, and seen.
+    Colours worse = target;
+    for (int y = 0; y < n; ++y)
+        for (int x = 0; x < n; ++x)
+            if (in_square(x, y)) worse[static_cast<std::size_t>(y * n + x)] *= 0.8f;
+    const LoopMeasure::Value punished = measure(worse, open.looks), alone = measure(worse, {});
+    CHECK(punished.seen.mean < dimmed.seen.mean);
+    CHECK(punished.score > 1.8 * alone.score);
+    CHECK(alone.score > 1.5 * alone.seen.mean);
+}
