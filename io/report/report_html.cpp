@@ -135,7 +135,8 @@ void add_regions(std::string& html, const std::vector<ReportRegion>& regions) {
     constexpr std::size_t most = 8;
     if (regions.empty()) return;
     html +=
-        "<table>\n<caption>Solids, type and paper, the worst first</caption>\n<tr><th>Asked for</th><th>Printed "
+        "<section>\n<h2>Solids, type and paper</h2>\n<p class=\"soft\">Each as one thing, the worst "
+        "first, the print's own paper taken for white.</p>\n<table>\n<tr><th>Asked for</th><th>Printed "
         "as</th><th>mm²</th><th>CIEDE2000</th><th>Unevenness</th><th></th></tr>\n";
     for (std::size_t i = 0; i < std::min(most, regions.size()); ++i) {
         const ReportRegion& region = regions[i];
@@ -147,6 +148,7 @@ void add_regions(std::string& html, const std::vector<ReportRegion>& regions) {
     html += "</table>\n";
     if (regions.size() > most)
         html += fmt::format("<p class=\"soft\">{} more are in report.json.</p>\n", regions.size() - most);
+    html += "</section>\n";
 }
 
 /// The headline: one sentence, one figure with its meaning.
@@ -177,7 +179,6 @@ void add_verdict(std::string& html, const Report& report) {
         for (const std::string& advice : v.advice) html += fmt::format("<li>{}</li>\n", html_text(advice));
         html += "</ul>\n";
     }
-    add_regions(html, v.regions);
     html += "</section>\n";
 }
 
@@ -473,6 +474,7 @@ std::string report_html(const Report& report) {
     add_warnings(html, report);
     html += viewer_panels(report);
     add_views(html, report);
+    if (report.verdict) add_regions(html, report.verdict->regions);
     html += worst_section(report);
     if (is_of_a_stack(report)) add_summary(html, report);
     add_prediction(html, report);
