@@ -194,6 +194,8 @@ TEST_CASE("The page of a calibration shows target and photograph, and the probe 
         };
         browser.key("2");
         CHECK(pixel_hex() == measured);
+        browser.key("l");  // a picture has no shape that light would show
+        CHECK(pixel_hex() == measured);
         browser.key("3");
         CHECK(pixel_hex() == predicted);
         // Space flips to the photograph: near to what was measured of the whole square, grain and dust apart.

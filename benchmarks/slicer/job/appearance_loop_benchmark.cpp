@@ -74,6 +74,19 @@ std::vector<Target> targets(const Arguments& a) {
     return found;
 }
 
+/// The way `v` of printing a picture.
+Print print_slab(const Arguments& a, const fs::path& picture, const std::string& name, double width_mm,
+                 const Variant& way, std::size_t v) {
+    slicer::SliceOptions options;
+    options.resins = a.resins;
+    options.model = picture.string();
+    options.out = (a.work / fmt::format("{}.{}", name, v)).string();
+    options.width_mm = width_mm;
+    options.threads = static_cast<int>(a.threads);
+    set_options(way.set, options);
+    return make_print(options, a.reuse);
+}
+
 SlabRow judge_target(const Arguments& a, const Target& target, const std::vector<Variant>& ways) {
     SlabRow row;
     row.name = target.name;
@@ -82,14 +95,7 @@ SlabRow judge_target(const Arguments& a, const Target& target, const std::vector
     std::array<Judgement, 2> judged;
     std::optional<Eye> eye;
     for (std::size_t v = 0; v < 2; ++v) {
-        slicer::SliceOptions options;
-        options.resins = a.resins;
-        options.model = target.picture.string();
-        options.out = (a.work / fmt::format("{}.{}", target.name, v)).string();
-        options.width_mm = target.width_mm;
-        options.threads = static_cast<int>(a.threads);
-        set_options(ways[v].set, options);
-        row.print[v] = make_print(options, a.reuse);
+        row.print[v] = print_slab(a, target.picture, target.name, target.width_mm, ways[v], v);
         judged[v] = judge_slab(row.print[v].options, {.paths = a.paths, .cache = a.work / "traced"});
         if (!eye) eye.emplace(judged[v].surface, a.viewing_distance_mm);
         row.scores[v] = score(judged[v], *eye);
@@ -127,14 +133,7 @@ void run_graphics(const Arguments& a) {
         GraphicRow row{target.name, target.held_out, {}};
         std::array<Judgement, 2> judged;
         for (std::size_t v = 0; v < 2; ++v) {
-            slicer::SliceOptions options;
-            options.resins = a.resins;
-            options.model = target.picture.string();
-            options.out = (a.work / fmt::format("{}.{}", target.name, v)).string();
-            options.width_mm = target.width_mm;
-            options.threads = static_cast<int>(a.threads);
-            set_options(ways[v].set, options);
-            const Print print = make_print(options, a.reuse);
+            const Print print = print_slab(a, target.picture, target.name, target.width_mm, ways[v], v);
             judged[v] = judge_slab(print.options, {.paths = a.paths, .cache = a.work / "traced"});
             row.scores[v] = graphic_scores(judged[v], a.viewing_distance_mm);
             fmt::print(stderr, "{} {}: {:.1f} s printed, {:.1f} s traced, as seen {:.2f}\n", target.name, ways[v].name,
@@ -155,14 +154,7 @@ void run_flat(const Arguments& a) {
     for (const FlatTarget& target : flat_targets(a.work)) {
         FlatRow row{target.rgb, {}, 0};
         for (std::size_t v = 0; v < 2; ++v) {
-            slicer::SliceOptions options;
-            options.resins = a.resins;
-            options.model = target.picture.string();
-            options.out = (a.work / fmt::format("{}.{}", target.picture.stem().string(), v)).string();
-            options.width_mm = flat_mm;
-            options.threads = static_cast<int>(a.threads);
-            set_options(ways[v].set, options);
-            const Print print = make_print(options, a.reuse);
+            const Print print = print_slab(a, target.picture, target.picture.stem().string(), flat_mm, ways[v], v);
             judge_flat(judge_slab(print.options, {.paths = a.paths, .cache = a.work / "traced"}), v, row);
         }
         rows.push_back(row);

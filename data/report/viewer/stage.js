@@ -144,6 +144,7 @@ class Stage {
   }
 
   toggleLight() {
+    if (this.surface.isPicture) return; // nothing to shade
     this.state.lit = !this.state.lit;
     this.update();
   }
