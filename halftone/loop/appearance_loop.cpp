@@ -300,7 +300,8 @@ LoopRun::LoopRun(const LoopTask& task, const LoopOptions& options, Progress& pro
       target_(mapped_target()),
       relative_(task.scene.resins->channels, state_.white),
       correction_(*task.scene.resins, options.intent == Intent::absolute ? -1 : task.white_resin),
-      measure_(*task.surface, task.target, target_, in_gamut_, options.viewing_distance_mm),
+      measure_(*task.surface, task.target, target_, in_gamut_, options.viewing_distance_mm,
+               options.intent != Intent::absolute),
       sequence_(task.model->sequence(task.scene, *task.surface, &progress)),
       around_(*task.surface),
       descent_wanted_(options.descent && task.mixture_gradient) {

@@ -20,10 +20,10 @@
 // kept; local contrast given back, map_targets.h); what a place cannot show because of its neighbours or of what lies
 // behind it is found out on the way, and targets are relaxed.
 //
-// Errors are CIEDE2000, media-relative, weighed by area, over the cells whose target lies in the gamut (all cells where
-// none does), as they are and after the eye filter (eye_filter.h). The best iterate is that of the smallest mean error
-// after the eye filter (without its negative surround); iteration 0 is the open loop, so the result is never worse than
-// that as far as the model can see.
+// Errors are CIEDE2000, media-relative, weighed by area, over all cells: as they are, and as seen, after the eye filter
+// (eye_filter.h, without its negative surround) and over the level of the print's paper (paper.h). The best iterate is
+// that of the least score (loop_measure.h), which sees regions and leaves out cells beyond the gamut that are in none;
+// iteration 0 is the open loop, so the result is never worse than that as far as score and model can see.
 //
 // Stops after `iterations`, or when five steps in a row (three of feedback where there is no gradient) did not improve
 // the best mean by 1 %, or when the best one's mean and its 95th percentile as seen are below 0.8, which is just

@@ -30,7 +30,7 @@ std::vector<double> differences(std::span<const Eigen::Vector3f> a, std::span<co
 
 LoopMeasure::LoopMeasure(const optics::Surface& surface, std::span<const Eigen::Vector3f> asked,
                          std::span<const Eigen::Vector3f> shown, const std::vector<char>& in_gamut,
-                         double viewing_distance_mm)
+                         double viewing_distance_mm, bool adapts)
     : surface_(surface),
       eye_(surface, viewing_distance_mm, EyeSurround::none),
       asked_(asked),
@@ -38,6 +38,7 @@ LoopMeasure::LoopMeasure(const optics::Surface& surface, std::span<const Eigen::
       seen_shown_(eye_.filter(shown)),
       near_asked_(eye_.smoothed(asked)),
       in_gamut_(in_gamut),
+      adapts_(adapts),
       regions_(colour_regions(surface, asked)) {
     weight_ = weights(std::vector<float>(regions_.size(), 1.0f), 0);
 }
@@ -57,7 +58,7 @@ std::vector<float> LoopMeasure::weights(std::span<const float> urgency, float be
 LoopMeasure::Value LoopMeasure::operator()(std::span<const Eigen::Vector3f> rgb,
                                            std::span<const RegionLook> open) const {
     Value value;
-    value.paper = paper_level(surface_, asked_, rgb);
+    if (adapts_) value.paper = paper_level(surface_, asked_, rgb);
     std::vector<Eigen::Vector3f> seen = eye_.filter(rgb);
     for (Eigen::Vector3f& colour : seen) colour /= value.paper;
     value.seen = optics::summarize_by_area(surface_, differences(seen_asked_, seen));

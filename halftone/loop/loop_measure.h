@@ -24,9 +24,11 @@ namespace voxtone::halftone {
 
 class LoopMeasure {
 public:
-    /// Keeps references. `asked`: the target; `shown`: as the resins can show it.
+    /// Keeps references. `asked`: the target; `shown`: as the resins can show it. `adapts`: the
+    /// print's paper is taken for white; not where white is absolute.
     LoopMeasure(const optics::Surface& surface, std::span<const Eigen::Vector3f> asked,
-                std::span<const Eigen::Vector3f> shown, const std::vector<char>& in_gamut, double viewing_distance_mm);
+                std::span<const Eigen::Vector3f> shown, const std::vector<char>& in_gamut, double viewing_distance_mm,
+                bool adapts = true);
 
     struct Value {
         optics::DifferenceSummary seen;   ///< of all cells, against what was asked for, as seen, over the paper's level
@@ -52,6 +54,7 @@ private:
     std::span<const Eigen::Vector3f> asked_;
     std::vector<Eigen::Vector3f> seen_asked_, seen_shown_, near_asked_;
     const std::vector<char>& in_gamut_;
+    bool adapts_;
     std::vector<ColourRegion> regions_;
     std::vector<float> weight_;
 };

@@ -108,8 +108,7 @@ struct ReportPrediction {
     std::vector<std::pair<double, double>> histogram;
 };
 
-/// One print of the appearance loop: errors against the target, over the colours that the resins can show, by area,
-/// CIEDE2000.
+/// One print of the appearance loop: errors against the target, over all cells, by area, CIEDE2000.
 struct ReportIteration {
     int number = 0;                        ///< 0: the open loop
     double mean = 0, median = 0, p95 = 0;  ///< as seen from the viewing distance

@@ -119,9 +119,10 @@ io::ReportLoop loop_report(const JobLoop& loop, const JobBody& body, const optic
     report.note = fmt::format(
         "The resins were rearranged {} and the print predicted after each by the model {} in cells of {:.1f} x {:.1f} "
         "x "
-        "{:.1f} um; {}. Errors are CIEDE2000 relative to white resin over the {:.1f} % of the cells whose target the "
+        "{:.1f} um; {}. Errors are CIEDE2000 relative to white resin over all cells; {:.1f} % have a target that the "
         "resins can show on a thick body; as seen: after the eye filter (Gaussians of S-CIELAB without their negative "
-        "surround). At limits: cells that their neighbours, or what lies behind them, keep from their target; they are "
+        "surround), the print's own paper taken for white. At limits: cells that their neighbours, or what lies behind "
+        "them, keep from their target; they are "
         "asked for the nearest colour that is left.",
         counted(state.steps.size() - 1, "time"), loop.model, loop.cells->seen.cell_um[0], loop.cells->seen.cell_um[1],
         loop.cells->seen.cell_um[2], loop.result.why_stopped,

@@ -125,6 +125,9 @@ TEST_CASE("The measure forgives darker paper, and no solid that is worse than wi
     CHECK(open.score < 0.01);
     CHECK(dimmed.paper == Approx(1 - 0.85 * 0.2).epsilon(0.02));
     CHECK(dimmed.seen.mean < 1.5);
+    const LoopMeasure absolute(surface, target, target, in, 300, false);
+    CHECK(absolute(darker, {}).paper == 1);
+    CHECK(absolute(darker, {}).seen.mean > 4);
     // The square alone, by as much: less of the surface, and seen.
     Colours worse = target;
     for (int y = 0; y < n; ++y)
