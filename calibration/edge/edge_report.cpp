@@ -18,13 +18,18 @@ using io::html_text;
 using io::Plot;
 using io::PlotAxis;
 
-const char* const edge_style = R"(<style>
-body{font-family:sans-serif;margin:24px;max-width:1250px;color:#222;background:#fff}
-table{border-collapse:collapse;font-size:13px}td,th{padding:2px 10px;text-align:right;border-bottom:1px solid #ddd}
-td:first-child,th:first-child{text-align:left}.doubt{color:#d9730d}.chart{color:#1565c0}
-.note{font-size:12px;max-width:380px;margin:2px 0 10px}
-.plots{display:flex;flex-wrap:wrap;gap:8px}pre{background:#f5f5f5;padding:10px;overflow-x:auto;font-size:12px}p{max-width:900px}
-</style>)";
+/// On top of the report's: numbers to the right, plots side by side and no wider than the page.
+constexpr const char* edge_style = R"(
+table { width: auto; font-size: .85rem; }
+td, th { text-align: right; white-space: nowrap; padding-left: .75rem; }
+td:first-child, th:first-child { text-align: left; padding-left: 0; }
+.doubt { color: #d9730d; } .chart { color: #1565c0; }
+.note { font-size: .8rem; max-width: 24rem; margin: .1rem 0 .6rem; }
+.plots { display: flex; flex-wrap: wrap; gap: .5rem; }
+.plots > div { max-width: 100%; }
+main svg { max-width: 100%; height: auto; background: #fff; color: #1c1d1f; border-radius: 8px; }
+main img { max-width: 40vw; }
+)";
 
 // Elek et al. 2017, supplement, Table 1, last columns: fit errors of Vero Opaque; 0: none is given. The paper does not
 // say how it normalised its norms.
@@ -45,21 +50,22 @@ public:
         : fit_(fit), profiles_(profiles), table_(table), options_(options), similarity_(similarity) {}
 
     std::string html() const {
-        return fmt::format(
-            "<!doctype html><html lang=\"en\"><head><meta charset=\"utf-8\"><title>Edges {0}</title>"
-            "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src "
-            "'unsafe-inline'; img-src data:\">{1}</head><body>\n<h1>Edge profiles: "
-            "{0}</h1>\n<p>{2}.</p>\n{3}{4}{5}{6}{7}{8}{9}</body></html>\n",
-            html_text(fit_.set.name), edge_style, html_text(fit_.set.source), warnings(), values(), pictures(), mu(),
-            resins(), similar_media(), setup());
+        return io::page_start("Edge profiles: " + fit_.set.name, std::string(io::page_asset("style")) + edge_style,
+                              fmt::format("<p class=\"soft\">{}.</p>\n", html_text(fit_.set.source))) +
+               warnings() + values() + pictures() + mu() + resins() + similar_media() + setup() +
+               "</main>\n</body>\n</html>\n";
     }
 
 private:
+    static std::string section(const std::string& title, const std::string& body) {
+        return fmt::format("<section>\n<h2>{}</h2>\n{}</section>\n", title, body);
+    }
+
     std::string warnings() const {
-        std::string text;
-        for (const std::string& warning : fit_.warnings)
-            text += fmt::format("<p class=\"doubt\">{}</p>\n", html_text(warning));
-        return text;
+        if (fit_.warnings.empty()) return {};
+        std::string text = "<section class=\"warnings\">\n<ul>\n";
+        for (const std::string& warning : fit_.warnings) text += fmt::format("<li>{}</li>\n", html_text(warning));
+        return text + "</ul>\n</section>\n";
     }
 
     static std::string cell(const EdgeValue& of, const FittedValue& v, const char* digits) {
@@ -79,13 +85,14 @@ private:
 
     std::string values() const {
         std::string text = fmt::format(
-            "<h2>Values</h2>\n<p>At g = {:.3g}. Standard errors; orange: a value that the profiles tell badly; blue: "
+            "<p>At g = {:.3g}. Standard errors; orange: a value that the profiles tell badly; blue: "
             "completed by a chart. The last columns are the fit errors that the paper gives for Vero Opaque (Elek et "
             "al. "
             "2017, supplement, Table 1), whose norm it does not say; ours is the root mean square over samples of "
             "values, "
             "and {:g} times that of gradients, summed over the slabs.</p>\n"
-            "<table><tr><th>resin</th><th colspan=\"3\">extinction, 1/mm: R, G, B</th><th colspan=\"3\">albedo: R, G, "
+            "<div class=\"table\"><table><tr><th>resin</th><th colspan=\"3\">extinction, 1/mm: R, G, B</th><th "
+            "colspan=\"3\">albedo: R, G, "
             "B</th><th colspan=\"3\">distance (Eq. 1): R, G, B</th><th colspan=\"3\">the paper's: R, G, B</th></tr>\n",
             fit_.set.g, options_.metric.lambda);
         for (const EdgeResinFit& resin : fit_.resins) {
@@ -96,28 +103,30 @@ private:
             for (std::size_t c = 0; c < 3; ++c) text += fmt::format("<td>{}</td>", published(resin.role, c));
             text += "</tr>\n";
         }
-        text += "</table>\n";
+        text += "</table></div>\n";
         if (fit_.chart)
             text += fmt::format(
                 "<p>Chart: {} of {} patches, predicted within CIEDE2000 {:.2f} in the mean; {} channels "
                 "completed.</p>\n",
                 html_text(fit_.chart->source), fit_.chart->patches.patches.size(), fit_.chart->patches.differences.mean,
                 fit_.chart->completed);
-        return text;
+        return section("Values", text);
     }
 
     std::string pictures() const {
         std::string rows;
         for (const EdgeResinFit& resin : fit_.resins) rows += plots(resin).strips();
-        return "<h2>Slabs</h2>\n<p>What the camera saw of each slab on the edge (times mu), and the simulation of its "
-               "fit "
-               "beside it, "
-               "in sRGB.</p>\n<table><tr><th></th><th>measured</th><th>simulated</th></tr>\n" +
-               rows + "</table>\n";
+        return section(
+            "Slabs",
+            "<p>What the camera saw of each slab on the edge (times mu), and the simulation of its "
+            "fit "
+            "beside it, "
+            "in sRGB.</p>\n<div class=\"table\"><table><tr><th></th><th>measured</th><th>simulated</th></tr>\n" +
+                rows + "</table></div>\n");
     }
 
     std::string mu() const {
-        if (fit_.mu_curve.empty()) return fmt::format("<p>mu = {:.4f} was given.</p>\n", fit_.mu);
+        if (fit_.mu_curve.empty()) return section("Bias", fmt::format("<p>mu = {:.4f} was given.</p>\n", fit_.mu));
         Plot::Points curve(fit_.mu_curve.begin(), fit_.mu_curve.end());
         double most = 0, least = 1e300;
         for (const auto& [m, e] : curve) most = std::max(most, e), least = std::min(least, e);
@@ -128,16 +137,16 @@ private:
                   {0, most * 1.05, false, plot_marks(most), "E(mu), Eq. 3"}, "The common factor", 420, 260);
         plot.line(curve, "#1565c0");
         plot.point(fit_.mu, fit_.total, "#c62828");
-        return fmt::format(
-            "<h2>Bias</h2>\n<p>mu = {:.4f} &plusmn; {:.4f}: measured values are multiplied by it.</p>\n{}\n", fit_.mu,
-            fit_.mu_error, plot.svg());
+        return section("Bias",
+                       fmt::format("<p>mu = {:.4f} &plusmn; {:.4f}: measured values are multiplied by it.</p>\n{}\n",
+                                   fit_.mu, fit_.mu_error, plot.svg()));
     }
 
     EdgePlots plots(const EdgeResinFit& resin) const { return {fit_, resin, profiles_, table_, options_}; }
 
     std::string resins() const {
         std::string text =
-            "<h2>Profiles</h2>\n<p>Measured (dots, times mu) and fitted (lines) profiles across the edge, the slabs of "
+            "<p>Measured (dots, times mu) and fitted (lines) profiles across the edge, the slabs of "
             "a resin in one plot; under it the gradients per sample that the fit compares; then the fit (black) among "
             "its "
             "neighbours in the paper's grid: the next extinctions (orange), albedos (violet) and, where the dictionary "
@@ -150,7 +159,7 @@ private:
             const EdgePlots of = plots(resin);
             text += of.profiles() + of.gradients() + of.neighbours();
         }
-        return text;
+        return section("Profiles", text);
     }
 
     // What g is worth, in words.
@@ -182,7 +191,7 @@ private:
 
     std::string similar_media() const {
         std::string text =
-            "<h2>Similar media</h2>\n<p>The distance (Eq. 1) over albedo and extinction for each g, its logarithm from "
+            "<p>The distance (Eq. 1) over albedo and extinction for each g, its logarithm from "
             "the least of all g (dark) to 200 times that; the title has that of its g. Cross: where it is least, "
             "bright "
             "at the g of the fit; white dot: the medium that similarity (Eqs. 4 to 6) makes of the fit at this g; "
@@ -197,11 +206,11 @@ private:
         for (std::size_t r = 0; r < fit_.resins.size(); ++r)
             text += fmt::format("<h3>{}</h3>\n", html_text(fit_.resins[r].role)) + similarity_curves(fit_.resins[r]) +
                     similarity_maps(similarity_, fit_, r);
-        return text;
+        return section("Similar media", text);
     }
 
     std::string setup() const {
-        return fmt::format("<h2>Setup</h2>\n<pre>{}</pre>\n", html_text(edge_setup_text(table_.setup())));
+        return section("Setup", fmt::format("<pre>{}</pre>\n", html_text(edge_setup_text(table_.setup()))));
     }
 
     const EdgeFit& fit_;

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <memory>
 #include <utility>
 
@@ -16,6 +15,7 @@
 #include "voxtone/base/stopwatch.h"
 #include "voxtone/halftone/loop/eye_filter.h"
 #include "voxtone/halftone/loop/loop_measure.h"
+#include "voxtone/halftone/loop/loop_steps.h"
 #include "voxtone/halftone/loop/lost_contrast.h"
 #include "voxtone/halftone/loop/map_targets.h"
 #include "voxtone/halftone/loop/misfit.h"
@@ -34,22 +34,6 @@ using Colours = std::vector<Eigen::Vector3f>;
 /// tried on two of the fitting set (img_marble, img_hubble: a quarter is better in both; benchmarks/sets.json,
 /// `appearance_loop_benchmark slabs`).
 constexpr float out_of_gamut_weight = 0.25f;
-
-/// Another step of feedback is worth its price while the mean error as seen falls by 3 %; what makes it fall by less at
-/// once is no good. Not chosen anew since feedback corrects what is seen. Of 0.94, 0.97 and 0.99 on the fitting set
-/// (its four pictures by `slice FILE --width 4mm --thickness 2mm --predict none`, spot and fox by `--size 8mm`;
-/// benchmarks/sets.json) five come out the same; img_kodim23 has 3.10, 3.04 and 3.04 as seen.
-constexpr double worthwhile = 0.97;
-
-/// Feedback's gain is multiplied by this after each step that overshot. Of 0.4, 0.6, 0.8 and 1 on the same six, with
-/// `--loop-method feedback`: img_astronaut 7.04, 6.81, 6.86, 6.91, spot 9.03, 8.95, 8.77, 8.65, and the others the same
-/// within 0.01. Small bodies like it larger; it is for large ones, where steps overshoot.
-constexpr float gain_after_overshoot = 0.6f;
-
-/// A loop without a limit ends when this many steps in a row do not bring the best mean below `least_gain` times the
-/// best one before them. Descent swings, so it is given more of them.
-constexpr std::size_t patience_of_descent = 5, patience_of_feedback = 3;
-constexpr double least_gain = 0.99;
 
 /// CIEDE2000 between two surfaces side by side that half of all people see: Paravina et al. 2015, J. Esthet. Restor.
 /// Dent. 27:S1.
@@ -110,14 +94,6 @@ void expect_finite(std::span<const Eigen::Vector3f> target) {
     for (const Eigen::Vector3f& rgb : target) VOXTONE_EXPECT(rgb.allFinite());
 }
 
-/// Of the steps by `method`, or of all. Infinite where there is none.
-double least_score(const std::vector<LoopStep>& steps, std::optional<LoopMethod> method = {}) {
-    double mean = std::numeric_limits<double>::infinity();
-    for (const LoopStep& step : steps)
-        if (!method || step.method == *method) mean = std::min(mean, step.score);
-    return mean;
-}
-
 /// recent <- (recent + now) / 2.
 void follow(SkinMixtures& recent, const SkinMixtures& now) {
     if (recent.cells() == 0) {
@@ -125,58 +101,6 @@ void follow(SkinMixtures& recent, const SkinMixtures& now) {
         return;
     }
     for (std::size_t i = 0; i < now.all().size(); ++i) recent.all()[i] = 0.5f * (recent.all()[i] + now.all()[i]);
-}
-
-/// Corrections become smaller where they overshot: on large bodies light spreads farther than a step can know.
-float feedback_gain(const std::vector<LoopStep>& steps) {
-    float gain = 1;
-    for (std::size_t i = 1; i < steps.size(); ++i)
-        if (steps[i].score > steps[i - 1].score) gain *= gain_after_overshoot;
-    return gain;
-}
-
-std::size_t patience_with(LoopMethod method) {
-    return method == LoopMethod::descent ? patience_of_descent : patience_of_feedback;
-}
-
-/// How many of the last steps, `most` at most and never the open loop, gained too little together on those before: on
-/// the loop's own steps, for a dark picture that the open loop shows well is worse for a while before it is better.
-std::size_t steps_without_gain(const std::vector<LoopStep>& steps, std::size_t most) {
-    const auto least = [](auto first, auto last) {
-        double mean = first->score;
-        for (; first != last; ++first) mean = std::min(mean, first->score);
-        return mean;
-    };
-    for (std::size_t last = std::min(most, steps.size() - 1); last > 0; --last) {
-        const auto middle = steps.end() - static_cast<std::ptrdiff_t>(last);
-        const auto first = last + 1 < steps.size() ? steps.begin() + 1 : steps.begin();
-        if (least(middle, steps.end()) > least_gain * least(first, middle)) return last;
-    }
-    return 0;
-}
-
-std::size_t steps_by(LoopMethod method, const std::vector<LoopStep>& steps) {
-    return static_cast<std::size_t>(
-        std::count_if(steps.begin(), steps.end(), [&](const LoopStep& s) { return s.method == method; }));
-}
-
-/// Steps of feedback have arrived where the next one should hardly move the error any more: it gains as much of the
-/// last one's gain as that one did of the gain before. Spot has, as seen, at 30 mm 4.92, 3.01, 2.57, 2.41, then 2.35
-/// (2.5 %, by a sixth of the loop's time); at 60 mm 2.58, 2.12, 1.75, 1.44, 1.35, then 1.34.
-bool feedback_has_settled(const std::vector<LoopStep>& steps) {
-    if (steps.back().method != LoopMethod::feedback || steps_by(LoopMethod::feedback, steps) < 3) return false;
-    const auto mean = [&](std::size_t before) { return steps[steps.size() - 1 - before].score; };
-    const double gain = std::abs(mean(1) - mean(0)), before = std::abs(mean(2) - mean(1));
-    const double next = gain < before ? gain * gain / before : gain;
-    return next < (1 - worthwhile) * mean(0);
-}
-
-/// True where the last steps, as many as the patience with the method that made the last one, gained too little.
-bool stopped_gaining(const std::vector<LoopStep>& steps) {
-    const LoopMethod method = steps.back().method;
-    const std::size_t patience = patience_with(method);
-    return feedback_has_settled(steps) ||
-           (steps_by(method, steps) > patience && steps_without_gain(steps, patience) == patience);
 }
 
 const char* name_of(LoopMethod method) {
@@ -245,7 +169,10 @@ private:
     void begin_descent_from_best_control(bool last_was_best);
     void print_and_predict(const SkinMixtures& mixtures, LoopMethod method);
     void predict(optics::ResinVolume volume, LoopMethod method);
+    [[nodiscard]] bool is_beyond(const ColourRegion& region) const;
+    [[nodiscard]] bool is_darker_than_ink(const ColourRegion& region) const;
     void hold_regions(Colours& control, std::vector<char>& held) const;
+    void hold_in_descent();
     [[nodiscard]] SkinMixtures mixtures_for(std::span<const Eigen::Vector3f> control,
                                             const std::vector<char>& held) const;
     void hurry(const std::vector<RegionLook>& looks);
@@ -412,6 +339,7 @@ void LoopRun::feedback_step() {
 /// The gradient is at hand if the last print was the one to start from.
 void LoopRun::begin_descent_from_best_control(bool last_was_best) {
     hold_regions(state_.start_control, state_.start_held);
+    state_.held = state_.start_held;
     state_.descent = begin_descent(mixtures_for(state_.start_control, state_.start_held),
                                    first_rates(least_score(state_.steps, LoopMethod::feedback)));
     if (last_was_best) state_.has_gradient = move_downhill();
@@ -491,15 +419,27 @@ void LoopRun::correct_control() {
     hold_regions(state_.control, state_.held);
 }
 
+/// Within the gamut the next steps mend what one made worse: a cow of 20 mm came to 3.2 as seen, and to 4.4 with all
+/// regions held.
+bool LoopRun::is_beyond(const ColourRegion& region) const {
+    return in_gamut_[region.interior[region.interior.size() / 2]] == 0;
+}
+
+/// Such a region can only lose: all its resin is there already.
+bool LoopRun::is_darker_than_ink(const ColourRegion& region) const {
+    constexpr float darker = 0.9f;
+    const Eigen::Vector3f luminance(0.2126f, 0.7152f, 0.0722f);
+    const std::uint32_t i = region.interior[region.interior.size() / 2];
+    return luminance.dot(task_.target[i]) < darker * luminance.dot(target_[i]);
+}
+
 /// Regions beyond the gamut that feedback made worse are asked for what the open loop prints there: beside white, black
 /// that is to lose the tint of its neighbours' light becomes a lighter mixture of other resins.
 void LoopRun::hold_regions(Colours& control, std::vector<char>& held) const {
     held.assign(state_.urgency.size(), 0);
     for (std::size_t r = 0; r < held.size(); ++r) {
         const ColourRegion& region = measure_.regions()[r];
-        // Within the gamut the next steps mend it: a cow of 20 mm came to 3.2 as seen, and to 4.4 with all held.
-        const bool in_reach = in_gamut_[region.interior[region.interior.size() / 2]] != 0;
-        if (state_.urgency[r] <= 1 || in_reach) continue;
+        if (state_.urgency[r] <= 1 || !is_beyond(region)) continue;
         held[r] = 1;
         for (const std::uint32_t i : region.cells) control[i] = target_[i];
     }
@@ -510,9 +450,26 @@ SkinMixtures LoopRun::mixtures_for(std::span<const Eigen::Vector3f> control, con
     SkinMixtures skin = mixtures_of(recipes_, control);
     for (std::size_t r = 0; r < held.size(); ++r) {
         if (!held[r]) continue;
-        for (const std::uint32_t i : measure_.regions()[r].cells) recipes_.separate_in_depth(control[i], skin.cell(i));
+        for (const std::uint32_t i : measure_.regions()[r].cells)
+            recipes_.separate_in_depth(task_.target[i], skin.cell(i));
     }
     return skin;
+}
+
+/// In the descent those that are darker than any ink, from the step on that made them worse, keep the open loop's: no
+/// weight keeps all of black's ink where it is. Held likewise, a blue that is beyond the gamut stayed at 7.1 on a page
+/// whose descent brings it to 2.1.
+void LoopRun::hold_in_descent() {
+    for (std::size_t r = 0; r < state_.held.size(); ++r)
+        state_.held[r] = is_darker_than_ink(measure_.regions()[r]) && (state_.held[r] || state_.urgency[r] > 1);
+    std::vector<float> fractions(state_.descent.mixtures.layers() * state_.descent.mixtures.resins());
+    for (std::size_t r = 0; r < state_.held.size(); ++r) {
+        if (!state_.held[r]) continue;
+        for (const std::uint32_t i : measure_.regions()[r].cells) {
+            recipes_.separate_in_depth(task_.target[i], fractions);
+            set_printed(i, fractions, state_.descent);
+        }
+    }
 }
 
 /// One step of the descent from the last print. False where the model has no gradient.
@@ -526,6 +483,7 @@ bool LoopRun::move_downhill() {
     if (mixture_gradient.empty()) return false;
     descend(
         std::move(mixture_gradient), {}, [this](Colours& values) { around_.smooth(values); }, state_.descent);
+    hold_in_descent();
     return true;
 }
 
@@ -542,11 +500,7 @@ std::size_t LoopRun::predictions_left() const {
     const auto allowed = static_cast<std::size_t>(std::max(0, most_ - iterations_made()));
     if (options_.iterations >= 0 || !by_last_method()) return allowed;
     if (gains_no_more()) return 0;
-    const LoopMethod method = state_.steps.back().method;
-    const std::size_t patience = patience_with(method), idle = steps_without_gain(state_.steps, patience),
-                      by_method = std::min(patience + 1, steps_by(method, state_.steps)),
-                      soonest = std::max(patience - idle, patience + 1 - by_method);
-    return std::min(allowed, (allowed * (patience - idle) + soonest * idle + patience - 1) / patience);
+    return steps_left(state_.steps, allowed);
 }
 
 /// The best print's mean, and all but a twentieth of its surface, are within what can be seen.

@@ -42,6 +42,7 @@
 #include <Eigen/Core>
 
 #include "voxtone/base/progress.h"
+#include "voxtone/halftone/loop/loop_steps.h"
 #include "voxtone/halftone/loop/minimal_depth_separation.h"
 #include "voxtone/halftone/loop/mixture_descent.h"
 #include "voxtone/halftone/loop/skin.h"
@@ -82,25 +83,6 @@ struct LoopTask {
     /// The gradient by voxels that `visit_all` hands over, summed over those of each cell and layer: as
     /// SkinMixtures::all. Empty where that says that there is none.
     std::function<std::vector<float>(const std::function<bool(const GradientVisitor&)>& visit_all)> mixture_gradient;
-};
-
-/// What made an iterate; the characters are those of checkpoints.
-enum class LoopMethod : char {
-    open_loop = 'o',
-    feedback = 'f',
-    descent = 'd',
-};
-
-/// Errors of one iterate.
-struct LoopStep {
-    int iteration = 0;
-    LoopMethod method = LoopMethod::open_loop;
-    optics::DifferenceSummary seen;   ///< after the eye filter
-    optics::DifferenceSummary cells;  ///< as they are
-    double score = 0;                 ///< what the loop goes by (loop_measure.h)
-    float paper = 1;                  ///< level of its paper (paper.h)
-    double saturated_share = 0;       ///< of the cells, at their limits, in the step that made this iterate
-    double seconds = 0;  ///< of distributing and predicting; 0: of predicting, the print is made before the white twin
 };
 
 /// With what the model's sequence keeps (AppearanceSequence::write_state) enough to go on later, to the same bits.

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <iterator>
 #include <tuple>
 #include <utility>
 
@@ -218,6 +219,28 @@ std::vector<RegionLook> look_at(std::span<const ColourRegion> regions, const opt
 
 std::vector<std::uint32_t> cells_around(const optics::Surface& surface, const ColourRegion& region, int steps) {
     return around(surface, region.cells, steps);
+}
+
+double rim_chroma(const ColourRegion& region, const optics::Surface& surface,
+                  std::span<const Eigen::Vector3f> near_target, std::span<const Eigen::Vector3f> near) {
+    const double edge = std::sqrt(region.area_mm2 / static_cast<double>(region.cells.size()));
+    std::vector<std::uint32_t> rim =
+        cells_around(surface, region, std::max(1, static_cast<int>(std::lround(rim_mm / edge))));
+    // Of what is hardly wider than its rim all is interior.
+    if (region.interior.size() < region.cells.size())
+        std::ranges::set_difference(region.cells, region.interior, std::back_inserter(rim));
+    else
+        rim.insert(rim.end(), region.cells.begin(), region.cells.end());
+    const auto lab = [](const Eigen::Vector3f& rgb) {
+        return optics::lab_from_linear_srgb(rgb.cast<double>().cwiseMax(0));
+    };
+    double sum = 0, area = 0;
+    for (const std::uint32_t i : rim) {
+        const auto a = static_cast<double>(surface.cells[i].area_mm2);
+        sum += a * (lab(near[i]) - lab(near_target[i])).tail<2>().norm();
+        area += a;
+    }
+    return area > 0 ? sum / area : 0;
 }
 
 double worse_by(const RegionLook& now, const RegionLook& before) {

@@ -38,6 +38,11 @@ struct ColourRegion {
 [[nodiscard]] std::vector<ColourRegion> colour_regions(const optics::Surface& surface,
                                                        std::span<const Eigen::Vector3f> target);
 
+/// Mean chroma of print less target, CIELAB, of the cells within 0.6 mm of a region's edge, on both sides: a rim of
+/// another hue is seen more than a wide neutral transition. `near_target`, `near`: as for look_at.
+[[nodiscard]] double rim_chroma(const ColourRegion& region, const optics::Surface& surface,
+                                std::span<const Eigen::Vector3f> near_target, std::span<const Eigen::Vector3f> near);
+
 /// Cells within so many steps of a region that are not of it: what it is seen against. Ascending.
 [[nodiscard]] std::vector<std::uint32_t> cells_around(const optics::Surface& surface, const ColourRegion& region,
                                                       int steps);

@@ -39,21 +39,19 @@ std::string resin_sheet_html(const StackDescription& stack) {
     std::string rows;
     for (const auto& resin : stack.resins)
         rows += fmt::format(
-            "<tr><td style=\"background:#{0:02x}{1:02x}{2:02x}\"></td><td>{3}</td><td>{4}</td><td>{0}, {1}, {2}</td>"
-            "<td>#{0:02x}{1:02x}{2:02x}</td><td class=\"number\">{5:.3f}</td></tr>\n",
+            "<tr><td class=\"code\"><span class=\"swatch\" style=\"background:#{0:02x}{1:02x}{2:02x}\"></span>{0}, "
+            "{1}, "
+            "{2}</td><td class=\"wide-only\">#{0:02x}{1:02x}{2:02x}</td><td>{3}</td><td>{4}</td>"
+            "<td class=\"n\">{5:.3f}</td></tr>\n",
             resin.rgb[0], resin.rgb[1], resin.rgb[2], html_text(resin.name), html_text(resin.role), resin.ml);
-    return fmt::format(
-        "<!doctype html>\n<html lang=\"en\"><meta charset=\"utf-8\"><title>Resin assignment</title>\n"
-        "<style>body{{font:16px sans-serif;margin:2em}}table{{border-collapse:collapse}}td,th{{border:1px solid #888;"
-        "padding:.4em .8em;text-align:left}}td:first-child{{width:4em;print-color-adjust:exact;"
-        "-webkit-print-color-adjust:exact}}.number{{text-align:right}}</style>\n"
-        "<h1>Resin assignment for {}</h1>\n<p>{}</p>\n"
-        "<table>\n<tr><th>colour</th><th>resin</th><th>role</th><th>R, G, "
-        "B</th><th>hex</th><th>ml</th></tr>\n{}</table>\n"
-        "<p>Background {}, {}, {}: no material. Support is added by the printer's software and not counted "
-        "here.</p>\n</html>\n",
-        html_text(stack.printer), html_text(size_line(stack)), rows, stack.background_rgb[0], stack.background_rgb[1],
-        stack.background_rgb[2]);
+    return page_start("Resin assignment for " + stack.printer, page_asset("style"),
+                      fmt::format("<p class=\"soft\">{}</p>\n", html_text(size_line(stack)))) +
+           fmt::format(
+               "<section>\n<div class=\"table\"><table>\n<thead><tr><th class=\"code\">R, G, B</th><th "
+               "class=\"wide-only\">Hex</th><th>Resin</th><th>Role</th><th class=\"n\">ml</th></tr></thead>\n"
+               "<tbody>\n{}</tbody>\n</table></div>\n<p class=\"soft\">Background {}, {}, {}: no material. Support is "
+               "added by the printer's software and not counted here.</p>\n</section>\n</main>\n</body>\n</html>\n",
+               rows, stack.background_rgb[0], stack.background_rgb[1], stack.background_rgb[2]);
 }
 
 }  // namespace voxtone::io

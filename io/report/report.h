@@ -59,12 +59,13 @@ enum class VerdictLevel {
 
 /// A connected piece of one flat colour, or type and lines of it, as a person sees it.
 struct ReportRegion {
-    std::string kind;                  ///< "paper", "solid", "type and lines"
+    std::string kind;                  ///< "paper", "solid", "type and lines", "fine detail", "thin walls"
     std::string asked, printed;        ///< "red (255, 0, 0)", sRGB
     std::array<double, 3> place_mm{};  ///< of a cell in its middle, in the print
     double area_mm2 = 0;
     double de2000 = 0;                        ///< between the means
     double unevenness = 0;                    ///< root mean square within it, in CIELAB
+    double rim = 0;                           ///< of a solid: mean chroma of print less target by its edge, in CIELAB
     double contrast = 0, contrast_asked = 0;  ///< of type and lines against what surrounds them, (a - b) / (a + b)
     bool out_of_reach = false;                ///< no mixture of the loaded resins is much nearer
     bool good = true;
@@ -75,6 +76,7 @@ struct ReportRegion {
 struct ReportVerdict {
     VerdictLevel level = VerdictLevel::unknown;
     std::string sentence;                       ///< will it look as asked; if not, why, and what to try
+    std::string headline = {}, why = {};        ///< of the sentence, for a page that has figure and advice beside it
     std::optional<double> seen_mean, seen_p95;  ///< the headline and its tail: as seen from the viewing distance
     double viewing_distance_mm = 0;
     double good_up_to = 0, bad_above = 0;  ///< means

@@ -17,7 +17,6 @@
 #include "voxtone/io/files/markup.h"
 #include "voxtone/io/pictures/webp.h"
 #include "voxtone/io/report/plot_svg.h"
-#include "voxtone/io/report/report_assets.h"
 #include "voxtone/io/report/viewer_section.h"
 
 namespace voxtone::io {
@@ -91,8 +90,8 @@ void add_pictures(std::string& html, const std::vector<ReportPicture>& pictures)
 }
 
 std::string style_of(const Report& report) {
-    std::string style(report_asset("style"));
-    if (!report.viewer.empty()) style += report_asset("viewer");
+    std::string style(page_asset("style"));
+    if (!report.viewer.empty()) style += page_asset("viewer");
     return style;
 }
 
@@ -101,14 +100,7 @@ void add_head(std::string& html, const Report& report) {
                                     ? std::string()
                                     : fmt::format("<div class=\"soft\">for {} ({})</div>\n",
                                                   html_text(report.printer_name), html_text(report.printer_id));
-    html += fmt::format(
-        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-        "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; img-src data:; style-src "
-        "'unsafe-inline'; "
-        "script-src 'unsafe-inline'\">\n<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-        "<title>{} - voxtone</title>\n<style>\n{}</style>\n</head>\n<body>\n<header>\n<h1>{}</h1>\n"
-        "{}</header>\n<main>\n",
-        html_text(report.title), style_of(report), html_text(report.title), printer);
+    html += page_start(report.title, style_of(report), printer, true);
 }
 
 /// Else there is nothing to print, and nothing to assign resins to.
@@ -136,35 +128,36 @@ void add_regions(std::string& html, const std::vector<ReportRegion>& regions) {
     if (regions.empty()) return;
     html +=
         "<section>\n<h2>Solids, type and paper</h2>\n<p class=\"soft\">Each as one thing, the worst "
-        "first, the print's own paper taken for white.</p>\n<table>\n<tr><th>Asked for</th><th>Printed "
-        "as</th><th>mm²</th><th>CIEDE2000</th><th>Unevenness</th><th></th></tr>\n";
+        "first, the print's own paper taken for white. Unevenness and rim, within 0.6 mm of the edge, are in units of "
+        "CIELAB.</p>\n<div class=\"table\"><table>\n<tr><th>Asked for</th><th>Printed "
+        "as</th><th>mm²</th><th>CIEDE2000</th><th>Unevenness</th><th>Rim</th><th></th></tr>\n";
     for (std::size_t i = 0; i < std::min(most, regions.size()); ++i) {
         const ReportRegion& region = regions[i];
-        html +=
-            fmt::format("<tr><td>{} {}</td><td>{}</td><td>{:.1f}</td><td>{:.1f}</td><td>{:.1f}</td><td>{}</td></tr>\n",
-                        html_text(region.kind), html_text(region.asked), html_text(region.printed), region.area_mm2,
-                        region.de2000, region.unevenness, html_text(region.why));
+        html += fmt::format(
+            "<tr><td>{} "
+            "{}</td><td>{}</td><td>{:.1f}</td><td>{:.1f}</td><td>{:.1f}</td><td>{:.1f}</td><td>{}</td></tr>\n",
+            html_text(region.kind), html_text(region.asked), html_text(region.printed), region.area_mm2, region.de2000,
+            region.unevenness, region.rim, html_text(region.why));
     }
-    html += "</table>\n";
+    html += "</table></div>\n";
     if (regions.size() > most)
         html += fmt::format("<p class=\"soft\">{} more are in report.json.</p>\n", regions.size() - most);
     html += "</section>\n";
 }
 
-/// The headline: one sentence, one figure with its meaning.
+std::string count_of_warnings(const Report& report) {
+    return report.warnings.size() == 1 ? "1 warning" : fmt::format("{} warnings", report.warnings.size());
+}
+
+/// The headline, why, what to try; the one figure with its meaning beside them.
 void add_verdict(std::string& html, const Report& report) {
     if (!report.verdict) return;
     const ReportVerdict& v = *report.verdict;
-    html += fmt::format("<section class=\"verdict {}\">\n<h2>Will it look as asked?</h2>\n<p>{}</p>\n",
-                        name_of(v.level), html_text(v.sentence));
-    if (v.seen_mean) {
-        html += "<dl class=\"cards\">\n";
-        add_card(html, "Difference as seen", fmt::format("{:.1f}", *v.seen_mean),
-                 fmt::format("CIEDE2000, mean over the coloured surface, seen from {:g} mm; up to {:g} is good, above "
-                             "{:g} bad; 0.8 is just visible side by side",
-                             v.viewing_distance_mm, v.good_up_to, v.bad_above));
-        html += "</dl>\n";
-    }
+    html +=
+        fmt::format("<section class=\"verdict {}\" aria-label=\"Will it look as asked?\">\n<h2>{}</h2>\n<div>\n<div>\n",
+                    name_of(v.level), html_text(v.headline.empty() ? "Will it look as asked?" : v.headline));
+    if (const std::string& why = v.headline.empty() ? v.sentence : v.why; !why.empty())
+        html += fmt::format("<p>{}</p>\n", html_text(why));
     if (!v.causes.empty()) {
         html += fmt::format(
             "<p class=\"soft\">{:.0f} % of the surface differs by more than {:g}. Of that, by area and "
@@ -179,13 +172,23 @@ void add_verdict(std::string& html, const Report& report) {
         for (const std::string& advice : v.advice) html += fmt::format("<li>{}</li>\n", html_text(advice));
         html += "</ul>\n";
     }
-    html += "</section>\n";
+    if (!report.warnings.empty())
+        html += fmt::format("<p><a href=\"#warnings\">{}</a></p>\n", count_of_warnings(report));
+    html += "</div>\n";
+    if (v.seen_mean) {
+        html += "<dl class=\"cards\">\n";
+        add_card(html, "Difference as seen", fmt::format("{:.1f}", *v.seen_mean),
+                 fmt::format("CIEDE2000, mean over the coloured surface, from {:g} mm; up to {:g} is good, above "
+                             "{:g} bad; 0.8 is just visible side by side",
+                             v.viewing_distance_mm, v.good_up_to, v.bad_above));
+        html += "</dl>\n";
+    }
+    html += "</div>\n</section>\n";
 }
 
 void add_warnings(std::string& html, const Report& report) {
     if (report.warnings.empty()) return;
-    html += fmt::format("<section class=\"warnings\">\n<h2>{}</h2>\n<ul>\n",
-                        report.warnings.size() == 1 ? "1 warning" : fmt::format("{} warnings", report.warnings.size()));
+    html += fmt::format("<section class=\"warnings\" id=\"warnings\">\n<h2>{}</h2>\n<ul>\n", count_of_warnings(report));
     for (const std::string& warning : report.warnings) html += fmt::format("<li>{}</li>\n", html_text(warning));
     html += "</ul>\n</section>\n";
 }
@@ -471,9 +474,10 @@ std::string report_html(const Report& report) {
     std::string html;
     add_head(html, report);
     add_verdict(html, report);
-    add_warnings(html, report);
+    if (!report.verdict) add_warnings(html, report);
     html += viewer_panels(report);
     add_views(html, report);
+    if (report.verdict) add_warnings(html, report);
     if (report.verdict) add_regions(html, report.verdict->regions);
     html += worst_section(report);
     if (is_of_a_stack(report)) add_summary(html, report);
@@ -488,7 +492,7 @@ std::string report_html(const Report& report) {
     html +=
         fmt::format("</main>\n<footer>Made by voxtone {}.{}</footer>\n<script>\n{}</script>\n{}</body>\n</html>\n",
                     html_text(report.program_version), report.job.empty() ? "" : " Figures for programs: report.json.",
-                    report_asset("script"), viewer_voxels(report));
+                    page_asset("script"), viewer_voxels(report));
     return html;
 }
 

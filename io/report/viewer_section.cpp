@@ -8,7 +8,6 @@
 #include <fmt/core.h>
 
 #include "voxtone/io/files/markup.h"
-#include "voxtone/io/report/report_assets.h"
 #include "voxtone/io/report/viewer_data.h"
 
 namespace voxtone::io {
@@ -22,7 +21,7 @@ constexpr std::string_view scripts[] = {"unpack", "colours", "controls", "camera
 /// One classic script.
 std::string viewer_script() {
     std::string text = "(() => {\n\"use strict\";\n";
-    for (const std::string_view name : scripts) text += report_asset(name);
+    for (const std::string_view name : scripts) text += page_asset(name);
     return text + "})();\n";
 }
 
@@ -101,7 +100,7 @@ std::string viewer_panels(const Report& report) {
     if (report.viewer.empty()) return {};
     std::vector<ViewerResin> resins;
     for (const ReportResin& resin : report.resins) resins.push_back({resin.name, resin.role, resin.rgb});
-    std::string html(report_asset("panels"));
+    std::string html(page_asset("panels"));
     html += data_script("viewer-data", viewer_json(report.viewer, resins, report.prediction_note));
     return html + "<script>\n" + viewer_script() + "</script>\n";
 }

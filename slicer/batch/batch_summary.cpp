@@ -30,10 +30,8 @@ namespace fs = std::filesystem;
 using io::html_text;
 
 std::string style() {
-    std::string text;
-    for (const std::string_view name : {"style", "batch"})
-        for (const EmbeddedFile& file : embedded::batch_assets())
-            if (file.name == name) text += file.text;
+    std::string text(io::page_asset("style"));
+    for (const EmbeddedFile& file : embedded::batch_assets()) text += file.text;
     return text;
 }
 
@@ -109,14 +107,8 @@ std::string ml_text(double ml) {
 }
 
 void add_head(std::string& html, const fs::path& out) {
-    const std::string name = html_text(out.filename().string());
-    html += fmt::format(
-        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-        "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; img-src data:; style-src "
-        "'unsafe-inline'\">\n<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-        "<title>{0} - voxtone batch</title>\n<style>\n{1}</style>\n</head>\n<body>\n<header>\n<h1>{0}</h1>\n"
-        "<div class=\"soft\">as of {2}</div>\n</header>\n<main>\n",
-        name, style(), utc_now());
+    html += io::page_start(out.filename().string(), style(),
+                           fmt::format("<div class=\"soft\">as of {}</div>\n", utc_now()));
 }
 
 void add_cards(std::string& html, const std::vector<JobState>& states) {

@@ -201,7 +201,8 @@ void ColourPrint::look(const io::StackDescription&, Progress& progress) {
     }
     volume_.reset();
     if (prediction_) {
-        prediction_->seen = seen_from(*prediction_, job_.options.loop.viewing_distance_mm);
+        prediction_->seen = seen_from(*prediction_, job_.options.loop.viewing_distance_mm,
+                                      job_.options.loop.intent != halftone::Intent::absolute);
         return;
     }
     prediction_plan_.why_not = "The print is not predicted: " + why_not + ".";

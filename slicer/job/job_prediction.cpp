@@ -40,10 +40,10 @@ std::optional<optics::ResinVolume> JobVolume::finish() {
     return volume;
 }
 
-SeenPrint seen_from(const JobPrediction& p, double viewing_distance_mm) {
+SeenPrint seen_from(const JobPrediction& p, double viewing_distance_mm, bool adapts) {
     const halftone::EyeFilter eye(p.predicted.surface, viewing_distance_mm, halftone::EyeSurround::none);
     SeenPrint seen;
-    seen.paper = halftone::paper_level(p.predicted.surface, p.target, p.predicted.rgb);
+    if (adapts) seen.paper = halftone::paper_level(p.predicted.surface, p.target, p.predicted.rgb);
     std::vector<Eigen::Vector3f> print = p.predicted.rgb;
     for (Eigen::Vector3f& rgb : print) rgb /= seen.paper;
     seen.target = eye.filter(p.target), seen.print = eye.filter(print);
@@ -51,6 +51,10 @@ SeenPrint seen_from(const JobPrediction& p, double viewing_distance_mm) {
     seen.regions = halftone::colour_regions(p.predicted.surface, p.target);
     const std::vector<Eigen::Vector3f> near_target = eye.smoothed(p.target), near = eye.smoothed(print);
     seen.looks = halftone::look_at(seen.regions, p.predicted.surface, near_target, near);
+    for (const halftone::ColourRegion& region : seen.regions)
+        seen.rims.push_back(region.kind == halftone::RegionKind::solid
+                                ? halftone::rim_chroma(region, p.predicted.surface, near_target, near)
+                                : 0);
     const halftone::EyeFilter wide(p.predicted.surface, halftone::wider * viewing_distance_mm,
                                    halftone::EyeSurround::none);
     seen.fine = halftone::fine_contrast(near_target, near, wide);

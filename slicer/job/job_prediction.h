@@ -50,6 +50,7 @@ struct SeenPrint {
     float paper = 1;                             ///< the level
     std::vector<halftone::ColourRegion> regions;
     std::vector<halftone::RegionLook> looks;
+    std::vector<double> rims;                  ///< of regions that are solids (rim_chroma); 0 of others
     std::vector<halftone::FineContrast> fine;  ///< per cell: within a millimetre
 };
 
@@ -68,7 +69,8 @@ struct JobPrediction {
     SeenPrint seen;
 };
 
-[[nodiscard]] SeenPrint seen_from(const JobPrediction& prediction, double viewing_distance_mm);
+/// `adapts`: the print's own paper is taken for white; not where white is absolute.
+[[nodiscard]] SeenPrint seen_from(const JobPrediction& prediction, double viewing_distance_mm, bool adapts);
 
 /// What the appearance loop itself predicted of the print that it chose; the volume is that print. Colours only:
 /// what the loop saw by channel is not kept.

@@ -100,6 +100,8 @@ std::optional<io::ReportRegion> lost_detail(const JobPrediction& p) {
     return region;
 }
 
+double rim_limit(const VerdictLimits& limits) { return 2 * limits.bad; }
+
 std::string what_is_wrong(const io::ReportRegion& region, const VerdictLimits& limits) {
     if (region.contrast_asked >= legible && region.contrast < legible)
         return fmt::format("is hard to read: its contrast is {:.2f}, {:.2f} was asked for and {:g} is legible",
@@ -107,17 +109,42 @@ std::string what_is_wrong(const io::ReportRegion& region, const VerdictLimits& l
     if (region.de2000 > limits.bad)
         return fmt::format("is printed as {}, {:.0f} off{}", region.printed, region.de2000,
                            region.out_of_reach ? ": no mixture of the loaded resins is nearer" : "");
+    if (region.rim > rim_limit(limits))
+        return fmt::format("has a rim of another colour, {:.0f} units of CIELAB in chroma", region.rim);
     if (region.unevenness > limits.bad) return fmt::format("is uneven, by {:.0f} units of CIELAB", region.unevenness);
     return {};
 }
 
-/// How bad: above 1, it is not good.
+}  // namespace
+
 double badness(const io::ReportRegion& region, const VerdictLimits& limits) {
     const double read = region.contrast_asked >= legible ? legible / std::max(region.contrast, 1e-3) : 0;
-    return std::max({region.de2000 / limits.bad, region.unevenness / limits.bad, read});
+    return std::max({region.de2000 / limits.bad, region.unevenness / limits.bad, region.rim / rim_limit(limits), read});
 }
 
-}  // namespace
+std::optional<io::ReportRegion> judge_thin_walls(const JobPrediction& p, std::span<const std::uint32_t> cells,
+                                                 double wall_mm, const Eigen::Vector3d& place_mm,
+                                                 const VerdictLimits& limits) {
+    io::ReportRegion region;
+    Eigen::Vector3f target = Eigen::Vector3f::Zero(), print = target;
+    for (const std::uint32_t i : cells) {
+        const float area = p.predicted.surface.cells[i].area_mm2;
+        region.area_mm2 += static_cast<double>(area);
+        region.de2000 += static_cast<double>(area) * p.seen.difference[i];
+        target += area * p.seen.target[i], print += area * p.seen.print[i];
+    }
+    if (region.area_mm2 < least_mm2) return std::nullopt;
+    const auto all = static_cast<float>(region.area_mm2);
+    region.kind = "thin walls";
+    region.asked = text_of(target / all), region.printed = text_of(print / all);
+    region.place_mm = {place_mm.x(), place_mm.y(), place_mm.z()};
+    region.de2000 /= region.area_mm2;
+    region.good = region.de2000 <= limits.bad;
+    if (!region.good)
+        region.why = fmt::format("let light pass, {:.0f} off on average: they are {:.1f} mm thick there", region.de2000,
+                                 wall_mm);
+    return region;
+}
 
 std::string colour_word(const Eigen::Vector3f& rgb) {
     const Eigen::Vector3d lab = optics::lab_from_linear_srgb(rgb.cast<double>().cwiseMax(0));
@@ -151,6 +178,7 @@ std::vector<io::ReportRegion> judge_regions(const JobPrediction& p, const JobCol
         region.place_mm = place_of(of, surface);
         region.area_mm2 = of.area_mm2, region.de2000 = look.difference;
         region.unevenness = of.kind == RegionKind::solid ? look.unevenness : 0;
+        region.rim = p.seen.rims[r];
         region.out_of_reach = colour.separation.gamut_distance(of.target) >= look.difference / 2;
         if (of.kind == RegionKind::strokes) {
             const double edge = std::sqrt(of.area_mm2 / static_cast<double>(of.cells.size()));

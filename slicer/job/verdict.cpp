@@ -32,6 +32,7 @@ struct Losses {
     /// Of the thin walls: the median, by weight, and the cell of a wall no thicker that is most off.
     double thickness_mm = 0;
     Eigen::Vector3d place_mm = Eigen::Vector3d::Zero();
+    std::vector<std::uint32_t> thin_cells;
 
     [[nodiscard]] double& of(LossCause cause) { return weight[std::size_t(cause)]; }
     [[nodiscard]] double all() const { return weight[0] + weight[1] + weight[2]; }
@@ -79,7 +80,9 @@ Losses losses_of(const VerdictSources& s, const JobPrediction& p) {
         const CellLoss loss = loss_of_cell(p, s.colour, i, thin_mm);
         losses.of(loss.cause) += weight;
         const auto& centre = cell.centre_mm;
-        if (loss.cause == thin_wall) thin.push_back({loss.wall_mm, weight, {centre[0], centre[1], centre[2]}});
+        if (loss.cause != thin_wall) continue;
+        thin.push_back({loss.wall_mm, weight, {centre[0], centre[1], centre[2]}});
+        losses.thin_cells.push_back(static_cast<std::uint32_t>(i));
     }
     describe_walls(std::move(thin), losses);
     return losses;
@@ -102,15 +105,15 @@ io::VerdictLevel level_of(double mean, double bad_share, const std::vector<io::R
                : io::VerdictLevel::good;
 }
 
-/// ", but red (255, 0, 0), 12.0 mm2 at x 1.0, y 2.0, z 3.0 mm, is printed as ..."
-std::string worst_of(const std::vector<io::ReportRegion>& regions) {
+/// "red (255, 0, 0), 12.0 mm2 at x 1.0, y 2.0, z 3.0 mm, is printed as ..."
+std::string worst_of(const std::vector<io::ReportRegion>& regions, const char* where_more) {
     if (regions.empty() || regions.front().good) return {};
     const io::ReportRegion& worst = regions.front();
     const auto more = std::ranges::count_if(regions, [](const auto& region) { return !region.good; }) - 1;
-    return fmt::format("; {}{}, {:.1f} mm2 at x {:.1f}, y {:.1f}, z {:.1f} mm, {}{}",
+    return fmt::format("{}{}, {:.1f} mm2 at x {:.1f}, y {:.1f}, z {:.1f} mm, {}{}",
                        worst.kind == "solid" ? "" : worst.kind + " in ", worst.asked, worst.area_mm2, worst.place_mm[0],
                        worst.place_mm[1], worst.place_mm[2], worst.why,
-                       more > 0 ? fmt::format(" ({} more: report)", more) : "");
+                       more > 0 ? fmt::format(" ({} more: {})", more, where_more) : "");
 }
 
 const char* opening(io::VerdictLevel level) {
@@ -127,7 +130,7 @@ const char* opening(io::VerdictLevel level) {
     return "How it will look was not predicted";
 }
 
-std::string why(LossCause cause, const Losses& losses) {
+std::string reason(LossCause cause, const Losses& losses) {
     if (cause == thin_wall)
         return fmt::format(
             "light passes through thin walls ({:.1f} mm at x {:.1f}, y {:.1f}, z {:.1f} mm of the print)",
@@ -181,6 +184,13 @@ void judge_prediction(const VerdictSources& s, const JobPrediction& p, io::Repor
     const optics::DifferenceSummary seen = summarize_by_area(p.predicted.surface, p.seen.difference);
     const Losses losses = losses_of(s, p);
     verdict.regions = judge_regions(p, s.colour, s.job.options.verdict);
+    if (auto walls =
+            judge_thin_walls(p, losses.thin_cells, losses.thickness_mm, losses.place_mm, s.job.options.verdict)) {
+        const auto worse = std::ranges::find_if(verdict.regions, [&](const io::ReportRegion& region) {
+            return badness(region, s.job.options.verdict) < badness(*walls, s.job.options.verdict);
+        });
+        verdict.regions.insert(worse, std::move(*walls));
+    }
     verdict.seen_mean = seen.mean;
     verdict.seen_p95 = seen.percentile_95;
     const std::vector<double> share = histogram_by_area(p.predicted.surface, p.seen.difference, histogram_edges);
@@ -188,23 +198,34 @@ void judge_prediction(const VerdictSources& s, const JobPrediction& p, io::Repor
     verdict.off_share = losses.area_mm2 > 0 ? losses.off_mm2 / losses.area_mm2 : 0;
     verdict.level = level_of(seen.mean, losses.area_mm2 > 0 ? losses.bad_mm2 / losses.area_mm2 : 0, verdict.regions,
                              s.job.options.verdict);
+    verdict.headline = opening(verdict.level);
     verdict.sentence = fmt::format(
         "{}: seen from {:g} mm it differs by {:.1f} CIEDE2000 on average (up to {:g} is good, "
         "above {:g} bad)",
-        opening(verdict.level), verdict.viewing_distance_mm, seen.mean, verdict.good_up_to, verdict.bad_above);
+        verdict.headline, verdict.viewing_distance_mm, seen.mean, verdict.good_up_to, verdict.bad_above);
     if (verdict.level == io::VerdictLevel::good) {
         verdict.sentence += ".";
         return;
     }
     add_causes(losses, verdict);
     add_advice(s, losses, verdict);
-    if (!verdict.causes.empty())
-        verdict.sentence +=
-            fmt::format(", {} because {}", losses.share(losses.main()) > 0.9 ? "nearly all of it" : "mostly",
-                        why(losses.main(), losses));
-    verdict.sentence += worst_of(verdict.regions);
+    const auto why = [&](const char* where_more) {
+        std::vector<std::string> parts;
+        if (!verdict.causes.empty())
+            parts.push_back(fmt::format("{} because {}",
+                                        losses.share(losses.main()) > 0.9 ? "nearly all of it" : "mostly",
+                                        reason(losses.main(), losses)));
+        if (std::string worst = worst_of(verdict.regions, where_more); !worst.empty())
+            parts.push_back(std::move(worst));
+        return fmt::format("{}", fmt::join(parts, "; "));
+    };
+    verdict.why = why("below");
+    if (!verdict.why.empty()) verdict.sentence += (verdict.causes.empty() ? "; " : ", ") + why("report");
     if (!verdict.advice.empty()) verdict.sentence += fmt::format("; try this: {}", verdict.advice.front());
     verdict.sentence += ".";
+    if (verdict.why.empty()) return;
+    verdict.why.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(verdict.why.front())));
+    verdict.why += ".";
 }
 
 /// What is out of reach is known without a prediction; thin walls and neighbours are not.
@@ -234,6 +255,7 @@ void judge_gamut(const VerdictSources& s, io::ReportVerdict& verdict) {
 /// What the file's colours were is not known here, so that the judgement is of those that are left.
 void judge_lost_colour(const std::string& lost, io::ReportVerdict& verdict) {
     verdict.level = io::VerdictLevel::bad;
+    verdict.headline.clear();
     verdict.sentence = fmt::format("{}. {} Measured against the colours that are left: {}", opening(verdict.level),
                                    lost, verdict.sentence);
 }

@@ -88,7 +88,7 @@ TEST_CASE("The page of a print shows the numbers of its EXR files, and each of i
             fmt::format("document.getElementById('probe-list').innerText.includes('{}, {}')", column, row)));
         CHECK_THAT(text_of(browser, "probe-values"),
                    Contains(target.hex(column, row)) && Contains(print.hex(column, row)));
-        CHECK_THAT(text_of(browser, "probe-mixture"), Contains("W "));
+        CHECK_THAT(text_of(browser, "probe-mixture"), Contains("0.7 to 1 mm") && Contains(" %"));
     }
     // A worst place has the difference that its line in the list says.
     const int places = browser.evaluate("document.querySelectorAll('button.place').length").get<int>();

@@ -136,6 +136,7 @@ void run_graphics(const Arguments& a) {
             const Print print = print_slab(a, target.picture, target.name, target.width_mm, ways[v], v);
             judged[v] = judge_slab(print.options, {.paths = a.paths, .cache = a.work / "traced"});
             row.scores[v] = graphic_scores(judged[v], a.viewing_distance_mm);
+            if (target.name == "codes") score_codes(judged[v], row.scores[v]);
             fmt::print(stderr, "{} {}: {:.1f} s printed, {:.1f} s traced, as seen {:.2f}\n", target.name, ways[v].name,
                        print.seconds, judged[v].trace_seconds, row.scores[v].seen);
         }

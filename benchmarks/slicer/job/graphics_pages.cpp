@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "benchmarks/sets.h"
+#include "printed_codes.h"
 #include "stroke_font.h"
 #include "voxtone/io/files/whole_file.h"
 #include "voxtone/io/pictures/picture.h"
@@ -153,6 +154,20 @@ Page hairlines() {
     return page;
 }
 
+Page codes() {
+    Page page(codes_width_mm, codes_height_mm, white);
+    for (const PrintedCode& code : printed_codes()) {
+        const double height = code.height / static_cast<double>(code.dark.size());
+        for (std::size_t row = 0; row < code.dark.size(); ++row)
+            for (std::size_t column = 0; column < code.dark[row].size(); ++column)
+                if (code.dark[row][column])
+                    page.rectangle(code.x + static_cast<double>(column) * code.module_mm,
+                                   code.y + code.height - static_cast<double>(row + 1) * height, code.module_mm, height,
+                                   black);
+    }
+    return page;
+}
+
 /// Twelve colours with gaps of a third of a millimetre.
 Page checker() {
     Page page(14, 8, colour(60, 60, 60));
@@ -194,6 +209,7 @@ std::vector<Target> make_graphics(const fs::path& models, const fs::path& work, 
         return type(eight[2], eight[3], {"Axes", "of 13 - 48", "kg 976, ink", "is not thin", "lines of it fade"});
     });
     add("hairlines", hairlines);
+    add("codes", codes);
     add("gaps", checker);
     const fs::path photograph = models / "img_kodim23/23.png";
     if (std::string("captioned").find(only) != std::string::npos) {

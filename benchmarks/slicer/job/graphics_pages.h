@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// What bureaus print all day, drawn here: solids on white, on black and on grey, a logo, type, hairlines, a colour
-// checker with thin gaps, a photograph with a border and a caption. Sizes in mm; half for fitting, half held out
-// (benchmarks/sets.json, "pages").
+// What bureaus print all day, drawn here: solids on white, on black and on grey, a logo, type, hairlines, QR
+// and bar codes, a colour checker with thin gaps, a photograph with a border and a caption. Sizes in mm; half for
+// fitting, half held out (benchmarks/sets.json, "pages").
 #pragma once
 
 #include <filesystem>

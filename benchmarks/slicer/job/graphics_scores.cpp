@@ -3,9 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <numeric>
 
 #include <fmt/format.h>
 
+#include "flip.h"
 #include "scores.h"
 #include "voxtone/halftone/loop/colour_regions.h"
 #include "voxtone/halftone/loop/eye_filter.h"
@@ -55,15 +58,32 @@ std::vector<std::uint32_t> rim_cells(const Judgement& j, const std::vector<Colou
     return cells;
 }
 
+double mean_flip(const Judgement& j, const Colours& print, double viewing_distance_mm) {
+    const double cell_mm = std::sqrt(static_cast<double>(j.surface.cells[0].area_mm2));
+    const std::vector<double> difference = flip({j.columns, j.rows, j.target}, {j.columns, j.rows, print},
+                                                viewing_distance_mm / cell_mm * std::numbers::pi / 180);
+    return std::accumulate(difference.begin(), difference.end(), 0.0) / static_cast<double>(difference.size());
+}
+
+/// Over the level of its paper.
+Colours adapted_print(const Judgement& j) {
+    Colours print = j.print();
+    const float level = halftone::paper_level(j.surface, j.target, print);
+    for (Eigen::Vector3f& rgb : print) rgb /= level;
+    return print;
+}
+
 }  // namespace
+
+void score_codes(const Judgement& j, GraphicScores& s) { s.codes = read_codes(j, adapted_print(j)); }
 
 GraphicScores graphic_scores(const Judgement& j, double viewing_distance_mm) {
     const halftone::EyeFilter eye(j.surface, viewing_distance_mm, halftone::EyeSurround::none);
     const std::vector<ColourRegion> regions = halftone::colour_regions(j.surface, j.target);
     GraphicScores s;
-    Colours print = j.print();
-    s.paper_level = static_cast<double>(halftone::paper_level(j.surface, j.target, print));
-    for (Eigen::Vector3f& rgb : print) rgb /= static_cast<float>(s.paper_level);
+    s.paper_level = static_cast<double>(halftone::paper_level(j.surface, j.target, j.print()));
+    const Colours print = adapted_print(j);
+    s.flip = mean_flip(j, print, viewing_distance_mm);
     const Colours near_target = eye.smoothed(j.target), near = eye.smoothed(print);
     const std::vector<halftone::RegionLook> looks = halftone::look_at(regions, j.surface, near_target, near);
     const std::vector<double> seen = differences(eye.filter(j.target), eye.filter(print));
@@ -101,22 +121,43 @@ GraphicScores graphic_scores(const Judgement& j, double viewing_distance_mm) {
     return s;
 }
 
+namespace {
+
+/// Of the solid that lost most.
+double worse_by(const GraphicScores& open, const GraphicScores& loop) {
+    double worse = -100;
+    for (std::size_t k = 0; k < open.solids.size(); ++k)
+        worse = std::max(worse, loop.solids[k].difference - open.solids[k].difference);
+    return worse;
+}
+
+}  // namespace
+
 std::string graphics_table(const std::vector<GraphicRow>& rows) {
     std::string text =
-        "| page | paper's level | solids: mean | worst | unevenness | rim | paper | its chroma | strokes' contrast | "
-        "all as seen |\n"
-        "|---|---|---|---|---|---|---|---|---|---|\n";
+        "| page | paper's level | solids: mean | worst | most worse by | unevenness | rim | paper | its chroma | "
+        "strokes' contrast | "
+        "all as seen | FLIP |\n"
+        "|---|---|---|---|---|---|---|---|---|---|---|---|\n";
     const auto pair = [](double a, double b) {
         return a == 0 && b == 0 ? std::string() : fmt::format("{:.2f} to {:.2f}", a, b);
     };
     for (const GraphicRow& row : rows) {
         const GraphicScores &o = row.scores[0], &l = row.scores[1];
-        text += fmt::format("| {}{} | {} | {} | {} | {} | {} | {} | {} | {} | {} |\n", row.name,
+        text += fmt::format("| {}{} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} |\n", row.name,
                             row.held_out ? " (held out)" : "", pair(o.paper_level, l.paper_level),
                             pair(o.mean_solid, l.mean_solid), pair(o.worst_solid, l.worst_solid),
+                            o.solids.empty() ? std::string() : fmt::format("{:.2f}", worse_by(o, l)),
                             pair(o.unevenness, l.unevenness), pair(o.rim, l.rim), pair(o.paper, l.paper),
-                            pair(o.paper_chroma, l.paper_chroma), pair(o.contrast, l.contrast), pair(o.seen, l.seen));
+                            pair(o.paper_chroma, l.paper_chroma), pair(o.contrast, l.contrast), pair(o.seen, l.seen),
+                            fmt::format("{:.3f} to {:.3f}", o.flip, l.flip));
     }
+    for (const GraphicRow& row : rows)
+        if (row.scores[0].codes.square_mm > 0 || row.scores[1].codes.square_mm > 0)
+            text += fmt::format(
+                "\nSmallest modules that are read, mm, open loop to loop: QR {:g} to {:g}, Code 128 {:g} to {:g}\n",
+                row.scores[0].codes.square_mm, row.scores[1].codes.square_mm, row.scores[0].codes.bars_mm,
+                row.scores[1].codes.bars_mm);
     text += "\nSolids, open loop to loop: CIEDE2000, unevenness\n\n";
     for (const GraphicRow& row : rows) {
         text += fmt::format("- {}:", row.name);

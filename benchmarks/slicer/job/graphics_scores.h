@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "judge_slab.h"
+#include "printed_codes.h"
 
 namespace voxtone::loop_benchmark {
 
@@ -24,10 +25,14 @@ struct GraphicScores {
     double paper = 0;         ///< mean CIEDE2000 of paper cells as seen, after adaptation; 0: there is none
     double paper_chroma = 0;  ///< of the paper's mean
     double contrast = 0;      ///< of strokes against the largest region, of the target's; 0: there are none
+    double flip = 0;          ///< mean, 300 mm or as far as asked (flip.h), after adaptation
+    ReadCodes codes;          ///< of the page of codes
     double seen = 0;          ///< mean CIEDE2000 of all cells as seen, after adaptation
 };
 
 [[nodiscard]] GraphicScores graphic_scores(const Judgement& j, double viewing_distance_mm);
+/// The page of codes has them besides.
+void score_codes(const Judgement& j, GraphicScores& s);
 
 struct GraphicRow {
     std::string name;

@@ -10,8 +10,10 @@
 
 #include "benchmarks/sets.h"
 #include "flat_white.h"
+#include "flip.h"
 #include "gratings.h"
 #include "judge_slab.h"
+#include "printed_codes.h"
 #include "scores.h"
 #include "stroke_font.h"
 #include "targets.h"
@@ -237,4 +239,72 @@ TEST_CASE("figures are judged on pictures and bodies that they were not chosen o
     CHECK(held_out(benchmarks::pictures()) >= 6);
     CHECK(held_out(benchmarks::bodies()) >= 2);
     for (const auto& body : benchmarks::bodies()) CHECK(body.size_mm > 0);
+}
+
+namespace {
+
+FlipPicture flat_picture(const Eigen::Vector3f& rgb) { return {40, 30, std::vector<Eigen::Vector3f>(1200, rgb)}; }
+
+double middle_of(const std::vector<double>& difference) { return difference[15 * 40 + 20]; }
+
+}  // namespace
+
+TEST_CASE("FLIP is what its paper says where that can be said by hand", "[loop_benchmark]") {
+    constexpr double per_degree = 67;
+    const FlipPicture white = flat_picture({1, 1, 1}), black = flat_picture({0, 0, 0});
+    CHECK(middle_of(flip(white, white, per_degree)) == Approx(0).margin(1e-12));
+    // Flat pictures have no features. HyAB of white and black is 100, the largest in the gamut is that of green (87.7,
+    // -86.2, 83.2) and blue (32.3, 79.2, -107.9), a and b times L / 100: 55.4 + hypot(101.2, 107.8).
+    const double most = std::pow(203.3, 0.7), far = std::pow(100, 0.7), bend = 0.4 * most;
+    const double wanted = far < bend ? 0.95 * far / bend : 0.95 + 0.05 * (far - bend) / (most - bend);
+    CHECK(middle_of(flip(white, black, per_degree)) == Approx(wanted).margin(0.002));
+    CHECK(middle_of(flip(flat_picture({0, 1, 0}), flat_picture({0, 0, 1}), per_degree)) == Approx(1).margin(1e-6));
+    // An edge that is lost is worse than the same colours without it, and an equal error of hue spread fine is less.
+    FlipPicture edge = white;
+    for (std::size_t i = 0; i < edge.rgb.size(); ++i)
+        if (i % 40 >= 20) edge.rgb[i].setConstant(0.5F);
+    const FlipPicture grey = flat_picture({0.5F, 0.5F, 0.5F});
+    const std::vector<double> lost = flip(edge, grey, per_degree);
+    CHECK(lost[15 * 40 + 19] > 1.02 * lost[15 * 40 + 2]);
+    FlipPicture fine = grey;
+    for (std::size_t i = 0; i < fine.rgb.size(); ++i)
+        fine.rgb[i] = i % 2 ? Eigen::Vector3f(0.55F, 0.5F, 0.4F) : Eigen::Vector3f(0.45F, 0.5F, 0.6F);
+    CHECK(middle_of(flip(grey, fine, per_degree)) <
+          0.3 * middle_of(flip(grey, flat_picture({0.55F, 0.5F, 0.4F}), per_degree)));
+}
+
+TEST_CASE("codes are read from a sharp page, and none from a blurred one", "[loop_benchmark]") {
+    Judgement page;
+    constexpr double cell_mm = 0.085;
+    page.columns = static_cast<std::size_t>(codes_width_mm / cell_mm);
+    page.rows = static_cast<std::size_t>(codes_height_mm / cell_mm);
+    page.surface = test::flat_surface(static_cast<int>(page.columns), static_cast<int>(page.rows), cell_mm);
+    const std::vector<PrintedCode> codes = printed_codes();
+    constexpr int samples = 4;
+    const auto light_at = [&](double x, double y) {
+        for (const PrintedCode& code : codes) {
+            const auto rows = static_cast<double>(code.dark.size());
+            const double u = (x - code.x) / code.module_mm, v = (code.y + code.height - y) / code.height * rows;
+            if (u >= 0 && v >= 0 && v < rows && u < static_cast<double>(code.dark[0].size()))
+                return code.dark[static_cast<std::size_t>(v)][static_cast<std::size_t>(u)] ? 0.02 : 1.0;
+        }
+        return 1.0;
+    };
+    Colours sharp;
+    for (std::size_t row = 0; row < page.rows; ++row)
+        for (std::size_t column = 0; column < page.columns; ++column) {
+            double sum = 0;
+            for (int b = 0; b < samples; ++b)
+                for (int a = 0; a < samples; ++a)
+                    sum += light_at((static_cast<double>(column) + (a + 0.5) / samples) * cell_mm,
+                                    (static_cast<double>(row) + (b + 0.5) / samples) * cell_mm);
+            sharp.push_back(Eigen::Vector3f::Constant(static_cast<float>(sum / (samples * samples))));
+        }
+    const ReadCodes read = read_codes(page, sharp);
+    CHECK(read.square_mm == 0.16);
+    CHECK(read.bars_mm <= 0.14);
+    CHECK(read.bars_mm > 0);
+    const ReadCodes lost = read_codes(page, Colours(sharp.size(), Eigen::Vector3f::Constant(0.7F)));
+    CHECK(lost.square_mm == 0);
+    CHECK(lost.bars_mm == 0);
 }

@@ -89,6 +89,12 @@ TEST_CASE("Surface first: a colour takes the thinnest skin that shows it, pure r
     }
 }
 
+TEST_CASE("The loop's skin is as deep as colour is without it", "[loop]") {
+    // Through less black than that its core shines.
+    for (const double depth : {0.5, 1.0, 2.0}) CHECK(skin_layers(depth).depth_mm() == depth);
+    CHECK(std::ranges::is_sorted(skin_layers(1).bottom_mm));
+}
+
 TEST_CASE("Skin mixtures become bounds that select each resin by its fraction", "[loop]") {
     SkinMixtures skin(1, 2, 3);
     const std::vector<float> fractions{0.25f, 0, 0.75f, 0, 0, 0};

@@ -138,3 +138,26 @@ TEST_CASE("The measure forgives darker paper, and no solid that is worse than wi
     CHECK(punished.score > 1.8 * alone.score);
     CHECK(alone.score > 1.5 * alone.seen.mean);
 }
+
+TEST_CASE("A rim of another hue is told, a darker one is not", "[loop]") {
+    const optics::Surface surface = test::flat_surface(n, n, cell_mm);
+    const Colours target = card();
+    const ColourRegion red_square = colour_regions(surface, target)[1];
+    const auto with_rim = [&](const Eigen::Vector3f& factor) {
+        Colours print = target;
+        for (int y = 3; y < 57; ++y)
+            for (int x = 3; x < 57; ++x)
+                if (!in_square(x, y)) {
+                    Eigen::Vector3f& rgb = print[static_cast<std::size_t>(y * n + x)];
+                    rgb = rgb.cwiseProduct(factor);
+                }
+        return rim_chroma(red_square, surface, target, print);
+    };
+    CHECK(with_rim({1, 1, 1}) == Approx(0).margin(1e-6));
+    CHECK(with_rim({0.8f, 0.8f, 0.8f}) < 0.5);
+    CHECK(with_rim({1, 1, 0.6f}) > 10);
+    // What lies farther off than 0.6 mm is no rim.
+    Colours far = target;
+    for (int y = 0; y < n; ++y) far[static_cast<std::size_t>(y * n + 65)] = {1, 1, 0};
+    CHECK(rim_chroma(red_square, surface, target, far) == Approx(0).margin(1e-6));
+}
