@@ -9,6 +9,7 @@
 //   appearance_loop_benchmark bodies    meshes, in windows (judge_body.h)
 //   appearance_loop_benchmark graphics   solids, type, a logo (graphics_pages.h), judged region by region, adapted to
 //   the print's paper
+//   appearance_loop_benchmark figurines   figures in flat colours, in windows in their solids
 //   appearance_loop_benchmark flat      slabs of one colour each, 8 mm: the mean of the middle 4 mm
 //   appearance_loop_benchmark seams     what cutting a body into tiles does to its predictions, for a stack that slice
 //   made appearance_loop_benchmark report    slabs and bodies appearance_loop_benchmark targets   only writes the
@@ -16,8 +17,11 @@
 //
 // Pictures and stacks lie in --work; what was traced is kept there and not traced again. The table goes to standard
 // output and to --work/slabs.md and bodies.md; strips (target | open loop | loop) are --work/NAME.strip.png.
+#include <algorithm>
 #include <cstdio>
+#include <iterator>
 #include <optional>
+#include <string_view>
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
@@ -165,6 +169,40 @@ void run_flat(const Arguments& a) {
     fmt::print("{}", text);
 }
 
+void run_figurines(const Arguments& a) {
+    constexpr std::string_view figurines[] = {"kaykit_mage", "exploding_barrel", "ycb_banana"};
+    const ThreadLimit limit(a.threads);
+    const std::vector<Variant> ways = variants(parse_set(a.set));
+    std::vector<std::string> missing;
+    const std::vector<BodyTarget> found = body_targets(a.models, a.work, a.only, missing);
+    for (const std::string& name : missing) fmt::print("{}: not in {}; left out\n", name, a.models.string());
+    std::vector<FigurineRow> rows;
+    for (const BodyTarget& target : found) {
+        if (std::ranges::find(figurines, target.name) == std::end(figurines)) continue;
+        FigurineRow row{target.held_out ? target.name + " (held out)" : target.name, {}, {}};
+        for (std::size_t v = 0; v < 2; ++v) {
+            slicer::SliceOptions options;
+            options.resins = a.resins;
+            options.model = target.model.string();
+            options.out = (a.work / fmt::format("{}.{}", target.name, v)).string();
+            options.size_mm = target.size_mm * a.scale;
+            options.threads = static_cast<int>(a.threads);
+            set_options(ways[v].set, options);
+            const Print print = make_print(options, a.reuse);
+            const BodyJudgement judged = judge_body(print.options, {.paths = a.body_paths, .cache = a.work / "traced"},
+                                                    {.windows = a.windows, .solids = 8});
+            row.solids = judged.solids;
+            row.difference[v] = solid_differences(judged);
+            fmt::print(stderr, "{} {}: {:.1f} s printed, {:.1f} s traced\n", target.name, ways[v].name, print.seconds,
+                       judged.cells.trace_seconds);
+        }
+        rows.push_back(row);
+    }
+    const std::string text = figurine_table(rows);
+    io::write_whole_file(a.work / "figurines.md", text);
+    fmt::print("{}", text);
+}
+
 void run_bodies(const Arguments& a) {
     const ThreadLimit limit(a.threads);
     const std::vector<Variant> ways = variants(parse_set(a.set));
@@ -226,6 +264,7 @@ int main(int argc, char** argv) {
     app.fallthrough();
     app.add_subcommand("slabs", "photographs and pages")->callback([&] { run_slabs(a); });
     app.add_subcommand("graphics", "solids, type, a logo: region by region")->callback([&] { run_graphics(a); });
+    app.add_subcommand("figurines", "bodies of flat colours, solid by solid")->callback([&] { run_figurines(a); });
     app.add_subcommand("flat", "slabs of one colour each")->callback([&] { run_flat(a); });
     CLI::App* seams = app.add_subcommand("seams", "tiles against the whole body");
     seams->add_option("stack", a.stack, "output folder of slice")->required();

@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "body_tables.h"
 
+#include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include <fmt/format.h>
+
+#include "voxtone/optics/colour/colour.h"
 
 namespace voxtone::loop_benchmark {
 namespace {
@@ -41,6 +45,41 @@ std::array<BodyFigures, 2> body_figures(const BodyJudgement& j, double viewing_d
                          sampling_error(j, target, print, mask)};
     }
     return figures;
+}
+
+std::vector<double> solid_differences(const BodyJudgement& j) {
+    constexpr float same = 0.02F;  // linear; what else a window sees is not of its solid
+    const Colours print = j.cells.print();
+    std::vector<Eigen::Vector3d> sum(j.solids.size(), Eigen::Vector3d::Zero());
+    std::vector<double> cells(j.solids.size(), 0);
+    for (std::size_t i = 0; i < print.size(); ++i) {
+        const std::size_t solid = j.solid_of[j.window[i]];
+        if (!j.inner[i] || (j.cells.target[i] - j.solids[solid].target).cwiseAbs().maxCoeff() > same) continue;
+        sum[solid] += print[i].cast<double>(), ++cells[solid];
+    }
+    std::vector<double> difference;
+    for (std::size_t s = 0; s < sum.size(); ++s)
+        difference.push_back(differences({j.solids[s].target}, {(sum[s] / std::max(1.0, cells[s])).cast<float>()})[0]);
+    return difference;
+}
+
+std::string figurine_table(const std::vector<FigurineRow>& rows) {
+    std::string text = "| body | mean of its solids | each, open loop to loop (sRGB, mm2) |\n|---|---|---|\n";
+    const auto mean = [](const std::vector<double>& d) {
+        return std::accumulate(d.begin(), d.end(), 0.0) / static_cast<double>(std::max<std::size_t>(1, d.size()));
+    };
+    for (const FigurineRow& row : rows) {
+        text += fmt::format("| {} | {:.2f} to {:.2f} |", row.name, mean(row.difference[0]), mean(row.difference[1]));
+        for (std::size_t s = 0; s < row.solids.size(); ++s) {
+            const Eigen::Vector3d rgb = row.solids[s].target.cast<double>().cwiseMax(0);
+            text += fmt::format("{} ({:.0f} {:.0f} {:.0f}, {:.0f}) {:.1f} to {:.1f}", s ? ";" : "",
+                                255 * optics::srgb_encode(rgb[0]), 255 * optics::srgb_encode(rgb[1]),
+                                255 * optics::srgb_encode(rgb[2]), row.solids[s].area_mm2, row.difference[0][s],
+                                row.difference[1][s]);
+        }
+        text += " |\n";
+    }
+    return text;
 }
 
 std::string body_table(const std::vector<BodyRow>& rows, const std::vector<std::string>& names) {

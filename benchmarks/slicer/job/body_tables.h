@@ -30,6 +30,16 @@ struct BodyRow {
 [[nodiscard]] std::array<BodyFigures, 2> body_figures(const BodyJudgement& j,
                                                       double viewing_distance_mm);  ///< thick, thin
 
+/// Of each solid of a body whose windows lie in them: CIEDE2000 between the means of print and target in its windows.
+[[nodiscard]] std::vector<double> solid_differences(const BodyJudgement& j);
+
+struct FigurineRow {
+    std::string name;
+    std::vector<BodyJudgement::Solid> solids;
+    std::array<std::vector<double>, 2> difference;  ///< open loop, loop
+};
+[[nodiscard]] std::string figurine_table(const std::vector<FigurineRow>& rows);
+
 [[nodiscard]] std::string body_table(const std::vector<BodyRow>& rows, const std::vector<std::string>& variant_names);
 
 }  // namespace voxtone::loop_benchmark

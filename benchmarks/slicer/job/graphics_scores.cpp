@@ -110,7 +110,7 @@ GraphicScores graphic_scores(const Judgement& j, double viewing_distance_mm) {
     std::vector<std::uint32_t> strokes;
     for (const ColourRegion& region : regions)
         if (region.kind == RegionKind::strokes) strokes.insert(strokes.end(), region.cells.begin(), region.cells.end());
-    if (!strokes.empty() && !regions.empty()) {
+    if (!strokes.empty() && regions.front().kind == RegionKind::paper) {
         const auto contrast = [&](const Colours& colours) {
             const double ground = luminance(mean_of(colours, regions.front().cells)),
                          ink = luminance(mean_of(colours, strokes));
@@ -153,9 +153,10 @@ std::string graphics_table(const std::vector<GraphicRow>& rows) {
                             fmt::format("{:.3f} to {:.3f}", o.flip, l.flip));
     }
     for (const GraphicRow& row : rows)
-        if (row.scores[0].codes.square_mm > 0 || row.scores[1].codes.square_mm > 0)
+        if (row.name == "codes")
             text += fmt::format(
-                "\nSmallest modules that are read, mm, open loop to loop: QR {:g} to {:g}, Code 128 {:g} to {:g}\n",
+                "\nSmallest modules that are read, mm (0: none), open loop to loop: QR {:g} to {:g}, Code 128 {:g} to "
+                "{:g}\n",
                 row.scores[0].codes.square_mm, row.scores[1].codes.square_mm, row.scores[0].codes.bars_mm,
                 row.scores[1].codes.bars_mm);
     text += "\nSolids, open loop to loop: CIEDE2000, unevenness\n\n";

@@ -12,6 +12,7 @@
 #include "voxtone/base/parallel.h"
 #include "voxtone/base/progress.h"
 #include "voxtone/base/random.h"
+#include "voxtone/halftone/loop/colour_regions.h"
 #include "voxtone/optics/colour/observed_colour.h"
 #include "voxtone/optics/scene/surface_smoothing.h"
 #include "voxtone/slicer/mesh/mesh_boundary.h"
@@ -61,11 +62,28 @@ std::vector<std::size_t> draw_centres(const optics::Surface& surface, const std:
     return centres;
 }
 
+/// In the interiors of the largest solids of flat colour.
+std::vector<std::size_t> draw_in_solids(const optics::Surface& whole, const Colours& target, const WindowChoice& choice,
+                                        BodyJudgement& j) {
+    std::vector<std::size_t> centres;
+    for (const halftone::ColourRegion& region : halftone::colour_regions(whole, target)) {
+        if (region.kind != halftone::RegionKind::solid || region.interior.size() == region.cells.size()) continue;
+        if (j.solids.size() == choice.solids) break;
+        j.solids.push_back({region.target, region.area_mm2});
+        for (std::size_t w = 0; w < std::max<std::size_t>(1, choice.windows / choice.solids); ++w) {
+            RandomStream random(choice.seed, centres.size());
+            const auto at = static_cast<std::size_t>(random.uniform() * static_cast<double>(region.interior.size()));
+            centres.push_back(region.interior[std::min(at, region.interior.size() - 1)]);
+            j.solid_of.push_back(static_cast<std::uint32_t>(j.solids.size() - 1));
+        }
+    }
+    return centres;
+}
+
 /// The part of the surface that the windows see, with cells and faces of its own.
-optics::Surface take_windows(const optics::Surface& whole, const std::vector<char>& thin, const WindowChoice& choice,
-                             BodyJudgement& j) {
+optics::Surface take_windows(const optics::Surface& whole, const std::vector<char>& thin,
+                             const std::vector<std::size_t>& centres, const WindowChoice& choice, BodyJudgement& j) {
     std::vector<std::uint32_t> chosen;
-    const std::vector<std::size_t> centres = draw_centres(whole, thin, choice);
     j.windows = centres.size();
     for (std::size_t w = 0; w < centres.size(); ++w) {
         const Eigen::Vector3f centre = vector_of(whole.cells[centres[w]].centre_mm),
@@ -114,9 +132,14 @@ BodyJudgement judge_body(const slicer::SliceOptions& options, const Effort& effo
         if (thin[i]) thin_area += static_cast<double>(whole.cells[i].area_mm2);
     }
     result.thin_share = thin_area / area;
-    j.surface = take_windows(whole, thin, choice, result);
-    j.target = slicer::target_of_cells(j.surface, stack.volume.pitch_mm(), body.grid.origin_mm, body.surface,
+    const auto target_of = [&](const optics::Surface& surface) {
+        return slicer::target_of_cells(surface, stack.volume.pitch_mm(), body.grid.origin_mm, body.surface,
                                        body.model.mesh, nullptr);
+    };
+    const std::vector<std::size_t> centres =
+        choice.solids > 0 ? draw_in_solids(whole, target_of(whole), choice, result) : draw_centres(whole, thin, choice);
+    j.surface = take_windows(whole, thin, centres, choice, result);
+    j.target = target_of(j.surface);
     map_target(options, std::nullopt, j);
 
     const auto start = std::chrono::steady_clock::now();

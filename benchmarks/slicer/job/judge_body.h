@@ -27,12 +27,20 @@ struct BodyJudgement {
     std::size_t windows = 0;
     double surface_cells = 0;  ///< of the whole body
     double thin_share = 0;     ///< of its area
+    struct Solid {
+        Eigen::Vector3f target;
+        double area_mm2 = 0;
+    };
+    std::vector<Solid> solids;            ///< the largest first; empty where windows lie anywhere
+    std::vector<std::uint32_t> solid_of;  ///< per window
 };
 
 struct WindowChoice {
     std::size_t windows = 40;
     double radius_mm = 1.0;
     std::uint64_t seed = 1;
+    std::size_t solids =
+        0;  ///< windows lie in the middle of so many of the largest solids, as many in each; 0: anywhere
 };
 
 [[nodiscard]] BodyJudgement judge_body(const slicer::SliceOptions& options, const Effort& effort,

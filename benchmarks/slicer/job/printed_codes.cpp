@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <functional>
 
 #define ZX_USE_UTF8 1
 #include <ZXing/BitMatrix.h>
@@ -23,7 +24,7 @@ ZXing::BarcodeFormat format_of(const PrintedCode& code) {
 }
 
 PrintedCode code_of(bool square, double module_mm, double x, double y) {
-    PrintedCode code{square, fmt::format("VX{:02.0f}", 100 * module_mm), module_mm, x, y, 0, 1.2, {}};
+    PrintedCode code{square, fmt::format("V{:02.0f}", 100 * module_mm), module_mm, x, y, 0, 1.4, {}};
     ZXing::MultiFormatWriter writer(format_of(code));
     writer.setMargin(0);
     const ZXing::BitMatrix matrix = writer.encode(code.text, 0, 0);
@@ -36,17 +37,36 @@ PrintedCode code_of(bool square, double module_mm, double x, double y) {
     return code;
 }
 
-/// Four times as fine as the cells between them, sRGB of luminance, in a white margin.
+using Light = std::function<double(double x, double y)>;  // by cells
+
+/// `finer` pixels a cell between (x0, y0) and (x1, y1), sRGB, in a white margin: what a camera would hand to a decoder.
+bool is_read(const PrintedCode& code, const Light& light, std::array<double, 4> box, int finer, ZXing::Binarizer how) {
+    const auto [x0, y0, x1, y1] = box;
+    const int margin = 10 * finer, width = static_cast<int>((x1 - x0) * finer) + 2 * margin,
+              height = static_cast<int>((y1 - y0) * finer) + 2 * margin;
+    std::vector<std::uint8_t> grey(static_cast<std::size_t>(width * height), 255);
+    for (int j = margin; j < height - margin; ++j)
+        for (int i = margin; i < width - margin; ++i) {
+            const double x = x0 + (i - margin) / double(finer), y = y1 - (j - margin) / double(finer);
+            grey[static_cast<std::size_t>(j * width + i)] =
+                static_cast<std::uint8_t>(std::lround(255 * optics::srgb_encode(std::clamp(light(x, y), 0.0, 1.0))));
+        }
+    ZXing::DecodeHints hints;
+    hints.setFormats(format_of(code)).setTryHarder(true).setBinarizer(how);
+    const ZXing::Result result = ZXing::ReadBarcode({grey.data(), width, height, ZXing::ImageFormat::Lum}, hints);
+    return result.isValid() && result.text() == code.text;
+}
+
+/// By either of the decoder's ways to tell black from white, from one of several distances: a person tries, too.
 bool is_read(const PrintedCode& code, const Judgement& page, const Colours& print) {
-    constexpr int finer = 4, margin = 40;
-    const double cell_mm = std::sqrt(static_cast<double>(page.surface.cells[0].area_mm2)), quiet = 6 * code.module_mm;
+    const double cell_mm = std::sqrt(static_cast<double>(page.surface.cells[0].area_mm2)), quiet = 4 * code.module_mm;
     const auto columns = static_cast<int>(page.columns), rows = static_cast<int>(page.rows);
-    const auto cells = [&](double mm) { return mm / cell_mm - 0.5; };
-    const double x0 = std::max(0.0, cells(code.x - quiet)),
-                 x1 = std::min(columns - 1.0, cells(code.x + code.width + quiet));
-    const double y0 = std::max(0.0, cells(code.y - (code.square ? quiet : 0))),
-                 y1 = std::min(rows - 1.0, cells(code.y + code.height + (code.square ? quiet : 0)));
-    const auto light = [&](double x, double y) {
+    const auto cells = [&](double mm, int most) { return std::clamp(mm / cell_mm - 0.5, 0.0, most - 1.0); };
+    const double beside = code.square ? quiet : 0;
+    const std::array<double, 4> box{cells(code.x - quiet, columns), cells(code.y - beside, rows),
+                                    cells(code.x + code.width + quiet, columns),
+                                    cells(code.y + code.height + beside, rows)};
+    const Light light = [&](double x, double y) {
         const int left = std::min(static_cast<int>(x), columns - 2), low = std::min(static_cast<int>(y), rows - 2);
         const double u = x - left, v = y - low;
         const auto at = [&](int a, int b) {
@@ -56,26 +76,17 @@ bool is_read(const PrintedCode& code, const Judgement& page, const Colours& prin
         return (1 - v) * ((1 - u) * at(left, low) + u * at(left + 1, low)) +
                v * ((1 - u) * at(left, low + 1) + u * at(left + 1, low + 1));
     };
-    const int width = static_cast<int>((x1 - x0) * finer) + 2 * margin,
-              height = static_cast<int>((y1 - y0) * finer) + 2 * margin;
-    std::vector<std::uint8_t> grey(static_cast<std::size_t>(width * height), 255);
-    for (int j = margin; j < height - margin; ++j)
-        for (int i = margin; i < width - margin; ++i)
-            grey[static_cast<std::size_t>(j * width + i)] = static_cast<std::uint8_t>(std::lround(
-                255 * optics::srgb_encode(std::clamp(
-                          light(x0 + (i - margin) / double{finer}, y1 - (j - margin) / double{finer}), 0.0, 1.0))));
-    ZXing::DecodeHints hints;
-    hints.setFormats(format_of(code)).setTryHarder(true);
-    const ZXing::Result result = ZXing::ReadBarcode({grey.data(), width, height, ZXing::ImageFormat::Lum}, hints);
-    return result.isValid() && result.text() == code.text;
+    for (const int finer : {1, 2, 3, 4, 6})
+        for (const ZXing::Binarizer how : {ZXing::Binarizer::LocalAverage, ZXing::Binarizer::GlobalHistogram})
+            if (is_read(code, light, box, finer, how)) return true;
+    return false;
 }
 
 }  // namespace
 
 std::vector<PrintedCode> printed_codes() {
-    return {code_of(true, 0.12, 1, 7.6),    code_of(true, 0.16, 4.7, 7.6), code_of(true, 0.2, 9.4, 7.6),
-            code_of(true, 0.25, 15.1, 7.6), code_of(false, 0.1, 1.2, 5.4), code_of(false, 0.14, 11, 5.4),
-            code_of(false, 0.18, 4.5, 3.2), code_of(false, 0.24, 2.5, 1)};
+    return {code_of(true, 0.2, 0.9, 6.8), code_of(true, 0.3, 6.1, 6.8),   code_of(true, 0.4, 13.2, 6.8),
+            code_of(false, 0.2, 4, 5),    code_of(false, 0.25, 2.5, 2.9), code_of(false, 0.3, 0.8, 0.8)};
 }
 
 ReadCodes read_codes(const Judgement& page, const Colours& print) {

@@ -11,7 +11,7 @@
 
 namespace voxtone::loop_benchmark {
 
-inline constexpr double codes_width_mm = 22, codes_height_mm = 14;
+inline constexpr double codes_width_mm = 22, codes_height_mm = 16;
 
 struct PrintedCode {
     bool square = false;  ///< QR; else Code 128
