@@ -153,6 +153,19 @@ ColourRegion region_of(const optics::Surface& surface, std::span<const Eigen::Ve
     return region;
 }
 
+struct Strokes {
+    Eigen::Vector3f oklab;
+    std::vector<std::uint32_t> cells;
+};
+
+// To those of its colour.
+void join(std::vector<Strokes>& strokes, const Eigen::Vector3f& colour, const std::vector<std::uint32_t>& piece) {
+    const auto same =
+        std::ranges::find_if(strokes, [&](const Strokes& s) { return (s.oklab - colour).norm() <= all_within; });
+    Strokes& into = same != strokes.end() ? *same : strokes.emplace_back(Strokes{colour, {}});
+    into.cells.insert(into.cells.end(), piece.begin(), piece.end());
+}
+
 }  // namespace
 
 std::vector<ColourRegion> colour_regions(const optics::Surface& surface, std::span<const Eigen::Vector3f> target) {
@@ -161,11 +174,8 @@ std::vector<ColourRegion> colour_regions(const optics::Surface& surface, std::sp
     for (const Eigen::Vector3f& rgb : target)
         oklab.push_back(optics::oklab_from_linear_srgb(rgb.cast<double>().cwiseMax(0)).cast<float>());
     std::vector<ColourRegion> regions;
-    struct Strokes {
-        Eigen::Vector3f oklab;
-        std::vector<std::uint32_t> cells;
-    };
-    std::vector<Strokes> strokes;
+    std::vector<Strokes> strokes, thin;
+    std::vector<Eigen::Vector3f> solids;
     std::vector<std::uint32_t> paper;
     for (std::vector<std::uint32_t>& piece : connected_pieces(surface, oklab)) {
         std::ranges::sort(piece);
@@ -175,15 +185,20 @@ std::vector<ColourRegion> colour_regions(const optics::Surface& surface, std::sp
             continue;
         }
         if (area_of(surface, piece) >= solid_mm2) {
+            solids.push_back(oklab[piece.front()]);
             regions.push_back(region_of(surface, target, RegionKind::solid, std::move(piece)));
             continue;
         }
-        if (std::ranges::max(depths(surface, piece, 2)) < 2) continue;
-        const Eigen::Vector3f& colour = oklab[piece.front()];
-        const auto same =
-            std::ranges::find_if(strokes, [&](const Strokes& s) { return (s.oklab - colour).norm() <= all_within; });
-        Strokes& into = same != strokes.end() ? *same : strokes.emplace_back(Strokes{colour, {}});
-        into.cells.insert(into.cells.end(), piece.begin(), piece.end());
+        if (std::ranges::max(depths(surface, piece, 2)) < 2)
+            thin.push_back({oklab[piece.front()], std::move(piece)});
+        else
+            join(strokes, oklab[piece.front()], piece);
+    }
+    // Hairlines, and not the blurred edges of others: of a colour that something wider has.
+    for (const Strokes& line : thin) {
+        const auto alike = [&](const Eigen::Vector3f& colour) { return (colour - line.oklab).norm() <= all_within; };
+        if (std::ranges::any_of(solids, alike) || std::ranges::any_of(strokes, alike, &Strokes::oklab))
+            join(strokes, line.oklab, line.cells);
     }
     for (Strokes& s : strokes)
         if (area_of(surface, s.cells) >= least_mm2)

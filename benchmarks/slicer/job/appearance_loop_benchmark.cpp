@@ -192,6 +192,7 @@ void run_figurines(const Arguments& a) {
             const BodyJudgement judged = judge_body(print.options, {.paths = a.body_paths, .cache = a.work / "traced"},
                                                     {.windows = a.windows, .solids = 8});
             row.solids = judged.solids;
+            if (row.solids.empty()) break;
             row.difference[v] = solid_differences(judged);
             fmt::print(stderr, "{} {}: {:.1f} s printed, {:.1f} s traced\n", target.name, ways[v].name, print.seconds,
                        judged.cells.trace_seconds);

@@ -69,6 +69,10 @@ std::string figurine_table(const std::vector<FigurineRow>& rows) {
         return std::accumulate(d.begin(), d.end(), 0.0) / static_cast<double>(std::max<std::size_t>(1, d.size()));
     };
     for (const FigurineRow& row : rows) {
+        if (row.solids.empty()) {
+            text += fmt::format("| {} | no solid of flat colour | |\n", row.name);
+            continue;
+        }
         text += fmt::format("| {} | {:.2f} to {:.2f} |", row.name, mean(row.difference[0]), mean(row.difference[1]));
         for (std::size_t s = 0; s < row.solids.size(); ++s) {
             const Eigen::Vector3d rgb = row.solids[s].target.cast<double>().cwiseMax(0);

@@ -62,12 +62,12 @@ std::vector<std::size_t> draw_centres(const optics::Surface& surface, const std:
     return centres;
 }
 
-/// In the interiors of the largest solids of flat colour.
+/// In the largest solids of flat colour, in their interiors where they have some.
 std::vector<std::size_t> draw_in_solids(const optics::Surface& whole, const Colours& target, const WindowChoice& choice,
                                         BodyJudgement& j) {
     std::vector<std::size_t> centres;
     for (const halftone::ColourRegion& region : halftone::colour_regions(whole, target)) {
-        if (region.kind != halftone::RegionKind::solid || region.interior.size() == region.cells.size()) continue;
+        if (region.kind != halftone::RegionKind::solid) continue;
         if (j.solids.size() == choice.solids) break;
         j.solids.push_back({region.target, region.area_mm2});
         for (std::size_t w = 0; w < std::max<std::size_t>(1, choice.windows / choice.solids); ++w) {
@@ -138,6 +138,7 @@ BodyJudgement judge_body(const slicer::SliceOptions& options, const Effort& effo
     };
     const std::vector<std::size_t> centres =
         choice.solids > 0 ? draw_in_solids(whole, target_of(whole), choice, result) : draw_centres(whole, thin, choice);
+    if (centres.empty()) return result;  // a body without a solid of flat colour
     j.surface = take_windows(whole, thin, centres, choice, result);
     j.target = target_of(j.surface);
     map_target(options, std::nullopt, j);

@@ -161,3 +161,15 @@ TEST_CASE("A rim of another hue is told, a darker one is not", "[loop]") {
     for (int y = 0; y < n; ++y) far[static_cast<std::size_t>(y * n + 65)] = {1, 1, 0};
     CHECK(rim_chroma(red_square, surface, target, far) == Approx(0).margin(1e-6));
 }
+
+TEST_CASE("A letter of two cells' width is a stroke like its wider neighbours", "[loop]") {
+    // Left alone it was nobody's, and the descent made it yellow for its neighbours' sake.
+    const optics::Surface surface = test::flat_surface(n, n, cell_mm);
+    const auto in_letter = [](int x, int y) { return x >= 60 && x < 62 && y >= 10 && y < 40; };
+    const Colours page =
+        painted([&](int x, int y) -> Eigen::Vector3f { return in_stroke(x, y) || in_letter(x, y) ? black : white; });
+    const std::vector<ColourRegion> regions = colour_regions(surface, page);
+    REQUIRE(regions.size() == 2);
+    CHECK(regions[1].kind == RegionKind::strokes);
+    CHECK(regions[1].cells.size() == 6 * 3 * 40 + 2 * 30);
+}
